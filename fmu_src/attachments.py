@@ -1,4 +1,4 @@
-"""Files of an FMU beside description and code: documentation, licences, icons, terminals, reference results."""
+"""Files of an FMU besides description and code: documentation, licences, icons, terminals, reference results."""
 
 import importlib.metadata
 from collections.abc import Collection
@@ -13,8 +13,8 @@ from fmu_src.xml import node, xml_bytes
 from rope_model.cases import RopeCase
 
 _HERE = Path(__file__).resolve().parent
-#: place of each terminal on the icon (0 ... 200, y up): where the rope meets the conveyance
-_PLACES = {"left": (60.0, 104.0), "right": (140.0, 144.0)}
+#: position of each terminal on the icon (0 ... 200, y up): where the rope meets the conveyance
+_POSITIONS = {"left": (60.0, 104.0), "right": (140.0, 144.0)}
 _FORCE = ("fx", "fy", "fz", "mx", "my", "mz")
 _DEPENDENCIES = """\
 This FMU runs Python code: the importing process must be, or be able to load, a CPython 3.11 or newer in which the
@@ -29,7 +29,7 @@ of this FMU has no such needs: balance-rope export --native.
 
 
 def attachments(described: Collection[Variable], case: RopeCase, fmi: int, native: bool) -> dict[str, bytes]:
-    """Path in the FMU -> contents."""
+    """Return the contents of the files by path in the FMU."""
     files = {"documentation/index.html": index_html(described, native).encode(), **licenses()}
     if fmi == 3:
         files["terminalsAndIcons/terminalsAndIcons.xml"] = xml_bytes(terminals_and_icons(described))
@@ -44,7 +44,7 @@ def attachments(described: Collection[Variable], case: RopeCase, fmi: int, nativ
 
 
 def licenses() -> dict[str, bytes]:
-    """Path in the FMU -> licences of this project and of the FMI headers."""
+    """Return the licences of this project and of the FMI headers by path in the FMU."""
     headers = (_HERE / "pages" / "fmi-headers.txt").read_bytes()
     return {
         "documentation/licenses/license.txt": license_text().encode(),
@@ -53,18 +53,18 @@ def licenses() -> dict[str, bytes]:
 
 
 def license_text(package: str = "balance-rope") -> str:
-    """A package's licence, as installed; an egg-info in a checkout has no copy, the distribution beside it has."""
-    found = importlib.metadata.distributions(name=package)
-    text = next((text for one in found if (text := one.read_text("licenses/LICENSE"))), None)
+    """Return a package's licence, as installed; a checkout's egg-info has no copy, the distribution beside it has."""
+    distributions = importlib.metadata.distributions(name=package)
+    text = next((text for one in distributions if (text := one.read_text("licenses/LICENSE"))), None)
     if text is None:
         raise RuntimeError(f"the licence is missing from the installed package {package}; install it anew")
     return text
 
 
 def terminals_and_icons(described: Collection[Variable]) -> Element:
-    """terminalsAndIcons.xml of FMI 3.0: a terminal at each end of the rope, with its motion and its force.
+    """Return terminalsAndIcons.xml of FMI 3.0: a terminal at each end of the rope, with its motion and its force.
 
-    The members of a terminal are named as the variables without the side.
+    The members of a terminal have the names of the variables without the side.
     """
     corners = {"x1": "0", "y1": "0", "x2": "200", "y2": "200"}
     picture = node(
@@ -72,12 +72,12 @@ def terminals_and_icons(described: Collection[Variable]) -> Element:
         node("CoordinateSystem", **corners, suggestedScalingFactorTo_mm="0.1"),
         node("Icon", **corners),
     )
-    terminals = node("Terminals", *(_terminal(side, described) for side in _PLACES))
+    terminals = node("Terminals", *(_terminal(side, described) for side in _POSITIONS))
     return node("fmiTerminalsAndIcons", picture, terminals, fmiVersion="3.0")
 
 
 def _terminal(side: str, described: Collection[Variable]) -> Element:
-    x, y = _PLACES[side]
+    x, y = _POSITIONS[side]
     parted = ((*v.name.rpartition("."), v.causality) for v in described)
     members = (
         node("TerminalMemberVariable", variableName=f"{side}.{member}", memberName=member, variableKind="signal")

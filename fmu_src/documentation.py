@@ -1,4 +1,4 @@
-"""How to use the FMU, the model and the variables, as HTML in FMUs."""
+"""Documentation in FMUs as HTML: use of the FMU, the model and the variables."""
 
 import re
 from collections.abc import Collection, Iterable, Iterator
@@ -10,17 +10,17 @@ from rope_model.simulation.outputs.neglected_effects import EFFECTS
 from rope_model.texts import html_text
 
 _PAGES = Path(__file__).resolve().parent / "pages"
-#: docs/reference/variables.md but for its tables; index_html has parts of it, and the model, docs/theory in short
+#: docs/reference/variables.md without its tables; index_html has parts of it, and docs/theory in short
 TEXT = (_PAGES / "variables.md").read_text(encoding="utf-8")
 _MODEL = (_PAGES / "model.html").read_text(encoding="utf-8")
-#: the fidelities that compute the outputs of each effect, from the lowest
+#: fidelities that compute the outputs of each effect, from the lowest
 _COMPUTED = {
     "planar": "planar, spatial, torsional",
     "spatial": "spatial: by motion out of plane; torsional: by torque, too",
     "torsional": "torsional",
 }
 _EFFECTS = [(", ".join(f"`{name}`" for name in effect.outputs), _COMPUTED[effect.lowest]) for effect in EFFECTS]
-#: outputs -> the fidelities that compute them
+#: outputs, and the fidelities that compute them
 COMPUTED_BY = (
     ("`fy`, `fy_mean`, `added_mass`, `energy.kinetic`, `energy.gravity`", "all"),
     _EFFECTS[0],
@@ -39,7 +39,7 @@ HEADS = ("name", "unit or type", "start", "")
 
 
 def index_html(described: Collection[Variable], native: bool) -> str:
-    """documentation/index.html: how to use the FMU, the model, the variables."""
+    """Return documentation/index.html: use of the FMU, the model, the variables."""
     sections = dict(part.split("\n\n", 1) for part in TEXT.removeprefix("# ").split("\n## "))
     arrays, _, along = sections["Along the rope"].partition("\n\n")
     if not any(v.name.startswith("shape.") for v in described):
@@ -73,7 +73,7 @@ def _to_html(text: str) -> str:
 
 
 def rows(table: Iterable[Variable]) -> Iterator[tuple[str, str, str, str]]:
-    """Yield name, unit or type, start and description of each variable; arrays are one."""
+    """Yield name, unit or type, start and description of each variable; an array is one row."""
     for v in table:
         if match := re.fullmatch(r"((?:shape|station)\.\w+)\[(\d+)\]", v.name):
             if match[2] == "1":

@@ -1,10 +1,10 @@
-"""Builds the FMU of the Python flavour; ``balance-rope export`` on the command line.
+"""Export of the FMU of the Python flavour, as ``balance-rope export`` does.
 
-pythonfmu's builder makes the FMU: it asks the class in slave.py for the model description and packs the resources,
+pythonfmu's builder makes the FMU: it gets the model description from the class in slave.py and packs the resources,
 which are copies of rope_model and fmu_src, and the kernels for the start values: interpreted for every platform,
-compiled for the exporting one.  Its library is replaced: pythonfmu's answers all calls but doStep with OK, whatever
-became of them, and has no way to do otherwise.  Ours is the native flavour's, with Python behind it
-(native/python_model.c).  The importing host needs Python with numpy and casadi.
+compiled for the exporting one.  Its library is replaced, because it answers all calls but doStep with OK even if they
+fail, and cannot do otherwise.  Ours is the native flavour's, with Python behind it (native/python_model.c).  The
+importing host needs Python with numpy and casadi.
 """
 
 import hashlib
@@ -39,7 +39,7 @@ from rope_model.simulation.scene_kernels import kernels_needed
 
 _ROOT = Path(__file__).resolve().parent.parent
 SOURCES = ("rope_model", "fmu_src")
-#: not needed by the FMU: parts of the export, and of the native flavour
+#: files that the FMU does not need: parts of the export, and of the native flavour
 _LEFT_OUT = {"export.py", "archive.py", "attachments.py", "documentation.py", "reference_run.py"}
 _LEFT_OUT |= {"modal.py", "public.py", "engine.py", "native", "codegen"}
 
@@ -54,8 +54,8 @@ def export_fmu(
 ) -> Path:
     """Write the FMU with the start values of ``case``, at a level of accuracy and with ``start``, to ``destination``.
 
-    The folder is made if needed.  ``platforms`` are names of FMI 3.0, all that can be built here if None.  Two exports
-    of the same sources give the same bytes when SOURCE_DATE_EPOCH is set.
+    The folder is made if needed.  ``platforms`` are names of FMI 3.0, by default all that can be built here.  Two
+    exports of the same sources give the same bytes if SOURCE_DATE_EPOCH is set.
     """
     chosen = choose_platforms(platforms)
     data = case_with(case, level, start)
@@ -72,8 +72,8 @@ def export_fmu(
         slave = re.sub(r"(?m)^from (rope_model|fmu_src)", rf"from {package.name}.\1", slave)
         script.write_text(slave, encoding="utf-8")
         facts = _build_facts(case, level, key)
-        given = {"start": dict(start), "outputs": profile.outputs, "stop": profile.stop}
-        (stage / "build.json").write_text(json.dumps(facts | given, indent=1), encoding="utf-8")
+        settings = {"start": dict(start), "outputs": profile.outputs, "stop": profile.stop}
+        (stage / "build.json").write_text(json.dumps(facts | settings, indent=1), encoding="utf-8")
         draft = stage / "out" / "draft.fmu"
         draft.parent.mkdir()
         FmuBuilder.build_FMU(script, draft, [package, kernels, stage / "build.json"], documentation_folder=None)
@@ -86,7 +86,7 @@ def export_fmu(
 
 
 def library_sources(table: Sequence[Variable]) -> dict[str, str]:
-    """The C files of the library but start.c."""
+    """Return the C files of the library without start.c."""
     return {**shell(2, "python_model.c"), "variables.c": c_table(table, 2)}
 
 
@@ -104,7 +104,7 @@ def _build_facts(case: str, level: Level, key: str) -> dict[str, str]:
 
 
 def _build_key(start_values: str, kernels: Path, library: Mapping[str, str]) -> str:
-    """Hash of everything that decides how the FMU behaves."""
+    """Return the hash of everything that determines the behaviour of the FMU."""
     digest = hashlib.sha256(start_values.encode())
     for name in ("casadi", "numpy", "pythonfmu"):
         digest.update(f"{name} {importlib.metadata.version(name)}\n".encode())
@@ -121,7 +121,7 @@ def _sources() -> list[Path]:
 
 
 def _copy_package(package: Path) -> None:
-    """rope_model and fmu_src as subpackages of ``package``, their absolute imports made relative."""
+    """Copy rope_model and fmu_src as subpackages of ``package``, with their absolute imports made relative."""
     for path in _sources():
         copy = package / path.relative_to(_ROOT)
         copy.parent.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""The FMI interface: one table, from which XML, documentation and component all read.
+"""Table of the FMI variables, the source of XML, documentation and component.
 
 Parameters are those of rope_model.scene_names, outputs those of rope_model.simulation.outputs.signal_table.
 """
@@ -17,7 +17,7 @@ from rope_model.simulation.outputs.signal_table import SIGNALS
 
 Kind = Literal["Real", "Integer", "Boolean", "String"]
 
-#: start values by name that are put in place of a case's
+#: start values by name that replace those of a case
 NO_CHANGES: Mapping[str, Value] = {}
 
 #: outputs that are never negative
@@ -43,7 +43,7 @@ _STATUS: dict[str, tuple[Kind, str]] = {
 MOTION = {side: tuple(f"{side}.{field.name}" for field in dataclasses.fields(EndMotion)) for side in SIDES}
 
 
-#: input -> the input that is its time derivative
+#: input that is the time derivative of an input
 RATES = {
     f"{side}.{of}": f"{side}.{rate}"
     for side in SIDES
@@ -52,12 +52,12 @@ RATES = {
 
 
 def variables(case: RopeCase) -> tuple[Variable, ...]:
-    """The table with the start values of ``case``; a variable's place is its value reference."""
+    """Return the table with the start values of ``case``; the index of a variable is its value reference."""
     return (*_parameters(case.scene), *_inputs(case), *_outputs())
 
 
 def case_with(name: str, level: Level, start: Mapping[str, Value]) -> RopeCase:
-    """The case ``name`` at a level of accuracy, but with these parameters, ``left.y`` and ``right.y``, by name."""
+    """Return the case ``name`` at a level of accuracy, with these parameters, ``left.y`` and ``right.y``, by name."""
     if name not in ROPE_CASES:
         raise ValueError(f"there is no case {name!r}; choose one of {', '.join(ROPE_CASES)}")
     case = ROPE_CASES[name](level)

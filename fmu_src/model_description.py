@@ -1,8 +1,8 @@
-"""The interface table as modelDescription.xml of FMI 2.0 and 3.0.
+"""Model descriptions, modelDescription.xml of FMI 2.0 and 3.0, from the interface table.
 
-Outputs depend on no input of their instant: a step alone changes them. FMI Library takes empty lists alone for none at
-all, and PyFMI then assumes loops; so ``status.message``, which nobody connects, has no list. During initialisation
-outputs follow the list in ``Build.initial``; no list of dependencies means all inputs and parameters.
+Outputs depend on no input of their instant: a step alone changes them.  FMI Library takes empty lists only for no lists
+at all, and PyFMI then assumes loops; so ``status.message``, which nobody connects, has no list.  During initialisation
+outputs depend on the list in ``Build.initial``; no list means all inputs and parameters.
 """
 
 from collections.abc import Mapping, Sequence
@@ -28,11 +28,11 @@ LOG_CATEGORIES = {
     "logStatusWarning": "warnings about valid results, once each",
     "logAll": "all messages",
 }
-#: dependencies of outputs that follow all inputs and parameters during initialisation
+#: dependencies of outputs that depend on all inputs and parameters during initialisation
 ALL_FOLLOWED: Mapping[str, Sequence[str]] = MappingProxyType({})
 #: types of FMI 3.0
 _TYPES3 = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "String": "String"}
-#: key of CHOICES -> name of the declared type of FMI 3.0
+#: name of the declared type of FMI 3.0 by key of CHOICES
 _ENUMERATIONS = {
     "inputs.given": "InputsGiven",
     "swivel.mode": "SwivelMode",
@@ -68,7 +68,7 @@ class Build(NamedTuple):
 
 
 def model_description(described: Mapping[int, Variable], build: Build) -> Element:
-    """The root element of FMI 2.0, of the variables by value reference."""
+    """Return the root element of FMI 2.0 for the variables by value reference."""
     variables = described.values()
     interface = node(
         "CoSimulation",
@@ -108,7 +108,7 @@ def model_description(described: Mapping[int, Variable], build: Build) -> Elemen
 
 
 def model_description3(gathered: Sequence[Array], time: int, build: Build) -> Element:
-    """The root element of FMI 3.0; ``time`` is the value reference of the independent variable."""
+    """Return the root element of FMI 3.0; ``time`` is the value reference of the independent variable."""
     interface = node(
         "CoSimulation",
         modelIdentifier=build.name,
@@ -148,7 +148,7 @@ def model_description3(gathered: Sequence[Array], time: int, build: Build) -> El
 
 
 def build_description(build: Build, fmi: int) -> Element:
-    """sources/buildDescription.xml, which ``fmpy compile`` and other tools need."""
+    """Return sources/buildDescription.xml, which ``fmpy compile`` and other tools need."""
     files = [node("SourceFile", name=name) for name in build.sources]
     if fmi == 3:  # the binary's functions have no prefix; those of FMI 2.0 have none anyway
         files.append(node("PreprocessorDefinition", name="FMI3_OVERRIDE_FUNCTION_PREFIX", value=1))
@@ -167,7 +167,7 @@ def _document(
     variables: Sequence[Element],
     structure: Sequence[Element],
 ) -> Element:
-    """The root element of either version."""
+    """Return the root element of either version."""
     categories = (node("Category", name=name, description=text) for name, text in LOG_CATEGORIES.items())
     tolerance = None if build.tolerance is None else f"{build.tolerance:g}"
     return node(
@@ -193,30 +193,30 @@ def _document(
 
 
 def _followed(build: Build, name: str, numbers: Mapping[str, int]) -> str | None:
-    """Return what an output follows during initialisation, by the ``numbers`` that identify variables."""
+    """Return the dependencies of an output during initialisation, as ``numbers`` that identify variables."""
     follows = build.initial.get(name)
     return None if follows is None else " ".join(str(numbers[other]) for other in follows)
 
 
 def _followed_later(name: str) -> str | None:
-    """Return what an output follows after initialisation: nothing."""
+    """Return the dependencies of an output after initialisation: none."""
     return None if name == "status.message" else ""
 
 
 def _common_attributes(v: Variable) -> dict[str, str]:
-    """Attributes of a variable that FMI 2.0 and 3.0 share."""
+    """Return the attributes of a variable that FMI 2.0 and 3.0 share."""
     out = {"description": v.description, "causality": v.causality, "variability": v.variability}
     return out if v.causality == "input" else out | {"initial": "calculated" if v.causality == "output" else "exact"}
 
 
 def _type_attributes(v: Variable) -> dict[str, Any]:
-    """Declared type, unit and bounds."""
+    """Return declared type, unit and bounds."""
     out = {"declaredType": QUANTITIES[v.unit].name, "unit": v.unit} if v.unit else {}
     return out | {key: f"{x:g}" for key, x in (("min", v.minimum), ("max", v.maximum)) if x is not None}
 
 
 def _choice(name: str) -> str:
-    """Key of CHOICES."""
+    """Return the key of CHOICES."""
     return ".".join(name.split(".")[-2:])
 
 

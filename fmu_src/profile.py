@@ -1,7 +1,7 @@
-"""Presentation of an FMU: its described outputs, arrays (of FMI 3.0) or scalars, the length of its default run.
+"""Presentation of an FMU: described outputs, arrays (of FMI 3.0) or scalars, length of the default run.
 
 The code inside is the same for all profiles, as are the value references: outputs that are not described are not
-asked for, and so not computed.
+requested, and so not computed.
 """
 
 import math
@@ -13,7 +13,7 @@ from typing import NamedTuple
 from fmu_src.interface import Variable
 from rope_model.scene_names import Value
 
-#: group of outputs -> its contents
+#: contents of each group of outputs
 GROUPS = {
     "ends": "forces and moments on the conveyances, mean vertical forces, added masses; `contact.*` and `audit.*`",
     "swivels": "angle, rate and torque of the swivels, and whether they slip",
@@ -52,7 +52,7 @@ class Profile:
     """Choices of an export that change no result."""
 
     outputs: tuple[str, ...] = DEFAULT  # names of GROUPS; ALWAYS are added
-    arrays: bool = True  # of FMI 3.0; without, each element is a scalar variable
+    arrays: bool = True  # whether FMI 3.0 has arrays; without, each element is a scalar variable
     stop: float = 30.0  # s, of the default experiment
 
     def __post_init__(self) -> None:
@@ -62,7 +62,7 @@ class Profile:
             raise ValueError(f"stop = {self.stop!r} s is out of range: it must be above 0; give the run's length")
 
     def select(self, table: Sequence[Variable]) -> dict[int, Variable]:
-        """The variables that the description shows, by value reference."""
+        """Return the variables that the description shows, by value reference."""
         shown = {*self.outputs, *ALWAYS}
         return {i: v for i, v in enumerate(table) if v.causality != "output" or group_of(v.name) in shown}
 
@@ -71,7 +71,7 @@ FULL = Profile(ALL)
 
 
 def group_of(name: str) -> str:
-    """The group of an output."""
+    """Return the group of an output."""
     first, _, rest = name.partition(".")
     if rest == "twist":
         return "stress"
@@ -81,7 +81,7 @@ def group_of(name: str) -> str:
 
 
 class Array(NamedTuple):
-    """Consecutive scalars; ``length`` is 1, and ``name`` the variable's own, where there is no array."""
+    """Consecutive scalars; without an array ``length`` is 1 and ``name`` the variable's own."""
 
     reference: int
     name: str
@@ -95,26 +95,26 @@ class Array(NamedTuple):
 
 
 def arrays(described: Mapping[int, Variable]) -> list[Array]:
-    """``shape.x[1]``, ``shape.x[2]`` ... become ``shape.x`` with the first one's value reference.
+    """Gather ``shape.x[1]``, ``shape.x[2]`` ... to ``shape.x`` with the first one's value reference.
 
-    Parameters stay scalars: importers without arrays read them all, and of the outputs those that are asked for.
+    Parameters stay scalars: importers without arrays read them all, but only the requested outputs.
     """
-    found: list[Array] = []
+    gathered: list[Array] = []
     for reference, variable in described.items():
         match = variable.causality == "output" and re.fullmatch(r"(.+)\[(\d+)\]", variable.name)
         if match and match[2] != "1":
-            found[-1] = found[-1]._replace(starts=(*found[-1].starts, variable.start))
+            gathered[-1] = gathered[-1]._replace(starts=(*gathered[-1].starts, variable.start))
         else:
             name = match[1] if match else variable.name
             whole = variable._replace(description=DESCRIPTIONS.get(name, variable.description))
-            found.append(Array(reference, name, whole, (variable.start,)))
-    return found
+            gathered.append(Array(reference, name, whole, (variable.start,)))
+    return gathered
 
 
 def scalars(described: Mapping[int, Variable]) -> list[Array]:
-    """Every element on its own, with its own value reference."""
+    """Return every element separately, with its own value reference."""
     return [Array(reference, v.name, v, (v.start,)) for reference, v in described.items()]
 
 
-#: how described variables are shown: ``arrays`` or ``scalars``
+#: presentation of described variables: ``arrays`` or ``scalars``
 Form = Callable[[Mapping[int, Variable]], list[Array]]

@@ -1,4 +1,4 @@
-"""A short run of the rope, to compare an FMU with after import: an experiment of FMI-LS-REF 1.0.0-alpha.1.
+"""Reference run of the rope, to check an FMU after import: an experiment of FMI-LS-REF 1.0.0-alpha.1.
 
 Both ends move as in the first second of a slow trip; inputs are read as FMI does, at the start of each step.
 """
@@ -12,9 +12,10 @@ from rope_model.cases import RopeCase
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.simulator import RopeSimulator
 
-H, STEPS = 0.01, 100
-#: m and s of the whole trip
-TRAVEL, DURATION = 2.0, 4.0
+H = 0.01  #: s, communication step
+STEPS = 100
+TRAVEL = 2.0  #: m, length of the whole trip
+DURATION = 4.0  #: s, its duration
 _OUTPUTS = [f"{side}.{key}" for side in ("left", "right") for key in ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean")]
 _OUTPUTS += ["loop.x", "loop.y", "loop.z", "energy.total"]
 _TABLES = {"Stimuli": "in", "References": "ref"}
@@ -25,7 +26,7 @@ Rows = list[dict[str, float]]
 
 
 def reference_files(case: RopeCase, name: str, described: Collection[str]) -> dict[str, bytes]:
-    """Path in the FMU -> manifest, experiment, inputs, ``described`` outputs; RuntimeError when the run fails."""
+    """Return manifest, experiment, inputs and ``described`` outputs by path; RuntimeError if the run fails."""
     inputs, results = _run(case)
     outputs = ["time", *(key for key in _OUTPUTS if key in described)]
     times = {"startTime": 0, "stopTime": _text(H * STEPS), "stepSize": _text(H), "tolerance": "1e-6"}
@@ -42,7 +43,7 @@ def reference_files(case: RopeCase, name: str, described: Collection[str]) -> di
         "fmi-ls-manifest.xml": xml_bytes(node("fmiReferences", node("Related", **related), **head)),
         f"{name}.exp": xml_bytes(node("Experiments", experiment, name=name)),
         f"{name}_in.csv": _table([*inputs[0]], inputs, _text),
-        # beyond nine digits and six decimals is rounding, which differs between machines
+        # further digits are rounding, which differs between machines
         f"{name}_ref.csv": _table(outputs, results, lambda x: f"{round(x, 6) + 0.0:.9g}"),
     }
     return {f"extra/{_LAYER}/{path}": data for path, data in files.items()}
@@ -50,7 +51,7 @@ def reference_files(case: RopeCase, name: str, described: Collection[str]) -> di
 
 @cache
 def _run(case: RopeCase) -> tuple[Rows, Rows]:
-    """Inputs and outputs at each instant."""
+    """Return inputs and outputs at each instant."""
     rope, table = RopeSimulator(case.scene), variables(case)
     start = {v.name: v.start for v in table if v.causality == "input" and isinstance(v.start, float)}
     inputs, results = [], []
@@ -72,7 +73,7 @@ def _ends(motion: dict[str, float]) -> tuple[EndMotion, EndMotion]:
 
 
 def _motion(t: float, left: float, right: float) -> dict[str, float]:
-    """The lower end rises."""
+    """Return the inputs at ``t``: the lower end rises."""
     s, way = t / DURATION, TRAVEL if left <= right else -TRAVEL
     x = way * s**3 * (10 - 15 * s + 6 * s**2)
     v = way / DURATION * 30 * s**2 * (1 - s) ** 2
@@ -86,7 +87,7 @@ def _text(x: float) -> str:
 
 
 def _table(columns: Sequence[str], rows: Rows, text: Callable[[float], str]) -> bytes:
-    """The table as text, the first column a time."""
+    """Return the table as text, with a time in the first column."""
     lines = [",".join(f'"{column}"' for column in columns)]
     for row in rows:
         t, *values = (row[column] for column in columns)

@@ -1,13 +1,12 @@
-"""The rope as native/python_model.c calls it: the functions of model.h, over RopeSimulator.
+"""Model of the Python flavour: the functions of model.h for native/python_model.c, over RopeSimulator.
 
 The FMI functions, and all rules about values, modes and states, are those of the native flavour (native/fmi2.c and
-native/component.c).  The rest is the model: entries to scene and end motions, signals to outputs.  Entries come as
-finite numbers, choices in range.  A method that returns False leaves the rope as it was, with the reason in
-``message``.
+native/component.c).  This class converts entries to scene and end motions, and signals to outputs.  Entries are finite
+numbers, choices in range.  A method that returns False leaves the rope unchanged, with the reason in ``message``.
 
 The export copies this file and the packages that it imports into the FMU under names with the build's hash: modules of
-the same name from two FMUs would be one module in the host's process.  It must define one class, which pythonfmu's
-builder and python_model.c both find by that.
+the same name from two FMUs would be one module in the host's process.  It must define exactly one class, by which
+pythonfmu's builder and python_model.c find it.
 """
 
 import json
@@ -24,8 +23,8 @@ from fmu_src.model_description import MODEL, Build, model_description
 from fmu_src.profile import Profile
 from rope_model.parameters import Scene
 from rope_model.scene_names import Value, with_values
-from rope_model.simulation.balance_rope import Status
 from rope_model.simulation.ends.paths import SIDES, EndMotion
+from rope_model.simulation.interface import Status
 from rope_model.simulation.messages.result_warnings import WARNINGS
 from rope_model.simulation.messages.rules import first_text
 from rope_model.simulation.messages.warning_rules import LONG_EXTRAPOLATION
@@ -59,7 +58,7 @@ def _report_failure(call: Callable[Concatenate[Any, P], None]) -> Callable[Conca
 
 
 class BalanceRope(Fmi2Slave):  # type: ignore[misc]
-    """A balance rope for co-simulation."""
+    """Balance rope for co-simulation."""
 
     #: number of warnings
     warnings = len(WARNINGS) + 1
@@ -70,13 +69,13 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         self._resources = Path(kwargs["resources"])
         self._build = json.loads((self._resources / "build.json").read_text(encoding="utf-8"))
         self._table = variables(case_with(self._build["case"], self._build["level"], self._build["start"]))
-        self._places = {v.name: i for i, v in enumerate(self._table)}
-        self._texts: dict[int, str] = {}  # by scalar: the library hands out their addresses
+        self._indices = {v.name: i for i, v in enumerate(self._table)}
+        self._texts: dict[int, str] = {}  # texts by scalar, whose addresses the library hands out
         self._packed: tuple[RopeState | None, bytes] = (None, b"")
         self.message = ""
 
     def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
-        """The model description from our own table: pythonfmu's has no units and no initial unknowns."""
+        """Return the model description from our own table: pythonfmu's has no units and no initial unknowns."""
         build = self._build
         tolerance = next(float(v.start or 0.0) for v in self._table if v.name == "accuracy.end_force")
         facts = Build(build["guid"], build["version"], build["tool"], build["date"], build["stop"], tolerance)
@@ -86,7 +85,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
 
     @_report_failure
     def create(self, values: memoryview, outputs: memoryview, known: memoryview, derivatives: memoryview) -> None:
-        """A rope with the parameters among ``values``; the arrays are the library's, and live as long as this."""
+        """Create a rope with the parameters in ``values``; the arrays belong to the library and outlive this object."""
         self._values, self._outputs, self._derivatives = (x.cast("d") for x in (values, outputs, derivatives))
         self._known = known
         self._rope = RopeSimulator(self._scene(), self._resources / "kernels")
@@ -105,11 +104,11 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
 
     @_report_failure
     def retune(self) -> None:
-        """Go on with other tunable parameters."""
+        """Continue with other tunable parameters."""
         self._rope.retune(self._scene())
 
     def time(self) -> float:
-        """The instant that the rope is at, s."""
+        """Return the present instant of the rope, s."""
         return self._rope.state.motion.t
 
     # results
@@ -118,11 +117,11 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     def compute(self, scalar: int) -> None:
         """Write the output and its group into the library's array."""
         for name, value in group_of(self._table[scalar].name)(self._rope).items():
-            if (place := self._places.get(name)) is not None:
-                self._outputs[place], self._known[place] = value, 1
+            if (index := self._indices.get(name)) is not None:
+                self._outputs[index], self._known[index] = value, 1
 
     def text(self, scalar: int) -> str:
-        """An output that is a text."""
+        """Return an output that is a text."""
         name = self._table[scalar].name.removeprefix("status.")
         if name == "warning":
             text = "\n".join(filter(None, map(self.warning, range(self.warnings))))
@@ -132,14 +131,14 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         return text
 
     def note(self) -> str:
-        """Notes of the set-up, for the log."""
+        """Return notes about the set-up, for the log."""
         state, kernels = self._rope.state, self._rope.model.kernels
         return (
             f"model: {state.fidelity}, {kernels.elements} elements, {state.fidelity_reason}; kernels: {self._rope.form}"
         )
 
     def warning(self, number: int) -> str:
-        """The warning ``number``, or '' where it does not apply now."""
+        """Return the warning ``number``, or '' if it does not apply now."""
         facts = self._rope.scene, self._rope.state
         if number < len(WARNINGS):
             return [*WARNINGS.values()][number](*facts)
@@ -147,27 +146,27 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
 
     @_report_failure
     def derive(self, scalar: int, seed: float) -> None:
-        """Seed times the derivatives of the end loads to this input, into the library's array; NaN of others."""
+        """Write ``seed`` times the derivatives of the end loads to this input into the library's array."""
         side, _, name = self._table[scalar].name.partition(".")
         loads = seed * load_derivative(self._rope, SIDES.index(side), name, self._at_step_end())
         for load, value in zip(LOADS, loads.tolist(), strict=True):
-            self._derivatives[self._places[load]] = value
+            self._derivatives[self._indices[load]] = value
 
     # states
 
     def state(self) -> bytes:
-        """The rope's complete state."""
+        """Return the complete state of the rope."""
         if self._packed[0] is not self._rope.state:
             self._packed = self._rope.state, self._rope.state.to_bytes()
         return self._packed[1]
 
     def state_bytes(self) -> int:
-        """Length of ``state``."""
+        """Return the length of ``state``."""
         return len(self.state())
 
     @_report_failure
     def restore(self, state: memoryview) -> None:
-        """Back to a state of this rope, or of one with the same parameters."""
+        """Go back to a state of this rope, or of one with the same parameters."""
         self._rope.restore(bytes(state))
 
     # entries
@@ -180,12 +179,12 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         return with_values(Scene(), values)
 
     def _motions(self) -> tuple[EndMotion, EndMotion]:
-        values, places = self._values, self._places
-        left, right = (EndMotion(*(values[places[name]] for name in names)) for names in MOTION.values())
+        values, indices = self._values, self._indices
+        left, right = (EndMotion(*(values[indices[name]] for name in names)) for names in MOTION.values())
         return left, right
 
     def _at_step_end(self) -> bool:
-        return self._values[self._places["inputs_at_step_end"]] != 0.0
+        return self._values[self._indices["inputs_at_step_end"]] != 0.0
 
 
 def _require(status: Status) -> None:

@@ -1,9 +1,9 @@
-"""A system of FMUs as an SSP archive (System Structure and Parameterization 1.0 or 2.0, ssp-standard.org).
+"""SSP archives: systems of FMUs in System Structure and Parameterization 1.0 or 2.0, ssp-standard.org.
 
-An output and an input of the same name in two different FMUs are connected. So are two of which one has the other's
-name behind that of the other's component, as the input `lively.left.fy_mean` and `left.fy_mean` of `lively`, or the
-output `lively.left.x` and its `left.x`, which then listens to no other. The FMUs themselves answer for their files:
-their model descriptions are read, nothing else.
+An output and an input of the same name in two different FMUs are connected.  So are two if one has the other's name
+behind the name of the other's component, such as the input `lively.left.fy_mean` and `left.fy_mean` of `lively`, or the
+output `lively.left.x` and its `left.x`, which then listens to no other.  Only the model descriptions of the FMUs are
+read.
 """
 
 import zipfile
@@ -25,20 +25,20 @@ NAMESPACES = {
     "oms": "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd",
 }
 Version = Literal["1.0", "2.0"]
-#: of SSP Traceability 1.1, for the data's statuses
+#: namespaces of SSP Traceability 1.1, for the statuses of the data
 _TRACEABILITY = {
     "srmd": "http://ssp-standard.org/SSPTraceability1/SimulationResourceMetaData",
     "stc": "http://ssp-standard.org/SSPTraceability1/SSPTraceabilityCommon",
 }
 _STATUSES = "resources/data.srmd"
 _KINDS = {float: "Real", int: "Integer", bool: "Boolean", str: "String"}
-#: types of FMI 3.0 in the words of SSP 1.0, where they differ
+#: types of FMI 3.0 in the words of SSP 1.0, if they differ
 _TYPES3 = {"Float64": "Real", "Int32": "Integer"}
 
 
 @dataclass(frozen=True)
 class Component:
-    """An FMU of the system, and values for its parameters."""
+    """FMU of the system, and values for its parameters."""
 
     name: str
     fmu: Path
@@ -46,7 +46,7 @@ class Component:
 
 
 class Datum(NamedTuple):
-    """A number that the system rests on, and its status: assumed, published, measured ..."""
+    """Number on which the system depends, and its status: assumed, published, measured ..."""
 
     name: str
     value: object
@@ -56,7 +56,7 @@ class Datum(NamedTuple):
 
 @dataclass(frozen=True)
 class _Port:
-    """A variable that is connected, with its unit ('' for none)."""
+    """Connected variable, with its unit ('' for none)."""
 
     component: str
     name: str
@@ -75,11 +75,10 @@ def export_ssp(
     version: Version = "1.0",
     data: Sequence[Datum] = (),
 ) -> Path:
-    """Write the system with its FMUs; stop time and communication step in s. Same FMUs, same bytes.
+    """Write the system with its FMUs; stop time and communication step in s.  The same FMUs give the same bytes.
 
-    The step is an annotation, one that libcosim reads and one that OMSimulator asks for; SSP itself has no place for
-    it. SSP 1.0 knows the types of FMI 3.0 by the names of FMI 2.0, and does not name the file with the status of the
-    ``data``.
+    The step is an annotation that libcosim reads and OMSimulator requires, as SSP itself has no element for it.  SSP
+    1.0 knows the types of FMI 3.0 by the names of FMI 2.0, and does not name the file with the status of the ``data``.
     """
     described = {c.name: _read(c) for c in components}
     types = _TYPES3 if version == "1.0" else {}
@@ -99,7 +98,7 @@ def export_ssp(
         )
         for start, end in pairs
     )
-    # the fixed-step master without which OMSimulator does not open a system; it steps all FMUs at once
+    # OMSimulator opens a system only with a fixed-step master, which steps all FMUs at once
     master = node(
         "oms:FixedStepMaster",
         description="oms-ma",
@@ -142,11 +141,11 @@ def export_ssp(
 
 
 def _statuses(name: str, data: Sequence[Datum]) -> Element:
-    """Simulation resource meta data: an entry for each datum, of which the text is the status."""
+    """Return the simulation resource meta data: an entry for each datum, with its status as text."""
     entries = []
     for datum in data:
-        told = f"{datum.value} {datum.unit}".strip()
-        entries.append(node("stc:ClassificationEntry", keyword=datum.name, description=told))
+        value_text = f"{datum.value} {datum.unit}".strip()
+        entries.append(node("stc:ClassificationEntry", keyword=datum.name, description=value_text))
         entries[-1].text = datum.status
     return node(
         "srmd:SimulationResourceMetaData",
@@ -163,7 +162,7 @@ def _annotations(tool: str, content: Element) -> Element:
 
 
 def _read(component: Component) -> Element:
-    """The model description; ValueError for another FMI version and for parameters that there are not."""
+    """Read the model description; ValueError for another FMI version and for unknown parameters."""
     with zipfile.ZipFile(component.fmu) as archive:
         root = ElementTree.fromstring(archive.read("modelDescription.xml"))
     version = root.get("fmiVersion")
@@ -192,7 +191,7 @@ def _ports(component: str, description: Element, types: Mapping[str, str]) -> li
 
 
 def _pairs(ports: Sequence[_Port]) -> list[tuple[_Port, _Port]]:
-    """Output and input of one name in two components; one with the other's component before its name goes first."""
+    """Return outputs and inputs to connect; a name with the other component before it takes precedence."""
     pairs = []
     for end in (port for port in ports if port.causality == "input"):
         others = [p for p in ports if p.causality == "output" and p.component != end.component]
@@ -216,7 +215,7 @@ def _component(component: Component, ports: Sequence[_Port], version: Version) -
         node("ssv:Parameter", node(f"ssv:{_KINDS[type(value)]}", value=value), name=name)
         for name, value in component.parameters.items()
     ]
-    # the name by which ecos and libcosim apply a set
+    # ecos and libcosim apply a set by this name
     bound = node("ssv:ParameterSet", node("ssv:Parameters", *values), version=version, name="initialValues")
     binding = node("ssd:ParameterBindings", node("ssd:ParameterBinding", node("ssd:ParameterValues", bound)))
     return node(
@@ -231,7 +230,7 @@ def _component(component: Component, ports: Sequence[_Port], version: Version) -
 
 
 def _units(descriptions: Iterable[Element], used: set[str]) -> Iterator[Element]:
-    """Definitions of the units that the connectors name, from the model descriptions."""
+    """Yield definitions of the connectors' units, from the model descriptions."""
     units = {str(unit.get("name")): unit.find("BaseUnit") for root in descriptions for unit in root.iter("Unit")}
     for name in sorted(used):
         if (base := units.get(name)) is not None:

@@ -10,17 +10,17 @@ from fmu_src.xml import node
 
 
 class Quantity(NamedTuple):
-    """The declared type of all variables with one unit, and the unit's definition."""
+    """Declared type of all variables with one unit, and the unit's definition."""
 
-    name: str  # that of the Modelica Standard Library where it has one
+    name: str  # name in the Modelica Standard Library if it has one
     nominal: float
     base: dict[str, int]  # exponents of the SI base units
-    display: tuple[str, float] | None = None  # another unit, and its number in one of this
-    preferred: bool = True  # whether tools shall show the other one
+    display: tuple[str, float] | None = None  # display unit, and its factor
+    preferred: bool = True  # true if tools shall show the display unit
 
 
 _DEGREES = 180 / math.pi
-#: by unit
+#: quantities by unit
 QUANTITIES: dict[str, Quantity] = {
     "m": Quantity("Length", 10.0, {"m": 1}, ("mm", 1e3), preferred=False),
     "s": Quantity("Time", 1.0, {"s": 1}, ("ms", 1e3), preferred=False),
@@ -50,12 +50,12 @@ QUANTITIES: dict[str, Quantity] = {
 
 
 def units_of(table: Iterable[Variable]) -> list[str]:
-    """The units that occur, sorted."""
+    """Return the units in the table, sorted."""
     return sorted({v.unit for v in table} - {""})
 
 
 def unit_definition(name: str) -> Element:
-    """``Unit``, alike in FMI 2.0 and 3.0."""
+    """Return the ``Unit`` element, which is the same in FMI 2.0 and 3.0."""
     quantity = QUANTITIES[name]
     shown = [quantity.display] if quantity.display else []
     displays = (node("DisplayUnit", name=display, factor=repr(factor)) for display, factor in shown)
@@ -63,7 +63,7 @@ def unit_definition(name: str) -> Element:
 
 
 def quantity_attributes(unit: str) -> dict[str, str | None]:
-    """Attributes of the declared type of ``unit``."""
+    """Return the attributes of the declared type of ``unit``."""
     quantity = QUANTITIES[unit]
     display = quantity.display[0] if quantity.display and quantity.preferred else None
     return {"quantity": quantity.name, "unit": unit, "nominal": f"{quantity.nominal:g}", "displayUnit": display}

@@ -7,19 +7,19 @@ from rope_model.texts import xml_text
 
 
 def node(tag: str, /, *children: Element, **attributes: object) -> Element:
-    """Return an element; attributes that are None are left out, truth values spelled as in XML."""
+    """Return an element; attributes that are None are left out, truth values are spelled as in XML."""
     element = Element(tag, {name: plain(value) for name, value in attributes.items() if value is not None})
     element.extend(children)
     return element
 
 
 def plain(value: object) -> str:
-    """Return a value as an attribute has it."""
+    """Return a value as the text of an attribute."""
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def xml_bytes(root: Element) -> bytes:
-    """The document, indented, of texts from anywhere."""
+    """Return the document, indented; its texts may come from anywhere."""
     for element in root.iter():
         element.attrib.update({name: xml_text(value) for name, value in element.attrib.items()})
     ElementTree.indent(root)

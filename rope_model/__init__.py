@@ -1,4 +1,4 @@
-"""A balance rope of a friction hoist: tension, torsion and lateral motion, coupled.
+"""Balance rope of a friction hoist: coupled tension, torsion and lateral motion of a round wire rope.
 
 Conventions, everywhere in this package
 ---------------------------------------

@@ -1,4 +1,4 @@
-"""Catalogue of round wire ropes: properties of a construction before anybody has measured the rope.
+"""Catalogue of round wire ropes: ranges of the properties of a construction that has not been measured.
 
 Every datum is a range with its status and its source.  A rope of diameter d has
 
@@ -6,15 +6,15 @@ Every datum is a range with its status and its source.  A rope of diameter d has
     metal area        A = C d^2                       C: metallic area factor, ibid.
     axial stiffness   Qa = E_rope A
     torque factor     c1 = Qc / (Qa d): the torque of a tension T is c1 d T while nothing turns
-    torsional stiffness at constant tension           D = Qd - Qb Qc / Qa: what a torsion test of a loaded sample shows
+    torsional stiffness at constant tension           D = Qd - Qb Qc / Qa: the result of a torsion test under load
 
-Bending and torsion have two bounds: n equal wires of this area that slide freely, and a section without slip, whose
+Bending and torsion have two bounds: n equal wires of this area that slide freely, and a section without slip whose
 metal fills the circle evenly:
 
     EI from E A^2 / (4 pi n) to E A d^2 / 16          D from 2 (G / E) times the first to 2 (G / E) times the second
 
-`middle` of a range is its geometric mean, of one that begins at 0 the arithmetic mean.  Nothing follows for
-damping or for the growth of D with tension: no source was found, and they keep the defaults of ``Rope``.
+The `middle` of a range is its geometric mean, or the arithmetic mean if it begins at 0.  Damping and the growth of D
+with tension keep the defaults of ``Rope``: no source was found.
 """
 
 import math
@@ -28,10 +28,9 @@ from rope_model.parameters import Rope
 DatumStatus = Literal["measured", "published", "derived", "calibrated", "contradicted", "assumed"]
 Lay = Literal["right-hand", "left-hand"]
 
-#: N/m^2, of drawn steel wire, and its Poisson ratio
-STEEL_MODULUS, POISSON = 2.0e11, 0.3
-#: shear modulus over STEEL_MODULUS
-SHEAR = 0.5 / (1 + POISSON)
+STEEL_MODULUS = 2.0e11  #: N/m^2, modulus of drawn steel wire
+POISSON = 0.3  #: its Poisson ratio
+SHEAR = 0.5 / (1 + POISSON)  #: its shear modulus over STEEL_MODULUS
 
 
 @dataclass(frozen=True)
@@ -51,17 +50,17 @@ class Datum:
 
     @property
     def logarithmic(self) -> bool:
-        """Whether the range is divided logarithmically."""
+        """True if the range is divided logarithmically."""
         return self.low > 0
 
     def at(self, share: float) -> float:
-        """Return the value at a share between 0 and 1 of the range."""
+        """Return the value at a fraction between 0 and 1 of the range."""
         if self.logarithmic:
             return self.low * math.exp(share * math.log(self.high / self.low))
         return self.low + share * (self.high - self.low)
 
     def share(self, value: float) -> float:
-        """Return the share of the range at ``value``, the inverse of ``at``."""
+        """Return the fraction of the range at ``value``, the inverse of ``at``."""
         if self.logarithmic:
             return math.log(value / self.low) / math.log(self.high / self.low)
         return (value - self.low) / (self.high - self.low)
@@ -69,7 +68,7 @@ class Datum:
 
 @dataclass(frozen=True)
 class Property:
-    """A property of a rope; ``power`` is that of the diameter with which it grows in similar ropes."""
+    """Property of a rope; ``power`` is the power of the diameter with which it grows in similar ropes."""
 
     power: int
     unit: str
@@ -99,7 +98,7 @@ _BENT = "lower end: wires that slide freely; upper end: ours, 16 times that, wit
 
 @dataclass(frozen=True)
 class Construction:
-    """A construction: factors of EN 12385-4, number of wires, modulus and torque factor."""
+    """Construction of a rope: factors of EN 12385-4, number of wires, modulus and torque factor."""
 
     description: str
     mass: tuple[float, float]  # kg per 100 m and mm^2
@@ -109,7 +108,7 @@ class Construction:
     torque_factor: Datum
 
     def factors(self) -> dict[str, Datum]:
-        """Each property of PROPERTIES over its power of the diameter in m."""
+        """Return each property of PROPERTIES over its power of the diameter in m."""
         (thin, thick), n = self.area, self.wires
         sliding = [STEEL_MODULUS * area**2 / (4 * math.pi * n) for area in self.area]
         solid = STEEL_MODULUS * thick / 16
@@ -284,7 +283,7 @@ def rope_of(
 
 
 def properties_of(rope: Rope) -> dict[str, float]:
-    """Return the values of PROPERTIES of a rope with Qb = Qc; the inverse of ``rope_of`` but for the lay."""
+    """Return the values of PROPERTIES of a rope with Qb = Qc; the inverse of ``rope_of`` without the lay."""
     return {
         "mass_per_length": rope.mass_per_length,
         "axial_stiffness": rope.Qa,

@@ -1,4 +1,4 @@
-"""The native form of the rope: the C library behind the interface of BalanceRope."""
+"""NativeRope, the rope in C: a ctypes wrapper of the library with the interface of BalanceRope."""
 
 import ctypes
 import os
@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from ctypes import POINTER, Structure, byref, c_char_p, c_double, c_int, c_size_t, c_void_p
 from functools import cache, lru_cache
 from itertools import cycle
-from typing import Any, cast, get_args, get_origin, get_type_hints
+from typing import Any, NamedTuple, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +17,11 @@ from rope_model.codegen.build import library
 from rope_model.codegen.structures import scene_structure
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.parameters import Scene
-from rope_model.simulation.balance_rope import BalanceRope, Snapshot, Status, state_in
 from rope_model.simulation.contact.point_forces import NO_FORCES, PointForces
 from rope_model.simulation.ends.ends import Phase
 from rope_model.simulation.ends.paths import SIDES, EndMotion
 from rope_model.simulation.fidelity import Fidelity
+from rope_model.simulation.interface import BalanceRope, Snapshot, Status, state_in
 from rope_model.simulation.mesh.partition import Partition
 from rope_model.simulation.messages import messages
 from rope_model.simulation.messages.result_warnings import WARNINGS
@@ -57,7 +57,7 @@ def _load() -> ctypes.CDLL:
 
 
 def declare(lib: ctypes.CDLL) -> ctypes.CDLL:
-    """The library with its functions' types."""
+    """Declare the types of the library's functions and return the library."""
     rope = c_void_p
     results = {
         "rope_create": (c_void_p, (c_void_p, c_void_p, c_char_p)),
@@ -87,8 +87,17 @@ def declare(lib: ctypes.CDLL) -> ctypes.CDLL:
     return lib
 
 
+class NativeHandle(NamedTuple):
+    """Access for C code that steps a native rope itself; it reports success to ``NativeRope.status_of``."""
+
+    lib: ctypes.CDLL
+    rope: int  # address
+    warnings: int  # number of warnings
+    text: Any  # buffer for a warning
+
+
 class NativeRope(BalanceRope):
-    """The native form of the rope: the same steps as RopeSimulator's, several times as fast.
+    """Rope in C; it takes the same steps as RopeSimulator, several times as fast.
 
     Raises ValueError as RopeSimulator does, RuntimeError without a C compiler, and OSError or CalledProcessError when
     the library does not load or the compiler fails.
@@ -100,18 +109,18 @@ class NativeRope(BalanceRope):
         self._lib = self._library()
         libc = ctypes.CDLL(None if os.name == "posix" else "msvcrt")
         memory = _Allocator(*(ctypes.cast(f, c_void_p).value for f in (libc.calloc, libc.free)))
-        self._text = ctypes.create_string_buffer(layout.MESSAGE)  # message of the library
+        self._text = ctypes.create_string_buffer(layout.MESSAGE)  # receives messages of the library
         self._rope = self._lib.rope_create(byref(scene_structure(scene)), byref(memory), self._text)
         if not self._rope:
             raise ValueError(self._text.value.decode())
         self._scene = scene
-        self._state: RopeState | None = None  # the present one, when it was asked for
-        self._applied, self._forces = NO_FORCES, _forces(NO_FORCES)  # kept for the library, which does not copy them
+        self._state: RopeState | None = None  # cache of `state`
+        self._applied, self._forces = NO_FORCES, _forces(NO_FORCES)  # the library keeps a pointer to the forces
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """A copy, or the rope that a pickle makes, is a rope of its own in the same state."""
+        """Copy and pickle a rope as its scene, state and forces."""
         initialized = self._lib.rope_is_initialized(self._rope)
-        return _made, (type(self), self._scene, self.native_state() if initialized else b"", self._applied)
+        return _rebuild, (type(self), self._scene, self.native_state() if initialized else b"", self._applied)
 
     def __del__(self) -> None:
         if rope := self.__dict__.pop("_rope", None):
@@ -126,12 +135,9 @@ class NativeRope(BalanceRope):
         return "native"
 
     @property
-    def library(self) -> tuple[ctypes.CDLL, int, int, Any]:
-        """The library, its rope, the number of its warnings and room for one, for C that steps the rope itself.
-
-        ``done`` is to be told whether that went well.
-        """
-        return self._lib, self._rope, len(WARNINGS), self._text
+    def library(self) -> NativeHandle:
+        """Library and rope for C code that steps the rope itself."""
+        return NativeHandle(self._lib, self._rope, len(WARNINGS), self._text)
 
     @property
     def elements(self) -> int:
@@ -159,12 +165,12 @@ class NativeRope(BalanceRope):
         return self._state
 
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
-        return self.done(self._lib.rope_initialize(self._rope, t, _ends(left, right)))
+        return self.status_of(self._lib.rope_initialize(self._rope, t, _ends(left, right)))
 
     def advance_to(self, t: float, left: EndMotion, right: EndMotion, given_at: float | None = None) -> Status:
         self._require_state()
         at = t if given_at is None else given_at
-        return self.done(self._lib.rope_advance_to(self._rope, t, _ends(left, right), at))
+        return self.status_of(self._lib.rope_advance_to(self._rope, t, _ends(left, right), at))
 
     def signals(self, names: Iterable[str] | None = None) -> dict[str, float]:
         self._require_state()
@@ -193,39 +199,39 @@ class NativeRope(BalanceRope):
 
     def rows(self) -> NDArray[np.float64]:
         self._require_state()
-        found = np.empty((self.elements + 1, 13))
-        self._lib.rope_rows(self._rope, found.ctypes.data)
-        return found
+        rows = np.empty((self.elements + 1, 13))
+        self._lib.rope_rows(self._rope, rows.ctypes.data)
+        return rows
 
     def displacement(self, forces: PointForces) -> NDArray[np.float64]:
         self._require_state()
         forces.require_on(self._scene.rope.length)
-        given, found = _forces(forces), np.empty((forces.s.size, 3))
-        self._lib.rope_displacement(self._rope, byref(given[0]), found.ctypes.data)
-        return found
+        structure, displacement = _forces(forces), np.empty((forces.s.size, 3))
+        self._lib.rope_displacement(self._rope, byref(structure[0]), displacement.ctypes.data)
+        return displacement
 
     def warnings(self) -> dict[str, str]:
         self._require_state()
-        told, text, warn = {}, self._text, self._lib.rope_warning
+        warnings = {}
         for number, subject in enumerate(WARNINGS):
-            warn(self._rope, number, text)
-            if said := text.value:
-                told[subject] = said.decode()
-        return told
+            self._lib.rope_warning(self._rope, number, self._text)
+            if warning := self._text.value:
+                warnings[subject] = warning.decode()
+        return warnings
 
     def snapshot(self) -> Snapshot:
         return Snapshot(self.native_state(), _unpack)
 
     def restore(self, data: bytes | RopeState | Snapshot) -> None:
-        kept = data.kept if isinstance(data, Snapshot) else None
-        packed = kept if isinstance(kept, bytes) else _pack(state_in(data))
-        # a rope whose wires do not rub yet has room for their memory
+        native = data.kept if isinstance(data, Snapshot) else None
+        packed = native if isinstance(native, bytes) else _pack(state_in(data))
+        # the hysteresis of wires that do not rub yet is not stored
         packed = packed.ljust(self._lib.rope_state_bytes(self._rope), b"\0")
         if not (status := self.restore_native(packed)).valid:
             raise ValueError(status.message)
 
     def _retune(self, scene: Scene) -> None:
-        if not (status := self.done(self._lib.rope_retune(self._rope, byref(scene_structure(scene))))).valid:
+        if not (status := self.status_of(self._lib.rope_retune(self._rope, byref(scene_structure(scene))))).valid:
             raise ValueError(status.message)
         self._scene = scene
 
@@ -238,26 +244,26 @@ class NativeRope(BalanceRope):
 
     def restore_native(self, data: bytes) -> Status:
         """Go on from a ``native_state``."""
-        return self.done(self._lib.rope_restore(self._rope, data, len(data)))
+        return self.status_of(self._lib.rope_restore(self._rope, data, len(data)))
 
     def _require_state(self) -> None:
         if not self._lib.rope_is_initialized(self._rope):
             raise RuntimeError(messages.no_state())
 
-    def done(self, well: int) -> Status:
-        """Return the status after a call of the library."""
-        if well:
+    def status_of(self, succeeded: int) -> Status:
+        """Return the status after a call of the library that returned ``succeeded``."""
+        if succeeded:
             self._state = None
-        return _VALID if well else Status(False, self._lib.rope_message(self._rope).decode())
+        return _VALID if succeeded else Status(False, self._lib.rope_message(self._rope).decode())
 
 
 def _forces(forces: PointForces) -> tuple[Structure, Any]:
-    """The forces and their places in the form of rope.h; both stay in place as long as they are kept."""
-    places = np.column_stack((forces.s, forces.at_start, forces.at_stop)).astype(float, copy=False)
-    return _PointForces(forces.s.size, forces.start, forces.stop, places.ctypes.data), places
+    """Return the forces in the form of rope.h, and the array to which that structure points."""
+    rows = np.column_stack((forces.s, forces.at_start, forces.at_stop)).astype(float, copy=False)
+    return _PointForces(forces.s.size, forces.start, forces.stop, rows.ctypes.data), rows
 
 
-def _made(kind: type[NativeRope], scene: Scene, state: bytes, applied: PointForces) -> NativeRope:
+def _rebuild(kind: type[NativeRope], scene: Scene, state: bytes, applied: PointForces) -> NativeRope:
     rope = kind(scene)
     rope.apply(applied)
     if state and not (status := rope.restore_native(state)).valid:
@@ -271,12 +277,12 @@ _NUMBER = {name: i for i, name in enumerate(SIGNALS)}
 
 @lru_cache
 def _numbers(names: tuple[str, ...]) -> ctypes.Array[c_int]:
-    """The signals' numbers, kept because a host asks for the same ones again and again."""
+    """Return the signals' numbers; cached, because a host reads the same signals again and again."""
     return (c_int * len(names))(*(_NUMBER[name] for name in names))
 
 
 def _ends(left: EndMotion, right: EndMotion) -> bytes:
-    """Both motions as they lie in an array of EndMotion of rope.h."""
+    """Return both motions as an array of EndMotion of rope.h."""
     return _MOTIONS.pack(*left.__dict__.values(), *right.__dict__.values())
 
 
@@ -288,7 +294,7 @@ def _unpack(data: bytes) -> RopeState:
     x = {name: values[i * size : (i + 1) * size].reshape(n + 1, 7).copy() for i, name in enumerate(layout.ARRAYS)}
     hints = _hints(RopeState)
     return RopeState(
-        **{name: _read(hints[name], getattr(s, name)) for name in layout.ALIKE},
+        **{name: _from_ctypes(hints[name], getattr(s, name)) for name in layout.ALIKE},
         motion=Motion(s.t, x["q"], x["v"], x["a"], x["b"], x["a_rate"], s.h, x["reaction"]),
         partition=Partition(
             values[6 * size : 6 * size + n].copy(),
@@ -309,7 +315,7 @@ def _unpack(data: bytes) -> RopeState:
 def _pack(state: RopeState) -> bytes:
     m, p = state.motion, state.partition
     s = layout.StateStructure(
-        **{name: _written(getattr(state, name)) for name in layout.ALIKE},
+        **{name: _to_ctypes(getattr(state, name)) for name in layout.ALIKE},
         t=m.t,
         h=m.h,
         power_ends=state.powers.ends,
@@ -324,19 +330,19 @@ def _pack(state: RopeState) -> bytes:
     return b"".join([bytes(s), *arrays, p.lengths.tobytes(), p.nodes_s.tobytes(), state.hysteresis.tobytes()])
 
 
-def _read(hint: Any, x: Any) -> Any:
+def _from_ctypes(hint: Any, x: Any) -> Any:
     """Return the Python value, of the type ``hint``, of the ctypes value ``x``."""
     if get_origin(hint) is tuple:
-        return tuple(map(_read, cycle(of for of in get_args(hint) if of is not ...), x))
+        return tuple(map(_from_ctypes, cycle(part for part in get_args(hint) if part is not ...), x))
     if hint in layout.PARTS:
-        return hint(*(_read(of, getattr(x, name)) for name, of in _hints(hint).items()))
+        return hint(*(_from_ctypes(part, getattr(x, name)) for name, part in _hints(hint).items()))
     return Phase(x) if hint is Phase else x
 
 
-def _written(x: Any) -> Any:
-    """Return ``x`` as a ctypes value; the inverse of ``_read``."""
+def _to_ctypes(x: Any) -> Any:
+    """Return ``x`` as a ctypes value; the inverse of ``_from_ctypes``."""
     if type(x) in layout.PARTS:
-        return layout.PARTS[type(x)](**{name: _written(getattr(x, name)) for name in x._fields})
+        return layout.PARTS[type(x)](**{name: _to_ctypes(getattr(x, name)) for name in x._fields})
     if isinstance(x, tuple):
-        return tuple(map(_written, x))
+        return tuple(map(_to_ctypes, x))
     return x.value if isinstance(x, Phase) else x

@@ -1,7 +1,7 @@
-"""The table of parameters: each field of a data class carries its own facts.
+"""Table of parameters: fields of data classes with unit, description, bounds and choices.
 
-`parameter` and `choice` make such fields.  All who need the facts take them from here: the checks of the data classes,
-the C structures and checks (codegen.tables), the FMU's interface, its documents, studies and reports.
+`parameter` and `choice` make such fields.  The table serves the checks of the data classes, the C structures and checks
+(codegen.tables), the FMU's interface, its documents, studies and reports.
 """
 
 import math
@@ -11,22 +11,22 @@ from dataclasses import field, fields
 from typing import Any, NamedTuple, TypeVar, get_args
 
 T = TypeVar("T")
-#: rad: a full turn, as messages round it
+#: rad, a full turn as messages round it
 _TURN = 6.2832
 #: least value of parameters above 0, because tools know no open intervals
 LEAST = 1e-15
 
 
 class Parameter(NamedTuple):
-    """Facts of a parameter; its name and default value are the field's."""
+    """Facts of a parameter; name and default value are the field's."""
 
-    unit: str  # as FMI writes it, "1" of a pure number, "" of a count or a choice
+    unit: str  # unit as FMI writes it, "1" of a pure number, "" of a count or a choice
     description: str  # [assumed] marks data that are ours
-    lower: float | str | None = None  # least value, or the name of the field that holds it
-    upper: float | str | None = None  # largest value, likewise
+    lower: float | str | None = None  # least value, or name of the field with it
+    upper: float | str | None = None  # largest value, or name of the field with it
     cure: str = ""  # advice for a value out of bounds
     tunable: bool = False  # may change between steps
-    choices: Mapping[str, str] = {}  # words and their meanings; a word's place is its code
+    choices: Mapping[str, str] = {}  # words and their meanings; the index of a word is its code
 
     @property
     def other(self) -> str:
@@ -35,7 +35,7 @@ class Parameter(NamedTuple):
 
     @property
     def bound(self) -> str:
-        """The bounds in words, with {} for the value of the field that is one of them; '' without bounds."""
+        """Bounds in words, with {} for the value of a field that is a bound; '' without bounds."""
         if self.choices:
             return f"one of {', '.join(self.choices)}"
         if self.lower is None:
@@ -46,7 +46,7 @@ class Parameter(NamedTuple):
 
 
 class Joint(NamedTuple):
-    """A check of several parameters of a data class, ``x``; codegen.tables makes the C of it."""
+    """Check of several parameters of a data class ``x``; codegen.tables makes the C of it."""
 
     what: str
     bound: str  # with {} or {:.4g} for a number
@@ -55,57 +55,56 @@ class Joint(NamedTuple):
 
 
 class Bounds(NamedTuple):
-    """Bounds of a parameter and the advice for a value beyond them, as in Parameter."""
+    """Bounds of a parameter and advice for a value beyond them, as in Parameter."""
 
     lower: float | str | None = None
     upper: float | str | None = None
     cure: str = ""
 
 
-#: no bounds
 _ANY = Bounds()
 
 
 def at_least(lower: float | str, cure: str) -> Bounds:
-    """A lower bound alone."""
+    """Return a lower bound only."""
     return Bounds(lower, None, cure)
 
 
 def parameter(default: T, unit: str, description: str, bounds: Bounds = _ANY, tunable: bool = False) -> T:
-    """A field that is a number, with the facts of Parameter."""
+    """Return a field that is a number, with the facts of Parameter."""
     return field(default=default, metadata=Parameter(unit, description, *bounds, tunable)._asdict())
 
 
 def direction(description: str) -> float:
-    """A field that is an angle of at most a full turn; a larger number was given in degrees."""
+    """Return a field that is an angle of at most a full turn; a larger number was given in degrees."""
     cure = "give it in radians: 45 degrees are 0.7854"
     return parameter(0.0, "rad", description, Bounds(-_TURN, _TURN, cure))
 
 
 def choice(default: T, words: Any, meanings: tuple[str, ...], description: str, cure: str) -> T:
-    """A field that is one of the words of a Literal, each with its meaning."""
+    """Return a field that is one of the words of a Literal, each with its meaning."""
     choices = dict(zip(get_args(words), meanings, strict=True))
     return field(default=default, metadata=Parameter("", description, cure=cure, choices=choices)._asdict())
 
 
-#: tables of data classes read so far
+#: cache of the tables by data class
 _KNOWN: dict[Any, dict[str, Parameter]] = {}
 
 
 def parameters_of(kind: type[Any]) -> dict[str, Parameter]:
-    """The parameters of a data class by name."""
+    """Return the parameters of a data class by name."""
     if kind not in _KNOWN:
         _KNOWN[kind] = {f.name: Parameter(**f.metadata) for f in fields(kind)}
     return _KNOWN[kind]
 
 
 def check_order(kind: type[Any]) -> tuple[tuple[str, Parameter], ...]:
-    """The parameters in the order of the checks: choices first, those bounded by another field last."""
+    """Return the parameters in the order of the checks: choices first, those bounded by another field last."""
     return tuple(sorted(parameters_of(kind).items(), key=lambda item: (not item[1].choices, bool(item[1].other))))
 
 
 def numeric_bounds(kind: type[Any], name: str) -> tuple[float | None, float | None]:
-    """Bounds of a parameter as numbers: those of the field that bounds it, where there is one."""
+    """Return the bounds of a parameter as numbers, taken from the field that bounds it if there is one."""
     table = parameters_of(kind)
     p = table[name]
     lower = table[p.lower].lower if isinstance(p.lower, str) else p.lower
@@ -116,7 +115,7 @@ def numeric_bounds(kind: type[Any], name: str) -> tuple[float | None, float | No
 
 
 def require(ok: bool, what: str, value: Any, bound: str, cure: str) -> None:
-    """ValueError with value, bound and cure, unless ``ok``."""
+    """Raise ValueError with value, bound and cure unless ``ok``."""
     if not ok:
         raise ValueError(f"{what} = {value!r} is out of range: it must be {bound}; {cure}")
 
@@ -130,7 +129,7 @@ class Checked:
         self.require_in_bounds()
 
     def require_in_bounds(self) -> None:
-        """ValueError unless all are finite, of their choices, in their bounds, and ``joint`` holds."""
+        """Raise ValueError unless all are finite, of their choices, in their bounds, and ``joint`` holds."""
         order = check_order(type(self))
         for name, p in order:
             value = getattr(self, name)

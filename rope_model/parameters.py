@@ -1,7 +1,7 @@
-"""Data of a scene, in SI units, validated where they are made.
+"""Scene and its parameters in SI units, validated when they are made.
 
-Of the default rope the source states Qb and Qc; everything marked [assumed] is ours, because the source's tables are
-not available.
+The source gives Qb and Qc of the default rope; everything marked [assumed] is ours, because the source's tables are not
+available.
 """
 
 from __future__ import annotations
@@ -156,7 +156,7 @@ class Rope(Checked):
 
 @dataclass(frozen=True)
 class Layout(Checked):
-    """Places of the ends: left at X = -spacing/2, right at +spacing/2, heights are inputs."""
+    """Positions of the ends: left at X = -spacing/2, right at +spacing/2; heights are inputs."""
 
     spacing: float = parameter(
         2.0,
@@ -246,14 +246,14 @@ class Scene:
         return replace(self, **parts)
 
 
-#: group of the interface -> the data class that has its parameters
+#: data class of each group of the interface
 GROUPS: dict[str, type[Any]] = {
     f"{name}.swivel" if kind is Swivel else name: kind
     for name, kind in get_type_hints(Scene).items()
     if kind is not Shaft
 } | PARTS
-#: words of parameters that choose one of a few, with their meanings, by the last two parts of the name; the place of a
-#: word is its code
+#: words of parameters that are choices, with their meanings, by the last two parts of the name; the index of a word is
+#: its code
 CHOICES = {
     f"{group.rpartition('.')[2]}.{name}": p.choices
     for group, kind in GROUPS.items()

@@ -10,12 +10,12 @@ from rope_model.engine import NativeRope
 from rope_model.numerics.kernels import last_words
 from rope_model.parameters import CHOICES, Layout, Rope, Scene, Swivel
 from rope_model.shaft_parameters import FAR, Air, Contact, Conveyance, Divider, Guard, HeadRopes, Lining, Shaft, Sump
-from rope_model.simulation.balance_rope import BalanceRope, Snapshot, Status
 from rope_model.simulation.contact.neighbours import Account, Contacts, Neighbours
 from rope_model.simulation.contact.point_forces import PointForces
 from rope_model.simulation.contact.shaft import BODIES
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.fidelity import FIDELITIES
+from rope_model.simulation.interface import BalanceRope, Snapshot, Status
 from rope_model.simulation.outputs.neglected_effects import Effect, neglected_effects, neglected_text
 from rope_model.simulation.outputs.signal_table import CAUSES as GUARD_CAUSES
 from rope_model.simulation.outputs.signal_table import SIGNALS, Signal
@@ -65,8 +65,8 @@ def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
         If ``native`` finds a C compiler that fails.
     """
     if not isinstance(scene, Scene):
-        given = type(scene).__name__
-        raise TypeError(f"scene is a {given} and must be a Scene; that of a case is rope_120().scene")
+        kind = type(scene).__name__
+        raise TypeError(f"scene is a {kind} and must be a Scene; that of a case is rope_120().scene")
     if form not in ("auto", "native", "python"):
         raise ValueError(f"form = {form!r} must be 'auto', 'native' or 'python'; 'auto' takes the fastest to be had")
     rope = _rope(scene, form)

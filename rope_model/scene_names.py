@@ -1,4 +1,4 @@
-"""Parameters of a scene by the names of the FMI interface, such as ``rope.EI``; choices by their code."""
+"""Parameters of a scene by the names of the FMI interface, such as ``rope.EI``, with choices as codes."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -13,7 +13,7 @@ Value = float | int | bool | str
 
 
 class Variable(NamedTuple):
-    """One FMI variable; ``start`` is None for outputs, ``unit`` empty where there is none."""
+    """FMI variable; ``start`` is None for outputs, ``unit`` is empty without unit."""
 
     name: str
     causality: Literal["parameter", "input", "output"]
@@ -27,7 +27,7 @@ class Variable(NamedTuple):
 
 
 class NamedParameter(NamedTuple):
-    """A parameter with its value in a scene, a word by its code."""
+    """Parameter with its value in a scene, as a code if it is a choice."""
 
     name: str
     value: float | int
@@ -42,12 +42,12 @@ class NamedParameter(NamedTuple):
 
 
 def choices_of(name: str) -> tuple[str, ...]:
-    """Words for the codes of the variable ``name``; none where it has no choices."""
+    """Return the words for the codes of the variable ``name``; none if it has no choices."""
     return tuple(CHOICES.get(".".join(name.split(".")[-2:]), ()))
 
 
 def named_parameters(scene: Scene) -> Iterator[NamedParameter]:
-    """The parameters in the order of the interface."""
+    """Yield the parameters in the order of the interface."""
     for group, kind in GROUPS.items():
         data = _part(scene, group)
         for field, p in parameters_of(kind).items():
@@ -63,7 +63,7 @@ def named_parameters(scene: Scene) -> Iterator[NamedParameter]:
 
 
 def with_values(scene: Scene, values: Mapping[str, Value]) -> Scene:
-    """The scene with other parameters by name; ValueError for unknown ones and values out of range."""
+    """Return the scene with other parameters by name; ValueError for unknown ones and values out of range."""
     chosen, counts = dict[str, dict[str, Any]](), [*scene.mesh.counts]
     known = {p.name for p in named_parameters(scene)}
     value: Any
@@ -76,9 +76,9 @@ def with_values(scene: Scene, values: Mapping[str, Value]) -> Scene:
             field, value = "counts", tuple(counts)
         chosen.setdefault(group, {})[field] = _decode(name, value)
     parts = {}
-    for group, given in chosen.items():
+    for group, fields in chosen.items():
         try:
-            parts[group] = replace(_part(scene, group), **given)
+            parts[group] = replace(_part(scene, group), **fields)
         except ValueError as error:
             raise ValueError(f"{group}: {error}") from error
     shaft = replace(scene.shaft, **{name: parts.pop(name) for name in PARTS if name in parts})
@@ -86,12 +86,12 @@ def with_values(scene: Scene, values: Mapping[str, Value]) -> Scene:
 
 
 def _part(scene: Scene, group: str) -> Any:
-    """The part of the scene that has the parameters of a group."""
+    """Return the part of the scene with the parameters of a group."""
     return getattr(scene.shaft if group in PARTS else scene, group.removesuffix(".swivel"))
 
 
 def _decode(name: str, value: Any) -> Any:
-    """The value as its field takes it: the word for the code of one that chooses."""
+    """Return the value as its field takes it: a word for the code of a choice."""
     words = choices_of(name)
     if not words:
         return value

@@ -1,7 +1,7 @@
-"""The shaft that the rope hangs in: bodies that the rope may come near, and air.
+"""Parameters of the shaft: bodies near the rope, contact, guards of the loop, and air.
 
-Sizes in m, heights as those of the conveyances, from the same origin.  All is absent unless it is given: without a
-width, a diameter or a size a body is not there.  `physics.shaft` makes the bodies of it.
+Sizes are in m, heights count from the origin of the conveyances' heights.  Without a width, a diameter or a size a body
+is absent.  `physics.shaft` makes the bodies from them.
 """
 
 from dataclasses import dataclass, field
@@ -9,9 +9,9 @@ from typing import get_type_hints
 
 from rope_model.parameter_table import Bounds, Checked, direction, parameter
 
-#: m: no shaft reaches so far; a clearance of that much says that there is no such body
+#: m, longer than any shaft; a clearance of this much means that there is no such body
 FAR = 1e6
-#: m: places and sizes within it
+#: m, bound of positions and sizes
 REACH = 1e4
 
 _NONE = "use 0 for none, or give it in metres"
@@ -22,7 +22,7 @@ def _size(default: float, description: str) -> float:
     return parameter(default, "m", description, Bounds(0.0, REACH, _NONE))
 
 
-def _place(description: str) -> float:
+def _position(description: str) -> float:
     return parameter(0.0, "m", description, Bounds(-REACH, REACH, "give it in metres"))
 
 
@@ -32,18 +32,18 @@ def _rounding(default: float, description: str) -> float:
 
 @dataclass(frozen=True)
 class Lining(Checked):
-    """The shaft's wall, seen from inside: a rectangle with rounded corners or, wholly rounded, a circle."""
+    """Wall of the shaft: a rectangle with rounded corners or, wholly rounded, a circle."""
 
     width: float = _size(0.0, "width of the shaft in X; 0: none")
     depth: float = _size(0.0, "width of the shaft in Z")
     rounding: float = _rounding(0.0, "radius of the corners over half the smaller width; 1: round")
-    x: float = _place("X of the shaft's axis from midway between the ends")
-    z: float = _place("Z of the shaft's axis from the ends")
+    x: float = _position("X of the shaft's axis from midway between the ends")
+    z: float = _position("Z of the shaft's axis from the ends")
 
 
 @dataclass(frozen=True)
 class Conveyance(Checked):
-    """Either conveyance: an upright box over the suspension point, which it moves with; its yaw is left out."""
+    """Either conveyance: an upright box that moves with the suspension point below it; its yaw is left out."""
 
     width: float = _size(0.0, "width of a conveyance in X; 0: none")
     depth: float = _size(0.0, "width of a conveyance in Z")
@@ -61,18 +61,18 @@ class HeadRopes(Checked):
 
 @dataclass(frozen=True)
 class Divider(Checked):
-    """A horizontal beam from wall to wall, of square or round section."""
+    """Horizontal beam from wall to wall, of square or round section."""
 
     size: float = _size(0.0, "side or diameter of the section; 0: none")
-    y: float = _place("height of the axis, from the origin of left.y and right.y")
-    offset: float = _place("place of the axis across it, X where it lies along Z")
+    y: float = _position("height of the axis, from the origin of left.y and right.y")
+    offset: float = _position("place of the axis across it, X where it lies along Z")
     direction: float = direction("yaw about Y, 0: along Z")
     rounding: float = _rounding(1.0, "radius of the corners over half the side: 0 square, 1 round")
 
 
 @dataclass(frozen=True)
 class Sump(Checked):
-    """The shaft's end below: its floor, or water standing in it."""
+    """Lower end of the shaft: its floor, or water standing in it."""
 
     level: float = parameter(
         -FAR,
@@ -160,7 +160,7 @@ def _velocity(axis: str, where: str) -> float:
 
 @dataclass(frozen=True)
 class Air(Checked):
-    """The air in the shaft: its flow along and across it, and aside where a conveyance passes: see physics.air."""
+    """Air in the shaft: vertical and horizontal wind, and flow aside of passing conveyances: see physics.air."""
 
     density: float = parameter(
         0.0,
@@ -177,7 +177,7 @@ class Air(Checked):
     vx: float = _velocity("X", _ACROSS)
     vy: float = _velocity("Y, upwards", "")
     vz: float = _velocity("Z", _ACROSS)
-    cross_y: float = _place("height of the middle of a gallery that blows, from the origin of left.y and right.y")
+    cross_y: float = _position("height of the middle of a gallery that blows, from the origin of left.y and right.y")
     cross_height: float = parameter(
         FAR,
         "m",
@@ -200,7 +200,7 @@ class Air(Checked):
 
 @dataclass(frozen=True)
 class Shaft:
-    """All bodies that the rope may come near, the guards of its loop, and the air."""
+    """Bodies that the rope may come near, contact, guards of its loop, and air."""
 
     lining: Lining = field(default_factory=Lining)
     conveyance: Conveyance = field(default_factory=Conveyance)

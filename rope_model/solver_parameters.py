@@ -1,7 +1,4 @@
-"""How a scene is computed: mesh, accuracy, time integration, fidelity, trust in the inputs, stations.
-
-Nothing here is a datum of the rope.
-"""
+"""Parameters of the computation: mesh, accuracy, time integration, fidelity, trust in the inputs, stations."""
 
 from __future__ import annotations
 
@@ -18,7 +15,7 @@ Trusted = Literal["all", "position_speed", "position", "speed"]
 
 #: more elements would be a mistake in the unit of their length
 MOST_ELEMENTS = 20000
-#: the segments whose element counts are given, and the least of them
+#: segments with given element counts, and their least counts
 SEGMENTS = {"II": 0, "III": 0, "IV": 2, "V": 0, "VI": 0}
 
 
@@ -38,8 +35,9 @@ class Mesh(Checked):
     """Partition of the rope into elements.
 
     EEM: ``elements`` of equal length.  TMN-ETM: seven segments with lengths l, l/2, l/4, l/8, l/4, l/2, l.  Without
-    elements in III and V those of the loop, in IV, are l/4 long, without II and VI too l/2.  auto: the TMN-ETM that the
-    rope's own lengths and the accuracy ask for, EEM on a short or stiff rope.  ``end_levels`` = 0 is the source's mesh.
+    elements in III and V those of the loop, in IV, are l/4 long, without II and VI too l/2.  auto: the TMN-ETM that
+    suits the rope's own lengths and the accuracy, EEM on a short or stiff rope.  ``end_levels`` = 0 is the source's
+    mesh.
     """
 
     kind: MeshKind = choice(
@@ -110,7 +108,7 @@ class Mesh(Checked):
 
 @dataclass(frozen=True)
 class Accuracy(Checked):
-    """Allowed error of a run: mesh and steps follow from it."""
+    """Allowed error of a run, from which mesh and steps follow."""
 
     end_force: float = parameter(
         1e-3,
@@ -125,7 +123,7 @@ class Accuracy(Checked):
 
 @dataclass(frozen=True)
 class Solver(Checked):
-    """Time integration: generalized-alpha with step control.
+    """Time integration: generalized-alpha with step-size control.
 
     Newton's tolerance is in m for positions and rad for twist angles; of r' it is the change over the shortest element.
     """
@@ -195,7 +193,7 @@ class Model(Checked):
 
 @dataclass(frozen=True)
 class Inputs(Checked):
-    """Trust in the given motions, and the way in which the rope's ends follow them."""
+    """Trust in the given motions, and how the rope's ends follow them."""
 
     given: Trusted = choice(
         "all",
@@ -243,7 +241,7 @@ _WHERE = "0 is the rope's left end, 1 its right end"
 
 @dataclass(frozen=True)
 class Stations(Checked):
-    """Places in the rope of the outputs station.*; they stay in it while it flows through the loop."""
+    """Points of the rope with the outputs station.*; they stay in the rope while it flows through the loop."""
 
     first: float = parameter(
         0.0, "1", "place of the first station over the rope's length, from its left end", Bounds(0.0, "last", _WHERE)

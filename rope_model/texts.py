@@ -1,6 +1,6 @@
-"""Texts that come from outside (files, flags, names of files), as the languages that we write have them.
+"""Escaping of external texts (files, flags, file names) for C, CSV, XML, HTML, TOML and terminals.
 
-Each language has one function here, and whatever is not a constant of ours passes it on its way into a file.
+Each language has one function here, which every text that is not a constant of ours passes on its way into a file.
 """
 
 import html
@@ -8,11 +8,11 @@ import json
 import re
 import unicodedata
 
-#: characters that XML 1.0 cannot write, not even as a reference
+#: characters that XML 1.0 cannot contain, not even as a reference
 _NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-#: characters that a C literal holds as they stand: no backslash, quotation mark or trigraph
+#: characters that a C literal contains unescaped: no backslash, quotation mark or trigraph
 _PLAIN_C = frozenset(map(chr, range(0x20, 0x7F))) - frozenset('"\\?')
-#: where a spreadsheet takes a cell for a formula; some leave out blanks before it
+#: start of a cell that a spreadsheet takes for a formula; some ignore blanks before it
 _FORMULA = re.compile(r"\s*[=+\-@]|\t")
 REPLACEMENT = "\ufffd"
 
@@ -25,15 +25,15 @@ def c_string(text: str) -> str:
 
 
 def csv_cell(value: object) -> object:
-    """Return a cell of a CSV table: a text that a spreadsheet would compute gets an apostrophe; numbers stay."""
+    """Return a cell of a CSV table; a text that a spreadsheet would compute gets an apostrophe, numbers stay."""
     if not isinstance(value, str):
         return value
-    text = value.replace("\r", " ")  # which pandas does not quote; it would begin a line
+    text = value.replace("\r", " ")  # pandas does not quote it, and it would begin a line
     return f"'{text}" if _FORMULA.match(text) and not _is_number(text) else text
 
 
 def xml_text(text: str) -> str:
-    """Return the text without characters that XML cannot hold; the library that writes it escapes the rest."""
+    """Return the text without characters that XML cannot contain; the library that writes it escapes the rest."""
     return _NO_XML.sub(REPLACEMENT, text)
 
 
@@ -54,7 +54,7 @@ def printable(text: str) -> str:
 
 
 def _utf8(text: str) -> bytes:
-    """Bytes of the text; the halves of characters that names of files may hold become replacements."""
+    """Return the bytes of the text, with replacements for lone surrogates, which file names may contain."""
     return re.sub("[\ud800-\udfff]", REPLACEMENT, text).encode()
 
 

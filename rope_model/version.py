@@ -1,4 +1,4 @@
-"""The package's version, as pyproject.toml has it."""
+"""Version of the package, from its metadata."""
 
 from importlib.metadata import PackageNotFoundError, version
 

@@ -36,7 +36,7 @@ def test_errors_of_a_wave_add_up_to_its_phase() -> None:
     rates = omega * np.sin(omega * h * np.arange(n + 1))
     for pace in np.diff(rates) / h:
         sums = accuracy.add_errors(Scene(ROPE), sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, ROPE.Qa)
-    t, lasts = h * np.arange(n), accuracy.memory(ROPE, omega)
+    t, lasts = h * np.arange(n), accuracy.wave_duration(ROPE, omega)
     off = turn * lasts / h * (1 - np.exp(-t / lasts)) * np.sin(omega * t)
     # of each turn half is seen, and doubled: what goes with twice the wave's frequency is of one step's size
     assert_allclose(accuracy.end_force_error(ROPE, sums), np.sqrt(np.mean(off**2)), rtol=0.01)
@@ -83,7 +83,7 @@ def test_the_error_of_a_forced_wave_is_estimated_however_many_radians_a_step_tak
 
 def test_a_wave_lasts_as_its_damping_lets_it_and_without_for_so_many_radians() -> None:
     waves = (1e-3, 100.0), (0.0, 100.0), (0.0, 1.0)
-    found = [accuracy.memory(Rope(beta_K=damping), omega) for damping, omega in waves]
+    found = [accuracy.wave_duration(Rope(beta_K=damping), omega) for damping, omega in waves]
     assert_allclose(found, [2.0 / (1e-3 * 100.0**2), 2.0 * 400.0 / 2.0 / 100.0, 60.0], rtol=1e-12)
 
 
@@ -92,7 +92,7 @@ def test_ten_times_the_accuracy_takes_a_tenth_of_what_a_step_may_leave(asked: fl
     scenes = (Scene(ROPE, accuracy=Accuracy(a, 10 * a)) for a in (asked / 10, asked))
     strict, loose = (accuracy.step_limits(scene, accuracy.ErrorSums(), 200.0, 10.0, CONSTANT) for scene in scenes)
     # errors are of second order in the step
-    for name, factor in {"strain_rate": 10, "place": 10, "shortest": 10**0.5, "longest": 10**0.5}.items():
+    for name, factor in {"strain_rate": 10, "position": 10, "shortest": 10**0.5, "longest": 10**0.5}.items():
         assert_allclose(factor * getattr(strict, name), getattr(loose, name), rtol=1e-12)
 
 

@@ -106,7 +106,7 @@ def test_both_forms_agree(name: str) -> None:
     assert_allclose(one.energy_balance, other.energy_balance, atol=1e3 * case.off)
     assert_allclose(one.hysteresis, other.hysteresis, atol=1e-8 * np.abs(other.hysteresis).max(initial=0.0) + 1e-9)
     assert_allclose(np.hstack(one.contact), np.hstack(other.contact), rtol=1e-6, atol=1e-6)
-    for found, expected in ((one.errors.place, other.errors.place), (one.errors.squares, other.errors.squares)):
+    for found, expected in ((one.errors.position, other.errors.position), (one.errors.squares, other.errors.squares)):
         assert_allclose(found, expected, rtol=1e-6)
     # what is missing is a difference of forces
     since = Audit._fields.index("force")

@@ -20,7 +20,7 @@ from rope_model.physics.contact import ONSET, SUMS, Touch, correction_motion, la
 from rope_model.physics.contact_element import CONTACT_BALANCE, contact_element
 from rope_model.physics.contact_error import ContactSums, add_contact, contact_error, delay, length_for
 from rope_model.physics.element import BALANCE, ELEMENT_DOF, ElementFidelity, element_functions
-from rope_model.physics.rope_on_rope import places_skipped
+from rope_model.physics.rope_on_rope import points_skipped
 from rope_model.physics.shaft import KINDS, Body, distance, normal
 from rope_model.shaft_parameters import Contact, Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
 from rope_model.simulation.mesh.mesh_fit import BLOW
@@ -211,7 +211,7 @@ def test_what_a_thin_bar_presses_changes_smoothly_with_its_place() -> None:
 @example(9e134, 0.044, 0.011, 90)
 @example(math.nan, 0.044, 0.011, 90)
 def test_no_more_places_are_skipped_than_there_are(distance, diameter, weight, number):
-    assert 0.0 <= places_skipped(distance, diameter, weight, float(number)) <= number
+    assert 0.0 <= points_skipped(distance, diameter, weight, float(number)) <= number
 
 
 def test_what_a_mesh_does_not_resolve_falls_with_the_square_of_its_delay() -> None:

@@ -81,7 +81,7 @@ def test_a_motion_that_fits_is_met_exactly() -> None:
     end = Follower()
     for k in range(1, 400):
         found = end.step(k * H, exact(k * H))
-        assert max(*found.limits.place, *found.limits.speed) < 1e-14
+        assert max(*found.limits.position, *found.limits.speed) < 1e-14
     assert end.filter.position < 1e-15
 
 

@@ -187,7 +187,7 @@ def altered_states(state: RopeState, chance: random.Random) -> Iterator[RopeStat
             missing_force=chance.uniform(0.0, 20.0),
             missing_moment=chance.uniform(0.0, 200.0),
             force_change=chance.uniform(0.0, 1e3),
-            share=chance.choice((0.0, chance.uniform(0.2, 0.5))),
+            period_fraction=chance.choice((0.0, chance.uniform(0.2, 0.5))),
             bend=chance.choice((0.0, chance.uniform(0.3, 4.5))),
         )
         number, overlap = float(chance.choice((0, 0, 1, 3))), chance.choice((0.0, chance.uniform(0.0, 0.1)))

@@ -1,10 +1,10 @@
-"""The FMUs in C99: between the FMI functions and the rope simulator, in C or in Python.
+"""FMUs in C99: the layer between the FMI functions and the rope simulator, in C or in Python.
 
-fmi2.c, fmi3.c        the shells: every function of the standards, of those that both have alike shell.inc
-component.c           values, rules of causality and variability, status, states; of any model
+fmi2.c, fmi3.c        shells with every function of the standards; shell.inc has those that both share
+component.c           values, rules of causality and variability, status, states; for any model
 rope_model.c          the rope as such a model
-python_model.c        a model in Python: of the Python flavour
-export                the FMU of the rope, or of any model, with the files that every FMU has
-table                 the interface table as C
-build                 compiles for every platform
+python_model.c        a model in Python, for the Python flavour
+export                FMU of the rope, or of any model, with the files that every FMU has
+table                 interface table as C
+build                 compilation for every platform
 """

@@ -1,7 +1,7 @@
-"""C sources to the binaries of an FMU, for all platforms from any one machine with the ziglang package.
+"""Compilation of C sources to the binaries of an FMU, for all platforms on any machine with the ziglang package.
 
-Without ziglang the host's own C compiler builds for the host.  An installed package brings libraries of its own, for
-all platforms.  Others are cached under the hash of all that goes into them.  The same sources, compiler and target make
+Without ziglang the host's own C compiler builds for the host.  An installed package contains libraries for all
+platforms.  Others are cached under the hash of all that determines them.  The same sources, compiler and target give
 the same bytes.
 """
 
@@ -25,12 +25,12 @@ _PACKAGE = Path(__file__).resolve().parent
 CURE = "ziglang builds for all: pip install 'balance-rope[compiler]'"
 
 FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-shared", "-s")
-#: an FMU shows the functions of FMI alone
+#: an FMU exports only the functions of FMI
 _HIDDEN = "-fvisibility=hidden"
 
 
 def available_platforms() -> tuple[str, ...]:
-    """Platforms of this machine: all with ziglang, the host's with another C compiler, and those of the package."""
+    """Return the platforms of this machine: all with ziglang, else the compiler's, and those of the package."""
     return tuple(name for name in PLATFORMS if name in _compilable() | prebuilt_platforms(_PACKAGE))
 
 
@@ -40,16 +40,16 @@ def _compilable() -> set[str]:
     return {host_platform()} if kernels.find_compiler() else set()
 
 
-def choose_platforms(asked: Sequence[str] | None) -> tuple[str, ...]:
-    """Choose the platforms asked for, or all with None; ValueError when there is none."""
-    chosen = available_platforms() if asked is None else tuple(asked)
+def choose_platforms(names: Sequence[str] | None) -> tuple[str, ...]:
+    """Choose the named platforms, or all with None; ValueError if there is none."""
+    chosen = available_platforms() if names is None else tuple(names)
     if not chosen:
         raise ValueError(f"no platform to build for: install a C compiler; {CURE}")
     return chosen
 
 
 def missing_platforms() -> str:
-    """Return the platforms that cannot be built for here, with the reason; '' when all can."""
+    """Return the platforms that cannot be built here, with the reason; '' if all can."""
     if not (missing := [name for name in PLATFORMS if name not in available_platforms()]):
         return ""
     compiler = kernels.find_compiler()
@@ -58,7 +58,7 @@ def missing_platforms() -> str:
 
 
 def binaries(sources: Mapping[str, str], identifier: str, fmi: int, platforms: Sequence[str]) -> dict[str, bytes]:
-    """Path in the FMU -> library, of the C files and headers in ``sources``."""
+    """Return libraries by path in the FMU, made of the C files and headers in ``sources``."""
     built = {name: library(sources, identifier, name, f", FMI {fmi}.0").read_bytes() for name in platforms}
     paths: dict[str, bytes] = {}
     for name, code in built.items():
@@ -69,18 +69,16 @@ def binaries(sources: Mapping[str, str], identifier: str, fmi: int, platforms: S
 
 
 def library(sources: Mapping[str, str], identifier: str, name: str, version: str = "") -> Path:
-    """The library of an FMU for the platform ``name``: the package's, the cache's, or compiled.
+    """Return the library of an FMU for the platform ``name``: the package's, the cached one, or a compiled one.
 
-    ``version`` is added to the message that it is being compiled.
-
-    ValueError when it cannot be had here.
+    ``version`` is added to the message about the compilation.  ValueError if the library is not available here.
     """
     brought = prebuilt_file(_PACKAGE, sources, identifier, name)
     return brought if brought.exists() else _build(sources, identifier, name, version, _HIDDEN)
 
 
 def open_library(sources: Mapping[str, str], identifier: str, name: str) -> Path:
-    """Return ``library`` for ctypes, which shows all functions of the sources."""
+    """Return ``library`` for ctypes, with all functions of the sources visible."""
     return _build(sources, identifier, name, "")
 
 
@@ -92,21 +90,21 @@ def _build(sources: Mapping[str, str], identifier: str, name: str, version: str,
     objects = kernels.object_files(sources, compiler, flags, kernels.cache_folder())
     parts = "\0".join([identifier, *(file.name for file in objects.values())])
     key = hashlib.sha256(parts.encode()).hexdigest()[:20]
-    made = kernels.cache_folder() / f"fmu-{name}-{key}{PLATFORMS[name].suffix}"
+    target = kernels.cache_folder() / f"fmu-{name}-{key}{PLATFORMS[name].suffix}"
 
     def make() -> None:
         progress.warning("compiling %s for %s%s, up to a minute", identifier, name, version)
         more = ["-ldl"] if name.endswith("linux") and any("<dlfcn.h>" in text for text in sources.values()) else []
         if name.endswith("linux") and "ziglang" in compiler:
-            # without zig's own library, of which nothing is needed, and which it would compile first for 14 s
+            # zig's own library is not needed, and compiling it would take 14 s
             more += ["-nostdlib", "-lc", "-Wl,-z,defs"]
         kernels.compile_objects(sources, [*compiler, *flags], objects)
-        own_name = [f"-Wl,-install_name,@rpath/{identifier}{made.suffix}"] if made.suffix == ".dylib" else []
+        own_name = [f"-Wl,-install_name,@rpath/{identifier}{target.suffix}"] if target.suffix == ".dylib" else []
         command = [*compiler, *flags, *own_name]
-        kernels.link_library(command, objects.values(), made, f"{identifier}{made.suffix}", more)
+        kernels.link_library(command, objects.values(), target, f"{identifier}{target.suffix}", more)
 
     try:
-        return kernels.make_once(made, make)
+        return kernels.make_once(target, make)
     except subprocess.CalledProcessError as error:
         raise RuntimeError(f"{' '.join([*compiler, *flags])} failed: {error.stderr[-2000:]}") from error
 
@@ -120,7 +118,7 @@ def _compiler() -> tuple[str, ...]:
 def _flags(name: str) -> tuple[str, ...]:
     target: tuple[str, ...] = ()
     if importlib.util.find_spec("ziglang") is not None:
-        # functions of one file are inlined into others where ziglang's linker can: a tenth faster
+        # link-time optimisation, where ziglang's linker supports it: a tenth faster
         target = "-target", PLATFORMS[name].target, *(("-flto",) if name.endswith("linux") else ())
     position = () if name.endswith("windows") else ("-fPIC",)
     return (*target, *FLAGS, *position, *(("-Wl,--build-id=none",) if name.endswith("linux") else ()))

@@ -1,6 +1,6 @@
-"""Builds native FMUs: self-contained C, FMI 2.0 or 3.0, for many platforms at once.
+"""Export of native FMUs: self-contained C, FMI 2.0 or 3.0, for many platforms at once.
 
-The rope's, and that of any model that implements model.h, in the rope's shell.
+The model is the rope, or any model that implements model.h, in the rope's shell.
 """
 
 import hashlib
@@ -41,7 +41,7 @@ def export_native(
 ) -> Path:
     """Write the native FMU with the start values of ``case``, at a level of accuracy and with ``start``.
 
-    ``platforms`` are names of FMI 3.0, all that can be built here if None.  ``rope`` replaces the C files behind
+    ``platforms`` are names of FMI 3.0, by default all that can be built here.  ``rope`` replaces the C files behind
     rope.h (tests do).  Two exports of the same sources give the same bytes.
     """
     if fmi not in (2, 3):
@@ -58,7 +58,7 @@ def export_native(
         fmi,
         chosen,
         arrays if fmi == 3 and profile.arrays else scalars,
-        # without SOURCE_DATE_EPOCH none, for two exports shall be the same bytes
+        # no date without SOURCE_DATE_EPOCH, so that two exports give the same bytes
         date=time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(int(epoch))) if epoch else "",
         stop=profile.stop,
         tolerance=data.scene.accuracy.end_force,
@@ -68,7 +68,7 @@ def export_native(
 
 
 def native_table(case: RopeCase) -> tuple[Variable, ...]:
-    """The interface table, with marks on variables of the Python flavour alone."""
+    """Return the interface table, with marks on variables that only serve the Python flavour."""
     return tuple(
         v._replace(description=f"of no effect here, the code is compiled; Python flavour: {v.description}")
         if v.name == "solver.kernels"
@@ -78,13 +78,13 @@ def native_table(case: RopeCase) -> tuple[Variable, ...]:
 
 
 def shell_sources(table: Sequence[Variable], fmi: int) -> dict[str, str]:
-    """All sources between rope.h and the FMI functions but start.c."""
+    """Return all sources between rope.h and the FMI functions without start.c."""
     written = shell(fmi, "rope_model.c", "rope_table.h")
     return {**written, "variables.c": c_table(table, fmi), "places.c": c_places(table, fmi)}
 
 
 def rope_sources() -> dict[str, str]:
-    """The rope simulator in C: file name -> text."""
+    """Return the text of the rope simulator in C by file name."""
     from rope_model.codegen.build import sources
 
     return sources()
@@ -136,9 +136,9 @@ def native_files(
     form: Form = arrays,
     **facts: Any,
 ) -> dict[str, bytes]:
-    """Path in the FMU -> contents: description, sources and libraries.
+    """Return description, sources and libraries by path in the FMU.
 
-    ``sources`` lack start.c; ``what`` tells exports of the same sources apart; ``facts`` are those of Build.
+    ``sources`` lack start.c; ``what`` distinguishes exports of the same sources; ``facts`` are those of Build.
     """
     digest = hashlib.sha256(what.encode())
     for name, text in sorted(sources.items()):
@@ -159,21 +159,21 @@ def native_files(
 
 
 def model_sources(table: Sequence[Variable], model: Mapping[str, str], fmi: int) -> dict[str, str]:
-    """The C files ``model`` with everything between model.h and the FMI functions but start.c."""
+    """Return the C files ``model`` with everything between model.h and the FMI functions without start.c."""
     return {**model, **shell(fmi), "variables.c": c_table(table, fmi)}
 
 
 def shell(fmi: int, *more: str) -> dict[str, str]:
-    """The C files between the FMI functions and model.h, which every FMU has, by name; and ``more`` of this folder."""
+    """Return the C files between the FMI functions and model.h by name; ``more`` are further files of this folder."""
     headers = sorted(header_folder().glob(f"fmi{fmi}*.h"))
     files = [*(_HERE / name for name in (*_COMMON, f"fmi{fmi}.c", *more)), *headers]
     return {path.name: path.read_text(encoding="utf-8") for path in files}
 
 
 def header_folder() -> Path:
-    """Folder of the FMI headers of the Modelica Association, which FMPy has."""
-    # found, not imported: the import takes as long as the export
-    found = importlib.util.find_spec("fmpy")
-    if found is None or found.origin is None:
+    """Return the folder of the FMI headers of the Modelica Association, which come with FMPy."""
+    # located, not imported: the import takes as long as the export
+    spec = importlib.util.find_spec("fmpy")
+    if spec is None or spec.origin is None:
         raise RuntimeError("the FMI headers come with FMPy, which is not installed: pip install fmpy")
-    return Path(found.origin).with_name("c-code")
+    return Path(spec.origin).with_name("c-code")

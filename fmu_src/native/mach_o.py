@@ -1,7 +1,7 @@
-"""macOS libraries (Mach-O): several processors' in one file, and the code signature of one that was changed.
+"""macOS libraries (Mach-O): universal binaries, and the code signature of a changed library.
 
 The linker signs libraries for aarch64 "ad hoc": no certificate, but a code directory with the SHA-256 hash of every
-page of the file.  macOS ends a process that loads a page of another hash.
+page of the file.  macOS ends a process that loads a page with another hash.
 
     hash[i] = SHA-256(page i of the file, up to the code limit) ,  i = 0 ... slots - 1
 """
@@ -16,7 +16,7 @@ _PAGE = 1 << 14
 
 
 def universal(libraries: Sequence[bytes]) -> bytes:
-    """One library of several processors' (fat Mach-O: a table of offsets, then the libraries)."""
+    """Return one library for several processors (fat Mach-O: a table of offsets, then the libraries)."""
     table, body, offset = struct.pack(">II", _UNIVERSAL, len(libraries)), b"", _PAGE
     for code in libraries:
         cpu, subtype = struct.unpack_from("<II", code, 4)
@@ -27,18 +27,18 @@ def universal(libraries: Sequence[bytes]) -> bytes:
 
 
 def parts(library: bytes) -> list[tuple[int, int]]:
-    """Begin and end of each processor's part of a universal library; of the whole of any other."""
+    """Return begin and end of each processor's part of a universal library; of the whole of any other."""
     magic, number = struct.unpack_from(">II", library)
     if magic != _UNIVERSAL:
         return [(0, len(library))]
-    places = (struct.unpack_from(">II", library, 8 + 20 * i + 8) for i in range(number))
-    return [(offset, offset + size) for offset, size in places]
+    extents = (struct.unpack_from(">II", library, 8 + 20 * i + 8) for i in range(number))
+    return [(offset, offset + size) for offset, size in extents]
 
 
 def with_page_hashes(library: bytes) -> bytes:
-    """The library with the hashes of its pages as they are now; as it is where it is not signed, or no Mach-O.
+    """Return the library with the present hashes of its pages; unchanged if it is not signed, or no Mach-O.
 
-    Raises RuntimeError for a code directory of a kind that no linker of ours writes.
+    Raises RuntimeError for a code directory of a kind that our linkers do not write.
     """
     at = _code_directory(library)
     if at is None:
@@ -55,15 +55,15 @@ def with_page_hashes(library: bytes) -> bytes:
 
 
 def _code_directory(library: bytes) -> int | None:
-    """Its place in the file; None without one."""
+    """Return the offset of the code directory in the file; None without one."""
     if len(library) < 32 or struct.unpack_from("<I", library)[0] != _LIBRARY:
         return None
-    place = 32
+    position = 32
     for _ in range(struct.unpack_from("<I", library, 16)[0]):
-        command, size, offset = struct.unpack_from("<3I", library, place)
+        command, size, offset = struct.unpack_from("<3I", library, position)
         if command == _CODE_SIGNATURE:
             return _directory_in(library, offset)
-        place += size
+        position += size
     return None
 
 
@@ -71,7 +71,7 @@ def _directory_in(library: bytes, signature: int) -> int:
     magic, _, number = struct.unpack_from(">3I", library, signature)
     offsets: list[int] = [struct.unpack_from(">2I", library, signature + 12 + 8 * i)[1] for i in range(number)]
     blobs = [signature + offset for offset in offsets]
-    found = [at for at in blobs if struct.unpack_from(">I", library, at)[0] == _CODE_DIRECTORY]
-    if magic != _SIGNATURE or len(found) != 1:
-        raise RuntimeError(f"the library's signature has {len(found)} code directories, not one")
-    return found[0]
+    directories = [at for at in blobs if struct.unpack_from(">I", library, at)[0] == _CODE_DIRECTORY]
+    if magic != _SIGNATURE or len(directories) != 1:
+        raise RuntimeError(f"the library's signature has {len(directories)} code directories, not one")
+    return directories[0]

@@ -1,9 +1,9 @@
-"""Values that differ between exports, as ``start.c`` of the sources and written into finished libraries.
+"""Start values of an export, as ``start.c`` of the sources and written into finished libraries.
 
-Token, start values and the way that arrays are shown lie in one block of the library, behind MAGIC.  It is read at run
-time (volatile), so it can be written after the compiler is done: one library per platform and version of FMI serves
-every export.  Its bytes are those of one compiled from the export's own sources, but for the linker's mark (the time
-stamp of Windows' libraries, macOS's UUID).
+Token, start values and the form of arrays are one block of the library, behind MAGIC.  It is read at run time
+(volatile), so it can be written after the compiler is done: one library per platform and version of FMI serves every
+export.  Its bytes are those of one compiled from the export's own sources, except for the linker's mark (the time stamp
+of Windows' libraries, macOS's UUID).
 """
 
 import struct
@@ -63,7 +63,7 @@ class Start(NamedTuple):
     arrays: bool = True
 
     def block(self) -> bytes:
-        """The values as they lie in a library."""
+        """Return the values as a block of a library."""
         token = self.token.encode()
         if len(token) >= TOKEN_ROOM:
             raise ValueError(f"the token {self.token} has {len(token)} bytes: it must have less than {TOKEN_ROOM}")
@@ -72,7 +72,7 @@ class Start(NamedTuple):
 
 
 def c_start(start: Start) -> str:
-    """The text of start.c."""
+    """Return the text of start.c."""
     values = "\n".join(f"        {value!r}," for value in start.values)
     return _TEXT.format(
         magic=MAGIC.decode(), token=c_string(start.token), scalars=len(start.values), arrays=start.arrays, values=values
@@ -80,34 +80,34 @@ def c_start(start: Start) -> str:
 
 
 def without_start(sources: Mapping[str, str], scalars: int) -> dict[str, str]:
-    """The C files that every export of a model shares: ``sources`` and a start.c of zeros."""
+    """Return the C files that every export of a model shares: ``sources`` and a start.c of zeros."""
     return {**sources, "start.c": c_start(Start("", (0.0,) * scalars))}
 
 
 def binaries_with(
     start: Start, sources: Mapping[str, str], identifier: str, fmi: int, platforms: Sequence[str]
 ) -> dict[str, bytes]:
-    """Path in the FMU -> library with ``start``, of the C files and headers in ``sources`` and start.c."""
-    made = binaries(without_start(sources, len(start.values)), identifier, fmi, platforms)
-    return {path: with_start(library, start) for path, library in made.items()}
+    """Return libraries with ``start`` by path in the FMU, made of ``sources`` and start.c."""
+    libraries = binaries(without_start(sources, len(start.values)), identifier, fmi, platforms)
+    return {path: with_start(library, start) for path, library in libraries.items()}
 
 
 def with_start(library: bytes, start: Start) -> bytes:
-    """The library with token, values and arrays of ``start``; those of macOS are signed anew.
+    """Return the library with token, values and arrays of ``start``; those of macOS are signed again.
 
-    Raises RuntimeError when the library has no place for them, or one for another number of scalars.
+    Raises RuntimeError if the library has no block for them, or one for another number of scalars.
     """
     out = bytearray(library)
     for begin, end in parts(library):
-        place = library.find(MAGIC, begin, end)
-        if place < 0 or library.find(MAGIC, place + 1, end) >= 0:
+        offset = library.find(MAGIC, begin, end)
+        if offset < 0 or library.find(MAGIC, offset + 1, end) >= 0:
             raise RuntimeError(f"the library has no one place for start values ({MAGIC!r}); delete it and export anew")
-        scalars = _HEAD.unpack_from(library, place)[2]
+        scalars = _HEAD.unpack_from(library, offset)[2]
         if scalars != len(start.values):
             raise RuntimeError(
                 f"the library takes {scalars} start values, not {len(start.values)}; delete it and export anew"
             )
         block = start.block()
-        out[place : place + len(block)] = block
+        out[offset : offset + len(block)] = block
         out[begin:end] = with_page_hashes(bytes(out[begin:end]))
     return bytes(out)

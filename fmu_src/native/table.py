@@ -1,4 +1,4 @@
-"""The interface table as C: ``MODEL_VARIABLES`` of model.h, and where each scalar lives in the rope."""
+"""Interface table as C: ``MODEL_VARIABLES`` of model.h, and the location of each scalar in the rope."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -15,7 +15,7 @@ from rope_model.texts import c_string
 
 _SOURCES = {"status.valid": "FROM_STATUS_VALID", "status.message": "FROM_STATUS_MESSAGE"}
 _TEXTS = {"status.fidelity": "FIDELITY_NAME", "status.fidelity_reason": "FIDELITY_REASON", "status.warning": "WARNING"}
-#: fields of struct Scene whose names differ from the interface's
+#: fields of struct Scene with other names than the interface's
 _SCENE = {"left.swivel": "swivels[LEFT]", "right.swivel": "swivels[RIGHT]"} | {part: f"shaft.{part}" for part in PARTS}
 _HEAD = """\
 /* Generated from the interface table: the variables, and where each lives in the rope. */
@@ -24,7 +24,7 @@ _HEAD = """\
 
 
 def c_table(table: Sequence[Variable], fmi: int) -> str:
-    """``variables.c``: the scalars; FMI 3 has arrays, enumerations and the time."""
+    """Return variables.c with the scalars; FMI 3 has arrays, enumerations and the time."""
     places = {v.name: i for i, v in enumerate(table)}
     rows = [
         _row(v, fmi, length, places.get(RATES.get(v.name, ""), 0))
@@ -38,21 +38,21 @@ def c_table(table: Sequence[Variable], fmi: int) -> str:
 
 
 def lengths(table: Sequence[Variable], fmi: int) -> list[int]:
-    """Number of elements of the array under each value reference; 0 within an array."""
+    """Return the number of elements of the array under each value reference; 0 within an array."""
     form = arrays if fmi == 3 else scalars
     known = {array.reference: array.length for array in form(dict(enumerate(table)))}
     return [known.get(i, 0) for i in range(len(table))]
 
 
 def start_values(table: Sequence[Variable], fmi: int) -> tuple[float, ...]:
-    """The start value of each scalar, 0 where it has none; FMI 3 has the time."""
+    """Return the start value of each scalar, 0 if it has none; FMI 3 has the time."""
     starts = [float(v.start) if isinstance(v.start, int | float) else 0.0 for v in table]
     return tuple(starts + [0.0] * (fmi == 3))
 
 
 def c_places(table: Sequence[Variable], fmi: int) -> str:
-    """``places.c``: where rope_model.c finds each scalar."""
-    rows = [_place(v) for v in table] + (["{NOWHERE, 0, -1}"] if fmi == 3 else [])
+    """Return places.c with the location of each scalar for rope_model.c."""
+    rows = [_location(v) for v in table] + (["{NOWHERE, 0, -1}"] if fmi == 3 else [])
     includes = '#include "rope.h"\n#include "rope_table.h"\n'
     names = [v.name for v in table]
     motions = [", ".join(str(names.index(f"{side}.{f.name}")) for f in fields(EndMotion)) for side in ("left", "right")]
@@ -75,7 +75,7 @@ def _row(v: Variable, fmi: int, length: int, rate: int) -> str:
     )
 
 
-def _place(v: Variable) -> str:
+def _location(v: Variable) -> str:
     where, offset = _home(v)
     derivative = LOADS.index(v.name) if v.name in LOADS else -1
     return f"{{{where}, {offset}, {derivative}}}"
@@ -89,7 +89,7 @@ def _home(v: Variable) -> tuple[str, str]:
         return _TEXTS[v.name], "0"
     if v.name in SIGNALS:
         return "SIGNAL", str(list(SIGNALS).index(v.name))
-    if v.causality == "output" or v.name == "solver.kernels":  # status of the component; of no use in native code
+    if v.causality == "output" or v.name == "solver.kernels":  # status of the component; Python form only
         return "NOWHERE", "0"
     if v.causality == "input":
         return f"{group.upper()}_MOTION", f"offsetof(EndMotion, {field})"

@@ -1,1 +1,1 @@
-"""Printers of the generated C, and the build of the native library."""
+"""Generation of the C that both forms of the rope share, and the build of the native library."""

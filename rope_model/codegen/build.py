@@ -1,7 +1,7 @@
-"""The native rope's C sources, complete, and the library they make.
+"""Sources of the native rope, written and generated, and their compilation to a library.
 
-An installed package brings the library for each platform, and the generated sources: another version of CasADi writes
-them in other words.
+An installed package contains the library for each platform, and the generated sources: another version of CasADi
+generates different text.
 """
 
 import ctypes
@@ -37,22 +37,22 @@ def written() -> list[Path]:
 
 
 def _generated() -> dict[str, str]:
-    """The generated files: the package's, the cache's, or made and put there."""
-    brought = generated_file(_FOLDER.parent)
-    kept = cache_folder() / f"{brought.stem}-casadi-{importlib.metadata.version('casadi')}.json"
+    """Return the generated files: the package's, the cache's, or new ones, which go into the cache."""
+    packaged = generated_file(_FOLDER.parent)
+    cached = cache_folder() / f"{packaged.stem}-casadi-{importlib.metadata.version('casadi')}.json"
 
     def make() -> None:
-        new = kept.with_suffix(".new")
+        new = cached.with_suffix(".new")
         new.write_text(json.dumps(generate()), encoding="utf-8")
-        new.replace(kept)
+        new.replace(cached)
 
-    file = brought if brought.exists() else make_once(kept, make)
+    file = packaged if packaged.exists() else make_once(cached, make)
     texts: dict[str, str] = json.loads(file.read_text(encoding="utf-8"))
     return texts
 
 
 def generate() -> dict[str, str]:
-    """The generated files, made anew from the physics and the tables of signals and parameters."""
+    """Generate the files from the physics and the tables of signals and parameters."""
     return {
         "elements.inc": element_code(),
         "formulas.h": formulas_code(),
@@ -67,29 +67,29 @@ def generate() -> dict[str, str]:
 
 
 def generated_file(package: Path) -> Path:
-    """Return the JSON of the generated files, if ``package``, a folder rope_model, has it for its Python text."""
+    """Return the path of the generated files' JSON in ``package``, a folder rope_model, for its Python text."""
     return package / "csrc" / "prebuilt" / f"generated-{text_hash(package)}.json"
 
 
 @cache
 def library() -> Path:
-    """The compiled library: the package's, or from the cache of kernels, or compiled for this machine's processor.
+    """Return the compiled library: the package's, the cached one, or one compiled for this machine's processor.
 
-    Raises RuntimeError without a C compiler, CalledProcessError when that fails.
+    Raises RuntimeError without a C compiler, CalledProcessError if it fails.
     """
-    if (brought := prebuilt_file(_FOLDER, sources(), NAME, host_platform())).exists():
-        return brought
+    if (packaged := prebuilt_file(_FOLDER, sources(), NAME, host_platform())).exists():
+        return packaged
     if (compiler := find_compiler()) is None:
         raise RuntimeError(
             "the native rope needs a C compiler; install one, or ziglang: pip install 'balance-rope[compiler]'"
         )
-    asked = {name: sources()[name] for name in ("processor.c", "processor.h")}
-    answer = ctypes.CDLL(str(compile_library(asked, compiler, cache_folder(), "processor"))).processor_lanes()
+    detection = {name: sources()[name] for name in ("processor.c", "processor.h")}
+    answer = ctypes.CDLL(str(compile_library(detection, compiler, cache_folder(), "processor"))).processor_lanes()
     return library_of(answer, compiler)
 
 
 def library_of(lanes: int, compiler: Sequence[str]) -> Path:
-    """Compile it with one form alone, in half the time: for vectors of 2 numbers, or as many as processor.c says."""
+    """Compile the library for vectors of ``lanes`` numbers only, as processor.c reports them, in half the time."""
     others = (form for form, numbers in {"plain": 2, "wide": 4, "widest": 8}.items() if numbers != lanes)
     texts = {f"rope_kernels_{x}.c": f'#include "rope_system.h"\nconst Chain chains_{x}[3];\n' for x in others}
     texts["processor.c"] = f"int processor_lanes(void) {{\n    return {lanes};\n}}\n"

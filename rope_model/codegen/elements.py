@@ -1,7 +1,7 @@
-"""C text of the element: every function of physics.element as straight-line code that serves several elements at once.
+"""C text of the element: all its functions as straight-line code for several elements at once.
 
-The type V holds one number each of LANES elements (see lanes.h); the text is the same for all widths.  A quotient
-becomes a product with the reciprocal, which is computed once for each divisor: division costs most.
+The type V contains one number each of LANES elements (see lanes.h); the text is the same for all widths.  A quotient
+becomes a product with the reciprocal, which is computed once for each divisor, as division is the most expensive.
 """
 
 from collections.abc import Iterator
@@ -16,7 +16,7 @@ from rope_model.physics.wire_element import wire_functions
 
 
 def element_code() -> str:
-    """All element functions, named as in ``torsional_tangent``; arguments are arrays of V, the last is the result."""
+    """Return all element functions, as ``torsional_tangent``; arguments are arrays of V, the last is the result."""
     return "\n".join(_function_code(name, f) for fidelity in ELEMENT_DOF for name, f in _functions(fidelity))
 
 
@@ -50,7 +50,7 @@ def _functions(fidelity: ElementFidelity) -> Iterator[tuple[str, ca.Function]]:
 
 
 def _upper_half(name: str, tangent: ca.Function) -> ca.Function:
-    """The last result of ``tangent``, a symmetric matrix, by its upper half row by row."""
+    """Build the function of the last result of ``tangent``, a symmetric matrix, as its upper half row by row."""
     inputs = tangent.sx_in()
     J = ca.densify(tangent.call(inputs)[-1])
     half = ca.vertcat(*(J[i, j] for i in range(J.shape[0]) for j in range(i, J.shape[1])))

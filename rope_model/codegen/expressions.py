@@ -1,4 +1,4 @@
-"""C text of CasADi's expressions, for formulas, tables, rules and elements."""
+"""C text of CasADi expressions, for formulas, tables, rules and elements."""
 
 import math
 import re
@@ -31,21 +31,21 @@ _CALLS = {
     ca.OP_FMIN: "smaller",
 }
 _INFINITE = {math.inf: "INFINITY", -math.inf: "-INFINITY"}
-#: an expression longer than this gets a name
+#: length above which an expression gets a name
 _LONG = 80
 
 
 class _Text(NamedTuple):
-    """An expression, and how tightly it binds."""
+    """Text of an expression, and its precedence."""
 
     text: str
     binds: int
-    #: parts of elementary.where, a sum of two: condition and value of the one, value of the other
+    #: parts of elementary.where, a sum of two products: condition and value of the first
     condition: str = ""
     value: str = ""
 
     def within(self, least: int) -> str:
-        """Return the text as an operand of an operator that binds ``least``."""
+        """Return the text as an operand of an operator with the precedence ``least``."""
         return self.text if self.binds >= least else f"({self.text})"
 
 
@@ -56,14 +56,14 @@ def texts_of(values: Sequence[Any]) -> tuple[list[str], list[str]]:
 
 
 def statements(f: ca.Function, kind: str = "double") -> tuple[list[str], list[str]]:
-    """Lines that name repeated terms, and the expressions of the results.
+    """Return lines that name repeated terms, and the texts of the results.
 
-    Numbers are of the type ``kind``: of vectors V a quotient is a product with the reciprocal, computed once for each
-    divisor, as division is what costs most.
+    Numbers have the type ``kind``.  With vectors V a quotient is a product with the reciprocal, computed once for each
+    divisor.
     """
     inputs = [[x.name() for x in ca.vertsplit(f.sx_in(i))] for i in range(f.n_in())]
     uses = _uses(f)
-    values: dict[int, _Text] = {}  # what each place of CasADi's work vector holds now
+    values: dict[int, _Text] = {}  # present value of each entry of CasADi's work vector
     results: dict[tuple[int, ...], str] = {}
     reciprocals: dict[str, _Text] = {}
     lines: list[str] = []
@@ -87,24 +87,24 @@ def statements(f: ca.Function, kind: str = "double") -> tuple[list[str], list[st
         if operation == ca.OP_CONST:
             value = f.instruction_constant(k)
             text = "PI" if value == math.pi else _INFINITE.get(value, repr(value))
-            made = _Text(text, _SIGN if value < 0 else _ATOM)
+            expression = _Text(text, _SIGN if value < 0 else _ATOM)
         elif operation == ca.OP_INPUT:
-            made = _Text(inputs[sources[0]][sources[1]], _ATOM)
+            expression = _Text(inputs[sources[0]][sources[1]], _ATOM)
         else:
             operands = [values[s] for s in sources]
             if kind == "V" and operation in (ca.OP_DIV, ca.OP_INV):
                 *above, below = operands
-                made = _expression(ca.OP_MUL, [*above, reciprocal(below)], kind) if above else reciprocal(below)
+                expression = _expression(ca.OP_MUL, [*above, reciprocal(below)], kind) if above else reciprocal(below)
             else:
-                made = _expression(operation, operands, kind)
-            if (uses[k] > 1 or len(made.text) > _LONG) and not made.value and operation != ca.OP_NOT:
-                made = named(made.text)
-        values[target[0]] = made
-    return lines, [results[place] for place in sorted(results)]
+                expression = _expression(operation, operands, kind)
+            if (uses[k] > 1 or len(expression.text) > _LONG) and not expression.value and operation != ca.OP_NOT:
+                expression = named(expression.text)
+        values[target[0]] = expression
+    return lines, [results[index] for index in sorted(results)]
 
 
 def is_number(text: str) -> bool:
-    """Whether an expression is a number as it stands."""
+    """Return whether the text of an expression is a plain number."""
     return re.fullmatch(r"-?[\d.]+(e[-+]\d+)?", text) is not None
 
 
@@ -135,10 +135,10 @@ def _expression(operation: int, operands: Sequence[_Text], kind: str) -> _Text:
         condition, value = (x.within(_COMPARISON) for x in operands)
         return _Text(f"{condition} ? {value} : 0.0", _CHOICE, condition, value)
     left, right = operands
-    if operation in _LOGICAL:  # compilers want brackets where both meet
+    if operation in _LOGICAL:  # compilers warn without brackets where both meet
         return _Text(f"{left.within(_COMPARISON)} {_LOGICAL[operation]} {right.within(_COMPARISON)}", _LOGIC)
     if left.value and right.value:
         return _Text(f"{left.condition} ? {left.value} : {right.value}", _CHOICE)
     sign, binds = _OPERATORS[operation]
-    # the right side is computed first
+    # the right side binds tighter, as it is computed first
     return _Text(f"{left.within(binds)} {sign} {right.within(binds + 1)}", binds)

@@ -1,7 +1,7 @@
-"""C functions of the formulas that ``formulas`` lists, and structures that go with them: the header formulas.h.
+"""C functions of the formulas that ``formulas`` lists, with their structures and constants: the header formulas.h.
 
-A formula is traced with a CasADi symbol for each number that it takes.  CasADi's simplifications are switched off
-meanwhile: the C does the same operations in the same order as Python, and gives the same bits where libm does.
+A formula is traced with a CasADi symbol for each of its numbers.  CasADi's simplifications are switched off meanwhile:
+the C does the same operations in the same order as Python, and gives the same bits where libm does.
 """
 
 import re
@@ -42,7 +42,7 @@ static inline double smaller(double x, double y) {
 
 
 class Argument(NamedTuple):
-    """A parameter of a prototype: constant or not, type, name and lengths, () for a number."""
+    """Parameter of a prototype: constant or not, type, name and lengths, () for a number."""
 
     constant: bool
     kind: str
@@ -57,7 +57,7 @@ def formulas() -> dict[str, Callable[..., Any]]:
 
 
 def formulas_code() -> str:
-    """The text of formulas.h."""
+    """Return the text of formulas.h."""
     structures = map(_definition, DEFINED_HERE)
     functions = (function_code(prototype, formula) for prototype, formula in formulas().items())
     constants = "".join(f"#define {name} {_value(value)}\n" for name, value in CONSTANTS.items())
@@ -77,25 +77,25 @@ def _definition(kind: type[Any]) -> str:
 
 
 def shape_of(hint: Any) -> tuple[int, ...]:
-    """() of a number, lengths of a tuple of numbers or of tuples alike."""
+    """Return () for a number, or the lengths of a nested tuple of numbers."""
     parts = get_args(hint) if get_origin(hint) is tuple else ()
     return (len(parts), *shape_of(parts[0])) if parts else ()
 
 
 def function_code(prototype: str, formula: Callable[..., Any]) -> str:
-    """The C function of a formula."""
+    """Return the C function of a formula."""
     match = re.fullmatch(r"(\w+) \w+\((.*)\)", prototype)
     assert match, prototype
     result, arguments = match[1], [argument_of(text) for text in match[2].split(", ")]
-    given = arguments[:-1] if result == "void" else arguments
+    parameters = arguments[:-1] if result == "void" else arguments
     with no_simplification():
-        symbols = [symbols_of(argument) for argument in given]
-        inputs = [x for s in symbols for x in _numbers(s)]  # before objects keep results of the formula
+        symbols = [symbols_of(argument) for argument in parameters]
+        inputs = [x for s in symbols for x in _numbers(s)]  # before the formula stores results in the objects
         lines, texts = statements(ca.Function("formula", inputs, _numbers(formula(*symbols))))
     if result == "void":
         taker = arguments[-1]
-        places = product(*map(range, taker.shape))
-        lines += [f"{taker.name}{''.join(f'[{k}]' for k in at)} = {x};" for at, x in zip(places, texts, strict=True)]
+        indices = product(*map(range, taker.shape))
+        lines += [f"{taker.name}{''.join(f'[{k}]' for k in at)} = {x};" for at, x in zip(indices, texts, strict=True)]
     elif result == "double":
         lines += [f"return {texts[0]};"]
     else:
@@ -105,7 +105,7 @@ def function_code(prototype: str, formula: Callable[..., Any]) -> str:
 
 
 def _prototype(written: str) -> str:
-    """The prototype in C of a function as ``FORMULAS`` has it."""
+    """Return the prototype in C of a function as written in ``FORMULAS``."""
     match = re.fullmatch(r"(?:(\w+) )?(\w+)\((.*)\)", written)
     assert match, written
     result, arguments = match[1] or "double", [_declared(text) for text in match[3].split(", ")]
@@ -115,7 +115,7 @@ def _prototype(written: str) -> str:
 
 
 def _declared(written: str) -> str:
-    """The declaration of an argument."""
+    """Return the declaration of an argument."""
     kind, _, name = written.rpartition(" ")
     kind = kind or {re.sub(r"\B([A-Z])", r"_\1", kind).lower(): kind for kind in STRUCTURES}.get(name, "double")
     if kind != "double":
@@ -124,14 +124,14 @@ def _declared(written: str) -> str:
 
 
 def argument_of(text: str) -> Argument:
-    """The argument that a prototype declares by ``text``."""
+    """Return the argument that a prototype declares by ``text``."""
     match = re.fullmatch(r"(const )?(\w+) \*?(\w+)((?:\[\d+\])*)", text)
     assert match, text
     return Argument(bool(match[1]), match[2], match[3], tuple(int(n) for n in re.findall(r"\d+", match[4])))
 
 
 def symbols_of(argument: Argument) -> Any:
-    """Arguments of the formula: symbols with the names that the numbers have in C."""
+    """Return an argument of the formula: symbols with the names of its numbers in C."""
     if argument.kind != "double":
         return structure_at(STRUCTURES[argument.kind], f"{argument.name}->")
     return _array(argument.name, argument.shape)
@@ -155,20 +155,20 @@ def structure_at(kind: type[Any], prefix: str) -> Any:
             values[name] = structure_at(hint, f"{prefix}{name}.")
     if issubclass(kind, tuple):
         return kind(**values)
-    symbolic = object.__new__(kind)  # its checks are for numbers
+    symbolic = object.__new__(kind)  # skip checks, which are for numbers
     vars(symbolic).update(values)
     return symbolic
 
 
 def _numbers(x: Any) -> list[ca.SX]:
-    """The numbers of tuples, of objects and of these nested."""
+    """Return the numbers in tuples and objects, nested ones included."""
     if isinstance(x, ca.SX | float):
         return [ca.SX(x)]
     return [number for part in (x if isinstance(x, tuple) else vars(x).values()) for number in _numbers(part)]
 
 
 def _initializer(kind: type[Any], texts: list[str]) -> str:
-    """The members of ``kind`` in braces."""
+    """Return the members of ``kind`` in braces."""
     rest = iter(texts)
 
     def member(shape: tuple[int, ...]) -> str:

@@ -1,7 +1,4 @@
-"""Formulas of the rope that C has from Python as they stand, with their structures and constants.
-
-``formula_functions`` prints them.
-"""
+"""List of the formulas, structures and constants that C takes from Python; ``formula_functions`` prints them."""
 
 from collections.abc import Callable
 from itertools import accumulate
@@ -16,7 +13,7 @@ from rope_model.physics import (
     air_element,
     contact,
     contact_error,
-    contact_places,
+    contact_points,
     curved_element,
     element,
     elementary,
@@ -52,19 +49,19 @@ from rope_model.simulation.state import EnergyBalance
 from rope_model.simulation.stepping import events, hang, statics, stepping
 from rope_model.solver_parameters import Solver
 
-#: C function -> formula: what is not typed is a number, an array of numbers, or the structure of that name.  The last
-#: argument of a void function takes the numbers of a formula that returns several
+#: C function -> formula.  An untyped parameter is a number, an array of numbers, or the structure of its name.  The
+#: last parameter of a void function receives the results
 FORMULAS: dict[str, Callable[..., Any]] = {
     "dot(a[3], b[3])": elementary.dot,
     "void conveyance_load(q[7], f[7], torque, load[6])": frame.conveyance_load,
     "right_offset(left[3], right[3])": ends.right_offset,
-    "Path path_resting(t, EndMotion at)": EndPath.at_rest,
-    "InputFilter filter_resting(t, EndMotion at)": InputFilter.at_rest,
+    "Path path_resting(t, EndMotion motion)": EndPath.at_rest,
+    "InputFilter filter_resting(t, EndMotion motion)": InputFilter.at_rest,
     "FilterSettings filter_settings(scene, trusted)": input_filter.filter_settings,
-    "InputFilter filter_sample(InputFilter now, FilterSettings settings, given_at, h, EndMotion end)": filter_sample,
-    "Path filter_path(path, InputFilter now, stop, bandwidth)": input_filter.filter_path,
-    "void filter_limits(path, InputFilter now, limits[14])": input_filter.filter_limits,
-    "InputFilter add_misfit(InputFilter now, path, FilterSettings settings, rope, leg)": misfit.add_misfit,
+    "InputFilter filter_sample(InputFilter state, FilterSettings settings, given_at, h, EndMotion end)": filter_sample,
+    "Path filter_path(path, InputFilter state, stop, bandwidth)": input_filter.filter_path,
+    "void filter_limits(path, InputFilter state, limits[14])": input_filter.filter_limits,
+    "InputFilter add_misfit(InputFilter state, path, FilterSettings settings, rope, leg)": misfit.add_misfit,
     "void lean_moves(h, ahead, lean, moved[3])": input_filter.lean_moves,
     "void sample_moves(FilterSettings settings, h, ahead, sample[3], moved[3])": input_filter.sample_moves,
     "Path path_coasting(path, t)": EndPath.at_constant_acceleration,
@@ -77,16 +74,16 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "EndMotion partly_placed(scene, EndMotion own, EndMotion other, sense, part)": ends.partly_placed,
     "void suspension_points(layout, EndMotion left, EndMotion right, points[2][3])": outline.suspension_points,
     "void node_values(xi, l, nodes[14], values[7])": hermite.node_values,
-    "void missing_load(start, stop, s, l, old_s, old_l, old[14], now[14], load[14])": hermite.missing_load,
+    "void missing_load(start, stop, s, l, old_s, old_l, old[14], new[14], load[14])": hermite.missing_load,
     "void hermite_shape_functions(xi, l, N[4])": hermite.shape_functions,
     "void hermite_products(l, products[10])": hermite.shape_products,
     "hermite_integral(l, r1, s1, r2, s2)": hermite.integral,
     "hermite_integral_to(xi, l, r1, s1, r2, s2)": hermite.integral_to,
-    "place_on_rope(bottom, reach, part, loop)": outline.place,
+    "place_on_rope(bottom, reach, fraction, loop)": outline.sample_s,
     "least_squared_distance(a[6], b[6])": outline.least_squared_distance,
     "squared_distance(point[3], start[3], along[3])": outline.squared_distance,
     "void middle_of(length, a[6], b[6], middle[6])": outline.middle,
-    "void place_between(part, length, a[6], b[6], place[3])": outline.place_between,
+    "void place_between(xi, length, a[6], b[6], point[3])": outline.position_at,
     "turns_of(yaw, line, passages)": outline.turns,
     "void enclosing_box(length, a[6], b[6], box[6])": outline.enclosing_box,
     "lowest_on(known, length, a, slope_a, b, slope_b)": outline.lowest,
@@ -100,28 +97,28 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "turn_about_y(before[2], after[2])": outline.turn,
     "body_distance(point[3], body)": shaft.distance,
     "body_least_distance(point[3], extent[3], body)": shaft.least_distance,
-    "Touch touch(contact, diameter, body, moves[3], point[3], speed[3], cq, cv)": contact.touch,
-    "Probe contact_probe(place, l, a[6], b[6], diameter, body)": contact_places.probe,
-    "contact_turning(Probe start, Probe stop)": contact_places.turning,
-    "contact_reaching(Probe outer, inner, level)": contact_places.reaching,
-    "void contact_point(part, weight, start, stop, point[2])": contact_places.point_in,
-    "places_of(l, diameter)": rope_on_rope.places,
-    "places_skipped(distance, diameter, weight, number)": rope_on_rope.places_skipped,
-    "most_places(length, elements, diameter)": rope_on_rope.most_places,
-    "nearer_place(xi, l, point[3], a[6], b[6])": rope_on_rope.nearer_place,
-    "Touch self_contact_law(contact, diameter, separation[3], speed[3], cq, cv)": rope_on_rope.self_contact_law,
-    "part_of_time(start, stop, t)": point_forces.part_of_time,
-    "void point_load(place[3], force[3], load[6])": point_forces.point_load,
+    "Touch touch(contact, diameter, body, body_velocity[3], point[3], velocity[3], cq, cv)": contact.touch,
+    "Probe contact_probe(xi, l, a[6], b[6], diameter, body)": contact_points.probe,
+    "contact_turning(Probe start, Probe stop)": contact_points.turning,
+    "contact_reaching(Probe outer, inner, level)": contact_points.reaching,
+    "void contact_point(part, weight, start, stop, point[2])": contact_points.point_in,
+    "places_of(l, diameter)": rope_on_rope.number_of_points,
+    "places_skipped(distance, diameter, spacing, number)": rope_on_rope.points_skipped,
+    "most_places(length, elements, diameter)": rope_on_rope.most_points,
+    "nearer_place(xi, l, point[3], a[6], b[6])": rope_on_rope.nearer_xi,
+    "Touch self_contact_law(contact, diameter, separation[3], velocity[3], cq, cv)": rope_on_rope.self_contact_law,
+    "part_of_time(start, stop, t)": point_forces.time_fraction,
+    "void point_load(point[3], force[3], load[6])": point_forces.point_load,
     "largest_motion(longest, q[6], before[6])": contact.largest_motion,
     "correction_motion(corrections, longest, shortest)": contact.correction_motion,
     "AirLaw air_law(air, diameter, spacing)": air.air_law,
     "wire_stiffness(rope)": wire_friction.wire_stiffness,
     "slip_curvature(rope, stiffness, e, tau)": wire_friction.slip_curvature,
     "void section_at(xi, l, nodes[14], section[7])": wire_friction.section_at,
-    "Slid wire_slide(before[10], now[7], k0)": wire_friction.slide,
+    "Slid wire_slide(before[10], after[7], k0)": wire_friction.slide,
     "most_curvature(rope)": initial_curvature.most_curvature,
-    "void curvature_components(rope, s, l, found[6])": initial_curvature.curvature_components,
-    "void curvature_vectors(components[6], l, nodes[14], start[3], found[12])": initial_curvature.curvature_vectors,
+    "void curvature_components(rope, s, l, components[6])": initial_curvature.curvature_components,
+    "void curvature_vectors(components[6], l, nodes[14], start[3], vectors[12])": initial_curvature.curvature_vectors,
     "Body lining_body(lining)": shaft.lining,
     "Body conveyance_body(conveyance, end[3])": shaft.conveyance,
     "Body head_ropes_body(head_ropes, conveyance, end[3])": shaft.head_ropes,
@@ -135,7 +132,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "void material_values(rope, torsional, strains[3], values[4])": stress.material_values,
     f"void element_parameters(rope, gravity, P[{len(element.PARAMETERS)}])": element.parameters,
     "EnergyBalance with_energies(energy_balance, balance[7], double contact)": energy_balance.with_energies,
-    "EnergyBalance account_of_step(energy_balance, h, before[2], now[2], losses[4], wires, double air)": (
+    "EnergyBalance account_of_step(energy_balance, h, before[2], after[2], losses[4], wires, double air)": (
         energy_balance.after_step
     ),
     "energy_total(energy_balance)": energy_balance.total,
@@ -149,24 +146,24 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "Hanging hanging_shape(length, middle, width, cell)": hanging.hanging_shape,
     "void hanging_row(hanging, left[3], across[3], s, row[7])": hanging.node_row,
     "FittedMesh fit_elements(scene, loop_error, decades)": mesh_fit.fit_elements,
-    f"void faced_places(scene, left, right, places[{len(mesh.NOWHERE)}])": mesh_fit.faced_places,
+    f"void faced_places(scene, left, right, places[{len(mesh.NOWHERE)}])": mesh_fit.faced_positions,
     "void newton_coefficients(Coefficients method, h, c[3])": generalized_alpha.newton_coefficients,
     "void prediction_weights(Coefficients method, h, time_shift, ahead, w[6])": generalized_alpha.prediction_weights,
     "void auxiliary_weights(Coefficients method, time_shift, weights[4])": generalized_alpha.auxiliary_weights,
     "recentring_time(Coefficients method, h, before)": generalized_alpha.recentring_time,
     "local_error(Coefficients method, h, change)": generalized_alpha.local_error,
-    "trial_place(bracket, width)": events.trial_place,
+    "trial_place(bracket, width)": events.trial_x,
     "Bracket narrowed(bracket, x, value)": events.narrowed,
     "relaxation(change, last)": statics.relaxation,
     "StepLimits step_limits(scene, ErrorSums sums, bottom, end_speed, error_constant)": accuracy.step_limits,
-    "ErrorSums add_errors(scene, ErrorSums sums, bottom, end_speed, h, constant, paces[2], place, force)": (
+    "ErrorSums add_errors(scene, ErrorSums sums, bottom, end_speed, h, constant, strain_tt[2], position, force)": (
         accuracy.add_errors
     ),
-    "step_error(StepLimits limits, h, place, strain)": accuracy.step_error,
+    "step_error(StepLimits limits, h, position_error, strain_error)": accuracy.step_error,
     "NextStep next_step(solver, h, step_next, error, rejected, t, calm_since)": accuracy.next_step,
     "most_work(interval, step_max)": stepping.most_work,
     "substeps(interval, step_next, steps_left)": accuracy.substeps,
-    "newton_may_leave(newton_tolerance, work_max, hasty)": accuracy.newton_may_leave,
+    "newton_may_leave(newton_tolerance, work_max, bounded_tolerance)": accuracy.newton_may_leave,
     "ContactSums add_contact(scene, ContactSums sums, h, pressures[6], longest)": contact_error.add_contact,
     "contact_error(ContactSums sums)": contact_error.contact_error,
     "with_contact_at_ends(error, ContactSums sums, time, force)": contact_error.with_contact_at_ends,
@@ -179,12 +176,12 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "void end_load(q[7], f[7], torque, load[6])": audit.end_load,
     "axial_share(rope, bottom, h)": audit.axial_share,
     "void audit_values(audit, values[6])": audit.signal_values,
-    "Audit audit_after_step(audit, Coefficients method, h, time_shift, load[6], force, change, share)": (
+    "Audit audit_after_step(audit, Coefficients method, h, time_shift, load[6], force, change, part)": (
         audit.after_step
     ),
     "Audit audit_after_interval(audit, h, mass, gravity, sums[9], about[3], residual, bend)": audit.after_interval,
 }
-#: results: structures that C has from here
+#: structures of results, which are generated for C
 DEFINED_HERE: tuple[type[Any], ...] = (
     inextensible.Flow,
     inextensible.Pull,
@@ -197,7 +194,7 @@ DEFINED_HERE: tuple[type[Any], ...] = (
     shaft.Body,
     air.AirLaw,
     contact.Touch,
-    contact_places.Probe,
+    contact_points.Probe,
     wire_friction.Slid,
     input_filter.FilterSettings,
 )
@@ -210,7 +207,7 @@ STRUCTURES: dict[str, type[Any]] = {
         *DEFINED_HERE,
     )
 } | {"Path": EndPath}
-#: numbers of the formulas and of the control flow: what their names in C have before those in Python, module, names
+#: constants of formulas and control flow: prefix of their names in C, module, names
 _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
     ("", accuracy, "ACCEPT_BELOW STEP_WORK BOUNDED_STEP_ERROR BOUNDED_MESH_ERROR"),
     ("", adaptation, "RELAXATION_TIME"),
@@ -226,13 +223,13 @@ _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
     ("", mesh_pattern, "DUE_EARLY WINDOW WINDOW_PARTS WINDOW_DUE"),
     ("", paths, "RESTS_BELOW"),
     ("", rigid, "SETTLING_TIME DIFFERENCE"),
-    ("", rope_on_rope, "MOST_PLACES LEAST_ARC MOST_STRANDS CORRECTIONS"),
+    ("", rope_on_rope, "LEAST_ARC MOST_STRANDS CORRECTIONS"),
     ("", shaft_search, "RESOLUTION TURNED_FAR LOOK_EVERY"),
     ("", simulator, "FARTHEST_START MOST_STEPS"),
     ("", statics, "SETTLED BALANCED REST_TOLERANCE"),
-    ("", switching, "EVENT_WIDTH"),
+    ("", switching, "EVENT_WIDTH CHATTER_TIME"),
     ("", warning_rules, "YAWED_FAR"),
-    ("CONTACT_", contact_places, "CELLS HALVINGS STEPS LEVELS PARTS WEIGHTS"),
+    ("CONTACT_", contact_points, "CELLS HALVINGS STEPS LEVELS PARTS WEIGHTS"),
     ("GRADIENT_", coupled_newton, "STEPS LEFT"),
     ("NEWTON_", newton, "SMOOTH KINKED HUGE UNKNOWN GOOD SMALL"),
     ("WIRE_", wire_element, "HISTORY LATEST"),
@@ -249,11 +246,11 @@ CONSTANTS: dict[str, float | tuple[Any, ...]] = {
     **{status.name: status.code for status in newton.NewtonStatus},
     **{f"P_{name.upper()}": k for k, name in enumerate(element.PARAMETERS)},
     "FAR": FAR,
-    "CHATTER_TIME": switching.CHATTER[1],
     "MESH_LATEST": mesh.LATEST,
     "PLACES_FACED": len(mesh.NOWHERE),
     "SETTLING_TOLERANCE": rigid.NEWTON_TOLERANCE,
     "WIRE_CELLS": (0.0, *accumulate(element.WEIGHTS)),
+    "MOST_PLACES": rope_on_rope.MOST_POINTS,
     "PROBES": len(rope_on_rope.PROBES),
     "PROBE_PLACES": rope_on_rope.PROBES,
     "DIRECTOR_START": initial_curvature.START,
@@ -264,5 +261,5 @@ CONSTANTS: dict[str, float | tuple[Any, ...]] = {
     "NEWTON_TEXTS": tuple(status.text for status in newton.NewtonStatus),
     "INPUT_ORDERS": tuple(order for order, _ in sensitivity.INPUTS.values()),
     "INPUT_DOFS": tuple(dof for _, dof in sensitivity.INPUTS.values()),
-    "CONTACT_POINTS": len(contact_places.PARTS),
+    "CONTACT_POINTS": len(contact_points.PARTS),
 }

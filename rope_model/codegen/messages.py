@@ -1,7 +1,7 @@
 """C text of the rope's messages: the header messages.h.
 
-Each text of simulation's messages, fidelity_messages and warning_messages becomes a format of printf: a number is
-written by text.h as Python writes it.
+Each text of simulation's messages, fidelity_messages and warning_messages becomes a format of printf; text.h writes
+numbers as Python does.
 """
 
 import re
@@ -34,7 +34,7 @@ def texts() -> dict[str, Text]:
 
 
 def messages_code() -> str:
-    """The text of messages.h."""
+    """Return the text of messages.h."""
     return _HEAD + "\n".join(_function(name, text) for name, text in texts().items()) + "\n#endif\n"
 
 
@@ -42,8 +42,8 @@ def _function(name: str, text: Text) -> str:
     declared = "".join(f", {_TYPES[kind]}{value}" for value, kind in text.kinds.items())
     form, values = "", ""
     for before, value, spec in text.parts:
-        conversion, given = _conversion(value, spec, text.kinds[value]) if value else ("", "")
-        form, values = f"{form}{before.replace('%', '%%')}{conversion}", f"{values}{given}"
+        conversion, argument = _conversion(value, spec, text.kinds[value]) if value else ("", "")
+        form, values = f"{form}{before.replace('%', '%%')}{conversion}", f"{values}{argument}"
     return (
         f"static inline int say_{name}(char *message{declared}) {{\n"
         f"    snprintf(message, MESSAGE, {c_string(form)}{values});\n    return 0;\n}}\n"
@@ -51,10 +51,10 @@ def _function(name: str, text: Text) -> str:
 
 
 def _conversion(value: str, spec: str, kind: type[float | str]) -> tuple[str, str]:
-    """Return printf's format for a value, and its argument behind a comma."""
+    """Return printf's format for a value, and its argument after a comma."""
     if kind is str:
         return f"%{spec.rstrip('s')}s", f", {value}"
-    if kind is int or spec == ".0f":  # no point that a locale could change
+    if kind is int or spec == ".0f":  # no decimal point, which depends on the locale
         return f"%{spec}", f", {value}"
     if not spec:
         return "%s", f", EXACT({value})"

@@ -1,7 +1,7 @@
-"""The platforms that native code is made for, and the libraries that an installed package brings for them.
+"""Platforms of native code, and the libraries for them in an installed package.
 
-A library that came with the package has the hash of its sources in its name: it is taken for these sources only.  In
-a checkout there is none.
+A library in the package has the hash of its sources in its name and is used for these sources only.  A checkout has
+none.
 """
 
 import hashlib
@@ -14,15 +14,15 @@ from typing import NamedTuple
 
 
 class Platform(NamedTuple):
-    """Name of the target for ziglang, of its folder in FMI 2.0, and ending of its libraries."""
+    """Target of ziglang, folder in FMI 2.0, and suffix of libraries."""
 
     target: str
     folder2: str
     suffix: str
 
 
-#: FMI 3.0's names of the platforms.  FMI 2.0 has none for aarch64: on Linux the name of FMI 3.0 serves there too, on
-#: macOS the two processors share one library
+#: platforms by their names in FMI 3.0. FMI 2.0 has none for aarch64: on Linux it takes the name of FMI 3.0, on macOS
+#: both processors share one library
 PLATFORMS: dict[str, Platform] = {
     "x86_64-linux": Platform("x86_64-linux-gnu.2.17", "linux64", ".so"),
     "aarch64-linux": Platform("aarch64-linux-gnu.2.17", "aarch64-linux", ".so"),
@@ -35,15 +35,15 @@ _SYSTEMS = {"win32": "windows"}
 
 
 def host_platform() -> str:
-    """FMI 3.0's name of the platform that this Python runs on."""
+    """Return FMI 3.0's name of the platform that this Python runs on."""
     processor = platform.machine().lower()
     return f"{_PROCESSORS.get(processor, processor)}-{_SYSTEMS.get(sys.platform, sys.platform)}"
 
 
 def prebuilt_file(package: Path, sources: Mapping[str, str], identifier: str, name: str) -> Path:
-    """Return the path of the library of these sources (text by file name) for the platform ``name`` in ``package``.
+    """Return the path in ``package`` of the library of these sources (text by file name) for the platform ``name``.
 
-    The headers of FMI do not count: FMPy brings them, and another version of it may word their comments otherwise.
+    The headers of FMI do not count: they come with FMPy, and versions of it may differ in their comments.
     """
     own = (item for item in sorted(sources.items()) if not re.fullmatch(r"fmi[23]\w+\.h", item[0]))
     parts = (part for item in own for part in item)
@@ -53,13 +53,13 @@ def prebuilt_file(package: Path, sources: Mapping[str, str], identifier: str, na
 
 
 def prebuilt_platforms(package: Path) -> set[str]:
-    """The platforms that ``package`` brings libraries for."""
+    """Return the platforms for which ``package`` contains libraries."""
     files = [path.name for path in (package / "prebuilt").glob("*")]
     return {name for name in PLATFORMS if any(f"-{name}-" in file for file in files)}
 
 
 def text_hash(package: Path) -> str:
-    """Hash of a package's Python text; with another one, its files are generated anew."""
+    """Return the hash of a package's Python text; generated files belong to one hash."""
     digest = hashlib.sha256()
     for path in sorted(package.rglob("*.py")):
         digest.update(f"{path.relative_to(package).as_posix()}\0{path.read_text(encoding='utf-8')}\0".encode())

@@ -1,7 +1,7 @@
-"""C text of formulas of scene and state: tables of rules and conditions in rules.h, signals in state_signals.h.
+"""C text of rules and conditions (rules.h) and of state signals (state_signals.h), which read whole structures.
 
-A formula is called with symbols that stand for the facts its parameters name, as in codegen.formula_functions; but a
-fact is a whole structure, with integers and choices, and only members that the formula reads become text.
+A formula is called with symbols for the facts that its parameters name, as in codegen.formula_functions.  A fact is a
+whole structure, with integers and choices; only members that the formula reads become text.
 """
 
 import ctypes
@@ -36,9 +36,10 @@ from rope_model.simulation.messages.text import Text
 from rope_model.simulation.outputs.state_signals import remembered
 from rope_model.simulation.state import RopeState
 
-#: tables by their name in C behind tell_: each gives whether a case applied
+#: rules of each warning that numbers decide
 BY_NUMBERS = {name: warning.args[0] for name, warning in WARNINGS.items() if isinstance(warning, partial)}
 BY_NUMBERS["extrapolation"] = warning_rules.LONG_EXTRAPOLATION
+#: tables by their name in C behind tell_: each returns whether a case applied
 TABLES: dict[str, Rules] = BY_NUMBERS | {
     "touching_legs": warning_rules.LEG_CONTACT,
     "torque_source": warning_rules.TORQUE_SOURCE,
@@ -82,7 +83,7 @@ _HEAD = """\
 #include "formulas.h"
 #include "messages.h"
 """
-#: facts that are structures, and their names in C where these differ
+#: types of the facts that are structures, by parameter
 _STRUCTURES: dict[str, type[Any]] = {
     "scene": Scene,
     "shaft": Shaft,
@@ -90,31 +91,32 @@ _STRUCTURES: dict[str, type[Any]] = {
     "left": EndMotion,
     "right": EndMotion,
     "swivel": Swivel,
-    "now": SwivelState,
+    "swivel_state": SwivelState,
     "end_filter": InputFilter,
 }
 _NAMES = {text: name for name, text in texts().items()}
+#: names of structures in C, where they differ
 _IN_C: dict[type[Any], str] = {RopeState: "State"}
-#: members that C has under another name
+#: names of members in C, where they differ
 _MEMBERS = {"left": "swivels[LEFT]", "right": "swivels[RIGHT]"}
 
 
 class _Fact(NamedTuple):
-    """A parameter in C, and the symbols that a formula takes for it."""
+    """Parameter in C, and the symbols that a formula takes for it."""
 
     declared: str
     symbols: Any
 
 
 def rules_code() -> str:
-    """The text of rules.h."""
+    """Return the text of rules.h."""
     with no_simplification():
         tables = (_table(*item) for item in TABLES.items())
         return "\n".join((_HEAD, *map(_number, NUMBERS), *tables, _warnings(), "#endif\n"))
 
 
 def state_signals() -> str:
-    """The text of state_signals.h: the signals of simulation.outputs.state_signals."""
+    """Return the text of state_signals.h: the signals of simulation.outputs.state_signals."""
     values = remembered(_members_at(StateStructure, "state->"))
     with no_simplification():
         lines, texts = texts_of([*values.values()])
@@ -127,7 +129,7 @@ def state_signals() -> str:
 
 
 def _warnings() -> str:
-    """The numbers of the warnings, and a function for those that are tables."""
+    """Return the numbers of the warnings, and a function for those that are tables."""
     names = ", ".join(name.upper() for name in WARNINGS | BY_NUMBERS)
     cases = "".join(
         f"    case {name.upper()}:\n        return tell_{name}(scene, state, message);\n" for name in BY_NUMBERS
@@ -151,33 +153,33 @@ def _fact(name: str) -> _Fact:
 
 
 def _symbols(kind: type[Any], prefix: str) -> Any:
-    """An object like one of ``kind``, without members that have another form in C."""
+    """Return an object like one of ``kind`` with symbols, without members that have another form in C."""
     values: dict[str, Any] = {}
     for name, hint in get_type_hints(kind).items():
-        place = prefix + (_MEMBERS.get(name, name) if kind is Scene else name)
+        expression = prefix + (_MEMBERS.get(name, name) if kind is Scene else name)
         if hint in (float, int):
-            values[name] = ca.SX.sym(place)
+            values[name] = ca.SX.sym(expression)
         elif get_origin(hint) is Literal or (isinstance(hint, type) and issubclass(hint, Enum)):
-            values[name] = Word(place, name)
+            values[name] = Word(expression, name)
         elif name == "counts" and get_origin(hint) is tuple:
-            values[name] = _members_at(c_int * len(get_args(hint)), place)
+            values[name] = _members_at(c_int * len(get_args(hint)), expression)
         elif isinstance(hint, type) and hint is not str:
-            values[name] = _symbols(hint, f"{place}.")
+            values[name] = _symbols(hint, f"{expression}.")
     if issubclass(kind, tuple):
         return SimpleNamespace(**values)
-    symbolic = object.__new__(kind)  # its properties are formulas
+    symbolic = object.__new__(kind)  # properties of the class are formulas
     vars(symbolic).update(values)
     return symbolic
 
 
-def _members_at(kind: Any, place: str) -> Any:
-    """Symbols for the numbers of a structure, or of an array, at this place in C."""
+def _members_at(kind: Any, expression: str) -> Any:
+    """Return symbols for the numbers of a structure or array with the expression ``expression`` in C."""
     if issubclass(kind, ctypes.Structure):
-        place += "" if place.endswith("->") else "."
-        return SimpleNamespace(**{name: _members_at(of, f"{place}{name}") for name, of in kind._fields_})
+        expression += "" if expression.endswith("->") else "."
+        return SimpleNamespace(**{name: _members_at(part, f"{expression}{name}") for name, part in kind._fields_})
     if issubclass(kind, ctypes.Array):
-        return tuple(_members_at(kind._type_, f"{place}[{k}]") for k in range(kind._length_))
-    return ca.SX.sym(place if kind is ctypes.c_double else f"(double){place}")
+        return tuple(_members_at(kind._type_, f"{expression}[{k}]") for k in range(kind._length_))
+    return ca.SX.sym(expression if kind is ctypes.c_double else f"(double){expression}")
 
 
 def _facts_of(formula: Callable[..., Any]) -> dict[str, _Fact]:
@@ -203,17 +205,17 @@ def _table(name: str, rules: Rules) -> str:
 
 
 def _rule(message: Text, formula: Callable[..., tuple[Any, ...]], facts: Mapping[str, _Fact]) -> str:
-    """A block that gives the message where it applies."""
-    found = formula(*(fact.symbols for fact in facts.values()))
-    lines, texts = _texts([x for x in found if not isinstance(x, Word)])
-    applies, *numbers = (f"fidelity_name({x.text})" if isinstance(x, Word) else texts.pop(0) for x in found)
-    given = [f"(int)({x})" if kind is int else x for x, kind in zip(numbers, message.kinds.values(), strict=True)]
-    call = f"return !say_{_NAMES[message]}({', '.join(('message', *given))});"
+    """Return a block that writes the message if it applies."""
+    results = formula(*(fact.symbols for fact in facts.values()))
+    lines, texts = _texts([x for x in results if not isinstance(x, Word)])
+    applies, *numbers = (f"fidelity_name({x.text})" if isinstance(x, Word) else texts.pop(0) for x in results)
+    arguments = [f"(int)({x})" if kind is int else x for x, kind in zip(numbers, message.kinds.values(), strict=True)]
+    call = f"return !say_{_NAMES[message]}({', '.join(('message', *arguments))});"
     body = "".join(f"        {line}\n" for line in (*lines, f"if ({applies}) {call}"))
     return f"    {{\n{body}    }}\n"
 
 
 def _texts(values: list[Any]) -> tuple[list[str], list[str]]:
-    """Lines that name repeated terms, and the expressions of the values."""
+    """Return lines that name repeated terms, and the texts of the values."""
     shared = ca.cse(ca.vertcat(*values))
     return statements(ca.Function("case", ca.symvar(shared), ca.vertsplit(shared)))

@@ -1,7 +1,7 @@
-"""Layout of the state in memory, for ctypes and for C: structures, and the arrays behind them.
+"""Memory layout of the state, for ctypes and for C (state.h): structures, and the arrays behind them.
 
-A class is the structure, its docstring the comment in C; a part of RopeState has a structure like its named tuple.  The
-header state.h is printed from here.
+A class is a structure, its docstring the comment in C; a part of RopeState has a structure with the members of its
+named tuple.
 """
 
 import ctypes
@@ -13,15 +13,17 @@ from typing import Any, get_args, get_origin, get_type_hints
 from rope_model.physics.guard import CAUSES
 from rope_model.physics.shaft import KINDS
 from rope_model.simulation.ends.ends import Phase, SwivelState
-from rope_model.simulation.ends.switching import CHATTER
+from rope_model.simulation.ends.switching import CHATTER_EVENTS
 from rope_model.simulation.mesh.partition import NOWHERE
 from rope_model.simulation.state import Counts, RopeState
 from rope_model.simulation.wires import NO_MEMORY
 
-MESSAGE, SEGMENTS, CHATTER_EVENTS, LOGGED_EVENTS = 512, 7, CHATTER[0], 128
+MESSAGE = 512  #: bytes of a message
+SEGMENTS = 7  #: segments of TMN-ETM
+LOGGED_EVENTS = 128  #: largest number of events of an advance in the state
 #: kinds of events
 HAPPENINGS = ("transformed", "sticks", "slips_forward", "slips_back", "raised")
-#: arrays of the nodes, 7 numbers each; behind them the lengths of the elements and the arc lengths of the nodes
+#: arrays of the nodes, 7 numbers each; behind them are element lengths and arc lengths of the nodes
 ARRAYS = ("q", "v", "a", "b", "a_rate", "reaction")
 _NUMBERS: dict[Any, str] = {c_double: "double", c_int: "int", c_int64: "int64_t", c_char: "char"}
 
@@ -32,12 +34,12 @@ class SwivelStateStructure(Structure):
     _fields_ = (("angle", c_double), ("sign", c_double), ("phase", c_int), ("unused", c_int))
 
 
-#: structures of the parts of RopeState that StateStructure has
+#: structures of the parts of RopeState in StateStructure
 PARTS: dict[Any, type[Structure]] = {SwivelState: SwivelStateStructure}
 
 
 def _type_of(hint: Any) -> Any:
-    """The type of a member of a named tuple: numbers, other named tuples, and tuples of one of them."""
+    """Return the type of a member of a named tuple: a number, another named tuple, or a tuple of one of them."""
     if get_origin(hint) is tuple:
         parts = get_args(hint)
         return _type_of(parts[0]) * (len(KINDS) if Ellipsis in parts else len(parts))
@@ -45,13 +47,13 @@ def _type_of(hint: Any) -> Any:
         return c_int64 if hint is int else c_double
     if hint not in PARTS:
         name, where = hint.__name__.removeprefix("End"), f"{hint.__module__}.{hint.__name__}."
-        members = [(member, _type_of(of)) for member, of in get_type_hints(hint).items()]
+        members = [(member, _type_of(part)) for member, part in get_type_hints(hint).items()]
         PARTS[hint] = type(f"{name}Structure", (Structure,), {"__doc__": where, "_fields_": members})
     return PARTS[hint]
 
 
 class PatternStructure(Structure):
-    """The pattern of TMN-ETM; coarse = 0 for EEM."""
+    """Pattern of TMN-ETM; coarse = 0 for EEM."""
 
     _fields_ = (
         *(("coarse", c_double), ("grading_length", c_double), ("counts", c_int * SEGMENTS), ("end_levels", c_int)),
@@ -60,7 +62,7 @@ class PatternStructure(Structure):
 
 
 class EventStructure(Structure):
-    """An event; which: side of the swivel, or the new fidelity."""
+    """Event; which: side of the swivel, or the new fidelity."""
 
     _fields_ = (("t", c_double), ("kinetic", c_double), ("potential", c_double), ("what", c_int), ("which", c_int))
 
@@ -68,17 +70,16 @@ class EventStructure(Structure):
 _HINTS = get_type_hints(RopeState)
 _OTHERS = ("motion", "partition", "fidelity", "fidelity_reason", "events", "powers", "hysteresis")
 _REAL = tuple(name for name, hint in _HINTS.items() if hint in (float, tuple[float, float]))
-#: members that RopeState has under the same name
+#: members of RopeState with the same name here
 ALIKE = tuple(name for name in RopeState._fields if name not in _OTHERS)
 
 
 class StateStructure(Structure):
-    """Complete state, and events of the last advance; the arrays lie behind it.
+    """Complete state, and events of the last advance, followed by the arrays.
 
-    state.c goes by this order: real numbers before the swivels, and from the energy balance to the counts.
-    rubs: whether the wires rub on each other, and remember z.
-    switchings: instants of the last swivel events of this advance, newest first.  switched and event_count end with the
-    room for events.
+    state.c depends on this order: real numbers before the swivels, and from the energy balance to the counts.  rubs:
+    true if the wires rub and have a z.  switchings: instants of the latest swivel events of this advance, newest first.
+    switched and event_count stop at the size of the arrays of events.
     """
 
     _fields_ = (
@@ -98,7 +99,7 @@ class StateStructure(Structure):
 
 
 def state_structures() -> str:
-    """The text of state.h."""
+    """Return the text of state.h."""
     names = [phase.name for phase in Phase], HAPPENINGS, KINDS
     phases, happenings, kinds = (", ".join(map(str.upper, words)) for words in names)
     parts: tuple[type[Structure], ...] = (*PARTS.values(), PatternStructure, EventStructure, StateStructure)
@@ -115,8 +116,8 @@ def state_structures() -> str:
 
 
 def structure_code(kind: type[Structure]) -> str:
-    """The definition in C of a structure."""
-    members = "".join(f"    {_member(field, of)};\n" for field, of in kind._fields_)  # type: ignore[misc]
+    """Return the definition of a structure in C."""
+    members = "".join(f"    {_member(field, member_type)};\n" for field, member_type in kind._fields_)  # type: ignore[misc]
     comment = f"/* {cleandoc(kind.__doc__)} */\n" if kind.__doc__ else ""
     return f"{comment}typedef struct {{\n{members}}} {_name_of(kind)};\n"
 
@@ -133,7 +134,7 @@ def _name_of(kind: type[Structure]) -> str:
 
 
 def _arrays_code() -> str:
-    """The arrays behind a state, and where they are."""
+    """Return the C text of the arrays behind a state."""
     steps = "".join(f"    x.{after} = x.{before} + size;\n" for before, after in pairwise((*ARRAYS, "lengths")))
     return f"""
 /* behind a state: nodes x DOF each, element lengths (elements), arc lengths of the nodes (nodes), and of a rope with

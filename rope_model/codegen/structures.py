@@ -1,7 +1,7 @@
-"""The structures of a scene and of motions for ctypes, made from the dataclasses that they mirror.
+"""Structures of scenes and end motions for ctypes, generated from their dataclasses.
 
-In C the real numbers of a group come first, then its integers, each in the order of the dataclass; a word is its place
-in the list of choices.  The kernels' form is Python's own business.
+In C the real numbers of a group come first, then its integers, each in the order of the dataclass; a word becomes its
+index in the list of choices.  The form of the kernels is left out.
 """
 
 import ctypes
@@ -14,28 +14,28 @@ from rope_model.shaft_parameters import PARTS, Shaft
 from rope_model.simulation.ends.paths import EndMotion
 
 NOT_IN_C = {"kernels"}
-#: types of parameters, of the data classes asked for so far
+#: cache of the parameters' types by data class
 _KNOWN: dict[Any, dict[str, Any]] = {}
 
 
 class Member(NamedTuple):
-    """A parameter in C."""
+    """Parameter in C."""
 
     name: str
-    real: bool  # a double, or an int
-    length: int = 0  # of an array
+    real: bool  # a double, else an int
+    length: int = 0  # length of an array, or 0
 
 
 def members(kind: type[Any]) -> tuple[Member, ...]:
-    """The members of a group's structure."""
+    """Return the members of a group's structure."""
     hints = _hints(kind).items()
     lengths = {name: len(get_args(hint)) if get_origin(hint) is tuple else 0 for name, hint in hints}
-    found = [Member(name, hint is float, lengths[name]) for name, hint in hints]
-    return tuple(sorted(found, key=lambda member: not member.real))
+    unsorted = [Member(name, hint is float, lengths[name]) for name, hint in hints]
+    return tuple(sorted(unsorted, key=lambda member: not member.real))
 
 
 def _hints(kind: type[Any]) -> dict[str, Any]:
-    """The types of the parameters that C has, by name."""
+    """Return the types of the parameters that C has, by name."""
     if kind not in _KNOWN:
         _KNOWN[kind] = {name: hint for name, hint in get_type_hints(kind).items() if name not in NOT_IN_C}
     return _KNOWN[kind]
@@ -58,7 +58,7 @@ class ShaftStructure(ctypes.Structure):
 
 
 _OF_SCENE: dict[Any, Any] = {**GROUPS, Shaft: ShaftStructure, Swivel: GROUPS[Swivel] * 2}
-_NAMES = {"left": "swivels", "right": "swivels"}  #: of the parts of a scene, where C has others
+_NAMES = {"left": "swivels", "right": "swivels"}  #: names of parts of a scene in C, where they differ
 
 
 class SceneStructure(ctypes.Structure):
@@ -74,7 +74,7 @@ class EndMotionStructure(ctypes.Structure):
 
 
 def scene_structure(scene: Scene) -> SceneStructure:
-    """The scene as C sees it."""
+    """Return the scene as a structure of C."""
     parts = {name: _fill(part) for name, part in vars(scene).items()}
     swivels = (GROUPS[Swivel] * 2)(parts.pop("left"), parts.pop("right"))
     return SceneStructure(swivels=swivels, **parts)

@@ -1,4 +1,4 @@
-"""Tables that the native rope takes from the Python one when it is built."""
+"""C text of the tables of signals and parameters: numbers, structures and checks."""
 
 import re
 from collections.abc import Iterator
@@ -28,14 +28,14 @@ from rope_model.solver_parameters import MOST_ELEMENTS, FidelityChoice
 from rope_model.texts import c_string
 
 _HEAD = "/* Generated from the parameters of rope_model by rope_model.codegen.tables. */\n"
-#: choices whose names in C are others
+#: choices with other names in C
 _SPELT = {"kind": "MESH"}
 
 
 def signal_numbers() -> str:
-    """The text of signal_numbers.h: the signals' numbers and groups, and the warning of each simplified model.
+    """Return the text of signal_numbers.h: the signals' numbers and groups, and the warning of each simplified model.
 
-    A number is the place in SIGNALS, a group the function of simulation.outputs.signals that computes the signal.
+    A number is the index in SIGNALS, a group the function of simulation.outputs.signals that computes the signal.
     """
     numbers = "".join(f"    {constant(name)},\n" for name in SIGNALS)
     functions = list(dict.fromkeys(map(group_of, SIGNALS)))
@@ -58,12 +58,12 @@ def signal_numbers() -> str:
 
 
 def constant(name: str) -> str:
-    """Name of a signal's number in C: SIGNAL_SHAPE_X_1 for ``shape.x[1]``."""
+    """Return the name of a signal's number in C: SIGNAL_SHAPE_X_1 for ``shape.x[1]``."""
     return "SIGNAL_" + re.sub(r"\W+", "_", name).strip("_").upper()
 
 
 def parameter_structures() -> str:
-    """The text of parameters.h: bounds of motions, the codes of choices, a structure for each group of parameters."""
+    """Return the text of parameters.h: bounds of motions, codes of choices, a structure for each group."""
     parts = [f"enum {{ MOST_ELEMENTS = {MOST_ELEMENTS} }};\n"]
     names, reach = ", ".join(map(c_string, REACH)), ", ".join(map(repr, REACH.values()))
     parts.append(
@@ -73,14 +73,14 @@ def parameter_structures() -> str:
     curvatures = ", ".join(f"&(rope).{name}" for name in CURVATURES)
     parts.append(f"/* all values of a Rope's permanent curvature */\n#define CURVATURES_OF(rope) {{{curvatures}}}\n")
     parts.append(f"/* s, of rope_advance_to */\n#define ROPE_SHORTEST_INTERVAL {SHORTEST_INTERVAL}\n")
-    parts += [*(_codes(*found) for kind in GROUPS for found in _choices(kind)), *map(_structure, GROUPS)]
+    parts += [*(_codes(*choice) for kind in GROUPS for choice in _choices(kind)), *map(_structure, GROUPS)]
     parts += map(structure_code, (ShaftStructure, SceneStructure, EndMotionStructure))
     text = "\n".join(parts)
     return f"{_HEAD}#ifndef PARAMETERS_H\n#define PARAMETERS_H\n\n{text}\n#endif\n"
 
 
 def parameter_bounds() -> str:
-    """The text of parameters.inc: a function for each group that checks its parameters in their order."""
+    """Return the text of parameters.inc: a function for each group that checks its parameters in their order."""
     return _HEAD + "".join(map(_bounds, GROUPS)) + _scene_check()
 
 
@@ -91,20 +91,20 @@ def _choices(kind: type[Any]) -> Iterator[tuple[str, tuple[str, ...]]]:
 
 
 def _codes(name: str, words: tuple[str, ...]) -> str:
-    """The codes of a choice; its words are a macro to initialise an array with."""
+    """Return the codes of a choice, and a macro with its words to initialise an array."""
     codes = ", ".join(code_name(name, word) for word in words)
     quoted = ", ".join(c_string(word) for word in words)
     return f"enum {{ {codes} }};\n#define {_SPELT.get(name, name.upper())}_WORDS {{{quoted}}}\n"
 
 
 def code_name(name: str, word: str) -> str:
-    """Name in C of the code that a ``word`` of the choice ``name`` has."""
+    """Return the name in C of the code of a ``word`` of the choice ``name``."""
     suffix = f"_{_SPELT.get(name, name.upper())}" if word == "auto" or name in ("given", "mode", "start") else ""
     return word.upper() + suffix
 
 
 class Word:
-    """A choice, which is compared with its words."""
+    """Choice that is compared with its words."""
 
     def __init__(self, text: str, name: str) -> None:
         self.text, self._name = text, name
@@ -132,7 +132,7 @@ def _structure(kind: type[Any]) -> str:
 
 
 def _bounds(kind: type[Any]) -> str:
-    """check_rope and so on: require_in_bounds of rope_model.parameter_table in C."""
+    """Return check_rope and so on: require_in_bounds of rope_model.parameter_table in C."""
     known = {m.name: m for m in members(kind)}
     table = [(name, p) for name, p in check_order(kind) if name in known and not known[name].length]
     calls = [_choice(name, p) for name, p in table if p.choices]
@@ -145,19 +145,18 @@ def _bounds(kind: type[Any]) -> str:
 
 
 def _scene_check() -> str:
-    """check_scene: every group by the name that it has for hosts."""
-    places = {f"{side}.swivel": f"swivels[{k}]" for k, side in enumerate(SIDES)} | {
-        part: f"shaft.{part}" for part in PARTS
-    }
+    """Return check_scene, which checks every group under its name for hosts."""
+    names = {f"{side}.swivel": f"swivels[{k}]" for k, side in enumerate(SIDES)}
+    names |= {part: f"shaft.{part}" for part in PARTS}
     calls = [
-        f'    check_{kind.__name__.lower()}(&(Check){{"{name}", message}}, &scene->{places.get(name, name)});\n'
+        f'    check_{kind.__name__.lower()}(&(Check){{"{name}", message}}, &scene->{names.get(name, name)});\n'
         for name, kind in GROUPS_BY_NAME.items()
     ]
     return f"\nvoid check_scene(const Scene *scene, char *message) {{\n    message[0] = '\\0';\n{''.join(calls)}}}\n"
 
 
 def _joint(kind: type[Any], joint: Joint) -> str:
-    """A block that refuses values which break a joint check; numbers from integers alone are written as integers."""
+    """Return a block that refuses values which violate a joint check; numbers from integers are printed as such."""
     x = structure_at(kind, "x->")
     vars(x).update({name: Word(f"x->{name}", name) for name, _ in _choices(kind)})
     holds, value, *number = joint.formula(x)
@@ -166,16 +165,16 @@ def _joint(kind: type[Any], joint: Joint) -> str:
     used = set(re.findall(r"x->(\w+)", "".join((*lines, condition, *numbers))))
     whole = not any(m.real for m in members(kind) if m.name in used)
     written = [f"ROUNDED({x}, 10)" if whole else f"EXACT({x})" for x in numbers]
-    given, bound = written[0], c_string(joint.bound)
+    value_text, bound = written[0], c_string(joint.bound)
     if isinstance(value, tuple):
         form = ", ".join("%s" for _ in value)
         lines += ["char given[96];", f'snprintf(given, sizeof given, "({form})", {", ".join(written)});']
-        given = "given"
-    if place := re.search(r"\{(?::\.(\d)g|!r)\}", joint.bound):
-        text = f"ROUNDED({numbers[-1]}, {place[1]})" if place[1] else written[-1]
-        before, behind = c_string(joint.bound[: place.start()]), c_string(joint.bound[place.end() :])
+        value_text = "given"
+    if placeholder := re.search(r"\{(?::\.(\d)g|!r)\}", joint.bound):
+        text = f"ROUNDED({numbers[-1]}, {placeholder[1]})" if placeholder[1] else written[-1]
+        before, behind = c_string(joint.bound[: placeholder.start()]), c_string(joint.bound[placeholder.end() :])
         bound = f"JOINED({before}, {text}, {behind})"
-    refused = f"refuse(check, {c_string(joint.what)}, {given}, {bound}, {c_string(joint.cure)})"
+    refused = f"refuse(check, {c_string(joint.what)}, {value_text}, {bound}, {c_string(joint.cure)})"
     body = "".join(f"        {line}\n" for line in (*lines, f"if (!({condition})) {refused};"))
     return f"    {{\n{body}    }}\n"
 
@@ -186,7 +185,7 @@ def _choice(name: str, p: Parameter) -> str:
 
 
 def _range(name: str, p: Parameter, real: bool) -> str:
-    """The check of one parameter; a bound is a number, another parameter or none."""
+    """Return the check of one parameter; a bound is a number, another parameter or none."""
 
     def limit(bound: float | str | None, without: str) -> str:
         return f"x->{bound}" if isinstance(bound, str) else without if bound is None else repr(float(bound))

@@ -1,1 +1,1 @@
-"""Methods: time integration, Newton's method, chains of elements, kernels."""
+"""Numerical methods: time integration, Newton's method, linear solvers, polynomials, compiled kernels."""

@@ -1,4 +1,4 @@
-"""Linear equations with a symmetric band."""
+"""Direct solver for symmetric positive definite band matrices."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,15 +7,15 @@ Array = NDArray[np.float64]
 
 
 def solve_banded(band: Array, b: Array) -> Array:
-    """x of A x = b for a positive definite A: (rows, columns), as ``b``.
+    """Solve A x = b for all columns of b (rows, columns).
 
-    ``band`` (rows, width + 1) holds the diagonal of A and the entries right of it, nearest first; entries outside of A
-    are not read.
+    ``band`` (rows, width + 1) contains the diagonal of A and the entries right of it, nearest first; entries outside of
+    A are not read.
     """
     rows, width = band.shape[0], band.shape[1] - 1
     rest, x = band.tolist(), b.copy()
     factors = np.zeros((rows, width, 1))
-    # few numbers are eliminated faster one by one than as arrays
+    # plain numbers are faster than arrays as short as the band
     for i, row in enumerate(rest):
         for k in range(1, min(width, rows - 1 - i) + 1):
             factors[i, k - 1] = factor = row[k] / row[0]

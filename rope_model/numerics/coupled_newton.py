@@ -1,9 +1,9 @@
 """Newton's method for a chain with forces between nodes far apart: (J + C) x = -R.
 
-J is the chain's block tridiagonal matrix, which the chain solves; C has the tangents of forces between far nodes,
-symmetric and positive semidefinite.  Conjugate gradients find x, preconditioned with J: J^-1 C has rank r, so that
-exact arithmetic ends after r + 1 steps.  Each takes one solution with J and no product: J p follows p.  Rounds of a
-factorization and corrections with it are those of numerics.newton, judged alike.
+J is the chain's block tridiagonal matrix, for which the chain has a solver; C contains the tangents of forces between
+far nodes, symmetric and positive semidefinite.  Conjugate gradients, preconditioned with J, find x: J^-1 C has rank r,
+so that exact arithmetic ends after r + 1 steps.  Each step takes one solution with J and no product, because J p
+follows from the recurrence of p.  Factorizations and corrections are controlled as in numerics.newton.
 """
 
 from collections.abc import Callable
@@ -26,14 +26,14 @@ from rope_model.numerics.newton import (
 
 Array = NDArray[np.float64]
 
-#: share of the first square of the error, in J's norm, that is left
+#: fraction of the initial squared error, in J's norm, at which conjugate gradients end
 LEFT = 1e-16
-#: steps of conjugate gradients at most
+#: largest number of steps of conjugate gradients
 STEPS = 200
 
 
 class Iterate(NamedTuple):
-    """q, v, a and the residual there."""
+    """Coordinates q, v, a and the residual."""
 
     q: Array
     v: Array
@@ -42,12 +42,12 @@ class Iterate(NamedTuple):
 
 
 class Coupled(NamedTuple):
-    """A coupled system for ``newton``.
+    """Functions of a coupled system for ``newton``.
 
-    factorized: iterate -> a function that solves J x = -R for x
-    coupling:   iterate -> a function that multiplies with C, None where C = 0
-    residual:   q, v, a, the last R -> R
-    norm:       of a correction
+    factorized: iterate -> solver of J x = -R for x
+    coupling:   iterate -> function that multiplies with C, None where C = 0
+    residual:   q, v, a, previous R -> R
+    norm:       norm of a correction
     """
 
     factorized: Callable[[Iterate], Callable[[Array], Array]]
@@ -57,7 +57,7 @@ class Coupled(NamedTuple):
 
 
 def conjugate_gradients(solve: Callable[[Array], Array], coupling: Callable[[Array], Array], R: Array) -> Array:
-    """x with (J + C) x = -R, where ``solve`` gives the x of J x = -R and ``coupling`` multiplies with C."""
+    """Solve (J + C) x = -R, where ``solve`` solves J x = -R and ``coupling`` multiplies with C."""
     p = solve(R)
     error = first = -float(np.vdot(R, p))
     g, Jp, x = R, -R, np.zeros_like(R)
@@ -66,8 +66,8 @@ def conjugate_gradients(solve: Callable[[Array], Array], coupling: Callable[[Arr
         curvature = float(np.vdot(p, Ap))
         if not curvature > 0:
             return x if x.any() else p
-        part = error / curvature
-        x, g = x + part * p, g + part * Ap
+        fraction = error / curvature
+        x, g = x + fraction * p, g + fraction * Ap
         z = solve(g)
         before, error = error, -float(np.vdot(g, z))
         if not error > LEFT * first:
@@ -77,10 +77,10 @@ def conjugate_gradients(solve: Callable[[Array], Array], coupling: Callable[[Arr
 
 
 def newton(
-    system: Coupled, x: Iterate, c: Array, tolerance: float, limits: NewtonLimits, share_left: float
+    system: Coupled, x: Iterate, c: Array, tolerance: float, limits: NewtonLimits, error_fraction: float
 ) -> tuple[Iterate, NewtonReport]:
-    """``x`` moved until its residual is zero where free; v and a follow by c[1] and c[2] times the corrections."""
-    progress = initial_progress(share_left)
+    """Correct ``x`` until its residual is zero where free; v and a follow by c[1] and c[2] times the corrections."""
+    progress = initial_progress(error_fraction)
     for _ in range(int(limits.rounds)):
         solve = system.factorized(x)
         for k in range(int(limits.per_round)):

@@ -1,4 +1,4 @@
-"""Generalized-alpha with variable steps for second-order systems with prescribed degrees of freedom.
+"""Generalized-alpha method with variable steps for second-order systems with prescribed degrees of freedom.
 
     alpha_m = (2 rho - 1)/(rho + 1),  alpha_f = rho/(rho + 1),  gamma = 1/2 + alpha_f - alpha_m,
     beta = (1 + alpha_f - alpha_m)^2 / 4
@@ -7,13 +7,13 @@
     v_{n+1} = v_n + h ((1 - gamma) b_n + gamma b_{n+1})
 
 a is the acceleration, b the auxiliary one; equilibrium holds at t_{n+1} with a_{n+1}.  b_n approximates the
-acceleration at t_n + (alpha_m - alpha_f) h.  When the step changes that instant moves, and b must be moved with it
+acceleration at t_n + (alpha_m - alpha_f) h.  A change of the step moves that instant, and b must be moved with it
 (re-centring), or the method falls to first order:
 
     b_n <- b_n + (alpha_m - alpha_f) (h_new - h_old) (a_n - a_{n-1}) / h_old
 
-Sources: Chung and Hulbert, J. Appl. Mech. 60 (1993); Arnold and Bruels, Multibody Syst. Dyn. 18 (2007), for the
-form with auxiliary accelerations; Bruels and Arnold, J. Comput. Nonlinear Dyn. 3 (2008), for variable steps.
+Sources: Chung and Hulbert, J. Appl.  Mech.  60 (1993); Arnold and Bruels, Multibody Syst.  Dyn.  18 (2007), for the
+form with auxiliary accelerations; Bruels and Arnold, J. Comput.  Nonlinear Dyn.  3 (2008), for variable steps.
 """
 
 import math
@@ -29,8 +29,8 @@ from rope_model.numerics.newton import NewtonReport, NewtonStatus
 
 Array = NDArray[np.float64]
 
-#: a rate of change of the acceleration taken over a step this much shorter than the next is mostly noise, neither to be
-#: extrapolated nor to re-centre with
+#: growth of the step above which the acceleration's rate over the shorter step is mostly noise, and used neither for
+#: extrapolation nor for re-centring
 LARGEST_GROWTH = 5.0
 
 
@@ -39,7 +39,7 @@ class Motion:
     """Complete state of the method; arrays have the shape (nodes, degrees of freedom per node).
 
     ``a_rate`` is (a_n - a_{n-1}) / h; ``h`` is the step that led here, 0 after a restart.  ``reaction`` is the
-    residual: zero where free, the force the surroundings put in where prescribed.
+    residual: zero where free, the force of the surroundings where prescribed.
     """
 
     t: float
@@ -53,11 +53,11 @@ class Motion:
 
 
 class Assessed(Protocol):
-    """A system's evaluation of an instant: at least its residual."""
+    """Evaluation of a system at an instant, with at least its residual."""
 
     @property
     def reaction(self) -> Array:
-        """R: zero where free, the force of the surroundings where prescribed."""
+        """Residual R: zero where free, the force of the surroundings where prescribed."""
 
 
 B = TypeVar("B", bound=Assessed)
@@ -65,9 +65,9 @@ B = TypeVar("B", bound=Assessed)
 
 @dataclass(frozen=True)
 class Solution(Generic[B]):
-    """Result of Newton's method: q, v, a, their evaluation, and its status.
+    """Result of Newton's method: q, v, a, their evaluation, and its report.
 
-    ``resolve``: the resolved part of a change of the accelerations, J^-1 c[2] M times it; or all of it.
+    ``resolve`` returns the resolved part of a change of the accelerations, J^-1 c[2] M times it; by default all of it.
     """
 
     q: Array
@@ -79,7 +79,7 @@ class Solution(Generic[B]):
 
 
 class System(Protocol[B]):
-    """A system to be integrated.  ``reaction`` is the last known one, for loads that depend on it (friction)."""
+    """System to be integrated.  ``reaction`` is the previous one, for loads that depend on it (friction)."""
 
     @property
     def free(self) -> NDArray[np.bool_]:
@@ -87,32 +87,32 @@ class System(Protocol[B]):
 
     @property
     def smooth(self) -> bool:
-        """Whether accelerations are likely to go on at their rate."""
+        """True if accelerations are likely to continue at their rate."""
 
     def prescribed_motion(self, t: float) -> Array:
-        """(3, ...): full arrays of q, v and a, of which the prescribed entries count."""
+        """Return full arrays of q, v and a (3, ...), of which the prescribed entries count."""
 
     def solve(
         self, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float, before: Array
     ) -> Solution[B]:
-        """Equilibrium by corrections x of the free q, to which v and a follow by c[1] x and c[2] x.
+        """Find the equilibrium by corrections x of the free q, to which v and a follow by c[1] x and c[2] x.
 
-        Stresses at the guess q may be far off; strains of the configuration ``before`` serve its derivatives better.
+        Stresses at the guess q may be far off: the derivatives take the strains of the configuration ``before``.
         """
 
     def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
-        """(x, R): J x = -R on the free degrees of freedom with J = c[0] dR/dq + c[1] dR/dv + c[2] dR/da."""
+        """Return x and R: J x = -R on the free degrees of freedom with J = c[0] dR/dq + c[1] dR/dv + c[2] dR/da."""
 
     def evaluate(self, q: Array, v: Array, a: Array, reaction: Array) -> B:
-        """R, and whatever else the system wants to tell of this instant."""
+        """Evaluate the residual and whatever else the system reports of this instant."""
 
     def norm(self, x: Array) -> float:
-        """Size of a correction or error, in the system's unit of small."""
+        """Return the size of a correction or error, in the system's unit."""
 
 
 @dataclass(frozen=True)
 class Coefficients:
-    """The method's coefficients for a spectral radius at infinite frequency ``rho`` in [0, 1]."""
+    """Coefficients of the method for the spectral radius ``rho`` in [0, 1] at infinite frequency."""
 
     rho: float
 
@@ -138,62 +138,62 @@ class Coefficients:
         return self.alpha_m - self.alpha_f
 
     def newton(self, h: float) -> Array:
-        """Derivatives (3,) of q, v and a at the end of a step ``h`` with respect to q there."""
+        """Return the derivatives (3,) of q, v and a at the end of a step ``h`` with respect to q there."""
         return np.array(newton_coefficients(self, h))
 
     def prediction(self, h: float, recentring: float, ahead: float) -> Array:
-        """(3, 5): q, v, a at the end of a step ``h``, from q, v, a, b, a_rate; see prediction_weights."""
+        """Return q, v, a at the end of a step ``h`` as weights (3, 5) of q, v, a, b, a_rate; see prediction_weights."""
         q_a, v_a, q_b, v_b, q_rate, v_rate = prediction_weights(self, h, recentring, ahead)
         return np.array([[1.0, h, q_a, q_b, q_rate], [0.0, 1.0, v_a, v_b, v_rate], [0.0, 0.0, 1.0, 0.0, ahead]])
 
 
 def recentring_time(method: Coefficients, h: Any, before: Any) -> Any:
-    """Time by which b moves when a step ``h`` follows one of length ``before``."""
+    """Return the time (s) by which b moves when a step ``h`` follows one of length ``before``."""
     return method.shift * (h - before)
 
 
 def rate_known(h: float, before: float) -> bool:
-    """Whether the acceleration's rate of change over a step of length ``before`` serves one of length ``h``."""
+    """Return whether the acceleration's rate over a step of length ``before`` serves a step of length ``h``."""
     return 0 < h <= LARGEST_GROWTH * before
 
 
 def recentring(method: Coefficients, h: float, before: float) -> float:
-    """Time by which b moves when a step ``h`` follows one of length ``before``, 0 after a restart."""
+    """Return the time (s) by which b moves when a step ``h`` follows one of length ``before``, 0 after a restart."""
     return float(recentring_time(method, h, before)) if rate_known(h, before) else 0.0
 
 
 def newton_coefficients(method: Coefficients, h: Any) -> tuple[Any, Any, Any]:
-    """Derivatives of q, v and a at the end of a step ``h`` with respect to q there."""
+    """Return the derivatives of q, v and a at the end of a step ``h`` with respect to q there."""
     m, f = method.alpha_m, method.alpha_f
     return 1.0, method.gamma / (method.beta * h), (1 - m) / (method.beta * h * h * (1 - f))
 
 
 def prediction_weights(method: Coefficients, h: Any, recentring: Any, ahead: Any) -> tuple[Any, ...]:
-    """Contributions of a, b and a_rate to q and to v at the end of a step ``h``.
+    """Return the weights of a, b and a_rate in q and in v at the end of a step ``h``.
 
-    b is moved by ``recentring``; the acceleration goes on at its rate for the time ``ahead``.
+    b is moved by ``recentring``; the acceleration continues at its rate for the time ``ahead``.
     """
     m, gamma, beta = method.alpha_m, method.gamma, method.beta
     q_a, v_a = h * h * beta / (1 - m), h * gamma / (1 - m)
     q_b, v_b = h * h * (0.5 - beta) - m * q_a, h * (1 - gamma) - m * v_a
-    share = (1 - method.alpha_f) * ahead
-    return q_a, v_a, q_b, v_b, q_b * recentring + q_a * share, v_b * recentring + v_a * share
+    weight = (1 - method.alpha_f) * ahead
+    return q_a, v_a, q_b, v_b, q_b * recentring + q_a * weight, v_b * recentring + v_a * weight
 
 
 def auxiliary_weights(method: Coefficients, recentring: Any) -> tuple[Any, Any, Any, Any]:
-    """Contributions of a, b, a_rate at the start of a step, and of a at its end, to b at its end."""
+    """Return the weights of a, b, a_rate at the start of a step, and of a at its end, in b at its end."""
     m, f = method.alpha_m, method.alpha_f
     return f / (1 - m), -m / (1 - m), -m * recentring / (1 - m), (1 - f) / (1 - m)
 
 
 def local_error(method: Coefficients, h: Any, change: Any) -> Any:
-    """Local error of q in a step ``h`` over which the acceleration changes by ``change``."""
+    """Return the local error of q in a step ``h`` over which the acceleration changes by ``change``."""
     return abs(method.beta + 0.5 * method.shift - 1 / 6) * h * h * change
 
 
 @dataclass(frozen=True)
 class StepResult(Generic[B]):
-    """A trial step: the motion reached and its evaluation (None when Newton failed), the report, the local error.
+    """Trial step: motion and evaluation (None if Newton's method failed), report, local error.
 
     The error is in ``System.norm``.  ``a_rate`` is that of the resolved part of the motion.
     """
@@ -206,14 +206,14 @@ class StepResult(Generic[B]):
 
 
 def step(system: System[B], old: Motion, h: float, method: Coefficients, tolerance: float) -> StepResult[B]:
-    """One step of length ``h``; ``tolerance`` is Newton's, in ``System.norm``."""
+    """Take a trial step of length ``h``; ``tolerance`` is Newton's, in ``System.norm``."""
     t, free = old.t + h, system.free
     past = np.array((old.q, old.v, old.a, old.b, old.a_rate))
     correction_motion, ahead = recentring(method, h, old.h), h if system.smooth and rate_known(h, old.h) else 0.0
     flat = past.reshape(len(past), -1)
     q, v, a = guess = (method.prediction(h, correction_motion, ahead) @ flat).reshape(3, *old.q.shape)
     np.copyto(guess, system.prescribed_motion(t), where=~free)
-    with np.errstate(all="ignore"):  # a diverging trial is judged by its norm
+    with np.errstate(all="ignore"):  # a diverging trial shows in its norm
         solution = system.solve(q, v, a, old.reaction, method.newton(h), tolerance, old.q)
     newton, evaluation = solution.newton, solution.evaluation
     if newton.converged and not math.isfinite(evaluation.reaction.sum()):
@@ -221,8 +221,8 @@ def step(system: System[B], old: Motion, h: float, method: Coefficients, toleran
     if not newton.converged:
         return StepResult(None, None, newton, np.inf, None)
     a = solution.a
-    *before, now = auxiliary_weights(method, correction_motion)
-    b = (np.array(before) @ flat[2:]).reshape(a.shape) + now * a
+    *before, weight = auxiliary_weights(method, correction_motion)
+    b = (np.array(before) @ flat[2:]).reshape(a.shape) + weight * a
     change = a - old.a
     resolved = solution.resolve(change)
     error = local_error(method, h, system.norm(free * resolved))
@@ -231,7 +231,7 @@ def step(system: System[B], old: Motion, h: float, method: Coefficients, toleran
 
 
 def restart(system: System[B], t: float, q: Array, v: Array, reaction: Array) -> tuple[Motion, B]:
-    """Consistent motion at ``t``: prescribed values put in, accelerations from equilibrium, no history.
+    """Return a consistent motion at ``t``, with prescribed values, accelerations from equilibrium and no history.
 
     The residual is linear in the acceleration, so one correction solves it.
     """
@@ -239,7 +239,7 @@ def restart(system: System[B], t: float, q: Array, v: Array, reaction: Array) ->
     q_p, v_p, a_p = system.prescribed_motion(t)
     q, v = np.where(free, q, q_p), np.where(free, v, v_p)
     a = np.where(free, 0.0, a_p)
-    for _ in range(2):  # the second time with friction from the right reactions
+    for _ in range(2):  # friction needs the reactions of the first correction
         x, reaction = system.newton_step(q, v, a, reaction, np.array([0.0, 0.0, 1.0]))
         a = a + x
     evaluation = system.evaluate(q, v, a, reaction)

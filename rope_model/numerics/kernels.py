@@ -1,7 +1,7 @@
-"""CasADi functions made fast and portable: compiled where a C compiler is there, interpreted where it is not.
+"""Compiler driver and loader of CasADi functions: compiled where there is a C compiler, else interpreted.
 
 The CasADi virtual machine is the reference and always works.  The compiled library is generated from the very same
-functions; it is cached on disk under the hash of the generated C, the compiler and its flags, so that only a change of
+functions.  It is cached on disk under the hash of the generated C, the compiler and its flags, so that only a change of
 these compiles anew.
 """
 
@@ -29,15 +29,15 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 KernelForm = Literal["auto", "compiled", "portable"]
-#: from a compiler's command to a library, made or found
+#: function that builds a library with a compiler's command, or finds it in the cache
 Build = Callable[[Sequence[str]], Path]
 
 log = logging.getLogger(__name__)
-#: long waits of a host: at the level WARNING, which Python shows on stderr by default
+#: logger of long waits, at the level WARNING, which Python shows on stderr by default
 progress = logging.getLogger("balance_rope.progress")
 
 FLAGS = ("-std=c99", "-O3", "-fPIC", "-shared", "-ffp-contract=off", "-fno-math-errno")
-#: Not the names of functions that have "error" in them.
+#: not the names of functions that contain "error"
 _AN_ERROR = re.compile(r"\berror:|undefined reference")
 _ANNOUNCED = "compiling %s with %s, once on this machine: up to a minute"
 _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]+"([^"]+)"', re.MULTILINE)
@@ -50,7 +50,7 @@ class Kernel:
     Arrays are C-ordered with one row per CasADi column: shape (nodes, 7) for a (7, nodes) argument.  The returned
     arrays belong to the caller.  Not to be shared between threads.
 
-    ``inputs`` and ``outputs`` are the arrays that the function itself reads and writes when it is ``evaluate``d.
+    ``inputs`` and ``outputs`` are the arrays that ``evaluate`` reads and writes.
     """
 
     def __init__(self, function: ca.Function, shapes: Sequence[tuple[int, ...]]) -> None:
@@ -79,11 +79,11 @@ class Kernel:
 def prepare(
     functions: Sequence[ca.Function], build: Build, form: KernelForm = "auto", bundle: Path | None = None
 ) -> tuple[list[ca.Function], str]:
-    """Return the functions in the wanted form, and the form that could be had: ``compiled`` or ``portable``.
+    """Return the functions in the wanted form, and the form obtained: ``compiled`` or ``portable``.
 
-    ``build`` makes their library with a compiler. ``bundle`` is a finished library that is tried first.
+    ``build`` makes their library with a compiler.  ``bundle`` is a finished library that is tried first.
 
-    Raises RuntimeError where ``compiled`` is asked for and cannot be had.
+    Raises RuntimeError if ``compiled`` is required and not available.
     """
     if form == "portable":
         log.info("kernels: portable (CasADi virtual machine), as asked for")
@@ -106,21 +106,21 @@ def prepare(
             cause = f"{' '.join(compiler)} failed: {last_words(error)}"
     if form == "compiled":
         raise RuntimeError(f"compiled kernels asked for, but {cause}; install a C compiler or use kernels='portable'")
-    # without a compiler that is as expected, but not where a library was to be; nor is one that fails
+    # expected without a compiler, unless a bundle was to spare it; a compiler that fails is not expected
     level = logging.INFO if compiler is None and bundle is None else logging.WARNING
     log.log(level, "kernels: portable (CasADi virtual machine, 5 to 10 times as long), because %s", cause)
     return list(functions), "portable"
 
 
 def last_words(error: Exception) -> str:
-    """Return the error's text, with the first error that the compiler or the linker names, or their last line."""
-    said = str(error.stderr).strip().splitlines() if isinstance(error, subprocess.CalledProcessError) else []
-    first = next((line for line in said if _AN_ERROR.search(line)), said[-1] if said else "")
+    """Return the error's text with the first error, or else the last line, of the compiler's or the linker's output."""
+    output = str(error.stderr).strip().splitlines() if isinstance(error, subprocess.CalledProcessError) else []
+    first = next((line for line in output if _AN_ERROR.search(line)), output[-1] if output else "")
     return f"{error} {first}".rstrip()
 
 
 def find_compiler() -> tuple[str, ...] | None:
-    """The command of a C compiler: the CC variable's, the system's, or the ziglang package's; None without one."""
+    """Return the command of a C compiler: that of CC, the system's, or the ziglang package's; None without one."""
     for command in (shlex.split(os.environ.get("CC", "")), ["cc"], ["gcc"], ["clang"]):
         if command and (path := shutil.which(command[0])):
             return (path, *command[1:])
@@ -130,7 +130,7 @@ def find_compiler() -> tuple[str, ...] | None:
 
 
 def cache_folder() -> Path:
-    """Folder for compiled kernels: BALANCE_ROPE_CACHE, or balance-rope in the user's cache folder."""
+    """Return the folder for compiled kernels: BALANCE_ROPE_CACHE, or balance-rope in the user's cache folder."""
     if chosen := os.environ.get("BALANCE_ROPE_CACHE"):
         return Path(chosen)
     base = os.environ.get("LOCALAPPDATA") or os.environ.get("XDG_CACHE_HOME")
@@ -141,7 +141,7 @@ def cache_folder() -> Path:
 
 
 class CompiledParts(NamedTuple):
-    """Functions that others call: the library to load them from, and the object file to link those others with."""
+    """Compiled functions that others call: the library to load, and the object file to link callers with."""
 
     library: Path
     linked: Path
@@ -156,81 +156,81 @@ def build_library(
 ) -> Path:
     """Generate C, compile it into ``folder`` unless it is there already, and return the library's path.
 
-    ``objects`` hold functions that these call.
+    ``objects`` contain functions that these call.
     """
     return compile_library({"kernels.c": generate_c(tuple(functions))}, compiler, folder, name, objects)
 
 
 def build_parts(functions: Sequence[ca.Function], compiler: Sequence[str], folder: Path, name: str) -> CompiledParts:
-    """The functions, compiled once for all that call them."""
+    """Compile the functions once for all that call them."""
     sources = {f"{name}.c": generate_c(tuple(functions), "parts")}
-    made, objects = compile_library(sources, compiler, folder, name), object_files(sources, compiler, FLAGS, folder)
-    return CompiledParts(made, objects[f"{name}.c"])
+    library, objects = compile_library(sources, compiler, folder, name), object_files(sources, compiler, FLAGS, folder)
+    return CompiledParts(library, objects[f"{name}.c"])
 
 
 def compile_library(
     sources: Mapping[str, str], compiler: Sequence[str], folder: Path, name: str, linked: Sequence[Path] = ()
 ) -> Path:
-    """Return the library of the C files among ``sources`` (text by file name), compiled into ``folder`` once.
+    """Compile the C files among ``sources`` (text by file name) into a library in ``folder``, once; return its path.
 
-    ``linked`` are finished object files of it.
+    ``linked`` are finished object files for the library.
     """
     command = [*compiler, *FLAGS]
     objects = object_files(sources, compiler, FLAGS, folder)
     files = [*objects.values(), *linked]
-    made = folder / f"{name}-{_key(*command, *(file.name for file in files))}{LIBRARY_SUFFIX}"
+    library = folder / f"{name}-{_key(*command, *(file.name for file in files))}{LIBRARY_SUFFIX}"
 
     def link() -> None:
-        # python runs ziglang; what is short takes no time
+        # announce long waits only; Python runs ziglang
         if sum(map(len, sources.values())) > 10_000:
             progress.warning(_ANNOUNCED, name, "ziglang" if "ziglang" in command else Path(command[0]).name)
         compile_objects(sources, command, objects)
-        link_library(command, files, made, made.name)
+        link_library(command, files, library, library.name)
 
-    return make_once(made, link)
+    return make_once(library, link)
 
 
 def link_library(
-    command: Sequence[str], objects: Iterable[Path], made: Path, name: str, more: Sequence[str] = ()
+    command: Sequence[str], objects: Iterable[Path], library: Path, name: str, more: Sequence[str] = ()
 ) -> None:
-    """Link the library ``made`` of object files and ``more``, in which its ``name`` may be another."""
-    with tempfile.TemporaryDirectory(dir=made.parent) as folder:
-        # in a folder, by a relative name: no path of this machine gets into the library
+    """Link the ``objects`` and ``more`` into the file ``library``, whose own ``name`` may differ."""
+    with tempfile.TemporaryDirectory(dir=library.parent) as folder:
+        # relative names in a scratch folder keep paths of this machine out of the library
         files = [os.path.relpath(file, folder) for file in objects]
         _run([*command, *files, "-o", name, "-lm", *more], Path(folder))
-        (Path(folder) / name).replace(made)
+        (Path(folder) / name).replace(library)
 
 
-def make_once(made: Path, make: Callable[[], None]) -> Path:
-    """Call ``make``, unless its file ``made`` is there, and return that file.
+def make_once(file: Path, make: Callable[[], None]) -> Path:
+    """Call ``make`` unless the ``file`` that it writes exists, and return the file.
 
-    Other processes that want the file wait meanwhile. If the process that makes it dies, the next one makes it.
+    Other processes that need the file wait meanwhile.  If the process that makes it dies, the next one makes it.
     """
-    if made.exists():
-        return made
-    made.parent.mkdir(parents=True, exist_ok=True)
-    lock = made.with_name(f"{made.name}.lock")
-    with lock.open("w") as file:
+    if file.exists():
+        return file
+    file.parent.mkdir(parents=True, exist_ok=True)
+    lock = file.with_name(f"{file.name}.lock")
+    with lock.open("w") as handle:
         if sys.platform != "win32":
             import fcntl
 
             with suppress(OSError):  # not every file system of a network can
-                fcntl.flock(file, fcntl.LOCK_EX)
-        if not made.exists():
+                fcntl.flock(handle, fcntl.LOCK_EX)
+        if not file.exists():
             make()
     with suppress(OSError):  # Windows deletes no file that another process has open
         lock.unlink()
-    return made
+    return file
 
 
 def object_files(
     sources: Mapping[str, str], compiler: Sequence[str], flags: Sequence[str], folder: Path
 ) -> dict[str, Path]:
-    """Return the object files, to be made by ``compile_objects``, of the C files among ``sources``.
+    """Return the paths of the object files, which ``compile_objects`` makes, of the C files among ``sources``.
 
-    The hash of a file, its includes, the compiler and its flags goes into the name: libraries share common files.
+    The hash of a file, its includes, the compiler and its flags is in the name: libraries share common files.
     """
-    # wherever Python is: another one with the same ziglang compiles the same
+    # the path of Python does not count: the same ziglang compiles the same elsewhere
     made_by = (compiler_version(tuple(compiler)), *compiler[compiler[0] == sys.executable :], *flags)
     digests = {file: hashlib.sha256(text.encode()).hexdigest() for file, text in sources.items()}
     return {
@@ -241,10 +241,10 @@ def object_files(
 
 
 def compile_objects(sources: Mapping[str, str], command: Sequence[str], objects: Mapping[str, Path]) -> None:
-    """Make those of the ``object_files`` that are not there, as many at a time as the machine has cores."""
-    # the longest first, includes counted
+    """Make the missing ``object_files``, as many at a time as the machine has cores."""
+    # longest files first, includes counted
     missing = sorted(
-        (file for file, made in objects.items() if not made.exists()),
+        (file for file, path in objects.items() if not path.exists()),
         key=lambda file: -sum(len(sources[part]) for part in _included(file, sources)),
     )
     if not missing:
@@ -255,24 +255,24 @@ def compile_objects(sources: Mapping[str, str], command: Sequence[str], objects:
             (Path(scratch) / file).write_text(code, encoding="utf-8", newline="\n")
 
         def compile_one(file: str) -> None:
-            # in the folder, by a relative name: no path of this machine gets into the code
+            # relative names in the folder keep paths of this machine out of the code
             new = Path(scratch) / objects[file].name
             _run([*command, "-c", file, "-o", new.name], Path(scratch))
-            new.replace(objects[file])  # atomic: processes with different libraries may build it at once
+            new.replace(objects[file])  # atomic, as several processes may build it at once
 
         list(threads.map(compile_one, missing))
 
 
 def _included(file: str, sources: Mapping[str, str]) -> list[str]:
-    """The file and those of the ``sources`` that it includes, each once."""
-    found = [file]
-    for part in found:
-        found += (name for name in _INCLUDE.findall(sources[part]) if name in sources and name not in found)
-    return list(dict.fromkeys(found))
+    """Return the file and those of the ``sources`` that it includes, each once."""
+    included = [file]
+    for part in included:
+        included += (name for name in _INCLUDE.findall(sources[part]) if name in sources and name not in included)
+    return list(dict.fromkeys(included))
 
 
 def _run(command: Sequence[str], folder: Path) -> None:
-    """Run it; CalledProcessError, with a note of what the command said, when it fails."""
+    """Run the command; CalledProcessError, with its output as a note, if it fails."""
     try:
         subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True)
     except subprocess.CalledProcessError as error:
@@ -281,20 +281,20 @@ def _run(command: Sequence[str], folder: Path) -> None:
 
 
 def _key(*parts: str) -> str:
-    """Key in a file's name, from everything that the file is made of."""
+    """Return the key for a file's name, from everything that the file is made of."""
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:20]
 
 
 @cache
 def compiler_version(compiler: tuple[str, ...]) -> str:
-    """First line of the compiler's answer to ``--version``."""
-    said = subprocess.run([*compiler, "--version"], capture_output=True, text=True, check=False).stdout
-    return said.partition("\n")[0]
+    """Return the first line of the compiler's answer to ``--version``."""
+    output = subprocess.run([*compiler, "--version"], capture_output=True, text=True, check=False).stdout
+    return output.partition("\n")[0]
 
 
-@lru_cache(maxsize=32)  # some 0.5 MB each
+@lru_cache(maxsize=32)  # each takes about 0.5 MB
 def generate_c(functions: tuple[ca.Function, ...], prefix: str = "kernels") -> str:
-    """One C source with the functions, and ``prefix`` before the names of their shared parts."""
+    """Return one C source of the functions, with ``prefix`` before the names of their shared parts."""
     generator = ca.CodeGenerator(prefix, {"with_header": False})
     for function in functions:
         generator.add(function)
@@ -303,7 +303,7 @@ def generate_c(functions: tuple[ca.Function, ...], prefix: str = "kernels") -> s
 
 
 def save_portable(functions: Sequence[ca.Function], path: Path) -> None:
-    """Write the functions for ``load_portable``, which then needs nothing that built them."""
+    """Write the functions to a file for ``load_portable``, which then needs nothing that built them."""
     serializer = ca.FileSerializer(str(path))
     serializer.pack(len(functions))
     for function in functions:
@@ -311,18 +311,18 @@ def save_portable(functions: Sequence[ca.Function], path: Path) -> None:
 
 
 def load_portable(path: Path) -> list[ca.Function]:
-    """The functions of a file written by ``save_portable``."""
+    """Load the functions from a file written by ``save_portable``."""
     file = ca.FileDeserializer(str(path))
     return [file.unpack() for _ in range(file.unpack())]
 
 
 def platform_tag() -> str:
-    """Operating system and processor, as in ``linux-x86_64``."""
+    """Return operating system and processor, as in ``linux-x86_64``."""
     return f"{sys.platform}-{platform.machine().lower()}"
 
 
 def load_compiled(functions: Sequence[ca.Function], library: Path) -> list[ca.Function]:
-    """Load the functions from ``library``; RuntimeError where it lacks one, or has one of another size."""
+    """Load the functions from ``library``; RuntimeError if it lacks one, or has one of another size."""
     loaded = [ca.external(function.name(), str(library)) for function in functions]
     for ours, theirs in zip(functions, loaded, strict=True):
         sizes = [(f.size_in(i) for i in range(f.n_in())) for f in (ours, theirs)]

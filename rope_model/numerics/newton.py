@@ -2,7 +2,7 @@
 
 The error after correction k is estimated from the contraction theta = d_k / d_{k-1} of the corrections' norms, error <=
 theta / (1 - theta) d_k  (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.8).  A round begins with a
-new factorization and goes on with it while the contraction pays; a slow round is followed by another. The iterations
+new factorization and continues with it while the contraction pays; a slow round is followed by another.  The iterations
 are branches and loops of generated code: only needed parts are evaluated.
 """
 
@@ -13,34 +13,31 @@ from typing import Any, NamedTuple
 
 import casadi as ca
 
-#: larger values are none of ours
+#: larger norms are not finite in effect
 HUGE = 1e200
 
 
 class NewtonLimits(NamedTuple):
     """Limits of an iteration."""
 
-    #: factorizations at most, and corrections with each
-    rounds: float
-    per_round: float
-    #: a contraction slower than this calls for a new factorization
-    slow: float
-    #: a contraction slower than this promises nothing
-    unsure: float
-    #: a full correction so many times larger than the one before is divergence; a little growth at the start is not
-    growing: float
+    rounds: float  #: largest number of factorizations
+    per_round: float  #: largest number of corrections with each
+    slow: float  #: contraction from which on a new factorization pays
+    unsure: float  #: contraction from which on it does not serve the error estimate
+    growing: float  #: growth of full corrections that counts as divergence; a little growth at the start does not
 
 
 SMOOTH = NewtonLimits(8.0, 5.0, 0.1, 0.5, 8.0)
-#: limits for equations with kinks: a factorization and its prediction serve the side of the kink where it was made
+#: limits for equations with kinks: a factorization and its prediction serve one side of a kink only
 KINKED = NewtonLimits(16.0, 1.0, 0.1, 0.2, HUGE)
-#: share of the first correction that is reckoned as left: where nothing is known of it; where it is good, as of a
-#: smooth system in a time step (windings and stops left .04 at most), if the tolerance is SMALL or less
-UNKNOWN, GOOD, SMALL = 1.0, 0.1, 1e-4
+# assumed error after the first correction over that correction
+UNKNOWN = 1.0  #: value without knowledge of the system
+GOOD = 0.1  #: value of a smooth system in a time step with a small tolerance: windings and stops left 0.04 at most
+SMALL = 1e-4  #: largest such tolerance
 
 
 class NewtonStatus(Enum):
-    """Outcome of an iteration; the text is the user's message."""
+    """Outcome of an iteration, with its code and a message for the user."""
 
     TOO_MANY = 0, "Newton iteration did not converge within the allowed iterations"
     CONVERGED = 1, "Newton iteration converged"
@@ -56,7 +53,7 @@ _STATUS = {status.code: status for status in NewtonStatus}
 
 @dataclass(frozen=True)
 class NewtonReport:
-    """Status, number of corrections, and the estimated norm of the error left."""
+    """Status, number of corrections, and estimated norm of the remaining error."""
 
     status: NewtonStatus
     iterations: int
@@ -64,38 +61,38 @@ class NewtonReport:
 
     @property
     def converged(self) -> bool:
-        """Whether the result may be used."""
+        """True if the result may be used."""
         return self.status is NewtonStatus.CONVERGED
 
 
-#: entries of the progress vector that goes through the iterations; applies: whether the latest correction does;
-#: contraction: before the first correction the part of it that is reckoned as left
+#: entries of the progress vector.  applies: 1 if the latest correction does.  contraction: before the first correction
+#: the assumed error over that correction
 PROGRESS = ("status", "iterations", "applies", "norm", "error", "contraction")
 STATUS, ITERATIONS, APPLIES, NORM, ERROR, CONTRACTION = range(len(PROGRESS))
-#: status while the iteration goes on; its result where the limits end it
+#: status while the iteration continues, and its result where the limits end it
 RUNNING = NewtonStatus.TOO_MANY.code
 
 
-def initial_progress(share_left: Any = UNKNOWN) -> Any:
-    """The progress before the first correction."""
-    return ca.vertcat(0.0, 0.0, 1.0, ca.inf, ca.inf, share_left)
+def initial_progress(error_fraction: Any = UNKNOWN) -> Any:
+    """Return the progress before the first correction."""
+    return ca.vertcat(0.0, 0.0, 1.0, ca.inf, ca.inf, error_fraction)
 
 
 def report(progress: list[float]) -> NewtonReport:
-    """Report of a finished progress vector."""
+    """Return the report of a finished progress vector."""
     return NewtonReport(_STATUS[int(progress[STATUS])], int(progress[ITERATIONS]), progress[ERROR])
 
 
 @cache
 def judge(limits: NewtonLimits = SMOOTH) -> ca.Function:
-    """(progress, norm of the correction, tolerance, whether its factorization is new) -> progress after it."""
+    """Build (progress, norm of the correction, tolerance, 1 if its factorization is new) -> progress after it."""
     before, norm, tolerance = ca.SX.sym("progress", len(PROGRESS)), ca.SX.sym("norm"), ca.SX.sym("tolerance")
     fresh = ca.SX.sym("fresh")
-    _, iterations, _, previous, _, share_left = ca.vertsplit(before)
+    _, iterations, _, previous, _, error_fraction = ca.vertsplit(before)
     contraction = ca.if_else(previous > 0, norm / previous, 0.0)
     first = iterations < 1
     sure = ca.logic_and(ca.logic_not(first), contraction < limits.unsure)
-    guess = ca.if_else(first, share_left * norm, norm)
+    guess = ca.if_else(first, error_fraction * norm, norm)
     error = ca.if_else(sure, contraction / (1 - contraction) * norm, guess)
     useless = ca.logic_not(ca.logic_or(sure, fresh))
     diverged = ca.logic_and(ca.logic_not(first), contraction >= limits.growing)
@@ -104,7 +101,7 @@ def judge(limits: NewtonLimits = SMOOTH) -> ca.Function:
     done = ca.vertcat(NewtonStatus.CONVERGED.code, 1, norm, error, contraction)
     after = ca.if_else(error <= tolerance, done, after)
     after = ca.if_else(diverged, ca.vertcat(NewtonStatus.DIVERGED.code, 1, norm, norm, contraction), after)
-    # a cheap correction that contracts badly only says that a new factorization is due
+    # a cheap correction that contracts badly only shows that a new factorization is due
     after = ca.if_else(useless, ca.vertcat(RUNNING, 0, previous, ca.inf, ca.inf), after)
     finite = norm < HUGE  # false for NaN too
     after = ca.if_else(finite, after, ca.vertcat(NewtonStatus.NOT_FINITE.code, 1, norm, ca.inf, contraction))
@@ -112,12 +109,12 @@ def judge(limits: NewtonLimits = SMOOTH) -> ca.Function:
 
 
 def newton(factorize: ca.Function, correct: ca.Function, apply: ca.Function) -> ca.Function:
-    """The whole iteration; x carries its residual, so that none is evaluated twice.
+    """Build the whole iteration; x contains its residual, so that none is evaluated twice.
 
-    factorize: (x, *fixed) -> factors ...                     the derivative at x, ready to be solved with
+    factorize: (x, *fixed) -> factors ...                     of the derivative at x
     correct:   (x, *factors, *fixed) -> correction, norm      with these factors
     apply:     (x, correction, *fixed) -> x                   with its residual
-    returns    (x, *fixed, tolerance, share_left) -> x, progress; ``share_left``: see initial_progress
+    result:    (x, *fixed, tolerance, error_fraction) -> x, progress; ``error_fraction`` is that of initial_progress
     """
     number = factorize.n_out()
     x, *fixed = factorize.mx_in()
@@ -138,18 +135,18 @@ def newton(factorize: ca.Function, correct: ca.Function, apply: ca.Function) -> 
         after = again(goes_on, *after, *factors, *fixed, tolerance)
     corrections = ca.Function("newton_corrections", [x, progress, *factors, *fixed, tolerance], [*after])
     inputs = [x, progress, *fixed, tolerance]
-    made = factorize.call([x, *fixed])
-    one_round = ca.Function("newton_round", inputs, corrections.call([x, progress, *made, *fixed, tolerance]))
+    factors_x = factorize.call([x, *fixed])
+    one_round = ca.Function("newton_round", inputs, corrections.call([x, progress, *factors_x, *fixed, tolerance]))
     another = _where(one_round, 2)
-    share_left = ca.MX.sym("share_left")
-    result = one_round(x, initial_progress(share_left), *fixed, tolerance)
+    error_fraction = ca.MX.sym("error_fraction")
+    result = one_round(x, initial_progress(error_fraction), *fixed, tolerance)
     for _ in range(int(SMOOTH.rounds) - 1):
         result = another(result[1][STATUS] == RUNNING, *result, *fixed, tolerance)
-    return ca.Function("newton", [x, *fixed, tolerance, share_left], list(result))
+    return ca.Function("newton", [x, *fixed, tolerance, error_fraction], list(result))
 
 
 def _where(function: ca.Function, states: int) -> ca.Function:
-    """(condition, inputs) -> ``function`` of the inputs, or its first ``states`` inputs as they are."""
+    """Build (condition, inputs) -> ``function`` of the inputs, or its first ``states`` inputs unchanged."""
     inputs = function.mx_in()
     passed = ca.Function(f"{function.name()}_not", inputs, inputs[:states])
     return ca.Function.if_else(f"{function.name()}_if", function, passed)

@@ -1,7 +1,7 @@
-"""A formula of numbers as a program of CasADi's virtual machine.
+"""Formulas of numbers as programs of CasADi's virtual machine.
 
-It does Python's operations in the same order and gives the same bits, some ten times as fast: for formulas of hundreds
-of operations in every step.
+A program does Python's operations in the same order and gives the same bits, some ten times as fast.  It serves
+formulas of hundreds of operations in every step.
 """
 
 import struct
@@ -13,13 +13,13 @@ from typing import Any
 
 import casadi as ca
 
-#: held while expressions are made: whether CasADi simplifies them is an option of the whole process
+#: lock for building expressions: CasADi's simplification is an option of the whole process
 EXPRESSIONS = RLock()
 
 
 @contextmanager
 def no_simplification() -> Iterator[None]:
-    """Expressions made meanwhile keep every operation."""
+    """Keep every operation of expressions that are built meanwhile."""
     with EXPRESSIONS:
         before = ca.GlobalOptions.getSimplificationOnTheFly()
         ca.GlobalOptions.setSimplificationOnTheFly(False)
@@ -31,19 +31,19 @@ def no_simplification() -> Iterator[None]:
 
 @cache
 def trace(formula: Callable[[Sequence[Any]], Sequence[Any]], numbers: int) -> ca.Function:
-    """Symbols for so many numbers, and the results of ``formula`` for them."""
+    """Build the CasADi function of ``formula`` of a vector with ``numbers`` entries."""
     with no_simplification():
         symbols = [ca.SX.sym(f"x{k}") for k in range(numbers)]
         return ca.Function("formula", [ca.vertcat(*symbols)], [ca.vertcat(*formula(symbols))])
 
 
 class Program:
-    """``formula`` of so many ``numbers``, to be called with them.  Not to be shared between threads."""
+    """Callable form of a ``formula`` of ``numbers`` numbers.  Not to be shared between threads."""
 
     def __init__(self, formula: Callable[[Sequence[Any]], Sequence[Any]], numbers: int) -> None:
         traced = trace(formula, numbers)
-        self._given, self._found = (struct.Struct(f"{n}d") for n in (traced.numel_in(0), traced.numel_out(0)))
-        self._input, self._output = bytearray(self._given.size), bytearray(self._found.size)
+        self._inputs, self._outputs = (struct.Struct(f"{n}d") for n in (traced.numel_in(0), traced.numel_out(0)))
+        self._input, self._output = bytearray(self._inputs.size), bytearray(self._outputs.size)
         buffer: Any
         buffer, self._evaluate = traced.buffer()  # the stubs of casadi do not know the buffer's methods
         buffer.set_arg(0, memoryview(self._input))
@@ -51,6 +51,6 @@ class Program:
         self._buffer = buffer
 
     def __call__(self, *numbers: float) -> tuple[float, ...]:
-        self._given.pack_into(self._input, 0, *numbers)
+        self._inputs.pack_into(self._input, 0, *numbers)
         self._evaluate()
-        return self._found.unpack(self._output)
+        return self._outputs.unpack(self._output)

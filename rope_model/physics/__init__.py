@@ -1,1 +1,1 @@
-"""Laws of the rope, its ends, its contacts and the air."""
+"""Physical laws as formulas and elements: the rope, its ends, contact, guards and air."""

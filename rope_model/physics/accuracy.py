@@ -1,18 +1,19 @@
-"""Error that a step may make for a run within the accuracy asked for, and estimates of the error made.
+"""Step-size control: allowed error of a step, and estimates of a run's errors by time steps and mesh.
 
-Steps let the end forces err by the phase of longitudinal waves.  One of frequency omega and amplitude A (N) gains
+Time steps disturb the end forces by the phase error of longitudinal waves.  In one step a wave of frequency omega and
+amplitude A (N) gains the error
 
-    C (omega h)^3 A     in a step, C of the method, seen as the local error of the strain at the ends times Qa
+    C (omega h)^3 A     with C of the method: the local error of the strain at the ends times Qa
 
-and the errors add up until the wave has faded out, for 2 / (beta_K omega^2).  The slowest wave, that of the longer leg,
-omega = pi c / (2 leg) with c = sqrt(Qa / rho), lasts longest.  So that its error stays below a share of the leg's
-weight a step may leave that share of it times h / memory.  A step resolves all waves well enough if it does so with one
-as large as braking makes.
+and these errors add up until the wave has faded out, for 2 / (beta_K omega^2).  The slowest wave, that of the longer
+leg, omega = pi c / (2 leg) with c = sqrt(Qa / rho), lasts longest.  Its error stays below a fraction of the leg's
+weight if a step leaves no more than that fraction times h / wave_duration.  A step resolves all waves well enough if
+this holds for a wave as large as braking makes.
 
-The loop's place has the errors of the nodes' places in a step: it moves on, and forgets them.  Where the rope flows
+The loop's position has the position errors of the nodes in a step: it moves on, and forgets them.  Where the rope flows
 through it with speed v, each node turns by x = v h / w in a step, w the length of a bend.  The relative error of the
-acceleration in the bend goes with x^2.  Like rho v^2 that part is a false tension, and the loop is off by some x^2 v^2
-/ g, held against its weight.
+acceleration in the bend grows with x^2.  Like rho v^2 it acts as a false tension, which shifts the loop by some
+x^2 v^2 / g against its weight.
 """
 
 from typing import Any, NamedTuple
@@ -20,194 +21,197 @@ from typing import Any, NamedTuple
 from rope_model.physics.elementary import both, ceil, cos, either, larger, less, sin, smaller, sqrt, where
 from rope_model.physics.estimates import axial_frequency, bending_length
 
-#: share of the error asked for that a step may leave: tuned on seeded ropes of 60 to 1200 m, judged by `make promise`
-FORCE_SHARE, PLACE_SHARE = 22.0, 0.01
-#: a step's error of the rate turns the wave's phase as much as that of the strain, which alone is seen
-RATE_ERROR_FACTOR = 2.0
-#: the loop hangs too high by LOOP_HEIGHT w x^2 N / (1 + N), N = LOCKING x^4 EA w^2 / EI: evidence.mesh_rule.laws
-LOOP_HEIGHT, LOCKING = 0.0214, 0.0028
-#: a loop of elements of x w and more slips aside and turns, by which node comes to hang lowest: it is off by up to
-#: 1 + SLIPPED times as much beyond x = SLIPS_FROM, and yawed by up to TURNED x (rad) beyond TURNS_FROM; the change goes
-#: with the power SLIP_EXPONENT (evidence.mesh_rule.coarse)
-SLIPPED, SLIPS_FROM, TURNED, TURNS_FROM, SLIP_EXPONENT = 1.8, 0.87, 0.033, 1.2, 12
-#: error of the loop's place by joined elements of the legs over grading_length times length, and by steps over the
-#: largest error of a node's place
-LEG_MESH_ERROR, STEPS = 4e-7, 12.0
-#: error of the loop's place over x^2 v^2 / g, and the share of it that a step may take: tuned on the same ropes
-FLOW, FLOW_SHARE = 0.13, 0.6
-#: wires that begin to slide or stick change the acceleration at once, whatever the step: errors of place and strain
-#: over the allowed ones go with h^2 and h
-RUBBED_PLACE, RUBBED_STRAIN = 2.0, 4.0
-#: s, and steps: after so much of small errors steps grow.  The loop's place errs by a part that goes with the step's
-#: length, and every change of that sends a wave along the rope, which is the smaller the shorter the step
-GROWTH_DELAY, GROWTH_DELAY_STEPS = 0.2, 100.0
-#: a step with more than the allowed error makes the next one half as long, and this many times that is rejected
+# fractions of allowed errors that a step may leave, tuned on seeded ropes of 60 to 1200 m (`make promise`)
+FORCE_FRACTION = 22.0  #: fraction of the end force error
+LOOP_FRACTION = 0.01  #: fraction of the loop's error, for the position of a node
+FLOW_FRACTION = 0.6  #: fraction of the loop's error, for the flow through it
+RATE_ERROR_FACTOR = 2.0  #: total phase error of a wave over that by the strain alone: its rate is not measured
+# the loop hangs too high by LOOP_HEIGHT w x^2 N / (1 + N), N = LOCKING x^4 EA w^2 / EI: evidence.mesh_rule.laws
+LOOP_HEIGHT = 0.0214
+LOCKING = 0.0028
+# a loop of long elements (x w) slips aside and turns until another node is lowest: evidence.mesh_rule.coarse
+SLIPPED = 1.8  #: growth of the loop's position error
+SLIPS_FROM = 0.87  #: x at which half of that growth is reached
+TURNED = 0.033  #: rad, yaw of the loop over x
+TURNS_FROM = 1.2  #: x at which half of that yaw is reached
+SLIP_EXPONENT = 12  #: power of x with which both set in
+# errors of the loop's position
+LEG_MESH_ERROR = 4e-7  #: part by joined elements of the legs, over grading_length times length
+STEP_ERROR_TO_LOOP = 12.0  #: part by time steps, over the largest position error of a node
+FLOW_ERROR = 0.13  #: part by the flow, over x^2 v^2 / g
+# wires that begin to slide or stick make the acceleration jump: position and strain errors grow with h^2 and h only
+RUBBING_POSITION_POWER = 2.0
+RUBBING_STRAIN_POWER = 4.0
+# small errors for so long let the step grow.  Every change of its length shifts the loop a little and so sends a wave
+# along the rope, which is the smaller the shorter the step
+GROWTH_DELAY = 0.2  #: s
+GROWTH_DELAY_STEPS = 100.0  #: steps, where these take less
+#: a step above the tolerance halves the next one; above this many times the tolerance it is rejected
 ACCEPT_BELOW = 2.0
-#: the step grows after errors below this part of the allowed one for the time of growth_delay
-GROW_BELOW = 0.05
+GROW_BELOW = 0.05  #: fraction of the tolerance below which an error is small
 TINY = 1e-300
-#: Newton iterations that a step is reckoned to take where they are bounded: the most that steps of trips took
-STEP_WORK = 12
-#: m and rad: errors that Newton's method may leave in a step, and on a new mesh, where work is bounded to one step
-BOUNDED_STEP_ERROR, BOUNDED_MESH_ERROR = 1e-4, 2e-3
-#: part of the share that is left when all is used up
-LEAST_LEFT = 0.1
-#: amplitude of the largest wave over the leg's weight: an emergency stop at 5 m/s^2
-BRAKED = 0.5
-#: without material damping waves last as long as a trip, s, or as many radians: those of the longest ropes with damping
-LONGEST_MEMORY, MOST_TURNED = 60.0, 400.0
+STEP_WORK = 12  #: Newton iterations of a step where they are bounded: the largest number in recorded trips
+# errors (m and rad) that Newton's method may leave where work is bounded to one step
+BOUNDED_STEP_ERROR = 1e-4
+BOUNDED_MESH_ERROR = 2e-3  #: on a new mesh
+LEAST_LEFT = 0.1  #: fraction of the allowance that remains when all is used up
+BRAKED = 0.5  #: amplitude of the largest wave over the leg's weight: an emergency stop at 5 m/s^2
+# bounds of a wave's duration with little material damping
+LONGEST_WAVE = 60.0  #: s, a trip
+LARGEST_PHASE = 400.0  #: rad, as of the longest ropes with damping
 
 
 class StepLimits(NamedTuple):
     """Allowed errors of a step."""
 
-    place: float  # m, of a node's place
-    strain_rate: float  # 1/s, of the strain at an end, over the step
-    shortest: float  # s: a shorter step is short enough for the strain
-    longest: float  # s, for the flow through the loop
-    place_power: float
+    position: float  # m, of a node
+    strain_rate: float  # 1/s, error of the strain at an end over the step
+    shortest: float  # s, step below which the strain is not checked
+    longest: float  # s, step allowed by the flow through the loop
+    position_power: float
     strain_power: float
 
 
 class ErrorSums(NamedTuple):
     """Errors of the steps since the start.
 
-    ``waves``: of the slowest wave of the left and of the right leg, the error of the strain at its end, and the same a
-    quarter of a period later.  ``paces``: mean accelerations of these strains in the latest step.
+    ``waves``: strain error at the end by the slowest wave of each leg, now and a quarter of a period later, left and
+    right.  ``strain_tt``: mean accelerations of these strains in the latest step.
     """
 
     time: float = 0.0  # s
-    place: float = 0.0  # m, largest of a step
-    flow: float = 0.0  # m, largest of the loop's place, by the flow through it
+    position: float = 0.0  # m, largest position error of a step
+    flow: float = 0.0  # m, largest error of the loop's position by the flow through it
     force: float = 0.0  # N, largest end force
     waves: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
-    squares: tuple[float, float] = (0.0, 0.0)  # s, time integrals of the squares of the strains' errors
-    paces: tuple[float, float] = (0.0, 0.0)  # 1/s^2
+    squares: tuple[float, float] = (0.0, 0.0)  # s, time integrals of the squared strain errors
+    strain_tt: tuple[float, float] = (0.0, 0.0)  # 1/s^2
 
 
-def memory(rope: Any, omega: Any) -> Any:
-    """Duration (s) of a wave of a frequency."""
-    least = larger(omega / MOST_TURNED, 1.0 / LONGEST_MEMORY)
+def wave_duration(rope: Any, omega: Any) -> Any:
+    """Return the duration (s) of a wave of frequency ``omega`` (rad/s)."""
+    least = larger(omega / LARGEST_PHASE, 1.0 / LONGEST_WAVE)
     return 2.0 / larger(rope.beta_K * (omega * omega), 2.0 * least)
 
 
-def step_limits(scene: Any, sums: Any, bottom: Any, apart: Any, error_constant: Any) -> StepLimits:
-    """Limits for a rope whose loop hangs at arc length ``bottom`` and whose ends move ``apart`` vertically, m/s.
+def step_limits(scene: Any, sums: Any, bottom: Any, end_speed: Any, error_constant: Any) -> StepLimits:
+    """Return the limits of a step while the loop hangs at arc length ``bottom`` (m).
 
-    The method errs by ``error_constant`` h^2 per change of a.
-
-    The allowance shrinks as it is used up.
+    ``end_speed`` (m/s) is the vertical speed of one end against the other; ``error_constant`` h^2 is the local error
+    per change of the acceleration.  The allowance shrinks as it is used up.
     """
     rope, accuracy = scene.rope, scene.accuracy
     leg = larger(bottom, rope.length - bottom)
     omega = axial_frequency(rope, leg)
-    lasts = memory(rope, omega)
+    duration = wave_duration(rope, omega)
     used = end_force_error(rope, sums) / accuracy.end_force
-    share = FORCE_SHARE * larger(1.0 - used, LEAST_LEFT) * accuracy.end_force / lasts
+    allowed = FORCE_FRACTION * larger(1.0 - used, LEAST_LEFT) * accuracy.end_force / duration
     strain = rope.mass_per_length * scene.layout.gravity * leg / rope.Qa
-    shortest = sqrt(share / (BRAKED * error_constant * (omega * omega * omega)))
-    flows = FLOW_SHARE * accuracy.loop / larger(flow_error(scene, apart, 1.0), TINY)
+    shortest = sqrt(allowed / (BRAKED * error_constant * (omega * omega * omega)))
+    longest_squared = FLOW_FRACTION * accuracy.loop / larger(flow_error(scene, end_speed, 1.0), TINY)
     rubs = less(rope.EI, rope.EI_stick)
-    powers = where(rubs, RUBBED_PLACE, 1.0), where(rubs, RUBBED_STRAIN, 1.0)
-    return StepLimits(PLACE_SHARE * accuracy.loop, share * strain, shortest, sqrt(flows), *powers)
+    powers = where(rubs, RUBBING_POSITION_POWER, 1.0), where(rubs, RUBBING_STRAIN_POWER, 1.0)
+    return StepLimits(LOOP_FRACTION * accuracy.loop, allowed * strain, shortest, sqrt(longest_squared), *powers)
 
 
 def add_errors(
-    scene: Any, sums: Any, bottom: Any, apart: Any, h: Any, constant: Any, paces: Any, place: Any, force: Any
+    scene: Any, sums: Any, bottom: Any, end_speed: Any, h: Any, constant: Any, strain_tt: Any, position: Any, force: Any
 ) -> ErrorSums:
-    """``sums`` after a step ``h`` that left ``place``, with end forces of up to ``force`` now.
+    """Return ``sums`` after a step ``h`` with a ``position`` error (m) and end forces of up to ``force`` (N).
 
-    ``paces`` are the mean accelerations of the strains at the ends in the step, by their rates: unlike the
-    accelerations at its end they have none of what stiff waves leave there and no longer move.  The method errs by
-    ``constant`` h^2 per change of them; of a stiff wave, which follows the forces, by at most the change over omega^2.
+    ``strain_tt`` (2,) are means over the step, from the strain rates at its ends: the accelerations at its end contain
+    what stiff waves leave there.  The local error is ``constant`` h^2 per change of them, but for a stiff wave, which
+    follows the forces, at most the change over omega^2.
     """
     rope = scene.rope
     waves, squares = [], []
     for side, leg in enumerate((bottom, rope.length - bottom)):
         omega = axial_frequency(rope, leg)
-        lasts = memory(rope, omega)
-        fades, turns = lasts / (lasts + h), omega * h
-        cosine, sine = fades * cos(turns), fades * sin(turns)
-        now, later = sums.waves[2 * side], sums.waves[2 * side + 1]
-        left = constant * (h * h) / (1.0 + constant * (turns * turns)) * (paces[side] - sums.paces[side])
-        waves += [cosine * now + sine * later + left, cosine * later - sine * now]
+        duration = wave_duration(rope, omega)
+        decay, phase = duration / (duration + h), omega * h
+        cosine, sine = decay * cos(phase), decay * sin(phase)
+        present, later = sums.waves[2 * side], sums.waves[2 * side + 1]
+        change = strain_tt[side] - sums.strain_tt[side]
+        local = constant * (h * h) / (1.0 + constant * (phase * phase)) * change
+        waves += [cosine * present + sine * later + local, cosine * later - sine * present]
         squares.append(sums.squares[side] + h * (waves[-2] * waves[-2]))
-    largest = larger(sums.place, place), larger(sums.flow, flow_error(scene, apart, h)), larger(sums.force, force)
-    of_waves = (waves[0], waves[1], waves[2], waves[3]), (squares[0], squares[1])
-    return ErrorSums(sums.time + h, *largest, *of_waves, (paces[0], paces[1]))
+    largest = larger(sums.position, position), larger(sums.flow, flow_error(scene, end_speed, h))
+    wave_sums = (waves[0], waves[1], waves[2], waves[3]), (squares[0], squares[1])
+    return ErrorSums(sums.time + h, *largest, larger(sums.force, force), *wave_sums, (strain_tt[0], strain_tt[1]))
 
 
 def end_force_error(rope: Any, sums: Any) -> Any:
-    """Error of the end forces, root mean square since the start, relative to the largest."""
+    """Return the error of the end forces, root mean square since the start, relative to the largest force."""
     squares = larger(sums.squares[0], sums.squares[1])
     return RATE_ERROR_FACTOR * rope.Qa * sqrt(squares / larger(sums.time, TINY)) / larger(sums.force, TINY)
 
 
 def locking_error(scene: Any, fine: Any) -> Any:
-    """Height (m) by which the loop hangs too high on elements of length ``fine``."""
+    """Return the height (m) by which the loop hangs too high on elements of length ``fine``."""
     w, rope = bending_length(scene), scene.rope
     x = fine / w
-    locked = LOCKING * (rope.Qa * (w * w) / rope.EI) * (x * x * x * x)
-    return LOOP_HEIGHT * w * (x * x) * (locked / (1.0 + locked))
+    locking = LOCKING * (rope.Qa * (w * w) / rope.EI) * (x * x * x * x)
+    return LOOP_HEIGHT * w * (x * x) * (locking / (1.0 + locking))
 
 
 def mesh_error(scene: Any, fine: Any, grading_length: Any) -> Any:
-    """Error (m) of the loop's place on elements of length ``fine``, with ``grading_length`` in the legs."""
-    slips = 1.0 + SLIPPED * _slips(scene, fine, SLIPS_FROM)
-    return locking_error(scene, fine) * slips + LEG_MESH_ERROR * grading_length * scene.rope.length
+    """Return the loop's position error (m) on elements of length ``fine``, with ``grading_length`` in the legs."""
+    slip_factor = 1.0 + SLIPPED * _slip_fraction(scene, fine, SLIPS_FROM)
+    return locking_error(scene, fine) * slip_factor + LEG_MESH_ERROR * grading_length * scene.rope.length
 
 
 def turned_by_mesh(scene: Any, fine: Any) -> Any:
-    """Angle (rad) by which elements of length ``fine`` turn the loop about the vertical."""
-    return TURNED * fine / bending_length(scene) * _slips(scene, fine, TURNS_FROM)
+    """Return the angle (rad) by which elements of length ``fine`` turn the loop about the vertical."""
+    return TURNED * fine / bending_length(scene) * _slip_fraction(scene, fine, TURNS_FROM)
 
 
-def _slips(scene: Any, fine: Any, beyond: float) -> Any:
-    """Share, 0 to 1, of the loop's change over so many w ``beyond``."""
-    power = smaller(fine / (beyond * bending_length(scene)), 10.0) ** SLIP_EXPONENT
+def _slip_fraction(scene: Any, fine: Any, threshold: float) -> Any:
+    """Return the fraction, 0 to 1, of a change that sets in where elements are ``threshold`` w long."""
+    power = smaller(fine / (threshold * bending_length(scene)), 10.0) ** SLIP_EXPONENT
     return power / (1.0 + power)
 
 
 def length_for(scene: Any, error: Any) -> Any:
-    """Length of elements with at most that ``locking_error``, and at least half of it."""
+    """Return the length (m) of elements whose ``locking_error`` is between half of ``error`` (m) and ``error``."""
     w, rope = bending_length(scene), scene.rope
     part = error / (LOOP_HEIGHT * w)
     return w * larger(sqrt(part), (part / (LOCKING * (rope.Qa * (w * w) / rope.EI))) ** (1 / 6))
 
 
-def flow_error(scene: Any, apart: Any, h: Any) -> Any:
-    """Error (m) of the loop's place by steps ``h`` while its ends move ``apart`` (m/s) and the rope flows."""
-    flow = 0.5 * apart
-    turned = flow * h / bending_length(scene)
-    return FLOW * (turned * turned) * (flow * flow) / scene.layout.gravity
+def flow_error(scene: Any, end_speed: Any, h: Any) -> Any:
+    """Return the loop's position error (m) by steps ``h`` as the rope flows at half of ``end_speed`` (m/s)."""
+    flow = 0.5 * end_speed
+    angle = flow * h / bending_length(scene)
+    return FLOW_ERROR * (angle * angle) * (flow * flow) / scene.layout.gravity
 
 
-def step_error(limits: Any, h: Any, place: Any, strain: Any) -> Any:
-    """Error of a step ``h`` that left ``place`` and ``strain``, over the error allowed, and error by the flow.
+def step_error(limits: Any, h: Any, position_error: Any, strain_error: Any) -> Any:
+    """Return the step's error over the allowed one.
 
-    By the flow, and where wires rub, to powers for which twice the step is allowed where errors are small.
+    It is the largest of position error^position_power, end strain error^strain_power (only if h > shortest), each over
+    its limit, and (h / longest)^4 for the flow through the loop.
     """
-    turned = h / limits.longest
-    of_place = larger((place / limits.place) ** limits.place_power, turned * turned * (turned * turned))
-    of_strain = (strain / (h * limits.strain_rate)) ** limits.strain_power
-    return where(less(limits.shortest, h), larger(of_place, of_strain), of_place)
+    flow = h / limits.longest
+    position = larger((position_error / limits.position) ** limits.position_power, flow * flow * (flow * flow))
+    strain = (strain_error / (h * limits.strain_rate)) ** limits.strain_power
+    return where(less(limits.shortest, h), larger(position, strain), position)
 
 
 def loop_error(scene: Any, sums: Any, fine: Any, grading_length: Any) -> Any:
-    """Largest error of the loop's place since the start, m: of elements, legs and steps."""
+    """Return the largest error (m) of the loop's position since the start, by elements, legs and steps."""
     mesh = mesh_error(scene, fine, grading_length)
-    swung = STEPS * sums.place
-    return sqrt(mesh * mesh + swung * swung + sums.flow * sums.flow)  # at other places and instants
+    steps = STEP_ERROR_TO_LOOP * sums.position
+    return sqrt(mesh * mesh + steps * steps + sums.flow * sums.flow)  # the three occur at different instants
 
 
 def growth_delay(h: Any, step_next: Any) -> Any:
-    """Time (s) for which errors must be small before a step ``h`` may grow to ``step_next``."""
-    # half a step early: where a whole number of steps takes as long, rounding would decide
+    """Return the time (s) for which errors must be small before a step ``h`` may grow to ``step_next``."""
+    # the limit lies between two steps: on a whole number of steps rounding would decide
     return smaller(GROWTH_DELAY_STEPS * step_next, GROWTH_DELAY) - 0.5 * h
 
 
 class NextStep(NamedTuple):
-    """Length (s) of the step to try next, since when (s) errors are small, and 1 where accuracy was given up."""
+    """Length (s) of the next step, instant (s) since which errors are small, and 1 if accuracy was given up."""
 
     length: float
     calm_since: float
@@ -215,33 +219,33 @@ class NextStep(NamedTuple):
 
 
 def next_step(solver: Any, h: Any, step_next: Any, error: Any, rejected: Any, t: Any, calm_since: Any) -> NextStep:
-    """Choose the step after one of length ``h`` to ``t`` with this ``error`` over the allowed one.
+    """Choose the step after one of length ``h`` to ``t`` with ``error`` over the allowed one.
 
-    Work ran out where it is too large.  ``rejected``: whether longer steps failed.  An error above the tolerance halves
-    the next step; small ones for the time growth_delay double it.
+    An error above the tolerance halves the next step; small errors for the time growth_delay double it.  A larger error
+    than ACCEPT_BELOW is accepted only when the Newton budget is used up.  ``rejected``: true if longer steps failed.
     """
     calm_since = where(either(rejected, error > GROW_BELOW * solver.tolerance), t, calm_since)
     given_up = error > ACCEPT_BELOW * solver.tolerance
-    as_asked = either(given_up, error <= solver.tolerance)
-    grows = both(as_asked, t - calm_since > growth_delay(h, step_next), step_next < solver.step_max)
+    keeps = either(given_up, error <= solver.tolerance)
+    grows = both(keeps, t - calm_since > growth_delay(h, step_next), step_next < solver.step_max)
     longer = where(grows, smaller(2.0 * step_next, solver.step_max), step_next)
     return NextStep(
-        where(as_asked, longer, larger(0.5 * h, solver.step_min)),
+        where(keeps, longer, larger(0.5 * h, solver.step_min)),
         where(grows, t, calm_since),
         where(either(given_up, h > solver.step_max * (1.0 + 1e-9)), 1.0, 0.0),
     )
 
 
-def substeps(way: Any, step_next: Any, left: Any) -> Any:
-    """Number of steps into which the ``way`` (s) is divided where the work that is left allows for so many.
+def substeps(interval: Any, step_next: Any, steps_left: Any) -> Any:
+    """Return the number of steps for an ``interval`` (s), at most as many as the Newton budget allows.
 
-    It may take longer ones than ``step_next``, but Newton's method need not converge in much longer ones.
+    Steps may be longer than ``step_next``, but no more than twice as long: Newton's method need not converge then.
     """
-    parts = larger(ceil(way / step_next - 1e-9), 1.0)
-    return smaller(parts, larger(left, ceil(0.5 * parts)))
+    parts = larger(ceil(interval / step_next - 1e-9), 1.0)
+    return smaller(parts, larger(steps_left, ceil(0.5 * parts)))
 
 
-def newton_may_leave(newton_tolerance: Any, work_max: Any, hasty: Any) -> Any:
-    """Error (m and rad) that Newton's method may leave, ``hasty`` where work is bounded to one step."""
+def newton_may_leave(newton_tolerance: Any, work_max: Any, bounded_tolerance: Any) -> Any:
+    """Return Newton's tolerance (m and rad), at least ``bounded_tolerance`` where work is bounded to one step."""
     bounded = both(work_max > 0.0, work_max < 2.0 * STEP_WORK)
-    return where(bounded, larger(newton_tolerance, hasty), newton_tolerance)
+    return where(bounded, larger(newton_tolerance, bounded_tolerance), newton_tolerance)

@@ -1,10 +1,10 @@
-"""The beam element in air: physics.element with the drag of physics.air.
+"""Beam element in air: physics.element with the drag of physics.air.
 
 An element integrates the drag f with the cubic Hermite shapes N of r over the four Gauss points of physics.hermite:
 
     R -= int N^T f dx,   J += int N^T (-cv df/dv) N dx
 
-The power that the rope gives to the air is -f . r_t; where the air blows and drives the rope it is negative.
+The power that the rope gives to the air is -f . r_t; it is negative where the wind drives the rope.
 """
 
 from collections.abc import Iterator
@@ -18,10 +18,10 @@ from rope_model.physics.air import AirLaw, Passing, drag, flow
 from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, PARAMETERS, ElementFidelity, ElementFunctions
 from rope_model.physics.elementary import cross, dot
 
-#: numbers of an AirLaw, and of it with both conveyances
+#: number of entries of an AirLaw; AIR_SIZE includes both conveyances
 LAW_SIZE = 9
 AIR_SIZE = LAW_SIZE + 2 * 4
-#: entries of the balance beyond element.BALANCE
+#: entries of the balance behind element.BALANCE
 AIR_BALANCE = (
     "given_to_air",  # W
     *("air_fx", "air_fy", "air_fz"),  # N, on the rope
@@ -30,9 +30,11 @@ AIR_BALANCE = (
 
 
 class AirFunctions(NamedTuple):
-    """Action of the air on an element; ``A`` has the numbers of an AirLaw and of both Passing conveyances.
+    """CasADi functions of the air on an element; ``A`` contains an AirLaw and both Passing conveyances.
 
-    residual: (q, v, l, A) -> R (2 m,); tangent: (q, v, l, A, cv) -> J (2 m, 2 m); sums: (q, v, l, A) -> AIR_BALANCE.
+    residual: (q, v, l, A) -> R (2 m,)
+    tangent:  (q, v, l, A, cv) -> J (2 m, 2 m)
+    sums:     (q, v, l, A) -> AIR_BALANCE
     """
 
     residual: ca.Function
@@ -42,9 +44,9 @@ class AirFunctions(NamedTuple):
 
 @cache
 def air_functions(fidelity: ElementFidelity) -> AirFunctions:
-    """Build the functions."""
-    kept = ELEMENT_DOF[fidelity]
-    entries = [*kept, *(NODE_DOF + k for k in kept)]
+    """Build the functions for a fidelity."""
+    dofs = ELEMENT_DOF[fidelity]
+    entries = [*dofs, *(NODE_DOF + k for k in dofs)]
     symbols = [ca.SX.sym(name, len(entries)) for name in "qv"]
     l, A, cv = ca.SX.sym("l"), ca.SX.sym("A", AIR_SIZE), ca.SX.sym("cv")
     q, v = (ca.SX.zeros(2 * NODE_DOF) for _ in symbols)
@@ -56,15 +58,15 @@ def air_functions(fidelity: ElementFidelity) -> AirFunctions:
         nodes = dict(_nodes(hermite.shape_functions(xi, l)))
         (point, slope), (speed, _) = (_at(xi, l, x) for x in (q, v))
         velocity = flow(law, conveyances, point, l)
-        if 2 not in kept:  # wind across the plane does not act in a model of the plane
+        if 2 not in dofs:  # a planar model ignores wind across its plane
             velocity[2] = 0
         force, tangent = drag(law, velocity, slope, speed)
         w = weight * l
         sums += w * ca.vertcat(-dot(force, speed), *force, *cross(point, force))
-        for row, (i, share) in nodes.items():
-            R[row] -= w * share * force[i]
-            for column, (j, other) in nodes.items():
-                J[row, column] += cv * w * share * other * tangent[i][j]
+        for row, (i, N_i) in nodes.items():
+            R[row] -= w * N_i * force[i]
+            for column, (j, N_j) in nodes.items():
+                J[row, column] += cv * w * N_i * N_j * tangent[i][j]
     inputs = [*symbols, l, A]
     return AirFunctions(
         ca.Function("air_residual", inputs, [ca.cse(R[entries])]),
@@ -75,18 +77,18 @@ def air_functions(fidelity: ElementFidelity) -> AirFunctions:
 
 @cache
 def air_element(fidelity: ElementFidelity, plain: ElementFunctions) -> ElementFunctions:
-    """The ``plain`` element's functions in air; P has the numbers A behind its own, the balance AIR_BALANCE."""
+    """Build the functions of the ``plain`` element in air, with A behind its P and AIR_BALANCE behind its balance."""
     air, m = air_functions(fidelity), len(ELEMENT_DOF[fidelity])
     q, v, a, before = (ca.SX.sym(name, 2 * m) for name in ("q", "v", "a", "before"))
     l, F, P = ca.SX.sym("l"), ca.SX.sym("F", plain.residual.size1_in(4)), ca.SX.sym("P", len(PARAMETERS) + AIR_SIZE)
     cq, cv, c_a = (ca.SX.sym(name) for name in ("cq", "cv", "ca"))
-    own, blown = (l, F, P[: len(PARAMETERS)]), (q, v, l, P[len(PARAMETERS) :])
+    own, air_inputs = (l, F, P[: len(PARAMETERS)]), (q, v, l, P[len(PARAMETERS) :])
     R, J = plain.tangent(q, v, a, *own, cq, cv, c_a, before)
-    pushed = air.residual(*blown)
+    force = air.residual(*air_inputs)
     return plain.replaced(
-        residual=([q, v, a, l, F, P], [plain.residual(q, v, a, *own) + pushed]),
-        tangent=([q, v, a, l, F, P, cq, cv, c_a, before], [R + pushed, J + air.tangent(*blown, cv)]),
-        balance=([q, v, l, F, P], [ca.vertcat(plain.balance(q, v, *own), air.sums(*blown))]),
+        residual=([q, v, a, l, F, P], [plain.residual(q, v, a, *own) + force]),
+        tangent=([q, v, a, l, F, P, cq, cv, c_a, before], [R + force, J + air.tangent(*air_inputs, cv)]),
+        balance=([q, v, l, F, P], [ca.vertcat(plain.balance(q, v, *own), air.sums(*air_inputs))]),
         losses=([q, v, l, F, P], [plain.losses(q, v, *own)]),
         momentum=([q, v, l, P], [plain.momentum(q, v, l, own[2])]),
     )
@@ -98,13 +100,13 @@ def _numbers(A: Any) -> tuple[AirLaw, list[Passing]]:
 
 
 def _at(xi: float, l: ca.SX, x: ca.SX) -> tuple[list[ca.SX], list[ca.SX]]:
-    """Value and slope of r, or of its rate, in the element."""
+    """Return r and r', or their rates, at ``xi`` of the element."""
     pairs = [hermite.interpolate(xi, l, x[i], x[3 + i], x[NODE_DOF + i], x[NODE_DOF + 3 + i]) for i in range(3)]
     return [value for value, _ in pairs], [slope for _, slope in pairs]
 
 
 def _nodes(N: tuple[Any, ...]) -> Iterator[tuple[int, tuple[int, Any]]]:
-    """Entries of r and r' in the element, each with its component and its shape function."""
-    for first, share in zip((0, 3, NODE_DOF, NODE_DOF + 3), N, strict=True):
+    """Yield the index of each entry of r and r' in the element, with its component and its shape function."""
+    for first, N_i in zip((0, 3, NODE_DOF, NODE_DOF + 3), N, strict=True):
         for i in range(3):
-            yield first + i, (i, share)
+            yield first + i, (i, N_i)

@@ -1,7 +1,7 @@
-"""The beam element that touches bodies in the shaft: physics.element with the forces of physics.contact.
+"""Beam element in contact with bodies in the shaft: physics.element with the forces of physics.contact.
 
 Where the element is near a body, the force per length is integrated along the pressed part of the centre line
-(physics.contact_places):
+(physics.contact_points):
 
     R -= int N^T f dx,   J += int N^T (-cq df/dr - cv df/dv) N dx
 
@@ -14,16 +14,15 @@ from typing import Any
 
 import casadi as ca
 
-from rope_model.physics import contact_places, hermite
+from rope_model.physics import contact_points, hermite
 from rope_model.physics.contact import SUMS, touch
 from rope_model.physics.element import ELEMENT_DOF, ElementFidelity, ElementFunctions
 from rope_model.physics.elementary import both, where
 from rope_model.physics.shaft import KINDS, Body
 
-#: numbers of the law, and of a body: those of shaft.Body and its speed
-LAW = ("stiffness", "damping", "friction", "slip_speed", "diameter")
-BODY_SIZE = 13
-#: entries of the balance beyond element.BALANCE
+LAW = ("stiffness", "damping", "friction", "slip_speed", "diameter")  #: entries of the law
+BODY_SIZE = 13  #: number of entries of a body: those of shaft.Body and its velocity
+#: entries of the balance behind element.BALANCE
 CONTACT_BALANCE = (
     "contact",  # J, stored where bodies press the rope
     "contact_dissipated",  # W, never negative
@@ -36,10 +35,10 @@ CONTACT_BALANCE = (
 
 @cache
 def contact_element(fidelity: ElementFidelity, plain: ElementFunctions, kinds: tuple[int, ...]) -> ElementFunctions:
-    """The functions of the ``plain`` element of a fidelity, with as many bodies as ``kinds``.
+    """Build the functions of the ``plain`` element of a fidelity with a body of each of the ``kinds``.
 
-    F has an entry more for each body, 1 where the element is near it, else 0; P those of LAW and of the bodies. Contact
-    adds to residual, tangent, balance and losses, in further entries of the latter two.
+    F has a further entry for each body, 1 where the element is near it, else 0; P has LAW and the bodies behind its own
+    entries.  Contact adds to residual, tangent, balance and losses, the latter two in further entries.
     """
     m = len(ELEMENT_DOF[fidelity])
     frame, own, bodies = plain.residual.size1_in(4), plain.residual.size1_in(5), len(kinds)
@@ -47,36 +46,34 @@ def contact_element(fidelity: ElementFidelity, plain: ElementFunctions, kinds: t
     l, F = ca.MX.sym("l"), ca.MX.sym("F", frame + bodies)
     P = ca.MX.sym("P", own + len(LAW) + bodies * BODY_SIZE)
     cq, cv, c_a = (ca.MX.sym(name) for name in ("cq", "cv", "ca"))
-    at, near = (F[:frame], P[:own]), ca.sum1(F[frame:]) > 0
+    frame_entries, is_near = (F[:frame], P[:own]), ca.sum1(F[frame:]) > 0
     R, J, sums = _integrals(ELEMENT_DOF[fidelity], kinds)
 
     def added(function: ca.Function, *factors: Any) -> ca.MX:
-        inputs = [q, v, l, F[frame:], P[own:], *factors]
-        zero = ca.Function(f"no_{function.name()}", function.mx_in(), [ca.MX.zeros(*function.size_out(0))])
-        return ca.Function.if_else(f"{function.name()}_if", function, zero)(near, *inputs)
+        return _where_near(function)(is_near, q, v, l, F[frame:], P[own:], *factors)
 
-    R_plain, J_plain = plain.tangent(q, v, a, l, *at, cq, cv, c_a, before)
+    R_plain, J_plain = plain.tangent(q, v, a, l, *frame_entries, cq, cv, c_a, before)
     balance = added(sums)
     return plain.replaced(
-        residual=([q, v, a, l, F, P], [plain.residual(q, v, a, l, *at) + added(R)]),
+        residual=([q, v, a, l, F, P], [plain.residual(q, v, a, l, *frame_entries) + added(R)]),
         tangent=([q, v, a, l, F, P, cq, cv, c_a, before], [R_plain + added(R), J_plain + added(J, cq, cv)]),
-        balance=([q, v, l, F, P], [ca.vertcat(plain.balance(q, v, l, *at), balance)]),
-        losses=([q, v, l, F, P], [ca.vertcat(plain.losses(q, v, l, *at), balance[1:3])]),
-        strains=([q, l, F], [plain.strains(q, l, at[0])]),
-        momentum=([q, v, l, P], [plain.momentum(q, v, l, at[1])]),
-        transport=([q, v, a, l, F], [plain.transport(q, v, a, l, at[0])]),
+        balance=([q, v, l, F, P], [ca.vertcat(plain.balance(q, v, l, *frame_entries), balance)]),
+        losses=([q, v, l, F, P], [ca.vertcat(plain.losses(q, v, l, *frame_entries), balance[1:3])]),
+        strains=([q, l, F], [plain.strains(q, l, frame_entries[0])]),
+        momentum=([q, v, l, P], [plain.momentum(q, v, l, frame_entries[1])]),
+        transport=([q, v, a, l, F], [plain.transport(q, v, a, l, frame_entries[0])]),
     )
 
 
-def _integrals(kept: tuple[int, ...], kinds: tuple[int, ...]) -> tuple[ca.Function, ca.Function, ca.Function]:
-    """(q, v, l, near, P) -> R (2 m,), the same with (cq, cv) -> J (2 m, 2 m), and the sums of CONTACT_BALANCE."""
-    m = len(kept)
+def _integrals(dofs: tuple[int, ...], kinds: tuple[int, ...]) -> tuple[ca.Function, ca.Function, ca.Function]:
+    """Build (q, v, l, near, P) -> R (2 m,), the same with (cq, cv) -> J (2 m, 2 m), and -> sums of CONTACT_BALANCE."""
+    m = len(dofs)
     q, v, l = ca.MX.sym("q", 2 * m), ca.MX.sym("v", 2 * m), ca.MX.sym("l")
     near, P = ca.MX.sym("near", len(kinds)), ca.MX.sym("P", len(LAW) + len(kinds) * BODY_SIZE)
     cq, cv = ca.MX.sym("cq"), ca.MX.sym("cv")
-    # which entry of the element is component i of node value k: r and r' of both nodes
-    place = {dof: i for i, dof in enumerate(kept) if dof < 6}
-    entries = {(i, k): place[i + 3 * (k % 2)] + m * (k // 2) for i in range(3) if i in place for k in range(4)}
+    # index in the element of component i of node value k, which is r or r' of a node
+    index = {dof: i for i, dof in enumerate(dofs) if dof < 6}
+    entries = {(i, k): index[i + 3 * (k % 2)] + m * (k // 2) for i in range(3) if i in index for k in range(4)}
     rows, speeds = (
         ca.horzcat(*(ca.vertcat(*(x[entries[i, k]] if (i, k) in entries else 0 for i in range(3))) for k in range(4)))
         for x in (q, v)
@@ -86,11 +83,11 @@ def _integrals(kept: tuple[int, ...], kinds: tuple[int, ...]) -> tuple[ca.Functi
     for k, kind in enumerate(kinds):
         body = P[len(LAW) + k * BODY_SIZE : len(LAW) + (k + 1) * BODY_SIZE]
         inputs = [rows, speeds, l, ca.vertcat(P[: len(LAW)], body)]
-        one = _where_near(_pressed(False))(near[k] > 0, *inputs)
-        force += one[0]
-        sums[: len(SUMS) - 1] += one[1][:-1]
-        sums[len(SUMS) - 1 + kind] += one[1][-1]
-        stiff += _where_near(_pressed(True))(near[k] > 0, *inputs, cq, cv)
+        terms = _where_near(_body_function(False))(near[k] > 0, *inputs)
+        force += terms[0]
+        sums[: len(SUMS) - 1] += terms[1][:-1]
+        sums[len(SUMS) - 1 + kind] += terms[1][-1]
+        stiff += _where_near(_body_function(True))(near[k] > 0, *inputs, cq, cv)
     R, J = ca.MX.zeros(2 * m), ca.MX(2 * m, 2 * m)
     for (i, k), row in entries.items():
         R[row] = -force[i, k]
@@ -104,74 +101,71 @@ def _integrals(kept: tuple[int, ...], kinds: tuple[int, ...]) -> tuple[ca.Functi
 
 
 def _where_near(function: ca.Function) -> ca.Function:
-    """(condition, inputs) -> ``function`` of the inputs, or zeros."""
+    """Build (condition, inputs) -> ``function`` of the inputs, or zeros."""
     zeros = [ca.MX.zeros(*function.size_out(i)) for i in range(function.n_out())]
     nothing = ca.Function(f"no_{function.name()}", function.mx_in(), zeros)
     return ca.Function.if_else(f"{function.name()}_if", function, nothing)
 
 
 def _upper(i: int, j: int, size: int) -> int:
-    """Place of entry (i, j) of a symmetric matrix (size, size) among those of its upper half, row by row."""
+    """Return the index of entry (i, j) of a symmetric matrix (size, size) in its upper half, stored row by row."""
     i, j = min(i, j), max(i, j)
     return size * i - i * (i - 1) // 2 + j - i
 
 
 @cache
-def _pressed(stiff: bool) -> ca.Function:
-    """(rows (3, 4), speeds (3, 4), l, P) -> force on the node values (3, 4) and SUMS of one body.
+def _body_function(stiff: bool) -> ca.Function:
+    """Build (rows (3, 4), speeds (3, 4), l, P) -> force on the node values (3, 4) and SUMS of one body.
 
-    Or, with (cq, cv), the tangent: entries of (3, 3), upper half, in columns for pairs of node values, upper half.
+    With (cq, cv) it is the tangent: entries of (3, 3), upper half, in columns for pairs of node values, upper half.
     """
     rows, speeds = ca.MX.sym("r", 3, 4), ca.MX.sym("v", 3, 4)
     l, P = ca.MX.sym("l"), ca.MX.sym("P", len(LAW) + BODY_SIZE)
     c = [ca.MX.sym("cq"), ca.MX.sym("cv")] if stiff else []
-    look, halve, _ = _searches()
+    probe_at, halve, _ = _search_functions()
     start, stop = ca.MX.sym("start"), ca.MX.sym("stop")
-    seen = [look(at, rows, l, P) for at in (start, stop)]
-    turned = halve.fold(contact_places.HALVINGS)(ca.horzcat(*seen), rows, l, P)
-    at = ca.if_else(seen[0][2] * seen[1][2] < 0, _turning()(turned), stop)
-    probes = ca.horzcat(seen[0], look(at, rows, l, P), seen[1])
+    ends = [probe_at(xi, rows, l, P) for xi in (start, stop)]
+    bracket = halve.fold(contact_points.HALVINGS)(ca.horzcat(*ends), rows, l, P)
+    turn_xi = ca.if_else(ends[0][2] * ends[1][2] < 0, _turning_function()(bracket), stop)
+    probes = ca.horzcat(ends[0], probe_at(turn_xi, rows, l, P), ends[1])
     inside = ca.mmax(probes[1, :]) > 0
-    cell = _where_near(_integrated(stiff))(inside, probes, rows, speeds, l, P, *c)
-    made = ca.Function("cell", [start, stop, rows, speeds, l, P, *c], list(cell) if not stiff else [cell])
-    places = ca.DM(
-        [
-            [k / contact_places.CELLS for k in range(contact_places.CELLS)],
-            [(k + 1) / contact_places.CELLS for k in range(contact_places.CELLS)],
-        ]
-    )
-    found = [made(places[0, k], places[1, k], rows, speeds, l, P, *c) for k in range(contact_places.CELLS)]
-    totals = [sum(x) for x in (zip(*found, strict=True) if not stiff else [found])]
+    cell = _where_near(_cell_function(stiff))(inside, probes, rows, speeds, l, P, *c)
+    cell_function = ca.Function("cell", [start, stop, rows, speeds, l, P, *c], list(cell) if not stiff else [cell])
+    bounds = ca.DM([[(k + end) / contact_points.CELLS for k in range(contact_points.CELLS)] for end in (0, 1)])
+    terms = [cell_function(bounds[0, k], bounds[1, k], rows, speeds, l, P, *c) for k in range(contact_points.CELLS)]
+    totals = [sum(x) for x in (zip(*terms, strict=True) if not stiff else [terms])]
     return ca.Function("pressed_tangent" if stiff else "pressed", [rows, speeds, l, P, *c], totals)
 
 
 @cache
-def _integrated(stiff: bool) -> ca.Function:
-    """(probes (3, 3), rows, speeds, l, P) -> sums of ``_pressed`` over a cell with these at its ends and turn."""
+def _cell_function(stiff: bool) -> ca.Function:
+    """Build (probes (3, 3) at ends and extremum of a cell, rows, speeds, l, P) -> its part of ``_body_function``."""
     probes, rows, speeds = ca.MX.sym("probes", 3, 3), ca.MX.sym("r", 3, 4), ca.MX.sym("v", 3, 4)
     l, P = ca.MX.sym("l"), ca.MX.sym("P", len(LAW) + BODY_SIZE)
     c = [ca.MX.sym("cq"), ca.MX.sym("cv")] if stiff else []
-    reach, pieces = _searches()[2], []
+    reach, pieces = _search_functions()[2], []
     for side in (0, 1):
         swapped = probes[1, side] > probes[1, side + 1]
         deeper = ca.if_else(swapped, probes[:, side], probes[:, side + 1])
         other = ca.if_else(swapped, probes[:, side + 1], probes[:, side])
-        before = deeper[0]
-        for part in contact_places.LEVELS:
+        start = deeper[0]
+        for part in contact_points.LEVELS:
             level = part * P[LAW.index("diameter")]
-            found = reach.fold(contact_places.STEPS)(ca.vertcat(other, deeper[0]), rows, l, P, level)[0]
-            at = ca.if_else(deeper[1] <= level, deeper[0], ca.if_else(other[1] >= level, other[0], found))
+            reached = reach.fold(contact_points.STEPS)(ca.vertcat(other, deeper[0]), rows, l, P, level)[0]
+            stop = ca.if_else(deeper[1] <= level, deeper[0], ca.if_else(other[1] >= level, other[0], reached))
             pieces += [
-                contact_places.point_in(*point, before, at)
-                for point in zip(contact_places.PARTS, contact_places.WEIGHTS, strict=True)
+                contact_points.point_in(*point, start, stop)
+                for point in zip(contact_points.PARTS, contact_points.WEIGHTS, strict=True)
             ]
-            before = at
-    places, weights = (ca.vertcat(*x) for x in zip(*pieces, strict=True))
+            start = stop
+    xi_points, weights = (ca.vertcat(*x) for x in zip(*pieces, strict=True))
     number = len(pieces)
     xi, length = ca.SX.sym("xi"), ca.SX.sym("l")
-    shares = ca.Function("shares", [xi, length], [ca.horzcat(*hermite.shape_functions(xi, length))]).map(number)
-    N = ca.reshape(shares(places.T, l), 4, number)  # a column for each point
-    loads, tangents = (f.map(number) for f in _touch_one())
+    shape_functions = ca.Function("shares", [xi, length], [ca.horzcat(*hermite.shape_functions(xi, length))]).map(
+        number
+    )
+    N = ca.reshape(shape_functions(xi_points.T, l), 4, number)  # a column for each point
+    loads, tangents = (f.map(number) for f in _touch_functions())
     repeated = rows @ N, speeds @ N, ca.repmat(P, 1, number)
     weights *= l
     inputs = [probes, rows, speeds, l, P, *c]
@@ -184,38 +178,38 @@ def _integrated(stiff: bool) -> ca.Function:
 
 
 @cache
-def _searches() -> tuple[ca.Function, ca.Function, ca.Function]:
-    """(place, rows, l, P) -> a probe; steps of the search for the turn of the depth, and for a level of it."""
+def _search_functions() -> tuple[ca.Function, ca.Function, ca.Function]:
+    """Build (xi, rows, l, P) -> probe, and the steps of the searches for the extremum of the depth and for a depth."""
     rows, l, P = ca.SX.sym("r", 3, 4), ca.SX.sym("l"), ca.SX.sym("P", len(LAW) + BODY_SIZE)
     a, b = ([*ca.vertsplit(rows[:, k]), *ca.vertsplit(rows[:, k + 1])] for k in (0, 2))
     diameter, (body, _) = P[LAW.index("diameter")], _body(P[len(LAW) :])
-    ends, at, place, level = ca.SX.sym("ends", 3, 2), ca.SX.sym("at", 4), ca.SX.sym("place"), ca.SX.sym("level")
+    ends, state, xi, level = ca.SX.sym("ends", 3, 2), ca.SX.sym("at", 4), ca.SX.sym("place"), ca.SX.sym("level")
 
-    def look(place: Any) -> Any:
-        return ca.vertcat(*contact_places.probe(place, l, a, b, diameter, body))
+    def probe_at(xi: Any) -> Any:
+        return ca.vertcat(*contact_points.probe(xi, l, a, b, diameter, body))
 
     start, stop = ends[:, 0], ends[:, 1]
-    middle, turns = look(0.5 * (start[0] + stop[0])), start[2] * stop[2] < 0
+    middle, turns = probe_at(0.5 * (start[0] + stop[0])), start[2] * stop[2] < 0
     first = start[2] * middle[2] > 0
     start = where(both(turns, first), middle, start)
     stop = where(both(turns, ca.logic_not(first)), middle, stop)
-    found = look(contact_places.reaching(_probe(at[:3]), at[3], level))
-    nearer = where(found[1] < level, ca.vertcat(found, at[3]), ca.vertcat(at[:3], found[0]))
+    next_probe = probe_at(contact_points.reaching(_probe(state[:3]), state[3], level))
+    nearer = where(next_probe[1] < level, ca.vertcat(next_probe, state[3]), ca.vertcat(state[:3], next_probe[0]))
     return (
-        ca.Function("probe", [place, rows, l, P], [look(place)]),
+        ca.Function("probe", [xi, rows, l, P], [probe_at(xi)]),
         ca.Function("halve", [ends, rows, l, P], [ca.cse(ca.horzcat(start, stop))]),
-        ca.Function("reach", [at, rows, l, P, level], [ca.cse(nearer)]),
+        ca.Function("reach", [state, rows, l, P, level], [ca.cse(nearer)]),
     )
 
 
 @cache
-def _turning() -> ca.Function:
+def _turning_function() -> ca.Function:
     ends = ca.SX.sym("ends", 3, 2)
-    return ca.Function("turning", [ends], [contact_places.turning(_probe(ends[:, 0]), _probe(ends[:, 1]))])
+    return ca.Function("turning", [ends], [contact_points.turning(_probe(ends[:, 0]), _probe(ends[:, 1]))])
 
 
-def _probe(x: Any) -> contact_places.Probe:
-    return contact_places.Probe(x[0], x[1], x[2])
+def _probe(x: Any) -> contact_points.Probe:
+    return contact_points.Probe(x[0], x[1], x[2])
 
 
 def _body(x: Any) -> tuple[Body, Any]:
@@ -223,13 +217,15 @@ def _body(x: Any) -> tuple[Body, Any]:
 
 
 @cache
-def _touch_one() -> tuple[ca.Function, ca.Function]:
-    """(point, speed, P) -> force (3,) and SUMS per length of one body, the same with (cq, cv) -> tangent."""
+def _touch_functions() -> tuple[ca.Function, ca.Function]:
+    """Build (point, velocity, P) -> force (3,) and SUMS of one body per length, and with (cq, cv) -> tangent."""
     point, speed, P = ca.SX.sym("point", 3), ca.SX.sym("speed", 3), ca.SX.sym("P", len(LAW) + BODY_SIZE)
     cq, cv = ca.SX.sym("cq"), ca.SX.sym("cv")
     law = SimpleNamespace(**dict(zip(LAW, ca.vertsplit(P[: len(LAW)]), strict=True)))
-    one = touch(law, law.diameter, *_body(P[len(LAW) :]), point, speed, cq, cv)
+    contact_terms = touch(law, law.diameter, *_body(P[len(LAW) :]), point, speed, cq, cv)
     return (
-        ca.Function("touch", [point, speed, P], ca.cse([ca.vertcat(*one.force), ca.vertcat(*one.sums)])),
-        ca.Function("touch_tangent", [point, speed, P, cq, cv], [ca.cse(ca.vertcat(*one.tangent))]),
+        ca.Function(
+            "touch", [point, speed, P], ca.cse([ca.vertcat(*contact_terms.force), ca.vertcat(*contact_terms.sums)])
+        ),
+        ca.Function("touch_tangent", [point, speed, P, cq, cv], [ca.cse(ca.vertcat(*contact_terms.tangent))]),
     )

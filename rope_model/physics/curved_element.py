@@ -1,18 +1,18 @@
-"""The beam element with the permanent curvature of physics.initial_curvature.
+"""Beam element with the permanent curvature of physics.initial_curvature.
 
 physics.element has the energy
 
     U0 = int EI (1/2 |k0|^2 - k . k0) dx
 
-beside that of bending.  While the element moves, k0 of a section goes from its place in the frame's
-reference by the smallest rotation of the tangent and is turned about that by the gain of
+beside that of bending.  While the element moves, the smallest rotation of the tangent carries k0 of a section from its
+direction in the frame's reference.  k0 is then turned about the tangent by the increase of
 
     theta(x) - (turn of the frame from the left node to x) + x/l (turn of the frame to the right node)
 
-which is the section's turn where tau is uniform; so the energy stays when the present shape becomes the reference.
+which is the section's angle where tau is uniform; so the energy stays when the present shape becomes the reference.
 
-Behind the frame's entries F has numbers of the element in the reference, (12,): k0 at the three Gauss points, theta at
-both nodes, and EI.
+Behind the frame's entries F has 12 numbers of the element in the reference: k0 at the three Gauss points, theta at both
+nodes, and EI.
 """
 
 from functools import cache
@@ -26,14 +26,16 @@ from rope_model.physics.elementary import dot, sqrt
 from rope_model.physics.frame import carried, small_turn, smallest_rotation_rate, turned
 from rope_model.physics.initial_curvature import TO_POINTS, curvature_vectors
 
-#: numbers of an element: k0 at its points, angles, and EI
+#: number of entries of an element: k0 at its points, angles, and EI
 CURVED = 3 * len(element.POINTS) + 3
 
 
 class CurvedFunctions(NamedTuple):
-    """Terms that permanent curvature adds to an element; ``C`` has its CURVED numbers.
+    """CasADi functions of permanent curvature in an element; ``C`` contains its CURVED numbers.
 
-    residual: (q, l, F, C) -> R (14,); tangent: (q, l, F, C, cq) -> J (14, 14); energy: (q, l, F, C) -> J.
+    residual: (q, l, F, C) -> R (14,)
+    tangent:  (q, l, F, C, cq) -> J (14, 14)
+    energy:   (q, l, F, C) -> J
     """
 
     residual: ca.Function
@@ -53,7 +55,7 @@ def curved_functions() -> CurvedFunctions:
     z = [B_p @ relative @ q for B_p in B]
     turn, bend = _turn_function(), _bend_function()
     f, f_z, f_zz = zip(*(turn(*pair) for pair in zip(z, frames, strict=True)), strict=True)
-    # turn of each point besides the section's, and the angle from which the section's gain counts there
+    # weights of the frame's turning in the angle of each point, relative to the element's linear part
     parts = [
         [l * (to - xi * w) for to, w in zip(row, element.WEIGHTS, strict=True)]
         for row, xi in zip(TO_POINTS, element.POINTS, strict=True)
@@ -66,11 +68,11 @@ def curved_functions() -> CurvedFunctions:
     )
     R, J, U = ca.SX.zeros(relative.shape[0]), ca.SX.zeros(relative.shape[0], relative.shape[0]), ca.SX(0)
     for i, (w, B_p) in enumerate(zip(element.WEIGHTS, B, strict=True)):
-        # the derivative of the angle, and of the gain that it takes from all points
+        # derivative of the angle at this point, and the effect of this point's turning on all angles
         angle_x: Any = sum((parts[i][k] * B[k].T @ f_z[k] for k in range(len(B))), start=ca.SX.zeros(relative.shape[0]))
-        share: Any = sum(element.WEIGHTS[k] * W_z[k][6] * parts[k][i] for k in range(len(B)))
-        R += B_p.T @ (w * W_z[i] - share * f_z[i])
-        J += B_p.T @ element.symmetric(w * W_zz[i] - share * f_zz[i]) @ B_p
+        coupled_weight: Any = sum(element.WEIGHTS[k] * W_z[k][6] * parts[k][i] for k in range(len(B)))
+        R += B_p.T @ (w * W_z[i] - coupled_weight * f_z[i])
+        J += B_p.T @ element.symmetric(w * W_zz[i] - coupled_weight * f_zz[i]) @ B_p
         coupled = w * (B_p.T @ W_zz[i][:, 6] - 0.5 * W_zz[i][6, 6] * angle_x)
         J -= coupled @ angle_x.T + angle_x @ coupled.T
         U += w * (0.5 * ca.sumsqr(C[3 * i : 3 * i + 3]) - W[i])
@@ -86,19 +88,19 @@ def curved_functions() -> CurvedFunctions:
 
 @cache
 def curvature_along(elements: int) -> ca.Function:
-    """(e1 at the left end, curvature_components, lengths, nodes (14,)) -> e1 at the right nodes, k0 at the points (9,).
+    """Build (e1 at the left end, curvature_components, lengths, nodes) -> e1 at the right nodes, k0 at the points (9,).
 
     Columns belong to elements.
     """
     start, l, nodes = ca.SX.sym("start", 3), ca.SX.sym("l"), ca.SX.sym("nodes", 2 * element.NODE_DOF)
     components = ca.SX.sym("components", 2 * len(element.POINTS))
-    *found, x, y, z = curvature_vectors(components, l, nodes, start)
+    *k0, x, y, z = curvature_vectors(components, l, nodes, start)
     inputs = [start, components, l, nodes]
-    return ca.Function("curvature_vectors", inputs, [ca.vertcat(x, y, z), ca.vertcat(*found)]).mapaccum(elements)
+    return ca.Function("curvature_vectors", inputs, [ca.vertcat(x, y, z), ca.vertcat(*k0)]).mapaccum(elements)
 
 
 def _turn_function() -> ca.Function:
-    """(z, frame) -> how the frame turns along the rope at a point z = (r', r'', theta), and its derivatives."""
+    """Build (z, frame) -> turning of the frame along the rope at a point z = (r', r'', theta), and its derivatives."""
     z, frame = ca.SX.sym("z", 7), ca.SX.sym("frame", 6)
     f: Any = smallest_rotation_rate(frame[:3], frame[3:], z[0:3], z[3:6])
     f_zz, f_z = ca.hessian(f, z)
@@ -106,7 +108,7 @@ def _turn_function() -> ca.Function:
 
 
 def _bend_function() -> ca.Function:
-    """(z, p, k0 in the reference, angle there) -> k . k0 at a point z = (r', r'', theta), and its derivatives."""
+    """Build (z, p, k0 in the reference, angle there) -> k . k0 at a point z = (r', r'', theta), and its derivatives."""
     z, p, before, angle = ca.SX.sym("z", 7), ca.SX.sym("p", 3), ca.SX.sym("before", 3), ca.SX.sym("angle")
     d, c = z[0:3], z[3:6]
     square = dot(d, d)
@@ -120,6 +122,6 @@ def _bend_function() -> ca.Function:
 
 @cache
 def curved_element(plain: element.ElementFunctions) -> element.ElementFunctions:
-    """The ``plain`` torsional element's functions with permanent curvature."""
+    """Build the functions of the ``plain`` torsional element with permanent curvature."""
     curved = curved_functions()
     return bending_element(plain, CURVED, curved.residual, curved.tangent, curved.energy)

@@ -89,14 +89,14 @@ def named(P: ca.SX) -> ElementParameters:
 
 
 def torsional_slowness(rope: Any) -> Any:
-    """1/c^2 (s^2/m^2) of torsional waves, mostly the slow ones: det [[Qa - rho c^2, Qs], [Qs, Qd - rhoJ c^2]] = 0."""
+    """Return 1/c^2 (s^2/m^2) of torsional waves, a root of det [[Qa - rho c^2, Qs], [Qs, Qd - rhoJ c^2]] = 0."""
     axial, torsional = rope.Qa * rope.rhoJ, rope.Qd * rope.mass_per_length
     slower, shared = axial - torsional, rope.mass_per_length * rope.rhoJ * (rope.Qs * rope.Qs)
     root = sqrt(slower * slower + 4 * shared)
     return 0.5 * (axial + torsional + where(less(0.0, slower), root, -root)) / (rope.Qa * rope.Qd - rope.Qs * rope.Qs)
 
 
-#: order of the entries of an element's balance
+#: entries of an element's balance, in order
 BALANCE = (
     "axial",  # J, 1/2 Qa e^2
     "coupling",  # J, Qs e tau
@@ -108,36 +108,36 @@ BALANCE = (
     "damping_power",  # W, dissipated, never negative
     "nonconservative_power",  # W, taken up by the part of the Costello law that has no energy
 )
-#: entries of one element's momentum: of the translation, about the origin, and the mass times its place
+#: entries of one element's momentum: linear, angular about the origin, and first moment of the mass
 MOMENTUM = ("px", "py", "pz", "Lx", "Ly", "Lz", "Sx", "Sy", "Sz")
-#: entries of one element's strains: mean over the element, and root mean square of k
+#: entries of one element's strains: means of e and tau over the element, root mean square of k
 STRAINS = ("e", "tau", "k_rms")
-#: entries of the reference of an element's frame
+#: number of entries of the reference of an element's frame
 FRAME = 21
 
 _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(3)
-#: places in the element, from 0 to 1, and their weights
+#: Gauss points as element coordinates xi, and weights
 POINTS, WEIGHTS = tuple((0.5 + 0.5 * _GAUSS_POINTS).tolist()), tuple((0.5 * _GAUSS_WEIGHTS).tolist())
 
 
 @dataclass(frozen=True)
 class ElementFunctions:
-    """The element as CasADi functions; q, v, a are (2 m,) with m degrees of freedom of a node, 7 for ``torsional``.
+    """CasADi functions of an element; q, v, a are (2 m,) with m degrees of freedom of a node, 7 for ``torsional``.
 
     ``l`` is the reference length in m, ``P`` see PARAMETERS.  ``F`` is the reference of the frame: in its reference,
     tangent p and p x p' at each Gauss point, and p at the right node; it has no entries without torsion.
 
-    residual:  (q, v, a, l, F, P) -> R (2 m,): inertia + internal - gravity, what external loads must balance
-    tangent:   (q, v, a, l, F, P, cq, cv, ca, before) -> R, J (2 m, 2 m): J = cq dR/dq + cv dR/dv + ca dR/da at rest if
-               before is q, symmetric; for Newton's method also in motion, where it leaves out how q and v change
-               damping and spin inertia.  Axial strains of the configuration ``before`` stiffen the element sideways
-    balance:   (q, v, l, F, P) -> (9,), see BALANCE
-    losses:    (q, v, l, F, P) -> (2,), the two powers of the balance alone
-    strains:   (q, l, F) -> (3,), see STRAINS
-    momentum:  (q, v, l, P) -> (9,), see MOMENTUM; the angles' rates are the spin, as where q is the reference
+    residual:  (q, v, a, l, F, P) -> R (2 m,): inertia + internal - gravity, which external loads must balance
+    tangent:   (q, v, a, l, F, P, cq, cv, ca, before) -> R, J (2 m, 2 m): J = cq dR/dq + cv dR/dv + ca dR/da, exact and
+               symmetric at rest if before is q.  In motion it leaves out how q and v change damping and spin inertia.
+               The axial strains of ``before`` stiffen the element sideways
+    balance:   (q, v, l, F, P) -> BALANCE (9,)
+    losses:    (q, v, l, F, P) -> the two powers of the balance (2,)
+    strains:   (q, l, F) -> STRAINS (3,)
+    momentum:  (q, v, l, P) -> MOMENTUM (9,); the angles' rates count as spin, as if q was the reference
     reference: (q, l) -> F
-    transport: (q, v, a, l, F) -> (3,): what the angles gain when q becomes the reference: theta from node to node,
-               theta_t and theta_tt at the right node
+    transport: (q, v, a, l, F) -> increase of the angles when q becomes the reference (3,): of theta from node to node,
+               of theta_t and theta_tt at the right node
     """
 
     residual: ca.Function
@@ -149,9 +149,9 @@ class ElementFunctions:
     reference: ca.Function
     transport: ca.Function
 
-    def replaced(self, **made: tuple[list[Any], list[Any]]) -> "ElementFunctions":
-        """Return the element with other functions of these inputs and outputs."""
-        return replace(self, **{name: ca.Function(f"element_{name}", *of) for name, of in made.items()})
+    def replaced(self, **terms: tuple[list[Any], list[Any]]) -> "ElementFunctions":
+        """Return the element with other functions, each given by its inputs and outputs."""
+        return replace(self, **{name: ca.Function(f"element_{name}", *x) for name, x in terms.items()})
 
 
 @cache
@@ -160,24 +160,24 @@ def element_functions(
 ) -> ElementFunctions:
     """Build the functions; a second call with the same arguments returns the same objects."""
     torsional = fidelity == "torsional"
-    kept = [*ELEMENT_DOF[fidelity], *(NODE_DOF + i for i in ELEMENT_DOF[fidelity])]
-    symbols = [ca.SX.sym(name, len(kept)) for name in ("q", "v", "a", "before")]
+    dofs = [*ELEMENT_DOF[fidelity], *(NODE_DOF + i for i in ELEMENT_DOF[fidelity])]
+    symbols = [ca.SX.sym(name, len(dofs)) for name in ("q", "v", "a", "before")]
     q, v, a, before = (ca.SX.zeros(2 * NODE_DOF) for _ in symbols)
     for x, symbol in zip((q, v, a, before), symbols, strict=True):
-        x[kept] = symbol
+        x[dofs] = symbol
     l, P = ca.SX.sym("l"), ca.SX.sym("P", len(PARAMETERS))
     p = named(P)
     F = ca.SX.sym("F", FRAME if torsional else 0)
     cq, cv, c_a = ca.SX.sym("cq"), ca.SX.sym("cv"), ca.SX.sym("ca")
 
-    # everything but weight and translation depends on the 11 relative coordinates r2 - r1, r', theta only
+    # all terms but weight and translation depend on the 11 relative coordinates r2 - r1, r', theta only
     relative, B = relative_coordinates(), [interpolation(xi, l) for xi in POINTS]
     z, z_t, z_tt = ([B_p @ relative @ x for B_p in B] for x in (q, v, a))
     frames = ca.vertsplit(F[:-3], 6) if torsional else [F] * len(B)
     points = list(zip(WEIGHTS, B, z, z_t, z_tt, frames, strict=True))
     point = _point_functions(frame_rate, torsional)
 
-    # values of the element as a whole: axial and torsional strain, their rates, the torque
+    # means over the element: axial and torsional strain and their rates; the torque follows
     means = sum((w * point["means"](z_p, v_p, F_p) for w, _, z_p, v_p, _, F_p in points), start=ca.SX.zeros(5))
     theta_x = ca.vertcat(-1 / l, 1 / l) if torsional else ca.SX.zeros(2)
     tau, tau_t = means[1] + ca.dot(theta_x, q[[6, 13]]), means[4] + ca.dot(theta_x, v[[6, 13]])
@@ -203,12 +203,13 @@ def element_functions(
         R_r[9:] += slope_inertia * ca.dot(theta_x, a[[6, 13]]) * theta_x
         J_r[9:, 9:] += c_a * slope_inertia * (theta_x @ theta_x.T)
         balance[BALANCE.index("spin")] += 0.5 * slope_inertia * ca.dot(theta_x, v[[6, 13]]) ** 2
-    damped, root, grown = cv * p.beta_K, p.root_a, cq * p.Qe
-    coupling, torsion = (cq + damped * root) * p.Qs + grown * tau, (cq + damped * root * root) * p.Qd + grown * means[0]
+    damped, root, growth = cv * p.beta_K, p.root_a, cq * p.Qe
+    coupling = (cq + damped * root) * p.Qs + growth * tau
+    torsion = (cq + damped * root * root) * p.Qd + growth * means[0]
     shared = coupling * e_z + 0.5 * torsion * tau_z
     J_r += l * (shared @ tau_z.T + tau_z @ shared.T)
-    R = (mass @ a - weight + relative.T @ R_r)[kept]
-    J = symmetric(c_a * mass + relative.T @ symmetric(J_r) @ relative)[kept, kept]
+    R = (mass @ a - weight + relative.T @ R_r)[dofs]
+    J = symmetric(c_a * mass + relative.T @ symmetric(J_r) @ relative)[dofs, dofs]
 
     def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
         return ca.Function(name, inputs, ca.cse(outputs))
@@ -234,11 +235,11 @@ def element_functions(
 
 
 def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Function]:
-    """The continuum at one point: z = (r', r'', theta), its rates, and the work-conjugate forces (7,).
+    """Build the functions of the continuum at one point z = (r', r'', theta) with work-conjugate forces (7,).
 
-    means:   (z, z_t, F) -> e, turning of the frame, |k|^2, rates of the first two: what the element takes the mean of
-    tangent: forces, their derivative but for what goes through tau, and the gradients of e and of the frame's turning;
-             shift: by how much the strain e of the derivative's tension is above that of the forces
+    means:   (z, z_t, F) -> e, turning of the frame, |k|^2, rates of the first two: terms of the element's means
+    tangent: forces, their derivatives without the part through tau, and the gradients of e and of the frame's turning;
+             ``shift`` is added to the strain e in the tension of the derivative
     """
     z, z_t, z_tt = ca.SX.sym("z", 7), ca.SX.sym("z_t", 7), ca.SX.sym("z_tt", 7)
     P, F = ca.SX.sym("P", len(PARAMETERS)), ca.SX.sym("F", 6 if torsional else 0)
@@ -252,7 +253,7 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     strain = ca.vertcat(ca.norm_2(d) - 1, turning, ca.cross(d, c) / ca.dot(d, d))
     w = z_t[6] + frame_rate(F[:3], ca.SX.zeros(3), d, z_t[0:3]) if torsional else ca.SX(0)
 
-    # their rates; the curvature's as seen from the section
+    # strain rates; that of the curvature as seen from the section
     spin = ca.cross(d, z_t[0:3]) / ca.dot(d, d) + w * d / ca.norm_2(d)
     rate = ca.jtimes(strain, z, z_t) - ca.vertcat(0, 0, ca.cross(spin, strain[2:]))
 
@@ -267,15 +268,15 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     B = ca.jacobian(rate, z_t)
     momentum = ca.gradient(K, z_t)
     inertia = ca.jtimes(momentum, z_t, z_tt) + ca.jtimes(momentum, z, z_t) - ca.gradient(K, z)
-    put = ca.vertcat(e, e_t), ca.vertcat(strain[0], tau, strain[2:], rate[0], tau_t, rate[2:])
-    force = B.T @ ca.substitute(stress, *put) + inertia
+    values = ca.vertcat(e, e_t), ca.vertcat(strain[0], tau, strain[2:], rate[0], tau_t, rate[2:])
+    force = B.T @ ca.substitute(stress, *values) + inertia
 
     # its derivative along (cq, cv, ca), exact at rest; how motion changes damping and spin inertia is left out
-    damping = ca.substitute(ca.jacobian(stress, e_t), *put)
+    damping = ca.substitute(ca.jacobian(stress, e_t), *values)
     damping[:, 1] = 0
-    # power of torque and of the tension without energy as it bends
-    held = (p.Qk * tau + p.Qa * shift) * strain[0] + elastic * turning
-    stiffness = ca.hessian(ca.substitute(U, *put) + held, z)[0]
+    # potential of the torque, and of the tension without energy, as they bend
+    work = (p.Qk * tau + p.Qa * shift) * strain[0] + elastic * turning
+    stiffness = ca.hessian(ca.substitute(U, *values) + work, z)[0]
     J = symmetric(cq * stiffness + cv * (B.T @ damping @ B) + c_a * ca.jacobian(momentum, z_t))
 
     k = strain[2:]
@@ -287,8 +288,8 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
         0,
         K,
         0,
-        ca.substitute(2 * D, *put),
-        ca.substitute(P_n, *put),
+        ca.substitute(2 * D, *values),
+        ca.substitute(P_n, *values),
     )
 
     def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
@@ -303,24 +304,24 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
 
 
 def _frame(z: ca.SX) -> ca.SX:
-    """(6,): the tangent p and p x p' at a point z."""
+    """Return the tangent p and p x p' (6,) at a point z."""
     d, c = z[0:3], z[3:6]
     return ca.vertcat(d / ca.norm_2(d), ca.cross(d, c) / ca.dot(d, d))
 
 
 def _spin(frame_rate: FrameRate, p: ca.SX, d: ca.SX, d_t: ca.SX, d_tt: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Spin of the frame where r' is ``d``, and its rate."""
+    """Return the spin of the frame where r' is ``d``, and its rate."""
     spin = frame_rate(p, ca.SX.zeros(3), d, d_t)
     return spin, ca.jtimes(spin, d, d_t) + ca.jtimes(spin, d_t, d_tt)
 
 
 def symmetric(A: ca.SX) -> ca.SX:
-    """A symmetric matrix from its upper half: the lower need not be computed."""
+    """Return a symmetric matrix from its upper half: the lower half need not be computed."""
     return ca.triu2symm(ca.triu(A))
 
 
 def _energies(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """U, D and the non-conservative power, per reference length, from the strains (e, tau, k) and their rates."""
+    """Return U, D and the non-conservative power per reference length, from the strains (e, tau, k) and their rates."""
     p = named(P)
 
     def quadratic(x: ca.SX) -> Any:
@@ -332,18 +333,18 @@ def _energies(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX
 
 
 def _torque(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Moment conjugate to tau, with and without damping, from the means of e and tau and of their rates."""
+    """Return the moment conjugate to tau, with and without damping, from the means of e and tau and of their rates."""
     e, e_t = ca.SX.sym("e", 5), ca.SX.sym("e_t", 5)
     U, D, P_n = _energies(P, e, e_t)
     elastic = ca.gradient(U, e)[1] + ca.gradient(P_n, e_t)[1]
-    bent = ca.SX.zeros(3)
-    put = ca.vertcat(e, e_t), ca.vertcat(strain, bent, rate, bent)
-    torque, elastic = (ca.substitute(x, *put) for x in (elastic + ca.gradient(D, e_t)[1], elastic))
+    no_bending = ca.SX.zeros(3)
+    values = ca.vertcat(e, e_t), ca.vertcat(strain, no_bending, rate, no_bending)
+    torque, elastic = (ca.substitute(x, *values) for x in (elastic + ca.gradient(D, e_t)[1], elastic))
     return torque, elastic
 
 
 def relative_coordinates() -> ca.DM:
-    """(11, 14): r2 - r1, r1', r2', theta1, theta2 from the element's degrees of freedom."""
+    """Return the matrix (11, 14) from the element's degrees of freedom to r2 - r1, r1', r2', theta1, theta2."""
     T = ca.DM(11, 14)
     for i in range(3):
         T[i, i], T[i, 7 + i], T[3 + i, 3 + i], T[6 + i, 10 + i] = -1, 1, 1, 1
@@ -352,7 +353,7 @@ def relative_coordinates() -> ca.DM:
 
 
 def interpolation(xi: float, l: ca.SX) -> ca.SX:
-    """(7, 11) sparse: (r', r'', theta) at xi = x/l from the relative coordinates."""
+    """Return the sparse matrix (7, 11) from the relative coordinates to (r', r'', theta) at ``xi``."""
     slope = (6 * xi - 6 * xi * xi) / l, 1 - 4 * xi + 3 * xi * xi, 3 * xi * xi - 2 * xi
     bend = (6 - 12 * xi) / l**2, (6 * xi - 4) / l, (6 * xi - 2) / l
     B = ca.SX(7, 11)
@@ -364,18 +365,18 @@ def interpolation(xi: float, l: ca.SX) -> ca.SX:
 
 
 def _translational_mass(l: ca.SX, P: ca.SX) -> ca.SX:
-    """(14, 14) consistent mass of the cubic Hermite interpolation, kg."""
+    """Return the consistent mass matrix (14, 14) of the cubic Hermite interpolation, kg."""
     M = ca.SX(14, 14)
     for i in range(3):
-        at = (i, 3 + i, 7 + i, 10 + i)
+        dofs = (i, 3 + i, 7 + i, 10 + i)
         for m in range(4):
             for n in range(4):
-                M[at[m], at[n]] = named(P).rho * (PRODUCTS[m][n] / 420) * l ** (1 + m % 2 + n % 2)
+                M[dofs[m], dofs[n]] = named(P).rho * (PRODUCTS[m][n] / 420) * l ** (1 + m % 2 + n % 2)
     return M
 
 
 def _momentum(q: ca.SX, v: ca.SX, mass: ca.SX, l: ca.SX, P: ca.SX) -> ca.SX:
-    """(9,): see MOMENTUM; that of the spin, rhoJ w t, with w and t linear in the element, and of theta's slope."""
+    """Return MOMENTUM (9,), with the spin rhoJ w t, w and t linear in the element, and that of theta's slope."""
     u, s = mass @ v, mass @ q
     angular = sum((ca.cross(q[k : k + 3], u[k : k + 3]) for k in (0, 3, 7, 10)), start=ca.SX.zeros(3))
     (left, right), (w1, w2) = (d / ca.norm_2(d) for d in (q[3:6], q[10:13])), (v[6], v[13])
@@ -386,7 +387,7 @@ def _momentum(q: ca.SX, v: ca.SX, mass: ca.SX, l: ca.SX, P: ca.SX) -> ca.SX:
 
 
 def _weight(l: ca.SX, P: ca.SX) -> ca.SX:
-    """(14,) work-equivalent weight, N and N m."""
+    """Return the work-equivalent weight (14,), N and N m."""
     f, p = ca.SX(14, 1), named(P)
     f[1], f[4], f[8], f[11] = (-p.rho * p.g * s for s in (l / 2, l**2 / 12, l / 2, -(l**2) / 12))
     return f

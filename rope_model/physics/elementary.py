@@ -1,4 +1,4 @@
-"""Functions of formulas beyond + - * /, of numbers, numpy arrays or CasADi expressions alike.
+"""Elementary functions for formulas beyond + - * /, on numbers, numpy arrays and CasADi expressions.
 
 A formula written with these has one text: Python evaluates it, and C is printed from its expression
 (codegen.expressions).  Numbers go to the functions of libm, as in C.
@@ -11,72 +11,72 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-#: a tuple is asked four times as fast as float | int, in every formula of every step
+#: isinstance is four times as fast with a tuple as with float | int, and every formula calls it
 _NUMBER = float, int
 
 
 def sqrt(x: Any) -> Any:
-    """Square root."""
+    """Return the square root."""
     return _library(x).sqrt(x)
 
 
 def ceil(x: Any) -> Any:
-    """The whole number that is not below ``x``."""
+    """Return the smallest whole number that is not below ``x``."""
     return float(math.ceil(x)) if isinstance(x, _NUMBER) else _library(x).ceil(x)
 
 
 def floor(x: Any) -> Any:
-    """The whole number that is not above ``x``."""
+    """Return the largest whole number that is not above ``x``."""
     return float(math.floor(x)) if isinstance(x, _NUMBER) else _library(x).floor(x)
 
 
 def exp(x: Any) -> Any:
-    """Exponential."""
+    """Return the exponential."""
     return _library(x).exp(x)
 
 
 def log(x: Any) -> Any:
-    """Natural logarithm."""
+    """Return the natural logarithm."""
     return _library(x).log(x)
 
 
 def sin(x: Any) -> Any:
-    """Sine of an angle in rad."""
+    """Return the sine of an angle in rad."""
     return _library(x).sin(x)
 
 
 def cos(x: Any) -> Any:
-    """Cosine of an angle in rad."""
+    """Return the cosine of an angle in rad."""
     return _library(x).cos(x)
 
 
 def tanh(x: Any) -> Any:
-    """Hyperbolic tangent."""
+    """Return the hyperbolic tangent."""
     return _library(x).tanh(x)
 
 
 def hypot(x: Any, y: Any) -> Any:
-    """Length of the vector (x, y)."""
+    """Return the length of the vector (x, y)."""
     return _library(x).hypot(x, y)
 
 
 def atan2(y: Any, x: Any) -> Any:
-    """Angle (rad) of the vector (x, y)."""
+    """Return the angle (rad) of the vector (x, y)."""
     return np.arctan2(y, x) if isinstance(y, np.ndarray) else _library(y).atan2(y, x)
 
 
 def larger(x: Any, y: Any) -> Any:
-    """The larger one; ``x`` where they are equal."""
+    """Return the larger number; ``x`` where they are equal."""
     return max(x, y) if isinstance(x, _NUMBER) else _library(x).fmax(x, y)
 
 
 def smaller(x: Any, y: Any) -> Any:
-    """The smaller one; ``x`` where they are equal."""
+    """Return the smaller number; ``x`` where they are equal."""
     return min(x, y) if isinstance(x, _NUMBER) else _library(x).fmin(x, y)
 
 
 def where(condition: Any, x: Any, y: Any) -> Any:
-    """``x`` where the condition holds, else ``y``; both are computed."""
+    """Return ``x`` where the condition holds, else ``y``; both are computed."""
     if isinstance(condition, _NUMBER):
         return x if condition else y
     if isinstance(condition, ca.SX):
@@ -85,34 +85,34 @@ def where(condition: Any, x: Any, y: Any) -> Any:
 
 
 def both(*conditions: Any) -> Any:
-    """Whether all of the conditions hold; all are computed."""
+    """Return whether all of the conditions hold; all are computed."""
     return reduce(ca.logic_and, map(ca.SX, conditions)) if _symbolic(conditions) else all(conditions)
 
 
 def either(*conditions: Any) -> Any:
-    """Whether one of the conditions holds; all are computed."""
+    """Return whether one of the conditions holds; all are computed."""
     return reduce(ca.logic_or, map(ca.SX, conditions)) if _symbolic(conditions) else any(conditions)
 
 
 def less(x: Any, y: Any) -> Any:
-    """1 where ``x`` is less than ``y``, else 0."""
+    """Return 1 where ``x`` is less than ``y``, else 0."""
     return float(x < y) if isinstance(x, float) and isinstance(y, float) else x < y
 
 
 def sign(x: Any) -> Any:
-    """1 with the sign of ``x``."""
+    """Return 1 with the sign of ``x``."""
     if isinstance(x, float):
         return math.copysign(1.0, x)
     return np.copysign(1.0, x) if isinstance(x, np.ndarray) else ca.copysign(1.0, x)
 
 
 def dot(a: Any, b: Any) -> Any:
-    """Scalar product of vectors; their three components come first."""
+    """Return the scalar product of vectors; their three components come first."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def cross(a: Any, b: Any) -> tuple[Any, Any, Any]:
-    """Vector product of vectors; their three components come first."""
+    """Return the vector product of vectors; their three components come first."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 

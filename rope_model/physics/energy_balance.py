@@ -1,34 +1,34 @@
-"""Energies of the rope, and how they account for the work done on it, J.
+"""Energy balance of the rope: energies, work and dissipation (J).
 
-``energy_balance`` has the present energies, and by name those that went in and out since the start.
+``energy_balance`` has the present energies, and by name the work and the losses since the start.
 """
 
 from typing import Any
 
 
 def energies(balance: Any) -> tuple[Any, Any, Any]:
-    """Kinetic, strain and gravity's energy from the entries of an element's balance (element.BALANCE)."""
+    """Return kinetic energy, strain energy and gravity's from the entries of an element's balance (element.BALANCE)."""
     axial, coupling, torsion, bending, kinetic, spin, gravity = (balance[k] for k in range(7))
     return kinetic + spin, axial + coupling + torsion + bending, gravity
 
 
 def with_energies(energy_balance: Any, balance: Any, contact: Any) -> Any:
-    """The account with the energies of a state, from its balance and the energy in ``contact``."""
+    """Return the balance with the energies of a state, from its element balance and the energy of ``contact``."""
     kinetic, strain, gravity = energies(balance)
     return energy_balance._replace(kinetic=kinetic, strain=strain, gravity=gravity, contact=contact)
 
 
-def after_step(energy_balance: Any, h: Any, before: Any, now: Any, losses: Any, wires: Any, air: Any) -> Any:
-    """The account after a step ``h``.
+def after_step(energy_balance: Any, h: Any, before: Any, after: Any, losses: Any, wires: Any, air: Any) -> Any:
+    """Return the balance after a step ``h``.
 
-    ``before`` and ``now`` are Powers at its ends, ``losses`` are those of rope_system.Losses (W); friction between the
-    ``wires`` took up (J), and the ``air`` takes up (W).
+    ``before`` and ``after`` are Powers at its ends, ``losses`` are rope_system.Losses (W); ``wires`` is the energy
+    dissipated between them (J), ``air`` the power given to the air (W).
     """
     damping, nonconservative, contact, moved = losses
     half, account = 0.5 * h, energy_balance
     return account._replace(
-        work_ends=account.work_ends + (half * (before[0] + now[0]) + h * moved),
-        dissipated_swivel=account.dissipated_swivel + half * (before[1] + now[1]),
+        work_ends=account.work_ends + (half * (before[0] + after[0]) + h * moved),
+        dissipated_swivel=account.dissipated_swivel + half * (before[1] + after[1]),
         dissipated_material=account.dissipated_material + h * damping,
         dissipated_contact=account.dissipated_contact + h * contact,
         dissipated_wires=account.dissipated_wires + wires,
@@ -38,19 +38,13 @@ def after_step(energy_balance: Any, h: Any, before: Any, now: Any, losses: Any, 
 
 
 def total(energy_balance: Any) -> Any:
-    """Kinetic, strain, potential and contact energy."""
+    """Return kinetic, strain, potential and contact energy."""
     return energy_balance.kinetic + energy_balance.strain + energy_balance.gravity + energy_balance.contact
 
 
 def residual(energy_balance: Any) -> Any:
-    """Energy that the integrator has dissipated (negative) or created."""
-    explained = (
-        energy_balance.work_ends
-        + energy_balance.transformations
-        - energy_balance.dissipated_material
-        - energy_balance.dissipated_swivel
-        - energy_balance.dissipated_contact
-        - energy_balance.dissipated_wires
-        - energy_balance.given_to_air
-    )
-    return total(energy_balance) - energy_balance.start - explained + energy_balance.nonconservative
+    """Return the energy that the integrator has dissipated (negative) or created."""
+    x = energy_balance
+    explained = x.work_ends + x.transformations - x.dissipated_material - x.dissipated_swivel - x.dissipated_contact
+    explained = explained - x.dissipated_wires - x.given_to_air
+    return total(x) - x.start - explained + x.nonconservative

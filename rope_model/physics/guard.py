@@ -1,58 +1,58 @@
-"""Guards of the loop: their quantities, and when they trip.
+"""Guards of the loop: monitored quantities, thresholds and trips.
 
-Five quantities are watched, each against a threshold of its own, 0 for none:
+Five quantities are watched, each against its own threshold, 0 for none:
 
-    rise        how far the loop's lowest point is above its quasi-static place, or above a switch at a given height
-    window      how far it is, horizontally, from midway between the ends, or, at the height of a switch, a leg from
-                straight below its end
-    clearance   distance of the rope's surface from the nearest body of the shaft, where it is less than the threshold
+    rise        height of the loop's lowest point above its quasi-static position, or above a switch at a given height
+    window      horizontal distance of that point from midway between the ends, or, at the height of a switch, of a leg
+                from plumb below its end
+    clearance   distance of the rope's surface from the nearest body of the shaft, which trips below the threshold
     turns       |loop.turns|
     torque      the larger moment of both swivels
 
-A guard trips when its quantity has been beyond the threshold without a break for the guard's delay.  The first one to
-do so is the cause and stays it; of several at one instant it is that which stands first above.
+A guard trips when its quantity has been beyond the threshold without interruption for the guard's delay.  The first one
+to trip stays the cause; of several at one instant it is the first in the list above.
 
-A rope of the length L between ends at yl and yr, whose legs are a = (L + yl - yr)/2 and b = L - a long, and stretch
-under their own weight, has its lowest point quasi-statically at
+A rope of the length L between ends at yl and yr has legs of length a = (L + yl - yr)/2 and b = L - a, which stretch
+under their own weight.  The quasi-static height of its lowest point is
 
     (yl + yr)/2 - rho g (a^2 + b^2) / (4 Qa) - constant,
 
-the constant being that of the loop where the rope was at rest.
+with the constant of the loop at rest.
 """
 
 from typing import Any, NamedTuple
 
 from rope_model.physics.elementary import hypot, less, smaller, where
 
-#: guards; a cause's code is its place, counted from 1
+#: guards; the code of a cause is its index, counted from 1
 CAUSES = ("rise", "window", "clearance", "turns", "torque")
-#: s: beyond any time
+#: s, beyond any time
 NEVER = 1e30
 
 
 class GuardState(NamedTuple):
-    """Memory of the guards."""
+    """State of the guards."""
 
     rest: float = 0.0  # m, loop_height at rest
-    cause: float = 0.0  # of the trip; 0: none
-    time: float = 0.0  # s, of the trip
-    since: tuple[float, float, float, float, float] = (NEVER,) * 5  # s, from when on each is beyond its threshold
+    cause: float = 0.0  # code of the first trip; 0: none
+    time: float = 0.0  # s, instant of that trip
+    since: tuple[float, float, float, float, float] = (NEVER,) * 5  # s, instants at which the thresholds were passed
 
 
 def thresholds(guard: Any) -> tuple[Any, ...]:
-    """Thresholds in the order of CAUSES."""
+    """Return the thresholds in the order of CAUSES."""
     return guard.rise, guard.window, guard.clearance, guard.turns, guard.torque
 
 
 def guarded(guard: Any) -> Any:
-    """Number above 0 where there is any guard."""
+    """Return a number above 0 if there is any guard, else 0."""
     return sum(thresholds(guard)[1:], guard.rise)
 
 
 def loop_height(rope: Any, layout: Any, lowest: Any, left: Any, right: Any) -> Any:
-    """Height (m) of the loop's ``lowest`` point over its quasi-static place, but for a constant of the loop.
+    """Return the height (m) of the ``lowest`` point above its quasi-static position, up to the loop's constant.
 
-    ``left`` and ``right`` are heights of the ends.
+    ``left`` and ``right`` are the heights of the ends.
     """
     a = 0.5 * (rope.length + left - right)
     b = rope.length - a
@@ -61,24 +61,24 @@ def loop_height(rope: Any, layout: Any, lowest: Any, left: Any, right: Any) -> A
 
 
 def sideways(point: Any, left: Any, right: Any) -> Any:
-    """Horizontal distance (m) of ``point`` (3,) from midway between the ends (3,)."""
+    """Return the horizontal distance (m) of ``point`` (3,) from midway between the ends (3,)."""
     return hypot(point[0] - 0.5 * (left[0] + right[0]), point[2] - 0.5 * (left[2] + right[2]))
 
 
 def off_plumb(height: Any, a: Any, b: Any, end: Any) -> Any:
-    """Horizontal distance (m) from ``end`` of the piece from ``a`` to ``b`` (3,), at a ``height`` that it passes."""
-    part = (height - a[1]) / (b[1] - a[1])
-    return hypot(a[0] + part * (b[0] - a[0]) - end[0], a[2] + part * (b[2] - a[2]) - end[2])
+    """Return the horizontal distance (m) of the piece from ``a`` to ``b`` (3,) from ``end``, at a ``height`` in it."""
+    fraction = (height - a[1]) / (b[1] - a[1])
+    return hypot(a[0] + fraction * (b[0] - a[0]) - end[0], a[2] + fraction * (b[2] - a[2]) - end[2])
 
 
-def watch(guard: Any, state: Any, t: Any, seen: Any) -> GuardState:
-    """The state of the guards that at the instant ``t`` (s) have ``seen`` this, in the order of CAUSES."""
+def watch(guard: Any, state: Any, t: Any, values: Any) -> GuardState:
+    """Return the state of the guards after the instant ``t`` (s), when their quantities have these ``values`` (5,)."""
     limits = thresholds(guard)
     delays = guard.rise_delay, guard.window_delay, guard.clearance_delay, guard.turns_delay, guard.torque_delay
-    excess = [value - limit for value, limit in zip(seen, limits, strict=True)]
+    excess = [value - limit for value, limit in zip(values, limits, strict=True)]
     excess[2] = -excess[2]
-    on = [less(0.0, limit) * less(0.0, x) for limit, x in zip(limits, excess, strict=True)]
-    since = [where(less(0.5, x), smaller(before, t), NEVER) for x, before in zip(on, state.since, strict=True)]
+    exceeded = [less(0.0, limit) * less(0.0, x) for limit, x in zip(limits, excess, strict=True)]
+    since = [where(less(0.5, x), smaller(before, t), NEVER) for x, before in zip(exceeded, state.since, strict=True)]
     first: Any = 0.0
     for code, (start, delay) in reversed([*enumerate(zip(since, delays, strict=True), start=1)]):
         first = where(less(t - start, delay), first, float(code))

@@ -1,7 +1,8 @@
-"""A rope that hangs in two straight legs and a half circle, the first guess for its equilibrium.
+"""Initial guess for the equilibrium: a rope that hangs in two straight legs and a half circle.
 
-The half circle is as wide as the suspension, or as four of its elements are long, because longer turns strain a cubic
-badly; the legs then lean inwards.  Works on numbers, numpy arrays and CasADi expressions.
+The half circle spans the suspension.  If its arc would be shorter than four local elements it is widened to that, up to
+a radius of a quarter of the shorter side, and the legs lean inwards.  Works on numbers, numpy arrays and CasADi
+expressions.
 """
 
 import math
@@ -11,7 +12,7 @@ from rope_model.physics.elementary import cos, larger, sin, smaller, where
 
 
 class Hanging(NamedTuple):
-    """Radius of the half circle, lengths of the legs, and how far each leans inwards over its length; m."""
+    """Radius of the half circle (m), lengths of the legs (m), and how far each leg leans inwards (m)."""
 
     radius: float
     left_leg: float
@@ -20,16 +21,16 @@ class Hanging(NamedTuple):
 
 
 def hanging_shape(length: Any, middle: Any, width: Any, cell: Any) -> Hanging:
-    """Shape of a rope of ``length`` (m), its lowest point at arc length ``middle``, on elements of length ``cell``."""
+    """Return the shape of a rope of ``length`` (m), lowest at arc length ``middle``, on elements of ``cell`` (m)."""
     radius = larger(0.5 * width, smaller(4 * cell / math.pi, 0.25 * smaller(middle, length - middle)))
     left_leg, right_leg = middle - 0.5 * math.pi * radius, length - middle - 0.5 * math.pi * radius
     return Hanging(radius, left_leg, right_leg, radius - 0.5 * width)
 
 
-def place(hanging: Any, s: Any, phi: Any) -> tuple[Any, Any, Any, Any]:
-    """Place across and below the left end (m), and the tangent there, at arc length ``s`` where ``phi`` is turned.
+def position_and_tangent(hanging: Any, s: Any, phi: Any) -> tuple[Any, Any, Any, Any]:
+    """Return the position across and below the left end (m), and the tangent there, at arc length ``s``.
 
-    The tangent of a leg is given without its lean.
+    ``phi`` is the angle by which the rope has turned up to there.  The tangent of a leg is given without its lean.
     """
     radius, left_leg, right_leg, lean = hanging
     on_left, on_right = smaller(s, left_leg), larger(s - left_leg - math.pi * radius, 0.0)
@@ -38,9 +39,11 @@ def place(hanging: Any, s: Any, phi: Any) -> tuple[Any, Any, Any, Any]:
 
 
 def node_row(hanging: Any, left: Any, across: Any, s: Any) -> tuple[Any, ...]:
-    """r, r' and theta, (7,), at arc length ``s``, from the point ``left`` (3,) into the direction ``across`` (3,)."""
-    phi = smaller(larger((s - hanging.left_leg) / hanging.radius, 0.0), math.pi)  # rad, by which it has turned
-    along, down, slope, rise = place(hanging, s, phi)
+    """Return r, r' and theta (7,) at arc length ``s`` of a rope from ``left`` (3,) in the direction ``across`` (3,)."""
+    phi = smaller(
+        larger((s - hanging.left_leg) / hanging.radius, 0.0), math.pi
+    )  # rad, angle by which the rope has turned
+    along, down, slope, rise = position_and_tangent(hanging, s, phi)
     legs_lean = where(phi >= math.pi, hanging.lean / hanging.right_leg, 0.0)
     slope = slope - where(phi <= 0, hanging.lean / hanging.left_leg, legs_lean)
     r = left[0] + along * across[0], left[1] - down, left[2] + along * across[2]

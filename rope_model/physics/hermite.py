@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-#: places in [0, 1] and weights; exact for the product of two cubics
+#: Gauss points in [0, 1] and weights; exact for the product of two cubics
 GAUSS = tuple((0.5 + 0.5 * float(x), 0.5 * float(w)) for x, w in zip(*np.polynomial.legendre.leggauss(4), strict=True))
-#: 420 times the mean products of the shapes of r1, s1, r2, s2 along an element of length 1; for length l those of s
-#: bring a factor l each, and the integral another
+#: 420 times the mean products of the shape functions of r1, s1, r2, s2 for an element of length 1; each s brings a
+#: factor l, and the integral another
 PRODUCTS = ((156, 22, 54, -13), (22, 4, 13, -3), (54, 13, 156, -22), (-13, -3, -22, 4))
 
 
 def interpolate(xi: Any, l: Any, r1: Any, s1: Any, r2: Any, s2: Any) -> tuple[Any, Any]:
-    """Value, and derivative with respect to arc length."""
+    """Return the value and its derivative with respect to arc length."""
     d1, d2, rest = l * s1, l * s2, 1 - xi
     return (
         r1 + xi * xi * (3 - 2 * xi) * (r2 - r1) + xi * (rest * rest) * d1 + xi * xi * (xi - 1) * d2,
@@ -25,19 +25,19 @@ def interpolate(xi: Any, l: Any, r1: Any, s1: Any, r2: Any, s2: Any) -> tuple[An
 
 
 def bend(xi: Any, l: Any, r1: Any, s1: Any, r2: Any, s2: Any) -> Any:
-    """Second derivative with respect to arc length."""
+    """Return the second derivative with respect to arc length."""
     return ((6 - 12 * xi) * (r2 - r1) + l * ((6 * xi - 4) * s1 + (6 * xi - 2) * s2)) / (l * l)
 
 
 def node_values(xi: Any, l: Any, nodes: Any) -> tuple[Any, ...]:
-    """r, r' and theta, (7,), between the ``nodes`` of an element with as many each, (14,); theta is linear."""
+    """Return r, r' and theta (7,) at ``xi`` between the ``nodes`` (14,) of an element; theta is linear."""
     theta = (1 - xi) * nodes[6] + xi * nodes[13]
     r = [interpolate(xi, l, nodes[k], nodes[3 + k], nodes[7 + k], nodes[10 + k]) for k in range(3)]
     return (*(x for x, _ in r), *(slope for _, slope in r), theta)
 
 
 def shape_functions(xi: Any, l: Any) -> tuple[Any, Any, Any, Any]:
-    """Return the Hermite shape functions at ``xi``: the factors of r1, s1, r2, s2 in the value."""
+    """Return the shape functions at ``xi``: the factors of r1, s1, r2, s2 in the value."""
     rest = 1 - xi
     return 1 - xi * xi * (3 - 2 * xi), xi * rest * rest * l, xi * xi * (3 - 2 * xi), xi * xi * (xi - 1) * l
 
@@ -50,28 +50,29 @@ def shape_products(l: Any) -> tuple[Any, ...]:
 
 
 def missing_load(start: Any, stop: Any, s: Any, l: Any, old_s: Any, old_l: Any, old: Any, new: Any) -> tuple[Any, ...]:
-    """Integrate the difference of ``old`` and ``new`` (14,) times the shape functions over what both elements share.
+    """Integrate ``old`` minus ``new`` (14,) times the shape functions over the common part of both elements.
 
-    These begin at ``s`` and ``old_s``.  First r1, s1, r2, s2 with three components each, then theta at both nodes.
+    The elements begin at ``s`` and ``old_s``.  The result (14,) has r1, s1, r2, s2 with three components each, then
+    theta at both nodes.
     """
     parts = []
-    for place, weight in GAUSS:
-        at, part = start + place * (stop - start), weight * (stop - start)
-        xi, of_old = (at - s) / l, (at - old_s) / old_l
-        before, after = node_values(of_old, old_l, old), node_values(xi, l, new)
-        missing = [part * (b - a) for b, a in zip(before, after, strict=True)]
+    for part_xi, weight in GAUSS:
+        point, weight_length = start + part_xi * (stop - start), weight * (stop - start)
+        xi, old_xi = (point - s) / l, (point - old_s) / old_l
+        before, after = node_values(old_xi, old_l, old), node_values(xi, l, new)
+        missing = [weight_length * (b - a) for b, a in zip(before, after, strict=True)]
         cubic = (N * missing[k] for N in shape_functions(xi, l) for k in range(3))
         parts.append((*cubic, (1 - xi) * missing[6], xi * missing[6]))
     return tuple(a + b + c + d for a, b, c, d in zip(*parts, strict=True))
 
 
 def integral(l: Any, r1: Any, s1: Any, r2: Any, s2: Any) -> Any:
-    """Integral over the element."""
+    """Return the integral over the element."""
     return l * (0.5 * (r1 + r2) + l * (s1 - s2) / 12)
 
 
 def integral_to(xi: Any, l: Any, r1: Any, s1: Any, r2: Any, s2: Any) -> Any:
-    """Integral from the left node to ``xi``."""
+    """Return the integral from the left node to ``xi``."""
     return l * (
         xi * (1 - xi * xi * (1 - 0.5 * xi)) * r1
         + xi * xi * xi * (1 - 0.5 * xi) * r2

@@ -1,14 +1,14 @@
-"""Inextensible rope without bending stiffness: two straight legs and a half circle between them.
+"""Rigid model: an inextensible rope without bending stiffness, two straight legs and a half circle between them.
 
-With the ends' heights y1, y2 (speeds v1, v2, accelerations a1, a2), R half their distance, legs of length
-l1 = (L - pi R + y1 - y2) / 2 and l2 = L - pi R - l1, the rope flows through the half circle at u = (v1 - v2) / 2
-while that sinks or rises at w = (v1 + v2) / 2.  The momentum of the three parts gives the tensions
+With the ends' heights y1, y2 (speeds v1, v2, accelerations a1, a2), R half their distance, legs of length l1 = (L - pi
+R + y1 - y2) / 2 and l2 = L - pi R - l1, the rope flows through the half circle at u = (v1 - v2) / 2 while that sinks or
+rises at w = (v1 + v2) / 2.  The momentum of the three parts gives the tensions
 
     at the ends of the half circle:  (rho pi R (g + w_t) + 2 rho u^2 +- rho pi R u_t) / 2  left and right
     at the conveyances:              plus rho l (g + a)
 
-so an end carries weight, inertia and the thrust rho u^2 of the turning rope.  In between, with the height y and the
-arc length s from the left end,
+so an end carries weight, inertia and the thrust rho u^2 of the turning rope.  In between, with the height y and the arc
+length s from the left end,
 
     T(s) = T(0) + rho (g + w_t) (y - y1) - rho u_t s .
 
@@ -23,17 +23,14 @@ from rope_model.physics.outline import suspension_points
 
 
 class Flow(NamedTuple):
-    """u, from the right leg into the left one, and w, of the loop, upwards; m/s, or their rates."""
+    """Speed u from the right leg into the left one, and upward speed w of the loop (m/s), or their rates (m/s^2)."""
 
     u: float
     w: float
 
 
 class Pull(NamedTuple):
-    """Tensions (N) at the conveyances and below the legs, lengths of the legs (m), half circle's mass (kg), radius (m).
-
-    Left and right.
-    """
+    """Tensions (N) at conveyances and below legs, lengths (m) of legs; mass (kg) and radius (m) of the half circle."""
 
     tensions: tuple[float, float]
     below: tuple[float, float]
@@ -43,12 +40,12 @@ class Pull(NamedTuple):
 
 
 def flow(v1: Any, v2: Any) -> Flow:
-    """Flow between ends that rise with ``v1`` and ``v2``; from their accelerations, its rates."""
+    """Return the flow between ends that rise at ``v1`` and ``v2``; from their accelerations, its rates."""
     return Flow(0.5 * (v1 - v2), 0.5 * (v1 + v2))
 
 
 def pull(rope: Any, layout: Any, left: Any, right: Any) -> Pull:
-    """Tensions for ends that move like this."""
+    """Return the tensions for ends with these motions."""
     rho, g, L = rope.mass_per_length, layout.gravity, rope.length
     start, stop = suspension_points(layout, left, right)
     radius = 0.5 * hypot(stop[0] - start[0], stop[2] - start[2])
@@ -65,12 +62,12 @@ def pull(rope: Any, layout: Any, left: Any, right: Any) -> Pull:
 
 
 def lowest(pull: Any) -> Any:
-    """The smallest tension, N."""
+    """Return the smallest tension (N)."""
     return smaller(smaller(pull.below[0], pull.below[1]), smaller(pull.tensions[0], pull.tensions[1]))
 
 
 def energies(rope: Any, layout: Any, pull: Any, left: Any, right: Any) -> tuple[Any, Any]:
-    """Kinetic energy and potential energy of the weight (J), for ends that move like this."""
+    """Return kinetic energy and potential energy of the weight (J) for ends with these motions."""
     rho, (l1, l2), (u, w) = rope.mass_per_length, pull.legs, flow(left.vy, right.vy)
     kinetic = 0.5 * rho * (l1 * (left.vy * left.vy) + l2 * (right.vy * right.vy)) + 0.5 * pull.arc * (w * w + u * u)
     middle = left.y - l1 - 2 * pull.radius / math.pi
@@ -79,5 +76,5 @@ def energies(rope: Any, layout: Any, pull: Any, left: Any, right: Any) -> tuple[
 
 
 def tension(rho: Any, gravity: Any, rate: Any, at_end: Any, rise: Any, s: Any) -> Any:
-    """Tension (N) at the arc length ``s`` and ``rise`` (m) above the left end, with ``at_end`` there; rate: of flow."""
+    """Return the tension (N) at arc length ``s``, ``rise`` (m) above the left end; ``rate`` is that of the Flow."""
     return at_end + rho * ((gravity + rate.w) * rise - rate.u * s)

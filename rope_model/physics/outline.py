@@ -1,6 +1,7 @@
-"""Geometry of the rope's centre line: samples, distances of points from it, boxes around its pieces.
+"""Geometry of the rope's centre line: samples, distances from points and planes, bounding boxes, angles.
 
-Works on numbers, numpy arrays and CasADi expressions; vectors have their components first.
+Works on numbers, numpy arrays and CasADi expressions; vectors have their components first.  An angle is unwrapped by
+nearest_turn of simulation.mesh.adaptation.
 """
 
 import math
@@ -12,48 +13,48 @@ from rope_model.physics.hermite import interpolate
 
 
 def suspension_points(layout: Any, left: Any, right: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """(2, 3): where ends are whose motions count from their nominal points."""
+    """Return the suspension points (2, 3) of ends whose motions count from their nominal points."""
     half = 0.5 * layout.spacing
     return (-half + left.x, left.y, left.z), (half + right.x, right.y, right.z)
 
 
-def place(bottom: Any, reach: Any, part: Any, loop: Any) -> Any:
-    """Arc length (m) of the sample at ``part`` from 0 to 1 of the ``reach`` from ``bottom`` to an end of the rope.
+def sample_s(bottom: Any, reach: Any, fraction: Any, loop: Any) -> Any:
+    """Return the arc length (m) of a sample at the ``fraction`` of the ``reach`` from ``bottom`` to an end.
 
-    Around the bottom the samples stand as densely as if they had the width of the ``loop`` (m) twice to share, however
-    deep the legs hang; from there their distance grows.
+    Near the bottom samples are as dense as if they had to cover twice the width of the ``loop`` (m) only, however long
+    the legs are; farther away their distance grows.
     """
-    even, square = smaller(2.0 * loop / larger(abs(reach), loop), 1.0), part * part
-    return bottom + reach * (even * part + (1.0 - even) * (square * square))
+    even, square = smaller(2.0 * loop / larger(abs(reach), loop), 1.0), fraction * fraction
+    return bottom + reach * (even * fraction + (1.0 - even) * (square * square))
 
 
 def squared_distance(point: Any, start: Any, along: Any) -> Any:
-    """Square (m^2) of the distance of ``point`` from the straight piece from ``start`` to ``start`` + ``along``."""
+    """Return the squared distance (m^2) of ``point`` from the straight piece from ``start`` along ``along``."""
     across = point[0] - start[0], point[1] - start[1], point[2] - start[2]
-    part = smaller(larger(dot(across, along) / dot(along, along), 0.0), 1.0)
-    x, y, z = across[0] - part * along[0], across[1] - part * along[1], across[2] - part * along[2]
+    fraction = smaller(larger(dot(across, along) / dot(along, along), 0.0), 1.0)
+    x, y, z = across[0] - fraction * along[0], across[1] - fraction * along[1], across[2] - fraction * along[2]
     return x * x + y * y + z * z
 
 
 def least_squared_distance(a: Any, b: Any) -> Any:
-    """Square (m^2) that no ``squared_distance`` between boxes (lowest, highest coordinates) is below, even rounded."""
+    """Return a lower bound (m^2) of ``squared_distance`` between boxes (lowest, highest coordinates), even rounded."""
     x, y, z = (larger(larger(a[k] - b[3 + k], b[k] - a[3 + k]), 0.0) for k in range(3))
     return (1.0 - 1e-9) * (x * x + y * y + z * z)
 
 
 def middle(length: Any, a: Any, b: Any) -> tuple[Any, ...]:
-    """Place and r' (6,) midway between two places of an element with theirs, ``length`` (m) apart along the rope."""
+    """Return position and r' (6,) midway between two points of an element with theirs, ``length`` (m) apart."""
     values = [interpolate(0.5, length, a[k], a[3 + k], b[k], b[3 + k]) for k in range(3)]
     return (*(r for r, _ in values), *(d for _, d in values))
 
 
-def place_between(part: Any, length: Any, a: Any, b: Any) -> tuple[Any, ...]:
-    """Place (3,) at ``part`` from 0 to 1 between two places of an element with their r', ``length`` (m) apart."""
-    return tuple(interpolate(part, length, a[k], a[3 + k], b[k], b[3 + k])[0] for k in range(3))
+def position_at(xi: Any, length: Any, a: Any, b: Any) -> tuple[Any, ...]:
+    """Return the position (3,) at ``xi``, 0 to 1, between two points of an element with r', ``length`` (m) apart."""
+    return tuple(interpolate(xi, length, a[k], a[3 + k], b[k], b[3 + k])[0] for k in range(3))
 
 
 def lowest(known: Any, length: Any, a: Any, slope_a: Any, b: Any, slope_b: Any) -> Any:
-    """A coordinate that is no higher than ``known`` and the cubic from ``a``, which ``known`` is not above, to ``b``.
+    """Return a lower bound of ``known`` and a coordinate's cubic from ``a``, not below ``known``, to ``b``.
 
     The cubic is within its control points.
     """
@@ -62,56 +63,56 @@ def lowest(known: Any, length: Any, a: Any, slope_a: Any, b: Any, slope_b: Any) 
 
 
 def highest(known: Any, length: Any, a: Any, slope_a: Any, b: Any, slope_b: Any) -> Any:
-    """A coordinate that is no lower than ``known`` and the cubic from ``a``, which ``known`` is not below, to ``b``."""
+    """Return an upper bound of ``known`` and a coordinate's cubic from ``a``, not above ``known``, to ``b``."""
     third = length / 3.0
     return larger(larger(known, b), larger(a + third * slope_a, b - third * slope_b))
 
 
 def box_between(bounds: Any) -> tuple[Any, ...]:
-    """Centre and half widths (6,) of the upright box with these lowest and highest coordinates."""
+    """Return centre and half widths (6,) of the upright box with these lowest and highest coordinates (6,)."""
     pairs = [(bounds[k], bounds[3 + k]) for k in range(3)]
     return (*(0.5 * (x + y) for x, y in pairs), *(0.5 * (y - x) for x, y in pairs))
 
 
 def enclosing_box(length: Any, a: Any, b: Any) -> tuple[Any, ...]:
-    """Centre and half widths (6,) of an upright box that holds the cubic between them."""
+    """Return centre and half widths (6,) of an upright box that contains the cubic between ``a`` and ``b``."""
     bounds = [bound(a[k], length, a[k], a[3 + k], b[k], b[3 + k]) for bound in (lowest, highest) for k in range(3)]
     return box_between(bounds)
 
 
 def heading(yaw: Any) -> tuple[Any, Any]:
-    """The horizontal unit vector (X, Z) of a yaw (rad) about Y."""
+    """Return the horizontal unit vector (X, Z) of a yaw (rad) about Y."""
     return cos(yaw), -sin(yaw)
 
 
 def line_yaw(left: Any, right: Any) -> Any:
-    """Yaw (rad) of the line from the left to the right end."""
+    """Return the yaw (rad) of the line from the left to the right end."""
     return atan2(left[2] - right[2], right[0] - left[0])
 
 
 def plane_between(left: Any, right: Any, start: Any, direction: Any) -> tuple[Any, Any, Any]:
-    """Normal of the plane through ``start``, level across a horizontal ``direction`` (X, Z).
+    """Return the normal of the plane through ``start``, level across a horizontal ``direction`` (X, Z).
 
-    It is midway between the ends ``left`` and ``right`` at the height of the higher one.
+    At the height of the higher end the plane passes midway between the ends ``left`` and ``right``.
     """
     rise = larger(left[1], right[1]) - start[1]
     return direction[0], -0.5 * (reach(left, start, direction) + reach(right, start, direction)) / rise, direction[1]
 
 
 def reach(point: Any, start: Any, direction: Any) -> Any:
-    """Distance (m) of ``point`` from ``start`` along a horizontal ``direction`` (X, Z)."""
+    """Return the distance (m) of ``point`` from ``start`` along a horizontal ``direction`` (X, Z)."""
     return direction[0] * (point[0] - start[0]) + direction[1] * (point[2] - start[2])
 
 
 def beyond(point: Any, start: Any, normal: Any) -> Any:
-    """Distance of ``point`` from the plane through ``start`` with this ``normal``, in lengths of that."""
+    """Return the distance of ``point`` from the plane through ``start``, in lengths of its ``normal``."""
     return dot(normal, (point[0] - start[0], point[1] - start[1], point[2] - start[2]))
 
 
 def margin(point: Any, lowest_point: Any, diameter: Any, above: Any) -> Any:
-    """Least distance (m) of ``point`` from a plane between legs that are a rope's diameter apart.
+    """Return the least distance (m) from the plane that keeps legs a diameter apart; 0 at the lowest point.
 
-    It is less nearer than ``above`` (m) to the lowest point, where the legs join.
+    ``above`` (m) is the height above that point up to which it grows.
     """
     return diameter * smaller((point[1] - lowest_point[1]) / above, 1.0)
 
@@ -119,10 +120,10 @@ def margin(point: Any, lowest_point: Any, diameter: Any, above: Any) -> Any:
 def side_gap(
     side: Any, length: Any, outer: Any, inner: Any, top: Any, start: Any, normal: Any, diameter: Any, above: Any
 ) -> Any:
-    """Least gap (m) of an element of a leg, from its ``outer`` node to the inner one, without that.
+    """Return the least gap (m) of an element of a leg, from its ``outer`` to its ``inner`` node, excluding the latter.
 
-    It is the distance beyond the margin on its own ``side`` of the plane (-1: left, 1: right), or below the height
-    ``top``.  Control points of the cubic bound it: long elements may bulge over a plane far from their nodes.
+    It is the distance beyond the margin on its ``side`` of the plane (-1: left, 1: right), or below the height ``top``.
+    The control points of the cubic bound it: long elements may bulge over a plane far from their nodes.
     """
     third = -side * (length / 3.0)
     ahead = tuple(outer[k] + third * outer[3 + k] for k in range(3))
@@ -133,23 +134,23 @@ def side_gap(
 
 
 def least_advance(length: Any, a: Any, b: Any, direction: Any) -> Any:
-    """Least slope in a horizontal ``direction`` (X, Z) of the cubic between two places, ``length`` (m) apart.
+    """Return the least slope in a horizontal ``direction`` of the cubic between two points, ``length`` (m) apart.
 
-    The places come with their r'; the least control point of the slope bounds it.
+    The points come with their r'; the least control point of the slope is a bound.
     """
     start, stop = (direction[0] * x[3] + direction[1] * x[5] for x in (a, b))
     return smaller(smaller(start, stop), 3.0 * reach(b, a, direction) / length - start - stop)
 
 
 def turns(yaw: Any, line: Any, passages: Any) -> Any:
-    """Turns of one side of the rope about the other.
+    """Return the turns of one side of the rope about the other.
 
-    The loop has yawed to ``yaw`` (rad), the ends' line to ``line`` (rad); each net passage of ``passages`` through the
-    other side takes one turn away.
+    The loop has yawed to ``yaw`` (rad), the line between the ends to ``line`` (rad); each net passage of ``passages``
+    through the other side takes one turn away.
     """
     return (yaw - line) / (2.0 * math.pi) - passages
 
 
 def turn(before: Any, after: Any) -> Any:
-    """Angle (rad) about Y from one horizontal vector (X, Z) to another."""
+    """Return the angle (rad) about Y from one horizontal vector (X, Z) to another."""
     return atan2(before[1] * after[0] - before[0] * after[1], before[0] * after[0] + before[1] * after[1])

@@ -1,36 +1,35 @@
-"""Bodies in the shaft, and how far the rope is from them.
+"""Bodies in the shaft, and distances of the rope from them.
 
-All are upright boxes with rounded edges, turned about Y, of which those that are long have no end within reach.  With
-the place x of a point in the body's axes, from its centre, the half widths h and the radius c of the edges
+All are upright boxes with rounded edges, turned about Y; ends of long boxes are out of reach.  With the position x of a
+point in the body's axes, from its centre, the half widths h and the radius c of the edges
 
     q_k = |x_k| - h_k,    d = side ( |max(q, 0)| + min(max_k q_k, 0) - c )
 
 is the distance from the body's surface, negative in the body: side is 1 where the rope hangs outside of the box, -1 in
 a shaft, whose lining is the box.  Outside of a box, and inside of a shaft, d is exact; its gradient is the unit normal,
-away from the body.  Its second derivatives jump where the nearest place of the surface changes from a face to an edge.
+away from the body.  Its second derivatives jump where the nearest point of the surface changes from a face to an edge.
 
-Of all points of an upright box about x, e its half widths in the body's axes, the least distance is that with q_k =
-|x_k| - h_k - side e_k: a bound for the rope's centre line between two of its places.
-
-Works on numbers, numpy arrays and CasADi expressions; vectors have their components first.
+Over an upright box about x with half widths e in the body's axes, the least distance is that with q_k = |x_k| - h_k -
+side e_k: a bound for the rope's centre line between two of its points.  Works on numbers, numpy arrays and CasADi
+expressions; vectors have their components first.
 """
 
 from typing import Any, NamedTuple
 
 from rope_model.physics.elementary import cos, larger, less, sign, sin, smaller, sqrt
 
-#: m: longer than any shaft
+#: m, longer than any shaft
 ENDLESS = 1e6
-#: m: how thick the ground is, and how far up head ropes go; in such lengths places are rounded by less than 1e-11 m
+#: m, thickness of the ground and length of head ropes; positions this far away are rounded by less than 1e-11 m
 DEEP = 1e4
-#: kinds of bodies; a number is a place among them
+#: kinds of bodies; the number of a kind is its index
 KINDS = ("lining", "conveyance", "head_ropes", "divider", "floor")
-#: m^2: the root is smooth where all of max(q, 0) vanishes, and 1e-12 m off
+#: m^2, keeps the root smooth where all of max(q, 0) vanishes; it is 1e-12 m off there
 TINY = 1e-24
 
 
 class Body(NamedTuple):
-    """A box in m: centre, half widths without the rounded edges, radius of these, cosine and sine of its yaw, side."""
+    """Box in m: centre, half widths without the rounded edges, their radius, cosine and sine of its yaw, side."""
 
     centre: tuple[float, float, float]
     half: tuple[float, float, float]
@@ -41,13 +40,13 @@ class Body(NamedTuple):
 
 
 def distance(point: Any, body: Any) -> Any:
-    """Distance (m) of ``point`` (3,) from the body's surface; negative inside of the body."""
+    """Return the distance (m) of ``point`` (3,) from the body's surface; negative inside of the body."""
     x, y, z = _in_axes(point[0] - body.centre[0], point[1] - body.centre[1], point[2] - body.centre[2], body)
     return _distance(abs(x) - body.half[0], abs(y) - body.half[1], abs(z) - body.half[2], body)
 
 
 def least_distance(point: Any, extent: Any, body: Any) -> Any:
-    """Least distance (m) over the upright box of half widths ``extent`` (3,), along X, Y, Z, about ``point``."""
+    """Return the least distance (m) over the upright box about ``point`` with half widths ``extent`` along X, Y, Z."""
     x, y, z = _in_axes(point[0] - body.centre[0], point[1] - body.centre[1], point[2] - body.centre[2], body)
     c, s = abs(body.cosine), abs(body.sine)
     across, along = c * extent[0] + s * extent[2], s * extent[0] + c * extent[2]
@@ -60,15 +59,15 @@ def least_distance(point: Any, extent: Any, body: Any) -> Any:
 
 
 def normal(point: Any, body: Any) -> tuple[Any, Any, Any]:
-    """The unit normal at ``point`` (3,), away from the body: the gradient of its distance."""
-    place = _in_axes(point[0] - body.centre[0], point[1] - body.centre[1], point[2] - body.centre[2], body)
-    q = [abs(x) - h for x, h in zip(place, (body.half[0], body.half[1], body.half[2]), strict=True)]
+    """Return the unit normal at ``point`` (3,), away from the body: the gradient of its distance."""
+    local = _in_axes(point[0] - body.centre[0], point[1] - body.centre[1], point[2] - body.centre[2], body)
+    q = [abs(x) - h for x, h in zip(local, (body.half[0], body.half[1], body.half[2]), strict=True)]
     out = [larger(x, 0.0) for x in q]
     root = sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2] + TINY)
-    # within the box it is that of the nearest face
+    # within the box the normal is that of the nearest face
     largest = larger(larger(q[0], q[1]), q[2])
     faces = [(1.0 - less(0.0, x)) * (1.0 - less(x, largest)) for x in q]
-    x, y, z = (body.side * sign(p) * (o / root + face) for p, o, face in zip(place, out, faces, strict=True))
+    x, y, z = (body.side * sign(p) * (o / root + face) for p, o, face in zip(local, out, faces, strict=True))
     return body.cosine * x + body.sine * z, y, body.cosine * z - body.sine * x
 
 
@@ -83,32 +82,32 @@ def _distance(x: Any, y: Any, z: Any, body: Any) -> Any:
 
 
 def lining(lining: Any) -> Body:
-    """The wall, seen from inside."""
+    """Return the wall, with the rope inside."""
     x, z = 0.5 * lining.width, 0.5 * lining.depth
     radius = lining.rounding * smaller(x, z)
     return Body((lining.x, 0.0, lining.z), (x - radius, ENDLESS, z - radius), radius, 1.0, 0.0, -1.0)
 
 
 def conveyance(conveyance: Any, end: Any) -> Body:
-    """The conveyance from which the rope's ``end`` (3,) hangs; it moves as that does."""
+    """Return the conveyance from which the rope's ``end`` (3,) hangs; it moves with that end."""
     half = 0.5 * conveyance.width, 0.5 * conveyance.height, 0.5 * conveyance.depth
     centre = end[0], end[1] + conveyance.above + half[1], end[2]
     return Body(centre, half, 0.0, 1.0, 0.0, 1.0)
 
 
 def head_ropes(head_ropes: Any, conveyance: Any, end: Any) -> Body:
-    """The ropes above that conveyance; they move sideways as it does, and begin at its top."""
+    """Return the ropes above that conveyance; they begin at its top and move sideways with it."""
     centre = end[0], end[1] + conveyance.above + conveyance.height + DEEP, end[2]
     return Body(centre, (0.0, DEEP, 0.5 * head_ropes.row), 0.5 * head_ropes.diameter, 1.0, 0.0, 1.0)
 
 
 def divider(divider: Any) -> Body:
-    """A horizontal beam."""
+    """Return a horizontal beam."""
     radius = 0.5 * divider.rounding * divider.size
     half, c, s = 0.5 * divider.size - radius, cos(divider.direction), sin(divider.direction)
     return Body((divider.offset * c, divider.y, -divider.offset * s), (half, half, ENDLESS), radius, c, s, 1.0)
 
 
 def floor(sump: Any) -> Body:
-    """The ground below the sump's level."""
+    """Return the ground below the sump's level."""
     return Body((0.0, sump.level - DEEP, 0.0), (ENDLESS, DEEP, ENDLESS), 0.0, 1.0, 0.0, 1.0)

@@ -1,4 +1,4 @@
-"""Nominal stresses of a wire rope, as in a solid round bar of its diameter; ``rope`` has a scene's data."""
+"""Nominal stresses of a wire rope, as in a solid round bar of its diameter; ``rope`` is that of a scene."""
 
 import math
 from typing import Any
@@ -7,12 +7,12 @@ from rope_model.physics.costello import torque
 
 
 def bending_stress(rope: Any, k: Any) -> Any:
-    """Largest bending stress (Pa) at the curvature ``k`` (1/m)."""
+    """Return the largest bending stress (Pa) at the curvature ``k`` (1/m)."""
     return 32 * rope.EI * k / (math.pi * rope.diameter**3)
 
 
 def material_values(rope: Any, torsional: Any, strains: Any) -> tuple[Any, Any, Any, Any]:
-    """Bending and torsional stress (Pa), curvature (1/m), torque (N m) at ``strains``, element.STRAINS.
+    """Return bending and torsional stress (Pa), curvature (1/m), torque (N m) at ``strains``, see element.STRAINS.
 
     ``torsional`` is 1, or 0 for a fidelity that computes no torsion, and so no torque.
     """
@@ -20,5 +20,5 @@ def material_values(rope: Any, torsional: Any, strains: Any) -> tuple[Any, Any, 
     moment = torque(rope.Qs, rope.Qk, rope.Qd, rope.Qe, e, tau)
     # the largest shear stress
     stress = 16 * abs(moment) / (math.pi * rope.diameter**3)
-    # the sum makes +0 of -0
+    # adding 0.0 turns -0 into +0
     return bending_stress(rope, k), stress * torsional, k, moment * torsional + 0.0

@@ -1,18 +1,18 @@
-"""The beam element with friction between its wires: physics.element with the moment of physics.wire_friction.
+"""Beam element with friction between its wires: physics.element with the moment of physics.wire_friction.
 
-At each Gauss point C z is added to the moment EI k, work-conjugate to the rate of k that the section sees:
+At each Gauss point C z is added to the moment EI k, work-conjugate to the rate of k seen from the section:
 
     R += int B^T C z dx,     J += cq int B^T C dz/dk B dx
 
-Behind the frame's entries F has HISTORY numbers of the rope at the last accepted instant: at each point section and z
-(10), then k0 and C; and LATEST numbers of the latest tangent.  The tangent is symmetric: it leaves out the skew part of
-dz/dk, and how B changes.  Between curvatures at which wires slide to and fro, dz/dk goes up and down, and tangents
-alone lead from one side to the other for ever.  So it is
+Behind the frame's entries F has HISTORY numbers of the rope at the last accepted instant (at each point section and z
+(10), then k0 and C) and LATEST numbers of the latest tangent.  The tangent is symmetric: it leaves out the skew part of
+dz/dk and the change of B.  Where wires reverse their sliding, dz/dk jumps up and down, and Newton's method with this
+tangent alone may oscillate without end.  So the tangent is
 
-    p dz/dk + (1 - p) |z| / |z if all wires stuck|,    p = (z promised by the latest tangent) . z / |z|^2 in [0, 1]
+    p dz/dk + (1 - p) |z| / |z if all wires stuck|,    p = (z predicted by the latest tangent) . z / |z|^2 in [0, 1]
 
-which is safe where the latest tangent was far off, as it is where there was none, p = 0: Newton's method for z and k
-alike (T. F. Chan, G. H. Golub, P. Mulet, SIAM J. Sci. Comput. 20 (1999)).
+which is safe where the latest tangent was far off, as well as without one, p = 0: Newton's method for z and k together
+(T. F. Chan, G. H. Golub, P. Mulet, SIAM J. Sci.  Comput.  20 (1999)).
 """
 
 from functools import cache
@@ -25,20 +25,19 @@ from rope_model.physics.bending_element import bending_element
 from rope_model.physics.frame import smallest_rotation_rate
 from rope_model.physics.wire_friction import MEMORY, NOTHING, section, slide, within
 
-#: numbers of an element: memory of its points, k0 and C
+#: number of entries of an element: state of its points, k0 and C
 HISTORY = MEMORY * len(element.POINTS) + 2
-#: place of the latest tangent: of a point k, z and the upper half of dz/dk taken there; of an element
-_OF_POINT = 12
-LATEST = _OF_POINT * len(element.POINTS)
+_OF_POINT = 12  #: number of entries of a point's latest tangent: k, z and the upper half of dz/dk
+LATEST = _OF_POINT * len(element.POINTS)  #: number of entries of an element's latest tangents
 
 
 class WireFunctions(NamedTuple):
-    """Terms that friction between the wires adds to an element; ``H`` is its HISTORY.
+    """CasADi functions of friction between the wires in an element; ``H`` is its HISTORY.
 
     residual: (q, l, H) -> R (2 m,)
     tangent:  (q, l, H, latest, cq) -> J (2 m, 2 m)
-    latest:   (q, l, H, latest) -> what is ``latest`` after that tangent (LATEST,)
-    energy:   (q, l, H) -> J, stored
+    latest:   (q, l, H, latest) -> ``latest`` after that tangent (LATEST,)
+    energy:   (q, l, H) -> energy stored, J
     """
 
     residual: ca.Function
@@ -49,36 +48,36 @@ class WireFunctions(NamedTuple):
 
 @cache
 def wire_functions(fidelity: element.ElementFidelity) -> WireFunctions:
-    """Build the functions."""
-    kept = [*element.ELEMENT_DOF[fidelity], *(element.NODE_DOF + k for k in element.ELEMENT_DOF[fidelity])]
-    symbol, q = ca.SX.sym("q", len(kept)), ca.SX.zeros(2 * element.NODE_DOF)
-    q[kept] = symbol
+    """Build the functions for a fidelity."""
+    dofs = [*element.ELEMENT_DOF[fidelity], *(element.NODE_DOF + k for k in element.ELEMENT_DOF[fidelity])]
+    symbol, q = ca.SX.sym("q", len(dofs)), ca.SX.zeros(2 * element.NODE_DOF)
+    q[dofs] = symbol
     l, H, latest, cq = ca.SX.sym("l"), ca.SX.sym("H", HISTORY), ca.SX.sym("latest", LATEST), ca.SX.sym("cq")
     *points, k0, C = ca.vertsplit(H, [*range(0, HISTORY - 1, MEMORY), *range(HISTORY - 1, HISTORY + 1)])
     relative, point = element.relative_coordinates(), _point_function()
     R, J, energy = ca.SX.zeros(relative.shape[0]), ca.SX.zeros(relative.shape[0], relative.shape[0]), ca.SX(0)
-    now = []
+    latest_tangents = []
     for xi, weight, before, last in zip(
         element.POINTS, element.WEIGHTS, points, ca.vertsplit(latest, _OF_POINT), strict=True
     ):
         B = element.interpolation(xi, l)
-        force, stiffness, square, at = point(B @ relative @ q, before, k0, last)
+        force, stiffness, square, tangent_numbers = point(B @ relative @ q, before, k0, last)
         R += B.T @ (weight * l * C * force)
         J += B.T @ (weight * l * C * stiffness) @ B
         energy += 0.5 * weight * l * C * square
-        now.append(at)
-    R, J = (relative.T @ R)[kept], element.symmetric(cq * (relative.T @ element.symmetric(J) @ relative))[kept, kept]
+        latest_tangents.append(tangent_numbers)
+    R, J = (relative.T @ R)[dofs], element.symmetric(cq * (relative.T @ element.symmetric(J) @ relative))[dofs, dofs]
     inputs = [symbol, l, H]
     return WireFunctions(
         ca.Function("wire_residual", inputs, [ca.cse(R)]),
         ca.Function("wire_tangent", [*inputs, latest, cq], [ca.cse(J)]),
-        ca.Function("wire_latest", [*inputs, latest], [ca.cse(ca.vertcat(*now))]),
+        ca.Function("wire_latest", [*inputs, latest], [ca.cse(ca.vertcat(*latest_tangents))]),
         ca.Function("wire_energy", inputs, [ca.cse(energy)]),
     )
 
 
 def _point_function() -> ca.Function:
-    """(at, before, k0, latest), at = (r', r'', theta), -> B^T z, B^T (dz/dk) B for Newton's method, |z|^2, latest."""
+    """Build (at = (r', r'', theta), before, k0, latest) -> B^T z, B^T (dz/dk) B for Newton's method, |z|^2, latest."""
     at, at_t, before = ca.SX.sym("at", 7), ca.SX.sym("at_t", 7), ca.SX.sym("before", MEMORY)
     k0, latest = ca.SX.sym("k0"), ca.SX.sym("latest", _OF_POINT)
     d, c = at[0:3], at[3:6]
@@ -87,19 +86,19 @@ def _point_function() -> ca.Function:
     w = at_t[6] + smallest_rotation_rate(before[0:3], ca.SX.zeros(3), d, at_t[0:3])
     spin = ca.cross(d, at_t[0:3]) / ca.dot(d, d) + w * tangent
     B = ca.jacobian(ca.jtimes(k, at, at_t) - ca.cross(spin, k), at_t)
-    # the law as a function of the curvature alone: turning with the section is no change of it
-    bent, now = ca.SX.sym("k", 3), section(d, c, at[6])
-    slid = slide(before, [*now[0:3], *ca.vertsplit(bent), now[6]], k0)
+    # the law as a function of the curvature alone: turning with the section does not change it
+    curvature, present = ca.SX.sym("k", 3), section(d, c, at[6])
+    slid = slide(before, [*present[0:3], *ca.vertsplit(curvature), present[6]], k0)
     z: Any = ca.vertcat(*slid.z)
-    slope = ca.jacobian(z, bent)
+    slope = ca.jacobian(z, curvature)
     # prediction by the latest tangent
-    bent_then, z_then, upper = ca.vertsplit(latest, [0, 3, 6, _OF_POINT])
-    slope_then: Any = ca.vertcat(upper[[0, 1, 2]].T, upper[[1, 3, 4]].T, upper[[2, 4, 5]].T)
-    promised = z_then + slope_then @ (bent - bent_then)
-    share = within(ca.dot(promised, z) / (ca.dot(z, z) + NOTHING * k0 * k0))
-    slope = share * 0.5 * (slope + slope.T) + (1 - share) * slid.secant * ca.SX.eye(3)
-    latest_now = ca.vertcat(bent, z, _upper_half(slope))
-    z, slope, latest_now = ca.substitute([z, slope, latest_now], [bent], [k])
+    old_curvature, old_z, upper = ca.vertsplit(latest, [0, 3, 6, _OF_POINT])
+    old_slope: Any = ca.vertcat(upper[[0, 1, 2]].T, upper[[1, 3, 4]].T, upper[[2, 4, 5]].T)
+    predicted = old_z + old_slope @ (curvature - old_curvature)
+    trust = within(ca.dot(predicted, z) / (ca.dot(z, z) + NOTHING * k0 * k0))
+    slope = trust * 0.5 * (slope + slope.T) + (1 - trust) * slid.secant * ca.SX.eye(3)
+    latest_now = ca.vertcat(curvature, z, _upper_half(slope))
+    z, slope, latest_now = ca.substitute([z, slope, latest_now], [curvature], [k])
     outputs = B.T @ z, element.symmetric(B.T @ slope @ B), ca.dot(z, z), latest_now
     return ca.Function("wire_point", [at, before, k0, latest], [ca.cse(x) for x in outputs])
 
@@ -110,7 +109,7 @@ def _upper_half(A: ca.SX) -> ca.SX:
 
 @cache
 def wire_element(fidelity: element.ElementFidelity, plain: element.ElementFunctions) -> element.ElementFunctions:
-    """The ``plain`` element's functions with friction between the wires, whose energy is in that of bending."""
+    """Build the functions of the ``plain`` element with friction between its wires, whose energy is bending."""
     wires = wire_functions(fidelity)
     return bending_element(
         plain,

@@ -1,27 +1,26 @@
-"""Friction between the wires of a bent rope: hysteretic bending.
+"""Hysteretic bending: friction between the wires of a bent rope.
 
     M = EI k + C z,   C = EI_stick - EI,     z_t = k_t - (k_t . z)+ z / k0^2,     (x)+ = max(x, 0)
 
-M and k are the vectors of bending moment and curvature as the cross-section sees them: z stays with the section, where
-the wires are, and turns with it.  While no wire slides M follows k with EI_stick; once all do, C z is the friction
-moment C k0 = M0 + M1 T+, which grows with the tension T, and M follows k with EI.  It is the model of Bouc and Wen with
-n = 2 and beta = gamma.  |z| stands for |z_x|: no direction across the rope is preferred.
+M and k are the vectors of bending moment and curvature seen from the cross-section: z belongs to the wires and turns
+with the section.  While no wire slides M follows k with EI_stick.  Once all slide, C z is the friction moment C k0 = M0
++ M1 T+, which grows with the tension T, and M follows k with EI.  It is the model of Bouc and Wen with n = 2 and beta =
+gamma; |z| replaces |z_x|, so that no direction across the rope is preferred.
 
 The energy is 1/2 C z^2, the dissipation C (k_t . z)+ z^2 / k0^2, which is never negative, however k0 changes.
 
-Over a step the curvature goes straight, by dk = k0 s u with |u| = 1.  Where z . u < 0 the wires stick until that is
-0.  From there on the exact solution is, in units of k0,
+Over a step the curvature changes along a straight line, by dk = k0 s u with |u| = 1.  While z . u < 0 the wires stick.
+From there on the exact solution is, in units of k0,
 
     z . u = tanh(c + s),   z x u falls with 1 / cosh(c + s),      c = artanh(z . u) at the start
 
-with k0 as at the start of the step.  sinh s is taken by its series up to s^5 and the rest follows from it: a step
-with s > 3 ends where sliding ends all the same.
+with k0 as at the start of the step.  sinh s is taken by its series up to s^5 and the other functions follow from it:
+for s > 3, where this is inaccurate, sliding is complete in any case.  Works on numbers, numpy arrays and CasADi
+expressions; vectors have their components first.
 
-Works on numbers, numpy arrays and CasADi expressions; vectors have their components first.
-
-Sources: R. Bouc, 1967; Y.-K. Wen, J. Eng. Mech. Div. 102 (1976); Y. J. Park, Y.-K. Wen, A. H.-S. Ang, Earthquake Eng.
-Struct. Dyn. 14 (1986) for two directions; K. O. Papailiou, IEEE Trans. Power Delivery 12 (1997), and F. Foti, L.
-Martinelli, Appl. Math. Modelling 40 (2016), for stiffness and friction moment of strands.
+Sources: R. Bouc, 1967; Y.-K. Wen, J. Eng.  Mech.  Div.  102 (1976); Y. J. Park, Y.-K. Wen, A. H.-S. Ang, Earthquake
+Eng.  Struct.  Dyn.  14 (1986) for two directions; K. O. Papailiou, IEEE Trans.  Power Delivery 12 (1997), and F. Foti,
+L. Martinelli, Appl.  Math.  Modelling 40 (2016), for stiffness and friction moment of strands.
 """
 
 from typing import Any, NamedTuple
@@ -31,16 +30,16 @@ from rope_model.physics.costello import tension
 from rope_model.physics.elementary import cross, dot, exp, larger, log, sqrt
 from rope_model.physics.frame import carried, small_turn, turned
 
-#: numbers of a section: tangent, curvature vector, angle; and z behind them
-SECTION, MEMORY = 7, 10
-#: squares in units of k0^2 that count as 0, so that there is a derivative where nothing moves
+#: number of entries of a section (tangent, curvature vector, angle) with z behind it
+MEMORY = 10
+#: square in units of k0^2 that counts as 0, so that there is a derivative where nothing moves
 NOTHING = 1e-26
-#: those of z that are too small for a quotient
+#: square of z in these units that is too small for a quotient
 _SMALL = 1e-12
 
 
 class Slid(NamedTuple):
-    """State z at the end of a step, dissipation per length of the rope and C, and a slope.
+    """State z at the end of a step, dissipation over C per length of the rope, and a slope.
 
     ``secant`` is |z| over its value if all wires stuck.
     """
@@ -51,70 +50,73 @@ class Slid(NamedTuple):
 
 
 def wire_stiffness(rope: Any) -> Any:
-    """C (N m^2); 0 where there is no friction, EI_stick = 0."""
+    """Return C (N m^2); 0 without friction, where EI_stick = 0."""
     return larger(rope.EI_stick - rope.EI, 0.0)
 
 
 def slip_curvature(rope: Any, stiffness: Any, e: Any, tau: Any) -> Any:
-    """k0 (1/m) of a rope with friction, at its axial and torsional strain; ``stiffness`` is C."""
+    """Return k0 (1/m) of a rope with friction at its axial and torsional strain; ``stiffness`` is C."""
     pull = tension(rope.Qa, rope.Qs, rope.Qk, rope.Qe, e, tau)
     moment = rope.slip_moment + rope.slip_factor * rope.diameter * larger(pull, 0.0)
     return moment / stiffness
 
 
 def section_at(xi: Any, l: Any, nodes: Any) -> tuple[Any, ...]:
-    """The section (7,) at ``xi`` of an element with the nodes (14,)."""
+    """Return the section (7,) at ``xi`` of an element with the nodes (14,)."""
     ends = [(nodes[k], nodes[3 + k], nodes[7 + k], nodes[10 + k]) for k in range(3)]
-    d, c = [hermite.interpolate(xi, l, *of)[1] for of in ends], [hermite.bend(xi, l, *of) for of in ends]
+    d, c = (
+        [hermite.interpolate(xi, l, *values)[1] for values in ends],
+        [hermite.bend(xi, l, *values) for values in ends],
+    )
     return section(d, c, (1 - xi) * nodes[6] + xi * nodes[13])
 
 
 def section(d: Any, c: Any, angle: Any) -> tuple[Any, ...]:
-    """The numbers (7,) of the section where r' is ``d``, r'' is ``c`` and theta ``angle``."""
+    """Return the section (7,) where r' is ``d``, r'' is ``c`` and theta ``angle``."""
     square = dot(d, d)
     length, turn = sqrt(square), cross(d, c)
     return (*(d[i] / length for i in range(3)), *(turn[i] / square for i in range(3)), angle)
 
 
-def slide(before: Any, now: Any, k0: Any) -> Slid:
-    """Slide from the section ``before``, with its z (10,), to the section ``now`` (7,)."""
-    z = _carried(before, now, before[7:10])
-    turned = _carried(before, now, before[3:6])
+def slide(before: Any, after: Any, k0: Any) -> Slid:
+    """Advance the hysteresis from the section ``before``, with its z (10,), to the section ``after`` (7,)."""
+    z = _carried(before, after, before[7:10])
+    old_curvature = _carried(before, after, before[3:6])
     z = [x / k0 for x in z]
-    step = [(now[3 + i] - turned[i]) / k0 for i in range(3)]
+    step = [(after[3 + i] - old_curvature[i]) / k0 for i in range(3)]
     stuck = [z[i] + step[i] for i in range(3)]
-    # the part of the way over which the wires stick, the moment falling
+    # fraction of the step over which the wires stick, while the moment falls
     square, along = dot(step, step), dot(z, step)
     back = _positive(-along)
     back = back - _positive(back - square)
     part = back / (square + NOTHING)
     z = [z[i] + part * step[i] for i in range(3)]
     step = [(1.0 - part) * x for x in step]
-    # the rest, over which they slide
+    # remaining part of the step, over which they slide
     s2, a = dot(step, step), dot(z, step)
     h = 1.0 + s2 / 6 * (1.0 + s2 / 20)  # sinh(s) / s
     cosh = sqrt(1.0 + s2 * h * h)
     growth, gained = cosh + a * h, h + a * h * h / (cosh + 1.0)
-    after = [(z[i] + gained * step[i]) / growth for i in range(3)]
-    # work along the way, int z . dk, less the energy stored
+    z_end = [(z[i] + gained * step[i]) / growth for i in range(3)]
+    # work along the step, int z . dk, minus the energy stored
     s = sqrt(s2 + NOTHING)
     work = s + log(0.5 * (1.0 + exp(-2.0 * s))) + log(growth / cosh)
-    dissipated = k0 * k0 * larger(work - 0.5 * (dot(after, after) - dot(z, z)), 0.0)
-    secant = sqrt((dot(after, after) + _SMALL) / (dot(stuck, stuck) + _SMALL))
-    return Slid((k0 * after[0], k0 * after[1], k0 * after[2]), dissipated, secant)
+    dissipated = k0 * k0 * larger(work - 0.5 * (dot(z_end, z_end) - dot(z, z)), 0.0)
+    secant = sqrt((dot(z_end, z_end) + _SMALL) / (dot(stuck, stuck) + _SMALL))
+    return Slid((k0 * z_end[0], k0 * z_end[1], k0 * z_end[2]), dissipated, secant)
 
 
-def _carried(before: Any, now: Any, x: Any) -> list[Any]:
-    """``x`` across the rope, turned as the section is from ``before`` to ``now``."""
-    p, t = before[0:3], now[0:3]
-    return turned(t, carried(p, t, x), *small_turn(now[6] - before[6]))
+def _carried(before: Any, after: Any, x: Any) -> list[Any]:
+    """Return the vector ``x`` across the rope, turned as the section is from ``before`` to ``after``."""
+    p, t = before[0:3], after[0:3]
+    return turned(t, carried(p, t, x), *small_turn(after[6] - before[6]))
 
 
 def within(x: Any) -> Any:
-    """``x``, or 0 below and 1 above."""
+    """Return ``x``, or 0 below and 1 above."""
     return _positive(x) - _positive(x - 1.0)
 
 
 def _positive(x: Any) -> Any:
-    """(x)+, by operations that elements have."""
+    """Return (x)+ by operations that the element code supports."""
     return 0.5 * (x + sqrt(x * x + (1e-3 * NOTHING) ** 2))

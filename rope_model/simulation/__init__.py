@@ -1,1 +1,1 @@
-"""The simulated rope: physics and methods joined."""
+"""Simulation of the rope: state, equations of motion, time stepping, mesh, contact and outputs."""

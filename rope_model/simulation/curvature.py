@@ -1,4 +1,4 @@
-"""The permanent curvature of a rope along its present shape: physics.initial_curvature from the left end on."""
+"""Permanent curvature along the present shape of a rope: physics.initial_curvature from the left end on."""
 
 from dataclasses import replace
 
@@ -14,17 +14,17 @@ Array = NDArray[np.float64]
 
 
 def is_curved(rope: Rope, fidelity: ElementFidelity) -> bool:
-    """Whether a permanent curvature acts: in the complete model alone sections have a direction."""
+    """Return whether a permanent curvature acts: sections have a direction in the complete model only."""
     return fidelity == "torsional" and most_curvature(rope) > 0
 
 
 def partly_curved(rope: Rope, part: float) -> Rope:
-    """Return the rope with this part of its permanent curvature."""
+    """Return the rope with the fraction ``part`` of its permanent curvature."""
     return replace(rope, **{name: part * getattr(rope, name) for name in CURVATURES})
 
 
 def curved_reference(rope: Rope, q: Array, lengths: Array) -> Array:
-    """Return (elements, physics.curved_element.CURVED): numbers of the rope ``q`` in the reference."""
+    """Return the entries of the rope ``q`` in the reference (elements, physics.curved_element.CURVED)."""
     nodes, one = np.concatenate((q[:-1], q[1:]), axis=1), np.ones(lengths.size)
     components = np.array(curvature_components(rope, np.cumsum(lengths) - lengths, lengths))
     _, k0 = curvature_along(lengths.size)(START, components, lengths[None], nodes.T)

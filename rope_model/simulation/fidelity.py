@@ -1,15 +1,15 @@
-"""No more model than the scene needs: which fidelity of the model serves, and why.
+"""Choice of the model's fidelity: the lowest that the scene needs, with the reason.
 
-    torsional   the complete rope
-    spatial     no torsion: the same for a rope without torque, but for spin inertia and theta's interpolation
-    planar      the same for a rope that carries no torque and stays in the plane
+    torsional   complete rope
+    spatial     no torsion: equal for a rope without torque, except for spin inertia and theta's interpolation
+    planar      equal for a rope that carries no torque and stays in the plane
     rigid       no waves, no bending: closed-form end forces of an inextensible rope, see simulation.rigid
 
 A torque-free rope has no coupling, no installed twist and no permanent curvature.  Out of plane its swivels must turn
-freely as well, or its writhe twists it; they may hold at the start, which must be in the plane.  The omitted
-quantities are then zero in the complete model too.  Otherwise 'auto' takes one only when the estimated error of the
+freely as well, or its writhe twists it; they may hold at the start, which must be in the plane.  The omitted quantities
+are then zero in the complete model too.  Otherwise 'auto' takes a lower fidelity only if the estimated error of the
 vertical end forces (root mean square over a winding, relative to the largest) is within the scene's tolerance.
-physics.estimates has the estimates, fidelity_rules the formulas of the choice.
+physics.estimates has the estimates, simulation.messages.fidelity_rules the formulas of the decision.
 """
 
 import logging
@@ -26,26 +26,26 @@ log = logging.getLogger(__name__)
 Ends = tuple[EndMotion, EndMotion]
 Fidelity = Literal["torsional", "spatial", "planar", "rigid"]
 
-#: from the least model to the complete one
+#: fidelities from the simplest to the complete one
 FIDELITIES: tuple[Fidelity, ...] = ("rigid", "planar", "spatial", "torsional")
 
 
 class Choice(NamedTuple):
-    """A fidelity and why it was taken."""
+    """A fidelity and the reason for it."""
 
     fidelity: Fidelity
     reason: str
 
 
 def flexible(fidelity: Fidelity) -> ElementFidelity:
-    """The element's fidelity that shows a rope of ``fidelity``."""
+    """Return the element's fidelity that serves a rope of ``fidelity``."""
     return "planar" if fidelity == "rigid" else fidelity
 
 
 def choose_fidelity(scene: Scene, ends: Ends, forces: int = 0) -> Choice:
-    """The fidelity that the scene asks for, or the lowest that serves.
+    """Return the fidelity that the scene prescribes, or the lowest that serves.
 
-    The host puts forces on so many of its places.
+    ``forces`` is the number of points at which the host applies forces.
     """
     if scene.model.fidelity != "auto":
         return Choice(scene.model.fidelity, fidelity_messages.as_asked())
@@ -55,21 +55,17 @@ def choose_fidelity(scene: Scene, ends: Ends, forces: int = 0) -> Choice:
 
 
 def lowest_sufficient(scene: Scene, ends: Ends, forces: int = 0) -> Fidelity:
-    """The lowest fidelity that can follow the ends and forces."""
+    """Return the lowest fidelity that can follow the ends and forces."""
     return next(fidelity for fidelity in FIDELITIES if not unsupported_motion(scene, fidelity, ends, forces))
 
 
 def unsupported_motion(scene: Scene, fidelity: Fidelity, ends: Ends, forces: int = 0) -> str:
-    """Return '' while ``fidelity`` can follow ends and forces, for 'auto' within the tolerance; else the reason."""
+    """Return '' while ``fidelity`` can follow ends and forces, with 'auto' within the tolerance; else the reason."""
     if fidelity == "torsional":
         return ""
     if number := int(fidelity_rules.unsupported_input(scene, fidelity, *ends)):
-        why = _input_text(ends, number)
-        return (
-            fidelity_messages.while_swivels_hold(why)
-            if fidelity == "spatial" and fidelity_rules.out_of_plane(number)
-            else why
-        )
+        reason, held = _input_text(ends, number), fidelity == "spatial" and fidelity_rules.out_of_plane(number)
+        return fidelity_messages.while_swivels_hold(reason) if held else reason
     if scene.model.fidelity == "auto":
         return first_text(fidelity_rules.UNSUPPORTED, scene, fidelity, *ends, forces)
     return fidelity_messages.applied_forces() if fidelity == "rigid" and forces else ""
@@ -90,8 +86,7 @@ def _lowest(scene: Scene, ends: Ends, forces: int) -> Choice:
 
 
 def _input_text(ends: Ends, number: int) -> str:
-    """An input by its number, and its value."""
-    side, place = divmod(number - 1, len(fidelity_rules.INPUTS))
-    return messages.nonzero_input(
-        SIDES[side], fidelity_rules.INPUTS[place], getattr(ends[side], fidelity_rules.INPUTS[place])
-    )
+    """Return the text of an input, by its number, with its value."""
+    side, index = divmod(number - 1, len(fidelity_rules.INPUTS))
+    name = fidelity_rules.INPUTS[index]
+    return messages.nonzero_input(SIDES[side], name, getattr(ends[side], name))

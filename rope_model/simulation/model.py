@@ -1,4 +1,4 @@
-"""A scene with its kernels: equations of motion, trial steps and bookkeeping for any state of the rope."""
+"""Equations of motion, trial steps and bookkeeping of a scene, for any state of the rope."""
 
 import math
 from collections.abc import Sequence
@@ -39,7 +39,7 @@ from rope_model.simulation.state import EnergyBalance, Powers, RopeState
 
 @dataclass(frozen=True)
 class RopeModel:
-    """Immutable but for the kernels' scratch memory, and the latest system, kept because the next is mostly alike."""
+    """Scene with its kernels, immutable except for their memory and the latest system, a start for the next."""
 
     scene: Scene
     kernels: KernelCache
@@ -47,7 +47,7 @@ class RopeModel:
     _latest: list[tuple[tuple[Any, ...], RopeSystem]] = field(default_factory=list, init=False, compare=False)
 
     def system(self, state: RopeState) -> RopeSystem:
-        """The equations of motion of ``state``: its mesh, swivel phases and end paths, the frame counted from it."""
+        """Return the equations of motion of ``state``: its mesh, swivel phases, end paths and frame."""
         rubs = state.hysteresis.size > 0
         scene, key = self.scene, (state.partition, state.swivels, state.fidelity, rubs)
         if self._latest and all(one is other for one, other in zip(self._latest[0][0], key, strict=True)):
@@ -60,14 +60,14 @@ class RopeModel:
         else:
             node_mass = np.zeros((state.partition.lengths.size + 1, 7))
             node_mass[[0, -1], ANGLE] = scene.left.inertia, scene.right.inertia
-            own, blown = parameter_vector(scene.rope, scene.layout.gravity), air_parameters(scene)
+            rope_parameters, air = parameter_vector(scene.rope, scene.layout.gravity), air_parameters(scene)
             fidelity, around = flexible(state.fidelity), surroundings(scene)
             along = acting_along(scene, fidelity, rubs)
             touching = partial(SelfContactSystem, scene) if scene.shaft.contact.rope_stiffness > 0 else RopeSystem
             system = touching(
                 self.kernels.of(fidelity, along),
                 state.partition.lengths,
-                np.concatenate((own, blown)),
+                np.concatenate((rope_parameters, air)),
                 self.ends(state),
                 state.motion.q,
                 node_mass,
@@ -80,52 +80,52 @@ class RopeModel:
         return self.pushed(system, state.motion.t)
 
     def pushed(self, system: RopeSystem, t: float) -> RopeSystem:
-        """``system`` with the forces that act at ``t``."""
+        """Return ``system`` with the forces that act at ``t``."""
         return system.with_forces(nodal_forces(self.forces, system.lengths, t)) if self.forces.s.size else system
 
     def ends(self, state: RopeState) -> HangingEnds:
-        """Boundary at the ends of ``state``."""
+        """Return the boundary at the ends of ``state``."""
         scene = self.scene
         points = nominal_points(scene.layout.spacing)
         return HangingEnds(points, state.paths, (scene.left, scene.right), state.swivels, state.offsets)
 
     @cached_property
     def method(self) -> alpha.Coefficients:
-        """The integration method."""
+        """Coefficients of the integration method."""
         return alpha.Coefficients(self.scene.solver.rho_inf)
 
     def relative_error(self, old: RopeState, result: alpha.StepResult[Evaluation]) -> float:
-        """Local error of a trial step over the error allowed; infinite when Newton failed."""
+        """Return the local error of a trial step over the allowed error; infinite if Newton's method failed."""
         if result.motion is None:
             return math.inf
         bottom, h = self.bottom(old.paths, old.motion.t), result.motion.h
         constant = alpha.local_error(self.method, 1.0, 1.0)
-        limits = step_limits(self.scene, old.errors, bottom, apart(old.motion), constant)
+        limits = step_limits(self.scene, old.errors, bottom, end_speed(old.motion), constant)
         assert result.a_rate is not None
         strain = alpha.local_error(self.method, h, h * float(np.abs(result.a_rate[_END_STRAINS]).max()))
         return float(step_error(limits, h, result.error, strain))
 
     def trial(self, system: RopeSystem, old: alpha.Motion, h: float) -> alpha.StepResult[Evaluation]:
-        """A step that nobody has accepted yet."""
+        """Take a step that is not accepted yet."""
         solver = self.scene.solver
         tolerance = float(newton_may_leave(solver.newton_tolerance, solver.work_max, BOUNDED_STEP_ERROR))
         return alpha.step(self.pushed(system, old.t + h), old, h, self.method, tolerance)
 
     def bottom(self, paths: tuple[EndPath, EndPath], t: float) -> float:
-        """Arc length (m) of the loop's lowest point by the ends' heights alone."""
+        """Return the arc length (m) of the loop's lowest point, from the ends' heights alone."""
         return float(0.5 * (self.scene.rope.length + paths[0].height(t) - paths[1].height(t)))
 
     def faced(self, paths: tuple[EndPath, EndPath], t: float) -> Sequence[float]:
-        """Places of the dividers along the legs by the ends' heights: mesh_fit.faced_places."""
+        """Return the arc lengths of the dividers along the legs, from the ends' heights: mesh_fit.faced_positions."""
         return faced_by(self.scene, paths[0].height(t), paths[1].height(t)) if self._faces else NOWHERE
 
     @cached_property
     def _faces(self) -> bool:
-        """Whether some divider may press a leg, at whatever heights."""
+        """True if some divider may press a leg, at whatever heights."""
         return faced_by(self.scene, 0.0, 0.0) != NOWHERE
 
     def restart(self, state: RopeState) -> RopeState:
-        """The state with consistent accelerations and no history."""
+        """Return the state with consistent accelerations and no history."""
         m = state.motion
         system = self.system(state)
         motion, _ = alpha.restart(system, m.t, m.q, m.v, m.reaction)
@@ -133,48 +133,47 @@ class RopeModel:
         return state._replace(motion=motion, powers=powers(system, motion), audit=audit)
 
     def commit(self, old: RopeState, system: RopeSystem, result: alpha.StepResult[Evaluation]) -> RopeState:
-        """An accepted step, with energies and work added up, its angles counted along its own curve."""
+        """Return the state after an accepted step, with energies and work; angles count along its own curve."""
         motion, evaluation = result.motion, result.evaluation
         assert motion is not None
         assert evaluation is not None
-        now, before, h = powers(system, motion), old.powers, motion.t - old.motion.t
+        after, before, h = powers(system, motion), old.powers, motion.t - old.motion.t
         bottom, force = self.bottom(old.paths, old.motion.t), float(np.abs(motion.reaction[[0, -1], POSITION]).max())
-        paces, constant = (motion.v - old.motion.v)[_END_STRAINS] / h, alpha.local_error(self.method, 1.0, 1.0)
-        errors = add_errors(
-            self.scene, old.errors, bottom, apart(old.motion), h, constant, paces.tolist(), result.error, force
-        )
-        # the material's dissipation follows from the strains' differences over the step: the rates at its ends carry
+        strain_tt, constant = (motion.v - old.motion.v)[_END_STRAINS] / h, alpha.local_error(self.method, 1.0, 1.0)
+        speed = end_speed(old.motion)
+        errors = add_errors(self.scene, old.errors, bottom, speed, h, constant, strain_tt.tolist(), result.error, force)
+        # the material's dissipation follows from the strains' differences over the step: the rates at its ends contain
         # the integrator's own oscillation, whose square does not average out
         middle, rate = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
         halfway = self.pushed(system, old.motion.t + 0.5 * h)
         losses, slip = halfway.losses(middle, rate), system.slip(motion.q)
         energy, outside = energies(old.energy_balance, evaluation.balance), system.outside(middle, rate)
-        energy = account_of_step(energy, h, before, now, losses, slip.dissipated, outside["given_to_air"])
+        energy = account_of_step(energy, h, before, after, losses, slip.dissipated, outside["given_to_air"])
         pressures = [outside[kind] for kind in (*KINDS, "rope")]
         contact = add_contact(self.scene, old.contact, h, pressures, system.longest_near(middle))
-        after = old._replace(
-            motion=motion, hysteresis=slip.z, energy_balance=energy, errors=errors, powers=now, contact=contact
+        state = old._replace(
+            motion=motion, hysteresis=slip.z, energy_balance=energy, errors=errors, powers=after, contact=contact
         )
-        return self._audit_step(old.motion, with_angles_along(system, after), system)
+        return self._audit_step(old.motion, with_angles_along(system, state), system)
 
     def _audit_step(self, old: alpha.Motion, state: RopeState, system: RopeSystem) -> RopeState:
-        """``state`` after a time step from ``old``; its loads are compared when the communication step ends."""
+        """Return ``state`` with the impulse of a time step from ``old``, for the audit of the communication step."""
         m, method, (left, right) = state.motion, self.method, old.reaction[[0, -1], 1].tolist()
-        now, h = m.reaction[[0, -1], 1].tolist(), m.t - old.t
+        forces, h = m.reaction[[0, -1], 1].tolist(), m.t - old.t
         audit = after_step(
             state.audit,
             method,
             h,
             alpha.recentring(method, m.h, old.h),
             load_on(self.ends(state), m, self.pushed(system, m.t)),
-            max(map(abs, now)),
-            max(abs(now[0] - left), abs(now[1] - right)),
+            max(map(abs, forces)),
+            max(abs(forces[0] - left), abs(forces[1] - right)),
             axial_share(self.scene.rope, self.bottom(state.paths, m.t), h),
         )
         return state._replace(audit=audit)
 
     def begin_audit(self, state: RopeState) -> RopeState:
-        """``state`` as that with whose momentum the next is compared."""
+        """Return ``state`` as the reference for the momentum of the next communication step."""
         if state.fidelity == "rigid":
             return state
         m, system = state.motion, self.system(state)
@@ -182,7 +181,7 @@ class RopeModel:
         return state._replace(audit=audit._replace(sums=system.momentum(m.q, m.v), impulse=NO_LOAD))
 
     def audit_interval(self, before: RopeState, state: RopeState) -> RopeState:
-        """``state`` with the audit of the communication step from ``before``: its change against all that acted."""
+        """Return ``state`` with the audit of a communication step from ``before``: momentum against loads."""
         if state.fidelity == "rigid":
             return state
         m, scene = state.motion, self.scene
@@ -199,12 +198,12 @@ class RopeModel:
         return state._replace(audit=audit)
 
 
-#: where the strains along the rope at its ends are
+#: index of the strains along the rope at its ends
 _END_STRAINS = ([0, -1], SLOPE.start + 1)
 
 
 def with_angles_along(system: RopeSystem, state: RopeState) -> RopeState:
-    """``state``, whose angles count from the reference of ``system``, as one that is its own reference.
+    """Return ``state``, whose angles count from the reference of ``system``, as one that is its own reference.
 
     The rate of theta is then the spin.  b differs from a by events within a step: both change alike.
     """
@@ -218,20 +217,20 @@ def with_angles_along(system: RopeSystem, state: RopeState) -> RopeState:
 
 
 def ends_of(system: RopeSystem) -> HangingEnds:
-    """The ends of a rope that hangs between conveyances."""
+    """Return the ends of a rope that hangs between conveyances."""
     assert isinstance(system.boundary, HangingEnds)
     return system.boundary
 
 
 def load_on(ends: HangingEnds, motion: alpha.Motion, system: RopeSystem) -> Load:
-    """Loads on the rope by the conveyances, its ends held so, by touched bodies, and by the air."""
+    """Return the loads on the rope by the conveyances at its ends, by touched bodies, and by the air."""
     outside = system.outside(motion.q, motion.v)
     loads = [tuple(outside[name] for name in names) for names in (_CONTACT_LOAD, _AIR_LOAD)]
     for side, node in enumerate(END_NODE):
         q, R = motion.q[node].tolist(), motion.reaction[node].tolist()
         loads.append(end_load(q, R, ends.moment(side, motion.reaction)))
     total = tuple(sum(parts) for parts in zip(*loads, strict=True))
-    if system.kernels.fidelity == "planar":  # forces across the plane are not felt
+    if system.kernels.fidelity == "planar":  # a planar rope does not feel forces across its plane
         return total[0], total[1], 0.0, 0.0, 0.0, total[5]
     return total
 
@@ -242,18 +241,18 @@ _CONTACT_LOAD, _AIR_LOAD = (
 
 
 def restart_audit(audit: Audit, load: Load) -> Audit:
-    """``audit`` where the accelerations begin anew, as they do after an event."""
+    """Return ``audit`` for accelerations that begin anew, as after an event."""
     return audit._replace(load=load, auxiliary=load, rate=NO_LOAD)
 
 
 def energies(energy_balance: EnergyBalance, balance: dict[str, float]) -> EnergyBalance:
-    """The account with the energies (J) of a state from its balance."""
+    """Return the energy balance with the energies (J) of a state, from its element balance."""
     account: EnergyBalance = with_energies(energy_balance, tuple(balance.values()), balance["contact"])
     return account
 
 
 def powers(system: RopeSystem, motion: alpha.Motion) -> Powers:
-    """Powers that flow in and out at this instant, W."""
+    """Return the powers at the ends and in the swivels at this instant, W."""
     ends, at_ends, at_swivels = ends_of(system), 0.0, 0.0
     for side, node in enumerate(END_NODE):
         force, velocity = motion.reaction[node, POSITION], motion.v[node, POSITION]
@@ -270,6 +269,6 @@ def powers(system: RopeSystem, motion: alpha.Motion) -> Powers:
     return Powers(at_ends, at_swivels)
 
 
-def apart(motion: alpha.Motion) -> float:
-    """Vertical speed (m/s) of the left end seen from the right one."""
+def end_speed(motion: alpha.Motion) -> float:
+    """Return the vertical speed (m/s) of the left end against the right one."""
     return float(motion.v[0, 1] - motion.v[-1, 1])

@@ -1,8 +1,8 @@
-"""The lowest fidelity of the model: physics.inextensible between the ends, and the way up from it.
+"""Rigid rope, the lowest fidelity: physics.inextensible between the ends, and the transition to a flexible rope.
 
-No side forces, no torque, no waves: for the design of controllers.  The rope must stay taut.
+It has no side forces, torque or waves and serves the design of controllers.  The rope must stay taut.
 
-The flexible rope that takes over starts from the equilibrium between the ends of that instant and moves as that does.
+The flexible rope that replaces it starts from the equilibrium between the ends of that instant and moves with it.
 """
 
 from dataclasses import dataclass, replace
@@ -23,15 +23,16 @@ Ends = tuple[EndMotion, EndMotion]
 
 #: s, above 1/omega of the legs' longitudinal (0.02 s) and torsional modes (0.06 s), below that of the loop (1 s)
 SETTLING_TIME = 0.1
-#: m
+#: m, tolerance of the strains
 NEWTON_TOLERANCE = 1e-7
-#: s between equilibria: at 8 m/s around a loop of 1 m their second differences err by 1e-3 m/s^2, by rounding alike
+#: s, time between equilibria: around a loop of 1 m at 8 m/s both errors of their second differences, that of the method
+#: and that by rounding, are 1e-3 m/s^2
 DIFFERENCE = 2e-3
 
 
 @dataclass(frozen=True)
 class RigidRope:
-    """Tensions at the two ends (N), kinetic energy and potential energy of the weight (J), motion of the nodes."""
+    """Tensions at both ends (N), kinetic energy and potential energy of the weight (J), motion of the nodes."""
 
     tensions: tuple[float, float]
     kinetic: float
@@ -40,29 +41,29 @@ class RigidRope:
 
 
 def rigid_rope(scene: Scene, ends: Ends, t: float, nodes_s: Array) -> RigidRope:
-    """The rope at ``t``; ValueError where it would have to push."""
+    """Return the rope at ``t``; ValueError if it goes slack."""
     left, right = ends
-    now = pull(scene.rope, scene.layout, left, right)
-    if (least := lowest(now)) < 0:
+    pull_now = pull(scene.rope, scene.layout, left, right)
+    if (least := lowest(pull_now)) < 0:
         raise ValueError(messages.rope_goes_slack(least, t))
-    kinetic, gravity = energies(scene.rope, scene.layout, now, left, right)
+    kinetic, gravity = energies(scene.rope, scene.layout, pull_now, left, right)
 
     q = hanging_guess(nodes_s, *np.array(suspension_points(scene.layout, left, right)))
     v, a, reaction = _flow_velocities(q, flow(left.vy, right.vy)), np.zeros_like(q), np.zeros_like(q)
-    for node, end, tension_there in ((0, left, now.tensions[0]), (-1, right, now.tensions[1])):
+    for node, end, tension_there in ((0, left, pull_now.tensions[0]), (-1, right, pull_now.tensions[1])):
         v[node, POSITION], a[node, POSITION] = end.velocity, end.acceleration
         reaction[node, 1] = tension_there
-    return RigidRope(now.tensions, kinetic, gravity, Motion(t, q, v, a, a, np.zeros_like(q), 0.0, reaction))
+    return RigidRope(pull_now.tensions, kinetic, gravity, Motion(t, q, v, a, a, np.zeros_like(q), 0.0, reaction))
 
 
 def rigid_tension(motion: Motion, s: Array, y: Array, rho: float, gravity: float) -> Array:
-    """Tension (N) at arc lengths ``s`` and heights ``y`` of the rigid rope in ``motion``."""
+    """Return the tension (N) at arc lengths ``s`` and heights ``y`` of the rigid rope in ``motion``."""
     rate, rise = flow(float(motion.a[0, 1]), float(motion.a[-1, 1])), y - motion.q[0, 1]
     return np.asarray(tension(rho, gravity, rate, float(motion.reaction[0, 1]), rise, s))
 
 
 def tension_change(scene: Scene, ends: Ends, side: int, axis: int, change: Array) -> Array:
-    """Return (2,) N: change of the end tensions by a ``change`` (3,) of one end's place, speed and acceleration."""
+    """Return the change of the end tensions (2,), N, by a ``change`` (3,) of one end's coordinate and its rates."""
     names = (kind + "xyz"[axis] for kind in ("", "v", "a"))
     moved = [*ends]
     moved[side] = replace(
@@ -73,10 +74,10 @@ def tension_change(scene: Scene, ends: Ends, side: int, axis: int, change: Array
 
 
 def flexible_start(system: RopeSystem, ends: HangingEnds, rigid: Motion) -> Motion:
-    """A flexible rope in place of the rigid one, moving as the equilibria between the moving ``ends`` do.
+    """Return a flexible rope in place of the rigid one, moving as the equilibria between the moving ``ends`` do.
 
     Velocities and accelerations are differences of the rope's own equilibria.  Those of the rigid one, put on its
-    nodes, would stretch the elements around the loop, and throw the forces.
+    nodes, would stretch the elements around the loop and disturb the forces.
     """
     t, d = rigid.t, DIFFERENCE
     left, right = (path.at_constant_acceleration(t) for path in ends.paths)
@@ -84,16 +85,16 @@ def flexible_start(system: RopeSystem, ends: HangingEnds, rigid: Motion) -> Moti
     rest = find_equilibrium(system.with_boundary(coasting), rigid.q, t)
     coasting = replace(coasting, offsets=(ends.offsets[0], ends.offsets[1] + rest.turn))
     before, after = (find_equilibrium(system.with_boundary(coasting), rest.q, at) for at in (t - d, t + d))
-    for found in (rest, before, after):  # all counted from the rigid rope
-        found.q[:, ANGLE] -= system.frame_turn(found.q)
+    for shape in (rest, before, after):  # all angles count from the rigid rope
+        shape.q[:, ANGLE] -= system.frame_turn(shape.q)
     v, a = (after.q - before.q) / (2 * d), (after.q - 2 * rest.q + before.q) / d**2
     return with_elastic_strain(system, replace(rigid, q=rest.q, v=v, a=a, reaction=rest.reaction))
 
 
 def with_elastic_strain(system: RopeSystem, motion: Motion) -> Motion:
-    """``motion`` with the stretch and twist that its accelerations ask for.
+    """Return ``motion`` with the stretch and twist that its accelerations need.
 
-    An inertia that stands for SETTLING_TIME lets them adjust and holds the rope's place.
+    An inertia that corresponds to SETTLING_TIME lets them adjust and holds the rope's position.
     """
     m, c = motion, np.array([1.0, 0.0, SETTLING_TIME**-2])
     solution = system.solve(m.q, m.v, m.a, m.reaction, c, NEWTON_TOLERANCE)
@@ -103,7 +104,7 @@ def with_elastic_strain(system: RopeSystem, motion: Motion) -> Motion:
 
 
 def _flow_velocities(q: Array, flow: Flow) -> Array:
-    """Velocities (nodes, 7) of the ``flow`` along the rope ``q`` (nodes, 7)."""
+    """Return the velocities (nodes, 7) of the ``flow`` along the rope ``q`` (nodes, 7)."""
     v = np.zeros_like(q)
     v[:, POSITION] = -flow.u * q[:, SLOPE]
     v[:, 1] += flow.w

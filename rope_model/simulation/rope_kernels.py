@@ -1,4 +1,4 @@
-"""The functions of a chain of rope elements for CasADi's machine or compiled: which there are, kept, and bundled.
+"""Kernels of a rope: the functions of a chain of its elements, built, compiled, cached and bundled.
 
 They depend on the number of elements, the fidelity and the effects on the rope (``Effects``), not on its data.
 """
@@ -31,19 +31,18 @@ from rope_model.physics.wire_element import wire_element
 
 log = logging.getLogger(__name__)
 
-#: kinds of the bodies that a rope may touch; before them AIR where there is air, WIRES where they rub on each other,
-#: CURVED where the rope has a permanent curvature
+#: kinds of the bodies that a rope may touch; before them AIR, WIRES for friction between wires, and CURVED for
+#: permanent curvature
 Effects = tuple[int, ...]
 AIR, WIRES, CURVED = range(len(KINDS), len(KINDS) + 3)
 _WORDS = (*KINDS, "air", "wires", "curved")
 
 
 class RopeKernels:
-    """The chain's functions for ``elements`` elements on one fidelity, to be called on arrays of shape (nodes, 7).
+    """Functions of a chain of ``elements`` elements of one fidelity, called on arrays of shape (nodes, 7).
 
-    Omitted degrees of freedom stay zero.  ``bundle`` is a folder written by ``write_bundle``; without it, or without
-    files for this size, fidelity and platform in it, the functions are built from the element and compiled when that is
-    possible.
+    Omitted degrees of freedom stay zero.  ``bundle`` is a folder written by ``write_bundle``.  Without it, or if it has
+    no files for this size, fidelity and platform, the functions are built from the element and compiled if possible.
     """
 
     def __init__(
@@ -60,11 +59,13 @@ class RopeKernels:
                 functions = compiling.load_portable(portable)
             else:
                 functions = [*rope_functions(elements, fidelity, effects)]
-            made, self.form = compiling.prepare(functions, partial(_build, elements, fidelity, effects), form, library)
-        solve, newton_step, evaluate, losses, strains, momentum, reference, transport = made
+            kernels, self.form = compiling.prepare(
+                functions, partial(_build, elements, fidelity, effects), form, library
+            )
+        solve, newton_step, evaluate, losses, strains, momentum, reference, transport = kernels
         nodes, balance = (elements + 1, NODE_DOF), (evaluate.size1_out(1),)
         self.elements, self.fidelity, self.effects = elements, fidelity, effects
-        # sums of solve and evaluate
+        # entries of the balance of solve and evaluate
         air, contact = AIR_BALANCE if AIR in effects else (), CONTACT_BALANCE if _touched(effects) else ()
         self.balance = (*BALANCE, *air, *contact)
         self.solve = compiling.Kernel(solve, (nodes, nodes, nodes, nodes, balance, (len(PROGRESS),)))
@@ -78,17 +79,17 @@ class RopeKernels:
 
 
 class KernelCache:
-    """The kernels of every fidelity for one number of elements, made when first needed."""
+    """Kernels of every fidelity for one number of elements, made when first needed."""
 
     def __init__(self, elements: int, form: compiling.KernelForm = "auto", bundle: Path | None = None) -> None:
         self.elements, self._form, self._bundle = elements, form, bundle
-        self._made: dict[tuple[ElementFidelity, Effects], RopeKernels] = {}
+        self._kernels: dict[tuple[ElementFidelity, Effects], RopeKernels] = {}
 
     def of(self, fidelity: ElementFidelity, effects: Effects = ()) -> RopeKernels:
         """Return the kernels for this fidelity and these effects, built on first use."""
-        if (fidelity, effects) not in self._made:
-            self._made[fidelity, effects] = RopeKernels(self.elements, self._form, self._bundle, fidelity, effects)
-        return self._made[fidelity, effects]
+        if (fidelity, effects) not in self._kernels:
+            self._kernels[fidelity, effects] = RopeKernels(self.elements, self._form, self._bundle, fidelity, effects)
+        return self._kernels[fidelity, effects]
 
 
 def write_bundle(elements: int, folder: Path, needed: Iterable[tuple[ElementFidelity, Effects]]) -> list[Path]:
@@ -112,7 +113,7 @@ def write_bundle(elements: int, folder: Path, needed: Iterable[tuple[ElementFide
 
 
 def _build(elements: int, fidelity: ElementFidelity, effects: Effects, compiler: Sequence[str]) -> Path:
-    """The compiled library: the element is the same in ropes of any number of elements, and compiled once."""
+    """Compile the library; the element's part, common to ropes of any length, is compiled only once."""
     kind = "-".join((fidelity, *(_WORDS[kind] for kind in effects)))
     folder = compiling.cache_folder()
     parts = compiling.build_parts(rope_parts(fidelity, effects), compiler, folder, f"element-{kind}")
@@ -134,13 +135,13 @@ def _bundle_files(folder: Path, elements: int, fidelity: ElementFidelity, effect
 
 @cache
 def rope_parts(fidelity: ElementFidelity, effects: Effects = ()) -> ChainParts:
-    """CasADi functions that ropes of any number of elements have in common."""
+    """Return the CasADi functions that ropes of any number of elements have in common."""
     e = rope_element(fidelity, effects)
     return chain_parts(e.tangent, e.residual, e.balance, e.losses, e.strains, e.momentum, e.reference, e.transport)
 
 
 def rope_element(fidelity: ElementFidelity, effects: Effects = ()) -> ElementFunctions:
-    """Return the element with all that acts on it."""
+    """Return the element with all effects on it."""
     element = element_functions(fidelity)
     if CURVED in effects:
         element = curved_element(element)
@@ -158,5 +159,5 @@ def _touched(effects: Effects) -> Effects:
 
 @cache
 def rope_functions(elements: int, fidelity: ElementFidelity = "torsional", effects: Effects = ()) -> ChainFunctions:
-    """CasADi functions of a rope of ``elements`` elements, with these effects on it."""
+    """Return the CasADi functions of a rope of ``elements`` elements with these effects."""
     return chain_functions(elements, rope_parts(fidelity, effects), NODE_DOF, ELEMENT_DOF[fidelity])

@@ -1,7 +1,7 @@
-"""The rope's equations of motion on one mesh: physics.element chained by numerics.block_chain.
+"""Equations of motion of the rope on one mesh: physics.element chained by numerics.block_chain.
 
-A ``RopeSystem`` is immutable: mesh, material, the frame's reference and how the ends are held are fixed in it.
-Anything that changes makes a new one (cheap: the kernels are shared).
+A ``RopeSystem`` is immutable: mesh, material, the frame's reference and the boundary conditions are fixed in it.  A
+change of any of them makes a new one, which is cheap, because the kernels are shared.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.wires import NO_MEMORY, Slip, history, latest_tangent, slip
 
 Array = NDArray[np.float64]
-#: (elements, bodies): which elements may touch which bodies
+#: matrix (elements, bodies): true if an element may touch a body
 Near = NDArray[np.bool_]
 
-#: places of r, r' and theta in a node's row
+#: columns of r, r' and theta in a node's row
 POSITION, SLOPE, ANGLE = slice(0, 3), slice(3, 6), 6
 _NOTHING = np.zeros((1, 1), dtype=bool)
 _NOTHING_OUTSIDE = dict.fromkeys((*AIR_BALANCE, *CONTACT_BALANCE, "rope"), 0.0)
@@ -40,49 +40,49 @@ _Solver = Callable[[Array], Array]
 
 
 def parameter_vector(rope: Rope, gravity: float) -> Array:
-    """The element's parameters in the order of physics.element.PARAMETERS."""
+    """Return the element's parameters in the order of physics.element.PARAMETERS."""
     return np.array(parameters(rope, gravity))
 
 
 def air_parameters(scene: Scene) -> Array:
-    """Parameters of the element for air, with conveyances at rest; empty without."""
+    """Return the element's parameters for air, with conveyances at rest; empty without air."""
     law = air_law(scene.shaft.air, scene.rope.diameter, scene.layout.spacing)
     return np.array([law.factor, *law.velocity, *law[2:], *(AIR_SIZE - LAW_SIZE) * [0.0]] if law.factor else [])
 
 
 def arc_lengths(lengths: Array) -> Array:
-    """Arc length (m) of the nodes from the left end, for element lengths from left to right."""
+    """Return the arc lengths (m) of the nodes from the left end, for element lengths from left to right."""
     return np.concatenate(([0.0], np.cumsum(lengths)))
 
 
 class Around(Protocol):
-    """The bodies that a rope may touch: simulation.contact.surroundings."""
+    """Bodies that a rope may touch: simulation.contact.surroundings."""
 
     def numbers(self, q: Array, v: Array) -> Array:
-        """Numbers of P beyond element.PARAMETERS, for physics.contact_element."""
+        """Return the entries of P beyond element.PARAMETERS, for physics.contact_element."""
 
     def distances(self, q: Array, lengths: Array) -> Array:
-        """Return (elements, bodies): least distance (m) of an element from a body."""
+        """Return the least distance (m) of each element from each body (elements, bodies)."""
 
 
 class Boundary(Protocol):
-    """Boundary and loads of the ends; arrays of shape (nodes, 7)."""
+    """Boundary conditions and loads of the ends; arrays of shape (nodes, 7)."""
 
     def free(self, nodes: int) -> NDArray[np.bool_]:
-        """True where a degree of freedom is free."""
+        """Return true where a degree of freedom is free."""
 
     def prescribed_motion(self, t: float, nodes: int) -> Array:
-        """(3, nodes, 7): q, v, a with the prescribed entries filled in."""
+        """Return q, v, a (3, nodes, 7) with the prescribed entries filled in."""
 
     def load(self, nodes: int) -> Array:
-        """Dead loads at the nodes."""
+        """Return the dead loads at the nodes."""
 
     def friction_load(self, nodes: int) -> Array:
-        """Loads per newton of the node's own vertical reaction, where that pulls upwards: friction."""
+        """Return the loads per newton of the node's own vertical reaction, where it pulls upwards: friction."""
 
 
 class Losses(NamedTuple):
-    """Power of material damping, of the coupling without energy, of contact's losses, and of moving bodies, W."""
+    """Powers of material damping, of the coupling without energy, of contact losses, and of moving bodies, W."""
 
     damping: float
     nonconservative: float
@@ -92,7 +92,7 @@ class Losses(NamedTuple):
 
 @dataclass(frozen=True)
 class Evaluation:
-    """Residual (reactions where held) and the balance of physics.element and contact_element by name, J, W and N."""
+    """Residual (reactions where prescribed) and balance of physics.element and contact_element by name, J, W, N."""
 
     reaction: Array
     balance: dict[str, float]
@@ -101,8 +101,8 @@ class Evaluation:
 class RopeSystem:
     """Equations of motion for numerics.generalized_alpha and for statics.
 
-    ``reference`` (nodes, 7) is the state from which the frame is counted; see physics.frame.  ``z`` is the memory of
-    its wires where those of ``rope`` rub; the permanent curvature is that of ``rope``.
+    ``reference`` (nodes, 7) is the state from which the frame is counted; see physics.frame.  ``z`` is the hysteresis
+    of the wires of ``rope`` where they rub; ``rope`` also has the permanent curvature.
     """
 
     def __init__(
@@ -120,8 +120,8 @@ class RopeSystem:
     ) -> None:
         nodes = lengths.size + 1
         self.around, self._touching = around, touching
-        # where the rope was when bodies were last looked for, and how far they were from it, m
-        self._seen: list[tuple[Array, float]] = []
+        # the rope at the last search for bodies, and its distance from them, m
+        self._last_search: list[tuple[Array, float]] = []
         # weights of a node's coordinates in largest_motion
         longest = np.maximum(np.append(lengths, 0.0), np.append(0.0, lengths))
         units = np.eye(NODE_DOF)[:, :, None].repeat(nodes, axis=2)
@@ -150,7 +150,7 @@ class RopeSystem:
         self._constants = self.lengths, self.frames, *self._loads
 
     def with_boundary(self, boundary: Boundary) -> RopeSystem:
-        """Return this system with the ends held in the same way but moved otherwise."""
+        """Return this system with other motions of the ends, held in the same way."""
         other = self._alike()
         other.boundary = boundary
         return other
@@ -179,7 +179,7 @@ class RopeSystem:
         return other
 
     def transport(self, q: Array, v: Array, a: Array) -> Array:
-        """Return (3, nodes): gains of theta, theta_t and theta_tt when ``q`` becomes the reference.
+        """Return the increase of theta, theta_t and theta_tt (3, nodes) when ``q`` becomes the reference.
 
         The frame of the left end stays, and the sections stay where they are.
         """
@@ -189,15 +189,15 @@ class RopeSystem:
         return gained
 
     def slip(self, q: Array) -> Slip:
-        """Slip of the wires on the way to ``q``."""
+        """Return the slip of the wires on the way to ``q``."""
         return slip(self._history, self._sections_of(q), self.lengths) if self.z.size else Slip(NO_MEMORY, 0.0)
 
     def _sections_of(self, q: Array) -> Array:
-        """Return ``q`` for the wires: theta is 0 where the fidelity computes no torsion, however the ends hold it."""
+        """Return ``q`` for the wires: theta is 0 if the fidelity computes no torsion, whatever the ends prescribe."""
         return q if self.kernels.fidelity == "torsional" else np.where(np.arange(NODE_DOF) == ANGLE, 0.0, q)
 
     def frame_turn(self, q: Array) -> Array:
-        """Return (nodes,): gain of theta when ``q`` becomes the reference, rad."""
+        """Return the increase of theta (nodes,), rad, when ``q`` becomes the reference."""
         rest = np.zeros_like(q)
         return np.asarray(self.transport(q, rest, rest)[0])
 
@@ -206,7 +206,7 @@ class RopeSystem:
 
     @property
     def smooth(self) -> bool:
-        """Whether accelerations are likely to go on at their rate: not where wires begin to stick and to slide."""
+        """True if accelerations are likely to continue at their rate: not if wires begin to stick and to slide."""
         return not self.z.size
 
     def solve(
@@ -214,18 +214,19 @@ class RopeSystem:
     ) -> Solution[Evaluation]:
         near, x = self._near(q, LOOK_AHEAD), Iterate(q, v, a, reaction)
         while True:
-            found = self._newton(near, x, c, tolerance, before)
-            more = self._near(found.q, 0.0) if found.newton.converged else _NOTHING
+            solution = self._newton(near, x, c, tolerance, before)
+            more = self._near(solution.q, 0.0) if solution.newton.converged else _NOTHING
             if not more.any() or (near.any() and not (more & ~near).any()):
-                return found
-            x, near, before = Iterate(found.q, found.v, found.a, found.evaluation.reaction), near | more, None
+                return solution
+            x = Iterate(solution.q, solution.v, solution.a, solution.evaluation.reaction)
+            near, before = near | more, None
 
     def _newton(self, near: Near, x: Iterate, c: Array, tolerance: float, before: Array | None) -> Solution[Evaluation]:
-        """Solve with contact of no other bodies than those ``near``."""
+        """Solve with contact of the bodies ``near`` only."""
         if self.z.size:
             return self._iterate(near, x, c, tolerance)
         kernels, constants, P = self._with_bodies(near, x.q, x.v)
-        # the friction of a swivel follows the reaction, which the tangent leaves out
+        # the friction of a swivel depends on the reaction, which the tangent leaves out
         good = before is not None and tolerance <= SMALL and not near.any() and not self._constants[3].any()
         method = self._free, P, c, self._scale, tolerance, x.q if before is None else before, GOOD if good else UNKNOWN
         q, v, a, reaction, sums, progress = kernels.solve(*x, *constants, *method)
@@ -259,8 +260,8 @@ class RopeSystem:
             tolerance,
             *((KINKED, HUGE) if self.z.size else (SMOOTH, UNKNOWN)),
         )
-        found = Solution(x.q, x.v, x.a, evaluated(*x), newton_report)
-        return replace(found, resolve=resolve) if self.z.size else found
+        solution = Solution(x.q, x.v, x.a, evaluated(*x), newton_report)
+        return replace(solution, resolve=resolve) if self.z.size else solution
 
     def _following(self, constants: tuple[Array, ...], latest: Array) -> tuple[Array, ...]:
         """Return ``constants`` with the wires' latest tangents in the last columns of the frames."""
@@ -272,22 +273,23 @@ class RopeSystem:
 
     def _solver(self, kernels: RopeKernels, constants: tuple[Array, ...], P: Array, at: Iterate, c: Array) -> _Solver:
         """Return a solver of J x = -R with the chain's tangent J; the kernels take R as a load."""
-        lengths, frames, load, grip, mass = constants
+        lengths, frames, load, friction_load, mass = constants
         known = kernels.evaluate(*at, *constants, P)[0]
 
         def solve(R: Array) -> Array:
-            x: Array = kernels.newton_step(*at, lengths, frames, load + known - R, grip, mass, self._free, P, c)[0]
+            shifted = load + known - R
+            x: Array = kernels.newton_step(*at, lengths, frames, shifted, friction_load, mass, self._free, P, c)[0]
             return x
 
         return solve
 
     def _coupling(self, at: Iterate, c: Array) -> _Solver | None:
-        """Product with the tangent of forces between elements far apart, or None."""
+        """Return the product with the tangent of forces between elements far apart, or None."""
         return None
 
-    def _with_touches(self, found: Evaluation, q: Array, v: Array) -> Evaluation:
-        """Add the forces of the rope on itself to ``found``; a rope that can touch itself overrides it."""
-        return found
+    def _with_touches(self, evaluation: Evaluation, q: Array, v: Array) -> Evaluation:
+        """Add the forces of the rope on itself to ``evaluation``; a rope that can touch itself overrides it."""
+        return evaluation
 
     def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
@@ -295,7 +297,7 @@ class RopeSystem:
         return x, R
 
     def evaluate(self, q: Array, v: Array, a: Array, reaction: Array) -> Evaluation:
-        """Residual and balance; the inertia of concentrated masses is added to the kinetic energy."""
+        """Evaluate residual and balance; the kinetic energy includes concentrated masses."""
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
         R, sums = kernels.evaluate(q, v, a, reaction, *constants, P)
         return self._evaluation(v, R, kernels.balance, sums)
@@ -307,20 +309,20 @@ class RopeSystem:
         return Evaluation(R, balance)
 
     def outside(self, q: Array, v: Array) -> dict[str, float]:
-        """Sums of bodies and air by name: contact_element.CONTACT_BALANCE, air.AIR_BALANCE, and "rope"."""
+        """Return the sums of bodies and air by name: contact_element.CONTACT_BALANCE, air.AIR_BALANCE, and "rope"."""
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
-        found = _NOTHING_OUTSIDE if self.pushed is None else _NOTHING_OUTSIDE | _push(self.pushed, q, v)
+        outside = _NOTHING_OUTSIDE if self.pushed is None else _NOTHING_OUTSIDE | _push(self.pushed, q, v)
         if len(kernels.balance) == len(BALANCE):
-            return found
+            return outside
         rest = np.zeros_like(q)
         sums = kernels.evaluate(q, v, rest, rest, *constants, P)[1].tolist()
-        return found | {name: found.get(name, 0.0) + x for name, x in zip(kernels.balance, sums, strict=True)}
+        return outside | {name: outside.get(name, 0.0) + x for name, x in zip(kernels.balance, sums, strict=True)}
 
     def losses(self, q: Array, v: Array) -> Losses:
         """Return the powers that the rope and its contacts lose [W]."""
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
-        found = Losses(*kernels.losses(q, v, *constants[:2], P)[0].tolist())
-        return found if self.pushed is None else found._replace(moved=found.moved + float(np.vdot(self.pushed, v)))
+        losses = Losses(*kernels.losses(q, v, *constants[:2], P)[0].tolist())
+        return losses if self.pushed is None else losses._replace(moved=losses.moved + float(np.vdot(self.pushed, v)))
 
     def longest_near(self, q: Array) -> float:
         """Return the length of the longest element that may touch a body [m]; 0 for none."""
@@ -328,29 +330,29 @@ class RopeSystem:
         return float(self.lengths[near.any(axis=1)].max()) if near.any() else 0.0
 
     def _near(self, q: Array, margin: float) -> Near:
-        """Return (elements, bodies): whether an element may touch a body after a move by ``margin`` (m)."""
+        """Return whether each element may touch each body after a move by ``margin`` (m) (elements, bodies)."""
         if self.around is None:
             return _NOTHING
-        if self._seen:
-            # nothing can have come near that was far and has hardly moved since
-            before, free = self._seen[0]
-            if free > margin and free - (np.abs(q - before) * self._motion).sum(axis=1).max() > margin:
+        if self._last_search:
+            # a distant body stays distant while the rope has hardly moved
+            before, gap = self._last_search[0]
+            if gap > margin and gap - (np.abs(q - before) * self._motion).sum(axis=1).max() > margin:
                 return _NOTHING
-        found = self.around.distances(q, self.lengths)
-        self._seen[:] = [(q, float(found.min()))]
-        return found < margin
+        distances = self.around.distances(q, self.lengths)
+        self._last_search[:] = [(q, float(distances.min()))]
+        return distances < margin
 
     def _with_bodies(self, near: Near, q: Array, v: Array) -> tuple[RopeKernels, tuple[Array, ...], Array]:
-        """Kernels, their constants and parameters, with or without bodies."""
-        P = self._blown(q, v)
+        """Return kernels, their constants and parameters, with or without bodies."""
+        P = self._air_parameters(q, v)
         if self.around is None or self._touching is None or not near.any():
             return self.kernels, self._constants, P
         lengths, frames, *loads = self._constants
         P = np.concatenate((P, self.around.numbers(q, v)))
         return self._touching(), (lengths, np.hstack((frames, near)), *loads), P
 
-    def _blown(self, q: Array, v: Array) -> Array:
-        """The element's parameters, in air with the conveyances where the rope ends."""
+    def _air_parameters(self, q: Array, v: Array) -> Array:
+        """Return the element's parameters, in air with the conveyances at the rope's ends."""
         if self.P.size == len(PARAMETERS):
             return self.P
         P = self.P.copy()
@@ -358,15 +360,15 @@ class RopeSystem:
         return P
 
     def element_data(self, q: Array, v: Array) -> tuple[Array, Array]:
-        """Frames (elements, entries) and parameters that the element takes, away from all bodies."""
-        return self.frames, self._blown(q, v)
+        """Return frames (elements, entries) and parameters of the element, away from all bodies."""
+        return self.frames, self._air_parameters(q, v)
 
     def strains(self, q: Array) -> Array:
-        """(elements, 3), columns as in physics.element.STRAINS."""
+        """Return the strains (elements, 3) with the columns physics.element.STRAINS."""
         return self.kernels.strains(q, self.lengths, self.frames)[0]
 
     def momentum(self, q: Array, v: Array) -> Any:
-        """(9,) numbers as in physics.element.MOMENTUM, ``q`` the reference; with the concentrated masses' spin."""
+        """Return physics.element.MOMENTUM (9,) with the spin of concentrated masses; ``q`` is the reference."""
         sums = self.kernels.momentum(q, v, self.lengths, self.P)[0]
         sums[3:6] += (self.node_mass[:, ANGLE] * v[:, ANGLE]) @ q[:, SLOPE]
         return tuple(sums.tolist())
@@ -377,7 +379,7 @@ class RopeSystem:
 
 def _push(forces: Array, q: Array, v: Array) -> dict[str, float]:
     """Return the load of ``forces`` on the nodes (nodes, 7), and their power."""
-    of_r, of_slope = (point_load(q[:, of].T, forces[:, of].T) for of in (POSITION, SLOPE))
+    of_r, of_slope = (point_load(q[:, columns].T, forces[:, columns].T) for columns in (POSITION, SLOPE))
     load = [float(x.sum()) for x in (*of_r[:3], *(a + b for a, b in zip(of_r[3:], of_slope[3:], strict=True)))]
     names = ("contact_fx", "contact_fy", "contact_fz", "contact_mx", "contact_my", "contact_mz", "contact_moved")
     return dict(zip(names, (*load, float(np.vdot(forces, v))), strict=True))

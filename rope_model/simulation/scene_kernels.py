@@ -1,4 +1,4 @@
-"""Kernels that the rope of a scene needs, by its effects and by the fidelity that its ends ask for."""
+"""Kernels that the rope of a scene needs, from its effects and its possible fidelities."""
 
 from rope_model.parameters import Scene
 from rope_model.physics.element import ELEMENT_DOF, ElementFidelity
@@ -11,13 +11,13 @@ from rope_model.simulation.rope_system import air_parameters
 
 
 def acting_along(scene: Scene, fidelity: ElementFidelity, rubs: bool) -> Effects:
-    """Effects all along the rope, its wires rubbing or not yet."""
+    """Return the effects all along the rope; ``rubs``: true if its wires rub."""
     present = {CURVED: is_curved(scene.rope, fidelity), WIRES: rubs, AIR: air_parameters(scene).size > 0}
     return tuple(kind for kind, there in present.items() if there)
 
 
 def kernels_needed(scene: Scene, ends: Ends) -> tuple[tuple[ElementFidelity, Effects], ...]:
-    """Return the kernels that a rope of ``scene`` between these ``ends`` may need: fidelity and effects.
+    """Return fidelity and effects of the kernels that a rope of ``scene`` between these ``ends`` may need.
 
     Plain kernels of every fidelity are among them, since an importer of the FMU may set other data.
     """
@@ -25,7 +25,7 @@ def kernels_needed(scene: Scene, ends: Ends) -> tuple[tuple[ElementFidelity, Eff
     higher = FIDELITIES[FIDELITIES.index(chosen) :] if scene.model.fidelity == "auto" else [chosen]
     around = surroundings(scene)
     needed: list[tuple[ElementFidelity, Effects]] = [(fidelity, ()) for fidelity in ELEMENT_DOF]
-    straight = scene.with_(rope=partly_curved(scene.rope, 0.0))  # as every rope is first hung up
+    straight = scene.with_(rope=partly_curved(scene.rope, 0.0))  # every rope is first hung up straight
     needed += [
         (fidelity, (*acting_along(hung, fidelity, rubs), *near))
         for fidelity in map(flexible, higher)

@@ -1,10 +1,10 @@
-"""The rope in time: physics and methods married.
+"""Time stepping of the rope: RopeSimulator, the Python form of BalanceRope.
 
 ``RopeSimulator`` advances a ``RopeState`` from one instant of the host to the next.  In between it chooses its own
-steps, which end on the instants where a swivel is released or changes between stick and slip.  A transformation of the
-mesh waits for a step's end, unless the step would carry the loop mesh.LATEST l past where it is due.  A step that does
-not converge or errs too much is rejected, halved and tried again; when the smallest step fails too, the run reports why
-and keeps the state of the host's last instant.
+steps, which end at the instants where a swivel is released or changes between stick and slip.  A transformation of the
+mesh waits for a step's end, unless the step would carry the loop mesh.LATEST l beyond the limit.  A step that does not
+converge or whose error is too large is rejected, halved and repeated.  When the smallest step fails too, the run
+returns the reason and keeps the state of the host's last instant.
 """
 
 import logging
@@ -19,7 +19,6 @@ import numpy as np
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.parameters import Scene
 from rope_model.physics.outline import suspension_points
-from rope_model.simulation.balance_rope import BalanceRope, Snapshot, Status, state_in
 from rope_model.simulation.contact.bodies import NO_ROOM
 from rope_model.simulation.contact.point_forces import PointForces, at_places, elements_at, nodal_forces
 from rope_model.simulation.contact.shaft import LOOK_EVERY, with_passages
@@ -28,6 +27,7 @@ from rope_model.simulation.ends.filter_program import filter_program, filter_ste
 from rope_model.simulation.ends.input_filter import InputFilter, filter_limits, settings_of
 from rope_model.simulation.ends.paths import END_NODE, RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
 from rope_model.simulation.fidelity import choose_fidelity, unsupported_motion
+from rope_model.simulation.interface import BalanceRope, Snapshot, Status, state_in
 from rope_model.simulation.mesh.adaptation import raise_fidelity
 from rope_model.simulation.mesh.partition import Partition, fit_mesh, mesh_elements, partition
 from rope_model.simulation.messages import fidelity_messages, messages
@@ -48,13 +48,13 @@ from rope_model.simulation.wires import start_hysteresis
 
 log = logging.getLogger(__name__)
 
-#: s: in less nothing moves; hosts that end on a multiple of their step arrive there by such rests of it
+#: s, shorter intervals are skipped: hosts that end on a multiple of their step have such remainders
 SHORTEST_INTERVAL = 1e-9
-#: steps, rejected ones too, of one communication step: some hundred seconds, and no call goes on for ever
+#: largest number of steps, rejected ones included, of a communication step: some hundred seconds
 MOST_STEPS = 20000
 #: practically no bound
 UNBOUNDED = 2**31 - 1
-#: s: beyond, the shortest steps are lost in the rounding of the time
+#: s, beyond it the shortest steps are lost in the rounding of the time
 FARTHEST_START = 1e10
 
 
@@ -89,7 +89,7 @@ class RopeSimulator(BalanceRope):
         self._state: RopeState | None = None
         self._system: RopeSystem | None = None
         self._loop: LoopBottom | None = None
-        self._signals: dict[str, float] = {}  # of the present state, as far as they were asked for
+        self._signals: dict[str, float] = {}  # cache for the present state
         self._unmoved: tuple[RopeSystem, Array, Array] | None = None  # reference of `answer`
 
     @property
@@ -119,14 +119,14 @@ class RopeSimulator(BalanceRope):
 
     @property
     def loop(self) -> LoopBottom:
-        """The loop's lowest point in the present state."""
+        """Lowest point of the loop in the present state."""
         if self._loop is None:
             self._loop = loop_bottom(self.state.motion.q, self.state.partition.lengths)
         return self._loop
 
     @property
     def ends(self) -> HangingEnds:
-        """Boundary at the present state's ends."""
+        """Boundary at the ends of the present state."""
         return ends_of(self.system)
 
     def signals(self, names: Iterable[str] | None = None) -> dict[str, float]:
@@ -137,8 +137,8 @@ class RopeSimulator(BalanceRope):
         return {name: self._signals[name] for name in wanted}
 
     def warnings(self) -> dict[str, str]:
-        told = {subject: warning(self.scene, self.state) for subject, warning in WARNINGS.items()}
-        return {subject: text for subject, text in told.items() if text}
+        texts = {subject: warning(self.scene, self.state) for subject, warning in WARNINGS.items()}
+        return {subject: text for subject, text in texts.items() if text}
 
     def restore(self, data: bytes | RopeState | Snapshot) -> None:
         state = state_in(data)
@@ -175,7 +175,7 @@ class RopeSimulator(BalanceRope):
         scene, rope = self.scene, self.scene.rope
         if not abs(t) <= FARTHEST_START:
             return Status(False, messages.start_time_out_of_range(t, FARTHEST_START))
-        # a rigid rope is at its place at once
+        # a rigid rope needs no way to its position
         paths = paths_at_rest(scene, t, (left, right), float(scene.model.fidelity == "rigid"))
         for side, target in zip(SIDES, (left, right), strict=True):
             limits = filter_limits(EndPath.at_rest(t, target), InputFilter.at_rest(t, target))
@@ -235,11 +235,11 @@ class RopeSimulator(BalanceRope):
         bottom = self.model.bottom(state.paths, start)
         legs = bottom, scene.rope.length - bottom
         for k, (side, end) in enumerate(zip(SIDES, (left, right), strict=True)):
-            found = filter_step(self._filter, state.filters[k], state.paths[k], settings, at, t, end, legs[k])
-            refused = refusal(scene, end, found.limits, side)
-            if message := refused or frozen(scene.inputs, t, found.filter, side):
+            filtered = filter_step(self._filter, state.filters[k], state.paths[k], settings, at, t, end, legs[k])
+            refused = refusal(scene, end, filtered.limits, side)
+            if message := refused or frozen(scene.inputs, t, filtered.filter, side):
                 return Status(False, message)
-            steps.append((found.path, found.filter))
+            steps.append((filtered.path, filtered.filter))
         paths, filters = zip(*steps, strict=True)
         state = state._replace(paths=paths, filters=filters, events=())
         if scene.inputs.given != "all":
@@ -263,12 +263,12 @@ class RopeSimulator(BalanceRope):
             advanced = step_towards(self.model, state, t, work_end)
             if isinstance(advanced, str):
                 return Status(False, messages.fails_at(before.t, advanced))
-            state, now = advanced, advanced.motion
-            if now.t >= t or now.t - state.looked_at >= LOOK_EVERY:
+            state, after = advanced, advanced.motion
+            if after.t >= t or after.t - state.looked_at >= LOOK_EVERY:
                 state = with_passages(self.scene, state)
                 state = with_guards(self.scene, state, self.model.ends(state))
             for node in (0, -1):
-                impulse[node] -= 0.5 * (now.t - before.t) * float(before.reaction[node, 1] + now.reaction[node, 1])
+                impulse[node] -= 0.5 * (after.t - before.t) * float(before.reaction[node, 1] + after.reaction[node, 1])
         mean = impulse[0] / (t - start), impulse[1] / (t - start)
         if state.counts.given_up and not self.state.counts.given_up:
             state = state._replace(given_up_since=start)
@@ -296,7 +296,8 @@ class RopeSimulator(BalanceRope):
     def answer(self, side: int, dof: int, change: Array) -> tuple[Array, Array]:
         """Return q and reactions after a ``change`` of an end's coordinate in q, q_t, q_tt at the last step's end.
 
-        The rest of the rope answers by the linearised equations of that step.  Beyond q come the leans of a clamp.
+        The rest of the rope responds by the linearised equations of that step.  Degrees of freedom beyond q are the
+        leans of a clamp.
         """
         m, system, c = self.state.motion, self.system, self.model.method.newton(self.state.last_interval)
         if self._unmoved is None or self._unmoved[0] is not system:
@@ -321,5 +322,5 @@ class RopeSimulator(BalanceRope):
 
 
 def _pattern(cells: Partition) -> tuple[tuple[int, ...], int, int, float, float]:
-    """Common part of all places of the loop."""
+    """Return the part of the mesh that does not depend on the position of the loop."""
     return cells.counts[1:6], sum(cells.counts[::6]), cells.end_levels, cells.grading_length, cells.coarse

@@ -1,4 +1,4 @@
-"""Complete state of a run, and its form as bytes."""
+"""Complete state of a run, and its conversion to bytes."""
 
 from __future__ import annotations
 
@@ -28,25 +28,25 @@ from rope_model.simulation.wires import NO_MEMORY, Array
 
 
 class EnergyBalance(NamedTuple):
-    """Energies now and work done since the start, J."""
+    """Present energies, and work done since the start, J."""
 
     kinetic: float = 0.0
     strain: float = 0.0
     gravity: float = 0.0
-    contact: float = 0.0  # stored where bodies, or the rope itself, press the rope
-    work_ends: float = 0.0  # put in by the conveyances
+    contact: float = 0.0  # stored in contact with bodies or of the rope with itself
+    work_ends: float = 0.0  # work of the conveyances
     dissipated_material: float = 0.0
     dissipated_swivel: float = 0.0
     dissipated_contact: float = 0.0
     dissipated_wires: float = 0.0
     given_to_air: float = 0.0
-    nonconservative: float = 0.0  # taken up by Qb != Qc
-    transformations: float = 0.0  # sum of the energy changes of mesh changes
+    nonconservative: float = 0.0  # taken up by the part of the coupling with Qb != Qc
+    transformations: float = 0.0  # sum of the energy changes by mesh changes
     start: float = 0.0  # total energy at the start
 
     @property
     def total(self) -> float:
-        """Kinetic, strain and potential energy, and that of contact."""
+        """Kinetic, strain, potential and contact energy."""
         return float(total(self))
 
     @property
@@ -56,22 +56,22 @@ class EnergyBalance(NamedTuple):
 
 
 class Counts(NamedTuple):
-    """Work done since the start."""
+    """Numbers of steps, iterations and events since the start."""
 
     steps: int = 0
     rejections: int = 0
     newton: int = 0
     transformations: int = 0
     swivel_events: int = 0
-    given_up: int = 0  # steps less accurate than asked for, because of work_max
+    given_up: int = 0  # steps with accuracy given up because of work_max
 
     def plus(self, **more: int) -> Counts:
-        """A copy with some counts raised."""
+        """Return a copy with some counts raised."""
         return self._replace(**{name: getattr(self, name) + n for name, n in more.items()})
 
 
 class Event(NamedTuple):
-    """Something that happened between two steps, with the energy change it brought (J)."""
+    """Event between two steps, with the energy change it caused (J)."""
 
     t: float
     what: str
@@ -87,55 +87,55 @@ class Powers(NamedTuple):
 
 
 class Nearest(NamedTuple):
-    """Nearest place of the rope to the bodies of a kind; see simulation.contact.shaft."""
+    """Nearest point of the rope to the bodies of a kind; see simulation.contact.shaft."""
 
-    clearance: float = FAR  # m, of its surface
+    clearance: float = FAR  # m, distance of its surface
     time: float = 0.0  # s
     s: float = 0.0  # m, arc length from the left end
     y: float = 0.0  # m, height
-    touched_at: float = 0.0  # s, when the clearance was first 0 or less
+    touched_at: float = 0.0  # s, instant at which the clearance was first 0 or less
 
 
 class Crossing(NamedTuple):
-    """Passages of one side of the rope through the other, and depth of the rope in itself: simulation.contact.shaft."""
+    """Passages of one side of the rope through the other, and overlap of the rope: simulation.contact.shaft."""
 
-    net: float = 0.0  # those that were not undone, with their sense
-    number: float = 0.0  # all
-    since: float = 0.0  # s, the first
-    y: float = 0.0  # m, height of the first
-    overlap: float = 0.0  # m, by which the rope lay in itself at most
-    touched_at: float = 0.0  # s, when it first did
-    touched_y: float = 0.0  # m, height of the overlap
+    net: float = 0.0  # passages that were not undone, with their sense
+    number: float = 0.0  # all passages
+    since: float = 0.0  # s, instant of the first passage
+    y: float = 0.0  # m, height of the first passage
+    overlap: float = 0.0  # m, largest depth of the rope in itself
+    touched_at: float = 0.0  # s, instant of the first overlap
+    touched_y: float = 0.0  # m, height of the largest overlap
 
 
 class RopeState(NamedTuple):
-    """Complete state of the rope, immutable: a step makes a new one, and the old one is the rollback."""
+    """Complete state of the rope, immutable: a step makes a new one, and the old one serves a rollback."""
 
     motion: Motion
     partition: Partition
     offsets: tuple[float, float]
     swivels: tuple[SwivelState, SwivelState]
     paths: tuple[EndPath, EndPath]
-    filters: tuple[InputFilter, InputFilter]  # of what the host says of the ends
+    filters: tuple[InputFilter, InputFilter]  # states of the input filters
     step_next: float
-    last_interval: float  # s, of the last advance
-    force_mean: tuple[float, float]  # N, vertical, over the last advance
-    calm_since: float  # s, instant of the last step that erred by more than a small part of the allowed error
-    loop_yaw: float  # rad, at the lowest node, counted on through full turns
-    fidelity: Fidelity  # of the model
+    last_interval: float  # s, length of the last advance
+    force_mean: tuple[float, float]  # N, vertical force over the last advance
+    calm_since: float  # s, instant of the last step whose error was not small
+    loop_yaw: float  # rad, yaw at the lowest node, unwrapped
+    fidelity: Fidelity
     fidelity_reason: str
-    events: tuple[Event, ...] = ()  # of the last advance
+    events: tuple[Event, ...] = ()  # events of the last advance
     energy_balance: EnergyBalance = EnergyBalance()
     errors: ErrorSums = ErrorSums()
     contact: ContactSums = ContactSums()
     powers: Powers = Powers()
     counts: Counts = Counts()
-    snapped_at: float = 0.0  # rad: twist at which the rope last snapped over when it was turned in; 0: never
-    given_up_since: float = 0.0  # s, when counts.given_up began
+    snapped_at: float = 0.0  # rad, twist at which the rope last snapped through when it was hung up; 0: never
+    given_up_since: float = 0.0  # s, instant of the first of counts.given_up
     audit: Audit = Audit()
     nearest: tuple[Nearest, ...] = (Nearest(),) * len(KINDS)
     crossing: Crossing = Crossing()
-    looked_at: float = 0.0  # s, when nearest, crossing and guard were brought up to date
+    looked_at: float = 0.0  # s, instant of nearest, crossing and guard
     guard: GuardState = GuardState()
     hysteresis: Array = NO_MEMORY  # 1/m, z of simulation.wires
 
@@ -152,7 +152,7 @@ class RopeState(NamedTuple):
         try:
             start = 8 + int.from_bytes(data[:8], "little")
             rest = np.frombuffer(data[start:], "<f8").astype(np.float64).tolist()
-            state: RopeState = _made(RopeState, json.loads(data[8:start]), rest)
+            state: RopeState = _rebuild(RopeState, json.loads(data[8:start]), rest)
             if rest:
                 raise ValueError(f"{8 * len(rest)} of them too many")
             return state
@@ -161,7 +161,7 @@ class RopeState(NamedTuple):
 
 
 def _plain(x: Any, arrays: list[Array]) -> Any:
-    """``x`` as JSON has it: structures as lists, arrays, which are put to the others, as their shapes."""
+    """Return ``x`` for JSON: structures as lists, arrays as their shapes; the arrays are appended to ``arrays``."""
     if isinstance(x, np.ndarray):
         arrays.append(x)
         return x.shape
@@ -172,16 +172,17 @@ def _plain(x: Any, arrays: list[Array]) -> Any:
     return x.value if isinstance(x, Enum) else x
 
 
-def _made(kind: Any, plain: Any, rest: list[float]) -> Any:
-    """Value of its type that became ``plain``; arrays are taken from the numbers ``rest``."""
+def _rebuild(kind: Any, plain: Any, rest: list[float]) -> Any:
+    """Return the value of type ``kind`` that became ``plain``; arrays are taken from the numbers ``rest``."""
     if get_origin(kind) is np.ndarray:
-        found = np.array(rest[: math.prod(plain)]).reshape(plain)
+        array = np.array(rest[: math.prod(plain)]).reshape(plain)
         del rest[: math.prod(plain)]
-        return found
+        return array
     if get_origin(kind) is tuple:
         parts = get_args(kind)
         kinds = repeat(parts[0]) if Ellipsis in parts else parts
-        return tuple(_made(of, part, rest) for of, part in zip(kinds, plain, strict=Ellipsis not in parts))
+        return tuple(_rebuild(part, x, rest) for part, x in zip(kinds, plain, strict=Ellipsis not in parts))
     if is_dataclass(kind) or hasattr(kind, "_fields"):
-        return kind(*(_made(of, part, rest) for of, part in zip(get_type_hints(kind).values(), plain, strict=True)))
+        hints = get_type_hints(kind).values()
+        return kind(*(_rebuild(part, x, rest) for part, x in zip(hints, plain, strict=True)))
     return kind(plain) if isinstance(kind, type) and issubclass(kind, Enum) else plain

@@ -1,10 +1,10 @@
-"""The memory of a rope whose wires rub on each other: physics.wire_friction at the Gauss points of its elements.
+"""Hysteresis of rubbing wires along a rope: physics.wire_friction at the Gauss points of its elements.
 
-z of each point is state.  It has (elements, 9) numbers, none where there is no friction: without it in the scene, in
-the rigid rope, and while a rope is hung up, which so begins with z = 0.
+z of each point is state: (elements, 9), empty without friction, which is off in the rigid rope and while a rope is hung
+up, so that it begins with z = 0.
 
-From mesh to mesh z goes as the mean over the length of rope that a point stands for, its weight in the element: the
-integral of z stays, and that of z^2 can only fall.  Points whose length of rope is the same keep z to the bit.
+A transformation carries z as the mean over the length of rope that belongs to a point, its weight in the element: the
+integral of z stays, and that of z^2 can only fall.  Points with an unchanged length of rope keep z to the bit.
 """
 
 from typing import NamedTuple
@@ -31,12 +31,12 @@ class Slip(NamedTuple):
 
 
 def start_hysteresis(scene: Scene, elements: int) -> Array:
-    """z of a flexible rope that has come to rest with no moment between its wires."""
+    """Return z of a flexible rope that has come to rest with no moment between its wires."""
     return np.zeros((elements, NO_MEMORY.shape[1])) if wire_stiffness(scene.rope) else NO_MEMORY
 
 
 def history(rope: Rope, q: Array, lengths: Array, z: Array, strains: Array) -> Array:
-    """Return (elements, physics.wire_element.HISTORY): ``q`` and ``z`` when the elements begin to move.
+    """Return HISTORY of physics.wire_element for elements that move on from ``q`` and ``z`` (elements, HISTORY).
 
     ``strains`` (elements, ...) begin with e and tau.
     """
@@ -47,7 +47,7 @@ def history(rope: Rope, q: Array, lengths: Array, z: Array, strains: Array) -> A
 
 
 def slip(history: Array, q: Array, lengths: Array) -> Slip:
-    """Slip from the ``history`` to the rope ``q``."""
+    """Return the slip from the ``history`` to the rope ``q``."""
     before, k0, stiffness = history[:, :-2].reshape(lengths.size, -1, MEMORY), history[:, -2, None], history[:, -1]
     slid = slide(before.transpose(2, 0, 1), _sections(q, lengths).transpose(2, 0, 1), k0)
     work = float(stiffness * lengths @ (slid.dissipated @ np.array(WEIGHTS)))
@@ -55,35 +55,35 @@ def slip(history: Array, q: Array, lengths: Array) -> Slip:
 
 
 def latest_tangent(history: Array, q: Array, lengths: Array, before: Array) -> Array:
-    """(elements, physics.wire_element.LATEST): where a tangent is at ``q`` that follows one ``before``."""
+    """Return LATEST of physics.wire_element for a tangent at ``q`` that follows one ``before`` (elements, LATEST)."""
     nodes = np.concatenate((q[:-1], q[1:]), axis=1).T
     return np.array(wire_functions("torsional").latest(nodes, lengths[None], history.T, before.T)).T
 
 
 def carry(z: Array, old_lengths: Array, new_lengths: Array) -> Array:
-    """``z`` on elements of other lengths."""
+    """Return ``z`` on elements of other lengths."""
     if not z.size:
         return z
-    of_points = z.reshape(-1, 3)
+    point_z = z.reshape(-1, 3)
     old, new = _cells(old_lengths), _cells(new_lengths)
-    total = np.vstack((np.zeros(3), np.cumsum(np.diff(old)[:, None] * of_points, axis=0)))
+    total = np.vstack((np.zeros(3), np.cumsum(np.diff(old)[:, None] * point_z, axis=0)))
     at_ends = np.stack([np.interp(new, old, column) for column in total.T], axis=1)
     carried = np.diff(at_ends, axis=0) / np.diff(new)[:, None]
-    # cells that are the same: their arc lengths differ by less than this, m
+    # m, difference of arc lengths below which cells are the same
     tolerance = 1e-9 * float(old[-1])
     nearest = np.clip(np.searchsorted(old, new - tolerance), 0, old.size - 1)
     same = np.abs(old[nearest] - new) <= tolerance
-    kept = same[:-1] & same[1:] & (np.diff(nearest) == 1)
-    carried[kept] = of_points[nearest[:-1][kept]]
+    unchanged = same[:-1] & same[1:] & (np.diff(nearest) == 1)
+    carried[unchanged] = point_z[nearest[:-1][unchanged]]
     return carried.reshape(new_lengths.size, -1)
 
 
 def _sections(q: Array, lengths: Array) -> Array:
-    """(elements, points, 7): the sections at the points."""
+    """Return the sections (elements, points, 7) at the points."""
     nodes = np.concatenate((q[:-1], q[1:]), axis=1).T
     return np.stack([np.stack(section_at(xi, lengths, nodes), axis=1) for xi in POINTS], axis=1)
 
 
 def _cells(lengths: Array) -> Array:
-    """Arc lengths (m) between which the points stand for the rope."""
+    """Return the arc lengths (m) between which the rope belongs to one point each."""
     return np.concatenate(([0.0], np.cumsum(np.outer(lengths, WEIGHTS).ravel())))

@@ -84,7 +84,8 @@ class InProcessRope:
         native: Any = self._rope
         if native.form != "native":
             return None
-        lib, rope, warnings, text = native.library
+        handle = native.library
+        lib, rope = handle.lib, handle.rope
         ends = np.zeros((1, 2 * len(rope_model.EndMotion.__dataclass_fields__)))
 
         def table(names: Sequence[str], rows: int) -> OutputTable:
@@ -107,11 +108,11 @@ class InProcessRope:
             access("NATIVE", lib.rope_advance_to, rope, none, ends),
             access("NATIVE", lib.rope_advance_to, rope, none, ends),
             table,
-            lambda call, _: native.done(call != "STEP"),
+            lambda call, _: native.status_of(call != "STEP"),
             warning=lib.rope_warning,
-            warned=create_string_buffer(warnings),
-            text=text,
-            heard=lambda: self._log_warnings(native.done(True)),
+            warned=create_string_buffer(handle.warnings),
+            text=handle.text,
+            heard=lambda: self._log_warnings(native.status_of(True)),
         )
 
     def save(self) -> rope_model.Snapshot:

@@ -1,1 +1,1 @@
-"""Bodies around the rope, and forces that act at places of it."""
+"""Contact of the rope: bodies around it, the rope itself, neighbours, and forces at points of it."""

@@ -1,4 +1,4 @@
-"""The bodies of a scene where they are now, and whether they leave room for the rope's ends."""
+"""Bodies of a scene at their present positions, and the check that they leave room for the rope's ends."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
@@ -12,12 +12,12 @@ from rope_model.simulation.messages import messages
 from rope_model.simulation.messages.rules import Rules
 
 LINING, CONVEYANCE, HEAD_ROPES, DIVIDER, FLOOR = range(len(KINDS))
-#: motion of bodies that stand
+#: motion of bodies at rest
 FIXED = -1
 
 
 class Placed(NamedTuple):
-    """A body, of which kind it is, and with which end of the rope (0 left, 1 right) it moves."""
+    """Body with its kind and the end of the rope (0 left, 1 right) with which it moves."""
 
     kind: int
     moves_with: int
@@ -25,7 +25,7 @@ class Placed(NamedTuple):
 
 
 def placed_bodies(shaft: Shaft, ends: Sequence[Any]) -> Iterator[Placed]:
-    """The bodies that are there with the rope's ``ends`` (2 of (3,)) at these places."""
+    """Yield the bodies of the shaft, with the rope's ``ends`` (2 of (3,)) at these positions."""
     if shaft.lining.width > 0:
         yield Placed(LINING, FIXED, physics.lining(shaft.lining))
     for side, end in enumerate(ends):
@@ -41,7 +41,7 @@ def placed_bodies(shaft: Shaft, ends: Sequence[Any]) -> Iterator[Placed]:
 
 
 def may_touch(shaft: Any) -> Any:
-    """Whether there are bodies that hold the rope."""
+    """Return whether there are bodies that hold the rope."""
     dividers = shaft.divider_1, shaft.divider_2, shaft.divider_3, shaft.divider_4
     sizes = sum((divider.size for divider in dividers), shaft.lining.width)
     sizes += shaft.conveyance.width + shaft.head_ropes.diameter
@@ -51,7 +51,7 @@ def may_touch(shaft: Any) -> Any:
 def _in_lining(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, ...]:
     shaft, lining, diameter = scene.shaft, scene.shaft.lining, scene.rope.diameter
     least = _least_distance(scene, left, right, physics.lining(lining))
-    # ends that are pressed but for their middle are no reason to find no rest
+    # ends are accepted while their centre line is free
     beyond = either(least < 0, smaller(lining.width, lining.depth) < diameter)
     applies = both(fidelity != "rigid", shaft.contact.stiffness > 0, lining.width > 0, beyond)
     return applies, 0.5 * diameter - least, lining.width, lining.depth, lining.x, lining.z
@@ -64,9 +64,9 @@ def _below_floor(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any,
 
 
 def _least_distance(scene: Any, left: Any, right: Any, body: Body) -> Any:
-    """Least distance (m) of the rope's ends from the body."""
+    """Return the least distance (m) of the rope's ends from the body."""
     return smaller(*(physics.distance(point, body) for point in suspension_points(scene.layout, left, right)))
 
 
-#: why a rope finds no rest where bodies hold it
+#: reasons why a rope finds no equilibrium between bodies
 NO_ROOM: Rules = {messages.end_in_lining: _in_lining, messages.end_below_floor: _below_floor}

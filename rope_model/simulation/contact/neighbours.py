@@ -1,21 +1,22 @@
-"""Contact of ropes that hang side by side, each a BalanceRope that goes its own steps.
+"""Contact between several ropes that hang side by side, each a BalanceRope with its own time steps.
 
 Between two of them the law of physics.rope_on_rope holds.  Over a step of the host, from t to t + h, forces act at
-places of both ropes, linear in time, on the one what is taken from the other: they cancel to the bit.  Those at t were
-found in the step before; those at t + h, F, are such that the law f holds where the ropes then are:
+points of both ropes, linear in time and opposite on the two: they cancel to the bit.  Those at t are known from the
+step before; those at t + h, F, satisfy the law f where the ropes are then:
 
-    F = f(x(F)) ,    x, the places' distances and their rates, by letting the ropes go from t to t + h
+    F = f(x(F)) ,    x: separations of the points and their rates, from advancing the ropes from t to t + h
 
-Newton's method solves it for all ropes at once.  With the law's tangent K and the ropes' compliance Y to such forces
+Newton's method solves this for all ropes at once.  With the law's tangent K and the ropes' compliance Y to such forces
 (BalanceRope.displacement) a correction is r - K dx, r = f - F, with (1 + Y K) dx = Y r: conjugate gradients of
-numerics.coupled_newton, in which each rope answers for itself.  Where every rope takes one step of its own from t to
-t + h this is its integrator's step of all ropes as one system.
+numerics.coupled_newton, in which each rope responds separately.  Where every rope takes one step of its own from t to t
++ h this is its integrator's step of all ropes as one system.
 
-The springs' work and the rest of the forces' are booked apart.  The steps created the energy that the first lacks.  A
-blow that one step cannot follow makes much of it: such a step is halved, as often as it takes.
+The work of the springs and that of the other forces are accounted separately.  Energy that is missing in the first was
+created by the steps.  A blow that one step cannot resolve creates much of it: such a step is halved, repeatedly if need
+be.
 
-Ropes at rest hang as if each was alone.  Those that then hang into each other are taken to be thinner by as much at the
-start, and grow to their diameter in GROWTH; its energy counts as created, too.
+Ropes at rest hang as if each was alone.  Those that then overlap are taken to be thinner by as much at the start, and
+grow to their diameter in GROWTH; the energy of this counts as created, too.
 """
 
 import math
@@ -31,36 +32,37 @@ from rope_model.numerics.coupled_newton import conjugate_gradients
 from rope_model.numerics.generalized_alpha import Coefficients
 from rope_model.parameter_table import require
 from rope_model.parameters import Scene
-from rope_model.simulation.balance_rope import BalanceRope
 from rope_model.simulation.contact.pair_contact import NOTHING, Numbers, Pair, Pressing, Rows, rows_of
 from rope_model.simulation.contact.point_forces import NO_FORCES, PointForces
+from rope_model.simulation.interface import BalanceRope
 from rope_model.simulation.rope_system import Array
 
-#: largest number of Newton's iterations
-ITERATIONS = 15
-#: allowed error of the law: share of all forces, and N
-TOLERANCE, SMALL = 1e-4, 1e-3
-#: a step is halved that makes more than this part of the largest work of any, or of the energy of a metre of the rope
-#: at so many m/s, if it is not shorter than so many s
-MADE, SLOW, SHORTEST = 0.02, 0.1, 2e-3
-#: and one in which touching places come nearer by so many diameters: they might pass through each other
+ITERATIONS = 15  #: largest number of Newton iterations
+TOLERANCE = 1e-4  #: error of the law over the sum of the forces
+SMALL_FORCE = 1e-3  #: N, error of the law that is always allowed
+#: a step is halved if the created energy exceeds this fraction of the largest work of any step
+CREATED_FRACTION = 0.02
+SLOW = 0.1  #: m/s, speed at which the kinetic energy of a metre of the rope is a lower bound of that work
+SHORTEST = 2e-3  #: s, shortest step
+#: a step is also halved if touching points approach by more diameters: they might pass through each other
 LEAP = 0.5
-#: s
-GROWTH = 1.0
+GROWTH = 1.0  #: s, duration in which ropes that overlap at rest grow to their diameter
 
 Two = tuple[int, int]
+Forces = Mapping[Two, Pressing]  #: contact of each pair of ropes
+Present = Sequence[Rows | None]  #: nodes of all ropes, None for one in pieces
 _NOWHERE = (math.nan, math.nan, math.nan)
 
 
 class Partner(Protocol):
-    """A rope that takes part in a step, and takes it as often as it must."""
+    """Rope that takes part in a step and repeats it as often as necessary."""
 
     @property
     def rope(self) -> BalanceRope | None:
-        """Return the present rope; None once it hangs in pieces."""
+        """Present rope; None once it hangs in pieces."""
 
     def begin(self, t: float, h: float) -> None:
-        """Begin the step from here, ``t``, to ``t`` + ``h`` (s)."""
+        """Begin the step from the present state at ``t`` to ``t`` + ``h`` (s)."""
 
     def go(self) -> bool:
         """Advance over the step; return whether that succeeded."""
@@ -73,7 +75,7 @@ class Partner(Protocol):
 
 
 class Account(NamedTuple):
-    """Contact of two ropes until now."""
+    """Contact of two ropes so far."""
 
     pressure: float = 0.0  #: present sum of the normal forces, N
     energy: float = 0.0  #: energy stored now, J
@@ -81,7 +83,7 @@ class Account(NamedTuple):
     dissipated: float = 0.0  #: energy dissipated, J
     made: float = 0.0  #: energy that the steps created, J
     largest: float = 0.0  #: largest work of a step, J
-    approach: float = 0.0  #: approach of touching places in the last step, m
+    approach: float = 0.0  #: approach of touching points in the last step, m
     missed: float = 0.0  #: worst relative error of the forces against the law
     peak: float = 0.0  #: largest pressure, N
     peak_t: float = math.nan  #: its time, s
@@ -90,7 +92,7 @@ class Account(NamedTuple):
 
 @dataclass(frozen=True)
 class Contacts:
-    """State of ``Neighbours``, by the numbers of each two ropes."""
+    """State of ``Neighbours``, by the numbers of each pair of ropes."""
 
     start: float  #: time of the start, s
     insets: Mapping[Two, float]  #: depth of the ropes in each other at the start, m
@@ -118,12 +120,10 @@ class Neighbours:
         law = scenes[0].shaft.contact
         require(law.rope_stiffness > 0, "contact.rope_stiffness", law.rope_stiffness, "above 0", "use 1e6 N/m2")
         for scene in scenes:
-            told = "that of the first rope", "give all ropes the same contact"
-            require(scene.shaft.contact == law, "contact", scene.shaft.contact, *told)
-            model = scene.model.fidelity
-            require(
-                model not in ("planar", "rigid"), "model.fidelity", model, "auto, torsional or spatial", "set it so"
-            )
+            cure = "give all ropes the same contact"
+            require(scene.shaft.contact == law, "contact", scene.shaft.contact, "that of the first rope", cure)
+            model, bound = scene.model.fidelity, "auto, torsional or spatial"
+            require(model not in ("planar", "rigid"), "model.fidelity", model, bound, "set it so")
         self._origins = [np.array(origin) for origin in origins]
         self._method = Coefficients(scenes[0].solver.rho_inf)
         self._least = 0.5 * scenes[0].rope.mass_per_length * SLOW**2
@@ -157,13 +157,13 @@ class Neighbours:
 
     def _too_long(self, before: Contacts) -> bool:
         return any(
-            abs(now.made - before.accounts[two].made) > MADE * max(now.largest, self._least)
-            or now.approach > LEAP * self._pairs[two].diameter
-            for two, now in self.contacts.accounts.items()
+            abs(account.made - before.accounts[two].made) > CREATED_FRACTION * max(account.largest, self._least)
+            or account.approach > LEAP * self._pairs[two].diameter
+            for two, account in self.contacts.accounts.items()
         )
 
     def _whole_step(self, t: float, h: float, partners: Sequence[Partner]) -> float | None:
-        """Advance all; return the relative error of the forces against the law, None where a rope fails."""
+        """Advance all ropes; return the relative error of the forces against the law, None if a rope fails."""
         before, end, going = self._rows(partners), self.contacts.forces, set(range(len(partners)))
         for iteration in range(ITERATIONS):
             for k in sorted(going) if iteration > 0 else ():
@@ -172,32 +172,32 @@ class Neighbours:
             if not all(partners[k].go() for k in sorted(going)):
                 return None
             rows = self._rows(partners)
-            found = self._found(t + h, rows, self._method.newton(h))
-            joint = _Joint(end, found)
+            law = self._law(t + h, rows, self._method.newton(h))
+            joint = _Iterate(end, law)
             if joint.missed <= TOLERANCE or iteration == ITERATIONS - 1:
                 break
             end, going = joint.corrected(partners), joint.ropes
-        self._book(t + h, before, rows, joint.forces, found, joint.missed)
+        self._book(t + h, before, rows, joint.forces, law, joint.missed)
         return joint.missed
 
     def _rows(self, partners: Sequence[Partner]) -> list[Rows | None]:
         there = zip(partners, self._origins, strict=True)
         return [None if one.rope is None else rows_of(one.rope, origin) for one, origin in there]
 
-    def _found(self, t: float, rows: Sequence[Rows | None], c: Array) -> dict[Two, Pressing]:
-        found, grown = {}, min((t - self.contacts.start) / GROWTH, 1.0)
+    def _law(self, t: float, rows: Present, c: Array) -> dict[Two, Pressing]:
+        law, grown = {}, min((t - self.contacts.start) / GROWTH, 1.0)
         for (i, j), pair in self._pairs.items():
             one, other, inset = rows[i], rows[j], (1.0 - grown) * self.contacts.insets[i, j]
-            found[i, j] = NOTHING if one is None or other is None else pair.pressing(one, other, c, inset)
-        return found
+            law[i, j] = NOTHING if one is None or other is None else pair.pressing(one, other, c, inset)
+        return law
 
-    def _apply(self, t: float, h: float, partners: Sequence[Partner], end: Mapping[Two, Pressing]) -> None:
-        """Forces from those of now to those of the ``end``."""
-        now = self.contacts.forces
+    def _apply(self, t: float, h: float, partners: Sequence[Partner], end: Forces) -> None:
+        """Apply forces that change from the present ones to those of ``end``."""
+        present = self.contacts.forces
         for k, partner in enumerate(partners):
-            starts, stops = (  # places on rope k, and forces on it
+            starts, stops = (  # arc lengths on rope k, and forces there
                 [(f.s[0], f.force) if two[0] == k else (f.s[1], -f.force) for two, f in x.items() if k in two]
-                for x in (now, end)
+                for x in (present, end)
             )
             s = np.concatenate([s for s, _ in (*starts, *stops)])
             forces = [np.concatenate([f for _, f in x]) for x in (starts, stops)]
@@ -206,63 +206,58 @@ class Neighbours:
                 order = np.argsort(s, kind="stable")
                 partner.rope.apply(PointForces(s[order], first[order], last[order], t, t + h) if s.size else NO_FORCES)
 
-    def _book(
-        self,
-        t: float,
-        before: Sequence[Rows | None],
-        after: Sequence[Rows | None],
-        end: Mapping[Two, Pressing],
-        found: Mapping[Two, Pressing],
-        missed: float,
-    ) -> None:
-        now, accounts = self.contacts.forces, dict(self.contacts.accounts)
+    def _book(self, t: float, before: Present, after: Present, end: Forces, law: Forces, missed: float) -> None:
+        present, accounts = self.contacts.forces, dict(self.contacts.accounts)
         for two, account in self.contacts.accounts.items():
-            if not (now[two].number.size or end[two].number.size):
+            if not (present[two].number.size or end[two].number.size):
                 continue
-            work, of_springs, approach = 0.0, 0.0, 0.0
-            for forces in (now[two], end[two]):
-                moved = _moved(two, forces, before, after)
-                work += 0.5 * float(np.vdot(forces.force, moved))
-                of_springs += 0.5 * float(np.vdot(forces.spring, moved))
-                approach = max(approach, -float(np.einsum("mi,mi->m", moved, _along(forces.force)).min(initial=0.0)))
-            one = found[two]
-            pressure = float(one.pressure.sum())
+            work, spring_work, approach = 0.0, 0.0, 0.0
+            for forces in (present[two], end[two]):
+                motion = _relative_motion(two, forces, before, after)
+                work += 0.5 * float(np.vdot(forces.force, motion))
+                spring_work += 0.5 * float(np.vdot(forces.spring, motion))
+                approach = max(approach, -float(np.einsum("mi,mi->m", motion, _along(forces.force)).min(initial=0.0)))
+            contact = law[two]
+            pressure = float(contact.pressure.sum())
             account = account._replace(
                 pressure=pressure,
-                energy=one.energy,
+                energy=contact.energy,
                 work=account.work + work,
-                dissipated=account.dissipated + of_springs - work,
-                made=account.made + of_springs + one.energy - account.energy,
+                dissipated=account.dissipated + spring_work - work,
+                made=account.made + spring_work + contact.energy - account.energy,
                 largest=max(account.largest, abs(work)),
                 approach=approach,
                 missed=max(account.missed, missed if end[two].number.size else 0.0),
             )
             if pressure > account.peak:
-                x, y, z = (one.pressure @ one.place / pressure).tolist()
+                x, y, z = (contact.pressure @ contact.position / pressure).tolist()
                 account = account._replace(peak=pressure, peak_t=t, peak_place=(x, y, z))
             accounts[two] = account
         self.contacts = replace(self.contacts, forces=end, accounts=accounts)
 
 
-class _Joint:
-    """Trial ``forces`` of all ropes that press each other, with the part of springs in them, and those of the law."""
+class _Iterate:
+    """Trial forces of all ropes that press each other, and the error of the law.
 
-    def __init__(self, tried: Mapping[Two, Pressing], found: Mapping[Two, Pressing]) -> None:
-        self._twos = [two for two in tried if tried[two].number.size or found[two].number.size]
+    ``forces`` contain the trial forces with the law's springs and tangents.
+    """
+
+    def __init__(self, tried: Forces, law_forces: Forces) -> None:
+        self._twos = [two for two in tried if tried[two].number.size or law_forces[two].number.size]
         self.ropes = {k for two in self._twos for k in two}
-        parts = [(_joined(tried[two], found[two]), found[two]) for two in self._twos]
+        parts = [(_union(tried[two], law_forces[two]), law_forces[two]) for two in self._twos]
         self.forces = dict.fromkeys(tried, NOTHING) | dict(zip(self._twos, (x for x, _ in parts), strict=True))
         self._tried = _stacked([x.force for x, _ in parts])
-        # rows of each two ropes in `_tried`
+        # rows of each pair of ropes in `_tried`
         own = np.split(np.arange(len(self._tried)), np.cumsum([x.number.size for x, _ in parts]))[:-1]
         self._own = dict(zip(self._twos, own, strict=True))
         law = _stacked([_spread(one, x.number, one.force) for x, one in parts])
         self._missing = law - self._tried
         largest = max(float(np.abs(x).sum()) for x in (law, self._tried))
-        self.missed = float(np.abs(self._missing).sum()) / max(largest, SMALL / TOLERANCE)
+        self.missed = float(np.abs(self._missing).sum()) / max(largest, SMALL_FORCE / TOLERANCE)
 
-    def corrected(self, partners: Sequence[Partner]) -> Mapping[Two, Pressing]:
-        """The forces of the next iteration."""
+    def corrected(self, partners: Sequence[Partner]) -> Forces:
+        """Return the forces of the next iteration."""
         K = np.concatenate([self.forces[two].tangent for two in self._twos])
         resisted = partial(np.einsum, "mij,mj->mi", K)
         x = conjugate_gradients(lambda f: self._answer(partners, -f), resisted, -self._missing)
@@ -271,7 +266,7 @@ class _Joint:
         return self.forces | changed
 
     def _answer(self, partners: Sequence[Partner], force: Array) -> Array:
-        """Change of the distances of places by these forces."""
+        """Return the change of the points' separations by these forces."""
         moved = np.zeros_like(force)
         for k in sorted(self.ropes):
             mine = [two for two in self._twos if k in two]
@@ -279,50 +274,50 @@ class _Joint:
             index = np.concatenate([self._own[two] for two in mine])
             s = np.concatenate([self.forces[two].s[two.index(k)] for two in mine])
             order = np.argsort(s, kind="stable")
-            given = sense[order, None] * force[index[order]]
+            forces = sense[order, None] * force[index[order]]
             rope = partners[k].rope
             if rope is not None:
-                answer = rope.displacement(PointForces(s[order], given, given, 0.0, 1.0))
+                answer = rope.displacement(PointForces(s[order], forces, forces, 0.0, 1.0))
                 np.add.at(moved, index[order], sense[order, None] * answer)
         return moved
 
 
-def _moved(two: Two, forces: Pressing, before: Sequence[Rows | None], after: Sequence[Rows | None]) -> Array:
-    """(m, 3): how far places on the one were moved from those on the other, m."""
-    moved = np.zeros_like(forces.force)
+def _relative_motion(two: Two, forces: Pressing, before: Present, after: Present) -> Array:
+    """Return the displacement (m, 3) of points on the first rope relative to those on the second, m."""
+    motion = np.zeros_like(forces.force)
     for side, k in enumerate(two):
-        was, now = before[k], after[k]
-        if was is not None and now is not None:
-            moved += (1 - 2 * side) * (now.places(forces.s[side]) - was.places(forces.s[side]))
-    return moved
+        before_k, after_k = before[k], after[k]
+        if before_k is not None and after_k is not None:
+            motion += (1 - 2 * side) * (after_k.positions(forces.s[side]) - before_k.positions(forces.s[side]))
+    return motion
 
 
 def _along(force: Array) -> Array:
-    """Unit vectors, 0 where there is no force."""
+    """Return unit vectors along the forces, 0 where there is no force."""
     size = np.linalg.norm(force, axis=1, keepdims=True)
     return force / np.where(size > 0.0, size, 1.0)
 
 
-def _joined(tried: Pressing, found: Pressing) -> Pressing:
-    """The forces ``tried`` at all places of both, each where it was found last, with spring and tangent of the law."""
-    number = np.union1d(tried.number[np.any(tried.force != 0.0, axis=1)], found.number)
+def _union(tried: Pressing, law: Pressing) -> Pressing:
+    """Return the forces ``tried`` at the points of both, at their latest s, with spring and tangent of the law."""
+    number = np.union1d(tried.number[np.any(tried.force != 0.0, axis=1)], law.number)
     s = _spread(tried, number, tried.s.T)
-    here = np.isin(number, found.number)
-    s[here] = found.s.T
-    return found._replace(
+    here = np.isin(number, law.number)
+    s[here] = law.s.T
+    return law._replace(
         number=number,
         s=s.T,
         force=_spread(tried, number, tried.force),
-        spring=_spread(found, number, found.spring),
-        tangent=_spread(found, number, found.tangent),
+        spring=_spread(law, number, law.spring),
+        tangent=_spread(law, number, law.tangent),
     )
 
 
-def _spread(of: Pressing, number: Numbers, values: Array) -> Array:
-    """``values`` of the places of ``of`` at those of these numbers, 0 at the rest."""
+def _spread(pressing: Pressing, number: Numbers, values: Array) -> Array:
+    """Return ``values`` of the points of ``pressing`` at the points of these numbers, 0 elsewhere."""
     out = np.zeros((number.size, *values.shape[1:]))
-    known = np.isin(of.number, number)
-    out[np.searchsorted(number, of.number[known])] = values[known]
+    known = np.isin(pressing.number, number)
+    out[np.searchsorted(number, pressing.number[known])] = values[known]
     return out
 
 

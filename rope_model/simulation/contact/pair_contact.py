@@ -1,8 +1,7 @@
-"""Contact of two ropes: physics.rope_on_rope between them, at all places at once.
+"""Contact detection and law between two ropes, at all points at once: physics.rope_on_rope.
 
-Places stand along the first rope, evenly, whatever its mesh: a place keeps its number from step to step.  Each is
-looked at against the nearest place of each strand of the other rope.  Which elements are near each other follows from
-boxes around them.
+Points stand along the first rope, evenly, whatever its mesh: a point keeps its number from step to step.  Each is
+compared with the nearest point of each strand of the other rope.  Bounding boxes give the candidate elements.
 """
 
 import math
@@ -14,19 +13,19 @@ import numpy as np
 from rope_model.parameters import Scene
 from rope_model.physics import hermite, rope_on_rope
 from rope_model.physics.outline import enclosing_box
-from rope_model.simulation.balance_rope import BalanceRope
 from rope_model.simulation.contact.point_forces import at_places, elements_at
 from rope_model.simulation.contact.self_contact import TANGENT_ENTRIES, strands
+from rope_model.simulation.interface import BalanceRope
 from rope_model.simulation.rope_system import Array
 
-#: places that are looked at by their middle first
+#: number of points in a group, which is first checked by its middle
 GROUP = 16
 
 Numbers = np.ndarray[Any, np.dtype[np.int64]]
 
 
 class Rows(NamedTuple):
-    """A rope's nodes: arc lengths, r and r' in the shaft (nodes, 6), and their rates; its elements' lengths and boxes.
+    """Nodes of a rope: arc lengths, r and r' in the shaft (nodes, 6), their rates; lengths and boxes of its elements.
 
     Boxes (6, elements) have centre and half widths.
     """
@@ -37,17 +36,17 @@ class Rows(NamedTuple):
     lengths: Array
     boxes: Array
 
-    def places(self, s: Array) -> Array:
-        """(n, 3): at arc lengths."""
+    def positions(self, s: Array) -> Array:
+        """Return the positions (n, 3) at arc lengths."""
         return at_places(self.q, *elements_at(s, self.lengths))
 
-    def speeds(self, s: Array) -> Array:
-        """(n, 3): at arc lengths."""
+    def velocities(self, s: Array) -> Array:
+        """Return the velocities (n, 3) at arc lengths."""
         return at_places(self.v, *elements_at(s, self.lengths))
 
 
 def rows_of(rope: BalanceRope, origin: Array) -> Rows:
-    """The nodes of a rope that counts its places from ``origin`` (3,)."""
+    """Return the nodes of a rope whose coordinates count from ``origin`` (3,)."""
     s, q, v = np.split(rope.rows(), (1, 7), axis=1)
     q[:, :3] += origin
     lengths = np.diff(s[:, 0])
@@ -55,16 +54,16 @@ def rows_of(rope: BalanceRope, origin: Array) -> Rows:
 
 
 class Pressing(NamedTuple):
-    """Places of two ropes that press each other, in ascending order of their numbers."""
+    """Points of two ropes that press each other, in ascending order of their numbers."""
 
     number: Numbers  # (m,)
-    s: Array  # (2, m), arc lengths on the one and the other, m
-    force: Array  # (m, 3), on the one, N
-    spring: Array  # (m, 3), the part of it that stores energy
+    s: Array  # (2, m), m, arc lengths on both ropes
+    force: Array  # (m, 3), N, on the first rope
+    spring: Array  # (m, 3), N, part of the force that stores energy
     tangent: Array  # (m, 3, 3), N/m
     pressure: Array  # (m,), N
     energy: float  # J
-    place: Array  # (m, 3), m
+    position: Array  # (m, 3), m
 
 
 _NONE = np.zeros((0, 3))
@@ -81,9 +80,9 @@ class Pair:
         self._spacing = one.rope.length / math.ceil(one.rope.length / (rope_on_rope.SPACING * self.diameter))
 
     def pressing(self, one: Rows, other: Rows, c: Array, inset: float = 0.0) -> Pressing:
-        """Places that press each other, with the tangent along (c[0], c[1]) of places and speeds.
+        """Return the points in contact, with the tangent with respect to (c[0], c[1]) times positions and velocities.
 
-        They are taken to be thinner by ``inset`` (m).
+        The ropes are taken to be thinner by ``inset`` (m).
         """
         near = self._near(one, other)
         if not near[0].size:
@@ -92,13 +91,13 @@ class Pair:
         return self._law_at(number, s, one, other, c, self.diameter - inset) if number.size else NOTHING
 
     def inset(self, one: Rows, other: Rows) -> float:
-        """Largest depth (m) of the one in the other."""
+        """Return the largest penetration depth (m)."""
         near = self._near(one, other)
         distance = self._nearest(one, other, *near)[-1] if near[0].size else np.zeros(0)
         return max(self.diameter - float(distance.min(initial=self.diameter)), 0.0)
 
     def _near(self, one: Rows, other: Rows) -> tuple[Numbers, Numbers]:
-        """Elements of the one, and of the other, that may touch."""
+        """Return pairs of elements that may touch (broad phase)."""
         (low, high), (their_low, their_high) = (
             ((x.boxes[:3] - x.boxes[3:]).min(axis=1), (x.boxes[:3] + x.boxes[3:]).max(axis=1)) for x in (one, other)
         )
@@ -106,12 +105,12 @@ class Pair:
             return NOTHING.number, NOTHING.number
         mine, theirs = one.boxes[:, :, None], other.boxes[:, None]
         gaps = np.abs(mine[:3] - theirs[:3]) - (mine[3:] + theirs[3:])
-        found = np.nonzero((gaps < self.diameter).all(axis=0))
-        return found[0], found[1]
+        pairs = np.nonzero((gaps < self.diameter).all(axis=0))
+        return pairs[0], pairs[1]
 
     def _nearest(self, one: Rows, other: Rows, mine: Numbers, theirs: Numbers) -> tuple[Numbers, Array, Array, Array]:
-        """Numbers and arc lengths of places on the one, arc lengths of the nearest on the other, their distances."""
-        # numbers of the places on each of my elements, in groups; far groups are left out by their middles
+        """Return numbers and s of points on ``one``, s of the nearest points on ``other``, and their distances (m)."""
+        # numbers of the points on each of my elements, in groups; far groups are left out by their middles
         first = np.ceil(one.s / self._spacing - 0.5).astype(np.int64)
         groups, start = _expanded(-(-np.diff(first)[mine] // GROUP))
         start = first[mine[groups]] + GROUP * start
@@ -121,38 +120,38 @@ class Pair:
         ends, l = _ends(other, theirs), other.lengths[theirs]
         probed = rope_on_rope.PROBES[1] - rope_on_rope.PROBES[0]
         reach = self.diameter + rope_on_rope.STRETCH * (GROUP * self._spacing + 0.5 * probed * l)
-        near = _probed(ends, l, one.places(middle)).min(axis=0) < reach
+        near = _probed(ends, l, one.positions(middle)).min(axis=0) < reach
         groups, number = _expanded((stop - start)[near])
         number, theirs = start[near][groups] + number, theirs[near][groups]
         s: Any = (number + 0.5) * self._spacing
-        their_s, distance = _projected(other, theirs, one.places(s))
+        their_s, distance = _projected(other, theirs, one.positions(s))
         return number, s, their_s, distance
 
     def _touching(
         self, number: Numbers, s: Array, their_s: Array, distance: Array, diameter: float
     ) -> tuple[Numbers, Array]:
-        """Touching pairs among the near ones, once for each strand, numbered along the other rope."""
+        """Return the pairs in contact among the near ones, once for each strand, numbered along the other rope."""
         order = np.lexsort((their_s, distance, number))
         order = order[distance[order] < diameter]
         _, begin, counts = np.unique(number[order], return_index=True, return_counts=True)
         alone = np.abs(their_s[order] - their_s[order[begin]].repeat(counts)) < rope_on_rope.LEAST_ARC * self.diameter
-        kept = [(order[begin], 0 * begin)]
+        parts = [(order[begin], 0 * begin)]
         for k in begin[~np.logical_and.reduceat(alone, begin)] if begin.size else ():
             here = order[number[order] == number[order[k]]]
-            taken = here[strands(their_s[here].tolist(), rope_on_rope.LEAST_ARC * self.diameter)]
-            ranks = np.argsort(np.argsort(their_s[taken]))
-            kept[0][1][kept[0][0] == taken[0]] = ranks[0]
-            kept.append((taken[1:], ranks[1:]))
-        found, rank = (np.concatenate(x) for x in zip(*kept, strict=True))
-        name = number[found] * rope_on_rope.MOST_STRANDS + rank
-        found = found[np.argsort(name)]
-        return np.sort(name), np.array((s[found], their_s[found]))
+            chosen = here[strands(their_s[here].tolist(), rope_on_rope.LEAST_ARC * self.diameter)]
+            ranks = np.argsort(np.argsort(their_s[chosen]))
+            parts[0][1][parts[0][0] == chosen[0]] = ranks[0]
+            parts.append((chosen[1:], ranks[1:]))
+        touching, rank = (np.concatenate(x) for x in zip(*parts, strict=True))
+        label = number[touching] * rope_on_rope.MOST_STRANDS + rank
+        touching = touching[np.argsort(label)]
+        return np.sort(label), np.array((s[touching], their_s[touching]))
 
     def _law_at(self, number: Numbers, s: Array, one: Rows, other: Rows, c: Array, diameter: float) -> Pressing:
-        r, their_r = one.places(s[0]), other.places(s[1])
-        apart, speed = (r - their_r).T, (one.speeds(s[0]) - other.speeds(s[1])).T
-        law = rope_on_rope.self_contact_law(self._law, diameter, apart, speed, float(c[0]), float(c[1]))
-        spring = rope_on_rope.self_contact_law(self._lossless, diameter, apart, speed, 1.0, 0.0)
+        r, their_r = one.positions(s[0]), other.positions(s[1])
+        separation, velocity = (r - their_r).T, (one.velocities(s[0]) - other.velocities(s[1])).T
+        law = rope_on_rope.self_contact_law(self._law, diameter, separation, velocity, float(c[0]), float(c[1]))
+        spring = rope_on_rope.self_contact_law(self._lossless, diameter, separation, velocity, 1.0, 0.0)
         entries = np.array([np.broadcast_to(x, number.shape) for x in law.tangent]).T[:, TANGENT_ENTRIES]
         tangent, pressure = self._spacing * entries, self._spacing * np.asarray(law.sums[-1])
         energy = float(np.sum(law.sums[0]) * self._spacing)
@@ -161,33 +160,33 @@ class Pair:
 
 
 def _expanded(counts: Numbers) -> tuple[Numbers, Numbers]:
-    """Which of the counts each thing counted belongs to, and its number there."""
-    of = np.arange(counts.size).repeat(counts)
-    return of, np.arange(of.size) - (np.cumsum(counts) - counts).repeat(counts)
+    """Return, for each thing counted, the index of its count and its number within it."""
+    owner = np.arange(counts.size).repeat(counts)
+    return owner, np.arange(owner.size) - (np.cumsum(counts) - counts).repeat(counts)
 
 
 def _projected(rope: Rows, elements: Numbers, points: Array) -> tuple[Array, Array]:
-    """Arc lengths of the places of elements that are nearest to points (m, 3), and their distances, m."""
+    """Return s of the points of elements that are nearest to ``points`` (m, 3), and their distances (m)."""
     l, ends = rope.lengths[elements], _ends(rope, elements)
     xi = np.array(rope_on_rope.PROBES)[_probed(ends, l, points).argmin(axis=0)]
     rows = np.ascontiguousarray(ends.reshape(-1, 12).T)
     for _ in range(rope_on_rope.CORRECTIONS):
-        xi = rope_on_rope.nearer_place(xi, l, points.T, rows[:6], rows[6:])
+        xi = rope_on_rope.nearer_xi(xi, l, points.T, rows[:6], rows[6:])
     return rope.s[elements] + xi * l, _distances(ends, l, points, xi)
 
 
 def _ends(rope: Rows, elements: Numbers) -> Array:
-    """(m, 4, 3): r, r' at both nodes."""
+    """Return r, r' at both nodes of elements (m, 4, 3)."""
     return np.concatenate((rope.q[elements], rope.q[elements + 1]), axis=1).reshape(-1, 4, 3)
 
 
 def _probed(ends: Array, l: Array, points: Array) -> Array:
-    """(probes, m): distances of points from PROBES of elements."""
+    """Return the distances (probes, m) of points from the PROBES of elements."""
     return np.array([_distances(ends, l, points, np.full(l.size, xi)) for xi in rope_on_rope.PROBES])
 
 
 def _distances(ends: Array, l: Array, points: Array, xi: Array) -> Array:
-    """(m,): of points from places of elements with these ``ends``, m."""
+    """Return the distances (m,) of points from the points ``xi`` of elements with these ``ends``, m."""
     N = np.array(hermite.shape_functions(xi, l))
     distances: Array = np.linalg.norm(np.einsum("kn,nki->ni", N, ends) - points, axis=1)
     return distances

@@ -1,7 +1,7 @@
-"""Forces that a host puts on places of the rope.
+"""Forces that a host applies to points of the rope.
 
-They act until others are applied; they are no part of its state.  They act on the nodes of an element by its shape
-functions, so that their power is that at their places.
+They act until others are applied; they are no part of its state.  The shape functions of an element distribute them to
+its nodes, so that their power is that at their points.
 """
 
 from dataclasses import dataclass
@@ -10,18 +10,18 @@ from typing import Any
 import numpy as np
 
 from rope_model.physics import hermite
-from rope_model.physics.point_forces import part_of_time
+from rope_model.physics.point_forces import time_fraction
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, Array
 
-#: share of the rope's length by which places may be off its ends
+#: tolerance for points beyond the rope's ends, over its length
 ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
 class PointForces:
-    """Forces on places of the rope; they change linearly between two instants."""
+    """Forces on points of the rope; they change linearly between two instants."""
 
-    s: Array  #: (n,), places along the rope in ascending order, m
+    s: Array  #: (n,), arc lengths of the points in ascending order, m
     at_start: Array  #: (n, 3), forces at ``start``, N
     at_stop: Array  #: (n, 3), forces at ``stop``, N
     start: float  #: s
@@ -38,7 +38,7 @@ class PointForces:
             raise ValueError("s goes back along the rope and must ascend: sort the places")
 
     def require_on(self, length: float) -> None:
-        """Raise ValueError unless all places are on a rope of this ``length`` (m), but for rounding."""
+        """Raise ValueError unless all points are on a rope of this ``length`` (m), up to rounding."""
         if self.s.size and not (-ROUNDING * length <= self.s[0] and self.s[-1] <= (1.0 + ROUNDING) * length):
             reach = f"from {self.s[0]:g} m to {self.s[-1]:g} m"
             raise ValueError(
@@ -46,15 +46,15 @@ class PointForces:
             )
 
     def at(self, t: float) -> Array:
-        """Return (n, 3): the forces at ``t``, N."""
-        return np.asarray(self.at_start + part_of_time(self.start, self.stop, t) * (self.at_stop - self.at_start))
+        """Return the forces (n, 3) at ``t``, N."""
+        return np.asarray(self.at_start + time_fraction(self.start, self.stop, t) * (self.at_stop - self.at_start))
 
 
 NO_FORCES = PointForces(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 3)), 0.0, 1.0)
 
 
 def elements_at(s: Array, lengths: Array) -> tuple[Array, Array]:
-    """Return the element that each place is in, and its shape functions there, (4, n)."""
+    """Return the element of each point, and its shape functions there (4, n)."""
     ends = np.cumsum(lengths)
     elements: Any = np.searchsorted(ends[:-1], s)
     l = lengths[elements]
@@ -62,17 +62,17 @@ def elements_at(s: Array, lengths: Array) -> tuple[Array, Array]:
 
 
 def at_places(x: Array, elements: Array, N: Array) -> Array:
-    """Return (n, 3): values at the places of rows (nodes, 6 or more) of r, r'."""
+    """Return the values (n, 3) at points of ``x`` (nodes, 6 or more), which has r, r' in its rows."""
     ends = np.concatenate((x[elements, :ANGLE], x[elements + 1, :ANGLE]), axis=1).reshape(-1, 4, 3)
     return np.asarray(np.einsum("kn,nki->ni", N, ends))
 
 
 def nodal_forces(forces: PointForces, lengths: Array, t: float) -> Array:
-    """Return (nodes, 7): the forces on the nodes at ``t``."""
-    found, now = np.zeros((lengths.size + 1, 7)), forces.at(t)
+    """Return the forces on the nodes (nodes, 7) at ``t``."""
+    nodal, force = np.zeros((lengths.size + 1, 7)), forces.at(t)
     elements: Any
     elements, N = elements_at(forces.s, lengths)
     for k, N_k in enumerate(N):
         columns = (POSITION, SLOPE)[k % 2]
-        np.add.at(found[:, columns], elements + k // 2, N_k[:, None] * now)
-    return found
+        np.add.at(nodal[:, columns], elements + k // 2, N_k[:, None] * force)
+    return nodal

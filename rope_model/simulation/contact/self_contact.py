@@ -1,8 +1,7 @@
-"""The rope's equations of motion where it may touch itself: physics.rope_on_rope in a RopeSystem.
+"""Equations of motion of a rope that may touch itself: RopeSystem with physics.rope_on_rope.
 
-Which elements are near each other follows from boxes around them.  Along an element of such a pair the distance changes
-by no more than the way, so that far places are left out: a leg then costs a few checks. Nothing is remembered: the
-state has no part in it.
+Bounding boxes give the pairs of candidate elements.  Along an element of such a pair the distance changes by no more
+than the arc length, so that far points are skipped and a leg costs a few checks.  Contact has no history in the state.
 """
 
 import math
@@ -21,33 +20,33 @@ from rope_model.simulation.rope_system import SLOPE, Array, Evaluation, Losses, 
 
 #: rows and columns of the entries of a symmetric matrix (3, 3), upper half row by row
 TANGENT_ENTRIES = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
-#: from the number of an element to those of its nodes, of two elements
+#: offsets from the numbers of two elements to those of their nodes
 _ENDS = np.array([0, 1, 0, 1])
 
 
 class SelfContact(NamedTuple):
-    """Two places that press each other: elements, shape functions, length, law."""
+    """Two points in contact: elements, shape functions, length of rope, law."""
 
     elements: tuple[int, int]
-    N: tuple[float, ...]  # (8,) those of the second element's nodes negative
+    N: tuple[float, ...]  # (8,), those of the second element's nodes are negative
     weight: float
     touch: Touch
 
 
 class SelfContacts:
-    """All touches at one instant, (m,), and their forces on the nodes."""
+    """All contacts at one instant (m,), and their forces on the nodes."""
 
-    def __init__(self, found: list[SelfContact]) -> None:
-        self.any = bool(found)
-        self._nodes = np.array([x.elements for x in found], dtype=int).reshape(-1, 2).repeat(2, axis=1) + _ENDS
-        self._N = np.array([x.N for x in found]).reshape(-1, 4, 2)
-        self._weights = np.array([x.weight for x in found])
-        self._forces = np.array([x.touch.force for x in found]).reshape(-1, 3)
-        self._tangents = np.array([x.touch.tangent for x in found]).reshape(-1, 6)[:, TANGENT_ENTRIES]
-        self._sums = np.array([x.touch.sums for x in found]).reshape(-1, len(SUMS))
+    def __init__(self, contacts: list[SelfContact]) -> None:
+        self.any = bool(contacts)
+        self._nodes = np.array([x.elements for x in contacts], dtype=int).reshape(-1, 2).repeat(2, axis=1) + _ENDS
+        self._N = np.array([x.N for x in contacts]).reshape(-1, 4, 2)
+        self._weights = np.array([x.weight for x in contacts])
+        self._forces = np.array([x.touch.force for x in contacts]).reshape(-1, 3)
+        self._tangents = np.array([x.touch.tangent for x in contacts]).reshape(-1, 6)[:, TANGENT_ENTRIES]
+        self._sums = np.array([x.touch.sums for x in contacts]).reshape(-1, len(SUMS))
 
     def sums(self) -> dict[str, float]:
-        """Energy (J), dissipation (W), the couple that friction leaves (N m) and the pressure (N)."""
+        """Return energy (J), dissipation (W), the couple that friction leaves (N m) and the pressure (N)."""
         total = dict(zip(SUMS, (self._weights @ self._sums).tolist(), strict=True))
         couple = {f"contact_{name}": total[name] for name in ("mx", "my", "mz")}
         dissipated = {"contact_dissipated": total["dissipated"]}
@@ -58,11 +57,11 @@ class SelfContacts:
         self._spread(-self._forces, R)
 
     def times(self, x: Array) -> Array:
-        """The tangent's product with ``x`` (nodes, 7)."""
+        """Return the product of the tangent with ``x`` (nodes, 7)."""
         rows = x[self._nodes, : SLOPE.stop].reshape(-1, 8, 3)
-        apart = np.einsum("mk,mki->mi", self._N.reshape(-1, 8), rows)
+        separation = np.einsum("mk,mki->mi", self._N.reshape(-1, 8), rows)
         y = np.zeros_like(x)
-        self._spread(np.einsum("mij,mj->mi", self._tangents, apart), y)
+        self._spread(np.einsum("mij,mj->mi", self._tangents, separation), y)
         return y
 
     def _spread(self, f: Array, y: Array) -> None:
@@ -72,69 +71,71 @@ class SelfContacts:
 
 
 def find_self_contacts(scene: Scene, q: Array, v: Array, lengths: Array, cq: float, cv: float) -> SelfContacts:
-    """Touches of a rope in elements of these ``lengths`` with itself, with the tangent along (cq, cv) of q and v."""
-    rows, speeds, found = _rows(q), _rows(v), []
+    """Return the contacts of a rope with itself, with the tangent with respect to (cq, cv) times q and v."""
+    rows, speeds, contacts = _rows(q), _rows(v), []
     diameter, law, l = scene.rope.diameter, scene.shaft.contact, lengths.tolist()
     start = (np.cumsum(lengths) - lengths).tolist()
     for e, N, weight, point, touching in _touching(q, rows, lengths, diameter):
         for n in strands([start[o] + xi * l[o] for _, o, xi in touching], rope_on_rope.LEAST_ARC * diameter):
             _, other, xi = touching[n]
             partner = hermite.shape_functions(xi, l[other])
-            apart = _difference(point, _at(rows, other, partner))
-            speed = _difference(_at(speeds, e, N), _at(speeds, other, partner))
-            one = rope_on_rope.self_contact_law(law, diameter, apart, speed, cq, cv)
-            found.append(SelfContact((e, other), (*N, *(-n for n in partner)), weight, one))
-    return SelfContacts(found)
+            separation = _difference(point, _at(rows, other, partner))
+            velocity = _difference(_at(speeds, e, N), _at(speeds, other, partner))
+            contact = rope_on_rope.self_contact_law(law, diameter, separation, velocity, cq, cv)
+            contacts.append(SelfContact((e, other), (*N, *(-n for n in partner)), weight, contact))
+    return SelfContacts(contacts)
 
 
 def overlap_of(q: Array, lengths: Array, diameter: float) -> tuple[float, float]:
-    """Largest depth (m) of the rope in itself, and its height (m); 0 and no height without touch."""
-    found = _touching(q, _rows(q), lengths, diameter)
-    return max(((diameter - near[0][0], point[1]) for *_, point, near in found if near), default=(0.0, math.nan))
+    """Return the largest depth (m) of the rope in itself, and its height (m); 0 and NaN without contact."""
+    candidates = _touching(q, _rows(q), lengths, diameter)
+    return max(((diameter - near[0][0], point[1]) for *_, point, near in candidates if near), default=(0.0, math.nan))
 
 
 def _touching(
     q: Array, rows: list[list[float]], lengths: Array, diameter: float
 ) -> Iterator[tuple[int, tuple[float, ...], float, tuple[float, float, float], list[tuple[float, int, float]]]]:
-    """Places of elements whose boxes touch (element, N, length, place) and near ones (distance, element, xi)."""
+    """Yield points of candidate elements (element, N, length, position) with near ones (distance, element, xi)."""
     l = lengths.tolist()
     for e, others in _near_elements(q, lengths, diameter):
-        number, k = int(rope_on_rope.places(l[e], diameter)), 0
+        number, k = int(rope_on_rope.number_of_points(l[e], diameter)), 0
         weight = l[e] / number
         while k < number:
             N = hermite.shape_functions((k + 0.5) / number, l[e])
             point = _at(rows, e, N)
-            near = sorted(_nearest_place(rows, l[o], o, point) for o in others)
+            near = sorted(_nearest_point(rows, l[o], o, point) for o in others)
             yield e, N, weight, point, [x for x in near if x[0] < diameter]
-            k += 1 + int(rope_on_rope.places_skipped(near[0][0], diameter, weight, number))
+            k += 1 + int(rope_on_rope.points_skipped(near[0][0], diameter, weight, number))
 
 
 class SelfContactSystem(RopeSystem):
-    """A RopeSystem with the contact of the rope with itself, as in ``scene``."""
+    """RopeSystem with the contact of the rope with itself, as in ``scene``."""
 
     def __init__(self, scene: Scene, *parts: Any) -> None:
         super().__init__(*parts)
         self.scene = scene
 
     def touches(self, q: Array, v: Array, cq: float = 0.0, cv: float = 0.0) -> SelfContacts:
-        """Touches of the rope with itself, with the tangent along (cq, cv) of q and v."""
+        """Return the contacts of the rope with itself, with the tangent with respect to (cq, cv) times q and v."""
         return find_self_contacts(self.scene, q, v, self.lengths, cq, cv)
 
     def _newton(self, near: Near, x: Iterate, c: Array, tolerance: float, before: Array | None) -> Solution[Evaluation]:
         if not self.touches(x.q, x.v).any:
-            found = super()._newton(near, x, c, tolerance, before)
-            if not self.touches(found.q, found.v).any:
-                return found
+            solution = super()._newton(near, x, c, tolerance, before)
+            if not self.touches(solution.q, solution.v).any:
+                return solution
         return self._iterate(near, x, c, tolerance)
 
     def _coupling(self, at: Iterate, c: Array) -> Callable[[Array], Array] | None:
         return self.touches(at.q, at.v, float(c[0]), float(c[1])).times
 
-    def _with_touches(self, found: Evaluation, q: Array, v: Array) -> Evaluation:
+    def _with_touches(self, evaluation: Evaluation, q: Array, v: Array) -> Evaluation:
         touches = self.touches(q, v)
-        R = found.reaction.copy()
+        R = evaluation.reaction.copy()
         touches.take_force(R)
-        return Evaluation(R, found.balance | {"contact": found.balance["contact"] + touches.sums()["contact"]})
+        return Evaluation(
+            R, evaluation.balance | {"contact": evaluation.balance["contact"] + touches.sums()["contact"]}
+        )
 
     def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
         touches = self.touches(q, v, float(c[0]), float(c[1]))
@@ -148,16 +149,16 @@ class SelfContactSystem(RopeSystem):
         return self._with_touches(super().evaluate(q, v, a, reaction), q, v)
 
     def outside(self, q: Array, v: Array) -> dict[str, float]:
-        found, more = super().outside(q, v), self.touches(q, v).sums()
-        return {**found, **{name: found[name] + value for name, value in more.items()}}
+        sums, more = super().outside(q, v), self.touches(q, v).sums()
+        return {**sums, **{name: sums[name] + value for name, value in more.items()}}
 
     def losses(self, q: Array, v: Array) -> Losses:
-        found = super().losses(q, v)
-        return found._replace(contact=found.contact + self.touches(q, v).sums()["contact_dissipated"])
+        losses = super().losses(q, v)
+        return losses._replace(contact=losses.contact + self.touches(q, v).sums()["contact_dissipated"])
 
 
 def _near_elements(q: Array, lengths: Array, diameter: float) -> list[tuple[int, list[int]]]:
-    """Elements that may touch others, and which of those to their right."""
+    """Return the elements that may touch others, each with the candidates to its right."""
     rows = q[:, : SLOPE.stop].T
     box = np.array(enclosing_box(lengths, rows[:, :-1], rows[:, 1:]))
     gaps = np.abs(box[:3, :, None] - box[:3, None, :]) - (box[3:, :, None] + box[3:, None, :])
@@ -167,22 +168,22 @@ def _near_elements(q: Array, lengths: Array, diameter: float) -> list[tuple[int,
 
 
 def strands(s: list[float], reach: float) -> list[int]:
-    """Which of the places ``s``, nearest first, are of strands of their own: ``reach`` or more from those before."""
-    taken: list[int] = []
-    for n, place in enumerate(s):
-        if len(taken) < rope_on_rope.MOST_STRANDS and all(abs(place - s[before]) >= reach for before in taken):
-            taken.append(n)
-    return taken
+    """Return the indices of points ``s``, nearest first, on separate strands: ``reach`` or more from those before."""
+    chosen: list[int] = []
+    for n, s_n in enumerate(s):
+        if len(chosen) < rope_on_rope.MOST_STRANDS and all(abs(s_n - s[before]) >= reach for before in chosen):
+            chosen.append(n)
+    return chosen
 
 
 def _rows(x: Array) -> list[list[float]]:
-    """r and r' of the nodes, or their speeds."""
+    """Return r and r' of the nodes, or their rates."""
     rows: list[list[float]] = x[:, : SLOPE.stop].tolist()
     return rows
 
 
 def _at(rows: list[list[float]], element: int, N: tuple[float, ...]) -> tuple[float, float, float]:
-    """Place of an element, or its speed."""
+    """Return the position, or the velocity, at shape functions ``N`` of an element."""
     a, b = rows[element], rows[element + 1]
     x, y, z = (N[0] * a[k] + N[1] * a[k + 3] + N[2] * b[k] + N[3] * b[k + 3] for k in range(3))
     return x, y, z
@@ -192,15 +193,15 @@ def _difference(a: tuple[float, ...], b: tuple[float, ...]) -> tuple[float, ...]
     return tuple(x - y for x, y in zip(a, b, strict=True))
 
 
-def _nearest_place(
+def _nearest_point(
     rows: list[list[float]], l: float, element: int, point: tuple[float, ...]
 ) -> tuple[float, int, float]:
-    """Distance (m) of the element from ``point``, the element, and where in it."""
+    """Return the distance (m) of the element from ``point``, the element, and xi of its nearest point."""
 
     def distance(xi: float) -> float:
         return float(np.linalg.norm(_difference(_at(rows, element, hermite.shape_functions(xi, l)), point)))
 
     xi = min(rope_on_rope.PROBES, key=distance)
     for _ in range(rope_on_rope.CORRECTIONS):
-        xi = rope_on_rope.nearer_place(xi, l, point, rows[element], rows[element + 1])
+        xi = rope_on_rope.nearer_xi(xi, l, point, rows[element], rows[element + 1])
     return distance(xi), element, xi

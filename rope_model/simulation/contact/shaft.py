@@ -1,13 +1,13 @@
-"""The rope among the bodies of its scene: where they are, how near it comes to them, when it passes through something.
+"""Clearances of the rope from the bodies of its scene, and passages of the rope through itself.
 
-The clearance from a kind of bodies is the least distance of the rope's surface from them, over the whole centre line: a
-piece of an element is halved as long as the upright box about it comes nearer to the body than the nearest known place,
-by RESOLUTION or more.  A straight leg along a wall fills no such box, so it costs no more than its nodes.  The other
-leg, from the lowest node on, may come near a conveyance and its head ropes: the rope's own end hangs below them.
+The clearance from a kind of bodies is the least distance of the rope's surface from them, over the whole centre line.
+A piece of an element is halved as long as the upright box about it is nearer to the body than the nearest known point,
+by RESOLUTION or more.  A straight leg along a wall fills no such box, so it costs no more than its nodes.  For a
+conveyance and its head ropes only the other leg counts, from the lowest node on: the rope's own end hangs below them.
 
-The rope lies in itself where contact would press it, or presses it (self_contact).  The legs pass through each other,
-or one of them through conveyance or head ropes above the other's end, where the turns over the height
-(diagnostics.loop_turns) jump by one, which the loop's yaw, counted in time, does not.
+The rope overlaps itself where contact would press it, or presses it (self_contact).  The legs pass through each other,
+or one of them through conveyance or head ropes above the other's end, if the turns over the height
+(diagnostics.loop_turns) jump by one, while the loop's yaw, which is counted in time, does not.
 """
 
 import math
@@ -34,47 +34,47 @@ BODIES = {
     "divider": "a divider",
     "floor": "the sump's floor",
 }
-#: m: possible excess of a found clearance
+#: m, possible excess of a clearance
 RESOLUTION = 1e-3
-#: rad: legs that are apart have crossed if the loop has yawed by more
+#: rad, yaw of the loop beyond which legs that are apart have crossed
 TURNED_FAR = 0.5 * math.pi
-#: s: in this time a rope that swings at 10 m/s moves by less than bodies are thick
+#: s, interval of the checks: a rope that swings at 10 m/s moves by less than bodies are thick
 LOOK_EVERY = 0.01
 #: clearances of each kind before any search
 NOT_NEAR = (Nearest(),) * len(KINDS)
 
 
 class _Search:
-    """The place of the rope, from one node to another, that is nearest to a body."""
+    """Search for the point of the rope, from one node to another, that is nearest to a body."""
 
     def __init__(self, placed: Placed, nodes: tuple[int, int], radius: float, t: float, known: Nearest) -> None:
         self.kind, self._body, self.nearest = placed.kind, placed.body, known
         self.first, self.last = nodes
         self._radius, self._t = radius, t
 
-    def beats(self, box: Any) -> Any:
-        """Whether contents of this box, or of each of several, may be nearer than the known place."""
+    def may_improve(self, box: Any) -> Any:
+        """Return whether the contents of this box, or of each of several, may be nearer than the nearest point."""
         return least_distance(box[:3], box[3:], self._body) - self._radius < self.nearest.clearance - RESOLUTION
 
-    def look(self, s: float, place: Any) -> None:
-        """Compare the place at arc length ``s`` with the nearest."""
-        clearance = distance(place, self._body) - self._radius
+    def compare(self, s: float, point: Any) -> None:
+        """Compare the point at arc length ``s`` with the nearest so far."""
+        clearance = distance(point, self._body) - self._radius
         if clearance < self.nearest.clearance:
-            now = self._t if clearance <= 0 < self.nearest.clearance else self.nearest.touched_at
-            self.nearest = Nearest(clearance, self._t, s, place[1], now)
+            touched_at = self._t if clearance <= 0 < self.nearest.clearance else self.nearest.touched_at
+            self.nearest = Nearest(clearance, self._t, s, point[1], touched_at)
 
     def refine(self, s: float, length: float, a: Any, b: Any) -> None:
-        """Look at the piece of this length from ``s`` on, between the places and slopes ``a`` and ``b``."""
-        if not self.beats(enclosing_box(length, a, b)):
+        """Search the piece of this length from ``s`` on, between points ``a`` and ``b`` with their slopes."""
+        if not self.may_improve(enclosing_box(length, a, b)):
             return
-        half, between = 0.5 * length, middle(length, a, b)
-        self.look(s + half, between)
-        self.refine(s, half, a, between)
-        self.refine(s + half, half, between, b)
+        half, middle_point = 0.5 * length, middle(length, a, b)
+        self.compare(s + half, middle_point)
+        self.refine(s, half, a, middle_point)
+        self.refine(s + half, half, middle_point, b)
 
 
 def _searches_of(scene: Scene, state: RopeState, known: Sequence[Nearest]) -> list[_Search]:
-    """One search for each body, from the known clearances."""
+    """Return one search for each body, starting from the known clearances."""
     q, t, last = state.motion.q, state.motion.t, state.partition.lengths.size
     around = [*placed_bodies(scene.shaft, (q[0].tolist(), q[-1].tolist()))]
     lowest = int(q[:, 1].argmin()) if around else 0
@@ -86,41 +86,41 @@ def _searches_of(scene: Scene, state: RopeState, known: Sequence[Nearest]) -> li
 
 
 def _nearest_of(searches: Sequence[_Search], known: Sequence[Nearest]) -> tuple[Nearest, ...]:
-    found = list(known)
+    nearest = list(known)
     for search in searches:
-        if search.nearest.clearance < found[search.kind].clearance:
-            found[search.kind] = search.nearest
-    return tuple(found)
+        if search.nearest.clearance < nearest[search.kind].clearance:
+            nearest[search.kind] = search.nearest
+    return tuple(nearest)
 
 
 def nearer(scene: Scene, state: RopeState, known: tuple[Nearest, ...]) -> tuple[Nearest, ...]:
-    """Nearest place of the present rope to each kind, or the ``known`` one where none is nearer."""
+    """Return the nearest point of the present rope to each kind of bodies, or the ``known`` one if that is nearer."""
     if not (searches := _searches_of(scene, state, known)):
         return known
     lengths, s, rows = state.partition.lengths, state.partition.nodes_s.tolist(), state.motion.q[:, : SLOPE.stop]
     box = np.array(enclosing_box(lengths, rows[:-1].T, rows[1:].T))
     for search in searches:
         part = slice(search.first, search.last)
-        for k in (np.flatnonzero(search.beats(box[:, part])) + search.first).tolist():
-            if search.beats(box[:, k].tolist()):
+        for k in (np.flatnonzero(search.may_improve(box[:, part])) + search.first).tolist():
+            if search.may_improve(box[:, k].tolist()):
                 a, b = rows[k].tolist(), rows[k + 1].tolist()
-                search.look(s[k], a)
-                search.look(s[k + 1], b)
+                search.compare(s[k], a)
+                search.compare(s[k + 1], b)
                 search.refine(s[k], float(lengths[k]), a, b)
     return _nearest_of(searches, known)
 
 
 def clearances(scene: Scene, state: RopeState) -> tuple[Nearest, ...]:
-    """Nearest place of the present rope to each kind of body."""
+    """Return the nearest point of the present rope to each kind of bodies."""
     searches, s = _searches_of(scene, state, NOT_NEAR), state.partition.nodes_s.tolist()
     for search in searches:
         for k in range(search.first, search.last + 1):
-            search.look(s[k], state.motion.q[k, : SLOPE.stop].tolist())
+            search.compare(s[k], state.motion.q[k, : SLOPE.stop].tolist())
     return nearer(scene, state, _nearest_of(searches, NOT_NEAR))
 
 
 def _with_overlap(scene: Scene, state: RopeState) -> Crossing:
-    """The state with the rope's depth in itself at its instant, where it is the largest so far."""
+    """Return the crossing with the rope's present depth in itself, if it is the largest so far."""
     crossing = state.crossing
     overlap, y = overlap_of(state.motion.q, state.partition.lengths, scene.rope.diameter)
     if not overlap > crossing.overlap:
@@ -130,9 +130,9 @@ def _with_overlap(scene: Scene, state: RopeState) -> Crossing:
 
 
 def with_passages(scene: Scene, state: RopeState) -> RopeState:
-    """The state with the clearances and passages of its instant.
+    """Return the state with the clearances and passages of its instant.
 
-    For the end of every communication step, and after LOOK_EVERY in longer ones.
+    It is called at the end of every communication step, and after LOOK_EVERY in longer ones.
     """
     q, lengths, t = state.motion.q, state.partition.lengths, state.motion.t
     near = not legs_apart(q, lengths, scene.rope.diameter, scene.layout.spacing)

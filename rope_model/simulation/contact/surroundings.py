@@ -1,7 +1,7 @@
-"""The bodies around a rope: where they are, how they move, and which elements are near them.
+"""Bodies around a rope for its equations of motion: positions, velocities, and distances from its elements.
 
-A body that moves does so with an end of the rope, whose row in q and v has its place and speed.  Rope below a
-conveyance touches neither it nor its head ropes within OWN_LENGTH of the suspension.
+A moving body follows an end of the rope, whose rows in q and v give its position and velocity.  Rope below a conveyance
+touches neither it nor its head ropes within OWN_LENGTH of the suspension.
 """
 
 from dataclasses import dataclass
@@ -20,13 +20,13 @@ from rope_model.simulation.rope_system import POSITION, Array
 
 @dataclass(frozen=True)
 class Surroundings:
-    """The bodies of a scene, of these kinds in their order."""
+    """Bodies of a scene, with their kinds in order."""
 
     scene: Scene
     kinds: tuple[int, ...]
 
     def numbers(self, q: Array, v: Array) -> Array:
-        """Numbers of contact in P, as physics.contact_element takes them."""
+        """Return the contact entries of P for physics.contact_element."""
         law = {"diameter": self.scene.rope.diameter} | vars(self.scene.shaft.contact)
         numbers = [law[name] for name in LAW]
         for _, end, body in placed_bodies(self.scene.shaft, q[[0, -1], POSITION].tolist()):
@@ -35,25 +35,25 @@ class Surroundings:
         return np.array(numbers)
 
     def distances(self, q: Array, lengths: Array) -> Array:
-        """Return (elements, bodies): least distance (m) of an element's surface from a body."""
+        """Return the least distance (m) of each element's surface from each body (elements, bodies)."""
         box = np.array(enclosing_box(lengths, q[:-1].T, q[1:].T))[:, :, None]
         _, ends, placed = zip(*placed_bodies(self.scene.shaft, q[[0, -1], POSITION].tolist()), strict=True)
-        found = least_distance(box[:3], box[3:], _together(placed))
+        distances = least_distance(box[:3], box[3:], _together(placed))
         along = np.cumsum(lengths) - 0.5 * lengths
         own = np.array([along, along[-1] + 0.5 * lengths[-1] - along]) < OWN_LENGTH
         for k, end in enumerate(ends):
             if end != FIXED:
-                found[own[end], k] = np.inf
-        return np.asarray(found - 0.5 * self.scene.rope.diameter)
+                distances[own[end], k] = np.inf
+        return np.asarray(distances - 0.5 * self.scene.rope.diameter)
 
 
 def surroundings(scene: Scene) -> Surroundings | None:
-    """Bodies that the rope of ``scene`` may touch, or None."""
+    """Return the bodies that the rope of ``scene`` may touch, or None."""
     kinds = tuple(placed.kind for placed in placed_bodies(scene.shaft, 2 * [(0.0, 0.0, 0.0)]))
     return Surroundings(scene, kinds) if may_touch(scene.shaft) else None
 
 
 def _together(placed: tuple[Body, ...]) -> Any:
-    """The bodies as one of which every number is an array."""
+    """Return the bodies as one Body whose entries are arrays."""
     numbers = np.array([[*body.centre, *body.half, *body[2:]] for body in placed]).T
     return Body(tuple(numbers[:3]), tuple(numbers[3:6]), *numbers[6:])

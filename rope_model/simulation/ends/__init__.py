@@ -1,1 +1,1 @@
-"""The ends of the rope: their motions, and the swivels that hold them."""
+"""Ends of the rope: input filters, paths and swivels."""

@@ -1,14 +1,14 @@
-"""The rope's two ends: how the conveyances move them, and how the swivels hold them.
+"""Boundary conditions at the rope's two ends: motion with the conveyances, and swivels.
 
 An end is vertical (tangent -Y on the left, +Y on the right); its position and tangent direction are prescribed, only
-the stretch |r'| is free.  A clamp holds r' = n along its axis, without stretch; at a hinge r' is free.  Both let the
-end's section follow the tangent without spin about it.  theta is prescribed while the swivel holds and free while it
-slips:
+the stretch |r'| is free.  A clamp prescribes r' = n along its axis, without stretch; at a hinge r' is free.  In both
+cases the end's section follows the tangent without spin about it.  theta is prescribed while the swivel holds and free
+while it slips:
 
     theta = offset + s yaw + b,   s = -1 on the left, +1 on the right
 
-with the conveyance's yaw about Y, the swivel's relative angle b, and an offset that belongs to the frame: theta is
-counted from the left end on along the rope (physics.frame), so the right end's changes as the rope turns in space.
+with the conveyance's yaw about Y, the swivel's relative angle b, and an offset that belongs to the frame: theta counts
+along the rope from the left end (physics.frame), so the right end's offset changes as the rope turns in space.
 """
 
 import math
@@ -31,17 +31,15 @@ from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import ANGLE, SLOPE, Array
 from rope_model.solver_parameters import Inputs
 
-#: sense of the conveyance's yaw in theta, left and right
-YAW_SENSE = (-1.0, 1.0)
-#: rad^2: of less only the limits of C, S, and of D, E are computed
-LEAST_LEAN, SMALL_LEAN = 1e-24, 1e-5
-#: width between ends at which a rope is hung up in a loop, over the length that it has for it
-HANGING_WIDTH = 0.4
+YAW_SENSE = (-1.0, 1.0)  #: sense of the conveyance's yaw in theta, left and right
+LEAST_LEAN = 1e-24  #: rad^2, squared lean below which C and S take their limits
+SMALL_LEAN = 1e-5  #: rad^2, squared lean below which D and E take their limits
+HANGING_WIDTH = 0.4  #: width between the ends over the length of the loop in which a rope is first hung up
 
 
 @dataclass(frozen=True)
 class HangingEnds:
-    """A rope_system.Boundary: both ends on their paths, each swivel in its phase.
+    """A rope_system.Boundary with both ends on their paths and each swivel in its phase.
 
     ``points`` are the nominal suspension points (2, 3), ``offsets`` those of theta (2,).
     """
@@ -79,7 +77,7 @@ class HangingEnds:
         )
 
     def _slip_moments(self, nodes: int, moments: Sequence[float]) -> Array:
-        """(nodes, 7): ``moments`` against the slip of the ends that slip."""
+        """Return ``moments`` against the slip at the ends that slip (nodes, 7)."""
         load = np.zeros((nodes, 7))
         for node, state, swivel, moment in zip((0, -1), self.states, self.swivels, moments, strict=True):
             if state.phase is Phase.SLIP and swivel.mode != "free":
@@ -87,24 +85,24 @@ class HangingEnds:
         return load
 
     def friction(self, side: int, reaction: Array, kinetic: bool) -> float:
-        """Moment (N m) the swivel's friction has, or at most has, at the end's present tension."""
+        """Return the kinetic friction moment, or the largest static one, at the end's present tension (N m)."""
         swivel = self.swivels[side]
         mu = swivel.mu_kinetic if kinetic else swivel.mu_static
         return float(swivel_friction(swivel, mu, float(reaction[END_NODE[side], 1])))
 
     def moment(self, side: int, reaction: Array) -> float:
-        """Moment (N m, about the tangent) of the conveyance on the rope's end."""
+        """Return the moment (N m, about the tangent) of the conveyance on the rope's end."""
         R = reaction[END_NODE[side]]
         return float(moment_of_swivel(self.swivels[side], self.states[side], float(R[1]), float(R[ANGLE])))
 
     def relative(self, side: int, t: float, theta: float, theta_t: float) -> tuple[float, float]:
-        """The swivel's angle b (rad) and rate b_t (rad/s)."""
+        """Return the swivel's angle b (rad) and rate b_t (rad/s)."""
         yaw, yaw_rate = self.paths[side].yaw(t)
         return theta - self.offsets[side] - YAW_SENSE[side] * yaw, theta_t - YAW_SENSE[side] * yaw_rate
 
 
 def held_end(path: EndPath, t: float, nominal_x: float, sense: float, angle: float) -> tuple[tuple[Any, ...], ...]:
-    """(3, 7): position, velocity and acceleration at ``t`` of an end that is held ``angle`` off its conveyance."""
+    """Return position, velocity and acceleration (3, 7) at ``t`` of an end held at ``angle`` against its conveyance."""
     (x, y, z, yaw), (vx, vy, vz, yaw_rate), (ax, ay, az, yaw_acceleration) = path.motion(t)
     return (
         (nominal_x + x, y, z, 0.0, 0.0, 0.0, sense * yaw + angle),
@@ -114,10 +112,10 @@ def held_end(path: EndPath, t: float, nominal_x: float, sense: float, angle: flo
 
 
 def leaning(lean: Any, lean_z: Any) -> tuple[tuple[Any, ...], ...]:
-    """(3, 3): the axis n of a clamp and its rates; plumb turned by a rotation vector (2,), which has rates as well.
+    """Return the axis n of a clamp and its rates (3, 3), from the leans, a rotation vector, and their rates.
 
-    n = (S lean, -C, S lean_z) with C = cos a, S = sin(a)/a for the angle a.  With p = a a_t is C_t = -S p, S_t = D p
-    and D_t = E p.
+    n = (S lean, -C, S lean_z) with C = cos a, S = sin(a)/a for the angle a.  With p = a a_t, C_t = -S p, S_t = D p and
+    D_t = E p.
     """
     (x, x_t, x_tt), (z, z_t, z_tt) = lean, lean_z
     square, p = x * x + z * z, x * x_t + z * z_t
@@ -133,21 +131,21 @@ def leaning(lean: Any, lean_z: Any) -> tuple[tuple[Any, ...], ...]:
 
 
 def partly_placed(scene: Any, own: Any, other: Any, sense: Any, part: Any) -> EndMotion:
-    """End ``own`` on its way from where the rope hangs in a loop (part 0) to its place and lean (part 1)."""
+    """Return the end ``own`` on its way from a rope hung in a loop (part 0) to its position and lean (part 1)."""
     x, z = other.x - own.x - sense * scene.layout.spacing, other.z - own.z
     narrow = HANGING_WIDTH * (scene.rope.length - abs(other.y - own.y)) / larger(hypot(x, z), LEAST_LEAN)
-    aside = 0.5 * (1.0 - smaller(narrow, 1.0)) * (1.0 - part)
-    x, z = own.x + aside * x, own.z + aside * z
+    shift = 0.5 * (1.0 - smaller(narrow, 1.0)) * (1.0 - part)
+    x, z = own.x + shift * x, own.z + shift * z
     return EndMotion(x, own.y, z, yaw=own.yaw, lean=part * own.lean, lean_z=part * own.lean_z)
 
 
 def nominal_points(spacing: float) -> Array:
-    """(2, 3): the suspension points at height zero."""
+    """Return the suspension points at height zero (2, 3)."""
     return np.array([[-0.5 * spacing, 0.0, 0.0], [0.5 * spacing, 0.0, 0.0]])
 
 
 def right_offset(left: Any, right: Any) -> Any:
-    """Offset (rad) of theta at the right end of an untwisted rope in the vertical plane of its ends at these points.
+    """Return the offset (rad) of theta at the right end of an untwisted rope in the vertical plane of its ends.
 
     Turning that plane by psi about Y turns the frame by psi at the left end, by -psi at the right.
     """
@@ -155,7 +153,7 @@ def right_offset(left: Any, right: Any) -> Any:
 
 
 def refusal(scene: Scene, target: EndMotion, limits: Limits, side: str) -> str:
-    """Return '' when an end can follow ``target`` on a path with these limits; else cause and cure."""
+    """Return '' if an end can follow ``target`` on a path with these limits; else cause and cure."""
     inputs, clamped = scene.inputs, getattr(scene, side).attachment == "clamped"
     for name, bound in REACH.items():
         if -bound <= (value := getattr(target, name)) <= bound:
@@ -179,12 +177,12 @@ def refusal(scene: Scene, target: EndMotion, limits: Limits, side: str) -> str:
 
 
 def _largest(sizes: Sequence[float]) -> int:
-    """Place of the first that is no number, or else of the largest."""
+    """Return the index of the first NaN, or else of the largest number."""
     return max(range(len(sizes)), key=[math.inf if math.isnan(x) else x for x in sizes].__getitem__)
 
 
 def frozen(inputs: Inputs, t: float, end_filter: InputFilter, side: str) -> str:
-    """'' while an end is given new samples; else since when it is not."""
+    """Return '' while an end receives new samples; else how long it has not."""
     if end_filter.held > 1 and t - end_filter.given_at > inputs.hold_max:
         return messages.inputs_frozen(side, t - end_filter.given_at, inputs.hold_max)
     return ""

@@ -1,4 +1,4 @@
-"""The input filter of an end as one program, in CasADi's virtual machine, for the rope in Python."""
+"""Input filter of an end as one program of CasADi's virtual machine, for the rope in Python."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
@@ -18,7 +18,7 @@ from rope_model.simulation.ends.paths import PATH, EndMotion, EndPath
 
 
 class FilterStep(NamedTuple):
-    """Next path of an end, its filter there, and the limits that decide whether the rope can follow the path."""
+    """Next path of an end, the filter at its end, and the limits that decide whether the rope can follow the path."""
 
     filter: InputFilter
     path: EndPath
@@ -49,18 +49,18 @@ def filter_program(rope: Rope) -> Program:
     """Return the program of ``filter_step`` for an end of the ``rope``."""
 
     def step(x: Sequence[Any]) -> list[Any]:
-        now, path, settings, given_at, stop, end, leg = _like(_ARGUMENTS, iter(x))
-        now = filter_sample(now, settings, given_at, stop - path.stop, EndMotion(*end))
-        path = filter_path(path, now, stop, settings.observer)
-        after = add_misfit(now, path, settings, rope, leg)
-        return _flat(FilterStep(after, path, filter_limits(path, now)))
+        state, path, settings, given_at, stop, end, leg = _like(_ARGUMENTS, iter(x))
+        state = filter_sample(state, settings, given_at, stop - path.stop, EndMotion(*end))
+        path = filter_path(path, state, stop, settings.observer)
+        after = add_misfit(state, path, settings, rope, leg)
+        return _flat(FilterStep(after, path, filter_limits(path, state)))
 
     return Program(step, len(_flat(_ARGUMENTS)))
 
 
 def filter_step(
     program: Program,
-    now: InputFilter,
+    state: InputFilter,
     path: EndPath,
     settings: FilterSettings,
     given_at: float,
@@ -68,10 +68,10 @@ def filter_step(
     end: EndMotion,
     leg: float,
 ) -> FilterStep:
-    """Return the path to ``stop`` of an end whose host says of ``given_at`` that it moves as ``end``.
+    """Return the path to ``stop`` of an end that moves as ``end`` at the instant ``given_at``, according to the host.
 
     ``leg`` is the length (m) of the rope from this end to the loop.
     """
-    arguments = now, path, settings, given_at, stop, tuple(vars(end).values()), leg
+    arguments = state, path, settings, given_at, stop, tuple(vars(end).values()), leg
     result: FilterStep = _like(_RESULT, iter(program(*_flat(arguments))))
     return result

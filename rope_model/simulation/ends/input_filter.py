@@ -1,21 +1,22 @@
-"""Filter of the motions that a host gives to the rope's ends.
+"""Input filter: from the motions that a host gives to smooth motions of the rope's ends.
 
-Position, speed and acceleration of a host need not fit each other: tables are interpolated, encoders round, slower
-parts repeat.  A rope is stiff along its axis, 1 kN per mm and more, so its end must not jump after every sample.  The
-end's motion x is therefore a state of its own.  It integrates the given acceleration A and draws the given position X
-and speed V in slowly, as a critically damped observer of second order:
+Position, speed and acceleration of a host need not be consistent: tables are interpolated, encoders round, slower
+components repeat.  A rope is stiff along its axis, 1 kN per mm and more, so its end must not jump after every sample.
+The end's motion x is therefore a state of its own.  It integrates the given acceleration A and approaches the given
+position X and speed V slowly, as a critically damped observer of second order:
 
     x_tt = A + 2 w (V - x_t) + w^2 (X - x).
 
-Its bandwidth w follows from the accuracy asked for: a misfit as large as the error of the loop's place, e_L, must not
-disturb the end forces by more than their error, e_F.  It does so by w^2 e_L / g, so w = sqrt(e_F g / e_L).
+Its bandwidth w follows from the required accuracy: a misfit as large as the error of the loop's position, e_L, must not
+disturb the end forces by more than their error, e_F.  The disturbance is w^2 e_L / g, so w = sqrt(e_F g / e_L).
 
 A smooth motion leaves a remainder too: the quintic path between two samples knows only the accelerations at its ends.
-What their change within a step explains is therefore met within the step, and only the rest is left to the observer.
-A motion that fits is followed exactly.
+The part that a change of the acceleration within a step explains is therefore met within the step, and only the rest is
+left to the observer.  A consistent motion is followed exactly.
 
-What a host does not give is estimated by fading-memory filters: E. Brookner, Tracking and Kalman Filtering Made Easy,
-1998, chapter 7.  A filter of n-th order with the bandwidth W lags behind an acceleration of the rate J by n J / W.
+Inputs that a host does not give are estimated by fading-memory filters: E. Brookner, Tracking and Kalman Filtering Made
+Easy, 1998, chapter 7.  A filter of n-th order with the bandwidth W lags behind an acceleration of the rate J by n J /
+W.
 """
 
 from __future__ import annotations
@@ -28,98 +29,103 @@ from rope_model.physics.elementary import both, either, exp, floor, larger, smal
 from rope_model.physics.estimates import axial_frequency
 from rope_model.simulation.ends.paths import RESTS_BELOW, EndMotion, EndPath
 
-#: m/s^3: at any instant the rate of an acceleration may change by so much and still belong to a motion that fits; met
-#: within 20 ms that takes 5.8 h times it at most, 0.1 % of g
+#: m/s^3, jerk that is allowed at any instant of a consistent motion; met within 20 ms it takes 5.8 h times it at most,
+#: 0.1 % of g
 LEAST_JERK = 0.1
-#: rad/s^3: the same of a yaw, which twists the rope alone; FMI gives no acceleration of it.  3 degrees at 2 Hz have it
+#: rad/s^3, the same for a yaw, which only twists the rope; FMI gives no yaw acceleration.  3 degrees at 2 Hz have it
 LEAST_YAW_JERK = 100.0
 _JERKS = (*(LEAST_JERK,) * 3, LEAST_YAW_JERK)
-#: of the slowest axial wave of the whole rope: 1/10 passes of what swings with it (order 2), or 1/32 (order 3)
-ESTIMATE_SHARE = 1.0 / 3.0
-#: m: positions are looked at for being whole multiples of these
+#: bandwidth of estimates over the frequency of the rope's slowest axial wave: 1/10 of a motion at that frequency passes
+#: (order 2), or 1/32 (order 3)
+ESTIMATE_FRACTION = 1.0 / 3.0
+#: m, grids of rounded positions that are recognised
 GRIDS = (1e-2, 1e-3, 1e-4)
-#: how closely, in multiples: doubles round 1e4 m by 1e-8 of the finest
+#: tolerance in multiples of a grid: doubles round 1e4 m by 1e-8 of the finest
 ON_GRID = 1e-6
-#: s: over less a rate of six decimals has a mean acceleration that is off by more than 1e-3 rad/s^2
+#: s, time below which the mean acceleration from a rate of six decimals is off by more than 1e-3 rad/s^2
 SHORTEST_MEAN = 1e-3
-#: s: positions of 1e4 m are rounded by 2e-12 m; met in this time that takes some .1 m/s^2, in 1e-8 s 1e5 m/s^2
+#: s, time in which the rounding of positions of 1e4 m, 2e-12 m, takes some 0.1 m/s^2; in 1e-8 s it takes 1e5
 SHORTEST_AIM = 1e-5
-#: m/s: least change of speed between samples that tells a broken line: twice what six decimals are off by in 10 ms
+#: m/s, least change of speed between samples that reveals a broken line: twice the error of six decimals in 10 ms
 LEAST_CHANGE = 2e-4
-#: parts of that change: a straight line has 0, a smooth motion 1, a break of a table of n steps n; the jerk has a fifth
-STRAIGHT, BROKEN = 0.2, 1.8
-#: breaks behind pieces of one length that make a table: pieces of 2 or 3 steps by chance are alike so once in 2^7
+# change of the speed over that by the acceleration: 1 in a smooth motion, n at a break of a table of n steps
+STRAIGHT = 0.2  #: upper bound on a straight line; the jerk makes up a fifth
+BROKEN = 1.8  #: lower bound at a break
+#: breaks after pieces of equal length that reveal a table: random pieces of 2 or 3 steps are alike so once in 2^7
 FEWEST_BREAKS = 8.0
-#: part by which these lengths may differ: less than a step of a table of a hundred
+#: relative difference of such lengths: less than a step of a table of a hundred
 ALIKE = 0.01
+
+#: codes of the trusted inputs
+ALL, POSITION_SPEED, POSITION, SPEED = range(len(CHOICES["inputs.given"]))
 
 Four = tuple[float, float, float, float]
 Axis = tuple[float, float, float]
-Given = tuple[float, float, float, float, float, float, float, float, float, float, float, float, float]
+Sample = tuple[float, float, float, float, float, float, float, float, float, float, float, float, float]
 
 
 class InputFilter(NamedTuple):
-    """State of an end's filter: latest input, filtered motion, misfits so far, and signs in y of their cause."""
+    """State of an end's filter: latest input, filtered motion, misfits so far, and signs of their cause in y."""
 
-    given: Given = (0.0,) * 13
-    given_at: float = 0.0  # s, of the latest sample that is no repetition
-    motion: tuple[Axis, Axis, Axis, Axis] = ((0.0, 0.0, 0.0),) * 4  # of PATH then, with what had to be estimated
-    asked: Four = (0.0,) * 4  # accelerations asked for at the path's end
-    lively: Four = (0.0,) * 4  # largest recent changes of those between two steps
+    given: Sample = (0.0,) * 13
+    given_at: float = 0.0  # s, instant of the latest sample that is no repetition
+    motion: tuple[Axis, Axis, Axis, Axis] = ((0.0, 0.0, 0.0),) * 4  # PATH at that instant, with estimates
+    end_accelerations: Four = (0.0,) * 4  # accelerations of the samples at the path's end
+    recent_changes: Four = (0.0,) * 4  # largest recent changes of these between two steps
     time: float = 0.0  # s
     position: float = 0.0  # m, largest misfit
     speed: float = 0.0  # m/s
     acceleration: float = 0.0  # m/s^2
     squares: Axis = (0.0, 0.0, 0.0)  # time integrals of the squares of the three
-    wave: tuple[float, float] = (0.0, 0.0)  # m/s^2, of the leg's slowest axial wave, now and a quarter period later
-    lag: float = 0.0  # m/s^2, of an estimated acceleration of y behind the true one
+    wave: tuple[float, float] = (0.0, 0.0)  # m/s^2, slowest axial wave of the leg, now and a quarter period later
+    lag: float = 0.0  # m/s^2, lag of an estimated acceleration of y
     force: float = 0.0  # N^2 s, time integral of the square of the end force's error
     drift: float = 0.0  # m, slow part of the misfit of y
-    farthest: float = 0.0  # m, largest size of it
-    repeats: float = 0.0  # steps that were given the sample of an earlier one
-    held: float = 0.0  # steps since the latest sample
-    sent_every: float = 0.0  # s, between the latest samples with repetitions between them
-    grid: float = 1.0  # m, coarsest of GRIDS on which all positions lie; 1 before the first, 0: none
-    samples: float = 0.0  # of an end that moves
-    slope: float = 0.0  # m/s, of y between the latest two samples
-    straight: float = 0.0  # samples since y's line was broken last
-    broken_at: float = 0.0  # s
-    breaks: float = 0.0  # behind straight pieces that took as long as the one before
-    table_every: float = 0.0  # s, between the latest two
+    farthest: float = 0.0  # m, largest size of the drift
+    repeats: float = 0.0  # number of steps with the sample of an earlier one
+    held: float = 0.0  # number of steps since the latest sample
+    sent_every: float = 0.0  # s, time between the latest samples with repetitions between them
+    grid: float = 1.0  # m, coarsest of GRIDS with all positions; 1 before the first, 0: none
+    samples: float = 0.0  # number of samples of an end that moves
+    slope: float = 0.0  # m/s, slope of y between the latest two samples
+    straight: float = 0.0  # number of samples since the last break of y's line
+    broken_at: float = 0.0  # s, instant of that break
+    breaks: float = 0.0  # number of breaks after straight pieces as long as the one before
+    table_every: float = 0.0  # s, time between the latest two
     leaning: tuple[float, float] = (0.0, 0.0)  # rad/s, mean rates of the leans between the latest two samples
 
     @staticmethod
-    def at_rest(t: float, at: EndMotion) -> InputFilter:
-        """State before anything moves."""
-        x, y, z, yaw = ((place, 0.0, 0.0) for place in (*at.position, at.yaw))
-        return InputFilter(tuple(vars(at).values()), t, (x, y, z, yaw), broken_at=t)
+    def at_rest(t: float, motion: EndMotion) -> InputFilter:
+        """Return the state before anything moves."""
+        x, y, z, yaw = ((x0, 0.0, 0.0) for x0 in (*motion.position, motion.yaw))
+        return InputFilter(tuple(vars(motion).values()), t, (x, y, z, yaw), broken_at=t)
 
 
 class FilterSettings(NamedTuple):
-    """Settings of an end's filter: bandwidths (rad/s) of the observer and of the filters, trust, and a bound."""
+    """Settings of an end's filter: bandwidths (rad/s) of the observer and of the estimates, trust, and a bound."""
 
     observer: float
     estimate: float
-    position: float  # 1 where it is trusted, else 0
+    position: float  # 1 if it is trusted, else 0
     speed: float
     acceleration: float
-    hardest: float  # m/s^2, of a conveyance that stops: with more the head ropes of a rising one go slack
+    hardest: float  # m/s^2, largest deceleration of a conveyance: beyond it head ropes of a rising one go slack
 
 
 def filter_settings(scene: Any, trusted: Any) -> FilterSettings:
-    """Return the settings as chosen, or as they follow from the accuracy asked for and from the rope.
+    """Return the settings as chosen, or as they follow from the required accuracy and from the rope.
 
-    ``trusted`` is the place of inputs.given among its choices.
+    ``trusted`` is the code of inputs.given.
     """
     chosen, accuracy = scene.inputs, scene.accuracy
     derived = sqrt(accuracy.end_force * scene.layout.gravity / accuracy.loop)
-    slowest = ESTIMATE_SHARE * axial_frequency(scene.rope, scene.rope.length)
+    slowest = ESTIMATE_FRACTION * axial_frequency(scene.rope, scene.rope.length)
     return FilterSettings(
         where(chosen.bandwidth > 0, chosen.bandwidth, derived),
         where(chosen.estimate_bandwidth > 0, chosen.estimate_bandwidth, slowest),
-        where(trusted <= 2, 1.0, 0.0),
-        where(abs(trusted - 2) < 0.5, 0.0, 1.0),
-        where(trusted <= 0, 1.0, 0.0),
+        where(trusted <= POSITION, 1.0, 0.0),
+        where(abs(trusted - POSITION) < 0.5, 0.0, 1.0),
+        where(trusted <= ALL, 1.0, 0.0),
         scene.layout.gravity,
     )
 
@@ -129,211 +135,216 @@ def settings_of(scene: Scene) -> FilterSettings:
     return filter_settings(scene, [*CHOICES["inputs.given"]].index(scene.inputs.given))
 
 
-def filter_sample(now: Any, settings: Any, given_at: Any, h: Any, end: Any) -> InputFilter:
-    """Add to ``now`` the host's sample of the instant ``given_at`` for a step ``h``, unless it is a repetition."""
+def filter_sample(state: Any, settings: Any, given_at: Any, h: Any, end: Any) -> InputFilter:
+    """Add the host's sample of the instant ``given_at`` to ``state`` for a step ``h``, unless it is a repetition."""
     values, speeds = tuple(vars(end).values()), (*end.velocity, end.yaw_rate)
-    since = where(given_at > now.given_at, given_at - now.given_at, h)
-    repeated = _repeated(now, settings, since, values, speeds)
+    since = where(given_at > state.given_at, given_at - state.given_at, h)
+    repeated = _repeated(state, settings, since, values, speeds)
     motion = []
     # FMI gives no yaw acceleration: take the mean since the sample before
-    accelerations = (*end.acceleration, (end.yaw_rate - now.motion[3][1]) / larger(since, SHORTEST_MEAN))
-    for was, x, v, a in zip(now.motion, (*end.position, end.yaw), speeds, accelerations, strict=True):
-        new = _completed(was, settings, since, (x, v, a))
-        motion.append(tuple(where(repeated, old, found) for old, found in zip(was, new, strict=True)))
+    accelerations = (*end.acceleration, (end.yaw_rate - state.motion[3][1]) / larger(since, SHORTEST_MEAN))
+    for old_axis, x, v, a in zip(state.motion, (*end.position, end.yaw), speeds, accelerations, strict=True):
+        new = _completed(old_axis, settings, since, (x, v, a))
+        motion.append(tuple(where(repeated, old, value) for old, value in zip(old_axis, new, strict=True)))
     fades = exp(-settings.estimate * h)
-    lively = tuple(
-        larger(abs(axis[2] - asked), fades * before)
-        for axis, asked, before in zip(motion, now.asked, now.lively, strict=True)
+    recent_changes = tuple(
+        larger(abs(axis[2] - acceleration), fades * before)
+        for axis, acceleration, before in zip(motion, state.end_accelerations, state.recent_changes, strict=True)
     )
-    going = either(*(abs(axis[1]) > RESTS_BELOW for axis in motion))
-    looked = _looked_at(now, given_at, since, end, motion[1][2], going)
-    kept = {name: where(repeated, getattr(now, name), value) for name, value in looked.items()}
-    keeps = either(repeated, since < SHORTEST_AIM)
-    means = ((x - was) / since for x, was in zip((end.lean, end.lean_z), now.given[-2:], strict=True))
-    sampled: InputFilter = now._replace(
+    moves = either(*(abs(axis[1]) > RESTS_BELOW for axis in motion))
+    new_signs = _signs(state, given_at, since, end, motion[1][2], moves)
+    signs = {name: where(repeated, getattr(state, name), value) for name, value in new_signs.items()}
+    keeps_rates = either(repeated, since < SHORTEST_AIM)
+    means = ((x - old) / since for x, old in zip((end.lean, end.lean_z), state.given[-2:], strict=True))
+    result: InputFilter = state._replace(
         given=values,
-        given_at=where(repeated, now.given_at, given_at),
+        given_at=where(repeated, state.given_at, given_at),
         motion=tuple(motion),
-        lively=lively,
-        repeats=now.repeats + where(both(repeated, given_at > now.given_at), 1.0, 0.0),
-        held=where(repeated, now.held + 1.0, 0.0),
-        sent_every=where(both(now.held > 0, 1 - repeated), since, now.sent_every),
-        leaning=tuple(where(keeps, was, mean) for was, mean in zip(now.leaning, means, strict=True)),
-        **kept,
+        recent_changes=recent_changes,
+        repeats=state.repeats + where(both(repeated, given_at > state.given_at), 1.0, 0.0),
+        held=where(repeated, state.held + 1.0, 0.0),
+        sent_every=where(both(state.held > 0, 1 - repeated), since, state.sent_every),
+        leaning=tuple(where(keeps_rates, old, mean) for old, mean in zip(state.leaning, means, strict=True)),
+        **signs,
     )
-    return sampled
+    return result
 
 
-def _repeated(now: Any, settings: Any, since: Any, values: Any, speeds: Any) -> Any:
-    """Whether the trusted part of a sample repeats the latest one to the last bit, and cannot be a new one.
+def _repeated(state: Any, settings: Any, since: Any, values: Any, speeds: Any) -> Any:
+    """Return whether the trusted part of a sample repeats the latest one to the bit and cannot be a new one.
 
-    A position cannot while the end moves.  Where positions alone are given, it must be too fast to have stopped since:
-    behind a stop with a the estimated speed is off by up to 0.84 a / W.  A speed can be that of the latest sample.
+    The position of a moving end cannot stay.  If positions alone are given, the end must be too fast to have stopped
+    since: after a stop with a the estimated speed is off by up to 0.84 a / W.  A speed can be that of the latest
+    sample.
     """
     moves = either(*(abs(speed) > RESTS_BELOW for speed in speeds))
     stops_below = settings.hardest * (since + 1.0 / settings.estimate)
-    too_fast = either(*(abs(axis[1]) > stops_below for axis in now.motion))
+    too_fast = either(*(abs(axis[1]) > stops_below for axis in state.motion))
     trusted = [getattr(settings, kind) for kind in ("position", "speed", "acceleration") for _ in range(3)]
     trusted += settings.position, settings.speed, settings.position, settings.position
-    same = (either(trust < 1, a == b) for trust, a, b in zip(trusted, values, now.given, strict=True))
+    same = (either(trust < 1, a == b) for trust, a, b in zip(trusted, values, state.given, strict=True))
     return both(settings.position > 0, where(settings.speed > 0, moves, too_fast), *same)
 
 
-def _completed(was: Any, settings: Any, h: Any, sample: Any) -> tuple[Any, Any, Any]:
-    """Position, speed and acceleration of one coordinate, ``h`` after ``was``, by the trusted part of ``sample``."""
-    x, v, a = was
-    kept = exp(-settings.estimate * h)  # part of an old error that a filter keeps: 1 - alpha = kept^2 or kept^3
-    lost = 1.0 - kept
+def _completed(old: Any, settings: Any, h: Any, sample: Any) -> tuple[Any, Any, Any]:
+    """Return position, speed and acceleration ``h`` after ``old``, from the trusted part of a ``sample``."""
+    x, v, a = old
+    retained = exp(-settings.estimate * h)  # fraction of an old error: 1 - alpha = retained^2 or retained^3
+    gain = 1.0 - retained
     ahead, faster = quintic.extrapolate(x, v, a, h)
-    by_speed, by_place = sample[1] - faster, sample[0] - ahead
-    speed, acceleration = faster + (1.0 - kept * kept) * by_speed, a + lost * lost / h * by_speed
+    speed_gap, position_gap = sample[1] - faster, sample[0] - ahead
+    speed, acceleration = faster + (1.0 - retained * retained) * speed_gap, a + gain * gain / h * speed_gap
     integrated = x + 0.5 * h * (v + speed) + h * h / 12.0 * (a - acceleration)
-    place = ahead + (1.0 - kept * kept * kept) * by_place
-    speed_of_place = faster + 1.5 * lost * lost * (1.0 + kept) / h * by_place
-    acceleration_of_place = a + lost * lost * lost / (h * h) * by_place
+    position = ahead + (1.0 - retained * retained * retained) * position_gap
+    position_speed = faster + 1.5 * gain * gain * (1.0 + retained) / h * position_gap
+    position_acceleration = a + gain * gain * gain / (h * h) * position_gap
     return (
-        where(settings.position > 0, where(settings.speed > 0, sample[0], place), integrated),
-        where(settings.acceleration > 0, sample[1], where(settings.speed > 0, speed, speed_of_place)),
-        where(settings.acceleration > 0, sample[2], where(settings.speed > 0, acceleration, acceleration_of_place)),
+        where(settings.position > 0, where(settings.speed > 0, sample[0], position), integrated),
+        where(settings.acceleration > 0, sample[1], where(settings.speed > 0, speed, position_speed)),
+        where(settings.acceleration > 0, sample[2], where(settings.speed > 0, acceleration, position_acceleration)),
     )
 
 
 def sample_moves(settings: Any, h: Any, ahead: Any, sample: Any) -> tuple[Any, Any, Any]:
-    """Change of place, speed and acceleration ``ahead`` of a small change of the ``sample``, ``h`` after another."""
+    """Return the change of position, speed and acceleration ``ahead`` of a small change of the ``sample``.
+
+    ``h`` is the time since the sample before.
+    """
     x, v, a = _completed((0.0, 0.0, 0.0), settings, h, sample)
     return (*quintic.extrapolate(x, v, a, ahead), a)
 
 
 def lean_moves(h: Any, ahead: Any, lean: Any) -> tuple[Any, Any, Any]:
-    """As ``sample_moves``, at the end of a step ``h``, of a small change of the ``lean``."""
-    return quintic.rates(_leant(h, ahead, (0.0, 0.0, 0.0), lean, lean / h), h)
+    """Return the change of a lean and its rates at the end of a step ``h`` by a small change of the sample ``lean``."""
+    return quintic.rates(_lean_quintic(h, ahead, (0.0, 0.0, 0.0), lean, lean / h), h)
 
 
-def _looked_at(now: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: Any) -> dict[str, Any]:
-    """Return the fields that count signs of rounded positions, and of a table that is interpolated linearly."""
-    fits: Any = 0.0
+def _signs(state: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: Any) -> dict[str, Any]:
+    """Return the fields with signs of rounded positions, and of a table that is interpolated linearly."""
+    finest: Any = 0.0
     for grid in reversed(GRIDS):
-        place = end.y / grid
-        fits = where(abs(place - floor(place + 0.5)) < ON_GRID, grid, fits)
-    slope = (end.y - now.given[1]) / since
-    change, expected = abs(slope - now.slope), abs(ay) * since
-    seen = expected > LEAST_CHANGE
-    breaks = both(seen, change > BROKEN * expected)
-    straight = both(seen, change < STRAIGHT * expected)
-    counts, piece = both(breaks, now.straight > 0), given_at - now.broken_at
-    found = now.breaks >= FEWEST_BREAKS
-    alike = either(found, abs(piece - now.table_every) < ALIKE * piece)
+        multiple = end.y / grid
+        finest = where(abs(multiple - floor(multiple + 0.5)) < ON_GRID, grid, finest)
+    slope = (end.y - state.given[1]) / since
+    change, expected = abs(slope - state.slope), abs(ay) * since
+    visible = expected > LEAST_CHANGE
+    breaks = both(visible, change > BROKEN * expected)
+    straight = both(visible, change < STRAIGHT * expected)
+    counts, piece = both(breaks, state.straight > 0), given_at - state.broken_at
+    is_table = state.breaks >= FEWEST_BREAKS
+    alike = either(is_table, abs(piece - state.table_every) < ALIKE * piece)
     return {
-        "grid": where(moves, smaller(now.grid, fits), now.grid),
-        "samples": now.samples + where(moves, 1.0, 0.0),
+        "grid": where(moves, smaller(state.grid, finest), state.grid),
+        "samples": state.samples + where(moves, 1.0, 0.0),
         "slope": slope,
-        "straight": where(straight, now.straight + 1.0, 0.0),
-        "broken_at": where(breaks, given_at, now.broken_at),
-        "breaks": where(counts, where(alike, now.breaks + 1.0, 1.0), now.breaks),
-        "table_every": where(both(counts, 1 - found), piece, now.table_every),
+        "straight": where(straight, state.straight + 1.0, 0.0),
+        "broken_at": where(breaks, given_at, state.broken_at),
+        "breaks": where(counts, where(alike, state.breaks + 1.0, 1.0), state.breaks),
+        "table_every": where(both(counts, 1 - is_table), piece, state.table_every),
     }
 
 
-def filter_path(path: Any, now: Any, stop: Any, bandwidth: Any) -> EndPath:
-    """Return the path from the end of ``path`` that follows the inputs until ``stop``; a short one leads beyond."""
+def filter_path(path: Any, state: Any, stop: Any, bandwidth: Any) -> EndPath:
+    """Return the path from the end of ``path`` to ``stop`` that follows the inputs; a very short one leads beyond."""
     start = path.stop
     h = larger(stop - start, SHORTEST_AIM)
-    ahead = stop - now.given_at + (h - (stop - start))
-    places, speeds, accelerations = path.motion(start)
-    axes = (
-        _followed(bandwidth, ahead, h, *axis)
-        for axis in zip(_JERKS, places, speeds, accelerations, now.motion, now.asked, now.lively, strict=True)
-    )
-    x, y, z, yaw = axes
-    latest = zip(path.leaning(start), now.given[-2:], now.leaning, strict=True)
-    lean, lean_z = (_leant(h, ahead, *axis) for axis in latest)
+    ahead = stop - state.given_at + (h - (stop - start))
+    starts = zip(*path.motion(start), strict=True)
+    axes = zip(_JERKS, starts, state.motion, state.end_accelerations, state.recent_changes, strict=True)
+    x, y, z, yaw = (_axis_quintic(bandwidth, ahead, h, *axis) for axis in axes)
+    latest = zip(path.leaning(start), state.given[-2:], state.leaning, strict=True)
+    lean, lean_z = (_lean_quintic(h, ahead, *axis) for axis in latest)
     return EndPath(start, stop, (x, y, z, yaw), (lean, lean_z))
 
 
-def _leant(h: Any, ahead: Any, start: Any, given: Any, mean: Any) -> tuple[Any, ...]:
-    """Return the quintic of a lean over the step ``h``, ``ahead`` of the sample; a short one leads beyond.
+def _lean_quintic(h: Any, ahead: Any, start: Any, sample: Any, mean: Any) -> tuple[Any, ...]:
+    """Return the quintic of a lean over the step ``h``, ``ahead`` of the sample; a very short one leads beyond.
 
     Its rate, which is not given, lags by a sixth of the step; ``mean`` is that between the latest samples.
     """
     (x, v, a), aim = start, larger(h, SHORTEST_MEAN)
-    to = given + (ahead + (aim - h)) * mean
-    rate = 1.5 * (to - x) / aim - 0.5 * v
-    return quintic.coefficients(aim, x, v, a, to, rate, (rate - v) / aim)
+    target = sample + (ahead + (aim - h)) * mean
+    rate = 1.5 * (target - x) / aim - 0.5 * v
+    return quintic.coefficients(aim, x, v, a, target, rate, (rate - v) / aim)
 
 
-def _followed(
-    w: Any, ahead: Any, h: Any, jerk: float, x: Any, v: Any, a: Any, motion: Any, asked: Any, lively: Any
+def _axis_quintic(
+    w: Any, ahead: Any, h: Any, jerk: float, start: Any, sample: Any, last_acceleration: Any, recent_change: Any
 ) -> tuple[Any, ...]:
-    """Return the quintic of one coordinate over the step ``h``, from x, v, a to the observer's state."""
-    given_place, given_speed, acceleration = motion
-    place, speed = quintic.extrapolate(given_place, given_speed, acceleration, ahead)
-    beyond = beyond_linear(h, (x, v), (asked, acceleration), (place, speed), lively, jerk)
-    rest_speed = beyond.faster - beyond.faster * beyond.speed_fits
-    rest_place = beyond.farther - beyond.farther * beyond.place_fits
-    # the rest fades out as the observer has it, from the step's start on
-    at_start = rest_place - h * rest_speed
+    """Return the quintic of one coordinate over the step ``h``, from ``start`` (x, v, a) to the observer's state."""
+    (x, v, a), (sample_position, sample_speed, acceleration) = start, sample
+    position, speed = quintic.extrapolate(sample_position, sample_speed, acceleration, ahead)
+    misfit = sample_misfit(h, (x, v), (last_acceleration, acceleration), (position, speed), recent_change, jerk)
+    rest_speed = misfit.faster - misfit.faster * misfit.speed_fits
+    rest_position = misfit.farther - misfit.farther * misfit.position_fits
+    # the observer reduces the rest from the step's start on
+    at_start = rest_position - h * rest_speed
     leaning = rest_speed + w * at_start
     fades = exp(-w * h)
     left, left_speed = (at_start + leaning * h) * fades, (rest_speed - w * leaning * h) * fades
-    return quintic.coefficients(
-        h, *(x, v, a), *(place - left, speed - left_speed, acceleration + w * (2.0 * left_speed + w * left))
-    )
+    stop = position - left, speed - left_speed, acceleration + w * (2.0 * left_speed + w * left)
+    return quintic.coefficients(h, x, v, a, *stop)
 
 
-class Sampled(NamedTuple):
-    """Misfit of a sample against a motion of linear acceleration, and the shares of it that a consistent motion has."""
+class SampleMisfit(NamedTuple):
+    """Misfit of a sample against linear acceleration, and the fractions of it that a consistent motion explains."""
 
     farther: Any
     faster: Any
-    place_fits: Any
+    position_fits: Any
     speed_fits: Any
 
 
-def beyond_linear(
-    h: Any, start: tuple[Any, Any], accelerations: tuple[Any, Any], sample: tuple[Any, Any], lively: Any, jerk: float
-) -> Sampled:
-    """Compare place and speed of a ``sample`` with linear acceleration over the step ``h`` from ``start`` on.
+def sample_misfit(
+    h: Any,
+    start: tuple[Any, Any],
+    accelerations: tuple[Any, Any],
+    sample: tuple[Any, Any],
+    recent_change: Any,
+    jerk: float,
+) -> SampleMisfit:
+    """Compare position and speed of a ``sample`` with linear acceleration over the step ``h`` from ``start`` on.
 
     A change of the acceleration within the step explains a part of the misfit; ``jerk`` bounds its rate.
     """
-    (x, v), (before, after), (place, speed) = start, accelerations, sample
+    (x, v), (before, after), (position, speed) = start, accelerations, sample
     change = abs(after - before)
     faster = speed - v - 0.5 * h * (before + after)
-    farther = place - x - h * v - h * h / 6.0 * (2.0 * before + after)
-    return Sampled(
+    farther = position - x - h * v - h * h / 6.0 * (2.0 * before + after)
+    return SampleMisfit(
         farther,
         faster,
-        _explained(farther, h * h * (change + 0.125 * lively + jerk * h)),
-        _explained(faster, h * (change + 0.5 * lively + jerk * h)),
+        _explained_fraction(farther, h * h * (change + 0.125 * recent_change + jerk * h)),
+        _explained_fraction(faster, h * (change + 0.5 * recent_change + jerk * h)),
     )
 
 
-def _explained(misfit: Any, most: Any) -> Any:
-    """Return the share of a misfit that a consistent motion explains: 1 up to ``most``, 0 from twice that on.
+def _explained_fraction(misfit: Any, limit: Any) -> Any:
+    """Return the fraction of a misfit that a consistent motion explains: 1 up to ``limit``, 0 from twice that on.
 
     It is continuous, since masters that look for events vary the step.
     """
-    return smaller(larger(2.0 - abs(misfit) / most, 0.0), 1.0)
+    return smaller(larger(2.0 - abs(misfit) / limit, 0.0), 1.0)
 
 
 class Limits(NamedTuple):
-    """Limits of an end's path: largest sampled accelerations, by PATH and LEANS; misfits at its end, by PATH."""
+    """Measures of an end's path: largest sampled accelerations, by PATH and LEANS; misfits at its end, by PATH."""
 
     peaks: tuple[float, ...]
-    place: Four
+    position: Four
     speed: Four
 
 
-def missed(path: Any, now: Any) -> list[Axis]:
-    """Misfit of place, speed and acceleration at the path's end, by PATH."""
-    found, ahead = [], path.stop - now.given_at
-    for (place, speed, acceleration), x, v, a in zip(now.motion, *path.motion(path.stop), strict=True):
-        then, faster = quintic.extrapolate(place, speed, acceleration, ahead)
-        found.append((then - x, faster - v, acceleration - a))
-    return found
+def end_misfits(path: Any, state: Any) -> list[Axis]:
+    """Return the misfits of position, speed and acceleration at the path's end, by PATH."""
+    misfits, ahead = [], path.stop - state.given_at
+    for (position, speed, acceleration), x, v, a in zip(state.motion, *path.motion(path.stop), strict=True):
+        expected, faster = quintic.extrapolate(position, speed, acceleration, ahead)
+        misfits.append((expected - x, faster - v, acceleration - a))
+    return misfits
 
 
-def filter_limits(path: Any, now: Any) -> Limits:
-    """Measures that decide whether the path can be followed; NaN where a coordinate is."""
-    place, speed, _ = (tuple(map(abs, sizes)) for sizes in zip(*missed(path, now), strict=True))
-    return Limits(path.peak_accelerations(), place, speed)
+def filter_limits(path: Any, state: Any) -> Limits:
+    """Return the measures that decide whether the path can be followed; NaN where a coordinate is."""
+    position, speed, _ = (tuple(map(abs, sizes)) for sizes in zip(*end_misfits(path, state), strict=True))
+    return Limits(path.peak_accelerations(), position, speed)

@@ -1,10 +1,10 @@
-"""Effect of motions that do not fit on the results: kept for each end, and part of the error estimates.
+"""Effect of inconsistent input motions on the results: sums for each end, and part of the error estimates.
 
-The misfit's effect on the end force is that of the acceleration c which the followed motion has beyond the given one.
-It acts on the leg's mass at once, and on the part of it that swings in the slowest axial wave by that wave's response;
-a change of place within a step sends off a wave of the force sqrt(Qa rho) times its speed.  What changes of the given
-acceleration within a step explain is no misfit: the path has the place and the speed of the motion that they make, and
-only in between another speed.
+The misfit's effect on the end force is that of the acceleration c by which the followed motion exceeds the given one.
+It acts on the leg's mass at once, and on the part of it that swings in the slowest axial wave by that wave's response.
+A change of position within a step sends off a wave of the force sqrt(Qa rho) times its speed.  The part that changes of
+the given acceleration within a step explain is no misfit: the path ends with the position and the speed of that motion,
+and differs in speed only in between.
 """
 
 import math
@@ -12,94 +12,96 @@ from functools import reduce
 from typing import Any
 
 from rope_model.numerics import quintic
-from rope_model.physics.accuracy import TINY, memory
+from rope_model.physics.accuracy import TINY, wave_duration
 from rope_model.physics.elementary import cos, exp, larger, sin, smaller, sqrt, where
 from rope_model.physics.estimates import axial_frequency
-from rope_model.simulation.ends.input_filter import LEAST_JERK, InputFilter, beyond_linear, missed
+from rope_model.simulation.ends.input_filter import LEAST_JERK, InputFilter, end_misfits, sample_misfit
 
-#: part of a leg's mass that swings in its slowest axial wave
+#: fraction of a leg's mass that swings in its slowest axial wave
 SWINGING = 8.0 / math.pi**2
-#: speed within a step that moves the end by d in h, root mean square over d / h: sqrt(900 / 630) of the quintic
+#: root mean square speed within a step that moves the end by d in h, over d / h: sqrt(900 / 630) of the quintic
 STEP_SPEED = math.sqrt(900.0 / 630.0)
-#: an acceleration whose rate changes once in a step of h gains speed, on the whole this part of h from its middle
+#: largest distance from the middle of a step h, over h, at which an acceleration with one change of rate gains its
+#: speed
 ONE_CHANGE = 1.0 / 6.0
-#: of the speed gained so, by which the path's speed differs from it within the step, root mean square: 0.022 of the
-#: quintic, and the waves that this sends off last longer (seed 60 of evidence.promise)
+#: root mean square deviation of the path's speed within a step over the speed gained so: 0.022 of the quintic, and more
+#: because its waves last longer (seed 60 of evidence.promise)
 WITHIN = 0.055
 
 
-def add_misfit(now: Any, path: Any, settings: Any, rope: Any, leg: Any) -> InputFilter:
-    """``now`` at the end of the ``path``; ``leg`` is the length (m) of the rope from this end to the loop."""
+def add_misfit(state: Any, path: Any, settings: Any, rope: Any, leg: Any) -> InputFilter:
+    """Return ``state`` at the end of the ``path``; ``leg`` is the length (m) of the rope from this end to the loop."""
     h = path.stop - path.start
-    (_, place, _, _), (_, speed, _, _), (_, acceleration, _, _) = path.motion(path.stop)
-    off = missed(path, now)
-    misfits = [reduce(larger, map(abs, sizes)) for sizes in zip(*off[:3], strict=True)]
+    (_, position, _, _), (_, speed, _, _), (_, acceleration, _, _) = path.motion(path.stop)
+    misfit = end_misfits(path, state)
+    misfits = [reduce(larger, map(abs, sizes)) for sizes in zip(*misfit[:3], strict=True)]
     c0, c1, c2, c3, c4, c5 = path.coefficients[1]
-    # of the acceleration, linear through the two given last
-    grows = (now.motion[1][2] - now.asked[1]) / h
+    # growth and lag of the acceleration, which is linear through the latest two samples
+    grows = (state.motion[1][2] - state.end_accelerations[1]) / h
     order = where(settings.acceleration > 0, 0.0, where(settings.speed > 0, 2.0, 3.0))
     lags = order * grows / settings.estimate
-    lag = now.lag + (1.0 - exp(-settings.estimate * h)) * (lags - now.lag)
-    # of a sample at the step's end whose place and speed fit: the acceleration's rate changed once within the step
-    given_y, given_vy, given_ay = now.motion[1]
-    y, vy = quintic.extrapolate(given_y, given_vy, given_ay, path.stop - now.given_at)
-    beyond = beyond_linear(h, (c0, c1), (now.asked[1], now.motion[1][2]), (y, vy), now.lively[1], LEAST_JERK)
-    fits = larger(1.0 - (path.stop - now.given_at) / h, 0.0) * beyond.place_fits * beyond.speed_fits
-    faster, most = beyond.faster * fits, ONE_CHANGE * h * abs(beyond.faster * fits)
-    aside = smaller(larger(beyond.farther * fits - 0.5 * h * faster, -most), most)
+    lag = state.lag + (1.0 - exp(-settings.estimate * h)) * (lags - state.lag)
+    # part of the sample's misfit that one change of the acceleration's rate within the step explains
+    x, v, a = state.motion[1]
+    y, vy = quintic.extrapolate(x, v, a, path.stop - state.given_at)
+    accelerations = state.end_accelerations[1], state.motion[1][2]
+    sample = sample_misfit(h, (c0, c1), accelerations, (y, vy), state.recent_changes[1], LEAST_JERK)
+    fits = larger(1.0 - (path.stop - state.given_at) / h, 0.0) * sample.position_fits * sample.speed_fits
+    faster, most = sample.faster * fits, ONE_CHANGE * h * abs(sample.faster * fits)
+    aside = smaller(larger(sample.farther * fits - 0.5 * h * faster, -most), most)
     *_, b3, b4, b5 = quintic.coefficients(h, 0.0, 0.0, 0.0, 0.5 * h * faster + aside, faster, 0.0)
-    # the rates of the acceleration at the step's start
-    begin = now.motion[1][2] + grows * (path.start - now.given_at) + lag
+    # additional acceleration and its rates at the step's start
+    begin = state.motion[1][2] + grows * (path.start - state.given_at) + lag
     added = 2.0 * c2 - begin, 6.0 * (c3 - b3) - grows, 24.0 * (c4 - b4), 120.0 * (c5 - b5)
     bent = speed - c1 - 0.5 * h * (2.0 * c2 + acceleration)
-    shifted = place - c0 - h * c1 - h * h / 6.0 * (4.0 * c2 + acceleration) - 0.5 * h * bent - aside
-    wave, of_leg = _swung(now.wave, added, rope, leg, h)
+    shifted = position - c0 - h * c1 - h * h / 6.0 * (4.0 * c2 + acceleration) - 0.5 * h * bent - aside
+    wave, leg_force = _leg_response(state.wave, added, rope, leg, h)
     impedance = sqrt(rope.Qa * rope.mass_per_length)
-    of_place, within = STEP_SPEED * impedance * shifted / h, WITHIN * impedance * faster
-    drift = now.drift + (1.0 - exp(-settings.observer * h)) * (off[1][0] - now.drift)
-    accounted: InputFilter = now._replace(
-        asked=tuple(axis[2] for axis in now.motion),
-        time=now.time + h,
-        position=larger(now.position, misfits[0]),
-        speed=larger(now.speed, misfits[1]),
-        acceleration=larger(now.acceleration, misfits[2]),
-        squares=tuple(sum_ + h * (size * size) for sum_, size in zip(now.squares, misfits, strict=True)),
+    wave_force, within_force = STEP_SPEED * impedance * shifted / h, WITHIN * impedance * faster
+    drift = state.drift + (1.0 - exp(-settings.observer * h)) * (misfit[1][0] - state.drift)
+    result: InputFilter = state._replace(
+        end_accelerations=tuple(axis[2] for axis in state.motion),
+        time=state.time + h,
+        position=larger(state.position, misfits[0]),
+        speed=larger(state.speed, misfits[1]),
+        acceleration=larger(state.acceleration, misfits[2]),
+        squares=tuple(sum_ + h * (size * size) for sum_, size in zip(state.squares, misfits, strict=True)),
         wave=wave,
         lag=lag,
-        force=now.force + h * (of_leg * of_leg + of_place * of_place + within * within),
+        force=state.force + h * (leg_force * leg_force + wave_force * wave_force + within_force * within_force),
         drift=drift,
-        farthest=larger(now.farthest, abs(drift)),
+        farthest=larger(state.farthest, abs(drift)),
     )
-    return accounted
+    return result
 
 
-def _swung(wave: Any, added: Any, rope: Any, leg: Any, h: Any) -> tuple[Any, Any]:
-    """The leg's slowest axial wave, m/s^2, after a step with an acceleration, and the end force (N) then.
+def _leg_response(wave: Any, added: Any, rope: Any, leg: Any, h: Any) -> tuple[Any, Any]:
+    """Return the leg's slowest axial wave (m/s^2) after a step with an additional acceleration, and the end force (N).
 
-    ``added`` are the acceleration and its three rates at the step's start.  A wave that swings along with a cubic is
-    that less its second rate over omega^2; what is missing of it at the start swings freely.
+    ``added`` are the acceleration and its three rates at the step's start.  The forced wave is this cubic minus its
+    second rate over omega^2; the difference from the wave at the start oscillates freely.
     """
     omega = axial_frequency(rope, leg)
-    lasts = memory(rope, omega)
-    fades = lasts / (lasts + h)
+    duration = wave_duration(rope, omega)
+    decay = duration / (duration + h)
     c, s = cos(omega * h), sin(omega * h)
     a, b, d, e = added
     x, x_t = a - d / omega**2, (b - e / omega**2) / omega
     y = a + h * (b + 0.5 * h * (d + h * e / 3.0)) - (d + h * e) / omega**2
     y_t = (b + h * (d + 0.5 * h * e) - e / omega**2) / omega
-    free = fades * (c * wave[0] + s * wave[1]), fades * (c * wave[1] - s * wave[0])
-    swung = free[0] + (y - c * x - s * x_t), free[1] + (y_t - c * x_t + s * x)
+    free = decay * (c * wave[0] + s * wave[1]), decay * (c * wave[1] - s * wave[0])
+    total = free[0] + (y - c * x - s * x_t), free[1] + (y_t - c * x_t + s * x)
     mean = a + 0.5 * h * (b + h * (d / 3.0 + h * e / 12.0))
-    return swung, rope.mass_per_length * leg * (SWINGING * swung[0] + (1.0 - SWINGING) * mean)
+    return total, rope.mass_per_length * leg * (SWINGING * total[0] + (1.0 - SWINGING) * mean)
 
 
 def with_misfit(error: Any, sums: Any, left: Any, right: Any) -> Any:
-    """``error`` of the end forces, root mean square over the largest, with that of motions that do not fit."""
+    """Add the error by inconsistent motions to ``error`` of the end forces, root mean square over the largest."""
     squares = larger(left.force, right.force) / larger(sums.time, TINY)
     return sqrt(error * error + squares / larger(sums.force * sums.force, TINY))
 
 
 def with_drift(error: Any, left: Any, right: Any) -> Any:
-    """``error`` of the loop's place, m, with that of ends that are not where they are said to be."""
-    apart = 0.5 * (left.farthest + right.farthest)
-    return sqrt(error * error + apart * apart)
+    """Add the drift of the ends to ``error`` (m) of the loop's position."""
+    drift = 0.5 * (left.farthest + right.farthest)
+    return sqrt(error * error + drift * drift)

@@ -1,8 +1,8 @@
-"""Motions of the rope's ends with the conveyances.
+"""Paths of the rope's ends between two instants of the host.
 
-Between two instants of the host each coordinate follows a quintic polynomial in time, so that position, speed and
-acceleration are continuous whatever the host's step.  simulation.ends.input_filter says where a path leads.  Works on
-numbers and CasADi expressions: C has its structures and formulas from here.
+Each coordinate follows a quintic polynomial in time, so that position, speed and acceleration are continuous whatever
+the host's step.  simulation.ends.input_filter determines where a path leads.  Works on numbers and CasADi expressions:
+C has its structures and formulas from here.
 """
 
 from __future__ import annotations
@@ -18,19 +18,17 @@ from rope_model.physics.elementary import larger, smaller
 
 SIDES = ("left", "right")
 END_NODE = (0, -1)  #: rows of the ends in arrays of nodes
-#: columns of an end's path
-PATH = ("x", "y", "z", "yaw")
-#: of a clamp, by their own paths
-LEANS = ("lean", "lean_z")
-#: m/s and rad/s: an end that moves no faster is at rest
-RESTS_BELOW = 1e-6
-
-#: m and rad, m/s and rad/s, m/s^2 and rad/s^2: motions beyond are refused
-FARTHEST, FASTEST, HARDEST = 1e4, 60.0, 100.0
+PATH = ("x", "y", "z", "yaw")  #: coordinates of an end's path
+LEANS = ("lean", "lean_z")  #: leans of a clamp, which have paths of their own
+RESTS_BELOW = 1e-6  #: m/s and rad/s, speed below which an end is at rest
+# bounds of accepted motions
+FARTHEST = 1e4  #: m and rad
+FASTEST = 60.0  #: m/s and rad/s
+HARDEST = 100.0  #: m/s^2 and rad/s^2
 
 
 def _motion(unit: str, description: str, reach: float) -> float:
-    """A field of EndMotion; {side} stands for left or right."""
+    """Return a field of EndMotion; {side} stands for left or right."""
     return parameter(0.0, unit, description, Bounds(-reach, reach))
 
 
@@ -69,7 +67,7 @@ class EndMotion:
 
     @property
     def position(self) -> tuple[float, float, float]:
-        """x, y, z, m."""
+        """Coordinates x, y, z, m."""
         return self.x, self.y, self.z
 
     @property
@@ -85,12 +83,12 @@ class EndMotion:
 
 #: coefficients of 1, s, s^2 ... of one coordinate
 Quintic = tuple[float, float, float, float, float, float]
-#: of x, y, z and yaw
+#: values of x, y, z and yaw
 OfAxes = tuple[Any, Any, Any, Any]
 
 
 class EndPath(NamedTuple):
-    """A quintic in s = t - start for each values of x, y, z, yaw and the leans; held from ``stop`` on."""
+    """Quintics in s = t - start for x, y, z, yaw and for the leans, which end at ``stop``."""
 
     start: float
     stop: float
@@ -98,53 +96,53 @@ class EndPath(NamedTuple):
     leans: tuple[Quintic, Quintic] = ((0.0,) * 6,) * 2
 
     @staticmethod
-    def at_rest(t: float, at: EndMotion) -> EndPath:
-        """No motion at all."""
-        places = (*at.position, at.yaw, at.lean, at.lean_z)
-        x, y, z, yaw, *leans = ((place, 0.0, 0.0, 0.0, 0.0, 0.0) for place in places)
+    def at_rest(t: float, motion: EndMotion) -> EndPath:
+        """Return a path without motion."""
+        coordinates = (*motion.position, motion.yaw, motion.lean, motion.lean_z)
+        x, y, z, yaw, *leans = ((x0, 0.0, 0.0, 0.0, 0.0, 0.0) for x0 in coordinates)
         return EndPath(t, t, (x, y, z, yaw), (leans[0], leans[1]))
 
     def at_constant_acceleration(self, t: float) -> EndPath:
-        """The motion at ``t`` with its accelerations kept, before and after."""
+        """Return the motion at ``t`` continued with its accelerations, before and after."""
         rates = (*zip(*self.motion(t), strict=True), *self.leaning(t))
         x, y, z, yaw, *leans = ((x, v, 0.5 * a, 0.0, 0.0, 0.0) for x, v, a in rates)
         return EndPath(t, math.inf, (x, y, z, yaw), (leans[0], leans[1]))
 
     def height(self, t: float) -> Any:
-        """y at ``t``."""
+        """Return y at ``t``."""
         return quintic.value(self.coefficients[1], smaller(t, self.stop) - self.start)
 
     def yaw(self, t: float) -> tuple[Any, Any]:
-        """Yaw and its rate at ``t``."""
+        """Return yaw and its rate at ``t``."""
         return quintic.rates(self.coefficients[3], smaller(t, self.stop) - self.start)[:2]
 
     def leaning(self, t: float) -> tuple[Any, Any]:
-        """Leans and their rates at ``t``."""
+        """Return the leans and their rates at ``t``."""
         s = smaller(t, self.stop) - self.start
         return quintic.rates(self.leans[0], s), quintic.rates(self.leans[1], s)
 
     def motion(self, t: float) -> tuple[OfAxes, OfAxes, OfAxes]:
-        """Position, velocity and acceleration at ``t``."""
+        """Return position, velocity and acceleration at ``t``."""
         s = smaller(t, self.stop) - self.start
         (x, vx, ax), (y, vy, ay), (z, vz, az), (yaw, yaw_t, yaw_tt) = [quintic.rates(c, s) for c in self.coefficients]
         return (x, y, z, yaw), (vx, vy, vz, yaw_t), (ax, ay, az, yaw_tt)
 
     def at(self, t: float) -> EndMotion:
-        """The motion at ``t``."""
+        """Return the motion at ``t``."""
         (x, y, z, yaw), (vx, vy, vz, yaw_rate), (ax, ay, az, _) = self.motion(t)
         return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate, *(lean[0] for lean in self.leaning(t)))
 
     def peak_accelerations(self) -> tuple[Any, ...]:
-        """Largest accelerations on the path, of PATH and LEANS, sampled; NaN where the first sample is."""
+        """Return the largest sampled accelerations of PATH and LEANS; NaN where the first sample is."""
         times = [part * (self.stop - self.start) for part in (0.0, 0.25, 0.5, 0.75, 1.0)]
         every = (*self.coefficients, *self.leans)
         return tuple(reduce(larger, (abs(quintic.acceleration(c, s)) for s in times)) for c in every)
 
 
 def ends_at(paths: tuple[EndPath, EndPath], t: float) -> tuple[EndMotion, EndMotion]:
-    """The motions of both ends at ``t``."""
+    """Return the motions of both ends at ``t``."""
     return paths[0].at(t), paths[1].at(t)
 
 
-#: largest size of each value of EndMotion
+#: bound of each value of EndMotion
 REACH = {name: float(numeric_bounds(EndMotion, name)[1] or 0.0) for name in parameters_of(EndMotion)}

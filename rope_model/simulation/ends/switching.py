@@ -1,8 +1,8 @@
-"""Stick and slip: when a swivel must change its phase, and its next phase.
+"""Stick and slip of the swivels: location of the phase changes, and the next phase.
 
 The event function of a swivel is negative while its phase may last: |M| - M_static while it sticks, the rate against
-the sense of the slip while it slips.  The step that would carry it past zero is shortened to end there; then the
-swivel switches and the integrator restarts with consistent accelerations.
+the sense of the slip while it slips.  The step that would carry it past zero is shortened to end there; then the swivel
+switches and the integrator restarts with consistent accelerations.
 """
 
 import logging
@@ -21,14 +21,14 @@ from rope_model.simulation.stepping.events import locate
 
 log = logging.getLogger(__name__)
 
-#: width in s to which events are located
-EVENT_WIDTH = 1e-9
-#: number of switchings, and time (s), beyond which a swivel chatters
-CHATTER = 50, 1e-3
+EVENT_WIDTH = 1e-9  #: s, width to which events are located
+# a swivel chatters with more events in a shorter time
+CHATTER_EVENTS = 50
+CHATTER_TIME = 1e-3  #: s
 
 
 def release_swivels(model: RopeModel, state: RopeState) -> RopeState:
-    """Swivels whose release time has come begin to stick or slip."""
+    """Let swivels stick or slip whose release time has come."""
     swivels = list(state.swivels)
     for side, swivel in enumerate((model.scene.left, model.scene.right)):
         if state.motion.t >= released_at(swivel, swivels[side]):
@@ -41,32 +41,31 @@ def release_swivels(model: RopeModel, state: RopeState) -> RopeState:
 
 
 def next_release(model: RopeModel, state: RopeState) -> float:
-    """The next instant at which a locked swivel is released; infinity without one."""
+    """Return the next instant at which a locked swivel is released; infinity without one."""
     return float(min(map(released_at, (model.scene.left, model.scene.right), state.swivels)))
 
 
 def excess(system: RopeSystem, motion: Motion) -> float:
-    """Event function of both swivels: negative while each may stay in its phase."""
+    """Return the event function of both swivels: negative while each may stay in its phase."""
     return max(_excess_of(side, system, motion) for side in (0, 1))
 
 
 def _excess_of(side: int, system: RopeSystem, motion: Motion) -> float:
     ends = ends_of(system)
-    node, now, rate = END_NODE[side], ends.states[side], 0.0
+    node, swivel_state, rate = END_NODE[side], ends.states[side], 0.0
     R = motion.reaction[node]
-    if now.phase is Phase.SLIP:
+    if swivel_state.phase is Phase.SLIP:
         rate = ends.relative(side, motion.t, float(motion.q[node, ANGLE]), float(motion.v[node, ANGLE]))[1]
-    return float(swivel_excess(ends.swivels[side], now, float(R[1]), float(R[ANGLE]), rate))
+    return float(swivel_excess(ends.swivels[side], swivel_state, float(R[1]), float(R[ANGLE]), rate))
 
 
 def switching_step(
     model: RopeModel, system: RopeSystem, state: RopeState, result: StepResult[Evaluation], work: int
 ) -> tuple[float, int] | None:
-    """Length of the step that ends where a swivel must switch, and the Newton iterations it took to find it.
+    """Return the step to the instant at which a swivel must switch, and the Newton iterations of the search.
 
-    After ``work`` of these the earliest instant known to be past it will do.
-
-    None when none must before ``result`` is reached.
+    After ``work`` iterations it is the step to the earliest instant known to be past the event.  None if no swivel
+    switches before ``result``.
     """
     assert result.motion is not None
     at_end = excess(system, result.motion)
@@ -91,7 +90,7 @@ def switching_step(
 
 
 def switch_swivels(model: RopeModel, state: RopeState) -> RopeState:
-    """Swivels that cannot stay in their phase change it, and the motion restarts consistently."""
+    """Switch the swivels that cannot stay in their phase, and restart the motion consistently."""
     system, motion, swivels, events = model.system(state), state.motion, list(state.swivels), []
     for side in (0, 1):
         if _excess_of(side, system, motion) < 0:
@@ -109,20 +108,21 @@ def switch_swivels(model: RopeModel, state: RopeState) -> RopeState:
 
 
 def chatters(state: RopeState) -> bool:
-    """Whether the swivels switch to and fro faster than any rope can move."""
-    number, duration = CHATTER
+    """Return whether the swivels switch back and forth faster than any rope can move."""
     times = [event.t for event in state.events if "swivel" in event.what]
-    return len(times) >= number and times[-1] - times[-number] < duration
+    return len(times) >= CHATTER_EVENTS and times[-1] - times[-CHATTER_EVENTS] < CHATTER_TIME
 
 
 def _next_phase(side: int, model: RopeModel, state: RopeState) -> SwivelState:
-    """Next phase of a swivel that cannot stay in its own: stick if its friction can hold, else slip."""
-    now, motion = state.swivels[side], state.motion
-    if now.phase is Phase.SLIP:
+    """Return the next phase of a swivel that cannot stay in its own: stick if its friction can hold, else slip."""
+    swivel_state, motion = state.swivels[side], state.motion
+    if swivel_state.phase is Phase.SLIP:
         angle = ends_of(model.system(state)).relative(side, motion.t, motion.q[END_NODE[side], ANGLE], 0.0)[0]
-        now = SwivelState(Phase.STICK, float(angle), 0.0)
-        swivels = (now, state.swivels[1]) if side == 0 else (state.swivels[0], now)
+        swivel_state = SwivelState(Phase.STICK, float(angle), 0.0)
+        swivels = (swivel_state, state.swivels[1]) if side == 0 else (state.swivels[0], swivel_state)
         state = model.restart(state._replace(swivels=swivels))
         if _excess_of(side, model.system(state), state.motion) < 0:
-            return now
-    return SwivelState(Phase.SLIP, now.angle, math.copysign(1.0, -state.motion.reaction[END_NODE[side], ANGLE]))
+            return swivel_state
+    return SwivelState(
+        Phase.SLIP, swivel_state.angle, math.copysign(1.0, -state.motion.reaction[END_NODE[side], ANGLE])
+    )

@@ -1,6 +1,6 @@
-"""Friction of a swivel in each phase, and the end of a phase; codegen.rules makes the C of it.
+"""Friction of a swivel in each phase, and the event function of a phase; codegen.rules makes the C of it.
 
-``now`` is the swivel's SwivelState, ``held`` the moment (N m) by which the conveyance would hold the rope's end, and
+``swivel_state`` is its SwivelState, ``held`` the moment (N m) with which the conveyance would hold the rope's end, and
 ``rate`` that of the swivel's angle (rad/s).
 """
 
@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from rope_model.physics.elementary import both, either, where
 from rope_model.physics.swivel import friction_moment
 
-#: N m by which a moment must pass the static limit: less is rounding
+#: N m, excess of a moment over the static limit that is rounding
 MOMENT_RESOLUTION = 1e-9
 
 
@@ -24,7 +24,7 @@ class Phase(Enum):
 
 
 class SwivelState(NamedTuple):
-    """Phase; while it holds, the relative angle b (rad); while it slips, the sign of b_t."""
+    """Phase; the relative angle b (rad) while it holds; the sign of b_t while it slips."""
 
     phase: Phase
     angle: float
@@ -32,39 +32,40 @@ class SwivelState(NamedTuple):
 
 
 def frictionless(swivel: Any) -> Any:
-    """Whether it turns by itself."""
+    """Return whether the swivel turns without friction."""
     return either(swivel.mode == "free", both(swivel.mu_kinetic == 0.0, swivel.seal_moment == 0.0))
 
 
-def released_at(swivel: Any, now: Any) -> Any:
-    """The instant (s) at which its lock ends; infinite where it is not locked, or for ever."""
-    waits = both(now.phase == Phase.LOCKED, swivel.mode != "locked")
+def released_at(swivel: Any, swivel_state: Any) -> Any:
+    """Return the instant (s) at which its lock ends; infinite if it is not locked, or locked for ever."""
+    waits = both(swivel_state.phase == Phase.LOCKED, swivel.mode != "locked")
     return where(waits, swivel.release_time, math.inf)
 
 
-def relaxes(swivel: Any, now: Any, t: Any) -> Any:
-    """Whether a run that starts at ``t`` (s) starts from where it has slid to."""
-    return both(swivel.start == "relaxed", t >= released_at(swivel, now))
+def relaxes(swivel: Any, swivel_state: Any, t: Any) -> Any:
+    """Return whether a run that starts at ``t`` (s) starts from the angle to which the swivel has slid."""
+    return both(swivel.start == "relaxed", t >= released_at(swivel, swivel_state))
 
 
 def swivel_friction(swivel: Any, mu: Any, tension: Any) -> Any:
-    """Largest moment (N m) of its friction with this coefficient."""
+    """Return the largest moment (N m) of its friction with this coefficient."""
     return where(swivel.mode == "free", 0.0, friction_moment(mu, swivel.mean_diameter, swivel.seal_moment, tension))
 
 
 def beyond_rest(swivel: Any, tension: Any, held: Any) -> Any:
-    """Moment (N m) by which ``held`` passes what the swivel can hold at rest; negative while it holds."""
+    """Return the moment (N m) by which ``held`` exceeds the static friction; negative while the swivel holds."""
     holds = where(frictionless(swivel), 0.0, swivel_friction(swivel, swivel.mu_static, tension))
     return abs(held) - (holds + MOMENT_RESOLUTION)
 
 
-def moment_of_swivel(swivel: Any, now: Any, tension: Any, held: Any) -> Any:
-    """Moment (N m, about the tangent) of the conveyance on the rope's end."""
-    return where(now.phase == Phase.SLIP, -now.sign * swivel_friction(swivel, swivel.mu_kinetic, tension), held)
+def moment_of_swivel(swivel: Any, swivel_state: Any, tension: Any, held: Any) -> Any:
+    """Return the moment (N m, about the tangent) of the conveyance on the rope's end."""
+    friction = swivel_friction(swivel, swivel.mu_kinetic, tension)
+    return where(swivel_state.phase == Phase.SLIP, -swivel_state.sign * friction, held)
 
 
-def swivel_excess(swivel: Any, now: Any, tension: Any, held: Any, rate: Any) -> Any:
-    """Event function: negative while the swivel may stay in its phase."""
-    stays = either(now.phase == Phase.LOCKED, both(now.phase == Phase.SLIP, frictionless(swivel)))
+def swivel_excess(swivel: Any, swivel_state: Any, tension: Any, held: Any, rate: Any) -> Any:
+    """Return the event function: negative while the swivel may stay in its phase."""
+    stays = either(swivel_state.phase == Phase.LOCKED, both(swivel_state.phase == Phase.SLIP, frictionless(swivel)))
     beyond = beyond_rest(swivel, tension, held)
-    return where(stays, -math.inf, where(now.phase == Phase.STICK, beyond, -now.sign * rate))
+    return where(stays, -math.inf, where(swivel_state.phase == Phase.STICK, beyond, -swivel_state.sign * rate))

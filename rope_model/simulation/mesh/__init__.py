@@ -1,1 +1,1 @@
-"""Partitions of the rope, and the change from one to the next."""
+"""Mesh of the rope: partitions, their fit to the rope, and transformations between them."""

@@ -1,4 +1,4 @@
-"""Changes of the rope's description that leave the rope as it is: mesh, the fidelity of the model."""
+"""Changes of mesh and fidelity during a run, which leave the rope's motion as it is; unwrapping of the loop's yaw."""
 
 import logging
 import math
@@ -25,12 +25,12 @@ from rope_model.simulation.wires import carry, start_hysteresis
 
 log = logging.getLogger(__name__)
 
-#: s: slower motions keep their shape in a transformation, unless Newton's method needs a shorter time
+#: s, slower motions keep their shape in a transformation, unless Newton's method needs a shorter time
 RELAXATION_TIME = 0.1
 
 
 def transform_if_due(model: RopeModel, state: RopeState) -> RopeState | str:
-    """The state on the transformed mesh when the loop has travelled far enough, or why there is none."""
+    """Return the state on the transformed mesh if a transformation is due, or the reason for a failure."""
     t = state.motion.t
     bottom, faced = model.bottom(state.paths, t), model.faced(state.paths, t)
     while (direction := transformation_due(state.partition, bottom, DUE_EARLY)) or window_due(state.partition, faced):
@@ -42,7 +42,7 @@ def transform_if_due(model: RopeModel, state: RopeState) -> RopeState | str:
 
 
 def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeState | str:
-    if state.fidelity == "rigid":  # its shape and energies do not come from the mesh
+    if state.fidelity == "rigid":  # shape and energies of a rigid rope do not depend on the mesh
         return state._replace(partition=new)
     old_s, new_s = state.partition.nodes_s, new.nodes_s
     m = state.motion
@@ -70,20 +70,21 @@ def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeSta
 
 
 def _dynamic_equilibrium(model: RopeModel, state: RopeState, time: float, tolerance: float) -> Solution[Evaluation]:
-    """The state in equilibrium with its accelerations.
+    """Return the equilibrium of the state with its accelerations.
 
-    Where elements became fewer, the new cubic is a little too short or too long, which the stiffness would turn into a
-    blow.  An inertia that stands for this ``time`` (s) lets the stiff part give way and holds the rest.
+    Where elements merge, the new cubic is a little too short or too long, which the stiffness would turn into a blow.
+    An inertia that corresponds to this ``time`` (s) lets the stiff part relax and holds the rest.
     """
     m = state.motion
     return model.system(state).solve(m.q, m.v, m.a, m.reaction, np.array([1.0, 0.0, time**-2]), tolerance)
 
 
 def raise_fidelity(model: RopeModel, state: RopeState, why: str) -> RopeState:
-    """The state at the lowest fidelity that can follow the present motion.
+    """Return the state at the lowest fidelity that can follow the present motion.
 
-    Nothing else changes where nothing was left out.  Otherwise the rope takes the stretch and twist of the next higher
-    fidelity at once; a rigid one, which has no shape of its own, also takes the equilibrium's shape and motion.
+    If the lower fidelity left nothing out, nothing else changes.  Otherwise the rope takes the stretch and twist of the
+    next higher fidelity at once; a rigid one, which has no shape of its own, also takes the equilibrium's shape and
+    motion.
     """
     fidelity = lowest_sufficient(model.scene, ends_at(state.paths, state.paths[0].stop), model.forces.s.size)
     reason = fidelity_messages.cannot_follow(state.fidelity, why)
@@ -112,19 +113,19 @@ def raise_fidelity(model: RopeModel, state: RopeState, why: str) -> RopeState:
 
 
 def with_loop_yaw(state: RopeState) -> RopeState:
-    """The loop's yaw at its lowest node, counted on from its last value."""
+    """Return the state with the loop's yaw at its lowest node, unwrapped from its last value."""
     q = state.motion.q
     d = q[q[:, 1].argmin(), SLOPE].tolist()
     return state._replace(loop_yaw=nearest_turn(math.atan2(-d[2], d[0]), state.loop_yaw))
 
 
 def nearest_turn(angle: float, last: float) -> float:
-    """``angle`` (rad) with the full turns that bring it closest to ``last``."""
+    """Unwrap ``angle`` (rad): add the full turns that bring it closest to ``last``."""
     return angle + 2 * math.pi * round((last - angle) / (2 * math.pi))
 
 
 def _with_energy_change(model: RopeModel, state: RopeState) -> RopeState:
-    """A transformed rope with its energy change in the energy_balance."""
+    """Return a transformed state with its energy change in the energy balance."""
     m, before = state.motion, state.energy_balance
     after = energies(before, model.system(state).evaluate(m.q, m.v, m.a, m.reaction).balance)
     kinetic, total = after.kinetic - before.kinetic, after.total - before.total

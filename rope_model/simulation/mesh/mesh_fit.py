@@ -1,11 +1,11 @@
-"""The mesh that suits a rope, which mesh.kind = auto takes: formulas for both forms.
+"""Mesh that suits a rope, for mesh.kind = auto; both forms of the rope have the formulas.
 
-R is half the spacing, or the free loop's radius if that is less, from w = (EI / rho g)^(1/3).  The elements there are
-as long as the error of its place at rest allows, which grows with the second power of their length while they lock,
-with the sixth when they are short (physics.accuracy); docs/promise.md shows the errors kept.  Segment IV covers the
-bend, its decay above, and the way to the next transformation.  The elements next to the clamped ends resolve the
-bending layer sqrt(EI / T).  A rope too short or too stiff for all that gets equal elements.  Where a divider may press
-a leg all elements are short enough for the waves of its blow, and half as long where they face it.
+With w = (EI / rho g)^(1/3), R is half the spacing, or the free loop's radius if that is less.  The error of the loop's
+position at rest limits the length of its elements: it grows with the second power of the length while they lock, with
+the sixth when they are short (physics.accuracy); docs/promise.md shows the errors.  Segment IV covers the bend, its
+decay above, and the distance to the next transformation.  The elements next to the clamped ends resolve the bending
+layer sqrt(EI / T).  A rope too short or too stiff for this pattern gets equal elements.  Where a divider may press a
+leg all elements are short enough for the waves of its blow, and shorter still where they face it.
 
 `python -m evidence.mesh_rule` fits the basis of the constants.
 """
@@ -14,48 +14,45 @@ import math
 from typing import Any, NamedTuple
 
 from rope_model.physics import contact_error
-from rope_model.physics.accuracy import BRAKED, length_for, memory
+from rope_model.physics.accuracy import BRAKED, length_for, wave_duration
 from rope_model.physics.elementary import both, ceil, cos, either, larger, less, smaller, sqrt, where
 from rope_model.physics.estimates import axial_frequency, bending_length
 
-#: a transformation is due when the loop is this many l away from the middle of segment IV: half, where the neighbouring
-#: mesh fits as well, and a margin that keeps a loop which trembles by up to l/5 from transforming to and fro
+#: distance (l) of the loop from the middle of segment IV at which a transformation is due: the neighbouring mesh fits
+#: as well from 0.5 on; the margin keeps a loop that trembles by up to l/5 from transforming to and fro
 DUE = 0.6
-#: ratio of l to the elements of IV: five segments
-RATIO = 4.0
-#: of end_levels
-MOST_LEVELS = 8
-#: share of the loop's allowed error that the mesh may take
-MESH_SHARE = 0.5
-#: grading_length = LEG_GRADING loop_error / length, the lag allowed to short waves on a long trip, but no more than
-#: LEG_WAVES / length, for the short waves of an emergency stop (evidence.mesh_rule.trips); nor more than LEG_SWAY (EI /
-#: rho g)^(1/3): at a height y above the loop waves of the loop's own frequency, sqrt(g / w), are 2 pi sqrt(w y) long,
-#: and elements sqrt(grading_length y)
-LEG_GRADING, LEG_WAVES, LEG_SWAY = 7.5e5, 1000.0, 1.0  # m, m^2, 1
-#: longitudinal waves after an emergency stop pump the legs' waves of half their frequency (pumped_grading): elements
-#: that such a wave has with a leg of PUMPED_LEG of the rope, fewer where it grows by less than exp(PUMPED_GROWTH);
-#: tuned on emergency stops of seeded ropes of 60 to 1200 m; for a smaller loop error than PUMPED_ERROR (m) elements are
-#: shorter by its fourth root
-PUMPED_ELEMENTS, PUMPED_LEG, PUMPED_GROWTH, PUMPED_ERROR = 5.0, 0.75, 8.0, 5e-3
-#: the free loop's smallest radius of curvature in units of (EI / rho g)^(1/3): 1 / 1.09661
-NATURAL_RADIUS = 0.912
-#: share of loop_error that the loop's elements may take at rest; longer ones than LONGEST R, on which the loop slips
-#: aside, are not used
-LOCKING_SHARE, LONGEST = 0.6, 0.75
-#: decay above the bend, in units of (EI / rho g)^(1/3): FADE for an error of FADE_ERROR (m), and this much more for a
-#: tenth of it
-FADE, FADE_ERROR, FADE_DECADE = 1.0, 0.05, 0.43
-#: how near an end the loop has the whole pattern about it, in rope lengths: ends that part by 3/4 of them
+RATIO = 4.0  #: l over the length of the elements of IV: five segments
+MOST_LEVELS = 8  #: largest end_levels
+MESH_SHARE = 0.5  #: fraction of the loop's allowed error that the mesh may take
+# upper bounds of grading_length
+LEG_GRADING = 7.5e5  #: m, times loop_error / length: lag allowed to short waves on a long trip
+LEG_WAVES = 1000.0  #: m^2, over the length: short waves of an emergency stop (evidence.mesh_rule.trips)
+#: times w: at a height y above the loop elements are sqrt(grading_length y) long, and waves of the loop's own frequency
+#: sqrt(g / w) are 2 pi sqrt(w y) long
+LEG_SWAY = 1.0
+# after an emergency stop longitudinal waves excite waves of half their frequency in the legs (pumped_grading); tuned on
+# seeded ropes of 60 to 1200 m
+PUMPED_ELEMENTS = 5.0  #: elements of such a wave
+PUMPED_LEG = 0.75  #: length of the leg over that of the rope
+PUMPED_GROWTH = 8.0  #: exponent of a wave's growth below which it needs fewer elements
+PUMPED_ERROR = 5e-3  #: m, error of the loop below which elements are shorter, by its fourth root
+NATURAL_RADIUS = 0.912  #: smallest radius of curvature of the free loop over w: 1 / 1.09661
+LOCKING_SHARE = 0.6  #: fraction of loop_error that the loop's elements may take at rest
+LONGEST = 0.75  #: longest element of the loop over R: on longer ones it slips aside
+# decay length above the bend over w
+FADE = 1.0  #: for an error of the loop of FADE_ERROR
+FADE_ERROR = 0.05  #: m
+FADE_DECADE = 0.43  #: increase for a tenth of the error
+#: distance (rope lengths) of the loop from an end down to which no part of the pattern is cut off: ends 3/4 L apart
 NEAREST = 0.12
-#: end elements in units of the bending layer there, for an error of END_ERROR R; shorter by the fifth root of the error
-END_LENGTH, END_ERROR = 2.9, 0.033
-#: legs that a divider may press have elements that follow its pressure with this delay (s): physics.contact_error; it
-#: may press legs that hang within REACH of the spacing from it
-BLOW, REACH = 0.01, 0.5
+END_LENGTH = 2.9  #: length of the end elements over the bending layer there, shorter by the fifth root of the error
+END_ERROR = 0.033  #: error of the loop over R to which END_LENGTH belongs
+BLOW = 0.01  #: s, delay of the elements of legs that a divider may press: physics.contact_error
+REACH = 0.5  #: distance of such a leg from the divider over the spacing
 
 
 class FittedLengths(NamedTuple):
-    """Lengths (m) of the mesh that suits a rope: loop's radius, its elements, decay of the bend above, end elements.
+    """Lengths (m) for the mesh: loop's radius, its elements, decay of the bend above, end elements.
 
     ``grading``: square of the legs' elements over their distance from the loop.
     """
@@ -68,7 +65,7 @@ class FittedLengths(NamedTuple):
 
 
 def fit_lengths(scene: Any, loop_error: Any, decades: Any) -> FittedLengths:
-    """Lengths for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
+    """Return the lengths for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
     rope, w = scene.rope, bending_length(scene)
     radius = smaller(0.5 * scene.layout.spacing, NATURAL_RADIUS * w)
     shorter = (loop_error / (END_ERROR * radius)) ** 0.2
@@ -81,22 +78,22 @@ def fit_lengths(scene: Any, loop_error: Any, decades: Any) -> FittedLengths:
 
 
 def pumped_grading(scene: Any) -> Any:
-    """Grading that resolves the waves across the legs that an emergency stop makes grow.
+    """Return the grading that resolves the transverse waves of the legs that grow after an emergency stop.
 
-    A tension rho g y (1 + a cos omega t) pumps waves of omega / 2 (Mathieu's equation): they grow by exp(a omega t / 8)
-    and are 4 pi sqrt(g y) / omega long.  a is BRAKED, and lasts as long as the longitudinal wave.
+    A tension rho g y (1 + a cos omega t) excites waves of omega / 2 (Mathieu's equation): they grow by exp(a omega t /
+    8) and are 4 pi sqrt(g y) / omega long.  a is BRAKED, and lasts as long as the longitudinal wave.
     """
     rope, g = scene.rope, scene.layout.gravity
     omega = axial_frequency(rope, PUMPED_LEG * rope.length)
-    growth = 0.125 * BRAKED * omega * memory(rope, omega)
-    share = 4.0 * math.pi / (PUMPED_ELEMENTS * omega)
-    return g * (share * share) * (1.0 + (PUMPED_GROWTH / growth) ** 4)
+    growth = 0.125 * BRAKED * omega * wave_duration(rope, omega)
+    wavelength = 4.0 * math.pi / (PUMPED_ELEMENTS * omega)
+    return g * (wavelength * wavelength) * (1.0 + (PUMPED_GROWTH / growth) ** 4)
 
 
-def faced_places(scene: Any, left: Any, right: Any) -> tuple[Any, ...]:
-    """Return (8,): distances (m) along the rope from its ends, at these heights, to where each divider may press a leg.
+def faced_positions(scene: Any, left: Any, right: Any) -> tuple[Any, ...]:
+    """Return the arc lengths (m) from the ends, at these heights, at which each divider may press a leg (8,).
 
-    Left and right leg by turns; infinite where the divider does not hold the leg, or hangs far from it.
+    Left and right leg alternate; infinite where the divider does not hold the leg, or is far from it.
     """
     shaft, half = scene.shaft, 0.5 * scene.layout.spacing
     return tuple(
@@ -113,13 +110,13 @@ def _may_press(scene: Any, divider: Any, leg: Any) -> Any:
 
 
 def pressed_length(scene: Any) -> Any:
-    """The longest element of a rope with a leg that a divider may press, m; infinite where there is none."""
-    pressed = either(*(place < math.inf for place in faced_places(scene, 0.0, 0.0)))
+    """Return the longest element (m) of a rope with a leg that a divider may press; infinite without one."""
+    pressed = either(*(s < math.inf for s in faced_positions(scene, 0.0, 0.0)))
     return where(pressed, contact_error.length_for(scene, BLOW), math.inf)
 
 
 class FittedMesh(NamedTuple):
-    """Parameters of the mesh: equal elements, 0 for none, or else l (m), elements of IV, end_levels, grading_length."""
+    """Mesh parameters: equal elements, 0 for none, or else l (m), elements of IV, end_levels, grading_length."""
 
     equal: float
     coarse: float
@@ -129,24 +126,24 @@ class FittedMesh(NamedTuple):
 
 
 def fit_elements(scene: Any, loop_error: Any, decades: Any) -> FittedMesh:
-    """The mesh for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
-    length, of, longest = scene.rope.length, fit_lengths(scene, loop_error, decades), pressed_length(scene)
-    # the loop comes near an end: nothing of the pattern is cut off until NEAREST
-    coarse = smaller(RATIO * of.fine, longest)
-    coarse = smaller(coarse, 2 * NEAREST * length / _inner_length(_fine_count(of, coarse)))
-    fine = _fine_count(of, coarse)
+    """Return the mesh for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
+    length, lengths, longest = scene.rope.length, fit_lengths(scene, loop_error, decades), pressed_length(scene)
+    # no part of the pattern may be cut off while the loop is NEAREST or farther from an end
+    coarse = smaller(RATIO * lengths.fine, longest)
+    coarse = smaller(coarse, 2 * NEAREST * length / _inner_length(_fine_count(lengths, coarse)))
+    fine = _fine_count(lengths, coarse)
     short = coarse * (0.5 * _inner_length(fine) - DUE) > NEAREST * length
-    equal = where(short, larger(ceil(length / smaller(of.fine, 0.5 * longest)), 8.0), 0.0)
-    end_levels = sum((less(of.end * 2**k, coarse) for k in range(1, MOST_LEVELS)), less(of.end, coarse))
-    grading = where(longest < math.inf, 0.0, of.grading)  # no elements of I and VII joined
+    equal = where(short, larger(ceil(length / smaller(lengths.fine, 0.5 * longest)), 8.0), 0.0)
+    end_levels = sum((less(lengths.end * 2**k, coarse) for k in range(1, MOST_LEVELS)), less(lengths.end, coarse))
+    grading = where(longest < math.inf, 0.0, lengths.grading)  # no joined elements in I and VII
     return FittedMesh(equal, coarse, fine, end_levels, grading)
 
 
-def _fine_count(of: FittedLengths, coarse: Any) -> Any:
-    """Elements of segment IV, which has the bend, its decay above, and the way to the next transformation."""
-    return RATIO * ceil((math.pi * of.radius + 2 * of.fade + 2 * DUE * coarse) / coarse)
+def _fine_count(lengths: FittedLengths, coarse: Any) -> Any:
+    """Return the elements of IV: for the bend, its decay above, and the distance to the next transformation."""
+    return RATIO * ceil((math.pi * lengths.radius + 2 * lengths.fade + 2 * DUE * coarse) / coarse)
 
 
 def _inner_length(fine: Any) -> Any:
-    """Length of the segments II to VI in units of l, of which II and VI have two elements, III and V none."""
+    """Return the length of segments II to VI in units of l; II and VI have two elements each, III and V none."""
     return fine / RATIO + 2.0

@@ -1,7 +1,7 @@
-"""The pattern of TMN-ETM: how long its segments are, and when it moves on; codegen.rules makes the C of it.
+"""Pattern of TMN-ETM: lengths of its segments and conditions of its transformations; codegen.rules makes the C of it.
 
-``counts`` are the elements of the segments II to VI, lengths are in units of l.  A ``pattern`` has the counts of all
-seven segments, 0 for EEM, and l as ``coarse``, 0 for EEM.
+``counts`` are the elements of segments II to VI, lengths are in units of l.  A ``pattern`` has the counts of all seven
+segments and l as ``coarse``, all 0 for EEM.
 """
 
 import math
@@ -10,62 +10,62 @@ from typing import Any
 from rope_model.physics.elementary import either, floor, larger, less, smaller, where
 from rope_model.simulation.mesh.mesh_fit import DUE
 
-#: m, for rounding: a transformation is made where it is due by this less
-DUE_EARLY = 1e-7
-#: l of a leg that are refined where it faces a divider, and elements of each.  A blow that rises within four delays of
-#: mesh_fit.BLOW goes 4/pi l along the rope; WINDOW_DUE l off, more than half and the way between two transformations,
-#: the window moves
-WINDOW, WINDOW_PARTS, WINDOW_DUE = 6, 3, 1.6
+DUE_EARLY = 1e-7  #: m, distance before the limit at which a transformation is made, because of rounding
+# window of a leg that is refined where it faces a divider.  A blow that rises within four delays of mesh_fit.BLOW goes
+# 4/pi l along the rope
+WINDOW = 6  #: length in l
+WINDOW_PARTS = 3  #: elements of each l
+WINDOW_DUE = 1.6  #: distance (l) at which the window moves: more than half of that between two transformations
 
 
 def fine_share(counts: Any) -> Any:
-    """Length of the elements of IV: half of their neighbours."""
+    """Return the length of the elements of IV: half of their neighbours'."""
     return where(counts[0] > 0, 0.5, 1.0) * where(counts[1] > 0, 0.5, 1.0) * 0.5
 
 
 def relative_lengths(counts: Any) -> tuple[Any, ...]:
-    """Element lengths of the segments II to VI."""
+    """Return the element lengths of segments II to VI."""
     return 0.5, 0.25, fine_share(counts), 0.25, 0.5
 
 
 def inner_length(counts: Any) -> Any:
-    """Length of the segments II to VI."""
+    """Return the length of segments II to VI."""
     ii, iii, iv, v, vi = counts
     return 0.5 * (ii + vi) + 0.25 * (iii + v) + fine_share(counts) * iv
 
 
 def fewest_outer(counts: Any) -> Any:
-    """Fewest elements of I or VII: so many below 1 as the half of II to VI, of these counts, has l."""
+    """Return the smallest number of elements of I or VII: below 1 by the whole l in half of segments II to VI."""
     return 1.0 - floor(0.5 * inner_length(counts))
 
 
 def pattern_centre(pattern: Any) -> Any:
-    """Arc length of the middle of segment IV, m."""
+    """Return the arc length of the middle of segment IV, m."""
     return pattern.coarse * (pattern.counts[0] + 0.5 * inner_length(pattern.counts[1:6]))
 
 
 def distance_to_due(pattern: Any, bottom: Any) -> Any:
-    """Distance (m) of the loop past the limit; negative when no transformation is due or possible."""
+    """Return the distance (m) of the loop past the limit; negative if no transformation is due or possible."""
     return _past_limit(pattern, bottom - pattern_centre(pattern))
 
 
-def window_place(pattern: Any, place: Any) -> Any:
-    """Where the window about ``place`` (m from the end) would begin, in l, on the rope or just beyond."""
+def window_place(pattern: Any, s: Any) -> Any:
+    """Return the start, in l, of the window about arc length ``s`` (m) from the end, on the rope or just beyond."""
     beyond = pattern.counts[0] + pattern.counts[6] + inner_length(pattern.counts[1:6])
-    return smaller(larger(place / pattern.coarse - 0.5 * WINDOW, -float(WINDOW)), beyond)
+    return smaller(larger(s / pattern.coarse - 0.5 * WINDOW, -float(WINDOW)), beyond)
 
 
 def _past_limit(pattern: Any, offset: Any) -> Any:
-    """Distance past the limit of a loop that is ``offset`` (m) right of the centre."""
+    """Return the distance past the limit of a loop that is ``offset`` (m) right of the centre."""
     outer = where(offset > 0.0, pattern.counts[6], pattern.counts[0])
     stays = either(pattern.coarse <= 0.0, outer == fewest_outer(pattern.counts[1:6]))
     return where(stays, -math.inf, abs(offset) - DUE * pattern.coarse)
 
 
 def transformation_due(pattern: Any, bottom: Any, slack: Any = 0.0) -> Any:
-    """+1 or -1 when the loop at arc length ``bottom`` is within ``slack`` (m) of calling for a transformation.
+    """Return +1 or -1 if the loop at arc length ``bottom`` is within ``slack`` (m) of a transformation.
 
-    0 when it is not, or when the mesh can make no more in that direction.
+    It is 0 otherwise, or if the mesh has reached its end in that direction.
     """
     offset = bottom - pattern_centre(pattern)
     return where(_past_limit(pattern, offset) < -slack, 0.0, less(0.0, offset) - less(offset, 0.0))

@@ -1,24 +1,24 @@
-"""Partitions of the rope into elements.
+"""Partitions of the rope into elements: EEM and TMN-ETM.
 
-EEM, the equal-length element mesh, is fixed on the rope: the baseline that proves the other right.
+EEM, the equal-length element mesh, is fixed on the rope: the baseline against which the other is checked.
 
 TMN-ETM, time-varying multi-segment non-equal-length elements, has seven segments with element lengths
 
     I: l    II: l/2    III: l/4    IV: l/8    V: l/4    VI: l/2    VII: l
 
-IV around the loop's lowest point.  For every l that the loop travels along the rope a transformation moves the pattern
-by l: segment I gains one element and VII loses one, or the reverse; the other counts stay.  Where the pattern gets
-coarser, elements join; where it gets finer, they split (see transfer).  Without III and V IV has l/4, without II and VI
-too l/2: shorter ways from one transformation to the next, which IV need not cover. Near an end of the rope the
-pattern goes on beyond it.  The outermost l stays, with the loop's elements where they are shorter; the part cut off by
-the end, up to half of the pattern, halves the other leg's longest elements: their number stays.
+with IV around the loop's lowest point.  For every l that the loop travels along the rope a transformation moves the
+pattern by l: segment I gains one element and VII loses one, or the reverse; the other counts stay.  Where the pattern
+becomes coarser, elements merge; where it becomes finer, they split (see transfer).  Without III and V the elements of
+IV are l/4 long, without II and VI too l/2: IV then covers less between transformations.  Near an end of the rope the
+pattern continues beyond it.  The outermost l stays, with the loop's elements where they are shorter.  The part cut off
+by the end, up to half of the pattern, halves the other leg's longest elements: the number of elements stays.
 
-Ours are two additions.  The outermost element at each end is halved towards the end ``end_levels`` times and stays so:
+Two additions are ours.  The outermost element at each end is halved towards the end ``end_levels`` times and stays so:
 the rope is clamped there with a vertical tangent, and the bending layer below the clamp, sqrt(EI / T) = 0.2 to 0.5 m
-long, is shorter than l; unresolved, it leans the whole leg.  And the pattern goes on upwards in I and VII, 2 l, 3 l, 4
-l, 6 l ..., as far as the distances from end and loop allow: the tension grows with the distance x from the loop, so
-waves of a swaying leg travel at sqrt(g x).  An element may be as long as sqrt(``grading_length`` x).  Their number, the
-same for every place of the loop, grows with the root of the rope's length for a given ``grading_length``.
+long, is shorter than l; unresolved, it leans the whole leg.  And in I and VII the pattern continues upwards with 2 l, 3
+l, 4 l, 6 l ..., as far as the distances from end and loop allow: the tension grows with the distance x from the loop,
+so waves of a swaying leg travel at sqrt(g x).  An element may be as long as sqrt(``grading_length`` x).  Their number
+is the same for every position of the loop and grows with the root of the rope's length for a given ``grading_length``.
 
 Where a leg faces a divider that may press it, WINDOW elements of l are divided into WINDOW_PARTS each.
 """
@@ -32,29 +32,29 @@ import numpy as np
 
 from rope_model.parameters import Scene
 from rope_model.simulation.mesh import mesh_pattern as tmn
-from rope_model.simulation.mesh.mesh_fit import FADE_ERROR, MESH_SHARE, faced_places, fit_elements
+from rope_model.simulation.mesh.mesh_fit import FADE_ERROR, MESH_SHARE, faced_positions, fit_elements
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import Array, arc_lengths
 from rope_model.solver_parameters import MOST_ELEMENTS, Mesh
 
-#: a step carries the loop at most this many l past that: 20 ms at 20 m/s where l = 1.6 m
+#: distance (l) beyond the limit of a transformation that a step carries the loop at most: 20 ms at 20 m/s with l = 1.6
+#: m
 LATEST = 0.25
-#: in units of l, an element of I or VII has one of these lengths where its distance from its end of the rope is a
-#: multiple of it, so that its neighbours stay when it changes (spare ones are halved, see _legs); one of m l is no
-#: nearer to segments II to VI than GRADING (m - 1) l
-LEG_LENGTHS, GRADING = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64), 2
-#: places of dividers on a rope that none may press
-NOWHERE = (math.inf,) * 8
+#: lengths (l) of elements of I or VII, each at a multiple of its length from the end of the rope, so that its
+#: neighbours stay when it changes (spare ones are halved, see _legs)
+LEG_LENGTHS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
+GRADING = 2  #: least distance of an element of m l from segments II to VI over (m - 1) l
+NOWHERE = (math.inf,) * 8  #: positions of dividers on a rope that none may press
 
 
 @dataclass(frozen=True)
 class Partition:
-    """Element lengths from left to right; for TMN-ETM also the pattern they come from.
+    """Element lengths from left to right; for TMN-ETM also their pattern.
 
-    ``counts`` are the elements of the seven segments (0 for EEM) before the end elements are halved
-    ``end_levels`` times and those of I and VII joined as ``grading_length`` (m) allows; ``coarse`` is l.
-    Where I or VII has fewer than one, the end cuts off as many l of the other segments.
-    ``windows`` begin so many l from the ends, in the order of mesh_fit.faced_places; those of none are beyond the rope.
+    ``counts`` are the elements of the seven segments (0 for EEM) before the end elements are halved ``end_levels``
+    times and those of I and VII joined as ``grading_length`` (m) allows; ``coarse`` is l.  Below 1 in I or VII they
+    count the l that the end cuts off.  ``windows`` begin so many l from the ends, in the order of
+    mesh_fit.faced_positions; unused ones are beyond the rope.
     """
 
     lengths: Array
@@ -81,7 +81,7 @@ class Partition:
 
 
 def fit_mesh(scene: Scene) -> Mesh:
-    """The scene's mesh as it is, or in place of 'auto' one from the rope's own lengths: see mesh_fit."""
+    """Return the scene's mesh, or a fitted one if it is 'auto': see mesh_fit."""
     mesh = scene.mesh
     if mesh.kind != "auto":
         return mesh
@@ -100,18 +100,18 @@ def fit_mesh(scene: Scene) -> Mesh:
 
 
 def faced_by(scene: Scene, left: float, right: float) -> Sequence[float]:
-    """mesh_fit.faced_places on the mesh that suits the rope; nowhere on one that is given."""
-    return faced_places(scene, left, right) if scene.mesh.kind == "auto" else NOWHERE
+    """Return mesh_fit.faced_positions for a fitted mesh, and NOWHERE for a prescribed one."""
+    return faced_positions(scene, left, right) if scene.mesh.kind == "auto" else NOWHERE
 
 
 def mesh_elements(scene: Scene) -> int:
-    """Number of elements of the scene's rope; ValueError where the mesh does not fit it."""
+    """Return the number of elements of the scene's rope; ValueError if the mesh does not fit it."""
     length = scene.rope.length
     return int(partition(fit_mesh(scene), length, 0.5 * length, faced_by(scene, 0.0, 0.0)).lengths.size)
 
 
 def partition(mesh: Mesh, length: float, bottom: float, faced: Sequence[float] = NOWHERE) -> Partition:
-    """The partition of a rope of ``length`` with its loop at arc length ``bottom``, and dividers where ``faced``."""
+    """Return the partition of a rope of ``length`` with its loop at ``bottom`` (m) and dividers where ``faced``."""
     if mesh.kind == "auto":
         raise ValueError("mesh kind 'auto' needs the rope's data first: use mesh.fit_mesh")
     if mesh.kind == "eem":
@@ -134,7 +134,7 @@ def partition(mesh: Mesh, length: float, bottom: float, faced: Sequence[float] =
 
 
 def transform(old: Partition, direction: float, faced: Sequence[float] = NOWHERE) -> Partition:
-    """The partition after one transformation: ``direction`` +1 when the loop travels to the right, -1 to the left.
+    """Return the next partition: ``direction`` is +1 if the loop travels to the right, -1 to the left.
 
     The windows follow the dividers.
     """
@@ -143,60 +143,60 @@ def transform(old: Partition, direction: float, faced: Sequence[float] = NOWHERE
 
 
 def window_due(pattern: Partition, faced: Sequence[float]) -> bool:
-    """Whether a window is so far from its divider that it moves without the loop."""
+    """Return whether a window is so far from its divider that it moves without the loop."""
     return pattern.coarse > 0 and any(
-        abs(tmn.window_place(pattern, place) - window) > tmn.WINDOW_DUE
-        for place, window in {*zip(faced, pattern.windows, strict=True)}  # mostly eight times nowhere
+        abs(tmn.window_place(pattern, s) - window) > tmn.WINDOW_DUE
+        for s, window in {*zip(faced, pattern.windows, strict=True)}  # the set is mostly one pair
     )
 
 
 def _tmn(pattern: Partition, faced: Sequence[float]) -> Partition:
-    """``pattern`` with its windows where dividers are ``faced``, and with the lengths of its elements."""
+    """Return ``pattern`` with its windows where dividers are ``faced``, and with the lengths of its elements."""
     counts, coarse, levels = pattern.counts, pattern.coarse, pattern.end_levels
     inner = np.repeat(tmn.relative_lengths(counts[1:6]), counts[1:6])
     first, last = max(counts[0], 1), max(counts[6], 1)
-    # rest of II to VI within the ends of the rope
-    shares = np.diff(np.clip(arc_lengths(inner), first - counts[0], np.sum(inner) - (last - counts[6])))
-    kept = shares[shares > 0.0]
+    # lengths of II to VI within the ends of the rope
+    within = np.diff(np.clip(arc_lengths(inner), first - counts[0], np.sum(inner) - (last - counts[6])))
+    inner_lengths = within[within > 0.0]
     growth, fine = pattern.grading_length / coarse, tmn.fine_share(counts[1:6])
-    # where the pattern is cut off the loop bends the rope up to its end
+    # the loop bends the rope up to its end where the pattern is cut off
     for longest in (fine, 1.0):
         ends = [_end(levels, longest if n < 1 else 1.0) for n in counts[::6]]
-        elements = pattern.lengths.size - kept.size - sum(end.size - 1 for end in ends)
+        elements = pattern.lengths.size - inner_lengths.size - sum(end.size - 1 for end in ends)
         if elements >= len(_leg(first, growth)) + len(_leg(last, growth)):
             break
-    windows = tuple(round(tmn.window_place(pattern, place)) for place in faced)
+    windows = tuple(round(tmn.window_place(pattern, s)) for s in faced)
     left, right = _legs(first, last, elements, growth, windows)
-    lengths = np.concatenate((ends[0], left[1:], kept, right[:0:-1], ends[1][::-1]))
+    lengths = np.concatenate((ends[0], left[1:], inner_lengths, right[:0:-1], ends[1][::-1]))
     return replace(pattern, lengths=coarse * lengths, windows=windows)
 
 
 def _end(levels: int, longest: float) -> Array:
-    """The outermost l, in units of it, from the end on: the last length twice ... l/4, l/2; none above ``longest``."""
+    """Return the elements of the outermost l, in l, from the end on: halves of halves, none above ``longest``."""
     sizes = [0.5**levels, *(0.5**k for k in range(levels, 0, -1))]
     return np.concatenate([np.full(int(max(size / longest, 1.0)), min(size, longest)) for size in sizes])
 
 
 def _leg(units: int, growth: float) -> list[float]:
-    """Elements of a leg of ``units`` l, in units of l as ``growth``, from the end of the rope on."""
+    """Return the elements of a leg of ``units`` l, in units of l as ``growth``, from the end of the rope on."""
     lengths: list[float] = []
-    at = 0
-    while at < units:
+    position = 0
+    while position < units:
         size = 1
         for longer in LEG_LENGTHS if growth > 0 else ():
-            gap = units - (at + longer)
-            if longer > at or gap < GRADING * (longer - 1) or gap * growth < longer**2:
+            gap = units - (position + longer)
+            if longer > position or gap < GRADING * (longer - 1) or gap * growth < longer**2:
                 break
-            if at % longer == 0:
+            if position % longer == 0:
                 size = longer
         lengths.append(size)
-        at += size
+        position += size
     return lengths
 
 
 @lru_cache
 def _leg_elements(units: int, growth: float) -> int:
-    """Elements of both legs together, which have ``units`` l: as many as the worst place of the loop asks for."""
+    """Return the number of elements of both legs, of ``units`` l: the largest over all positions of the loop."""
     if growth == 0:
         return units
     counts = [0, *(len(_leg(k, growth)) for k in range(1, units))]
@@ -206,9 +206,9 @@ def _leg_elements(units: int, growth: float) -> int:
 def _legs(
     first: int, last: int, elements: int, growth: float, windows: tuple[int, ...]
 ) -> tuple[list[float], list[float]]:
-    """Both legs from their ends on, of so many elements in all: those to spare refine all but the outermost.
+    """Return both legs from their ends on, with so many ``elements``: spare ones refine all but the outermost.
 
-    First those of the windows, then the longest.
+    They refine the windows first, then the longest elements.
     """
     both = _leg(first, growth), _leg(last, growth)
     spare = elements - len(both[0]) - len(both[1])
@@ -219,6 +219,6 @@ def _legs(
                 spare -= tmn.WINDOW_PARTS - 1
     for _ in range(spare):
         leg = max(both, key=lambda leg: max(leg[1:], default=0.0))
-        k = len(leg) - 1 - leg[::-1].index(max(leg[1:]))  # the one nearest the loop
+        k = len(leg) - 1 - leg[::-1].index(max(leg[1:]))  # the longest element nearest the loop
         leg[k : k + 1] = [0.5 * leg[k]] * 2
     return both

@@ -1,9 +1,9 @@
-"""Nodal values between the nodes, and carried from one partition of the rope to another.
+"""Transfer of nodal fields between meshes, and interpolation between nodes.
 
 A transformation carries q, the velocities and the accelerations to new elements: the new fields are those nearest to
-the old ones in the mean square along the rope.  So the momentum stays where two elements merge, but for the part that
-the clamped ends take up.  Dropping the middle node alone would lose its excess over its neighbours: a blow to the leg
-at every transformation.
+the old ones in the mean square along the rope.  So the momentum stays where two elements merge, except for the part
+that the clamped ends take up.  Dropping the middle node alone would lose its excess over its neighbours: a blow to the
+leg at every transformation.
 """
 
 import numpy as np
@@ -17,9 +17,9 @@ Indices = NDArray[np.intp]
 
 
 def interpolate(x: Array, s: Array, at: Array) -> Array:
-    """Interpolate values ``x`` (..., nodes, 7) at ``s`` (m) to the places ``at`` (m): (..., places, 7).
+    """Interpolate values ``x`` (..., nodes, 7) at ``s`` (m) to the arc lengths ``at`` (m): (..., points, 7).
 
-    Cubic Hermite for r and, its derivative, r'; linear for theta.  A node's own place has its values to the bit.
+    r and its derivative r' are cubic Hermite, theta is linear.  At a node its values are returned to the bit.
     """
     i = _element_at(s, at)
     l, of_axis = s[i + 1] - s[i], np.moveaxis(x, -1, 0)
@@ -32,35 +32,35 @@ def interpolate(x: Array, s: Array, at: Array) -> Array:
 
 
 def transfer_fields(fields: Array, old_s: Array, new_s: Array) -> Array:
-    """``fields`` (number, old nodes, 7) at arc lengths ``old_s`` (m), carried to ``new_s``: (number, new nodes, 7).
+    """Carry ``fields`` (number, old nodes, 7) from arc lengths ``old_s`` (m) to ``new_s``: (number, new nodes, 7).
 
-    The ends of the rope keep their values; where no elements merge, every node that stays does.
+    The ends of the rope keep their values; where no elements merge, so does every node that stays.
     """
     y = interpolate(fields, old_s, new_s)
-    # between neighbours among all nodes, old and new, both are polynomials
+    # both are polynomials between neighbours among all nodes, old and new
     knots = np.union1d(old_s, new_s)
     knots = knots[np.append(True, np.diff(knots) > _tolerance(old_s))]
     middle = 0.5 * (knots[:-1] + knots[1:])
     old, new = _element_at(old_s, middle), _element_at(new_s, middle)
-    # a new element that lies within an old one is the same
+    # a new element within an old one is exact
     merges = old_s[old] > new_s[new] + _tolerance(old_s)
     merges |= old_s[old + 1] < new_s[new + 1] - _tolerance(old_s)
     if not merges.any():
         return y
     old, new = old[merges], new[merges]
-    places = new_s[new], new_s[new + 1] - new_s[new], old_s[old], old_s[old + 1] - old_s[old]
+    elements = new_s[new], new_s[new + 1] - new_s[new], old_s[old], old_s[old + 1] - old_s[old]
     before, after = _element_values(fields, old), _element_values(y, new)
-    load = np.array(hermite.missing_load(knots[:-1][merges], knots[1:][merges], *places, before, after))
+    load = np.array(hermite.missing_load(knots[:-1][merges], knots[1:][merges], *elements, before, after))
     nodes, lengths = new_s.size, np.diff(new_s)
-    # rows of a node, their columns, and where they belong
+    # band, rows of a node, their columns, and their slice of the fields
     for band, rows, columns, part in (
         (_cubic_products(lengths), 2, 3, slice(0, 6)),
         (_linear_products(lengths), 1, 1, slice(ANGLE, None)),
     ):
         sums = np.zeros((rows * nodes, columns, len(fields)))
         own, load = np.split(load, [2 * rows * columns])
-        for k, share in enumerate(own.reshape(2 * rows, columns, *own.shape[1:])):
-            np.add.at(sums, rows * new + k, share.transpose(2, 0, 1))
+        for k, part_load in enumerate(own.reshape(2 * rows, columns, *own.shape[1:])):
+            np.add.at(sums, rows * new + k, part_load.transpose(2, 0, 1))
         inner = slice(rows, -rows)
         change = solve_banded(band[inner], sums[inner].reshape(rows * (nodes - 2), -1))
         y[:, 1:-1, part] += change.reshape(nodes - 2, rows * columns, -1).transpose(2, 0, 1)
@@ -68,22 +68,22 @@ def transfer_fields(fields: Array, old_s: Array, new_s: Array) -> Array:
 
 
 def _tolerance(s: Array) -> float:
-    """Within which two arc lengths are the same, m."""
+    """Return the difference (m) below which two arc lengths are equal."""
     return 1e-9 * float(s[-1])
 
 
 def _element_at(s: Array, at: Array) -> Indices:
-    """Elements in which ``at`` lies."""
+    """Return the elements in which the arc lengths ``at`` lie."""
     return np.clip(np.searchsorted(s, at + _tolerance(s)) - 1, 0, s.size - 2)
 
 
 def _element_values(fields: Array, elements: Indices) -> Array:
-    """Return (14, fields, elements): values of both nodes of the elements."""
+    """Return the values of both nodes of the elements (14, fields, elements)."""
     return np.concatenate((fields[:, elements], fields[:, elements + 1]), axis=2).transpose(2, 0, 1)
 
 
 def _cubic_products(l: Array) -> Array:
-    """Return the integrals of products of shape functions, in the form of solve_banded: (2 nodes, 4)."""
+    """Return the integrals of products of shape functions, as a band for solve_banded (2 nodes, 4)."""
     band = np.zeros((2 * l.size + 2, 4))
     products = iter(hermite.shape_products(l))
     for m in range(4):
@@ -93,7 +93,7 @@ def _cubic_products(l: Array) -> Array:
 
 
 def _linear_products(l: Array) -> Array:
-    """Products for theta: (nodes, 2)."""
+    """Return the products for theta, as a band for solve_banded (nodes, 2)."""
     band = np.zeros((l.size + 1, 2))
     band[:-1, 0] += l / 3
     band[1:, 0] += l / 3

@@ -1,1 +1,1 @@
-"""Messages of the rope, and their cases."""
+"""Messages and warnings of the rope, and the rules that select them."""

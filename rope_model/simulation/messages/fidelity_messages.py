@@ -1,4 +1,4 @@
-"""Why a fidelity of the model serves, or does not: texts of both forms, as in messages."""
+"""Reasons why a fidelity of the model serves, or does not: texts of both forms, as in messages."""
 
 from rope_model.simulation.messages.text import Text
 

@@ -1,4 +1,7 @@
-"""Rules that decide which fidelity of the model serves, and why; for simulation.fidelity and its C."""
+"""Decision rules of the fidelity, with their error estimates; simulation.fidelity and its C apply them.
+
+carries_torque, force_error and unsupported_input also serve mesh, stepping and outputs.
+"""
 
 import math
 from collections.abc import Sequence
@@ -15,41 +18,42 @@ from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.messages import fidelity_messages
 from rope_model.simulation.messages.rules import Rules
 
-#: inputs that turn a rope whose swivels hold, that act out of the plane, and that move the ends along it
-TURNED, OUT_OF_PLANE, ALONG = ("yaw", "yaw_rate"), ("z", "vz", "az", "lean_z"), ("vx", "ax", "lean")
-#: in the order of their numbers
+TURNED = ("yaw", "yaw_rate")  #: inputs that turn a rope whose swivels hold
+OUT_OF_PLANE = ("z", "vz", "az", "lean_z")  #: inputs out of the plane
+ALONG = ("vx", "ax", "lean")  #: inputs that move the ends in the plane
+#: inputs in the order of their numbers
 INPUTS = tuple(field.name for field in fields(EndMotion))
 
 
 def carries_torque(scene: Any) -> Any:
-    """Whether the rope carries torque even in the plane while its ends do not turn."""
+    """Return whether the rope carries torque even in the plane while its ends do not turn."""
     return either(_coupled(scene)[0], _twisted(scene)[0], _curved(scene)[0])
 
 
 def not_plumb(scene: Any) -> Any:
-    """Whether an end of the rope is clamped otherwise, or hinged."""
+    """Return whether an end of the rope is clamped otherwise, or hinged."""
     return either(scene.left.attachment != "plumb", scene.right.attachment != "plumb")
 
 
 def expected_travel(ends: Sequence[Any]) -> estimates.Travel:
-    """Motion to expect of ends that move like this now."""
+    """Return the motion to expect of ends that move like this."""
     left, right = ends
     speed, acceleration = larger(abs(left.vy), abs(right.vy)), larger(abs(left.ay), abs(right.ay))
     return estimates.travel_estimate(abs(left.y - right.y), speed, acceleration)
 
 
 def force_error(scene: Any, fidelity: Any, travel: Any) -> Any:
-    """Estimated error of the vertical end forces against the complete model; inf where the loop may turn far."""
+    """Return the estimated error of the end forces against the complete model; inf if the loop may turn far."""
     locked = both(scene.left.mode == "locked", scene.right.mode == "locked")
-    of_torque = estimates.held_error(scene, travel) + where(locked, 0.0, estimates.release_error(scene, travel))
-    of_torque = where(estimates.loop_yaw(scene) > estimates.LARGEST_YAW, math.inf, of_torque)
-    left_out = where(both(fidelity != "torsional", carries_torque(scene)), of_torque, 0.0)
-    of_loop = estimates.longitudinal_error(scene, travel) + estimates.lean_error(scene, travel)
-    return left_out + where(fidelity == "rigid", of_loop, 0.0)
+    torque_error = estimates.held_error(scene, travel) + where(locked, 0.0, estimates.release_error(scene, travel))
+    torque_error = where(estimates.loop_yaw(scene) > estimates.LARGEST_YAW, math.inf, torque_error)
+    error = where(both(fidelity != "torsional", carries_torque(scene)), torque_error, 0.0)
+    loop_error = estimates.longitudinal_error(scene, travel) + estimates.lean_error(scene, travel)
+    return error + where(fidelity == "rigid", loop_error, 0.0)
 
 
 def first_input(left: Any, right: Any, turned: Any, across: Any, along: Any) -> Any:
-    """Number of the first input that is not zero, of the kinds that count; 0: none.  All are counted from 1 on."""
+    """Return the number, from 1 on, of the first input that is not zero, of the kinds that count; 0: none."""
     first: Any = 0.0
     kinds = (along, ALONG), (across, OUT_OF_PLANE), (turned, TURNED)
     for counts, names in ((counts, names) for counts, names in kinds if counts is not False):
@@ -61,18 +65,18 @@ def first_input(left: Any, right: Any, turned: Any, across: Any, along: Any) -> 
 
 
 def out_of_plane(number: Any) -> Any:
-    """Whether the input of this number acts out of the plane."""
+    """Return whether the input of this number acts out of the plane."""
     numbers = (before + 1 + INPUTS.index(name) for before in (0, len(INPUTS)) for name in OUT_OF_PLANE)
     return either(*(number == own for own in numbers))
 
 
 def held_input(left: Any, right: Any) -> Any:
-    """Number of the input that twists or bends the rope where it is initialised, its swivels held; 0: none."""
+    """Return the number of the input that twists or bends the rope where it starts with its swivels held; 0: none."""
     return first_input(left, right, True, True, False)
 
 
 def unsupported_input(scene: Any, fidelity: Any, left: Any, right: Any) -> Any:
-    """Number of the first input that ``fidelity``, not torsional, leaves out; 0: none."""
+    """Return the number of the first input that ``fidelity``, not torsional, leaves out; 0: none."""
     held = _turns_freely(scene) == 0
     across = either(fidelity != "spatial", both(held, scene.model.fidelity == "auto"))
     return first_input(left, right, held, across, fidelity == "rigid")
@@ -117,9 +121,9 @@ def _errs_little(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any,
     return fidelity != "torsional", fidelity, 100 * error, 100 * tolerance, *travel[1:]
 
 
-#: why a rope carries torque
+#: reasons why a rope carries torque
 TORQUE: Rules = {fidelity_messages.coupled: _coupled, fidelity_messages.twisted: _twisted}
-#: why a scene needs the complete model wherever its ends are; ``forces`` are applied to so many places of the rope
+#: reasons for the complete model wherever the ends are; ``forces`` is the number of points with applied forces
 COMPLETE: Rules = {
     fidelity_messages.may_touch: lambda scene, forces: (may_touch(scene.shaft),),
     fidelity_messages.may_touch_itself: lambda scene, forces: (scene.shaft.contact.rope_stiffness > 0,),
@@ -129,11 +133,11 @@ COMPLETE: Rules = {
     fidelity_messages.not_plumb: lambda scene, forces: (not_plumb(scene),),
     fidelity_messages.is_pushed: lambda scene, forces: (forces > 0,),
 }
-#: what 'auto' does not leave to a fidelity that leaves out no input
+#: reasons of 'auto' against a fidelity that supports all inputs
 UNSUPPORTED: Rules = {
     fidelity_messages.applied_forces: lambda scene, fidelity, left, right, forces: (forces > 0,),
     fidelity_messages.errs_too_much: _errs_too_much,
     fidelity_messages.would_go_slack: _would_go_slack,
 }
-#: why a fidelity below the complete one serves; without torque the planar one does, but for the rigid one
+#: reasons why a fidelity below the complete one serves; without torque the planar one does, except for a rigid rope
 SUFFICIENT: Rules = {fidelity_messages.no_torque: _no_torque, fidelity_messages.errs_little: _errs_little}

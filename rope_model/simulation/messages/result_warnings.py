@@ -1,18 +1,18 @@
-"""Warnings about results that are valid: they are those of the model, and a real rope would do something else.
+"""Warnings about valid results for which a real rope would behave differently, or which are inaccurate.
 
     passed_bodies       the rope has passed into bodies of its shaft: contact is not in the model
     passed_sides        the legs have passed through each other, or one through what hangs above the other
     neglected_effects   the model computes no torsion, and the rope carries torque; or it is the rigid one
     leg_contact         the loop is turned over, or the legs touch, or have touched
     yaw_at_rest         the loop hangs far out of its ends' plane at rest, by a torque that is too large for a shaft
-    other_rests         the rope has more than one way to hang, and snapped over on the way to this one
-    missing_loads       momentum changes otherwise than the end forces and the weight say
-    unresolved_waves    end forces change at once in steps that are too long for the waves that this sends off
+    other_rests         the rope has several equilibria, and snapped through on the way to this one
+    missing_loads       the change of momentum differs from the end forces and the weight
+    unresolved_waves    end forces jump in steps that are too long for the waves of such a jump
     unresolved_bend     elements are too long for the sharpest bend
-    accuracy_given_up   steps err more than they should because work_max allows for no more of them
-    blind_guards        the model does not compute what a guard watches
-    no_air              what moves the air does nothing, as the air has no density
-    unfit_inputs        the motions given for the ends do not fit: rounded, interpolated, repeated or of two motions
+    accuracy_given_up   errors of steps exceed the tolerance because work_max allows no more steps
+    blind_guards        the model does not compute the quantity of a guard
+    no_air              wind or conveyances move the air, which has no density
+    unfit_inputs        the given motions are inconsistent: rounded, interpolated, repeated or of two motions
 
 Two straight legs between ends a width apart and a loop of about that width, turned by psi, come as near to each other
 as cos(psi / 2) of it: they meet at half a turn.  On a deep rope they need not: the long leg can swing around the short
@@ -36,31 +36,31 @@ from rope_model.simulation.state import RopeState
 
 
 def neglected_effects(scene: Scene, state: RopeState) -> str:
-    """'' where the fidelity computes all that the rope does; otherwise which outputs are 0 and no results."""
+    """Return '' if the fidelity computes all effects on the rope; otherwise the outputs that are 0 and no results."""
     return neglected_text(state.fidelity) if warning_rules.leaves_out(scene, state) else ""
 
 
 def passed_bodies(scene: Scene, state: RopeState) -> str:
     """Return '' while the rope touches nothing; otherwise the bodies that it struck or passed into, time and place."""
-    told = ""
+    text = ""
     for name, x in zip(KINDS, state.nearest, strict=True):
         if x.clearance <= 0:
             passed = warning_messages.passed_into(BODIES[name], x.touched_at, -x.clearance, x.time, x.s, x.y)
-            told = warning_messages.and_another(told, passed) if told else passed
-    if not told or not may_touch(scene.shaft):
-        return warning_messages.rope_passed_into(told) if told else ""
+            text = warning_messages.and_another(text, passed) if text else passed
+    if not text or not may_touch(scene.shaft):
+        return warning_messages.rope_passed_into(text) if text else ""
     if min(x.clearance for x in state.nearest) > -scene.rope.diameter:
-        return warning_messages.rope_struck(told)
-    return warning_messages.rope_pressed_into(told, scene.shaft.contact.stiffness)
+        return warning_messages.rope_struck(text)
+    return warning_messages.rope_pressed_into(text, scene.shaft.contact.stiffness)
 
 
 def leg_contact(scene: Scene, state: RopeState) -> str:
-    """'' while the legs hang, and have hung, free of each other; otherwise how they do not."""
+    """Return '' while the legs hang, and have hung, free of each other; otherwise how they do not."""
     return first_text(warning_rules.LEG_CONTACT, scene, state, _yaw(state))
 
 
 def yaw_at_rest(scene: Scene, state: RopeState) -> str:
-    """'' unless the loop hangs yawed at rest; then by how much, and which datum turns it."""
+    """Return '' unless the loop hangs yawed at rest; then its yaw, and the parameter that turns it."""
     yaw = _yaw(state)
     if not warning_rules.yawed_far_at_rest(scene, state, yaw):
         return ""
@@ -69,26 +69,26 @@ def yaw_at_rest(scene: Scene, state: RopeState) -> str:
 
 
 def unfit_inputs(scene: Scene, state: RopeState) -> str:
-    """Return '' while the given motions fit; otherwise their likely fault, and a cure."""
+    """Return '' while the given motions are consistent; otherwise their likely fault, and a cure."""
     for side, end_filter in zip(SIDES, state.filters, strict=True):
-        if told := first_text(warning_rules.INPUTS, scene, end_filter, state.last_interval):
-            return warning_messages.of_end(side, told)
+        if text := first_text(warning_rules.INPUTS, scene, end_filter, state.last_interval):
+            return warning_messages.of_end(side, text)
     return ""
 
 
 def _yaw(state: RopeState) -> float:
-    """Yaw (rad) of the loop against its ends."""
+    """Return the yaw (rad) of the loop against its ends."""
     return state.loop_yaw - direction(state.motion.q)
 
 
 def _end_twist(state: RopeState) -> float:
-    """Twist (rad) of the rope from end to end by conveyances and swivels that have turned against the ends' line."""
+    """Return the twist (rad) of the rope from end to end by conveyances and swivels turned against the ends' line."""
     (left, right), q = state.offsets, state.motion.q
-    # a yaw about Y twists either end by itself, and both when the whole rope is turned
+    # a yaw about Y twists either end separately, and both when the whole rope is turned
     return float(q[-1, ANGLE]) - right - (float(q[0, ANGLE]) - left) - 2 * direction(q)
 
 
-#: in the order of rope_warning in rope.h
+#: warnings in the order of rope_warning in rope.h
 WARNINGS: dict[str, Callable[[Scene, RopeState], str]] = {
     "passed_bodies": passed_bodies,
     "passed_sides": partial(first_text, warning_rules.PASSED_SIDES),

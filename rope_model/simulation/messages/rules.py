@@ -1,7 +1,7 @@
-"""Rules that say which message applies; codegen.rules makes the C of them.
+"""Decision tables: which of several messages applies; codegen.rules makes the C of them.
 
-A rule is a message of the rope and the formula that goes with it.  From the facts that a table is about the
-formula computes whether the message applies, and then the numbers in it.  A choice is compared with its word.
+A rule is a message and its formula.  From the facts of a table the formula computes whether the message applies, and
+then the numbers in it.  A choice is compared with its word.
 """
 
 from collections.abc import Callable, Mapping
@@ -13,7 +13,7 @@ Rules = Mapping[Text, Callable[..., tuple[Any, ...]]]
 
 
 def first_text(rules: Rules, *facts: Any) -> str:
-    """The message of the first rule that applies to the facts; '' when none does."""
+    """Return the message of the first rule that applies to the facts; '' if none does."""
     for message, formula in rules.items():
         applies, *numbers = formula(*facts)
         if applies:

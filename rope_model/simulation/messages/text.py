@@ -1,16 +1,16 @@
-"""A text with places for values, said by Python and by C."""
+"""Text with placeholders for values, which Python and C fill in alike."""
 
 from string import Formatter
 
 
 class Text:
-    """A text with a named place for each value, as in ``{x:.3g}``; it is called with the values in their order.
+    """Text with a named placeholder for each value, as in ``{x:.3g}``; it is called with the values in their order.
 
-    A place is that of a number, with ``d`` that of an integer, and with ``s`` or a length alone that of a text.
+    A placeholder is that of a real number; with ``d`` of an integer, with ``s`` or a length alone of a text.
     """
 
     def __init__(self, template: str) -> None:
-        #: text before each place, and its name and format, '' behind the last
+        #: text before each placeholder, its name and its format, '' behind the last
         self.parts = [(before, name or "", spec or "") for before, name, spec, _ in Formatter().parse(template)]
         #: type of each value by name
         self.kinds = {name: _kind(spec) for _, name, spec in self.parts if name}

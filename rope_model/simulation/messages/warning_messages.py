@@ -1,4 +1,4 @@
-"""Warnings of results that are valid: texts of both forms, as in messages."""
+"""Warnings about valid results: texts of both forms, as in messages."""
 
 from rope_model.simulation.messages.text import Text
 

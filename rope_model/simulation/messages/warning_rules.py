@@ -1,4 +1,4 @@
-"""Rules of warnings that numbers decide: tables for simulation.messages.result_warnings and its C."""
+"""Decision tables of the warnings: rules and bounds for simulation.messages.result_warnings and its C."""
 
 import math
 from typing import Any
@@ -16,34 +16,34 @@ from rope_model.simulation.messages.fidelity_rules import carries_torque
 from rope_model.simulation.messages.rules import Rules
 from rope_model.simulation.outputs import audit as audits
 
-#: rad: yaw of a loop that is turned over
+#: rad, yaw of a loop that is turned over
 HALF_A_TURN = math.pi
-#: rad: yaw at rest of a rope whose data should be looked at
+#: rad, yaw at rest of a rope whose data should be checked
 YAWED_FAR = math.pi / 6
-#: s: steps beyond it are too long for motions that are extrapolated: in a winding end forces are 2 % off at 50 ms
+#: s, longest step for motions that are extrapolated: in a winding end forces are 2 % off at 50 ms
 LONGEST_EXTRAPOLATION = 0.02
-#: samples of an end that moves from which rounding can be told: the first of a trip lie on every grid
+#: samples of a moving end from which rounding can be recognised: the first of a trip lie on every grid
 FEWEST_SAMPLES = 20
-#: m: positions rounded to less do no harm
+#: m, rounding of positions below which it does no harm
 COARSEST_ROUNDING = 0.99e-4
-#: m/s: a rope with less kinetic energy than all of it has at this speed is at rest
+#: m/s, a rope with less kinetic energy than at this uniform speed is at rest
 REST_SPEED = 1e-3
 
 
 def rests(scene: Any, state: Any) -> Any:
-    """Whether the rope is at rest."""
+    """Return whether the rope is at rest."""
     data = scene.rope
     return state.energy_balance.kinetic < 0.5 * data.mass_per_length * data.length * (REST_SPEED * REST_SPEED)
 
 
 def leaves_out(scene: Any, state: Any) -> Any:
-    """Whether the rope moves in a way that its fidelity leaves out."""
+    """Return whether the rope moves in a way that its fidelity leaves out."""
     blown = both(state.fidelity == "planar", scene.shaft.air.density > 0, abs(scene.shaft.air.vz) > 0)
     return either(state.fidelity == "rigid", carries_torque(scene), blown)
 
 
 def yawed_far_at_rest(scene: Any, state: Any, yaw: Any) -> Any:
-    """Whether the loop hangs out of its ends' plane, by ``yaw`` (rad), at rest, with nothing worse to say of it."""
+    """Return whether the loop hangs out of its ends' plane by ``yaw`` (rad) at rest, and no worse warning applies."""
     free = both(state.crossing.number == 0, state.crossing.overlap == 0, abs(yaw) < HALF_A_TURN)
     return both(state.fidelity == "torsional", free, rests(scene, state), abs(yaw) > YAWED_FAR)
 
@@ -78,9 +78,9 @@ def _torque_of_twist(scene: Any, turned: Any) -> tuple[Any, ...]:
 
 
 def _torques(scene: Any, turned: Any) -> tuple[Any, Any, Any, Any]:
-    """Torques by coupling, permanent curvature, installed twist, and ends that twist the rope by ``turned`` (rad)."""
+    """Return the torques by coupling, permanent curvature, installed twist, and ends twisted by ``turned`` (rad)."""
     rope = scene.rope
-    # the installed twist is part of the last
+    # the twist of the ends includes the installed twist
     ends = twist_torque(rope, turned) * (1 - 1e-9)
     coupling = coupling_torque(rope, scene.layout.gravity)
     return coupling, curvature_torque(rope), twist_torque(rope, rope.installed_twist), ends
@@ -91,13 +91,14 @@ def _missing(load: Any, bound: Any) -> tuple[Any, ...]:
 
 
 def _shown_below(number: Any) -> Any:
-    """``number``, cut to two decimals: a number below a bound of less than 10 then looks different from it."""
+    """Return ``number`` cut to two decimals, so that it looks different from a bound of less than 10 above it."""
     return floor(100.0 * number) / 100.0
 
 
 def _waves_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
     audit, steps = state.audit, audits.signal_values(state.audit)[4]
-    applies = both(audit.share * audits.FEWEST_STEPS > 1.0, audit.force_change > audits.LARGE_CHANGE * audit.force)
+    large = audits.LARGE_CHANGE * audit.force
+    applies = both(audit.period_fraction * audits.FEWEST_STEPS > 1.0, audit.force_change > large)
     return applies, audit.force_change, _shown_below(steps), audits.FEWEST_STEPS, audits.axial_step(scene.rope)
 
 
@@ -119,14 +120,14 @@ def _motion_misfits(scene: Any, end_filter: Any, step: Any) -> tuple[Any, ...]:
 
 
 def _loop_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
-    mesh, asked = scene.mesh, scene.accuracy.loop
+    mesh, allowed = scene.mesh, scene.accuracy.loop
     equal = mesh.kind == "eem"
     fine = where(equal, scene.rope.length / mesh.elements, mesh.coarse_length * fine_share(mesh.counts))
     error = mesh_error(scene, fine, where(equal, 0.0, mesh.grading_length))
     yaw = where(state.fidelity == "planar", 0.0, turned_by_mesh(scene, fine))
-    would_do = smaller(length_for(scene, asked), LONGEST * NATURAL_RADIUS * bending_length(scene))
-    applies = both(mesh.kind != "auto", state.fidelity != "rigid", error > asked)
-    return applies, fine, error, asked, yaw, would_do
+    sufficient = smaller(length_for(scene, allowed), LONGEST * NATURAL_RADIUS * bending_length(scene))
+    applies = both(mesh.kind != "auto", state.fidelity != "rigid", error > allowed)
+    return applies, fine, error, allowed, yaw, sufficient
 
 
 def _no_air(scene: Any, state: Any) -> tuple[Any, ...]:
@@ -151,7 +152,7 @@ PASSED_SIDES: Rules = {
     ),
 }
 LEG_CONTACT: Rules = {
-    # a rope without passages is turned as far over its height as its loop; passages have their own warning
+    # without passages a rope is turned as far over its height as its loop; passages have their own warning
     texts.turned_around: lambda scene, state, yaw: (
         both(state.crossing.number == 0, abs(yaw) >= HALF_A_TURN),
         yaw / (2 * math.pi),
@@ -179,7 +180,7 @@ MISSING_LOADS: Rules = {
 UNRESOLVED_WAVES: Rules = {texts.waves_unresolved: _waves_unresolved}
 UNRESOLVED_BEND: Rules = {texts.bend_unresolved: _bend_unresolved, texts.loop_unresolved: _loop_unresolved}
 LONG_EXTRAPOLATION: Rules = {
-    # the interval is between two instants, which are rounded the more the later they are
+    # the interval is the difference of two instants, whose rounding grows with them
     texts.extrapolated_too_far: lambda scene, state: (
         both(state.counts.steps > 0, state.last_interval > 1.001 * LONGEST_EXTRAPOLATION),
         state.last_interval,

@@ -1,1 +1,1 @@
-"""Outputs of a running rope: signals, checks, derivatives and modes."""
+"""Outputs of a running rope: signals, audit, derivatives, modes and linear models."""

@@ -1,17 +1,17 @@
-"""Whether the rope's motion is that of its forces: checks that do not go by the integrator's own error measure.
+"""Audit of each communication step: balance of momentum and energy, independent of the integrator's error estimate.
 
 Over each communication step H the change of the rope's momentum p and of its angular momentum L is compared with the
 end forces and moments and the weight:
 
     p_1 - p_0 - int (F_l + F_r + W) dt = H f,      L_1 - L_0 - int (M_l + M_r + M_W) dt = H m
 
-about a point midway between the ends.  f and m, mean missing force and moment, are zero for the exact motion.  End
-forces at the ends of a step are not their means in it: the trapezoidal rule errs by h^2 F_tt / 12, 20 N in an emergency
-stop.  The forces need the same weights as the accelerations: they get an auxiliary value b as these have
-(numerics.generalized_alpha), by which p balances to rounding and L, not linear in the motion, but for h^2.
+about a point midway between the ends.  f and m, mean missing force and moment, are zero for the exact motion.  The
+trapezoidal rule of the end forces has the error h^2 F_tt / 12, 20 N in an emergency stop.  Forces need the same weights
+as accelerations: with an auxiliary value b as in numerics.generalized_alpha, p balances to rounding, and L, which is
+not linear in the motion, up to h^2.
 
-Beside it: by how much the balance of energy changes, how much of an axial period of the longer leg a step takes, and
-how far the tangent turns in an element.
+The audit also has the change of the energy balance, the fraction of the longer leg's axial period that a step takes,
+and the turn of the tangent in an element.
 """
 
 import math
@@ -27,19 +27,20 @@ Load = tuple[float, float, float, float, float, float]
 Sums = tuple[float, float, float, float, float, float, float, float, float]
 NO_LOAD: Load = (0.0,) * 6
 
-#: missing force and moment, parts of the largest end force and of that times the spacing: ten times and more what
-#: windings, releases and emergency stops have at the levels draft and standard
-MISSING_FORCE, MISSING_MOMENT = 1e-3, 5e-3
-#: time steps in an axial period: in an emergency stop of the 120 m rope end forces err by 4 % with 3.1, by 8 % with 2.1
+# bounds, ten times and more the values of windings, releases and emergency stops at the levels draft and standard
+MISSING_FORCE = 1e-3  #: missing force over the largest end force
+MISSING_MOMENT = 5e-3  #: missing moment over the largest end force times the spacing
+#: time steps in an axial period: in an emergency stop of the 120 m rope the error of end forces is 4 % with 3.1, 8 %
+#: with 2.1
 FEWEST_STEPS = 3.0
-#: change of an end force in a step, part of the largest one, above which it matters how many steps a period has
+#: change of an end force in a step over the largest force, above which the number of steps in a period matters
 LARGE_CHANGE = 0.05
-#: elements in half a turn as sharp as the sharpest: with fewer the loop's place errs in no regular way any more
+#: elements in half a turn of the sharpest bend, below which the error of the loop's position is irregular
 FEWEST_ELEMENTS = 4.0
 
 
 class Audit(NamedTuple):
-    """Reference of the next communication step's audit, and the worst so far.
+    """Reference of the next communication step's audit, and the worst values so far.
 
     Loads are forces and moments about the origin, of both ends together.
     """
@@ -48,53 +49,53 @@ class Audit(NamedTuple):
     load: Load = NO_LOAD
     auxiliary: Load = NO_LOAD
     rate: Load = NO_LOAD
-    impulse: Load = NO_LOAD  # since the last communication
-    force: float = 0.0  # N, largest of an end
+    impulse: Load = NO_LOAD  # integral since the last communication
+    force: float = 0.0  # N, largest end force
     missing_force: float = 0.0  # N
     missing_moment: float = 0.0  # N m
     energy: float = 0.0  # J, largest change of the balance's residual
-    force_change: float = 0.0  # N, largest of an end force in one step
-    share: float = 0.0  # largest part of an axial period that a step took
-    bend: float = 0.0  # largest square of the change of r' over an element
+    force_change: float = 0.0  # N, largest change of an end force in one step
+    period_fraction: float = 0.0  # largest fraction of an axial period that a step took
+    bend: float = 0.0  # largest squared change of r' over an element
 
 
 def end_load(q: Any, f: Any, torque: Any) -> tuple[Any, ...]:
-    """Force and moment about the origin (6,) on an end, from its coordinates and reaction (7,)."""
+    """Return force and moment about the origin (6,) on an end, from its coordinates and reaction (7,)."""
     (x, y, z), moment = cross(q, f), end_moment(q[3:6], f[3:6], torque)
     return f[0], f[1], f[2], x + moment[0], y + moment[1], z + moment[2]
 
 
 def axial_share(rope: Any, bottom: Any, h: Any) -> Any:
-    """Part of the longer leg's axial period that ``h`` (s) is."""
+    """Return ``h`` (s) over the longer leg's axial period."""
     return h * axial_frequency(rope, larger(bottom, rope.length - bottom)) / (2.0 * math.pi)
 
 
 def axial_step(rope: Any) -> Any:
-    """s: a sixth of the shortest axial period that the longer leg has, with the loop in the rope's middle."""
+    """Return a sixth of the shortest axial period (s) of the longer leg, with the loop in the rope's middle."""
     return math.pi / (3.0 * axial_frequency(rope, 0.5 * rope.length))
 
 
 def elements_per_bend(square: Any) -> Any:
-    """Elements in half a turn where the tangent's end moves by the root of ``square`` over an element."""
+    """Return the elements in half a turn whose tangents differ by the root of ``square`` from node to node."""
     quarter = 0.25 * square
     return 0.5 * math.pi / atan2(sqrt(quarter), sqrt(larger(1.0 - quarter, 0.0)))
 
 
 def signal_values(audit: Any) -> tuple[Any, ...]:
-    """Values of the signals audit.* in their order; 0 where nothing was computed yet."""
-    share, bend = (where(x > 0, x, 1.0) for x in (audit.share, audit.bend))
-    steps = where(audit.share > 0, 1.0 / share, 0.0)
+    """Return the values of the signals audit.* in their order; 0 where nothing was computed yet."""
+    fraction, bend = (where(x > 0, x, 1.0) for x in (audit.period_fraction, audit.bend))
+    steps = where(audit.period_fraction > 0, 1.0 / fraction, 0.0)
     elements = where(audit.bend > 0, elements_per_bend(bend), 0.0)
     return audit.missing_force, audit.missing_moment, audit.energy, audit.force_change, steps, elements
 
 
-def after_step(audit: Any, method: Any, h: Any, recentring: Any, load: Any, force: Any, change: Any, share: Any) -> Any:
-    """``audit`` after a time step to ``load``; ``force`` is the largest end force, ``change`` that of one, N."""
-    of_load, of_auxiliary, _, of_next = auxiliary_weights(method, 0.0)
+def after_step(audit: Any, method: Any, h: Any, recentring: Any, load: Any, force: Any, change: Any, part: Any) -> Any:
+    """Return ``audit`` after a time step to ``load``, with the largest end force and ``change`` of one (N)."""
+    load_weight, auxiliary_weight, _, next_weight = auxiliary_weights(method, 0.0)
     gamma, impulse, auxiliary, rate = method.gamma, [], [], []
     for k in range(6):
         before = audit.auxiliary[k] + recentring * audit.rate[k]
-        after = of_load * audit.load[k] + of_auxiliary * before + of_next * load[k]
+        after = load_weight * audit.load[k] + auxiliary_weight * before + next_weight * load[k]
         impulse.append(audit.impulse[k] + h * ((1.0 - gamma) * before + gamma * after))
         auxiliary.append(after)
         rate.append((load[k] - audit.load[k]) / h)
@@ -105,17 +106,17 @@ def after_step(audit: Any, method: Any, h: Any, recentring: Any, load: Any, forc
         impulse=tuple(impulse),
         force=larger(audit.force, force),
         force_change=larger(audit.force_change, change),
-        share=larger(audit.share, share),
+        period_fraction=larger(audit.period_fraction, part),
     )
 
 
 def after_interval(audit: Any, h: Any, mass: Any, gravity: Any, sums: Any, about: Any, residual: Any, bend: Any) -> Any:
-    """``audit`` after a communication step ``h`` to the ``sums`` there; ``residual`` (J) is new in the balance."""
-    was = audit.sums
-    # the mass's moment goes as a cubic with its rates at both ends: p
-    x, z = (0.5 * h * (was[6 + k] + sums[6 + k]) + h * h / 12.0 * (was[k] - sums[k]) for k in (0, 2))
+    """Return ``audit`` after a communication step ``h`` to ``sums``; ``residual`` (J) is new in the balance."""
+    before = audit.sums
+    # the first moment is a cubic with p as its rate at both ends
+    x, z = (0.5 * h * (before[6 + k] + sums[6 + k]) + h * h / 12.0 * (before[k] - sums[k]) for k in (0, 2))
     weight = (0.0, -mass * gravity * h, 0.0, gravity * z, 0.0, -gravity * x)
-    missing = [(sums[k] - was[k] - audit.impulse[k] - weight[k]) / h for k in range(6)]
+    missing = [(sums[k] - before[k] - audit.impulse[k] - weight[k]) / h for k in range(6)]
     moment = [m - shift for m, shift in zip(missing[3:], cross(about, missing), strict=True)]
     return audit._replace(
         sums=tuple(sums[k] for k in range(9)),

@@ -1,4 +1,4 @@
-"""Quantities of the rope's shape for hoist engineers."""
+"""Shape of the rope for hoist engineers: lowest point, clearance and turns of the legs, tension along the rope."""
 
 import math
 from dataclasses import dataclass
@@ -12,20 +12,19 @@ from rope_model.physics.hermite import integral, integral_to
 from rope_model.simulation.mesh.transfer import interpolate
 from rope_model.simulation.rope_system import POSITION, SLOPE, Array, arc_lengths
 
-#: straight pieces of an element, for the turns: legs that lie against each other must not seem to pass through
-PIECES = 8
-#: points between two elements' ends, and of the shape for the clearance
-FINE, OUTLINE = 41, 161
+PIECES = 8  #: straight pieces of an element, for the turns: legs in contact must not seem to pass through each other
+FINE = 41  #: samples of two elements, for the lowest point
+OUTLINE = 161  #: samples of the rope, for the clearance of the legs
 
 
 def direction(q: Array) -> float:
-    """Yaw (rad) of the line from the left to the right end."""
+    """Return the yaw (rad) of the line from the left to the right end."""
     return float(outline.line_yaw(q[0], q[-1]))
 
 
 @dataclass(frozen=True)
 class LoopBottom:
-    """The rope's lowest point: arc length from the left end, position (3,), m, and yaw of the tangent, rad.
+    """Lowest point of the rope: arc length from the left end, position (3,), m, and yaw of the tangent, rad.
 
     Yaw is 0 when the tangent points to +X, and positive towards -Z (about Y, up).
     """
@@ -36,7 +35,7 @@ class LoopBottom:
 
 
 def loop_bottom(q: Array, lengths: Array) -> LoopBottom:
-    """Lowest point of the interpolated centre line."""
+    """Return the lowest point of the interpolated centre line."""
     s = arc_lengths(lengths)
     i = int(np.clip(np.argmin(q[:, 1]), 1, s.size - 2))
     fine = np.linspace(s[i - 1], s[i + 1], FINE)
@@ -44,16 +43,16 @@ def loop_bottom(q: Array, lengths: Array) -> LoopBottom:
     j = int(np.clip(np.argmin(y), 1, FINE - 2))
     bend = y[j - 1] - 2 * y[j] + y[j + 1]
     shift = 0.5 * (y[j - 1] - y[j + 1]) / bend if bend > 0 else 0.0
-    at = fine[j] + min(max(shift, -1.0), 1.0) * (fine[1] - fine[0])
-    point = interpolate(q, s, np.array([at]))[0]
+    s_lowest = fine[j] + min(max(shift, -1.0), 1.0) * (fine[1] - fine[0])
+    point = interpolate(q, s, np.array([s_lowest]))[0]
     d = point[SLOPE]
-    return LoopBottom(float(at), point[POSITION], math.atan2(-d[2], d[0]))
+    return LoopBottom(float(s_lowest), point[POSITION], math.atan2(-d[2], d[0]))
 
 
 def leg_clearance(q: Array, lengths: Array, bottom: LoopBottom, loop: float, diameter: float, above: float) -> float:
-    """Smallest free distance (m) between the two legs where both are ``above`` (m) or more over the lowest point.
+    """Return the smallest free distance (m) between the legs, from ``above`` (m) over the lowest point upwards.
 
-    Points of either leg against straight pieces of the other, both denser near the loop.
+    Points of each leg are compared with straight pieces of the other, both denser near the loop.
     """
     points = shape(q, lengths, bottom.s, loop, OUTLINE)
     middle = points.shape[0] // 2
@@ -65,12 +64,12 @@ def leg_clearance(q: Array, lengths: Array, bottom: LoopBottom, loop: float, dia
 
 
 def legs_apart(q: Array, lengths: Array, diameter: float, above: float) -> bool:
-    """Whether the legs come nowhere near each other, and neither has turned by more than a quarter against the ends.
+    """Return whether the legs are far from each other and turned by less than a quarter against the ends.
 
-    So it is where each leg is nowhere higher than its end and on its own side of a plane through the lowest node,
-    across the line from left to right, by a margin that keeps a ``diameter`` (m) between them ``above`` (m) or more
-    over that node, and the rope leads in that line's direction on both sides of it.  The plane leans as the legs do, so
-    that it separates the legs of a swinging loop too.
+    This holds if each leg is nowhere higher than its end and on its own side of a plane through the lowest node, across
+    the line from left to right, by a margin that keeps a ``diameter`` (m) between them ``above`` (m) or more over that
+    node, and if the rope leads in that line's direction on both sides of it.  The plane leans as the legs do, so that
+    it separates the legs of a swinging loop too.
     """
     k, rows, across = int(q[:, 1].argmin()), q.T, outline.heading(direction(q))
     if not 0 < k < lengths.size:
@@ -91,43 +90,43 @@ class LoopTurns(NamedTuple):
 
 
 def loop_turns(q: Array, lengths: Array, bottom: LoopBottom) -> LoopTurns:
-    """Turns about Y of the right side about the left one, from the top down to the loop, where they are the yaw.
+    """Return the turns about Y of the right side about the left one; down at the loop they end in its yaw.
 
-    A side is a leg and, straight above it, the conveyance and its head ropes.  Counted is the direction of the
-    horizontal vector between the sides over the height,
+    A side is a leg and, straight above it, the conveyance and its head ropes.  The turns are those of the horizontal
+    vector between the sides over the height,
 
         1/(2 pi) int dpsi,    psi from the higher end down to the lowest point, where it is that of the tangent,
 
-    between PIECES of each element, straight from one to the next; what hangs lower than rope below it is passed over.
+    between PIECES of each element, straight from one to the next.  Rope that hangs lower than rope below it is skipped.
     """
     nodes = arc_lengths(lengths)
     s = np.append((nodes[:-1, None] + lengths[:, None] * np.arange(PIECES) / PIECES).ravel(), nodes[-1])
     k, points = int(np.clip(np.searchsorted(s, bottom.s), 1, s.size - 1)), interpolate(q, nodes, s)[:, POSITION]
-    place = bottom.position[None, :]
-    legs = [_rising(np.vstack((place, leg))) for leg in (points[k - 1 :: -1], points[k:])]
-    every = np.union1d(legs[0][:, 1], legs[1][:, 1])
-    left, right = (np.array([np.interp(every[1:], leg[:, 1], leg[:, k]) for k in (0, 2)]) for leg in legs)
+    lowest = bottom.position[None, :]
+    legs = [_rising(np.vstack((lowest, leg))) for leg in (points[k - 1 :: -1], points[k:])]
+    heights = np.union1d(legs[0][:, 1], legs[1][:, 1])
+    left, right = (np.array([np.interp(heights[1:], leg[:, 1], leg[:, k]) for k in (0, 2)]) for leg in legs)
     across = np.hstack((np.array(outline.heading(bottom.yaw))[:, None], right - left))
     turned = outline.turn(across[:, :-1], across[:, 1:])
     sharpest = int(np.argmax(np.abs(turned)))
-    return LoopTurns(-float(np.sum(turned)) / (2 * math.pi), float(0.5 * (every[sharpest] + every[sharpest + 1])))
+    return LoopTurns(-float(np.sum(turned)) / (2 * math.pi), float(0.5 * (heights[sharpest] + heights[sharpest + 1])))
 
 
 def _rising(leg: Array) -> Array:
-    """The points of a leg (points, 3), from the bottom upwards, that are higher than all before them."""
+    """Return the points of a leg (points, 3), from the bottom upwards, that are higher than all before them."""
     highest = np.maximum.accumulate(leg[:, 1])
     return np.asarray(leg[np.append(True, leg[1:, 1] > highest[:-1])])
 
 
 def _distance(points: Array, line: Array) -> float:
-    """Smallest distance of ``points`` (n, 3) from the pieces of a polygon ``line`` (m, 3)."""
+    """Return the smallest distance of ``points`` (n, 3) from the pieces of a polygon ``line`` (m, 3)."""
     return math.sqrt(
         outline.squared_distance(points.T[:, :, None], line[:-1].T[:, None], np.diff(line.T)[:, None]).min()
     )
 
 
 def _part_above(leg: Array, height: float) -> Array:
-    """The points of a leg (points, 3), from the bottom upwards, from where it first reaches ``height``."""
+    """Return the points of a leg (points, 3), from the bottom upwards, from where it first reaches ``height``."""
     high = leg[:, 1] >= height
     if not high.any():
         return leg[:0]
@@ -139,31 +138,31 @@ def _part_above(leg: Array, height: float) -> Array:
 
 
 def shape_places(lengths: Array, bottom_s: float, loop: float, points: int) -> Array:
-    """(points,): arc lengths, m, from end to end, denser around the loop, of this width (m), above ``bottom_s``."""
+    """Return arc lengths (points,), m, from end to end, denser around the loop of this width (m) above ``bottom_s``."""
     total = float(np.sum(lengths))
     u = np.linspace(-1.0, 1.0, points)
-    s = outline.place(bottom_s, np.where(u < 0, -bottom_s, total - bottom_s), np.abs(u), loop)
+    s = outline.sample_s(bottom_s, np.where(u < 0, -bottom_s, total - bottom_s), np.abs(u), loop)
     return np.asarray(np.clip(s, 0.0, total))
 
 
 def shape(q: Array, lengths: Array, bottom_s: float, loop: float, points: int) -> Array:
-    """(points, 3): the centre line, sampled more closely around the loop's lowest point."""
+    """Return points (points, 3) of the centre line, denser around the loop's lowest point."""
     return interpolate(q, arc_lengths(lengths), shape_places(lengths, bottom_s, loop, points))[:, POSITION]
 
 
 def interpolate_midpoints(values: Array, lengths: Array, s: Array) -> Array:
-    """``values`` (elements,) at arc lengths ``s``, linear between the middles of the elements."""
+    """Interpolate ``values`` (elements,) to arc lengths ``s``, linearly between the middles of the elements."""
     return np.interp(s, arc_lengths(lengths)[:-1] + 0.5 * lengths, values)
 
 
 def tension(motion: Motion, lengths: Array, s: Array, rho: float, gravity: float) -> Array:
-    """Tension (N) at arc lengths ``s``, from the balance of momentum of the rope to the left of them.
+    """Return the tension (N) at arc lengths ``s``, from the balance of momentum of the rope to the left of them.
 
         F(s) = int_0^s rho (a + g Y) dx - reaction at the left end,    T = F . t
 
-    Exact for the discrete equations without air and contact: F arrives at the right end as its reaction.  Costello's
-    law with the strains is not, for Qa multiplies what the cubic errs by in the length of a bent element, 200 N in the
-    loop of rope-120.
+    It is exact for the discrete equations without air and contact: F arrives at the right end as its reaction.
+    Costello's law with the strains is not, because Qa multiplies the cubic's error in the length of a bent element, 200
+    N in the loop of rope-120.
     """
     nodes = arc_lengths(lengths)
     i = np.clip(np.searchsorted(nodes, s, side="right") - 1, 0, lengths.size - 1)

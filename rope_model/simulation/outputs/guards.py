@@ -1,4 +1,4 @@
-"""Guarded quantities of the present rope; physics.guard lets them trip."""
+"""Guarded quantities of the present rope, for physics.guard."""
 
 import numpy as np
 
@@ -16,36 +16,36 @@ from rope_model.simulation.state import Nearest, RopeState
 
 
 def rise(scene: Scene, state: RopeState, bottom: LoopBottom) -> float:
-    """Height (m) of the loop's lowest point above its quasi-static place."""
+    """Return the height (m) of the loop's lowest point above its quasi-static position."""
     left, right = state.motion.q[[0, -1], 1].tolist()
     return float(loop_height(scene.rope, scene.layout, float(bottom.position[1]), left, right) - state.guard.rest)
 
 
 def at_rest(scene: Scene, state: RopeState) -> RopeState:
-    """The state from which the loop's rise counts."""
+    """Return the state with its height as the reference of the loop's rise."""
     bottom = loop_bottom(state.motion.q, state.partition.lengths)
     return state._replace(guard=state.guard._replace(rest=rise(scene, state, bottom)))
 
 
 def with_guards(scene: Scene, state: RopeState, ends: HangingEnds) -> RopeState:
-    """The state with its guards' quantities at its instant."""
+    """Return the state with its guards updated to its instant."""
     guard = scene.shaft.guard
     if guarded(guard) == 0:
         return state
     q, lengths = state.motion.q, state.partition.lengths
     bottom, known = loop_bottom(q, lengths), (Nearest(guard.clearance),) * len(KINDS)
-    seen = (
+    values = (
         rise(scene, state, bottom) if guard.rise_y <= -FAR else float(bottom.position[1]) - guard.rise_y,
         _sideways(q[:, POSITION], guard.window_y, bottom),
         min(nearest.clearance for nearest in nearer(scene, state, known)),
         abs(turns(nearest_turn(bottom.yaw, state.loop_yaw), direction(q), state.crossing.net)),
         max(abs(ends.moment(side, state.motion.reaction)) for side in (0, 1)),
     )
-    return state._replace(guard=watch(guard, state.guard, state.motion.t, seen))
+    return state._replace(guard=watch(guard, state.guard, state.motion.t, values))
 
 
 def _sideways(r: Array, height: float, bottom: LoopBottom) -> float:
-    """Distance (m) of the lowest point from midway between the ends or, at the switch, of a leg from its end."""
+    """Return the distance (m) of the lowest point from midway between the ends, or of a leg from plumb at a switch."""
     if height <= -FAR:
         return float(sideways(bottom.position, r[0], r[-1]))
     below, lowest = r[:, 1] < height, int(np.argmin(r[:, 1]))

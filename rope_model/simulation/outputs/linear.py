@@ -1,9 +1,9 @@
-"""Small motions x (7 of each node) of a rope at rest or in steady flow, from derivatives of the element's residual R.
+"""Linear model of small motions x (7 of each node) about rest or steady flow, from derivatives of the residual R.
 
     M a + D v + K x = f ,   y = Cq x + Cv v + Ca a ,   K = dR/dq ,  D = dR/dv ,  M = dR/da + node masses .
 
-f are the forces of the conveyances on the end nodes.  Unlike the tangent of Newton's method these have the parts
-without energy: Qk, and air that blows.
+f are the forces of the conveyances on the end nodes.  Unlike the tangent of Newton's method these matrices contain the
+parts without energy: Qk, and wind.
 
 Flow: the left end rises at the speed w, the right one sinks, and the rope flows through a loop that stands still.  The
 rope's velocity is -w r' and its acceleration w^2 r''; its tension is higher by rho w^2.  Nodes slide along the rope at
@@ -38,19 +38,19 @@ from rope_model.simulation.rope_system import Array, arc_lengths
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.stepping.hang import equilibrium_in_frame
 
-#: outputs of an end, and of the loop
+#: outputs of an end
 _LOADS = ("fx", "fy", "fz", "mx", "my", "mz")
 _LOOP = ("x", "y", "z", "yaw")
-#: most corrections of the shape at rest to that in flow, and the last one's size [m, rad]
-_CORRECTIONS, _CORRECTED = 50, 1e-7
+_CORRECTIONS = 50  #: largest number of Newton corrections from the shape at rest to that in flow
+_TOLERANCE = 1e-7  #: m and rad, size of the last one
 
 
 @dataclass(frozen=True)
 class LinearRope:
-    """A rope's small motions; coordinates are those of all nodes, row by row, the held ones of the ends included.
+    """Small motions of a rope; coordinates are those of all nodes, row by row, prescribed ones included.
 
-    ``outputs`` are fx ... mz of either end [N, N m] and the place and yaw of the loop [m, rad], ``rest`` their values
-    at rest; ``maps`` are Cq, Cv and Ca, each (outputs, coordinates).
+    ``outputs`` are fx ... mz of either end [N, N m] and the position and yaw of the loop [m, rad], ``rest`` their
+    values at rest; ``maps`` are Cq, Cv and Ca, each (outputs, coordinates).
     """
 
     mass: sp.csc_matrix
@@ -109,17 +109,15 @@ def linear_rope(rope: Evaluated, speed: float = 0.0) -> LinearRope:
             change[free] = splu(tangent[free][:, free]).solve(missing)
             q = q - change.reshape(q.shape)
             R, (K, D, M) = evaluated(q)
-            if np.abs(change).max() < _CORRECTED:
+            if np.abs(change).max() < _TOLERANCE:
                 break
         else:
             raise ValueError(f"speed = {speed:g} m/s must leave the rope a steady flow: take a lower one")
         pulled = np.zeros_like(q)
         pulled[0, :3], pulled[-1, :3] = -q[0, 3:6], q[-1, 3:6]
         reaction = R - (through @ q.ravel()).reshape(q.shape) + rho * speed**2 * pulled - system.load
-        apart = float(np.linalg.norm(q[-1, :3:2] - q[0, :3:2]))
-        slide = np.interp(
-            nodes_s, [0.0, rope.loop.s - apart, rope.loop.s + apart, nodes_s[-1]], [0.0, *[speed] * 2, 0.0]
-        )
+        span = float(np.linalg.norm(q[-1, :3:2] - q[0, :3:2]))
+        slide = np.interp(nodes_s, [0.0, rope.loop.s - span, rope.loop.s + span, nodes_s[-1]], [0.0, *[speed] * 2, 0.0])
         G, H = flow(slide)
         K = (K - D @ sp.diags(np.repeat(slide, NODE_DOF)) @ along - H).tocsc()
         D = (D - 2 * G).tocsc()
@@ -145,19 +143,19 @@ def linear_rope(rope: Evaluated, speed: float = 0.0) -> LinearRope:
 
 
 def let_turn(rope: RopeSimulator) -> None:
-    """Let a rope that has just been hung come to rest in those of its swivels that turn freely; others hold."""
+    """Let a rope that has just been hung come to rest in those swivels that turn freely; others hold."""
     state, swivels = rope.state, (rope.scene.left, rope.scene.right)
     phases = [
-        now._replace(phase=Phase.SLIP) if of.mode == "free" else now
-        for now, of in zip(state.swivels, swivels, strict=True)
+        swivel_state._replace(phase=Phase.SLIP) if swivel.mode == "free" else swivel_state
+        for swivel_state, swivel in zip(state.swivels, swivels, strict=True)
     ]
-    if any(now.phase is Phase.SLIP for now in phases):
+    if any(swivel_state.phase is Phase.SLIP for swivel_state in phases):
         rope.restore(equilibrium_in_frame(rope.model, state._replace(swivels=(phases[0], phases[1])))[0])
 
 
 @cache
 def _derivatives(effects: Effects) -> Any:
-    """(q, v, a, l, F, P) -> R, dR/dq, dR/dv, dR/da of one element."""
+    """Build (q, v, a, l, F, P) -> R, dR/dq, dR/dv, dR/da of one element."""
     residual = rope_element("torsional", effects).residual
     x = [ca.SX.sym(f"x{k}", residual.size1_in(k)) for k in range(residual.n_in())]
     R = residual(*x)
@@ -165,7 +163,7 @@ def _derivatives(effects: Effects) -> Any:
 
 
 def _along(lengths: Array) -> sp.csr_matrix:
-    """P: derivatives along the rope of r, r' and theta at the nodes, means of both sides."""
+    """Return P: derivatives of r, r' and theta along the rope at the nodes, means of both sides."""
     l, q = ca.SX.sym("l"), ca.SX.sym("q", 2 * NODE_DOF)
     sides = []
     for node in (0, 1):
@@ -175,14 +173,14 @@ def _along(lengths: Array) -> sp.csr_matrix:
     parts = ca.Function("along", [l], [ca.densify(ca.jacobian(ca.vertcat(*sides), q))]).map(lengths.size)(
         lengths[None, :]
     )
-    share = np.full(NODE_DOF * (lengths.size + 1), 0.5)
-    share[:NODE_DOF] = share[-NODE_DOF:] = 1.0
-    return sp.csr_matrix(sp.diags(share) @ assembled(np.asarray(parts), lengths.size))
+    weight = np.full(NODE_DOF * (lengths.size + 1), 0.5)
+    weight[:NODE_DOF] = weight[-NODE_DOF:] = 1.0
+    return sp.csr_matrix(sp.diags(weight) @ assembled(np.asarray(parts), lengths.size))
 
 
 @cache
 def _flow() -> Any:
-    """(l, S of both nodes) -> int S N^T N' and int S^2 N'^T N' of one element, without theta."""
+    """Build (l, S of both nodes) -> int S N^T N' and int S^2 N'^T N' of one element, without theta."""
     l, S, q = ca.SX.sym("l"), ca.SX.sym("S", 2), ca.SX.sym("q", 2 * NODE_DOF)
     G, H = ca.SX.zeros(2 * NODE_DOF, 2 * NODE_DOF), ca.SX.zeros(2 * NODE_DOF, 2 * NODE_DOF)
     for xi, weight in GAUSS:
@@ -194,7 +192,7 @@ def _flow() -> Any:
 
 @cache
 def _end_load() -> Any:
-    """(coordinates, reaction) of an end -> derivatives of its load to both, the load."""
+    """Build (coordinates, reaction) of an end -> derivatives of its load with respect to both, and the load."""
     q, f = ca.SX.sym("q", NODE_DOF), ca.SX.sym("f", NODE_DOF)
     load = ca.vertcat(*conveyance_load(ca.vertsplit(q), ca.vertsplit(f), f[6]))
     return ca.Function("end_load", [q, f], [ca.densify(ca.jacobian(load, x)) for x in (q, f)] + [load])
@@ -202,9 +200,9 @@ def _end_load() -> Any:
 
 @cache
 def _loop() -> Any:
-    """(nodes, xi, l) -> derivative of the lowest point's place and yaw as it moves along the rope, with y' = 0."""
+    """Build (nodes, xi, l) -> derivative of the lowest point's position and yaw, which moves so that y' = 0."""
     q, xi, l = ca.SX.sym("q", 2 * NODE_DOF), ca.SX.sym("xi"), ca.SX.sym("l")
     point = node_values(xi, l, ca.vertsplit(q))
-    place = ca.vertcat(*point[:3], ca.atan2(-point[5], point[3]))
-    moved = ca.jacobian(place, xi) @ ca.jacobian(point[4], q) / (l * bend(xi, l, *(q[k] for k in (1, 4, 8, 11))))
-    return ca.Function("loop", [q, xi, l], [ca.densify(ca.jacobian(place, q) - moved), place])
+    position = ca.vertcat(*point[:3], ca.atan2(-point[5], point[3]))
+    moved = ca.jacobian(position, xi) @ ca.jacobian(point[4], q) / (l * bend(xi, l, *(q[k] for k in (1, 4, 8, 11))))
+    return ca.Function("loop", [q, xi, l], [ca.densify(ca.jacobian(position, q) - moved), position])

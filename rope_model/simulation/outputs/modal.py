@@ -1,6 +1,6 @@
-"""Natural frequencies about an equilibrium: K x = omega^2 M x with the element's own tangent.
+"""Natural modes about an equilibrium: K x = omega^2 M x with the element's own tangent.
 
-The only module that needs scipy; nothing the FMU runs imports it.
+This module needs scipy; nothing in an FMU imports it.
 """
 
 from dataclasses import dataclass
@@ -14,16 +14,16 @@ from rope_model.physics.element import NODE_DOF
 from rope_model.simulation.rope_kernels import rope_element
 from rope_model.simulation.rope_system import ANGLE, POSITION, Array, RopeSystem
 
-#: N/m: rounding by Qa / l of a zero stiffness, of a swivel that turns freely
+#: N/m, rounding by Qa / l of a zero stiffness, as of a swivel that turns freely
 ROUNDING = 1e-5
 
 
 @dataclass(frozen=True)
 class Modes:
-    """Lowest modes: frequencies (n,) in Hz, shapes (n, nodes, 7), and which part of the motion is out of plane (n,).
+    """Lowest modes: frequencies (n,) in Hz, shapes (n, nodes, 7), and fraction of the motion out of plane (n,).
 
-    ``out_of_plane`` is the share of the Z motion in the nodes' displacement: near 1 or near 0 for a rope without
-    coupling, in between with it.
+    ``out_of_plane`` is the fraction of the Z motion in the nodes' squared displacement: near 1 or near 0 for a rope
+    without coupling, in between with it.
     """
 
     frequencies: Array
@@ -32,9 +32,9 @@ class Modes:
 
 
 def natural_modes(system: RopeSystem, q: Array, count: int = 8) -> Modes:
-    """The ``count`` lowest modes about the equilibrium ``q`` (nodes, 7), damping left out.
+    """Return the ``count`` lowest modes about the equilibrium ``q`` (nodes, 7), without damping.
 
-    Raises ValueError when the equilibrium is unstable: then there is no frequency to give.
+    Raises ValueError if the equilibrium is unstable and has no such frequency.
     """
     if (soft := softest(system, q)) < -ROUNDING:
         raise ValueError(
@@ -57,7 +57,7 @@ def natural_modes(system: RopeSystem, q: Array, count: int = 8) -> Modes:
 
 
 def softest(system: RopeSystem, q: Array) -> float:
-    """Smallest eigenvalue of the tangent stiffness (N/m; N m for theta): negative where ``q`` is unstable."""
+    """Return the smallest eigenvalue of the tangent stiffness (N/m; N m for theta): negative if ``q`` is unstable."""
     free = np.flatnonzero(system.free.ravel())
     stiffness = assemble_matrix(system, q, (1.0, 0.0, 0.0))[free][:, free]
     # the chain couples neighbouring nodes only
@@ -68,7 +68,7 @@ def softest(system: RopeSystem, q: Array) -> float:
 
 
 def assemble_matrix(system: RopeSystem, q: Array, c: tuple[float, float, float]) -> sp.csc_matrix:
-    """Sparse c[0] dR/dq + c[1] dR/dv + c[2] dR/da at rest in ``q``, all degrees of freedom; no body is near."""
+    """Return the sparse c[0] dR/dq + c[1] dR/dv + c[2] dR/da of all nodes at rest in ``q``, away from bodies."""
     n, rest = system.lengths.size, np.zeros_like(q)
     frames, P = system.with_reference(q, system.z).element_data(q, rest)
     angles = np.column_stack((q[:, :ANGLE], q[:, ANGLE] + system.frame_turn(q)))
@@ -82,7 +82,7 @@ def assemble_matrix(system: RopeSystem, q: Array, c: tuple[float, float, float])
 
 
 def assembled(J: Array, n: int) -> sp.csc_matrix:
-    """Sparse matrix of a chain of ``n`` elements from theirs, side by side: (2 dof, 2 dof n)."""
+    """Return the sparse matrix of a chain of ``n`` elements from theirs, side by side (2 dof, 2 dof n)."""
     blocks = J.reshape(2 * NODE_DOF, n, 2 * NODE_DOF).transpose(1, 0, 2)
     local = NODE_DOF * np.arange(n)[:, None] + np.arange(2 * NODE_DOF)
     rows = np.broadcast_to(local[:, :, None], blocks.shape)

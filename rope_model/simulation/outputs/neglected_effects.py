@@ -1,6 +1,6 @@
-"""Effects that a fidelity leaves out: outputs that are 0 and no results, and exact only without torque.
+"""Effects that a fidelity leaves out: their outputs are 0 and no results, or exact only without torque.
 
-One table for the warnings of both forms of the rope, the reports and the documents.
+One table serves the warnings of both forms of the rope, the reports and the documents.
 """
 
 from typing import NamedTuple
@@ -9,15 +9,15 @@ from rope_model.simulation.fidelity import FIDELITIES, Fidelity
 
 
 class Effect(NamedTuple):
-    """Outputs that the fidelities from ``lowest`` on compute, and those below it leave out."""
+    """Outputs that the fidelities from ``lowest`` on compute, and simpler ones leave out."""
 
     lowest: Fidelity  #: lowest fidelity that computes them
     words: str  #: text for reports
     outputs: tuple[str, ...]  #: names of outputs, or their common part
-    by_torque: bool  #: whether 0 is exact without torque
+    by_torque: bool  #: true if 0 is exact without torque
 
     def has(self, name: str) -> bool:
-        """Whether the output ``name`` is one of them."""
+        """Return whether the output ``name`` is one of them."""
         parts = f".{name.partition('[')[0]}."
         return any(f".{output}." in parts for output in self.outputs)
 

@@ -1,4 +1,4 @@
-"""Derivatives of the end loads at the end of a step to one number of an end's motion, given for its start or end.
+"""Derivatives of the end loads at the end of a step with respect to an input of an end, at its start or end.
 
 The rope is linearised about the present state, and one generalized-alpha step as long as the last carries the change;
 rope_load_derivative in rope_model/csrc is its C port.
@@ -18,17 +18,17 @@ from rope_model.simulation.rigid import tension_change
 from rope_model.simulation.rope_system import ANGLE, Array
 from rope_model.simulation.state import RopeState
 
-#: m, m/s, m/s^2, and the same in rad: too small to bend the rope, large against rounding
+#: changes in m, m/s, m/s^2, or in rad: too small to bend the rope, large against rounding
 _SIZES = (1e-7, 1e-5, 1e-3)
 #: names of the signals that are differentiated
 LOADS = tuple(f"{side}.{kind}{axis}" for side in SIDES for kind in "fm" for axis in "xyz")
-#: order of the derivative in time, and degree of freedom, of each field of EndMotion
+#: order of the time derivative, and degree of freedom, of each field of EndMotion
 INPUTS = {f"{prefix}{axis}": (order, k) for order, prefix in enumerate(("", "v", "a")) for k, axis in enumerate("xyz")}
 INPUTS |= {"yaw": (0, ANGLE), "yaw_rate": (1, ANGLE), "lean": (0, ANGLE + 1), "lean_z": (0, ANGLE + 2)}
 
 
 class Linearised(Protocol):
-    """A rope with answers to motions of its ends: simulation.simulator.RopeSimulator does."""
+    """Rope with responses to motions of its ends: simulation.simulator.RopeSimulator."""
 
     @property
     def scene(self) -> Scene: ...
@@ -40,7 +40,10 @@ class Linearised(Protocol):
 
 
 def load_derivative(rope: Linearised, side: int, name: str, at_step_end: bool = True) -> Array:
-    """(12,): of LOADS to the field ``name`` of an end's EndMotion; 0 where inputs.given does not trust it."""
+    """Return the derivatives (12,) of LOADS with respect to the field ``name`` of an end's EndMotion.
+
+    They are 0 if inputs.given does not trust the field.
+    """
     state, (order, dof) = rope.state, INPUTS[name]
     h, size, sample = state.last_interval, _SIZES[order], [0.0, 0.0, 0.0]
     sample[order] = size * (YAW_SENSE[side] if dof == ANGLE else 1.0)
@@ -61,7 +64,7 @@ def load_derivative(rope: Linearised, side: int, name: str, at_step_end: bool = 
 
 
 def added_mass_signals(rope: Linearised) -> dict[str, float]:
-    """Added mass of both ends."""
+    """Return the added masses of both ends."""
     # one step of that length carries the change y = a h^2 / 2, v = a h
     h, size = rope.state.last_interval, 1e-3
     change = np.array([0.5 * h * h * size, h * size, size])
@@ -70,18 +73,18 @@ def added_mass_signals(rope: Linearised) -> dict[str, float]:
 
 
 def _change_of_loads(rope: Linearised, side: int, dof: int, change: Array) -> Array:
-    """Return (12,): change of LOADS when a coordinate of an end is moved as in ``answer``."""
+    """Return the change of LOADS (12,) if a coordinate of an end is moved as in ``answer``."""
     state = rope.state
     if state.fidelity == "rigid":  # no side forces, no moments
-        gained = np.zeros((2, 6))
-        gained[:, 1] = -tension_change(rope.scene, ends_at(state.paths, state.motion.t), side, dof, change)
-        return gained.ravel()
+        change_of_loads = np.zeros((2, 6))
+        change_of_loads[:, 1] = -tension_change(rope.scene, ends_at(state.paths, state.motion.t), side, dof, change)
+        return change_of_loads.ravel()
     before, after = (_end_loads(rope.ends, *rope.answer(side, dof, part * change)) for part in (0.0, 1.0))
     return after - before
 
 
 def _end_loads(ends: HangingEnds, q: Array, reaction: Array) -> Array:
-    """(12,): LOADS with other coordinates and reactions."""
+    """Return LOADS (12,) for these coordinates and reactions."""
     nodes = enumerate(END_NODE)
     rows = ((q[node].tolist(), reaction[node].tolist(), ends.moment(side, reaction)) for side, node in nodes)
     return np.ravel([conveyance_load(*row) for row in rows])

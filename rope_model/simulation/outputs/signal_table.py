@@ -1,6 +1,6 @@
-"""The table of a running rope's outputs: names, units and descriptions; the FMU's outputs have them too.
+"""Table of the rope's outputs, also those of the FMU: names, units and descriptions.
 
-The values are computed by simulation.outputs.signals and by its C.
+simulation.outputs.signals and its C compute the values.
 """
 
 from collections.abc import Iterable, Iterator
@@ -13,7 +13,7 @@ from rope_model.simulation.ends.paths import SIDES
 
 SHAPE_POINTS = 81
 
-_PLACE = tuple((axis, "m", f"coordinate {axis.upper()}") for axis in "xyz")
+_COORDINATES = tuple((axis, "m", f"coordinate {axis.upper()}") for axis in "xyz")
 
 
 class Signal(NamedTuple):
@@ -36,23 +36,19 @@ def _table() -> Iterator[tuple[str, Signal]]:
         yield f"{side}.swivel.rate", Signal("rad/s", f"rate of {side}.swivel.angle")
         yield f"{side}.swivel.torque", Signal("N.m", f"moment of the {side} swivel on the rope, about the tangent")
         yield f"{side}.swivel.slipping", Signal("1", f"whether the {side} swivel turns", "boolean")
-        yield (
-            f"{side}.added_mass",
-            Signal("kg", f"derivative of {side}.fy to {side}.ay held over a communication step, times -1"),
-        )
+        text = f"derivative of {side}.fy to {side}.ay held over a communication step, times -1"
+        yield f"{side}.added_mass", Signal("kg", text)
     for axis in "xyz":
         yield f"loop.{axis}", Signal("m", f"{axis.upper()} of the rope's lowest point")
     yield "loop.yaw", Signal("rad", "yaw of the loop at its lowest point, counted through full turns")
-    yield ("loop.clearance", Signal("m", "smallest free distance between the legs, from one spacing above the bottom"))
-    yield (
-        "loop.turns",
-        Signal("1", "turns of one side (leg, conveyance and head ropes) about the other, over the height"),
-    )
+    yield "loop.clearance", Signal("m", "smallest free distance between the legs, from one spacing above the bottom")
+    text = "turns of one side (leg, conveyance and head ropes) about the other, over the height"
+    yield "loop.turns", Signal("1", text)
     yield "loop.crossings", Signal("1", "passages of one side through the other so far")
     yield "loop.crossed_at", Signal("s", "time of the first passage; 0 before")
     yield "loop.crossed_y", Signal("m", "height of the first passage; 0 before")
     yield "loop.overlap", Signal("m", "largest depth of the rope in itself so far, leg in leg or coil in coil")
-    yield ("loop.touched_at", Signal("s", "time at which the rope first touched itself; 0 before"))
+    yield "loop.touched_at", Signal("s", "time at which the rope first touched itself; 0 before")
     yield "loop.touched_y", Signal("m", "height of loop.overlap")
     yield "loop.rise", Signal("m", "height of the lowest point over its quasi-static place")
     yield "loop.sideways", Signal("m", "horizontal distance of the lowest point from midway between the ends")
@@ -60,9 +56,9 @@ def _table() -> Iterator[tuple[str, Signal]]:
     causes = ", ".join(f"{code} {cause}" for code, cause in enumerate(("none", *CAUSES)))
     yield "guard.cause", Signal("1", f"the first guard that has tripped: {causes}", "integer")
     yield "guard.time", Signal("s", "time of the first trip; 0 before")
-    for place in (*SIDES, "loop"):
-        where = "at the loop's lowest point" if place == "loop" else f"at the {place} end"
-        yield f"{place}.twist", Signal("rad/m", f"twist {where}: change of the lay")
+    for point in (*SIDES, "loop"):
+        where = "at the loop's lowest point" if point == "loop" else f"at the {point} end"
+        yield f"{point}.twist", Signal("rad/m", f"twist {where}: change of the lay")
     yield "stress.bending_max", Signal("Pa", "largest nominal bending stress, 32 EI kappa / (pi d^3)")
     yield "stress.torsion_max", Signal("Pa", "largest nominal torsional stress, 16 M / (pi d^3)")
     for name, what in (
@@ -97,25 +93,17 @@ def _table() -> Iterator[tuple[str, Signal]]:
         ("swivel_events", "changes between stick and slip"),
     ):
         yield f"count.{name}", Signal("1", f"{what} since the start", "integer")
-    yield (
-        "status.end_force_error",
-        Signal("1", "estimated RMS error of the end forces so far, relative to the largest"),
-    )
+    text = "estimated RMS error of the end forces so far, relative to the largest"
+    yield "status.end_force_error", Signal("1", text)
     yield "status.loop_error", Signal("m", "estimated largest error of the loop's place so far")
-    yield (
-        "status.contact_error",
-        Signal(
-            "1", "estimated RMS error of the bodies' pressure by mesh and steps as they press, relative to the largest"
-        ),
-    )
+    text = "estimated RMS error of the bodies' pressure by mesh and steps as they press, relative to the largest"
+    yield "status.contact_error", Signal("1", text)
     for name, unit in (("position", "m"), ("speed", "m/s"), ("acceleration", "m/s2")):
-        of = f"misfit of given and followed {name} at an end so far"
-        yield f"inputs.misfit.{name}", Signal(unit, f"largest {of}")
-        yield f"inputs.misfit.{name}_rms", Signal(unit, f"RMS {of}")
-    yield (
-        "inputs.repeated",
-        Signal("1", "communication steps so far that repeat the sample of a moving end", "integer"),
-    )
+        text = f"misfit of given and followed {name} at an end so far"
+        yield f"inputs.misfit.{name}", Signal(unit, f"largest {text}")
+        yield f"inputs.misfit.{name}_rms", Signal(unit, f"RMS {text}")
+    text = "communication steps so far that repeat the sample of a moving end"
+    yield "inputs.repeated", Signal("1", text, "integer")
     for name, unit, what in (
         ("momentum", "N", "largest force missing in the balance of momentum so far"),
         ("moment", "N.m", "largest moment missing in the balance of angular momentum so far"),
@@ -125,19 +113,19 @@ def _table() -> Iterator[tuple[str, Signal]]:
         ("elements_per_bend", "1", "fewest elements in half a turn of the sharpest bend so far"),
     ):
         yield f"audit.{name}", Signal(unit, what)
-    yield ("status.given_up", Signal("1", "time steps that gave up accuracy for solver.work_max", "integer"))
+    yield "status.given_up", Signal("1", "time steps that gave up accuracy for solver.work_max", "integer")
     yield "status.given_up_since", Signal("s", "time of the first step that gave up accuracy; 0 before")
     for kind in KINDS:
         yield f"clearance.{kind}", Signal("m", f"least distance from {BODIES[kind]}; 1e6: none")
     for kind in KINDS:
-        of = f"nearest.{kind}"
-        yield f"{of}.clearance", Signal("m", f"smallest clearance.{kind} so far")
-        yield f"{of}.time", Signal("s", f"time of {of}.clearance")
-        yield f"{of}.s", Signal("m", f"place of {of}.clearance along the rope, from its left end")
-        yield f"{of}.y", Signal("m", f"height of {of}.clearance")
-        yield f"{of}.touched_at", Signal("s", "time of the first contact; 0 before")
+        name = f"nearest.{kind}"
+        yield f"{name}.clearance", Signal("m", f"smallest clearance.{kind} so far")
+        yield f"{name}.time", Signal("s", f"time of {name}.clearance")
+        yield f"{name}.s", Signal("m", f"place of {name}.clearance along the rope, from its left end")
+        yield f"{name}.y", Signal("m", f"height of {name}.clearance")
+        yield f"{name}.touched_at", Signal("s", "time of the first contact; 0 before")
     for name, unit, what in (
-        *_PLACE,
+        *_COORDINATES,
         ("s", "m", "place along the rope, from its left end,"),
         ("tension", "N", "tension"),
         ("bending", "Pa", "nominal bending stress"),
@@ -149,13 +137,13 @@ def _table() -> Iterator[tuple[str, Signal]]:
         ("tension", "N", "tension"),
         ("curvature", "1/m", "curvature"),
         ("torque", "N.m", "torque about the tangent"),
-        *_PLACE,
+        *_COORDINATES,
     ):
         for i in range(1, SHAPE_POINTS + 1):
             yield f"station.{name}[{i}]", Signal(unit, f"{what} at station {i} of {SHAPE_POINTS}, fixed in the rope")
 
 
-#: name -> Signal, in the order of the FMI interface
+#: Signal by name, in the order of the FMI interface
 SIGNALS: dict[str, Signal] = dict(_table())
 
 
@@ -163,7 +151,7 @@ _CHEAP = tuple(name for name in SIGNALS if not name.endswith(".added_mass"))
 
 
 def checked_names(names: Iterable[str] | None) -> tuple[str, ...]:
-    """Return the names of signals; without any, all but the added masses, which cost as much as a step."""
+    """Return the names of signals; by default all but the added masses, which cost as much as a step."""
     if names is None:
         return _CHEAP
     wanted = tuple(names)

@@ -1,4 +1,4 @@
-"""Values of a running rope's outputs, by the names of simulation.outputs.signal_table."""
+"""Values of the rope's outputs, by the names of simulation.outputs.signal_table."""
 
 from collections.abc import Callable
 from typing import Protocol
@@ -30,7 +30,7 @@ from rope_model.simulation.rope_system import ANGLE, POSITION, Array, RopeSystem
 
 
 class Evaluated(Linearised, Protocol):
-    """Source of the signals: simulation.simulator.RopeSimulator has it."""
+    """Source of the signals: simulation.simulator.RopeSimulator."""
 
     @property
     def loop(self) -> diagnostics.LoopBottom: ...
@@ -39,7 +39,7 @@ class Evaluated(Linearised, Protocol):
 
 
 def group_of(name: str) -> Callable[[Evaluated], dict[str, float]]:
-    """The function that computes the signal ``name`` together with its kin."""
+    """Return the function that computes the signal ``name`` together with related ones."""
     if name in STATE_SIGNALS:
         return state_signals
     if name.endswith(".added_mass"):
@@ -55,7 +55,7 @@ def group_of(name: str) -> Callable[[Evaluated], dict[str, float]]:
 
 
 def state_signals(rope: Evaluated) -> dict[str, float]:
-    """Signals that the state remembers."""
+    """Return the signals that the state contains."""
     return {name: float(value) for name, value in remembered(rope.state).items()}
 
 
@@ -64,7 +64,7 @@ _OF_AN_END = ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean", *_OF_A_SWIVEL)
 
 
 def end_signals(rope: Evaluated) -> dict[str, float]:
-    """Forces, moments and swivels of both ends."""
+    """Return forces, moments and swivels of both ends."""
     m, ends, means = rope.state.motion, rope.ends, rope.state.force_mean
     out: dict[str, float] = {}
     for side, (name, node) in enumerate(zip(SIDES, END_NODE, strict=True)):
@@ -76,7 +76,7 @@ def end_signals(rope: Evaluated) -> dict[str, float]:
 
 
 def loop_signals(rope: Evaluated) -> dict[str, float]:
-    """Place, yaw and clearance of the loop."""
+    """Return position, yaw and clearance of the loop."""
     state, scene = rope.state, rope.scene
     bottom = rope.loop
     out = {f"loop.{axis}": float(x) for axis, x in zip("xyz", bottom.position, strict=True)}
@@ -94,13 +94,13 @@ def loop_signals(rope: Evaluated) -> dict[str, float]:
 
 
 def clearance_signals(rope: Evaluated) -> dict[str, float]:
-    """Distances of the rope from the bodies of its scene."""
-    found = clearances(rope.scene, rope.state)
-    return {f"clearance.{kind}": nearest.clearance for kind, nearest in zip(KINDS, found, strict=True)}
+    """Return the distances of the rope from the bodies of its scene."""
+    nearest_of_kind = clearances(rope.scene, rope.state)
+    return {f"clearance.{kind}": nearest.clearance for kind, nearest in zip(KINDS, nearest_of_kind, strict=True)}
 
 
 def stress_signals(rope: Evaluated) -> dict[str, float]:
-    """Largest stress norms, and twist."""
+    """Return the largest stresses, and the twist."""
     bending, torsion, _, _, tau = _material(rope)
     at_bottom = int(np.searchsorted(np.cumsum(rope.state.partition.lengths), rope.loop.s))
     return {
@@ -113,7 +113,7 @@ def stress_signals(rope: Evaluated) -> dict[str, float]:
 
 
 def contact_signals(rope: Evaluated) -> dict[str, float]:
-    """Forces between the rope and the bodies in the shaft, and those on itself."""
+    """Return the forces between the rope and bodies in the shaft, and those on itself."""
     kinds = *KINDS, "rope"
     m, forces = rope.state.motion, dict.fromkeys(kinds, 0.0)
     if rope.state.fidelity != "rigid":
@@ -122,32 +122,32 @@ def contact_signals(rope: Evaluated) -> dict[str, float]:
 
 
 def error_signals(rope: Evaluated) -> dict[str, float]:
-    """Estimates of the run's errors so far."""
+    """Return the error estimates of the run so far."""
     scene, errors, cells, contact = rope.scene, rope.state.errors, rope.state.partition, rope.state.contact
     at_ends = with_contact_at_ends(end_force_error(scene.rope, errors), contact, errors.time, errors.force)
-    of_place = with_contact_of_place(scene, loop_error(scene, errors, cells.fine, cells.grading_length), contact)
+    loop_position = with_contact_of_place(scene, loop_error(scene, errors, cells.fine, cells.grading_length), contact)
     return {
         "status.end_force_error": float(with_misfit(at_ends, errors, *rope.state.filters)),
-        "status.loop_error": float(with_drift(of_place, *rope.state.filters)),
+        "status.loop_error": float(with_drift(loop_position, *rope.state.filters)),
         "status.contact_error": float(contact_error(contact)),
     }
 
 
 def audit_signals(rope: Evaluated) -> dict[str, float]:
-    """Worst findings of the audit so far; 0 before anything was computed."""
+    """Return the worst values of the audit so far; 0 before anything was computed."""
     names = (name for name in SIGNALS if name.startswith("audit."))
     return dict(zip(names, audit_values(rope.state.audit), strict=True))
 
 
 def shape_signals(rope: Evaluated) -> dict[str, float]:
-    """Points along the rope."""
+    """Return points along the rope."""
     q, lengths = rope.state.motion.q, rope.state.partition.lengths
     points = diagnostics.shape(q, lengths, rope.loop.s, loop_width(rope.scene), SHAPE_POINTS)
     return _rows("shape", dict(zip("xyz", points.T, strict=True)))
 
 
 def along_signals(rope: Evaluated) -> dict[str, float]:
-    """Places, tension and stresses at the points of the shape."""
+    """Return arc lengths, tension and stresses at the points of the shape."""
     lengths = rope.state.partition.lengths
     s = diagnostics.shape_places(lengths, rope.loop.s, loop_width(rope.scene), SHAPE_POINTS)
     bending, torsion = (diagnostics.interpolate_midpoints(stress, lengths, s) for stress in _material(rope)[:2])
@@ -155,7 +155,7 @@ def along_signals(rope: Evaluated) -> dict[str, float]:
 
 
 def station_signals(rope: Evaluated) -> dict[str, float]:
-    """Tension, curvature, torque and place of points that stay in the rope."""
+    """Return tension, curvature, torque and position of points that stay in the rope."""
     where, lengths = rope.scene.station, rope.state.partition.lengths
     s = float(np.sum(lengths)) * np.linspace(where.first, where.last, SHAPE_POINTS)
     curvature, torque = (diagnostics.interpolate_midpoints(values, lengths, s) for values in _material(rope)[2:4])
@@ -164,7 +164,7 @@ def station_signals(rope: Evaluated) -> dict[str, float]:
 
 
 def pull_at(rope: Evaluated, s: Array) -> Array:
-    """Tension (N) at arc lengths ``s`` (m)."""
+    """Return the tension (N) at arc lengths ``s`` (m)."""
     m, lengths = rope.state.motion, rope.state.partition.lengths
     rho, gravity = rope.scene.rope.mass_per_length, rope.scene.layout.gravity
     if rope.state.fidelity == "rigid":
@@ -172,14 +172,14 @@ def pull_at(rope: Evaluated, s: Array) -> Array:
     return diagnostics.tension(m, lengths, s, rho, gravity)
 
 
-def _rows(of: str, rows: dict[str, Array]) -> dict[str, float]:
-    return {f"{of}.{name}[{i}]": float(x) for name, row in rows.items() for i, x in enumerate(row, start=1)}
+def _rows(group: str, rows: dict[str, Array]) -> dict[str, float]:
+    return {f"{group}.{name}[{i}]": float(x) for name, row in rows.items() for i, x in enumerate(row, start=1)}
 
 
 def _material(rope: Evaluated) -> tuple[Array, ...]:
-    """Bending and torsional stress norm (Pa), curvature (1/m), torque (N m) and twist (rad/m) of each element.
+    """Return bending and torsional stress (Pa), curvature (1/m), torque (N m) and twist (rad/m) of each element.
 
-    Stresses as in a solid round bar; bending is root mean square along it.  Without torsion there is no torque.
+    Stresses are those of a solid round bar; bending is root mean square along it.  Without torsion there is no torque.
     """
     strains = rope.system.strains(rope.state.motion.q)
     return *material_values(rope.scene.rope, float(rope.state.fidelity == "torsional"), strains.T), strains[:, 1]

@@ -1,4 +1,4 @@
-"""Outputs that the state remembers, as formulas of the state: codegen.rules makes the C of them."""
+"""Outputs that are functions of the state alone, as formulas: codegen.rules makes the C of them."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -15,7 +15,7 @@ from rope_model.simulation.state import Counts, Crossing, EnergyBalance, Nearest
 
 
 def remembered(state: Any) -> dict[str, Any]:
-    """Return the values of these signals by name; numbers of ``state`` may be symbols."""
+    """Return the values of these signals by name; entries of ``state`` may be symbols."""
     crossing, guard, (left, right) = state.crossing, state.guard, state.filters
     values = {
         "loop.crossings": crossing.number,

@@ -1,1 +1,1 @@
-"""The rope at rest, and one step of it."""
+"""Static equilibrium at the start, and single time steps with their events."""

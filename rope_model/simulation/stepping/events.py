@@ -1,7 +1,7 @@
-"""Search for the instant at which a function of time first leaves the negative side; C has the formulas from here.
+"""Root search for events: the instant at which a function of time first leaves the negative side.
 
-Regula falsi with the Illinois modification.  It bisects when that fails to halve the interval twice in a row, or a
-value is infinite (the function may be kinked).
+It is the regula falsi with the Illinois modification.  It bisects after two rounds in a row that do not halve the
+interval, or where a value is infinite (the function may be kinked).  C has the formulas from here.
 """
 
 import math
@@ -12,24 +12,24 @@ from rope_model.physics.elementary import both, larger, smaller, where
 
 
 def locate(f: Callable[[float], float], low: float, high: float, f_low: float, f_high: float, width: float) -> float:
-    """The right end of an interval in which ``f`` goes from negative to not negative, not wider than ``width``.
+    """Return the right end of an interval of ``width`` in which ``f`` changes from negative to not negative.
 
-    ``f_low`` < 0 <= ``f_high`` are the values at the ends.  Neighbouring numbers may be further apart
+    ``f_low`` < 0 <= ``f_high`` are the values at the ends.  Neighbouring floating-point numbers may be further apart
     than ``width``; then they are the interval.
     """
-    at = Bracket(low, high, f_low, f_high, 0.0, 0.0)
-    while at.high - at.low > width:
-        x = trial_place(at, width)
-        if not at.low < x < at.high:
+    bracket = Bracket(low, high, f_low, f_high, 0.0, 0.0)
+    while bracket.high - bracket.low > width:
+        x = trial_x(bracket, width)
+        if not bracket.low < x < bracket.high:
             break
-        at = narrowed(at, x, f(x))
-    return at.high
+        bracket = narrowed(bracket, x, f(x))
+    return bracket.high
 
 
 class Bracket(NamedTuple):
-    """An interval, and the values at its ends, f_low < 0 <= f_high.
+    """Interval, and the values at its ends, f_low < 0 <= f_high.
 
-    ``side`` is the end that moved last, -1 or 1, or 0; then comes the number of rounds in a row that did not halve it.
+    ``side`` is the end that moved last, -1 or 1, or 0; ``stalled`` the number of rounds in a row that did not halve it.
     """
 
     low: float
@@ -40,8 +40,8 @@ class Bracket(NamedTuple):
     stalled: float
 
 
-def trial_place(bracket: Any, width: Any) -> Any:
-    """The place to look at next; not between the ends where there is no number between them."""
+def trial_x(bracket: Any, width: Any) -> Any:
+    """Return the next trial point; it is not between the ends if there is no number between them."""
     low, high, f_low = bracket.low, bracket.high, bracket.f_low
     falls, middle = _converges(bracket), 0.5 * (low + high)
     x = low + (high - low) * f_low / where(falls, f_low - bracket.f_high, 1.0)
@@ -50,22 +50,22 @@ def trial_place(bracket: Any, width: Any) -> Any:
 
 
 def narrowed(bracket: Any, x: Any, value: Any) -> Bracket:
-    """The interval that is left when the function has this ``value`` at ``x``."""
+    """Return the remaining interval if the function has this ``value`` at ``x``."""
     low, high, f_low, f_high, side, stalled = (getattr(bracket, name) for name in Bracket._fields)
     below = value < 0
-    now_low, now_high = where(below, x, low), where(below, high, x)
-    kept = 0.5 * (high - low) < now_high - now_low
+    new_low, new_high = where(below, x, low), where(below, high, x)
+    stalls = 0.5 * (high - low) < new_high - new_low
     return Bracket(
-        now_low,
-        now_high,
+        new_low,
+        new_high,
         where(below, value, where(side > 0, 0.5 * f_low, f_low)),
         where(below, where(side < 0, 0.5 * f_high, f_high), value),
         where(below, -1.0, 1.0),
-        where(kept, where(_converges(bracket), stalled, 0.0) + 1.0, 0.0),
+        where(stalls, where(_converges(bracket), stalled, 0.0) + 1.0, 0.0),
     )
 
 
 def _converges(bracket: Any) -> Any:
-    """Whether a secant of its values may be looked along."""
+    """Return whether the secant of its values may be used."""
     finite = abs(bracket.f_low - bracket.f_high) < math.inf
     return both(bracket.stalled < 2, finite, bracket.f_low < bracket.f_high)

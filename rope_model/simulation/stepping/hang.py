@@ -1,11 +1,11 @@
-"""The rope at rest: hung up straight and untwisted, let take its permanent curvature, then turned in to its twist.
+"""Equilibrium at the start: the rope is hung up straight, takes its permanent curvature, then its twist.
 
-Its swivels hold.  If one that starts relaxed cannot, the rope is hung up anew while that one turns against the friction
-of its slip: neither coupling nor installed twist winds up its loop.  That friction is below what holds it at rest.  A
-straight rope at rest carries the same torque all along, so the swivel with the least friction turns alone.  On a curved
-rope the other may have to turn as well.
+Its swivels hold.  If one that starts relaxed cannot, the rope is hung up again while that one turns against the
+friction of its slip: neither coupling nor installed twist winds up its loop.  That friction is below the one that holds
+it at rest.  A straight rope at rest carries the same torque all along, so only the swivel with the least friction
+turns.  On a curved rope the other may have to turn as well.
 
-A rope with an end that is not plumb hangs with ends close together first, that then move apart and lean by and by.
+A rope with an end that is not plumb first hangs with ends close together, which then move apart and lean step by step.
 """
 
 import math
@@ -29,20 +29,18 @@ from rope_model.simulation.rope_system import ANGLE
 from rope_model.simulation.state import RopeState
 from rope_model.simulation.stepping.statics import StaticsError, find_equilibrium
 
-#: parts in which the permanent curvature comes in
-CURVATURE_STEPS = 8
-#: parts in which ends that are not plumb get to their places: a clamp leans by 0.1 rad at most
-PLACING_STEPS = 32
-#: rad of twist put in at once, at most and at least
-TWIST_STEP, LEAST_TWIST_STEP = 1.0, 0.01
-#: rad: a rope whose frame turns by more at the right end, twice the loop's yaw, has left the way it was on
+CURVATURE_STEPS = 8  #: increments of the permanent curvature
+PLACING_STEPS = 32  #: increments of the position and lean of ends that are not plumb: 0.1 rad each at most
+TWIST_STEP = 1.0  #: rad, largest increment of twist
+LEAST_TWIST_STEP = 0.01  #: rad, smallest increment of twist
+#: rad, largest turn of the frame at the right end, twice the loop's yaw, on the branch of equilibria
 MOST_TURN = 2.0
-#: corrections after which turning in is given up: a fifth above the most that one of 60 drawn ropes needed
+#: corrections after which twisting is given up: a fifth above the largest number of 60 drawn ropes
 MOST_CORRECTIONS = 100_000
 
 
 def hang(model: RopeModel, state: RopeState, ends: tuple[EndMotion, EndMotion]) -> RopeState:
-    """``state`` at rest, its rope hung up in a loop, its ends then put and leaned as ``ends`` say."""
+    """Return ``state`` at rest: its rope is hung up in a loop, then its ends move and lean to ``ends``."""
     state = _hang_in_loop(model, state)
     for k in range(PLACING_STEPS if not_plumb(model.scene) else 0):
         on_the_way = paths_at_rest(model.scene, state.motion.t, ends, (k + 1) / PLACING_STEPS)
@@ -51,14 +49,14 @@ def hang(model: RopeModel, state: RopeState, ends: tuple[EndMotion, EndMotion]) 
 
 
 def paths_at_rest(scene: Scene, t: float, ends: tuple[EndMotion, EndMotion], part: float) -> tuple[EndPath, EndPath]:
-    """Return the paths of both ends at rest on their way; those of plumb ends at their places."""
+    """Return the paths of both ends at rest on their way; those of plumb ends at their positions."""
     left, right, part = *ends, part if not_plumb(scene) else 1.0
     first, second = partly_placed(scene, left, right, -1.0, part), partly_placed(scene, right, left, 1.0, part)
     return EndPath.at_rest(t, first), EndPath.at_rest(t, second)
 
 
 def _hang_in_loop(model: RopeModel, state: RopeState) -> RopeState:
-    """``state`` at rest, hung up straight and untwisted, then curved, turned in and relaxed."""
+    """Return ``state`` at rest, hung up straight and untwisted, then curved, twisted and relaxed."""
     held = model.system(state).prescribed_motion(state.motion.t)[0, [0, -1], ANGLE].tolist()
     twist, straight = held[1] - held[0], _untwisted(state, held[0])
     hung = _turn_in(model, *_let_curve(model, _turn_right_end(straight, -twist)), twist)
@@ -66,8 +64,8 @@ def _hang_in_loop(model: RopeModel, state: RopeState) -> RopeState:
 
 
 def _let_curve(model: RopeModel, state: RopeState) -> tuple[RopeState, int]:
-    """``state`` at rest, its rope straight first and then curved by and by, and the corrections that it took."""
-    rope, made = model.scene.rope, 0
+    """Return ``state`` at rest, its rope first straight and then curved step by step, and the number of corrections."""
+    rope, total = model.scene.rope, 0
     if not is_curved(rope, flexible(state.fidelity)):
         return equilibrium_in_frame(model, state)
     for k in range(CURVATURE_STEPS + 1):
@@ -79,36 +77,38 @@ def _let_curve(model: RopeModel, state: RopeState) -> tuple[RopeState, int]:
                 raise
             reached, whole = most_curvature(part.scene.rope), most_curvature(rope)
             raise StaticsError(messages.fails_at_curvature(reached, whole, str(error))) from error
-        made += corrections
-    return state, made
+        total += corrections
+    return state, total
 
 
-def _turn_in(model: RopeModel, state: RopeState, made: int, twist: float) -> RopeState:
-    """``state`` with ``twist`` (rad) more, put in so slowly that the speed does not matter.
+def _turn_in(model: RopeModel, state: RopeState, total: int, twist: float) -> RopeState:
+    """Return ``state`` with ``twist`` (rad) added, so slowly that the increments do not matter.
 
-    Steps are halved where the rope turns far, and go half the way to there as long as they get closer.  Where the
-    shortest turns far, the way it was on ends at a limit point: it snaps over, and goes on from where it comes to rest.
-    ``made`` are the corrections so far.
+    A step that turns the frame by more than MOST_TURN is rejected; the next goes at most half way to the rejected
+    twist.  If a step of LEAST_TWIST_STEP still does, the branch ends at a limit point: the rope snaps through and the
+    search continues from the new equilibrium.  ``total`` is the number of corrections so far.
     """
     left, beyond, size = twist, math.inf, TWIST_STEP
     while left != 0:
         size = min(size, 0.5 * abs(left - beyond))
         step = math.copysign(size, twist) if size < abs(left) else left
         last = abs(step) <= LEAST_TWIST_STEP
-        if made >= MOST_CORRECTIONS:
-            raise StaticsError(messages.fails_at_twist(twist - left, twist, abs(step), made, messages.takes_too_long()))
+        if total >= MOST_CORRECTIONS:
+            raise StaticsError(
+                messages.fails_at_twist(twist - left, twist, abs(step), total, messages.takes_too_long())
+            )
         try:
             after, corrections = equilibrium_in_frame(
                 model, _twist_evenly(state, step), math.inf if last else MOST_TURN
             )
         except StaticsError as error:
-            made += error.corrections
+            total += error.corrections
             if not error.turned:
-                why = messages.fails_at_twist(twist - left, twist, abs(step), made, str(error))
+                why = messages.fails_at_twist(twist - left, twist, abs(step), total, str(error))
                 raise StaticsError(why) from error
             beyond = left - step
             continue
-        made += corrections
+        total += corrections
         left -= step
         if abs(after.offsets[1] - state.offsets[1] - step) > MOST_TURN:
             after = after._replace(snapped_at=twist - left)
@@ -119,7 +119,7 @@ def _turn_in(model: RopeModel, state: RopeState, made: int, twist: float) -> Rop
 
 
 def _relax(model: RopeModel, straight: list[RopeState], state: RopeState) -> RopeState:
-    """``state`` if its swivels hold, else with those that start relaxed where they have slid to.
+    """Return ``state`` if its swivels hold, else with those that start relaxed where they have slid to.
 
     ``straight`` are the rope hung up straight, untwisted as seen from the right end, and from the left one.
     """
@@ -141,7 +141,7 @@ def _relax(model: RopeModel, straight: list[RopeState], state: RopeState) -> Rop
 
 
 def _loose(model: RopeModel, state: RopeState) -> dict[int, float]:
-    """Sides whose swivel relaxes and does not hold, and the friction (N m) of its slip."""
+    """Return the sides whose swivel relaxes and does not hold, with the friction (N m) of its slip."""
     ends, m, loose = ends_of(model.system(state)), state.motion, dict[int, float]()
     for side, node in enumerate(END_NODE):
         swivel, R = ends.swivels[side], m.reaction[node]
@@ -151,39 +151,39 @@ def _loose(model: RopeModel, state: RopeState) -> dict[int, float]:
 
 
 def _untwisted(state: RopeState, angle: float) -> RopeState:
-    """``state`` with this ``angle`` (rad) all along."""
+    """Return ``state`` with this ``angle`` (rad) all along."""
     q = state.motion.q.copy()
     q[:, ANGLE] = angle
     return state._replace(motion=replace(state.motion, q=q))
 
 
 def _with_swivels(state: RopeState, swivels: dict[int, SwivelState]) -> RopeState:
-    """``state`` with these swivels by side."""
+    """Return ``state`` with these swivels by side."""
     left, right = (swivels.get(side, state.swivels[side]) for side in (0, 1))
     return state._replace(swivels=(left, right))
 
 
 def equilibrium_in_frame(model: RopeModel, state: RopeState, most_turn: float = math.inf) -> tuple[RopeState, int]:
-    """Return ``state`` in equilibrium, and the corrections that it took."""
+    """Return ``state`` in equilibrium, and the number of corrections."""
     m, rest = state.motion, np.zeros_like(state.motion.q)
-    found = find_equilibrium(model.system(state), m.q, m.t, most_turn=most_turn)
-    motion = Motion(m.t, found.q, rest, rest, rest, rest, 0.0, found.reaction)
-    state = _turn_right_end(state._replace(motion=motion), found.turn)
-    balance = model.system(state).evaluate(found.q, rest, rest, found.reaction).balance
-    # a loop that yaws by psi turns the frame of the right end by -2 psi: which shows full turns on a long way
-    yaw = state.loop_yaw - 0.5 * found.turn
+    equilibrium = find_equilibrium(model.system(state), m.q, m.t, most_turn=most_turn)
+    motion = Motion(m.t, equilibrium.q, rest, rest, rest, rest, 0.0, equilibrium.reaction)
+    state = _turn_right_end(state._replace(motion=motion), equilibrium.turn)
+    balance = model.system(state).evaluate(equilibrium.q, rest, rest, equilibrium.reaction).balance
+    # a loop that yaws by psi turns the frame of the right end by -2 psi: this shows full turns
+    yaw = state.loop_yaw - 0.5 * equilibrium.turn
     books = energies(state.energy_balance, balance)
-    return with_loop_yaw(state._replace(energy_balance=books, loop_yaw=yaw)), found.iterations
+    return with_loop_yaw(state._replace(energy_balance=books, loop_yaw=yaw)), equilibrium.iterations
 
 
 def _turn_right_end(state: RopeState, angle: float) -> RopeState:
-    """The right end turned by ``angle`` (rad) against its conveyance."""
+    """Return ``state`` with the right end turned by ``angle`` (rad) against its conveyance."""
     left, right = state.offsets
     return state._replace(offsets=(left, right + angle))
 
 
 def _twist_evenly(state: RopeState, angle: float) -> RopeState:
-    """The row with the angle spread along the rope."""
+    """Return ``state`` with ``angle`` (rad) of twist spread along the rope."""
     m, s = state.motion, state.partition.nodes_s
     q = m.q.copy()
     q[:, ANGLE] += angle * (s / s[-1])

@@ -1,18 +1,18 @@
-"""Equilibrium by pseudo-transient continuation.
+"""Static equilibrium by pseudo-transient continuation.
 
 Each correction solves (K + M / tau^2) x = -R, an implicit Euler step of an inertia that the iteration is free to
 choose; tau grows as the residual falls, and the method ends as Newton's.  Without a residual that falls, tau shrinks
-and the iteration creeps like the real rope would: it does not depend on a good first guess.  Each shape on the way is
-the reference of the frame for the next, so that no tangent is far from it.
+and the iteration creeps like a real rope: it does not depend on a good first guess.  Each shape on the way is the
+reference of the frame for the next, so that no tangent is far from it.
 
-The tangent is symmetric and leaves out the part of Qk, which has no energy.  Near the end of the search that multiplies
-the error by i r, turned by 90 degrees, where r may exceed 1; corrections shortened by 1 / (1 + r^2) make it fall
+The tangent is symmetric and leaves out the part of Qk, which has no energy.  Near the end of the search this multiplies
+the error by i r, a rotation by 90 degrees, where r may exceed 1; corrections shortened by 1 / (1 + r^2) reduce it
 fastest.
 
-Where a motion costs no energy, as the turn of a buckled rod's helix about its axis, corrections along it never get
-small; the search ends when forces have been balanced to rounding often enough for the others to have gone.
+If a motion costs no energy, such as the rotation of a buckled rod's helix about its axis, corrections along it never
+become small.  The search ends when forces have been balanced to rounding often enough for other corrections to vanish.
 
-Source: Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998), switched evolution relaxation.
+Source: Kelley and Keyes, SIAM J. Numer.  Anal.  35 (1998), switched evolution relaxation.
 """
 
 import math
@@ -29,16 +29,16 @@ from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, Array, Rop
 
 #: last full Newton correction in ``system.norm``, over the rope's length
 REST_TOLERANCE = 1e-11
-#: s: pseudo-time steps beyond leave no inertia that matters
+#: s, pseudo-time step beyond which the inertia does not matter
 SETTLED = 1e3
-#: corrections with forces balanced to rounding, after which what still moves costs no energy; tau takes at most 51 from
+#: corrections with forces balanced to rounding, after which remaining motion costs no energy; tau takes at most 51 from
 #: its first value to its last
 BALANCED = 200
 _QA, _QK = PARAMETERS.index("Qa"), PARAMETERS.index("Qk")
 
 
 class StaticsError(RuntimeError):
-    """No equilibrium after so many ``corrections``; ``turned`` says that the rope turned too far on the way."""
+    """No equilibrium after so many ``corrections``; ``turned``: true if the rope turned too far on the way."""
 
     def __init__(self, message: str, corrections: int = 0, turned: bool = False) -> None:
         super().__init__(message)
@@ -47,9 +47,9 @@ class StaticsError(RuntimeError):
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """Configuration, reactions (zero where free, up to rounding) and the corrections it took.
+    """Configuration, reactions (zero where free, up to rounding) and number of corrections.
 
-    Angles count along it; ``turn`` (rad) is by how much more that is at the right end than it was along the guess.
+    Angles count along it; ``turn`` (rad) is the increase of the angle at the right end, compared with the guess.
     """
 
     q: Array
@@ -61,9 +61,9 @@ class Equilibrium:
 def find_equilibrium(
     system: RopeSystem, guess: Array, t: float = 0.0, max_iterations: int = 10000, most_turn: float = math.inf
 ) -> Equilibrium:
-    """Equilibrium near ``guess`` (nodes, 7), whose angles count along it, the ends held by the system as at ``t``.
+    """Find the equilibrium near ``guess`` (nodes, 7), whose angles count along it, with the ends held as at ``t``.
 
-    The search ends without success where its ``turn`` exceeds ``most_turn`` (rad).
+    The search fails if ``turn`` exceeds ``most_turn`` (rad).
     """
     q = np.where(system.free, guess, system.prescribed_motion(t)[0])
     rest = np.zeros_like(q)
@@ -72,26 +72,26 @@ def find_equilibrium(
     system, reaction, turn, previous = system.with_reference(q), rest, 0.0, 0.0
     tau, largest_move, relaxed, last, balanced = 0.1, 0.3, 1.0, 0.0, 0
     for k in range(1, max_iterations + 1):
-        x, now = system.newton_step(q, rest, rest, reaction, np.array([1.0, 0.0, tau**-2]))
+        x, residual = system.newton_step(q, rest, rest, reaction, np.array([1.0, 0.0, tau**-2]))
         move = float(np.max(np.abs(x[:, POSITION]))), float(np.max(np.abs(x[:, [3, 4, 5, 6]])))
-        previous = _imbalance(system, now)
+        previous = _imbalance(system, residual)
         if not np.all(np.isfinite(x)):
             tau *= 0.1
             if tau < 1e-7:
                 break
             continue
-        error = -float(np.sum(now * x))
-        # what has no energy is not in the tangent, and the correction misses it
+        error = -float(np.sum(residual * x))
+        # the tangent, and so the correction, misses the part without energy
         if system.P[_QK] != 0 and tau > SETTLED and last > 0:
             relaxed = relaxation(error / last, relaxed)
         last = error
         step = min(relaxed, largest_move / max(*move, 1e-300))
         trial = q + step * x
-        following = system.evaluate(trial, rest, rest, now).reaction
+        following = system.evaluate(trial, rest, rest, residual).reaction
         force = _imbalance(system, following)
-        # on its way down the rope may well pass larger forces; what it may not do is to gain energy with them: a force
-        # that grows with the cube of the way, as a stretch by going sideways, takes up what the first has given.  Where
-        # the tangent is not positive for want of inertia, the correction itself goes up
+        # larger forces are accepted on the way, but no gain of energy: a force that grows with the cube of the way,
+        # such as that of stretch by sideways motion, may take up the work of the first force.  Where the tangent is
+        # indefinite for lack of inertia, the correction itself goes uphill
         climbs = error < 0 and previous > rounding
         ends_low = np.sum(following * x) <= 3.0 * error or force <= previous + rounding
         if climbs or not np.isfinite(force) or not ends_low:
@@ -121,14 +121,14 @@ def relaxation(change: Any, last: Any) -> Any:
 
 
 def _imbalance(system: RopeSystem, reaction: Array) -> float:
-    """Largest unbalanced force in N; moments and stretching forces count per the shortest element's length."""
+    """Return the largest unbalanced force (N); moments and stretching forces are over the shortest element."""
     weight = np.ones(reaction.shape[1])
     weight[SLOPE] = 1.0 / system.lengths.min()
     return float(np.max(np.abs(np.where(system.free, reaction, 0.0)) * weight))
 
 
 def hanging_guess(s: Array, left: Array, right: Array) -> Array:
-    """(nodes, 7): two straight legs and a half circle between the suspension points ``left`` and ``right`` (3,).
+    """Return two straight legs and a half circle between the suspension points ``left`` and ``right`` (nodes, 7).
 
     ``s`` are the arc lengths of the nodes.  The half circle lies in the vertical plane of the two points, see
     physics.hanging.

@@ -1,4 +1,4 @@
-"""One step of the rope, as long as errors and events allow."""
+"""One step of the rope: step-size control, swivel events and transformations."""
 
 import logging
 from dataclasses import replace
@@ -22,16 +22,17 @@ from rope_model.simulation.stepping.statics import StaticsError
 
 log = logging.getLogger(__name__)
 
-#: Newton iterations of a communication step of up to so many s: over 6 times the most of 120 drawn trips
-MOST_WORK, WORK_INTERVAL = 5_000.0, 0.05
+#: largest number of Newton iterations of a communication step: over 6 times that of 120 drawn trips
+MOST_WORK = 5_000.0
+WORK_INTERVAL = 0.05  #: s, length of the communication step above which that number grows in proportion
 
 
-#: an accepted trial step, the state before it with its accounts after it, and whether the step ends where it was to
+#: accepted trial step, the state before it with updated counts and step control, and true if it ends at the stop
 _Accepted = tuple[StepResult[Evaluation], RopeState, bool]
 
 
 def step_towards(model: RopeModel, state: RopeState, t_end: float, work_end: int) -> RopeState | str:
-    """The state after one accepted step, or why there is none.
+    """Return the state after one accepted step towards ``t_end``, or the reason for a failure.
 
     ``work_end`` is the number of Newton iterations since the start beyond which accuracy is given up.
     """
@@ -51,19 +52,19 @@ def step_towards(model: RopeModel, state: RopeState, t_end: float, work_end: int
         counts = state.counts
         assert result.motion is not None
         end = result.motion.t
-        # the step to the event, and one from there on, come after the trials
+        # reserve iterations for the step to the event and one after it
         work = work_end - counts.newton - 2 * STEP_WORK
         if (event := switching.switching_step(model, system, state, result, work)) is None:
             break
         h, iterations = event
         counts = counts.plus(newton=iterations, given_up=int(iterations >= work))
-        if work <= 0:  # the step's end will do
+        if work <= 0:  # the swivel switches at the step's end
             break
         result = model.trial(system, state.motion, h)
         counts = counts.plus(newton=result.newton.iterations)
         if result.motion is not None:
             break
-        # a shorter one may not reach the event, or find it more easily
+        # a shorter step may not reach the event, or find it more easily
         shorter = max(0.5 * (end - state.motion.t), model.scene.solver.step_min)
         if shorter > 0.75 * (end - state.motion.t):
             return messages.step_to_event_fails(result.newton.status.text)
@@ -71,7 +72,7 @@ def step_towards(model: RopeModel, state: RopeState, t_end: float, work_end: int
         state = state._replace(step_next=shorter, counts=counts.plus(rejections=1))
     after = model.commit(state, system, result)._replace(counts=counts.plus(steps=1))
     if reaches_stop and after.motion.t == end:
-        after = after._replace(motion=replace(after.motion, t=stop))  # to the bit, not to rounding
+        after = after._replace(motion=replace(after.motion, t=stop))  # exactly, not up to rounding
     if event is not None:
         after = switching.switch_swivels(model, after)
         if switching.chatters(after):
@@ -80,24 +81,26 @@ def step_towards(model: RopeModel, state: RopeState, t_end: float, work_end: int
 
 
 def _rigid_step(model: RopeModel, state: RopeState, t_end: float) -> RopeState | str:
-    """The rigid rope follows its ends in one go."""
+    """Move the rigid rope with its ends in one step."""
     try:
         after = as_rigid(model, state, t_end)
     except (StaticsError, ValueError) as error:
         return str(error)
-    now, h = powers(model.system(after), after.motion), t_end - state.motion.t
-    work = after.energy_balance.work_ends + 0.5 * h * (state.powers.ends + now.ends)
+    powers_after, h = powers(model.system(after), after.motion), t_end - state.motion.t
+    work = after.energy_balance.work_ends + 0.5 * h * (state.powers.ends + powers_after.ends)
     return after._replace(
-        powers=now, energy_balance=after.energy_balance._replace(work_ends=work), counts=after.counts.plus(steps=1)
+        powers=powers_after,
+        energy_balance=after.energy_balance._replace(work_ends=work),
+        counts=after.counts.plus(steps=1),
     )
 
 
 def _accepted_step(
     model: RopeModel, system: RopeSystem, state: RopeState, stop: float, work_end: int
 ) -> _Accepted | str:
-    """A step towards ``stop`` that converges and errs little enough, halved as often as it takes.
+    """Return a step towards ``stop`` that converges with an allowed error, halved as often as necessary.
 
-    Where the work that is left does not allow for more steps, one that errs too much will do.
+    If the Newton budget allows no more steps, a larger error is accepted.
     """
     solver, t = model.scene.solver, state.motion.t
     step_next, cause = min(state.step_next, solver.step_max), ""
@@ -130,10 +133,11 @@ def _accepted_step(
 
 
 def _next_stop(model: RopeModel, state: RopeState, t_end: float) -> float:
-    """The instant at which the coming steps must end: the host's or a release.
+    """Return the instant at which the next steps must end: the host's or a release.
 
-    Also a transformation, where a step would carry the loop too far past it; else it waits for the step's end,
-    because a step that is cut short errs by more than a mesh that is a little late.
+    It is that of a transformation if a step would carry the loop too far beyond the limit.  Otherwise the
+    transformation waits for the step's end, because a step that is cut short costs more accuracy than a mesh that is a
+    little late.
     """
     t, stop = state.motion.t, min(t_end, switching.next_release(model, state))
     ahead = min(stop, t + min(state.step_next, model.scene.solver.step_max))
@@ -141,7 +145,7 @@ def _next_stop(model: RopeModel, state: RopeState, t_end: float) -> float:
     def due(time: float) -> float:
         return float(distance_to_due(state.partition, model.bottom(state.paths, time)))
 
-    # a crossing that falls between these instants is found by the next step, at most one step late
+    # the next step finds a crossing between these instants, at most one step late
     at_start = due(t)
     for time in (0.5 * (t + ahead), ahead):
         if at_start < 0 and (at_time := due(time)) >= LATEST * state.partition.coarse:
@@ -150,9 +154,9 @@ def _next_stop(model: RopeModel, state: RopeState, t_end: float) -> float:
 
 
 def as_rigid(model: RopeModel, state: RopeState, t: float) -> RopeState:
-    """``state`` as the rigid model has it at ``t``."""
+    """Return ``state`` as the rigid model has it at ``t``."""
     transformed = transform_if_due(model, state._replace(motion=replace(state.motion, t=t)))
-    assert not isinstance(transformed, str)  # no mesh is too hard for a rope that does not bend
+    assert not isinstance(transformed, str)  # the transformation of a rigid rope cannot fail
     state = transformed
     rope = rigid_rope(model.scene, ends_at(state.paths, t), t, state.partition.nodes_s)
     return state._replace(
@@ -161,10 +165,10 @@ def as_rigid(model: RopeModel, state: RopeState, t: float) -> RopeState:
 
 
 def most_work(interval: Any, step_max: Any) -> Any:
-    """Return the Newton iterations after which a communication step fails; a short step_max asks for more."""
+    """Return the Newton iterations after which a communication step fails; a short step_max needs more."""
     return MOST_WORK * larger(interval / WORK_INTERVAL, 1.0) + 2.0 * STEP_WORK * interval / step_max
 
 
 def _steps_left(work: int) -> int:
-    """Steps that so many Newton iterations allow for, one at least."""
+    """Return the number of steps that so many Newton iterations allow, at least one."""
     return max(work // STEP_WORK, 1)

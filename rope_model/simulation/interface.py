@@ -1,4 +1,4 @@
-"""Interface of every form of the rope: hang, follow the ends, be read, and go back to a saved state."""
+"""BalanceRope, the interface of the native and the Python rope, with Status and Snapshot."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
@@ -21,7 +21,7 @@ from rope_model.simulation.state import RopeState
 class Status:
     """Validity of the rope's state."""
 
-    valid: bool  #: whether the start or step succeeded
+    valid: bool  #: true if the start or step succeeded
     message: str = ""  #: cause and cure, if not
 
 
@@ -49,7 +49,7 @@ class BalanceRope(ABC):
     @property
     @abstractmethod
     def scene(self) -> Scene:
-        """The data of the run."""
+        """Data of the run."""
 
     @property
     @abstractmethod
@@ -63,7 +63,7 @@ class BalanceRope(ABC):
 
     @property
     def time(self) -> float:
-        """The present state's instant, s."""
+        """Instant of the present state [s]."""
         return self.state.motion.t
 
     @property
@@ -79,7 +79,7 @@ class BalanceRope(ABC):
     @property
     @abstractmethod
     def state(self) -> RopeState:
-        """The present state for analysis: nodes, mesh, swivels, energies, events; it never changes."""
+        """Present state for analysis: nodes, mesh, swivels, energies, events; it never changes."""
 
     @abstractmethod
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
@@ -153,7 +153,7 @@ class BalanceRope(ABC):
         Parameters
         ----------
         forces : PointForces
-            Places on the rope, and forces there.
+            Points on the rope, and forces there.
 
         Raises
         ------
@@ -163,13 +163,13 @@ class BalanceRope(ABC):
 
     @abstractmethod
     def rows(self) -> NDArray[np.float64]:
-        """Return (nodes, 13): arc length [m], r [m] and r' of the nodes, and their rates; faster than ``state``."""
+        """Return arc length [m], r [m] and r' of the nodes, and their rates (nodes, 13); faster than ``state``."""
 
     @abstractmethod
     def displacement(self, forces: PointForces) -> NDArray[np.float64]:
-        """Return (n, 3): displacement [m] of the places by the forces at ``start``.
+        """Return the displacements [m] (n, 3) that the forces at ``start`` cause at their points of the rope.
 
-        It is that at the end of a step as long as the last, of the linearised equations.
+        They are those of the linearised equations at the end of a step as long as the last.
         """
 
     def added_mass(self) -> tuple[float, float]:
@@ -221,7 +221,7 @@ class BalanceRope(ABC):
 
 
 def state_in(data: bytes | RopeState | Snapshot) -> RopeState:
-    """The state that ``save``, ``state`` or ``snapshot`` gave."""
+    """Return the RopeState of a result of ``save``, ``state`` or ``snapshot``."""
     if isinstance(data, Snapshot):
         return data.state
     return RopeState.from_bytes(data) if isinstance(data, bytes) else data
