@@ -56,7 +56,7 @@ static size_t lay_out(Simulator *rope, Arena *arena) {
     self_contact.others = reserve(arena, sizeof *self_contact.others * n);
     const size_t used = arena->used;
     if (presses) { /* room for strands that lie in each other */
-        const size_t places = (size_t)most_places(scene->rope.length, rope->elements, scene->rope.diameter);
+        const size_t places = (size_t)most_points(scene->rope.length, rope->elements, scene->rope.diameter);
         self_contact.touches = reserve(arena, sizeof *self_contact.touches * MOST_STRANDS * places);
     }
     if (arena->block == NULL) return used;

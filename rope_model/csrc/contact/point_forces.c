@@ -5,7 +5,7 @@
 void elements_at(const System *s, int number, PointForce *point) {
     const PointForces *forces = s->forces;
     const double *place = forces->places[number];
-    const double part = part_of_time(forces->start, forces->stop, s->time);
+    const double part = time_fraction(forces->start, forces->stop, s->time);
     while (point->element < s->elements - 1 && place[0] > point->start + s->lengths[point->element])
         point->start += s->lengths[point->element++];
     hermite_shape_functions((place[0] - point->start) / s->lengths[point->element], s->lengths[point->element],

@@ -43,7 +43,7 @@ static double nearest_place(const System *s, const double *q, int element, const
         if (distance < least) *xi = probes[k];
         least = smaller(least, distance);
     }
-    for (int k = 0; k < CORRECTIONS; k++) *xi = nearer_place(*xi, l, point, a, a + DOF);
+    for (int k = 0; k < CORRECTIONS; k++) *xi = nearer_xi(*xi, l, point, a, a + DOF);
     hermite_shape_functions(*xi, l, N);
     at_places(q, element, N, place);
     return length_between(place, point);
@@ -95,7 +95,7 @@ static void search_element(const System *s, const double *q, const double *v, co
                            int others) {
     SelfContactState *self_contact = s->self_contact;
     const double diameter = self_contact->scene->rope.diameter, l = s->lengths[element];
-    const int number = (int)places_of(l, diameter);
+    const int number = (int)number_of_points(l, diameter);
     const double weight = l / number;
     for (int k = 0; k < number;) {
         SelfContact touch = {.elements = {element, 0}, .weight = weight};
@@ -116,7 +116,7 @@ static void search_element(const System *s, const double *q, const double *v, co
             add_self_contact(s, q, v, c, N, touch);
         }
         /* Skip places farther than a diameter.  A distance that is not a number ends the search. */
-        k += 1 + (int)places_skipped(least, diameter, weight, number);
+        k += 1 + (int)points_skipped(least, diameter, weight, number);
     }
 }
 

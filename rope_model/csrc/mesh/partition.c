@@ -179,7 +179,7 @@ static void tmn(const Pattern *pattern, int elements, double *lengths) {
 }
 
 void faced_by(const Scene *scene, double left, double right, double *faced) {
-    faced_places(scene, left, right, faced);
+    faced_positions(scene, left, right, faced);
     for (int i = 0; scene->mesh.kind != AUTO_MESH && i < PLACES_FACED; i++) faced[i] = INFINITY;
 }
 

@@ -32,7 +32,7 @@ void transfer_interpolate(int nodes, const double *x, const double *s, int numbe
 static void cubic_products(int nodes, const double *s, double *band) {
     for (int e = 0; e < nodes - 1; e++, band += 2 * CUBIC) {
         double products[CUBIC * (CUBIC + 1) / 2], *product = products;
-        hermite_products(s[e + 1] - s[e], products);
+        hermite_shape_products(s[e + 1] - s[e], products);
         for (int i = 0; i < CUBIC; i++)
             for (int k = 0; k <= i; k++) band[CUBIC * (i - k) + k] += *product++;
     }

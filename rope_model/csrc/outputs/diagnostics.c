@@ -39,7 +39,7 @@ void shape_places(double total, double bottom_s, double loop, int points, double
     double step = 2.0 / (points - 1);
     for (int k = 0; k < points; k++) {
         double u = k < points - 1 ? k * step - 1.0 : 1.0;
-        places[k] = clip(place_on_rope(bottom_s, u < 0 ? -bottom_s : total - bottom_s, fabs(u), loop), 0.0, total);
+        places[k] = clip(sample_s(bottom_s, u < 0 ? -bottom_s : total - bottom_s, fabs(u), loop), 0.0, total);
     }
 }
 
@@ -47,7 +47,7 @@ void diagnostics_shape(int nodes, const double *q, const double *s, int points, 
     for (int k = 0, i = 0; k < points; k++, xyz += 3) {
         while (i < nodes - 2 && s[i + 1] < places[k]) i++;
         const double l = s[i + 1] - s[i], *a = q + (ptrdiff_t)DOF * i;
-        place_between((places[k] - s[i]) / l, l, a, a + DOF, xyz);
+        position_at((places[k] - s[i]) / l, l, a, a + DOF, xyz);
     }
 }
 
@@ -184,7 +184,7 @@ static void point_of(const Arrays *m, int point, double place[3]) {
     if (piece == 0)
         memcpy(place, a, 3 * sizeof *place);
     else
-        place_between((double)piece / PIECES, m->lengths[element], a, a + DOF, place);
+        position_at((double)piece / PIECES, m->lengths[element], a, a + DOF, place);
 }
 
 static void climb_on(Climb *leg) {

@@ -6,7 +6,7 @@ double locate(double (*f)(void *, double), void *data, double low, double high, 
               double width) {
     Bracket bracket = {low, high, f_low, f_high, 0, 0};
     while (bracket.high - bracket.low > width) {
-        const double x = trial_place(&bracket, width);
+        const double x = trial_x(&bracket, width);
         if (!(bracket.low < x && x < bracket.high)) break;
         bracket = narrowed(&bracket, x, f(data, x));
     }

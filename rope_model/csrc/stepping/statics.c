@@ -97,5 +97,5 @@ void hanging_guess(int nodes, const double *s, const double left[3], const doubl
         say_rope_too_short(message, length, width, fabs(left[1] - right[1]));
         return;
     }
-    for (int k = 0; k < nodes; k++) hanging_row(&legs, left, across, s[k], q + (ptrdiff_t)DOF * k);
+    for (int k = 0; k < nodes; k++) hanging_node_row(&legs, left, across, s[k], q + (ptrdiff_t)DOF * k);
 }
