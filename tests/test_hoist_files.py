@@ -24,7 +24,7 @@ from hoist_demo.study.run import build, build_trip
 from rope_model.scene_names import named_parameters
 
 ROOT = Path(__file__).parents[1]
-SHIPPED = [*(FOLDER / f"{name}.toml" for name in NAMED), *sorted((ROOT / "docs" / "hoists").glob("*.toml"))]
+SHIPPED = [*(FOLDER / f"{name}.toml" for name in NAMED), *sorted((ROOT / "examples" / "hoists").glob("*.toml"))]
 OWN = """
 name = "Own"
 status = "data sheet"

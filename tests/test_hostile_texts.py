@@ -265,7 +265,7 @@ MORE = {
 WORD = re.compile(r"#.*|\"[^\"\n]*\"|'[^'\n]*'|[\w.+-]+")
 
 
-EXAMPLES = [(kind, path) for kind in FILES for path in sorted((ROOT / "docs" / kind).glob("*.toml"))]
+EXAMPLES = [(kind, path) for kind in FILES for path in sorted((ROOT / "examples" / kind).glob("*.toml"))]
 
 
 @pytest.mark.parametrize(
