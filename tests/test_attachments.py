@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from scenes import Ends, fixed_steps, hung, wound
 from scipy.integrate import solve_bvp
-from test_native_derivatives import native_derivative
+from test_native_data import native_derivative
 
 from rope_model import BalanceRope, EndMotion, Layout, Mesh, Rope, RopeSimulator, Scene, Solver, Swivel, balance_rope
 from rope_model.engine import NativeRope
