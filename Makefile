@@ -33,13 +33,13 @@ test: $(READY)  ## run the tests, on all cores
 test-slow: $(READY)  ## run the tests that are marked slow
 	$(PYTEST) -m slow
 
-lint: $(DEV)  ## run ruff, clang-format and mypy
+lint: $(DEV)  ## run ruff, clang-format, mypy, codespell and proselint
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	git ls-files '*.c' '*.h' '*.inc' | xargs $(BIN)/clang-format --dry-run -Werror
 	$(BIN)/mypy
 	$(BIN)/mypy --strict examples/*.py
-	git ls-files '*.md' '*.j2' '*.py' '*.c' '*.h' ':!tests' | xargs $(BIN)/codespell
+	git ls-files '*.md' '*.j2' '*.py' '*.c' '*.h' '*.inc' ':!tests' | xargs $(BIN)/codespell
 	git ls-files '*.md' ':!docs/data' | xargs $(BIN)/proselint check
 
 docs: $(READY)  ## build the site in build/site
@@ -55,13 +55,13 @@ reproduce: $(READY)  ## run the published evaluation anew (10 minutes)
 accuracy: $(READY)  ## measure accuracy and speed anew (30 minutes, on a quiet machine)
 	$(MEASURE) accuracy choice latency -- accuracy levels
 
-promise: $(READY)  ## hold asked against reached accuracy on seeded scenes (half an hour)
+promise: $(READY)  ## compare requested and achieved accuracy on seeded scenes (half an hour)
 	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.promise
 
 stability: $(READY)  ## run the scenes in which methods fail (10 minutes)
 	$(MEASURE) stability coupling -- stability
 
-validate: $(READY)  ## hold the model against measurement, theory and other codes (20 minutes)
+validate: $(READY)  ## compare the model with measurements, theory and other codes (20 minutes)
 	$(BIN)/python -m pip install --quiet -e '.[peer,validation]'
 	$(MEASURE) validation discrete_rod exudyn -- validation accuracy
 	OMP_NUM_THREADS=1 $(BIN)/python -m evidence.linear

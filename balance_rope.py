@@ -59,7 +59,7 @@ EPILOG = """\
 first steps:
   balance-rope export                  write the rope to build/balance_rope.fmu
   balance-rope export --native --fmi 2 3    the same as C code for all platforms, without Python
-  balance-rope wind                    wind 90 m with it; figures, CSV and a report in out/wind
+  balance-rope wind                    wind 90 m with it; figures, CSV and a report in out/wind/rope-120
   balance-rope new NAME --depth 870 --payload 22t --speed 16    the file of your own hoist, NAME.toml
   balance-rope show NAME.toml          its values, and what follows from them
   balance-rope wind NAME.toml          one trip of it, with one balance rope or several that differ
@@ -248,12 +248,16 @@ def _with_rope(case: Case, path: Path | None, texts: Sequence[str]) -> Case:
 
 
 def _paths(out: Path | None, hoist: str, wanted: Sequence[tuple[str, int]]) -> list[Path]:
-    """Return the path of each of ``wanted`` under --out, with its folder made and checked for writing."""
-    if out is not None and len(wanted) == 1 and out.suffix and not out.is_dir():
-        if out.suffix.lower() != ".fmu":
+    """Return the path of each of ``wanted`` under --out, with its folder made and checked for writing.
+
+    A system is beside its rope, with the suffix .ssp.
+    """
+    ending = "" if out is None else out.suffix.lower()
+    if out is not None and len(wanted) == 1 and ending and not out.is_dir():
+        if ending not in (".fmu", ".ssp"):
             raise ValueError(f"--out {out} must end in .fmu or name a folder: give {out.with_suffix('.fmu')}")
-        paths = [out]
-    elif out is not None and out.suffix == ".fmu":
+        paths = [out.with_suffix(".fmu")] if ending == ".ssp" else [out]
+    elif ending in (".fmu", ".ssp"):
         raise ValueError(f"--out {out} names one file, and {len(wanted)} are written: give a folder")
     else:
         paths = [(out or BUILD) / fmu_name(hoist, NAMES[one]) for one in wanted]

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from evidence.tables import Array
 from rope_model.parameters import Rope
+from rope_model.physics.element import parameters
 from rope_model.simulation.rope_kernels import RopeKernels
-from rope_model.simulation.rope_system import ANGLE, RopeSystem, parameter_vector
+from rope_model.simulation.rope_system import ANGLE, RopeSystem
 from rope_model.simulation.stepping.statics import Equilibrium, find_equilibrium
 
 
@@ -58,7 +59,7 @@ def rod(rope: Rope, gravity: float, q: Array, boundary: StaticBoundary) -> RopeS
     """``rope`` on equal elements, near the shape ``q`` (nodes, 7)."""
     elements = len(q) - 1
     lengths = np.full(elements, rope.length / elements)
-    return RopeSystem(RopeKernels(elements), lengths, parameter_vector(rope, gravity), boundary, q)
+    return RopeSystem(RopeKernels(elements), lengths, np.array(parameters(rope, gravity)), boundary, q)
 
 
 def turned(system: RopeSystem, q: Array, angle: float) -> Equilibrium:

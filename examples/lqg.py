@@ -77,7 +77,7 @@ def wound(run: RunData, controller: Any) -> dict[str, float]:
     made = None if controller is None else lambda hoist, holding: controller(DESIGN.hoist, holding)
     rope = InProcessRope(rope_data(run.fmu))
     result = Host(rope, run.hoist, run.winding, run.coupling, run.gains, made).run()
-    return measure(result, run.hoist, result.winding, run.arrival).metrics
+    return measure(result, run.hoist, run.arrival).metrics
 
 
 (LINEAR,) = linearise(find_case("rope-120"), [1.0])

@@ -89,7 +89,7 @@ def wound(trip: Trajectory) -> dict[str, float]:
     """Metrics of a trip in the co-simulation."""
     rope = InProcessRope(rope_data(RUN.fmu))
     result = Host(rope, HOIST, WINDING, RUN.coupling, GAINS, trajectory=trip).run()
-    return measure(result, HOIST, result.winding, RUN.arrival).metrics
+    return measure(result, HOIST, RUN.arrival).metrics
 
 
 SHOWN = ("trajectory_time", "cycle_time", "swing_left", "swing_right", "torque_peak", "slip_safety")

@@ -100,9 +100,10 @@ def model_description(described: Mapping[int, Variable], build: Build) -> Elemen
     indices = {v.name: index for index, v in enumerate(variables, start=1)}
     outputs = {v.name: indices[v.name] for v in variables if v.causality == "output"}
     at_start = (
-        node("Unknown", dependencies=_followed(build, name, indices), index=index) for name, index in outputs.items()
+        node("Unknown", dependencies=_dependencies(build, name, indices), index=index)
+        for name, index in outputs.items()
     )
-    later = (node("Unknown", dependencies=_followed_later(name), index=index) for name, index in outputs.items())
+    later = (node("Unknown", dependencies=_dependencies_later(name), index=index) for name, index in outputs.items())
     structure = [node("Outputs", *later), node("InitialUnknowns", *at_start)]
     return _document(build, {"fmiVersion": "2.0", "guid": build.token}, interface, units, types, listed, structure)
 
@@ -137,10 +138,10 @@ def model_description3(gathered: Sequence[Array], time: int, build: Build) -> El
     numbers = {array.name: array.reference for array in gathered}
     outputs = {array.name: array.reference for array in gathered if array.variable.causality == "output"}
     structure = [
-        node("Output", valueReference=number, dependencies=_followed_later(name)) for name, number in outputs.items()
+        node("Output", valueReference=number, dependencies=_dependencies_later(x)) for x, number in outputs.items()
     ]
     structure += [
-        node("InitialUnknown", dependencies=_followed(build, name, numbers), valueReference=number)
+        node("InitialUnknown", dependencies=_dependencies(build, name, numbers), valueReference=number)
         for name, number in outputs.items()
     ]
     head = {"fmiVersion": "3.0", "instantiationToken": build.token}
@@ -192,13 +193,13 @@ def _document(
     )
 
 
-def _followed(build: Build, name: str, numbers: Mapping[str, int]) -> str | None:
+def _dependencies(build: Build, name: str, numbers: Mapping[str, int]) -> str | None:
     """Return the dependencies of an output during initialisation, as ``numbers`` that identify variables."""
     follows = build.initial.get(name)
     return None if follows is None else " ".join(str(numbers[other]) for other in follows)
 
 
-def _followed_later(name: str) -> str | None:
+def _dependencies_later(name: str) -> str | None:
     """Return the dependencies of an output after initialisation: none."""
     return None if name == "status.message" else ""
 

@@ -19,14 +19,13 @@ from rope_model.physics import hermite
 from rope_model.physics.contact import ONSET, SUMS, Touch, correction_motion, largest_motion, touch
 from rope_model.physics.contact_element import CONTACT_BALANCE, contact_element
 from rope_model.physics.contact_error import ContactSums, add_contact, contact_error, delay, length_for
-from rope_model.physics.element import BALANCE, ELEMENT_DOF, ElementFidelity, element_functions
+from rope_model.physics.element import BALANCE, ELEMENT_DOF, ElementFidelity, element_functions, parameters
 from rope_model.physics.rope_on_rope import points_skipped
 from rope_model.physics.shaft import KINDS, Body, distance, normal
 from rope_model.shaft_parameters import Contact, Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
 from rope_model.simulation.mesh.mesh_fit import BLOW
 from rope_model.simulation.mesh.mesh_pattern import WINDOW_DUE
 from rope_model.simulation.mesh.partition import fit_mesh, partition
-from rope_model.simulation.rope_system import parameter_vector
 
 DIAMETER = 0.044
 REST = (0.0, 0.0, 0.0)
@@ -130,7 +129,7 @@ def element_case(fidelity: ElementFidelity, contact: Contact) -> tuple[list[Any]
     q, v, a = q[kept], rng.normal(size=len(kept)), rng.normal(size=len(kept))
     element, l = element_functions(fidelity), 1.01
     F = np.array(element.reference(q, l)).ravel()
-    P = parameter_vector(Rope(), 9.81)
+    P = np.array(parameters(Rope(), 9.81))
     floor = Body((0.0, -10.0, 0.0), (1e3, 10.02, 1e3), 0.0, 1.0, 0.0, 1.0)
     bar = Body((0.6, 0.2, 0.0), (0.0, 0.0, 9.0), 0.16, 1.0, 0.0, 1.0)
     numbers = [contact.stiffness, contact.damping, contact.friction, contact.slip_speed, 0.2]
@@ -175,7 +174,7 @@ def pressure_of_bar(place: float, size: float = THIN, pressed: float = PRESSED) 
         q = np.array([start, 0, 0, 1, 0, 0, 0, start + LONG_ELEMENT, 0, 0, 1, 0, 0, 0])
         bar = Body((place, pressed - 0.5 * (size + DIAMETER), 0.0), (0.0, 0.0, 9.0), 0.5 * size, 1.0, 0.0, 1.0)
         law = [contact.stiffness, contact.damping, contact.friction, contact.slip_speed, DIAMETER]
-        P = [*parameter_vector(Rope(), 9.81), *law, *bar.centre, *bar.half, *bar[2:], 0.0, 0.0, 0.0]
+        P = [*parameters(Rope(), 9.81), *law, *bar.centre, *bar.half, *bar[2:], 0.0, 0.0, 0.0]
         element, rest = contact_element("torsional", element_functions(), (KINDS.index("divider"),)), np.zeros(14)
         F = np.array(element_functions().reference(q, LONG_ELEMENT)).ravel()
         sums = np.array(element.balance(q, rest, LONG_ELEMENT, [*F, 1.0], P)).ravel()

@@ -122,7 +122,7 @@ def test_shaper_takes_the_swing_that_a_trip_leaves() -> None:
     run = build("rope-120", {"winding.jerk": 3.0, "controller": "input-shaping"})
     rope = InProcessRope(rope_data(run.fmu, "draft"))
     result = Host(rope, run.hoist, run.winding, run.coupling, run.gains).run()
-    metrics = measure(result, run.hoist, result.winding, run.arrival).metrics
+    metrics = measure(result, run.hoist, run.arrival).metrics
     assert replace(run, winding=replace(run.winding, emergency_at=1.0)).design()  # a guard may stop what a file may not
     # friction at the rim is viscous only far below its speed of 20 mm/s: it is less in a swing of some mm
     assert run.shaper.frequency == pytest.approx(metrics["swing_frequency"], rel=0.06)

@@ -1,5 +1,6 @@
 """README and docs: links lead to files and headings that are there, as GitHub counts them; commands can be found."""
 
+import ast
 import re
 import shutil
 from functools import cache
@@ -33,7 +34,11 @@ def anchors(path: Path) -> frozenset[str]:
 
 
 @pytest.mark.parametrize("path", PAGES, ids=[str(path.relative_to(ROOT)) for path in PAGES])
-def test_links_lead_somewhere(path: Path) -> None:
+def test_links_lead_somewhere_code_is_python_and_merges_are_complete(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert not re.search(r"^([<>]{7} |=======$)", text, re.MULTILINE)
+    for block in re.findall(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
+        ast.parse(block)
     for link in LINK.findall(text_of(path)):
         name, _, place = link.partition("#")
         target = (path.parent / name) if name else path

@@ -14,10 +14,10 @@ from scipy.optimize import root
 
 from rope_model import EndMotion, Layout, Mesh, Model, Rope, Scene, Solver, balance_rope
 from rope_model.physics.curved_element import curved_functions
-from rope_model.physics.element import element_functions
+from rope_model.physics.element import element_functions, parameters
 from rope_model.physics.initial_curvature import START, curvature_components, curvature_vectors
 from rope_model.simulation.rope_kernels import CURVED, RopeKernels
-from rope_model.simulation.rope_system import RopeSystem, parameter_vector
+from rope_model.simulation.rope_system import RopeSystem
 from rope_model.simulation.stepping.statics import find_equilibrium
 
 BENT, ELEMENT = curved_functions(), element_functions()
@@ -112,7 +112,7 @@ def system(rope: Rope, q: Array, held: Array | None = None, loads: Array | None 
     chain = Chain(free if held is None else held, q, nothing if loads is None else loads)
     kernels = RopeKernels(elements, "portable", effects=(CURVED,))
     lengths = np.full(elements, rope.length / elements)
-    return RopeSystem(kernels, lengths, parameter_vector(rope, 0.0), chain, q, rope=rope)
+    return RopeSystem(kernels, lengths, np.array(parameters(rope, 0.0)), chain, q, rope=rope)
 
 
 ROD = Rope(length=2.0, Qb=0.0, Qc=0.0, EI=300.0, initial_curvature=0.4)

@@ -138,7 +138,7 @@ def test_a_rope_that_is_turned_in_for_too_long_is_refused_alike(monkeypatch: pyt
     assert re.match(r"at \S+ of 99 rad of twist \(last increment \S+ rad, \d+ iterations in all\): no equil", said)
     monkeypatch.setattr("rope_model.simulation.stepping.hang.MOST_CORRECTIONS", 1)
     told = python.initialize(0.0, EndMotion(), EndMotion(y=1.0)).message
-    assert "more than ropes need that come to rest; use less twist" in told
+    assert "more than the rest of a rope takes; use less twist" in told
 
 
 @pytest.mark.parametrize("most", [0.0, 5.0])

@@ -12,13 +12,13 @@ from scipy.linalg import eigvals_banded
 from scipy.optimize import brentq, fsolve
 
 from rope_model import Mesh, Rope
-from rope_model.physics.element import PARAMETERS
+from rope_model.physics.element import PARAMETERS, parameters
 from rope_model.physics.frame import end_moment
 from rope_model.simulation.mesh.partition import partition
 from rope_model.simulation.outputs.diagnostics import loop_bottom
 from rope_model.simulation.outputs.modal import assemble_matrix, natural_modes
 from rope_model.simulation.rope_kernels import RopeKernels
-from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, RopeSystem, arc_lengths, parameter_vector
+from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, RopeSystem, arc_lengths
 from rope_model.simulation.stepping.statics import Equilibrium, StaticsError, find_equilibrium, hanging_guess
 
 G = 9.81
@@ -44,7 +44,7 @@ def test_a_hanging_rope_held_at_both_ends_has_the_torque_and_twist_of_its_weight
     chain = Chain.unloaded(q)
     chain.held[[0, -1]] = True
     chain.held[0, 4] = chain.held[-1, 1] = chain.held[-1, 4] = False
-    system = portable_system(np.diff(s), parameter_vector(rope, G), chain)
+    system = portable_system(np.diff(s), np.array(parameters(rope, G)), chain)
     e = find_equilibrium(system, q)
     weight = rope.mass_per_length * G * length
     M0 = rope.Qc / rope.Qa * weight / 2
@@ -75,7 +75,7 @@ def test_axial_and_torsional_waves_run_at_the_coupled_speeds() -> None:
     chain = Chain.unloaded(q)
     chain.held[:, [1, 2, 4, 5]] = True
     chain.held[[0, -1], 0] = chain.held[[0, -1], ANGLE] = True
-    system = portable_system(np.full(n, length / n), parameter_vector(rope, 0.0), chain)
+    system = portable_system(np.full(n, length / n), np.array(parameters(rope, 0.0)), chain)
     # modes 1 to 3 of the slow wave, then the first of the fast one
     speeds = 2 * length * natural_modes(system, q, 4).frequencies / [1, 2, 3, 1]
     # linear theta errs by (pi k/n)^2/24 < 3e-4
@@ -106,7 +106,7 @@ def loop_system(rope: Rope, height: float, theta: str, torque: float, lengths: A
     chain.values[[0, -1], POSITION] = ends
     chain.loads[-1, ANGLE] = torque
     guess = hanging_guess(arc_lengths(lengths), *ends)
-    return RopeSystem(KERNELS(lengths.size), lengths, parameter_vector(rope, G), chain, guess)
+    return RopeSystem(KERNELS(lengths.size), lengths, np.array(parameters(rope, G)), chain, guess)
 
 
 def hung(system: RopeSystem) -> Equilibrium:
@@ -306,6 +306,6 @@ def test_a_search_without_success_says_what_is_left_and_what_to_check() -> None:
     chain = Chain.unloaded(straight(s))
     chain.loads[-1, 1] = 5.0
     rod = Rope(length=1.0, mass_per_length=1.0, Qa=10.0, Qb=0.0, Qc=0.0, Qd=1.0, EI=1.0, rhoJ=0.1)
-    system = portable_system(np.diff(s), parameter_vector(rod, 0.0), chain)
+    system = portable_system(np.diff(s), np.array(parameters(rod, 0.0)), chain)
     with pytest.raises(StaticsError, match=r"N are left unbalanced; .* elements that are shorter"):
         find_equilibrium(system, chain.values, max_iterations=50)

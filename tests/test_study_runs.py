@@ -41,7 +41,7 @@ arrival.window = 0.2
 """
 
 
-def invent_trip(swing: float, creep: float = 0.0) -> tuple[Result, Hoist, Winding]:
+def invent_trip(swing: float, creep: float = 0.0) -> tuple[Result, Hoist]:
     """A trip that follows its reference, then swings with 1.5 Hz at the right conveyance."""
     hoist, winding = Hoist(), Winding(travel=10.0, settle=6.0)
     reference = s_curve(winding)
@@ -73,12 +73,12 @@ def invent_trip(swing: float, creep: float = 0.0) -> tuple[Result, Hoist, Windin
     }
     clocks = {f"{name}_clock": Stopwatch() for name in ("drive", "rope", "start")}
     run: Any = {"completed": True, "cause": "", "steps": t.size, "trajectory": reference, "winding": winding}
-    return Result(recording=Recording(signals, {}), **run, **clocks), hoist, winding
+    return Result(recording=Recording(signals, {}), **run, **clocks), hoist
 
 
 def test_metrics_of_a_made_up_trip_are_the_given_numbers() -> None:
-    result, hoist, winding = invent_trip(swing=0.01)
-    found = measure(result, hoist, winding, Arrival()).metrics
+    result, hoist = invent_trip(swing=0.01)
+    found = measure(result, hoist, Arrival()).metrics
     assert found["torque_rms"] == pytest.approx(5e3)
     assert found["slip_safety"] == pytest.approx((hoist.tension_ratio_limit - 1) / 0.5)
     assert found["motor_energy_drawn"] == pytest.approx(5e3, rel=1e-9)
@@ -107,8 +107,8 @@ def test_metrics_of_a_made_up_trip_are_the_given_numbers() -> None:
     ],
 )
 def test_cycle_time_waits_for_the_swing_and_for_the_creep_that_is_none(swing, creep, arrival, wait, within) -> None:
-    result, hoist, winding = invent_trip(swing, creep)
-    found = measure(result, hoist, winding, arrival).metrics
+    result, hoist = invent_trip(swing, creep)
+    found = measure(result, hoist, arrival).metrics
     assert found["cycle_time"] - found["trajectory_time"] == pytest.approx(wait, abs=within)
     assert (found["swing_right"] < 1e-12) == (swing == 0.0)
 

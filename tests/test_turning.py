@@ -174,7 +174,7 @@ def test_every_pose_finds_rest_or_is_refused_for_a_reason(pose: Pose) -> None:
     refusal, weight_error = hang(pose)
     assert NO_REASON not in refusal
     # nor by the bound on the work of turning in
-    assert "more than ropes need" not in refusal
+    assert "more than the rest of a rope takes" not in refusal
     # rounding of the height L in the strain of the shortest elements, l = .1 m: eps Qa L / l is 4.5e-9 of the weight
     # where Qa per mass is largest
     assert weight_error < 1e-8

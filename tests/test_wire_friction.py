@@ -10,10 +10,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scenes import passed
 
 from rope_model import Mesh, Rope, Scene, Solver
-from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, POINTS, ElementFidelity, element_functions
+from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, POINTS, ElementFidelity, element_functions, parameters
 from rope_model.physics.wire_element import LATEST, wire_functions
 from rope_model.physics.wire_friction import MEMORY, Slid, section_at, slide, slip_curvature, wire_stiffness
-from rope_model.simulation.rope_system import parameter_vector
 from rope_model.simulation.wires import carry, history
 
 #: 1/m
@@ -176,7 +175,7 @@ def test_at_rest_a_fresh_rope_has_the_stiffness_of_wires_that_stick(fidelity: El
     straight[:, 3:6], straight[1, :3], straight[:, 6] = [0.6, -0.8, 0.0], straight[0, :3] + [1.2, -1.6, 0.0], 0.0
     q, F = straight[:, kept].ravel(), np.array(plain.reference(straight[:, kept].ravel(), 2.0))
     stiff, soft = (
-        np.array(plain.tangent(q, still, still, 2.0, F, parameter_vector(Rope(EI=EI), 9.81), 1.0, 0.0, 0.0, q)[1])
+        np.array(plain.tangent(q, still, still, 2.0, F, np.array(parameters(Rope(EI=EI), 9.81)), 1.0, 0.0, 0.0, q)[1])
         for EI in (ROPE.EI_stick, ROPE.EI)
     )
     added = np.array(wires.tangent(q, 2.0, at_rest(straight, np.zeros(9)), np.zeros(LATEST), 1.0))

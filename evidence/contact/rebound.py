@@ -17,10 +17,11 @@ from scipy.optimize import brentq
 from evidence.statics import OUT_OF_PLANE, StaticBoundary
 from rope_model.numerics.generalized_alpha import Coefficients, restart, step
 from rope_model.parameters import Rope, Scene
+from rope_model.physics.element import parameters
 from rope_model.shaft_parameters import Contact, Shaft, Sump
 from rope_model.simulation.contact.surroundings import surroundings
 from rope_model.simulation.rope_kernels import RopeKernels
-from rope_model.simulation.rope_system import RopeSystem, parameter_vector
+from rope_model.simulation.rope_system import RopeSystem
 
 #: m of rope, in so many elements, and the gap below it
 LENGTH, ELEMENTS, GAP = 2.0, 2, 0.01
@@ -43,7 +44,7 @@ def rebound(speed: float, damping: float, stiffness: float, h: float) -> Rebound
     q = np.zeros((ELEMENTS + 1, 7))
     q[:, 0], q[:, 3] = np.linspace(0.0, LENGTH, ELEMENTS + 1), 1.0
     kernels = partial(RopeKernels, ELEMENTS, "portable", fidelity="planar")
-    parts = np.diff(q[:, 0]), parameter_vector(rope, 0.0), StaticBoundary.at(q, OUT_OF_PLANE), q
+    parts = np.diff(q[:, 0]), np.array(parameters(rope, 0.0)), StaticBoundary.at(q, OUT_OF_PLANE), q
     system = RopeSystem(kernels(), *parts, around=around, touching=partial(kernels, effects=around.kinds))
     v = np.zeros_like(q)
     v[:, 1] = -speed

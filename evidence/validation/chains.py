@@ -18,9 +18,10 @@ from evidence.statics import OUT_OF_PLANE, StaticBoundary
 from evidence.tables import Array, Table, table
 from evidence.validation.falling import CHAIN, GRAVITY, Fall, exact_fall, fall
 from rope_model.parameters import Rope
+from rope_model.physics.element import parameters
 from rope_model.simulation.outputs.modal import natural_modes
 from rope_model.simulation.rope_kernels import RopeKernels
-from rope_model.simulation.rope_system import POSITION, RopeSystem, parameter_vector
+from rope_model.simulation.rope_system import POSITION, RopeSystem
 from rope_model.simulation.stepping.statics import find_equilibrium
 
 WEIGHT = Rope.mass_per_length * GRAVITY  # N/m
@@ -60,7 +61,7 @@ def swings(elements: int = 80) -> Table:
     q = np.zeros((s.size, 7))
     q[:, 1], q[:, 4] = -s, -1.0
     boundary = StaticBoundary.at(q, OUT_OF_PLANE, (0, POSITION))
-    system = RopeSystem(RopeKernels(elements), np.diff(s), parameter_vector(rope, GRAVITY), boundary, q)
+    system = RopeSystem(RopeKernels(elements), np.diff(s), np.array(parameters(rope, GRAVITY)), boundary, q)
     q = find_equilibrium(system, q).q
     ours = natural_modes(system.with_reference(q), q, MODES).frequencies
     chain = jn_zeros(0, MODES) / (4 * np.pi) * math.sqrt(GRAVITY / rope.length)

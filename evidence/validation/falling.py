@@ -11,8 +11,9 @@ from evidence.statics import OUT_OF_PLANE, StaticBoundary
 from evidence.tables import Array
 from rope_model.numerics.generalized_alpha import Coefficients, restart, step
 from rope_model.parameters import Layout, Rope
+from rope_model.physics.element import parameters
 from rope_model.simulation.rope_kernels import RopeKernels
-from rope_model.simulation.rope_system import POSITION, RopeSystem, parameter_vector
+from rope_model.simulation.rope_system import POSITION, RopeSystem
 from rope_model.simulation.stepping.statics import find_equilibrium, hanging_guess
 
 GRAVITY = Layout().gravity
@@ -40,7 +41,7 @@ def fold(EI: float, elements: int) -> tuple[RopeSystem, Array]:
     q = hanging_guess(s, *ends)
     # Qa a hundredth of a wire rope's: axial waves pass the rope in 60 ms, and it stretches by 0.2 %
     rope = Rope(length=CHAIN, EI=EI, Qa=1e6, Qb=0.0, Qc=0.0)
-    kernels, P = RopeKernels(elements), parameter_vector(rope, GRAVITY)
+    kernels, P = RopeKernels(elements), np.array(parameters(rope, GRAVITY))
 
     def hold(values: Array, nodes: list[int]) -> RopeSystem:
         return RopeSystem(kernels, np.diff(s), P, StaticBoundary.at(values, OUT_OF_PLANE, (nodes, POSITION)), q)

@@ -92,7 +92,7 @@ const char *log_category(Severity severity) {
 Component *component_create(const Allocator *allocator, ComponentLog log, void *context) {
     Component *c = allocator->take(1, sizeof *c + values_bytes());
     if (!c) return NULL;
-    memset(c, 0, sizeof *c);
+    memset(c, 0, sizeof *c + values_bytes());
     c->allocator = *allocator;
     c->log = log;
     c->context = context;
@@ -469,7 +469,7 @@ void component_save(const Component *c, void *to) {
 static int is_message(const char text[MODEL_MESSAGE]) {
     for (size_t i = 0; i < MODEL_MESSAGE; i++) {
         if (text[i] == '\0') return 1;
-        if ((text[i] < ' ' && text[i] != '\n') || text[i] > '~') return 0;
+        if (((unsigned char)text[i] < ' ' && text[i] != '\n') || text[i] == 127) return 0; /* UTF-8 passes */
     }
     return 0;
 }

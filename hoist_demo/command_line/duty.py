@@ -41,7 +41,7 @@ examples:
   balance-rope duty SCHEDULE.toml --repeat 3    wind the trips of the file three times
 
 Results in --out: trips.csv, one row per trip, data.csv, where each number comes from, and duty.png; with --exposure
-exposure.csv and exposure.png. The file is explained in docs/reference/files.md.
+also exposure.csv. The file is explained in docs/reference/files.md.
 exit code: 0 all trips wound to the end, 1 rope, drive or a guard stopped one, 2 wrong schedule or arguments, 130
 interrupted.
 """

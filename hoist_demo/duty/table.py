@@ -90,7 +90,7 @@ def place_at_rest(schedule: Schedule, rope: RopePlant) -> tuple[float, float]:
 def trip_row(trip: WoundTrip, rest: tuple[float, float]) -> dict[str, float]:
     """Return the row of a trip; `rest` is x and z of the loop's lowest point at rest [m]."""
     recording, data = trip.result.recording, trip.data
-    measured = measure(trip.result, data.hoist, data.winding, data.arrival).metrics
+    measured = measure(trip.result, data.hoist, data.arrival).metrics
     columns = dict.fromkeys(COLUMNS, math.nan) | {name: measured[name] for name in _MEASURED}
     columns |= {"trip": float(trip.number), "start": float(recording.time[0])}
     if trip.result.end is not None:

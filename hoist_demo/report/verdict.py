@@ -191,7 +191,7 @@ def _rows(
         distance = f"{stop.stopping_distance:.2f} m{duration}"
         yield VerdictRow(f"way of the {stop.side} conveyance in the emergency stop", distance)
     if result.completed and result.recording.has("drive.torque", "reference.position", "conveyance.right.vy"):
-        cycle = trip_metrics(result, result.winding, arrival).get("cycle_time")
+        cycle = trip_metrics(result, arrival).get("cycle_time")
         text = f"{cycle:.2f} s" if cycle is not None and math.isfinite(cycle) else "not within the record"
         if cycle is not None:
             yield VerdictRow("cycle time, until the conveyances have arrived", text)

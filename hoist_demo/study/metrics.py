@@ -108,14 +108,14 @@ class Measures(NamedTuple):
     missing: str = ""
 
 
-def measure(result: Result, hoist: Hoist, winding: Winding, arrival: Arrival) -> Measures:
+def measure(result: Result, hoist: Hoist, arrival: Arrival) -> Measures:
     """Return all metrics of a run, NaN for those that it does not provide."""
     metrics = dict.fromkeys(UNITS, math.nan)
     recording = result.recording
     if not recording.signals:
         return Measures(metrics, _STOPPED)
     metrics["simulated_time"] = float(recording.time[-1] - recording.time[0])
-    metrics |= _incidents(recording, hoist, winding)
+    metrics |= _incidents(recording, hoist, result.winding)
     if "energy.work_ends" in recording:
         metrics["coupling_energy"] = _largest(exchange_energy(recording, hoist))
     metrics |= _drive(recording) | _rope(recording)
@@ -123,7 +123,7 @@ def measure(result: Result, hoist: Hoist, winding: Winding, arrival: Arrival) ->
         metrics |= _swivel(recording, end)
     if not result.completed:
         return Measures(metrics, _STOPPED)
-    metrics |= trip_metrics(result, winding, arrival)
+    metrics |= trip_metrics(result, arrival)
     swing, missing = _swing(recording, hoist, result.trajectory.duration, arrival)
     return Measures(metrics | swing, missing)
 
@@ -134,9 +134,9 @@ def exchange_energy(recording: Recording, hoist: Hoist) -> Array:
     return np.asarray(recording["drive.work_from_balance_rope"] + hoist.tail_rope_number * ends)
 
 
-def trip_metrics(result: Result, winding: Winding, arrival: Arrival) -> dict[str, float]:
+def trip_metrics(result: Result, arrival: Arrival) -> dict[str, float]:
     """Return the times and torques that only a completed trip has."""
-    recording = result.recording
+    recording, winding = result.recording, result.winding
     t = recording.time - recording.time[0]
     if math.isfinite(winding.tracking_end):
         return {}  # the brake has stopped it somewhere, and nothing asked for that place

@@ -52,7 +52,7 @@ class Performed:
 
 
 def perform(study: Study, store: Store, run: RunSamples) -> Performed:
-    """RunSamples the study's samples, or its search, and write the table."""
+    """Run the study's samples, or its search, and write the table."""
     if study.plan is not None:
         return _write(study, store, *_search(study, study.plan, store, run))
     samples: list[StudyRun] = list(study.samples)

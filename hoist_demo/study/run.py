@@ -156,7 +156,7 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
         contradicted = contradictions(run.hoist, data.parameters)
         result = replace(result, recording=mask_neglected(result.recording, data.torque_free))
         fidelity = ", ".join(fidelities_of(result.recording))
-        metrics, missing = measure(result, run.hoist, result.winding, run.arrival)
+        metrics, missing = measure(result, run.hoist, run.arrival)
     except Exception as error:  # recorded, so that the other runs go on
         where = traceback.extract_tb(error.__traceback__)[-1]
         cause = f"{type(error).__name__}: {error} ({Path(where.filename).name}, line {where.lineno})"
@@ -166,7 +166,7 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
     series = {name: result.recording[name].tolist() for name in names if name in result.recording}
     units = {name: result.recording.units[name] for name in series}
     status = "completed" if result.completed else "stopped"
-    warned = (*slip_warnings(result.recording, run.hoist, run.winding), contradicted)
+    warned = (*slip_warnings(result.recording, run.hoist, result.winding), contradicted)
     sentences = tuple(filter(None, warned))
     passed = passages(result.recording)
     return Outcome(status, result.cause, metrics, series, units, fidelity, sentences, missing, passed)

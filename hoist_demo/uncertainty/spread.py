@@ -125,7 +125,7 @@ def wind_once(question: Uncertain, values: Mapping[str, float]) -> WindingResult
     result = replace(result, recording=mask_neglected(result.recording, rope.data().torque_free))
     passed = passages(result.recording)
     if result.completed and PASSED not in passed:
-        metrics = measure(result, run.hoist, run.winding, run.arrival).metrics
+        metrics = measure(result, run.hoist, run.arrival).metrics
         return {name: metrics[name] for name in question.head.measures}, tuple(f"warning: {text}" for text in warnings)
     reason = f"{LEFT_OUT}{passed}" if result.completed else f"{STOPPED}{result.cause}"
     return dict.fromkeys(question.head.measures, math.nan), (reason,)

@@ -60,8 +60,8 @@ int rope_elements(const Simulator *rope);
 const char *rope_fidelity(const Simulator *rope); /* "torsional", "spatial", "planar" or "rigid" */
 const char *rope_fidelity_reason(const Simulator *rope);
 
-/* Write a warning about valid results into message (MESSAGE bytes), "" if it does not apply.  `number` is below
-   ROPE_WARNINGS; ROPE_EXTRAPOLATION is for hosts that extrapolate the ends' motions. */
+/* Write a warning about valid results into message (MESSAGE bytes), "" if it does not apply.  `number` is 0
+   to ROPE_EXTRAPOLATION; the last one is only for hosts that extrapolate the ends' motions. */
 enum { ROPE_WARNINGS = 13, ROPE_EXTRAPOLATION = ROPE_WARNINGS };
 void rope_warning(Simulator *rope, int number, char *message);
 

@@ -298,6 +298,8 @@ void rope_rows(const Simulator *rope, double (*rows)[13]) {
 
 void rope_displacement(Simulator *rope, const PointForces *forces, double (*moved)[3]) {
     State *state = rope->state;
+    memset(moved, 0, sizeof *moved * (size_t)forces->number);
+    if (!rope->initialized) return;
     const Arrays m = state_arrays(state);
     const Coefficients method = {rope->scene.solver.rho_inf};
     System s = rope_system(rope, state);

@@ -325,7 +325,10 @@ def load_compiled(functions: Sequence[ca.Function], library: Path) -> list[ca.Fu
     """Load the functions from ``library``; RuntimeError if it lacks one, or has one of another size."""
     loaded = [ca.external(function.name(), str(library)) for function in functions]
     for ours, theirs in zip(functions, loaded, strict=True):
-        sizes = [(f.size_in(i) for i in range(f.n_in())) for f in (ours, theirs)]
-        if [*sizes[0]] != [*sizes[1]]:
+        if _sizes(ours) != _sizes(theirs):
             raise RuntimeError(f"{library} holds kernels of another mesh size")
     return loaded
+
+
+def _sizes(f: ca.Function) -> list[tuple[int, int]]:
+    return [f.size_in(i) for i in range(f.n_in())] + [f.size_out(i) for i in range(f.n_out())]

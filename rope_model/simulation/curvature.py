@@ -25,7 +25,7 @@ def partly_curved(rope: Rope, part: float) -> Rope:
 
 def curved_reference(rope: Rope, q: Array, lengths: Array) -> Array:
     """Return the entries of the rope ``q`` in the reference (elements, physics.curved_element.CURVED)."""
-    nodes, one = np.concatenate((q[:-1], q[1:]), axis=1), np.ones(lengths.size)
+    nodes = np.concatenate((q[:-1], q[1:]), axis=1)
     components = np.array(curvature_components(rope, np.cumsum(lengths) - lengths, lengths))
     _, k0 = curvature_along(lengths.size)(START, components, lengths[None], nodes.T)
-    return np.column_stack((np.array(k0).T, q[:-1, 6], q[1:, 6], rope.EI * one))
+    return np.column_stack((np.array(k0).T, q[:-1, 6], q[1:, 6], np.full(lengths.size, rope.EI)))

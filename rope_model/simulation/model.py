@@ -12,6 +12,7 @@ from rope_model.numerics import generalized_alpha as alpha
 from rope_model.parameters import Scene
 from rope_model.physics.accuracy import BOUNDED_STEP_ERROR, add_errors, newton_may_leave, step_error, step_limits
 from rope_model.physics.contact_error import add_contact
+from rope_model.physics.element import parameters
 from rope_model.physics.energy_balance import after_step as account_of_step
 from rope_model.physics.energy_balance import with_energies
 from rope_model.physics.shaft import KINDS
@@ -24,15 +25,7 @@ from rope_model.simulation.fidelity import flexible
 from rope_model.simulation.mesh.partition import NOWHERE, faced_by
 from rope_model.simulation.outputs.audit import NO_LOAD, Audit, Load, after_interval, after_step, axial_share, end_load
 from rope_model.simulation.rope_kernels import KernelCache
-from rope_model.simulation.rope_system import (
-    ANGLE,
-    POSITION,
-    SLOPE,
-    Evaluation,
-    RopeSystem,
-    air_parameters,
-    parameter_vector,
-)
+from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, Evaluation, RopeSystem, air_parameters
 from rope_model.simulation.scene_kernels import acting_along
 from rope_model.simulation.state import EnergyBalance, Powers, RopeState
 
@@ -60,7 +53,7 @@ class RopeModel:
         else:
             node_mass = np.zeros((state.partition.lengths.size + 1, 7))
             node_mass[[0, -1], ANGLE] = scene.left.inertia, scene.right.inertia
-            rope_parameters, air = parameter_vector(scene.rope, scene.layout.gravity), air_parameters(scene)
+            rope_parameters, air = np.array(parameters(scene.rope, scene.layout.gravity)), air_parameters(scene)
             fidelity, around = flexible(state.fidelity), surroundings(scene)
             along = acting_along(scene, fidelity, rubs)
             touching = partial(SelfContactSystem, scene) if scene.shaft.contact.rope_stiffness > 0 else RopeSystem

@@ -21,7 +21,7 @@ from rope_model.physics.air import air_law
 from rope_model.physics.air_element import AIR_BALANCE, AIR_SIZE, LAW_SIZE
 from rope_model.physics.contact import LOOK_AHEAD, largest_motion
 from rope_model.physics.contact_element import CONTACT_BALANCE
-from rope_model.physics.element import BALANCE, NODE_DOF, PARAMETERS, parameters
+from rope_model.physics.element import BALANCE, NODE_DOF, PARAMETERS
 from rope_model.physics.point_forces import point_load
 from rope_model.physics.wire_element import HISTORY, LATEST
 from rope_model.simulation.curvature import curved_reference, is_curved
@@ -37,11 +37,6 @@ POSITION, SLOPE, ANGLE = slice(0, 3), slice(3, 6), 6
 _NOTHING = np.zeros((1, 1), dtype=bool)
 _NOTHING_OUTSIDE = dict.fromkeys((*AIR_BALANCE, *CONTACT_BALANCE, "rope"), 0.0)
 _Solver = Callable[[Array], Array]
-
-
-def parameter_vector(rope: Rope, gravity: float) -> Array:
-    """Return the element's parameters in the order of physics.element.PARAMETERS."""
-    return np.array(parameters(rope, gravity))
 
 
 def air_parameters(scene: Scene) -> Array:

@@ -15,6 +15,7 @@ from rope_model.physics.contact_element import LAW
 from rope_model.physics.outline import enclosing_box
 from rope_model.physics.shaft import Body, least_distance
 from rope_model.simulation.contact.bodies import FIXED, may_touch, placed_bodies
+from rope_model.simulation.ends.paths import END_NODE
 from rope_model.simulation.rope_system import POSITION, Array
 
 
@@ -30,7 +31,7 @@ class Surroundings:
         law = {"diameter": self.scene.rope.diameter} | vars(self.scene.shaft.contact)
         numbers = [law[name] for name in LAW]
         for _, end, body in placed_bodies(self.scene.shaft, q[[0, -1], POSITION].tolist()):
-            speed = (0.0, 0.0, 0.0) if end == FIXED else v[-end, POSITION]
+            speed = (0.0, 0.0, 0.0) if end == FIXED else v[END_NODE[end], POSITION]
             numbers += [*body.centre, *body.half, *body[2:], *speed]
         return np.array(numbers)
 

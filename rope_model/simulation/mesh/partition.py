@@ -113,7 +113,7 @@ def mesh_elements(scene: Scene) -> int:
 def partition(mesh: Mesh, length: float, bottom: float, faced: Sequence[float] = NOWHERE) -> Partition:
     """Return the partition of a rope of ``length`` with its loop at ``bottom`` (m) and dividers where ``faced``."""
     if mesh.kind == "auto":
-        raise ValueError("mesh kind 'auto' needs the rope's data first: use mesh.fit_mesh")
+        raise ValueError("mesh.kind = 'auto' needs the rope's data: fit the mesh first with fit_mesh(scene)")
     if mesh.kind == "eem":
         return Partition(np.full(mesh.elements, length / mesh.elements))
     inner = float(tmn.inner_length(mesh.counts))

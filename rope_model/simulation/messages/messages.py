@@ -32,16 +32,16 @@ end_below_floor = Text(
     "height from the origin of left.y and right.y"
 )
 
-# its mesh
 fails_at_twist = Text(
     "at {reached:.4g} of {twist:.4g} rad of twist (last increment {step:.2g} rad, {iterations:d} iterations in all): "
     "{why:.340}"
 )
-takes_too_long = Text("more than ropes need that come to rest; use less twist, or a shorter rope")
+takes_too_long = Text("more than the rest of a rope takes; use less twist, or a shorter rope")
 fails_at_curvature = Text(
     "at {reached:.4g} of a permanent curvature of {curvature:.4g} 1/m (lower it, or let it lie as the loop bends): "
     "{why:.380}"
 )
+# its mesh
 fitted_mesh_fails = Text("{why:.400} (mesh.kind = auto takes them from EI, mass_per_length, spacing and accuracy.loop)")
 too_many_lengths = Text(
     "coarse_length = {coarse:g} m divides a rope of {length:g} m into {outer:.0f} lengths, more than {most:d}; use "

@@ -9,6 +9,7 @@ from rope_model.physics.shaft import KINDS
 from rope_model.shaft_parameters import FAR
 from rope_model.simulation.contact.shaft import nearer
 from rope_model.simulation.ends.ends import HangingEnds
+from rope_model.simulation.ends.paths import END_NODE
 from rope_model.simulation.mesh.adaptation import nearest_turn
 from rope_model.simulation.outputs.diagnostics import LoopBottom, direction, loop_bottom
 from rope_model.simulation.rope_system import POSITION, Array
@@ -50,4 +51,4 @@ def _sideways(r: Array, height: float, bottom: LoopBottom) -> float:
         return float(sideways(bottom.position, r[0], r[-1]))
     below, lowest = r[:, 1] < height, int(np.argmin(r[:, 1]))
     passing = np.flatnonzero(below[1:] != below[:-1])
-    return max((float(off_plumb(height, r[k], r[k + 1], r[-int(k >= lowest)])) for k in passing), default=0.0)
+    return max((float(off_plumb(height, r[k], r[k + 1], r[END_NODE[int(k >= lowest)]])) for k in passing), default=0.0)

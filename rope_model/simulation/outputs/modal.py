@@ -10,7 +10,7 @@ import scipy.sparse as sp
 from scipy.linalg import eigvals_banded
 from scipy.sparse.linalg import eigsh
 
-from rope_model.physics.element import NODE_DOF
+from rope_model.physics.element import NODE_DOF, element_functions
 from rope_model.simulation.rope_kernels import rope_element
 from rope_model.simulation.rope_system import ANGLE, POSITION, Array, RopeSystem
 
@@ -71,6 +71,9 @@ def assemble_matrix(system: RopeSystem, q: Array, c: tuple[float, float, float])
     """Return the sparse c[0] dR/dq + c[1] dR/dv + c[2] dR/da of all nodes at rest in ``q``, away from bodies."""
     n, rest = system.lengths.size, np.zeros_like(q)
     frames, P = system.with_reference(q, system.z).element_data(q, rest)
+    if system.kernels.fidelity != "torsional":  # whose frames have no entries of the section's
+        sides = np.hstack((q[:-1], q[1:])).T
+        frames = np.hstack((np.asarray(element_functions().reference.map(n)(sides, system.lengths[None, :])).T, frames))
     angles = np.column_stack((q[:, :ANGLE], q[:, ANGLE] + system.frame_turn(q)))
     q_e, v_e = (np.hstack((x[:-1], x[1:])).T for x in (angles, rest))
     element = rope_element("torsional", system.kernels.effects)

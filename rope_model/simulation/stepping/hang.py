@@ -132,7 +132,7 @@ def _relax(model: RopeModel, straight: list[RopeState], state: RopeState) -> Rop
         else:
             state, _ = equilibrium_in_frame(model, _with_swivels(state, slips))
         m, ends = state.motion, model.ends(state)
-        angles = {k: ends.relative(k, m.t, float(m.q[-k, ANGLE]), 0.0)[0] for k in slips}
+        angles = {k: ends.relative(k, m.t, float(m.q[END_NODE[k], ANGLE]), 0.0)[0] for k in slips}
         rests = {k: SwivelState(Phase.LOCKED, angle, 0.0) for k, angle in angles.items()}
         state, _ = equilibrium_in_frame(model, _with_swivels(state, rests))
         if not is_curved(model.scene.rope, flexible(state.fidelity)):
