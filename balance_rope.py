@@ -236,14 +236,14 @@ def _with_rope(case: Case, path: Path | None, texts: Sequence[str]) -> Case:
     """Return the case with the rope parameters of --rope and --set."""
     if path is None and not texts:
         return case
-    from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+    from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 
     identified = {} if path is None else read(path, RopeFile).values()
     own: dict[str, Any] = {**identified, **settings(texts, parameters())}
     if others := sorted(own.keys() - rope_parameters().keys()):
         raise ValueError(f"--set {others[0]}: the FMU has the rope alone: give it to wind, or to a study or a duty")
     # report errors of the rope in its own names, not in the hoist's
-    rope_data({**case.rope, **plain(identified), **settings(texts, parameters())})
+    rope_scene({**case.rope, **plain(identified), **settings(texts, parameters())})
     return with_values(case, own)
 
 

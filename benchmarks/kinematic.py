@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from rope_model import BalanceRope, EndMotion, Model, Scene, Solver, Status, balance_rope
 from rope_model.simulation.outputs.diagnostics import loop_bottom
 from rope_model.simulation.state import Event
@@ -50,7 +50,7 @@ class Winding:
 
 def scene_of(rope: str, coupling: str) -> Scene:
     """The rope of a case between locked ends; uncoupled it is planar, which then leaves nothing out."""
-    scene = rope_data(find_case(rope).rope)
+    scene = rope_scene(find_case(rope).rope)
     held = {"left": replace(scene.left, mode="locked"), "right": replace(scene.right, mode="locked")}
     scene = scene.with_(solver=fixed_steps(H), model=Model("torsional"), **held)
     if coupling == "coupled":

@@ -24,7 +24,7 @@ from fmu_src.native.export import export_native
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from rope_model import EndMotion, Solver, balance_rope
 
 H, SCENE, ROUNDS = 0.01, "rope-120", 5
@@ -50,7 +50,7 @@ def motions(name: str) -> Callable[[float], tuple[EndMotion, EndMotion]]:
 
 def in_process(form: str, name: str) -> Stepper:
     """Return the rope in this process."""
-    ends, scene = motions(name), rope_data(find_case(name).rope)
+    ends, scene = motions(name), rope_scene(find_case(name).rope)
     solver = Solver(kernels="portable" if "portable" in form else "compiled")
     native = form == "native"
     rope = balance_rope(scene, "native") if native else balance_rope(scene.with_(solver=solver), "python")

@@ -19,7 +19,7 @@ from evidence.tables import Array
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
-from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.cosimulation.schemes.catalogue import find_scheme
 from hoist_demo.cosimulation.schemes.interface import ROPE_FORCES, Memory, Pair, Stopwatch
 from hoist_demo.design.linear_model import LinearModel
@@ -67,7 +67,7 @@ class Shaken:
     H: float  # s, communication step
 
     def __post_init__(self) -> None:
-        scene = rope_data(self.case.rope)
+        scene = rope_scene(self.case.rope)
         solver = replace(scene.solver, step_max=min(self.H / 2, scene.solver.step_max))
         self.rope = InProcessRope(scene.with_(solver=solver, model=replace(scene.model, fidelity="torsional")))
         plant, travel = HoistPlant(self.case.hoist), self.case.hoist.shaft_travel

@@ -16,7 +16,7 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.control.controller import Command, Measurement
 from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.design.linearise import linearise
 from hoist_demo.design.reduction import reduced
 from hoist_demo.parameters import Hoist
@@ -75,7 +75,7 @@ class Lqg:
 def wound(run: RunData, controller: Any) -> dict[str, float]:
     """Metrics of a trip; the controller has the data of the design."""
     made = None if controller is None else lambda hoist, holding: controller(DESIGN.hoist, holding)
-    rope = InProcessRope(rope_data(run.fmu))
+    rope = InProcessRope(rope_scene(run.fmu))
     result = Host(rope, run.hoist, run.winding, run.coupling, run.gains, made).run()
     return measure(result, run.hoist, run.arrival).metrics
 

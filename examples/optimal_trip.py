@@ -19,7 +19,7 @@ from scipy.optimize import linprog
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import Trajectory, chain, rest, s_curve
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.design.linearise import linearise
 from hoist_demo.design.reduction import reduced
 from hoist_demo.study.metrics import measure
@@ -87,7 +87,7 @@ def fastest() -> Trajectory:
 
 def wound(trip: Trajectory) -> dict[str, float]:
     """Metrics of a trip in the co-simulation."""
-    rope = InProcessRope(rope_data(RUN.fmu))
+    rope = InProcessRope(rope_scene(RUN.fmu))
     result = Host(rope, HOIST, WINDING, RUN.coupling, GAINS, trajectory=trip).run()
     return measure(result, HOIST, RUN.arrival).metrics
 

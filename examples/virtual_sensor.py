@@ -17,7 +17,7 @@ from scipy.linalg import expm, solve
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.design.linearise import linearise
 from hoist_demo.design.reduction import reduced
 from hoist_demo.study.run import build
@@ -41,7 +41,7 @@ TRAVEL = DESIGN.hoist.shaft_travel
 HEIGHTS = (1 - np.cos(np.pi * np.arange(9) / 8)) / 2
 MODEL = reduced([m.selected(INPUTS, (*MEASURED, *TOLD)) for m in linearise(DESIGN, HEIGHTS)], 17)
 AT_REST = CubicSpline(MODEL.at, MODEL.rest_outputs)
-RHO, RADIUS = rope_data(DESIGN.rope).rope.mass_per_length, DESIGN.hoist.sheave_radius
+RHO, RADIUS = rope_scene(DESIGN.rope).rope.mass_per_length, DESIGN.hoist.sheave_radius
 STATES, SEEN = MODEL.A.shape[1], len(MEASURED)
 
 
@@ -88,7 +88,7 @@ def estimates(measured: Array, torque: Array) -> Array:
 print(f"{'RMS error / size':>24}" + "".join(f"{name:>20}" for name in TOLD))
 for trip in sys.argv[1:] or TRIPS:
     run = build("rope-120", TRIPS[trip])
-    record = Host(InProcessRope(rope_data(run.fmu)), run.hoist, run.winding, run.coupling, run.gains).run().recording
+    record = Host(InProcessRope(rope_scene(run.fmu)), run.hoist, run.winding, run.coupling, run.gains).run().recording
     noise = np.random.default_rng(1).normal(size=(SEEN, record.time.size))
     measured = np.array([record[name] + s * n for (name, s), n in zip(MEASURED.values(), noise, strict=True)]).T
     told = estimates(measured, record["drive.torque"])

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from hoist_demo.cases.table import find_case
-from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.cosimulation.schemes.interface import Reader
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.ropes.definition import Ropes, ropes_of
@@ -24,14 +24,14 @@ def rope(coupling: float = KNOWN, **more: float) -> InProcessRope:
     """A draft rope with torsion."""
     given = {name.replace("_", ".", 1): value for name, value in more.items()}
     values = {**CASE.rope, "rope.Qb": coupling, "rope.Qc": coupling, "model.fidelity": 1, **given}
-    return InProcessRope(rope_data(values, "draft"))
+    return InProcessRope(rope_scene(values, "draft"))
 
 
 def rope_in_process(
     case: str, level: Level = "standard", parameters: Mapping[str, Value] | None = None
 ) -> InProcessRope:
     """The rope of a named case at a level of accuracy, with other parameters by FMI name."""
-    return InProcessRope(rope_data({**find_case(case).rope, **(parameters or {})}, level))
+    return InProcessRope(rope_scene({**find_case(case).rope, **(parameters or {})}, level))
 
 
 def ropes_in(path: Path) -> Ropes:

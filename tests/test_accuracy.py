@@ -13,7 +13,7 @@ from scenes import Trip, ends_at, hung, recorded, wound
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.parameters import Winding
 from rope_model import Accuracy, EndMotion, Layout, Mesh, Rope, RopeSimulator, Scene, Solver, balance_rope
 from rope_model.engine import NativeRope
@@ -173,7 +173,7 @@ NO_CONTROL = 1e6  # of the step's error
 
 def whole_trip(case: Trip) -> NativeRope:
     """The native rope after the whole trip."""
-    scene = rope_data(find_case(case.scene).rope, case.level)
+    scene = rope_scene(find_case(case.scene).rope, case.level)
     if scene.solver.step_max < case.H:
         # the host's steps are the rope's, however much they err; what Newton's method leaves of such steps, up to 52 N
         # at its default tolerance, would be missing too

@@ -19,7 +19,7 @@ from hoist_demo.cases.case import NAMED
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes import explicit
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
@@ -376,7 +376,7 @@ def test_a_file_that_is_no_checkpoint_is_named(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("solver", "warned"), [(Solver(step_max=0.0025), True), (Solver(), True), (EVEN, False)])
 def test_at_40_ms_the_host_warns_where_the_rope_s_own_steps_do_not_damp_the_waves(solver: Solver, warned: bool) -> None:
     scene = find_case("rope-120")
-    rope = InProcessRope(rope_data(scene.rope).with_(solver=solver))
+    rope = InProcessRope(rope_scene(scene.rope).with_(solver=solver))
     host = Host(rope, scene.hoist, TRIP, Coupling(step=0.04, scheme="jacobi-2"))
     result = host.run(lambda fraction, t: False)
     assert bool(result.warning) == warned

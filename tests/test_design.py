@@ -11,7 +11,7 @@ from drives import Plant, PlantInput
 from hoist_demo.control.controller import Gains
 from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.design.low_fidelity import low_fidelity
 from hoist_demo.design.optimal_trajectory import TrajectoryOptions, optimise
 from hoist_demo.design.shaping import Shaper, shape
@@ -120,7 +120,7 @@ def test_search_finds_the_minimum(judge: Callable[[np.ndarray], Score], best: li
 
 def test_shaper_takes_the_swing_that_a_trip_leaves() -> None:
     run = build("rope-120", {"winding.jerk": 3.0, "controller": "input-shaping"})
-    rope = InProcessRope(rope_data(run.fmu, "draft"))
+    rope = InProcessRope(rope_scene(run.fmu, "draft"))
     result = Host(rope, run.hoist, run.winding, run.coupling, run.gains).run()
     metrics = measure(result, run.hoist, run.arrival).metrics
     assert replace(run, winding=replace(run.winding, emergency_at=1.0)).design()  # a guard may stop what a file may not

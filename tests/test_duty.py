@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import balance_rope
-from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.duty.schedule import Schedule, read_schedule
 from hoist_demo.duty.table import COLUMNS, READ, STEADY, place_at_rest, steady_from, trip_row, trip_table, worst
 from hoist_demo.duty.wind import WoundTrip, read_state, wind_duty, write_state
@@ -48,7 +48,7 @@ def schedule_of(
 
 
 def rope_of(schedule: Schedule) -> InProcessRope:
-    return InProcessRope(rope_data(schedule.pattern[0].fmu, schedule.level), READ)
+    return InProcessRope(rope_scene(schedule.pattern[0].fmu, schedule.level), READ)
 
 
 def wound(schedule: Schedule) -> list[WoundTrip]:

@@ -18,7 +18,7 @@ from hoist_demo.command_line import wind
 from hoist_demo.command_line.options import settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, scene_parameters
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data_of, rope_scene
 from hoist_demo.files.catalogue import parameters
 from hoist_demo.files.run_values import Values
 from hoist_demo.files.values import statuses as file_statuses
@@ -33,7 +33,7 @@ SHORT = "[fixed]\nwinding.travel = 1.0\nwinding.settle = 1.0\nmodel.fidelity = 2
 
 
 def known(name: str, given: dict[str, str]) -> list[SourcedValue]:
-    rope = scene_parameters(rope_data(find_case(name).rope))
+    rope = rope_data_of(rope_scene(find_case(name).rope))
     return [*host_provenance(build(name, {}), given), *rope_provenance(find_case(name), rope, given)]
 
 

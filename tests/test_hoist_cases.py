@@ -15,7 +15,7 @@ from hoist_demo.cases.case import HOISTS, Case
 from hoist_demo.cases.rules import TAIL_SPARE
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import GRAVITY, Coupling, require_trip_fits
 from hoist_demo.study.metrics import exchange_energy
@@ -88,7 +88,7 @@ def test_the_loop_does_not_turn_over_at_rest(name: str) -> None:
 def test_an_export_of_a_case_starts_with_its_rope_and_its_travel(name: str, level: Level) -> None:
     case = find_case(name)
     exported = case_with("rope-120", level, {**case.rope, "right.y": abs(case.winding.travel)})
-    assert exported.scene == rope_data(case.rope, level)
+    assert exported.scene == rope_scene(case.rope, level)
     starts = {v.name: v.start for v in variables(exported)}
     assert starts["right.y"] == abs(case.winding.travel)
     assert {key: starts[key] for key in case.rope} == pytest.approx(dict(case.rope))

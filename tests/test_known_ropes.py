@@ -18,7 +18,7 @@ from hoist_demo.calibration.fit import CONFIDENCE, END_TOLERANCE, RANGE_VARIANCE
 from hoist_demo.calibration.identify import identify, residuals_of, stacked
 from hoist_demo.calibration.measurements import Bench
 from hoist_demo.cases.table import find_case
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.files.reading import FileError, read
 from hoist_demo.files.rope_file import FOLLOWING, RopeFile
 from hoist_demo.files.run_values import Values
@@ -174,7 +174,7 @@ def test_what_is_found_is_a_file_for_every_command(tmp_path: Path, capsys: pytes
     again = read(made, RopeFile).catalogue_rope
     assert again.data["bending_stiffness"].status == "calibrated"
     assert again.data["mass_per_length"].status == "published"
-    assert isinstance(rope_data(values).rope, Rope)
+    assert isinstance(rope_scene(values).rope, Rope)
 
 
 def test_measurements_that_contradict_each_other_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -238,7 +238,7 @@ def test_samples_fill_the_ranges_and_make_the_ropes(tmp_path: Path) -> None:
     # eight points of a Sobol sequence: one in each eighth of each range
     assert_allclose(np.sort(np.floor(8 * shares), axis=0), np.arange(8)[:, None] + [0, 0])
     run = asked.run(samples[0])
-    rope = rope_data(run.fmu).rope
+    rope = rope_scene(run.fmu).rope
     assert_allclose(rope.Qc, samples[0]["torque_factor"] * 9e7 * 0.044)
     assert rope.length == run.hoist.tail_rope_length == 120.0
     assert rope.mass_per_length == run.hoist.tail_rope_mass == 7.7

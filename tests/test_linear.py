@@ -12,7 +12,7 @@ from scipy.io import loadmat
 from balance_rope import main
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.design.linearise import linearise, linearise_hoist, linearise_rope
 from hoist_demo.design.reduction import reduced
 from hoist_demo.files.hoist_file import HoistFile
@@ -37,7 +37,7 @@ BENT = {"air.density": 1.2, "rope.initial_curvature": 0.5}
 
 @pytest.mark.parametrize(("mode", "more"), [(0, {}), (1, {}), (0, BENT)])  # locked, free
 def test_rope_alone_has_its_natural_modes(mode: int, more: dict[str, float]) -> None:
-    scene = rope_data({**find_case("rope-120").rope, "left.swivel.mode": mode, "right.swivel.mode": mode, **more})
+    scene = rope_scene({**find_case("rope-120").rope, "left.swivel.mode": mode, "right.swivel.mode": mode, **more})
     scene = scene.with_(model=replace(scene.model, fidelity="torsional"))
     ends = EndMotion(y=20.0), EndMotion(y=70.0)
     rope = RopeSimulator(scene)
@@ -81,7 +81,7 @@ def test_a_rope_that_flows_pulls_by_its_momentum_and_keeps_its_shape(speed: floa
     case = smooth(find_case("rope-120"))
     (still,), (moving,) = (linearise(case, [0.4], speed=v) for v in (0.0, speed))
     more = dict(zip(moving.outputs, moving.rest_outputs - still.rest_outputs, strict=True))
-    rho = rope_data(case.rope).rope.mass_per_length
+    rho = rope_scene(case.rope).rope.mass_per_length
     # bending's damping takes a little force; 5e-4 m of stretch
     assert_allclose([more["left.fy"], more["right.fy"]], -rho * speed**2, rtol=2e-3)
     assert abs(more["loop.y"]) < 2e-3

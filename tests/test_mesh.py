@@ -15,7 +15,7 @@ from scenes import ends_at, fixed_steps, recorded
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.parameters import Winding
 from rope_model import Model, RopeSimulator, Scene, Swivel, balance_rope
 from rope_model.numerics.kernels import find_compiler
@@ -270,7 +270,7 @@ def test_a_merge_errs_with_the_fourth_power_of_the_length() -> None:
 
 
 def uncoupled(name: str) -> Scene:
-    scene = rope_data(find_case(name).rope)
+    scene = rope_scene(find_case(name).rope)
     locked, rope = Swivel(mode="locked"), replace(scene.rope, Qb=0.0, Qc=0.0)
     return scene.with_(rope=rope, left=locked, right=locked, solver=fixed_steps(0.01), model=Model("planar"))
 

@@ -18,7 +18,7 @@ from scenes import Ends, ends_at, fixed_steps, followed, hung, smooth_step, turn
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.parameters import Winding
 from rope_model import SIGNALS, BalanceRope, EndMotion, Form, PointForces, RopeSimulator, RopeState, balance_rope
 from rope_model.cases import rope_120, rope_240
@@ -207,7 +207,7 @@ def test_one_correction_of_a_step_leaves_less_than_is_reckoned(monkeypatch: pyte
 def test_a_step_to_a_swivel_event_that_diverges_is_taken_up_again_with_a_shorter_one() -> None:
     released = Swivel(mode="coulomb", release_time=10.0)
     even = Solver(step_max=0.03, tolerance=1e6, newton_tolerance=1e-7)  # no step is rejected for its error
-    scene = rope_data(find_case("kiruna-710").rope).with_(left=released, right=released, solver=even)
+    scene = rope_scene(find_case("kiruna-710").rope).with_(left=released, right=released, solver=even)
     twisted = scene.with_(rope=replace(scene.rope, installed_twist=9.0), model=Model("torsional"))
     step, ends = scene.solver.step_max, winding(400.0, 16.0)
     rope = NativeRope(twisted)

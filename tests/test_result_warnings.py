@@ -16,7 +16,7 @@ from native_host import WARNING, Host
 from scenes import ends_at, hung, recorded
 
 from hoist_demo.control.trajectory import s_curve
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.parameters import Winding
 from rope_model import Air, Layout, Mesh, Model, Rope, Shaft, balance_rope, rope_120
 from rope_model.engine import NativeRope
@@ -91,7 +91,7 @@ def outcomes(kind: str, path: Path, folder: str) -> dict[str, Any]:
 def warnings_at_rest(run: str) -> list[str]:
     given: Mapping[str, float] = {"left.y": 0.0, "right.y": 90.0} | RUNS[run][0]
     ends = [{n.removeprefix(f"{side}."): v for n, v in given.items() if n.startswith(side)} for side in SIDES]
-    rope = balance_rope(rope_data({n: v for n, v in RUNS[run][0].items() if not n.startswith(SIDES)}))
+    rope = balance_rope(rope_scene({n: v for n, v in RUNS[run][0].items() if not n.startswith(SIDES)}))
     return [*hung(rope, EndMotion(**ends[0]), EndMotion(**ends[1])).warnings().values()]
 
 

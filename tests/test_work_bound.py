@@ -9,7 +9,7 @@ from scenes import Motion, Trip, hung, past_each_other, recorded, wound
 from test_native import SHORT, SWIVEL, bounce
 
 from hoist_demo.cases.table import find_case
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from rope_model import BalanceRope, EndMotion, Mesh, Rope, RopeSimulator, Scene, Solver
 from rope_model.engine import NativeRope
 
@@ -30,7 +30,7 @@ def work(values: NDArray[np.float64]) -> float:
 
 def wind(work_max: int) -> NDArray[np.float64]:
     """Outputs (steps, READ) after each communication step."""
-    scene = rope_data(find_case(STOP.scene).rope, STOP.level)
+    scene = rope_scene(find_case(STOP.scene).rope, STOP.level)
     rope = NativeRope(scene.with_(solver=replace(scene.solver, work_max=work_max)))
     return recorded(rope, STOP.ends, STOP.steps, READ, STOP.H)
 

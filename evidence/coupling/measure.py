@@ -16,7 +16,7 @@ from evidence.tables import Measures, Tables, table
 from hoist_demo.cases.case import HOISTS
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.interface import Scheme
@@ -62,7 +62,7 @@ class Run:
 def wind(case: Case, scheme: Scheme, H: float) -> Run:
     """Make one run."""
     scene = find_case(case.name)
-    data = rope_data(scene.rope, case.level)
+    data = rope_scene(scene.rope, case.level)
     if case.rope_step is not None:
         data = data.with_(solver=replace(data.solver, step_max=case.rope_step))
     coupling = Coupling(step=H, sample=case.sample)

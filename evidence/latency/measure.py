@@ -39,7 +39,7 @@ from fmu_src.native.build import host_platform
 from fmu_src.native.export import export_native
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.parameters import Winding
 from hoist_demo.parameters.quantity import Value
 from rope_model import EndMotion, Level
@@ -82,7 +82,7 @@ class Case:
     def parameters(self) -> dict[str, Value]:
         """Parameters of the rope by FMI name."""
         found = {**find_case(self.scene).rope, "solver.work_max": BOUNDS[self.h]}
-        width = rope_data(found, self.level).layout.spacing + 2.0 * ROOM
+        width = rope_scene(found, self.level).layout.spacing + 2.0 * ROOM
         return found | ({"lining.width": width, "lining.depth": width} if self.trip == "strike" else {})
 
     @property
@@ -110,7 +110,7 @@ def motions_of(scene: str, trip: str, h: float) -> list[tuple[EndMotion, EndMoti
 def in_process(case: Case) -> Iterator[Step]:
     """Open the rope in this process, initialised."""
     motions = case.motions
-    rope = at_rest(rope_data(case.parameters, case.level), *motions[0])
+    rope = at_rest(rope_scene(case.parameters, case.level), *motions[0])
     yield lambda k: rope.advance_to(k * case.h, *motions[k]).valid
 
 
@@ -169,7 +169,7 @@ def timed(step: Step, steps: int) -> Array:
 
 def work(case: Case) -> tuple[NDArray[np.int64], int]:
     """Run a case in process; what each step did (columns as COUNTED), and the number of elements."""
-    rope = at_rest(rope_data(case.parameters, case.level), *case.motions[0])
+    rope = at_rest(rope_scene(case.parameters, case.level), *case.motions[0])
     counts = [tuple(rope.signals(COUNTED).values())]
     for k, ends in enumerate(case.motions[1:], 1):
         assert rope.advance_to(k * case.h, *ends).valid

@@ -7,7 +7,7 @@ from pydantic import AfterValidator, Field, model_validator
 
 from hoist_demo.calibration.measurements import Bench, InShaft, MeasurementEntry, Signal
 from hoist_demo.calibration.tracks import Markers
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.files.catalogue import group_table, rope_parameters
 from hoist_demo.files.reading import EMPTY, Table, flat
 from hoist_demo.files.rope_file import FOLLOWING
@@ -59,7 +59,7 @@ class Measured(RopeQuestion):
             name: Datum(float(one.low or 0.0), float(one.high or 0.0), rope_parameters()[name].unit, "assumed", where)
             for name, one in self.sought.items()
         }
-        return Bench(self.catalogue_rope, rope_data(plain(self.fixed)), ranges)
+        return Bench(self.catalogue_rope, rope_scene(plain(self.fixed)), ranges)
 
     @property
     def given(self) -> dict[str, str]:

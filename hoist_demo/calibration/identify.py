@@ -21,7 +21,7 @@ from hoist_demo.calibration.measurements import (
 )
 from hoist_demo.calibration.tracks import Markers
 from hoist_demo.cases.table import find_case
-from hoist_demo.cosimulation.participants.inprocess_rope import scene_parameters
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data_of
 from hoist_demo.files.rope_file import following_statuses
 from hoist_demo.files.values import GIVEN
 from hoist_demo.study.provenance import SourcedValue, rope_provenance
@@ -88,7 +88,7 @@ class Identified:
         data_statuses = {name: datum.status for name, datum in self.data.items()}
         given |= {name: data_statuses[name] for name in bench.sought} | following_statuses(data_statuses)
         return rope_provenance(
-            find_case("rope-120"), scene_parameters(bench.scene_at(self.fit.shares)), given
+            find_case("rope-120"), rope_data_of(bench.scene_at(self.fit.shares)), given
         )  # the case of the defaults
 
     def strong_correlations(self) -> list[tuple[str, str, float]]:

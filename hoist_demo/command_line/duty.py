@@ -59,7 +59,7 @@ def add_duty(commands: Commands) -> None:
 
 
 def _duty(options: argparse.Namespace) -> int:
-    from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
+    from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
     from hoist_demo.duty.schedule import read_schedule
     from hoist_demo.duty.table import READ
     from hoist_demo.duty.wind import table_rows
@@ -72,7 +72,7 @@ def _duty(options: argparse.Namespace) -> int:
         print(f"{options.schedule}: {schedule.count} trips, nothing wrong")
         return 0
     read = READ.union(STATION_SIGNALS if options.exposure else ())
-    rope = InProcessRope(rope_data(schedule.pattern[0].fmu, schedule.level), read)
+    rope = InProcessRope(rope_scene(schedule.pattern[0].fmu, schedule.level), read)
     out = results_folder(options.out or Path("out") / "duty" / options.schedule.stem)
     with interruption() as interrupted:
         trips, last = _wind(schedule, rope, out / STATE, interrupted, options.exposure)

@@ -21,7 +21,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from hoist_demo.cases.case import Case
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.design.linear_model import Array, LinearModel
 from hoist_demo.drive.equations import INPUT_NAMES, equations, extra_coordinates, state_names
 from hoist_demo.drive.outputs import SHOWN
@@ -112,12 +112,12 @@ class LinearTail(NamedTuple):
 def _tails(case: Case, swivels: Swivels = "as given", level: Level = "standard") -> list[LinearTail]:
     """Return the balance ropes of a hoist, ready to hang."""
     if not case.ropes:
-        scene = rope_data({**case.rope, **_swivels(swivels)}, level)
+        scene = rope_scene({**case.rope, **_swivels(swivels)}, level)
         return [LinearTail(_rope(scene), case.hoist.tail_rope_number)]
     tails = []
     for tail in case.ropes:
         place = Place(**tail.place)
-        scene = rope_data({**tail.parameters, **_swivels(swivels)}, level, place)
+        scene = rope_scene({**tail.parameters, **_swivels(swivels)}, level, place)
         tails.append(LinearTail(_rope(scene), tail.number, tail.name, place))
     return tails
 

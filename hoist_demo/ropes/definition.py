@@ -10,7 +10,7 @@ from hoist_demo.cases.case import BalanceRopeData, Case
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
-from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.participants.rope_group import CONTACT_ENERGIES, SUMS, Member, RopeGroup, WholeRope
 from hoist_demo.cosimulation.schemes.interface import ENDS, RopePlant
@@ -46,7 +46,7 @@ class OneRope:
     @cached_property
     def scene(self) -> Scene:
         """Scene of the rope: its complete data."""
-        return rope_data(self.parameters, self.level)
+        return rope_scene(self.parameters, self.level)
 
     @cached_property
     def plant(self) -> WholeRope | FmuRope:
@@ -163,7 +163,7 @@ def _require_apart(ropes: Sequence[OneRope]) -> None:
 def _rope(tail: BalanceRopeData, parameters: Mapping[str, Value], level: Level, case: Case) -> OneRope:
     """Return the rope between its own points of the conveyances, the centres of which are layout.spacing apart."""
     place = Place(**tail.place)
-    spacing = rope_data(parameters, level, place).layout.spacing
+    spacing = rope_scene(parameters, level, place).layout.spacing
     breaks = Break(tail.breaks["breaks_at"], tail.breaks["breaks_s"]) if tail.breaks else None
     apart = Given(spacing, DERIVED, "the rope's place")
     alone = case.alone(replace(tail, values={**tail.values, "layout.spacing": apart}))

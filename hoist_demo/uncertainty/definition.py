@@ -8,7 +8,7 @@ from typing import Literal, Self
 from pydantic import Field, field_validator, model_validator
 
 from hoist_demo.cases.table import find_case
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_data, scene_parameters
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data_of, rope_scene
 from hoist_demo.files.rope_file import FOLLOWING, following_statuses
 from hoist_demo.files.run_values import LevelHead, RopeQuestion, RunFile
 from hoist_demo.files.values import DERIVED, GIVEN, VARIED, Given, statuses
@@ -73,7 +73,7 @@ class Uncertain(RopeQuestion, RunFile):
             given |= dict.fromkeys(("rope.length", "hoist.tail_rope_length"), GIVEN)
         if self.head.bearing:
             given |= {f"{side}.swivel.{name}": VARIED for side in SIDES for name in ("mu_kinetic", "mu_static")}
-        rope = scene_parameters(rope_data(run.fmu, self.level))
+        rope = rope_data_of(rope_scene(run.fmu, self.level))
         return [*host_provenance(run, given), *rope_provenance(find_case(self.head.hoist), rope, given)]
 
     def run(self, values: Mapping[str, float]) -> RunData:

@@ -18,7 +18,7 @@ from multiprocessing import get_context
 import numpy as np
 import scipy  # loads stats, slowly, when they are used
 
-from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_data
+from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.cosimulation.progress import warnings_of
 from hoist_demo.recording.fidelity import mask_neglected
 from hoist_demo.recording.passages import PASSED, passages
@@ -120,7 +120,7 @@ def wind_once(question: Uncertain, values: Mapping[str, float]) -> WindingResult
     """Return the measures of one winding with its warnings; NaN, with the reason, if it shows no real rope."""
     run = question.run(values)
     with warnings_of("hoist_demo") as warnings:
-        rope = InProcessRope(rope_data(run.fmu, question.level), ROPE_SIGNALS)
+        rope = InProcessRope(rope_scene(run.fmu, question.level), ROPE_SIGNALS)
         result = wind_run(run, rope)
     result = replace(result, recording=mask_neglected(result.recording, rope.data().torque_free))
     passed = passages(result.recording)

@@ -63,7 +63,7 @@ class InProcessRope:
         reason = ""
         with suppress(RuntimeError):  # a rope that could not be initialised has no state
             reason = self._rope.fidelity_reason
-        return replace(scene_parameters(self._rope.scene), model=model, fidelity_reason=reason)
+        return replace(rope_data_of(self._rope.scene), model=model, fidelity_reason=reason)
 
     def reader(self, names: Sequence[str]) -> Reader:
         places = [k for k, name in enumerate(names) if name in rope_model.SIGNALS]
@@ -137,13 +137,13 @@ class InProcessRope:
         """Do nothing: no resources are held."""
 
 
-def scene_parameters(scene: rope_model.Scene) -> RopeData:
+def rope_data_of(scene: rope_model.Scene) -> RopeData:
     """Return the parameters of a scene by FMI name, with their units."""
     named = [*named_parameters(scene)]
     return RopeData({}, {p.name: p.value for p in named}, {p.name: p.facts.unit or "1" for p in named})
 
 
-def rope_data(
+def rope_scene(
     parameters: Mapping[str, Value], level: rope_model.Level = "standard", place: Place | None = None
 ) -> rope_model.Scene:
     """Return the scene of a level with parameters by FMI name, choices by code; `place` adds to the ends' spacing."""
