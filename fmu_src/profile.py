@@ -57,7 +57,7 @@ class Profile:
 
     def __post_init__(self) -> None:
         if unknown := sorted(set(self.outputs) - set(GROUPS)):
-            raise ValueError(f"there is no group of outputs {', '.join(unknown)}; choose of {', '.join(GROUPS)}")
+            raise ValueError(f"there is no group of outputs {', '.join(unknown)}; choose one of {', '.join(GROUPS)}")
         if not (math.isfinite(self.stop) and self.stop > 0.0):
             raise ValueError(f"stop = {self.stop!r} s is out of range: it must be above 0; give the run's length")
 

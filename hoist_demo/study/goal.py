@@ -60,7 +60,7 @@ def read_weights(content: Any) -> dict[str, float]:
         raise ValueError(f"{content!r} must be a metric, or metrics with weights: write {{ cycle_time = 1.0 }}")
     for name, weight in weights.items():
         if name not in UNITS:
-            raise ValueError(f"{name} is not a metric: choose of {', '.join(UNITS)}")
+            raise ValueError(f"{name} is not a metric: choose one of {', '.join(UNITS)}")
         if isinstance(weight, bool) or not isinstance(weight, int | float) or not math.isfinite(weight):
             raise ValueError(f"{name} = {weight!r} must be a finite number: give its weight")
     return {name: float(weight) for name, weight in weights.items()}

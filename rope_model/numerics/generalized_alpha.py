@@ -12,8 +12,8 @@ acceleration at t_n + (alpha_m - alpha_f) h.  A change of the step moves that in
 
     b_n <- b_n + (alpha_m - alpha_f) (h_new - h_old) (a_n - a_{n-1}) / h_old
 
-Sources: Chung and Hulbert, J. Appl. Mech. 60 (1993); Arnold and Bruels, Multibody Syst. Dyn. 18 (2007), for the
-form with auxiliary accelerations; Bruels and Arnold, J. Comput. Nonlinear Dyn. 3 (2008), for variable steps.
+Sources: Chung and Hulbert, J. Appl. Mech. 60 (1993); Arnold and Brüls, Multibody Syst. Dyn. 18 (2007), for the
+form with auxiliary accelerations; Brüls and Arnold, J. Comput. Nonlinear Dyn. 3 (2008), for variable steps.
 """
 
 import math

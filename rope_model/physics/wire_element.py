@@ -12,7 +12,7 @@ tangent alone may oscillate without end.  So the tangent is
     p dz/dk + (1 - p) |z| / |z if all wires stuck|,    p = (z predicted by the latest tangent) . z / |z|^2 in [0, 1]
 
 which is safe where the latest tangent was far off, as well as without one, p = 0: Newton's method for z and k together
-(T. F. Chan, G. H. Golub, P. Mulet, SIAM J. Sci.  Comput. 20 (1999)).
+(T. F. Chan, G. H. Golub, P. Mulet, SIAM J. Sci. Comput. 20 (1999)).
 """
 
 from functools import cache

@@ -18,7 +18,7 @@ with k0 as at the start of the step.  sinh s is taken by its series up to s^5 an
 for s > 3, where this is inaccurate, sliding is complete in any case.  Works on numbers, numpy arrays and CasADi
 expressions; vectors have their components first.
 
-Sources: R. Bouc, 1967; Y.-K. Wen, J. Eng. Mech. Div.  102 (1976); Y. J. Park, Y.-K. Wen, A. H.-S. Ang, Earthquake
+Sources: R. Bouc, 1967; Y.-K. Wen, J. Eng. Mech. Div. 102 (1976); Y. J. Park, Y.-K. Wen, A. H.-S. Ang, Earthquake
 Eng. Struct. Dyn. 14 (1986) for two directions; K. O. Papailiou, IEEE Trans. Power Delivery 12 (1997), and F. Foti,
 L. Martinelli, Appl. Math. Modelling 40 (2016), for stiffness and friction moment of strands.
 """

@@ -12,7 +12,7 @@ fastest.
 If a motion costs no energy, such as the rotation of a buckled rod's helix about its axis, corrections along it never
 become small.  The search ends when forces have been balanced to rounding often enough for other corrections to vanish.
 
-Source: Kelley and Keyes, SIAM J. Numer. Anal.  35 (1998), switched evolution relaxation.
+Source: Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998), switched evolution relaxation.
 """
 
 import math
