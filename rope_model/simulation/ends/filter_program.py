@@ -1,6 +1,7 @@
 """Input filter of an end as one program of CasADi's virtual machine, for the rope in Python."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from itertools import islice
 from typing import Any, NamedTuple
 
 from rope_model.numerics.program import Program
@@ -25,17 +26,26 @@ class FilterStep(NamedTuple):
     limits: Limits
 
 
-def _flat(x: Any) -> list[Any]:
+def _flat(x: tuple[Any, ...]) -> list[Any]:
     """Return the numbers of nested tuples in a row."""
-    return [number for part in x for number in _flat(part)] if isinstance(x, tuple) else [x]
+    numbers: list[Any] = []
+    for part in x:
+        if isinstance(part, tuple):
+            numbers += _flat(part)
+        else:
+            numbers.append(part)
+    return numbers
 
 
-def _like(example: Any, numbers: Iterator[Any]) -> Any:
-    """Return tuples nested like the ``example``, with these numbers."""
+def _maker(example: Any) -> Callable[[Iterator[Any]], Any]:
+    """Return the function that makes tuples nested like the ``example`` of numbers in a row."""
     if not isinstance(example, tuple):
-        return next(numbers)
-    parts = [_like(part, numbers) for part in example]
-    return type(example)(*parts) if hasattr(example, "_fields") else tuple(parts)
+        return next
+    make: Any = getattr(type(example), "_make", tuple)
+    if not any(isinstance(part, tuple) for part in example):
+        return lambda numbers: make(islice(numbers, len(example)))
+    parts = [_maker(part) for part in example]
+    return lambda numbers: make([part(numbers) for part in parts])
 
 
 _NO_PATH = EndPath(0.0, 0.0, ((0.0,) * 6,) * len(PATH))  # type: ignore[arg-type]
@@ -43,13 +53,14 @@ _NOTHING = (0.0,) * len(PATH)
 _NO_SETTINGS, _NO_MOTION = FilterSettings(*(0.0,) * len(FilterSettings._fields)), tuple(vars(EndMotion()).values())
 _ARGUMENTS = InputFilter(), _NO_PATH, _NO_SETTINGS, 0.0, 0.0, _NO_MOTION, 0.0
 _RESULT = FilterStep(InputFilter(), _NO_PATH, Limits((0.0,) * 6, _NOTHING, _NOTHING))  # type: ignore[arg-type]
+_make_arguments, _make_result = _maker(_ARGUMENTS), _maker(_RESULT)
 
 
 def filter_program(rope: Rope) -> Program:
     """Return the program of ``filter_step`` for an end of the ``rope``."""
 
     def step(x: Sequence[Any]) -> list[Any]:
-        state, path, settings, given_at, stop, end, leg = _like(_ARGUMENTS, iter(x))
+        state, path, settings, given_at, stop, end, leg = _make_arguments(iter(x))
         state = filter_sample(state, settings, given_at, stop - path.stop, EndMotion(*end))
         path = filter_path(path, state, stop, settings.observer)
         after = add_misfit(state, path, settings, rope, leg)
@@ -73,5 +84,5 @@ def filter_step(
     ``leg`` is the length (m) of the rope from this end to the loop.
     """
     arguments = state, path, settings, given_at, stop, tuple(vars(end).values()), leg
-    result: FilterStep = _like(_RESULT, iter(program(*_flat(arguments))))
+    result: FilterStep = _make_result(iter(program(*_flat(arguments))))
     return result

@@ -77,9 +77,8 @@ def assemble_matrix(system: RopeSystem, q: Array, c: tuple[float, float, float])
     angles = np.column_stack((q[:, :ANGLE], q[:, ANGLE] + system.frame_turn(q)))
     q_e, v_e = (np.hstack((x[:-1], x[1:])).T for x in (angles, rest))
     element = rope_element("torsional", system.kernels.effects)
-    row = np.ones((1, n))
     J = element.tangent.map(n)(
-        q_e, v_e, v_e, system.lengths[None, :], frames.T, np.tile(P[:, None], n), *(x * row for x in c), q_e
+        q_e, v_e, v_e, system.lengths[None, :], frames.T, np.tile(P[:, None], n), *(np.full((1, n), x) for x in c), q_e
     )[1]
     return assembled(np.asarray(J), n) + sp.diags(c[2] * system.node_mass.ravel())
 
