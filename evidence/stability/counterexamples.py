@@ -18,10 +18,11 @@ from rope_model.simulation import rope_kernels
 def modified_element(frame_rate: FrameRate = smallest_rotation_rate, gauss_points: int = 3) -> Iterator[None]:
     """Ropes made inside have the element with another frame of the section or another quadrature."""
     points, weights = np.polynomial.legendre.leggauss(gauss_points)
+    places: dict[str, Any] = {"POINTS": 0.5 + 0.5 * points, "WEIGHTS": 0.5 * weights, "FRAME": 6 * gauss_points + 3}
     uncached = element.element_functions.__wrapped__
 
     def functions(fidelity: element.ElementFidelity = "torsional") -> element.ElementFunctions:
-        with patch.multiple(element, _GAUSS_POINTS=points, _GAUSS_WEIGHTS=weights, FRAME=6 * gauss_points + 3):
+        with patch.multiple(element, **places):
             twin = uncached(fidelity, frame_rate)
         return twin if frame_rate is smallest_rotation_rate else replace(twin, transport=_none(twin.transport))
 
