@@ -192,6 +192,8 @@ def _export(options: argparse.Namespace) -> int:
         raise ValueError("--scalar is for FMI 3.0, and FMI 2.0 has no arrays: add --native --fmi 3")
     if options.without and not options.ssp:
         raise ValueError(f"--without {options.without[0]} is for systems: add --ssp")
+    if options.out is not None and options.out.suffix.lower() == ".ssp" and not options.ssp:
+        raise ValueError(f"--out {options.out} is a system: add --ssp, or give {options.out.with_suffix('.fmu')}")
     paths = _paths(options.out, options.hoist, wanted)
     case, ropes, trajectory = _hoist(options)
     level = options.level or case.level

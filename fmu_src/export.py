@@ -18,7 +18,6 @@ import time
 import uuid
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from unittest.mock import patch
 
 from pythonfmu.builder import FmuBuilder
 
@@ -77,8 +76,8 @@ def export_fmu(
         (stage / "build.json").write_text(json.dumps(facts | settings, indent=1), encoding="utf-8")
         draft = stage / "out" / "draft.fmu"
         draft.parent.mkdir()
-        with patch.object(sys, "path", [*sys.path]):  # the builder leaves its folder there
-            FmuBuilder.build_FMU(script, draft, [package, kernels, stage / "build.json"], documentation_folder=None)
+        FmuBuilder.build_FMU(script, draft, [package, kernels, stage / "build.json"], documentation_folder=None)
+        sys.path.remove(str(stage))  # the builder leaves it there
         files = {name: code for name, code in read_archive(draft).items() if not name.startswith("binaries/")}
     files |= binaries_with(Start(facts["guid"], start_values(table, 2)), library_sources(table), MODEL, 2, chosen)
     described = profile.select(table).values()

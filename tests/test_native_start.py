@@ -238,6 +238,7 @@ def test_start_values_are_set_on_the_command_line(tmp_path: Path, monkeypatch: P
         (["--native", "--fmi", "2", "3", "--out", "x.fmu"], "give a folder"),
         (["--out", "file/x.fmu"], "file cannot be written to"),
         (["--out", "x.txt"], "--out x.txt must end in .fmu or name a folder: give x.fmu"),
+        (["--out", "x.ssp"], "--out x.ssp is a system: add --ssp, or give x.fmu"),
         (["--native", "--scalar"], "add --native --fmi 3"),
     ],
 )
