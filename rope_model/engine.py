@@ -33,7 +33,6 @@ from rope_model.solver_parameters import FidelityChoice
 _MOTIONS = struct.Struct(f"{2 * len(EndMotion.__dataclass_fields__)}d")
 _SWITCHES = ("sticks", "slips +", "slips -")
 _FIDELITY_NAMES = get_args(FidelityChoice)
-_hints = cache(get_type_hints)
 
 
 def _event(event: layout.EventStructure) -> Event:
@@ -292,9 +291,8 @@ def _unpack(data: bytes) -> RopeState:
     values = np.frombuffer(data, dtype=np.float64, offset=ctypes.sizeof(layout.StateStructure))
     size = 7 * (n + 1)
     x = {name: values[i * size : (i + 1) * size].reshape(n + 1, 7).copy() for i, name in enumerate(layout.ARRAYS)}
-    hints = _hints(RopeState)
     return RopeState(
-        **{name: _from_ctypes(hints[name], getattr(s, name)) for name in layout.ALIKE},
+        **{name: read(getattr(s, name)) for name, read in _READERS.items()},
         motion=Motion(s.t, x["q"], x["v"], x["a"], x["b"], x["a_rate"], s.h, x["reaction"]),
         partition=Partition(
             values[6 * size : 6 * size + n].copy(),
@@ -330,17 +328,23 @@ def _pack(state: RopeState) -> bytes:
     return b"".join([bytes(s), *arrays, p.lengths.tobytes(), p.nodes_s.tobytes(), state.hysteresis.tobytes()])
 
 
-def _from_ctypes(hint: Any, x: Any) -> Any:
-    """Return the Python value, of the type ``hint``, of the ctypes value ``x``."""
+@cache
+def _reader(hint: Any) -> Callable[[Any], Any]:
+    """Return the function that makes the Python value, of the type ``hint``, of a ctypes value."""
     if get_origin(hint) is tuple:
-        return tuple(map(_from_ctypes, cycle(part for part in get_args(hint) if part is not ...), x))
+        readers = [_reader(part) for part in get_args(hint) if part is not ...]
+        return lambda x: tuple(read(part) for read, part in zip(cycle(readers), x, strict=False))
     if hint in layout.PARTS:
-        return hint(*(_from_ctypes(part, getattr(x, name)) for name, part in _hints(hint).items()))
-    return Phase(x) if hint is Phase else x
+        members = [(name, _reader(part)) for name, part in get_type_hints(hint).items()]
+        return lambda x: hint(*(read(getattr(x, name)) for name, read in members))
+    return Phase if hint is Phase else lambda x: x
+
+
+_READERS = {name: _reader(hint) for name, hint in get_type_hints(RopeState).items() if name in layout.ALIKE}
 
 
 def _to_ctypes(x: Any) -> Any:
-    """Return ``x`` as a ctypes value; the inverse of ``_from_ctypes``."""
+    """Return ``x`` as a ctypes value; the inverse of ``_reader``."""
     if type(x) in layout.PARTS:
         return layout.PARTS[type(x)](**{name: _to_ctypes(getattr(x, name)) for name in x._fields})
     if isinstance(x, tuple):

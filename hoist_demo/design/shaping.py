@@ -10,26 +10,34 @@ Source: N. C. Singer and W. P. Seering, Preshaping command inputs to reduce syst
 Control 112, 1990.
 """
 
+import math
 from itertools import pairwise
 
 from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint
 from hoist_demo.parameters.trip_design import Shaper
 
 
+def impulses(shaper: Shaper) -> tuple[tuple[float, float], ...]:
+    """Return pairs of time [s] and amplitude [1]; the amplitudes sum to 1."""
+    K = math.exp(-shaper.damping * math.pi / math.sqrt(1.0 - shaper.damping**2))
+    weights = (1.0, K) if shaper.kind == "ZV" else (1.0, 2.0 * K, K**2)
+    return tuple((0.5 * k / shaper.frequency, weight / sum(weights)) for k, weight in enumerate(weights))
+
+
 def shape(trip: Trajectory, shaper: Shaper) -> Trajectory:
-    """`trip` convolved with the shaper's impulses; it arrives later by the last impulse's time."""
-    impulses = shaper.impulses
-    starts = sorted({start + delay for start in trip.starts for delay, _ in impulses})
+    """Return `trip` convolved with the shaper's impulses; it arrives later by the last impulse's time."""
+    sequence = impulses(shaper)
+    starts = sorted({start + delay for start in trip.starts for delay, _ in sequence})
     points = []
     for start, end in pairwise(starts):
         # the jerk of a segment is read in its middle, where no rounding can name the neighbour's
         middle = 0.5 * (start + end)
         points.append(
             TrajectoryPoint(
-                position=sum(w * trip.at(start - delay).position for delay, w in impulses),
-                speed=sum(w * trip.at(start - delay).speed for delay, w in impulses),
-                acceleration=sum(w * trip.at(start - delay).acceleration for delay, w in impulses),
-                jerk=sum(w * trip.at(middle - delay).jerk for delay, w in impulses),
+                position=sum(w * trip.at(start - delay).position for delay, w in sequence),
+                speed=sum(w * trip.at(start - delay).speed for delay, w in sequence),
+                acceleration=sum(w * trip.at(start - delay).acceleration for delay, w in sequence),
+                jerk=sum(w * trip.at(middle - delay).jerk for delay, w in sequence),
             )
         )
     return Trajectory(tuple(starts), (*points, trip.points[-1]))

@@ -1,6 +1,5 @@
 """Parameters of the design of a trip: the controllers by name, the shaper's mode, and the optimisation."""
 
-import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -16,14 +15,6 @@ class Shaper(Stated):
     kind: Literal["ZV", "ZVD"] = quantity("ZVD", "")
     frequency: float = quantity(0.0, "Hz", "damped, of the mode; 0: it and damping from the linear model", VANISHING)
     damping: float = quantity(0.0, "1", "damping ratio of the mode", Bounds(0.0, 0.999, cure="measure it"))
-
-    @property
-    def impulses(self) -> tuple[tuple[float, float], ...]:
-        """Pairs of time [s] and amplitude [1]; the amplitudes sum to 1."""
-        K = math.exp(-self.damping * math.pi / math.sqrt(1.0 - self.damping**2))
-        half = 0.5 / self.frequency
-        weights = (1.0, K) if self.kind == "ZV" else (1.0, 2.0 * K, K**2)
-        return tuple((k * half, weight / sum(weights)) for k, weight in enumerate(weights))
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """Permanent curvature along the present shape of a rope: physics.initial_curvature from the left end on."""
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from rope_model.physics.initial_curvature import CURVATURES, START, curvature_co
 Array = NDArray[np.float64]
 
 
+@lru_cache(maxsize=64)
 def is_curved(rope: Rope, fidelity: ElementFidelity) -> bool:
     """Return whether a permanent curvature acts: sections have a direction in the complete model only."""
     return fidelity == "torsional" and most_curvature(rope) > 0

@@ -1,6 +1,7 @@
 """Input filter of an end as one program of CasADi's virtual machine, for the rope in Python."""
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache
 from itertools import islice
 from typing import Any, NamedTuple
 
@@ -56,8 +57,9 @@ _RESULT = FilterStep(InputFilter(), _NO_PATH, Limits((0.0,) * 6, _NOTHING, _NOTH
 _make_arguments, _make_result = _maker(_ARGUMENTS), _maker(_RESULT)
 
 
-def filter_program(rope: Rope) -> Program:
-    """Return the program of ``filter_step`` for an end of the ``rope``."""
+@lru_cache(maxsize=64)
+def _step_of(rope: Rope) -> Callable[[Sequence[Any]], list[Any]]:
+    """Return ``filter_step`` for an end of the ``rope``, of its arguments in a row; one function for equal ropes."""
 
     def step(x: Sequence[Any]) -> list[Any]:
         state, path, settings, given_at, stop, end, leg = _make_arguments(iter(x))
@@ -66,7 +68,12 @@ def filter_program(rope: Rope) -> Program:
         after = add_misfit(state, path, settings, rope, leg)
         return _flat(FilterStep(after, path, filter_limits(path, state)))
 
-    return Program(step, len(_flat(_ARGUMENTS)))
+    return step
+
+
+def filter_program(rope: Rope) -> Program:
+    """Return the program of ``filter_step`` for an end of the ``rope``."""
+    return Program(_step_of(rope), len(_flat(_ARGUMENTS)))
 
 
 def filter_step(
