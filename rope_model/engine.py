@@ -43,7 +43,7 @@ def _event(event: layout.EventStructure) -> Event:
 
 
 class _Allocator(Structure):
-    _fields_ = (("take", c_void_p), ("give_back", c_void_p))
+    _fields_ = (("allocate", c_void_p), ("deallocate", c_void_p))
 
 
 class _PointForces(Structure):

@@ -35,7 +35,7 @@ from rope_model.simulation.ends.ends import refusal
 
 pytestmark = pytest.mark.skipif(host_platform() not in available_platforms(), reason="needs a C compiler")
 SOURCES = {
-    "model.h": "#include <stddef.h>\nenum { MODEL_TOKEN = 64 };\ndouble model_start(size_t scalar);\n",
+    "model.h": "#include <stddef.h>\nenum { TOKEN_BYTES = 64 };\ndouble model_start(size_t scalar);\n",
     "seen.c": '#include "model.h"\n#ifdef _WIN32\n__declspec(dllexport)\n#else\n'
     '__attribute__((visibility("default")))\n#endif\ndouble seen(int i) { return model_start(i); }\n',
 }

@@ -8,10 +8,10 @@
 #include <string.h>
 
 #define TIME_SLACK(t) (1e-9 + 4 * DBL_EPSILON * fabs(t)) /* s, difference allowed between times of host and model */
-#define SHORTEST_STEP 1e-9 /* s; a shorter one moves nothing.  Rounding of the host's times leaves such steps */
+#define MIN_STEP 1e-9 /* s; a shorter one moves nothing.  Rounding of the host's times leaves such steps */
 /* entries that changed since the model was set up */
 enum { NOTHING = 0, INPUTS = 1, PARAMETERS = 2 };
-enum { NUMBER = 32, STATE_VERSION = 5 };
+enum { DECIMAL_SIZE = 32, STATE_VERSION = 5 };
 
 struct Component {
     Allocator allocator;
@@ -19,13 +19,13 @@ struct Component {
     void *context;
     ModelInstance *model;
     double start, stop; /* stop: infinite if not announced */
-    double time;        /* host's time, s; the model differs by less than SHORTEST_STEP */
+    double time;        /* host's time, s; the model differs by less than MIN_STEP */
     int mode, changed, retune;
     int started;     /* initialised, and not reset since */
     int valid;       /* the last initialisation or step succeeded */
     int at_event;    /* the last step ended at an event */
     unsigned warned; /* bit k: warning k was logged since initialisation began */
-    char status[MODEL_MESSAGE], message[MODEL_MESSAGE];
+    char status[MESSAGE_BYTES], message[MESSAGE_BYTES];
     double values[]; /* entries, those that the model uses, and flags of entered(); MODEL_SCALARS each */
 };
 
@@ -36,13 +36,13 @@ typedef struct {
     uint32_t version;
     int32_t mode, valid, started, at_event;
     double start, stop, time;
-    char token[MODEL_TOKEN], status[MODEL_MESSAGE];
+    char token[TOKEN_BYTES], status[MESSAGE_BYTES];
 } StateHeader;
 
 static const char MAGIC[8] = "FMUSTATE";
 
-static int refuse(Component *c, const char *format, ...) {
-    char message[MODEL_MESSAGE]; /* the arguments may point into c->message */
+static int log_error(Component *c, const char *format, ...) {
+    char message[MESSAGE_BYTES]; /* the arguments may point into c->message */
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(message, sizeof message, format, arguments);
@@ -62,24 +62,24 @@ static size_t values_bytes(void) {
 }
 
 /* Record that the model uses the present entries. */
-static void take_over(Component *c) {
+static void mark_as_used(Component *c) {
     memcpy(c->values + MODEL_SCALARS, c->values, MODEL_SCALARS * sizeof(double));
     c->retune = 0;
 }
 
 /* Print the shortest decimal that reads back as x. */
-static const char *shortest(double x, char text[NUMBER]) {
+static const char *shortest(double x, char text[DECIMAL_SIZE]) {
     if (isnan(x)) return "nan";
     if (isinf(x)) return x > 0 ? "inf" : "-inf";
     for (int digits = 6; digits <= 17; digits++) {
         double back;
-        snprintf(text, NUMBER, "%.*g", digits, x);
+        snprintf(text, DECIMAL_SIZE, "%.*g", digits, x);
         if (sscanf(text, "%lf", &back) == 1 && back == x) break;
     }
     return text;
 }
 
-static const char *value_text(const Variable *variable, double value, char text[NUMBER]) {
+static const char *value_text(const Variable *variable, double value, char text[DECIMAL_SIZE]) {
     if (variable->kind == KIND_BOOLEAN) return value != 0.0 ? "true" : "false";
     return shortest(value, text);
 }
@@ -90,7 +90,7 @@ const char *log_category(Severity severity) {
 }
 
 Component *component_create(const Allocator *allocator, ComponentLog log, void *context) {
-    Component *c = allocator->take(1, sizeof *c + values_bytes());
+    Component *c = allocator->allocate(1, sizeof *c + values_bytes());
     if (!c) return NULL;
     memset(c, 0, sizeof *c + values_bytes());
     c->allocator = *allocator;
@@ -103,15 +103,15 @@ Component *component_create(const Allocator *allocator, ComponentLog log, void *
 void component_destroy(Component *c) {
     Allocator allocator = c->allocator;
     model_destroy(c->model);
-    allocator.give_back(c);
+    allocator.deallocate(c);
 }
 
-int component_refuse(Component *c, const char *message) {
-    return refuse(c, "%s", message);
+int component_error(Component *c, const char *message) {
+    return log_error(c, "%s", message);
 }
 
-int component_given(Component *c, const void *pointer) {
-    return pointer || refuse(c, "a pointer is NULL; give the address of the data");
+int component_nonnull(Component *c, const void *pointer) {
+    return pointer || log_error(c, "a pointer is NULL; give the address of the data");
 }
 
 static int is_log_category(const char *name) {
@@ -122,11 +122,11 @@ static int is_log_category(const char *name) {
 
 int component_categories(Component *c, size_t number, const char *const names[], int *all) {
     *all = number == 0;
-    if (number && !component_given(c, names)) return 0;
+    if (number && !component_nonnull(c, names)) return 0;
     for (size_t k = 0; k < number; k++) {
-        if (!component_given(c, names[k])) return 0;
+        if (!component_nonnull(c, names[k])) return 0;
         if (!is_log_category(names[k]))
-            return refuse(c, "there is no such log category; use logAll, logStatusWarning or logStatusError");
+            return log_error(c, "there is no such log category; use logAll, logStatusWarning or logStatusError");
         *all |= !strcmp(names[k], log_category(LOG_NOTE));
     }
     return 1;
@@ -138,24 +138,28 @@ void component_fail(Component *c) {
     memcpy(c->status, c->message, sizeof c->status);
 }
 
-int component_allows(Component *c, const char *function, int modes) {
+int component_check_mode(Component *c, const char *function, int modes) {
     if (c->mode & modes) return 1;
-    if (c->mode == INSTANTIATED) return refuse(c, "%s is not allowed before a successful initialisation", function);
-    if (c->mode == INITIALIZATION) return refuse(c, "%s is not allowed during initialisation; exit it first", function);
-    if (c->mode == STEPPING) return refuse(c, "%s is not allowed after initialisation; reset the FMU first", function);
-    if (c->mode == TERMINATED) return refuse(c, "%s is not allowed after termination; reset the FMU first", function);
-    return refuse(c, "%s is not allowed after a failure; reset the FMU or restore a state; the failure: %s", function,
-                  c->status);
+    if (c->mode == INSTANTIATED) return log_error(c, "%s is not allowed before a successful initialisation", function);
+    if (c->mode == INITIALIZATION)
+        return log_error(c, "%s is not allowed during initialisation; exit it first", function);
+    if (c->mode == STEPPING)
+        return log_error(c, "%s is not allowed after initialisation; reset the FMU first", function);
+    if (c->mode == TERMINATED)
+        return log_error(c, "%s is not allowed after termination; reset the FMU first", function);
+    return log_error(c, "%s is not allowed after a failure; reset the FMU or restore a state; the failure: %s",
+                     function, c->status);
 }
 
 /* life cycle */
 
 int component_setup(Component *c, double start, int stop_defined, double stop) {
-    char text[NUMBER], other[NUMBER];
-    if (!isfinite(start)) return refuse(c, "the start time %s s is not finite; give a number", shortest(start, text));
+    char text[DECIMAL_SIZE], other[DECIMAL_SIZE];
+    if (!isfinite(start))
+        return log_error(c, "the start time %s s is not finite; give a number", shortest(start, text));
     if (stop_defined && !(stop >= start))
-        return refuse(c, "the stop time %s s is not at or after the start time %s s; give a later one",
-                      shortest(stop, text), shortest(start, other));
+        return log_error(c, "the stop time %s s is not at or after the start time %s s; give a later one",
+                         shortest(stop, text), shortest(start, other));
     c->start = c->time = start;
     c->stop = stop_defined ? stop : INFINITY;
     return 1;
@@ -168,7 +172,7 @@ void component_enter_initialization(Component *c) {
 }
 
 static void warn(Component *c) {
-    char text[MODEL_MESSAGE];
+    char text[MESSAGE_BYTES];
     for (int k = 0;; k++) {
         if (c->warned & 1u << k) continue;
         if (!model_warning(c->model, k, text)) return;
@@ -179,7 +183,7 @@ static void warn(Component *c) {
 }
 
 static int set_up(Component *c) {
-    char why[MODEL_MESSAGE] = "";
+    char reason[MESSAGE_BYTES] = "";
     if (c->model && c->changed & PARAMETERS) {
         model_destroy(c->model);
         c->model = NULL;
@@ -187,17 +191,17 @@ static int set_up(Component *c) {
     c->changed = NOTHING;
     c->valid = 1;
     c->status[0] = '\0';
-    if (!c->model) c->model = model_create(c->values, &c->allocator, why);
+    if (!c->model) c->model = model_create(c->values, &c->allocator, reason);
     if (!c->model)
-        refuse(c, "initialisation: %s", why);
-    else if (!model_initialize(c->model, c->start, c->values, why)) {
-        refuse(c, "%s", why);
+        log_error(c, "initialisation: %s", reason);
+    else if (!model_initialize(c->model, c->start, c->values, reason)) {
+        log_error(c, "%s", reason);
         model_destroy(c->model);
         c->model = NULL;
     } else {
-        take_over(c);
-        model_note(c->model, why);
-        if (*why) c->log(c->context, LOG_NOTE, why);
+        mark_as_used(c);
+        model_note(c->model, reason);
+        if (*reason) c->log(c->context, LOG_NOTE, reason);
         warn(c);
         return 1;
     }
@@ -210,7 +214,7 @@ static int set_up(Component *c) {
 static int have_model(Component *c) {
     if (c->mode == INITIALIZATION && c->changed) return set_up(c);
     if (c->model) return 1;
-    return c->valid ? refuse(c, "there are no results before initialisation") : refuse(c, "%s", c->status);
+    return c->valid ? log_error(c, "there are no results before initialisation") : log_error(c, "%s", c->status);
 }
 
 int component_exit_initialization(Component *c) {
@@ -224,23 +228,23 @@ int component_exit_initialization(Component *c) {
 }
 
 static int step(Component *c, double t, double h, int *event) {
-    char text[NUMBER], other[NUMBER], why[MODEL_MESSAGE];
+    char text[DECIMAL_SIZE], other[DECIMAL_SIZE], reason[MESSAGE_BYTES];
     double now = c->time;
     if (!(h > 0.0 && isfinite(h)))
-        return refuse(c, "communication step %s s is not positive and finite", shortest(h, text));
+        return log_error(c, "communication step %s s is not positive and finite", shortest(h, text));
     if (!(fabs(t - now) <= fmin(TIME_SLACK(now), 0.5 * h)))
-        return refuse(c, "the host steps from t = %s s, the FMU is at %s s; restore a state to go back",
-                      shortest(t, text), shortest(now, other));
+        return log_error(c, "the host steps from t = %s s, the FMU is at %s s; restore a state to go back",
+                         shortest(t, text), shortest(now, other));
     if (t + h > c->stop + TIME_SLACK(c->stop))
-        return refuse(c, "a step to t = %s s goes beyond the stop time %s s; announce a later one, or none",
-                      shortest(t + h, text), shortest(c->stop, other));
-    if (t + h - model_time(c->model) < SHORTEST_STEP) { /* the next step starts at the model's time */
+        return log_error(c, "a step to t = %s s goes beyond the stop time %s s; announce a later one, or none",
+                         shortest(t + h, text), shortest(c->stop, other));
+    if (t + h - model_time(c->model) < MIN_STEP) { /* the next step starts at the model's time */
         if (event) *event = 0;
         return 1;
     }
-    if (c->retune && !model_retune(c->model, c->values, why)) return refuse(c, "%s", why);
-    take_over(c);
-    if (!model_step(c->model, t, h, c->values, event, why)) return refuse(c, "%s", why);
+    if (c->retune && !model_retune(c->model, c->values, reason)) return log_error(c, "%s", reason);
+    mark_as_used(c);
+    if (!model_step(c->model, t, h, c->values, event, reason)) return log_error(c, "%s", reason);
     return 1;
 }
 
@@ -270,7 +274,7 @@ int component_at_event(const Component *c) {
 int component_terminate(Component *c, const char *function) {
     /* After a failure, a second error would hide the first. */
     if (c->mode == FAILED || (c->mode & (INSTANTIATED | INITIALIZATION) && c->message[0])) return 1;
-    if (!component_allows(c, function, STEPPING)) return 0;
+    if (!component_check_mode(c, function, STEPPING)) return 0;
     c->mode = TERMINATED;
     return 1;
 }
@@ -298,27 +302,27 @@ static size_t length_of(unsigned reference) {
 int component_find(Component *c, unsigned reference, Kind kind, size_t *first, size_t *length) {
     static const char *const names[] = {"Real", "Integer", "Boolean", "String", "Enumeration"};
     if (reference >= MODEL_SCALARS || MODEL_VARIABLES[reference].kind != kind || !length_of(reference))
-        return refuse(c, "there is no %s variable with value reference %u", names[kind], reference);
+        return log_error(c, "there is no %s variable with value reference %u", names[kind], reference);
     *first = reference;
     *length = length_of(reference);
     return 1;
 }
 
 int component_has_token(const char *token) {
-    char expected[MODEL_TOKEN];
+    char expected[TOKEN_BYTES];
     model_token(expected);
     return token && !strcmp(token, expected);
 }
 
 int component_get(Component *c, size_t scalar, double *value) {
-    char why[MODEL_MESSAGE];
+    char reason[MESSAGE_BYTES];
     *value = 0.0;
     const Variable *variable = &MODEL_VARIABLES[scalar];
     if (variable->source == FROM_ENTRY) *value = c->values[scalar];
     if (variable->source == FROM_STATUS_VALID) *value = c->valid;
     if (variable->source == FROM_TIME) *value = component_time(c);
     if (variable->source != FROM_MODEL) return 1;
-    if (have_model(c) && (model_output(c->model, scalar, value, why) || refuse(c, "%s", why))) {
+    if (have_model(c) && (model_output(c->model, scalar, value, reason) || log_error(c, "%s", reason))) {
         if (variable->kind == KIND_INTEGER) *value = fmin(*value, INT32_MAX); /* counters grow without bound */
         return 1;
     }
@@ -327,45 +331,46 @@ int component_get(Component *c, size_t scalar, double *value) {
 }
 
 int component_get_text(Component *c, size_t scalar, const char **text) {
-    char why[MODEL_MESSAGE] = "";
+    char reason[MESSAGE_BYTES] = "";
     *text = MODEL_VARIABLES[scalar].source == FROM_STATUS_MESSAGE ? c->status : "";
     if (MODEL_VARIABLES[scalar].source == FROM_STATUS_MESSAGE) return 1;
-    return have_model(c) && (model_text(c->model, scalar, text, why) || refuse(c, "%s", why));
+    return have_model(c) && (model_text(c->model, scalar, text, reason) || log_error(c, "%s", reason));
 }
 
 /* Write the reason why an entry cannot have the value; "" if it can. */
-static void check_entry(const Variable *variable, double value, char why[MODEL_MESSAGE]) {
-    char text[NUMBER];
-    why[0] = '\0';
+static void check_entry(const Variable *variable, double value, char reason[MESSAGE_BYTES]) {
+    char text[DECIMAL_SIZE];
+    reason[0] = '\0';
     if (!isfinite(value) && variable->causality == CAUSALITY_INPUT)
-        snprintf(why, MODEL_MESSAGE, "input %s = %s is not finite; check the signal connected to it", variable->name,
+        snprintf(reason, MESSAGE_BYTES, "input %s = %s is not finite; check the signal connected to it", variable->name,
                  shortest(value, text));
     else if (!isfinite(value))
-        snprintf(why, MODEL_MESSAGE, "%s = %s is out of range: it must be finite; give a number", variable->name,
+        snprintf(reason, MESSAGE_BYTES, "%s = %s is out of range: it must be finite; give a number", variable->name,
                  shortest(value, text));
     else if (variable->choices && !(value >= 0.0 && value < variable->number))
-        snprintf(why, MODEL_MESSAGE, "%s = %s is none of the choices: %s", variable->name, shortest(value, text),
+        snprintf(reason, MESSAGE_BYTES, "%s = %s is none of the choices: %s", variable->name, shortest(value, text),
                  variable->choices);
     else if (variable->kind != KIND_REAL && !(fabs(value) <= 2147483648.0 && value == floor(value)))
-        snprintf(why, MODEL_MESSAGE,
+        snprintf(reason, MESSAGE_BYTES,
                  "%s = %s is out of range: it must be a whole number of 32 bits; give a smaller one", variable->name,
                  shortest(value, text));
 }
 
 static int enter(Component *c, size_t scalar, double value) {
     const Variable *variable = &MODEL_VARIABLES[scalar];
-    char why[MODEL_MESSAGE], text[NUMBER];
-    if (variable->causality == CAUSALITY_OUTPUT) return refuse(c, "%s is an output and cannot be set", variable->name);
+    char reason[MESSAGE_BYTES], text[DECIMAL_SIZE];
+    if (variable->causality == CAUSALITY_OUTPUT)
+        return log_error(c, "%s is an output and cannot be set", variable->name);
     if (variable->causality == CAUSALITY_INDEPENDENT)
-        return refuse(c, "%s is the independent variable; it advances with the steps and cannot be set",
-                      variable->name);
+        return log_error(c, "%s is the independent variable; it advances with the steps and cannot be set",
+                         variable->name);
     if (c->started && variable->variability == VARIABILITY_FIXED) {
         if (value == c->values[scalar]) return 1;
-        return refuse(c, "%s is fixed after initialisation; it stays %s; reset the FMU to change it", variable->name,
-                      value_text(variable, c->values[scalar], text));
+        return log_error(c, "%s is fixed after initialisation; it stays %s; reset the FMU to change it", variable->name,
+                         value_text(variable, c->values[scalar], text));
     }
-    check_entry(variable, value, why);
-    if (*why) return refuse(c, "%s", why);
+    check_entry(variable, value, reason);
+    if (*reason) return log_error(c, "%s", reason);
     if (c->started && variable->variability == VARIABILITY_TUNABLE) c->retune = 1;
     c->changed |= variable->causality == CAUSALITY_PARAMETER ? PARAMETERS : INPUTS;
     c->values[scalar] = value;
@@ -380,12 +385,12 @@ int component_set(Component *c, size_t scalar, double value) {
 
 int component_set_rate(Component *c, size_t scalar, int order, double value) {
     const Variable *variable = &MODEL_VARIABLES[scalar];
-    char text[NUMBER];
+    char text[DECIMAL_SIZE];
     if (variable->causality != CAUSALITY_INPUT)
-        return refuse(c, "there is no time derivative of %s to be set; give one of an input", variable->name);
+        return log_error(c, "there is no time derivative of %s to be set; give one of an input", variable->name);
     if (order < 1 || !isfinite(value))
-        return refuse(c, "derivative %d of %s = %s must be of order 1 or higher, and finite", order, variable->name,
-                      shortest(value, text));
+        return log_error(c, "derivative %d of %s = %s must be of order 1 or higher, and finite", order, variable->name,
+                         shortest(value, text));
     for (; order > 0 && scalar; order--) scalar = MODEL_VARIABLES[scalar].rate;
     return !scalar || entered(c)[scalar] != 0.0 || enter(c, scalar, value);
 }
@@ -393,26 +398,26 @@ int component_set_rate(Component *c, size_t scalar, int order, double value) {
 int component_derivative(Component *c, const unsigned *unknown, size_t unknowns, const unsigned *known, size_t knowns,
                          const double *seed, double *sensitivity) {
     size_t i, first = 0, length = 0;
-    char why[MODEL_MESSAGE] = "", text[NUMBER];
+    char reason[MESSAGE_BYTES] = "", text[DECIMAL_SIZE];
     for (i = 0; i < unknowns; i++) {
         if (!component_find(c, unknown[i], KIND_REAL, &first, &length)) return 0;
         if (MODEL_VARIABLES[first].source != FROM_MODEL || length != 1)
-            return refuse(c, "there is no derivative of %s; ask for one of an output that depends on the inputs",
-                          MODEL_VARIABLES[first].name);
+            return log_error(c, "there is no derivative of %s; ask for one of an output that depends on the inputs",
+                             MODEL_VARIABLES[first].name);
         sensitivity[i] = 0.0;
     }
     for (i = 0; i < knowns; i++) {
         if (!component_find(c, known[i], KIND_REAL, &first, &length)) return 0;
         if (MODEL_VARIABLES[first].causality != CAUSALITY_INPUT)
-            return refuse(c, "there is no derivative to %s; ask for one to an input", MODEL_VARIABLES[first].name);
+            return log_error(c, "there is no derivative to %s; ask for one to an input", MODEL_VARIABLES[first].name);
         if (!isfinite(seed[i]))
-            return refuse(c, "the seed of %s = %s is not finite; give a number", MODEL_VARIABLES[first].name,
-                          shortest(seed[i], text));
+            return log_error(c, "the seed of %s = %s is not finite; give a number", MODEL_VARIABLES[first].name,
+                             shortest(seed[i], text));
     }
     if (!have_model(c)) return 0;
     for (i = 0; i < knowns; i++)
-        if (!model_derivative(c->model, known[i], seed[i], unknown, unknowns, sensitivity, why))
-            return refuse(c, "%s", why);
+        if (!model_derivative(c->model, known[i], seed[i], unknown, unknowns, sensitivity, reason))
+            return log_error(c, "%s", reason);
     return 1;
 }
 
@@ -465,9 +470,9 @@ void component_save(const Component *c, void *to) {
     memcpy(to, &header, sizeof header);
 }
 
-/* True if the text is terminated and printable, as those of refuse() are. */
-static int is_message(const char text[MODEL_MESSAGE]) {
-    for (size_t i = 0; i < MODEL_MESSAGE; i++) {
+/* True if the text is terminated and printable, as those of log_error() are. */
+static int is_message(const char text[MESSAGE_BYTES]) {
+    for (size_t i = 0; i < MESSAGE_BYTES; i++) {
         if (text[i] == '\0') return 1;
         if (((unsigned char)text[i] < ' ' && text[i] != '\n') || text[i] == 127) return 0; /* UTF-8 passes */
     }
@@ -478,27 +483,27 @@ int component_is_state(Component *c, const void *from, size_t bytes) {
     const StateHeader *header = from;
     const double *values = (const double *)(header + 1);
     size_t least = sizeof *header + values_bytes(), i;
-    char why[MODEL_MESSAGE], expected[MODEL_TOKEN];
+    char reason[MESSAGE_BYTES], expected[TOKEN_BYTES];
     model_token(expected);
     if (bytes < sizeof *header || memcmp(header->magic, MAGIC, sizeof MAGIC))
-        return refuse(c, "these %lu bytes are not a state of this FMU", (unsigned long)bytes);
-    if (header->version != STATE_VERSION || memcmp(header->token, expected, MODEL_TOKEN))
-        return refuse(c, "the state is none of this FMU's: it is another build's; restore it there");
+        return log_error(c, "these %lu bytes are not a state of this FMU", (unsigned long)bytes);
+    if (header->version != STATE_VERSION || memcmp(header->token, expected, TOKEN_BYTES))
+        return log_error(c, "the state is none of this FMU's: it is another build's; restore it there");
     if (bytes < least || header->bytes != bytes || header->checksum != state_checksum(from, bytes))
-        return refuse(c, "these %lu bytes are a damaged state: length or checksum do not fit; save it anew",
-                      (unsigned long)bytes);
+        return log_error(c, "these %lu bytes are a damaged state: length or checksum do not fit; save it anew",
+                         (unsigned long)bytes);
     if ((header->mode != INSTANTIATED && header->mode != INITIALIZATION && header->mode != STEPPING &&
          header->mode != TERMINATED && header->mode != FAILED) ||
         ((header->mode == STEPPING || header->mode == TERMINATED) && !header->started) ||
         ((header->mode == INSTANTIATED || header->mode == INITIALIZATION) && header->started) ||
         !isfinite(header->start) || !isfinite(header->time) || !(header->stop >= header->start) ||
         !is_message(header->status) || (!header->valid && header->status[0] == '\0'))
-        return refuse(c, "the state contradicts itself; save it anew");
+        return log_error(c, "the state contradicts itself; save it anew");
     for (i = 0; i < 2 * MODEL_SCALARS; i++) {
         const Variable *variable = &MODEL_VARIABLES[i % MODEL_SCALARS];
         if (variable->source != FROM_ENTRY) continue;
-        check_entry(variable, values[i], why);
-        if (*why) return refuse(c, "the state contradicts itself: %s", why);
+        check_entry(variable, values[i], reason);
+        if (*reason) return log_error(c, "the state contradicts itself: %s", reason);
     }
     return 1;
 }
@@ -514,20 +519,20 @@ int component_restore(Component *c, const void *from, size_t bytes) {
     const double *values = (const double *)(header + 1), *goes_by = values + MODEL_SCALARS;
     const void *rest = (const unsigned char *)values + values_bytes();
     ModelInstance *model = NULL;
-    char why[MODEL_MESSAGE] = "";
+    char reason[MESSAGE_BYTES] = "";
     if (!component_is_state(c, from, bytes)) return 0;
     if (header->started) {
         size_t number = bytes - ((const unsigned char *)rest - (const unsigned char *)from);
         /* Other fixed parameters need a new model; the present one stays until that has the state. */
         int fits = c->started && c->model && same_fixed(values, c->values);
-        model = fits ? c->model : model_create(goes_by, &c->allocator, why);
-        if (!model || !model_retune(model, goes_by, why) || !model_restore(model, rest, number, why)) {
-            char other[MODEL_MESSAGE];
+        model = fits ? c->model : model_create(goes_by, &c->allocator, reason);
+        if (!model || !model_retune(model, goes_by, reason) || !model_restore(model, rest, number, reason)) {
+            char other[MESSAGE_BYTES];
             if (fits)
                 model_retune(model, c->values + MODEL_SCALARS, other);
             else
                 model_destroy(model);
-            return refuse(c, "setFMUstate: %s", why);
+            return log_error(c, "setFMUstate: %s", reason);
         }
     }
     if (model != c->model) model_destroy(c->model);

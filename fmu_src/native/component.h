@@ -24,16 +24,16 @@ typedef void (*ComponentLog)(void *context, Severity severity, const char *messa
 Component *component_create(const Allocator *allocator, ComponentLog log, void *context);
 void component_destroy(Component *c);
 /* Log an error, keep it for component_fail, and return 0. */
-int component_refuse(Component *c, const char *message);
+int component_error(Component *c, const char *message);
 /* Enter FAILED after a refusal, with its reason in status.message. */
 void component_fail(Component *c);
 
-int component_given(Component *c, const void *pointer); /* Refuse NULL. */
+int component_nonnull(Component *c, const void *pointer); /* Refuse NULL. */
 /* Check names of log categories; *all is true if they select all, also for an empty list. */
 int component_categories(Component *c, size_t number, const char *const names[], int *all);
 
 /* Refuse a call of `function` outside of `modes`. */
-int component_allows(Component *c, const char *function, int modes);
+int component_check_mode(Component *c, const char *function, int modes);
 
 /* life cycle: each enters the next mode, or FAILED */
 int component_setup(Component *c, double start, int stop_defined, double stop);

@@ -20,7 +20,7 @@ static void say(fmi2CallbackLogger logger, fmi2ComponentEnvironment environment,
                 const char *message) {
     static const fmi2Status statuses[] = {fmi2OK, fmi2Warning, fmi2Error};
     /* The logger takes a format, which some hosts print as it is. */
-    char format[2 * MODEL_MESSAGE], *end = format;
+    char format[2 * MESSAGE_BYTES], *end = format;
     if (!logger) return;
     for (; *message && end < format + sizeof format - 2; message++) {
         *end++ = *message;
@@ -60,7 +60,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
                               fmi2String fmuResourceLocation, const fmi2CallbackFunctions *functions,
                               fmi2Boolean visible, fmi2Boolean loggingOn) {
     const char *wrong = NULL;
-    char why[MODEL_MESSAGE];
+    char reason[MESSAGE_BYTES];
     (void)visible;
     if (!functions) return NULL;
     if (!instanceName || !*instanceName)
@@ -71,8 +71,8 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
         wrong = "the GUID is not that of this FMU; read it from the modelDescription.xml beside this binary";
     else if (!functions->allocateMemory || !functions->freeMemory)
         wrong = "the callbacks allocateMemory and freeMemory are missing; this FMU needs them";
-    else if (!model_open(fmuResourceLocation, why))
-        wrong = why;
+    else if (!model_open(fmuResourceLocation, reason))
+        wrong = reason;
     if (!wrong) {
         Instance fields = {.allocator = {functions->allocateMemory, functions->freeMemory},
                            .logger = functions->logger,
@@ -93,13 +93,13 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fm
                                fmi2Boolean stopTimeDefined, fmi2Real stopTime) {
     Instance *i = c;
     (void)toleranceDefined, (void)tolerance; /* the model has a parameter for it */
-    return status(may(i, "fmi2SetupExperiment", INSTANTIATED) &&
+    return status(check_call(i, "fmi2SetupExperiment", INSTANTIATED) &&
                   component_setup(i->component, startTime, stopTimeDefined, stopTime));
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
     Instance *i = c;
-    if (!may(i, "fmi2EnterInitializationMode", INSTANTIATED)) return fmi2Error;
+    if (!check_call(i, "fmi2EnterInitializationMode", INSTANTIATED)) return fmi2Error;
     component_enter_initialization(i->component);
     return fmi2OK;
 }
@@ -108,7 +108,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2R
                       fmi2Boolean noSetFMUStatePriorToCurrentPoint) {
     Instance *i = c;
     (void)noSetFMUStatePriorToCurrentPoint; /* the host owns the states */
-    return status(may(i, "fmi2DoStep", STEPPING) &&
+    return status(check_call(i, "fmi2DoStep", STEPPING) &&
                   component_step(i->component, currentCommunicationPoint, communicationStepSize, 0));
 }
 
@@ -131,8 +131,8 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                                         const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[],
                                         fmi2Real dvUnknown[]) {
     Instance *i = c;
-    if (!may_access(i, "fmi2GetDirectionalDerivative", COMPUTED, vUnknown_ref, nUnknown, dvUnknown)) return fmi2Error;
-    if (nKnown && !(component_given(i->component, vKnown_ref) && component_given(i->component, dvKnown)))
+    if (!check_access(i, "fmi2GetDirectionalDerivative", COMPUTED, vUnknown_ref, nUnknown, dvUnknown)) return fmi2Error;
+    if (nKnown && !(component_nonnull(i->component, vKnown_ref) && component_nonnull(i->component, dvKnown)))
         return fmi2Error;
     return status(component_derivative(i->component, vUnknown_ref, nUnknown, vKnown_ref, nKnown, dvKnown, dvUnknown));
 }
@@ -140,8 +140,8 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                        const fmi2Integer order[], const fmi2Real value[]) {
     Instance *i = c;
-    if (!may_access(i, "fmi2SetRealInputDerivatives", SETTABLE, vr, nvr, value) ||
-        (nvr && !component_given(i->component, order)))
+    if (!check_access(i, "fmi2SetRealInputDerivatives", SETTABLE, vr, nvr, value) ||
+        (nvr && !component_nonnull(i->component, order)))
         return fmi2Error;
     for (size_t k = 0; k < nvr; k++) {
         size_t first, length;
@@ -160,7 +160,7 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
 #define STATUS_OF(name, Type, found, answered)                                                                         \
     fmi2Status fmi2Get##name(fmi2Component c, const fmi2StatusKind s, Type *value) {                                   \
         Instance *i = c;                                                                                               \
-        if (!may(i, "fmi2Get" #name, COMPUTED) || !component_given(i->component, value)) return fmi2Error;             \
+        if (!check_call(i, "fmi2Get" #name, COMPUTED) || !component_nonnull(i->component, value)) return fmi2Error;    \
         *value = found;                                                                                                \
         return answered ? fmi2OK : fmi2Discard;                                                                        \
     }
@@ -173,13 +173,14 @@ STATUS_OF(StringStatus, fmi2String, "", 0)
 
 /* functions ruled out by capability flags */
 
-REFUSED(CancelStep, "fmi2CancelStep: steps are done when fmi2DoStep returns; there is none to cancel",
-        fmi2Component instance)
-REFUSED(GetRealOutputDerivatives, "fmi2GetRealOutputDerivatives: maxOutputDerivativeOrder is 0; there are none",
-        fmi2Component instance, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[], fmi2Real value[])
+NOT_SUPPORTED(CancelStep, "fmi2CancelStep: steps are done when fmi2DoStep returns; there is none to cancel",
+              fmi2Component instance)
+NOT_SUPPORTED(GetRealOutputDerivatives, "fmi2GetRealOutputDerivatives: maxOutputDerivativeOrder is 0; there are none",
+              fmi2Component instance, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[],
+              fmi2Real value[])
 
 /* functions of model exchange, refused */
 
-REFUSED(EnterEventMode, CO_SIMULATION_ONLY, fmi2Component instance)
-REFUSED(NewDiscreteStates, CO_SIMULATION_ONLY, fmi2Component instance, fmi2EventInfo *eventInfo)
-REFUSED(GetDerivatives, CO_SIMULATION_ONLY, fmi2Component instance, fmi2Real derivatives[], size_t nx)
+NOT_SUPPORTED(EnterEventMode, CO_SIMULATION_ONLY, fmi2Component instance)
+NOT_SUPPORTED(NewDiscreteStates, CO_SIMULATION_ONLY, fmi2Component instance, fmi2EventInfo *eventInfo)
+NOT_SUPPORTED(GetDerivatives, CO_SIMULATION_ONLY, fmi2Component instance, fmi2Real derivatives[], size_t nx)

@@ -45,7 +45,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage,
                                          fmi3IntermediateUpdateCallback intermediateUpdate) {
     const char *wrong = NULL;
-    char why[MODEL_MESSAGE];
+    char reason[MESSAGE_BYTES];
     (void)visible, (void)requiredIntermediateVariables, (void)intermediateUpdate;
     if (!instanceName || !*instanceName)
         wrong = NO_NAME;
@@ -53,8 +53,8 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
         wrong = "the instantiation token is not that of this FMU; read it from the modelDescription.xml beside it";
     else if (nRequiredIntermediateVariables)
         wrong = "this FMU has no intermediate values (providesIntermediateUpdate is false); require none";
-    else if (!model_open(resourcePath, why))
-        wrong = why;
+    else if (!model_open(resourcePath, reason))
+        wrong = reason;
     if (!wrong) {
         Instance *i = create_instance((Instance){
             NULL, {calloc, free}, logMessage, instanceEnvironment, loggingOn, eventModeUsed, earlyReturnAllowed});
@@ -71,7 +71,7 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean tolera
                                        fmi3Float64 startTime, fmi3Boolean stopTimeDefined, fmi3Float64 stopTime) {
     Instance *i = instance;
     (void)toleranceDefined, (void)tolerance; /* the model has a parameter for it */
-    if (!may(i, "fmi3EnterInitializationMode", INSTANTIATED) ||
+    if (!check_call(i, "fmi3EnterInitializationMode", INSTANTIATED) ||
         !component_setup(i->component, startTime, stopTimeDefined, stopTime))
         return fmi3Error;
     component_enter_initialization(i->component);
@@ -83,9 +83,9 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
                       fmi3Boolean *terminateSimulation, fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime) {
     Instance *i = instance;
     (void)noSetFMUStatePriorToCurrentPoint; /* the host owns the states */
-    if (!may(i, "fmi3DoStep", STEPPING) || !component_given(i->component, eventHandlingNeeded) ||
-        !component_given(i->component, terminateSimulation) || !component_given(i->component, earlyReturn) ||
-        !component_given(i->component, lastSuccessfulTime))
+    if (!check_call(i, "fmi3DoStep", STEPPING) || !component_nonnull(i->component, eventHandlingNeeded) ||
+        !component_nonnull(i->component, terminateSimulation) || !component_nonnull(i->component, earlyReturn) ||
+        !component_nonnull(i->component, lastSuccessfulTime))
         return fmi3Error;
     int to_event = i->event_mode && i->early_return;
     int ok = component_step(i->component, currentCommunicationPoint, communicationStepSize, to_event);
@@ -97,8 +97,8 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
 }
 
 static fmi3Status in_event_mode(Instance *i, const char *function) {
-    if (!may(i, function, STEPPING)) return fmi3Error;
-    return status(i->event_mode || component_refuse(i->component, "instantiate the FMU with eventModeUsed = true"));
+    if (!check_call(i, function, STEPPING)) return fmi3Error;
+    return status(i->event_mode || component_error(i->component, "instantiate the FMU with eventModeUsed = true"));
 }
 
 fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
@@ -116,10 +116,10 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discrete
     fmi3Boolean *const answers[] = {discreteStatesNeedUpdate, terminateSimulation, nominalsOfContinuousStatesChanged,
                                     valuesOfContinuousStatesChanged, nextEventTimeDefined};
     Instance *i = instance;
-    if (in_event_mode(i, "fmi3UpdateDiscreteStates") != fmi3OK || !component_given(i->component, nextEventTime))
+    if (in_event_mode(i, "fmi3UpdateDiscreteStates") != fmi3OK || !component_nonnull(i->component, nextEventTime))
         return fmi3Error;
     for (int k = 0; k < 5; k++) {
-        if (!component_given(i->component, answers[k])) return fmi3Error;
+        if (!component_nonnull(i->component, answers[k])) return fmi3Error;
         *answers[k] = fmi3False;
     }
     return fmi3OK;
@@ -146,8 +146,8 @@ VARIABLES_OF(String, KIND_STRING)
 /* types without variables */
 
 static fmi3Status none_of(Instance *i, const char *function, size_t number) {
-    if (!may(i, function, ANY_MODE)) return fmi3Error;
-    return status(!number || component_refuse(i->component, "there is no variable of this type"));
+    if (!check_call(i, function, ANY_MODE)) return fmi3Error;
+    return status(!number || component_error(i->component, "there is no variable of this type"));
 }
 
 /* functions below ignore arguments */
@@ -177,11 +177,12 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
                                         const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
                                         size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity) {
     Instance *i = instance;
-    if (!may_access(i, "fmi3GetDirectionalDerivative", COMPUTED, unknowns, nUnknowns, sensitivity)) return fmi3Error;
-    if (nKnowns && !(component_given(i->component, knowns) && component_given(i->component, seed))) return fmi3Error;
+    if (!check_access(i, "fmi3GetDirectionalDerivative", COMPUTED, unknowns, nUnknowns, sensitivity)) return fmi3Error;
+    if (nKnowns && !(component_nonnull(i->component, knowns) && component_nonnull(i->component, seed)))
+        return fmi3Error;
     if (nSeed != nKnowns || nSensitivity != nUnknowns)
-        return status(component_refuse(i->component,
-                                       "derivatives are of scalars: give one seed per known, one place per unknown"));
+        return status(component_error(i->component,
+                                      "derivatives are of scalars: give one seed per known, one place per unknown"));
     return status(component_derivative(i->component, unknowns, nUnknowns, knowns, nKnowns, seed, sensitivity));
 }
 
@@ -190,25 +191,25 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
 #define NOT_PROVIDED "this FMU does not provide that; see its capability flags"
 #define NO_EVENTS "this FMU has no structural parameters, no discrete states to evaluate and no clocks"
 
-REFUSED(GetAdjointDerivative, NOT_PROVIDED, fmi3Instance instance, const fmi3ValueReference unknowns[],
-        size_t nUnknowns, const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,
-        fmi3Float64 sensitivity[], size_t nSensitivity)
-REFUSED(GetOutputDerivatives, NOT_PROVIDED, fmi3Instance instance, const fmi3ValueReference valueReferences[],
-        size_t nValueReferences, const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues)
-REFUSED(GetNumberOfVariableDependencies, NOT_PROVIDED, fmi3Instance instance, fmi3ValueReference valueReference,
-        size_t *nDependencies)
-REFUSED(GetVariableDependencies, NOT_PROVIDED, fmi3Instance instance, fmi3ValueReference dependent,
-        size_t elementIndicesOfDependent[], fmi3ValueReference independents[], size_t elementIndicesOfIndependents[],
-        fmi3DependencyKind dependencyKinds[], size_t nDependencies)
+NOT_SUPPORTED(GetAdjointDerivative, NOT_PROVIDED, fmi3Instance instance, const fmi3ValueReference unknowns[],
+              size_t nUnknowns, const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
+              size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
+NOT_SUPPORTED(GetOutputDerivatives, NOT_PROVIDED, fmi3Instance instance, const fmi3ValueReference valueReferences[],
+              size_t nValueReferences, const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues)
+NOT_SUPPORTED(GetNumberOfVariableDependencies, NOT_PROVIDED, fmi3Instance instance, fmi3ValueReference valueReference,
+              size_t *nDependencies)
+NOT_SUPPORTED(GetVariableDependencies, NOT_PROVIDED, fmi3Instance instance, fmi3ValueReference dependent,
+              size_t elementIndicesOfDependent[], fmi3ValueReference independents[],
+              size_t elementIndicesOfIndependents[], fmi3DependencyKind dependencyKinds[], size_t nDependencies)
 
 /* structural parameters and clocks */
 
-REFUSED(EnterConfigurationMode, NO_EVENTS, fmi3Instance instance)
-REFUSED(ExitConfigurationMode, NO_EVENTS, fmi3Instance instance)
-REFUSED(EvaluateDiscreteStates, NO_EVENTS, fmi3Instance instance)
+NOT_SUPPORTED(EnterConfigurationMode, NO_EVENTS, fmi3Instance instance)
+NOT_SUPPORTED(ExitConfigurationMode, NO_EVENTS, fmi3Instance instance)
+NOT_SUPPORTED(EvaluateDiscreteStates, NO_EVENTS, fmi3Instance instance)
 #define OF_CLOCKS(name, ...)                                                                                           \
-    REFUSED(name, NO_EVENTS, fmi3Instance instance, const fmi3ValueReference valueReferences[],                        \
-            size_t nValueReferences, __VA_ARGS__)
+    NOT_SUPPORTED(name, NO_EVENTS, fmi3Instance instance, const fmi3ValueReference valueReferences[],                  \
+                  size_t nValueReferences, __VA_ARGS__)
 
 OF_CLOCKS(GetIntervalDecimal, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
 OF_CLOCKS(GetIntervalFraction, fmi3UInt64 counters[], fmi3UInt64 resolutions[], fmi3IntervalQualifier qualifiers[])
@@ -218,8 +219,8 @@ OF_CLOCKS(SetIntervalDecimal, const fmi3Float64 intervals[])
 OF_CLOCKS(SetIntervalFraction, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
 OF_CLOCKS(SetShiftDecimal, const fmi3Float64 shifts[])
 OF_CLOCKS(SetShiftFraction, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
-REFUSED(ActivateModelPartition, NO_EVENTS, fmi3Instance instance, fmi3ValueReference clockReference,
-        fmi3Float64 activationTime)
+NOT_SUPPORTED(ActivateModelPartition, NO_EVENTS, fmi3Instance instance, fmi3ValueReference clockReference,
+              fmi3Float64 activationTime)
 
 /* other kinds of simulation; the first argument behind the environment is logMessage */
 
@@ -235,7 +236,7 @@ OTHER_KIND(ModelExchange, fmi3LogMessageCallback logMessage)
 OTHER_KIND(ScheduledExecution, fmi3LogMessageCallback logMessage, fmi3ClockUpdateCallback clockUpdate,
            fmi3LockPreemptionCallback lockPreemption, fmi3UnlockPreemptionCallback unlockPreemption)
 
-REFUSED(GetContinuousStateDerivatives, CO_SIMULATION_ONLY, fmi3Instance instance, fmi3Float64 derivatives[],
-        size_t nContinuousStates)
-REFUSED(GetNumberOfEventIndicators, CO_SIMULATION_ONLY, fmi3Instance instance, size_t *nEventIndicators)
-REFUSED(GetNumberOfContinuousStates, CO_SIMULATION_ONLY, fmi3Instance instance, size_t *nContinuousStates)
+NOT_SUPPORTED(GetContinuousStateDerivatives, CO_SIMULATION_ONLY, fmi3Instance instance, fmi3Float64 derivatives[],
+              size_t nContinuousStates)
+NOT_SUPPORTED(GetNumberOfEventIndicators, CO_SIMULATION_ONLY, fmi3Instance instance, size_t *nEventIndicators)
+NOT_SUPPORTED(GetNumberOfContinuousStates, CO_SIMULATION_ONLY, fmi3Instance instance, size_t *nContinuousStates)

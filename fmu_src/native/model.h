@@ -7,7 +7,7 @@
 
 #include <stddef.h>
 
-enum { MODEL_MESSAGE = 640 }; /* bytes for a message, with its terminating zero */
+enum { MESSAGE_BYTES = 640 }; /* bytes for a message, with its terminating zero */
 typedef enum { KIND_REAL, KIND_INTEGER, KIND_BOOLEAN, KIND_STRING, KIND_ENUMERATION } Kind;
 typedef enum { CAUSALITY_PARAMETER, CAUSALITY_INPUT, CAUSALITY_OUTPUT, CAUSALITY_INDEPENDENT } Causality;
 typedef enum { VARIABILITY_FIXED, VARIABILITY_TUNABLE, VARIABILITY_CONTINUOUS, VARIABILITY_DISCRETE } Variability;
@@ -30,22 +30,22 @@ extern const size_t MODEL_SCALARS;
 
 /* Data of one export, in start.c; they are also patched into a finished library.  The token is checked at
    instantiation: the GUID of FMI 2, the instantiation token of FMI 3. */
-enum { MODEL_TOKEN = 64 };
-void model_token(char token[MODEL_TOKEN]);
+enum { TOKEN_BYTES = 64 };
+void model_token(char token[TOKEN_BYTES]);
 double model_start(size_t scalar); /* start value of an entry */
 int model_has_arrays(void);        /* true if an array is one variable, false if each of its scalars is one */
 
 /* The host's allocator, with the behaviour of calloc and free. */
 typedef struct {
-    void *(*take)(size_t number, size_t size);
-    void (*give_back)(void *);
+    void *(*allocate)(size_t number, size_t size);
+    void (*deallocate)(void *);
 } Allocator;
 
 typedef struct ModelInstance ModelInstance;
 
 /* `values` has the entries by value reference (MODEL_SCALARS doubles; others are 0), finite, with choices in range and
-   integers whole.  Functions that return int return 1 on success.  They return 0 on failure: `message` (MODEL_MESSAGE
-   bytes) names value, bound and cure, and the model is unchanged. */
+   integers whole.  Functions that return int return 1 on success.  They return 0 on failure: `message`
+   (MESSAGE_BYTES bytes) names value, bound and cure, and the model is unchanged. */
 
 /* Prepare this process for models; call it before model_create.  `resources` is the FMU's folder of that name, a URI in
    FMI 2.0, a path in 3.0. */

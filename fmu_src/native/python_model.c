@@ -54,7 +54,7 @@ enum { OLDEST = 11, NEWEST = 29 };    /* versions 3.x to try */
 
 struct ModelInstance {
     PyObject *object;
-    void (*give_back)(void *);
+    void (*deallocate)(void *);
     /* MODEL_SCALARS each */
     double *values, *outputs, *derivatives;
     unsigned char *known;
@@ -158,7 +158,7 @@ static int find_python(char *message) {
     if (found_all) return 1;
     void *from = (void *)library();
     if (!from) {
-        snprintf(message, MODEL_MESSAGE,
+        snprintf(message, MESSAGE_BYTES,
                  "this FMU runs Python code, and there is neither a Python in this process nor a libpython to load; "
                  "preload one or put it on the library path, or take the native flavour of this FMU");
         return 0;
@@ -166,7 +166,7 @@ static int find_python(char *message) {
     for (size_t i = 0; i < sizeof entries / sizeof *entries; i++) {
         void *found = symbol(from, entries[i].name);
         if (!found) {
-            snprintf(message, MODEL_MESSAGE,
+            snprintf(message, MESSAGE_BYTES,
                      "the Python of this process has no %s; this FMU needs Python 3.%d or newer", entries[i].name,
                      OLDEST);
             return 0;
@@ -193,8 +193,8 @@ static int have_python(char *message) {
 /* Copy a message as far as it fits, cut between two characters. */
 static void copy(const char *text, char *message) {
     size_t length = strlen(text);
-    if (length >= MODEL_MESSAGE)
-        for (length = MODEL_MESSAGE - 1; (text[length] & 0xC0) == 0x80;) length--;
+    if (length >= MESSAGE_BYTES)
+        for (length = MESSAGE_BYTES - 1; (text[length] & 0xC0) == 0x80;) length--;
     memcpy(message, text, length);
     message[length] = '\0';
 }
@@ -228,7 +228,7 @@ static int check_answer(PyObject *object, PyObject *answer, char *message) {
 
 static double as_number(PyObject *answer) {
     double value = answer ? python.PyFloat_AsDouble(answer) : NAN;
-    char message[MODEL_MESSAGE];
+    char message[MESSAGE_BYTES];
     if (!answer) report(message);
     python.Py_DecRef(answer);
     return value;
@@ -260,12 +260,12 @@ int model_open(const char *resources, char *message) {
 
 ModelInstance *model_create(const double *values, const Allocator *allocator, char *message) {
     size_t bytes = MODEL_SCALARS * sizeof(double);
-    ModelInstance *model = allocator->take(1, sizeof *model + 3 * bytes + MODEL_SCALARS);
+    ModelInstance *model = allocator->allocate(1, sizeof *model + 3 * bytes + MODEL_SCALARS);
     if (!model) {
-        snprintf(message, MODEL_MESSAGE, "no memory for the model; free other instances first");
+        snprintf(message, MESSAGE_BYTES, "no memory for the model; free other instances first");
         return NULL;
     }
-    model->give_back = allocator->give_back;
+    model->deallocate = allocator->deallocate;
     model->values = (double *)(model + 1);
     model->outputs = model->values + MODEL_SCALARS;
     model->derivatives = model->outputs + MODEL_SCALARS;
@@ -296,7 +296,7 @@ void model_destroy(ModelInstance *model) {
         python.Py_DecRef(model->object);
         python.PyGILState_Release(gil);
     }
-    model->give_back(model);
+    model->deallocate(model);
 }
 
 /* Call a method with these entries and as many of t and h as `format` has; return true on success. */
@@ -378,7 +378,7 @@ int model_derivative(ModelInstance *model, size_t known, double seed, const unsi
     python.PyGILState_Release(gil);
     for (size_t i = 0; ok && i < number; i++) {
         if (isnan(model->derivatives[unknown[i]])) {
-            snprintf(message, MODEL_MESSAGE,
+            snprintf(message, MESSAGE_BYTES,
                      "there is no derivative of %s; ask for those of left.fx ... left.mz, right.fx ... right.mz",
                      MODEL_VARIABLES[unknown[i]].name);
             return 0;
@@ -398,7 +398,7 @@ size_t model_state_bytes(const ModelInstance *model) {
 void model_save(const ModelInstance *model, void *to) {
     int gil = python.PyGILState_Ensure();
     PyObject *state = python.PyObject_CallMethod(model->object, "state", NULL);
-    char *bytes = NULL, message[MODEL_MESSAGE];
+    char *bytes = NULL, message[MESSAGE_BYTES];
     ptrdiff_t length = 0;
     if (state && python.PyBytes_AsStringAndSize(state, &bytes, &length) == 0)
         memcpy(to, bytes, (size_t)length);

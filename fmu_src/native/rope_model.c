@@ -13,7 +13,7 @@ struct ModelInstance {
     Memory memory;
     Scene scene;
     int at_step_end; /* true if inputs apply at the end of a step */
-    char warning[(ROPE_EXTRAPOLATION + 1) * (MODEL_MESSAGE + 2)];
+    char warning[(ROPE_EXTRAPOLATION + 1) * (MESSAGE_BYTES + 2)];
 };
 
 static void *field(void *structure, size_t offset) {
@@ -36,7 +36,7 @@ static void read_motions(const double *values, EndMotion ends[2]) {
 }
 
 static int copy_message(const ModelInstance *model, int ok, char *message) {
-    if (!ok) snprintf(message, MODEL_MESSAGE, "%s", rope_message(model->rope));
+    if (!ok) snprintf(message, MESSAGE_BYTES, "%s", rope_message(model->rope));
     return ok;
 }
 
@@ -46,24 +46,24 @@ int model_open(const char *resources, char *message) {
 }
 
 ModelInstance *model_create(const double *values, const Allocator *allocator, char *message) {
-    ModelInstance *model = allocator->take(1, sizeof *model);
+    ModelInstance *model = allocator->allocate(1, sizeof *model);
     if (!model) {
-        snprintf(message, MODEL_MESSAGE, "no memory for the rope; free other instances first");
+        snprintf(message, MESSAGE_BYTES, "no memory for the rope; free other instances first");
         return NULL;
     }
     memset(model, 0, sizeof *model);
-    model->memory = (Memory){allocator->take, allocator->give_back};
+    model->memory = (Memory){allocator->allocate, allocator->deallocate};
     read_parameters(model, values);
     model->rope = rope_create(&model->scene, &model->memory, message);
     if (model->rope) return model;
-    allocator->give_back(model);
+    allocator->deallocate(model);
     return NULL;
 }
 
 void model_destroy(ModelInstance *model) {
     if (!model) return;
     rope_destroy(model->rope);
-    model->memory.give_back(model);
+    model->memory.deallocate(model);
 }
 
 int model_initialize(ModelInstance *model, double t, const double *values, char *message) {
@@ -108,7 +108,7 @@ int model_warning(ModelInstance *model, int number, char *message) {
 
 /* Return all warnings, a line each. */
 static const char *warning(ModelInstance *model) {
-    char text[MODEL_MESSAGE], *end = model->warning, *stop = end + sizeof(model->warning);
+    char text[MESSAGE_BYTES], *end = model->warning, *stop = end + sizeof(model->warning);
     *end = '\0';
     for (int k = 0; model_warning(model, k, text); k++)
         if (*text) end += snprintf(end, (size_t)(stop - end), "%s%s", end > model->warning ? "\n" : "", text);
@@ -126,7 +126,7 @@ int model_text(ModelInstance *model, size_t scalar, const char **text, char *mes
 }
 
 void model_note(const ModelInstance *model, char *message) {
-    snprintf(message, MODEL_MESSAGE, "model: %s, %d elements, %s", rope_fidelity(model->rope),
+    snprintf(message, MESSAGE_BYTES, "model: %s, %d elements, %s", rope_fidelity(model->rope),
              rope_elements(model->rope), rope_fidelity_reason(model->rope));
 }
 
@@ -137,7 +137,7 @@ int model_derivative(ModelInstance *model, size_t known, double seed, const unsi
     double force[FORCES];
     for (size_t i = 0; i < number; i++)
         if (ROPE_PLACES[unknown[i]].derivative < 0) {
-            snprintf(message, MODEL_MESSAGE,
+            snprintf(message, MESSAGE_BYTES,
                      "there is no derivative of %s; ask for those of left.fx ... left.mz, right.fx ... right.mz",
                      MODEL_VARIABLES[unknown[i]].name);
             return 0;

@@ -12,9 +12,9 @@ struct Snapshot {
 static const char OURS = 1; /* its address marks a snapshot */
 
 static Snapshot *allocate_snapshot(Component *c, const Allocator *allocator, size_t bytes) {
-    Snapshot *snapshot = bytes < SIZE_MAX / 2 ? allocator->take(1, sizeof *snapshot + bytes) : NULL;
+    Snapshot *snapshot = bytes < SIZE_MAX / 2 ? allocator->allocate(1, sizeof *snapshot + bytes) : NULL;
     if (!snapshot) {
-        component_refuse(c, "no memory for a state; free states that are not needed");
+        component_error(c, "no memory for a state; free states that are not needed");
         return NULL;
     }
     snapshot->mark = &OURS;
@@ -22,10 +22,10 @@ static Snapshot *allocate_snapshot(Component *c, const Allocator *allocator, siz
     return snapshot;
 }
 
-int snapshot_given(Component *c, const Snapshot *snapshot) {
-    if (!component_given(c, snapshot)) return 0;
+int snapshot_check(Component *c, const Snapshot *snapshot) {
+    if (!component_nonnull(c, snapshot)) return 0;
     if (snapshot->mark == &OURS) return 1;
-    return component_refuse(
+    return component_error(
         c, "this is no state of this FMU, or it was freed; give a pointer from the call that gets a state");
 }
 
@@ -49,7 +49,7 @@ int snapshot_restore(Component *c, const Snapshot *snapshot) {
 void snapshot_free(const Allocator *allocator, Snapshot *snapshot) {
     if (!snapshot) return;
     snapshot->mark = NULL;
-    allocator->give_back(snapshot);
+    allocator->deallocate(snapshot);
 }
 
 size_t snapshot_bytes(const Snapshot *snapshot) {
@@ -58,7 +58,7 @@ size_t snapshot_bytes(const Snapshot *snapshot) {
 
 int snapshot_write(Component *c, const Snapshot *snapshot, void *to, size_t bytes) {
     if (bytes < snapshot->bytes)
-        return component_refuse(c, "the buffer is too small for the state; ask for the state's size first");
+        return component_error(c, "the buffer is too small for the state; ask for the state's size first");
     memcpy(to, snapshot->state, snapshot->bytes);
     return 1;
 }

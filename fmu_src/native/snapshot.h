@@ -7,7 +7,7 @@
 typedef struct Snapshot Snapshot;
 
 /* Refuse NULL, and what is not a snapshot of this FMU or was freed. */
-int snapshot_given(Component *c, const Snapshot *snapshot);
+int snapshot_check(Component *c, const Snapshot *snapshot);
 /* Save the state; *snapshot is NULL for a new one, or one to overwrite. */
 int snapshot_take(Component *c, const Allocator *allocator, Snapshot **snapshot);
 int snapshot_restore(Component *c, const Snapshot *snapshot);

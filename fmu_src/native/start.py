@@ -23,7 +23,7 @@ _TEXT = """\
 #include "model.h"
 
 struct ModelStart {{
-    char magic[16], token[MODEL_TOKEN];
+    char magic[16], token[TOKEN_BYTES];
     int scalars, arrays;
     double values[{scalars}];
 }};
@@ -43,10 +43,10 @@ const struct ModelStart MODEL_START = {{
 /* so that no compiler takes the values above for those at run time */
 static const volatile struct ModelStart *const START = &MODEL_START;
 
-void model_token(char token[MODEL_TOKEN]) {{
+void model_token(char token[TOKEN_BYTES]) {{
     int i;
-    for (i = 0; i < MODEL_TOKEN; i++) token[i] = START->token[i];
-    token[MODEL_TOKEN - 1] = '\\0';
+    for (i = 0; i < TOKEN_BYTES; i++) token[i] = START->token[i];
+    token[TOKEN_BYTES - 1] = '\\0';
 }}
 
 double model_start(size_t scalar) {{ return START->values[scalar]; }}

@@ -21,7 +21,7 @@ typedef struct {
 
 struct ModelInstance {
     State state, next;
-    void (*give_back)(void *);
+    void (*deallocate)(void *);
     double parameters[DRIVE_PARAMETERS];
     const double *arg[DRIVE_ARG];
     double *res[DRIVE_RES], w[DRIVE_W];
@@ -58,7 +58,7 @@ static void control_outputs(State *s, const double *parameters) {
 static int read_parameters(double *parameters, const double *values, char *message) {
     for (int i = 0; i < DRIVE_PARAMETERS; i++) {
         if (!(values[i] >= DRIVE_BOUNDS[i][0] && values[i] <= DRIVE_BOUNDS[i][1])) {
-            snprintf(message, MODEL_MESSAGE,
+            snprintf(message, MESSAGE_BYTES,
                      "%s = %.9g is out of range: it must be at least %.9g and at most %.9g; "
                      "give the value of the export, %.9g",
                      MODEL_VARIABLES[i].name, values[i], DRIVE_BOUNDS[i][0], DRIVE_BOUNDS[i][1], model_start(i));
@@ -75,20 +75,20 @@ int model_open(const char *resources, char *message) {
 }
 
 ModelInstance *model_create(const double *values, const Allocator *allocator, char *message) {
-    ModelInstance *m = allocator->take(1, sizeof *m);
+    ModelInstance *m = allocator->allocate(1, sizeof *m);
     if (!m) {
-        snprintf(message, MODEL_MESSAGE, "no memory for the drive; free other instances first");
+        snprintf(message, MESSAGE_BYTES, "no memory for the drive; free other instances first");
         return NULL;
     }
     memset(m, 0, sizeof *m);
-    m->give_back = allocator->give_back;
+    m->deallocate = allocator->deallocate;
     if (read_parameters(m->parameters, values, message)) return m;
-    m->give_back(m);
+    m->deallocate(m);
     return NULL;
 }
 
 void model_destroy(ModelInstance *m) {
-    if (m) m->give_back(m);
+    if (m) m->deallocate(m);
 }
 
 /* what all balance ropes do to the plant: of its input all but the torque */
@@ -110,7 +110,7 @@ int model_initialize(ModelInstance *m, double t, const double *values, char *mes
     for (int i = 0; i < 2; i++) {
         if (pull[i] == 0.0) pull[i] = m->parameters[DRIVE_FY_START + i]; /* containers initialise what they connect */
         if (!(pull[i] >= DRIVE_LOWEST_FORCE && pull[i] <= 0.0)) {
-            snprintf(message, MODEL_MESSAGE,
+            snprintf(message, MESSAGE_BYTES,
                      "%s%s = %.9g N at the start must be between %.9g N and 0: it is the balance rope's pull at rest, "
                      "check the rope's mass and the sign",
                      MODEL_VARIABLES[DRIVE_FORCE + i].name, OF_ALL, pull[i], DRIVE_LOWEST_FORCE);
@@ -123,7 +123,7 @@ int model_initialize(ModelInstance *m, double t, const double *values, char *mes
     m->res[1] = s->free_lengths;
     drive_rest(m->arg, m->res, m->iw, m->w, 0);
     if (!(fabs(s->x[0]) <= DRIVE_TORQUE_LIMIT)) {
-        snprintf(message, MODEL_MESSAGE,
+        snprintf(message, MESSAGE_BYTES,
                  "holding torque = %.6g N m must be within +-%.6g N m, that of the motor: check "
                  "the forces %s = %.9g N and %s = %.9g N%s at the start",
                  s->x[0], DRIVE_TORQUE_LIMIT, MODEL_VARIABLES[DRIVE_FORCE].name, pull[0],
@@ -160,7 +160,7 @@ static int sound(const State *s, char *message) {
     double left = s->free_lengths[0] - DRIVE_RADIUS * s->x[1], right = s->free_lengths[1] + DRIVE_RADIUS * s->x[1];
     for (int i = 0; i < DRIVE_STATES; i++)
         if (!isfinite(s->x[i])) {
-            snprintf(message, MODEL_MESSAGE,
+            snprintf(message, MESSAGE_BYTES,
                      "the drive's state is not finite after t = %.9g s; check the forces "
                      "%s = %.9g N and %s = %.9g N%s",
                      s->t, MODEL_VARIABLES[DRIVE_FORCE].name, s->u[1], MODEL_VARIABLES[DRIVE_FORCE + 1].name, s->u[2],
@@ -168,7 +168,7 @@ static int sound(const State *s, char *message) {
             return 0;
         }
     if (fmin(left, right) > LEAST_ROPE) return 1;
-    snprintf(message, MODEL_MESSAGE,
+    snprintf(message, MESSAGE_BYTES,
              "head rope of %.3g m left at the sheave, not above %.3g m: overwind; check trip, "
              "gains and rope forces",
              fmin(left, right), LEAST_ROPE);
@@ -180,7 +180,7 @@ static int can_follow(const State *s, char *message) {
     for (int i = 0; i < DRIVE_ACCELERATIONS; i++) {
         const int shown = DRIVE_ACCELERATION[i];
         if (fabs(s->outputs[shown]) <= DRIVE_HARDEST) continue;
-        snprintf(message, MODEL_MESSAGE,
+        snprintf(message, MESSAGE_BYTES,
                  "%s = %.9g N and %s = %.9g N%s would make %s %.3g m/s2, not within +-%g m/s2: check units, signs and "
                  "connections of the balance rope's forces",
                  MODEL_VARIABLES[DRIVE_FORCE].name, s->u[1], MODEL_VARIABLES[DRIVE_FORCE + 1].name, s->u[2], OF_ALL,
@@ -197,7 +197,7 @@ int model_step(ModelInstance *m, double t, double h, const double *values, int *
     h += t - m->state.t; /* rests of rounding size included */
     steps = ceil(h / m->parameters[DRIVE_STEP_MAX] - 1e-9);
     if (!(steps <= DRIVE_MOST_STEPS)) {
-        snprintf(message, MODEL_MESSAGE,
+        snprintf(message, MESSAGE_BYTES,
                  "communication step %.9g s needs %.3g internal steps of %.3g s, more than %d; "
                  "take shorter ones",
                  h, steps, m->parameters[DRIVE_STEP_MAX], DRIVE_MOST_STEPS);
@@ -248,7 +248,7 @@ int model_text(ModelInstance *m, size_t scalar, const char **text, char *message
 }
 
 void model_note(const ModelInstance *m, char *message) {
-    snprintf(message, MODEL_MESSAGE, "drive: %d states, internal steps of at most %.3g s", DRIVE_STATES,
+    snprintf(message, MESSAGE_BYTES, "drive: %d states, internal steps of at most %.3g s", DRIVE_STATES,
              m->parameters[DRIVE_STEP_MAX]);
 }
 
@@ -260,7 +260,7 @@ int model_warning(ModelInstance *m, int number, char *message) {
 int model_derivative(ModelInstance *m, size_t known, double seed, const unsigned *unknown, size_t number, double *sum,
                      char *message) {
     (void)m, (void)known, (void)seed, (void)unknown, (void)number, (void)sum;
-    snprintf(message, MODEL_MESSAGE, "the drive has no directional derivatives; take differences");
+    snprintf(message, MESSAGE_BYTES, "the drive has no directional derivatives; take differences");
     return 0;
 }
 
@@ -274,7 +274,7 @@ void model_save(const ModelInstance *m, void *to) {
 
 int model_restore(ModelInstance *m, const void *from, size_t bytes, char *message) {
     if (bytes != sizeof m->state) {
-        snprintf(message, MODEL_MESSAGE, "a state of the drive has %lu bytes, not %lu; save it anew",
+        snprintf(message, MESSAGE_BYTES, "a state of the drive has %lu bytes, not %lu; save it anew",
                  (unsigned long)sizeof m->state, (unsigned long)bytes);
         return 0;
     }

@@ -69,7 +69,7 @@ Simulator *allocate_simulator(const Scene *scene, int elements, const Memory *me
     Simulator counted = {.scene = *scene, .elements = elements};
     Arena arena = {NULL, 0};
     const size_t cleared = lay_out(&counted, &arena), bytes = sizeof counted + ALIGNMENT + arena.used;
-    Simulator *rope = memory->take(1, bytes);
+    Simulator *rope = memory->allocate(1, bytes);
     if (rope == NULL) {
         say_no_memory(message, elements, 1e-6 * (double)bytes);
         return NULL;
@@ -87,5 +87,5 @@ Simulator *allocate_simulator(const Scene *scene, int elements, const Memory *me
 }
 
 void rope_destroy(Simulator *rope) {
-    if (rope != NULL) rope->memory.give_back(rope);
+    if (rope != NULL) rope->memory.deallocate(rope);
 }

@@ -15,8 +15,8 @@ enum { MESSAGE = 512 };                 /* bytes for a message, with its termina
 
 /* The host's allocator, with the behaviour of calloc and free. */
 typedef struct {
-    void *(*take)(size_t number, size_t size);
-    void (*give_back)(void *);
+    void *(*allocate)(size_t number, size_t size);
+    void (*deallocate)(void *);
 } Memory;
 
 typedef struct Simulator Simulator;

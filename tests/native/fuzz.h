@@ -220,7 +220,7 @@ static int api_other(Bytes *b, Instance c);
 static unsigned long told;
 
 static void heard(int status, const char *message) {
-    REQUIRE(*message && strlen(message) < 2 * MODEL_MESSAGE);
+    REQUIRE(*message && strlen(message) < 2 * MESSAGE_BYTES);
     told += status == ERROR;
 }
 
@@ -319,7 +319,7 @@ static void get_all(Instance c, int right) {
         if (!right) kind = (kind + 1) % 5;
         REQUIRE(number_of <= MOST_VALUES);
         CALL(api_get(c, kind, vr, reals, &text, number_of));
-        REQUIRE(strlen(text) < MODEL_MESSAGE);
+        REQUIRE(strlen(text) < MESSAGE_BYTES);
     }
 }
 

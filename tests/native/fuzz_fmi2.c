@@ -11,7 +11,7 @@ static void log_message(fmi2ComponentEnvironment environment, fmi2String name, f
 
 static Instance api_new(void) {
     static const fmi2CallbackFunctions callbacks = {log_message, fuzz_take, fuzz_give_back, NULL, NULL};
-    char token[MODEL_TOKEN];
+    char token[TOKEN_BYTES];
     model_token(token);
     return fmi2Instantiate("rope", fmi2CoSimulation, token, "", &callbacks, fmi2False, fmi2False);
 }

@@ -10,7 +10,7 @@ static void log_message(fmi3InstanceEnvironment environment, fmi3Status status, 
 }
 
 static Instance api_new(void) {
-    char token[MODEL_TOKEN];
+    char token[TOKEN_BYTES];
     model_token(token);
     return fmi3InstantiateCoSimulation("rope", token, "", fmi3False, fmi3False, fmi3False, fmi3False, NULL, 0, NULL,
                                        log_message, NULL);

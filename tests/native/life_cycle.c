@@ -18,7 +18,7 @@ enum { ENDS = 6, GIVEN = 3, STEPS = 20, REFERENCES = 2000 };
 static const double H = 0.04;
 static size_t taken;
 
-static void *take(size_t number, size_t size) {
+static void *allocate(size_t number, size_t size) {
     taken++;
     return calloc(number, size);
 }
@@ -39,7 +39,7 @@ static void *function(const char *name) {
 #define F(name) ((name##TYPE *)function(#name))
 
 int main(int number, char **arguments) {
-    fmi2CallbackFunctions callbacks = {ignore, take, free, NULL, NULL};
+    fmi2CallbackFunctions callbacks = {ignore, allocate, free, NULL, NULL};
     fmi2Component c[2];
     fmi2FMUstate state = NULL, read = NULL;
     fmi2ValueReference references[REFERENCES], given[ENDS + 1];

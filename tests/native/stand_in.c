@@ -39,7 +39,7 @@ static int fits(const Scene *scene, char *message) {
 Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) {
     Simulator *rope;
     if (!fits(scene, message)) return NULL;
-    rope = memory->take(1, sizeof *rope);
+    rope = memory->allocate(1, sizeof *rope);
     if (!rope) {
         snprintf(message, MESSAGE, "no memory for the rope");
         return NULL;
@@ -51,7 +51,7 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) 
 }
 
 void rope_destroy(Simulator *rope) {
-    rope->memory.give_back(rope);
+    rope->memory.deallocate(rope);
 }
 
 static int moves_well(Simulator *rope, double h, const EndMotion ends[2]) {
