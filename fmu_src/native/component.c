@@ -8,7 +8,7 @@
 #include <string.h>
 
 #define TIME_SLACK(t) (1e-9 + 4 * DBL_EPSILON * fabs(t)) /* s, difference allowed between times of host and model */
-#define MIN_STEP 1e-9 /* s; a shorter one moves nothing.  Rounding of the host's times leaves such steps */
+#define MIN_STEP 1e-9 /* s; shorter steps, which rounding of the host's times leaves, do not advance the model */
 /* entries that changed since the model was set up */
 enum { NOTHING = 0, INPUTS = 1, PARAMETERS = 2 };
 enum { DECIMAL_SIZE = 32, STATE_VERSION = 5 };
@@ -26,7 +26,7 @@ struct Component {
     int at_event;    /* the last step ended at an event */
     unsigned warned; /* bit k: warning k was logged since initialisation began */
     char status[MESSAGE_BYTES], message[MESSAGE_BYTES];
-    double values[]; /* entries, those that the model uses, and flags of entered(); MODEL_SCALARS each */
+    double values[]; /* MODEL_SCALARS each: entries, those last passed to the model, and flags of entered() */
 };
 
 /* Header of a state; the values and the model's bytes follow. */
