@@ -50,8 +50,8 @@ class Build(NamedTuple):
     ``token`` is the GUID; ``date`` is UTC as in 2026-01-31T12:00:00Z, or empty; ``sources`` are the C files that make a
     native FMU, none for the Python flavour; ``stop`` is the default experiment's, ``tolerance`` that of the model's own
     error control, where it has one. A model other than the rope gives its ``name`` and ``description``, and one without
-    directional derivatives says so; ``initial`` names the variables that some outputs follow during initialisation; the
-    others follow all.
+    directional derivatives or event mode says so; ``initial`` names the variables that some outputs follow during
+    initialisation; the others follow all.
     """
 
     token: str
@@ -64,6 +64,7 @@ class Build(NamedTuple):
     name: str = MODEL
     description: str = DESCRIPTION
     derivatives: bool = True
+    events: bool = True
     initial: Mapping[str, Sequence[str]] = ALL_FOLLOWED
 
 
@@ -123,9 +124,9 @@ def model_description3(gathered: Sequence[Array], time: int, build: Build) -> El
         canHandleVariableCommunicationStepSize=True,
         maxOutputDerivativeOrder=0,
         providesIntermediateUpdate=False,
-        mightReturnEarlyFromDoStep=True,
+        mightReturnEarlyFromDoStep=build.events,
         canReturnEarlyAfterIntermediateUpdate=False,
-        hasEventMode=True,
+        hasEventMode=build.events,
         providesEvaluateDiscreteStates=False,
     )
     variables = [array.variable for array in gathered]

@@ -54,8 +54,8 @@ def named_parameters(scene: Scene) -> Iterator[NamedParameter]:
             name, value, words = f"{group}.{field}", getattr(data, field), tuple(p.choices)
             if words:
                 yield NamedParameter(name, words.index(value), p, 0, len(words) - 1)
-            elif field != "counts":
-                yield NamedParameter(name, value, p, *numeric_bounds(kind, field))
+            elif field != "counts":  # a number may be given as one of the other type
+                yield NamedParameter(name, type(getattr(kind, field))(value), p, *numeric_bounds(kind, field))
     counts = parameters_of(Mesh)["counts"]
     for i, (segment, least) in enumerate(SEGMENTS.items()):
         facts = counts._replace(description=counts.description.format(segment=segment))

@@ -1,7 +1,4 @@
-"""The HTML reports in a headless browser: they load in silence, without network, and do what they are touched for.
-
-Each page is opened once, by tests/browser.py; the claims below read what it saw.
-"""
+"""The HTML reports, each opened once in a headless browser: they load in silence, without network, and react."""
 
 import math
 from pathlib import Path

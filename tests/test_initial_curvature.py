@@ -193,10 +193,7 @@ def bend_tip(elements: int, load: float) -> Array:
 
 
 def rod_tip(load: float, shear: float = 0.0) -> Array:
-    """The same by the equations of a rod, shot from the clamp: moments m, r x force, sections D with d3 the tangent.
-
-    ``shear`` is its compliance, 1/N.
-    """
+    """The same by shooting from the clamp: moments m, r x force, sections D (d3: tangent); ``shear`` in 1/N."""
 
     def rates(s: float, y: Array) -> Array:
         D, m = y[3:12].reshape(3, 3), y[12:]

@@ -110,6 +110,10 @@ def test_native_rope_refuses_a_state_that_is_none_of_its_own() -> None:
             rope.restore(wrong)
     rope.restore(state)
     assert rope.advance_to(0.01, EndMotion(), EndMotion()).valid
+    for scene in (Scene(rope=Rope(length=59.99)), Scene(rope=Rope(length=60.0), model=Model("rigid"))):
+        for other in both(scene):
+            with pytest.raises(ValueError, match="not a state of this rope"):
+                other.restore(state)
 
 
 def test_a_refused_state_changes_nothing_and_there_is_none_before_the_start() -> None:

@@ -63,7 +63,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "void filter_limits(path, InputFilter state, limits[14])": input_filter.filter_limits,
     "InputFilter add_misfit(InputFilter state, path, FilterSettings settings, rope, leg)": misfit.add_misfit,
     "void lean_moves(h, ahead, lean, moved[3])": input_filter.lean_moves,
-    "void sample_moves(FilterSettings settings, h, ahead, sample[3], moved[3])": input_filter.sample_moves,
+    "void sample_moves(FilterSettings settings, h, ahead, sample[3], fits[2], moved[3])": input_filter.sample_moves,
     "Path path_coasting(path, t)": EndPath.at_constant_acceleration,
     "EndMotion path_at(path, t)": EndPath.at,
     "path_height(path, t)": EndPath.height,

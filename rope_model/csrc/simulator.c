@@ -202,6 +202,9 @@ static void cut_paths(const Simulator *rope, State *state, double t, const EndMo
         const InputFilter now = follow_end(rope->state, &settings, side, t, &ends[side], given_at);
         state->paths[side].stop = t;
         account_end(rope, state, &settings, side, &now);
+        /* the path meets the given acceleration at its planned stop only */
+        state->filters[side].acceleration = now.acceleration;
+        state->filters[side].squares[2] = now.squares[2];
     }
 }
 
@@ -242,6 +245,7 @@ static int advance_to(Simulator *rope, double t, const EndMotion ends[2], double
         if (event != NULL && *event && state->t < t && state->t - begin >= CHATTER_TIME) {
             t = state->t; /* last round */
             cut_paths(rope, state, t, ends, given_at);
+            if (state->fidelity != RIGID) release_swivels(rope, state);
         }
         for (int side = LEFT; side <= RIGHT; side++)
             impulse[side] -= 0.5 * (state->t - t_before) * (before[side] + end_row(m.reaction, m.nodes, side)[1]);
@@ -258,11 +262,12 @@ int rope_advance_to(Simulator *rope, double t, const EndMotion ends[2], double g
 }
 
 int rope_advance_to_event(Simulator *rope, double t, const EndMotion ends[2], double given_at, int *event) {
+    const InputFilter *filters = rope->state->filters;
     int same = *event != 0;
-    for (int side = LEFT; side <= RIGHT; side++)
-        same &= !memcmp(&ends[side], rope->state->filters[side].given, sizeof ends[side]);
+    for (int side = LEFT; side <= RIGHT; side++) same &= !memcmp(&ends[side], filters[side].given, sizeof ends[side]);
+    if (same) given_at = fmin(filters[LEFT].given_at, filters[RIGHT].given_at);
     *event = 0;
-    return conclude(rope, advance_to(rope, t, ends, same ? rope->state->filters[LEFT].given_at : given_at, event));
+    return conclude(rope, advance_to(rope, t, ends, given_at, event));
 }
 
 size_t rope_state_bytes(const Simulator *rope) {

@@ -146,22 +146,23 @@ class RopeSimulator(BalanceRope):
         self._accept(state)
 
     def _require_fitting(self, state: RopeState) -> None:
-        if state.partition.lengths.size != self.model.kernels.elements:
-            raise ValueError(
-                f"the saved state has {state.partition.lengths.size} elements, "
-                f"this rope {self.model.kernels.elements}; restore it into a rope with the same parameters"
-            )
-        if (saved := _pattern(state.partition)) != self._own_pattern:
-            raise ValueError(
-                f"not a state of this rope: counts of II to VI, of I and VII, end_levels, grading_length and l are "
-                f"{saved}, here {self._own_pattern}; restore it into a rope with the same parameters"
-            )
-        remembers = 0 if state.fidelity == "rigid" else start_hysteresis(self.scene, self.model.kernels.elements).size
-        if state.hysteresis.size != remembers:
-            raise ValueError(
-                f"the saved state has {state.hysteresis.size} numbers that wires remember, this rope {remembers} "
-                "(rope.EI_stick); restore it into a rope with the same parameters"
-            )
+        elements, model, length = self.model.kernels.elements, self.scene.model.fidelity, self.scene.rope.length
+        remembers = 0 if state.fidelity == "rigid" else start_hysteresis(self.scene, elements).size
+        saved_length = float(state.partition.lengths.sum())
+        for what, saved, here in (
+            ("elements", state.partition.lengths.size, elements),
+            ("model.fidelity", state.fidelity, state.fidelity if model == "auto" else model),
+            ("rope.length", saved_length, saved_length if math.isclose(saved_length, length) else length),
+            (
+                "counts of II to VI, of I and VII, end_levels, grading_length and l",
+                _pattern(state.partition),
+                self._own_pattern,
+            ),
+            ("numbers that wires remember (rope.EI_stick)", state.hysteresis.size, remembers),
+        ):
+            if saved != here:
+                found = f"not a state of this rope: {what}: {saved} there, {here} here"
+                raise ValueError(f"{found}; restore it into a rope with the same parameters")
 
     @cached_property
     def _own_pattern(self) -> tuple[tuple[int, ...], int, int, float, float]:

@@ -34,7 +34,7 @@ from rope_model.simulation.ends.paths import RESTS_BELOW, EndMotion, EndPath
 LEAST_JERK = 0.1
 #: rad/s^3, the same for a yaw, which only twists the rope; FMI gives no yaw acceleration.  3 degrees at 2 Hz have it
 LEAST_YAW_JERK = 100.0
-_JERKS = (*(LEAST_JERK,) * 3, LEAST_YAW_JERK)
+JERKS = (*(LEAST_JERK,) * 3, LEAST_YAW_JERK)
 #: bandwidth of estimates over the frequency of the rope's slowest axial wave: 1/10 of a motion at that frequency passes
 #: (order 2), or 1/32 (order 3)
 ESTIMATE_FRACTION = 1.0 / 3.0
@@ -61,6 +61,7 @@ ALL, POSITION_SPEED, POSITION, SPEED = range(len(CHOICES["inputs.given"]))
 
 Four = tuple[float, float, float, float]
 Axis = tuple[float, float, float]
+Fits = tuple[float, float]
 Sample = tuple[float, float, float, float, float, float, float, float, float, float, float, float, float]
 
 
@@ -72,6 +73,7 @@ class InputFilter(NamedTuple):
     motion: tuple[Axis, Axis, Axis, Axis] = ((0.0, 0.0, 0.0),) * 4  # PATH at that instant, with estimates
     end_accelerations: Four = (0.0,) * 4  # accelerations of the samples at the path's end
     recent_changes: Four = (0.0,) * 4  # largest recent changes of these between two steps
+    explained: tuple[Fits, Fits, Fits, Fits] = ((1.0, 1.0),) * 4  # fractions of a sample's misfits, of SampleMisfit
     time: float = 0.0  # s
     position: float = 0.0  # m, largest misfit
     speed: float = 0.0  # m/s
@@ -138,8 +140,9 @@ def settings_of(scene: Scene) -> FilterSettings:
 def filter_sample(state: Any, settings: Any, given_at: Any, h: Any, end: Any) -> InputFilter:
     """Add the host's sample of the instant ``given_at`` to ``state`` for a step ``h``, unless it is a repetition."""
     values, speeds = tuple(vars(end).values()), (*end.velocity, end.yaw_rate)
-    since = where(given_at > state.given_at, given_at - state.given_at, h)
-    repeated = _repeated(state, settings, since, values, speeds)
+    is_later = given_at > state.given_at
+    since = where(is_later, given_at - state.given_at, h)
+    repeated = _repeated(state, settings, is_later, since, values, speeds)
     motion = []
     # FMI gives no yaw acceleration: take the mean since the sample before
     accelerations = (*end.acceleration, (end.yaw_rate - state.motion[3][1]) / larger(since, SHORTEST_MEAN))
@@ -161,8 +164,8 @@ def filter_sample(state: Any, settings: Any, given_at: Any, h: Any, end: Any) ->
         given_at=where(repeated, state.given_at, given_at),
         motion=tuple(motion),
         recent_changes=recent_changes,
-        repeats=state.repeats + where(both(repeated, given_at > state.given_at), 1.0, 0.0),
-        held=where(repeated, state.held + 1.0, 0.0),
+        repeats=state.repeats + where(both(repeated, is_later), 1.0, 0.0),
+        held=where(repeated, state.held + where(is_later, 1.0, 0.0), 0.0),
         sent_every=where(both(state.held > 0, 1 - repeated), since, state.sent_every),
         leaning=tuple(where(keeps_rates, old, mean) for old, mean in zip(state.leaning, means, strict=True)),
         **signs,
@@ -170,12 +173,12 @@ def filter_sample(state: Any, settings: Any, given_at: Any, h: Any, end: Any) ->
     return result
 
 
-def _repeated(state: Any, settings: Any, since: Any, values: Any, speeds: Any) -> Any:
+def _repeated(state: Any, settings: Any, is_later: Any, since: Any, values: Any, speeds: Any) -> Any:
     """Return whether the trusted part of a sample repeats the latest one to the bit and cannot be a new one.
 
-    The position of a moving end cannot stay.  If positions alone are given, the end must be too fast to have stopped
-    since: after a stop with a the estimated speed is off by up to 0.84 a / W.  A speed can be that of the latest
-    sample.
+    A sample of the same instant is held through an event.  The position of a moving end cannot stay.  If positions
+    alone are given, the end must be too fast to have stopped since: after a stop with a the estimated speed is off by
+    up to 0.84 a / W.  A speed can be that of the latest sample.
     """
     moves = either(*(abs(speed) > RESTS_BELOW for speed in speeds))
     stops_below = settings.hardest * (since + 1.0 / settings.estimate)
@@ -183,7 +186,9 @@ def _repeated(state: Any, settings: Any, since: Any, values: Any, speeds: Any) -
     trusted = [getattr(settings, kind) for kind in ("position", "speed", "acceleration") for _ in range(3)]
     trusted += settings.position, settings.speed, settings.position, settings.position
     same = (either(trust < 1, a == b) for trust, a, b in zip(trusted, values, state.given, strict=True))
-    return both(settings.position > 0, where(settings.speed > 0, moves, too_fast), *same)
+    cannot_stay = both(settings.position > 0, where(settings.speed > 0, moves, too_fast))
+    # the first sample is of the instant of the start
+    return both(where(is_later, cannot_stay, state.time > 0), *same)
 
 
 def _completed(old: Any, settings: Any, h: Any, sample: Any) -> tuple[Any, Any, Any]:
@@ -205,13 +210,16 @@ def _completed(old: Any, settings: Any, h: Any, sample: Any) -> tuple[Any, Any, 
     )
 
 
-def sample_moves(settings: Any, h: Any, ahead: Any, sample: Any) -> tuple[Any, Any, Any]:
-    """Return the change of position, speed and acceleration ``ahead`` of a small change of the ``sample``.
+def sample_moves(settings: Any, h: Any, ahead: Any, sample: Any, fits: Any) -> tuple[Any, Any, Any]:
+    """Return the change of position, speed and acceleration at the end of a step by a small change of the ``sample``.
 
-    ``h`` is the time since the sample before.
+    ``h`` is the time since the sample before, ``ahead`` that to the end of the step.  ``fits`` are the fractions of the
+    misfits of position and speed that a consistent motion explains.
     """
     x, v, a = _completed((0.0, 0.0, 0.0), settings, h, sample)
-    return (*quintic.extrapolate(x, v, a, ahead), a)
+    position, speed = quintic.extrapolate(x, v, a, ahead)
+    rest = (position - h * h / 6.0 * a) * (1.0 - fits[0]), (speed - 0.5 * h * a) * (1.0 - fits[1])
+    return _observed(settings.observer, h, rest, (position, speed, a))
 
 
 def lean_moves(h: Any, ahead: Any, lean: Any) -> tuple[Any, Any, Any]:
@@ -250,7 +258,7 @@ def filter_path(path: Any, state: Any, stop: Any, bandwidth: Any) -> EndPath:
     h = larger(stop - start, SHORTEST_AIM)
     ahead = stop - state.given_at + (h - (stop - start))
     starts = zip(*path.motion(start), strict=True)
-    axes = zip(_JERKS, starts, state.motion, state.end_accelerations, state.recent_changes, strict=True)
+    axes = zip(JERKS, starts, state.motion, state.end_accelerations, state.recent_changes, strict=True)
     x, y, z, yaw = (_axis_quintic(bandwidth, ahead, h, *axis) for axis in axes)
     latest = zip(path.leaning(start), state.given[-2:], state.leaning, strict=True)
     lean, lean_z = (_lean_quintic(h, ahead, *axis) for axis in latest)
@@ -277,13 +285,18 @@ def _axis_quintic(
     misfit = sample_misfit(h, (x, v), (last_acceleration, acceleration), (position, speed), recent_change, jerk)
     rest_speed = misfit.faster - misfit.faster * misfit.speed_fits
     rest_position = misfit.farther - misfit.farther * misfit.position_fits
-    # the observer reduces the rest from the step's start on
-    at_start = rest_position - h * rest_speed
-    leaning = rest_speed + w * at_start
-    fades = exp(-w * h)
-    left, left_speed = (at_start + leaning * h) * fades, (rest_speed - w * leaning * h) * fades
-    stop = position - left, speed - left_speed, acceleration + w * (2.0 * left_speed + w * left)
+    stop = _observed(w, h, (rest_position, rest_speed), (position, speed, acceleration))
     return quintic.coefficients(h, x, v, a, *stop)
+
+
+def _observed(w: Any, h: Any, rest: tuple[Any, Any], sample: tuple[Any, Any, Any]) -> tuple[Any, Any, Any]:
+    """Return the motion after a step ``h`` in which the observer reduces the ``rest`` of a ``sample`` (x, v, a)."""
+    (rest_position, rest_speed), (position, speed, acceleration) = rest, sample
+    at_start = rest_position - h * rest_speed
+    rate = rest_speed + w * at_start
+    fades = exp(-w * h)
+    left, left_speed = (at_start + rate * h) * fades, (rest_speed - w * rate * h) * fades
+    return position - left, speed - left_speed, acceleration + w * (2.0 * left_speed + w * left)
 
 
 class SampleMisfit(NamedTuple):

@@ -15,7 +15,7 @@ from rope_model.numerics import quintic
 from rope_model.physics.accuracy import TINY, wave_duration
 from rope_model.physics.elementary import cos, exp, larger, sin, smaller, sqrt, where
 from rope_model.physics.estimates import axial_frequency
-from rope_model.simulation.ends.input_filter import LEAST_JERK, InputFilter, end_misfits, sample_misfit
+from rope_model.simulation.ends.input_filter import JERKS, InputFilter, end_misfits, sample_misfit
 
 #: fraction of a leg's mass that swings in its slowest axial wave
 SWINGING = 8.0 / math.pi**2
@@ -42,10 +42,12 @@ def add_misfit(state: Any, path: Any, settings: Any, rope: Any, leg: Any) -> Inp
     lags = order * grows / settings.estimate
     lag = state.lag + (1.0 - exp(-settings.estimate * h)) * (lags - state.lag)
     # part of the sample's misfit that one change of the acceleration's rate within the step explains
-    x, v, a = state.motion[1]
-    y, vy = quintic.extrapolate(x, v, a, path.stop - state.given_at)
-    accelerations = state.end_accelerations[1], state.motion[1][2]
-    sample = sample_misfit(h, (c0, c1), accelerations, (y, vy), state.recent_changes[1], LEAST_JERK)
+    axes = zip(path.coefficients, state.end_accelerations, state.motion, state.recent_changes, JERKS, strict=True)
+    samples = [
+        sample_misfit(h, c[:2], (before, a), quintic.extrapolate(x, v, a, path.stop - state.given_at), change, jerk)
+        for c, before, (x, v, a), change, jerk in axes
+    ]
+    sample = samples[1]
     fits = larger(1.0 - (path.stop - state.given_at) / h, 0.0) * sample.position_fits * sample.speed_fits
     faster, most = sample.faster * fits, ONE_CHANGE * h * abs(sample.faster * fits)
     aside = smaller(larger(sample.farther * fits - 0.5 * h * faster, -most), most)
@@ -61,6 +63,7 @@ def add_misfit(state: Any, path: Any, settings: Any, rope: Any, leg: Any) -> Inp
     drift = state.drift + (1.0 - exp(-settings.observer * h)) * (misfit[1][0] - state.drift)
     result: InputFilter = state._replace(
         end_accelerations=tuple(axis[2] for axis in state.motion),
+        explained=tuple((sample.position_fits, sample.speed_fits) for sample in samples),
         time=state.time + h,
         position=larger(state.position, misfits[0]),
         speed=larger(state.speed, misfits[1]),

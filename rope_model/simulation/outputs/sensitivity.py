@@ -50,7 +50,10 @@ def load_derivative(rope: Linearised, side: int, name: str, at_step_end: bool = 
     if dof == ANGLE and order == 1:  # a path takes its yaw acceleration from the rates
         sample[2] = sample[1] / h
     settings, ahead = settings_of(rope.scene), 0.0 if at_step_end else h
-    change = np.array(lean_moves(h, ahead, size) if dof > ANGLE else sample_moves(settings, h, ahead, sample))
+    explained = state.filters[side].explained[min(dof, 3)]
+    change = np.array(
+        lean_moves(h, ahead, size) if dof > ANGLE else sample_moves(settings, h, ahead, sample, explained)
+    )
     # the rigid rope does not depend on yaw and leans, friction not on the yaw
     unfelt = dof >= ANGLE and state.fidelity == "rigid"
     unfelt |= dof == ANGLE and state.swivels[side].phase is Phase.SLIP
