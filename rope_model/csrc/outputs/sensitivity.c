@@ -101,7 +101,8 @@ int rope_load_derivative(Simulator *rope, int input, int at_step_end, double der
     if (dof > ANGLE)
         lean_moves(h, at_step_end ? 0 : h, sample[0], d);
     else
-        sample_moves(&settings, h, at_step_end ? 0 : h, sample, state->filters[side].explained[dof < ANGLE ? dof : 3], d);
+        sample_moves(&settings, h, at_step_end ? 0 : h, sample, state->filters[side].explained[dof < ANGLE ? dof : 3],
+                     d);
     memset(derivative, 0, sizeof(double) * 12);
     /* The rigid rope does not depend on yaw and leans, friction not on the yaw. */
     if (dof >= ANGLE && state->fidelity == RIGID) return 1;
