@@ -14,7 +14,7 @@ from rope_model.codegen.structures import GROUPS, NOT_IN_C, EndMotionStructure, 
 from rope_model.numerics.program import no_simplification
 from rope_model.parameter_table import Joint, Parameter, check_order, parameters_of
 from rope_model.parameters import GROUPS as GROUPS_BY_NAME
-from rope_model.physics.elementary import both
+from rope_model.physics.elementary import logical_and
 from rope_model.physics.initial_curvature import CURVATURES
 from rope_model.shaft_parameters import PARTS
 from rope_model.simulation.contact.shaft import BODIES
@@ -161,7 +161,7 @@ def _joint(kind: type[Any], joint: Joint) -> str:
     vars(x).update({name: Word(f"x->{name}", name) for name, _ in _choices(kind)})
     holds, value, *number = joint.formula(x)
     values = value if isinstance(value, tuple) else (value,)
-    lines, (condition, *numbers) = texts_of([both(*holds), *values, *number])
+    lines, (condition, *numbers) = texts_of([logical_and(*holds), *values, *number])
     used = set(re.findall(r"x->(\w+)", "".join((*lines, condition, *numbers))))
     whole = not any(m.real for m in members(kind) if m.name in used)
     written = [f"ROUNDED({x}, 10)" if whole else f"EXACT({x})" for x in numbers]

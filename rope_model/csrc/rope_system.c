@@ -95,7 +95,7 @@ double rope_system_norm(const System *s, const double *x, double slopes) {
 double longest_near(const System *s) {
     double longest = 0;
     for (int e = 0; s->around != NULL && s->around->any && e < s->elements; e++)
-        if (s->around->near[e]) longest = larger(longest, s->lengths[e]);
+        if (s->around->near[e]) longest = maximum(longest, s->lengths[e]);
     return longest;
 }
 

@@ -18,7 +18,7 @@ Works on numbers and CasADi expressions; vectors have their components first.
 
 from typing import Any, NamedTuple
 
-from rope_model.physics.elementary import cross, dot, larger, less, smaller, sqrt
+from rope_model.physics.elementary import cross, dot, less, maximum, minimum, sqrt
 from rope_model.physics.shaft import distance, normal
 
 #: depth b of the soft onset, in rope diameters
@@ -63,8 +63,8 @@ def touch(
     The tangent is that with respect to (cq, cv) times position and velocity.
     """
     n, onset = normal(point, body), ONSET * diameter
-    depth = larger(0.5 * diameter - distance(point, body), 0.0)
-    soft = smaller(depth, onset)
+    depth = maximum(0.5 * diameter - distance(point, body), 0.0)
+    soft = minimum(depth, onset)
     hard = depth - soft
     spring = contact.stiffness * (soft * soft / (2.0 * onset) + hard)
     energy = contact.stiffness * (soft * soft * soft / (6.0 * onset) + 0.5 * hard * (onset + hard))
@@ -72,7 +72,7 @@ def touch(
     w = tuple(velocity[i] - body_velocity[i] for i in range(3))
     normal_speed = dot(n, w)
     u = tuple(w[i] - normal_speed * n[i] for i in range(3))
-    damped = larger(1.0 - contact.damping * normal_speed, 0.0)
+    damped = maximum(1.0 - contact.damping * normal_speed, 0.0)
     pressure = spring * damped
     slip = sqrt(dot(u, u) + contact.slip_speed * contact.slip_speed)
     drag = contact.friction * pressure / slip

@@ -17,7 +17,7 @@ import casadi as ca
 from rope_model.physics import contact_points, hermite
 from rope_model.physics.contact import SUMS, touch
 from rope_model.physics.element import ELEMENT_DOF, ElementFidelity, ElementFunctions
-from rope_model.physics.elementary import both, where
+from rope_model.physics.elementary import logical_and, where
 from rope_model.physics.shaft import KINDS, Body
 
 LAW = ("stiffness", "damping", "friction", "slip_speed", "diameter")  #: entries of the law
@@ -191,8 +191,8 @@ def _search_functions() -> tuple[ca.Function, ca.Function, ca.Function]:
     start, stop = ends[:, 0], ends[:, 1]
     middle, turns = probe_at(0.5 * (start[0] + stop[0])), start[2] * stop[2] < 0
     first = start[2] * middle[2] > 0
-    start = where(both(turns, first), middle, start)
-    stop = where(both(turns, ca.logic_not(first)), middle, stop)
+    start = where(logical_and(turns, first), middle, start)
+    stop = where(logical_and(turns, ca.logic_not(first)), middle, stop)
     next_probe = probe_at(contact_points.reaching(_probe(state[:3]), state[3], level))
     nearer = where(next_probe[1] < level, ca.vertcat(next_probe, state[3]), ca.vertcat(state[:3], next_probe[0]))
     return (

@@ -16,7 +16,7 @@ CasADi expressions; a and b are the rows r, r' of an element's nodes.
 from typing import Any, NamedTuple
 
 from rope_model.physics.contact import ONSET
-from rope_model.physics.elementary import dot, larger, less, sign, where
+from rope_model.physics.elementary import dot, less, maximum, unit_sign, where
 from rope_model.physics.hermite import GAUSS, interpolate
 from rope_model.physics.shaft import distance, normal
 
@@ -70,7 +70,7 @@ def reaching(outer: Any, inner: Any, level: Any) -> Any:
 
 def nonzero(x: Any) -> Any:
     """Return ``x``, or TINY with its sign."""
-    return sign(x) * larger(abs(x), TINY)
+    return unit_sign(x) * maximum(abs(x), TINY)
 
 
 def point_in(part: Any, weight: Any, start: Any, stop: Any) -> tuple[Any, Any]:

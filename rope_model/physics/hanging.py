@@ -8,7 +8,7 @@ expressions.
 import math
 from typing import Any, NamedTuple
 
-from rope_model.physics.elementary import cos, larger, sin, smaller, where
+from rope_model.physics.elementary import cos, maximum, minimum, sin, where
 
 
 class Hanging(NamedTuple):
@@ -22,7 +22,7 @@ class Hanging(NamedTuple):
 
 def hanging_shape(length: Any, middle: Any, width: Any, cell: Any) -> Hanging:
     """Return the shape of a rope of ``length`` (m), lowest at arc length ``middle``, on elements of ``cell`` (m)."""
-    radius = larger(0.5 * width, smaller(4 * cell / math.pi, 0.25 * smaller(middle, length - middle)))
+    radius = maximum(0.5 * width, minimum(4 * cell / math.pi, 0.25 * minimum(middle, length - middle)))
     left_leg, right_leg = middle - 0.5 * math.pi * radius, length - middle - 0.5 * math.pi * radius
     return Hanging(radius, left_leg, right_leg, radius - 0.5 * width)
 
@@ -33,15 +33,15 @@ def position_and_tangent(hanging: Any, s: Any, phi: Any) -> tuple[Any, Any, Any,
     ``phi`` is the angle by which the rope has turned up to there.  The tangent of a leg is given without its lean.
     """
     radius, left_leg, right_leg, lean = hanging
-    on_left, on_right = smaller(s, left_leg), larger(s - left_leg - math.pi * radius, 0.0)
+    on_left, on_right = minimum(s, left_leg), maximum(s - left_leg - math.pi * radius, 0.0)
     across = radius * (1 - cos(phi)) - lean * (on_left / left_leg + on_right / right_leg)
     return across, on_left + radius * sin(phi) - on_right, sin(phi), -cos(phi)
 
 
 def node_row(hanging: Any, left: Any, across: Any, s: Any) -> tuple[Any, ...]:
     """Return r, r' and theta (7,) at arc length ``s`` of a rope from ``left`` (3,) in the direction ``across`` (3,)."""
-    phi = smaller(
-        larger((s - hanging.left_leg) / hanging.radius, 0.0), math.pi
+    phi = minimum(
+        maximum((s - hanging.left_leg) / hanging.radius, 0.0), math.pi
     )  # rad, angle by which the rope has turned
     along, down, slope, rise = position_and_tangent(hanging, s, phi)
     legs_lean = where(phi >= math.pi, hanging.lean / hanging.right_leg, 0.0)

@@ -18,7 +18,7 @@ length s from the left end,
 import math
 from typing import Any, NamedTuple
 
-from rope_model.physics.elementary import hypot, smaller
+from rope_model.physics.elementary import hypot, minimum
 from rope_model.physics.outline import suspension_points
 
 
@@ -63,7 +63,7 @@ def pull(rope: Any, layout: Any, left: Any, right: Any) -> Pull:
 
 def lowest(pull: Any) -> Any:
     """Return the smallest tension (N)."""
-    return smaller(smaller(pull.below[0], pull.below[1]), smaller(pull.tensions[0], pull.tensions[1]))
+    return minimum(minimum(pull.below[0], pull.below[1]), minimum(pull.tensions[0], pull.tensions[1]))
 
 
 def energies(rope: Any, layout: Any, pull: Any, left: Any, right: Any) -> tuple[Any, Any]:

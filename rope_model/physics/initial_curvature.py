@@ -22,7 +22,7 @@ import numpy as np
 
 from rope_model.physics import hermite
 from rope_model.physics.element import POINTS, WEIGHTS
-from rope_model.physics.elementary import cos, dot, hypot, larger, sin, sqrt
+from rope_model.physics.elementary import cos, dot, hypot, maximum, sin, sqrt
 from rope_model.physics.frame import carried, smallest_rotation_rate, turned
 
 #: e1 at the left end, where the tangent is -Y
@@ -47,7 +47,7 @@ def most_curvature(rope: Any) -> Any:
     """Return the largest permanent curvature (1/m) along the rope; 0 only for a straight rope."""
     largest = 0.0
     for sixth in range(7):
-        largest = larger(hypot(*_curvature(rope, sixth)), largest)
+        largest = maximum(hypot(*_curvature(rope, sixth)), largest)
     return largest
 
 
@@ -62,7 +62,7 @@ def _curvature(rope: Any, x: Any) -> tuple[Any, Any]:
     """Return the permanent curvature (1/m) along its direction and across it at ``x`` sixths of the length."""
     along, across = rope.initial_curvature, 0.0
     for name, (middle, width) in _HATS.items():
-        hat = larger(1 - larger(x - middle, middle - x) / width, 0.0)
+        hat = maximum(1 - maximum(x - middle, middle - x) / width, 0.0)
         along += hat * getattr(rope, f"curvature_{name}")
         across += hat * getattr(rope, f"curvature_{name}_across")
     return along, across

@@ -18,7 +18,7 @@ from typing import Any
 
 from rope_model.physics import hermite
 from rope_model.physics.contact import Touch, touch
-from rope_model.physics.elementary import ceil, dot, floor, larger, smaller
+from rope_model.physics.elementary import ceil, dot, floor, maximum, minimum
 from rope_model.physics.shaft import Body
 
 #: distance of the points, in diameters: two ropes that cross do not slip between them
@@ -37,7 +37,7 @@ STRETCH = 1.25
 
 def number_of_points(l: Any, diameter: Any) -> Any:
     """Return the number of points that are checked in an element of length ``l``."""
-    return smaller(ceil(l / (SPACING * diameter)), float(MOST_POINTS))
+    return minimum(ceil(l / (SPACING * diameter)), float(MOST_POINTS))
 
 
 def points_skipped(distance: Any, diameter: Any, spacing: Any, number: Any) -> Any:
@@ -45,12 +45,12 @@ def points_skipped(distance: Any, diameter: Any, spacing: Any, number: Any) -> A
 
     The points are ``spacing`` (m) apart.  All ``number`` of them are skipped if the distance is not a number.
     """
-    return floor(larger(smaller(number, (distance - diameter) / (STRETCH * spacing)), 0.0))
+    return floor(maximum(minimum(number, (distance - diameter) / (STRETCH * spacing)), 0.0))
 
 
 def most_points(length: Any, elements: Any, diameter: Any) -> Any:
     """Return the largest number of points of a rope in any mesh of so many elements."""
-    return smaller(length / (SPACING * diameter) + elements, MOST_POINTS * elements)
+    return minimum(length / (SPACING * diameter) + elements, MOST_POINTS * elements)
 
 
 def nearer_xi(xi: Any, l: Any, point: Any, a: Any, b: Any) -> Any:
@@ -61,8 +61,8 @@ def nearer_xi(xi: Any, l: Any, point: Any, a: Any, b: Any) -> Any:
     bend = [hermite.bend(xi, l, *end) for end in ends]
     square = dot(slope, slope)
     # beyond the centre of curvature the distance has no minimum
-    second = larger(square + dot(gap, bend), 0.25 * square)
-    return smaller(larger(xi - dot(gap, slope) / (l * second), 0.0), 1.0)
+    second = maximum(square + dot(gap, bend), 0.25 * square)
+    return minimum(maximum(xi - dot(gap, slope) / (l * second), 0.0), 1.0)
 
 
 def self_contact_law(contact: Any, diameter: Any, separation: Any, velocity: Any, cq: Any, cv: Any) -> Touch:

@@ -27,7 +27,7 @@ from typing import Any, NamedTuple
 
 from rope_model.physics import hermite
 from rope_model.physics.costello import tension
-from rope_model.physics.elementary import cross, dot, exp, larger, log, sqrt
+from rope_model.physics.elementary import cross, dot, exp, log, maximum, sqrt
 from rope_model.physics.frame import carried, small_turn, turned
 
 #: number of entries of a section (tangent, curvature vector, angle) with z behind it
@@ -51,13 +51,13 @@ class Slid(NamedTuple):
 
 def wire_stiffness(rope: Any) -> Any:
     """Return C (N m^2); 0 without friction, where EI_stick = 0."""
-    return larger(rope.EI_stick - rope.EI, 0.0)
+    return maximum(rope.EI_stick - rope.EI, 0.0)
 
 
 def slip_curvature(rope: Any, stiffness: Any, e: Any, tau: Any) -> Any:
     """Return k0 (1/m) of a rope with friction at its axial and torsional strain; ``stiffness`` is C."""
     pull = tension(rope.Qa, rope.Qs, rope.Qk, rope.Qe, e, tau)
-    moment = rope.slip_moment + rope.slip_factor * rope.diameter * larger(pull, 0.0)
+    moment = rope.slip_moment + rope.slip_factor * rope.diameter * maximum(pull, 0.0)
     return moment / stiffness
 
 
@@ -101,7 +101,7 @@ def slide(before: Any, after: Any, k0: Any) -> Slid:
     # work along the step, int z . dk, minus the energy stored
     s = sqrt(s2 + NOTHING)
     work = s + log(0.5 * (1.0 + exp(-2.0 * s))) + log(growth / cosh)
-    dissipated = k0 * k0 * larger(work - 0.5 * (dot(z_end, z_end) - dot(z, z)), 0.0)
+    dissipated = k0 * k0 * maximum(work - 0.5 * (dot(z_end, z_end) - dot(z, z)), 0.0)
     secant = sqrt((dot(z_end, z_end) + _SMALL) / (dot(stuck, stuck) + _SMALL))
     return Slid((k0 * z_end[0], k0 * z_end[1], k0 * z_end[2]), dissipated, secant)
 

@@ -10,7 +10,7 @@ static double length_between(const double a[3], const double b[3]) {
 /* Return a lower bound of the distance between points in two boxes. */
 static double gap_of(const double a[6], const double b[6]) {
     double gap = -INFINITY;
-    for (int i = 0; i < 3; i++) gap = larger(gap, fabs(a[i] - b[i]) - (a[3 + i] + b[3 + i]));
+    for (int i = 0; i < 3; i++) gap = maximum(gap, fabs(a[i] - b[i]) - (a[3 + i] + b[3 + i]));
     return gap;
 }
 
@@ -23,7 +23,7 @@ static int near_elements(const System *s, int element) {
     for (int e = element + 1; e < s->elements; along += s->lengths[e++]) {
         if (along < LEAST_ARC * diameter) continue;
         const double gap = gap_of(self_contact->boxes[element], self_contact->boxes[e]);
-        self_contact->cache.free = smaller(self_contact->cache.free, gap);
+        self_contact->cache.free = minimum(self_contact->cache.free, gap);
         if (!(gap < diameter)) continue;
         self_contact->others[number] = e;
         self_contact->arc_gaps[number++] = along;
@@ -41,7 +41,7 @@ static double nearest_place(const System *s, const double *q, int element, const
         at_places(q, element, N, place);
         const double distance = length_between(place, point);
         if (distance < least) *xi = probes[k];
-        least = smaller(least, distance);
+        least = minimum(least, distance);
     }
     for (int k = 0; k < CORRECTIONS; k++) *xi = nearer_xi(*xi, l, point, a, a + DOF);
     hermite_shape_functions(*xi, l, N);
@@ -82,7 +82,7 @@ static int next_strand(const System *s, int others) {
     int nearest = -1;
     for (int n = 0; n < others; n++) {
         if (self_contact->distances[n] < least) nearest = n;
-        least = smaller(least, self_contact->distances[n]);
+        least = minimum(least, self_contact->distances[n]);
     }
     if (nearest < 0) return -1;
     for (int n = 0; n < others; n++)
@@ -104,10 +104,10 @@ static void search_element(const System *s, const double *q, const double *v, co
         at_places(q, element, N, point);
         for (int n = 0; n < others; n++) {
             self_contact->distances[n] = nearest_place(s, q, self_contact->others[n], point, self_contact->xi + n);
-            least = smaller(least, self_contact->distances[n]);
+            least = minimum(least, self_contact->distances[n]);
         }
         if (least < self_contact->nearest[0]) self_contact->nearest[1] = point[1];
-        self_contact->nearest[0] = smaller(self_contact->nearest[0], least);
+        self_contact->nearest[0] = minimum(self_contact->nearest[0], least);
         for (int strand = 0; self_contact->presses && least < diameter && strand < MOST_STRANDS; strand++) {
             const int n = next_strand(s, others);
             if (n < 0) break;

@@ -12,7 +12,7 @@ int clearance_exceeds(const System *s, const ClearanceCache *cache, const double
     const double *before = cache->q, *l = s->lengths;
     if (!(cache->free > least) || memcmp(cache->lengths, l, sizeof(double) * (size_t)s->elements) != 0) return 0;
     for (int node = 0; node <= s->elements; node++, q += DOF, before += DOF) {
-        const double longest = larger(l[node > 0 ? node - 1 : 0], l[node < s->elements ? node : node - 1]);
+        const double longest = maximum(l[node > 0 ? node - 1 : 0], l[node < s->elements ? node : node - 1]);
         if (!(cache->free - largest_motion(longest, q, before) > least)) return 0; /* also if it is not a number */
     }
     return 1;
@@ -46,7 +46,7 @@ static int search_elements(const System *s, const double *q, int k, int first, i
         if (side != FIXED && (side == LEFT ? middle : total - middle) < OWN_LENGTH) continue;
         enclosing_box(s->lengths[e], x, x + DOF, box);
         const double distance = least_distance(s, k, box);
-        around->cache.free = smaller(around->cache.free, distance);
+        around->cache.free = minimum(around->cache.free, distance);
         if (!(distance < margin) || around->near[e] & 1u << k) continue;
         around->near[e] |= 1u << k;
         added = around->any = 1;
@@ -62,7 +62,7 @@ static int search_bodies(const System *s, const double *q, double margin, unsign
     remember_configuration(s, &around->cache, q);
     around->longest = around->any = 0;
     for (int e = 0; e < s->elements; total += s->lengths[e++]) {
-        around->longest = larger(around->longest, s->lengths[e]);
+        around->longest = maximum(around->longest, s->lengths[e]);
         around->near[e] &= keep;
         around->any |= around->near[e] != 0;
     }
@@ -70,7 +70,7 @@ static int search_bodies(const System *s, const double *q, double margin, unsign
         double box[6];
         last = bodies_group(s->elements, s->lengths, q, first, box);
         for (int k = 0; k < around->bodies; k++)
-            if (!(least_distance(s, k, box) >= larger(margin, around->cache.free)))
+            if (!(least_distance(s, k, box) >= maximum(margin, around->cache.free)))
                 added |= search_elements(s, q, k, first, last, along, total, margin);
         for (int e = first; e < last; e++) along += s->lengths[e];
     }

@@ -24,7 +24,7 @@ void transfer_interpolate(int nodes, const double *x, const double *s, int numbe
         if (fabs((nearer_left ? left_s : right_s) - places[k]) <= tolerance)
             memcpy(y, nearer_left ? left : right, DOF * sizeof *y);
         else
-            node_values(smaller(larger((places[k] - left_s) / l, 0.0), 1.0), l, left, y);
+            node_values(minimum(maximum((places[k] - left_s) / l, 0.0), 1.0), l, left, y);
     }
 }
 

@@ -25,7 +25,7 @@ static void passed_bodies(Simulator *rope, char *message) {
     double deepest = FAR;
     for (int kind = 0; kind < KINDS; kind++) {
         const Nearest *x = &rope->state->nearest[kind];
-        deepest = smaller(deepest, x->clearance);
+        deepest = minimum(deepest, x->clearance);
         if (!(x->clearance <= 0)) continue;
         say_passed_into(passed, words[kind], x->touched_at, -x->clearance, x->time, x->s, x->y);
         memcpy(before, passages, sizeof before);

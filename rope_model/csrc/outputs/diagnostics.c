@@ -106,8 +106,8 @@ static void bounds_of(int points, double point[][3], double bounds[6]) {
     for (int axis = 0; axis < 3; axis++) {
         bounds[axis] = bounds[3 + axis] = point[0][axis];
         for (int n = 1; n < points; n++) {
-            bounds[axis] = smaller(bounds[axis], point[n][axis]);
-            bounds[3 + axis] = larger(bounds[3 + axis], point[n][axis]);
+            bounds[axis] = minimum(bounds[axis], point[n][axis]);
+            bounds[3 + axis] = maximum(bounds[3 + axis], point[n][axis]);
         }
     }
 }
@@ -125,7 +125,7 @@ static void blocks_of(int points, double point[LEG][3], double bounds[BLOCKS][6]
 static double nearest_squared(int points, double point[][3], int pieces, double corner[][3], double least) {
     for (int m = 0; m < pieces; m++) {
         const double *a = corner[m], *b = corner[m + 1], along[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-        for (int n = 0; n < points; n++) least = smaller(least, squared_distance(point[n], a, along));
+        for (int n = 0; n < points; n++) least = minimum(least, squared_distance(point[n], a, along));
     }
     return least;
 }

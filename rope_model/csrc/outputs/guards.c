@@ -15,7 +15,7 @@ static double guards_sideways(const Arrays *m, double height, const LoopBottom *
     if (height <= -FAR) return sideways(bottom->position, m->q, last);
     for (const double *a = m->q; a < last; a += DOF)
         if ((a[1] < height) != (a[DOF + 1] < height))
-            farthest = larger(farthest, off_plumb(height, a, a + DOF, a < lowest ? m->q : last));
+            farthest = maximum(farthest, off_plumb(height, a, a + DOF, a < lowest ? m->q : last));
     return farthest;
 }
 
@@ -35,10 +35,10 @@ void with_guards(const Scene *scene, State *state) {
     double clearance = guard->clearance, torque = 0;
     for (int kind = 0; kind < KINDS; kind++) nearest[kind] = (Nearest){.clearance = guard->clearance};
     shaft_nearer(scene, &m, state->t, nearest);
-    for (int kind = 0; kind < KINDS; kind++) clearance = smaller(clearance, nearest[kind].clearance);
+    for (int kind = 0; kind < KINDS; kind++) clearance = minimum(clearance, nearest[kind].clearance);
     for (int side = LEFT; side <= RIGHT; side++) {
         const double *reaction = m.reaction + (size_t)(side * m.elements) * DOF;
-        torque = larger(torque, fabs(ends_moment(scene, state, side, reaction)));
+        torque = maximum(torque, fabs(ends_moment(scene, state, side, reaction)));
     }
     const double quantities[GUARDS] = {
         guard->rise_y <= -FAR ? guards_rise(scene, state, &m, &bottom) : bottom.position[1] - guard->rise_y,

@@ -93,7 +93,7 @@ void hanging_guess(int nodes, const double *s, const double left[3], const doubl
     const double cell =
         interpolate_midpoints(nodes, s, e, middle, s[e + 1] - s[e], e < nodes - 2 ? s[e + 2] - s[e + 1] : 0.0);
     Hanging legs = hanging_shape(length, middle, width, cell);
-    if (smaller(legs.left_leg, legs.right_leg) <= legs.lean) {
+    if (minimum(legs.left_leg, legs.right_leg) <= legs.lean) {
         say_rope_too_short(message, length, width, fabs(left[1] - right[1]));
         return;
     }

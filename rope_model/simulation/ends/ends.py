@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rope_model.parameters import Scene, Swivel
-from rope_model.physics.elementary import atan2, cos, hypot, larger, sin, smaller, sqrt, where
+from rope_model.physics.elementary import atan2, cos, hypot, maximum, minimum, sin, sqrt, where
 from rope_model.physics.swivel import friction_moment
 from rope_model.simulation.ends.input_filter import InputFilter, Limits
 from rope_model.simulation.ends.paths import END_NODE, LEANS, PATH, REACH, EndMotion, EndPath
@@ -119,8 +119,8 @@ def leaning(lean: Any, lean_z: Any) -> tuple[tuple[Any, ...], ...]:
     """
     (x, x_t, x_tt), (z, z_t, z_tt) = lean, lean_z
     square, p = x * x + z * z, x * x_t + z * z_t
-    p_t, angle = x_t * x_t + z_t * z_t + x * x_tt + z * z_tt, sqrt(larger(square, LEAST_LEAN))
-    C, S, divisor = cos(angle), sin(angle) / angle, larger(square, SMALL_LEAN)
+    p_t, angle = x_t * x_t + z_t * z_t + x * x_tt + z * z_tt, sqrt(maximum(square, LEAST_LEAN))
+    C, S, divisor = cos(angle), sin(angle) / angle, maximum(square, SMALL_LEAN)
     D = where(square > SMALL_LEAN, (C - S) / divisor, -1.0 / 3.0)
     E = where(square > SMALL_LEAN, -(S + 3.0 * D) / divisor, 1.0 / 15.0)
     (n_x, v_x, a_x), (n_z, v_z, a_z) = (
@@ -133,8 +133,8 @@ def leaning(lean: Any, lean_z: Any) -> tuple[tuple[Any, ...], ...]:
 def partly_placed(scene: Any, own: Any, other: Any, sense: Any, part: Any) -> EndMotion:
     """Return the end ``own`` on its way from a rope hung in a loop (part 0) to its position and lean (part 1)."""
     x, z = other.x - own.x - sense * scene.layout.spacing, other.z - own.z
-    narrow = HANGING_WIDTH * (scene.rope.length - abs(other.y - own.y)) / larger(hypot(x, z), LEAST_LEAN)
-    shift = 0.5 * (1.0 - smaller(narrow, 1.0)) * (1.0 - part)
+    narrow = HANGING_WIDTH * (scene.rope.length - abs(other.y - own.y)) / maximum(hypot(x, z), LEAST_LEAN)
+    shift = 0.5 * (1.0 - minimum(narrow, 1.0)) * (1.0 - part)
     x, z = own.x + shift * x, own.z + shift * z
     return EndMotion(x, own.y, z, yaw=own.yaw, lean=part * own.lean, lean_z=part * own.lean_z)
 

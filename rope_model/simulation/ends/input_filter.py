@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 
 from rope_model.numerics import quintic
 from rope_model.parameters import CHOICES, Scene
-from rope_model.physics.elementary import both, either, exp, floor, larger, smaller, sqrt, where
+from rope_model.physics.elementary import exp, floor, logical_and, logical_or, maximum, minimum, sqrt, where
 from rope_model.physics.estimates import axial_frequency
 from rope_model.simulation.ends.paths import RESTS_BELOW, EndMotion, EndPath
 
@@ -142,28 +142,28 @@ def filter_sample(state: Any, settings: Any, given_at: Any, h: Any, end: Any) ->
     repeated = _repeated(state, settings, since, values, speeds)
     motion = []
     # FMI gives no yaw acceleration: take the mean since the sample before
-    accelerations = (*end.acceleration, (end.yaw_rate - state.motion[3][1]) / larger(since, SHORTEST_MEAN))
+    accelerations = (*end.acceleration, (end.yaw_rate - state.motion[3][1]) / maximum(since, SHORTEST_MEAN))
     for old_axis, x, v, a in zip(state.motion, (*end.position, end.yaw), speeds, accelerations, strict=True):
         new = _completed(old_axis, settings, since, (x, v, a))
         motion.append(tuple(where(repeated, old, value) for old, value in zip(old_axis, new, strict=True)))
     fades = exp(-settings.estimate * h)
     recent_changes = tuple(
-        larger(abs(axis[2] - acceleration), fades * before)
+        maximum(abs(axis[2] - acceleration), fades * before)
         for axis, acceleration, before in zip(motion, state.end_accelerations, state.recent_changes, strict=True)
     )
-    moves = either(*(abs(axis[1]) > RESTS_BELOW for axis in motion))
+    moves = logical_or(*(abs(axis[1]) > RESTS_BELOW for axis in motion))
     new_signs = _signs(state, given_at, since, end, motion[1][2], moves)
     signs = {name: where(repeated, getattr(state, name), value) for name, value in new_signs.items()}
-    keeps_rates = either(repeated, since < SHORTEST_AIM)
+    keeps_rates = logical_or(repeated, since < SHORTEST_AIM)
     means = ((x - old) / since for x, old in zip((end.lean, end.lean_z), state.given[-2:], strict=True))
     result: InputFilter = state._replace(
         given=values,
         given_at=where(repeated, state.given_at, given_at),
         motion=tuple(motion),
         recent_changes=recent_changes,
-        repeats=state.repeats + where(both(repeated, given_at > state.given_at), 1.0, 0.0),
+        repeats=state.repeats + where(logical_and(repeated, given_at > state.given_at), 1.0, 0.0),
         held=where(repeated, state.held + 1.0, 0.0),
-        sent_every=where(both(state.held > 0, 1 - repeated), since, state.sent_every),
+        sent_every=where(logical_and(state.held > 0, 1 - repeated), since, state.sent_every),
         leaning=tuple(where(keeps_rates, old, mean) for old, mean in zip(state.leaning, means, strict=True)),
         **signs,
     )
@@ -177,13 +177,13 @@ def _repeated(state: Any, settings: Any, since: Any, values: Any, speeds: Any) -
     since: after a stop with a the estimated speed is off by up to 0.84 a / W.  A speed can be that of the latest
     sample.
     """
-    moves = either(*(abs(speed) > RESTS_BELOW for speed in speeds))
+    moves = logical_or(*(abs(speed) > RESTS_BELOW for speed in speeds))
     stops_below = settings.hardest * (since + 1.0 / settings.estimate)
-    too_fast = either(*(abs(axis[1]) > stops_below for axis in state.motion))
+    too_fast = logical_or(*(abs(axis[1]) > stops_below for axis in state.motion))
     trusted = [getattr(settings, kind) for kind in ("position", "speed", "acceleration") for _ in range(3)]
     trusted += settings.position, settings.speed, settings.position, settings.position
-    same = (either(trust < 1, a == b) for trust, a, b in zip(trusted, values, state.given, strict=True))
-    return both(settings.position > 0, where(settings.speed > 0, moves, too_fast), *same)
+    same = (logical_or(trust < 1, a == b) for trust, a, b in zip(trusted, values, state.given, strict=True))
+    return logical_and(settings.position > 0, where(settings.speed > 0, moves, too_fast), *same)
 
 
 def _completed(old: Any, settings: Any, h: Any, sample: Any) -> tuple[Any, Any, Any]:
@@ -228,26 +228,26 @@ def _signs(state: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: Any)
     slope = (end.y - state.given[1]) / since
     change, expected = abs(slope - state.slope), abs(ay) * since
     visible = expected > LEAST_CHANGE
-    breaks = both(visible, change > BROKEN * expected)
-    straight = both(visible, change < STRAIGHT * expected)
-    counts, piece = both(breaks, state.straight > 0), given_at - state.broken_at
+    breaks = logical_and(visible, change > BROKEN * expected)
+    straight = logical_and(visible, change < STRAIGHT * expected)
+    counts, piece = logical_and(breaks, state.straight > 0), given_at - state.broken_at
     is_table = state.breaks >= FEWEST_BREAKS
-    alike = either(is_table, abs(piece - state.table_every) < ALIKE * piece)
+    alike = logical_or(is_table, abs(piece - state.table_every) < ALIKE * piece)
     return {
-        "grid": where(moves, smaller(state.grid, finest), state.grid),
+        "grid": where(moves, minimum(state.grid, finest), state.grid),
         "samples": state.samples + where(moves, 1.0, 0.0),
         "slope": slope,
         "straight": where(straight, state.straight + 1.0, 0.0),
         "broken_at": where(breaks, given_at, state.broken_at),
         "breaks": where(counts, where(alike, state.breaks + 1.0, 1.0), state.breaks),
-        "table_every": where(both(counts, 1 - is_table), piece, state.table_every),
+        "table_every": where(logical_and(counts, 1 - is_table), piece, state.table_every),
     }
 
 
 def filter_path(path: Any, state: Any, stop: Any, bandwidth: Any) -> EndPath:
     """Return the path from the end of ``path`` to ``stop`` that follows the inputs; a very short one leads beyond."""
     start = path.stop
-    h = larger(stop - start, SHORTEST_AIM)
+    h = maximum(stop - start, SHORTEST_AIM)
     ahead = stop - state.given_at + (h - (stop - start))
     starts = zip(*path.motion(start), strict=True)
     axes = zip(_JERKS, starts, state.motion, state.end_accelerations, state.recent_changes, strict=True)
@@ -262,7 +262,7 @@ def _lean_quintic(h: Any, ahead: Any, start: Any, sample: Any, mean: Any) -> tup
 
     Its rate, which is not given, lags by a sixth of the step; ``mean`` is that between the latest samples.
     """
-    (x, v, a), aim = start, larger(h, SHORTEST_MEAN)
+    (x, v, a), aim = start, maximum(h, SHORTEST_MEAN)
     target = sample + (ahead + (aim - h)) * mean
     rate = 1.5 * (target - x) / aim - 0.5 * v
     return quintic.coefficients(aim, x, v, a, target, rate, (rate - v) / aim)
@@ -324,7 +324,7 @@ def _explained_fraction(misfit: Any, limit: Any) -> Any:
 
     It is continuous, since masters that look for events vary the step.
     """
-    return smaller(larger(2.0 - abs(misfit) / limit, 0.0), 1.0)
+    return minimum(maximum(2.0 - abs(misfit) / limit, 0.0), 1.0)
 
 
 class Limits(NamedTuple):

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from rope_model.numerics import quintic
 from rope_model.parameter_table import Bounds, numeric_bounds, parameter, parameters_of
-from rope_model.physics.elementary import larger, smaller
+from rope_model.physics.elementary import maximum, minimum
 
 SIDES = ("left", "right")
 END_NODE = (0, -1)  #: rows of the ends in arrays of nodes
@@ -110,20 +110,20 @@ class EndPath(NamedTuple):
 
     def height(self, t: float) -> Any:
         """Return y at ``t``."""
-        return quintic.value(self.coefficients[1], smaller(t, self.stop) - self.start)
+        return quintic.value(self.coefficients[1], minimum(t, self.stop) - self.start)
 
     def yaw(self, t: float) -> tuple[Any, Any]:
         """Return yaw and its rate at ``t``."""
-        return quintic.rates(self.coefficients[3], smaller(t, self.stop) - self.start)[:2]
+        return quintic.rates(self.coefficients[3], minimum(t, self.stop) - self.start)[:2]
 
     def leaning(self, t: float) -> tuple[Any, Any]:
         """Return the leans and their rates at ``t``."""
-        s = smaller(t, self.stop) - self.start
+        s = minimum(t, self.stop) - self.start
         return quintic.rates(self.leans[0], s), quintic.rates(self.leans[1], s)
 
     def motion(self, t: float) -> tuple[OfAxes, OfAxes, OfAxes]:
         """Return position, velocity and acceleration at ``t``."""
-        s = smaller(t, self.stop) - self.start
+        s = minimum(t, self.stop) - self.start
         (x, vx, ax), (y, vy, ay), (z, vz, az), (yaw, yaw_t, yaw_tt) = [quintic.rates(c, s) for c in self.coefficients]
         return (x, y, z, yaw), (vx, vy, vz, yaw_t), (ax, ay, az, yaw_tt)
 
@@ -136,7 +136,7 @@ class EndPath(NamedTuple):
         """Return the largest sampled accelerations of PATH and LEANS; NaN where the first sample is."""
         times = [part * (self.stop - self.start) for part in (0.0, 0.25, 0.5, 0.75, 1.0)]
         every = (*self.coefficients, *self.leans)
-        return tuple(reduce(larger, (abs(quintic.acceleration(c, s)) for s in times)) for c in every)
+        return tuple(reduce(maximum, (abs(quintic.acceleration(c, s)) for s in times)) for c in every)
 
 
 def ends_at(paths: tuple[EndPath, EndPath], t: float) -> tuple[EndMotion, EndMotion]:

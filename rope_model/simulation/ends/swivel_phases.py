@@ -8,7 +8,7 @@ import math
 from enum import Enum
 from typing import Any, NamedTuple
 
-from rope_model.physics.elementary import both, either, where
+from rope_model.physics.elementary import logical_and, logical_or, where
 from rope_model.physics.swivel import friction_moment
 
 #: N m, excess of a moment over the static limit that is rounding
@@ -33,18 +33,18 @@ class SwivelState(NamedTuple):
 
 def frictionless(swivel: Any) -> Any:
     """Return whether the swivel turns without friction."""
-    return either(swivel.mode == "free", both(swivel.mu_kinetic == 0.0, swivel.seal_moment == 0.0))
+    return logical_or(swivel.mode == "free", logical_and(swivel.mu_kinetic == 0.0, swivel.seal_moment == 0.0))
 
 
 def released_at(swivel: Any, swivel_state: Any) -> Any:
     """Return the instant (s) at which its lock ends; infinite if it is not locked, or locked for ever."""
-    waits = both(swivel_state.phase == Phase.LOCKED, swivel.mode != "locked")
+    waits = logical_and(swivel_state.phase == Phase.LOCKED, swivel.mode != "locked")
     return where(waits, swivel.release_time, math.inf)
 
 
 def relaxes(swivel: Any, swivel_state: Any, t: Any) -> Any:
     """Return whether a run that starts at ``t`` (s) starts from the angle to which the swivel has slid."""
-    return both(swivel.start == "relaxed", t >= released_at(swivel, swivel_state))
+    return logical_and(swivel.start == "relaxed", t >= released_at(swivel, swivel_state))
 
 
 def swivel_friction(swivel: Any, mu: Any, tension: Any) -> Any:
@@ -66,6 +66,8 @@ def moment_of_swivel(swivel: Any, swivel_state: Any, tension: Any, held: Any) ->
 
 def swivel_excess(swivel: Any, swivel_state: Any, tension: Any, held: Any, rate: Any) -> Any:
     """Return the event function: negative while the swivel may stay in its phase."""
-    stays = either(swivel_state.phase == Phase.LOCKED, both(swivel_state.phase == Phase.SLIP, frictionless(swivel)))
+    stays = logical_or(
+        swivel_state.phase == Phase.LOCKED, logical_and(swivel_state.phase == Phase.SLIP, frictionless(swivel))
+    )
     beyond = beyond_rest(swivel, tension, held)
     return where(stays, -math.inf, where(swivel_state.phase == Phase.STICK, beyond, -swivel_state.sign * rate))

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from rope_model.physics import contact_error
 from rope_model.physics.accuracy import BRAKED, length_for, wave_duration
-from rope_model.physics.elementary import both, ceil, cos, either, larger, less, smaller, sqrt, where
+from rope_model.physics.elementary import ceil, cos, less, logical_and, logical_or, maximum, minimum, sqrt, where
 from rope_model.physics.estimates import axial_frequency, bending_length
 
 #: distance (l) of the loop from the middle of segment IV at which a transformation is due: the neighbouring mesh fits
@@ -67,13 +67,13 @@ class FittedLengths(NamedTuple):
 def fit_lengths(scene: Any, loop_error: Any, decades: Any) -> FittedLengths:
     """Return the lengths for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
     rope, w = scene.rope, bending_length(scene)
-    radius = smaller(0.5 * scene.layout.spacing, NATURAL_RADIUS * w)
+    radius = minimum(0.5 * scene.layout.spacing, NATURAL_RADIUS * w)
     shorter = (loop_error / (END_ERROR * radius)) ** 0.2
-    fine = smaller(length_for(scene, LOCKING_SHARE * loop_error), LONGEST * radius)
-    fade = w * larger(FADE + FADE_DECADE * decades, 0.0)
+    fine = minimum(length_for(scene, LOCKING_SHARE * loop_error), LONGEST * radius)
+    fade = w * maximum(FADE + FADE_DECADE * decades, 0.0)
     layer = sqrt(rope.EI / (0.5 * (rope.mass_per_length * scene.layout.gravity) * rope.length))
-    grading = smaller(smaller(LEG_GRADING * loop_error, LEG_WAVES) / rope.length, LEG_SWAY * w)
-    grading = smaller(grading, pumped_grading(scene) * sqrt(smaller(loop_error / PUMPED_ERROR, 1.0)))
+    grading = minimum(minimum(LEG_GRADING * loop_error, LEG_WAVES) / rope.length, LEG_SWAY * w)
+    grading = minimum(grading, pumped_grading(scene) * sqrt(minimum(loop_error / PUMPED_ERROR, 1.0)))
     return FittedLengths(radius, fine, fade, END_LENGTH * layer * shorter, grading)
 
 
@@ -105,13 +105,13 @@ def faced_positions(scene: Any, left: Any, right: Any) -> tuple[Any, ...]:
 
 def _may_press(scene: Any, divider: Any, leg: Any) -> Any:
     gap = abs(leg * cos(divider.direction) - divider.offset) - 0.5 * divider.size
-    near = both(divider.size > 0, gap < REACH * scene.layout.spacing)
-    return both(scene.shaft.contact.stiffness > 0, near)
+    near = logical_and(divider.size > 0, gap < REACH * scene.layout.spacing)
+    return logical_and(scene.shaft.contact.stiffness > 0, near)
 
 
 def pressed_length(scene: Any) -> Any:
     """Return the longest element (m) of a rope with a leg that a divider may press; infinite without one."""
-    pressed = either(*(s < math.inf for s in faced_positions(scene, 0.0, 0.0)))
+    pressed = logical_or(*(s < math.inf for s in faced_positions(scene, 0.0, 0.0)))
     return where(pressed, contact_error.length_for(scene, BLOW), math.inf)
 
 
@@ -129,11 +129,11 @@ def fit_elements(scene: Any, loop_error: Any, decades: Any) -> FittedMesh:
     """Return the mesh for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
     length, lengths, longest = scene.rope.length, fit_lengths(scene, loop_error, decades), pressed_length(scene)
     # no part of the pattern may be cut off while the loop is NEAREST or farther from an end
-    coarse = smaller(RATIO * lengths.fine, longest)
-    coarse = smaller(coarse, 2 * NEAREST * length / _inner_length(_fine_count(lengths, coarse)))
+    coarse = minimum(RATIO * lengths.fine, longest)
+    coarse = minimum(coarse, 2 * NEAREST * length / _inner_length(_fine_count(lengths, coarse)))
     fine = _fine_count(lengths, coarse)
     short = coarse * (0.5 * _inner_length(fine) - DUE) > NEAREST * length
-    equal = where(short, larger(ceil(length / smaller(lengths.fine, 0.5 * longest)), 8.0), 0.0)
+    equal = where(short, maximum(ceil(length / minimum(lengths.fine, 0.5 * longest)), 8.0), 0.0)
     end_levels = sum((less(lengths.end * 2**k, coarse) for k in range(1, MOST_LEVELS)), less(lengths.end, coarse))
     grading = where(longest < math.inf, 0.0, lengths.grading)  # no joined elements in I and VII
     return FittedMesh(equal, coarse, fine, end_levels, grading)

@@ -7,7 +7,7 @@ segments and l as ``coarse``, all 0 for EEM.
 import math
 from typing import Any
 
-from rope_model.physics.elementary import either, floor, larger, less, smaller, where
+from rope_model.physics.elementary import floor, less, logical_or, maximum, minimum, where
 from rope_model.simulation.mesh.mesh_fit import DUE
 
 DUE_EARLY = 1e-7  #: m, distance before the limit at which a transformation is made, because of rounding
@@ -52,13 +52,13 @@ def distance_to_due(pattern: Any, bottom: Any) -> Any:
 def window_place(pattern: Any, s: Any) -> Any:
     """Return the start, in l, of the window about arc length ``s`` (m) from the end, on the rope or just beyond."""
     beyond = pattern.counts[0] + pattern.counts[6] + inner_length(pattern.counts[1:6])
-    return smaller(larger(s / pattern.coarse - 0.5 * WINDOW, -float(WINDOW)), beyond)
+    return minimum(maximum(s / pattern.coarse - 0.5 * WINDOW, -float(WINDOW)), beyond)
 
 
 def _past_limit(pattern: Any, offset: Any) -> Any:
     """Return the distance past the limit of a loop that is ``offset`` (m) right of the centre."""
     outer = where(offset > 0.0, pattern.counts[6], pattern.counts[0])
-    stays = either(pattern.coarse <= 0.0, outer == fewest_outer(pattern.counts[1:6]))
+    stays = logical_or(pattern.coarse <= 0.0, outer == fewest_outer(pattern.counts[1:6]))
     return where(stays, -math.inf, abs(offset) - DUE * pattern.coarse)
 
 

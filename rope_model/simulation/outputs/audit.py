@@ -18,7 +18,7 @@ import math
 from typing import Any, NamedTuple
 
 from rope_model.numerics.generalized_alpha import auxiliary_weights
-from rope_model.physics.elementary import atan2, cross, dot, larger, sqrt, where
+from rope_model.physics.elementary import atan2, cross, dot, maximum, sqrt, where
 from rope_model.physics.estimates import axial_frequency
 from rope_model.physics.frame import end_moment
 
@@ -67,7 +67,7 @@ def end_load(q: Any, f: Any, torque: Any) -> tuple[Any, ...]:
 
 def axial_share(rope: Any, bottom: Any, h: Any) -> Any:
     """Return ``h`` (s) over the longer leg's axial period."""
-    return h * axial_frequency(rope, larger(bottom, rope.length - bottom)) / (2.0 * math.pi)
+    return h * axial_frequency(rope, maximum(bottom, rope.length - bottom)) / (2.0 * math.pi)
 
 
 def axial_step(rope: Any) -> Any:
@@ -78,7 +78,7 @@ def axial_step(rope: Any) -> Any:
 def elements_per_bend(square: Any) -> Any:
     """Return the elements in half a turn whose tangents differ by the root of ``square`` from node to node."""
     quarter = 0.25 * square
-    return 0.5 * math.pi / atan2(sqrt(quarter), sqrt(larger(1.0 - quarter, 0.0)))
+    return 0.5 * math.pi / atan2(sqrt(quarter), sqrt(maximum(1.0 - quarter, 0.0)))
 
 
 def signal_values(audit: Any) -> tuple[Any, ...]:
@@ -104,9 +104,9 @@ def after_step(audit: Any, method: Any, h: Any, recentring: Any, load: Any, forc
         auxiliary=tuple(auxiliary),
         rate=tuple(rate),
         impulse=tuple(impulse),
-        force=larger(audit.force, force),
-        force_change=larger(audit.force_change, change),
-        period_fraction=larger(audit.period_fraction, part),
+        force=maximum(audit.force, force),
+        force_change=maximum(audit.force_change, change),
+        period_fraction=maximum(audit.period_fraction, part),
     )
 
 
@@ -121,8 +121,8 @@ def after_interval(audit: Any, h: Any, mass: Any, gravity: Any, sums: Any, about
     return audit._replace(
         sums=tuple(sums[k] for k in range(9)),
         impulse=NO_LOAD,
-        missing_force=larger(audit.missing_force, sqrt(dot(missing, missing))),
-        missing_moment=larger(audit.missing_moment, sqrt(dot(moment, moment))),
-        energy=larger(audit.energy, abs(residual)),
-        bend=larger(audit.bend, bend),
+        missing_force=maximum(audit.missing_force, sqrt(dot(missing, missing))),
+        missing_moment=maximum(audit.missing_moment, sqrt(dot(moment, moment))),
+        energy=maximum(audit.energy, abs(residual)),
+        bend=maximum(audit.bend, bend),
     )

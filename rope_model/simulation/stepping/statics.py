@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from rope_model.physics.element import PARAMETERS
-from rope_model.physics.elementary import larger
+from rope_model.physics.elementary import maximum
 from rope_model.physics.hanging import hanging_shape, node_row
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
@@ -117,7 +117,7 @@ def relaxation(change: Any, last: Any) -> Any:
 
     The part w of a correction that multiplies the error by i r changes its square by (1 - w)^2 + (w r)^2.
     """
-    return 1.0 / (1.0 + larger((change - (1.0 - last) ** 2) / (last * last), 0.0))
+    return 1.0 / (1.0 + maximum((change - (1.0 - last) ** 2) / (last * last), 0.0))
 
 
 def _imbalance(system: RopeSystem, reaction: Array) -> float:

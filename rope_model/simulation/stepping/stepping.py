@@ -6,7 +6,7 @@ from typing import Any
 
 from rope_model.numerics.generalized_alpha import StepResult
 from rope_model.physics.accuracy import ACCEPT_BELOW, STEP_WORK, next_step, substeps
-from rope_model.physics.elementary import larger
+from rope_model.physics.elementary import maximum
 from rope_model.simulation.ends import switching
 from rope_model.simulation.ends.paths import ends_at
 from rope_model.simulation.mesh.adaptation import transform_if_due, with_loop_yaw
@@ -166,7 +166,7 @@ def as_rigid(model: RopeModel, state: RopeState, t: float) -> RopeState:
 
 def most_work(interval: Any, step_max: Any) -> Any:
     """Return the Newton iterations after which a communication step fails; a short step_max needs more."""
-    return MOST_WORK * larger(interval / WORK_INTERVAL, 1.0) + 2.0 * STEP_WORK * interval / step_max
+    return MOST_WORK * maximum(interval / WORK_INTERVAL, 1.0) + 2.0 * STEP_WORK * interval / step_max
 
 
 def _steps_left(work: int) -> int:
