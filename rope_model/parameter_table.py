@@ -14,7 +14,7 @@ T = TypeVar("T")
 #: rad, a full turn as messages round it
 _TURN = 6.2832
 #: least value of parameters above 0, because tools know no open intervals
-LEAST = 1e-15
+TINY = 1e-15
 
 
 class Parameter(NamedTuple):

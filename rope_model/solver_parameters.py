@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal
 
-from rope_model.parameter_table import LEAST, Bounds, Checked, Joint, at_least, choice, parameter, require
+from rope_model.parameter_table import TINY, Bounds, Checked, Joint, at_least, choice, parameter, require
 
 MeshKind = Literal["tmn", "eem", "auto"]
 KernelForm = Literal["auto", "compiled", "portable"]
@@ -14,7 +14,7 @@ FidelityChoice = Literal["auto", "torsional", "spatial", "planar", "rigid"]
 Trusted = Literal["all", "position_speed", "position", "speed"]
 
 #: more elements would be a mistake in the unit of their length
-MOST_ELEMENTS = 20000
+MAX_ELEMENTS = 20000
 #: segments with given element counts, and their least counts
 SEGMENTS = {"II": 0, "III": 0, "IV": 2, "V": 0, "VI": 0}
 
@@ -51,12 +51,12 @@ class Mesh(Checked):
         "0 TMN-ETM, segments that follow the loop; 1 EEM, equal lengths; 2 auto, fitted to the rope",
         "choose one",
     )
-    elements: int = parameter(600, "", "number of elements, kind 1", Bounds(2, MOST_ELEMENTS, "use fewer or more"))
+    elements: int = parameter(600, "", "number of elements, kind 1", Bounds(2, MAX_ELEMENTS, "use fewer or more"))
     coarse_length: float = parameter(
         2.0,
         "m",
         "element length of segments I and VII, kind 0; in the loop 1/8 of it, without III and V 1/4",
-        at_least(LEAST, "2 m suits a 120 m rope"),
+        at_least(TINY, "2 m suits a 120 m rope"),
     )
     counts: tuple[int, int, int, int, int] = parameter(
         (2, 4, 40, 4, 2), "", "number of elements of segment {segment}, kind 0"
@@ -129,20 +129,20 @@ class Solver(Checked):
     """
 
     step_max: float = parameter(
-        0.02, "s", "largest time step", Bounds(LEAST, 1.0, "10 ms suits most ropes"), tunable=True
+        0.02, "s", "largest time step", Bounds(TINY, 1.0, "10 ms suits most ropes"), tunable=True
     )
     step_min: float = parameter(
-        1.0e-5, "s", "smallest time step; below it a step fails", Bounds(LEAST, "step_max", "use 1e-5 s"), tunable=True
+        1.0e-5, "s", "smallest time step; below it a step fails", Bounds(TINY, "step_max", "use 1e-5 s"), tunable=True
     )
     tolerance: float = parameter(
         1.0,
         "1",
         "largest local error of a step over that allowed; 1e6: no step is shortened for it",
-        Bounds(LEAST, 1e6, "use 1"),
+        Bounds(TINY, 1e6, "use 1"),
         tunable=True,
     )
     newton_tolerance: float = parameter(
-        3e-6, "1", "error that Newton's method may leave, in m and rad", Bounds(LEAST, 1e-3, "use 3e-6"), tunable=True
+        3e-6, "1", "error that Newton's method may leave, in m and rad", Bounds(TINY, 1e-3, "use 3e-6"), tunable=True
     )
     rho_inf: float = parameter(
         0.6,
@@ -223,16 +223,16 @@ class Inputs(Checked):
         0.5,
         "m",
         "largest misfit of a position (m, rad) and of a speed (m/s, rad/s)",
-        Bounds(LEAST, 1e4, "0.5 admits motions that a rope can follow"),
+        Bounds(TINY, 1e4, "0.5 admits motions that a rope can follow"),
     )
     acceleration_max: float = parameter(
-        100.0, "m/s2", "largest acceleration of an end, m/s2 or rad/s2", Bounds(LEAST, 1e6, "100 is beyond any hoist")
+        100.0, "m/s2", "largest acceleration of an end, m/s2 or rad/s2", Bounds(TINY, 1e6, "100 is beyond any hoist")
     )
     hold_max: float = parameter(
         1.0,
         "s",
         "how long the sample of a moving end may be repeated",
-        Bounds(LEAST, 1e4, "1 s is beyond any slower part's step"),
+        Bounds(TINY, 1e4, "1 s is beyond any slower part's step"),
     )
 
 

@@ -62,7 +62,7 @@ NUMBERS: tuple[Callable[..., Any], ...] = (
     warning_rules.yawed_far_at_rest,
     mesh_pattern.fine_share,
     mesh_pattern.inner_length,
-    mesh_pattern.fewest_outer,
+    mesh_pattern.min_outer,
     mesh_pattern.pattern_centre,
     mesh_pattern.distance_to_due,
     mesh_pattern.transformation_due,

@@ -23,8 +23,8 @@ from rope_model.simulation.fidelity import FIDELITIES
 from rope_model.simulation.outputs.neglected_effects import neglected_text
 from rope_model.simulation.outputs.signal_table import SHAPE_POINTS, SIGNALS
 from rope_model.simulation.outputs.signals import group_of
-from rope_model.simulation.simulator import SHORTEST_INTERVAL
-from rope_model.solver_parameters import MOST_ELEMENTS, FidelityChoice
+from rope_model.simulation.simulator import MIN_INTERVAL
+from rope_model.solver_parameters import MAX_ELEMENTS, FidelityChoice
 from rope_model.texts import c_string
 
 _HEAD = "/* Generated from the parameters of rope_model by rope_model.codegen.tables. */\n"
@@ -64,7 +64,7 @@ def constant(name: str) -> str:
 
 def parameter_structures() -> str:
     """Return the text of parameters.h: bounds of motions, codes of choices, a structure for each group."""
-    parts = [f"enum {{ MOST_ELEMENTS = {MOST_ELEMENTS} }};\n"]
+    parts = [f"enum {{ MAX_ELEMENTS = {MAX_ELEMENTS} }};\n"]
     names, reach = ", ".join(map(c_string, REACH)), ", ".join(map(repr, REACH.values()))
     parts.append(
         "/* of the values of an EndMotion: names and largest sizes */\n"
@@ -72,7 +72,7 @@ def parameter_structures() -> str:
     )
     curvatures = ", ".join(f"&(rope).{name}" for name in CURVATURES)
     parts.append(f"/* all values of a Rope's permanent curvature */\n#define CURVATURES_OF(rope) {{{curvatures}}}\n")
-    parts.append(f"/* s, of rope_advance_to */\n#define ROPE_SHORTEST_INTERVAL {SHORTEST_INTERVAL}\n")
+    parts.append(f"/* s, of rope_advance_to */\n#define ROPE_MIN_INTERVAL {MIN_INTERVAL}\n")
     parts += [*(_codes(*choice) for kind in GROUPS for choice in _choices(kind)), *map(_structure, GROUPS)]
     parts += map(structure_code, (ShaftStructure, SceneStructure, EndMotionStructure))
     text = "\n".join(parts)

@@ -3,7 +3,7 @@
 #include "simulator.h"
 
 int is_curved(const Simulator *rope, const State *state) {
-    return rope->curved != NULL && state->fidelity == TORSIONAL && most_curvature(&rope->scene.rope) > 0;
+    return rope->curved != NULL && state->fidelity == TORSIONAL && max_curvature(&rope->scene.rope) > 0;
 }
 
 Rope partly_curved(const Rope *whole, double part) {

@@ -6,7 +6,7 @@
 #include "formulas.h" /* generated, with the sizes BALANCE, FRAME, STRAINS, MOMENTUM, AIR_BALANCE and CURVED */
 
 enum { AIR_LAW = 9, AIR = AIR_LAW + 2 * 4 };
-enum { MOST_LANES = 8 }; /* the last group of elements may have lanes to spare */
+enum { MAX_LANES = 8 }; /* the last group of elements may have lanes to spare */
 
 typedef struct {
     int status;         /* a NewtonStatus, as CONVERGED */
@@ -22,7 +22,7 @@ typedef struct {
     double rounds, per_round, slow, unsure, growing;
 } NewtonLimits;
 
-enum { FIXED = -1, MOST_BODIES = 10 };
+enum { FIXED = -1, MAX_BODIES = 10 };
 typedef struct {
     int kind, moves_with; /* moves_with: LEFT, RIGHT or FIXED */
     Body body;
@@ -41,9 +41,9 @@ typedef struct {
 /* Bodies around the rope. */
 typedef struct {
     const Scene *scene;
-    int bodies, any;            /* any: true if an element may touch a body */
-    Placed placed[MOST_BODIES]; /* bodies at the latest contact detection */
-    double speeds[MOST_BODIES][3];
+    int bodies, any;           /* any: true if an element may touch a body */
+    Placed placed[MAX_BODIES]; /* bodies at the latest contact detection */
+    double speeds[MAX_BODIES][3];
     double margin;  /* lower bound of the distances of elements not in `near`, m */
     double longest; /* longest element, m */
     ClearanceCache cache;

@@ -94,7 +94,7 @@ static int initialize(Simulator *rope, double t, const EndMotion ends[2]) {
     const Scene *scene = &rope->scene;
     State *state = rope->next;
     char *message = rope->message;
-    if (!(fabs(t) <= FARTHEST_START)) return say_start_time_out_of_range(message, t, FARTHEST_START);
+    if (!(fabs(t) <= MAX_START_TIME)) return say_start_time_out_of_range(message, t, MAX_START_TIME);
     memset(state, 0, rope->state_bytes);
     state->elements = rope->elements;
     state->t = state->calm_since = t;
@@ -212,11 +212,11 @@ static int advance_to(Simulator *rope, double t, const EndMotion ends[2], double
     const double earliest = begin - rope->scene.inputs.hold_max;
     const int64_t steps_before = rope->state->counts.steps + rope->state->counts.rejections;
     if (!rope->initialized) return say_no_state(rope->message);
-    if (fabs(t - begin) < ROPE_SHORTEST_INTERVAL) return 1;
+    if (fabs(t - begin) < ROPE_MIN_INTERVAL) return 1;
     if (!(isfinite(t) && t > begin)) return say_time_goes_back(rope->message, begin, t);
-    if (t - begin > MOST_STEPS * step_max)
-        return say_too_far_at_once(rope->message, begin, t, MOST_STEPS, step_max, MOST_STEPS * step_max);
-    if (!(earliest <= given_at && given_at <= t + ROPE_SHORTEST_INTERVAL))
+    if (t - begin > MAX_STEPS * step_max)
+        return say_too_far_at_once(rope->message, begin, t, MAX_STEPS, step_max, MAX_STEPS * step_max);
+    if (!(earliest <= given_at && given_at <= t + ROPE_MIN_INTERVAL))
         return say_motions_of_another_time(rope->message, given_at, earliest, t);
     state_copy(rope, state, rope->state);
     state->switched = state->event_count = 0;
@@ -224,15 +224,15 @@ static int advance_to(Simulator *rope, double t, const EndMotion ends[2], double
     if (!move_ends(rope, state, t, ends, given_at)) return 0;
     const Arrays m = state_arrays(state);
     double impulse[2] = {0, 0};
-    const double most = most_work(t - begin, step_max);
+    const double most = max_work(t - begin, step_max);
     const int64_t newton_before = rope->state->counts.newton;
     while (state->t < t) {
         const double t_before = state->t, before[2] = {m.reaction[1], end_row(m.reaction, m.nodes, RIGHT)[1]};
         char why[MESSAGE];
         const int64_t newton = state->counts.newton - newton_before;
         if ((double)newton >= most) return say_too_much_work(rope->message, t_before, (int)newton, begin, t);
-        if (state->counts.steps + state->counts.rejections - steps_before >= MOST_STEPS)
-            return say_too_many_steps(rope->message, t_before, MOST_STEPS, begin, t);
+        if (state->counts.steps + state->counts.rejections - steps_before >= MAX_STEPS)
+            return say_too_many_steps(rope->message, t_before, MAX_STEPS, begin, t);
         if (!step_towards(rope, state, t, why)) return say_fails_at(rope->message, t_before, why);
         if (state->t >= t || state->t - state->looked_at >= LOOK_EVERY) {
             with_passages(rope, state);

@@ -144,8 +144,8 @@ int hang(Simulator *rope, State *state, const EndMotion ends[2], char *message);
 void paths_at_rest(const Simulator *rope, State *state, const EndMotion ends[2], double part);
 
 /* stepping/statics.c */
-/* Set q to an equilibrium, reaction to its residual.  Fail if theta turns by over most_turn (rad) at the right end. */
-int find_equilibrium(Simulator *rope, State *state, double most_turn, char *message);
+/* Set q to an equilibrium, reaction to its residual.  Fail if theta turns by over max_turn (rad) at the right end. */
+int find_equilibrium(Simulator *rope, State *state, double max_turn, char *message);
 
 /* stepping/stepping.c */
 int as_rigid(Simulator *rope, State *state, double t, char *message);         /* Move the rigid model to t. */

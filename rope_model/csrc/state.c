@@ -35,7 +35,7 @@ static int partition_plausible(const Simulator *rope, const State *state, const 
     partition(&rope->mesh, length, 0.5 * length, faced, m->elements, &expected, lengths);
     if (expected.coarse > 0) {
         const int outer = expected.counts[0] + expected.counts[SEGMENTS - 1];
-        const int first = pattern->counts[0], least = (int)fewest_outer(expected.counts + 1);
+        const int first = pattern->counts[0], least = (int)min_outer(expected.counts + 1);
         if (!within(first, least, outer - least)) return 0;
         for (int i = 0; i < PLACES_FACED; i++) /* place of a divider in this window */
             if (isfinite(faced[i])) faced[i] = expected.coarse * (pattern->windows[i] + 0.5 * WINDOW);

@@ -54,11 +54,11 @@ STEP_WORK = 12  #: Newton iterations of a step where they are bounded: the large
 # errors (m and rad) that Newton's method may leave where work is bounded to one step
 BOUNDED_STEP_ERROR = 1e-4
 BOUNDED_MESH_ERROR = 2e-3  #: on a new mesh
-LEAST_LEFT = 0.1  #: fraction of the allowance that remains when all is used up
+MIN_LEFT = 0.1  #: fraction of the allowance that remains when all is used up
 BRAKED = 0.5  #: amplitude of the largest wave over the leg's weight: an emergency stop at 5 m/s^2
 # bounds of a wave's duration with little material damping
-LONGEST_WAVE = 60.0  #: s, a trip
-LARGEST_PHASE = 400.0  #: rad, as of the longest ropes with damping
+MAX_WAVE = 60.0  #: s, a trip
+MAX_PHASE = 400.0  #: rad, as of the longest ropes with damping
 
 
 class StepLimits(NamedTuple):
@@ -90,7 +90,7 @@ class ErrorSums(NamedTuple):
 
 def wave_duration(rope: Any, omega: Any) -> Any:
     """Return the duration (s) of a wave of frequency ``omega`` (rad/s)."""
-    least = maximum(omega / LARGEST_PHASE, 1.0 / LONGEST_WAVE)
+    least = maximum(omega / MAX_PHASE, 1.0 / MAX_WAVE)
     return 2.0 / maximum(rope.beta_K * (omega * omega), 2.0 * least)
 
 
@@ -105,7 +105,7 @@ def step_limits(scene: Any, sums: Any, bottom: Any, end_speed: Any, error_consta
     omega = axial_frequency(rope, leg)
     duration = wave_duration(rope, omega)
     used = end_force_error(rope, sums) / accuracy.end_force
-    allowed = FORCE_FRACTION * maximum(1.0 - used, LEAST_LEFT) * accuracy.end_force / duration
+    allowed = FORCE_FRACTION * maximum(1.0 - used, MIN_LEFT) * accuracy.end_force / duration
     strain = rope.mass_per_length * scene.layout.gravity * leg / rope.Qa
     shortest = sqrt(allowed / (BRAKED * error_constant * (omega * omega * omega)))
     longest_squared = FLOW_FRACTION * accuracy.loop / maximum(flow_error(scene, end_speed, 1.0), TINY)

@@ -21,7 +21,7 @@ import math
 from typing import Any, NamedTuple
 
 from rope_model.physics.elementary import log, maximum, sqrt
-from rope_model.physics.initial_curvature import most_curvature
+from rope_model.physics.initial_curvature import max_curvature
 
 #: sideways displacement of the loop's bottom over its natural width: 0.25 to 0.33 measured at 4 m/s, EI 50 to 1000
 LEAN = 1 / 3
@@ -32,7 +32,7 @@ WHIP = 3e-5
 #: natural width of a free loop over (EI / rho g)^(1/3)
 NATURAL_WIDTH = 2.54307
 #: rad, yaw beyond which the loop may turn over; the estimate is 1.2 to 5 times the yaw measured
-LARGEST_YAW = 1.0
+MAX_YAW = 1.0
 
 
 class Travel(NamedTuple):
@@ -114,7 +114,7 @@ def twist_torque(rope: Any, angle: Any) -> Any:
 
 def curvature_torque(rope: Any) -> Any:
     """Return the largest torque (N m) that permanent curvature causes in the loop, over half a turn of it."""
-    return math.pi * rope.EI * most_curvature(rope)
+    return math.pi * rope.EI * max_curvature(rope)
 
 
 def natural_width(scene: Any) -> Any:

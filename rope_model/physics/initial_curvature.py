@@ -43,7 +43,7 @@ _HATS = {"left": (0, 3), "1": (1, 1), "2": (2, 1), "middle": (3, 3), "4": (4, 1)
 CURVATURES = ("initial_curvature", *(f"curvature_{name}{way}" for way in ("", "_across") for name in _HATS))
 
 
-def most_curvature(rope: Any) -> Any:
+def max_curvature(rope: Any) -> Any:
     """Return the largest permanent curvature (1/m) along the rope; 0 only for a straight rope."""
     largest = 0.0
     for sixth in range(7):

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from rope_model.parameters import Rope
 from rope_model.physics.curved_element import curvature_along
 from rope_model.physics.element import ElementFidelity
-from rope_model.physics.initial_curvature import CURVATURES, START, curvature_components, most_curvature
+from rope_model.physics.initial_curvature import CURVATURES, START, curvature_components, max_curvature
 
 Array = NDArray[np.float64]
 
@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 @lru_cache(maxsize=64)
 def is_curved(rope: Rope, fidelity: ElementFidelity) -> bool:
     """Return whether a permanent curvature acts: sections have a direction in the complete model only."""
-    return fidelity == "torsional" and most_curvature(rope) > 0
+    return fidelity == "torsional" and max_curvature(rope) > 0
 
 
 def partly_curved(rope: Rope, part: float) -> Rope:

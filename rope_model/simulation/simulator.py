@@ -43,19 +43,19 @@ from rope_model.simulation.rope_system import ANGLE, SLOPE, Array, RopeSystem
 from rope_model.simulation.state import RopeState
 from rope_model.simulation.stepping.hang import hang, paths_at_rest
 from rope_model.simulation.stepping.statics import StaticsError, hanging_guess
-from rope_model.simulation.stepping.stepping import as_rigid, most_work, step_towards
+from rope_model.simulation.stepping.stepping import as_rigid, max_work, step_towards
 from rope_model.simulation.wires import start_hysteresis
 
 log = logging.getLogger(__name__)
 
 #: s, shorter intervals are skipped: hosts that end on a multiple of their step have such remainders
-SHORTEST_INTERVAL = 1e-9
+MIN_INTERVAL = 1e-9
 #: largest number of steps, rejected ones included, of a communication step: some hundred seconds
-MOST_STEPS = 20000
+MAX_STEPS = 20000
 #: practically no bound
 UNBOUNDED = 2**31 - 1
 #: s, beyond it the shortest steps are lost in the rounding of the time
-FARTHEST_START = 1e10
+MAX_START_TIME = 1e10
 
 
 class RopeSimulator(BalanceRope):
@@ -173,8 +173,8 @@ class RopeSimulator(BalanceRope):
 
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
         scene, rope = self.scene, self.scene.rope
-        if not abs(t) <= FARTHEST_START:
-            return Status(False, messages.start_time_out_of_range(t, FARTHEST_START))
+        if not abs(t) <= MAX_START_TIME:
+            return Status(False, messages.start_time_out_of_range(t, MAX_START_TIME))
         # a rigid rope needs no way to its position
         paths = paths_at_rest(scene, t, (left, right), float(scene.model.fidelity == "rigid"))
         for side, target in zip(SIDES, (left, right), strict=True):
@@ -221,15 +221,15 @@ class RopeSimulator(BalanceRope):
     def advance_to(self, t: float, left: EndMotion, right: EndMotion, given_at: float | None = None) -> Status:
         scene, state = self.scene, self.state
         start = state.motion.t
-        if abs(t - start) < SHORTEST_INTERVAL:
+        if abs(t - start) < MIN_INTERVAL:
             return Status(True)
         if not (math.isfinite(t) and t > start):
             return Status(False, messages.time_goes_back(start, t))
         step_max, steps_before = self.scene.solver.step_max, state.counts.steps + state.counts.rejections
-        if t - start > MOST_STEPS * step_max:
-            return Status(False, messages.too_far_at_once(start, t, MOST_STEPS, step_max, MOST_STEPS * step_max))
+        if t - start > MAX_STEPS * step_max:
+            return Status(False, messages.too_far_at_once(start, t, MAX_STEPS, step_max, MAX_STEPS * step_max))
         at, earliest = t if given_at is None else given_at, start - scene.inputs.hold_max
-        if not earliest <= at <= t + SHORTEST_INTERVAL:
+        if not earliest <= at <= t + MIN_INTERVAL:
             return Status(False, messages.motions_of_another_time(at, earliest, t))
         settings, steps = self._filter_settings, []
         bottom = self.model.bottom(state.paths, start)
@@ -253,13 +253,13 @@ class RopeSimulator(BalanceRope):
                 return Status(False, str(error))
         impulse = [0.0, 0.0]
         work_end = state.counts.newton + (self.scene.solver.work_max or UNBOUNDED)
-        newton, most = state.counts.newton, most_work(t - start, step_max)
+        newton, most = state.counts.newton, max_work(t - start, step_max)
         while state.motion.t < t:
             before = state.motion
             if state.counts.newton - newton >= most:
                 return Status(False, messages.too_much_work(before.t, state.counts.newton - newton, start, t))
-            if state.counts.steps + state.counts.rejections - steps_before >= MOST_STEPS:
-                return Status(False, messages.too_many_steps(before.t, MOST_STEPS, start, t))
+            if state.counts.steps + state.counts.rejections - steps_before >= MAX_STEPS:
+                return Status(False, messages.too_many_steps(before.t, MAX_STEPS, start, t))
             advanced = step_towards(self.model, state, t, work_end)
             if isinstance(advanced, str):
                 return Status(False, messages.fails_at(before.t, advanced))

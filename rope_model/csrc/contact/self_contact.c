@@ -21,7 +21,7 @@ static int near_elements(const System *s, int element) {
     double along = 0;
     int number = 0;
     for (int e = element + 1; e < s->elements; along += s->lengths[e++]) {
-        if (along < LEAST_ARC * diameter) continue;
+        if (along < MIN_ARC * diameter) continue;
         const double gap = gap_of(self_contact->boxes[element], self_contact->boxes[e]);
         self_contact->cache.free = minimum(self_contact->cache.free, gap);
         if (!(gap < diameter)) continue;
@@ -86,7 +86,7 @@ static int next_strand(const System *s, int others) {
     }
     if (nearest < 0) return -1;
     for (int n = 0; n < others; n++)
-        if (fabs(arc_gap(s, n) - arc_gap(s, nearest)) < LEAST_ARC * diameter) self_contact->distances[n] = INFINITY;
+        if (fabs(arc_gap(s, n) - arc_gap(s, nearest)) < MIN_ARC * diameter) self_contact->distances[n] = INFINITY;
     return nearest;
 }
 
@@ -108,7 +108,7 @@ static void search_element(const System *s, const double *q, const double *v, co
         }
         if (least < self_contact->nearest[0]) self_contact->nearest[1] = point[1];
         self_contact->nearest[0] = minimum(self_contact->nearest[0], least);
-        for (int strand = 0; self_contact->presses && least < diameter && strand < MOST_STRANDS; strand++) {
+        for (int strand = 0; self_contact->presses && least < diameter && strand < MAX_STRANDS; strand++) {
             const int n = next_strand(s, others);
             if (n < 0) break;
             touch.elements[1] = self_contact->others[n];

@@ -41,7 +41,7 @@ static void refine(NearestSearch *search, double s, double length, const double 
 static int searches_of(const Scene *scene, const Arrays *m, double t, const Nearest nearest[KINDS],
                        NearestSearch *searches) {
     const double *const ends[2] = {m->q, m->q + (size_t)m->elements * DOF};
-    Placed bodies[MOST_BODIES];
+    Placed bodies[MAX_BODIES];
     const int number = placed_bodies(&scene->shaft, ends, bodies);
     const int lowest = number > 0 ? lowest_node(m->nodes, m->q) : 0;
     for (int n = 0; n < number; n++) {
@@ -73,7 +73,7 @@ static void search_elements(NearestSearch *search, const Arrays *m, int first, i
 }
 
 void shaft_nearer(const Scene *scene, const Arrays *m, double t, Nearest nearest[KINDS]) {
-    NearestSearch searches[MOST_BODIES];
+    NearestSearch searches[MAX_BODIES];
     const int number = searches_of(scene, m, t, nearest, searches);
     for (int first = 0, last; number > 0 && first < m->elements; first = last) {
         double box[6];
@@ -86,7 +86,7 @@ void shaft_nearer(const Scene *scene, const Arrays *m, double t, Nearest nearest
 }
 
 void shaft_clearances(const Scene *scene, const Arrays *m, double t, Nearest nearest[KINDS]) {
-    NearestSearch searches[MOST_BODIES];
+    NearestSearch searches[MAX_BODIES];
     far_bodies(nearest);
     const int number = searches_of(scene, m, t, nearest, searches);
     for (int n = 0; n < number; n++)

@@ -115,14 +115,14 @@ int partition_elements(const Mesh *mesh, double length, const double *faced, cha
         return message[0] ? 0 : mesh->elements;
     }
     double outer = outer_of(mesh, length);
-    if (outer > (double)MOST_ELEMENTS)
-        return say_too_many_lengths(message, mesh->coarse_length, length, outer, MOST_ELEMENTS);
+    if (outer > (double)MAX_ELEMENTS)
+        return say_too_many_lengths(message, mesh->coarse_length, length, outer, MAX_ELEMENTS);
     if (!(outer >= 2)) return say_too_few_lengths(message, inner_length(mesh->counts) * mesh->coarse_length, length);
     double growth = mesh->grading_length / (length / (outer + inner_length(mesh->counts)));
     double elements = leg_elements((int)outer, growth) + 2 * mesh->end_levels;
     for (int k = 0; k < SEGMENTS - 2; k++) elements += mesh->counts[k];
     for (int i = 0; i < PLACES_FACED; i++) elements += isfinite(faced[i]) ? WINDOW * (WINDOW_PARTS - 1) : 0;
-    if (elements > (double)MOST_ELEMENTS) return say_too_many_elements(message, elements, MOST_ELEMENTS);
+    if (elements > (double)MAX_ELEMENTS) return say_too_many_elements(message, elements, MAX_ELEMENTS);
     return (int)elements;
 }
 
@@ -202,7 +202,7 @@ void partition(const Mesh *mesh, double length, double bottom, const double *fac
     }
     double inner = inner_length(mesh->counts), outer = outer_of(mesh, length);
     double coarse = length / (outer + inner);
-    double first = rint(bottom / coarse - 0.5 * inner), least = fewest_outer(mesh->counts);
+    double first = rint(bottom / coarse - 0.5 * inner), least = min_outer(mesh->counts);
     first = first > least ? fmin(first, outer - least) : least;
     pattern->coarse = coarse;
     pattern->end_levels = mesh->end_levels;

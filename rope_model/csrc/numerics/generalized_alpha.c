@@ -16,7 +16,7 @@ static const double *resolved_change(Simulator *rope, const Chain *chain, const 
 
 /* True if the rate of the acceleration over the step `before` may predict a step h. */
 static int rate_known(double h, double before) {
-    return 0 < h && h <= LARGEST_GROWTH * before;
+    return 0 < h && h <= MAX_GROWTH * before;
 }
 
 double recentring(const Coefficients *method, double h, double before) {

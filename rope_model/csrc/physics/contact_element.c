@@ -9,10 +9,10 @@ typedef struct {
 } ContactPair;
 
 /* Integration points of the parts in contact.  A cell has two monotone sides, a side two pieces. */
-enum { MOST_PRESSED = 4 * CONTACT_CELLS * CONTACT_POINTS };
+enum { MAX_PRESSED = 4 * CONTACT_CELLS * CONTACT_POINTS };
 typedef struct {
     int number;
-    double points[MOST_PRESSED][2]; /* element coordinate and weight */
+    double points[MAX_PRESSED][2]; /* element coordinate and weight */
 } Pressed;
 
 static Probe probe_at(const ContactPair *pair, double place) {

@@ -5,11 +5,11 @@
 #include "simulator.h"
 
 /* Bring the state to an equilibrium at rest, with the yaw of its loop. */
-static int equilibrium_in_frame(Simulator *rope, State *state, double most_turn, char *message) {
+static int equilibrium_in_frame(Simulator *rope, State *state, double max_turn, char *message) {
     const Arrays m = state_arrays(state);
     const size_t bytes = sizeof(double) * (size_t)m.nodes * DOF;
     const double offset = state->offsets[RIGHT];
-    if (!find_equilibrium(rope, state, most_turn, message)) return 0;
+    if (!find_equilibrium(rope, state, max_turn, message)) return 0;
     memset(m.v, 0, (FIELDS - 2) * bytes); /* all arrays except q and the reaction */
     state->h = 0;
     model_energies(rope, state);
@@ -26,16 +26,16 @@ static int turn_in(Simulator *rope, State *state, double twist, char *message) {
     while (left != 0) {
         size = fmin(size, 0.5 * fabs(left - beyond));
         const double step = size < fabs(left) ? copysign(size, twist) : left;
-        const int last = fabs(step) <= LEAST_TWIST_STEP;
+        const int last = fabs(step) <= MIN_TWIST_STEP;
         char why[MESSAGE];
-        if (rope->corrections >= MOST_CORRECTIONS) {
+        if (rope->corrections >= MAX_CORRECTIONS) {
             say_takes_too_long(why);
             return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)rope->corrections, why);
         }
         state_copy(rope, rope->spare, state);
         state->offsets[RIGHT] += step;
         for (int k = 0; k < m.nodes; k++) m.q[(size_t)k * DOF + ANGLE] += step * (m.s[k] / m.s[m.elements]);
-        if (!equilibrium_in_frame(rope, state, last ? INFINITY : MOST_TURN, message)) {
+        if (!equilibrium_in_frame(rope, state, last ? INFINITY : MAX_TURN, message)) {
             if (!rope->turned) {
                 memcpy(why, message, MESSAGE);
                 return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)rope->corrections, why);
@@ -47,7 +47,7 @@ static int turn_in(Simulator *rope, State *state, double twist, char *message) {
         }
         const double turn = state->offsets[RIGHT] - rope->spare->offsets[RIGHT] - step;
         left -= step;
-        if (fabs(turn) > MOST_TURN) state->snapped_at = twist - left;
+        if (fabs(turn) > MAX_TURN) state->snapped_at = twist - left;
         size = fmin(2 * fabs(step), TWIST_STEP);
         if (last) beyond = INFINITY;
     }
@@ -63,12 +63,12 @@ static int let_curve(Simulator *rope, State *state, char *message) {
         if (parts > 0) rope->scene.rope = partly_curved(&whole, (double)k / parts);
         found = equilibrium_in_frame(rope, state, INFINITY, message);
     }
-    const double reached = most_curvature(&rope->scene.rope);
+    const double reached = max_curvature(&rope->scene.rope);
     rope->scene.rope = whole;
     if (!found && parts > 0 && reached > 0) {
         char why[MESSAGE];
         memcpy(why, message, MESSAGE);
-        say_fails_at_curvature(message, reached, most_curvature(&whole), why);
+        say_fails_at_curvature(message, reached, max_curvature(&whole), why);
     }
     return found;
 }

@@ -6,7 +6,7 @@
 #include "messages.h"
 
 enum { MAX_ITERATIONS = 10000 };
-#define LARGEST_MOVE 0.3 /* m or rad, of one step */
+#define MAX_MOVE 0.3 /* m or rad, of one step */
 
 /* Return the work of the residual R along x, which is zero where the rope is held. */
 static double work_along(const System *s, const double *R, const double *x) {
@@ -20,7 +20,7 @@ static double imbalance(const System *s, const double *R) {
     return rope_system_norm(s, R, 1. / s->shortest);
 }
 
-int find_equilibrium(Simulator *rope, State *state, double most_turn, char *message) {
+int find_equilibrium(Simulator *rope, State *state, double max_turn, char *message) {
     const Arrays m = state_arrays(state), *scratch = &rope->trial;
     const System s = rope_system(rope, state);
     const Chain *chain = chain_of(rope, state);
@@ -48,7 +48,7 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
         /* The tangent lacks the part of the law without energy; relaxation makes up for it. */
         if (s.P[P_QK] != 0 && tau > SETTLED && last > 0) relaxed = relaxation(error / last, relaxed);
         last = error;
-        const double step = fmin(relaxed, LARGEST_MOVE / fmax(move, 1e-300));
+        const double step = fmin(relaxed, MAX_MOVE / fmax(move, 1e-300));
         for (size_t i = 0; i < size; i++) trial[i] = m.q[i] + step * x[i];
         chain->evaluate(&s, trial, rest, rest, now, R, balance);
         const double force = imbalance(&s, R);
@@ -62,7 +62,7 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
             continue;
         }
         turned += rope_system_transport(rope, state, trial, rest, rest, rest);
-        rope->turned = fabs(turned) > most_turn;
+        rope->turned = fabs(turned) > max_turn;
         if (rope->turned) break;
         memcpy(m.q, trial, bytes);
         memcpy(m.reaction, R, bytes);

@@ -134,16 +134,16 @@ class Pair:
         order = np.lexsort((their_s, distance, number))
         order = order[distance[order] < diameter]
         _, begin, counts = np.unique(number[order], return_index=True, return_counts=True)
-        alone = np.abs(their_s[order] - their_s[order[begin]].repeat(counts)) < rope_on_rope.LEAST_ARC * self.diameter
+        alone = np.abs(their_s[order] - their_s[order[begin]].repeat(counts)) < rope_on_rope.MIN_ARC * self.diameter
         parts = [(order[begin], 0 * begin)]
         for k in begin[~np.logical_and.reduceat(alone, begin)] if begin.size else ():
             here = order[number[order] == number[order[k]]]
-            chosen = here[strands(their_s[here].tolist(), rope_on_rope.LEAST_ARC * self.diameter)]
+            chosen = here[strands(their_s[here].tolist(), rope_on_rope.MIN_ARC * self.diameter)]
             ranks = np.argsort(np.argsort(their_s[chosen]))
             parts[0][1][parts[0][0] == chosen[0]] = ranks[0]
             parts.append((chosen[1:], ranks[1:]))
         touching, rank = (np.concatenate(x) for x in zip(*parts, strict=True))
-        label = number[touching] * rope_on_rope.MOST_STRANDS + rank
+        label = number[touching] * rope_on_rope.MAX_STRANDS + rank
         touching = touching[np.argsort(label)]
         return np.sort(label), np.array((s[touching], their_s[touching]))
 

@@ -76,7 +76,7 @@ def find_self_contacts(scene: Scene, q: Array, v: Array, lengths: Array, cq: flo
     diameter, law, l = scene.rope.diameter, scene.shaft.contact, lengths.tolist()
     start = (np.cumsum(lengths) - lengths).tolist()
     for e, N, weight, point, touching in _touching(q, rows, lengths, diameter):
-        for n in strands([start[o] + xi * l[o] for _, o, xi in touching], rope_on_rope.LEAST_ARC * diameter):
+        for n in strands([start[o] + xi * l[o] for _, o, xi in touching], rope_on_rope.MIN_ARC * diameter):
             _, other, xi = touching[n]
             partner = hermite.shape_functions(xi, l[other])
             separation = _difference(point, _at(rows, other, partner))
@@ -163,7 +163,7 @@ def _near_elements(q: Array, lengths: Array, diameter: float) -> list[tuple[int,
     box = np.array(enclosing_box(lengths, rows[:, :-1], rows[:, 1:]))
     gaps = np.abs(box[:3, :, None] - box[:3, None, :]) - (box[3:, :, None] + box[3:, None, :])
     start = np.cumsum(lengths) - lengths
-    near = (gaps < diameter).all(axis=0) & (start - (start + lengths)[:, None] >= rope_on_rope.LEAST_ARC * diameter)
+    near = (gaps < diameter).all(axis=0) & (start - (start + lengths)[:, None] >= rope_on_rope.MIN_ARC * diameter)
     return [(int(e), np.flatnonzero(near[e]).tolist()) for e in np.flatnonzero(near.any(axis=1))]
 
 
@@ -171,7 +171,7 @@ def strands(s: list[float], reach: float) -> list[int]:
     """Return the indices of points ``s``, nearest first, on separate strands: ``reach`` or more from those before."""
     chosen: list[int] = []
     for n, s_n in enumerate(s):
-        if len(chosen) < rope_on_rope.MOST_STRANDS and all(abs(s_n - s[before]) >= reach for before in chosen):
+        if len(chosen) < rope_on_rope.MAX_STRANDS and all(abs(s_n - s[before]) >= reach for before in chosen):
             chosen.append(n)
     return chosen
 

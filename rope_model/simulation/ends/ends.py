@@ -32,7 +32,7 @@ from rope_model.simulation.rope_system import ANGLE, SLOPE, Array
 from rope_model.solver_parameters import Inputs
 
 YAW_SENSE = (-1.0, 1.0)  #: sense of the conveyance's yaw in theta, left and right
-LEAST_LEAN = 1e-24  #: rad^2, squared lean below which C and S take their limits
+MIN_LEAN_SQUARE = 1e-24  #: rad^2, squared lean below which C and S take their limits
 SMALL_LEAN = 1e-5  #: rad^2, squared lean below which D and E take their limits
 HANGING_WIDTH = 0.4  #: width between the ends over the length of the loop in which a rope is first hung up
 
@@ -119,7 +119,7 @@ def leaning(lean: Any, lean_z: Any) -> tuple[tuple[Any, ...], ...]:
     """
     (x, x_t, x_tt), (z, z_t, z_tt) = lean, lean_z
     square, p = x * x + z * z, x * x_t + z * z_t
-    p_t, angle = x_t * x_t + z_t * z_t + x * x_tt + z * z_tt, sqrt(maximum(square, LEAST_LEAN))
+    p_t, angle = x_t * x_t + z_t * z_t + x * x_tt + z * z_tt, sqrt(maximum(square, MIN_LEAN_SQUARE))
     C, S, divisor = cos(angle), sin(angle) / angle, maximum(square, SMALL_LEAN)
     D = where(square > SMALL_LEAN, (C - S) / divisor, -1.0 / 3.0)
     E = where(square > SMALL_LEAN, -(S + 3.0 * D) / divisor, 1.0 / 15.0)
@@ -133,7 +133,7 @@ def leaning(lean: Any, lean_z: Any) -> tuple[tuple[Any, ...], ...]:
 def partly_placed(scene: Any, own: Any, other: Any, sense: Any, part: Any) -> EndMotion:
     """Return the end ``own`` on its way from a rope hung in a loop (part 0) to its position and lean (part 1)."""
     x, z = other.x - own.x - sense * scene.layout.spacing, other.z - own.z
-    narrow = HANGING_WIDTH * (scene.rope.length - abs(other.y - own.y)) / maximum(hypot(x, z), LEAST_LEAN)
+    narrow = HANGING_WIDTH * (scene.rope.length - abs(other.y - own.y)) / maximum(hypot(x, z), MIN_LEAN_SQUARE)
     shift = 0.5 * (1.0 - minimum(narrow, 1.0)) * (1.0 - part)
     x, z = own.x + shift * x, own.z + shift * z
     return EndMotion(x, own.y, z, yaw=own.yaw, lean=part * own.lean, lean_z=part * own.lean_z)

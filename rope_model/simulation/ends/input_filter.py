@@ -31,10 +31,10 @@ from rope_model.simulation.ends.paths import RESTS_BELOW, EndMotion, EndPath
 
 #: m/s^3, jerk that is allowed at any instant of a consistent motion; met within 20 ms it takes 5.8 h times it at most,
 #: 0.1 % of g
-LEAST_JERK = 0.1
+MIN_JERK = 0.1
 #: rad/s^3, the same for a yaw, which only twists the rope; FMI gives no yaw acceleration.  3 degrees at 2 Hz have it
-LEAST_YAW_JERK = 100.0
-_JERKS = (*(LEAST_JERK,) * 3, LEAST_YAW_JERK)
+MIN_YAW_JERK = 100.0
+_JERKS = (*(MIN_JERK,) * 3, MIN_YAW_JERK)
 #: bandwidth of estimates over the frequency of the rope's slowest axial wave: 1/10 of a motion at that frequency passes
 #: (order 2), or 1/32 (order 3)
 ESTIMATE_FRACTION = 1.0 / 3.0
@@ -43,16 +43,16 @@ GRIDS = (1e-2, 1e-3, 1e-4)
 #: tolerance in multiples of a grid: doubles round 1e4 m by 1e-8 of the finest
 ON_GRID = 1e-6
 #: s, time below which the mean acceleration from a rate of six decimals is off by more than 1e-3 rad/s^2
-SHORTEST_MEAN = 1e-3
+MIN_MEAN_TIME = 1e-3
 #: s, time in which the rounding of positions of 1e4 m, 2e-12 m, takes some 0.1 m/s^2; in 1e-8 s it takes 1e5
-SHORTEST_AIM = 1e-5
+MIN_AIM_TIME = 1e-5
 #: m/s, least change of speed between samples that reveals a broken line: twice the error of six decimals in 10 ms
-LEAST_CHANGE = 2e-4
+MIN_CHANGE = 2e-4
 # change of the speed over that by the acceleration: 1 in a smooth motion, n at a break of a table of n steps
 STRAIGHT = 0.2  #: upper bound on a straight line; the jerk makes up a fifth
 BROKEN = 1.8  #: lower bound at a break
 #: breaks after pieces of equal length that reveal a table: random pieces of 2 or 3 steps are alike so once in 2^7
-FEWEST_BREAKS = 8.0
+MIN_BREAKS = 8.0
 #: relative difference of such lengths: less than a step of a table of a hundred
 ALIKE = 0.01
 
@@ -142,7 +142,7 @@ def filter_sample(state: Any, settings: Any, given_at: Any, h: Any, end: Any) ->
     repeated = _repeated(state, settings, since, values, speeds)
     motion = []
     # FMI gives no yaw acceleration: take the mean since the sample before
-    accelerations = (*end.acceleration, (end.yaw_rate - state.motion[3][1]) / maximum(since, SHORTEST_MEAN))
+    accelerations = (*end.acceleration, (end.yaw_rate - state.motion[3][1]) / maximum(since, MIN_MEAN_TIME))
     for old_axis, x, v, a in zip(state.motion, (*end.position, end.yaw), speeds, accelerations, strict=True):
         new = _completed(old_axis, settings, since, (x, v, a))
         motion.append(tuple(where(repeated, old, value) for old, value in zip(old_axis, new, strict=True)))
@@ -154,7 +154,7 @@ def filter_sample(state: Any, settings: Any, given_at: Any, h: Any, end: Any) ->
     moves = logical_or(*(abs(axis[1]) > RESTS_BELOW for axis in motion))
     new_signs = _signs(state, given_at, since, end, motion[1][2], moves)
     signs = {name: where(repeated, getattr(state, name), value) for name, value in new_signs.items()}
-    keeps_rates = logical_or(repeated, since < SHORTEST_AIM)
+    keeps_rates = logical_or(repeated, since < MIN_AIM_TIME)
     means = ((x - old) / since for x, old in zip((end.lean, end.lean_z), state.given[-2:], strict=True))
     result: InputFilter = state._replace(
         given=values,
@@ -227,11 +227,11 @@ def _signs(state: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: Any)
         finest = where(abs(multiple - floor(multiple + 0.5)) < ON_GRID, grid, finest)
     slope = (end.y - state.given[1]) / since
     change, expected = abs(slope - state.slope), abs(ay) * since
-    visible = expected > LEAST_CHANGE
+    visible = expected > MIN_CHANGE
     breaks = logical_and(visible, change > BROKEN * expected)
     straight = logical_and(visible, change < STRAIGHT * expected)
     counts, piece = logical_and(breaks, state.straight > 0), given_at - state.broken_at
-    is_table = state.breaks >= FEWEST_BREAKS
+    is_table = state.breaks >= MIN_BREAKS
     alike = logical_or(is_table, abs(piece - state.table_every) < ALIKE * piece)
     return {
         "grid": where(moves, minimum(state.grid, finest), state.grid),
@@ -247,7 +247,7 @@ def _signs(state: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: Any)
 def filter_path(path: Any, state: Any, stop: Any, bandwidth: Any) -> EndPath:
     """Return the path from the end of ``path`` to ``stop`` that follows the inputs; a very short one leads beyond."""
     start = path.stop
-    h = maximum(stop - start, SHORTEST_AIM)
+    h = maximum(stop - start, MIN_AIM_TIME)
     ahead = stop - state.given_at + (h - (stop - start))
     starts = zip(*path.motion(start), strict=True)
     axes = zip(_JERKS, starts, state.motion, state.end_accelerations, state.recent_changes, strict=True)
@@ -262,7 +262,7 @@ def _lean_quintic(h: Any, ahead: Any, start: Any, sample: Any, mean: Any) -> tup
 
     Its rate, which is not given, lags by a sixth of the step; ``mean`` is that between the latest samples.
     """
-    (x, v, a), aim = start, maximum(h, SHORTEST_MEAN)
+    (x, v, a), aim = start, maximum(h, MIN_MEAN_TIME)
     target = sample + (ahead + (aim - h)) * mean
     rate = 1.5 * (target - x) / aim - 0.5 * v
     return quintic.coefficients(aim, x, v, a, target, rate, (rate - v) / aim)

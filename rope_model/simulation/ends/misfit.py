@@ -15,7 +15,7 @@ from rope_model.numerics import quintic
 from rope_model.physics.accuracy import TINY, wave_duration
 from rope_model.physics.elementary import cos, exp, maximum, minimum, sin, sqrt, where
 from rope_model.physics.estimates import axial_frequency
-from rope_model.simulation.ends.input_filter import LEAST_JERK, InputFilter, end_misfits, sample_misfit
+from rope_model.simulation.ends.input_filter import MIN_JERK, InputFilter, end_misfits, sample_misfit
 
 #: fraction of a leg's mass that swings in its slowest axial wave
 SWINGING = 8.0 / math.pi**2
@@ -45,7 +45,7 @@ def add_misfit(state: Any, path: Any, settings: Any, rope: Any, leg: Any) -> Inp
     x, v, a = state.motion[1]
     y, vy = quintic.extrapolate(x, v, a, path.stop - state.given_at)
     accelerations = state.end_accelerations[1], state.motion[1][2]
-    sample = sample_misfit(h, (c0, c1), accelerations, (y, vy), state.recent_changes[1], LEAST_JERK)
+    sample = sample_misfit(h, (c0, c1), accelerations, (y, vy), state.recent_changes[1], MIN_JERK)
     fits = maximum(1.0 - (path.stop - state.given_at) / h, 0.0) * sample.position_fits * sample.speed_fits
     faster, most = sample.faster * fits, ONE_CHANGE * h * abs(sample.faster * fits)
     aside = minimum(maximum(sample.farther * fits - 0.5 * h * faster, -most), most)

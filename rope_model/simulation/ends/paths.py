@@ -22,9 +22,9 @@ PATH = ("x", "y", "z", "yaw")  #: coordinates of an end's path
 LEANS = ("lean", "lean_z")  #: leans of a clamp, which have paths of their own
 RESTS_BELOW = 1e-6  #: m/s and rad/s, speed below which an end is at rest
 # bounds of accepted motions
-FARTHEST = 1e4  #: m and rad
-FASTEST = 60.0  #: m/s and rad/s
-HARDEST = 100.0  #: m/s^2 and rad/s^2
+MAX_POSITION = 1e4  #: m and rad
+MAX_SPEED = 60.0  #: m/s and rad/s
+MAX_ACCELERATION = 100.0  #: m/s^2 and rad/s^2
 
 
 def _motion(unit: str, description: str, reach: float) -> float:
@@ -39,17 +39,17 @@ class EndMotion:
     Metres, seconds, radians; yaw about Y (up).  A clamp yaws first, then leans; as it leans on, it spins by yaw.
     """
 
-    x: float = _motion("m", "position of the {side} suspension point, in plane, from the nominal point", FARTHEST)
-    y: float = _motion("m", "position of the {side} suspension point, up", FARTHEST)
-    z: float = _motion("m", "position of the {side} suspension point, out of plane", FARTHEST)
-    vx: float = _motion("m/s", "speed of the {side} suspension point, in plane", FASTEST)
-    vy: float = _motion("m/s", "speed of the {side} suspension point, up", FASTEST)
-    vz: float = _motion("m/s", "speed of the {side} suspension point, out of plane", FASTEST)
-    ax: float = _motion("m/s2", "acceleration of the {side} suspension point, in plane", HARDEST)
-    ay: float = _motion("m/s2", "acceleration of the {side} suspension point, up", HARDEST)
-    az: float = _motion("m/s2", "acceleration of the {side} suspension point, out of plane", HARDEST)
-    yaw: float = _motion("rad", "yaw of the {side} conveyance about Y", FARTHEST)
-    yaw_rate: float = _motion("rad/s", "rate of {side}.yaw", FASTEST)
+    x: float = _motion("m", "position of the {side} suspension point, in plane, from the nominal point", MAX_POSITION)
+    y: float = _motion("m", "position of the {side} suspension point, up", MAX_POSITION)
+    z: float = _motion("m", "position of the {side} suspension point, out of plane", MAX_POSITION)
+    vx: float = _motion("m/s", "speed of the {side} suspension point, in plane", MAX_SPEED)
+    vy: float = _motion("m/s", "speed of the {side} suspension point, up", MAX_SPEED)
+    vz: float = _motion("m/s", "speed of the {side} suspension point, out of plane", MAX_SPEED)
+    ax: float = _motion("m/s2", "acceleration of the {side} suspension point, in plane", MAX_ACCELERATION)
+    ay: float = _motion("m/s2", "acceleration of the {side} suspension point, up", MAX_ACCELERATION)
+    az: float = _motion("m/s2", "acceleration of the {side} suspension point, out of plane", MAX_ACCELERATION)
+    yaw: float = _motion("rad", "yaw of the {side} conveyance about Y", MAX_POSITION)
+    yaw_rate: float = _motion("rad/s", "rate of {side}.yaw", MAX_SPEED)
     lean: float = _motion("rad", "lean of the {side} end from plumb, in plane; of a clamp alone", math.pi)
     lean_z: float = _motion("rad", "lean of the {side} end from plumb, out of plane; of a clamp alone", math.pi)
 

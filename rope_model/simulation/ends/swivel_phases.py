@@ -66,8 +66,7 @@ def moment_of_swivel(swivel: Any, swivel_state: Any, tension: Any, held: Any) ->
 
 def swivel_excess(swivel: Any, swivel_state: Any, tension: Any, held: Any, rate: Any) -> Any:
     """Return the event function: negative while the swivel may stay in its phase."""
-    stays = logical_or(
-        swivel_state.phase == Phase.LOCKED, logical_and(swivel_state.phase == Phase.SLIP, frictionless(swivel))
-    )
+    phase = swivel_state.phase
+    stays = logical_or(phase == Phase.LOCKED, logical_and(phase == Phase.SLIP, frictionless(swivel)))
     beyond = beyond_rest(swivel, tension, held)
-    return where(stays, -math.inf, where(swivel_state.phase == Phase.STICK, beyond, -swivel_state.sign * rate))
+    return where(stays, -math.inf, where(phase == Phase.STICK, beyond, -swivel_state.sign * rate))

@@ -22,7 +22,7 @@ from rope_model.physics.estimates import axial_frequency, bending_length
 #: as well from 0.5 on; the margin keeps a loop that trembles by up to l/5 from transforming to and fro
 DUE = 0.6
 RATIO = 4.0  #: l over the length of the elements of IV: five segments
-MOST_LEVELS = 8  #: largest end_levels
+MAX_LEVELS = 8  #: largest end_levels
 MESH_SHARE = 0.5  #: fraction of the loop's allowed error that the mesh may take
 # upper bounds of grading_length
 LEG_GRADING = 7.5e5  #: m, times loop_error / length: lag allowed to short waves on a long trip
@@ -38,13 +38,13 @@ PUMPED_GROWTH = 8.0  #: exponent of a wave's growth below which it needs fewer e
 PUMPED_ERROR = 5e-3  #: m, error of the loop below which elements are shorter, by its fourth root
 NATURAL_RADIUS = 0.912  #: smallest radius of curvature of the free loop over w: 1 / 1.09661
 LOCKING_SHARE = 0.6  #: fraction of loop_error that the loop's elements may take at rest
-LONGEST = 0.75  #: longest element of the loop over R: on longer ones it slips aside
+MAX_LENGTH = 0.75  #: longest element of the loop over R: on longer ones it slips aside
 # decay length above the bend over w
 FADE = 1.0  #: for an error of the loop of FADE_ERROR
 FADE_ERROR = 0.05  #: m
 FADE_DECADE = 0.43  #: increase for a tenth of the error
 #: distance (rope lengths) of the loop from an end down to which no part of the pattern is cut off: ends 3/4 L apart
-NEAREST = 0.12
+MIN_END_DISTANCE = 0.12
 END_LENGTH = 2.9  #: length of the end elements over the bending layer there, shorter by the fifth root of the error
 END_ERROR = 0.033  #: error of the loop over R to which END_LENGTH belongs
 BLOW = 0.01  #: s, delay of the elements of legs that a divider may press: physics.contact_error
@@ -69,7 +69,7 @@ def fit_lengths(scene: Any, loop_error: Any, decades: Any) -> FittedLengths:
     rope, w = scene.rope, bending_length(scene)
     radius = minimum(0.5 * scene.layout.spacing, NATURAL_RADIUS * w)
     shorter = (loop_error / (END_ERROR * radius)) ** 0.2
-    fine = minimum(length_for(scene, LOCKING_SHARE * loop_error), LONGEST * radius)
+    fine = minimum(length_for(scene, LOCKING_SHARE * loop_error), MAX_LENGTH * radius)
     fade = w * maximum(FADE + FADE_DECADE * decades, 0.0)
     layer = sqrt(rope.EI / (0.5 * (rope.mass_per_length * scene.layout.gravity) * rope.length))
     grading = minimum(minimum(LEG_GRADING * loop_error, LEG_WAVES) / rope.length, LEG_SWAY * w)
@@ -128,13 +128,13 @@ class FittedMesh(NamedTuple):
 def fit_elements(scene: Any, loop_error: Any, decades: Any) -> FittedMesh:
     """Return the mesh for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
     length, lengths, longest = scene.rope.length, fit_lengths(scene, loop_error, decades), pressed_length(scene)
-    # no part of the pattern may be cut off while the loop is NEAREST or farther from an end
+    # no part of the pattern may be cut off while the loop is MIN_END_DISTANCE or farther from an end
     coarse = minimum(RATIO * lengths.fine, longest)
-    coarse = minimum(coarse, 2 * NEAREST * length / _inner_length(_fine_count(lengths, coarse)))
+    coarse = minimum(coarse, 2 * MIN_END_DISTANCE * length / _inner_length(_fine_count(lengths, coarse)))
     fine = _fine_count(lengths, coarse)
-    short = coarse * (0.5 * _inner_length(fine) - DUE) > NEAREST * length
+    short = coarse * (0.5 * _inner_length(fine) - DUE) > MIN_END_DISTANCE * length
     equal = where(short, maximum(ceil(length / minimum(lengths.fine, 0.5 * longest)), 8.0), 0.0)
-    end_levels = sum((less(lengths.end * 2**k, coarse) for k in range(1, MOST_LEVELS)), less(lengths.end, coarse))
+    end_levels = sum((less(lengths.end * 2**k, coarse) for k in range(1, MAX_LEVELS)), less(lengths.end, coarse))
     grading = where(longest < math.inf, 0.0, lengths.grading)  # no joined elements in I and VII
     return FittedMesh(equal, coarse, fine, end_levels, grading)
 

@@ -34,7 +34,7 @@ def inner_length(counts: Any) -> Any:
     return 0.5 * (ii + vi) + 0.25 * (iii + v) + fine_share(counts) * iv
 
 
-def fewest_outer(counts: Any) -> Any:
+def min_outer(counts: Any) -> Any:
     """Return the smallest number of elements of I or VII: below 1 by the whole l in half of segments II to VI."""
     return 1.0 - floor(0.5 * inner_length(counts))
 
@@ -58,7 +58,7 @@ def window_place(pattern: Any, s: Any) -> Any:
 def _past_limit(pattern: Any, offset: Any) -> Any:
     """Return the distance past the limit of a loop that is ``offset`` (m) right of the centre."""
     outer = where(offset > 0.0, pattern.counts[6], pattern.counts[0])
-    stays = logical_or(pattern.coarse <= 0.0, outer == fewest_outer(pattern.counts[1:6]))
+    stays = logical_or(pattern.coarse <= 0.0, outer == min_outer(pattern.counts[1:6]))
     return where(stays, -math.inf, abs(offset) - DUE * pattern.coarse)
 
 

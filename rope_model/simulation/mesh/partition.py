@@ -35,7 +35,7 @@ from rope_model.simulation.mesh import mesh_pattern as tmn
 from rope_model.simulation.mesh.mesh_fit import FADE_ERROR, MESH_SHARE, faced_positions, fit_elements
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import Array, arc_lengths
-from rope_model.solver_parameters import MOST_ELEMENTS, Mesh
+from rope_model.solver_parameters import MAX_ELEMENTS, Mesh
 
 #: distance (l) beyond the limit of a transformation that a step carries the loop at most: 20 ms at 20 m/s with l = 1.6
 #: m
@@ -118,16 +118,16 @@ def partition(mesh: Mesh, length: float, bottom: float, faced: Sequence[float] =
         return Partition(np.full(mesh.elements, length / mesh.elements))
     inner = float(tmn.inner_length(mesh.counts))
     outer = float(np.rint(length / mesh.coarse_length - inner))
-    if outer > MOST_ELEMENTS:
-        raise ValueError(messages.too_many_lengths(mesh.coarse_length, length, outer, MOST_ELEMENTS))
+    if outer > MAX_ELEMENTS:
+        raise ValueError(messages.too_many_lengths(mesh.coarse_length, length, outer, MAX_ELEMENTS))
     if outer < 2:
         raise ValueError(messages.too_few_lengths(inner * mesh.coarse_length, length))
     coarse = length / (outer + inner)
     elements = _leg_elements(int(outer), mesh.grading_length / coarse) + 2 * mesh.end_levels + sum(mesh.counts)
     elements += tmn.WINDOW * (tmn.WINDOW_PARTS - 1) * int(np.isfinite(faced).sum())
-    if elements > MOST_ELEMENTS:
-        raise ValueError(messages.too_many_elements(elements, MOST_ELEMENTS))
-    least = tmn.fewest_outer(mesh.counts)
+    if elements > MAX_ELEMENTS:
+        raise ValueError(messages.too_many_elements(elements, MAX_ELEMENTS))
+    least = tmn.min_outer(mesh.counts)
     first = int(np.clip(round(bottom / coarse - 0.5 * inner), least, outer - least))
     counts = (first, *mesh.counts, int(outer) - first)
     return _tmn(Partition(np.empty(elements), counts, coarse, mesh.end_levels, mesh.grading_length), faced)

@@ -12,7 +12,7 @@ from rope_model.physics import estimates
 from rope_model.physics.elementary import logical_and, logical_or, maximum, where
 from rope_model.physics.guard import guarded
 from rope_model.physics.inextensible import lowest, pull
-from rope_model.physics.initial_curvature import most_curvature
+from rope_model.physics.initial_curvature import max_curvature
 from rope_model.simulation.contact.bodies import may_touch
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.messages import fidelity_messages
@@ -46,7 +46,7 @@ def force_error(scene: Any, fidelity: Any, travel: Any) -> Any:
     """Return the estimated error of the end forces against the complete model; inf if the loop may turn far."""
     locked = logical_and(scene.left.mode == "locked", scene.right.mode == "locked")
     torque_error = estimates.held_error(scene, travel) + where(locked, 0.0, estimates.release_error(scene, travel))
-    torque_error = where(estimates.loop_yaw(scene) > estimates.LARGEST_YAW, math.inf, torque_error)
+    torque_error = where(estimates.loop_yaw(scene) > estimates.MAX_YAW, math.inf, torque_error)
     error = where(logical_and(fidelity != "torsional", carries_torque(scene)), torque_error, 0.0)
     loop_error = estimates.longitudinal_error(scene, travel) + estimates.lean_error(scene, travel)
     return error + where(fidelity == "rigid", loop_error, 0.0)
@@ -97,7 +97,7 @@ def _twisted(scene: Any) -> tuple[Any, ...]:
 
 
 def _curved(scene: Any) -> tuple[Any, ...]:
-    largest = most_curvature(scene.rope)
+    largest = max_curvature(scene.rope)
     return largest > 0, largest
 
 

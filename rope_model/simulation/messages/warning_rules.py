@@ -6,10 +6,10 @@ from typing import Any
 from rope_model.physics.accuracy import length_for, mesh_error, turned_by_mesh
 from rope_model.physics.elementary import floor, logical_and, logical_or, minimum, where
 from rope_model.physics.estimates import bending_length, coupling_torque, curvature_torque, twist_torque
-from rope_model.physics.initial_curvature import most_curvature
+from rope_model.physics.initial_curvature import max_curvature
 from rope_model.shaft_parameters import FAR
-from rope_model.simulation.ends.input_filter import FEWEST_BREAKS
-from rope_model.simulation.mesh.mesh_fit import LONGEST, NATURAL_RADIUS
+from rope_model.simulation.ends.input_filter import MIN_BREAKS
+from rope_model.simulation.mesh.mesh_fit import MAX_LENGTH, NATURAL_RADIUS
 from rope_model.simulation.mesh.mesh_pattern import fine_share
 from rope_model.simulation.messages import warning_messages as texts
 from rope_model.simulation.messages.fidelity_rules import carries_torque
@@ -21,9 +21,9 @@ HALF_A_TURN = math.pi
 #: rad, yaw at rest of a rope whose data should be checked
 YAWED_FAR = math.pi / 6
 #: s, longest step for motions that are extrapolated: in a winding end forces are 2 % off at 50 ms
-LONGEST_EXTRAPOLATION = 0.02
+MAX_EXTRAPOLATION = 0.02
 #: samples of a moving end from which rounding can be recognised: the first of a trip lie on every grid
-FEWEST_SAMPLES = 20
+MIN_SAMPLES = 20
 #: m, rounding of positions below which it does no harm
 COARSEST_ROUNDING = 0.99e-4
 #: m/s, a rope with less kinetic energy than at this uniform speed is at rest
@@ -69,7 +69,7 @@ def _torque_of_coupling(scene: Any, turned: Any) -> tuple[Any, ...]:
 
 def _torque_of_curvature(scene: Any, turned: Any) -> tuple[Any, ...]:
     _, curvature, installed, ends = _torques(scene, turned)
-    return logical_and(curvature >= installed, curvature >= ends), most_curvature(scene.rope)
+    return logical_and(curvature >= installed, curvature >= ends), max_curvature(scene.rope)
 
 
 def _torque_of_twist(scene: Any, turned: Any) -> tuple[Any, ...]:
@@ -98,22 +98,18 @@ def _shown_below(number: Any) -> Any:
 def _waves_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
     audit, steps = state.audit, audits.signal_values(state.audit)[4]
     large = audits.LARGE_CHANGE * audit.force
-    applies = logical_and(audit.period_fraction * audits.FEWEST_STEPS > 1.0, audit.force_change > large)
-    return applies, audit.force_change, _shown_below(steps), audits.FEWEST_STEPS, audits.axial_step(scene.rope)
+    applies = logical_and(audit.period_fraction * audits.MIN_STEPS > 1.0, audit.force_change > large)
+    return applies, audit.force_change, _shown_below(steps), audits.MIN_STEPS, audits.axial_step(scene.rope)
 
 
 def _bend_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
-    elements = audits.signal_values(state.audit)[5]
-    return (
-        logical_and(state.audit.bend > 0, elements < audits.FEWEST_ELEMENTS),
-        _shown_below(elements),
-        audits.FEWEST_ELEMENTS,
-    )
+    elements, enough = audits.signal_values(state.audit)[5], audits.MIN_ELEMENTS
+    return logical_and(state.audit.bend > 0, elements < enough), _shown_below(elements), enough
 
 
 def _positions_rounded(scene: Any, end_filter: Any, step: Any) -> tuple[Any, ...]:
     x = end_filter
-    on_grid = logical_and(x.samples >= FEWEST_SAMPLES, x.grid >= COARSEST_ROUNDING, x.grid < 1)
+    on_grid = logical_and(x.samples >= MIN_SAMPLES, x.grid >= COARSEST_ROUNDING, x.grid < 1)
     return logical_and(scene.inputs.given != "speed", on_grid, x.position > 0.25 * x.grid), x.grid
 
 
@@ -129,7 +125,7 @@ def _loop_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
     fine = where(equal, scene.rope.length / mesh.elements, mesh.coarse_length * fine_share(mesh.counts))
     error = mesh_error(scene, fine, where(equal, 0.0, mesh.grading_length))
     yaw = where(state.fidelity == "planar", 0.0, turned_by_mesh(scene, fine))
-    sufficient = minimum(length_for(scene, allowed), LONGEST * NATURAL_RADIUS * bending_length(scene))
+    sufficient = minimum(length_for(scene, allowed), MAX_LENGTH * NATURAL_RADIUS * bending_length(scene))
     applies = logical_and(mesh.kind != "auto", state.fidelity != "rigid", error > allowed)
     return applies, fine, error, allowed, yaw, sufficient
 
@@ -186,9 +182,9 @@ UNRESOLVED_BEND: Rules = {texts.bend_unresolved: _bend_unresolved, texts.loop_un
 LONG_EXTRAPOLATION: Rules = {
     # the interval is the difference of two instants, whose rounding grows with them
     texts.extrapolated_too_far: lambda scene, state: (
-        logical_and(state.counts.steps > 0, state.last_interval > 1.001 * LONGEST_EXTRAPOLATION),
+        logical_and(state.counts.steps > 0, state.last_interval > 1.001 * MAX_EXTRAPOLATION),
         state.last_interval,
-        LONGEST_EXTRAPOLATION,
+        MAX_EXTRAPOLATION,
     )
 }
 NO_AIR: Rules = {
@@ -229,7 +225,7 @@ INPUTS: Rules = {
         end_filter.sent_every,
     ),
     texts.table_too_coarse: lambda scene, end_filter, step: (
-        logical_and(end_filter.breaks >= FEWEST_BREAKS, end_filter.grid < COARSEST_ROUNDING),
+        logical_and(end_filter.breaks >= MIN_BREAKS, end_filter.grid < COARSEST_ROUNDING),
         end_filter.table_every,
         step,
     ),

@@ -32,11 +32,11 @@ MISSING_FORCE = 1e-3  #: missing force over the largest end force
 MISSING_MOMENT = 5e-3  #: missing moment over the largest end force times the spacing
 #: time steps in an axial period: in an emergency stop of the 120 m rope the error of end forces is 4 % with 3.1, 8 %
 #: with 2.1
-FEWEST_STEPS = 3.0
+MIN_STEPS = 3.0
 #: change of an end force in a step over the largest force, above which the number of steps in a period matters
 LARGE_CHANGE = 0.05
 #: elements in half a turn of the sharpest bend, below which the error of the loop's position is irregular
-FEWEST_ELEMENTS = 4.0
+MIN_ELEMENTS = 4.0
 
 
 class Audit(NamedTuple):

@@ -59,11 +59,11 @@ class Equilibrium:
 
 
 def find_equilibrium(
-    system: RopeSystem, guess: Array, t: float = 0.0, max_iterations: int = 10000, most_turn: float = math.inf
+    system: RopeSystem, guess: Array, t: float = 0.0, max_iterations: int = 10000, max_turn: float = math.inf
 ) -> Equilibrium:
     """Find the equilibrium near ``guess`` (nodes, 7), whose angles count along it, with the ends held as at ``t``.
 
-    The search fails if ``turn`` exceeds ``most_turn`` (rad).
+    The search fails if ``turn`` exceeds ``max_turn`` (rad).
     """
     q = np.where(system.free, guess, system.prescribed_motion(t)[0])
     rest = np.zeros_like(q)
@@ -102,14 +102,14 @@ def find_equilibrium(
         more = system.frame_turn(trial)
         trial[:, ANGLE] += more
         turn += float(more[-1])
-        if abs(turn) > most_turn:
+        if abs(turn) > max_turn:
             break
         system, q, reaction = system.with_reference(trial), trial, following
         balanced += force <= rounding
         if balanced > BALANCED or (tau > 1e8 and system.norm(x) < REST_TOLERANCE * scale):
             return Equilibrium(q, reaction, k, turn)
         tau = min(tau * min(10.0, max(1.5, previous / max(force, 1e-300))), 1e12)
-    raise StaticsError(messages.no_equilibrium(k, previous), k, abs(turn) > most_turn)
+    raise StaticsError(messages.no_equilibrium(k, previous), k, abs(turn) > max_turn)
 
 
 def relaxation(change: Any, last: Any) -> Any:

@@ -23,7 +23,7 @@ from rope_model.simulation.stepping.statics import StaticsError
 log = logging.getLogger(__name__)
 
 #: largest number of Newton iterations of a communication step: over 6 times that of 120 drawn trips
-MOST_WORK = 5_000.0
+MAX_WORK = 5_000.0
 WORK_INTERVAL = 0.05  #: s, length of the communication step above which that number grows in proportion
 
 
@@ -164,9 +164,9 @@ def as_rigid(model: RopeModel, state: RopeState, t: float) -> RopeState:
     )
 
 
-def most_work(interval: Any, step_max: Any) -> Any:
+def max_work(interval: Any, step_max: Any) -> Any:
     """Return the Newton iterations after which a communication step fails; a short step_max needs more."""
-    return MOST_WORK * maximum(interval / WORK_INTERVAL, 1.0) + 2.0 * STEP_WORK * interval / step_max
+    return MAX_WORK * maximum(interval / WORK_INTERVAL, 1.0) + 2.0 * STEP_WORK * interval / step_max
 
 
 def _steps_left(work: int) -> int:
