@@ -12,11 +12,11 @@ from typing import Any, Literal, get_type_hints
 from rope_model.parameter_table import (
     TINY,
     Bounds,
-    Checked,
-    Joint,
+    CrossCheck,
+    ParameterGroup,
+    angle_parameter,
     at_least,
     choice,
-    direction,
     parameter,
     parameters_of,
 )
@@ -42,7 +42,7 @@ def _coupling(rope: Any) -> tuple[Any, ...]:
 
 
 @dataclass(frozen=True)
-class Rope(Checked):
+class Rope(ParameterGroup):
     """A round wire rope: T = Qa e + Qb tau, M = Qc e + Qd tau and c2 d^2 Qa e tau, bending moment EI kappa."""
 
     length: float = parameter(
@@ -105,7 +105,7 @@ class Rope(Checked):
         "permanent curvature, as a reel leaves it; 0: straight",
         Bounds(0.0, 10.0, "take a part of 1/R of the reel of radius R, and turn its direction for the other sense"),
     )
-    initial_curvature_angle: float = direction(
+    initial_curvature_angle: float = angle_parameter(
         "direction of that curvature at the left end, about the tangent; 0: as the loop bends"
     )
     curvature_left: float = _added_curvature("at the left end")
@@ -123,14 +123,14 @@ class Rope(Checked):
     curvature_5_across: float = _added_curvature("at 5/6 of the length, across")
     curvature_right_across: float = _added_curvature("at the right end, across")
 
-    joint = (
-        Joint(
+    cross_checks = (
+        CrossCheck(
             "(Qb + Qc) / 2",
             "below sqrt(Qa Qd) = {:.4g} N m in size",
             "or the strain energy is not positive: check Qb, Qc, Qa and Qd",
             _coupling,
         ),
-        Joint(
+        CrossCheck(
             "EI_stick",
             "0 or above EI = {!r} N m2",
             "use 0 for no friction between the wires; EI is that of wires that slide",
@@ -155,7 +155,7 @@ class Rope(Checked):
 
 
 @dataclass(frozen=True)
-class Layout(Checked):
+class Layout(ParameterGroup):
     """Positions of the ends: left at X = -spacing/2, right at +spacing/2; heights are inputs."""
 
     spacing: float = parameter(
@@ -168,7 +168,7 @@ class Layout(Checked):
 
 
 @dataclass(frozen=True)
-class Swivel(Checked):
+class Swivel(ParameterGroup):
     """Balance rope suspension rotor: a bearing with Coulomb friction between the rope's end and the conveyance."""
 
     mode: SwivelMode = choice(

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal
 
-from rope_model.parameter_table import TINY, Bounds, Checked, Joint, at_least, choice, parameter, require
+from rope_model.parameter_table import TINY, Bounds, CrossCheck, ParameterGroup, at_least, choice, parameter, require
 
 MeshKind = Literal["tmn", "eem", "auto"]
 KernelForm = Literal["auto", "compiled", "portable"]
@@ -31,7 +31,7 @@ def _pattern(mesh: Any) -> tuple[Any, ...]:
 
 
 @dataclass(frozen=True)
-class Mesh(Checked):
+class Mesh(ParameterGroup):
     """Partition of the rope into elements.
 
     EEM: ``elements`` of equal length.  TMN-ETM: seven segments with lengths l, l/2, l/4, l/8, l/4, l/2, l.  Without
@@ -77,9 +77,9 @@ class Mesh(Checked):
         Bounds(0.0, 1.0, "0 suits most studies"),
     )
 
-    joint = (
+    cross_checks = (
         *(
-            Joint(
+            CrossCheck(
                 f"element count of segment {name}",
                 f"a {'positive ' if name == 'IV' else ''}multiple of {{!r}}",
                 "a transformation moves whole coarse elements through the segment",
@@ -87,13 +87,13 @@ class Mesh(Checked):
             )
             for segment, name in enumerate(SEGMENTS)
         ),
-        Joint(
+        CrossCheck(
             "counts",
             "all five segments, or none in III and V, or none in II and VI too",
             "the pattern is the same on both sides and leaves out no length",
             _pattern,
         ),
-        Joint(
+        CrossCheck(
             "loop_error",
             "0 m unless mesh.kind = auto",
             "other kinds have the lengths that they are given: set kind = auto, or leave loop_error out",
@@ -107,7 +107,7 @@ class Mesh(Checked):
 
 
 @dataclass(frozen=True)
-class Accuracy(Checked):
+class Accuracy(ParameterGroup):
     """Allowed error of a run, from which mesh and steps follow."""
 
     end_force: float = parameter(
@@ -122,7 +122,7 @@ class Accuracy(Checked):
 
 
 @dataclass(frozen=True)
-class Solver(Checked):
+class Solver(ParameterGroup):
     """Time integration: generalized-alpha with step-size control.
 
     Newton's tolerance is in m for positions and rad for twist angles; of r' it is the change over the shortest element.
@@ -167,7 +167,7 @@ class Solver(Checked):
 
 
 @dataclass(frozen=True)
-class Model(Checked):
+class Model(ParameterGroup):
     """Fidelity of the model."""
 
     fidelity: FidelityChoice = choice(
@@ -192,7 +192,7 @@ class Model(Checked):
 
 
 @dataclass(frozen=True)
-class Inputs(Checked):
+class Inputs(ParameterGroup):
     """Trust in the given motions, and how the rope's ends follow them."""
 
     given: Trusted = choice(
@@ -240,7 +240,7 @@ _WHERE = "0 is the rope's left end, 1 its right end"
 
 
 @dataclass(frozen=True)
-class Stations(Checked):
+class Stations(ParameterGroup):
     """Points of the rope with the outputs station.*; they stay in the rope while it flows through the loop."""
 
     first: float = parameter(
