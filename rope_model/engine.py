@@ -27,7 +27,7 @@ from rope_model.simulation.messages import messages
 from rope_model.simulation.messages.result_warnings import WARNINGS
 from rope_model.simulation.outputs.signal_table import SIGNALS, checked_names
 from rope_model.simulation.state import Event, Powers, RopeState
-from rope_model.simulation.wires import NO_MEMORY
+from rope_model.simulation.wires import NO_HYSTERESIS
 from rope_model.solver_parameters import FidelityChoice
 
 _MOTIONS = struct.Struct(f"{2 * len(EndMotion.__dataclass_fields__)}d")
@@ -306,7 +306,7 @@ def _unpack(data: bytes) -> RopeState:
         fidelity_reason=s.fidelity_reason.decode(),
         events=tuple(_event(event) for event in s.events[: s.event_count]),
         powers=Powers(s.power_ends, s.power_swivel),
-        hysteresis=values[6 * size + 2 * n + 1 :].reshape(n, -1).copy() if s.rubs else NO_MEMORY,
+        hysteresis=values[6 * size + 2 * n + 1 :].reshape(n, -1).copy() if s.rubs else NO_HYSTERESIS,
     )
 
 

@@ -299,5 +299,5 @@ def test_steps_cut_at_transformations_err_much_more_than_meshes_that_wait(monkey
 
     exact = forces(Mesh("eem", elements=240))
     waiting = np.linalg.norm(forces(Mesh("auto")) - exact)
-    monkeypatch.setattr("rope_model.simulation.stepping.stepping.LATEST", 0.0)
+    monkeypatch.setattr("rope_model.simulation.stepping.stepping.MAX_OVERSHOOT", 0.0)
     assert np.linalg.norm(forces(Mesh("auto")) - exact) > 3 * waiting

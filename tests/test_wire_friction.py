@@ -11,8 +11,8 @@ from scenes import passed
 
 from rope_model import Mesh, Rope, Scene, Solver
 from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, POINTS, ElementFidelity, element_functions, parameters
-from rope_model.physics.wire_element import LATEST, wire_functions
-from rope_model.physics.wire_friction import MEMORY, Slid, section_at, slide, slip_curvature, wire_stiffness
+from rope_model.physics.wire_element import TANGENT_SIZE, wire_functions
+from rope_model.physics.wire_friction import POINT_STATE_SIZE, Slid, section_at, slide, slip_curvature, wire_stiffness
 from rope_model.simulation.wires import carry, history
 
 #: 1/m
@@ -89,7 +89,7 @@ def test_below_slip_next_to_nothing_is_lost() -> None:
 def random_sections(seed: int, number: int) -> tuple[Array, Array]:
     """(10, number), (7, number): sections that bend, turn and spin, with any z that friction can have."""
     chance = np.random.default_rng(seed)
-    before, now = chance.normal(size=(MEMORY, number)), chance.normal(size=(7, number))
+    before, now = chance.normal(size=(POINT_STATE_SIZE, number)), chance.normal(size=(7, number))
     now[:3] = before[:3] + 0.3 * now[:3]
     for x in (before, now):
         x[:3] /= np.linalg.norm(x[:3], axis=0)
@@ -166,7 +166,9 @@ def test_while_wires_stick_the_residual_is_the_derivative_of_the_energy(fidelity
 def test_at_rest_a_fresh_rope_has_the_stiffness_of_wires_that_stick(fidelity: ElementFidelity) -> None:
     plain, wires, kept = element_functions(fidelity), wire_functions(fidelity), list(ELEMENT_DOF[fidelity])
     q, still = element_state(fidelity, 3)[:, kept].ravel(), np.zeros(2 * len(kept))
-    stuck = np.array(wires.tangent(q, 2.0, at_rest(element_state(fidelity, 3), np.zeros(9)), np.zeros(LATEST), 1.0))
+    stuck = np.array(
+        wires.tangent(q, 2.0, at_rest(element_state(fidelity, 3), np.zeros(9)), np.zeros(TANGENT_SIZE), 1.0)
+    )
     H = at_rest(element_state(fidelity, 3), np.zeros(9))
     slopes = difference(lambda x: np.array(wires.residual(x, 2.0, H)).ravel(), q, 1e-7)
     assert_allclose(stuck, slopes, atol=1e-6 * np.abs(stuck).max())
@@ -178,7 +180,7 @@ def test_at_rest_a_fresh_rope_has_the_stiffness_of_wires_that_stick(fidelity: El
         np.array(plain.tangent(q, still, still, 2.0, F, np.array(parameters(Rope(EI=EI), 9.81)), 1.0, 0.0, 0.0, q)[1])
         for EI in (ROPE.EI_stick, ROPE.EI)
     )
-    added = np.array(wires.tangent(q, 2.0, at_rest(straight, np.zeros(9)), np.zeros(LATEST), 1.0))
+    added = np.array(wires.tangent(q, 2.0, at_rest(straight, np.zeros(9)), np.zeros(TANGENT_SIZE), 1.0))
     assert_allclose(added, stiff - soft, atol=1e-9 * np.abs(stiff).max())
 
 

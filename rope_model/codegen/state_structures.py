@@ -16,7 +16,7 @@ from rope_model.simulation.ends.ends import Phase, SwivelState
 from rope_model.simulation.ends.switching import CHATTER_EVENTS
 from rope_model.simulation.mesh.partition import NOWHERE
 from rope_model.simulation.state import Counts, RopeState
-from rope_model.simulation.wires import NO_MEMORY
+from rope_model.simulation.wires import NO_HYSTERESIS
 
 MESSAGE = 512  #: bytes of a message
 SEGMENTS = 7  #: segments of TMN-ETM
@@ -139,7 +139,7 @@ def _arrays_code() -> str:
     return f"""
 /* behind a state: nodes x DOF each, element lengths (elements), arc lengths of the nodes (nodes), and of a rope with
    friction between its wires z (elements x WIRE_Z) */
-enum {{ FIELDS = {len(ARRAYS)}, WIRE_Z = {NO_MEMORY.shape[1]} }};
+enum {{ FIELDS = {len(ARRAYS)}, WIRE_Z = {NO_HYSTERESIS.shape[1]} }};
 typedef struct {{
     double *{", *".join((*ARRAYS, "lengths", "s", "z"))};
     int elements, nodes;

@@ -18,7 +18,7 @@ void curved_reference(Simulator *rope, State *state, const double *q) {
     const Arrays m = state_arrays(state);
     double e1[3] = DIRECTOR_START, components[6], found[12], *to = rope->curved, s = 0;
     const int elements = is_curved(rope, state) ? m.elements : 0;
-    for (int e = 0; e < elements; e++, q += DOF, to += CURVED) {
+    for (int e = 0; e < elements; e++, q += DOF, to += CURVATURE_SIZE) {
         const double material[] = {q[ANGLE], q[DOF + ANGLE], data->EI};
         curvature_components(data, s, m.lengths[e], components);
         curvature_vectors(components, m.lengths[e], q, e1, found);

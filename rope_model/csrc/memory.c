@@ -39,9 +39,9 @@ static size_t lay_out(Simulator *rope, Arena *arena) {
     rope->strains = reserve(arena, sizeof *rope->strains * n);
     rope->frames = reserve(arena, chain_frames_bytes(rope->elements));
     rope->work = reserve(arena, chain_work_bytes(rope->elements));
-    if (max_curvature(&scene->rope) > 0) rope->curved = numbers(arena, CURVED * n);
-    if (rubs) rope->wires = numbers(arena, WIRE_HISTORY * n);
-    if (rubs) rope->latest = numbers(arena, WIRE_LATEST * (n + MAX_LANES - 1));
+    if (max_curvature(&scene->rope) > 0) rope->curved = numbers(arena, CURVATURE_SIZE * n);
+    if (rubs) rope->wires = numbers(arena, WIRE_HISTORY_SIZE * n);
+    if (rubs) rope->latest = numbers(arena, WIRE_TANGENT_SIZE * (n + MAX_LANES - 1));
     rope->around = reserve(arena, sizeof *rope->around);
     rope->self_contact = reserve(arena, sizeof *rope->self_contact);
     const ClearanceCache cache = {.q = numbers(arena, size), .lengths = numbers(arena, n)};

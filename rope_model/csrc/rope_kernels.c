@@ -11,7 +11,7 @@ size_t chain_work_bytes(int elements) {
 }
 
 size_t chain_frames_bytes(int elements) {
-    return sizeof(double) * FRAME * ((size_t)elements + MAX_LANES - 1);
+    return sizeof(double) * FRAME_SIZE * ((size_t)elements + MAX_LANES - 1);
 }
 
 extern const Chain chains_plain[3], chains_wide[3], chains_widest[3];

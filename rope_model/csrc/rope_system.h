@@ -3,7 +3,7 @@
 #ifndef ROPE_SYSTEM_H
 #define ROPE_SYSTEM_H
 
-#include "formulas.h" /* generated, with the sizes BALANCE, FRAME, STRAINS, MOMENTUM, AIR_BALANCE and CURVED */
+#include "formulas.h" /* generated, with BALANCE, FRAME_SIZE, STRAINS, MOMENTUM, AIR_BALANCE and CURVATURE_SIZE */
 
 enum { AIR_LAW = 9, AIR = AIR_LAW + 2 * 4 };
 enum { MAX_LANES = 8 }; /* the last group of elements may have lanes to spare */
@@ -92,10 +92,10 @@ typedef struct {
     Surroundings *around;           /* NULL without bodies */
     SelfContactState *self_contact; /* NULL without contact of the rope with itself */
     const PointForces *forces;      /* NULL without forces */
-    const double *wires;            /* WIRE_HISTORY numbers an element; NULL without friction between wires */
-    const double *curved;           /* CURVED numbers an element; NULL without permanent curvature */
+    const double *wires;            /* WIRE_HISTORY_SIZE numbers an element; NULL without friction between wires */
+    const double *curved;           /* CURVATURE_SIZE numbers an element; NULL without permanent curvature */
     double time;                    /* time at which point forces are evaluated, s */
-    double *latest; /* WIRE_LATEST numbers an element, of the latest tangent; scratch, aligned as frames */
+    double *latest; /* WIRE_TANGENT_SIZE numbers an element, of the latest tangent; scratch, aligned as frames */
     double P[PARAMETERS], air[AIR_LAW]; /* air: an AirLaw, whose first number is 0 without air */
     double load[2], friction_load[2];   /* moments on theta of the ends; friction per newton of upward reaction */
     double inertia[2], shortest;        /* inertia: of theta at the ends; shortest: element, m */

@@ -30,8 +30,8 @@ struct Simulator {
     double *x;                  /* scratch (nodes x DOF) */
     double (*strains)[STRAINS]; /* scratch */
     double *frames;             /* referred to the state, and during an advance to the state in progress */
-    double *wires;              /* WIRE_HISTORY numbers an element, referred as frames; or NULL */
-    double *curved;             /* CURVED numbers an element, referred as frames; or NULL */
+    double *wires;              /* WIRE_HISTORY_SIZE numbers an element, referred as frames; or NULL */
+    double *curved;             /* CURVATURE_SIZE numbers an element, referred as frames; or NULL */
     double *latest;             /* System.latest; or NULL */
     void *work;                 /* scratch of the chain */
     Surroundings *around;

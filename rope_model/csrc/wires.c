@@ -5,12 +5,12 @@
 static const double CELLS[] = WIRE_CELLS; /* bounds of the points' cells, element coordinates */
 
 static double *hysteresis_of(const Simulator *rope, int element) {
-    return rope->wires + (ptrdiff_t)element * WIRE_HISTORY;
+    return rope->wires + (ptrdiff_t)element * WIRE_HISTORY_SIZE;
 }
 
 /* Section of an element at a point.  Sections do not turn without torsion, even if the ends have theta. */
 static void read_section(const State *state, const Arrays *m, const double *q, int element, int point,
-                         double section[WIRE_POINT_STATE]) {
+                         double section[WIRE_POINT_STATE_SIZE]) {
     static const double places[] = WIRE_PLACES;
     section_at(places[point], m->lengths[element], q + (ptrdiff_t)element * DOF, section);
     if (state->fidelity != TORSIONAL) section[ANGLE] = 0;
@@ -21,9 +21,9 @@ void wires_history(Simulator *rope, State *state, const double *q, double (*stra
     const double stiffness = wire_stiffness(&rope->scene.rope);
     for (int e = 0; e < m.elements; e++) {
         double *history = hysteresis_of(rope, e);
-        for (int k = 0; k < WIRE_POINTS; k++, history += WIRE_POINT_STATE) {
+        for (int k = 0; k < WIRE_POINTS; k++, history += WIRE_POINT_STATE_SIZE) {
             read_section(state, &m, q, e, k, history);
-            memcpy(history + WIRE_POINT_STATE - 3, m.z + (ptrdiff_t)e * WIRE_Z + 3 * k, 3 * sizeof *history);
+            memcpy(history + WIRE_POINT_STATE_SIZE - 3, m.z + (ptrdiff_t)e * WIRE_Z + 3 * k, 3 * sizeof *history);
         }
         history[0] = slip_curvature(&rope->scene.rope, stiffness, strains[e][0], strains[e][1]);
         history[1] = stiffness;
@@ -35,9 +35,9 @@ double wires_slip(Simulator *rope, State *state, const double *q) {
     const Arrays m = state_arrays(state);
     double dissipated = 0;
     for (int e = 0; state->rubs && e < m.elements; e++) {
-        const double *before = hysteresis_of(rope, e), *law = before + WIRE_POINTS * WIRE_POINT_STATE;
-        double now[WIRE_POINT_STATE];
-        for (int k = 0; k < WIRE_POINTS; k++, before += WIRE_POINT_STATE) {
+        const double *before = hysteresis_of(rope, e), *law = before + WIRE_POINTS * WIRE_POINT_STATE_SIZE;
+        double now[WIRE_POINT_STATE_SIZE];
+        for (int k = 0; k < WIRE_POINTS; k++, before += WIRE_POINT_STATE_SIZE) {
             read_section(state, &m, q, e, k, now);
             const Slid slid = wire_slide(before, now, law[0]);
             memcpy(m.z + (ptrdiff_t)e * WIRE_Z + 3 * k, slid.z, sizeof slid.z);

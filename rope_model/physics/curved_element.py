@@ -27,11 +27,11 @@ from rope_model.physics.frame import carried, small_turn, smallest_rotation_rate
 from rope_model.physics.initial_curvature import TO_POINTS, curvature_vectors
 
 #: number of entries of an element: k0 at its points, angles, and EI
-CURVED = 3 * len(element.POINTS) + 3
+CURVATURE_SIZE = 3 * len(element.POINTS) + 3
 
 
 class CurvedFunctions(NamedTuple):
-    """CasADi functions of permanent curvature in an element; ``C`` contains its CURVED numbers.
+    """CasADi functions of permanent curvature in an element; ``C`` contains its CURVATURE_SIZE numbers.
 
     residual: (q, l, F, C) -> R (14,)
     tangent:  (q, l, F, C, cq) -> J (14, 14)
@@ -48,7 +48,7 @@ def curved_functions() -> CurvedFunctions:
     """Build the functions."""
     relative = element.relative_coordinates()
     q, l = ca.SX.sym("q", 2 * element.NODE_DOF), ca.SX.sym("l")
-    F, C, cq = ca.SX.sym("F", element.FRAME), ca.SX.sym("C", CURVED), ca.SX.sym("cq")
+    F, C, cq = ca.SX.sym("F", element.FRAME_SIZE), ca.SX.sym("C", CURVATURE_SIZE), ca.SX.sym("cq")
     numbers, frames = ca.vertsplit(C), ca.vertsplit(F[:-3], 6)
     before, EI = numbers[-3:-1], numbers[-1]
     B = [element.interpolation(xi, l) for xi in element.POINTS]
@@ -124,4 +124,4 @@ def _bend_function() -> ca.Function:
 def curved_element(plain: element.ElementFunctions) -> element.ElementFunctions:
     """Build the functions of the ``plain`` torsional element with permanent curvature."""
     curved = curved_functions()
-    return bending_element(plain, CURVED, curved.residual, curved.tangent, curved.energy)
+    return bending_element(plain, CURVATURE_SIZE, curved.residual, curved.tangent, curved.energy)

@@ -113,7 +113,7 @@ MOMENTUM = ("px", "py", "pz", "Lx", "Ly", "Lz", "Sx", "Sy", "Sz")
 #: entries of one element's strains: means of e and tau over the element, root mean square of k
 STRAINS = ("e", "tau", "k_rms")
 #: number of entries of the reference of an element's frame
-FRAME = 21
+FRAME_SIZE = 21
 
 _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(3)
 #: Gauss points as element coordinates xi, and weights
@@ -167,7 +167,7 @@ def element_functions(
         x[dofs] = symbol
     l, P = ca.SX.sym("l"), ca.SX.sym("P", len(PARAMETERS))
     p = named(P)
-    F = ca.SX.sym("F", FRAME if torsional else 0)
+    F = ca.SX.sym("F", FRAME_SIZE if torsional else 0)
     cq, cv, c_a = ca.SX.sym("cq"), ca.SX.sym("cv"), ca.SX.sym("ca")
 
     # all terms but weight and translation depend on the 11 relative coordinates r2 - r1, r', theta only

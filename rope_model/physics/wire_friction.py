@@ -31,9 +31,9 @@ from rope_model.physics.elementary import cross, dot, exp, log, maximum, sqrt
 from rope_model.physics.frame import carried, small_turn, turned
 
 #: number of entries of a section (tangent, curvature vector, angle) with z behind it
-MEMORY = 10
+POINT_STATE_SIZE = 10
 #: square in units of k0^2 that counts as 0, so that there is a derivative where nothing moves
-NOTHING = 1e-26
+REGULARIZATION = 1e-26
 #: square of z in these units that is too small for a quotient
 _SMALL = 1e-12
 
@@ -89,7 +89,7 @@ def slide(before: Any, after: Any, k0: Any) -> Slid:
     square, along = dot(step, step), dot(z, step)
     back = _positive(-along)
     back = back - _positive(back - square)
-    part = back / (square + NOTHING)
+    part = back / (square + REGULARIZATION)
     z = [z[i] + part * step[i] for i in range(3)]
     step = [(1.0 - part) * x for x in step]
     # remaining part of the step, over which they slide
@@ -99,7 +99,7 @@ def slide(before: Any, after: Any, k0: Any) -> Slid:
     growth, gained = cosh + a * h, h + a * h * h / (cosh + 1.0)
     z_end = [(z[i] + gained * step[i]) / growth for i in range(3)]
     # work along the step, int z . dk, minus the energy stored
-    s = sqrt(s2 + NOTHING)
+    s = sqrt(s2 + REGULARIZATION)
     work = s + log(0.5 * (1.0 + exp(-2.0 * s))) + log(growth / cosh)
     dissipated = k0 * k0 * maximum(work - 0.5 * (dot(z_end, z_end) - dot(z, z)), 0.0)
     secant = sqrt((dot(z_end, z_end) + _SMALL) / (dot(stuck, stuck) + _SMALL))
@@ -119,4 +119,4 @@ def within(x: Any) -> Any:
 
 def _positive(x: Any) -> Any:
     """Return (x)+ by operations that the element code supports."""
-    return 0.5 * (x + sqrt(x * x + (1e-3 * NOTHING) ** 2))
+    return 0.5 * (x + sqrt(x * x + (1e-3 * REGULARIZATION) ** 2))

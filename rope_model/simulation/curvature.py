@@ -26,7 +26,7 @@ def partly_curved(rope: Rope, part: float) -> Rope:
 
 
 def curved_reference(rope: Rope, q: Array, lengths: Array) -> Array:
-    """Return the entries of the rope ``q`` in the reference (elements, physics.curved_element.CURVED)."""
+    """Return the entries of the rope ``q`` in the reference (elements, physics.curved_element.CURVATURE_SIZE)."""
     nodes = np.concatenate((q[:-1], q[1:]), axis=1)
     components = np.array(curvature_components(rope, np.cumsum(lengths) - lengths, lengths))
     _, k0 = curvature_along(lengths.size)(START, components, lengths[None], nodes.T)

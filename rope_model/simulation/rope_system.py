@@ -23,10 +23,10 @@ from rope_model.physics.contact import LOOK_AHEAD, largest_motion
 from rope_model.physics.contact_element import CONTACT_BALANCE
 from rope_model.physics.element import BALANCE, NODE_DOF, PARAMETERS
 from rope_model.physics.point_forces import point_load
-from rope_model.physics.wire_element import HISTORY, LATEST
+from rope_model.physics.wire_element import HISTORY_SIZE, TANGENT_SIZE
 from rope_model.simulation.curvature import curved_reference, is_curved
 from rope_model.simulation.rope_kernels import RopeKernels
-from rope_model.simulation.wires import NO_MEMORY, Slip, history, latest_tangent, slip
+from rope_model.simulation.wires import NO_HYSTERESIS, Slip, history, latest_tangent, slip
 
 Array = NDArray[np.float64]
 #: matrix (elements, bodies): true if an element may touch a body
@@ -111,7 +111,7 @@ class RopeSystem:
         around: Around | None = None,
         touching: Callable[[], RopeKernels] | None = None,
         rope: Rope | None = None,
-        z: Array = NO_MEMORY,
+        z: Array = NO_HYSTERESIS,
     ) -> None:
         nodes = lengths.size + 1
         self.around, self._touching = around, touching
@@ -138,10 +138,10 @@ class RopeSystem:
         if self._rope is not None and is_curved(self._rope, self.kernels.fidelity):
             self.frames = np.hstack((self.frames, curved_reference(self._rope, self.reference, self.lengths)))
         if self._rope is not None and self.z.size:
-            self.frames = np.hstack((self.frames, np.zeros((self.lengths.size, HISTORY + LATEST))))
+            self.frames = np.hstack((self.frames, np.zeros((self.lengths.size, HISTORY_SIZE + TANGENT_SIZE))))
             strains = self.strains(self.reference)
             self._history = history(self._rope, self._sections_of(self.reference), self.lengths, self.z, strains)
-            self.frames[:, -HISTORY - LATEST : -LATEST] = self._history
+            self.frames[:, -HISTORY_SIZE - TANGENT_SIZE : -TANGENT_SIZE] = self._history
         self._constants = self.lengths, self.frames, *self._loads
 
     def with_boundary(self, boundary: Boundary) -> RopeSystem:
@@ -158,7 +158,7 @@ class RopeSystem:
         other._constants = self.lengths, self.frames, *other._loads
         return other
 
-    def with_reference(self, q: Array, z: Array = NO_MEMORY) -> RopeSystem:
+    def with_reference(self, q: Array, z: Array = NO_HYSTERESIS) -> RopeSystem:
         """Return this system with the frame counted from ``q``, where its wires have ``z``."""
         if q is self.reference and z is self.z:
             return self
@@ -185,7 +185,7 @@ class RopeSystem:
 
     def slip(self, q: Array) -> Slip:
         """Return the slip of the wires on the way to ``q``."""
-        return slip(self._history, self._sections_of(q), self.lengths) if self.z.size else Slip(NO_MEMORY, 0.0)
+        return slip(self._history, self._sections_of(q), self.lengths) if self.z.size else Slip(NO_HYSTERESIS, 0.0)
 
     def _sections_of(self, q: Array) -> Array:
         """Return ``q`` for the wires: theta is 0 if the fidelity computes no torsion, whatever the ends prescribe."""
@@ -230,7 +230,7 @@ class RopeSystem:
     def _iterate(self, near: Near, x: Iterate, c: Array, tolerance: float) -> Solution[Evaluation]:
         """Solve where a tangent depends on the previous one (wires), or where elements far apart are coupled."""
         kernels, constants, P = self._with_bodies(near, x.q, x.v)
-        latest = np.zeros((self.lengths.size, LATEST))
+        latest = np.zeros((self.lengths.size, TANGENT_SIZE))
         solve: _Solver
 
         def evaluated(q: Array, v: Array, a: Array, known: Array) -> Evaluation:
@@ -263,7 +263,7 @@ class RopeSystem:
         lengths, frames, *loads = constants
         if self.z.size:
             frames, own = frames.copy(), self.frames.shape[1]
-            frames[:, own - LATEST : own] = latest
+            frames[:, own - TANGENT_SIZE : own] = latest
         return lengths, frames, *loads
 
     def _solver(self, kernels: RopeKernels, constants: tuple[Array, ...], P: Array, at: Iterate, c: Array) -> _Solver:

@@ -2,9 +2,9 @@
 
 ``RopeSimulator`` advances a ``RopeState`` from one instant of the host to the next.  In between it chooses its own
 steps, which end at the instants where a swivel is released or changes between stick and slip.  A transformation of the
-mesh waits for a step's end, unless the step would carry the loop mesh.LATEST l beyond the limit.  A step that does not
-converge or whose error is too large is rejected, halved and repeated.  When the smallest step fails too, the run
-returns the reason and keeps the state of the host's last instant.
+mesh waits for a step's end, unless the step would carry the loop mesh.MAX_OVERSHOOT l beyond the limit.  A step that
+does not converge or whose error is too large is rejected, halved and repeated.  When the smallest step fails too, the
+run returns the reason and keeps the state of the host's last instant.
 """
 
 import logging

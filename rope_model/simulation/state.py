@@ -24,7 +24,7 @@ from rope_model.simulation.ends.paths import EndPath
 from rope_model.simulation.fidelity import Fidelity
 from rope_model.simulation.mesh.partition import Partition
 from rope_model.simulation.outputs.audit import Audit
-from rope_model.simulation.wires import NO_MEMORY, Array
+from rope_model.simulation.wires import NO_HYSTERESIS, Array
 
 
 class EnergyBalance(NamedTuple):
@@ -137,7 +137,7 @@ class RopeState(NamedTuple):
     crossing: Crossing = Crossing()
     looked_at: float = 0.0  # s, instant of nearest, crossing and guard
     guard: GuardState = GuardState()
-    hysteresis: Array = NO_MEMORY  # 1/m, z of simulation.wires
+    hysteresis: Array = NO_HYSTERESIS  # 1/m, z of simulation.wires
 
     def to_bytes(self) -> bytes:
         """Return the state as bytes that depend on the state alone: length of the JSON, JSON, all arrays."""

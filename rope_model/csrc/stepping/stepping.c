@@ -25,7 +25,7 @@ static double next_stop(const Simulator *rope, const State *state, double t_end)
     /* The next step finds a crossing between these times, at most one step late. */
     for (int k = 0; k < 2; k++) {
         const double value = due_at(&context, times[k]);
-        if (0 > at_start && value >= MESH_LATEST * state->pattern.coarse)
+        if (0 > at_start && value >= MAX_OVERSHOOT * state->pattern.coarse)
             return fmin(locate(due_at, &context, t, times[k], at_start, value, EVENT_WIDTH), stop);
     }
     return stop;

@@ -32,7 +32,7 @@ from rope_model.numerics.coupled_newton import conjugate_gradients
 from rope_model.numerics.generalized_alpha import Coefficients
 from rope_model.parameter_table import require
 from rope_model.parameters import Scene
-from rope_model.simulation.contact.pair_contact import NOTHING, Numbers, Pair, Pressing, Rows, rows_of
+from rope_model.simulation.contact.pair_contact import NO_CONTACTS, Numbers, Pair, Pressing, Rows, rows_of
 from rope_model.simulation.contact.point_forces import NO_FORCES, PointForces
 from rope_model.simulation.interface import BalanceRope
 from rope_model.simulation.rope_system import Array
@@ -128,7 +128,7 @@ class Neighbours:
         self._method = Coefficients(scenes[0].solver.rho_inf)
         self._least = 0.5 * scenes[0].rope.mass_per_length * SLOW**2
         self._pairs = {(i, j): Pair(scenes[i], scenes[j]) for i, j in combinations(range(len(scenes)), 2)}
-        nothing, unused = dict.fromkeys(self._pairs, NOTHING), dict.fromkeys(self._pairs, Account())
+        nothing, unused = dict.fromkeys(self._pairs, NO_CONTACTS), dict.fromkeys(self._pairs, Account())
         self.contacts = self._begun = Contacts(0.0, dict.fromkeys(self._pairs, 0.0), nothing, unused)
 
     def begin(self, t: float, ropes: Sequence[BalanceRope]) -> None:
@@ -188,7 +188,7 @@ class Neighbours:
         law, grown = {}, min((t - self.contacts.start) / GROWTH, 1.0)
         for (i, j), pair in self._pairs.items():
             one, other, inset = rows[i], rows[j], (1.0 - grown) * self.contacts.insets[i, j]
-            law[i, j] = NOTHING if one is None or other is None else pair.pressing(one, other, c, inset)
+            law[i, j] = NO_CONTACTS if one is None or other is None else pair.pressing(one, other, c, inset)
         return law
 
     def _apply(self, t: float, h: float, partners: Sequence[Partner], end: Forces) -> None:
@@ -246,7 +246,7 @@ class _Iterate:
         self._twos = [two for two in tried if tried[two].number.size or law_forces[two].number.size]
         self.ropes = {k for two in self._twos for k in two}
         parts = [(_union(tried[two], law_forces[two]), law_forces[two]) for two in self._twos]
-        self.forces = dict.fromkeys(tried, NOTHING) | dict(zip(self._twos, (x for x, _ in parts), strict=True))
+        self.forces = dict.fromkeys(tried, NO_CONTACTS) | dict(zip(self._twos, (x for x, _ in parts), strict=True))
         self._tried = _stacked([x.force for x, _ in parts])
         # rows of each pair of ropes in `_tried`
         own = np.split(np.arange(len(self._tried)), np.cumsum([x.number.size for x, _ in parts]))[:-1]

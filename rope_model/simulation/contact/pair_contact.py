@@ -67,7 +67,9 @@ class Pressing(NamedTuple):
 
 
 _NONE = np.zeros((0, 3))
-NOTHING = Pressing(np.zeros(0, np.int64), np.zeros((2, 0)), _NONE, _NONE, np.zeros((0, 3, 3)), np.zeros(0), 0.0, _NONE)
+NO_CONTACTS = Pressing(
+    np.zeros(0, np.int64), np.zeros((2, 0)), _NONE, _NONE, np.zeros((0, 3, 3)), np.zeros(0), 0.0, _NONE
+)
 
 
 class Pair:
@@ -86,9 +88,9 @@ class Pair:
         """
         near = self._near(one, other)
         if not near[0].size:
-            return NOTHING
+            return NO_CONTACTS
         number, s = self._touching(*self._nearest(one, other, *near), self.diameter - inset)
-        return self._law_at(number, s, one, other, c, self.diameter - inset) if number.size else NOTHING
+        return self._law_at(number, s, one, other, c, self.diameter - inset) if number.size else NO_CONTACTS
 
     def inset(self, one: Rows, other: Rows) -> float:
         """Return the largest penetration depth (m)."""
@@ -102,7 +104,7 @@ class Pair:
             ((x.boxes[:3] - x.boxes[3:]).min(axis=1), (x.boxes[:3] + x.boxes[3:]).max(axis=1)) for x in (one, other)
         )
         if (low - their_high >= self.diameter).any() or (their_low - high >= self.diameter).any():
-            return NOTHING.number, NOTHING.number
+            return NO_CONTACTS.number, NO_CONTACTS.number
         mine, theirs = one.boxes[:, :, None], other.boxes[:, None]
         gaps = np.abs(mine[:3] - theirs[:3]) - (mine[3:] + theirs[3:])
         pairs = np.nonzero((gaps < self.diameter).all(axis=0))

@@ -39,7 +39,7 @@ from rope_model.solver_parameters import MAX_ELEMENTS, Mesh
 
 #: distance (l) beyond the limit of a transformation that a step carries the loop at most: 20 ms at 20 m/s with l = 1.6
 #: m
-LATEST = 0.25
+MAX_OVERSHOOT = 0.25
 #: lengths (l) of elements of I or VII, each at a multiple of its length from the end of the rope, so that its
 #: neighbours stay when it changes (spare ones are halved, see _legs)
 LEG_LENGTHS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)

@@ -11,7 +11,7 @@ from rope_model.simulation.ends import switching
 from rope_model.simulation.ends.paths import ends_at
 from rope_model.simulation.mesh.adaptation import transform_if_due, with_loop_yaw
 from rope_model.simulation.mesh.mesh_pattern import distance_to_due
-from rope_model.simulation.mesh.partition import LATEST
+from rope_model.simulation.mesh.partition import MAX_OVERSHOOT
 from rope_model.simulation.messages import messages
 from rope_model.simulation.model import RopeModel, powers
 from rope_model.simulation.rigid import rigid_rope
@@ -148,7 +148,7 @@ def _next_stop(model: RopeModel, state: RopeState, t_end: float) -> float:
     # the next step finds a crossing between these instants, at most one step late
     at_start = due(t)
     for time in (0.5 * (t + ahead), ahead):
-        if at_start < 0 and (at_time := due(time)) >= LATEST * state.partition.coarse:
+        if at_start < 0 and (at_time := due(time)) >= MAX_OVERSHOOT * state.partition.coarse:
             return min(locate(due, t, time, at_start, at_time, switching.EVENT_WIDTH), stop)
     return stop
 
