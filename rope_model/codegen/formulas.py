@@ -71,7 +71,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "void held_end(path, t, nominal_x, sense, angle, rows[3][7])": ends.held_end,
     "void path_leaning(path, t, leans[2][3])": EndPath.leaning,
     "void leaning(lean[3], lean_z[3], axis[3][3])": ends.leaning,
-    "EndMotion partly_placed(scene, EndMotion own, EndMotion other, sense, part)": ends.partly_placed,
+    "EndMotion partly_placed(scene, EndMotion own, EndMotion other, sense, fraction)": ends.partly_placed,
     "void suspension_points(layout, EndMotion left, EndMotion right, points[2][3])": outline.suspension_points,
     "void node_values(xi, l, nodes[14], values[7])": hermite.node_values,
     "void missing_load(start, stop, s, l, old_s, old_l, old[14], new[14], load[14])": hermite.missing_load,
@@ -101,7 +101,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "Probe contact_probe(xi, l, a[6], b[6], diameter, body)": contact_points.probe,
     "contact_turning(Probe start, Probe stop)": contact_points.turning,
     "contact_reaching(Probe outer, inner, level)": contact_points.reaching,
-    "void contact_point(part, weight, start, stop, point[2])": contact_points.point_in,
+    "void contact_point(fraction, weight, start, stop, point[2])": contact_points.point_in,
     "number_of_points(l, diameter)": rope_on_rope.number_of_points,
     "points_skipped(distance, diameter, spacing, number)": rope_on_rope.points_skipped,
     "max_points(length, elements, diameter)": rope_on_rope.max_points,
@@ -176,7 +176,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "void end_load(q[7], f[7], torque, load[6])": audit.end_load,
     "axial_share(rope, bottom, h)": audit.axial_share,
     "void audit_values(audit, values[6])": audit.signal_values,
-    "Audit audit_after_step(audit, Coefficients method, h, time_shift, load[6], force, change, part)": (
+    "Audit audit_after_step(audit, Coefficients method, h, time_shift, load[6], force, change, ratio)": (
         audit.after_step
     ),
     "Audit audit_after_interval(audit, h, mass, gravity, sums[9], about[3], residual, bend)": audit.after_interval,

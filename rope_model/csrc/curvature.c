@@ -6,10 +6,10 @@ int is_curved(const Simulator *rope, const State *state) {
     return rope->curved != NULL && state->fidelity == TORSIONAL && max_curvature(&rope->scene.rope) > 0;
 }
 
-Rope partly_curved(const Rope *whole, double part) {
+Rope partly_curved(const Rope *whole, double fraction) {
     Rope rope = *whole;
     double *const values[] = CURVATURES_OF(rope);
-    for (size_t k = 0; k < sizeof values / sizeof *values; k++) *values[k] *= part;
+    for (size_t k = 0; k < sizeof values / sizeof *values; k++) *values[k] *= fraction;
     return rope;
 }
 

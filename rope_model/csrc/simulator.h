@@ -59,7 +59,7 @@ void with_passages(const Simulator *rope, State *state);
 
 /* curvature.c */
 int is_curved(const Simulator *rope, const State *state);
-Rope partly_curved(const Rope *whole, double part); /* Return the rope with a part of its permanent curvature. */
+Rope partly_curved(const Rope *whole, double fraction); /* The rope with a fraction of its permanent curvature. */
 void curved_reference(Simulator *rope, State *state, const double *q); /* Refer the permanent curvature to q. */
 
 /* ends/switching.c */
@@ -140,8 +140,8 @@ double locate(double (*f)(void *, double), void *data, double low, double high, 
 /* stepping/hang.c */
 /* Hang the rope at rest, untwisted; then twist it, relax it, and move the ends to `ends`. */
 int hang(Simulator *rope, State *state, const EndMotion ends[2], char *message);
-/* Set paths at rest, a `part` of the way to `ends`. */
-void paths_at_rest(const Simulator *rope, State *state, const EndMotion ends[2], double part);
+/* Set paths at rest, a fraction `placed` of the way to `ends`. */
+void paths_at_rest(const Simulator *rope, State *state, const EndMotion ends[2], double placed);
 
 /* stepping/statics.c */
 /* Set q to an equilibrium, reaction to its residual.  Fail if theta turns by over max_turn (rad) at the right end. */

@@ -55,12 +55,12 @@ static void mean_between(const double *z, const double *s, int elements, double 
         for (int k = 0; s[e + 1] > from && k < WIRE_POINTS; k++) {
             const double l = s[e + 1] - s[e], begin = s[e] + l * CELLS[k], end = s[e] + l * CELLS[k + 1];
             const double *point_z = z + (ptrdiff_t)e * WIRE_Z + 3 * k;
-            const double part = (fmin(end, to) - fmax(begin, from)) / (to - from);
+            const double fraction = (fmin(end, to) - fmax(begin, from)) / (to - from);
             if (fabs(begin - from) <= close && fabs(end - to) <= close) {
                 memcpy(mean, point_z, 3 * sizeof *mean);
                 return;
             }
-            for (int i = 0; part > 0 && i < 3; i++) mean[i] += part * point_z[i];
+            for (int i = 0; fraction > 0 && i < 3; i++) mean[i] += fraction * point_z[i];
         }
 }
 

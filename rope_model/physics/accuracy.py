@@ -174,8 +174,8 @@ def _slip_fraction(scene: Any, fine: Any, threshold: float) -> Any:
 def length_for(scene: Any, error: Any) -> Any:
     """Return the length (m) of elements whose ``locking_error`` is between half of ``error`` (m) and ``error``."""
     w, rope = bending_length(scene), scene.rope
-    part = error / (LOOP_HEIGHT * w)
-    return w * maximum(sqrt(part), (part / (LOCKING * (rope.Qa * (w * w) / rope.EI))) ** (1 / 6))
+    ratio = error / (LOOP_HEIGHT * w)
+    return w * maximum(sqrt(ratio), (ratio / (LOCKING * (rope.Qa * (w * w) / rope.EI))) ** (1 / 6))
 
 
 def flow_error(scene: Any, end_speed: Any, h: Any) -> Any:

@@ -149,8 +149,8 @@ def _cell_function(stiff: bool) -> ca.Function:
         deeper = ca.if_else(swapped, probes[:, side], probes[:, side + 1])
         other = ca.if_else(swapped, probes[:, side + 1], probes[:, side])
         start = deeper[0]
-        for part in contact_points.LEVELS:
-            level = part * P[LAW.index("diameter")]
+        for fraction in contact_points.LEVELS:
+            level = fraction * P[LAW.index("diameter")]
             reached = reach.fold(contact_points.STEPS)(ca.vertcat(other, deeper[0]), rows, l, P, level)[0]
             stop = ca.if_else(deeper[1] <= level, deeper[0], ca.if_else(other[1] >= level, other[0], reached))
             pieces += [

@@ -73,6 +73,6 @@ def nonzero(x: Any) -> Any:
     return unit_sign(x) * maximum(abs(x), TINY)
 
 
-def point_in(part: Any, weight: Any, start: Any, stop: Any) -> tuple[Any, Any]:
-    """Return xi and weight of a Gauss point, which has ``part`` and ``weight`` in the unit interval, on a piece."""
-    return start + part * (stop - start), weight * abs(stop - start)
+def point_in(fraction: Any, weight: Any, start: Any, stop: Any) -> tuple[Any, Any]:
+    """Return xi and weight of a Gauss point, which has ``fraction`` and ``weight`` in the unit interval, on a piece."""
+    return start + fraction * (stop - start), weight * abs(stop - start)

@@ -89,9 +89,9 @@ def slide(before: Any, after: Any, k0: Any) -> Slid:
     square, along = dot(step, step), dot(z, step)
     back = _positive(-along)
     back = back - _positive(back - square)
-    part = back / (square + REGULARIZATION)
-    z = [z[i] + part * step[i] for i in range(3)]
-    step = [(1.0 - part) * x for x in step]
+    fraction = back / (square + REGULARIZATION)
+    z = [z[i] + fraction * step[i] for i in range(3)]
+    step = [(1.0 - fraction) * x for x in step]
     # remaining part of the step, over which they slide
     s2, a = dot(step, step), dot(z, step)
     h = 1.0 + s2 / 6 * (1.0 + s2 / 20)  # sinh(s) / s

@@ -20,9 +20,9 @@ def is_curved(rope: Rope, fidelity: ElementFidelity) -> bool:
     return fidelity == "torsional" and max_curvature(rope) > 0
 
 
-def partly_curved(rope: Rope, part: float) -> Rope:
-    """Return the rope with the fraction ``part`` of its permanent curvature."""
-    return replace(rope, **{name: part * getattr(rope, name) for name in CURVATURES})
+def partly_curved(rope: Rope, fraction: float) -> Rope:
+    """Return the rope with a ``fraction`` of its permanent curvature."""
+    return replace(rope, **{name: fraction * getattr(rope, name) for name in CURVATURES})
 
 
 def curved_reference(rope: Rope, q: Array, lengths: Array) -> Array:

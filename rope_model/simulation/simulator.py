@@ -289,7 +289,7 @@ class RopeSimulator(BalanceRope):
         m, system, c = self.state.motion, self.system, self.model.method.newton(self.state.last_interval)
         nodal = nodal_forces(forces, system.lengths, forces.start)
         alone, moved = (
-            system.with_forces(part * nodal).newton_step(m.q, m.v, m.a, m.reaction, c)[0] for part in (0.0, 1.0)
+            system.with_forces(fraction * nodal).newton_step(m.q, m.v, m.a, m.reaction, c)[0] for fraction in (0.0, 1.0)
         )
         return at_places(moved - alone, *elements_at(forces.s, system.lengths))
 

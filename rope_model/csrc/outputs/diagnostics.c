@@ -95,9 +95,9 @@ static int part_above(const double *first, int stride, double height, double par
     while (i < LEG && first[3 * stride * i + 1] < height) i++;
     if (i == LEG) return 0;
     const double *below = first + 3 * stride * (i > 0 ? i - 1 : 0), *above = first + 3 * stride * i;
-    double rise = above[1] - below[1], share = rise > 0 ? (height - below[1]) / rise : 1.0;
-    for (int axis = 0; axis < 3; axis++) part[0][axis] = below[axis] + share * (above[axis] - below[axis]);
-    i += share >= 1.0;
+    double rise = above[1] - below[1], fraction = rise > 0 ? (height - below[1]) / rise : 1.0;
+    for (int axis = 0; axis < 3; axis++) part[0][axis] = below[axis] + fraction * (above[axis] - below[axis]);
+    i += fraction >= 1.0;
     for (n = 1; i < LEG; i++, n++) memcpy(part[n], first + 3 * stride * i, sizeof part[n]);
     return n;
 }
@@ -200,8 +200,8 @@ static void climb_on(Climb *leg) {
 
 /* Interpolate a coordinate at a height between low and high. */
 static double climb_at(const Climb *leg, double height, int axis) {
-    const double part = (height - leg->low[1]) / (leg->high[1] - leg->low[1]);
-    return leg->low[axis] + part * (leg->high[axis] - leg->low[axis]);
+    const double fraction = (height - leg->low[1]) / (leg->high[1] - leg->low[1]);
+    return leg->low[axis] + fraction * (leg->high[axis] - leg->low[axis]);
 }
 
 int legs_apart(const Arrays *m, const double across[2], double diameter, double above) {

@@ -140,9 +140,9 @@ static int hang_in_loop(Simulator *rope, State *state, char *message) {
            relax(rope, state, &before, message);
 }
 
-void paths_at_rest(const Simulator *rope, State *state, const EndMotion ends[2], double part) {
+void paths_at_rest(const Simulator *rope, State *state, const EndMotion ends[2], double placed) {
     for (int side = LEFT; side <= RIGHT; side++) {
-        const double now = not_plumb(&rope->scene) ? part : 1, sense = side ? 1 : -1;
+        const double now = not_plumb(&rope->scene) ? placed : 1, sense = side ? 1 : -1;
         const EndMotion placed = partly_placed(&rope->scene, &ends[side], &ends[!side], sense, now);
         state->paths[side] = path_resting(state->t, &placed);
     }

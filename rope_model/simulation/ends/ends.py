@@ -130,13 +130,13 @@ def leaning(lean: Any, lean_z: Any) -> tuple[tuple[Any, ...], ...]:
     return (n_x, -C, n_z), (v_x, S * p, v_z), (a_x, D * p * p + S * p_t, a_z)
 
 
-def partly_placed(scene: Any, own: Any, other: Any, sense: Any, part: Any) -> EndMotion:
-    """Return the end ``own`` on its way from a rope hung in a loop (part 0) to its position and lean (part 1)."""
+def partly_placed(scene: Any, own: Any, other: Any, sense: Any, fraction: Any) -> EndMotion:
+    """Return the end ``own`` on its way from a rope hung in a loop (0) to its position and lean (1)."""
     x, z = other.x - own.x - sense * scene.layout.spacing, other.z - own.z
     narrow = HANGING_WIDTH * (scene.rope.length - abs(other.y - own.y)) / maximum(hypot(x, z), MIN_LEAN_SQUARE)
-    shift = 0.5 * (1.0 - minimum(narrow, 1.0)) * (1.0 - part)
+    shift = 0.5 * (1.0 - minimum(narrow, 1.0)) * (1.0 - fraction)
     x, z = own.x + shift * x, own.z + shift * z
-    return EndMotion(x, own.y, z, yaw=own.yaw, lean=part * own.lean, lean_z=part * own.lean_z)
+    return EndMotion(x, own.y, z, yaw=own.yaw, lean=fraction * own.lean, lean_z=fraction * own.lean_z)
 
 
 def nominal_points(spacing: float) -> Array:

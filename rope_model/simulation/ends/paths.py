@@ -134,7 +134,7 @@ class EndPath(NamedTuple):
 
     def peak_accelerations(self) -> tuple[Any, ...]:
         """Return the largest sampled accelerations of PATH and LEANS; NaN where the first sample is."""
-        times = [part * (self.stop - self.start) for part in (0.0, 0.25, 0.5, 0.75, 1.0)]
+        times = [fraction * (self.stop - self.start) for fraction in (0.0, 0.25, 0.5, 0.75, 1.0)]
         every = (*self.coefficients, *self.leans)
         return tuple(reduce(maximum, (abs(quintic.acceleration(c, s)) for s in times)) for c in every)
 

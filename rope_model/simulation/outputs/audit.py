@@ -89,7 +89,7 @@ def signal_values(audit: Any) -> tuple[Any, ...]:
     return audit.missing_force, audit.missing_moment, audit.energy, audit.force_change, steps, elements
 
 
-def after_step(audit: Any, method: Any, h: Any, recentring: Any, load: Any, force: Any, change: Any, part: Any) -> Any:
+def after_step(audit: Any, method: Any, h: Any, recentring: Any, load: Any, force: Any, change: Any, ratio: Any) -> Any:
     """Return ``audit`` after a time step to ``load``, with the largest end force and ``change`` of one (N)."""
     load_weight, auxiliary_weight, _, next_weight = auxiliary_weights(method, 0.0)
     gamma, impulse, auxiliary, rate = method.gamma, [], [], []
@@ -106,7 +106,7 @@ def after_step(audit: Any, method: Any, h: Any, recentring: Any, load: Any, forc
         impulse=tuple(impulse),
         force=maximum(audit.force, force),
         force_change=maximum(audit.force_change, change),
-        period_fraction=maximum(audit.period_fraction, part),
+        period_fraction=maximum(audit.period_fraction, ratio),
     )
 
 

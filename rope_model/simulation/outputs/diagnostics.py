@@ -133,8 +133,8 @@ def _part_above(leg: Array, height: float) -> Array:
     i = int(np.argmax(high))
     below, first = leg[max(i - 1, 0)], leg[i]
     rise = first[1] - below[1]
-    part = (height - below[1]) / rise if rise > 0 else 1.0
-    return np.vstack((below + part * (first - below), leg[i + (part >= 1.0) :]))
+    fraction = (height - below[1]) / rise if rise > 0 else 1.0
+    return np.vstack((below + fraction * (first - below), leg[i + (fraction >= 1.0) :]))
 
 
 def shape_places(lengths: Array, bottom_s: float, loop: float, points: int) -> Array:

@@ -79,7 +79,7 @@ def _change_of_loads(rope: Linearised, side: int, dof: int, change: Array) -> Ar
         change_of_loads = np.zeros((2, 6))
         change_of_loads[:, 1] = -tension_change(rope.scene, ends_at(state.paths, state.motion.t), side, dof, change)
         return change_of_loads.ravel()
-    before, after = (_end_loads(rope.ends, *rope.answer(side, dof, part * change)) for part in (0.0, 1.0))
+    before, after = (_end_loads(rope.ends, *rope.answer(side, dof, fraction * change)) for fraction in (0.0, 1.0))
     return after - before
 
 

@@ -48,10 +48,10 @@ def hang(model: RopeModel, state: RopeState, ends: tuple[EndMotion, EndMotion]) 
     return state
 
 
-def paths_at_rest(scene: Scene, t: float, ends: tuple[EndMotion, EndMotion], part: float) -> tuple[EndPath, EndPath]:
+def paths_at_rest(scene: Scene, t: float, ends: tuple[EndMotion, EndMotion], placed: float) -> tuple[EndPath, EndPath]:
     """Return the paths of both ends at rest on their way; those of plumb ends at their positions."""
-    left, right, part = *ends, part if not_plumb(scene) else 1.0
-    first, second = partly_placed(scene, left, right, -1.0, part), partly_placed(scene, right, left, 1.0, part)
+    left, right, placed = *ends, placed if not_plumb(scene) else 1.0
+    first, second = partly_placed(scene, left, right, -1.0, placed), partly_placed(scene, right, left, 1.0, placed)
     return EndPath.at_rest(t, first), EndPath.at_rest(t, second)
 
 
