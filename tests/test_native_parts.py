@@ -18,11 +18,11 @@ from rope_model.codegen.structures import scene_structure
 from rope_model.physics.outline import heading
 from rope_model.simulation.contact.self_contact import overlap_of
 from rope_model.simulation.mesh.adaptation import nearest_turn
-from rope_model.simulation.mesh.mesh_pattern import distance_to_due, inner_length, transformation_due
+from rope_model.simulation.mesh.mesh_pattern import distance_past_limit, inner_length, transformation_due
 from rope_model.simulation.mesh.partition import NOWHERE, Partition, fit_mesh, partition, transform, window_due
 from rope_model.simulation.mesh.transfer import interpolate, transfer_fields
 from rope_model.simulation.outputs import diagnostics
-from rope_model.simulation.outputs.diagnostics import LoopBottom, direction, leg_clearance, legs_apart, loop_bottom
+from rope_model.simulation.outputs.diagnostics import LoopBottom, ends_yaw, leg_clearance, legs_apart, loop_bottom
 from rope_model.simulation.rope_system import arc_lengths
 from rope_model.simulation.stepping.statics import hanging_guess
 
@@ -133,7 +133,7 @@ def test_legs_apart_are_not_turned(parts: SimpleNamespace, hanging: tuple[float,
     assume(hanging[-1] > 15 * hanging[3])
     still, (q, lengths, s) = hanging_guess(*hang(*hanging)), sway(hanging, seed)
     q = still + size * (q - still)
-    line, diameter, above = direction(q), 0.05, hanging[3]
+    line, diameter, above = ends_yaw(q), 0.05, hanging[3]
     apart = legs_apart(q, lengths, diameter, above)
     assert apart == in_c(parts, q, lengths, s, diameter, above)
     if apart:
@@ -160,7 +160,7 @@ def test_legs_that_touch_between_their_nodes_are_not_told_apart(parts: SimpleNam
 def in_c(parts: SimpleNamespace, q: Array, lengths: Array, s: Array, diameter: float, above: float) -> bool:
     arrays = ct.create_string_buffer(ct.sizeof(ct.c_void_p) * 10)
     parts.arrays_of(q, q, q, q, lengths, s, s.size, arrays)
-    return bool(parts.legs_apart(arrays, np.array(heading(direction(q))), diameter, above))
+    return bool(parts.legs_apart(arrays, np.array(heading(ends_yaw(q))), diameter, above))
 
 
 @pytest.mark.parametrize("lowest", [0, 4])
@@ -294,14 +294,14 @@ def test_loop_that_travels_is_alike(parts: SimpleNamespace, mesh: Mesh, length: 
         faced = tuple(x + moved for x in faced)
         assert parts.window_due(pattern, np.array(faced)) == window_due(old, faced)
         while direction := transformation_due(old, place, slack):
-            assert parts.mesh_distance_to_due(pattern, place) == distance_to_due(old, place)
+            assert parts.mesh_distance_past_limit(pattern, place) == distance_past_limit(old, place)
             assert parts.mesh_transformation_due(pattern, place, slack) == direction
             old = transform(old, direction, faced)
             parts.partition_transform(pattern, int(direction), np.array(faced), len(lengths), lengths)
             assert [*map(bytes, ours)] == [*map(bytes, as_in_c(old))]
             assert parts.mesh_centre(pattern) == old.centre
         assert parts.mesh_transformation_due(pattern, place, slack) == 0
-        assert parts.mesh_distance_to_due(pattern, place) == distance_to_due(old, place)
+        assert parts.mesh_distance_past_limit(pattern, place) == distance_past_limit(old, place)
 
 
 def rough(s: Array, seed: int) -> Array:

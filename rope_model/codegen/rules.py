@@ -64,7 +64,7 @@ NUMBERS: tuple[Callable[..., Any], ...] = (
     mesh_pattern.inner_length,
     mesh_pattern.min_outer,
     mesh_pattern.pattern_centre,
-    mesh_pattern.distance_to_due,
+    mesh_pattern.distance_past_limit,
     mesh_pattern.transformation_due,
     mesh_pattern.window_place,
     swivel_phases.frictionless,

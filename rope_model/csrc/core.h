@@ -42,7 +42,7 @@ static inline double end_value(const EndMotion *motion, int number) {
 /* Refuse a target motion that is out of range, or whose filter_limits exceed the scene's. */
 void ends_refusal(const Scene *scene, const EndMotion *target, const double limits[14], int side, char *message);
 /* Refuse a motion that has not changed for longer than hold_max. */
-void ends_frozen(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message);
+void stale_input_error(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message);
 /* Return the moment about the tangent on the rope's end, N m, from the end's row of the reaction. */
 double ends_moment(const Scene *scene, const State *state, int side, const double *reaction);
 /* Angle and rate of the rope's end against the conveyance, from theta and its rate. */
@@ -92,7 +92,7 @@ typedef struct {
     double number;     /* turns of one side of the rope about the other */
     double sharpest_y; /* height around which they change most, m */
 } LoopTurns;
-double diagnostics_direction(const Arrays *m); /* Return the yaw of the line from the left to the right end. */
+double ends_yaw(const Arrays *m); /* Return the yaw of the line from the left to the right end. */
 LoopBottom loop_bottom(int nodes, const double *q, const double *s);
 /* Return the smallest clearance between the legs, m, from `above` the loop's bottom upwards.  `pair`, not negative, has
    the blocks that were nearest in the last call, to speed up the search.  Takes 10 kB of stack. */
@@ -116,8 +116,8 @@ double interpolate_midpoints(int nodes, const double *s, int k, double place, do
 /* outputs/guards.c */
 /* Return the height of the loop's bottom above its quasi-static position, m. */
 double guards_rise(const Scene *scene, const State *state, const Arrays *arrays, const LoopBottom *bottom);
-void guards_at_rest(const Scene *scene, State *state); /* Reset the guards of a rope at rest. */
-void with_guards(const Scene *scene, State *state);    /* Update the guards at the state's time. */
+void set_rise_reference(const Scene *scene, State *state); /* Reset the guards of a rope at rest. */
+void with_guards(const Scene *scene, State *state);        /* Update the guards at the state's time. */
 
 /* parameter_table.c */
 /* Check all parameters; a message names the group, as in "rope: Qa = ...". */

@@ -3,7 +3,7 @@
 #include "simulator.h"
 
 /* Return the relative vertical speed of the ends, m/s. */
-static double end_speed(const Arrays *m) {
+static double relative_end_speed(const Arrays *m) {
     return m->v[1] - end_row(m->v, m->nodes, RIGHT)[1];
 }
 
@@ -85,7 +85,7 @@ static double relative_error(const Simulator *rope, State *state, const StepResu
     const Arrays old = state_arrays(state);
     const Coefficients method = {rope->scene.solver.rho_inf};
     const StepLimits limits = step_limits(&rope->scene, &state->errors, model_bottom(rope, state, state->t),
-                                          end_speed(&old), local_error(&method, 1, 1));
+                                          relative_end_speed(&old), local_error(&method, 1, 1));
     const double strain = fmax(fabs(result->strains[LEFT]), fabs(result->strains[RIGHT]));
     return step_error(&limits, result->h, result->error, strain);
 }
@@ -169,7 +169,7 @@ void model_commit(Simulator *rope, State *state, const StepResult *trial) {
     const Coefficients method = {rope->scene.solver.rho_inf};
     const double time_shift = recentring(&method, trial->h, state->h);
     EnergyBalance *energy = &state->energy_balance;
-    const double bottom = model_bottom(rope, state, state->t), speed = end_speed(&m);
+    const double bottom = model_bottom(rope, state, state->t), speed = relative_end_speed(&m);
     double losses[2], contact[CONTACT_BALANCE], air[AIR_BALANCE], paces[2], force = 0;
     for (int side = LEFT; side <= RIGHT; side++) {
         const size_t slope = (side ? size - DOF : 0) + SLOPE + 1;

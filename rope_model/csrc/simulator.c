@@ -114,7 +114,7 @@ static int initialize(Simulator *rope, double t, const EndMotion ends[2]) {
     state->offsets[RIGHT] = right_offset(points[LEFT], points[RIGHT]);
     state->swivels[RIGHT].angle = scene->rope.installed_twist;
     state->step_next = state->last_interval = scene->solver.step_max;
-    state->loop_yaw = diagnostics_direction(&m);
+    state->loop_yaw = ends_yaw(&m);
     if (message[0] ||
         !(state->fidelity == RIGID ? as_rigid(rope, state, t, message) : hang(rope, state, ends, message))) {
         tell_no_room(scene, state->fidelity, &ends[LEFT], &ends[RIGHT], message);
@@ -126,7 +126,7 @@ static int initialize(Simulator *rope, double t, const EndMotion ends[2]) {
     state->event_count = 0;
     begin_audit(rope, state);
     far_bodies(state->nearest);
-    guards_at_rest(scene, state);
+    set_rise_reference(scene, state);
     with_passages(rope, state);
     with_guards(scene, state);
     return accept(rope);
@@ -166,7 +166,7 @@ static int move_ends(Simulator *rope, State *state, double t, const EndMotion en
         double limits[14];
         filter_limits(&path, &now, limits);
         ends_refusal(scene, &ends[side], limits, side, rope->message);
-        if (!rope->message[0]) ends_frozen(&scene->inputs, t, &now, side, rope->message);
+        if (!rope->message[0]) stale_input_error(&scene->inputs, t, &now, side, rope->message);
         if (rope->message[0]) return 0;
         state->paths[side] = path;
         account_end(rope, state, &settings, side, &now);

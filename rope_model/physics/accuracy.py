@@ -245,7 +245,7 @@ def substeps(interval: Any, step_next: Any, steps_left: Any) -> Any:
     return minimum(parts, maximum(steps_left, ceil(0.5 * parts)))
 
 
-def newton_may_leave(newton_tolerance: Any, work_max: Any, bounded_tolerance: Any) -> Any:
+def effective_tolerance(newton_tolerance: Any, work_max: Any, bounded_tolerance: Any) -> Any:
     """Return Newton's tolerance (m and rad), at least ``bounded_tolerance`` where work is bounded to one step."""
     bounded = logical_and(work_max > 0.0, work_max < 2.0 * STEP_WORK)
     return where(bounded, maximum(newton_tolerance, bounded_tolerance), newton_tolerance)

@@ -83,12 +83,12 @@ def contact_error(sums: Any) -> Any:
     return sqrt(sums.square / maximum(sums.time, TINY)) / maximum(sums.largest, TINY)
 
 
-def with_contact_at_ends(error: Any, sums: Any, time: Any, force: Any) -> Any:
+def add_contact_end_error(error: Any, sums: Any, time: Any, force: Any) -> Any:
     """Add the error by contact in ``time`` (s) to the ``error`` of the end forces over the largest ``force`` (N)."""
     return hypot(error, TO_END_FORCES * sqrt(sums.square / maximum(time, TINY)) / maximum(force, TINY))
 
 
-def with_contact_of_place(scene: Any, error: Any, sums: Any) -> Any:
+def add_contact_loop_error(scene: Any, error: Any, sums: Any) -> Any:
     """Add the error by contact to ``error`` (m) of the loop's position."""
     rope, g, w = scene.rope, scene.layout.gravity, bending_length(scene)
     swing = 2.0 * math.pi * sqrt(w / g)

@@ -23,7 +23,7 @@ import casadi as ca
 from rope_model.physics import element
 from rope_model.physics.bending_element import bending_element
 from rope_model.physics.elementary import dot, sqrt
-from rope_model.physics.frame import carried, small_turn, smallest_rotation_rate, turned
+from rope_model.physics.frame import parallel_transport, rational_cos_sin, rotate_about_tangent, smallest_rotation_rate
 from rope_model.physics.initial_curvature import TO_POINTS, curvature_vectors
 
 #: number of entries of an element: k0 at its points, angles, and EI
@@ -114,7 +114,7 @@ def _bend_function() -> ca.Function:
     square = dot(d, d)
     length = sqrt(square)
     t = [d[k] / length for k in range(3)]
-    director = turned(t, carried(p, t, before), *small_turn(z[6] - angle))
+    director = rotate_about_tangent(t, parallel_transport(p, t, before), *rational_cos_sin(z[6] - angle))
     along = dot(ca.cross(d, c), director) / square
     along_zz, along_z = ca.hessian(along, z)
     return ca.Function("curved_bend", [z, p, before, angle], [ca.cse(x) for x in (along, along_z, along_zz)])

@@ -44,7 +44,7 @@ def thresholds(guard: Any) -> tuple[Any, ...]:
     return guard.rise, guard.window, guard.clearance, guard.turns, guard.torque
 
 
-def guarded(guard: Any) -> Any:
+def has_guards(guard: Any) -> Any:
     """Return a number above 0 if there is any guard, else 0."""
     return sum(thresholds(guard)[1:], guard.rise)
 

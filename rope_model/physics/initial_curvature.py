@@ -23,7 +23,7 @@ import numpy as np
 from rope_model.physics import hermite
 from rope_model.physics.element import POINTS, WEIGHTS
 from rope_model.physics.elementary import cos, dot, hypot, maximum, sin, sqrt
-from rope_model.physics.frame import carried, smallest_rotation_rate, turned
+from rope_model.physics.frame import parallel_transport, rotate_about_tangent, smallest_rotation_rate
 
 #: e1 at the left end, where the tangent is -Y
 START = (0.0, 0.0, 1.0)
@@ -98,4 +98,4 @@ def _unit(d: Any) -> list[Any]:
 
 def _turned(t: Any, p: Any, x: Any, along: Any, across: Any) -> list[Any]:
     """Carry ``x`` from the tangent p to t, then add ``along`` times it and ``across`` times its perpendicular."""
-    return turned(t, carried(p, t, x), along, across)
+    return rotate_about_tangent(t, parallel_transport(p, t, x), along, across)

@@ -53,7 +53,7 @@ def position_at(xi: Any, length: Any, a: Any, b: Any) -> tuple[Any, ...]:
     return tuple(interpolate(xi, length, a[k], a[3 + k], b[k], b[3 + k])[0] for k in range(3))
 
 
-def lowest(known: Any, length: Any, a: Any, slope_a: Any, b: Any, slope_b: Any) -> Any:
+def lower_bound(known: Any, length: Any, a: Any, slope_a: Any, b: Any, slope_b: Any) -> Any:
     """Return a lower bound of ``known`` and a coordinate's cubic from ``a``, not below ``known``, to ``b``.
 
     The cubic is within its control points.
@@ -62,7 +62,7 @@ def lowest(known: Any, length: Any, a: Any, slope_a: Any, b: Any, slope_b: Any) 
     return minimum(minimum(known, b), minimum(a + third * slope_a, b - third * slope_b))
 
 
-def highest(known: Any, length: Any, a: Any, slope_a: Any, b: Any, slope_b: Any) -> Any:
+def upper_bound(known: Any, length: Any, a: Any, slope_a: Any, b: Any, slope_b: Any) -> Any:
     """Return an upper bound of ``known`` and a coordinate's cubic from ``a``, not above ``known``, to ``b``."""
     third = length / 3.0
     return maximum(maximum(known, b), maximum(a + third * slope_a, b - third * slope_b))
@@ -76,7 +76,7 @@ def box_between(bounds: Any) -> tuple[Any, ...]:
 
 def enclosing_box(length: Any, a: Any, b: Any) -> tuple[Any, ...]:
     """Return centre and half widths (6,) of an upright box that contains the cubic between ``a`` and ``b``."""
-    bounds = [bound(a[k], length, a[k], a[3 + k], b[k], b[3 + k]) for bound in (lowest, highest) for k in range(3)]
+    bounds = [of(a[k], length, a[k], a[3 + k], b[k], b[3 + k]) for of in (lower_bound, upper_bound) for k in range(3)]
     return box_between(bounds)
 
 

@@ -28,7 +28,7 @@ from typing import Any, NamedTuple
 from rope_model.physics import hermite
 from rope_model.physics.costello import tension
 from rope_model.physics.elementary import cross, dot, exp, log, maximum, sqrt
-from rope_model.physics.frame import carried, small_turn, turned
+from rope_model.physics.frame import parallel_transport, rational_cos_sin, rotate_about_tangent
 
 #: number of entries of a section (tangent, curvature vector, angle) with z behind it
 POINT_STATE_SIZE = 10
@@ -109,7 +109,7 @@ def slide(before: Any, after: Any, k0: Any) -> Slid:
 def _carried(before: Any, after: Any, x: Any) -> list[Any]:
     """Return the vector ``x`` across the rope, turned as the section is from ``before`` to ``after``."""
     p, t = before[0:3], after[0:3]
-    return turned(t, carried(p, t, x), *small_turn(after[6] - before[6]))
+    return rotate_about_tangent(t, parallel_transport(p, t, x), *rational_cos_sin(after[6] - before[6]))
 
 
 def within(x: Any) -> Any:

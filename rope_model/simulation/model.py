@@ -10,7 +10,7 @@ import numpy as np
 
 from rope_model.numerics import generalized_alpha as alpha
 from rope_model.parameters import Scene
-from rope_model.physics.accuracy import BOUNDED_STEP_ERROR, add_errors, newton_may_leave, step_error, step_limits
+from rope_model.physics.accuracy import BOUNDED_STEP_ERROR, add_errors, effective_tolerance, step_error, step_limits
 from rope_model.physics.contact_error import add_contact
 from rope_model.physics.element import parameters
 from rope_model.physics.energy_balance import after_step as account_of_step
@@ -93,7 +93,7 @@ class RopeModel:
             return math.inf
         bottom, h = self.bottom(old.paths, old.motion.t), result.motion.h
         constant = alpha.local_error(self.method, 1.0, 1.0)
-        limits = step_limits(self.scene, old.errors, bottom, end_speed(old.motion), constant)
+        limits = step_limits(self.scene, old.errors, bottom, relative_end_speed(old.motion), constant)
         assert result.a_rate is not None
         strain = alpha.local_error(self.method, h, h * float(np.abs(result.a_rate[_END_STRAINS]).max()))
         return float(step_error(limits, h, result.error, strain))
@@ -101,7 +101,7 @@ class RopeModel:
     def trial(self, system: RopeSystem, old: alpha.Motion, h: float) -> alpha.StepResult[Evaluation]:
         """Take a step that is not accepted yet."""
         solver = self.scene.solver
-        tolerance = float(newton_may_leave(solver.newton_tolerance, solver.work_max, BOUNDED_STEP_ERROR))
+        tolerance = float(effective_tolerance(solver.newton_tolerance, solver.work_max, BOUNDED_STEP_ERROR))
         return alpha.step(self.pushed(system, old.t + h), old, h, self.method, tolerance)
 
     def bottom(self, paths: tuple[EndPath, EndPath], t: float) -> float:
@@ -133,7 +133,7 @@ class RopeModel:
         after, before, h = powers(system, motion), old.powers, motion.t - old.motion.t
         bottom, force = self.bottom(old.paths, old.motion.t), float(np.abs(motion.reaction[[0, -1], POSITION]).max())
         strain_tt, constant = (motion.v - old.motion.v)[_END_STRAINS] / h, alpha.local_error(self.method, 1.0, 1.0)
-        speed = end_speed(old.motion)
+        speed = relative_end_speed(old.motion)
         errors = add_errors(self.scene, old.errors, bottom, speed, h, constant, strain_tt.tolist(), result.error, force)
         # the material's dissipation follows from the strains' differences over the step: the rates at its ends contain
         # the integrator's own oscillation, whose square does not average out
@@ -262,6 +262,6 @@ def powers(system: RopeSystem, motion: alpha.Motion) -> Powers:
     return Powers(at_ends, at_swivels)
 
 
-def end_speed(motion: alpha.Motion) -> float:
+def relative_end_speed(motion: alpha.Motion) -> float:
     """Return the vertical speed (m/s) of the left end against the right one."""
     return float(motion.v[0, 1] - motion.v[-1, 1])

@@ -22,10 +22,11 @@ from rope_model.physics.outline import suspension_points
 from rope_model.simulation.contact.bodies import NO_ROOM
 from rope_model.simulation.contact.point_forces import PointForces, at_places, elements_at, nodal_forces
 from rope_model.simulation.contact.shaft import LOOK_EVERY, with_passages
-from rope_model.simulation.ends.ends import HangingEnds, Phase, SwivelState, frozen, leaning, refusal, right_offset
+from rope_model.simulation.ends.ends import HangingEnds, leaning, refusal, right_offset, stale_input_error
 from rope_model.simulation.ends.filter_program import filter_program, filter_step
 from rope_model.simulation.ends.input_filter import InputFilter, filter_limits, settings_of
 from rope_model.simulation.ends.paths import END_NODE, RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
+from rope_model.simulation.ends.swivel_phases import Phase, SwivelState
 from rope_model.simulation.fidelity import choose_fidelity, unsupported_motion
 from rope_model.simulation.interface import BalanceRope, Snapshot, Status, state_in
 from rope_model.simulation.mesh.adaptation import raise_fidelity
@@ -34,8 +35,8 @@ from rope_model.simulation.messages import fidelity_messages, messages
 from rope_model.simulation.messages.result_warnings import WARNINGS
 from rope_model.simulation.messages.rules import first_text
 from rope_model.simulation.model import RopeModel, ends_of
-from rope_model.simulation.outputs.diagnostics import LoopBottom, direction, loop_bottom
-from rope_model.simulation.outputs.guards import at_rest, with_guards
+from rope_model.simulation.outputs.diagnostics import LoopBottom, ends_yaw, loop_bottom
+from rope_model.simulation.outputs.guards import set_rise_reference, with_guards
 from rope_model.simulation.outputs.signal_table import checked_names
 from rope_model.simulation.outputs.signals import group_of
 from rope_model.simulation.rope_kernels import KernelCache
@@ -202,7 +203,7 @@ class RopeSimulator(BalanceRope):
                 last_interval=scene.solver.step_max,
                 force_mean=(0.0, 0.0),
                 calm_since=t,
-                loop_yaw=direction(guess),
+                loop_yaw=ends_yaw(guess),
                 fidelity=fidelity,
                 fidelity_reason=reason,
             )
@@ -214,7 +215,7 @@ class RopeSimulator(BalanceRope):
         force_mean = -float(state.motion.reaction[0, 1]), -float(state.motion.reaction[-1, 1])
         energy_balance = state.energy_balance._replace(start=state.energy_balance.total)
         state = state._replace(force_mean=force_mean, energy_balance=energy_balance, events=())
-        state = with_passages(scene, at_rest(scene, self.model.begin_audit(state)))
+        state = with_passages(scene, set_rise_reference(scene, self.model.begin_audit(state)))
         self._accept(with_guards(scene, state, self.model.ends(state)))
         return Status(True)
 
@@ -237,7 +238,7 @@ class RopeSimulator(BalanceRope):
         for k, (side, end) in enumerate(zip(SIDES, (left, right), strict=True)):
             filtered = filter_step(self._filter, state.filters[k], state.paths[k], settings, at, t, end, legs[k])
             refused = refusal(scene, end, filtered.limits, side)
-            if message := refused or frozen(scene.inputs, t, filtered.filter, side):
+            if message := refused or stale_input_error(scene.inputs, t, filtered.filter, side):
                 return Status(False, message)
             steps.append((filtered.path, filtered.filter))
         paths, filters = zip(*steps, strict=True)

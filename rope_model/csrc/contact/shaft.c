@@ -114,7 +114,7 @@ void with_passages(const Simulator *rope, State *state) {
     Crossing *crossing = &state->crossing;
     state->looked_at = state->t;
     shaft_nearer(&rope->scene, &m, state->t, state->nearest);
-    const double line = diagnostics_direction(&m);
+    const double line = ends_yaw(&m);
     double across[2];
     heading(line, across);
     const int near = !legs_apart(&m, across, rope->scene.rope.diameter, rope->scene.layout.spacing);

@@ -43,7 +43,7 @@ void ends_refusal(const Scene *scene, const EndMotion *target, const double limi
                               worst < YAW ? "m/s^2" : "rad/s^2", inputs->acceleration_max);
 }
 
-void ends_frozen(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message) {
+void stale_input_error(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message) {
     message[0] = '\0';
     if (end_filter->held > 1 && t - end_filter->given_at > inputs->hold_max)
         say_inputs_frozen(message, SIDE_NAMES[side], t - end_filter->given_at, inputs->hold_max);

@@ -43,7 +43,7 @@ static int on_partition(Simulator *rope, State *state, int direction, const doub
     memset(m.reaction + DOF, 0, sizeof(double) * DOF * (size_t)(m.nodes - 2));
     rope_system_refer(rope, state, m.q);
     const Solver *solver = &rope->scene.solver;
-    const double tolerance = newton_may_leave(solver->newton_tolerance, solver->work_max, BOUNDED_MESH_ERROR);
+    const double tolerance = effective_tolerance(solver->newton_tolerance, solver->work_max, BOUNDED_MESH_ERROR);
     double time = RELAXATION_TIME;
     Progress newton = dynamic_equilibrium(rope, state, time, tolerance);
     for (; newton.status != CONVERGED; newton = dynamic_equilibrium(rope, state, time, tolerance)) {

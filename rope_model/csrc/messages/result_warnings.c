@@ -11,7 +11,7 @@ enum { EACH_WARNING_HAS_A_NUMBER = 1 / ((int)ROPE_EXTRAPOLATION == (int)EXTRAPOL
 /* Return the yaw of the loop against the line between its ends. */
 static double yaw_of(State *state) {
     const Arrays m = state_arrays(state);
-    return state->loop_yaw - diagnostics_direction(&m);
+    return state->loop_yaw - ends_yaw(&m);
 }
 
 static void neglected_effects(Simulator *rope, char *message) {
@@ -51,7 +51,7 @@ static void leg_contact(Simulator *rope, char *message) {
 static double end_twist(State *state) {
     const Arrays m = state_arrays(state);
     const double left = end_row(m.q, m.nodes, LEFT)[ANGLE] - state->offsets[LEFT];
-    return end_row(m.q, m.nodes, RIGHT)[ANGLE] - state->offsets[RIGHT] - left - 2 * diagnostics_direction(&m);
+    return end_row(m.q, m.nodes, RIGHT)[ANGLE] - state->offsets[RIGHT] - left - 2 * ends_yaw(&m);
 }
 
 static void yaw_at_rest(Simulator *rope, char *message) {

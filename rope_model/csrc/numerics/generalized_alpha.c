@@ -52,7 +52,7 @@ StepResult generalized_alpha_step(Simulator *rope, State *state, System *s, doub
     const Chain *chain = chain_of(rope, state);
     const Solver *solver = &rope->scene.solver;
     result.newton = chain->solve(s, rope->work, now->q, now->v, now->a, now->reaction, c,
-                                 newton_may_leave(solver->newton_tolerance, solver->work_max, BOUNDED_STEP_ERROR),
+                                 effective_tolerance(solver->newton_tolerance, solver->work_max, BOUNDED_STEP_ERROR),
                                  old.q, result.balance);
     for (size_t i = 0; i < size; i++) finite &= isfinite(now->reaction[i]) != 0;
     if (result.newton.status == CONVERGED && !finite) result.newton.status = NOT_FINITE;

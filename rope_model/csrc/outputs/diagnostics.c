@@ -10,7 +10,7 @@ static double clip(double x, double low, double high) {
     return fmin(fmax(x, low), high);
 }
 
-double diagnostics_direction(const Arrays *m) {
+double ends_yaw(const Arrays *m) {
     return line_yaw(m->q, m->q + (ptrdiff_t)DOF * m->elements);
 }
 

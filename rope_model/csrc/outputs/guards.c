@@ -19,7 +19,7 @@ static double guards_sideways(const Arrays *m, double height, const LoopBottom *
     return farthest;
 }
 
-void guards_at_rest(const Scene *scene, State *state) {
+void set_rise_reference(const Scene *scene, State *state) {
     const Arrays m = state_arrays(state);
     const LoopBottom bottom = loop_bottom(m.nodes, m.q, m.s);
     state->guard = (GuardState){0, 0, 0, {NEVER, NEVER, NEVER, NEVER, NEVER}};
@@ -28,7 +28,7 @@ void guards_at_rest(const Scene *scene, State *state) {
 
 void with_guards(const Scene *scene, State *state) {
     const Guard *guard = &scene->shaft.guard;
-    if (guarded(guard) == 0) return;
+    if (has_guards(guard) == 0) return;
     const Arrays m = state_arrays(state);
     const LoopBottom bottom = loop_bottom(m.nodes, m.q, m.s);
     Nearest nearest[KINDS];
@@ -44,7 +44,7 @@ void with_guards(const Scene *scene, State *state) {
         guard->rise_y <= -FAR ? guards_rise(scene, state, &m, &bottom) : bottom.position[1] - guard->rise_y,
         guards_sideways(&m, guard->window_y, &bottom),
         clearance,
-        fabs(turns_of(nearest_turn(bottom.yaw, state->loop_yaw), diagnostics_direction(&m), state->crossing.net)),
+        fabs(turns_of(nearest_turn(bottom.yaw, state->loop_yaw), ends_yaw(&m), state->crossing.net)),
         torque,
     };
     state->guard = watch(guard, &state->guard, state->t, quantities);

@@ -37,7 +37,7 @@ static void loop_signals(Simulator *rope, double *values) {
     values[SIGNAL_LOOP_YAW] = nearest_turn(bottom->yaw, state->loop_yaw);
     values[SIGNAL_LOOP_CLEARANCE] = leg_clearance(m.nodes, m.q, m.s, bottom, loop_width(scene), scene->rope.diameter,
                                                   scene->layout.spacing, rope->nearest_blocks);
-    values[SIGNAL_LOOP_TURNS] = turns_of(values[SIGNAL_LOOP_YAW], diagnostics_direction(&m), state->crossing.net);
+    values[SIGNAL_LOOP_TURNS] = turns_of(values[SIGNAL_LOOP_YAW], ends_yaw(&m), state->crossing.net);
     values[SIGNAL_LOOP_RISE] = guards_rise(scene, state, &m, bottom);
     values[SIGNAL_LOOP_SIDEWAYS] = sideways(bottom->position, m.q, end_row(m.q, m.nodes, RIGHT));
 }
@@ -93,10 +93,10 @@ static void error_signals(Simulator *rope, double *values) {
     const InputFilter *left = &state->filters[LEFT], *right = &state->filters[RIGHT];
     double at_ends = end_force_error(&rope->scene.rope, &state->errors);
     double of_place = loop_error(&rope->scene, &state->errors, fine, state->pattern.grading_length);
-    at_ends = with_contact_at_ends(at_ends, &state->contact, state->errors.time, state->errors.force);
-    of_place = with_contact_of_place(&rope->scene, of_place, &state->contact);
-    values[SIGNAL_STATUS_END_FORCE_ERROR] = with_misfit(at_ends, &state->errors, left, right);
-    values[SIGNAL_STATUS_LOOP_ERROR] = with_drift(of_place, left, right);
+    at_ends = add_contact_end_error(at_ends, &state->contact, state->errors.time, state->errors.force);
+    of_place = add_contact_loop_error(&rope->scene, of_place, &state->contact);
+    values[SIGNAL_STATUS_END_FORCE_ERROR] = add_misfit_error(at_ends, &state->errors, left, right);
+    values[SIGNAL_STATUS_LOOP_ERROR] = add_drift_error(of_place, left, right);
     values[SIGNAL_STATUS_CONTACT_ERROR] = contact_error(&state->contact);
 }
 

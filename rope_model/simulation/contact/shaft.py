@@ -22,7 +22,7 @@ from rope_model.physics.shaft import KINDS, distance, least_distance
 from rope_model.simulation.contact.bodies import Placed, placed_bodies
 from rope_model.simulation.contact.self_contact import overlap_of
 from rope_model.simulation.mesh.adaptation import nearest_turn
-from rope_model.simulation.outputs.diagnostics import direction, legs_apart, loop_bottom, loop_turns
+from rope_model.simulation.outputs.diagnostics import ends_yaw, legs_apart, loop_bottom, loop_turns
 from rope_model.simulation.rope_system import SLOPE
 from rope_model.simulation.state import Crossing, Nearest, RopeState
 
@@ -137,10 +137,10 @@ def with_passages(scene: Scene, state: RopeState) -> RopeState:
     q, lengths, t = state.motion.q, state.partition.lengths, state.motion.t
     near = not legs_apart(q, lengths, scene.rope.diameter, scene.layout.spacing)
     crossing = _with_overlap(scene, state) if near or scene.shaft.contact.rope_stiffness > 0 else state.crossing
-    if near or crossing.net != 0 or abs(state.loop_yaw - direction(q)) > TURNED_FAR:
+    if near or crossing.net != 0 or abs(state.loop_yaw - ends_yaw(q)) > TURNED_FAR:
         bottom = loop_bottom(q, lengths)
         sides, yaw = loop_turns(q, lengths, bottom), nearest_turn(bottom.yaw, state.loop_yaw)
-        net = float(np.rint(turns(yaw, direction(q), sides.number)))
+        net = float(np.rint(turns(yaw, ends_yaw(q), sides.number)))
         if net != crossing.net:
             since, y = (crossing.since, crossing.y) if crossing.number else (t, sides.sharpest_y)
             crossing = crossing._replace(net=net, number=crossing.number + abs(net - crossing.net), since=since, y=y)

@@ -181,7 +181,7 @@ def _largest(sizes: Sequence[float]) -> int:
     return max(range(len(sizes)), key=[math.inf if math.isnan(x) else x for x in sizes].__getitem__)
 
 
-def frozen(inputs: Inputs, t: float, end_filter: InputFilter, side: str) -> str:
+def stale_input_error(inputs: Inputs, t: float, end_filter: InputFilter, side: str) -> str:
     """Return '' while an end receives new samples; else how long it has not."""
     if end_filter.held > 1 and t - end_filter.given_at > inputs.hold_max:
         return messages.inputs_frozen(side, t - end_filter.given_at, inputs.hold_max)

@@ -95,13 +95,13 @@ def _leg_response(wave: Any, added: Any, rope: Any, leg: Any, h: Any) -> tuple[A
     return total, rope.mass_per_length * leg * (SWINGING * total[0] + (1.0 - SWINGING) * mean)
 
 
-def with_misfit(error: Any, sums: Any, left: Any, right: Any) -> Any:
+def add_misfit_error(error: Any, sums: Any, left: Any, right: Any) -> Any:
     """Add the error by inconsistent motions to ``error`` of the end forces, root mean square over the largest."""
     squares = maximum(left.force, right.force) / maximum(sums.time, TINY)
     return sqrt(error * error + squares / maximum(sums.force * sums.force, TINY))
 
 
-def with_drift(error: Any, left: Any, right: Any) -> Any:
+def add_drift_error(error: Any, left: Any, right: Any) -> Any:
     """Add the drift of the ends to ``error`` (m) of the loop's position."""
     drift = 0.5 * (left.farthest + right.farthest)
     return sqrt(error * error + drift * drift)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from rope_model.numerics.generalized_alpha import Solution
-from rope_model.physics.accuracy import BOUNDED_MESH_ERROR, newton_may_leave
+from rope_model.physics.accuracy import BOUNDED_MESH_ERROR, effective_tolerance
 from rope_model.simulation.ends.ends import right_offset
 from rope_model.simulation.ends.paths import ends_at
 from rope_model.simulation.fidelity import lowest_sufficient
@@ -55,7 +55,7 @@ def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeSta
     moved = state._replace(partition=new, motion=replace(m, **carried, reaction=reaction), hysteresis=z)
     solver = model.scene.solver
     time, step_min = RELAXATION_TIME, solver.step_min
-    tolerance = float(newton_may_leave(solver.newton_tolerance, solver.work_max, BOUNDED_MESH_ERROR))
+    tolerance = float(effective_tolerance(solver.newton_tolerance, solver.work_max, BOUNDED_MESH_ERROR))
     while not (solution := _dynamic_equilibrium(model, moved, time, tolerance)).newton.converged:
         log.debug("t = %.6f s: transformation within %.3g s rejected: %s", m.t, time, solution.newton.status.text)
         if time <= step_min:

@@ -44,7 +44,7 @@ def pattern_centre(pattern: Any) -> Any:
     return pattern.coarse * (pattern.counts[0] + 0.5 * inner_length(pattern.counts[1:6]))
 
 
-def distance_to_due(pattern: Any, bottom: Any) -> Any:
+def distance_past_limit(pattern: Any, bottom: Any) -> Any:
     """Return the distance (m) of the loop past the limit; negative if no transformation is due or possible."""
     return _past_limit(pattern, bottom - pattern_centre(pattern))
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from rope_model.physics import estimates
 from rope_model.physics.elementary import logical_and, logical_or, maximum, where
-from rope_model.physics.guard import guarded
+from rope_model.physics.guard import has_guards
 from rope_model.physics.inextensible import lowest, pull
 from rope_model.physics.initial_curvature import max_curvature
 from rope_model.simulation.contact.bodies import may_touch
@@ -127,7 +127,7 @@ TORQUE: Rules = {fidelity_messages.coupled: _coupled, fidelity_messages.twisted:
 COMPLETE: Rules = {
     fidelity_messages.may_touch: lambda scene, forces: (may_touch(scene.shaft),),
     fidelity_messages.may_touch_itself: lambda scene, forces: (scene.shaft.contact.rope_stiffness > 0,),
-    fidelity_messages.guards_watch: lambda scene, forces: (guarded(scene.shaft.guard) > 0,),
+    fidelity_messages.guards_watch: lambda scene, forces: (has_guards(scene.shaft.guard) > 0,),
     fidelity_messages.in_air: lambda scene, forces: (scene.shaft.air.density > 0,),
     fidelity_messages.is_curved: lambda scene, forces: _curved(scene),
     fidelity_messages.not_plumb: lambda scene, forces: (not_plumb(scene),),

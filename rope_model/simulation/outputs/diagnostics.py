@@ -17,7 +17,7 @@ FINE = 41  #: samples of two elements, for the lowest point
 OUTLINE = 161  #: samples of the rope, for the clearance of the legs
 
 
-def direction(q: Array) -> float:
+def ends_yaw(q: Array) -> float:
     """Return the yaw (rad) of the line from the left to the right end."""
     return float(outline.line_yaw(q[0], q[-1]))
 
@@ -71,7 +71,7 @@ def legs_apart(q: Array, lengths: Array, diameter: float, above: float) -> bool:
     node, and if the rope leads in that line's direction on both sides of it.  The plane leans as the legs do, so that
     it separates the legs of a swinging loop too.
     """
-    k, rows, across = int(q[:, 1].argmin()), q.T, outline.heading(direction(q))
+    k, rows, across = int(q[:, 1].argmin()), q.T, outline.heading(ends_yaw(q))
     if not 0 < k < lengths.size:
         return False
     low, left = rows[:, k], np.arange(lengths.size) < k

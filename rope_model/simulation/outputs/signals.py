@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from rope_model.physics.accuracy import end_force_error, loop_error
-from rope_model.physics.contact_error import contact_error, with_contact_at_ends, with_contact_of_place
+from rope_model.physics.contact_error import add_contact_end_error, add_contact_loop_error, contact_error
 from rope_model.physics.estimates import loop_width
 from rope_model.physics.frame import conveyance_load
 from rope_model.physics.guard import sideways
@@ -15,7 +15,7 @@ from rope_model.physics.shaft import KINDS
 from rope_model.physics.stress import material_values
 from rope_model.simulation.contact.shaft import clearances
 from rope_model.simulation.ends.ends import Phase
-from rope_model.simulation.ends.misfit import with_drift, with_misfit
+from rope_model.simulation.ends.misfit import add_drift_error, add_misfit_error
 from rope_model.simulation.ends.paths import END_NODE, SIDES
 from rope_model.simulation.mesh.adaptation import nearest_turn
 from rope_model.simulation.mesh.transfer import interpolate
@@ -87,7 +87,7 @@ def loop_signals(rope: Evaluated) -> dict[str, float]:
     return out | {
         "loop.yaw": yaw,
         "loop.clearance": clearance,
-        "loop.turns": turns(yaw, diagnostics.direction(q), state.crossing.net),
+        "loop.turns": turns(yaw, diagnostics.ends_yaw(q), state.crossing.net),
         "loop.rise": rise(scene, state, bottom),
         "loop.sideways": float(sideways(bottom.position, q[0], q[-1])),
     }
@@ -124,11 +124,11 @@ def contact_signals(rope: Evaluated) -> dict[str, float]:
 def error_signals(rope: Evaluated) -> dict[str, float]:
     """Return the error estimates of the run so far."""
     scene, errors, cells, contact = rope.scene, rope.state.errors, rope.state.partition, rope.state.contact
-    at_ends = with_contact_at_ends(end_force_error(scene.rope, errors), contact, errors.time, errors.force)
-    loop_position = with_contact_of_place(scene, loop_error(scene, errors, cells.fine, cells.grading_length), contact)
+    at_ends = add_contact_end_error(end_force_error(scene.rope, errors), contact, errors.time, errors.force)
+    loop_position = add_contact_loop_error(scene, loop_error(scene, errors, cells.fine, cells.grading_length), contact)
     return {
-        "status.end_force_error": float(with_misfit(at_ends, errors, *rope.state.filters)),
-        "status.loop_error": float(with_drift(loop_position, *rope.state.filters)),
+        "status.end_force_error": float(add_misfit_error(at_ends, errors, *rope.state.filters)),
+        "status.loop_error": float(add_drift_error(loop_position, *rope.state.filters)),
         "status.contact_error": float(contact_error(contact)),
     }
 

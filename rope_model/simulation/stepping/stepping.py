@@ -10,7 +10,7 @@ from rope_model.physics.elementary import maximum
 from rope_model.simulation.ends import switching
 from rope_model.simulation.ends.paths import ends_at
 from rope_model.simulation.mesh.adaptation import transform_if_due, with_loop_yaw
-from rope_model.simulation.mesh.mesh_pattern import distance_to_due
+from rope_model.simulation.mesh.mesh_pattern import distance_past_limit
 from rope_model.simulation.mesh.partition import MAX_OVERSHOOT
 from rope_model.simulation.messages import messages
 from rope_model.simulation.model import RopeModel, powers
@@ -143,7 +143,7 @@ def _next_stop(model: RopeModel, state: RopeState, t_end: float) -> float:
     ahead = min(stop, t + min(state.step_next, model.scene.solver.step_max))
 
     def due(time: float) -> float:
-        return float(distance_to_due(state.partition, model.bottom(state.paths, time)))
+        return float(distance_past_limit(state.partition, model.bottom(state.paths, time)))
 
     # the next step finds a crossing between these instants, at most one step late
     at_start = due(t)
