@@ -57,7 +57,7 @@ static size_t lay_out(Simulator *rope, Arena *arena) {
     const size_t used = arena->used;
     if (presses) { /* room for strands that lie in each other */
         const size_t places = (size_t)max_points(scene->rope.length, rope->elements, scene->rope.diameter);
-        self_contact.touches = reserve(arena, sizeof *self_contact.touches * MAX_STRANDS * places);
+        self_contact.contacts = reserve(arena, sizeof *self_contact.contacts * MAX_STRANDS * places);
     }
     if (arena->block == NULL) return used;
     *rope->around = around;

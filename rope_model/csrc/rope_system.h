@@ -56,15 +56,15 @@ typedef struct {
     double xi;     /* element coordinate in the second element */
     double weight; /* length of rope that the law acts on, m */
     double N[8];   /* shape functions at both places, those of the second negative */
-    Touch law;
+    ContactTerms terms;
 } SelfContact;
 
 /* Contact of the rope with itself: result and buffers of find_self_contacts. */
 typedef struct {
     const Scene *scene;
-    int presses; /* true if contacts act; otherwise there is no memory for touches */
-    int number;  /* number of touches */
-    SelfContact *touches;
+    int presses; /* true if contacts act; otherwise there is no memory for them */
+    int number;  /* number of contacts */
+    SelfContact *contacts;
     double nearest[2];  /* least distance of centre lines that touch, and its height, m */
     double (*boxes)[6]; /* bounding box of each element */
     int *others;        /* elements near the present one */

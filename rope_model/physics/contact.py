@@ -47,7 +47,7 @@ def correction_motion(corrections: Any, longest: Any, shortest: Any) -> Any:
     return 6.0 * corrections + 2.25 * longest / shortest * corrections
 
 
-class Touch(NamedTuple):
+class ContactTerms(NamedTuple):
     """Contact at one point: force on the rope (3,), upper half of the symmetric tangent row by row (6,), SUMS."""
 
     force: tuple[float, float, float]
@@ -55,9 +55,9 @@ class Touch(NamedTuple):
     sums: tuple[float, float, float, float, float, float, float, float, float, float]
 
 
-def touch(
+def contact_law(
     contact: Any, diameter: Any, body: Any, body_velocity: Any, point: Any, velocity: Any, cq: Any, cv: Any
-) -> Touch:
+) -> ContactTerms:
     """Return the contact of the centre line at ``point`` with a body, per length, for their velocities (m/s).
 
     The tangent is that with respect to (cq, cv) times position and velocity.
@@ -85,4 +85,4 @@ def touch(
     xx, xy, xz, yy, yz, zz = (normal_stiffness * n[i] * n[j] - softening * u[i] * u[j] for i, j in pairs)
     dissipated = (spring - pressure) * normal_speed + drag * dot(u, u)
     sums = energy, dissipated, dot(force, body_velocity), *force, *cross(point, force), pressure
-    return Touch(force, (xx + viscous, xy, xz, yy + viscous, yz, zz + viscous), sums)
+    return ContactTerms(force, (xx + viscous, xy, xz, yy + viscous, yz, zz + viscous), sums)

@@ -15,7 +15,7 @@ from typing import Any
 import casadi as ca
 
 from rope_model.physics import contact_points, hermite
-from rope_model.physics.contact import SUMS, touch
+from rope_model.physics.contact import SUMS, contact_law
 from rope_model.physics.element import ELEMENT_DOF, ElementFidelity, ElementFunctions
 from rope_model.physics.elementary import logical_and, where
 from rope_model.physics.shaft import KINDS, Body
@@ -222,10 +222,8 @@ def _touch_functions() -> tuple[ca.Function, ca.Function]:
     point, speed, P = ca.SX.sym("point", 3), ca.SX.sym("speed", 3), ca.SX.sym("P", len(LAW) + BODY_SIZE)
     cq, cv = ca.SX.sym("cq"), ca.SX.sym("cv")
     law = SimpleNamespace(**dict(zip(LAW, ca.vertsplit(P[: len(LAW)]), strict=True)))
-    contact_terms = touch(law, law.diameter, *_body(P[len(LAW) :]), point, speed, cq, cv)
+    terms = contact_law(law, law.diameter, *_body(P[len(LAW) :]), point, speed, cq, cv)
     return (
-        ca.Function(
-            "touch", [point, speed, P], ca.cse([ca.vertcat(*contact_terms.force), ca.vertcat(*contact_terms.sums)])
-        ),
-        ca.Function("touch_tangent", [point, speed, P, cq, cv], [ca.cse(ca.vertcat(*contact_terms.tangent))]),
+        ca.Function("contact_law", [point, speed, P], ca.cse([ca.vertcat(*terms.force), ca.vertcat(*terms.sums)])),
+        ca.Function("touch_tangent", [point, speed, P, cq, cv], [ca.cse(ca.vertcat(*terms.tangent))]),
     )

@@ -17,7 +17,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from rope_model.physics import hermite
-from rope_model.physics.contact import Touch, touch
+from rope_model.physics.contact import ContactTerms, contact_law
 from rope_model.physics.elementary import ceil, dot, floor, maximum, minimum
 from rope_model.physics.shaft import Body
 
@@ -65,8 +65,8 @@ def nearer_xi(xi: Any, l: Any, point: Any, a: Any, b: Any) -> Any:
     return minimum(maximum(xi - dot(gap, slope) / (l * second), 0.0), 1.0)
 
 
-def self_contact_law(contact: Any, diameter: Any, separation: Any, velocity: Any, cq: Any, cv: Any) -> Touch:
+def self_contact_law(contact: Any, diameter: Any, separation: Any, velocity: Any, cq: Any, cv: Any) -> ContactTerms:
     """Return the contact, per length, of a point at ``separation`` (3,) from another with relative ``velocity``."""
     law = SimpleNamespace(**(vars(contact) | {"stiffness": contact.rope_stiffness}))
     other = Body((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.5 * diameter, 1.0, 0.0, 1.0)
-    return touch(law, diameter, other, (0.0, 0.0, 0.0), separation, velocity, cq, cv)
+    return contact_law(law, diameter, other, (0.0, 0.0, 0.0), separation, velocity, cq, cv)

@@ -81,7 +81,7 @@ static void find_pressed(const System *s, int element, int k, const double *q, P
 /* Contact law at an integration point. */
 typedef struct {
     double N[4], weight;
-    Touch law;
+    ContactTerms terms;
 } ContactPoint;
 
 static ContactPoint contact_point_of(const System *s, int element, int k, const double point[2], const double *q,
@@ -92,8 +92,8 @@ static ContactPoint contact_point_of(const System *s, int element, int k, const 
     hermite_shape_functions(point[0], s->lengths[element], found.N);
     at_places(q, element, found.N, r);
     at_places(v, element, found.N, speed);
-    found.law = touch(&around->scene->shaft.contact, around->scene->rope.diameter, &around->placed[k].body,
-                      around->speeds[k], r, speed, cq, cv);
+    found.terms = contact_law(&around->scene->shaft.contact, around->scene->rope.diameter, &around->placed[k].body,
+                              around->speeds[k], r, speed, cq, cv);
     return found;
 }
 
@@ -104,7 +104,7 @@ void contact_residual(const System *s, int element, const double *q, const doubl
         find_pressed(s, element, body, q, &pressed);
         for (int n = 0; n < pressed.number; n++) {
             const ContactPoint point = contact_point_of(s, element, body, pressed.points[n], q, v, 0, 0);
-            for (int k = 0; k < CONTACT_DOF; k++) R[k] -= point.weight * point.N[k / 3] * point.law.force[k % 3];
+            for (int k = 0; k < CONTACT_DOF; k++) R[k] -= point.weight * point.N[k / 3] * point.terms.force[k % 3];
         }
     }
 }
@@ -121,7 +121,7 @@ void contact_tangent(const System *s, int element, const double *q, const double
             for (int k = 0; k < CONTACT_DOF; k++)
                 for (int n = k; n < CONTACT_DOF; n++)
                     tangent[k][n] +=
-                        point.weight * point.N[k / 3] * point.N[n / 3] * point.law.tangent[upper[k % 3][n % 3]];
+                        point.weight * point.N[k / 3] * point.N[n / 3] * point.terms.tangent[upper[k % 3][n % 3]];
         }
     }
 }
@@ -132,8 +132,8 @@ void contact_sums(const System *s, int element, const double *q, const double *v
         find_pressed(s, element, body, q, &pressed);
         for (int n = 0; n < pressed.number; n++) {
             const ContactPoint point = contact_point_of(s, element, body, pressed.points[n], q, v, 0, 0);
-            for (int k = 0; k < CONTACT_FORCES; k++) sums[k] += point.weight * point.law.sums[k];
-            sums[CONTACT_FORCES + s->around->placed[body].kind] += point.weight * point.law.sums[CONTACT_FORCES];
+            for (int k = 0; k < CONTACT_FORCES; k++) sums[k] += point.weight * point.terms.sums[k];
+            sums[CONTACT_FORCES + s->around->placed[body].kind] += point.weight * point.terms.sums[CONTACT_FORCES];
         }
     }
 }

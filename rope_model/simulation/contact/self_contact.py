@@ -14,7 +14,7 @@ from rope_model.numerics.coupled_newton import Iterate, conjugate_gradients
 from rope_model.numerics.generalized_alpha import Solution
 from rope_model.parameters import Scene
 from rope_model.physics import hermite, rope_on_rope
-from rope_model.physics.contact import SUMS, Touch
+from rope_model.physics.contact import SUMS, ContactTerms
 from rope_model.physics.outline import enclosing_box
 from rope_model.simulation.rope_system import SLOPE, Array, Evaluation, Losses, Near, RopeSystem
 
@@ -30,7 +30,7 @@ class SelfContact(NamedTuple):
     elements: tuple[int, int]
     N: tuple[float, ...]  # (8,), those of the second element's nodes are negative
     weight: float
-    touch: Touch
+    terms: ContactTerms
 
 
 class SelfContacts:
@@ -41,9 +41,9 @@ class SelfContacts:
         self._nodes = np.array([x.elements for x in contacts], dtype=int).reshape(-1, 2).repeat(2, axis=1) + _ENDS
         self._N = np.array([x.N for x in contacts]).reshape(-1, 4, 2)
         self._weights = np.array([x.weight for x in contacts])
-        self._forces = np.array([x.touch.force for x in contacts]).reshape(-1, 3)
-        self._tangents = np.array([x.touch.tangent for x in contacts]).reshape(-1, 6)[:, TANGENT_ENTRIES]
-        self._sums = np.array([x.touch.sums for x in contacts]).reshape(-1, len(SUMS))
+        self._forces = np.array([x.terms.force for x in contacts]).reshape(-1, 3)
+        self._tangents = np.array([x.terms.tangent for x in contacts]).reshape(-1, 6)[:, TANGENT_ENTRIES]
+        self._sums = np.array([x.terms.sums for x in contacts]).reshape(-1, len(SUMS))
 
     def sums(self) -> dict[str, float]:
         """Return energy (J), dissipation (W), the couple that friction leaves (N m) and the pressure (N)."""
@@ -115,46 +115,46 @@ class SelfContactSystem(RopeSystem):
         super().__init__(*parts)
         self.scene = scene
 
-    def touches(self, q: Array, v: Array, cq: float = 0.0, cv: float = 0.0) -> SelfContacts:
+    def self_contacts(self, q: Array, v: Array, cq: float = 0.0, cv: float = 0.0) -> SelfContacts:
         """Return the contacts of the rope with itself, with the tangent with respect to (cq, cv) times q and v."""
         return find_self_contacts(self.scene, q, v, self.lengths, cq, cv)
 
     def _newton(self, near: Near, x: Iterate, c: Array, tolerance: float, before: Array | None) -> Solution[Evaluation]:
-        if not self.touches(x.q, x.v).any:
+        if not self.self_contacts(x.q, x.v).any:
             solution = super()._newton(near, x, c, tolerance, before)
-            if not self.touches(solution.q, solution.v).any:
+            if not self.self_contacts(solution.q, solution.v).any:
                 return solution
         return self._iterate(near, x, c, tolerance)
 
     def _coupling(self, at: Iterate, c: Array) -> Callable[[Array], Array] | None:
-        return self.touches(at.q, at.v, float(c[0]), float(c[1])).times
+        return self.self_contacts(at.q, at.v, float(c[0]), float(c[1])).times
 
     def _with_touches(self, evaluation: Evaluation, q: Array, v: Array) -> Evaluation:
-        touches = self.touches(q, v)
+        contacts = self.self_contacts(q, v)
         R = evaluation.reaction.copy()
-        touches.take_force(R)
+        contacts.take_force(R)
         return Evaluation(
-            R, evaluation.balance | {"contact": evaluation.balance["contact"] + touches.sums()["contact"]}
+            R, evaluation.balance | {"contact": evaluation.balance["contact"] + contacts.sums()["contact"]}
         )
 
     def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
-        touches = self.touches(q, v, float(c[0]), float(c[1]))
-        if not touches.any:
+        contacts = self.self_contacts(q, v, float(c[0]), float(c[1]))
+        if not contacts.any:
             return super().newton_step(q, v, a, reaction, c)
         R = self.evaluate(q, v, a, reaction).reaction
         solve = self._solver(*self._with_bodies(self._near(q, 0.0), q, v), Iterate(q, v, a, reaction), c)
-        return conjugate_gradients(solve, touches.times, R), R
+        return conjugate_gradients(solve, contacts.times, R), R
 
     def evaluate(self, q: Array, v: Array, a: Array, reaction: Array) -> Evaluation:
         return self._with_touches(super().evaluate(q, v, a, reaction), q, v)
 
     def outside(self, q: Array, v: Array) -> dict[str, float]:
-        sums, more = super().outside(q, v), self.touches(q, v).sums()
+        sums, more = super().outside(q, v), self.self_contacts(q, v).sums()
         return {**sums, **{name: sums[name] + value for name, value in more.items()}}
 
     def losses(self, q: Array, v: Array) -> Losses:
         losses = super().losses(q, v)
-        return losses._replace(contact=losses.contact + self.touches(q, v).sums()["contact_dissipated"])
+        return losses._replace(contact=losses.contact + self.self_contacts(q, v).sums()["contact_dissipated"])
 
 
 def _near_elements(q: Array, lengths: Array, diameter: float) -> list[tuple[int, list[int]]]:
