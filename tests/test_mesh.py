@@ -24,7 +24,7 @@ from rope_model.simulation.mesh import mesh_pattern as tmn
 from rope_model.simulation.mesh import partition as cells
 from rope_model.simulation.mesh.mesh_fit import DUE
 from rope_model.simulation.mesh.mesh_pattern import inner_length, min_outer, transformation_due
-from rope_model.simulation.mesh.partition import NOWHERE, Partition, fit_mesh, partition, transform, window_due
+from rope_model.simulation.mesh.partition import NO_DIVIDERS, Partition, fit_mesh, partition, transform, window_due
 from rope_model.simulation.mesh.transfer import interpolate, transfer_fields
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE
 from rope_model.solver_parameters import Mesh
@@ -158,7 +158,7 @@ SIDES = st.sampled_from([0, 1])
 
 
 def facing(side: int, place: float) -> tuple[float, ...]:
-    return tuple(place if k == 2 + side else math.inf for k in range(len(NOWHERE)))
+    return tuple(place if k == 2 + side else math.inf for k in range(len(NO_DIVIDERS)))
 
 
 @settings(max_examples=100, deadline=None)

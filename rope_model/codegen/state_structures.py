@@ -14,7 +14,7 @@ from rope_model.physics.guard import CAUSES
 from rope_model.physics.shaft import KINDS
 from rope_model.simulation.ends.ends import Phase, SwivelState
 from rope_model.simulation.ends.switching import CHATTER_EVENTS
-from rope_model.simulation.mesh.partition import NOWHERE
+from rope_model.simulation.mesh.partition import NO_DIVIDERS
 from rope_model.simulation.state import Counts, RopeState
 from rope_model.simulation.wires import NO_HYSTERESIS
 
@@ -57,7 +57,7 @@ class PatternStructure(Structure):
 
     _fields_ = (
         *(("coarse", c_double), ("grading_length", c_double), ("counts", c_int * SEGMENTS), ("end_levels", c_int)),
-        ("windows", c_int * len(NOWHERE)),
+        ("windows", c_int * len(NO_DIVIDERS)),
     )
 
 

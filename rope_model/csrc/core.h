@@ -59,18 +59,18 @@ void unsupported_motion(const Scene *scene, int fidelity, const EndMotion ends[2
 /* mesh/adaptation.c */
 double nearest_turn(double angle, double last); /* Return the angle plus full turns that is closest to last. */
 
-/* mesh/partition.c; `bottom` is the arc length of the loop's lowest point, `faced` has PLACES_FACED entries */
+/* mesh/partition.c; `bottom` is the arc length of the loop's lowest point, `divider_s` has DIVIDERS entries */
 double partition_fine(const Pattern *pattern, const double *lengths); /* Length of elements in the loop segment, m. */
 Mesh fit_mesh(const Scene *scene);
 /* Arc lengths of the legs that face a divider; INFINITY for none, and for a mesh that the user gives. */
-void faced_by(const Scene *scene, double left, double right, double *faced);
+void mesh_dividers(const Scene *scene, double left, double right, double *divider_s);
 /* Return the number of elements of a mesh other than AUTO_MESH; 0 with a message if it does not fit the length. */
-int partition_elements(const Mesh *mesh, double length, const double *faced, char *message);
+int partition_elements(const Mesh *mesh, double length, const double *divider_s, char *message);
 /* Fill pattern and lengths; partition_elements counts the elements. */
-void partition(const Mesh *mesh, double length, double bottom, const double *faced, int elements, Pattern *pattern,
+void partition(const Mesh *mesh, double length, double bottom, const double *divider_s, int elements, Pattern *pattern,
                double *lengths);
-void partition_transform(Pattern *pattern, int direction, const double *faced, int elements, double *lengths);
-int window_due(const Pattern *pattern, const double *faced); /* True if a divider has left its window. */
+void partition_transform(Pattern *pattern, int direction, const double *divider_s, int elements, double *lengths);
+int window_due(const Pattern *pattern, const double *divider_s); /* True if a divider has left its window. */
 
 /* mesh/transfer.c */
 /* Interpolate x (nodes x DOF) at arc lengths `places`: y (number x DOF). */

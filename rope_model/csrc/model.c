@@ -114,8 +114,8 @@ double model_bottom(const Simulator *rope, const State *state, double t) {
     return 0.5 * (rope->scene.rope.length + left - right);
 }
 
-void model_faced(const Simulator *rope, const State *state, double t, double *faced) {
-    faced_by(&rope->scene, path_height(&state->paths[LEFT], t), path_height(&state->paths[RIGHT], t), faced);
+void model_dividers(const Simulator *rope, const State *state, double t, double *divider_s) {
+    mesh_dividers(&rope->scene, path_height(&state->paths[LEFT], t), path_height(&state->paths[RIGHT], t), divider_s);
 }
 
 void model_powers(const Simulator *rope, State *state) {

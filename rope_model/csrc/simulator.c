@@ -8,9 +8,9 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) 
     check_scene(scene, message);
     if (message[0]) return NULL;
     const Mesh mesh = fit_mesh(scene);
-    double faced[PLACES_FACED];
-    faced_by(scene, 0, 0, faced);
-    const int elements = partition_elements(&mesh, scene->rope.length, faced, message);
+    double divider_s[DIVIDERS];
+    mesh_dividers(scene, 0, 0, divider_s);
+    const int elements = partition_elements(&mesh, scene->rope.length, divider_s, message);
     if (elements == 0) {
         char why[MESSAGE];
         memcpy(why, message, sizeof why);
@@ -105,9 +105,9 @@ static int initialize(Simulator *rope, double t, const EndMotion ends[2]) {
     unsupported_motion(scene, state->fidelity, ends, rope->forces.number, why);
     if (why[0]) return say_fixed_model_cannot_follow(message, fidelity_name(state->fidelity), why);
     const Arrays m = state_arrays(state);
-    double faced[PLACES_FACED];
-    model_faced(rope, state, t, faced);
-    partition(&rope->mesh, scene->rope.length, model_bottom(rope, state, t), faced, m.elements, &state->pattern,
+    double divider_s[DIVIDERS];
+    model_dividers(rope, state, t, divider_s);
+    partition(&rope->mesh, scene->rope.length, model_bottom(rope, state, t), divider_s, m.elements, &state->pattern,
               m.lengths);
     arc_lengths(m.elements, m.lengths, m.s);
     hanging_guess(m.nodes, m.s, points[LEFT], points[RIGHT], m.q, message);

@@ -88,8 +88,8 @@ void model_powers(const Simulator *rope, State *state);
 double model_energies(Simulator *rope, State *state); /* Update energies; return the change of their total. */
 /* Return the arc length of the loop's lowest point from the heights of the ends at t. */
 double model_bottom(const Simulator *rope, const State *state, double t);
-/* Call faced_by with the heights of the ends at t. */
-void model_faced(const Simulator *rope, const State *state, double t, double *faced);
+/* Call mesh_dividers with the heights of the ends at t. */
+void model_dividers(const Simulator *rope, const State *state, double t, double *divider_s);
 /* Refer frames and angles of q, v, a, b to q. */
 void with_angles_along(Simulator *rope, State *state, double *q, double *v, double *a, double *b);
 void begin_audit(const Simulator *rope, State *state);

@@ -29,17 +29,17 @@ static int partition_plausible(const Simulator *rope, const State *state, const 
     const double length = rope->scene.rope.length, rounding = 1e-12 * length;
     const Pattern *pattern = &state->pattern;
     double *lengths = rope->trial.q, *s = rope->trial.v;
-    double faced[PLACES_FACED];
+    double divider_s[DIVIDERS];
     Pattern expected;
-    faced_by(&rope->scene, 0, 0, faced);
-    partition(&rope->mesh, length, 0.5 * length, faced, m->elements, &expected, lengths);
+    mesh_dividers(&rope->scene, 0, 0, divider_s);
+    partition(&rope->mesh, length, 0.5 * length, divider_s, m->elements, &expected, lengths);
     if (expected.coarse > 0) {
         const int outer = expected.counts[0] + expected.counts[SEGMENTS - 1];
         const int first = pattern->counts[0], least = (int)min_outer(expected.counts + 1);
         if (!within(first, least, outer - least)) return 0;
-        for (int i = 0; i < PLACES_FACED; i++) /* place of a divider in this window */
-            if (isfinite(faced[i])) faced[i] = expected.coarse * (pattern->windows[i] + 0.5 * WINDOW);
-        partition_transform(&expected, first - expected.counts[0], faced, m->elements, lengths);
+        for (int i = 0; i < DIVIDERS; i++) /* place of a divider in this window */
+            if (isfinite(divider_s[i])) divider_s[i] = expected.coarse * (pattern->windows[i] + 0.5 * WINDOW);
+        partition_transform(&expected, first - expected.counts[0], divider_s, m->elements, lengths);
     }
     if (memcmp(pattern, &expected, sizeof expected) != 0) return 0;
     arc_lengths(m->elements, lengths, s);

@@ -22,7 +22,7 @@ from rope_model.simulation.contact.surroundings import surroundings
 from rope_model.simulation.ends.ends import HangingEnds, Phase, nominal_points
 from rope_model.simulation.ends.paths import END_NODE, EndPath
 from rope_model.simulation.fidelity import flexible
-from rope_model.simulation.mesh.partition import NOWHERE, faced_by
+from rope_model.simulation.mesh.partition import NO_DIVIDERS, mesh_dividers
 from rope_model.simulation.outputs.audit import NO_LOAD, Audit, Load, after_interval, after_step, axial_share, end_load
 from rope_model.simulation.rope_kernels import KernelCache
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, Evaluation, RopeSystem, air_parameters
@@ -108,14 +108,14 @@ class RopeModel:
         """Return the arc length (m) of the loop's lowest point, from the ends' heights alone."""
         return float(0.5 * (self.scene.rope.length + paths[0].height(t) - paths[1].height(t)))
 
-    def faced(self, paths: tuple[EndPath, EndPath], t: float) -> Sequence[float]:
-        """Return the arc lengths of the dividers along the legs, from the ends' heights: mesh_fit.faced_positions."""
-        return faced_by(self.scene, paths[0].height(t), paths[1].height(t)) if self._faces else NOWHERE
+    def dividers(self, paths: tuple[EndPath, EndPath], t: float) -> Sequence[float]:
+        """Return the arc lengths of the dividers along the legs, from the ends' heights: mesh_fit.divider_positions."""
+        return mesh_dividers(self.scene, paths[0].height(t), paths[1].height(t)) if self._has_dividers else NO_DIVIDERS
 
     @cached_property
-    def _faces(self) -> bool:
+    def _has_dividers(self) -> bool:
         """True if some divider may press a leg, at whatever heights."""
-        return faced_by(self.scene, 0.0, 0.0) != NOWHERE
+        return mesh_dividers(self.scene, 0.0, 0.0) != NO_DIVIDERS
 
     def restart(self, state: RopeState) -> RopeState:
         """Return the state with consistent accelerations and no history."""

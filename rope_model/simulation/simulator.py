@@ -189,7 +189,7 @@ class RopeSimulator(BalanceRope):
         try:
             if why := unsupported_motion(scene, fidelity, (left, right), self.model.forces.s.size):
                 return Status(False, fidelity_messages.fixed_model_cannot_follow(fidelity, why))
-            cells = partition(self._mesh, rope.length, self.model.bottom(paths, t), self.model.faced(paths, t))
+            cells = partition(self._mesh, rope.length, self.model.bottom(paths, t), self.model.dividers(paths, t))
             guess = hanging_guess(cells.nodes_s, *ends)
             rest = np.zeros_like(guess)
             state = RopeState(

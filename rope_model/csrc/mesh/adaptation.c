@@ -31,11 +31,11 @@ static Progress dynamic_equilibrium(Simulator *rope, State *state, double time, 
 }
 
 /* Transform the mesh once; return the status of Newton's method. */
-static int on_partition(Simulator *rope, State *state, int direction, const double *faced) {
+static int on_partition(Simulator *rope, State *state, int direction, const double *divider_s) {
     const Arrays m = state_arrays(state);
     double *const fields[] = {m.q, m.v, m.a, m.b, m.a_rate}, *old_s = rope->trial.b;
     memcpy(old_s, m.s, sizeof(double) * (size_t)m.nodes);
-    partition_transform(&state->pattern, direction, faced, m.elements, m.lengths);
+    partition_transform(&state->pattern, direction, divider_s, m.elements, m.lengths);
     arc_lengths(m.elements, m.lengths, m.s);
     if (state->fidelity == RIGID) return CONVERGED; /* shape and energies do not depend on the mesh */
     transfer_fields(m.nodes, old_s, m.s, 5, fields, rope->work);
@@ -58,13 +58,13 @@ static int on_partition(Simulator *rope, State *state, int direction, const doub
 
 int transform_if_due(Simulator *rope, State *state) {
     const double bottom = model_bottom(rope, state, state->t);
-    double faced[PLACES_FACED];
+    double divider_s[DIVIDERS];
     int status = CONVERGED;
-    model_faced(rope, state, state->t, faced);
+    model_dividers(rope, state, state->t, divider_s);
     while (status == CONVERGED) {
         const int direction = (int)transformation_due(&state->pattern, bottom, DUE_EARLY);
-        if (direction == 0 && !window_due(&state->pattern, faced)) break;
-        status = on_partition(rope, state, direction, faced);
+        if (direction == 0 && !window_due(&state->pattern, divider_s)) break;
+        status = on_partition(rope, state, direction, divider_s);
     }
     return status;
 }

@@ -90,7 +90,7 @@ def pumped_grading(scene: Any) -> Any:
     return g * (wavelength * wavelength) * (1.0 + (PUMPED_GROWTH / growth) ** 4)
 
 
-def faced_positions(scene: Any, left: Any, right: Any) -> tuple[Any, ...]:
+def divider_positions(scene: Any, left: Any, right: Any) -> tuple[Any, ...]:
     """Return the arc lengths (m) from the ends, at these heights, at which each divider may press a leg (8,).
 
     Left and right leg alternate; infinite where the divider does not hold the leg, or is far from it.
@@ -111,7 +111,7 @@ def _may_press(scene: Any, divider: Any, leg: Any) -> Any:
 
 def pressed_length(scene: Any) -> Any:
     """Return the longest element (m) of a rope with a leg that a divider may press; infinite without one."""
-    pressed = logical_or(*(s < math.inf for s in faced_positions(scene, 0.0, 0.0)))
+    pressed = logical_or(*(s < math.inf for s in divider_positions(scene, 0.0, 0.0)))
     return where(pressed, contact_error.length_for(scene, BLOW), math.inf)
 
 
