@@ -113,7 +113,7 @@ def test_acceleration_that_is_too_large_has_the_same_message(native: Any) -> Non
 
 
 def test_a_signal_that_stands_still_has_the_same_message(native: Any) -> None:
-    inputs, end_filter = scene_structure(Scene()).inputs, InputFilter(given_at=1.0, held=7.0)
+    inputs, end_filter = scene_structure(Scene()).inputs, InputFilter(given_at=1.0, steps_held=7.0)
     structure = PARTS[InputFilter](*end_filter)
     for t in (1.5, 2.0, 2.5):
         message = text_of(native.stale_input_error, ct.byref(inputs), ct.c_double(t), ct.byref(structure), 1)

@@ -56,7 +56,7 @@ static int path_plausible(const Path *path, double t) {
     path_motion(path, path->stop, motion);
     for (int k = 0; k < 12; k++)
         if (!(fabs(motion[k / 4][k % 4]) <= distant)) return 0;
-    path_leaning(path, path->stop, leans);
+    path_lean_motion(path, path->stop, leans);
     for (int k = 0; k < 6; k++)
         if (!(fabs(leans[k / 3][k % 3]) <= distant)) return 0;
     return 1;

@@ -22,7 +22,7 @@ from rope_model.physics.outline import suspension_points
 from rope_model.simulation.contact.bodies import NO_ROOM
 from rope_model.simulation.contact.point_forces import PointForces, at_places, elements_at, nodal_forces
 from rope_model.simulation.contact.shaft import LOOK_EVERY, with_passages
-from rope_model.simulation.ends.ends import HangingEnds, leaning, refusal, right_offset, stale_input_error
+from rope_model.simulation.ends.ends import HangingEnds, clamp_axis, refusal, right_offset, stale_input_error
 from rope_model.simulation.ends.filter_program import filter_program, filter_step
 from rope_model.simulation.ends.input_filter import InputFilter, filter_limits, settings_of
 from rope_model.simulation.ends.paths import END_NODE, RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
@@ -308,9 +308,9 @@ class RopeSimulator(BalanceRope):
             return m.q, reaction
         node, q, v, a = END_NODE[side], m.q.copy(), m.v.copy(), m.a.copy()
         if dof > ANGLE:
-            leans = np.array(self.state.paths[side].leaning(m.t))
+            leans = np.array(self.state.paths[side].lean_motion(m.t))
             leans[dof - ANGLE - 1] += change
-            q[node, SLOPE], v[node, SLOPE], a[node, SLOPE] = (1 - 2 * side) * np.array(leaning(*leans))
+            q[node, SLOPE], v[node, SLOPE], a[node, SLOPE] = (1 - 2 * side) * np.array(clamp_axis(*leans))
         else:
             for x, dx in zip((q, v, a), change, strict=True):
                 x[node, dof] += dx

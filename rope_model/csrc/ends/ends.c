@@ -45,7 +45,7 @@ void ends_refusal(const Scene *scene, const EndMotion *target, const double limi
 
 void stale_input_error(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message) {
     message[0] = '\0';
-    if (end_filter->held > 1 && t - end_filter->given_at > inputs->hold_max)
+    if (end_filter->steps_held > 1 && t - end_filter->given_at > inputs->hold_max)
         say_inputs_frozen(message, SIDE_NAMES[side], t - end_filter->given_at, inputs->hold_max);
 }
 
@@ -64,7 +64,7 @@ void ends_prescribed_motion(const Scene *scene, const State *state, int side, do
              state->offsets[side] + state->swivels[side].angle, rows);
     if (scene->swivels[side].attachment != CLAMPED) return;
     double leans[2][3], n[3][3];
-    path_leaning(&state->paths[side], t, leans);
-    leaning(leans[0], leans[1], n);
+    path_lean_motion(&state->paths[side], t, leans);
+    clamp_axis(leans[0], leans[1], n);
     for (int k = 0; k < 9; k++) rows[k / 3][SLOPE + k % 3] = -YAW_SENSE[side] * n[k / 3][k % 3];
 }

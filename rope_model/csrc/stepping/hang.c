@@ -75,7 +75,7 @@ static int let_curve(Simulator *rope, State *state, char *message) {
 
 /* The rope before it was hung: prescribed motion of the ends, offset and yaw. */
 typedef struct {
-    double held[2][3][DOF], offset, yaw;
+    double ends[2][3][DOF], offset, yaw;
 } Before;
 
 static void untwist(const Arrays *m, double angle) {
@@ -85,8 +85,8 @@ static void untwist(const Arrays *m, double angle) {
 /* Hang the rope again while `side` may turn, untwisted from the other end on. */
 static int hang_while_it_turns(Simulator *rope, State *state, const Before *before, int side, char *message) {
     const Arrays m = state_arrays(state);
-    hanging_guess(m.nodes, m.s, before->held[LEFT][0], before->held[RIGHT][0], m.q, message);
-    untwist(&m, before->held[side == LEFT ? RIGHT : LEFT][0][ANGLE]);
+    hanging_guess(m.nodes, m.s, before->ends[LEFT][0], before->ends[RIGHT][0], m.q, message);
+    untwist(&m, before->ends[side == LEFT ? RIGHT : LEFT][0][ANGLE]);
     state->offsets[RIGHT] = before->offset;
     state->loop_yaw = before->yaw;
     state->snapped_at = 0;
@@ -131,8 +131,8 @@ static int hang_in_loop(Simulator *rope, State *state, char *message) {
     const Arrays m = state_arrays(state);
     Before before = {.offset = state->offsets[RIGHT], .yaw = state->loop_yaw};
     for (int side = LEFT; side <= RIGHT; side++)
-        ends_prescribed_motion(&rope->scene, state, side, state->t, before.held[side]);
-    const double first = before.held[LEFT][0][ANGLE], twist = before.held[RIGHT][0][ANGLE] - first;
+        ends_prescribed_motion(&rope->scene, state, side, state->t, before.ends[side]);
+    const double first = before.ends[LEFT][0][ANGLE], twist = before.ends[RIGHT][0][ANGLE] - first;
     untwist(&m, first);
     state->offsets[RIGHT] -= twist;
     rope->corrections = 0;

@@ -65,7 +65,7 @@ class HangingEnds:
             angle = self.offsets[side] + self.states[side].angle
             motion[:, node] = held_end(self.paths[side], t, float(self.points[side, 0]), YAW_SENSE[side], angle)
             if self.swivels[side].attachment == "clamped":
-                motion[:, node, SLOPE] = -YAW_SENSE[side] * np.array(leaning(*self.paths[side].leaning(t)))
+                motion[:, node, SLOPE] = -YAW_SENSE[side] * np.array(clamp_axis(*self.paths[side].lean_motion(t)))
         return motion
 
     def load(self, nodes: int) -> Array:
@@ -111,7 +111,7 @@ def held_end(path: EndPath, t: float, nominal_x: float, sense: float, angle: flo
     )
 
 
-def leaning(lean: Any, lean_z: Any) -> tuple[tuple[Any, ...], ...]:
+def clamp_axis(lean: Any, lean_z: Any) -> tuple[tuple[Any, ...], ...]:
     """Return the axis n of a clamp and its rates (3, 3), from the leans, a rotation vector, and their rates.
 
     n = (S lean, -C, S lean_z) with C = cos a, S = sin(a)/a for the angle a.  With p = a a_t, C_t = -S p, S_t = D p and
@@ -183,6 +183,6 @@ def _largest(sizes: Sequence[float]) -> int:
 
 def stale_input_error(inputs: Inputs, t: float, end_filter: InputFilter, side: str) -> str:
     """Return '' while an end receives new samples; else how long it has not."""
-    if end_filter.held > 1 and t - end_filter.given_at > inputs.hold_max:
+    if end_filter.steps_held > 1 and t - end_filter.given_at > inputs.hold_max:
         return messages.inputs_frozen(side, t - end_filter.given_at, inputs.hold_max)
     return ""

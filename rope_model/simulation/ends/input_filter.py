@@ -83,7 +83,7 @@ class InputFilter(NamedTuple):
     drift: float = 0.0  # m, slow part of the misfit of y
     farthest: float = 0.0  # m, largest size of the drift
     repeats: float = 0.0  # number of steps with the sample of an earlier one
-    held: float = 0.0  # number of steps since the latest sample
+    steps_held: float = 0.0  # number of steps since the latest sample
     sent_every: float = 0.0  # s, time between the latest samples with repetitions between them
     grid: float = 1.0  # m, coarsest of GRIDS with all positions; 1 before the first, 0: none
     samples: float = 0.0  # number of samples of an end that moves
@@ -92,7 +92,7 @@ class InputFilter(NamedTuple):
     broken_at: float = 0.0  # s, instant of that break
     breaks: float = 0.0  # number of breaks after straight pieces as long as the one before
     table_every: float = 0.0  # s, time between the latest two
-    leaning: tuple[float, float] = (0.0, 0.0)  # rad/s, mean rates of the leans between the latest two samples
+    lean_rates: tuple[float, float] = (0.0, 0.0)  # rad/s, mean rates of the leans between the latest two samples
 
     @staticmethod
     def at_rest(t: float, motion: EndMotion) -> InputFilter:
@@ -162,9 +162,9 @@ def filter_sample(state: Any, settings: Any, given_at: Any, h: Any, end: Any) ->
         motion=tuple(motion),
         recent_changes=recent_changes,
         repeats=state.repeats + where(logical_and(repeated, given_at > state.given_at), 1.0, 0.0),
-        held=where(repeated, state.held + 1.0, 0.0),
-        sent_every=where(logical_and(state.held > 0, 1 - repeated), since, state.sent_every),
-        leaning=tuple(where(keeps_rates, old, mean) for old, mean in zip(state.leaning, means, strict=True)),
+        steps_held=where(repeated, state.steps_held + 1.0, 0.0),
+        sent_every=where(logical_and(state.steps_held > 0, 1 - repeated), since, state.sent_every),
+        lean_rates=tuple(where(keeps_rates, old, mean) for old, mean in zip(state.lean_rates, means, strict=True)),
         **signs,
     )
     return result
@@ -191,12 +191,12 @@ def _completed(old: Any, settings: Any, h: Any, sample: Any) -> tuple[Any, Any, 
     x, v, a = old
     retained = exp(-settings.estimate * h)  # fraction of an old error: 1 - alpha = retained^2 or retained^3
     gain = 1.0 - retained
-    ahead, faster = quintic.extrapolate(x, v, a, h)
-    speed_gap, position_gap = sample[1] - faster, sample[0] - ahead
-    speed, acceleration = faster + (1.0 - retained * retained) * speed_gap, a + gain * gain / h * speed_gap
+    x_ahead, v_ahead = quintic.extrapolate(x, v, a, h)
+    speed_gap, position_gap = sample[1] - v_ahead, sample[0] - x_ahead
+    speed, acceleration = v_ahead + (1.0 - retained * retained) * speed_gap, a + gain * gain / h * speed_gap
     integrated = x + 0.5 * h * (v + speed) + h * h / 12.0 * (a - acceleration)
-    position = ahead + (1.0 - retained * retained * retained) * position_gap
-    position_speed = faster + 1.5 * gain * gain * (1.0 + retained) / h * position_gap
+    position = x_ahead + (1.0 - retained * retained * retained) * position_gap
+    position_speed = v_ahead + 1.5 * gain * gain * (1.0 + retained) / h * position_gap
     position_acceleration = a + gain * gain * gain / (h * h) * position_gap
     return (
         where(settings.position > 0, where(settings.speed > 0, sample[0], position), integrated),
@@ -252,7 +252,7 @@ def filter_path(path: Any, state: Any, stop: Any, bandwidth: Any) -> EndPath:
     starts = zip(*path.motion(start), strict=True)
     axes = zip(_JERKS, starts, state.motion, state.end_accelerations, state.recent_changes, strict=True)
     x, y, z, yaw = (_axis_quintic(bandwidth, ahead, h, *axis) for axis in axes)
-    latest = zip(path.leaning(start), state.given[-2:], state.leaning, strict=True)
+    latest = zip(path.lean_motion(start), state.given[-2:], state.lean_rates, strict=True)
     lean, lean_z = (_lean_quintic(h, ahead, *axis) for axis in latest)
     return EndPath(start, stop, (x, y, z, yaw), (lean, lean_z))
 
@@ -275,13 +275,13 @@ def _axis_quintic(
     (x, v, a), (sample_position, sample_speed, acceleration) = start, sample
     position, speed = quintic.extrapolate(sample_position, sample_speed, acceleration, ahead)
     misfit = sample_misfit(h, (x, v), (last_acceleration, acceleration), (position, speed), recent_change, jerk)
-    rest_speed = misfit.faster - misfit.faster * misfit.speed_fits
-    rest_position = misfit.farther - misfit.farther * misfit.position_fits
+    rest_speed = misfit.speed_misfit - misfit.speed_misfit * misfit.speed_fits
+    rest_position = misfit.position_misfit - misfit.position_misfit * misfit.position_fits
     # the observer reduces the rest from the step's start on
     at_start = rest_position - h * rest_speed
-    leaning = rest_speed + w * at_start
+    slope = rest_speed + w * at_start
     fades = exp(-w * h)
-    left, left_speed = (at_start + leaning * h) * fades, (rest_speed - w * leaning * h) * fades
+    left, left_speed = (at_start + slope * h) * fades, (rest_speed - w * slope * h) * fades
     stop = position - left, speed - left_speed, acceleration + w * (2.0 * left_speed + w * left)
     return quintic.coefficients(h, x, v, a, *stop)
 
@@ -289,8 +289,8 @@ def _axis_quintic(
 class SampleMisfit(NamedTuple):
     """Misfit of a sample against linear acceleration, and the fractions of it that a consistent motion explains."""
 
-    farther: Any
-    faster: Any
+    position_misfit: Any
+    speed_misfit: Any
     position_fits: Any
     speed_fits: Any
 
@@ -309,13 +309,13 @@ def sample_misfit(
     """
     (x, v), (before, after), (position, speed) = start, accelerations, sample
     change = abs(after - before)
-    faster = speed - v - 0.5 * h * (before + after)
-    farther = position - x - h * v - h * h / 6.0 * (2.0 * before + after)
+    speed_misfit = speed - v - 0.5 * h * (before + after)
+    position_misfit = position - x - h * v - h * h / 6.0 * (2.0 * before + after)
     return SampleMisfit(
-        farther,
-        faster,
-        _explained_fraction(farther, h * h * (change + 0.125 * recent_change + jerk * h)),
-        _explained_fraction(faster, h * (change + 0.5 * recent_change + jerk * h)),
+        position_misfit,
+        speed_misfit,
+        _explained_fraction(position_misfit, h * h * (change + 0.125 * recent_change + jerk * h)),
+        _explained_fraction(speed_misfit, h * (change + 0.5 * recent_change + jerk * h)),
     )
 
 
@@ -339,8 +339,8 @@ def end_misfits(path: Any, state: Any) -> list[Axis]:
     """Return the misfits of position, speed and acceleration at the path's end, by PATH."""
     misfits, ahead = [], path.stop - state.given_at
     for (position, speed, acceleration), x, v, a in zip(state.motion, *path.motion(path.stop), strict=True):
-        expected, faster = quintic.extrapolate(position, speed, acceleration, ahead)
-        misfits.append((expected - x, faster - v, acceleration - a))
+        x_ahead, v_ahead = quintic.extrapolate(position, speed, acceleration, ahead)
+        misfits.append((x_ahead - x, v_ahead - v, acceleration - a))
     return misfits
 
 

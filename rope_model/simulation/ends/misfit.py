@@ -47,9 +47,9 @@ def add_misfit(state: Any, path: Any, settings: Any, rope: Any, leg: Any) -> Inp
     accelerations = state.end_accelerations[1], state.motion[1][2]
     sample = sample_misfit(h, (c0, c1), accelerations, (y, vy), state.recent_changes[1], MIN_JERK)
     fits = maximum(1.0 - (path.stop - state.given_at) / h, 0.0) * sample.position_fits * sample.speed_fits
-    faster, most = sample.faster * fits, ONE_CHANGE * h * abs(sample.faster * fits)
-    aside = minimum(maximum(sample.farther * fits - 0.5 * h * faster, -most), most)
-    *_, b3, b4, b5 = quintic.coefficients(h, 0.0, 0.0, 0.0, 0.5 * h * faster + aside, faster, 0.0)
+    speed_misfit, most = sample.speed_misfit * fits, ONE_CHANGE * h * abs(sample.speed_misfit * fits)
+    aside = minimum(maximum(sample.position_misfit * fits - 0.5 * h * speed_misfit, -most), most)
+    *_, b3, b4, b5 = quintic.coefficients(h, 0.0, 0.0, 0.0, 0.5 * h * speed_misfit + aside, speed_misfit, 0.0)
     # additional acceleration and its rates at the step's start
     begin = state.motion[1][2] + grows * (path.start - state.given_at) + lag
     added = 2.0 * c2 - begin, 6.0 * (c3 - b3) - grows, 24.0 * (c4 - b4), 120.0 * (c5 - b5)
@@ -57,7 +57,7 @@ def add_misfit(state: Any, path: Any, settings: Any, rope: Any, leg: Any) -> Inp
     shifted = position - c0 - h * c1 - h * h / 6.0 * (4.0 * c2 + acceleration) - 0.5 * h * bent - aside
     wave, leg_force = _leg_response(state.wave, added, rope, leg, h)
     impedance = sqrt(rope.Qa * rope.mass_per_length)
-    wave_force, within_force = STEP_SPEED * impedance * shifted / h, WITHIN * impedance * faster
+    wave_force, within_force = STEP_SPEED * impedance * shifted / h, WITHIN * impedance * speed_misfit
     drift = state.drift + (1.0 - exp(-settings.observer * h)) * (misfit[1][0] - state.drift)
     result: InputFilter = state._replace(
         end_accelerations=tuple(axis[2] for axis in state.motion),

@@ -104,7 +104,7 @@ class EndPath(NamedTuple):
 
     def at_constant_acceleration(self, t: float) -> EndPath:
         """Return the motion at ``t`` continued with its accelerations, before and after."""
-        rates = (*zip(*self.motion(t), strict=True), *self.leaning(t))
+        rates = (*zip(*self.motion(t), strict=True), *self.lean_motion(t))
         x, y, z, yaw, *leans = ((x, v, 0.5 * a, 0.0, 0.0, 0.0) for x, v, a in rates)
         return EndPath(t, math.inf, (x, y, z, yaw), (leans[0], leans[1]))
 
@@ -116,7 +116,7 @@ class EndPath(NamedTuple):
         """Return yaw and its rate at ``t``."""
         return quintic.rates(self.coefficients[3], minimum(t, self.stop) - self.start)[:2]
 
-    def leaning(self, t: float) -> tuple[Any, Any]:
+    def lean_motion(self, t: float) -> tuple[Any, Any]:
         """Return the leans and their rates at ``t``."""
         s = minimum(t, self.stop) - self.start
         return quintic.rates(self.leans[0], s), quintic.rates(self.leans[1], s)
@@ -130,7 +130,7 @@ class EndPath(NamedTuple):
     def at(self, t: float) -> EndMotion:
         """Return the motion at ``t``."""
         (x, y, z, yaw), (vx, vy, vz, yaw_rate), (ax, ay, az, _) = self.motion(t)
-        return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate, *(lean[0] for lean in self.leaning(t)))
+        return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate, *(lean[0] for lean in self.lean_motion(t)))
 
     def peak_accelerations(self) -> tuple[Any, ...]:
         """Return the largest sampled accelerations of PATH and LEANS; NaN where the first sample is."""

@@ -1,7 +1,7 @@
 """Friction of a swivel in each phase, and the event function of a phase; codegen.rules makes the C of it.
 
-``swivel_state`` is its SwivelState, ``held`` the moment (N m) with which the conveyance would hold the rope's end, and
-``rate`` that of the swivel's angle (rad/s).
+``swivel_state`` is its SwivelState, ``constraint_moment`` the moment (N m) with which the conveyance would hold the
+rope's end, and ``rate`` that of the swivel's angle (rad/s).
 """
 
 import math
@@ -52,21 +52,21 @@ def swivel_friction(swivel: Any, mu: Any, tension: Any) -> Any:
     return where(swivel.mode == "free", 0.0, friction_moment(mu, swivel.mean_diameter, swivel.seal_moment, tension))
 
 
-def beyond_rest(swivel: Any, tension: Any, held: Any) -> Any:
-    """Return the moment (N m) by which ``held`` exceeds the static friction; negative while the swivel holds."""
+def beyond_rest(swivel: Any, tension: Any, constraint_moment: Any) -> Any:
+    """Return by how much ``constraint_moment`` exceeds the static friction (N m); negative while the swivel holds."""
     holds = where(frictionless(swivel), 0.0, swivel_friction(swivel, swivel.mu_static, tension))
-    return abs(held) - (holds + MOMENT_RESOLUTION)
+    return abs(constraint_moment) - (holds + MOMENT_RESOLUTION)
 
 
-def moment_of_swivel(swivel: Any, swivel_state: Any, tension: Any, held: Any) -> Any:
+def moment_of_swivel(swivel: Any, swivel_state: Any, tension: Any, constraint_moment: Any) -> Any:
     """Return the moment (N m, about the tangent) of the conveyance on the rope's end."""
     friction = swivel_friction(swivel, swivel.mu_kinetic, tension)
-    return where(swivel_state.phase == Phase.SLIP, -swivel_state.sign * friction, held)
+    return where(swivel_state.phase == Phase.SLIP, -swivel_state.sign * friction, constraint_moment)
 
 
-def swivel_excess(swivel: Any, swivel_state: Any, tension: Any, held: Any, rate: Any) -> Any:
+def swivel_excess(swivel: Any, swivel_state: Any, tension: Any, constraint_moment: Any, rate: Any) -> Any:
     """Return the event function: negative while the swivel may stay in its phase."""
     phase = swivel_state.phase
     stays = logical_or(phase == Phase.LOCKED, logical_and(phase == Phase.SLIP, frictionless(swivel)))
-    beyond = beyond_rest(swivel, tension, held)
+    beyond = beyond_rest(swivel, tension, constraint_moment)
     return where(stays, -math.inf, where(phase == Phase.STICK, beyond, -swivel_state.sign * rate))

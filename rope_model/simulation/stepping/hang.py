@@ -57,10 +57,10 @@ def paths_at_rest(scene: Scene, t: float, ends: tuple[EndMotion, EndMotion], pla
 
 def _hang_in_loop(model: RopeModel, state: RopeState) -> RopeState:
     """Return ``state`` at rest, hung up straight and untwisted, then curved, twisted and relaxed."""
-    held = model.system(state).prescribed_motion(state.motion.t)[0, [0, -1], ANGLE].tolist()
-    twist, straight = held[1] - held[0], _untwisted(state, held[0])
+    end_angles = model.system(state).prescribed_motion(state.motion.t)[0, [0, -1], ANGLE].tolist()
+    twist, straight = end_angles[1] - end_angles[0], _untwisted(state, end_angles[0])
     hung = _turn_in(model, *_let_curve(model, _turn_right_end(straight, -twist)), twist)
-    return _relax(model, [_untwisted(state, other) for other in reversed(held)], hung)
+    return _relax(model, [_untwisted(state, other) for other in reversed(end_angles)], hung)
 
 
 def _let_curve(model: RopeModel, state: RopeState) -> tuple[RopeState, int]:
