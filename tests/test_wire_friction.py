@@ -12,7 +12,14 @@ from scenes import passed
 from rope_model import Mesh, Rope, Scene, Solver
 from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, POINTS, ElementFidelity, element_functions, parameters
 from rope_model.physics.wire_element import TANGENT_SIZE, wire_functions
-from rope_model.physics.wire_friction import POINT_STATE_SIZE, Slid, section_at, slide, slip_curvature, wire_stiffness
+from rope_model.physics.wire_friction import (
+    POINT_STATE_SIZE,
+    BoucWenStep,
+    bouc_wen_step,
+    section_at,
+    slip_curvature,
+    wire_stiffness,
+)
 from rope_model.simulation.wires import carry, history
 
 #: 1/m
@@ -21,10 +28,10 @@ K0 = 0.02
 ROPE = Rope(length=10.0, EI=300.0, EI_stick=1300.0, slip_moment=20.0, slip_factor=0.0)
 
 
-def bent(z: float, before: float, after: float) -> Slid:
+def bent(z: float, before: float, after: float) -> BoucWenStep:
     """A section of a straight rope whose curvature about one axis goes from ``before`` to ``after``."""
     straight = 1.0, 0.0, 0.0
-    return slide((*straight, 0.0, before, 0.0, 0.0, 0.0, z, 0.0), (*straight, 0.0, after, 0.0, 0.0), K0)
+    return bouc_wen_step((*straight, 0.0, before, 0.0, 0.0, 0.0, z, 0.0), (*straight, 0.0, after, 0.0, 0.0), K0)
 
 
 def path(curvatures: Array) -> tuple[Array, Array]:
@@ -103,7 +110,7 @@ def random_sections(seed: int, number: int) -> tuple[Array, Array]:
 
 def test_friction_only_takes_energy_and_holds_no_more_than_its_moment() -> None:
     before, now = random_sections(1, 2000)
-    slid = slide(before, now, K0)
+    slid = bouc_wen_step(before, now, K0)
     assert (slid.dissipated >= 0).all()
     assert (np.linalg.norm(slid.z, axis=0) <= K0 * (1 + 1e-12)).all()
     assert_allclose((now[:3] * np.array(slid.z)).sum(axis=0), 0.0, atol=1e-12 * K0)  # across the rope
@@ -120,7 +127,7 @@ def test_what_turns_as_a_whole_remembers_all() -> None:
         return np.cos(angle) * y + np.sin(angle) * np.cross(t, y, axis=0)
 
     now[3:6], now[6] = turned(before[3:6]), before[6] + angle
-    slid = slide(before, now, K0)
+    slid = bouc_wen_step(before, now, K0)
     # the turn errs by 34 / 40320 of angle^7, 1e-8, times a curvature of up to 5 1/m
     assert_allclose(slid.z, turned(before[7:]), atol=6e-8)
     assert (slid.dissipated < 6e-8 * K0).all()

@@ -115,7 +115,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "wire_stiffness(rope)": wire_friction.wire_stiffness,
     "slip_curvature(rope, stiffness, e, tau)": wire_friction.slip_curvature,
     "void section_at(xi, l, nodes[14], section[7])": wire_friction.section_at,
-    "Slid wire_slide(before[10], after[7], k0)": wire_friction.slide,
+    "BoucWenStep bouc_wen_step(before[10], after[7], k0)": wire_friction.bouc_wen_step,
     "max_curvature(rope)": initial_curvature.max_curvature,
     "void curvature_components(rope, s, l, components[6])": initial_curvature.curvature_components,
     "void curvature_vectors(components[6], l, nodes[14], start[3], vectors[12])": initial_curvature.curvature_vectors,
@@ -195,7 +195,7 @@ DEFINED_HERE: tuple[type[Any], ...] = (
     air.AirLaw,
     contact.ContactTerms,
     contact_points.Probe,
-    wire_friction.Slid,
+    wire_friction.BoucWenStep,
     input_filter.FilterSettings,
 )
 #: structures that a formula may take or return

@@ -187,7 +187,7 @@ void model_commit(Simulator *rope, State *state, const StepResult *trial) {
     rope_system_outside(&s, m.q, m.v, contact);
     state->contact = add_contact(&rope->scene, &state->contact, h, contact + CONTACT_FORCES, longest_near(&s));
     chain_of(rope, state)->air(&s, m.q, m.v, air);
-    const double slid = wires_slip(rope, state, now->q);
+    const double dissipated = update_hysteresis(rope, state, now->q);
     with_angles_along(rope, state, now->q, now->v, now->a, now->b);
     memcpy(m.q, now->q, FIELDS * sizeof(double) * size);
     state->t = s.time = trial->t;
@@ -201,6 +201,6 @@ void model_commit(Simulator *rope, State *state, const StepResult *trial) {
     set_energies(energy, trial->balance, &s, m.q, m.v);
     const double taken[] = {losses[0], losses[1], contact[CONTACT_DISSIPATED], contact[CONTACT_MOVED]};
     const double now_powers[] = {state->power_ends, state->power_swivel};
-    *energy = account_of_step(energy, h, before, now_powers, taken, slid, air[0]);
+    *energy = account_of_step(energy, h, before, now_powers, taken, dissipated, air[0]);
     audit_step(rope, state, &s, h, time_shift, forces);
 }

@@ -157,7 +157,7 @@ int start_hysteresis(const Simulator *rope, State *state);
 /* Set the history from q and the state's z. */
 void wires_history(Simulator *rope, State *state, const double *q, double (*strains)[STRAINS]);
 /* Update z to q; return the dissipated energy, J. */
-double wires_slip(Simulator *rope, State *state, const double *q);
+double update_hysteresis(Simulator *rope, State *state, const double *q);
 /* Transfer z from the mesh with nodes at old_s to the state's mesh. */
 void wires_carry(Simulator *rope, State *state, const double *old_s);
 

@@ -30,7 +30,7 @@ void wires_history(Simulator *rope, State *state, const double *q, double (*stra
     }
 }
 
-double wires_slip(Simulator *rope, State *state, const double *q) {
+double update_hysteresis(Simulator *rope, State *state, const double *q) {
     static const double weights[] = WIRE_WEIGHTS;
     const Arrays m = state_arrays(state);
     double dissipated = 0;
@@ -39,9 +39,9 @@ double wires_slip(Simulator *rope, State *state, const double *q) {
         double now[WIRE_POINT_STATE_SIZE];
         for (int k = 0; k < WIRE_POINTS; k++, before += WIRE_POINT_STATE_SIZE) {
             read_section(state, &m, q, e, k, now);
-            const Slid slid = wire_slide(before, now, law[0]);
-            memcpy(m.z + (ptrdiff_t)e * WIRE_Z + 3 * k, slid.z, sizeof slid.z);
-            dissipated += law[1] * m.lengths[e] * weights[k] * slid.dissipated;
+            const BoucWenStep step = bouc_wen_step(before, now, law[0]);
+            memcpy(m.z + (ptrdiff_t)e * WIRE_Z + 3 * k, step.z, sizeof step.z);
+            dissipated += law[1] * m.lengths[e] * weights[k] * step.dissipated;
         }
     }
     return dissipated;

@@ -23,7 +23,7 @@ import casadi as ca
 from rope_model.physics import element
 from rope_model.physics.bending_element import bending_element
 from rope_model.physics.frame import smallest_rotation_rate
-from rope_model.physics.wire_friction import POINT_STATE_SIZE, REGULARIZATION, section, slide, within
+from rope_model.physics.wire_friction import POINT_STATE_SIZE, REGULARIZATION, bouc_wen_step, section, within
 
 #: number of entries of an element: state of its points, k0 and C
 HISTORY_SIZE = POINT_STATE_SIZE * len(element.POINTS) + 2
@@ -88,15 +88,15 @@ def _point_function() -> ca.Function:
     B = ca.jacobian(ca.jtimes(k, at, at_t) - ca.cross(spin, k), at_t)
     # the law as a function of the curvature alone: turning with the section does not change it
     curvature, present = ca.SX.sym("k", 3), section(d, c, at[6])
-    slid = slide(before, [*present[0:3], *ca.vertsplit(curvature), present[6]], k0)
-    z: Any = ca.vertcat(*slid.z)
+    step = bouc_wen_step(before, [*present[0:3], *ca.vertsplit(curvature), present[6]], k0)
+    z: Any = ca.vertcat(*step.z)
     slope = ca.jacobian(z, curvature)
     # prediction by the latest tangent
     old_curvature, old_z, upper = ca.vertsplit(latest, [0, 3, 6, _OF_POINT])
     old_slope: Any = ca.vertcat(upper[[0, 1, 2]].T, upper[[1, 3, 4]].T, upper[[2, 4, 5]].T)
     predicted = old_z + old_slope @ (curvature - old_curvature)
     trust = within(ca.dot(predicted, z) / (ca.dot(z, z) + REGULARIZATION * k0 * k0))
-    slope = trust * 0.5 * (slope + slope.T) + (1 - trust) * slid.secant * ca.SX.eye(3)
+    slope = trust * 0.5 * (slope + slope.T) + (1 - trust) * step.secant * ca.SX.eye(3)
     latest_now = ca.vertcat(curvature, z, _upper_half(slope))
     z, slope, latest_now = ca.substitute([z, slope, latest_now], [curvature], [k])
     outputs = B.T @ z, element.symmetric(B.T @ slope @ B), ca.dot(z, z), latest_now

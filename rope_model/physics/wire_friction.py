@@ -38,7 +38,7 @@ REGULARIZATION = 1e-26
 _SMALL = 1e-12
 
 
-class Slid(NamedTuple):
+class BoucWenStep(NamedTuple):
     """State z at the end of a step, dissipation over C per length of the rope, and a slope.
 
     ``secant`` is |z| over its value if all wires stuck.
@@ -78,7 +78,7 @@ def section(d: Any, c: Any, angle: Any) -> tuple[Any, ...]:
     return (*(d[i] / length for i in range(3)), *(turn[i] / square for i in range(3)), angle)
 
 
-def slide(before: Any, after: Any, k0: Any) -> Slid:
+def bouc_wen_step(before: Any, after: Any, k0: Any) -> BoucWenStep:
     """Advance the hysteresis from the section ``before``, with its z (10,), to the section ``after`` (7,)."""
     z = _carried(before, after, before[7:10])
     old_curvature = _carried(before, after, before[3:6])
@@ -103,7 +103,7 @@ def slide(before: Any, after: Any, k0: Any) -> Slid:
     work = s + log(0.5 * (1.0 + exp(-2.0 * s))) + log(growth / cosh)
     dissipated = k0 * k0 * maximum(work - 0.5 * (dot(z_end, z_end) - dot(z, z)), 0.0)
     secant = sqrt((dot(z_end, z_end) + _SMALL) / (dot(stuck, stuck) + _SMALL))
-    return Slid((k0 * z_end[0], k0 * z_end[1], k0 * z_end[2]), dissipated, secant)
+    return BoucWenStep((k0 * z_end[0], k0 * z_end[1], k0 * z_end[2]), dissipated, secant)
 
 
 def _carried(before: Any, after: Any, x: Any) -> list[Any]:

@@ -139,13 +139,13 @@ class RopeModel:
         # the integrator's own oscillation, whose square does not average out
         middle, rate = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
         halfway = self.pushed(system, old.motion.t + 0.5 * h)
-        losses, slip = halfway.losses(middle, rate), system.slip(motion.q)
+        losses, update = halfway.losses(middle, rate), system.update_hysteresis(motion.q)
         energy, outside = energies(old.energy_balance, evaluation.balance), system.outside(middle, rate)
-        energy = account_of_step(energy, h, before, after, losses, slip.dissipated, outside["given_to_air"])
+        energy = account_of_step(energy, h, before, after, losses, update.dissipated, outside["given_to_air"])
         pressures = [outside[kind] for kind in (*KINDS, "rope")]
         contact = add_contact(self.scene, old.contact, h, pressures, system.longest_near(middle))
         state = old._replace(
-            motion=motion, hysteresis=slip.z, energy_balance=energy, errors=errors, powers=after, contact=contact
+            motion=motion, hysteresis=update.z, energy_balance=energy, errors=errors, powers=after, contact=contact
         )
         return self._audit_step(old.motion, with_angles_along(system, state), system)
 

@@ -26,7 +26,7 @@ from rope_model.physics.point_forces import point_load
 from rope_model.physics.wire_element import HISTORY_SIZE, TANGENT_SIZE
 from rope_model.simulation.curvature import curved_reference, is_curved
 from rope_model.simulation.rope_kernels import RopeKernels
-from rope_model.simulation.wires import NO_HYSTERESIS, Slip, history, latest_tangent, slip
+from rope_model.simulation.wires import NO_HYSTERESIS, HysteresisUpdate, history, latest_tangent, update_hysteresis
 
 Array = NDArray[np.float64]
 #: matrix (elements, bodies): true if an element may touch a body
@@ -183,9 +183,11 @@ class RopeSystem:
         gained[0] = gained[0].cumsum()
         return gained
 
-    def slip(self, q: Array) -> Slip:
-        """Return the slip of the wires on the way to ``q``."""
-        return slip(self._history, self._sections_of(q), self.lengths) if self.z.size else Slip(NO_HYSTERESIS, 0.0)
+    def update_hysteresis(self, q: Array) -> HysteresisUpdate:
+        """Return the update of the hysteresis on the way to ``q``."""
+        if not self.z.size:
+            return HysteresisUpdate(NO_HYSTERESIS, 0.0)
+        return update_hysteresis(self._history, self._sections_of(q), self.lengths)
 
     def _sections_of(self, q: Array) -> Array:
         """Return ``q`` for the wires: theta is 0 if the fidelity computes no torsion, whatever the ends prescribe."""

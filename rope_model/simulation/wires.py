@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from rope_model.parameters import Rope, Scene
 from rope_model.physics.element import POINTS, WEIGHTS
 from rope_model.physics.wire_element import wire_functions
-from rope_model.physics.wire_friction import POINT_STATE_SIZE, section_at, slide, slip_curvature, wire_stiffness
+from rope_model.physics.wire_friction import POINT_STATE_SIZE, bouc_wen_step, section_at, slip_curvature, wire_stiffness
 
 Array = NDArray[np.float64]
 
@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 NO_HYSTERESIS = np.zeros((0, 3 * len(POINTS)))
 
 
-class Slip(NamedTuple):
+class HysteresisUpdate(NamedTuple):
     """State z after a step, and the wires' dissipation in it, J."""
 
     z: Array
@@ -46,13 +46,13 @@ def history(rope: Rope, q: Array, lengths: Array, z: Array, strains: Array) -> A
     return np.column_stack((known.reshape(lengths.size, -1), k0, np.full(lengths.size, stiffness)))
 
 
-def slip(history: Array, q: Array, lengths: Array) -> Slip:
-    """Return the slip from the ``history`` to the rope ``q``."""
+def update_hysteresis(history: Array, q: Array, lengths: Array) -> HysteresisUpdate:
+    """Return the update from the ``history`` to the rope ``q``."""
     before = history[:, :-2].reshape(lengths.size, -1, POINT_STATE_SIZE)
     k0, stiffness = history[:, -2, None], history[:, -1]
-    slid = slide(before.transpose(2, 0, 1), _sections(q, lengths).transpose(2, 0, 1), k0)
-    work = float(stiffness * lengths @ (slid.dissipated @ np.array(WEIGHTS)))
-    return Slip(np.stack(slid.z, axis=2).reshape(lengths.size, -1), work)
+    step = bouc_wen_step(before.transpose(2, 0, 1), _sections(q, lengths).transpose(2, 0, 1), k0)
+    work = float(stiffness * lengths @ (step.dissipated @ np.array(WEIGHTS)))
+    return HysteresisUpdate(np.stack(step.z, axis=2).reshape(lengths.size, -1), work)
 
 
 def latest_tangent(history: Array, q: Array, lengths: Array, before: Array) -> Array:

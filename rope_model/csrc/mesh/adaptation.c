@@ -24,7 +24,7 @@ static Progress dynamic_equilibrium(Simulator *rope, State *state, double time, 
         chain_of(rope, state)
             ->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c, tolerance, NULL, balance);
     if (newton.status != CONVERGED) return newton;
-    wires_slip(rope, state, now->q);
+    update_hysteresis(rope, state, now->q);
     with_angles_along(rope, state, now->q, m.v, m.a, m.b);
     memcpy(m.q, now->q, bytes);
     return newton;

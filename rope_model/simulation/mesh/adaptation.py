@@ -64,7 +64,7 @@ def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeSta
         moved = moved._replace(counts=moved.counts.plus(rejections=1))
     moved = moved._replace(counts=moved.counts.plus(given_up=int(solution.newton.error > solver.newton_tolerance)))
     system = model.system(moved)
-    z = system.slip(solution.q).z
+    z = system.update_hysteresis(solution.q).z
     moved = with_angles_along(system, moved._replace(motion=replace(moved.motion, q=solution.q), hysteresis=z))
     return _with_energy_change(model, moved)
 
@@ -101,7 +101,7 @@ def raise_fidelity(model: RopeModel, state: RopeState, why: str) -> RopeState:
         motion = flexible_start(system, ends_of(system), state.motion)
     else:
         motion = with_elastic_strain(system, state.motion)
-    z = system.slip(motion.q).z
+    z = system.update_hysteresis(motion.q).z
     above = model.restart(with_angles_along(system, above._replace(motion=motion, hysteresis=z)))
     m, before = above.motion, state.energy_balance
     after = energies(before, model.system(above).evaluate(m.q, m.v, m.a, m.reaction).balance)
