@@ -53,10 +53,10 @@ def rows_of(rope: BalanceRope, origin: Array) -> Rows:
     return Rows(s[:, 0], q, v, lengths, np.array(enclosing_box(lengths, q[:-1].T, q[1:].T)))
 
 
-class Pressing(NamedTuple):
+class PairContact(NamedTuple):
     """Points of two ropes that press each other, in ascending order of their numbers."""
 
-    number: Numbers  # (m,)
+    point_id: Numbers  # (m,)
     s: Array  # (2, m), m, arc lengths on both ropes
     force: Array  # (m, 3), N, on the first rope
     spring: Array  # (m, 3), N, part of the force that stores energy
@@ -67,7 +67,7 @@ class Pressing(NamedTuple):
 
 
 _NONE = np.zeros((0, 3))
-NO_CONTACTS = Pressing(
+NO_CONTACTS = PairContact(
     np.zeros(0, np.int64), np.zeros((2, 0)), _NONE, _NONE, np.zeros((0, 3, 3)), np.zeros(0), 0.0, _NONE
 )
 
@@ -81,7 +81,7 @@ class Pair:
         self.diameter = 0.5 * (one.rope.diameter + other.rope.diameter)
         self._spacing = one.rope.length / math.ceil(one.rope.length / (rope_on_rope.SPACING * self.diameter))
 
-    def pressing(self, one: Rows, other: Rows, c: Array, inset: float = 0.0) -> Pressing:
+    def find_contacts(self, one: Rows, other: Rows, c: Array, inset: float = 0.0) -> PairContact:
         """Return the points in contact, with the tangent with respect to (c[0], c[1]) times positions and velocities.
 
         The ropes are taken to be thinner by ``inset`` (m).
@@ -104,7 +104,7 @@ class Pair:
             ((x.boxes[:3] - x.boxes[3:]).min(axis=1), (x.boxes[:3] + x.boxes[3:]).max(axis=1)) for x in (one, other)
         )
         if (low - their_high >= self.diameter).any() or (their_low - high >= self.diameter).any():
-            return NO_CONTACTS.number, NO_CONTACTS.number
+            return NO_CONTACTS.point_id, NO_CONTACTS.point_id
         mine, theirs = one.boxes[:, :, None], other.boxes[:, None]
         gaps = np.abs(mine[:3] - theirs[:3]) - (mine[3:] + theirs[3:])
         pairs = np.nonzero((gaps < self.diameter).all(axis=0))
@@ -149,7 +149,7 @@ class Pair:
         touching = touching[np.argsort(label)]
         return np.sort(label), np.array((s[touching], their_s[touching]))
 
-    def _law_at(self, number: Numbers, s: Array, one: Rows, other: Rows, c: Array, diameter: float) -> Pressing:
+    def _law_at(self, number: Numbers, s: Array, one: Rows, other: Rows, c: Array, diameter: float) -> PairContact:
         r, their_r = one.positions(s[0]), other.positions(s[1])
         separation, velocity = (r - their_r).T, (one.velocities(s[0]) - other.velocities(s[1])).T
         law = rope_on_rope.self_contact_law(self._law, diameter, separation, velocity, float(c[0]), float(c[1]))
@@ -158,7 +158,7 @@ class Pair:
         tangent, pressure = self._spacing * entries, self._spacing * np.asarray(law.sums[-1])
         energy = float(np.sum(law.sums[0]) * self._spacing)
         force, spring_force = (self._spacing * np.array(x.force).T for x in (law, spring))
-        return Pressing(number, s, force, spring_force, tangent, pressure, energy, 0.5 * (r + their_r))
+        return PairContact(number, s, force, spring_force, tangent, pressure, energy, 0.5 * (r + their_r))
 
 
 def _expanded(counts: Numbers) -> tuple[Numbers, Numbers]:
