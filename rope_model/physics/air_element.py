@@ -76,21 +76,21 @@ def air_functions(fidelity: ElementFidelity) -> AirFunctions:
 
 
 @cache
-def air_element(fidelity: ElementFidelity, plain: ElementFunctions) -> ElementFunctions:
-    """Build the functions of the ``plain`` element in air, with A behind its P and AIR_BALANCE behind its balance."""
+def air_element(fidelity: ElementFidelity, base: ElementFunctions) -> ElementFunctions:
+    """Build the functions of the ``base`` element in air, with A behind its P and AIR_BALANCE behind its balance."""
     air, m = air_functions(fidelity), len(ELEMENT_DOF[fidelity])
-    q, v, a, before = (ca.SX.sym(name, 2 * m) for name in ("q", "v", "a", "before"))
-    l, F, P = ca.SX.sym("l"), ca.SX.sym("F", plain.residual.size1_in(4)), ca.SX.sym("P", len(PARAMETERS) + AIR_SIZE)
+    q, v, a, q_prestress = (ca.SX.sym(name, 2 * m) for name in ("q", "v", "a", "q_prestress"))
+    l, F, P = ca.SX.sym("l"), ca.SX.sym("F", base.residual.size1_in(4)), ca.SX.sym("P", len(PARAMETERS) + AIR_SIZE)
     cq, cv, c_a = (ca.SX.sym(name) for name in ("cq", "cv", "ca"))
-    own, air_inputs = (l, F, P[: len(PARAMETERS)]), (q, v, l, P[len(PARAMETERS) :])
-    R, J = plain.tangent(q, v, a, *own, cq, cv, c_a, before)
+    base_args, air_inputs = (l, F, P[: len(PARAMETERS)]), (q, v, l, P[len(PARAMETERS) :])
+    R, J = base.tangent(q, v, a, *base_args, cq, cv, c_a, q_prestress)
     force = air.residual(*air_inputs)
-    return plain.replaced(
-        residual=([q, v, a, l, F, P], [plain.residual(q, v, a, *own) + force]),
-        tangent=([q, v, a, l, F, P, cq, cv, c_a, before], [R + force, J + air.tangent(*air_inputs, cv)]),
-        balance=([q, v, l, F, P], [ca.vertcat(plain.balance(q, v, *own), air.sums(*air_inputs))]),
-        losses=([q, v, l, F, P], [plain.losses(q, v, *own)]),
-        momentum=([q, v, l, P], [plain.momentum(q, v, l, own[2])]),
+    return base.replaced(
+        residual=([q, v, a, l, F, P], [base.residual(q, v, a, *base_args) + force]),
+        tangent=([q, v, a, l, F, P, cq, cv, c_a, q_prestress], [R + force, J + air.tangent(*air_inputs, cv)]),
+        balance=([q, v, l, F, P], [ca.vertcat(base.balance(q, v, *base_args), air.sums(*air_inputs))]),
+        losses=([q, v, l, F, P], [base.losses(q, v, *base_args)]),
+        momentum=([q, v, l, P], [base.momentum(q, v, l, base_args[2])]),
     )
 
 

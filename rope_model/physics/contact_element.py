@@ -34,34 +34,34 @@ CONTACT_BALANCE = (
 
 
 @cache
-def contact_element(fidelity: ElementFidelity, plain: ElementFunctions, kinds: tuple[int, ...]) -> ElementFunctions:
-    """Build the functions of the ``plain`` element of a fidelity with a body of each of the ``kinds``.
+def contact_element(fidelity: ElementFidelity, base: ElementFunctions, kinds: tuple[int, ...]) -> ElementFunctions:
+    """Build the functions of the ``base`` element of a fidelity with a body of each of the ``kinds``.
 
     F has a further entry for each body, 1 where the element is near it, else 0; P has LAW and the bodies behind its own
     entries.  Contact adds to residual, tangent, balance and losses, the latter two in further entries.
     """
     m = len(ELEMENT_DOF[fidelity])
-    frame, own, bodies = plain.residual.size1_in(4), plain.residual.size1_in(5), len(kinds)
-    q, v, a, before = (ca.MX.sym(name, 2 * m) for name in ("q", "v", "a", "before"))
-    l, F = ca.MX.sym("l"), ca.MX.sym("F", frame + bodies)
-    P = ca.MX.sym("P", own + len(LAW) + bodies * BODY_SIZE)
+    base_frame, base_size, bodies = base.residual.size1_in(4), base.residual.size1_in(5), len(kinds)
+    q, v, a, q_prestress = (ca.MX.sym(name, 2 * m) for name in ("q", "v", "a", "q_prestress"))
+    l, F = ca.MX.sym("l"), ca.MX.sym("F", base_frame + bodies)
+    P = ca.MX.sym("P", base_size + len(LAW) + bodies * BODY_SIZE)
     cq, cv, c_a = (ca.MX.sym(name) for name in ("cq", "cv", "ca"))
-    frame_entries, is_near = (F[:frame], P[:own]), ca.sum1(F[frame:]) > 0
+    base_args, is_near = (F[:base_frame], P[:base_size]), ca.sum1(F[base_frame:]) > 0
     R, J, sums = _integrals(ELEMENT_DOF[fidelity], kinds)
 
     def added(function: ca.Function, *factors: Any) -> ca.MX:
-        return _where_near(function)(is_near, q, v, l, F[frame:], P[own:], *factors)
+        return _where_near(function)(is_near, q, v, l, F[base_frame:], P[base_size:], *factors)
 
-    R_plain, J_plain = plain.tangent(q, v, a, l, *frame_entries, cq, cv, c_a, before)
+    R_base, J_base = base.tangent(q, v, a, l, *base_args, cq, cv, c_a, q_prestress)
     balance = added(sums)
-    return plain.replaced(
-        residual=([q, v, a, l, F, P], [plain.residual(q, v, a, l, *frame_entries) + added(R)]),
-        tangent=([q, v, a, l, F, P, cq, cv, c_a, before], [R_plain + added(R), J_plain + added(J, cq, cv)]),
-        balance=([q, v, l, F, P], [ca.vertcat(plain.balance(q, v, l, *frame_entries), balance)]),
-        losses=([q, v, l, F, P], [ca.vertcat(plain.losses(q, v, l, *frame_entries), balance[1:3])]),
-        strains=([q, l, F], [plain.strains(q, l, frame_entries[0])]),
-        momentum=([q, v, l, P], [plain.momentum(q, v, l, frame_entries[1])]),
-        transport=([q, v, a, l, F], [plain.transport(q, v, a, l, frame_entries[0])]),
+    return base.replaced(
+        residual=([q, v, a, l, F, P], [base.residual(q, v, a, l, *base_args) + added(R)]),
+        tangent=([q, v, a, l, F, P, cq, cv, c_a, q_prestress], [R_base + added(R), J_base + added(J, cq, cv)]),
+        balance=([q, v, l, F, P], [ca.vertcat(base.balance(q, v, l, *base_args), balance)]),
+        losses=([q, v, l, F, P], [ca.vertcat(base.losses(q, v, l, *base_args), balance[1:3])]),
+        strains=([q, l, F], [base.strains(q, l, base_args[0])]),
+        momentum=([q, v, l, P], [base.momentum(q, v, l, base_args[1])]),
+        transport=([q, v, a, l, F], [base.transport(q, v, a, l, base_args[0])]),
     )
 
 

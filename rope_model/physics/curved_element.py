@@ -121,7 +121,7 @@ def _bend_function() -> ca.Function:
 
 
 @cache
-def curved_element(plain: element.ElementFunctions) -> element.ElementFunctions:
-    """Build the functions of the ``plain`` torsional element with permanent curvature."""
+def curved_element(base: element.ElementFunctions) -> element.ElementFunctions:
+    """Build the functions of the ``base`` torsional element with permanent curvature."""
     curved = curved_functions()
-    return bending_element(plain, CURVATURE_SIZE, curved.residual, curved.tangent, curved.energy)
+    return bending_element(base, CURVATURE_SIZE, curved.residual, curved.tangent, curved.energy)

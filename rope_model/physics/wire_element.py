@@ -108,11 +108,11 @@ def _upper_half(A: ca.SX) -> ca.SX:
 
 
 @cache
-def wire_element(fidelity: element.ElementFidelity, plain: element.ElementFunctions) -> element.ElementFunctions:
-    """Build the functions of the ``plain`` element with friction between its wires, whose energy is bending."""
+def wire_element(fidelity: element.ElementFidelity, base: element.ElementFunctions) -> element.ElementFunctions:
+    """Build the functions of the ``base`` element with friction between its wires, whose energy is bending."""
     wires = wire_functions(fidelity)
     return bending_element(
-        plain,
+        base,
         HISTORY_SIZE + TANGENT_SIZE,
         lambda q, l, _, numbers: wires.residual(q, l, numbers[:HISTORY_SIZE]),
         lambda q, l, _, numbers, cq: wires.tangent(q, l, numbers[:HISTORY_SIZE], numbers[HISTORY_SIZE:], cq),
