@@ -11,7 +11,7 @@ static double relative_end_speed(const Arrays *m) {
 static void load_on(const Simulator *rope, State *state, const System *s, double load[6]) {
     const Arrays m = state_arrays(state);
     double contact[CONTACT_BALANCE], air[AIR_BALANCE];
-    rope_system_outside(s, m.q, m.v, contact);
+    external_sums(s, m.q, m.v, contact);
     chain_of(rope, state)->air(s, m.q, m.v, air);
     for (int k = 0; k < 6; k++) load[k] = contact[CONTACT_LOAD + k] + air[1 + k];
     for (int side = LEFT; side <= RIGHT; side++) {
@@ -146,7 +146,7 @@ static void set_energies(EnergyBalance *energy_balance, const double balance[BAL
         const double rate = end_row(v, s->elements + 1, side)[ANGLE];
         sums[KINETIC] += 0.5 * s->inertia[side] * rate * rate;
     }
-    rope_system_outside(s, q, v, contact);
+    external_sums(s, q, v, contact);
     *energy_balance = with_energies(energy_balance, sums, contact[CONTACT_ENERGY]);
 }
 
@@ -184,7 +184,7 @@ void model_commit(Simulator *rope, State *state, const StepResult *trial) {
     }
     s.time = state->t + 0.5 * h;
     chain_of(rope, state)->losses(&s, m.q, m.v, losses);
-    rope_system_outside(&s, m.q, m.v, contact);
+    external_sums(&s, m.q, m.v, contact);
     state->contact = add_contact(&rope->scene, &state->contact, h, contact + CONTACT_FORCES, longest_near(&s));
     chain_of(rope, state)->air(&s, m.q, m.v, air);
     const double dissipated = update_hysteresis(rope, state, now->q);

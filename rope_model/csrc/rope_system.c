@@ -17,8 +17,8 @@ System rope_system(const Simulator *rope, State *state) {
                 .latest = rope->latest,
                 .shortest = x.lengths[0]};
     element_parameters(data, rope->scene.layout.gravity, s.P);
-    const AirLaw law = air_law(&rope->scene.shaft.air, data->diameter, rope->scene.layout.spacing);
-    memcpy(s.air, &law, sizeof s.air);
+    const AirCoefficients c = air_coefficients(&rope->scene.shaft.air, data->diameter, rope->scene.layout.spacing);
+    memcpy(s.air, &c, sizeof s.air);
     for (int k = 1; k < x.elements; k++) s.shortest = fmin(s.shortest, x.lengths[k]);
     for (int side = LEFT; side <= RIGHT; side++) {
         const Swivel *swivel = &rope->scene.swivels[side];
@@ -99,7 +99,7 @@ double longest_near(const System *s) {
     return longest;
 }
 
-void rope_system_outside(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]) {
+void external_sums(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]) {
     memset(sums, 0, sizeof(double) * CONTACT_BALANCE);
     self_contact_sums(s, q, v, sums);
     point_forces_push(s, q, v, sums);

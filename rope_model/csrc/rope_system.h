@@ -5,7 +5,7 @@
 
 #include "formulas.h" /* generated, with BALANCE, FRAME_SIZE, STRAINS, MOMENTUM, AIR_BALANCE and CURVATURE_SIZE */
 
-enum { AIR_LAW = 9, AIR = AIR_LAW + 2 * 4 };
+enum { AIR_COEFFICIENTS = 9, AIR = AIR_COEFFICIENTS + 2 * 4 };
 enum { MAX_LANES = 8 }; /* the last group of elements may have lanes to spare */
 
 typedef struct {
@@ -96,9 +96,9 @@ typedef struct {
     const double *curved;           /* CURVATURE_SIZE numbers an element; NULL without permanent curvature */
     double time;                    /* time at which point forces are evaluated, s */
     double *latest; /* WIRE_TANGENT_SIZE numbers an element, of the latest tangent; scratch, aligned as frames */
-    double P[PARAMETERS], air[AIR_LAW]; /* air: an AirLaw, whose first number is 0 without air */
-    double load[2], friction_load[2];   /* moments on theta of the ends; friction per newton of upward reaction */
-    double inertia[2], shortest;        /* inertia: of theta at the ends; shortest: element, m */
+    double P[PARAMETERS], air[AIR_COEFFICIENTS]; /* air: AirCoefficients, whose first number is 0 without air */
+    double load[2], friction_load[2]; /* moments on theta of the ends; friction per newton of upward reaction */
+    double inertia[2], shortest;      /* inertia: of theta at the ends; shortest: element, m */
 } System;
 
 /* Operations on a chain of elements at one fidelity. */
@@ -189,7 +189,7 @@ const Chain *fastest_chains(void);
 
 /* rope_system.c */
 /* Sum the contact of all elements with bodies and of the rope with itself. */
-void rope_system_outside(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
+void external_sums(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
 double longest_near(const System *s); /* Length of the longest element that may touch a body, m; 0 for none. */
 /* Return the largest entry of x where the rope is free, entries of r' times `slopes`; infinite if one is not finite. */
 double rope_system_norm(const System *s, const double *x, double slopes);

@@ -14,13 +14,13 @@ from typing import Any, NamedTuple
 import casadi as ca
 
 from rope_model.physics import hermite
-from rope_model.physics.air import AirLaw, Passing, drag, flow
+from rope_model.physics.air import AirCoefficients, Passing, drag, flow
 from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, PARAMETERS, ElementFidelity, ElementFunctions
 from rope_model.physics.elementary import cross, dot
 
-#: number of entries of an AirLaw; AIR_SIZE includes both conveyances
-LAW_SIZE = 9
-AIR_SIZE = LAW_SIZE + 2 * 4
+#: number of entries of AirCoefficients; AIR_SIZE includes both conveyances
+COEFFICIENTS_SIZE = 9
+AIR_SIZE = COEFFICIENTS_SIZE + 2 * 4
 #: entries of the balance behind element.BALANCE
 AIR_BALANCE = (
     "given_to_air",  # W
@@ -30,7 +30,7 @@ AIR_BALANCE = (
 
 
 class AirFunctions(NamedTuple):
-    """CasADi functions of the air on an element; ``A`` contains an AirLaw and both Passing conveyances.
+    """CasADi functions of the air on an element; ``A`` contains AirCoefficients and both Passing conveyances.
 
     residual: (q, v, l, A) -> R (2 m,)
     tangent:  (q, v, l, A, cv) -> J (2 m, 2 m)
@@ -52,15 +52,15 @@ def air_functions(fidelity: ElementFidelity) -> AirFunctions:
     q, v = (ca.SX.zeros(2 * NODE_DOF) for _ in symbols)
     for x, symbol in zip((q, v), symbols, strict=True):
         x[entries] = symbol
-    law, conveyances = _numbers(ca.vertsplit(A))
+    air, conveyances = _numbers(ca.vertsplit(A))
     R, J, sums = ca.SX.zeros(2 * NODE_DOF), ca.SX.zeros(2 * NODE_DOF, 2 * NODE_DOF), ca.SX.zeros(len(AIR_BALANCE))
     for xi, weight in hermite.GAUSS:
         nodes = dict(_nodes(hermite.shape_functions(xi, l)))
         (point, slope), (speed, _) = (_at(xi, l, x) for x in (q, v))
-        velocity = flow(law, conveyances, point, l)
+        velocity = flow(air, conveyances, point, l)
         if 2 not in dofs:  # a planar model ignores wind across its plane
             velocity[2] = 0
-        force, tangent = drag(law, velocity, slope, speed)
+        force, tangent = drag(air, velocity, slope, speed)
         w = weight * l
         sums += w * ca.vertcat(-dot(force, speed), *force, *cross(point, force))
         for row, (i, N_i) in nodes.items():
@@ -94,9 +94,9 @@ def air_element(fidelity: ElementFidelity, base: ElementFunctions) -> ElementFun
     )
 
 
-def _numbers(A: Any) -> tuple[AirLaw, list[Passing]]:
-    law = AirLaw(A[0], (A[1], A[2], A[3]), *A[4:LAW_SIZE])
-    return law, [Passing((A[k], A[k + 1], A[k + 2]), A[k + 3]) for k in (LAW_SIZE, LAW_SIZE + 4)]
+def _numbers(A: Any) -> tuple[AirCoefficients, list[Passing]]:
+    air = AirCoefficients(A[0], (A[1], A[2], A[3]), *A[4:COEFFICIENTS_SIZE])
+    return air, [Passing((A[k], A[k + 1], A[k + 2]), A[k + 3]) for k in (COEFFICIENTS_SIZE, COEFFICIENTS_SIZE + 4)]
 
 
 def _at(xi: float, l: ca.SX, x: ca.SX) -> tuple[list[ca.SX], list[ca.SX]]:

@@ -70,9 +70,9 @@ class RopeModel:
                 state.hysteresis,
             )
         self._latest[:] = [(key, system)]
-        return self.pushed(system, state.motion.t)
+        return self.with_host_forces(system, state.motion.t)
 
-    def pushed(self, system: RopeSystem, t: float) -> RopeSystem:
+    def with_host_forces(self, system: RopeSystem, t: float) -> RopeSystem:
         """Return ``system`` with the forces that act at ``t``."""
         return system.with_forces(nodal_forces(self.forces, system.lengths, t)) if self.forces.s.size else system
 
@@ -102,7 +102,7 @@ class RopeModel:
         """Take a step that is not accepted yet."""
         solver = self.scene.solver
         tolerance = float(effective_tolerance(solver.newton_tolerance, solver.work_max, BOUNDED_STEP_ERROR))
-        return alpha.step(self.pushed(system, old.t + h), old, h, self.method, tolerance)
+        return alpha.step(self.with_host_forces(system, old.t + h), old, h, self.method, tolerance)
 
     def bottom(self, paths: tuple[EndPath, EndPath], t: float) -> float:
         """Return the arc length (m) of the loop's lowest point, from the ends' heights alone."""
@@ -138,11 +138,11 @@ class RopeModel:
         # the material's dissipation follows from the strains' differences over the step: the rates at its ends contain
         # the integrator's own oscillation, whose square does not average out
         middle, rate = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
-        halfway = self.pushed(system, old.motion.t + 0.5 * h)
+        halfway = self.with_host_forces(system, old.motion.t + 0.5 * h)
         losses, update = halfway.losses(middle, rate), system.update_hysteresis(motion.q)
-        energy, outside = energies(old.energy_balance, evaluation.balance), system.outside(middle, rate)
-        energy = account_of_step(energy, h, before, after, losses, update.dissipated, outside["given_to_air"])
-        pressures = [outside[kind] for kind in (*KINDS, "rope")]
+        energy, external = energies(old.energy_balance, evaluation.balance), system.external_sums(middle, rate)
+        energy = account_of_step(energy, h, before, after, losses, update.dissipated, external["given_to_air"])
+        pressures = [external[kind] for kind in (*KINDS, "rope")]
         contact = add_contact(self.scene, old.contact, h, pressures, system.longest_near(middle))
         state = old._replace(
             motion=motion, hysteresis=update.z, energy_balance=energy, errors=errors, powers=after, contact=contact
@@ -158,7 +158,7 @@ class RopeModel:
             method,
             h,
             alpha.recentring(method, m.h, old.h),
-            load_on(self.ends(state), m, self.pushed(system, m.t)),
+            load_on(self.ends(state), m, self.with_host_forces(system, m.t)),
             max(map(abs, forces)),
             max(abs(forces[0] - left), abs(forces[1] - right)),
             axial_share(self.scene.rope, self.bottom(state.paths, m.t), h),
@@ -217,8 +217,8 @@ def ends_of(system: RopeSystem) -> HangingEnds:
 
 def load_on(ends: HangingEnds, motion: alpha.Motion, system: RopeSystem) -> Load:
     """Return the loads on the rope by the conveyances at its ends, by touched bodies, and by the air."""
-    outside = system.outside(motion.q, motion.v)
-    loads = [tuple(outside[name] for name in names) for names in (_CONTACT_LOAD, _AIR_LOAD)]
+    external = system.external_sums(motion.q, motion.v)
+    loads = [tuple(external[name] for name in names) for names in (_CONTACT_LOAD, _AIR_LOAD)]
     for side, node in enumerate(END_NODE):
         q, R = motion.q[node].tolist(), motion.reaction[node].tolist()
         loads.append(end_load(q, R, ends.moment(side, motion.reaction)))

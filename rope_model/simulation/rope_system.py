@@ -17,8 +17,8 @@ from rope_model.numerics.coupled_newton import Coupled, Iterate, newton
 from rope_model.numerics.generalized_alpha import Solution
 from rope_model.numerics.newton import GOOD, HUGE, KINKED, SMALL, SMOOTH, UNKNOWN, report
 from rope_model.parameters import Rope, Scene
-from rope_model.physics.air import air_law
-from rope_model.physics.air_element import AIR_BALANCE, AIR_SIZE, LAW_SIZE
+from rope_model.physics.air import air_coefficients
+from rope_model.physics.air_element import AIR_BALANCE, AIR_SIZE, COEFFICIENTS_SIZE
 from rope_model.physics.contact import LOOK_AHEAD, largest_motion
 from rope_model.physics.contact_element import CONTACT_BALANCE
 from rope_model.physics.element import BALANCE, NODE_DOF, PARAMETERS
@@ -35,14 +35,14 @@ Near = NDArray[np.bool_]
 #: columns of r, r' and theta in a node's row
 POSITION, SLOPE, ANGLE = slice(0, 3), slice(3, 6), 6
 _NOTHING = np.zeros((1, 1), dtype=bool)
-_NOTHING_OUTSIDE = dict.fromkeys((*AIR_BALANCE, *CONTACT_BALANCE, "rope"), 0.0)
+_NO_EXTERNAL_SUMS = dict.fromkeys((*AIR_BALANCE, *CONTACT_BALANCE, "rope"), 0.0)
 _Solver = Callable[[Array], Array]
 
 
 def air_parameters(scene: Scene) -> Array:
     """Return the element's parameters for air, with conveyances at rest; empty without air."""
-    law = air_law(scene.shaft.air, scene.rope.diameter, scene.layout.spacing)
-    return np.array([law.factor, *law.velocity, *law[2:], *(AIR_SIZE - LAW_SIZE) * [0.0]] if law.factor else [])
+    c = air_coefficients(scene.shaft.air, scene.rope.diameter, scene.layout.spacing)
+    return np.array([c.factor, *c.velocity, *c[2:], *(AIR_SIZE - COEFFICIENTS_SIZE) * [0.0]] if c.factor else [])
 
 
 def arc_lengths(lengths: Array) -> Array:
@@ -125,7 +125,7 @@ class RopeSystem:
         self.reference, self.z, self._rope = reference, z, rope
         self.free = boundary.free(nodes)
         self.load = self._dead_load = boundary.load(nodes)
-        self.pushed: Array | None = None
+        self.host_forces: Array | None = None
         self.node_mass = np.zeros((nodes, NODE_DOF)) if node_mass is None else node_mass
         self._free = self.free.astype(float)
         self._scale = np.ones(NODE_DOF)
@@ -153,7 +153,7 @@ class RopeSystem:
     def with_forces(self, forces: Array) -> RopeSystem:
         """Return this system with these ``forces`` on its nodes (nodes, 7), and no others of the kind."""
         other = self._alike()
-        other.pushed, other.load = forces, self._dead_load + forces
+        other.host_forces, other.load = forces, self._dead_load + forces
         other._loads = other.load, *self._loads[1:]
         other._constants = self.lengths, self.frames, *other._loads
         return other
@@ -305,21 +305,22 @@ class RopeSystem:
         balance["kinetic"] += 0.5 * float(np.vdot(self.node_mass, v * v))
         return Evaluation(R, balance)
 
-    def outside(self, q: Array, v: Array) -> dict[str, float]:
+    def external_sums(self, q: Array, v: Array) -> dict[str, float]:
         """Return the sums of bodies and air by name: contact_element.CONTACT_BALANCE, air.AIR_BALANCE, and "rope"."""
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
-        outside = _NOTHING_OUTSIDE if self.pushed is None else _NOTHING_OUTSIDE | _push(self.pushed, q, v)
+        external = _NO_EXTERNAL_SUMS if self.host_forces is None else _NO_EXTERNAL_SUMS | _push(self.host_forces, q, v)
         if len(kernels.balance) == len(BALANCE):
-            return outside
+            return external
         rest = np.zeros_like(q)
         sums = kernels.evaluate(q, v, rest, rest, *constants, P)[1].tolist()
-        return outside | {name: outside.get(name, 0.0) + x for name, x in zip(kernels.balance, sums, strict=True)}
+        return external | {name: external.get(name, 0.0) + x for name, x in zip(kernels.balance, sums, strict=True)}
 
     def losses(self, q: Array, v: Array) -> Losses:
         """Return the powers that the rope and its contacts lose [W]."""
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
         losses = Losses(*kernels.losses(q, v, *constants[:2], P)[0].tolist())
-        return losses if self.pushed is None else losses._replace(moved=losses.moved + float(np.vdot(self.pushed, v)))
+        forces = self.host_forces
+        return losses if forces is None else losses._replace(moved=losses.moved + float(np.vdot(forces, v)))
 
     def longest_near(self, q: Array) -> float:
         """Return the length of the longest element that may touch a body [m]; 0 for none."""
@@ -353,7 +354,7 @@ class RopeSystem:
         if self.P.size == len(PARAMETERS):
             return self.P
         P = self.P.copy()
-        P[LAW_SIZE - AIR_SIZE :].reshape(2, 4)[:] = np.column_stack((q[[0, -1], POSITION], v[[0, -1], 1]))
+        P[COEFFICIENTS_SIZE - AIR_SIZE :].reshape(2, 4)[:] = np.column_stack((q[[0, -1], POSITION], v[[0, -1], 1]))
         return P
 
     def element_data(self, q: Array, v: Array) -> tuple[Array, Array]:

@@ -79,7 +79,7 @@ static void contact_signals(Simulator *rope, double *values) {
     const Arrays m = state_arrays(rope->state);
     const System s = rope_system(rope, rope->state);
     double sums[CONTACT_BALANCE] = {0};
-    if (rope->state->fidelity != RIGID) rope_system_outside(&s, m.q, m.v, sums);
+    if (rope->state->fidelity != RIGID) external_sums(&s, m.q, m.v, sums);
     memcpy(values + SIGNAL_CONTACT_LINING, sums + CONTACT_FORCES, sizeof(double) * (KINDS + 1));
 }
 

@@ -148,8 +148,8 @@ class SelfContactSystem(RopeSystem):
     def evaluate(self, q: Array, v: Array, a: Array, reaction: Array) -> Evaluation:
         return self._with_touches(super().evaluate(q, v, a, reaction), q, v)
 
-    def outside(self, q: Array, v: Array) -> dict[str, float]:
-        sums, more = super().outside(q, v), self.self_contacts(q, v).sums()
+    def external_sums(self, q: Array, v: Array) -> dict[str, float]:
+        sums, more = super().external_sums(q, v), self.self_contacts(q, v).sums()
         return {**sums, **{name: sums[name] + value for name, value in more.items()}}
 
     def losses(self, q: Array, v: Array) -> Losses:

@@ -117,7 +117,7 @@ def contact_signals(rope: Evaluated) -> dict[str, float]:
     kinds = *KINDS, "rope"
     m, forces = rope.state.motion, dict.fromkeys(kinds, 0.0)
     if rope.state.fidelity != "rigid":
-        forces |= rope.system.outside(m.q, m.v)
+        forces |= rope.system.external_sums(m.q, m.v)
     return {f"contact.{kind}": forces[kind] for kind in kinds}
 
 
