@@ -87,7 +87,7 @@ def test_the_pattern_adds_up_to_the_rope_and_is_centred_as_it_can_be(mesh: Mesh,
     if mesh.grading_length == 0:
         assert sum(p.counts) + 2 * mesh.end_levels == p.lengths.size
     # of the pattern nothing is left out but what an end cuts off
-    assert p.lengths.min() >= min(0.5**mesh.end_levels * p.coarse, p.fine) * (1 - 1e-9)
+    assert p.lengths.min() >= min(0.5**mesh.end_levels * p.coarse, p.fine_length) * (1 - 1e-9)
     fewest = min_outer(mesh.counts)
     assert min(p.counts[::6]) >= fewest
     assert p.counts[1:6] == mesh.counts

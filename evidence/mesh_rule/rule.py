@@ -35,7 +35,7 @@ def shares(found: Laws, asked: float) -> Shares:
     for d in draw(JUDGE, MANY):
         S = laws.stiffness(np.array(d.rope.Qa), np.array(d.rope.EI), np.array(d.w))
         of = fit_lengths(d.scene(Mesh()), asked, math.log10(FADE_ERROR / asked))
-        fine, half = np.array(of.fine), np.array(0.5 * math.pi * of.radius + of.fade)
+        fine, half = np.array(of.fine_length), np.array(0.5 * math.pi * of.radius + of.fade)
         layer = sqrt(d.rope.EI / (0.5 * d.rope.mass_per_length * d.layout.gravity * d.rope.length))
         loop.append(float(laws.loop_error(found.loop.values, fine, np.array(d.w), S)) / asked)
         cover.append(float(laws.cover_error(found.cover.values, fine, half, np.array(d.w))) / asked)

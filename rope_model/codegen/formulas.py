@@ -79,7 +79,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "void hermite_shape_products(l, products[10])": hermite.shape_products,
     "hermite_integral(l, r1, s1, r2, s2)": hermite.integral,
     "hermite_integral_to(xi, l, r1, s1, r2, s2)": hermite.integral_to,
-    "sample_s(bottom, reach, fraction, loop)": outline.sample_s,
+    "sample_s(bottom_s, reach, fraction, loop)": outline.sample_s,
     "least_squared_distance(a[6], b[6])": outline.least_squared_distance,
     "squared_distance(point[3], start[3], along[3])": outline.squared_distance,
     "void middle_of(length, a[6], b[6], middle[6])": outline.middle,
@@ -94,7 +94,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "void plane_between(left[3], right[3], start[3], direction[2], normal[3])": outline.plane_between,
     "side_gap(side, length, outer[6], inner[6], top, start[3], normal[3], diameter, above)": outline.side_gap,
     "least_advance(length, a[6], b[6], direction[2])": outline.least_advance,
-    "turn_about_y(before[2], after[2])": outline.turn,
+    "angle_between(before[2], after[2])": outline.angle_between,
     "body_distance(point[3], body)": shaft.distance,
     "body_least_distance(point[3], extent[3], body)": shaft.least_distance,
     "ContactTerms contact_law(contact, diameter, body, body_v[3], point[3], v[3], cq, cv)": contact.contact_law,
@@ -155,8 +155,8 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "trial_x(bracket, width)": events.trial_x,
     "Bracket narrowed(bracket, x, value)": events.narrowed,
     "relaxation(change, last)": statics.relaxation,
-    "StepLimits step_limits(scene, ErrorSums sums, bottom, end_speed, error_constant)": accuracy.step_limits,
-    "ErrorSums add_errors(scene, ErrorSums sums, bottom, end_speed, h, constant, strain_tt[2], position, force)": (
+    "StepLimits step_limits(scene, ErrorSums sums, s, end_speed, error_constant)": accuracy.step_limits,
+    "ErrorSums add_errors(scene, ErrorSums sums, s, end_speed, h, constant, strain_tt[2], position, force)": (
         accuracy.add_errors
     ),
     "step_error(StepLimits limits, h, position_error, strain_error)": accuracy.step_error,
@@ -171,10 +171,10 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "end_force_error(rope, ErrorSums sums)": accuracy.end_force_error,
     "add_misfit_error(error, ErrorSums sums, InputFilter left, InputFilter right)": misfit.add_misfit_error,
     "add_drift_error(error, InputFilter left, InputFilter right)": misfit.add_drift_error,
-    "loop_error(scene, ErrorSums sums, fine, grading_length)": accuracy.loop_error,
+    "loop_error(scene, ErrorSums sums, l, grading_length)": accuracy.loop_error,
     "friction_moment(mu, mean_diameter, seal_moment, tension)": swivel.friction_moment,
     "void end_load(q[7], f[7], torque, load[6])": audit.end_load,
-    "axial_share(rope, bottom, h)": audit.axial_share,
+    "axial_share(rope, bottom_s, h)": audit.axial_share,
     "void audit_values(audit, values[6])": audit.signal_values,
     "Audit audit_after_step(audit, Coefficients method, h, time_shift, load[6], force, change, ratio)": (
         audit.after_step

@@ -53,7 +53,7 @@ static void audit_step(const Simulator *rope, State *state, const System *s, dou
         change = fmax(change, fabs(now - before[side]));
     }
     state->audit = audit_after_step(&state->audit, &method, h, time_shift, load, force, change,
-                                    axial_share(&rope->scene.rope, model_bottom(rope, state, state->t), h));
+                                    axial_share(&rope->scene.rope, model_bottom_s(rope, state, state->t), h));
 }
 
 /* Return the largest square of the change of r' over an element. */
@@ -84,7 +84,7 @@ void audit_interval(const Simulator *rope, State *state, double h, double residu
 static double relative_error(const Simulator *rope, State *state, const StepResult *result) {
     const Arrays old = state_arrays(state);
     const Coefficients method = {rope->scene.solver.rho_inf};
-    const StepLimits limits = step_limits(&rope->scene, &state->errors, model_bottom(rope, state, state->t),
+    const StepLimits limits = step_limits(&rope->scene, &state->errors, model_bottom_s(rope, state, state->t),
                                           relative_end_speed(&old), local_error(&method, 1, 1));
     const double strain = fmax(fabs(result->strains[LEFT]), fabs(result->strains[RIGHT]));
     return step_error(&limits, result->h, result->error, strain);
@@ -109,7 +109,7 @@ void with_angles_along(Simulator *rope, State *state, double *q, double *v, doub
     state->offsets[RIGHT] += rope_system_transport(rope, state, q, v, a, b);
 }
 
-double model_bottom(const Simulator *rope, const State *state, double t) {
+double model_bottom_s(const Simulator *rope, const State *state, double t) {
     const double left = path_height(&state->paths[LEFT], t), right = path_height(&state->paths[RIGHT], t);
     return 0.5 * (rope->scene.rope.length + left - right);
 }
@@ -169,7 +169,7 @@ void model_commit(Simulator *rope, State *state, const StepResult *trial) {
     const Coefficients method = {rope->scene.solver.rho_inf};
     const double time_shift = recentring(&method, trial->h, state->h);
     EnergyBalance *energy = &state->energy_balance;
-    const double bottom = model_bottom(rope, state, state->t), speed = relative_end_speed(&m);
+    const double bottom_s = model_bottom_s(rope, state, state->t), speed = relative_end_speed(&m);
     double losses[2], contact[CONTACT_BALANCE], air[AIR_BALANCE], paces[2], force = 0;
     for (int side = LEFT; side <= RIGHT; side++) {
         const size_t slope = (side ? size - DOF : 0) + SLOPE + 1;
@@ -194,7 +194,7 @@ void model_commit(Simulator *rope, State *state, const StepResult *trial) {
     state->h = trial->h;
     for (int side = LEFT; side <= RIGHT; side++)
         for (int k = 0; k < 3; k++) force = fmax(force, fabs(end_row(m.reaction, m.nodes, side)[k]));
-    state->errors = add_errors(&rope->scene, &state->errors, bottom, speed, h, local_error(&method, 1, 1), paces,
+    state->errors = add_errors(&rope->scene, &state->errors, bottom_s, speed, h, local_error(&method, 1, 1), paces,
                                trial->error, force);
     model_powers(rope, state);
     if (!trial->near) s.around = NULL;

@@ -56,11 +56,11 @@ void tension_change(const Scene *scene, const EndMotion ends[2], int side, int a
 /* Refer theta of an equilibrium q, which is referred to q, to the rigid rope. */
 static void count_from_rigid(Simulator *rope, State *state, const double *rigid, double *q) {
     const size_t size = (size_t)(state->elements + 1) * DOF;
-    double *moved = rope->trial.q, *rest = rope->trial.v;
+    double *moved = rope->trial.q, *zeros = rope->trial.v;
     memcpy(moved, q, sizeof(double) * size);
-    memset(rest, 0, sizeof(double) * size);
+    memset(zeros, 0, sizeof(double) * size);
     rope_system_refer(rope, state, rigid);
-    rope_system_transport(rope, state, moved, rest, rest, rest);
+    rope_system_transport(rope, state, moved, zeros, zeros, zeros);
     for (size_t i = ANGLE; i < size; i += DOF) q[i] -= moved[i] - q[i];
 }
 

@@ -14,7 +14,7 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) 
     if (elements == 0) {
         char why[MESSAGE];
         memcpy(why, message, sizeof why);
-        if (scene->mesh.kind == AUTO_MESH) say_fitted_mesh_fails(message, why);
+        if (scene->mesh.kind == AUTO_MESH) say_fit_fails(message, why);
         return NULL;
     }
     Simulator *rope = allocate_simulator(scene, elements, memory, message);
@@ -107,7 +107,7 @@ static int initialize(Simulator *rope, double t, const EndMotion ends[2]) {
     const Arrays m = state_arrays(state);
     double divider_s[DIVIDERS];
     model_dividers(rope, state, t, divider_s);
-    partition(&rope->mesh, scene->rope.length, model_bottom(rope, state, t), divider_s, m.elements, &state->pattern,
+    partition(&rope->mesh, scene->rope.length, model_bottom_s(rope, state, t), divider_s, m.elements, &state->pattern,
               m.lengths);
     arc_lengths(m.elements, m.lengths, m.s);
     hanging_guess(m.nodes, m.s, points[LEFT], points[RIGHT], m.q, message);
@@ -151,8 +151,8 @@ static InputFilter follow_end(const State *before, const FilterSettings *setting
 /* Update the misfit of an end up to the stop of its path. */
 static void account_end(const Simulator *rope, State *state, const FilterSettings *settings, int side,
                         const InputFilter *now) {
-    const double bottom = model_bottom(rope, rope->state, rope->state->t);
-    const double leg = side == LEFT ? bottom : rope->scene.rope.length - bottom;
+    const double bottom_s = model_bottom_s(rope, rope->state, rope->state->t);
+    const double leg = side == LEFT ? bottom_s : rope->scene.rope.length - bottom_s;
     state->filters[side] = add_misfit(now, &state->paths[side], settings, &rope->scene.rope, leg);
 }
 
@@ -277,7 +277,7 @@ int rope_restore(Simulator *rope, const void *from, size_t bytes) {
     State *state = rope->next;
     if (bytes != rope->state_bytes) return say_wrong_number_of_bytes(rope->message, (int)bytes, (int)rope->state_bytes);
     memcpy(state, from, bytes);
-    if (!state_plausible(rope, state)) return say_bytes_are_no_state(rope->message);
+    if (!state_plausible(rope, state)) return say_no_state_in_bytes(rope->message);
     rope_system_refer(rope, state, state_arrays(state).q);
     return accept(rope);
 }

@@ -87,7 +87,7 @@ void model_commit(Simulator *rope, State *state, const StepResult *trial);
 void model_powers(const Simulator *rope, State *state);
 double model_energies(Simulator *rope, State *state); /* Update energies; return the change of their total. */
 /* Return the arc length of the loop's lowest point from the heights of the ends at t. */
-double model_bottom(const Simulator *rope, const State *state, double t);
+double model_bottom_s(const Simulator *rope, const State *state, double t);
 /* Call mesh_dividers with the heights of the ends at t. */
 void model_dividers(const Simulator *rope, const State *state, double t, double *divider_s);
 /* Refer frames and angles of q, v, a, b to q. */

@@ -94,14 +94,14 @@ def wave_duration(rope: Any, omega: Any) -> Any:
     return 2.0 / maximum(rope.beta_K * (omega * omega), 2.0 * least)
 
 
-def step_limits(scene: Any, sums: Any, bottom: Any, end_speed: Any, error_constant: Any) -> StepLimits:
-    """Return the limits of a step while the loop hangs at arc length ``bottom`` (m).
+def step_limits(scene: Any, sums: Any, s: Any, end_speed: Any, error_constant: Any) -> StepLimits:
+    """Return the limits of a step while the loop hangs at arc length ``s`` (m).
 
     ``end_speed`` (m/s) is the vertical speed of one end against the other; ``error_constant`` h^2 is the local error
     per change of the acceleration.  The allowance shrinks as it is used up.
     """
     rope, accuracy = scene.rope, scene.accuracy
-    leg = maximum(bottom, rope.length - bottom)
+    leg = maximum(s, rope.length - s)
     omega = axial_frequency(rope, leg)
     duration = wave_duration(rope, omega)
     used = end_force_error(rope, sums) / accuracy.end_force
@@ -115,7 +115,7 @@ def step_limits(scene: Any, sums: Any, bottom: Any, end_speed: Any, error_consta
 
 
 def add_errors(
-    scene: Any, sums: Any, bottom: Any, end_speed: Any, h: Any, constant: Any, strain_tt: Any, position: Any, force: Any
+    scene: Any, sums: Any, s: Any, end_speed: Any, h: Any, constant: Any, strain_tt: Any, position: Any, force: Any
 ) -> ErrorSums:
     """Return ``sums`` after a step ``h`` with a ``position`` error (m) and end forces of up to ``force`` (N).
 
@@ -125,7 +125,7 @@ def add_errors(
     """
     rope = scene.rope
     waves, squares = [], []
-    for side, leg in enumerate((bottom, rope.length - bottom)):
+    for side, leg in enumerate((s, rope.length - s)):
         omega = axial_frequency(rope, leg)
         duration = wave_duration(rope, omega)
         decay, phase = duration / (duration + h), omega * h
@@ -146,28 +146,28 @@ def end_force_error(rope: Any, sums: Any) -> Any:
     return RATE_ERROR_FACTOR * rope.Qa * sqrt(squares / maximum(sums.time, TINY)) / maximum(sums.force, TINY)
 
 
-def locking_error(scene: Any, fine: Any) -> Any:
-    """Return the height (m) by which the loop hangs too high on elements of length ``fine``."""
+def locking_error(scene: Any, l: Any) -> Any:
+    """Return the height (m) by which the loop hangs too high on elements of length ``l``."""
     w, rope = bending_length(scene), scene.rope
-    x = fine / w
+    x = l / w
     locking = LOCKING * (rope.Qa * (w * w) / rope.EI) * (x * x * x * x)
     return LOOP_HEIGHT * w * (x * x) * (locking / (1.0 + locking))
 
 
-def mesh_error(scene: Any, fine: Any, grading_length: Any) -> Any:
-    """Return the loop's position error (m) on elements of length ``fine``, with ``grading_length`` in the legs."""
-    slip_factor = 1.0 + SLIPPED * _slip_fraction(scene, fine, SLIPS_FROM)
-    return locking_error(scene, fine) * slip_factor + LEG_MESH_ERROR * grading_length * scene.rope.length
+def mesh_error(scene: Any, l: Any, grading_length: Any) -> Any:
+    """Return the loop's position error (m) on elements of length ``l``, with ``grading_length`` in the legs."""
+    slip_factor = 1.0 + SLIPPED * _slip_fraction(scene, l, SLIPS_FROM)
+    return locking_error(scene, l) * slip_factor + LEG_MESH_ERROR * grading_length * scene.rope.length
 
 
-def turned_by_mesh(scene: Any, fine: Any) -> Any:
-    """Return the angle (rad) by which elements of length ``fine`` turn the loop about the vertical."""
-    return TURNED * fine / bending_length(scene) * _slip_fraction(scene, fine, TURNS_FROM)
+def turned_by_mesh(scene: Any, l: Any) -> Any:
+    """Return the angle (rad) by which elements of length ``l`` turn the loop about the vertical."""
+    return TURNED * l / bending_length(scene) * _slip_fraction(scene, l, TURNS_FROM)
 
 
-def _slip_fraction(scene: Any, fine: Any, threshold: float) -> Any:
+def _slip_fraction(scene: Any, l: Any, threshold: float) -> Any:
     """Return the fraction, 0 to 1, of a change that sets in where elements are ``threshold`` w long."""
-    power = minimum(fine / (threshold * bending_length(scene)), 10.0) ** SLIP_EXPONENT
+    power = minimum(l / (threshold * bending_length(scene)), 10.0) ** SLIP_EXPONENT
     return power / (1.0 + power)
 
 
@@ -197,9 +197,9 @@ def step_error(limits: Any, h: Any, position_error: Any, strain_error: Any) -> A
     return where(less(limits.shortest, h), maximum(position, strain), position)
 
 
-def loop_error(scene: Any, sums: Any, fine: Any, grading_length: Any) -> Any:
+def loop_error(scene: Any, sums: Any, l: Any, grading_length: Any) -> Any:
     """Return the largest error (m) of the loop's position since the start, by elements, legs and steps."""
-    mesh = mesh_error(scene, fine, grading_length)
+    mesh = mesh_error(scene, l, grading_length)
     steps = STEP_ERROR_TO_LOOP * sums.position
     return sqrt(mesh * mesh + steps * steps + sums.flow * sums.flow)  # the three occur at different instants
 

@@ -18,14 +18,14 @@ def suspension_points(layout: Any, left: Any, right: Any) -> tuple[tuple[Any, ..
     return (-half + left.x, left.y, left.z), (half + right.x, right.y, right.z)
 
 
-def sample_s(bottom: Any, reach: Any, fraction: Any, loop: Any) -> Any:
-    """Return the arc length (m) of a sample at the ``fraction`` of the ``reach`` from ``bottom`` to an end.
+def sample_s(bottom_s: Any, reach: Any, fraction: Any, loop: Any) -> Any:
+    """Return the arc length (m) of a sample at the ``fraction`` of the ``reach`` from ``bottom_s`` to an end.
 
     Near the bottom samples are as dense as if they had to cover twice the width of the ``loop`` (m) only, however long
     the legs are; farther away their distance grows.
     """
     even, square = minimum(2.0 * loop / maximum(abs(reach), loop), 1.0), fraction * fraction
-    return bottom + reach * (even * fraction + (1.0 - even) * (square * square))
+    return bottom_s + reach * (even * fraction + (1.0 - even) * (square * square))
 
 
 def squared_distance(point: Any, start: Any, along: Any) -> Any:
@@ -151,6 +151,6 @@ def turns(yaw: Any, line: Any, passages: Any) -> Any:
     return (yaw - line) / (2.0 * math.pi) - passages
 
 
-def turn(before: Any, after: Any) -> Any:
+def angle_between(before: Any, after: Any) -> Any:
     """Return the angle (rad) about Y from one horizontal vector (X, Z) to another."""
     return atan2(before[1] * after[0] - before[0] * after[1], before[0] * after[0] + before[1] * after[1])

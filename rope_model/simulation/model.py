@@ -91,9 +91,9 @@ class RopeModel:
         """Return the local error of a trial step over the allowed error; infinite if Newton's method failed."""
         if result.motion is None:
             return math.inf
-        bottom, h = self.bottom(old.paths, old.motion.t), result.motion.h
+        s, h = self.bottom_s(old.paths, old.motion.t), result.motion.h
         constant = alpha.local_error(self.method, 1.0, 1.0)
-        limits = step_limits(self.scene, old.errors, bottom, relative_end_speed(old.motion), constant)
+        limits = step_limits(self.scene, old.errors, s, relative_end_speed(old.motion), constant)
         assert result.a_rate is not None
         strain = alpha.local_error(self.method, h, h * float(np.abs(result.a_rate[_END_STRAINS]).max()))
         return float(step_error(limits, h, result.error, strain))
@@ -104,7 +104,7 @@ class RopeModel:
         tolerance = float(effective_tolerance(solver.newton_tolerance, solver.work_max, BOUNDED_STEP_ERROR))
         return alpha.step(self.with_host_forces(system, old.t + h), old, h, self.method, tolerance)
 
-    def bottom(self, paths: tuple[EndPath, EndPath], t: float) -> float:
+    def bottom_s(self, paths: tuple[EndPath, EndPath], t: float) -> float:
         """Return the arc length (m) of the loop's lowest point, from the ends' heights alone."""
         return float(0.5 * (self.scene.rope.length + paths[0].height(t) - paths[1].height(t)))
 
@@ -131,10 +131,10 @@ class RopeModel:
         assert motion is not None
         assert evaluation is not None
         after, before, h = powers(system, motion), old.powers, motion.t - old.motion.t
-        bottom, force = self.bottom(old.paths, old.motion.t), float(np.abs(motion.reaction[[0, -1], POSITION]).max())
+        s, force = self.bottom_s(old.paths, old.motion.t), float(np.abs(motion.reaction[[0, -1], POSITION]).max())
         strain_tt, constant = (motion.v - old.motion.v)[_END_STRAINS] / h, alpha.local_error(self.method, 1.0, 1.0)
         speed = relative_end_speed(old.motion)
-        errors = add_errors(self.scene, old.errors, bottom, speed, h, constant, strain_tt.tolist(), result.error, force)
+        errors = add_errors(self.scene, old.errors, s, speed, h, constant, strain_tt.tolist(), result.error, force)
         # the material's dissipation follows from the strains' differences over the step: the rates at its ends contain
         # the integrator's own oscillation, whose square does not average out
         middle, rate = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
@@ -161,7 +161,7 @@ class RopeModel:
             load_on(self.ends(state), m, self.with_host_forces(system, m.t)),
             max(map(abs, forces)),
             max(abs(forces[0] - left), abs(forces[1] - right)),
-            axial_share(self.scene.rope, self.bottom(state.paths, m.t), h),
+            axial_share(self.scene.rope, self.bottom_s(state.paths, m.t), h),
         )
         return state._replace(audit=audit)
 

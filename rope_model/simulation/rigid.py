@@ -83,7 +83,7 @@ def flexible_start(system: RopeSystem, ends: HangingEnds, rigid: Motion) -> Moti
     left, right = (path.at_constant_acceleration(t) for path in ends.paths)
     coasting = replace(ends, paths=(left, right))
     rest = find_equilibrium(system.with_boundary(coasting), rigid.q, t)
-    coasting = replace(coasting, offsets=(ends.offsets[0], ends.offsets[1] + rest.turn))
+    coasting = replace(coasting, offsets=(ends.offsets[0], ends.offsets[1] + rest.end_rotation))
     before, after = (find_equilibrium(system.with_boundary(coasting), rest.q, at) for at in (t - d, t + d))
     for shape in (rest, before, after):  # all angles count from the rigid rope
         shape.q[:, ANGLE] -= system.frame_turn(shape.q)

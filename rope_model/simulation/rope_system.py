@@ -195,8 +195,8 @@ class RopeSystem:
 
     def frame_turn(self, q: Array) -> Array:
         """Return the increase of theta (nodes,), rad, when ``q`` becomes the reference."""
-        rest = np.zeros_like(q)
-        return np.asarray(self.transport(q, rest, rest)[0])
+        zeros = np.zeros_like(q)
+        return np.asarray(self.transport(q, zeros, zeros)[0])
 
     def prescribed_motion(self, t: float) -> Array:
         return self.boundary.prescribed_motion(t, self.lengths.size + 1)
@@ -311,8 +311,8 @@ class RopeSystem:
         external = _NO_EXTERNAL_SUMS if self.host_forces is None else _NO_EXTERNAL_SUMS | _push(self.host_forces, q, v)
         if len(kernels.balance) == len(BALANCE):
             return external
-        rest = np.zeros_like(q)
-        sums = kernels.evaluate(q, v, rest, rest, *constants, P)[1].tolist()
+        zeros = np.zeros_like(q)
+        sums = kernels.evaluate(q, v, zeros, zeros, *constants, P)[1].tolist()
         return external | {name: external.get(name, 0.0) + x for name, x in zip(kernels.balance, sums, strict=True)}
 
     def losses(self, q: Array, v: Array) -> Losses:

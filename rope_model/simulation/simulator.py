@@ -84,7 +84,7 @@ class RopeSimulator(BalanceRope):
         except ValueError as error:
             if scene.mesh.kind != "auto":
                 raise
-            raise ValueError(messages.fitted_mesh_fails(str(error))) from error
+            raise ValueError(messages.fit_fails(str(error))) from error
         self.model = RopeModel(scene, KernelCache(elements, scene.solver.kernels, bundle))
         self._filter, self._filter_settings = filter_program(scene.rope), settings_of(scene)
         self._state: RopeState | None = None
@@ -189,11 +189,11 @@ class RopeSimulator(BalanceRope):
         try:
             if why := unsupported_motion(scene, fidelity, (left, right), self.model.forces.s.size):
                 return Status(False, fidelity_messages.fixed_model_cannot_follow(fidelity, why))
-            cells = partition(self._mesh, rope.length, self.model.bottom(paths, t), self.model.dividers(paths, t))
+            cells = partition(self._mesh, rope.length, self.model.bottom_s(paths, t), self.model.dividers(paths, t))
             guess = hanging_guess(cells.nodes_s, *ends)
-            rest = np.zeros_like(guess)
+            zeros = np.zeros_like(guess)
             state = RopeState(
-                motion=Motion(t, guess, rest, rest, rest, rest, 0.0, rest),
+                motion=Motion(t, guess, zeros, zeros, zeros, zeros, 0.0, zeros),
                 partition=cells,
                 offsets=(0.0, right_offset(*ends.tolist())),
                 swivels=(SwivelState(Phase.LOCKED, 0.0, 0.0), SwivelState(Phase.LOCKED, rope.installed_twist, 0.0)),
@@ -233,8 +233,8 @@ class RopeSimulator(BalanceRope):
         if not earliest <= at <= t + MIN_INTERVAL:
             return Status(False, messages.motions_of_another_time(at, earliest, t))
         settings, steps = self._filter_settings, []
-        bottom = self.model.bottom(state.paths, start)
-        legs = bottom, scene.rope.length - bottom
+        bottom_s = self.model.bottom_s(state.paths, start)
+        legs = bottom_s, scene.rope.length - bottom_s
         for k, (side, end) in enumerate(zip(SIDES, (left, right), strict=True)):
             filtered = filter_step(self._filter, state.filters[k], state.paths[k], settings, at, t, end, legs[k])
             refused = refusal(scene, end, filtered.limits, side)

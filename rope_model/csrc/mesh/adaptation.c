@@ -57,12 +57,12 @@ static int on_partition(Simulator *rope, State *state, int direction, const doub
 }
 
 int transform_if_due(Simulator *rope, State *state) {
-    const double bottom = model_bottom(rope, state, state->t);
+    const double bottom_s = model_bottom_s(rope, state, state->t);
     double divider_s[DIVIDERS];
     int status = CONVERGED;
     model_dividers(rope, state, state->t, divider_s);
     while (status == CONVERGED) {
-        const int direction = (int)transformation_due(&state->pattern, bottom, DUE_EARLY);
+        const int direction = (int)transformation_due(&state->pattern, bottom_s, DUE_EARLY);
         if (direction == 0 && !window_due(&state->pattern, divider_s)) break;
         status = on_partition(rope, state, direction, divider_s);
     }

@@ -11,7 +11,7 @@ static int as_int(double x) {
     return x < INT_MAX ? (int)x : INT_MAX;
 }
 
-double partition_fine(const Pattern *pattern, const double *lengths) {
+double partition_fine_length(const Pattern *pattern, const double *lengths) {
     return pattern->coarse > 0 ? fine_share(pattern->counts + 1) * pattern->coarse : lengths[0];
 }
 
@@ -193,8 +193,8 @@ int window_due(const Pattern *pattern, const double *divider_s) {
     return 0;
 }
 
-void partition(const Mesh *mesh, double length, double bottom, const double *divider_s, int elements, Pattern *pattern,
-               double *lengths) {
+void partition(const Mesh *mesh, double length, double bottom_s, const double *divider_s, int elements,
+               Pattern *pattern, double *lengths) {
     memset(pattern, 0, sizeof *pattern);
     if (mesh->kind == EEM) {
         for (int k = 0; k < mesh->elements; k++) lengths[k] = length / mesh->elements;
@@ -202,7 +202,7 @@ void partition(const Mesh *mesh, double length, double bottom, const double *div
     }
     double inner = inner_length(mesh->counts), outer = outer_of(mesh, length);
     double coarse = length / (outer + inner);
-    double first = rint(bottom / coarse - 0.5 * inner), least = min_outer(mesh->counts);
+    double first = rint(bottom_s / coarse - 0.5 * inner), least = min_outer(mesh->counts);
     first = first > least ? fmin(first, outer - least) : least;
     pattern->coarse = coarse;
     pattern->end_levels = mesh->end_levels;

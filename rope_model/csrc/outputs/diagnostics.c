@@ -239,7 +239,7 @@ LoopTurns loop_turns(const Arrays *m, const LoopBottom *bottom) {
          height = fmin(left.high[1], right.high[1])) {
         const double next_across[2] = {climb_at(&right, height, 0) - climb_at(&left, height, 0),
                                        climb_at(&right, height, 2) - climb_at(&left, height, 2)};
-        const double turned = turn_about_y(across, next_across);
+        const double turned = angle_between(across, next_across);
         if (fabs(turned) > sharpest) turns.sharpest_y = 0.5 * (below + height);
         sharpest = fmax(sharpest, fabs(turned));
         angle -= turned;

@@ -89,10 +89,10 @@ static void audit_signals(Simulator *rope, double *values) {
 
 static void error_signals(Simulator *rope, double *values) {
     const State *state = rope->state;
-    const double fine = partition_fine(&state->pattern, state_arrays(rope->state).lengths);
+    const double fine_length = partition_fine_length(&state->pattern, state_arrays(rope->state).lengths);
     const InputFilter *left = &state->filters[LEFT], *right = &state->filters[RIGHT];
     double at_ends = end_force_error(&rope->scene.rope, &state->errors);
-    double of_place = loop_error(&rope->scene, &state->errors, fine, state->pattern.grading_length);
+    double of_place = loop_error(&rope->scene, &state->errors, fine_length, state->pattern.grading_length);
     at_ends = add_contact_end_error(at_ends, &state->contact, state->errors.time, state->errors.force);
     of_place = add_contact_loop_error(&rope->scene, of_place, &state->contact);
     values[SIGNAL_STATUS_END_FORCE_ERROR] = add_misfit_error(at_ends, &state->errors, left, right);

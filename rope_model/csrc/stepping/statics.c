@@ -25,19 +25,19 @@ int find_equilibrium(Simulator *rope, State *state, double max_turn, char *messa
     const System s = rope_system(rope, state);
     const Chain *chain = chain_of(rope, state);
     const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
-    double *trial = scratch->q, *rest = scratch->v, *R = scratch->a, *now = scratch->b, *x = rope->x;
+    double *trial = scratch->q, *zeros = scratch->v, *R = scratch->a, *now = scratch->b, *x = rope->x;
     double balance[BALANCE], tau = 0.1, previous = 0, turned = 0, relaxed = 1, last = 0;
     int balanced = 0, k;
     rope->turned = 0;
     const double rounding = 10 * DBL_EPSILON * rope->scene.rope.Qa * m.s[m.elements] / s.shortest;
-    memset(rest, 0, bytes);
+    memset(zeros, 0, bytes);
     memset(m.reaction, 0, bytes);
     rope_system_prescribed_motion(rope, state, &s, state->t, 1, &(double *){m.q});
     rope_system_refer(rope, state, m.q);
     for (k = 0; k < MAX_ITERATIONS && tau >= 1e-7; k++) {
         rope->corrections++;
         const double c[3] = {1, 0, pow(tau, -2)};
-        chain->newton_step(&s, rope->work, m.q, rest, rest, m.reaction, c, 0, x, now);
+        chain->newton_step(&s, rope->work, m.q, zeros, zeros, m.reaction, c, 0, x, now);
         previous = imbalance(&s, now);
         const double move = rope_system_norm(&s, x, 1), norm = rope_system_norm(&s, x, s.shortest);
         if (!isfinite(move)) {
@@ -50,7 +50,7 @@ int find_equilibrium(Simulator *rope, State *state, double max_turn, char *messa
         last = error;
         const double step = fmin(relaxed, MAX_MOVE / fmax(move, 1e-300));
         for (size_t i = 0; i < size; i++) trial[i] = m.q[i] + step * x[i];
-        chain->evaluate(&s, trial, rest, rest, now, R, balance);
+        chain->evaluate(&s, trial, zeros, zeros, now, R, balance);
         const double force = imbalance(&s, R);
         /* A step may raise the forces but not the energy: stretch by moving sideways grows with the cube of the step.
            If the tangent is indefinite for lack of inertia, the correction itself climbs. */
@@ -61,7 +61,7 @@ int find_equilibrium(Simulator *rope, State *state, double max_turn, char *messa
             last = 0;
             continue;
         }
-        turned += rope_system_transport(rope, state, trial, rest, rest, rest);
+        turned += rope_system_transport(rope, state, trial, zeros, zeros, zeros);
         rope->turned = fabs(turned) > max_turn;
         if (rope->turned) break;
         memcpy(m.q, trial, bytes);

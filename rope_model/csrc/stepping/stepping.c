@@ -12,7 +12,7 @@ typedef struct {
 
 static double due_at(void *data, double time) {
     const DueContext *context = data;
-    return distance_past_limit(&context->state->pattern, model_bottom(context->rope, context->state, time));
+    return distance_past_limit(&context->state->pattern, model_bottom_s(context->rope, context->state, time));
 }
 
 /* Return the end of the coming steps: the host's, a release, or a transformation that a step would pass too far. */

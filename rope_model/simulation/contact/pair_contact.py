@@ -66,10 +66,8 @@ class PairContact(NamedTuple):
     position: Array  # (m, 3), m
 
 
-_NONE = np.zeros((0, 3))
-NO_CONTACTS = PairContact(
-    np.zeros(0, np.int64), np.zeros((2, 0)), _NONE, _NONE, np.zeros((0, 3, 3)), np.zeros(0), 0.0, _NONE
-)
+_NO = np.zeros((0, 3))
+NO_CONTACTS = PairContact(np.zeros(0, np.int64), _NO.T[:2], _NO, _NO, np.zeros((0, 3, 3)), np.zeros(0), 0.0, _NO)
 
 
 class Pair:

@@ -32,7 +32,7 @@ RELAXATION_TIME = 0.1
 def transform_if_due(model: RopeModel, state: RopeState) -> RopeState | str:
     """Return the state on the transformed mesh if a transformation is due, or the reason for a failure."""
     t = state.motion.t
-    bottom, places = model.bottom(state.paths, t), model.dividers(state.paths, t)
+    bottom, places = model.bottom_s(state.paths, t), model.dividers(state.paths, t)
     while (direction := transformation_due(state.partition, bottom, DUE_EARLY)) or window_due(state.partition, places):
         transformed = _on_partition(model, state, transform(state.partition, direction, places))
         if isinstance(transformed, str):

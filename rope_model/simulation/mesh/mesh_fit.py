@@ -58,7 +58,7 @@ class FittedLengths(NamedTuple):
     """
 
     radius: float
-    fine: float
+    fine_length: float
     fade: float
     end: float
     grading: float
@@ -69,12 +69,12 @@ def fit_lengths(scene: Any, loop_error: Any, decades: Any) -> FittedLengths:
     rope, w = scene.rope, bending_length(scene)
     radius = minimum(0.5 * scene.layout.spacing, NATURAL_RADIUS * w)
     shorter = (loop_error / (END_ERROR * radius)) ** 0.2
-    fine = minimum(length_for(scene, LOCKING_SHARE * loop_error), MAX_LENGTH * radius)
+    fine_length = minimum(length_for(scene, LOCKING_SHARE * loop_error), MAX_LENGTH * radius)
     fade = w * maximum(FADE + FADE_DECADE * decades, 0.0)
     layer = sqrt(rope.EI / (0.5 * (rope.mass_per_length * scene.layout.gravity) * rope.length))
     grading = minimum(minimum(LEG_GRADING * loop_error, LEG_WAVES) / rope.length, LEG_SWAY * w)
     grading = minimum(grading, pumped_grading(scene) * sqrt(minimum(loop_error / PUMPED_ERROR, 1.0)))
-    return FittedLengths(radius, fine, fade, END_LENGTH * layer * shorter, grading)
+    return FittedLengths(radius, fine_length, fade, END_LENGTH * layer * shorter, grading)
 
 
 def pumped_grading(scene: Any) -> Any:
@@ -129,11 +129,11 @@ def fit_elements(scene: Any, loop_error: Any, decades: Any) -> FittedMesh:
     """Return the mesh for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
     length, lengths, longest = scene.rope.length, fit_lengths(scene, loop_error, decades), pressed_length(scene)
     # no part of the pattern may be cut off while the loop is MIN_END_DISTANCE or farther from an end
-    coarse = minimum(RATIO * lengths.fine, longest)
+    coarse = minimum(RATIO * lengths.fine_length, longest)
     coarse = minimum(coarse, 2 * MIN_END_DISTANCE * length / _inner_length(_fine_count(lengths, coarse)))
     fine = _fine_count(lengths, coarse)
     short = coarse * (0.5 * _inner_length(fine) - DUE) > MIN_END_DISTANCE * length
-    equal = where(short, maximum(ceil(length / minimum(lengths.fine, 0.5 * longest)), 8.0), 0.0)
+    equal = where(short, maximum(ceil(length / minimum(lengths.fine_length, 0.5 * longest)), 8.0), 0.0)
     end_levels = sum((less(lengths.end * 2**k, coarse) for k in range(1, MAX_LEVELS)), less(lengths.end, coarse))
     grading = where(longest < math.inf, 0.0, lengths.grading)  # no joined elements in I and VII
     return FittedMesh(equal, coarse, fine, end_levels, grading)

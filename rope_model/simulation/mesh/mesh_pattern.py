@@ -44,9 +44,9 @@ def pattern_centre(pattern: Any) -> Any:
     return pattern.coarse * (pattern.counts[0] + 0.5 * inner_length(pattern.counts[1:6]))
 
 
-def distance_past_limit(pattern: Any, bottom: Any) -> Any:
+def distance_past_limit(pattern: Any, bottom_s: Any) -> Any:
     """Return the distance (m) of the loop past the limit; negative if no transformation is due or possible."""
-    return _past_limit(pattern, bottom - pattern_centre(pattern))
+    return _past_limit(pattern, bottom_s - pattern_centre(pattern))
 
 
 def window_place(pattern: Any, s: Any) -> Any:
@@ -62,10 +62,10 @@ def _past_limit(pattern: Any, offset: Any) -> Any:
     return where(stays, -math.inf, abs(offset) - DUE * pattern.coarse)
 
 
-def transformation_due(pattern: Any, bottom: Any, slack: Any = 0.0) -> Any:
-    """Return +1 or -1 if the loop at arc length ``bottom`` is within ``slack`` (m) of a transformation.
+def transformation_due(pattern: Any, bottom_s: Any, slack: Any = 0.0) -> Any:
+    """Return +1 or -1 if the loop at arc length ``bottom_s`` is within ``slack`` (m) of a transformation.
 
     It is 0 otherwise, or if the mesh has reached its end in that direction.
     """
-    offset = bottom - pattern_centre(pattern)
+    offset = bottom_s - pattern_centre(pattern)
     return where(_past_limit(pattern, offset) < -slack, 0.0, less(0.0, offset) - less(offset, 0.0))

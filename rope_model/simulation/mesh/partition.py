@@ -70,7 +70,7 @@ class Partition:
         return arc_lengths(self.lengths)
 
     @property
-    def fine(self) -> float:
+    def fine_length(self) -> float:
         """Length of the loop's elements, m."""
         return self.coarse * tmn.fine_share(self.counts[1:6]) if self.coarse else float(self.lengths[0])
 
@@ -110,8 +110,8 @@ def mesh_elements(scene: Scene) -> int:
     return int(partition(fit_mesh(scene), length, 0.5 * length, mesh_dividers(scene, 0.0, 0.0)).lengths.size)
 
 
-def partition(mesh: Mesh, length: float, bottom: float, divider_s: Sequence[float] = NO_DIVIDERS) -> Partition:
-    """Return the partition of a rope of ``length`` with its loop at ``bottom`` (m) and dividers where ``divider_s``."""
+def partition(mesh: Mesh, length: float, bottom_s: float, divider_s: Sequence[float] = NO_DIVIDERS) -> Partition:
+    """Return the partition of a rope of ``length``, its loop at ``bottom_s`` (m) and dividers where ``divider_s``."""
     if mesh.kind == "auto":
         raise ValueError("mesh.kind = 'auto' needs the rope's data: fit the mesh first with fit_mesh(scene)")
     if mesh.kind == "eem":
@@ -128,7 +128,7 @@ def partition(mesh: Mesh, length: float, bottom: float, divider_s: Sequence[floa
     if elements > MAX_ELEMENTS:
         raise ValueError(messages.too_many_elements(elements, MAX_ELEMENTS))
     least = tmn.min_outer(mesh.counts)
-    first = int(np.clip(round(bottom / coarse - 0.5 * inner), least, outer - least))
+    first = int(np.clip(round(bottom_s / coarse - 0.5 * inner), least, outer - least))
     counts = (first, *mesh.counts, int(outer) - first)
     return _tmn(Partition(np.empty(elements), counts, coarse, mesh.end_levels, mesh.grading_length), divider_s)
 

@@ -42,9 +42,7 @@ fails_at_curvature = Template(
     "{why:.380}"
 )
 # its mesh
-fitted_mesh_fails = Template(
-    "{why:.400} (mesh.kind = auto takes them from EI, mass_per_length, spacing and accuracy.loop)"
-)
+fit_fails = Template("{why:.400} (mesh.kind = auto takes them from EI, mass_per_length, spacing and accuracy.loop)")
 too_many_lengths = Template(
     "coarse_length = {coarse:g} m divides a rope of {length:g} m into {outer:.0f} lengths, more than {most:d}; use "
     "longer elements"
@@ -122,7 +120,5 @@ no_memory = Template("no memory for {elements:d} elements ({megabytes:.3g} MB); 
 wrong_number_of_bytes = Template(
     "the saved state has {found:d} bytes, one of this rope {own:d}; restore it into a rope with the same parameters"
 )
-bytes_are_no_state = Template(
-    "these bytes are not a state of this rope; save one anew, or restore it into its own rope"
-)
+no_state_in_bytes = Template("these bytes are not a state of this rope; save one anew, or restore it into its own rope")
 no_such_input = Template("an input's number is 0 to {last:d}")

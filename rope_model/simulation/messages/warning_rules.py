@@ -122,12 +122,12 @@ def _motion_misfits(scene: Any, end_filter: Any, step: Any) -> tuple[Any, ...]:
 def _loop_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
     mesh, allowed = scene.mesh, scene.accuracy.loop
     equal = mesh.kind == "eem"
-    fine = where(equal, scene.rope.length / mesh.elements, mesh.coarse_length * fine_share(mesh.counts))
-    error = mesh_error(scene, fine, where(equal, 0.0, mesh.grading_length))
-    yaw = where(state.fidelity == "planar", 0.0, turned_by_mesh(scene, fine))
+    fine_length = where(equal, scene.rope.length / mesh.elements, mesh.coarse_length * fine_share(mesh.counts))
+    error = mesh_error(scene, fine_length, where(equal, 0.0, mesh.grading_length))
+    yaw = where(state.fidelity == "planar", 0.0, turned_by_mesh(scene, fine_length))
     sufficient = minimum(length_for(scene, allowed), MAX_LENGTH * NATURAL_RADIUS * bending_length(scene))
     applies = logical_and(mesh.kind != "auto", state.fidelity != "rigid", error > allowed)
-    return applies, fine, error, allowed, yaw, sufficient
+    return applies, fine_length, error, allowed, yaw, sufficient
 
 
 def _no_air(scene: Any, state: Any) -> tuple[Any, ...]:

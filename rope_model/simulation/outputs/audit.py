@@ -65,9 +65,9 @@ def end_load(q: Any, f: Any, torque: Any) -> tuple[Any, ...]:
     return f[0], f[1], f[2], x + moment[0], y + moment[1], z + moment[2]
 
 
-def axial_share(rope: Any, bottom: Any, h: Any) -> Any:
+def axial_share(rope: Any, bottom_s: Any, h: Any) -> Any:
     """Return ``h`` (s) over the longer leg's axial period."""
-    return h * axial_frequency(rope, maximum(bottom, rope.length - bottom)) / (2.0 * math.pi)
+    return h * axial_frequency(rope, maximum(bottom_s, rope.length - bottom_s)) / (2.0 * math.pi)
 
 
 def axial_step(rope: Any) -> Any:

@@ -107,7 +107,7 @@ def loop_turns(q: Array, lengths: Array, bottom: LoopBottom) -> LoopTurns:
     heights = np.union1d(legs[0][:, 1], legs[1][:, 1])
     left, right = (np.array([np.interp(heights[1:], leg[:, 1], leg[:, k]) for k in (0, 2)]) for leg in legs)
     across = np.hstack((np.array(outline.heading(bottom.yaw))[:, None], right - left))
-    turned = outline.turn(across[:, :-1], across[:, 1:])
+    turned = outline.angle_between(across[:, :-1], across[:, 1:])
     sharpest = int(np.argmax(np.abs(turned)))
     return LoopTurns(-float(np.sum(turned)) / (2 * math.pi), float(0.5 * (heights[sharpest] + heights[sharpest + 1])))
 

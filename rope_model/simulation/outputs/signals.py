@@ -125,10 +125,10 @@ def error_signals(rope: Evaluated) -> dict[str, float]:
     """Return the error estimates of the run so far."""
     scene, errors, cells, contact = rope.scene, rope.state.errors, rope.state.partition, rope.state.contact
     at_ends = add_contact_end_error(end_force_error(scene.rope, errors), contact, errors.time, errors.force)
-    loop_position = add_contact_loop_error(scene, loop_error(scene, errors, cells.fine, cells.grading_length), contact)
+    at_loop = add_contact_loop_error(scene, loop_error(scene, errors, cells.fine_length, cells.grading_length), contact)
     return {
         "status.end_force_error": float(add_misfit_error(at_ends, errors, *rope.state.filters)),
-        "status.loop_error": float(add_drift_error(loop_position, *rope.state.filters)),
+        "status.loop_error": float(add_drift_error(at_loop, *rope.state.filters)),
         "status.contact_error": float(contact_error(contact)),
     }
 

@@ -163,13 +163,13 @@ def _with_swivels(state: RopeState, swivels: dict[int, SwivelState]) -> RopeStat
 
 def equilibrium_in_frame(model: RopeModel, state: RopeState, max_turn: float = math.inf) -> tuple[RopeState, int]:
     """Return ``state`` in equilibrium, and the number of corrections."""
-    m, rest = state.motion, np.zeros_like(state.motion.q)
+    m, zeros = state.motion, np.zeros_like(state.motion.q)
     equilibrium = find_equilibrium(model.system(state), m.q, m.t, max_turn=max_turn)
-    motion = Motion(m.t, equilibrium.q, rest, rest, rest, rest, 0.0, equilibrium.reaction)
-    state = _turn_right_end(state._replace(motion=motion), equilibrium.turn)
-    balance = model.system(state).evaluate(equilibrium.q, rest, rest, equilibrium.reaction).balance
+    motion = Motion(m.t, equilibrium.q, zeros, zeros, zeros, zeros, 0.0, equilibrium.reaction)
+    state = _turn_right_end(state._replace(motion=motion), equilibrium.end_rotation)
+    balance = model.system(state).evaluate(equilibrium.q, zeros, zeros, equilibrium.reaction).balance
     # a loop that yaws by psi turns the frame of the right end by -2 psi: this shows full turns
-    yaw = state.loop_yaw - 0.5 * equilibrium.turn
+    yaw = state.loop_yaw - 0.5 * equilibrium.end_rotation
     books = energies(state.energy_balance, balance)
     return with_loop_yaw(state._replace(energy_balance=books, loop_yaw=yaw)), equilibrium.iterations
 

@@ -49,13 +49,13 @@ class StaticsError(RuntimeError):
 class Equilibrium:
     """Configuration, reactions (zero where free, up to rounding) and number of corrections.
 
-    Angles count along it; ``turn`` (rad) is the increase of the angle at the right end, compared with the guess.
+    Angles count along it; ``end_rotation`` (rad) is the increase of the angle at the right end against the guess.
     """
 
     q: Array
     reaction: Array
     iterations: int
-    turn: float
+    end_rotation: float
 
 
 def find_equilibrium(
@@ -63,16 +63,16 @@ def find_equilibrium(
 ) -> Equilibrium:
     """Find the equilibrium near ``guess`` (nodes, 7), whose angles count along it, with the ends held as at ``t``.
 
-    The search fails if ``turn`` exceeds ``max_turn`` (rad).
+    The search fails if ``end_rotation`` exceeds ``max_turn`` (rad).
     """
     q = np.where(system.free, guess, system.prescribed_motion(t)[0])
-    rest = np.zeros_like(q)
+    zeros = np.zeros_like(q)
     scale = float(np.sum(system.lengths))
     rounding = 10.0 * float(np.finfo(float).eps * system.P[_QA] * scale / system.lengths.min())
-    system, reaction, turn, previous = system.with_reference(q), rest, 0.0, 0.0
+    system, reaction, end_rotation, previous = system.with_reference(q), zeros, 0.0, 0.0
     tau, largest_move, relaxed, last, balanced = 0.1, 0.3, 1.0, 0.0, 0
     for k in range(1, max_iterations + 1):
-        x, residual = system.newton_step(q, rest, rest, reaction, np.array([1.0, 0.0, tau**-2]))
+        x, residual = system.newton_step(q, zeros, zeros, reaction, np.array([1.0, 0.0, tau**-2]))
         move = float(np.max(np.abs(x[:, POSITION]))), float(np.max(np.abs(x[:, [3, 4, 5, 6]])))
         previous = _imbalance(system, residual)
         if not np.all(np.isfinite(x)):
@@ -87,7 +87,7 @@ def find_equilibrium(
         last = error
         step = min(relaxed, largest_move / max(*move, 1e-300))
         trial = q + step * x
-        following = system.evaluate(trial, rest, rest, residual).reaction
+        following = system.evaluate(trial, zeros, zeros, residual).reaction
         force = _imbalance(system, following)
         # larger forces are accepted on the way, but no gain of energy: a force that grows with the cube of the way,
         # such as that of stretch by sideways motion, may take up the work of the first force.  Where the tangent is
@@ -101,15 +101,15 @@ def find_equilibrium(
             continue
         more = system.frame_turn(trial)
         trial[:, ANGLE] += more
-        turn += float(more[-1])
-        if abs(turn) > max_turn:
+        end_rotation += float(more[-1])
+        if abs(end_rotation) > max_turn:
             break
         system, q, reaction = system.with_reference(trial), trial, following
         balanced += force <= rounding
         if balanced > BALANCED or (tau > 1e8 and system.norm(x) < REST_TOLERANCE * scale):
-            return Equilibrium(q, reaction, k, turn)
+            return Equilibrium(q, reaction, k, end_rotation)
         tau = min(tau * min(10.0, max(1.5, previous / max(force, 1e-300))), 1e12)
-    raise StaticsError(messages.no_equilibrium(k, previous), k, abs(turn) > max_turn)
+    raise StaticsError(messages.no_equilibrium(k, previous), k, abs(end_rotation) > max_turn)
 
 
 def relaxation(change: Any, last: Any) -> Any:

@@ -143,7 +143,7 @@ def _next_stop(model: RopeModel, state: RopeState, t_end: float) -> float:
     ahead = min(stop, t + min(state.step_next, model.scene.solver.step_max))
 
     def due(time: float) -> float:
-        return float(distance_past_limit(state.partition, model.bottom(state.paths, time)))
+        return float(distance_past_limit(state.partition, model.bottom_s(state.paths, time)))
 
     # the next step finds a crossing between these instants, at most one step late
     at_start = due(t)
