@@ -144,7 +144,7 @@ def test_a_rope_that_is_turned_in_for_too_long_is_refused_alike(monkeypatch: pyt
 @pytest.mark.parametrize("most", [0.0, 5.0])
 def test_a_communication_step_of_too_much_work_is_refused(most: float, monkeypatch: pytest.MonkeyPatch) -> None:
     rope, _ = both(Scene(rope=Rope(length=60.0)))
-    monkeypatch.setattr("rope_model.simulation.simulator.max_work", lambda interval, step_max: most)
+    monkeypatch.setattr("rope_model.simulation.simulator.max_iterations", lambda interval, step_max: most)
     status = rope.advance_to(0.2, EndMotion(y=0.02, vy=0.2, ay=1.0), EndMotion())
     assert not status.valid
     assert re.search(r"Newton iterations did not lead from t = 0 s to 0\.2 s; communicate more often", status.message)

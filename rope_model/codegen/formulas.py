@@ -161,7 +161,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     ),
     "step_error(StepLimits limits, h, position_error, strain_error)": accuracy.step_error,
     "NextStep next_step(solver, h, step_next, error, rejected, t, calm_since)": accuracy.next_step,
-    "max_work(interval, step_max)": stepping.max_work,
+    "max_iterations(interval, step_max)": stepping.max_iterations,
     "substeps(interval, step_next, steps_left)": accuracy.substeps,
     "effective_tolerance(newton_tolerance, work_max, bounded_tolerance)": accuracy.effective_tolerance,
     "ContactSums add_contact(scene, ContactSums sums, h, pressures[6], longest)": contact_error.add_contact,
@@ -209,7 +209,7 @@ STRUCTURES: dict[str, type[Any]] = {
 } | {"Path": EndPath}
 #: constants of formulas and control flow: prefix of their names in C, module, names
 _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
-    ("", accuracy, "ACCEPT_BELOW STEP_WORK BOUNDED_STEP_ERROR BOUNDED_MESH_ERROR"),
+    ("", accuracy, "ACCEPT_BELOW STEP_ITERATIONS BOUNDED_STEP_ERROR BOUNDED_MESH_ERROR"),
     ("", adaptation, "RELAXATION_TIME"),
     ("", contact, "LOOK_AHEAD OWN_LENGTH"),
     ("", curved_element, "CURVATURE_SIZE"),

@@ -94,7 +94,7 @@ StepResult model_trial(Simulator *rope, State *state, double h) {
     System s = rope_system(rope, state);
     StepResult result = generalized_alpha_step(rope, state, &s, h);
     result.near = s.around != NULL && s.around->any;
-    result.relative = result.reached ? relative_error(rope, state, &result) : INFINITY;
+    result.error_ratio = result.converged ? relative_error(rope, state, &result) : INFINITY;
     return result;
 }
 

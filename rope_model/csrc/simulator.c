@@ -220,11 +220,12 @@ static int advance_to(Simulator *rope, double t, const EndMotion ends[2], double
         return say_motions_of_another_time(rope->message, given_at, earliest, t);
     state_copy(rope, state, rope->state);
     state->switched = state->event_count = 0;
-    rope->work_end = state->counts.newton + (rope->scene.solver.work_max > 0 ? rope->scene.solver.work_max : INT32_MAX);
+    rope->newton_limit =
+        state->counts.newton + (rope->scene.solver.work_max > 0 ? rope->scene.solver.work_max : INT32_MAX);
     if (!move_ends(rope, state, t, ends, given_at)) return 0;
     const Arrays m = state_arrays(state);
     double impulse[2] = {0, 0};
-    const double most = max_work(t - begin, step_max);
+    const double most = max_iterations(t - begin, step_max);
     const int64_t newton_before = rope->state->counts.newton;
     while (state->t < t) {
         const double t_before = state->t, before[2] = {m.reaction[1], end_row(m.reaction, m.nodes, RIGHT)[1]};

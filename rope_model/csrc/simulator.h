@@ -7,13 +7,13 @@
 
 /* A trial step; its arrays are Simulator.trial. */
 typedef struct {
-    double t, h;       /* end and length of the step, s */
-    double error;      /* local error, by rope_system_norm */
-    double strains[2]; /* local error of the strains at the ends */
-    double relative;   /* largest local error divided by its tolerance */
+    double t, h;        /* end and length of the step, s */
+    double error;       /* local error, by rope_system_norm */
+    double strains[2];  /* local error of the strains at the ends */
+    double error_ratio; /* largest local error divided by its tolerance */
     double balance[BALANCE];
-    int reached; /* true if Newton's method converged */
-    int near;    /* true if the rope may touch a body */
+    int converged; /* true if Newton's method converged */
+    int near;      /* true if the rope may touch a body */
     Progress newton;
 } StepResult;
 
@@ -41,7 +41,7 @@ struct Simulator {
     unsigned known; /* bit g: the values of group g belong to the state */
     LoopBottom bottom;
     int bottom_known, nearest_blocks[2]; /* nearest_blocks: `pair` of leg_clearance */
-    int64_t work_end;                    /* Newton iterations after which the present advance gives up accuracy */
+    int64_t newton_limit;                /* Newton iterations after which the present advance gives up accuracy */
     int64_t corrections;                 /* Newton corrections of all equilibria of the present start */
     int turned;                          /* true if the latest equilibrium turned more than allowed */
     char message[MESSAGE];

@@ -50,7 +50,7 @@ GROWTH_DELAY_STEPS = 100.0  #: steps, where these take less
 ACCEPT_BELOW = 2.0
 GROW_BELOW = 0.05  #: fraction of the tolerance below which an error is small
 TINY = 1e-300
-STEP_WORK = 12  #: Newton iterations of a step where they are bounded: the largest number in recorded trips
+STEP_ITERATIONS = 12  #: Newton iterations of a step where they are bounded: the largest number in recorded trips
 # errors (m and rad) that Newton's method may leave where work is bounded to one step
 BOUNDED_STEP_ERROR = 1e-4
 BOUNDED_MESH_ERROR = 2e-3  #: on a new mesh
@@ -247,5 +247,5 @@ def substeps(interval: Any, step_next: Any, steps_left: Any) -> Any:
 
 def effective_tolerance(newton_tolerance: Any, work_max: Any, bounded_tolerance: Any) -> Any:
     """Return Newton's tolerance (m and rad), at least ``bounded_tolerance`` where work is bounded to one step."""
-    bounded = logical_and(work_max > 0.0, work_max < 2.0 * STEP_WORK)
+    bounded = logical_and(work_max > 0.0, work_max < 2.0 * STEP_ITERATIONS)
     return where(bounded, maximum(newton_tolerance, bounded_tolerance), newton_tolerance)

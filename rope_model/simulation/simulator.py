@@ -44,7 +44,7 @@ from rope_model.simulation.rope_system import ANGLE, SLOPE, Array, RopeSystem
 from rope_model.simulation.state import RopeState
 from rope_model.simulation.stepping.hang import hang, paths_at_rest
 from rope_model.simulation.stepping.statics import StaticsError, hanging_guess
-from rope_model.simulation.stepping.stepping import as_rigid, max_work, step_towards
+from rope_model.simulation.stepping.stepping import as_rigid, max_iterations, step_towards
 from rope_model.simulation.wires import start_hysteresis
 
 log = logging.getLogger(__name__)
@@ -253,15 +253,15 @@ class RopeSimulator(BalanceRope):
             except StaticsError as error:
                 return Status(False, str(error))
         impulse = [0.0, 0.0]
-        work_end = state.counts.newton + (self.scene.solver.work_max or UNBOUNDED)
-        newton, most = state.counts.newton, max_work(t - start, step_max)
+        newton_limit = state.counts.newton + (self.scene.solver.work_max or UNBOUNDED)
+        newton, most = state.counts.newton, max_iterations(t - start, step_max)
         while state.motion.t < t:
             before = state.motion
             if state.counts.newton - newton >= most:
                 return Status(False, messages.too_much_work(before.t, state.counts.newton - newton, start, t))
             if state.counts.steps + state.counts.rejections - steps_before >= MAX_STEPS:
                 return Status(False, messages.too_many_steps(before.t, MAX_STEPS, start, t))
-            advanced = step_towards(self.model, state, t, work_end)
+            advanced = step_towards(self.model, state, t, newton_limit)
             if isinstance(advanced, str):
                 return Status(False, messages.fails_at(before.t, advanced))
             state, after = advanced, advanced.motion

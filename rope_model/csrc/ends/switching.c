@@ -43,24 +43,24 @@ double next_release(const Simulator *rope, const State *state) {
 typedef struct {
     Simulator *rope;
     State *state;
-    int64_t iterations, work; /* Newton iterations so far, and allowed */
+    int64_t iterations, allowed; /* Newton iterations so far, and allowed */
 } EventSearch;
 
 static double excess_after(void *data, double h) {
     EventSearch *search = data;
-    if (search->iterations >= search->work) return -1; /* ends at the earliest time known to be past the event */
+    if (search->iterations >= search->allowed) return -1; /* ends at the earliest time known to be past the event */
     const StepResult trial = model_trial(search->rope, search->state, h);
     search->iterations += trial.newton.iterations;
-    return trial.reached ? excess(search->rope, search->state, trial.t, &search->rope->trial) : INFINITY;
+    return trial.converged ? excess(search->rope, search->state, trial.t, &search->rope->trial) : INFINITY;
 }
 
 int switching_step(Simulator *rope, State *state, StepResult *trial) {
     const double at_end = excess(rope, state, trial->t, &rope->trial);
     if (at_end < 0) return 0;
     const Arrays m = state_arrays(state);
-    /* Keep work for the step to the event and the next one. */
-    EventSearch search = {rope, state, 0, rope->work_end - state->counts.newton - 2 * STEP_WORK};
-    if (search.work <= 0) { /* switch at the end of the step */
+    /* Keep iterations for the step to the event and the next one. */
+    EventSearch search = {rope, state, 0, rope->newton_limit - state->counts.newton - 2 * STEP_ITERATIONS};
+    if (search.allowed <= 0) { /* switch at the end of the step */
         state->counts.given_up += 1;
         return 1;
     }
@@ -69,8 +69,8 @@ int switching_step(Simulator *rope, State *state, StepResult *trial) {
     const double h = locate(excess_after, &search, 0, trial->t - state->t, at_start, at_end, EVENT_WIDTH);
     *trial = model_trial(rope, state, h);
     state->counts.newton += search.iterations + trial->newton.iterations;
-    state->counts.given_up += search.iterations >= search.work;
-    return trial->reached ? 1 : -1;
+    state->counts.given_up += search.iterations >= search.allowed;
+    return trial->converged ? 1 : -1;
 }
 
 /* Return the next phase of a swivel that cannot stay in its own: stick if friction can hold it, else slip. */

@@ -56,8 +56,8 @@ StepResult generalized_alpha_step(Simulator *rope, State *state, System *s, doub
                                  old.q, result.balance);
     for (size_t i = 0; i < size; i++) finite &= isfinite(now->reaction[i]) != 0;
     if (result.newton.status == CONVERGED && !finite) result.newton.status = NOT_FINITE;
-    result.reached = result.newton.status == CONVERGED;
-    if (!result.reached) return result;
+    result.converged = result.newton.status == CONVERGED;
+    if (!result.converged) return result;
     for (size_t i = 0; i < size; i++) {
         now->b[i] = aux[0] * old.a[i] + aux[1] * old.b[i] + aux[2] * old.a_rate[i] + aux[3] * now->a[i];
         now->a_rate[i] = (now->a[i] - old.a[i]) / h;

@@ -60,11 +60,11 @@ def _excess_of(side: int, system: RopeSystem, motion: Motion) -> float:
 
 
 def switching_step(
-    model: RopeModel, system: RopeSystem, state: RopeState, result: StepResult[Evaluation], work: int
+    model: RopeModel, system: RopeSystem, state: RopeState, result: StepResult[Evaluation], iterations_left: int
 ) -> tuple[float, int] | None:
     """Return the step to the instant at which a swivel must switch, and the Newton iterations of the search.
 
-    After ``work`` iterations it is the step to the earliest instant known to be past the event.  None if no swivel
+    After ``iterations_left`` it is the step to the earliest instant known to be past the event.  None if no swivel
     switches before ``result``.
     """
     assert result.motion is not None
@@ -76,7 +76,7 @@ def switching_step(
 
     def at(h: float) -> float:
         nonlocal iterations
-        if iterations >= work:
+        if iterations >= iterations_left:
             return -1.0
         trial = model.trial(system, state.motion, h)
         iterations += trial.newton.iterations
