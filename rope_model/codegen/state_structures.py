@@ -143,10 +143,10 @@ enum {{ FIELDS = {len(ARRAYS)}, WIRE_Z = {NO_HYSTERESIS.shape[1]} }};
 typedef struct {{
     double *{", *".join((*ARRAYS, "lengths", "s", "z"))};
     int elements, nodes;
-}} Arrays;
+}} NodalArrays;
 
-static inline Arrays state_arrays(State *state) {{
-    Arrays x;
+static inline NodalArrays state_arrays(State *state) {{
+    NodalArrays x;
     x.elements = state->elements;
     x.nodes = state->elements + 1;
     const size_t size = (size_t)x.nodes * DOF;

@@ -92,21 +92,21 @@ typedef struct {
     double number;     /* turns of one side of the rope about the other */
     double sharpest_y; /* height around which they change most, m */
 } LoopTurns;
-double ends_yaw(const Arrays *m); /* Return the yaw of the line from the left to the right end. */
+double ends_yaw(const NodalArrays *m); /* Return the yaw of the line from the left to the right end. */
 LoopBottom loop_bottom(int nodes, const double *q, const double *s);
 /* Return the smallest clearance between the legs, m, from `above` the loop's bottom upwards.  `pair`, not negative, has
    the blocks that were nearest in the last call, to speed up the search.  Takes 10 kB of stack. */
 double leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
                      double diameter, double above, int pair[2]);
 /* True if the legs are certainly apart, and within a quarter turn of `across`, the line from left to right. */
-int legs_apart(const Arrays *m, const double across[2], double diameter, double above);
-LoopTurns loop_turns(const Arrays *m, const LoopBottom *bottom);
+int legs_apart(const NodalArrays *m, const double across[2], double diameter, double above);
+LoopTurns loop_turns(const NodalArrays *m, const LoopBottom *bottom);
 /* Ascending arc lengths `places` (points) over the whole rope, denser around the bottom; `loop` is loop_width(). */
 void shape_places(double total, double bottom_s, double loop, int points, double *places);
 /* Coordinates xyz (points x 3) of the centre line at arc lengths `places`, which ascend. */
 void diagnostics_shape(int nodes, const double *q, const double *s, int points, const double *places, double *xyz);
 /* Tension (points), N, at arc lengths `places`, which ascend, by the balance of momentum to the left of them. */
-void diagnostics_tension(const Arrays *arrays, double rho, double gravity, int points, const double *places,
+void diagnostics_tension(const NodalArrays *arrays, double rho, double gravity, int points, const double *places,
                          double *tension);
 /* Return the last element from k on whose middle is at or before arc length `place`, or k. */
 int middle_before(int nodes, const double *s, int k, double place);
@@ -115,7 +115,7 @@ double interpolate_midpoints(int nodes, const double *s, int k, double place, do
 
 /* outputs/guards.c */
 /* Return the height of the loop's bottom above its quasi-static position, m. */
-double guards_rise(const Scene *scene, const State *state, const Arrays *arrays, const LoopBottom *bottom);
+double guards_rise(const Scene *scene, const State *state, const NodalArrays *arrays, const LoopBottom *bottom);
 void set_rise_reference(const Scene *scene, State *state); /* Reset the guards of a rope at rest. */
 void with_guards(const Scene *scene, State *state);        /* Update the guards at the state's time. */
 
@@ -128,8 +128,8 @@ void require_in_bounds(const Mesh *mesh, char *message); /* Check a mesh alone, 
 void rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes, const double *s, double *q, double *v,
                 double *a, double *reaction, double *kinetic, double *gravity, char *message);
 /* Tension (points), N, at arc lengths `places` with heights y. */
-void rigid_tension(const Arrays *arrays, double rho, double gravity, int points, const double *places, const double *y,
-                   double *tension);
+void rigid_tension(const NodalArrays *arrays, double rho, double gravity, int points, const double *places,
+                   const double *y, double *tension);
 /* Change of both end tensions, N, when one end's position, speed and acceleration along an axis change. */
 void tension_change(const Scene *scene, const EndMotion ends[2], int side, int axis, const double change[3],
                     double gained[2]);

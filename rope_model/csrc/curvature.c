@@ -15,7 +15,7 @@ Rope partly_curved(const Rope *whole, double fraction) {
 
 void curved_reference(Simulator *rope, State *state, const double *q) {
     const Rope *data = &rope->scene.rope;
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     double e1[3] = DIRECTOR_START, components[6], found[12], *to = rope->curved, s = 0;
     const int elements = is_curved(rope, state) ? m.elements : 0;
     for (int e = 0; e < elements; e++, q += DOF, to += CURVATURE_SIZE) {

@@ -3,13 +3,13 @@
 #include "simulator.h"
 
 /* Return the relative vertical speed of the ends, m/s. */
-static double relative_end_speed(const Arrays *m) {
+static double relative_end_speed(const NodalArrays *m) {
     return m->v[1] - end_row(m->v, m->nodes, RIGHT)[1];
 }
 
 /* Load of conveyances, bodies and air on the rope: force and moment about the origin. */
 static void load_on(const Simulator *rope, State *state, const System *s, double load[6]) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     double contact[CONTACT_BALANCE], air[AIR_BALANCE];
     external_sums(s, m.q, m.v, contact);
     chain_of(rope, state)->air(s, m.q, m.v, air);
@@ -33,7 +33,7 @@ static void restart_audit(const Simulator *rope, State *state, const System *s) 
 
 void begin_audit(const Simulator *rope, State *state) {
     if (state->fidelity == RIGID) return;
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const System s = rope_system(rope, state);
     restart_audit(rope, state, &s);
     chain_of(rope, state)->momentum(&s, m.q, m.v, state->audit.sums);
@@ -43,7 +43,7 @@ void begin_audit(const Simulator *rope, State *state) {
 /* Audit a step; `before` has the vertical reactions of the ends at its start. */
 static void audit_step(const Simulator *rope, State *state, const System *s, double h, double time_shift,
                        const double before[2]) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const Coefficients method = {rope->scene.solver.rho_inf};
     double load[6], force = 0, change = 0;
     load_on(rope, state, s, load);
@@ -57,7 +57,7 @@ static void audit_step(const Simulator *rope, State *state, const System *s, dou
 }
 
 /* Return the largest square of the change of r' over an element. */
-static double largest_bend(const Arrays *m) {
+static double largest_bend(const NodalArrays *m) {
     double largest = 0;
     for (int k = 0; k < m->elements; k++) {
         const double *d = m->q + (size_t)k * DOF + SLOPE, *next = d + DOF;
@@ -68,7 +68,7 @@ static double largest_bend(const Arrays *m) {
 }
 
 void audit_interval(const Simulator *rope, State *state, double h, double residual_before) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const double *left = m.q, *right = end_row(m.q, m.nodes, RIGHT);
     double sums[MOMENTUM], about[3];
     if (state->fidelity == RIGID) return;
@@ -82,7 +82,7 @@ void audit_interval(const Simulator *rope, State *state, double h, double residu
 
 /* Return the local error of a trial step divided by its tolerance. */
 static double relative_error(const Simulator *rope, State *state, const StepResult *result) {
-    const Arrays old = state_arrays(state);
+    const NodalArrays old = state_arrays(state);
     const Coefficients method = {rope->scene.solver.rho_inf};
     const StepLimits limits = step_limits(&rope->scene, &state->errors, model_bottom_s(rope, state, state->t),
                                           relative_end_speed(&old), local_error(&method, 1, 1));
@@ -119,7 +119,7 @@ void model_dividers(const Simulator *rope, const State *state, double t, double 
 }
 
 void model_powers(const Simulator *rope, State *state) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     state->power_ends = state->power_swivel = 0;
     for (int side = LEFT; side <= RIGHT; side++) {
         const double *R = end_row(m.reaction, m.nodes, side), *v = end_row(m.v, m.nodes, side);
@@ -151,7 +151,7 @@ static void set_energies(EnergyBalance *energy_balance, const double balance[BAL
 }
 
 double model_energies(Simulator *rope, State *state) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const System s = rope_system(rope, state);
     const double before = energy_total(&state->energy_balance);
     double balance[BALANCE];
@@ -161,7 +161,7 @@ double model_energies(Simulator *rope, State *state) {
 }
 
 void model_commit(Simulator *rope, State *state, const StepResult *trial) {
-    const Arrays m = state_arrays(state), *now = &rope->trial;
+    const NodalArrays m = state_arrays(state), *now = &rope->trial;
     System s = rope_system(rope, state);
     const size_t size = (size_t)m.nodes * DOF;
     const double h = trial->t - state->t, before[2] = {state->power_ends, state->power_swivel};

@@ -37,8 +37,8 @@ void rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes
     }
 }
 
-void rigid_tension(const Arrays *arrays, double rho, double gravity, int points, const double *places, const double *y,
-                   double *tension) {
+void rigid_tension(const NodalArrays *arrays, double rho, double gravity, int points, const double *places,
+                   const double *y, double *tension) {
     Flow rate = rigid_flow(arrays->a[1], arrays->a[(arrays->nodes - 1) * DOF + 1]);
     for (int k = 0; k < points; k++)
         tension[k] = rigid_tension_at(rho, gravity, &rate, arrays->reaction[1], y[k] - arrays->q[1], places[k]);
@@ -65,7 +65,7 @@ static void count_from_rigid(Simulator *rope, State *state, const double *rigid,
 }
 
 int flexible_start(Simulator *rope, State *state, char *message) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
     const double t = state->t, offset = state->offsets[RIGHT];
     /* b and a_rate are scratch until the restart. */

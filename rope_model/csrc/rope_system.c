@@ -4,7 +4,7 @@
 
 System rope_system(const Simulator *rope, State *state) {
     const Rope *data = &rope->scene.rope;
-    const Arrays x = state_arrays(state);
+    const NodalArrays x = state_arrays(state);
     System s = {.elements = x.elements,
                 .lengths = x.lengths,
                 .frames = rope->frames,

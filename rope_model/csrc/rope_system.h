@@ -1,5 +1,5 @@
 /* Equations of motion of a rope, and the forces on it.  C version of rope_model/simulation/rope_system.py and contact.
-   Arrays q, v, a, x and R have DOF entries a node; degrees of freedom that a fidelity omits stay zero. */
+   NodalArrays q, v, a, x and R have DOF entries a node; degrees of freedom that a fidelity omits stay zero. */
 #ifndef ROPE_SYSTEM_H
 #define ROPE_SYSTEM_H
 
@@ -156,9 +156,9 @@ static inline void far_bodies(Nearest nearest[KINDS]) {
     for (int kind = 0; kind < KINDS; kind++) nearest[kind] = (Nearest){.clearance = FAR};
 }
 /* Find the place of the rope nearest to the bodies of each kind. */
-void shaft_clearances(const Scene *scene, const Arrays *arrays, double t, Nearest nearest[KINDS]);
+void shaft_clearances(const Scene *scene, const NodalArrays *arrays, double t, Nearest nearest[KINDS]);
 /* Update `nearest` where the rope is nearer. */
-void shaft_nearer(const Scene *scene, const Arrays *arrays, double t, Nearest nearest[KINDS]);
+void shaft_nearer(const Scene *scene, const NodalArrays *arrays, double t, Nearest nearest[KINDS]);
 
 /* contact/surroundings.c */
 /* Find the elements that may touch a body, now or after a move by `margin` (m). */

@@ -104,7 +104,7 @@ static int initialize(Simulator *rope, double t, const EndMotion ends[2]) {
     state->fidelity = choose_fidelity(scene, ends, rope->forces.number, state->fidelity_reason);
     unsupported_motion(scene, state->fidelity, ends, rope->forces.number, why);
     if (why[0]) return say_fixed_model_cannot_follow(message, fidelity_name(state->fidelity), why);
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     double divider_s[DIVIDERS];
     model_dividers(rope, state, t, divider_s);
     partition(&rope->mesh, scene->rope.length, model_bottom_s(rope, state, t), divider_s, m.elements, &state->pattern,
@@ -223,7 +223,7 @@ static int advance_to(Simulator *rope, double t, const EndMotion ends[2], double
     rope->newton_limit =
         state->counts.newton + (rope->scene.solver.work_max > 0 ? rope->scene.solver.work_max : INT32_MAX);
     if (!move_ends(rope, state, t, ends, given_at)) return 0;
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     double impulse[2] = {0, 0};
     const double most = max_iterations(t - begin, step_max);
     const int64_t newton_before = rope->state->counts.newton;
@@ -288,7 +288,7 @@ void rope_apply(Simulator *rope, const PointForces *forces) {
 }
 
 void rope_rows(const Simulator *rope, double (*rows)[13]) {
-    const Arrays m = state_arrays(rope->state);
+    const NodalArrays m = state_arrays(rope->state);
     for (int node = 0; node < m.nodes; node++) {
         const double *q = m.q + (size_t)node * DOF, *v = m.v + (size_t)node * DOF;
         rows[node][0] = m.s[node];
@@ -301,7 +301,7 @@ void rope_displacement(Simulator *rope, const PointForces *forces, double (*move
     State *state = rope->state;
     memset(moved, 0, sizeof *moved * (size_t)forces->number);
     if (!rope->initialized) return;
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const Coefficients method = {rope->scene.solver.rho_inf};
     System s = rope_system(rope, state);
     s.time = forces->start;

@@ -26,7 +26,7 @@ struct Simulator {
     size_t state_bytes;
     State *state, *next;        /* an advance works on next; both swap when it succeeds */
     State *spare;               /* scratch, as for the trial whether a swivel sticks */
-    Arrays trial;               /* arrays of the latest trial step; scratch otherwise */
+    NodalArrays trial;          /* arrays of the latest trial step; scratch otherwise */
     double *x;                  /* scratch (nodes x DOF) */
     double (*strains)[STRAINS]; /* scratch */
     double *frames;             /* referred to the state, and during an advance to the state in progress */

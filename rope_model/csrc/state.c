@@ -25,7 +25,7 @@ static int within(int64_t x, int64_t least, int64_t most) {
 }
 
 /* True if the pattern belongs to the mesh, at any place of the loop, and the elements have its lengths. */
-static int partition_plausible(const Simulator *rope, const State *state, const Arrays *m) {
+static int partition_plausible(const Simulator *rope, const State *state, const NodalArrays *m) {
     const double length = rope->scene.rope.length, rounding = 1e-12 * length;
     const Pattern *pattern = &state->pattern;
     double *lengths = rope->trial.q, *s = rope->trial.v;
@@ -80,7 +80,7 @@ int state_plausible(const Simulator *rope, State *state) {
         memchr(state->fidelity_reason, '\0', MESSAGE) == NULL)
         return 0;
     if (rope->scene.model.fidelity != AUTO_FIDELITY && state->fidelity != rope->scene.model.fidelity) return 0;
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     /* The doubles before the swivels are contiguous, and so are all arrays. */
     if (!all_finite(&state->t, offsetof(State, swivels) / sizeof(double)) ||
         !all_finite(m.q, (size_t)(m.z - m.q) + (rope->wires != NULL ? WIRE_Z * (size_t)m.elements : 0)) ||

@@ -9,7 +9,7 @@ static double *hysteresis_of(const Simulator *rope, int element) {
 }
 
 /* Section of an element at a point.  Sections do not turn without torsion, even if the ends have theta. */
-static void read_section(const State *state, const Arrays *m, const double *q, int element, int point,
+static void read_section(const State *state, const NodalArrays *m, const double *q, int element, int point,
                          double section[WIRE_POINT_STATE_SIZE]) {
     static const double places[] = WIRE_PLACES;
     section_at(places[point], m->lengths[element], q + (ptrdiff_t)element * DOF, section);
@@ -17,7 +17,7 @@ static void read_section(const State *state, const Arrays *m, const double *q, i
 }
 
 void wires_history(Simulator *rope, State *state, const double *q, double (*strains)[STRAINS]) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const double stiffness = wire_stiffness(&rope->scene.rope);
     for (int e = 0; e < m.elements; e++) {
         double *history = hysteresis_of(rope, e);
@@ -32,7 +32,7 @@ void wires_history(Simulator *rope, State *state, const double *q, double (*stra
 
 double update_hysteresis(Simulator *rope, State *state, const double *q) {
     static const double weights[] = WIRE_WEIGHTS;
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     double dissipated = 0;
     for (int e = 0; state->rubs && e < m.elements; e++) {
         const double *before = hysteresis_of(rope, e), *law = before + WIRE_POINTS * WIRE_POINT_STATE_SIZE;
@@ -65,7 +65,7 @@ static void mean_between(const double *z, const double *s, int elements, double 
 }
 
 void wires_carry(Simulator *rope, State *state, const double *old_s) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     double *before = rope->wires; /* scratch: its history belongs to the old mesh */
     if (!state->rubs) return;
     memcpy(before, m.z, sizeof(double) * WIRE_Z * (size_t)m.elements);
@@ -76,7 +76,7 @@ void wires_carry(Simulator *rope, State *state, const double *old_s) {
 }
 
 int start_hysteresis(const Simulator *rope, State *state) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     if (state->rubs || state->fidelity == RIGID || rope->wires == NULL) return 0;
     state->rubs = 1;
     memset(m.z, 0, sizeof(double) * WIRE_Z * (size_t)m.elements);

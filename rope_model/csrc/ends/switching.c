@@ -4,7 +4,7 @@
 #include "simulator.h"
 
 /* Event function of one swivel: negative while it may stay in its phase. */
-static double excess_of(const Simulator *rope, const State *state, int side, double t, const Arrays *m) {
+static double excess_of(const Simulator *rope, const State *state, int side, double t, const NodalArrays *m) {
     const double *q = end_row(m->q, m->nodes, side), *v = end_row(m->v, m->nodes, side);
     const double *R = end_row(m->reaction, m->nodes, side);
     double relative[2];
@@ -12,7 +12,7 @@ static double excess_of(const Simulator *rope, const State *state, int side, dou
     return swivel_excess(&rope->scene.swivels[side], &state->swivels[side], R[1], R[ANGLE], relative[1]);
 }
 
-static double excess(const Simulator *rope, const State *state, double t, const Arrays *m) {
+static double excess(const Simulator *rope, const State *state, double t, const NodalArrays *m) {
     const double left = excess_of(rope, state, LEFT, t, m), right = excess_of(rope, state, RIGHT, t, m);
     return left >= right ? left : right;
 }
@@ -30,7 +30,7 @@ void release_swivels(Simulator *rope, State *state) {
     }
     if (!changed) return;
     model_restart(rope, state);
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     if (excess(rope, state, state->t, &m) >= 0) switch_swivels(rope, state);
 }
 
@@ -57,7 +57,7 @@ static double excess_after(void *data, double h) {
 int switching_step(Simulator *rope, State *state, StepResult *trial) {
     const double at_end = excess(rope, state, trial->t, &rope->trial);
     if (at_end < 0) return 0;
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     /* Keep iterations for the step to the event and the next one. */
     EventSearch search = {rope, state, 0, rope->newton_limit - state->counts.newton - 2 * STEP_ITERATIONS};
     if (search.allowed <= 0) { /* switch at the end of the step */
@@ -78,7 +78,7 @@ static SwivelState next_phase(Simulator *rope, const State *state, const SwivelS
     State *trial = rope->spare;
     state_copy(rope, trial, state);
     memcpy(trial->swivels, swivels, sizeof trial->swivels);
-    const Arrays m = state_arrays(trial);
+    const NodalArrays m = state_arrays(trial);
     SwivelState now = swivels[side];
     if (now.phase == SLIP) {
         double relative[2];
@@ -93,7 +93,7 @@ static SwivelState next_phase(Simulator *rope, const State *state, const SwivelS
 }
 
 void switch_swivels(Simulator *rope, State *state) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     SwivelState swivels[2];
     int switches[2], restarted = 0;
     memcpy(swivels, state->swivels, sizeof swivels);

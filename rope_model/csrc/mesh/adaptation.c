@@ -14,7 +14,7 @@ static void with_energy_change(Simulator *rope, State *state) {
 
 /* Equilibrium with the present accelerations, damped by an inertia of time constant `time`; no change on failure. */
 static Progress dynamic_equilibrium(Simulator *rope, State *state, double time, double tolerance) {
-    const Arrays m = state_arrays(state), *now = &rope->trial;
+    const NodalArrays m = state_arrays(state), *now = &rope->trial;
     const System s = rope_system(rope, state);
     const size_t bytes = sizeof(double) * (size_t)m.nodes * DOF;
     const double c[3] = {1, 0, pow(time, -2)};
@@ -32,7 +32,7 @@ static Progress dynamic_equilibrium(Simulator *rope, State *state, double time, 
 
 /* Transform the mesh once; return the status of Newton's method. */
 static int on_partition(Simulator *rope, State *state, int direction, const double *divider_s) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     double *const fields[] = {m.q, m.v, m.a, m.b, m.a_rate}, *old_s = rope->trial.b;
     memcpy(old_s, m.s, sizeof(double) * (size_t)m.nodes);
     partition_transform(&state->pattern, direction, divider_s, m.elements, m.lengths);
@@ -70,13 +70,13 @@ int transform_if_due(Simulator *rope, State *state) {
 }
 
 void with_loop_yaw(State *state) {
-    const Arrays x = state_arrays(state);
+    const NodalArrays x = state_arrays(state);
     const double *d = x.q + (size_t)lowest_node(x.nodes, x.q) * DOF + SLOPE;
     state->loop_yaw = nearest_turn(atan2(-d[2], d[0]), state->loop_yaw);
 }
 
 int raise_fidelity(Simulator *rope, State *state, const char *why, char *message) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const int was = state->fidelity;
     const EndMotion ends[2] = {path_at(&state->paths[LEFT], INFINITY), path_at(&state->paths[RIGHT], INFINITY)};
     say_cannot_follow(state->fidelity_reason, fidelity_name(was), why);

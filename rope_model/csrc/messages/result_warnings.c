@@ -10,7 +10,7 @@ enum { EACH_WARNING_HAS_A_NUMBER = 1 / ((int)ROPE_EXTRAPOLATION == (int)EXTRAPOL
 
 /* Return the yaw of the loop against the line between its ends. */
 static double yaw_of(State *state) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     return state->loop_yaw - ends_yaw(&m);
 }
 
@@ -49,7 +49,7 @@ static void leg_contact(Simulator *rope, char *message) {
 
 /* Return the twist from end to end, rad, by conveyances and swivels turned against the line between the ends. */
 static double end_twist(State *state) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const double left = end_row(m.q, m.nodes, LEFT)[ANGLE] - state->offsets[LEFT];
     return end_row(m.q, m.nodes, RIGHT)[ANGLE] - state->offsets[RIGHT] - left - 2 * ends_yaw(&m);
 }

@@ -10,7 +10,7 @@ static double clip(double x, double low, double high) {
     return fmin(fmax(x, low), high);
 }
 
-double ends_yaw(const Arrays *m) {
+double ends_yaw(const NodalArrays *m) {
     return line_yaw(m->q, m->q + (ptrdiff_t)DOF * m->elements);
 }
 
@@ -51,7 +51,7 @@ void diagnostics_shape(int nodes, const double *q, const double *s, int points, 
     }
 }
 
-void diagnostics_tension(const Arrays *arrays, double rho, double gravity, int points, const double *places,
+void diagnostics_tension(const NodalArrays *arrays, double rho, double gravity, int points, const double *places,
                          double *tension) {
     const double *s = arrays->s;
     double before[3] = {0, 0, 0}, row[DOF];
@@ -172,13 +172,13 @@ double leg_clearance(int nodes, const double *q, const double *s, const LoopBott
 
 /* A way up a leg, in PIECES per element. */
 typedef struct {
-    const Arrays *m;
+    const NodalArrays *m;
     int point, last; /* next point, and the leg's end */
     double low[3];   /* latest point higher than all before it */
     double high[3];  /* next such point; its height is HUGE_VAL for none */
 } Climb;
 
-static void point_of(const Arrays *m, int point, double place[3]) {
+static void point_of(const NodalArrays *m, int point, double place[3]) {
     const int element = point / PIECES, piece = point % PIECES;
     const double *a = m->q + (ptrdiff_t)DOF * element;
     if (piece == 0)
@@ -204,7 +204,7 @@ static double climb_at(const Climb *leg, double height, int axis) {
     return leg->low[axis] + fraction * (leg->high[axis] - leg->low[axis]);
 }
 
-int legs_apart(const Arrays *m, const double across[2], double diameter, double above) {
+int legs_apart(const NodalArrays *m, const double across[2], double diameter, double above) {
     const int lowest = lowest_node(m->nodes, m->q);
     const double *left = m->q, *low = left + (ptrdiff_t)DOF * lowest, *right = left + (ptrdiff_t)DOF * m->elements;
     double normal[3];
@@ -218,12 +218,12 @@ int legs_apart(const Arrays *m, const double across[2], double diameter, double 
            least_advance(m->lengths[lowest], low, low + DOF, across) > 0;
 }
 
-static double point_s(const Arrays *m, int point) {
+static double point_s(const NodalArrays *m, int point) {
     const int element = point / PIECES;
     return m->s[element] + m->lengths[element] * (point % PIECES) / PIECES;
 }
 
-LoopTurns loop_turns(const Arrays *m, const LoopBottom *bottom) {
+LoopTurns loop_turns(const NodalArrays *m, const LoopBottom *bottom) {
     const int last = PIECES * m->elements;
     int next = 1;
     while (next < last && point_s(m, next) < bottom->s) next++;

@@ -2,13 +2,13 @@
 
 #include "rope_system.h"
 
-double guards_rise(const Scene *scene, const State *state, const Arrays *m, const LoopBottom *bottom) {
+double guards_rise(const Scene *scene, const State *state, const NodalArrays *m, const LoopBottom *bottom) {
     const double left = m->q[1], right = m->q[(size_t)m->elements * DOF + 1];
     return loop_height(&scene->rope, &scene->layout, bottom->position[1], left, right) - state->guard.rest;
 }
 
 /* Return the distance of the lowest point from the middle between the ends; with a window, that of a leg from plumb. */
-static double guards_sideways(const Arrays *m, double height, const LoopBottom *bottom) {
+static double guards_sideways(const NodalArrays *m, double height, const LoopBottom *bottom) {
     const double *last = m->q + (size_t)m->elements * DOF;
     const double *lowest = m->q + (size_t)lowest_node(m->nodes, m->q) * DOF;
     double farthest = 0;
@@ -20,7 +20,7 @@ static double guards_sideways(const Arrays *m, double height, const LoopBottom *
 }
 
 void set_rise_reference(const Scene *scene, State *state) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const LoopBottom bottom = loop_bottom(m.nodes, m.q, m.s);
     state->guard = (GuardState){0, 0, 0, {NEVER, NEVER, NEVER, NEVER, NEVER}};
     state->guard.rest = guards_rise(scene, state, &m, &bottom);
@@ -29,7 +29,7 @@ void set_rise_reference(const Scene *scene, State *state) {
 void with_guards(const Scene *scene, State *state) {
     const Guard *guard = &scene->shaft.guard;
     if (has_guards(guard) == 0) return;
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const LoopBottom bottom = loop_bottom(m.nodes, m.q, m.s);
     Nearest nearest[KINDS];
     double clearance = guard->clearance, torque = 0;

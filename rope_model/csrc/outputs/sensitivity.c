@@ -7,7 +7,7 @@
 static void unperturbed_step(Simulator *rope, double c[3]) {
     State *state = rope->state;
     if (state->fidelity == RIGID) return;
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const System s = rope_system(rope, state);
     const Coefficients method = {rope->scene.solver.rho_inf};
     newton_coefficients(&method, state->last_interval, c);
@@ -19,7 +19,7 @@ static void unperturbed_step(Simulator *rope, double c[3]) {
 static void answer(Simulator *rope, int side, int dof, const double d[3], const double c[3]) {
     State *moved = rope->spare;
     state_copy(rope, moved, rope->state);
-    const Arrays m = state_arrays(moved);
+    const NodalArrays m = state_arrays(moved);
     const System s = rope_system(rope, moved);
     const size_t size = (size_t)m.nodes * DOF, row = side ? size - DOF : 0, moving = row + (size_t)dof;
     if (dof < DOF) {

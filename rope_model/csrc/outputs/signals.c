@@ -6,7 +6,7 @@
 /* Return the loop's lowest point, which is kept until the state changes. */
 static const LoopBottom *loop(Simulator *rope) {
     if (!rope->bottom_known) {
-        const Arrays m = state_arrays(rope->state);
+        const NodalArrays m = state_arrays(rope->state);
         rope->bottom = loop_bottom(m.nodes, m.q, m.s);
         rope->bottom_known = 1;
     }
@@ -15,7 +15,7 @@ static const LoopBottom *loop(Simulator *rope) {
 
 static void end_signals(Simulator *rope, double *values) {
     const State *state = rope->state;
-    const Arrays m = state_arrays(rope->state);
+    const NodalArrays m = state_arrays(rope->state);
     for (int side = LEFT; side <= RIGHT; side++, values += SIGNAL_RIGHT_FX - SIGNAL_LEFT_FX) {
         const double *q = end_row(m.q, m.nodes, side), *v = end_row(m.v, m.nodes, side);
         const double *reaction = end_row(m.reaction, m.nodes, side);
@@ -31,7 +31,7 @@ static void end_signals(Simulator *rope, double *values) {
 static void loop_signals(Simulator *rope, double *values) {
     const Scene *scene = &rope->scene;
     const State *state = rope->state;
-    const Arrays m = state_arrays(rope->state);
+    const NodalArrays m = state_arrays(rope->state);
     const LoopBottom *bottom = loop(rope);
     memcpy(values + SIGNAL_LOOP_X, bottom->position, sizeof bottom->position);
     values[SIGNAL_LOOP_YAW] = nearest_turn(bottom->yaw, state->loop_yaw);
@@ -43,7 +43,7 @@ static void loop_signals(Simulator *rope, double *values) {
 }
 
 static void clearance_signals(Simulator *rope, double *values) {
-    const Arrays m = state_arrays(rope->state);
+    const NodalArrays m = state_arrays(rope->state);
     Nearest nearest[KINDS];
     shaft_clearances(&rope->scene, &m, rope->state->t, nearest);
     for (int kind = 0; kind < KINDS; kind++) values[SIGNAL_CLEARANCE_LINING + kind] = nearest[kind].clearance;
@@ -59,7 +59,7 @@ static double material_value(const Simulator *rope, int element, int which) {
 }
 
 static void stress_signals(Simulator *rope, double *values) {
-    const Arrays m = state_arrays(rope->state);
+    const NodalArrays m = state_arrays(rope->state);
     const int last = m.elements - 1;
     int lowest = 0;
     rope_system_strains(rope);
@@ -76,7 +76,7 @@ static void stress_signals(Simulator *rope, double *values) {
 }
 
 static void contact_signals(Simulator *rope, double *values) {
-    const Arrays m = state_arrays(rope->state);
+    const NodalArrays m = state_arrays(rope->state);
     const System s = rope_system(rope, rope->state);
     double sums[CONTACT_BALANCE] = {0};
     if (rope->state->fidelity != RIGID) external_sums(&s, m.q, m.v, sums);
@@ -102,7 +102,7 @@ static void error_signals(Simulator *rope, double *values) {
 
 /* Coordinates of the points at arc lengths `places`: all x, then all y, then all z. */
 static void points_at(const Simulator *rope, const double *places, double *values) {
-    const Arrays m = state_arrays(rope->state);
+    const NodalArrays m = state_arrays(rope->state);
     double xyz[SHAPE_POINTS][3];
     diagnostics_shape(m.nodes, m.q, m.s, SHAPE_POINTS, places, xyz[0]);
     for (int i = 0; i < SHAPE_POINTS; i++)
@@ -110,7 +110,7 @@ static void points_at(const Simulator *rope, const double *places, double *value
 }
 
 static void shape_signals(Simulator *rope, double *values) {
-    const Arrays m = state_arrays(rope->state);
+    const NodalArrays m = state_arrays(rope->state);
     double places[SHAPE_POINTS];
     shape_places(m.s[m.elements], loop(rope)->s, loop_width(&rope->scene), SHAPE_POINTS, places);
     points_at(rope, places, values + SIGNAL_SHAPE_X_1);
@@ -118,7 +118,7 @@ static void shape_signals(Simulator *rope, double *values) {
 
 /* Interpolate a material value at arc lengths `places`, which ascend, between the middles of the elements. */
 static void along(const Simulator *rope, const double *places, int which, double *values) {
-    const Arrays m = state_arrays(rope->state);
+    const NodalArrays m = state_arrays(rope->state);
     for (int i = 0, k = 0; i < SHAPE_POINTS; i++) {
         k = middle_before(m.nodes, m.s, k, places[i]);
         const int next = k < m.nodes - 2 ? k + 1 : k;
@@ -129,7 +129,7 @@ static void along(const Simulator *rope, const double *places, int which, double
 
 static void pull_at(const Simulator *rope, const double *places, double *tension) {
     const double rho = rope->scene.rope.mass_per_length, gravity = rope->scene.layout.gravity;
-    const Arrays m = state_arrays(rope->state);
+    const NodalArrays m = state_arrays(rope->state);
     double xyz[3 * SHAPE_POINTS];
     if (rope->state->fidelity != RIGID) {
         diagnostics_tension(&m, rho, gravity, SHAPE_POINTS, places, tension);
@@ -140,7 +140,7 @@ static void pull_at(const Simulator *rope, const double *places, double *tension
 }
 
 static void along_signals(Simulator *rope, double *values) {
-    const Arrays m = state_arrays(rope->state);
+    const NodalArrays m = state_arrays(rope->state);
     double *places = values + SIGNAL_SHAPE_S_1;
     rope_system_strains(rope);
     shape_places(m.s[m.elements], loop(rope)->s, loop_width(&rope->scene), SHAPE_POINTS, places);
@@ -151,7 +151,7 @@ static void along_signals(Simulator *rope, double *values) {
 
 static void station_signals(Simulator *rope, double *values) {
     const Stations *station = &rope->scene.station;
-    const Arrays m = state_arrays(rope->state);
+    const NodalArrays m = state_arrays(rope->state);
     const double step = (station->last - station->first) / (SHAPE_POINTS - 1);
     double places[SHAPE_POINTS];
     rope_system_strains(rope);

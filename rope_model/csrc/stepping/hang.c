@@ -6,7 +6,7 @@
 
 /* Bring the state to an equilibrium at rest, with the yaw of its loop. */
 static int equilibrium_in_frame(Simulator *rope, State *state, double max_turn, char *message) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const size_t bytes = sizeof(double) * (size_t)m.nodes * DOF;
     const double offset = state->offsets[RIGHT];
     if (!find_equilibrium(rope, state, max_turn, message)) return 0;
@@ -21,7 +21,7 @@ static int equilibrium_in_frame(Simulator *rope, State *state, double max_turn, 
 
 /* Add twist in steps, each to an equilibrium.  `spare` has the state before the latest step. */
 static int turn_in(Simulator *rope, State *state, double twist, char *message) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     double left = twist, beyond = INFINITY, size = TWIST_STEP;
     while (left != 0) {
         size = fmin(size, 0.5 * fabs(left - beyond));
@@ -78,13 +78,13 @@ typedef struct {
     double ends[2][3][DOF], offset, yaw;
 } Before;
 
-static void untwist(const Arrays *m, double angle) {
+static void untwist(const NodalArrays *m, double angle) {
     for (int node = 0; node < m->nodes; node++) m->q[(size_t)node * DOF + ANGLE] = angle;
 }
 
 /* Hang the rope again while `side` may turn, untwisted from the other end on. */
 static int hang_while_it_turns(Simulator *rope, State *state, const Before *before, int side, char *message) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     hanging_guess(m.nodes, m.s, before->ends[LEFT][0], before->ends[RIGHT][0], m.q, message);
     untwist(&m, before->ends[side == LEFT ? RIGHT : LEFT][0][ANGLE]);
     state->offsets[RIGHT] = before->offset;
@@ -95,7 +95,7 @@ static int hang_while_it_turns(Simulator *rope, State *state, const Before *befo
 
 /* Let the swivels that start relaxed, and cannot hold, slip to equilibrium, the loosest first. */
 static int relax(Simulator *rope, State *state, const Before *before, char *message) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     double sign[2] = {0, 0}, relative[2];
     do {
         int loosest = -1;
@@ -128,7 +128,7 @@ static int relax(Simulator *rope, State *state, const Before *before, char *mess
 }
 
 static int hang_in_loop(Simulator *rope, State *state, char *message) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     Before before = {.offset = state->offsets[RIGHT], .yaw = state->loop_yaw};
     for (int side = LEFT; side <= RIGHT; side++)
         ends_prescribed_motion(&rope->scene, state, side, state->t, before.ends[side]);

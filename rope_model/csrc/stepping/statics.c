@@ -21,7 +21,7 @@ static double imbalance(const System *s, const double *R) {
 }
 
 int find_equilibrium(Simulator *rope, State *state, double max_turn, char *message) {
-    const Arrays m = state_arrays(state), *scratch = &rope->trial;
+    const NodalArrays m = state_arrays(state), *scratch = &rope->trial;
     const System s = rope_system(rope, state);
     const Chain *chain = chain_of(rope, state);
     const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;

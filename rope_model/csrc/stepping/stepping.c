@@ -77,7 +77,7 @@ static int accepted_step(Simulator *rope, State *state, double stop, StepResult 
 int as_rigid(Simulator *rope, State *state, double t, char *message) {
     state->t = t;
     transform_if_due(rope, state);
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const EndMotion ends[2] = {path_at(&state->paths[LEFT], t), path_at(&state->paths[RIGHT], t)};
     rigid_rope(&rope->scene, ends, t, m.nodes, m.s, m.q, m.v, m.a, m.reaction, &state->energy_balance.kinetic,
                &state->energy_balance.gravity, message);
