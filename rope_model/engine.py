@@ -18,8 +18,8 @@ from rope_model.codegen.structures import scene_structure
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.parameters import Scene
 from rope_model.simulation.contact.point_forces import NO_FORCES, PointForces
-from rope_model.simulation.ends.ends import Phase
 from rope_model.simulation.ends.paths import SIDES, EndMotion
+from rope_model.simulation.ends.swivel_phases import Phase
 from rope_model.simulation.fidelity import Fidelity
 from rope_model.simulation.interface import BalanceRope, Snapshot, Status, state_in
 from rope_model.simulation.mesh.partition import Partition

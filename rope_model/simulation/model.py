@@ -19,8 +19,9 @@ from rope_model.physics.shaft import KINDS
 from rope_model.simulation.contact.point_forces import NO_FORCES, PointForces, nodal_forces
 from rope_model.simulation.contact.self_contact import SelfContactSystem
 from rope_model.simulation.contact.surroundings import surroundings
-from rope_model.simulation.ends.ends import HangingEnds, Phase, nominal_points
+from rope_model.simulation.ends.ends import HangingEnds, nominal_points
 from rope_model.simulation.ends.paths import END_NODE, EndPath
+from rope_model.simulation.ends.swivel_phases import Phase
 from rope_model.simulation.fidelity import flexible
 from rope_model.simulation.mesh.partition import NO_DIVIDERS, mesh_dividers
 from rope_model.simulation.outputs.audit import NO_LOAD, Audit, Load, after_interval, after_step, axial_share, end_load

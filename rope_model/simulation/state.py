@@ -18,9 +18,9 @@ from rope_model.physics.energy_balance import residual, total
 from rope_model.physics.guard import GuardState
 from rope_model.physics.shaft import KINDS
 from rope_model.shaft_parameters import FAR
-from rope_model.simulation.ends.ends import SwivelState
 from rope_model.simulation.ends.input_filter import InputFilter
 from rope_model.simulation.ends.paths import EndPath
+from rope_model.simulation.ends.swivel_phases import SwivelState
 from rope_model.simulation.fidelity import Fidelity
 from rope_model.simulation.mesh.partition import Partition
 from rope_model.simulation.outputs.audit import Audit

@@ -48,9 +48,8 @@ def history(rope: Rope, q: Array, lengths: Array, z: Array, strains: Array) -> A
 
 def update_hysteresis(history: Array, q: Array, lengths: Array) -> HysteresisUpdate:
     """Return the update from the ``history`` to the rope ``q``."""
-    before = history[:, :-2].reshape(lengths.size, -1, POINT_STATE_SIZE)
-    k0, stiffness = history[:, -2, None], history[:, -1]
-    step = bouc_wen_step(before.transpose(2, 0, 1), _sections(q, lengths).transpose(2, 0, 1), k0)
+    before, (k0, stiffness) = history[:, :-2].reshape(lengths.size, -1, POINT_STATE_SIZE), history[:, -2:].T
+    step = bouc_wen_step(before.transpose(2, 0, 1), _sections(q, lengths).transpose(2, 0, 1), k0[:, None])
     work = float(stiffness * lengths @ (step.dissipated @ np.array(WEIGHTS)))
     return HysteresisUpdate(np.stack(step.z, axis=2).reshape(lengths.size, -1), work)
 

@@ -24,9 +24,7 @@ from rope_model.physics.elementary import atan2, cos, hypot, maximum, minimum, s
 from rope_model.physics.swivel import friction_moment
 from rope_model.simulation.ends.input_filter import InputFilter, Limits
 from rope_model.simulation.ends.paths import END_NODE, LEANS, PATH, REACH, EndMotion, EndPath
-from rope_model.simulation.ends.swivel_phases import Phase as Phase
-from rope_model.simulation.ends.swivel_phases import SwivelState as SwivelState
-from rope_model.simulation.ends.swivel_phases import moment_of_swivel, swivel_friction
+from rope_model.simulation.ends.swivel_phases import Phase, SwivelState, moment_of_swivel, swivel_friction
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import ANGLE, SLOPE, Array
 from rope_model.solver_parameters import Inputs

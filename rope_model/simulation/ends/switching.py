@@ -11,9 +11,8 @@ import math
 import numpy as np
 
 from rope_model.numerics.generalized_alpha import Motion, StepResult
-from rope_model.simulation.ends.ends import Phase, SwivelState
 from rope_model.simulation.ends.paths import END_NODE, SIDES
-from rope_model.simulation.ends.swivel_phases import frictionless, released_at, swivel_excess
+from rope_model.simulation.ends.swivel_phases import Phase, SwivelState, frictionless, released_at, swivel_excess
 from rope_model.simulation.model import RopeModel, ends_of
 from rope_model.simulation.rope_system import ANGLE, Evaluation, RopeSystem
 from rope_model.simulation.state import Event, RopeState

@@ -66,7 +66,6 @@ def moment_of_swivel(swivel: Any, swivel_state: Any, tension: Any, constraint_mo
 
 def swivel_excess(swivel: Any, swivel_state: Any, tension: Any, constraint_moment: Any, rate: Any) -> Any:
     """Return the event function: negative while the swivel may stay in its phase."""
-    phase = swivel_state.phase
+    phase, beyond = swivel_state.phase, beyond_rest(swivel, tension, constraint_moment)
     stays = logical_or(phase == Phase.LOCKED, logical_and(phase == Phase.SLIP, frictionless(swivel)))
-    beyond = beyond_rest(swivel, tension, constraint_moment)
     return where(stays, -math.inf, where(phase == Phase.STICK, beyond, -swivel_state.sign * rate))

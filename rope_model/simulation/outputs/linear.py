@@ -28,8 +28,8 @@ from scipy.sparse.linalg import splu
 from rope_model.physics.element import NODE_DOF, PARAMETERS
 from rope_model.physics.frame import conveyance_load
 from rope_model.physics.hermite import GAUSS, bend, node_values
-from rope_model.simulation.ends.ends import Phase
 from rope_model.simulation.ends.paths import SIDES
+from rope_model.simulation.ends.swivel_phases import Phase
 from rope_model.simulation.messages.fidelity_rules import not_plumb
 from rope_model.simulation.outputs.modal import assembled
 from rope_model.simulation.outputs.signals import Evaluated

@@ -10,9 +10,10 @@ import numpy as np
 
 from rope_model.parameters import Scene
 from rope_model.physics.frame import conveyance_load
-from rope_model.simulation.ends.ends import YAW_SENSE, HangingEnds, Phase
+from rope_model.simulation.ends.ends import YAW_SENSE, HangingEnds
 from rope_model.simulation.ends.input_filter import lean_moves, sample_moves, settings_of
 from rope_model.simulation.ends.paths import END_NODE, SIDES, ends_at
+from rope_model.simulation.ends.swivel_phases import Phase
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rigid import tension_change
 from rope_model.simulation.rope_system import ANGLE, Array

@@ -14,9 +14,9 @@ from rope_model.physics.outline import turns
 from rope_model.physics.shaft import KINDS
 from rope_model.physics.stress import material_values
 from rope_model.simulation.contact.shaft import clearances
-from rope_model.simulation.ends.ends import Phase
 from rope_model.simulation.ends.misfit import add_drift_error, add_misfit_error
 from rope_model.simulation.ends.paths import END_NODE, SIDES
+from rope_model.simulation.ends.swivel_phases import Phase
 from rope_model.simulation.mesh.adaptation import nearest_turn
 from rope_model.simulation.mesh.transfer import interpolate
 from rope_model.simulation.outputs import diagnostics
