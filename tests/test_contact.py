@@ -20,7 +20,7 @@ from rope_model.physics.contact import ONSET, SUMS, ContactTerms, contact_law, c
 from rope_model.physics.contact_element import CONTACT_BALANCE, contact_element
 from rope_model.physics.contact_error import ContactSums, add_contact, contact_error, delay, length_for
 from rope_model.physics.element import BALANCE, ELEMENT_DOF, ElementFidelity, element_functions, parameters
-from rope_model.physics.rope_on_rope import points_skipped
+from rope_model.physics.rope_contact import points_skipped
 from rope_model.physics.shaft import KINDS, Body, distance, normal
 from rope_model.shaft_parameters import Contact, Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
 from rope_model.simulation.mesh.mesh_fit import BLOW

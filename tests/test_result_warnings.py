@@ -197,7 +197,7 @@ def altered_states(state: RopeState, chance: random.Random) -> Iterator[RopeStat
             energy_balance=state.energy_balance._replace(kinetic=chance.choice((0.0, 1e-6, 1.0))),
             loop_yaw=chance.uniform(-4.0, 4.0),
             offsets=(0.0, chance.uniform(-6.0, 6.0)),
-            snapped_at=chance.choice((0.0, 2.5)),
+            snap_twist=chance.choice((0.0, 2.5)),
             counts=state.counts._replace(given_up=chance.choice((0, 7))),
             given_up_since=chance.uniform(0.0, 9.0),
             filters=(following_of_misfits(chance), following_of_misfits(chance)),

@@ -235,7 +235,7 @@ static int advance_to(Simulator *rope, double t, const EndMotion ends[2], double
         if (state->counts.steps + state->counts.rejections - steps_before >= MAX_STEPS)
             return say_too_many_steps(rope->message, t_before, MAX_STEPS, begin, t);
         if (!step_towards(rope, state, t, why)) return say_fails_at(rope->message, t_before, why);
-        if (state->t >= t || state->t - state->looked_at >= LOOK_EVERY) {
+        if (state->t >= t || state->t - state->monitored_at >= MONITOR_INTERVAL) {
             with_passages(rope, state);
             with_guards(&rope->scene, state);
         }

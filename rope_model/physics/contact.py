@@ -26,7 +26,7 @@ ONSET = 0.05
 #: m, length of rope below a conveyance that is not checked against it and its head ropes
 OWN_LENGTH = 1.0
 #: m, distance within which bodies take part in Newton's iterations from the first one on
-LOOK_AHEAD = 0.05
+CONTACT_MARGIN = 0.05
 #: sums along the rope: energy stored, power dissipated, power of the moving body on the rope, force on the rope, its
 #: moment about the origin, and pressure
 SUMS = ("energy", "dissipated", "moved", "fx", "fy", "fz", "mx", "my", "mz", "pressure")

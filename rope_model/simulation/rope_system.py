@@ -19,7 +19,7 @@ from rope_model.numerics.newton import GOOD, HUGE, KINKED, SMALL, SMOOTH, UNKNOW
 from rope_model.parameters import Rope, Scene
 from rope_model.physics.air import air_coefficients
 from rope_model.physics.air_element import AIR_BALANCE, AIR_SIZE, COEFFICIENTS_SIZE
-from rope_model.physics.contact import LOOK_AHEAD, largest_motion
+from rope_model.physics.contact import CONTACT_MARGIN, largest_motion
 from rope_model.physics.contact_element import CONTACT_BALANCE
 from rope_model.physics.element import BALANCE, NODE_DOF, PARAMETERS
 from rope_model.physics.point_forces import point_load
@@ -209,7 +209,7 @@ class RopeSystem:
     def solve(
         self, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float, before: Array | None = None
     ) -> Solution[Evaluation]:
-        near, x = self._near(q, LOOK_AHEAD), Iterate(q, v, a, reaction)
+        near, x = self._near(q, CONTACT_MARGIN), Iterate(q, v, a, reaction)
         while True:
             solution = self._newton(near, x, c, tolerance, before)
             more = self._near(solution.q, 0.0) if solution.newton.converged else _NOTHING

@@ -21,7 +21,7 @@ from rope_model.parameters import Scene
 from rope_model.physics.outline import suspension_points
 from rope_model.simulation.contact.bodies import NO_ROOM
 from rope_model.simulation.contact.point_forces import PointForces, at_places, elements_at, nodal_forces
-from rope_model.simulation.contact.shaft import LOOK_EVERY, with_passages
+from rope_model.simulation.contact.shaft import MONITOR_INTERVAL, with_passages
 from rope_model.simulation.ends.ends import HangingEnds, clamp_axis, refusal, right_offset, stale_input_error
 from rope_model.simulation.ends.filter_program import filter_program, filter_step
 from rope_model.simulation.ends.input_filter import InputFilter, filter_limits, settings_of
@@ -265,7 +265,7 @@ class RopeSimulator(BalanceRope):
             if isinstance(advanced, str):
                 return Status(False, messages.fails_at(before.t, advanced))
             state, after = advanced, advanced.motion
-            if after.t >= t or after.t - state.looked_at >= LOOK_EVERY:
+            if after.t >= t or after.t - state.monitored_at >= MONITOR_INTERVAL:
                 state = with_passages(self.scene, state)
                 state = with_guards(self.scene, state, self.model.ends(state))
             for node in (0, -1):

@@ -130,12 +130,12 @@ class RopeState(NamedTuple):
     contact: ContactSums = ContactSums()
     powers: Powers = Powers()
     counts: Counts = Counts()
-    snapped_at: float = 0.0  # rad, twist at which the rope last snapped through when it was hung up; 0: never
+    snap_twist: float = 0.0  # rad, twist at which the rope last snapped through when it was hung up; 0: never
     given_up_since: float = 0.0  # s, instant of the first of counts.given_up
     audit: Audit = Audit()
     nearest: tuple[Nearest, ...] = (Nearest(),) * len(KINDS)
     crossing: Crossing = Crossing()
-    looked_at: float = 0.0  # s, instant of nearest, crossing and guard
+    monitored_at: float = 0.0  # s, instant of nearest, crossing and guard
     guard: GuardState = GuardState()
     hysteresis: Array = NO_HYSTERESIS  # 1/m, z of simulation.wires
 

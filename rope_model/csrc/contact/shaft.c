@@ -112,7 +112,7 @@ static void with_overlap(const Simulator *rope, State *state) {
 void with_passages(const Simulator *rope, State *state) {
     const NodalArrays m = state_arrays(state);
     Crossing *crossing = &state->crossing;
-    state->looked_at = state->t;
+    state->monitored_at = state->t;
     shaft_nearer(&rope->scene, &m, state->t, state->nearest);
     const double line = ends_yaw(&m);
     double across[2];

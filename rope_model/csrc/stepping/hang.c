@@ -47,7 +47,7 @@ static int turn_in(Simulator *rope, State *state, double twist, char *message) {
         }
         const double turn = state->offsets[RIGHT] - rope->spare->offsets[RIGHT] - step;
         left -= step;
-        if (fabs(turn) > MAX_TURN) state->snapped_at = twist - left;
+        if (fabs(turn) > MAX_TURN) state->snap_twist = twist - left;
         size = fmin(2 * fabs(step), TWIST_STEP);
         if (last) beyond = INFINITY;
     }
@@ -89,7 +89,7 @@ static int hang_while_it_turns(Simulator *rope, State *state, const Before *befo
     untwist(&m, before->ends[side == LEFT ? RIGHT : LEFT][0][ANGLE]);
     state->offsets[RIGHT] = before->offset;
     state->loop_yaw = before->yaw;
-    state->snapped_at = 0;
+    state->snap_twist = 0;
     return let_curve(rope, state, message);
 }
 

@@ -1,6 +1,6 @@
 """Contact between several ropes that hang side by side, each a BalanceRope with its own time steps.
 
-Between two of them the law of physics.rope_on_rope holds.  Over a step of the host, from t to t + h, forces act at
+Between two of them the law of physics.rope_contact holds.  Over a step of the host, from t to t + h, forces act at
 points of both ropes, linear in time and opposite on the two: they cancel to the bit.  Those at t are known from the
 step before; those at t + h, F, satisfy the law f where the ropes are then:
 

@@ -1,4 +1,4 @@
-"""Contact detection and law between two ropes, at all points at once: physics.rope_on_rope.
+"""Contact detection and law between two ropes, at all points at once: physics.rope_contact.
 
 Points stand along the first rope, evenly, whatever its mesh: a point keeps its number from step to step.  Each is
 compared with the nearest point of each strand of the other rope.  Bounding boxes give the candidate elements.
@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rope_model.parameters import Scene
-from rope_model.physics import hermite, rope_on_rope
+from rope_model.physics import hermite, rope_contact
 from rope_model.physics.outline import enclosing_box
 from rope_model.simulation.contact.point_forces import at_places, elements_at
 from rope_model.simulation.contact.self_contact import TANGENT_ENTRIES, strands
@@ -77,7 +77,7 @@ class Pair:
         self._law = one.shaft.contact
         self._lossless = SimpleNamespace(**(vars(self._law) | {"damping": 0.0, "friction": 0.0}))
         self.diameter = 0.5 * (one.rope.diameter + other.rope.diameter)
-        self._spacing = one.rope.length / math.ceil(one.rope.length / (rope_on_rope.SPACING * self.diameter))
+        self._spacing = one.rope.length / math.ceil(one.rope.length / (rope_contact.SPACING * self.diameter))
 
     def find_contacts(self, one: Rows, other: Rows, c: Array, inset: float = 0.0) -> PairContact:
         """Return the points in contact, with the tangent with respect to (c[0], c[1]) times positions and velocities.
@@ -118,8 +118,8 @@ class Pair:
         middle: Any = 0.5 * (start + stop) * self._spacing
         theirs = theirs[groups]
         ends, l = _ends(other, theirs), other.lengths[theirs]
-        probed = rope_on_rope.PROBES[1] - rope_on_rope.PROBES[0]
-        reach = self.diameter + rope_on_rope.STRETCH * (GROUP * self._spacing + 0.5 * probed * l)
+        probed = rope_contact.PROBES[1] - rope_contact.PROBES[0]
+        reach = self.diameter + rope_contact.STRETCH * (GROUP * self._spacing + 0.5 * probed * l)
         near = _probed(ends, l, one.positions(middle)).min(axis=0) < reach
         groups, number = _expanded((stop - start)[near])
         number, theirs = start[near][groups] + number, theirs[near][groups]
@@ -134,24 +134,24 @@ class Pair:
         order = np.lexsort((their_s, distance, number))
         order = order[distance[order] < diameter]
         _, begin, counts = np.unique(number[order], return_index=True, return_counts=True)
-        alone = np.abs(their_s[order] - their_s[order[begin]].repeat(counts)) < rope_on_rope.MIN_ARC * self.diameter
+        alone = np.abs(their_s[order] - their_s[order[begin]].repeat(counts)) < rope_contact.MIN_ARC * self.diameter
         parts = [(order[begin], 0 * begin)]
         for k in begin[~np.logical_and.reduceat(alone, begin)] if begin.size else ():
             here = order[number[order] == number[order[k]]]
-            chosen = here[strands(their_s[here].tolist(), rope_on_rope.MIN_ARC * self.diameter)]
+            chosen = here[strands(their_s[here].tolist(), rope_contact.MIN_ARC * self.diameter)]
             ranks = np.argsort(np.argsort(their_s[chosen]))
             parts[0][1][parts[0][0] == chosen[0]] = ranks[0]
             parts.append((chosen[1:], ranks[1:]))
         touching, rank = (np.concatenate(x) for x in zip(*parts, strict=True))
-        label = number[touching] * rope_on_rope.MAX_STRANDS + rank
+        label = number[touching] * rope_contact.MAX_STRANDS + rank
         touching = touching[np.argsort(label)]
         return np.sort(label), np.array((s[touching], their_s[touching]))
 
     def _law_at(self, number: Numbers, s: Array, one: Rows, other: Rows, c: Array, diameter: float) -> PairContact:
         r, their_r = one.positions(s[0]), other.positions(s[1])
         separation, velocity = (r - their_r).T, (one.velocities(s[0]) - other.velocities(s[1])).T
-        law = rope_on_rope.self_contact_law(self._law, diameter, separation, velocity, float(c[0]), float(c[1]))
-        spring = rope_on_rope.self_contact_law(self._lossless, diameter, separation, velocity, 1.0, 0.0)
+        law = rope_contact.self_contact_law(self._law, diameter, separation, velocity, float(c[0]), float(c[1]))
+        spring = rope_contact.self_contact_law(self._lossless, diameter, separation, velocity, 1.0, 0.0)
         entries = np.array([np.broadcast_to(x, number.shape) for x in law.tangent]).T[:, TANGENT_ENTRIES]
         tangent, pressure = self._spacing * entries, self._spacing * np.asarray(law.sums[-1])
         energy = float(np.sum(law.sums[0]) * self._spacing)
@@ -168,10 +168,10 @@ def _expanded(counts: Numbers) -> tuple[Numbers, Numbers]:
 def _projected(rope: Rows, elements: Numbers, points: Array) -> tuple[Array, Array]:
     """Return s of the points of elements that are nearest to ``points`` (m, 3), and their distances (m)."""
     l, ends = rope.lengths[elements], _ends(rope, elements)
-    xi = np.array(rope_on_rope.PROBES)[_probed(ends, l, points).argmin(axis=0)]
+    xi = np.array(rope_contact.PROBES)[_probed(ends, l, points).argmin(axis=0)]
     rows = np.ascontiguousarray(ends.reshape(-1, 12).T)
-    for _ in range(rope_on_rope.CORRECTIONS):
-        xi = rope_on_rope.nearer_xi(xi, l, points.T, rows[:6], rows[6:])
+    for _ in range(rope_contact.CORRECTIONS):
+        xi = rope_contact.nearer_xi(xi, l, points.T, rows[:6], rows[6:])
     return rope.s[elements] + xi * l, _distances(ends, l, points, xi)
 
 
@@ -182,7 +182,7 @@ def _ends(rope: Rows, elements: Numbers) -> Array:
 
 def _probed(ends: Array, l: Array, points: Array) -> Array:
     """Return the distances (probes, m) of points from the PROBES of elements."""
-    return np.array([_distances(ends, l, points, np.full(l.size, xi)) for xi in rope_on_rope.PROBES])
+    return np.array([_distances(ends, l, points, np.full(l.size, xi)) for xi in rope_contact.PROBES])
 
 
 def _distances(ends: Array, l: Array, points: Array, xi: Array) -> Array:

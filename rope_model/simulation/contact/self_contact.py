@@ -1,4 +1,4 @@
-"""Equations of motion of a rope that may touch itself: RopeSystem with physics.rope_on_rope.
+"""Equations of motion of a rope that may touch itself: RopeSystem with physics.rope_contact.
 
 Bounding boxes give the pairs of candidate elements.  Along an element of such a pair the distance changes by no more
 than the arc length, so that far points are skipped and a leg costs a few checks.  Contact has no history in the state.
@@ -13,7 +13,7 @@ import numpy as np
 from rope_model.numerics.coupled_newton import Iterate, conjugate_gradients
 from rope_model.numerics.generalized_alpha import Solution
 from rope_model.parameters import Scene
-from rope_model.physics import hermite, rope_on_rope
+from rope_model.physics import hermite, rope_contact
 from rope_model.physics.contact import SUMS, ContactTerms
 from rope_model.physics.outline import enclosing_box
 from rope_model.simulation.rope_system import SLOPE, Array, Evaluation, Losses, Near, RopeSystem
@@ -76,12 +76,12 @@ def find_self_contacts(scene: Scene, q: Array, v: Array, lengths: Array, cq: flo
     diameter, law, l = scene.rope.diameter, scene.shaft.contact, lengths.tolist()
     start = (np.cumsum(lengths) - lengths).tolist()
     for e, N, weight, point, touching in _touching(q, rows, lengths, diameter):
-        for n in strands([start[o] + xi * l[o] for _, o, xi in touching], rope_on_rope.MIN_ARC * diameter):
+        for n in strands([start[o] + xi * l[o] for _, o, xi in touching], rope_contact.MIN_ARC * diameter):
             _, other, xi = touching[n]
             partner = hermite.shape_functions(xi, l[other])
             separation = _difference(point, _at(rows, other, partner))
             velocity = _difference(_at(speeds, e, N), _at(speeds, other, partner))
-            contact = rope_on_rope.self_contact_law(law, diameter, separation, velocity, cq, cv)
+            contact = rope_contact.self_contact_law(law, diameter, separation, velocity, cq, cv)
             contacts.append(SelfContact((e, other), (*N, *(-n for n in partner)), weight, contact))
     return SelfContacts(contacts)
 
@@ -98,14 +98,14 @@ def _touching(
     """Yield points of candidate elements (element, N, length, position) with near ones (distance, element, xi)."""
     l = lengths.tolist()
     for e, others in _near_elements(q, lengths, diameter):
-        number, k = int(rope_on_rope.number_of_points(l[e], diameter)), 0
+        number, k = int(rope_contact.number_of_points(l[e], diameter)), 0
         weight = l[e] / number
         while k < number:
             N = hermite.shape_functions((k + 0.5) / number, l[e])
             point = _at(rows, e, N)
             near = sorted(_nearest_point(rows, l[o], o, point) for o in others)
             yield e, N, weight, point, [x for x in near if x[0] < diameter]
-            k += 1 + int(rope_on_rope.points_skipped(near[0][0], diameter, weight, number))
+            k += 1 + int(rope_contact.points_skipped(near[0][0], diameter, weight, number))
 
 
 class SelfContactSystem(RopeSystem):
@@ -163,7 +163,7 @@ def _near_elements(q: Array, lengths: Array, diameter: float) -> list[tuple[int,
     box = np.array(enclosing_box(lengths, rows[:, :-1], rows[:, 1:]))
     gaps = np.abs(box[:3, :, None] - box[:3, None, :]) - (box[3:, :, None] + box[3:, None, :])
     start = np.cumsum(lengths) - lengths
-    near = (gaps < diameter).all(axis=0) & (start - (start + lengths)[:, None] >= rope_on_rope.MIN_ARC * diameter)
+    near = (gaps < diameter).all(axis=0) & (start - (start + lengths)[:, None] >= rope_contact.MIN_ARC * diameter)
     return [(int(e), np.flatnonzero(near[e]).tolist()) for e in np.flatnonzero(near.any(axis=1))]
 
 
@@ -171,7 +171,7 @@ def strands(s: list[float], reach: float) -> list[int]:
     """Return the indices of points ``s``, nearest first, on separate strands: ``reach`` or more from those before."""
     chosen: list[int] = []
     for n, s_n in enumerate(s):
-        if len(chosen) < rope_on_rope.MAX_STRANDS and all(abs(s_n - s[before]) >= reach for before in chosen):
+        if len(chosen) < rope_contact.MAX_STRANDS and all(abs(s_n - s[before]) >= reach for before in chosen):
             chosen.append(n)
     return chosen
 
@@ -201,7 +201,7 @@ def _nearest_point(
     def distance(xi: float) -> float:
         return float(np.linalg.norm(_difference(_at(rows, element, hermite.shape_functions(xi, l)), point)))
 
-    xi = min(rope_on_rope.PROBES, key=distance)
-    for _ in range(rope_on_rope.CORRECTIONS):
-        xi = rope_on_rope.nearer_xi(xi, l, point, rows[element], rows[element + 1])
+    xi = min(rope_contact.PROBES, key=distance)
+    for _ in range(rope_contact.CORRECTIONS):
+        xi = rope_contact.nearer_xi(xi, l, point, rows[element], rows[element + 1])
     return distance(xi), element, xi

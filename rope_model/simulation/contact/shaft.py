@@ -39,7 +39,7 @@ RESOLUTION = 1e-3
 #: rad, yaw of the loop beyond which legs that are apart have crossed
 TURNED_FAR = 0.5 * math.pi
 #: s, interval of the checks: a rope that swings at 10 m/s moves by less than bodies are thick
-LOOK_EVERY = 0.01
+MONITOR_INTERVAL = 0.01
 #: clearances of each kind before any search
 NOT_NEAR = (Nearest(),) * len(KINDS)
 
@@ -132,7 +132,7 @@ def _with_overlap(scene: Scene, state: RopeState) -> Crossing:
 def with_passages(scene: Scene, state: RopeState) -> RopeState:
     """Return the state with the clearances and passages of its instant.
 
-    It is called at the end of every communication step, and after LOOK_EVERY in longer ones.
+    It is called at the end of every communication step, and after MONITOR_INTERVAL in longer ones.
     """
     q, lengths, t = state.motion.q, state.partition.lengths, state.motion.t
     near = not legs_apart(q, lengths, scene.rope.diameter, scene.layout.spacing)
@@ -144,4 +144,4 @@ def with_passages(scene: Scene, state: RopeState) -> RopeState:
         if net != crossing.net:
             since, y = (crossing.since, crossing.y) if crossing.number else (t, sides.sharpest_y)
             crossing = crossing._replace(net=net, number=crossing.number + abs(net - crossing.net), since=since, y=y)
-    return state._replace(nearest=nearer(scene, state, state.nearest), crossing=crossing, looked_at=t)
+    return state._replace(nearest=nearer(scene, state, state.nearest), crossing=crossing, monitored_at=t)

@@ -167,7 +167,7 @@ TORQUE_SOURCE: Rules = {
     texts.torque_of_ends: lambda scene, turned: (True, turned),
 }
 OTHER_RESTS: Rules = {
-    texts.other_rests: lambda scene, state: (logical_and(state.snapped_at != 0, rests(scene, state)), state.snapped_at)
+    texts.other_rests: lambda scene, state: (logical_and(state.snap_twist != 0, rests(scene, state)), state.snap_twist)
 }
 MISSING_LOADS: Rules = {
     texts.forces_missing: lambda scene, state: _missing(

@@ -109,7 +109,7 @@ def _turn_in(model: RopeModel, state: RopeState, total: int, twist: float) -> Ro
         total += corrections
         left -= step
         if abs(after.offsets[1] - state.offsets[1] - step) > MAX_TURN:
-            after = after._replace(snapped_at=twist - left)
+            after = after._replace(snap_twist=twist - left)
         state, size = after, min(2 * abs(step), TWIST_STEP)
         if last:
             beyond = math.inf
