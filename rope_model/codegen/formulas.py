@@ -176,9 +176,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "void end_load(q[7], f[7], torque, load[6])": audit.end_load,
     "axial_share(rope, bottom_s, h)": audit.axial_share,
     "void audit_values(audit, values[6])": audit.signal_values,
-    "Audit audit_after_step(audit, Coefficients method, h, time_shift, load[6], force, change, ratio)": (
-        audit.after_step
-    ),
+    "Audit audit_after_step(audit, Coefficients method, h, shift, load[6], force, change, ratio)": audit.after_step,
     "Audit audit_after_interval(audit, h, mass, gravity, sums[9], about[3], residual, bend)": audit.after_interval,
 }
 #: structures of results, which are generated for C

@@ -42,10 +42,10 @@ static size_t lay_out(Simulator *rope, Arena *arena) {
     if (max_curvature(&scene->rope) > 0) rope->curved = numbers(arena, CURVATURE_SIZE * n);
     if (rubs) rope->wires = numbers(arena, WIRE_HISTORY_SIZE * n);
     if (rubs) rope->latest = numbers(arena, WIRE_TANGENT_SIZE * (n + MAX_LANES - 1));
-    rope->around = reserve(arena, sizeof *rope->around);
+    rope->obstacles = reserve(arena, sizeof *rope->obstacles);
     rope->self_contact = reserve(arena, sizeof *rope->self_contact);
     const ClearanceCache cache = {.q = numbers(arena, size), .lengths = numbers(arena, n)};
-    const Surroundings around = {.scene = scene, .cache = cache, .near = reserve(arena, sizeof *around.near * n)};
+    const Obstacles obstacles = {.scene = scene, .cache = cache, .near = reserve(arena, sizeof *obstacles.near * n)};
     SelfContactState self_contact = {.scene = scene, .presses = presses};
     self_contact.cache = (ClearanceCache){.q = numbers(arena, size), .lengths = numbers(arena, n)};
     self_contact.scratch = numbers(arena, CG_ARRAYS * size);
@@ -60,7 +60,7 @@ static size_t lay_out(Simulator *rope, Arena *arena) {
         self_contact.contacts = reserve(arena, sizeof *self_contact.contacts * MAX_STRANDS * places);
     }
     if (arena->block == NULL) return used;
-    *rope->around = around;
+    *rope->obstacles = obstacles;
     *rope->self_contact = self_contact;
     return used;
 }

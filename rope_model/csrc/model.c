@@ -93,7 +93,7 @@ static double relative_error(const Simulator *rope, State *state, const StepResu
 StepResult model_trial(Simulator *rope, State *state, double h) {
     System s = rope_system(rope, state);
     StepResult result = generalized_alpha_step(rope, state, &s, h);
-    result.near = s.around != NULL && s.around->any;
+    result.near = s.obstacles != NULL && s.obstacles->any;
     result.error_ratio = result.converged ? relative_error(rope, state, &result) : INFINITY;
     return result;
 }
@@ -197,7 +197,7 @@ void model_commit(Simulator *rope, State *state, const StepResult *trial) {
     state->errors = add_errors(&rope->scene, &state->errors, bottom_s, speed, h, local_error(&method, 1, 1), paces,
                                trial->error, force);
     model_powers(rope, state);
-    if (!trial->near) s.around = NULL;
+    if (!trial->near) s.obstacles = NULL;
     set_energies(energy, trial->balance, &s, m.q, m.v);
     const double taken[] = {losses[0], losses[1], contact[CONTACT_DISSIPATED], contact[CONTACT_MOVED]};
     const double now_powers[] = {state->power_ends, state->power_swivel};

@@ -8,7 +8,7 @@ System rope_system(const Simulator *rope, State *state) {
     System s = {.elements = x.elements,
                 .lengths = x.lengths,
                 .frames = rope->frames,
-                .around = rope->around->bodies > 0 ? rope->around : NULL,
+                .obstacles = rope->obstacles->bodies > 0 ? rope->obstacles : NULL,
                 .self_contact = rope->self_contact->presses ? rope->self_contact : NULL,
                 .forces = rope->forces.number > 0 ? &rope->forces : NULL,
                 .time = state->t,
@@ -94,8 +94,8 @@ double rope_system_norm(const System *s, const double *x, double slopes) {
 
 double longest_near(const System *s) {
     double longest = 0;
-    for (int e = 0; s->around != NULL && s->around->any && e < s->elements; e++)
-        if (s->around->near[e]) longest = maximum(longest, s->lengths[e]);
+    for (int e = 0; s->obstacles != NULL && s->obstacles->any && e < s->elements; e++)
+        if (s->obstacles->near[e]) longest = maximum(longest, s->lengths[e]);
     return longest;
 }
 
@@ -103,10 +103,10 @@ void external_sums(const System *s, const double *q, const double *v, double sum
     memset(sums, 0, sizeof(double) * CONTACT_BALANCE);
     self_contact_sums(s, q, v, sums);
     point_forces_push(s, q, v, sums);
-    if (s->around == NULL) return;
+    if (s->obstacles == NULL) return;
     find_near_bodies(s, q, v, 0);
-    for (int e = 0; s->around->any && e < s->elements; e++)
-        if (s->around->near[e]) contact_sums(s, e, q, v, sums);
+    for (int e = 0; s->obstacles->any && e < s->elements; e++)
+        if (s->obstacles->near[e]) contact_sums(s, e, q, v, sums);
 }
 
 void rope_system_strains(Simulator *rope) {

@@ -48,7 +48,7 @@ typedef struct {
     double longest; /* longest element, m */
     ClearanceCache cache;
     unsigned *near; /* bodies that each element may touch, one bit each */
-} Surroundings;
+} Obstacles;
 
 /* Two places of the rope in contact. */
 typedef struct {
@@ -89,7 +89,7 @@ typedef struct {
     int elements, free[2][DOF]; /* free: degrees of freedom of the end nodes that are not prescribed */
     const double *lengths;
     double *frames;                 /* reference of the elements' frames, from Chain.refer; aligned to 64 bytes */
-    Surroundings *around;           /* NULL without bodies */
+    Obstacles *obstacles;           /* NULL without bodies */
     SelfContactState *self_contact; /* NULL without contact of the rope with itself */
     const PointForces *forces;      /* NULL without forces */
     const double *wires;            /* WIRE_HISTORY_SIZE numbers an element; NULL without friction between wires */
@@ -160,7 +160,7 @@ void shaft_clearances(const Scene *scene, const NodalArrays *arrays, double t, N
 /* Update `nearest` where the rope is nearer. */
 void shaft_nearer(const Scene *scene, const NodalArrays *arrays, double t, Nearest nearest[KINDS]);
 
-/* contact/surroundings.c */
+/* contact/obstacles.c */
 /* Find the elements that may touch a body, now or after a move by `margin` (m). */
 void find_near_bodies(const System *s, const double *q, const double *v, double margin);
 /* Add elements that came near during Newton's corrections, whose norms sum to `corrections`; return true if any did. */

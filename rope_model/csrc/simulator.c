@@ -20,7 +20,7 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) 
     Simulator *rope = allocate_simulator(scene, elements, memory, message);
     if (rope == NULL) return NULL;
     rope->mesh = mesh;
-    rope->around->bodies = may_touch(&scene->shaft);
+    rope->obstacles->bodies = may_touch(&scene->shaft);
     return rope;
 }
 

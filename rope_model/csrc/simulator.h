@@ -34,7 +34,7 @@ struct Simulator {
     double *curved;             /* CURVATURE_SIZE numbers an element, referred as frames; or NULL */
     double *latest;             /* System.latest; or NULL */
     void *work;                 /* scratch of the chain */
-    Surroundings *around;
+    Obstacles *obstacles;
     SelfContactState *self_contact;
     PointForces forces;
     double values[SIGNALS];

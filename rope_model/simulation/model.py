@@ -16,9 +16,9 @@ from rope_model.physics.element import parameters
 from rope_model.physics.energy_balance import after_step as account_of_step
 from rope_model.physics.energy_balance import with_energies
 from rope_model.physics.shaft import KINDS
+from rope_model.simulation.contact.obstacles import find_obstacles
 from rope_model.simulation.contact.point_forces import NO_FORCES, PointForces, nodal_forces
 from rope_model.simulation.contact.self_contact import SelfContactSystem
-from rope_model.simulation.contact.surroundings import surroundings
 from rope_model.simulation.ends.ends import HangingEnds, nominal_points
 from rope_model.simulation.ends.paths import END_NODE, EndPath
 from rope_model.simulation.ends.swivel_phases import Phase
@@ -55,7 +55,7 @@ class RopeModel:
             node_mass = np.zeros((state.partition.lengths.size + 1, 7))
             node_mass[[0, -1], ANGLE] = scene.left.inertia, scene.right.inertia
             rope_parameters, air = np.array(parameters(scene.rope, scene.layout.gravity)), air_parameters(scene)
-            fidelity, around = flexible(state.fidelity), surroundings(scene)
+            fidelity, obstacles = flexible(state.fidelity), find_obstacles(scene)
             along = acting_along(scene, fidelity, rubs)
             touching = partial(SelfContactSystem, scene) if scene.shaft.contact.rope_stiffness > 0 else RopeSystem
             system = touching(
@@ -65,8 +65,8 @@ class RopeModel:
                 self.ends(state),
                 state.motion.q,
                 node_mass,
-                around,
-                partial(self.kernels.of, fidelity, (*along, *around.kinds) if around else along),
+                obstacles,
+                partial(self.kernels.of, fidelity, (*along, *obstacles.kinds) if obstacles else along),
                 scene.rope,
                 state.hysteresis,
             )

@@ -50,8 +50,8 @@ def arc_lengths(lengths: Array) -> Array:
     return np.concatenate(([0.0], np.cumsum(lengths)))
 
 
-class Around(Protocol):
-    """Bodies that a rope may touch: simulation.contact.surroundings."""
+class Obstacles(Protocol):
+    """Bodies that a rope may touch: simulation.contact.obstacles."""
 
     def numbers(self, q: Array, v: Array) -> Array:
         """Return the entries of P beyond element.PARAMETERS, for physics.contact_element."""
@@ -108,13 +108,13 @@ class RopeSystem:
         boundary: Boundary,
         reference: Array,
         node_mass: Array | None = None,
-        around: Around | None = None,
+        obstacles: Obstacles | None = None,
         touching: Callable[[], RopeKernels] | None = None,
         rope: Rope | None = None,
         z: Array = NO_HYSTERESIS,
     ) -> None:
         nodes = lengths.size + 1
-        self.around, self._touching = around, touching
+        self.obstacles, self._touching = obstacles, touching
         # the rope at the last search for bodies, and its distance from them, m
         self._last_search: list[tuple[Array, float]] = []
         # weights of a node's coordinates in largest_motion
@@ -329,24 +329,24 @@ class RopeSystem:
 
     def _near(self, q: Array, margin: float) -> Near:
         """Return whether each element may touch each body after a move by ``margin`` (m) (elements, bodies)."""
-        if self.around is None:
+        if self.obstacles is None:
             return _NOTHING
         if self._last_search:
             # a distant body stays distant while the rope has hardly moved
             before, gap = self._last_search[0]
             if gap > margin and gap - (np.abs(q - before) * self._motion).sum(axis=1).max() > margin:
                 return _NOTHING
-        distances = self.around.distances(q, self.lengths)
+        distances = self.obstacles.distances(q, self.lengths)
         self._last_search[:] = [(q, float(distances.min()))]
         return distances < margin
 
     def _with_bodies(self, near: Near, q: Array, v: Array) -> tuple[RopeKernels, tuple[Array, ...], Array]:
         """Return kernels, their constants and parameters, with or without bodies."""
         P = self._air_parameters(q, v)
-        if self.around is None or self._touching is None or not near.any():
+        if self.obstacles is None or self._touching is None or not near.any():
             return self.kernels, self._constants, P
         lengths, frames, *loads = self._constants
-        P = np.concatenate((P, self.around.numbers(q, v)))
+        P = np.concatenate((P, self.obstacles.numbers(q, v)))
         return self._touching(), (lengths, np.hstack((frames, near)), *loads), P
 
     def _air_parameters(self, q: Array, v: Array) -> Array:

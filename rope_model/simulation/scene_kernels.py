@@ -3,7 +3,7 @@
 from rope_model.parameters import Scene
 from rope_model.physics.element import ELEMENT_DOF, ElementFidelity
 from rope_model.physics.wire_friction import wire_stiffness
-from rope_model.simulation.contact.surroundings import surroundings
+from rope_model.simulation.contact.obstacles import find_obstacles
 from rope_model.simulation.curvature import is_curved, partly_curved
 from rope_model.simulation.fidelity import FIDELITIES, Ends, choose_fidelity, flexible
 from rope_model.simulation.rope_kernels import AIR, CURVED, WIRES, Features
@@ -23,13 +23,13 @@ def kernels_needed(scene: Scene, ends: Ends) -> tuple[tuple[ElementFidelity, Fea
     """
     chosen = choose_fidelity(scene, ends).fidelity
     higher = FIDELITIES[FIDELITIES.index(chosen) :] if scene.model.fidelity == "auto" else [chosen]
-    around = surroundings(scene)
+    obstacles = find_obstacles(scene)
     needed: list[tuple[ElementFidelity, Features]] = [(fidelity, ()) for fidelity in ELEMENT_DOF]
     straight = scene.with_(rope=partly_curved(scene.rope, 0.0))  # every rope is first hung up straight
     needed += [
         (fidelity, (*acting_along(hung, fidelity, rubs), *near))
         for fidelity in map(flexible, higher)
         for hung, rubs in ((straight, False), (scene, False), (scene, wire_stiffness(scene.rope) > 0))
-        for near in ((), around.kinds if around else ())
+        for near in ((), obstacles.kinds if obstacles else ())
     ]
     return tuple(dict.fromkeys(needed))

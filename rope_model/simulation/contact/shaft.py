@@ -76,12 +76,12 @@ class _Search:
 def _searches_of(scene: Scene, state: RopeState, known: Sequence[Nearest]) -> list[_Search]:
     """Return one search for each body, starting from the known clearances."""
     q, t, last = state.motion.q, state.motion.t, state.partition.lengths.size
-    around = [*placed_bodies(scene.shaft, (q[0].tolist(), q[-1].tolist()))]
-    lowest = int(q[:, 1].argmin()) if around else 0
+    bodies = [*placed_bodies(scene.shaft, (q[0].tolist(), q[-1].tolist()))]
+    lowest = int(q[:, 1].argmin()) if bodies else 0
     parts = (0, last), (lowest, last), (0, lowest)
     return [
         _Search(placed, parts[placed.moves_with + 1], 0.5 * scene.rope.diameter, t, known[placed.kind])
-        for placed in around
+        for placed in bodies
     ]
 
 
