@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from rope_model import Contact, Divider, Layout, Mesh, Rope, Scene, Shaft
 from rope_model.codegen.structures import scene_structure
-from rope_model.physics.outline import heading
+from rope_model.physics.centreline import heading
 from rope_model.simulation.contact.self_contact import overlap_of
 from rope_model.simulation.mesh.adaptation import nearest_turn
 from rope_model.simulation.mesh.mesh_pattern import distance_past_limit, inner_length, transformation_due

@@ -18,8 +18,8 @@ length s from the left end,
 import math
 from typing import Any, NamedTuple
 
+from rope_model.physics.centreline import suspension_points
 from rope_model.physics.elementary import hypot, minimum
-from rope_model.physics.outline import suspension_points
 
 
 class Flow(NamedTuple):

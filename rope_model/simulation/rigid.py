@@ -11,8 +11,8 @@ import numpy as np
 
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.parameters import Scene
+from rope_model.physics.centreline import suspension_points
 from rope_model.physics.inextensible import Flow, energies, flow, lowest, pull, tension
-from rope_model.physics.outline import suspension_points
 from rope_model.simulation.ends.ends import HangingEnds
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.messages import messages

@@ -18,7 +18,7 @@ import numpy as np
 
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.parameters import Scene
-from rope_model.physics.outline import suspension_points
+from rope_model.physics.centreline import suspension_points
 from rope_model.simulation.contact.bodies import NO_ROOM
 from rope_model.simulation.contact.point_forces import PointForces, at_places, elements_at, nodal_forces
 from rope_model.simulation.contact.shaft import MONITOR_INTERVAL, with_passages

@@ -4,8 +4,8 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from rope_model.physics import shaft as physics
+from rope_model.physics.centreline import suspension_points
 from rope_model.physics.elementary import logical_and, logical_or, minimum
-from rope_model.physics.outline import suspension_points
 from rope_model.physics.shaft import KINDS, Body
 from rope_model.shaft_parameters import FAR, Shaft
 from rope_model.simulation.messages import messages

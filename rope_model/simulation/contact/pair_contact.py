@@ -12,7 +12,7 @@ import numpy as np
 
 from rope_model.parameters import Scene
 from rope_model.physics import hermite, rope_contact
-from rope_model.physics.outline import enclosing_box
+from rope_model.physics.centreline import enclosing_box
 from rope_model.simulation.contact.point_forces import at_places, elements_at
 from rope_model.simulation.contact.self_contact import TANGENT_ENTRIES, strands
 from rope_model.simulation.interface import BalanceRope

@@ -14,8 +14,8 @@ from rope_model.numerics.coupled_newton import Iterate, conjugate_gradients
 from rope_model.numerics.generalized_alpha import Solution
 from rope_model.parameters import Scene
 from rope_model.physics import hermite, rope_contact
+from rope_model.physics.centreline import enclosing_box
 from rope_model.physics.contact import SUMS, ContactTerms
-from rope_model.physics.outline import enclosing_box
 from rope_model.simulation.rope_system import SLOPE, Array, Evaluation, Losses, Near, RopeSystem
 
 #: rows and columns of the entries of a symmetric matrix (3, 3), upper half row by row

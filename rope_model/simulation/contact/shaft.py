@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from rope_model.parameters import Scene
-from rope_model.physics.outline import enclosing_box, middle, turns
+from rope_model.physics.centreline import enclosing_box, middle, turns
 from rope_model.physics.shaft import KINDS, distance, least_distance
 from rope_model.simulation.contact.bodies import Placed, placed_bodies
 from rope_model.simulation.contact.self_contact import overlap_of

@@ -3,8 +3,8 @@
 import numpy as np
 
 from rope_model.parameters import Scene
+from rope_model.physics.centreline import turns
 from rope_model.physics.guard import has_guards, loop_height, off_plumb, sideways, watch
-from rope_model.physics.outline import turns
 from rope_model.physics.shaft import KINDS
 from rope_model.shaft_parameters import FAR
 from rope_model.simulation.contact.shaft import nearer

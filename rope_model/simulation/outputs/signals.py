@@ -6,11 +6,11 @@ from typing import Protocol
 import numpy as np
 
 from rope_model.physics.accuracy import end_force_error, loop_error
+from rope_model.physics.centreline import turns
 from rope_model.physics.contact_error import add_contact_end_error, add_contact_loop_error, contact_error
 from rope_model.physics.estimates import loop_width
 from rope_model.physics.frame import conveyance_load
 from rope_model.physics.guard import sideways
-from rope_model.physics.outline import turns
 from rope_model.physics.shaft import KINDS
 from rope_model.physics.stress import material_values
 from rope_model.simulation.contact.shaft import clearances
