@@ -18,7 +18,7 @@ from rope_model.physics.elementary import logical_and
 from rope_model.physics.initial_curvature import CURVATURES
 from rope_model.shaft_parameters import PARTS
 from rope_model.simulation.contact.shaft import BODIES
-from rope_model.simulation.ends.paths import REACH, SIDES
+from rope_model.simulation.ends.paths import MOTION_BOUNDS, SIDES
 from rope_model.simulation.fidelity import FIDELITIES
 from rope_model.simulation.outputs.neglected_effects import neglected_text
 from rope_model.simulation.outputs.signal_table import SHAPE_POINTS, SIGNALS
@@ -65,10 +65,10 @@ def constant(name: str) -> str:
 def parameter_structures() -> str:
     """Return the text of parameters.h: bounds of motions, codes of choices, a structure for each group."""
     parts = [f"enum {{ MAX_ELEMENTS = {MAX_ELEMENTS} }};\n"]
-    names, reach = ", ".join(map(c_string, REACH)), ", ".join(map(repr, REACH.values()))
+    names, reach = ", ".join(map(c_string, MOTION_BOUNDS)), ", ".join(map(repr, MOTION_BOUNDS.values()))
     parts.append(
         "/* of the values of an EndMotion: names and largest sizes */\n"
-        f"#define END_MOTION_NAMES {{{names}}}\n#define END_MOTION_REACH {{{reach}}}\n"
+        f"#define END_MOTION_NAMES {{{names}}}\n#define END_MOTION_BOUNDS {{{reach}}}\n"
     )
     curvatures = ", ".join(f"&(rope).{name}" for name in CURVATURES)
     parts.append(f"/* all values of a Rope's permanent curvature */\n#define CURVATURES_OF(rope) {{{curvatures}}}\n")

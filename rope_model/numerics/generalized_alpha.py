@@ -52,7 +52,7 @@ class Motion:
     reaction: Array
 
 
-class Assessed(Protocol):
+class HasReaction(Protocol):
     """Evaluation of a system at an instant, with at least its residual."""
 
     @property
@@ -60,7 +60,7 @@ class Assessed(Protocol):
         """Residual R: zero where free, the force of the surroundings where prescribed."""
 
 
-B = TypeVar("B", bound=Assessed)
+B = TypeVar("B", bound=HasReaction)
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ static int largest(int axes, const double *sizes) {
 void ends_refusal(const Scene *scene, const EndMotion *target, const double limits[14], int side, char *message) {
     const Inputs *inputs = &scene->inputs;
     static const char *const names[] = END_MOTION_NAMES;
-    static const double bounds[] = END_MOTION_REACH;
+    static const double bounds[] = END_MOTION_BOUNDS;
     static const char *const units[2][2] = {{"m", "rad"}, {"m/s", "rad/s"}};
     message[0] = '\0';
     for (int i = 0; i < (int)(sizeof bounds / sizeof *bounds) && !message[0]; i++) {

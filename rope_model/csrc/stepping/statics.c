@@ -92,10 +92,10 @@ void hanging_guess(int nodes, const double *s, const double left[3], const doubl
     const int e = middle_before(nodes, s, 0, middle);
     const double cell =
         interpolate_midpoints(nodes, s, e, middle, s[e + 1] - s[e], e < nodes - 2 ? s[e + 2] - s[e + 1] : 0.0);
-    Hanging legs = hanging_shape(length, middle, width, cell);
+    InitialShape legs = initial_shape(length, middle, width, cell);
     if (minimum(legs.left_leg, legs.right_leg) <= legs.lean) {
         say_rope_too_short(message, length, width, fabs(left[1] - right[1]));
         return;
     }
-    for (int k = 0; k < nodes; k++) hanging_node_row(&legs, left, across, s[k], q + (ptrdiff_t)DOF * k);
+    for (int k = 0; k < nodes; k++) initial_node_row(&legs, left, across, s[k], q + (ptrdiff_t)DOF * k);
 }

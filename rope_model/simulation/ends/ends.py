@@ -23,7 +23,7 @@ from rope_model.parameters import Scene, Swivel
 from rope_model.physics.elementary import atan2, cos, hypot, maximum, minimum, sin, sqrt, where
 from rope_model.physics.swivel import friction_moment
 from rope_model.simulation.ends.input_filter import InputFilter, Limits
-from rope_model.simulation.ends.paths import END_NODE, LEANS, PATH, REACH, EndMotion, EndPath
+from rope_model.simulation.ends.paths import END_NODE, LEANS, MOTION_BOUNDS, PATH, EndMotion, EndPath
 from rope_model.simulation.ends.swivel_phases import Phase, SwivelState, moment_of_swivel, swivel_friction
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import ANGLE, SLOPE, Array
@@ -153,7 +153,7 @@ def right_offset(left: Any, right: Any) -> Any:
 def refusal(scene: Scene, target: EndMotion, limits: Limits, side: str) -> str:
     """Return '' if an end can follow ``target`` on a path with these limits; else cause and cure."""
     inputs, clamped = scene.inputs, getattr(scene, side).attachment == "clamped"
-    for name, bound in REACH.items():
+    for name, bound in MOTION_BOUNDS.items():
         if -bound <= (value := getattr(target, name)) <= bound:
             if value != 0 and name.startswith("lean") and not clamped:
                 return messages.no_clamp(side, name, value)

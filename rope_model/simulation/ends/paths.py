@@ -145,4 +145,4 @@ def ends_at(paths: tuple[EndPath, EndPath], t: float) -> tuple[EndMotion, EndMot
 
 
 #: bound of each value of EndMotion
-REACH = {name: float(numeric_bounds(EndMotion, name)[1] or 0.0) for name in parameters_of(EndMotion)}
+MOTION_BOUNDS = {name: float(numeric_bounds(EndMotion, name)[1] or 0.0) for name in parameters_of(EndMotion)}

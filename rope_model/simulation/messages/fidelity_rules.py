@@ -11,7 +11,7 @@ from typing import Any
 from rope_model.physics import estimates
 from rope_model.physics.elementary import logical_and, logical_or, maximum, where
 from rope_model.physics.guard import has_guards
-from rope_model.physics.inextensible import lowest, pull
+from rope_model.physics.inextensible import min_tension, rigid_tensions
 from rope_model.physics.initial_curvature import max_curvature
 from rope_model.simulation.contact.bodies import may_touch
 from rope_model.simulation.ends.paths import EndMotion
@@ -107,7 +107,7 @@ def _errs_too_much(scene: Any, fidelity: Any, left: Any, right: Any, forces: Any
 
 
 def _would_go_slack(scene: Any, fidelity: Any, left: Any, right: Any, forces: Any) -> tuple[Any, ...]:
-    tension = lowest(pull(scene.rope, scene.layout, left, right))
+    tension = min_tension(rigid_tensions(scene.rope, scene.layout, left, right))
     return logical_and(fidelity == "rigid", tension < 0), tension
 
 

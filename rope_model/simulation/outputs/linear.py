@@ -32,7 +32,7 @@ from rope_model.simulation.ends.paths import SIDES
 from rope_model.simulation.ends.swivel_phases import Phase
 from rope_model.simulation.messages.fidelity_rules import not_plumb
 from rope_model.simulation.outputs.modal import assembled
-from rope_model.simulation.outputs.signals import Evaluated
+from rope_model.simulation.outputs.signals import SignalSource
 from rope_model.simulation.rope_kernels import Features, rope_element
 from rope_model.simulation.rope_system import Array, arc_lengths
 from rope_model.simulation.simulator import RopeSimulator
@@ -62,7 +62,7 @@ class LinearRope:
     maps: tuple[sp.csr_matrix, sp.csr_matrix, sp.csr_matrix]
 
 
-def linear_rope(rope: Evaluated, speed: float = 0.0) -> LinearRope:
+def linear_rope(rope: SignalSource, speed: float = 0.0) -> LinearRope:
     """Return the small motions of a rope at rest, or of one through which its left end winds at the speed [m/s].
 
     Raises

@@ -23,7 +23,7 @@ import numpy as np
 
 from rope_model.physics.element import PARAMETERS
 from rope_model.physics.elementary import maximum
-from rope_model.physics.hanging import hanging_shape, node_row
+from rope_model.physics.initial_shape import initial_shape, node_row
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
 
@@ -131,7 +131,7 @@ def hanging_guess(s: Array, left: Array, right: Array) -> Array:
     """Return two straight legs and a half circle between the suspension points ``left`` and ``right`` (nodes, 7).
 
     ``s`` are the arc lengths of the nodes.  The half circle lies in the vertical plane of the two points, see
-    physics.hanging.
+    physics.initial_shape.
     """
     length = float(s[-1])
     across = np.array([right[0] - left[0], 0.0, right[2] - left[2]])
@@ -141,7 +141,7 @@ def hanging_guess(s: Array, left: Array, right: Array) -> Array:
     across = across / width
     middle = 0.5 * (length + left[1] - right[1])  # arc length of the lowest point
     cell = float(np.interp(middle, 0.5 * (s[:-1] + s[1:]), np.diff(s)))
-    legs = hanging_shape(length, middle, width, cell)
+    legs = initial_shape(length, middle, width, cell)
     if min(legs.left_leg, legs.right_leg) <= legs.lean:
         raise StaticsError(messages.rope_too_short(length, width, abs(left[1] - right[1])))
     q = np.zeros((s.size, 7))
