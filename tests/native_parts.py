@@ -48,8 +48,8 @@ double mesh_transformation_due(const Pattern *p, double bottom, double slack) {
     return transformation_due(p, bottom, slack);
 }
 void arrays_of(double *q, double *v, double *a, double *reaction, double *lengths, double *s, int nodes,
-               Arrays *arrays) {
-    Arrays of = {q, v, a, NULL, NULL, reaction, lengths, s, NULL, nodes - 1, nodes};
+               NodalArrays *arrays) {
+    NodalArrays of = {q, v, a, NULL, NULL, reaction, lengths, s, NULL, nodes - 1, nodes};
     *arrays = of;
 }
 """
