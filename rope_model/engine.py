@@ -18,8 +18,8 @@ from rope_model.codegen.structures import scene_structure
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.parameters import Scene
 from rope_model.simulation.contact.point_forces import NO_FORCES, PointForces
-from rope_model.simulation.ends.ends import Phase
 from rope_model.simulation.ends.paths import SIDES, EndMotion
+from rope_model.simulation.ends.swivel_phases import Phase
 from rope_model.simulation.fidelity import Fidelity
 from rope_model.simulation.interface import BalanceRope, Snapshot, Status, state_in
 from rope_model.simulation.mesh.partition import Partition
@@ -27,7 +27,7 @@ from rope_model.simulation.messages import messages
 from rope_model.simulation.messages.result_warnings import WARNINGS
 from rope_model.simulation.outputs.signal_table import SIGNALS, checked_names
 from rope_model.simulation.state import Event, Powers, RopeState
-from rope_model.simulation.wires import NO_MEMORY
+from rope_model.simulation.wires import NO_HYSTERESIS
 from rope_model.solver_parameters import FidelityChoice
 
 _MOTIONS = struct.Struct(f"{2 * len(EndMotion.__dataclass_fields__)}d")
@@ -306,7 +306,7 @@ def _unpack(data: bytes) -> RopeState:
         fidelity_reason=s.fidelity_reason.decode(),
         events=tuple(_event(event) for event in s.events[: s.event_count]),
         powers=Powers(s.power_ends, s.power_swivel),
-        hysteresis=values[6 * size + 2 * n + 1 :].reshape(n, -1).copy() if s.rubs else NO_MEMORY,
+        hysteresis=values[6 * size + 2 * n + 1 :].reshape(n, -1).copy() if s.rubs else NO_HYSTERESIS,
     )
 
 

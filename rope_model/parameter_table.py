@@ -14,7 +14,7 @@ T = TypeVar("T")
 #: rad, a full turn as messages round it
 _TURN = 6.2832
 #: least value of parameters above 0, because tools know no open intervals
-LEAST = 1e-15
+TINY = 1e-15
 
 
 class Parameter(NamedTuple):
@@ -45,7 +45,7 @@ class Parameter(NamedTuple):
         return (f"in [{lower}, {upper}]" if upper else f">= {lower}") + (f" {unit}" if unit not in ("", "1") else "")
 
 
-class Joint(NamedTuple):
+class CrossCheck(NamedTuple):
     """Check of several parameters of a data class ``x``; codegen.tables makes the C of it."""
 
     what: str
@@ -75,7 +75,7 @@ def parameter(default: T, unit: str, description: str, bounds: Bounds = _ANY, tu
     return field(default=default, metadata=Parameter(unit, description, *bounds, tunable)._asdict())
 
 
-def direction(description: str) -> float:
+def angle_parameter(description: str) -> float:
     """Return a field that is an angle of at most a full turn; a larger number was given in degrees."""
     cure = "give it in radians: 45 degrees are 0.7854"
     return parameter(0.0, "rad", description, Bounds(-_TURN, _TURN, cure))
@@ -120,16 +120,16 @@ def require(ok: bool, what: str, value: Any, bound: str, cure: str) -> None:
         raise ValueError(f"{what} = {value!r} is out of range: it must be {bound}; {cure}")
 
 
-class Checked:
+class ParameterGroup:
     """Data that are checked when they are made."""
 
-    joint = tuple[Joint, ...]()
+    cross_checks = tuple[CrossCheck, ...]()
 
     def __post_init__(self) -> None:
         self.require_in_bounds()
 
     def require_in_bounds(self) -> None:
-        """Raise ValueError unless all are finite, of their choices, in their bounds, and ``joint`` holds."""
+        """Raise ValueError unless all are finite, of their choices, in their bounds, and ``cross_checks`` hold."""
         order = check_order(type(self))
         for name, p in order:
             value = getattr(self, name)
@@ -146,7 +146,7 @@ class Checked:
             if not ok:
                 bound = p.bound.format(repr(getattr(self, p.other))) if p.other else p.bound
                 require(False, name, value, bound, p.cure)
-        for what, bound, cure, formula in self.joint:
+        for what, bound, cure, formula in self.cross_checks:
             holds, value, *number = formula(self)
             require(all(holds), what, value, bound.format(*number), cure)
 

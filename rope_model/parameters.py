@@ -10,13 +10,13 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal, get_type_hints
 
 from rope_model.parameter_table import (
-    LEAST,
+    TINY,
     Bounds,
-    Checked,
-    Joint,
+    CrossCheck,
+    ParameterGroup,
+    angle_parameter,
     at_least,
     choice,
-    direction,
     parameter,
     parameters_of,
 )
@@ -27,7 +27,7 @@ SwivelMode = Literal["locked", "free", "coulomb"]
 SwivelStart = Literal["locked", "relaxed"]
 Attachment = Literal["plumb", "clamped", "hinged"]
 
-_POSITIVE = at_least(LEAST, "check the rope's data sheet")
+_POSITIVE = at_least(TINY, "check the rope's data sheet")
 _TIMES_BETA_K = Bounds(0.0, 1e6, "use 1 for beta_K")
 
 
@@ -42,14 +42,14 @@ def _coupling(rope: Any) -> tuple[Any, ...]:
 
 
 @dataclass(frozen=True)
-class Rope(Checked):
+class Rope(ParameterGroup):
     """A round wire rope: T = Qa e + Qb tau, M = Qc e + Qd tau and c2 d^2 Qa e tau, bending moment EI kappa."""
 
     length: float = parameter(
         120.0,
         "m",
         "length between the two swivels",
-        Bounds(LEAST, 1e4, "give it in metres, as the rope's data sheet does"),
+        Bounds(TINY, 1e4, "give it in metres, as the rope's data sheet does"),
     )
     mass_per_length: float = parameter(8.0, "kg/m", "mass per length [assumed]", _POSITIVE)
     Qa: float = parameter(1.2e8, "N", "axial stiffness, T = Qa e + Qb tau [assumed]", _POSITIVE)
@@ -69,7 +69,7 @@ class Rope(Checked):
         1.0,
         "N.m",
         "moment of the friction between wires of the slack rope [assumed]",
-        at_least(LEAST, "use a small one where only the tension presses the wires together"),
+        at_least(TINY, "use a small one where only the tension presses the wires together"),
     )
     slip_factor: float = parameter(
         0.02,
@@ -92,7 +92,7 @@ class Rope(Checked):
     )
     torsion_damping: float = parameter(1.0, "1", "damping of torsion as a multiple of beta_K [assumed]", _TIMES_BETA_K)
     bending_damping: float = parameter(1.0, "1", "damping of bending as a multiple of beta_K [assumed]", _TIMES_BETA_K)
-    diameter: float = parameter(0.044, "m", "rope diameter [assumed]", Bounds(LEAST, 1.0, "give it in metres"))
+    diameter: float = parameter(0.044, "m", "rope diameter [assumed]", Bounds(TINY, 1.0, "give it in metres"))
     installed_twist: float = parameter(
         0.0,
         "rad",
@@ -105,7 +105,7 @@ class Rope(Checked):
         "permanent curvature, as a reel leaves it; 0: straight",
         Bounds(0.0, 10.0, "take a part of 1/R of the reel of radius R, and turn its direction for the other sense"),
     )
-    initial_curvature_angle: float = direction(
+    initial_curvature_angle: float = angle_parameter(
         "direction of that curvature at the left end, about the tangent; 0: as the loop bends"
     )
     curvature_left: float = _added_curvature("at the left end")
@@ -123,14 +123,14 @@ class Rope(Checked):
     curvature_5_across: float = _added_curvature("at 5/6 of the length, across")
     curvature_right_across: float = _added_curvature("at the right end, across")
 
-    joint = (
-        Joint(
+    cross_checks = (
+        CrossCheck(
             "(Qb + Qc) / 2",
             "below sqrt(Qa Qd) = {:.4g} N m in size",
             "or the strain energy is not positive: check Qb, Qc, Qa and Qd",
             _coupling,
         ),
-        Joint(
+        CrossCheck(
             "EI_stick",
             "0 or above EI = {!r} N m2",
             "use 0 for no friction between the wires; EI is that of wires that slide",
@@ -155,20 +155,20 @@ class Rope(Checked):
 
 
 @dataclass(frozen=True)
-class Layout(Checked):
+class Layout(ParameterGroup):
     """Positions of the ends: left at X = -spacing/2, right at +spacing/2; heights are inputs."""
 
     spacing: float = parameter(
         2.0,
         "m",
         "horizontal distance of the two suspension points [assumed]",
-        at_least(LEAST, "give the distance between the conveyances"),
+        at_least(TINY, "give the distance between the conveyances"),
     )
-    gravity: float = parameter(9.81, "m/s2", "acceleration of free fall", at_least(LEAST, "use 9.81"))
+    gravity: float = parameter(9.81, "m/s2", "acceleration of free fall", at_least(TINY, "use 9.81"))
 
 
 @dataclass(frozen=True)
-class Swivel(Checked):
+class Swivel(ParameterGroup):
     """Balance rope suspension rotor: a bearing with Coulomb friction between the rope's end and the conveyance."""
 
     mode: SwivelMode = choice(
@@ -186,7 +186,7 @@ class Swivel(Checked):
         "choose how the rope leaves it",
     )
     mean_diameter: float = parameter(
-        0.090, "m", "mean diameter of the {side} swivel's bearing [assumed]", at_least(LEAST, "take the bearing's d_m")
+        0.090, "m", "mean diameter of the {side} swivel's bearing [assumed]", at_least(TINY, "take the bearing's d_m")
     )
     mu_static: float = parameter(
         0.0018,  # a healthy rolling bearing
@@ -213,7 +213,7 @@ class Swivel(Checked):
         0.05,
         "kg.m2",
         "inertia that turns with the rope's {side} end [assumed]",
-        at_least(LEAST, "give the rotor's, 0.05 as a rule: without inertia a release is a jump in spin"),
+        at_least(TINY, "give the rotor's, 0.05 as a rule: without inertia a release is a jump in spin"),
     )
     release_time: float = parameter(0.0, "s", "time until which the {side} swivel is locked")
     start: SwivelStart = choice(

@@ -7,7 +7,7 @@ is absent.  `physics.shaft` makes the bodies from them.
 from dataclasses import dataclass, field
 from typing import get_type_hints
 
-from rope_model.parameter_table import Bounds, Checked, direction, parameter
+from rope_model.parameter_table import Bounds, ParameterGroup, angle_parameter, parameter
 
 #: m, longer than any shaft; a clearance of this much means that there is no such body
 FAR = 1e6
@@ -31,7 +31,7 @@ def _rounding(default: float, description: str) -> float:
 
 
 @dataclass(frozen=True)
-class Lining(Checked):
+class Lining(ParameterGroup):
     """Wall of the shaft: a rectangle with rounded corners or, wholly rounded, a circle."""
 
     width: float = _size(0.0, "width of the shaft in X; 0: none")
@@ -42,7 +42,7 @@ class Lining(Checked):
 
 
 @dataclass(frozen=True)
-class Conveyance(Checked):
+class Conveyance(ParameterGroup):
     """Either conveyance: an upright box that moves with the suspension point below it; its yaw is left out."""
 
     width: float = _size(0.0, "width of a conveyance in X; 0: none")
@@ -52,7 +52,7 @@ class Conveyance(Checked):
 
 
 @dataclass(frozen=True)
-class HeadRopes(Checked):
+class HeadRopes(ParameterGroup):
     """Head ropes above each conveyance: an upright row, closed between its outermost ropes."""
 
     diameter: float = _size(0.0, "diameter of a head rope; 0: none")
@@ -60,18 +60,18 @@ class HeadRopes(Checked):
 
 
 @dataclass(frozen=True)
-class Divider(Checked):
+class Divider(ParameterGroup):
     """Horizontal beam from wall to wall, of square or round section."""
 
     size: float = _size(0.0, "side or diameter of the section; 0: none")
     y: float = _position("height of the axis, from the origin of left.y and right.y")
     offset: float = _position("place of the axis across it, X where it lies along Z")
-    direction: float = direction("yaw about Y, 0: along Z")
+    direction: float = angle_parameter("yaw about Y, 0: along Z")
     rounding: float = _rounding(1.0, "radius of the corners over half the side: 0 square, 1 round")
 
 
 @dataclass(frozen=True)
-class Sump(Checked):
+class Sump(ParameterGroup):
     """Lower end of the shaft: its floor, or water standing in it."""
 
     level: float = parameter(
@@ -83,7 +83,7 @@ class Sump(Checked):
 
 
 @dataclass(frozen=True)
-class Contact(Checked):
+class Contact(ParameterGroup):
     """Contact of the rope with a body or with itself, per length: see physics.contact."""
 
     stiffness: float = parameter(
@@ -131,7 +131,7 @@ _OFF = "use 0 for no such guard"
 
 
 @dataclass(frozen=True)
-class Guard(Checked):
+class Guard(ParameterGroup):
     """Guards of the loop: thresholds, delays, and heights of those that are switches: see physics.guard."""
 
     rise: float = _threshold("m", "rise of the loop that trips a guard", _OFF)
@@ -159,7 +159,7 @@ def _velocity(axis: str, where: str) -> float:
 
 
 @dataclass(frozen=True)
-class Air(Checked):
+class Air(ParameterGroup):
     """Air in the shaft: vertical and horizontal wind, and flow aside of passing conveyances: see physics.air."""
 
     density: float = parameter(

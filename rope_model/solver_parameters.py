@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal
 
-from rope_model.parameter_table import LEAST, Bounds, Checked, Joint, at_least, choice, parameter, require
+from rope_model.parameter_table import TINY, Bounds, CrossCheck, ParameterGroup, at_least, choice, parameter, require
 
 MeshKind = Literal["tmn", "eem", "auto"]
 KernelForm = Literal["auto", "compiled", "portable"]
@@ -14,7 +14,7 @@ FidelityChoice = Literal["auto", "torsional", "spatial", "planar", "rigid"]
 Trusted = Literal["all", "position_speed", "position", "speed"]
 
 #: more elements would be a mistake in the unit of their length
-MOST_ELEMENTS = 20000
+MAX_ELEMENTS = 20000
 #: segments with given element counts, and their least counts
 SEGMENTS = {"II": 0, "III": 0, "IV": 2, "V": 0, "VI": 0}
 
@@ -31,7 +31,7 @@ def _pattern(mesh: Any) -> tuple[Any, ...]:
 
 
 @dataclass(frozen=True)
-class Mesh(Checked):
+class Mesh(ParameterGroup):
     """Partition of the rope into elements.
 
     EEM: ``elements`` of equal length.  TMN-ETM: seven segments with lengths l, l/2, l/4, l/8, l/4, l/2, l.  Without
@@ -51,12 +51,12 @@ class Mesh(Checked):
         "0 TMN-ETM, segments that follow the loop; 1 EEM, equal lengths; 2 auto, fitted to the rope",
         "choose one",
     )
-    elements: int = parameter(600, "", "number of elements, kind 1", Bounds(2, MOST_ELEMENTS, "use fewer or more"))
+    elements: int = parameter(600, "", "number of elements, kind 1", Bounds(2, MAX_ELEMENTS, "use fewer or more"))
     coarse_length: float = parameter(
         2.0,
         "m",
         "element length of segments I and VII, kind 0; in the loop 1/8 of it, without III and V 1/4",
-        at_least(LEAST, "2 m suits a 120 m rope"),
+        at_least(TINY, "2 m suits a 120 m rope"),
     )
     counts: tuple[int, int, int, int, int] = parameter(
         (2, 4, 40, 4, 2), "", "number of elements of segment {segment}, kind 0"
@@ -77,9 +77,9 @@ class Mesh(Checked):
         Bounds(0.0, 1.0, "0 suits most studies"),
     )
 
-    joint = (
+    cross_checks = (
         *(
-            Joint(
+            CrossCheck(
                 f"element count of segment {name}",
                 f"a {'positive ' if name == 'IV' else ''}multiple of {{!r}}",
                 "a transformation moves whole coarse elements through the segment",
@@ -87,13 +87,13 @@ class Mesh(Checked):
             )
             for segment, name in enumerate(SEGMENTS)
         ),
-        Joint(
+        CrossCheck(
             "counts",
             "all five segments, or none in III and V, or none in II and VI too",
             "the pattern is the same on both sides and leaves out no length",
             _pattern,
         ),
-        Joint(
+        CrossCheck(
             "loop_error",
             "0 m unless mesh.kind = auto",
             "other kinds have the lengths that they are given: set kind = auto, or leave loop_error out",
@@ -107,7 +107,7 @@ class Mesh(Checked):
 
 
 @dataclass(frozen=True)
-class Accuracy(Checked):
+class Accuracy(ParameterGroup):
     """Allowed error of a run, from which mesh and steps follow."""
 
     end_force: float = parameter(
@@ -122,27 +122,27 @@ class Accuracy(Checked):
 
 
 @dataclass(frozen=True)
-class Solver(Checked):
+class Solver(ParameterGroup):
     """Time integration: generalized-alpha with step-size control.
 
     Newton's tolerance is in m for positions and rad for twist angles; of r' it is the change over the shortest element.
     """
 
     step_max: float = parameter(
-        0.02, "s", "largest time step", Bounds(LEAST, 1.0, "10 ms suits most ropes"), tunable=True
+        0.02, "s", "largest time step", Bounds(TINY, 1.0, "10 ms suits most ropes"), tunable=True
     )
     step_min: float = parameter(
-        1.0e-5, "s", "smallest time step; below it a step fails", Bounds(LEAST, "step_max", "use 1e-5 s"), tunable=True
+        1.0e-5, "s", "smallest time step; below it a step fails", Bounds(TINY, "step_max", "use 1e-5 s"), tunable=True
     )
     tolerance: float = parameter(
         1.0,
         "1",
         "largest local error of a step over that allowed; 1e6: no step is shortened for it",
-        Bounds(LEAST, 1e6, "use 1"),
+        Bounds(TINY, 1e6, "use 1"),
         tunable=True,
     )
     newton_tolerance: float = parameter(
-        3e-6, "1", "error that Newton's method may leave, in m and rad", Bounds(LEAST, 1e-3, "use 3e-6"), tunable=True
+        3e-6, "1", "error that Newton's method may leave, in m and rad", Bounds(TINY, 1e-3, "use 3e-6"), tunable=True
     )
     rho_inf: float = parameter(
         0.6,
@@ -167,7 +167,7 @@ class Solver(Checked):
 
 
 @dataclass(frozen=True)
-class Model(Checked):
+class Model(ParameterGroup):
     """Fidelity of the model."""
 
     fidelity: FidelityChoice = choice(
@@ -192,7 +192,7 @@ class Model(Checked):
 
 
 @dataclass(frozen=True)
-class Inputs(Checked):
+class Inputs(ParameterGroup):
     """Trust in the given motions, and how the rope's ends follow them."""
 
     given: Trusted = choice(
@@ -223,16 +223,16 @@ class Inputs(Checked):
         0.5,
         "m",
         "largest misfit of a position (m, rad) and of a speed (m/s, rad/s)",
-        Bounds(LEAST, 1e4, "0.5 admits motions that a rope can follow"),
+        Bounds(TINY, 1e4, "0.5 admits motions that a rope can follow"),
     )
     acceleration_max: float = parameter(
-        100.0, "m/s2", "largest acceleration of an end, m/s2 or rad/s2", Bounds(LEAST, 1e6, "100 is beyond any hoist")
+        100.0, "m/s2", "largest acceleration of an end, m/s2 or rad/s2", Bounds(TINY, 1e6, "100 is beyond any hoist")
     )
     hold_max: float = parameter(
         1.0,
         "s",
         "how long the sample of a moving end may be repeated",
-        Bounds(LEAST, 1e4, "1 s is beyond any slower part's step"),
+        Bounds(TINY, 1e4, "1 s is beyond any slower part's step"),
     )
 
 
@@ -240,7 +240,7 @@ _WHERE = "0 is the rope's left end, 1 its right end"
 
 
 @dataclass(frozen=True)
-class Stations(Checked):
+class Stations(ParameterGroup):
     """Points of the rope with the outputs station.*; they stay in the rope while it flows through the loop."""
 
     first: float = parameter(

@@ -43,13 +43,13 @@ MORE = """
 #include "simulator.h"
 
 double mesh_centre(const Pattern *p) { return pattern_centre(p); }
-double mesh_distance_to_due(const Pattern *p, double bottom) { return distance_to_due(p, bottom); }
+double mesh_distance_past_limit(const Pattern *p, double bottom) { return distance_past_limit(p, bottom); }
 double mesh_transformation_due(const Pattern *p, double bottom, double slack) {
     return transformation_due(p, bottom, slack);
 }
 void arrays_of(double *q, double *v, double *a, double *reaction, double *lengths, double *s, int nodes,
-               Arrays *arrays) {
-    Arrays of = {q, v, a, NULL, NULL, reaction, lengths, s, NULL, nodes - 1, nodes};
+               NodalArrays *arrays) {
+    NodalArrays of = {q, v, a, NULL, NULL, reaction, lengths, s, NULL, nodes - 1, nodes};
     *arrays = of;
 }
 """
@@ -85,7 +85,7 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
         "partition_transform": (None, p, n, p, n, p),
         "window_due": (n, p, p),
         "mesh_centre": (x, p),
-        "mesh_distance_to_due": (x, p, x),
+        "mesh_distance_past_limit": (x, p, x),
         "mesh_transformation_due": (x, p, x, x),
         "arc_lengths": (None, n, p, p),
         "transfer_interpolate": (None, n, p, p, n, p, p),

@@ -13,7 +13,7 @@ from scenes import followed, hung, wound
 from rope_model import BalanceRope, EndMotion, Mesh, Model, PointForces, RopeSimulator, Solver, balance_rope
 from rope_model.numerics import kernels
 from rope_model.parameters import Layout, Rope, Scene
-from rope_model.physics.air import AirLaw, air_law
+from rope_model.physics.air import AirCoefficients, air_coefficients
 from rope_model.physics.air_element import AIR_BALANCE, air_functions
 from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, ElementFidelity
 from rope_model.shaft_parameters import Air, Shaft, Sump
@@ -21,7 +21,7 @@ from rope_model.simulation.rope_kernels import write_bundle
 from rope_model.simulation.scene_kernels import kernels_needed
 
 STEP, LENGTH = 0.01, 10.0
-LAW = air_law(Air(density=1.2, drag=1.1, vx=1.0, vy=2.0, vz=-3.0), 0.044, 2.0)
+LAW = air_coefficients(Air(density=1.2, drag=1.1, vx=1.0, vy=2.0, vz=-3.0), 0.044, 2.0)
 #: numbers of the law, and of conveyances at rest
 A = [LAW.factor, *LAW.velocity, *LAW[2:], *8 * [0.0]]
 
@@ -52,7 +52,7 @@ def test_a_straight_element_has_the_drag_of_a_cylinder() -> None:
 
 #: m, m/s: a conveyance so high that what its bow does is over before its tail comes, which rises fast
 SPACING, HEIGHT, SPEED = 0.4, 80.0, 10.0
-PUSH = air_law(Air(density=1.2, drag=1.1, buffet=0.3, buffet_length=HEIGHT), 0.044, SPACING)
+PUSH = air_coefficients(Air(density=1.2, drag=1.1, buffet=0.3, buffet_length=HEIGHT), 0.044, SPACING)
 
 
 def air_sums(q: np.ndarray, v: np.ndarray, l: float, numbers: list[float]) -> dict[str, float]:
@@ -81,10 +81,10 @@ def test_the_bow_gives_a_rigid_leg_the_impulse_of_its_pulse() -> None:
 
 
 #: a gallery's flow, and one that has an upper end only
-GALLERY = air_law(Air(density=1.2, vx=3.0, vy=2.0, vz=-4.0, cross_y=-11.0, cross_height=4.3), 0.044, 2.0)
+GALLERY = air_coefficients(Air(density=1.2, vx=3.0, vy=2.0, vz=-4.0, cross_y=-11.0, cross_height=4.3), 0.044, 2.0)
 
 
-def upright(law: AirLaw, top: float, l: float) -> dict[str, float]:
+def upright(law: AirCoefficients, top: float, l: float) -> dict[str, float]:
     """What 60 m of straight rope below ``top``, of equal elements, get of the air."""
     q, v = np.zeros((2, NODE_DOF)), np.zeros(2 * NODE_DOF)
     q[:, 4] = -1.0

@@ -16,11 +16,11 @@ from scenes import smooth_step, wound
 
 from rope_model import EndMotion, Mesh, Rope, Scene, Solver, balance_rope
 from rope_model.physics import hermite
-from rope_model.physics.contact import ONSET, SUMS, Touch, correction_motion, largest_motion, touch
+from rope_model.physics.contact import ONSET, SUMS, ContactTerms, contact_law, correction_motion, largest_motion
 from rope_model.physics.contact_element import CONTACT_BALANCE, contact_element
 from rope_model.physics.contact_error import ContactSums, add_contact, contact_error, delay, length_for
 from rope_model.physics.element import BALANCE, ELEMENT_DOF, ElementFidelity, element_functions, parameters
-from rope_model.physics.rope_on_rope import points_skipped
+from rope_model.physics.rope_contact import points_skipped
 from rope_model.physics.shaft import KINDS, Body, distance, normal
 from rope_model.shaft_parameters import Contact, Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
 from rope_model.simulation.mesh.mesh_fit import BLOW
@@ -49,8 +49,8 @@ def touched(seed: int) -> tuple[Body, tuple[float, ...]]:
             return body, point
 
 
-def law(body: Body, point: Any, speed: Any = REST, cq: float = 0.0, cv: float = 0.0, **changed: float) -> Touch:
-    return touch(Contact(**changed), DIAMETER, body, (0.1, -0.2, 0.3), tuple(point), tuple(speed), cq, cv)
+def law(body: Body, point: Any, speed: Any = REST, cq: float = 0.0, cv: float = 0.0, **changed: float) -> ContactTerms:
+    return contact_law(Contact(**changed), DIAMETER, body, (0.1, -0.2, 0.3), tuple(point), tuple(speed), cq, cv)
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

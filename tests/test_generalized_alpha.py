@@ -13,7 +13,7 @@ from conftest import Array
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
-from rope_model.numerics.generalized_alpha import LARGEST_GROWTH, Coefficients, Motion, Solution, restart, step
+from rope_model.numerics.generalized_alpha import MAX_GROWTH, Coefficients, Motion, Solution, restart, step
 from rope_model.numerics.newton import UNKNOWN, NewtonReport, NewtonStatus, initial_progress, judge, newton, report
 
 
@@ -217,7 +217,7 @@ def test_a_step_that_grows_too_fast_does_not_extrapolate_the_acceleration() -> N
     system = SpringPendulum()
     m = integrate(system, system.start(), 0.01, 4, CONSTANT, 0.6)
     noisy = replace(m, a_rate=1e6 * np.ones_like(m.a_rate))
-    h = 1.01 * LARGEST_GROWTH * m.h
+    h = 1.01 * MAX_GROWTH * m.h
     one, other = (step(system, x, h, Coefficients(0.6), NEWTON).motion for x in (m, noisy))
     np.testing.assert_array_equal(one.q, other.q)
 

@@ -110,7 +110,7 @@ def system(rope: Rope, q: Array, held: Array | None = None, loads: Array | None 
     elements = q.shape[0] - 1
     free, nothing = np.zeros(q.shape, dtype=bool), np.zeros(q.shape)
     chain = Chain(free if held is None else held, q, nothing if loads is None else loads)
-    kernels = RopeKernels(elements, "portable", effects=(CURVED,))
+    kernels = RopeKernels(elements, "portable", features=(CURVED,))
     lengths = np.full(elements, rope.length / elements)
     return RopeSystem(kernels, lengths, np.array(parameters(rope, 0.0)), chain, q, rope=rope)
 

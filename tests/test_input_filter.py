@@ -184,7 +184,7 @@ def test_a_sample_of_a_moving_end_that_comes_again_is_extrapolated_and_counted()
         t = k * H
         sample = EndMotion(y=0.25 * t * t, vy=0.5 * t, ay=0.5, lean=0.1 * t) if k % 4 == 1 else sample
         end.step(t, sample)
-        assert end.path.leaning(t)[0][0] == pytest.approx(0.1 * t, abs=1e-12)
+        assert end.path.lean_motion(t)[0][0] == pytest.approx(0.1 * t, abs=1e-12)
         assert end.path.motion(t)[0][1] == pytest.approx(0.25 * t * t, abs=1e-6)
     assert end.filter.repeats == 150
     assert end.filter.sent_every == pytest.approx(4 * H)

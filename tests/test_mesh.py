@@ -23,8 +23,8 @@ from rope_model.physics.element import PARAMETERS, element_functions
 from rope_model.simulation.mesh import mesh_pattern as tmn
 from rope_model.simulation.mesh import partition as cells
 from rope_model.simulation.mesh.mesh_fit import DUE
-from rope_model.simulation.mesh.mesh_pattern import fewest_outer, inner_length, transformation_due
-from rope_model.simulation.mesh.partition import NOWHERE, Partition, fit_mesh, partition, transform, window_due
+from rope_model.simulation.mesh.mesh_pattern import inner_length, min_outer, transformation_due
+from rope_model.simulation.mesh.partition import NO_DIVIDERS, Partition, fit_mesh, partition, transform, window_due
 from rope_model.simulation.mesh.transfer import interpolate, transfer_fields
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE
 from rope_model.solver_parameters import Mesh
@@ -87,8 +87,8 @@ def test_the_pattern_adds_up_to_the_rope_and_is_centred_as_it_can_be(mesh: Mesh,
     if mesh.grading_length == 0:
         assert sum(p.counts) + 2 * mesh.end_levels == p.lengths.size
     # of the pattern nothing is left out but what an end cuts off
-    assert p.lengths.min() >= min(0.5**mesh.end_levels * p.coarse, p.fine) * (1 - 1e-9)
-    fewest = fewest_outer(mesh.counts)
+    assert p.lengths.min() >= min(0.5**mesh.end_levels * p.coarse, p.fine_length) * (1 - 1e-9)
+    fewest = min_outer(mesh.counts)
     assert min(p.counts[::6]) >= fewest
     assert p.counts[1:6] == mesh.counts
     # half a coarse element off, until half of the pattern is cut off
@@ -102,7 +102,7 @@ def test_a_transformation_moves_one_element_and_back(mesh: Mesh, length: float, 
     inner = inner_length(mesh.counts) * mesh.coarse_length
     assume(length > inner + 3 * mesh.coarse_length)
     p = partition(mesh, length, place * length)
-    assume(p.counts[6 if direction > 0 else 0] > fewest_outer(mesh.counts))
+    assume(p.counts[6 if direction > 0 else 0] > min_outer(mesh.counts))
     there = transform(p, direction)
     assert there.lengths.size == p.lengths.size
     assert there.counts[1:6] == p.counts[1:6]
@@ -132,7 +132,7 @@ def test_a_transformation_is_due_when_the_loop_has_travelled_and_not_due_back_at
         assert transformation_due(p, at) == direction
         assert transformation_due(transform(p, direction), at) == 0
     # half of the pattern beyond the end of the rope, there is nothing left to give
-    fewest = fewest_outer(p.counts[1:6])
+    fewest = min_outer(p.counts[1:6])
     spent = replace(p, counts=(p.counts[0] + p.counts[6] - fewest, *p.counts[1:6], fewest))
     assert transformation_due(spent, 119.0) == 0
 
@@ -158,7 +158,7 @@ SIDES = st.sampled_from([0, 1])
 
 
 def facing(side: int, place: float) -> tuple[float, ...]:
-    return tuple(place if k == 2 + side else math.inf for k in range(len(NOWHERE)))
+    return tuple(place if k == 2 + side else math.inf for k in range(len(NO_DIVIDERS)))
 
 
 @settings(max_examples=100, deadline=None)
@@ -299,5 +299,5 @@ def test_steps_cut_at_transformations_err_much_more_than_meshes_that_wait(monkey
 
     exact = forces(Mesh("eem", elements=240))
     waiting = np.linalg.norm(forces(Mesh("auto")) - exact)
-    monkeypatch.setattr("rope_model.simulation.stepping.stepping.LATEST", 0.0)
+    monkeypatch.setattr("rope_model.simulation.stepping.stepping.MAX_OVERSHOOT", 0.0)
     assert np.linalg.norm(forces(Mesh("auto")) - exact) > 3 * waiting

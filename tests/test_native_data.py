@@ -24,7 +24,7 @@ from rope_model.codegen.structures import EndMotionStructure, SceneStructure, sc
 from rope_model.engine import NativeRope
 from rope_model.parameters import Attachment
 from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT
-from rope_model.simulation.ends.ends import frozen, refusal
+from rope_model.simulation.ends.ends import refusal, stale_input_error
 from rope_model.simulation.ends.input_filter import InputFilter, Limits
 from rope_model.simulation.ends.paths import SIDES, EndMotion, EndPath, ends_at
 from rope_model.simulation.fidelity import FIDELITIES, choose_fidelity, lowest_sufficient, unsupported_motion
@@ -113,11 +113,11 @@ def test_acceleration_that_is_too_large_has_the_same_message(native: Any) -> Non
 
 
 def test_a_signal_that_stands_still_has_the_same_message(native: Any) -> None:
-    inputs, end_filter = scene_structure(Scene()).inputs, InputFilter(given_at=1.0, held=7.0)
+    inputs, end_filter = scene_structure(Scene()).inputs, InputFilter(given_at=1.0, steps_held=7.0)
     structure = PARTS[InputFilter](*end_filter)
     for t in (1.5, 2.0, 2.5):
-        message = text_of(native.ends_frozen, ct.byref(inputs), ct.c_double(t), ct.byref(structure), 1)
-        assert message == frozen(Inputs(), t, end_filter, "right")
+        message = text_of(native.stale_input_error, ct.byref(inputs), ct.c_double(t), ct.byref(structure), 1)
+        assert message == stale_input_error(Inputs(), t, end_filter, "right")
     assert "inputs.hold_max" in message
 
 

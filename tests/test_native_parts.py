@@ -15,14 +15,14 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from rope_model import Contact, Divider, Layout, Mesh, Rope, Scene, Shaft
 from rope_model.codegen.structures import scene_structure
-from rope_model.physics.outline import heading
+from rope_model.physics.centreline import heading
 from rope_model.simulation.contact.self_contact import overlap_of
 from rope_model.simulation.mesh.adaptation import nearest_turn
-from rope_model.simulation.mesh.mesh_pattern import distance_to_due, inner_length, transformation_due
-from rope_model.simulation.mesh.partition import NOWHERE, Partition, fit_mesh, partition, transform, window_due
+from rope_model.simulation.mesh.mesh_pattern import distance_past_limit, inner_length, transformation_due
+from rope_model.simulation.mesh.partition import NO_DIVIDERS, Partition, fit_mesh, partition, transform, window_due
 from rope_model.simulation.mesh.transfer import interpolate, transfer_fields
 from rope_model.simulation.outputs import diagnostics
-from rope_model.simulation.outputs.diagnostics import LoopBottom, direction, leg_clearance, legs_apart, loop_bottom
+from rope_model.simulation.outputs.diagnostics import LoopBottom, ends_yaw, leg_clearance, legs_apart, loop_bottom
 from rope_model.simulation.rope_system import arc_lengths
 from rope_model.simulation.stepping.statics import hanging_guess
 
@@ -133,7 +133,7 @@ def test_legs_apart_are_not_turned(parts: SimpleNamespace, hanging: tuple[float,
     assume(hanging[-1] > 15 * hanging[3])
     still, (q, lengths, s) = hanging_guess(*hang(*hanging)), sway(hanging, seed)
     q = still + size * (q - still)
-    line, diameter, above = direction(q), 0.05, hanging[3]
+    line, diameter, above = ends_yaw(q), 0.05, hanging[3]
     apart = legs_apart(q, lengths, diameter, above)
     assert apart == in_c(parts, q, lengths, s, diameter, above)
     if apart:
@@ -160,7 +160,7 @@ def test_legs_that_touch_between_their_nodes_are_not_told_apart(parts: SimpleNam
 def in_c(parts: SimpleNamespace, q: Array, lengths: Array, s: Array, diameter: float, above: float) -> bool:
     arrays = ct.create_string_buffer(ct.sizeof(ct.c_void_p) * 10)
     parts.arrays_of(q, q, q, q, lengths, s, s.size, arrays)
-    return bool(parts.legs_apart(arrays, np.array(heading(direction(q))), diameter, above))
+    return bool(parts.legs_apart(arrays, np.array(heading(ends_yaw(q))), diameter, above))
 
 
 @pytest.mark.parametrize("lowest", [0, 4])
@@ -192,9 +192,9 @@ def c_of(group: Any) -> Any:
 
 
 def c_partition(
-    parts: SimpleNamespace, mesh: Mesh, length: float, bottom: float, faced: Sequence[float] = NOWHERE
+    parts: SimpleNamespace, mesh: Mesh, length: float, bottom: float, divider_s: Sequence[float] = NO_DIVIDERS
 ) -> tuple[Any, Array]:
-    text, places = message(), np.array(faced)
+    text, places = message(), np.array(divider_s)
     elements = parts.partition_elements(c_of(mesh), length, places, text)
     if elements == 0:
         raise ValueError(text.value.decode())
@@ -263,45 +263,48 @@ def test_fitted_mesh_is_the_same(parts: SimpleNamespace, mesh: Mesh, rope: Rope,
 
 
 #: places that dividers face; a rope that these may press has three l and more beside the loop
-faces = st.just(NOWHERE) | st.tuples(*(st.just(math.inf) | st.floats(-20.0, 400.0) for _ in NOWHERE))
+faces = st.just(NO_DIVIDERS) | st.tuples(*(st.just(math.inf) | st.floats(-20.0, 400.0) for _ in NO_DIVIDERS))
 
 
 def has_legs(mesh: Mesh, length: float) -> bool:
     return mesh.kind == "tmn" and length / mesh.coarse_length - inner_length(mesh.counts) > 3.0
 
 
-@given(mesh=fitted, length=st.floats(10.0, 400.0), part=st.floats(-0.1, 1.1), faced=faces)
+@given(mesh=fitted, length=st.floats(10.0, 400.0), part=st.floats(-0.1, 1.1), divider_s=faces)
 @settings(max_examples=100, deadline=None)
 def test_partition_is_the_same_to_the_bit(
-    parts: SimpleNamespace, mesh: Mesh, length: float, part: float, faced: tuple[float, ...]
+    parts: SimpleNamespace, mesh: Mesh, length: float, part: float, divider_s: tuple[float, ...]
 ) -> None:
-    assume(faced == NOWHERE or has_legs(mesh, length))
-    ours = outcome(lambda: c_partition(parts, mesh, length, part * length, faced))
-    assert ours == outcome(lambda: as_in_c(partition(mesh, length, part * length, faced)))
+    assume(divider_s == NO_DIVIDERS or has_legs(mesh, length))
+    ours = outcome(lambda: c_partition(parts, mesh, length, part * length, divider_s))
+    assert ours == outcome(lambda: as_in_c(partition(mesh, length, part * length, divider_s)))
 
 
 @given(mesh=fitted, length=st.floats(10.0, 400.0), data=st.data())
 @settings(max_examples=50, deadline=None)
 def test_loop_that_travels_is_alike(parts: SimpleNamespace, mesh: Mesh, length: float, data: st.DataObject) -> None:
-    bottom, faced = data.draw(st.floats(0.0, length)), data.draw(faces if has_legs(mesh, length) else st.just(NOWHERE))
+    bottom, divider_s = (
+        data.draw(st.floats(0.0, length)),
+        data.draw(faces if has_legs(mesh, length) else st.just(NO_DIVIDERS)),
+    )
     try:
-        old = partition(mesh, length, bottom, faced)
+        old = partition(mesh, length, bottom, divider_s)
     except ValueError:
         assume(False)
-    ours = pattern, lengths = c_partition(parts, mesh, length, bottom, faced)
+    ours = pattern, lengths = c_partition(parts, mesh, length, bottom, divider_s)
     for place in data.draw(st.lists(st.floats(0.0, length), min_size=1, max_size=5)):
         slack, moved = data.draw(st.sampled_from((0.0, 1e-7))), data.draw(st.floats(-5.0, 5.0))
-        faced = tuple(x + moved for x in faced)
-        assert parts.window_due(pattern, np.array(faced)) == window_due(old, faced)
+        divider_s = tuple(x + moved for x in divider_s)
+        assert parts.window_due(pattern, np.array(divider_s)) == window_due(old, divider_s)
         while direction := transformation_due(old, place, slack):
-            assert parts.mesh_distance_to_due(pattern, place) == distance_to_due(old, place)
+            assert parts.mesh_distance_past_limit(pattern, place) == distance_past_limit(old, place)
             assert parts.mesh_transformation_due(pattern, place, slack) == direction
-            old = transform(old, direction, faced)
-            parts.partition_transform(pattern, int(direction), np.array(faced), len(lengths), lengths)
+            old = transform(old, direction, divider_s)
+            parts.partition_transform(pattern, int(direction), np.array(divider_s), len(lengths), lengths)
             assert [*map(bytes, ours)] == [*map(bytes, as_in_c(old))]
             assert parts.mesh_centre(pattern) == old.centre
         assert parts.mesh_transformation_due(pattern, place, slack) == 0
-        assert parts.mesh_distance_to_due(pattern, place) == distance_to_due(old, place)
+        assert parts.mesh_distance_past_limit(pattern, place) == distance_past_limit(old, place)
 
 
 def rough(s: Array, seed: int) -> Array:
@@ -333,7 +336,7 @@ def test_state_carried_elsewhere_is_equal(parts: SimpleNamespace, direction: int
     mesh = Mesh(grading_length=growth)
     old = partition(mesh, 120.0, 50.0)
     pattern, lengths = c_partition(parts, mesh, 120.0, 50.0)
-    parts.partition_transform(pattern, direction, np.array(NOWHERE), len(lengths), lengths)
+    parts.partition_transform(pattern, direction, np.array(NO_DIVIDERS), len(lengths), lengths)
     new_s = arc_lengths(lengths)
     fields = np.array([rough(old.nodes_s, seed + k) for k in range(2)])
     work = np.full((10 + 14 * len(fields)) * new_s.size + 1, -7.0)  # as in core.h

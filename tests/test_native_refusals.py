@@ -41,7 +41,7 @@ def test_an_advance_that_takes_too_many_steps_is_refused_alike(monkeypatch: pyte
     assert "more than 20000 steps of step_max = 0.02 s; communicate every 400 s" in statuses[0].message
     moved = EndMotion(y=0.02, vy=0.2, ay=1.0), EndMotion()
     long = ropes[1].advance_to(0.2, *moved).message
-    monkeypatch.setattr("rope_model.simulation.simulator.MOST_STEPS", 30)
+    monkeypatch.setattr("rope_model.simulation.simulator.MAX_STEPS", 30)
     short = ropes[0].advance_to(0.2, *moved).message
     number = re.compile(r"^t = [^ ]+ s: (30|20000) steps")
     assert number.sub("", long) == number.sub("", short)
@@ -140,7 +140,7 @@ def test_a_rope_that_is_turned_in_for_too_long_is_refused_alike(monkeypatch: pyt
     native, python = NativeRope(scene), RopeSimulator(scene)
     said = native.initialize(0.0, EndMotion(), EndMotion(y=1.0)).message
     assert re.match(r"at \S+ of 99 rad of twist \(last increment \S+ rad, \d+ iterations in all\): no equil", said)
-    monkeypatch.setattr("rope_model.simulation.stepping.hang.MOST_CORRECTIONS", 1)
+    monkeypatch.setattr("rope_model.simulation.stepping.hang.MAX_CORRECTIONS", 1)
     told = python.initialize(0.0, EndMotion(), EndMotion(y=1.0)).message
     assert "more than the rest of a rope takes; use less twist" in told
 
@@ -148,7 +148,7 @@ def test_a_rope_that_is_turned_in_for_too_long_is_refused_alike(monkeypatch: pyt
 @pytest.mark.parametrize("most", [0.0, 5.0])
 def test_a_communication_step_of_too_much_work_is_refused(most: float, monkeypatch: pytest.MonkeyPatch) -> None:
     rope, _ = both(Scene(rope=Rope(length=60.0)))
-    monkeypatch.setattr("rope_model.simulation.simulator.most_work", lambda interval, step_max: most)
+    monkeypatch.setattr("rope_model.simulation.simulator.max_iterations", lambda interval, step_max: most)
     status = rope.advance_to(0.2, EndMotion(y=0.02, vy=0.2, ay=1.0), EndMotion())
     assert not status.valid
     assert re.search(r"Newton iterations did not lead from t = 0 s to 0\.2 s; communicate more often", status.message)

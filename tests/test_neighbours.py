@@ -12,8 +12,8 @@ from contact_scenes import FACING, GAP, SCENE, STIFFNESS, Alone, against_a_wall,
 from numpy.testing import assert_allclose, assert_array_equal
 
 from rope_model import Air, Contact, EndMotion, Rope, Shaft, Solver
+from rope_model.physics.centreline import enclosing_box
 from rope_model.physics.contact import ONSET
-from rope_model.physics.outline import enclosing_box
 from rope_model.simulation.contact.pair_contact import Pair, Rows, rows_of
 
 D, K = Rope().diameter, STIFFNESS
@@ -39,7 +39,7 @@ def test_the_force_of_crossing_strings_is_the_integral_of_the_law(degrees: float
     """``off`` is by how much the spacing of the places shows, as it does in a rope's contact with itself."""
     angle, gap = math.radians(degrees), 0.85 * D
     one, other = straight(*strand(0.0, 0.0, 0.0), S), straight(*strand(angle, 0.003, gap), S)
-    found = Pair(STRINGS, STRINGS).pressing(one, other, np.array([1.0, 0.0]))
+    found = Pair(STRINGS, STRINGS).find_contacts(one, other, np.array([1.0, 0.0]))
     assert found.force.sum(axis=0)[2] == pytest.approx(-exact_force(gap, math.sin(angle)), rel=off)
 
 
@@ -47,7 +47,7 @@ def test_a_rope_feels_both_strands_of_the_other() -> None:
     one = straight(*strand(0.0, 0.0, 0.0), S)
     upper, lower = strand(0.0, 0.0, 0.8 * D), strand(math.pi, 0.8 * D, 0.0)
     other = straight(*(np.concatenate(x) for x in zip(upper, lower, strict=True)), np.array([0, 1, 2, 9, 10, 11.0]))
-    force = Pair(STRINGS, STRINGS).pressing(one, other, np.array([1.0, 0.0])).force.sum(axis=0)
+    force = Pair(STRINGS, STRINGS).find_contacts(one, other, np.array([1.0, 0.0])).force.sum(axis=0)
     pressed, onset = 0.2 * D, ONSET * D
     each = 2.0 * K * (pressed - 0.5 * onset)
     # what joins the strands goes on along them, and presses within a diameter of their ends
@@ -147,7 +147,7 @@ def test_a_rope_that_hangs_in_pieces_presses_no_more() -> None:
     neighbours, ropes = striking(0.01)
     partners: list[Any] = [Alone(rope) for rope in ropes]
     at = 0.3
-    while not neighbours.contacts.forces[0, 1].number.size:
+    while not neighbours.contacts.forces[0, 1].point_id.size:
         assert neighbours.step(at, 0.01, partners)
         at += 0.01
         assert at < 3.0
@@ -155,4 +155,4 @@ def test_a_rope_that_hangs_in_pieces_presses_no_more() -> None:
     partners[1] = SimpleNamespace(rope=None, begin=lambda *_: None, go=lambda: True, back=list, accept=list)
     for k in range(3):
         assert neighbours.step(at + 0.01 * k, 0.01, partners)
-    assert neighbours.contacts.forces[0, 1].number.size == 0
+    assert neighbours.contacts.forces[0, 1].point_id.size == 0

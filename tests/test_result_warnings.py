@@ -25,7 +25,7 @@ from rope_model.simulation.ends.paths import SIDES, EndMotion
 from rope_model.simulation.messages import warning_messages
 from rope_model.simulation.messages.result_warnings import WARNINGS
 from rope_model.simulation.messages.rules import first_text
-from rope_model.simulation.messages.warning_rules import LONG_EXTRAPOLATION, LONGEST_EXTRAPOLATION
+from rope_model.simulation.messages.warning_rules import LONG_EXTRAPOLATION, MAX_EXTRAPOLATION
 from rope_model.simulation.state import Crossing, RopeState
 
 OUTPUTS = ("status.valid", "status.warning", "left.swivel.torque", "stress.torsion_max", "stress.bending_max")
@@ -149,7 +149,7 @@ def test_torsional_stress_is_0_like_the_torque_where_no_torsion_is_computed(resu
 
 @native
 def test_a_long_step_is_told_only_of_extrapolated_inputs_and_while_it_lasts(results: dict[str, Any]) -> None:
-    told = warning_messages.extrapolated_too_far(0.05, LONGEST_EXTRAPOLATION)
+    told = warning_messages.extrapolated_too_far(0.05, MAX_EXTRAPOLATION)
     assert results["long steps"]["warnings"] == [told] == [results["long steps"]["status.warning"]]
     assert results["long steps, motion at their end"]["warnings"] == []
     after = results["a long step, then a short one"]
@@ -197,7 +197,7 @@ def altered_states(state: RopeState, chance: random.Random) -> Iterator[RopeStat
             energy_balance=state.energy_balance._replace(kinetic=chance.choice((0.0, 1e-6, 1.0))),
             loop_yaw=chance.uniform(-4.0, 4.0),
             offsets=(0.0, chance.uniform(-6.0, 6.0)),
-            snapped_at=chance.choice((0.0, 2.5)),
+            snap_twist=chance.choice((0.0, 2.5)),
             counts=state.counts._replace(given_up=chance.choice((0, 7))),
             given_up_since=chance.uniform(0.0, 9.0),
             filters=(following_of_misfits(chance), following_of_misfits(chance)),
@@ -226,7 +226,7 @@ def test_a_step_of_the_bound_is_not_too_long_at_any_time(start: float) -> None:
     """Between instants in s since 1970 it is 2e-7 s longer or shorter."""
     rope = hung(NativeRope(rope_120("draft").scene), *AT_90_M, start)
     for k in range(1, 11):
-        assert rope.advance_to(start + k * LONGEST_EXTRAPOLATION, *AT_90_M).valid
+        assert rope.advance_to(start + k * MAX_EXTRAPOLATION, *AT_90_M).valid
         assert first_text(LONG_EXTRAPOLATION, rope.scene, rope.state) == ""
     assert rope.advance_to(rope.state.motion.t + 0.021, *AT_90_M).valid
     assert first_text(LONG_EXTRAPOLATION, rope.scene, rope.state)
@@ -243,7 +243,7 @@ def test_forces_of_extrapolated_motions_are_off_as_is_said(stop: float | None, m
         # twice the mass of a leg of 105 m times what the path misses of the acceleration, by test_masters; longer steps
         # fall in with the rope's axial swings
         jerk, mass = trip.jerk if stop is None else trip.emergency_jerk, rope_120().scene.rope.mass_per_length * 105.0
-        assert h > LONGEST_EXTRAPOLATION or np.abs(errors).max() < 2 * 2.94 * jerk * h * mass
+        assert h > MAX_EXTRAPOLATION or np.abs(errors).max() < 2 * 2.94 * jerk * h * mass
 
 
 def end_forces(trip: Winding, h: float, extrapolated: bool) -> np.ndarray:

@@ -23,7 +23,7 @@ def holding(**changed: float) -> Scene:
     return Scene(shaft=Shaft(contact=Contact(rope_stiffness=K, **changed)))
 
 
-def touches(q: Array, lengths: Array, v: Array | None = None, c: Any = (0.0, 0.0), **changed: float) -> SelfContacts:
+def contacts(q: Array, lengths: Array, v: Array | None = None, c: Any = (0.0, 0.0), **changed: float) -> SelfContacts:
     return find_self_contacts(holding(**changed), q, 0 * q if v is None else v, lengths, *c)
 
 
@@ -106,7 +106,7 @@ def test_the_forces_of_a_pair_cancel_and_its_friction_leaves_its_couple(seed: in
     rng = np.random.default_rng(seed)
     q, lengths = crossing(0.8 * D, 0.4)
     q += 0.003 * rng.normal(size=q.shape)
-    found, R = touches(q, lengths, rng.normal(size=q.shape)), np.zeros_like(q)
+    found, R = contacts(q, lengths, rng.normal(size=q.shape)), np.zeros_like(q)
     found.take_force(R)
     sums = found.sums()
     assert sums["contact_dissipated"] > 0
@@ -123,8 +123,8 @@ def test_the_force_is_the_energys_gradient_without_losses(seed: int) -> None:
     q, lengths = crossing(0.8 * D, 0.4)
     q += 0.003 * rng.normal(size=q.shape)
     R, way, size = np.zeros_like(q), rng.normal(size=q.shape), 1e-7
-    touches(q, lengths).take_force(R)
-    more, less = (touches(q + sign * size * way, lengths).sums()["contact"] for sign in (1, -1))
+    contacts(q, lengths).take_force(R)
+    more, less = (contacts(q + sign * size * way, lengths).sums()["contact"] for sign in (1, -1))
     assert (more - less) / (2 * size) == pytest.approx(np.vdot(R, way), rel=1e-5)
 
 
@@ -136,17 +136,17 @@ def test_the_tangent_is_the_forces_derivative_where_nothing_is_left_out() -> Non
 
     def force(q: Array, v: Array, **changed: float) -> Array:
         R = np.zeros_like(q)
-        touches(q, lengths, v, **changed).take_force(R)
+        contacts(q, lengths, v, **changed).take_force(R)
         return R
 
     no_losses: dict[str, float] = {"friction": 0.0, "damping": 0.0}
-    product = touches(q, lengths, c=(1.0, 0.0), **no_losses).times(x)
+    product = contacts(q, lengths, c=(1.0, 0.0), **no_losses).times(x)
     stiffness = (force(q + size * x, 0 * q, **no_losses) - force(q - size * x, 0 * q, **no_losses)) / (2 * size)
     assert np.abs(product).max() > 1e5
     assert_allclose(product, stiffness, atol=1e-5 * np.abs(product).max())
     v = np.zeros_like(q)
     v[3:, :2], x[3:, :2] = (0.02, 0.01), (1.0, 2.0)
-    product = touches(q, lengths, v, (0.0, 1.0), damping=0.0).times(x)
+    product = contacts(q, lengths, v, (0.0, 1.0), damping=0.0).times(x)
     rate = (force(q, v + size * x, damping=0.0) - force(q, v - size * x, damping=0.0)) / (2 * size)
     assert_allclose(product, rate, atol=1e-5 * np.abs(product).max())
 

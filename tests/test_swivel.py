@@ -13,7 +13,8 @@ from scipy.integrate import solve_ivp
 from rope_model import BalanceRope, EndMotion, Mesh, Model, Rope, RopeSimulator, Scene, Solver, Swivel, balance_rope
 from rope_model.numerics.generalized_alpha import Motion, StepResult
 from rope_model.physics.swivel import friction_moment
-from rope_model.simulation.ends.ends import HangingEnds, Phase, SwivelState
+from rope_model.simulation.ends.ends import HangingEnds
+from rope_model.simulation.ends.swivel_phases import Phase, SwivelState
 from rope_model.simulation.model import RopeModel
 from rope_model.simulation.rope_system import Evaluation, RopeSystem
 from rope_model.simulation.state import Event

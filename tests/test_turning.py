@@ -197,7 +197,7 @@ def test_the_rest_of_a_twisted_rope_is_stable_in_any_steps(twist: float, monkeyp
     assert natural_modes(half.system, half.state.motion.q, 1).frequencies[0] > 0  # stable, or it raises
     # convergence at 1e-11 of the length, times what the softest mode makes of it
     assert_allclose(half.state.loop_yaw, rope.state.loop_yaw, rtol=0, atol=1e-5)
-    assert (rope.state.snapped_at != 0) == (twist > 6.5)
+    assert (rope.state.snap_twist != 0) == (twist > 6.5)
 
 
 def test_a_rope_that_snapped_over_says_so_while_it_rests() -> None:

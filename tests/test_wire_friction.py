@@ -11,8 +11,15 @@ from scenes import passed
 
 from rope_model import Mesh, Rope, Scene, Solver
 from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, POINTS, ElementFidelity, element_functions, parameters
-from rope_model.physics.wire_element import LATEST, wire_functions
-from rope_model.physics.wire_friction import MEMORY, Slid, section_at, slide, slip_curvature, wire_stiffness
+from rope_model.physics.wire_element import TANGENT_SIZE, wire_functions
+from rope_model.physics.wire_friction import (
+    POINT_STATE_SIZE,
+    BoucWenStep,
+    bouc_wen_step,
+    section_at,
+    slip_curvature,
+    wire_stiffness,
+)
 from rope_model.simulation.wires import carry, history
 
 #: 1/m
@@ -21,10 +28,10 @@ K0 = 0.02
 ROPE = Rope(length=10.0, EI=300.0, EI_stick=1300.0, slip_moment=20.0, slip_factor=0.0)
 
 
-def bent(z: float, before: float, after: float) -> Slid:
+def bent(z: float, before: float, after: float) -> BoucWenStep:
     """A section of a straight rope whose curvature about one axis goes from ``before`` to ``after``."""
     straight = 1.0, 0.0, 0.0
-    return slide((*straight, 0.0, before, 0.0, 0.0, 0.0, z, 0.0), (*straight, 0.0, after, 0.0, 0.0), K0)
+    return bouc_wen_step((*straight, 0.0, before, 0.0, 0.0, 0.0, z, 0.0), (*straight, 0.0, after, 0.0, 0.0), K0)
 
 
 def path(curvatures: Array) -> tuple[Array, Array]:
@@ -89,7 +96,7 @@ def test_below_slip_next_to_nothing_is_lost() -> None:
 def random_sections(seed: int, number: int) -> tuple[Array, Array]:
     """(10, number), (7, number): sections that bend, turn and spin, with any z that friction can have."""
     chance = np.random.default_rng(seed)
-    before, now = chance.normal(size=(MEMORY, number)), chance.normal(size=(7, number))
+    before, now = chance.normal(size=(POINT_STATE_SIZE, number)), chance.normal(size=(7, number))
     now[:3] = before[:3] + 0.3 * now[:3]
     for x in (before, now):
         x[:3] /= np.linalg.norm(x[:3], axis=0)
@@ -103,7 +110,7 @@ def random_sections(seed: int, number: int) -> tuple[Array, Array]:
 
 def test_friction_only_takes_energy_and_holds_no_more_than_its_moment() -> None:
     before, now = random_sections(1, 2000)
-    slid = slide(before, now, K0)
+    slid = bouc_wen_step(before, now, K0)
     assert (slid.dissipated >= 0).all()
     assert (np.linalg.norm(slid.z, axis=0) <= K0 * (1 + 1e-12)).all()
     assert_allclose((now[:3] * np.array(slid.z)).sum(axis=0), 0.0, atol=1e-12 * K0)  # across the rope
@@ -120,7 +127,7 @@ def test_what_turns_as_a_whole_remembers_all() -> None:
         return np.cos(angle) * y + np.sin(angle) * np.cross(t, y, axis=0)
 
     now[3:6], now[6] = turned(before[3:6]), before[6] + angle
-    slid = slide(before, now, K0)
+    slid = bouc_wen_step(before, now, K0)
     # the turn errs by 34 / 40320 of angle^7, 1e-8, times a curvature of up to 5 1/m
     assert_allclose(slid.z, turned(before[7:]), atol=6e-8)
     assert (slid.dissipated < 6e-8 * K0).all()
@@ -166,7 +173,9 @@ def test_while_wires_stick_the_residual_is_the_derivative_of_the_energy(fidelity
 def test_at_rest_a_fresh_rope_has_the_stiffness_of_wires_that_stick(fidelity: ElementFidelity) -> None:
     plain, wires, kept = element_functions(fidelity), wire_functions(fidelity), list(ELEMENT_DOF[fidelity])
     q, still = element_state(fidelity, 3)[:, kept].ravel(), np.zeros(2 * len(kept))
-    stuck = np.array(wires.tangent(q, 2.0, at_rest(element_state(fidelity, 3), np.zeros(9)), np.zeros(LATEST), 1.0))
+    stuck = np.array(
+        wires.tangent(q, 2.0, at_rest(element_state(fidelity, 3), np.zeros(9)), np.zeros(TANGENT_SIZE), 1.0)
+    )
     H = at_rest(element_state(fidelity, 3), np.zeros(9))
     slopes = difference(lambda x: np.array(wires.residual(x, 2.0, H)).ravel(), q, 1e-7)
     assert_allclose(stuck, slopes, atol=1e-6 * np.abs(stuck).max())
@@ -178,7 +187,7 @@ def test_at_rest_a_fresh_rope_has_the_stiffness_of_wires_that_stick(fidelity: El
         np.array(plain.tangent(q, still, still, 2.0, F, np.array(parameters(Rope(EI=EI), 9.81)), 1.0, 0.0, 0.0, q)[1])
         for EI in (ROPE.EI_stick, ROPE.EI)
     )
-    added = np.array(wires.tangent(q, 2.0, at_rest(straight, np.zeros(9)), np.zeros(LATEST), 1.0))
+    added = np.array(wires.tangent(q, 2.0, at_rest(straight, np.zeros(9)), np.zeros(TANGENT_SIZE), 1.0))
     assert_allclose(added, stiff - soft, atol=1e-9 * np.abs(stiff).max())
 
 

@@ -17,7 +17,7 @@ from evidence.contact.brush import FITTED, Brush, Trip, brush, errors
 from evidence.sampling import BENDING, MASS, SPACING, STIFFNESS, Draws
 from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics import contact_error
-from rope_model.physics.contact_error import with_contact_at_ends, with_contact_of_place
+from rope_model.physics.contact_error import add_contact_end_error, add_contact_loop_error
 from rope_model.shaft_parameters import Contact, Divider, Shaft
 from rope_model.simulation.mesh.partition import fit_mesh
 from rope_model.solver_parameters import Mesh
@@ -78,7 +78,7 @@ def judge(trip: Trip) -> list[Judged]:
 def _judged(trip: Trip, x: Brush, fine: Brush) -> Judged:
     found = errors(x, fine)
     force = float(np.linalg.norm(x.forces.reshape(-1, 2, 3), axis=2).max())
-    adds = with_contact_at_ends(0.0, x.sums, trip.stop, force), with_contact_of_place(trip.scene, 0.0, x.sums)
+    adds = add_contact_end_error(0.0, x.sums, trip.stop, force), add_contact_loop_error(trip.scene, 0.0, x.sums)
 
     def asked(k: int) -> Asked:
         added, told = float(adds[k]), x.told[k + 1]

@@ -8,7 +8,7 @@ from evidence.tables import Table, Tables, records
 from rope_model.parameters import Rope, Scene
 from rope_model.shaft_parameters import Shaft
 from rope_model.simulation.mesh import mesh_fit, mesh_pattern
-from rope_model.simulation.mesh.partition import faced_by, fit_mesh, partition
+from rope_model.simulation.mesh.partition import fit_mesh, mesh_dividers, partition
 
 
 def page(tables: Tables) -> str:
@@ -43,6 +43,6 @@ def _price(length: float) -> tuple[str, ...]:
     """The fitted mesh of a rope without a divider and with one."""
     scenes = (Scene(Rope(length=length), shaft=shaft) for shaft in (Shaft(), past().scene.shaft))
     free, pressed = (
-        partition(fit_mesh(scene), length, 0.5 * length, faced_by(scene, 0.0, 0.0)).lengths for scene in scenes
+        partition(fit_mesh(scene), length, 0.5 * length, mesh_dividers(scene, 0.0, 0.0)).lengths for scene in scenes
     )
     return number(length), number(free.size), number(pressed.size), number(pressed.max(), ".2f")

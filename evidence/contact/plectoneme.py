@@ -34,7 +34,7 @@ from evidence.contact.turned import helix
 from evidence.ropes import at_rest, follow, smooth_step
 from rope_model import EndMotion
 from rope_model.parameters import Layout, Rope, Scene
-from rope_model.physics.rope_on_rope import self_contact_law
+from rope_model.physics.rope_contact import self_contact_law
 from rope_model.shaft_parameters import Air, Contact, Shaft
 from rope_model.solver_parameters import Mesh, Solver
 

@@ -19,7 +19,7 @@ from rope_model.numerics.generalized_alpha import Coefficients, restart, step
 from rope_model.parameters import Rope, Scene
 from rope_model.physics.element import parameters
 from rope_model.shaft_parameters import Contact, Shaft, Sump
-from rope_model.simulation.contact.surroundings import surroundings
+from rope_model.simulation.contact.obstacles import find_obstacles
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import RopeSystem
 
@@ -39,13 +39,13 @@ def rebound(speed: float, damping: float, stiffness: float, h: float) -> Rebound
     """An impact at ``speed`` (m/s), with steps of ``h`` (s), without numerical dissipation."""
     rope = Rope(length=LENGTH, Qb=0.0, Qc=0.0, beta_K=0.0)
     contact = Contact(stiffness=stiffness, damping=damping, friction=0.0)
-    around = surroundings(Scene(rope=rope, shaft=Shaft(sump=Sump(level=-GAP - 0.5 * rope.diameter), contact=contact)))
-    assert around
+    bodies = find_obstacles(Scene(rope=rope, shaft=Shaft(sump=Sump(level=-GAP - 0.5 * rope.diameter), contact=contact)))
+    assert bodies
     q = np.zeros((ELEMENTS + 1, 7))
     q[:, 0], q[:, 3] = np.linspace(0.0, LENGTH, ELEMENTS + 1), 1.0
     kernels = partial(RopeKernels, ELEMENTS, "portable", fidelity="planar")
     parts = np.diff(q[:, 0]), np.array(parameters(rope, 0.0)), StaticBoundary.at(q, OUT_OF_PLANE), q
-    system = RopeSystem(kernels(), *parts, around=around, touching=partial(kernels, effects=around.kinds))
+    system = RopeSystem(kernels(), *parts, obstacles=bodies, touching=partial(kernels, features=bodies.kinds))
     v = np.zeros_like(q)
     v[:, 1] = -speed
     motion, start = restart(system, 0.0, q, v, np.zeros_like(q))

@@ -10,15 +10,15 @@ from evidence.mesh_rule.laws import Laws
 from evidence.mesh_rule.scenes import JUDGE, draw
 from evidence.tables import Array, Table
 from rope_model.physics.elementary import sqrt
-from rope_model.simulation.mesh.mesh_fit import FADE_ERROR, LONGEST, NATURAL_RADIUS, fit_lengths
+from rope_model.simulation.mesh.mesh_fit import FADE_ERROR, MAX_LENGTH, NATURAL_RADIUS, fit_lengths
 from rope_model.solver_parameters import Mesh
 
 #: ropes: the rule itself costs nothing
 MANY = 400
-#: loop elements over w on which it hangs too high by more than it trembles; how far from LONGEST one is beyond doubt
+#: loop elements over w on which it hangs too high by more than it trembles; how far from MAX_LENGTH one is beyond doubt
 UNLOCKED, AT_LEAST = 0.15, 0.05
 #: the longest elements of the rule in w, in a loop as narrow as a free one
-LONGEST_USED = LONGEST * NATURAL_RADIUS
+LONGEST_USED = MAX_LENGTH * NATURAL_RADIUS
 
 
 class Shares(NamedTuple):
@@ -35,7 +35,7 @@ def shares(found: Laws, asked: float) -> Shares:
     for d in draw(JUDGE, MANY):
         S = laws.stiffness(np.array(d.rope.Qa), np.array(d.rope.EI), np.array(d.w))
         of = fit_lengths(d.scene(Mesh()), asked, math.log10(FADE_ERROR / asked))
-        fine, half = np.array(of.fine), np.array(0.5 * math.pi * of.radius + of.fade)
+        fine, half = np.array(of.fine_length), np.array(0.5 * math.pi * of.radius + of.fade)
         layer = sqrt(d.rope.EI / (0.5 * d.rope.mass_per_length * d.layout.gravity * d.rope.length))
         loop.append(float(laws.loop_error(found.loop.values, fine, np.array(d.w), S)) / asked)
         cover.append(float(laws.cover_error(found.cover.values, fine, half, np.array(d.w))) / asked)

@@ -13,7 +13,7 @@ from evidence.reproduction.claim import Claim, Section
 from evidence.ropes import require
 from evidence.tables import Array, Table, Tables, table
 from rope_model import EndMotion, Model, RopeSimulator, Swivel, rope_120
-from rope_model.simulation.ends.ends import Phase, SwivelState
+from rope_model.simulation.ends.swivel_phases import Phase, SwivelState
 from rope_model.simulation.mesh.transfer import interpolate
 from rope_model.simulation.outputs.modal import natural_modes
 from rope_model.simulation.rope_system import arc_lengths

@@ -18,7 +18,8 @@ from rope_model.simulation import rope_kernels
 def modified_element(frame_rate: FrameRate = smallest_rotation_rate, gauss_points: int = 3) -> Iterator[None]:
     """Ropes made inside have the element with another frame of the section or another quadrature."""
     points, weights = np.polynomial.legendre.leggauss(gauss_points)
-    places: dict[str, Any] = {"POINTS": 0.5 + 0.5 * points, "WEIGHTS": 0.5 * weights, "FRAME": 6 * gauss_points + 3}
+    places: dict[str, Any] = {"POINTS": 0.5 + 0.5 * points, "WEIGHTS": 0.5 * weights}
+    places["FRAME_SIZE"] = 6 * gauss_points + 3
     uncached = element.element_functions.__wrapped__
 
     def functions(fidelity: element.ElementFidelity = "torsional") -> element.ElementFunctions:

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple, Protocol
 from hoist_demo.control.trajectory import Braking, TrajectoryPoint
 from hoist_demo.parameters import Hoist
 from hoist_demo.parameters.quantity import Bounds, Stated, quantity
-from rope_model.physics.elementary import both, larger, smaller, tanh, where
+from rope_model.physics.elementary import logical_and, maximum, minimum, tanh, where
 
 
 @dataclass(frozen=True)
@@ -142,9 +142,9 @@ class SpeedController:
         force, error = self.force(motion, travel, speed, integral)
         wanted = self._holding_torque + self._radius * force
         limit = self._hoist.torque_available(speed / self._radius)
-        torque = smaller(larger(wanted, -limit), limit)
+        torque = minimum(maximum(wanted, -limit), limit)
         # anti-windup: integrate unless that would push further into the limit
-        stands = both(torque != wanted, error * wanted > 0.0)
+        stands = logical_and(torque != wanted, error * wanted > 0.0)
         grown = integral + h * self._gains.speed * error / self._gains.integral_time
         return torque, torque != wanted, where(stands, integral, grown)
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lining, Play, require
 from hoist_demo.parameters.quantity import VANISHING, Bounds, Stated, quantity
-from rope_model.physics.elementary import larger
+from rope_model.physics.elementary import maximum
 
 GRAVITY = 9.81  #: Acceleration of free fall [m/s^2].
 SIDES = ("left", "right")  #: Sides of a hoist: its conveyances, and the ends of its balance ropes.
@@ -173,7 +173,7 @@ class Hoist(Stated):
         """Largest torque of the motor [N m] at a speed of rotation [rad/s], by torque and power; also of symbols."""
         if self.power_limit is None:
             return self.torque_limit
-        return self.power_limit / larger(abs(rate), self.power_limit / self.torque_limit)
+        return self.power_limit / maximum(abs(rate), self.power_limit / self.torque_limit)
 
 
 T = TypeVar("T")

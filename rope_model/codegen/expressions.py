@@ -27,8 +27,8 @@ _CALLS = {
     ca.OP_POW: "pow",
     ca.OP_CONSTPOW: "pow",
     ca.OP_COPYSIGN: "copysign",
-    ca.OP_FMAX: "larger",
-    ca.OP_FMIN: "smaller",
+    ca.OP_FMAX: "maximum",
+    ca.OP_FMIN: "minimum",
 }
 _INFINITE = {math.inf: "INFINITY", -math.inf: "-INFINITY"}
 #: length above which an expression gets a name

@@ -31,11 +31,11 @@ _HEAD = """\
 #include "core.h"
 
 /* x where they are equal, or when y is not a number */
-static inline double larger(double x, double y) {
+static inline double maximum(double x, double y) {
     return y > x ? y : x;
 }
 
-static inline double smaller(double x, double y) {
+static inline double minimum(double x, double y) {
     return y < x ? y : x;
 }
 """

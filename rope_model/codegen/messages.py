@@ -7,7 +7,7 @@ numbers as Python does.
 import re
 
 from rope_model.simulation.messages import fidelity_messages, messages, warning_messages
-from rope_model.simulation.messages.text import Text
+from rope_model.simulation.messages.text import Template
 from rope_model.texts import c_string
 
 #: modules of texts
@@ -28,9 +28,9 @@ _HEAD = """\
 _TYPES = {float: "double ", int: "int ", str: "const char *"}
 
 
-def texts() -> dict[str, Text]:
+def texts() -> dict[str, Template]:
     """Return all texts by name."""
-    return {name: text for module in SPOKEN for name, text in vars(module).items() if isinstance(text, Text)}
+    return {name: text for module in SPOKEN for name, text in vars(module).items() if isinstance(text, Template)}
 
 
 def messages_code() -> str:
@@ -38,7 +38,7 @@ def messages_code() -> str:
     return _HEAD + "\n".join(_function(name, text) for name, text in texts().items()) + "\n#endif\n"
 
 
-def _function(name: str, text: Text) -> str:
+def _function(name: str, text: Template) -> str:
     declared = "".join(f", {_TYPES[kind]}{value}" for value, kind in text.kinds.items())
     form, values = "", ""
     for before, value, spec in text.parts:

@@ -32,7 +32,7 @@ from rope_model.simulation.mesh import mesh_pattern
 from rope_model.simulation.messages import fidelity_rules, warning_rules
 from rope_model.simulation.messages.result_warnings import WARNINGS
 from rope_model.simulation.messages.rules import Rules
-from rope_model.simulation.messages.text import Text
+from rope_model.simulation.messages.text import Template
 from rope_model.simulation.outputs.state_signals import remembered
 from rope_model.simulation.state import RopeState
 
@@ -62,9 +62,9 @@ NUMBERS: tuple[Callable[..., Any], ...] = (
     warning_rules.yawed_far_at_rest,
     mesh_pattern.fine_share,
     mesh_pattern.inner_length,
-    mesh_pattern.fewest_outer,
+    mesh_pattern.min_outer,
     mesh_pattern.pattern_centre,
-    mesh_pattern.distance_to_due,
+    mesh_pattern.distance_past_limit,
     mesh_pattern.transformation_due,
     mesh_pattern.window_place,
     swivel_phases.frictionless,
@@ -204,7 +204,7 @@ def _table(name: str, rules: Rules) -> str:
     return f"static inline int tell_{name}({declared}char *message) {{\n{unused}{body}    return 0;\n}}\n"
 
 
-def _rule(message: Text, formula: Callable[..., tuple[Any, ...]], facts: Mapping[str, _Fact]) -> str:
+def _rule(message: Template, formula: Callable[..., tuple[Any, ...]], facts: Mapping[str, _Fact]) -> str:
     """Return a block that writes the message if it applies."""
     results = formula(*(fact.symbols for fact in facts.values()))
     lines, texts = _texts([x for x in results if not isinstance(x, Word)])

@@ -12,11 +12,11 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 from rope_model.physics.guard import CAUSES
 from rope_model.physics.shaft import KINDS
-from rope_model.simulation.ends.ends import Phase, SwivelState
 from rope_model.simulation.ends.switching import CHATTER_EVENTS
-from rope_model.simulation.mesh.partition import NOWHERE
+from rope_model.simulation.ends.swivel_phases import Phase, SwivelState
+from rope_model.simulation.mesh.partition import NO_DIVIDERS
 from rope_model.simulation.state import Counts, RopeState
-from rope_model.simulation.wires import NO_MEMORY
+from rope_model.simulation.wires import NO_HYSTERESIS
 
 MESSAGE = 512  #: bytes of a message
 SEGMENTS = 7  #: segments of TMN-ETM
@@ -57,7 +57,7 @@ class PatternStructure(Structure):
 
     _fields_ = (
         *(("coarse", c_double), ("grading_length", c_double), ("counts", c_int * SEGMENTS), ("end_levels", c_int)),
-        ("windows", c_int * len(NOWHERE)),
+        ("windows", c_int * len(NO_DIVIDERS)),
     )
 
 
@@ -139,14 +139,14 @@ def _arrays_code() -> str:
     return f"""
 /* behind a state: nodes x DOF each, element lengths (elements), arc lengths of the nodes (nodes), and of a rope with
    friction between its wires z (elements x WIRE_Z) */
-enum {{ FIELDS = {len(ARRAYS)}, WIRE_Z = {NO_MEMORY.shape[1]} }};
+enum {{ FIELDS = {len(ARRAYS)}, WIRE_Z = {NO_HYSTERESIS.shape[1]} }};
 typedef struct {{
     double *{", *".join((*ARRAYS, "lengths", "s", "z"))};
     int elements, nodes;
-}} Arrays;
+}} NodalArrays;
 
-static inline Arrays state_arrays(State *state) {{
-    Arrays x;
+static inline NodalArrays state_arrays(State *state) {{
+    NodalArrays x;
     x.elements = state->elements;
     x.nodes = state->elements + 1;
     const size_t size = (size_t)x.nodes * DOF;

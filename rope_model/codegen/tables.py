@@ -12,19 +12,19 @@ from rope_model.codegen.formula_functions import structure_at
 from rope_model.codegen.state_structures import structure_code
 from rope_model.codegen.structures import GROUPS, NOT_IN_C, EndMotionStructure, SceneStructure, ShaftStructure, members
 from rope_model.numerics.program import no_simplification
-from rope_model.parameter_table import Joint, Parameter, check_order, parameters_of
+from rope_model.parameter_table import CrossCheck, Parameter, check_order, parameters_of
 from rope_model.parameters import GROUPS as GROUPS_BY_NAME
-from rope_model.physics.elementary import both
+from rope_model.physics.elementary import logical_and
 from rope_model.physics.initial_curvature import CURVATURES
 from rope_model.shaft_parameters import PARTS
 from rope_model.simulation.contact.shaft import BODIES
-from rope_model.simulation.ends.paths import REACH, SIDES
+from rope_model.simulation.ends.paths import MOTION_BOUNDS, SIDES
 from rope_model.simulation.fidelity import FIDELITIES
 from rope_model.simulation.outputs.neglected_effects import neglected_text
 from rope_model.simulation.outputs.signal_table import SHAPE_POINTS, SIGNALS
 from rope_model.simulation.outputs.signals import group_of
-from rope_model.simulation.simulator import SHORTEST_INTERVAL
-from rope_model.solver_parameters import MOST_ELEMENTS, FidelityChoice
+from rope_model.simulation.simulator import MIN_INTERVAL
+from rope_model.solver_parameters import MAX_ELEMENTS, FidelityChoice
 from rope_model.texts import c_string
 
 _HEAD = "/* Generated from the parameters of rope_model by rope_model.codegen.tables. */\n"
@@ -64,15 +64,15 @@ def constant(name: str) -> str:
 
 def parameter_structures() -> str:
     """Return the text of parameters.h: bounds of motions, codes of choices, a structure for each group."""
-    parts = [f"enum {{ MOST_ELEMENTS = {MOST_ELEMENTS} }};\n"]
-    names, reach = ", ".join(map(c_string, REACH)), ", ".join(map(repr, REACH.values()))
+    parts = [f"enum {{ MAX_ELEMENTS = {MAX_ELEMENTS} }};\n"]
+    names, reach = ", ".join(map(c_string, MOTION_BOUNDS)), ", ".join(map(repr, MOTION_BOUNDS.values()))
     parts.append(
         "/* of the values of an EndMotion: names and largest sizes */\n"
-        f"#define END_MOTION_NAMES {{{names}}}\n#define END_MOTION_REACH {{{reach}}}\n"
+        f"#define END_MOTION_NAMES {{{names}}}\n#define END_MOTION_BOUNDS {{{reach}}}\n"
     )
     curvatures = ", ".join(f"&(rope).{name}" for name in CURVATURES)
     parts.append(f"/* all values of a Rope's permanent curvature */\n#define CURVATURES_OF(rope) {{{curvatures}}}\n")
-    parts.append(f"/* s, of rope_advance_to */\n#define ROPE_SHORTEST_INTERVAL {SHORTEST_INTERVAL}\n")
+    parts.append(f"/* s, of rope_advance_to */\n#define ROPE_MIN_INTERVAL {MIN_INTERVAL}\n")
     parts += [*(_codes(*choice) for kind in GROUPS for choice in _choices(kind)), *map(_structure, GROUPS)]
     parts += map(structure_code, (ShaftStructure, SceneStructure, EndMotionStructure))
     text = "\n".join(parts)
@@ -139,7 +139,7 @@ def _bounds(kind: type[Any]) -> str:
     calls += [f'require_finite(check, "{name}", x->{name})' for name, _ in table if known[name].real]
     calls += [_range(name, p, known[name].real) for name, p in table if p.bound and not p.choices]
     with no_simplification():
-        body = "".join([*(f"    {call};\n" for call in calls), *(_joint(kind, joint) for joint in kind.joint)])
+        body = "".join([f"    {call};\n" for call in calls] + [_cross_check(kind, x) for x in kind.cross_checks])
     head = f"static void check_{kind.__name__.lower()}(const Check *check, const {kind.__name__} *x)"
     return f"\n{head} {{\n{body}}}\n"
 
@@ -155,26 +155,26 @@ def _scene_check() -> str:
     return f"\nvoid check_scene(const Scene *scene, char *message) {{\n    message[0] = '\\0';\n{''.join(calls)}}}\n"
 
 
-def _joint(kind: type[Any], joint: Joint) -> str:
-    """Return a block that refuses values which violate a joint check; numbers from integers are printed as such."""
+def _cross_check(kind: type[Any], check: CrossCheck) -> str:
+    """Return a block that refuses values which violate a cross-check; numbers from integers are printed as such."""
     x = structure_at(kind, "x->")
     vars(x).update({name: Word(f"x->{name}", name) for name, _ in _choices(kind)})
-    holds, value, *number = joint.formula(x)
+    holds, value, *number = check.formula(x)
     values = value if isinstance(value, tuple) else (value,)
-    lines, (condition, *numbers) = texts_of([both(*holds), *values, *number])
+    lines, (condition, *numbers) = texts_of([logical_and(*holds), *values, *number])
     used = set(re.findall(r"x->(\w+)", "".join((*lines, condition, *numbers))))
     whole = not any(m.real for m in members(kind) if m.name in used)
     written = [f"ROUNDED({x}, 10)" if whole else f"EXACT({x})" for x in numbers]
-    value_text, bound = written[0], c_string(joint.bound)
+    value_text, bound = written[0], c_string(check.bound)
     if isinstance(value, tuple):
         form = ", ".join("%s" for _ in value)
         lines += ["char given[96];", f'snprintf(given, sizeof given, "({form})", {", ".join(written)});']
         value_text = "given"
-    if placeholder := re.search(r"\{(?::\.(\d)g|!r)\}", joint.bound):
+    if placeholder := re.search(r"\{(?::\.(\d)g|!r)\}", check.bound):
         text = f"ROUNDED({numbers[-1]}, {placeholder[1]})" if placeholder[1] else written[-1]
-        before, behind = c_string(joint.bound[: placeholder.start()]), c_string(joint.bound[placeholder.end() :])
+        before, behind = c_string(check.bound[: placeholder.start()]), c_string(check.bound[placeholder.end() :])
         bound = f"JOINED({before}, {text}, {behind})"
-    refused = f"refuse(check, {c_string(joint.what)}, {value_text}, {bound}, {c_string(joint.cure)})"
+    refused = f"refuse(check, {c_string(check.what)}, {value_text}, {bound}, {c_string(check.cure)})"
     body = "".join(f"        {line}\n" for line in (*lines, f"if (!({condition})) {refused};"))
     return f"    {{\n{body}    }}\n"
 

@@ -42,7 +42,7 @@ static inline double end_value(const EndMotion *motion, int number) {
 /* Refuse a target motion that is out of range, or whose filter_limits exceed the scene's. */
 void ends_refusal(const Scene *scene, const EndMotion *target, const double limits[14], int side, char *message);
 /* Refuse a motion that has not changed for longer than hold_max. */
-void ends_frozen(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message);
+void stale_input_error(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message);
 /* Return the moment about the tangent on the rope's end, N m, from the end's row of the reaction. */
 double ends_moment(const Scene *scene, const State *state, int side, const double *reaction);
 /* Angle and rate of the rope's end against the conveyance, from theta and its rate. */
@@ -59,18 +59,18 @@ void unsupported_motion(const Scene *scene, int fidelity, const EndMotion ends[2
 /* mesh/adaptation.c */
 double nearest_turn(double angle, double last); /* Return the angle plus full turns that is closest to last. */
 
-/* mesh/partition.c; `bottom` is the arc length of the loop's lowest point, `faced` has PLACES_FACED entries */
-double partition_fine(const Pattern *pattern, const double *lengths); /* Length of elements in the loop segment, m. */
+/* mesh/partition.c; `bottom_s` is the arc length of the loop's lowest point, `divider_s` has DIVIDERS entries */
+double partition_fine_length(const Pattern *pattern, const double *lengths); /* Of elements in the loop segment, m. */
 Mesh fit_mesh(const Scene *scene);
 /* Arc lengths of the legs that face a divider; INFINITY for none, and for a mesh that the user gives. */
-void faced_by(const Scene *scene, double left, double right, double *faced);
+void mesh_dividers(const Scene *scene, double left, double right, double *divider_s);
 /* Return the number of elements of a mesh other than AUTO_MESH; 0 with a message if it does not fit the length. */
-int partition_elements(const Mesh *mesh, double length, const double *faced, char *message);
+int partition_elements(const Mesh *mesh, double length, const double *divider_s, char *message);
 /* Fill pattern and lengths; partition_elements counts the elements. */
-void partition(const Mesh *mesh, double length, double bottom, const double *faced, int elements, Pattern *pattern,
-               double *lengths);
-void partition_transform(Pattern *pattern, int direction, const double *faced, int elements, double *lengths);
-int window_due(const Pattern *pattern, const double *faced); /* True if a divider has left its window. */
+void partition(const Mesh *mesh, double length, double bottom_s, const double *divider_s, int elements,
+               Pattern *pattern, double *lengths);
+void partition_transform(Pattern *pattern, int direction, const double *divider_s, int elements, double *lengths);
+int window_due(const Pattern *pattern, const double *divider_s); /* True if a divider has left its window. */
 
 /* mesh/transfer.c */
 /* Interpolate x (nodes x DOF) at arc lengths `places`: y (number x DOF). */
@@ -92,21 +92,21 @@ typedef struct {
     double number;     /* turns of one side of the rope about the other */
     double sharpest_y; /* height around which they change most, m */
 } LoopTurns;
-double diagnostics_direction(const Arrays *m); /* Return the yaw of the line from the left to the right end. */
+double ends_yaw(const NodalArrays *m); /* Return the yaw of the line from the left to the right end. */
 LoopBottom loop_bottom(int nodes, const double *q, const double *s);
 /* Return the smallest clearance between the legs, m, from `above` the loop's bottom upwards.  `pair`, not negative, has
    the blocks that were nearest in the last call, to speed up the search.  Takes 10 kB of stack. */
 double leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
                      double diameter, double above, int pair[2]);
 /* True if the legs are certainly apart, and within a quarter turn of `across`, the line from left to right. */
-int legs_apart(const Arrays *m, const double across[2], double diameter, double above);
-LoopTurns loop_turns(const Arrays *m, const LoopBottom *bottom);
+int legs_apart(const NodalArrays *m, const double across[2], double diameter, double above);
+LoopTurns loop_turns(const NodalArrays *m, const LoopBottom *bottom);
 /* Ascending arc lengths `places` (points) over the whole rope, denser around the bottom; `loop` is loop_width(). */
 void shape_places(double total, double bottom_s, double loop, int points, double *places);
 /* Coordinates xyz (points x 3) of the centre line at arc lengths `places`, which ascend. */
 void diagnostics_shape(int nodes, const double *q, const double *s, int points, const double *places, double *xyz);
 /* Tension (points), N, at arc lengths `places`, which ascend, by the balance of momentum to the left of them. */
-void diagnostics_tension(const Arrays *arrays, double rho, double gravity, int points, const double *places,
+void diagnostics_tension(const NodalArrays *arrays, double rho, double gravity, int points, const double *places,
                          double *tension);
 /* Return the last element from k on whose middle is at or before arc length `place`, or k. */
 int middle_before(int nodes, const double *s, int k, double place);
@@ -115,9 +115,9 @@ double interpolate_midpoints(int nodes, const double *s, int k, double place, do
 
 /* outputs/guards.c */
 /* Return the height of the loop's bottom above its quasi-static position, m. */
-double guards_rise(const Scene *scene, const State *state, const Arrays *arrays, const LoopBottom *bottom);
-void guards_at_rest(const Scene *scene, State *state); /* Reset the guards of a rope at rest. */
-void with_guards(const Scene *scene, State *state);    /* Update the guards at the state's time. */
+double guards_rise(const Scene *scene, const State *state, const NodalArrays *arrays, const LoopBottom *bottom);
+void set_rise_reference(const Scene *scene, State *state); /* Reset the guards of a rope at rest. */
+void with_guards(const Scene *scene, State *state);        /* Update the guards at the state's time. */
 
 /* parameter_table.c */
 /* Check all parameters; a message names the group, as in "rope: Qa = ...". */
@@ -128,8 +128,8 @@ void require_in_bounds(const Mesh *mesh, char *message); /* Check a mesh alone, 
 void rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes, const double *s, double *q, double *v,
                 double *a, double *reaction, double *kinetic, double *gravity, char *message);
 /* Tension (points), N, at arc lengths `places` with heights y. */
-void rigid_tension(const Arrays *arrays, double rho, double gravity, int points, const double *places, const double *y,
-                   double *tension);
+void rigid_tension(const NodalArrays *arrays, double rho, double gravity, int points, const double *places,
+                   const double *y, double *tension);
 /* Change of both end tensions, N, when one end's position, speed and acceleration along an axis change. */
 void tension_change(const Scene *scene, const EndMotion ends[2], int side, int axis, const double change[3],
                     double gained[2]);

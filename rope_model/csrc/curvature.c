@@ -3,22 +3,22 @@
 #include "simulator.h"
 
 int is_curved(const Simulator *rope, const State *state) {
-    return rope->curved != NULL && state->fidelity == TORSIONAL && most_curvature(&rope->scene.rope) > 0;
+    return rope->curved != NULL && state->fidelity == TORSIONAL && max_curvature(&rope->scene.rope) > 0;
 }
 
-Rope partly_curved(const Rope *whole, double part) {
+Rope partly_curved(const Rope *whole, double fraction) {
     Rope rope = *whole;
     double *const values[] = CURVATURES_OF(rope);
-    for (size_t k = 0; k < sizeof values / sizeof *values; k++) *values[k] *= part;
+    for (size_t k = 0; k < sizeof values / sizeof *values; k++) *values[k] *= fraction;
     return rope;
 }
 
 void curved_reference(Simulator *rope, State *state, const double *q) {
     const Rope *data = &rope->scene.rope;
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     double e1[3] = DIRECTOR_START, components[6], found[12], *to = rope->curved, s = 0;
     const int elements = is_curved(rope, state) ? m.elements : 0;
-    for (int e = 0; e < elements; e++, q += DOF, to += CURVED) {
+    for (int e = 0; e < elements; e++, q += DOF, to += CURVATURE_SIZE) {
         const double material[] = {q[ANGLE], q[DOF + ANGLE], data->EI};
         curvature_components(data, s, m.lengths[e], components);
         curvature_vectors(components, m.lengths[e], q, e1, found);

@@ -39,13 +39,13 @@ static size_t lay_out(Simulator *rope, Arena *arena) {
     rope->strains = reserve(arena, sizeof *rope->strains * n);
     rope->frames = reserve(arena, chain_frames_bytes(rope->elements));
     rope->work = reserve(arena, chain_work_bytes(rope->elements));
-    if (most_curvature(&scene->rope) > 0) rope->curved = numbers(arena, CURVED * n);
-    if (rubs) rope->wires = numbers(arena, WIRE_HISTORY * n);
-    if (rubs) rope->latest = numbers(arena, WIRE_LATEST * (n + MOST_LANES - 1));
-    rope->around = reserve(arena, sizeof *rope->around);
+    if (max_curvature(&scene->rope) > 0) rope->curved = numbers(arena, CURVATURE_SIZE * n);
+    if (rubs) rope->wires = numbers(arena, WIRE_HISTORY_SIZE * n);
+    if (rubs) rope->latest = numbers(arena, WIRE_TANGENT_SIZE * (n + MAX_LANES - 1));
+    rope->obstacles = reserve(arena, sizeof *rope->obstacles);
     rope->self_contact = reserve(arena, sizeof *rope->self_contact);
     const ClearanceCache cache = {.q = numbers(arena, size), .lengths = numbers(arena, n)};
-    const Surroundings around = {.scene = scene, .cache = cache, .near = reserve(arena, sizeof *around.near * n)};
+    const Obstacles obstacles = {.scene = scene, .cache = cache, .near = reserve(arena, sizeof *obstacles.near * n)};
     SelfContactState self_contact = {.scene = scene, .presses = presses};
     self_contact.cache = (ClearanceCache){.q = numbers(arena, size), .lengths = numbers(arena, n)};
     self_contact.scratch = numbers(arena, CG_ARRAYS * size);
@@ -56,11 +56,11 @@ static size_t lay_out(Simulator *rope, Arena *arena) {
     self_contact.others = reserve(arena, sizeof *self_contact.others * n);
     const size_t used = arena->used;
     if (presses) { /* room for strands that lie in each other */
-        const size_t places = (size_t)most_points(scene->rope.length, rope->elements, scene->rope.diameter);
-        self_contact.touches = reserve(arena, sizeof *self_contact.touches * MOST_STRANDS * places);
+        const size_t places = (size_t)max_points(scene->rope.length, rope->elements, scene->rope.diameter);
+        self_contact.contacts = reserve(arena, sizeof *self_contact.contacts * MAX_STRANDS * places);
     }
     if (arena->block == NULL) return used;
-    *rope->around = around;
+    *rope->obstacles = obstacles;
     *rope->self_contact = self_contact;
     return used;
 }

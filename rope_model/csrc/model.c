@@ -3,15 +3,15 @@
 #include "simulator.h"
 
 /* Return the relative vertical speed of the ends, m/s. */
-static double end_speed(const Arrays *m) {
+static double relative_end_speed(const NodalArrays *m) {
     return m->v[1] - end_row(m->v, m->nodes, RIGHT)[1];
 }
 
 /* Load of conveyances, bodies and air on the rope: force and moment about the origin. */
 static void load_on(const Simulator *rope, State *state, const System *s, double load[6]) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     double contact[CONTACT_BALANCE], air[AIR_BALANCE];
-    rope_system_outside(s, m.q, m.v, contact);
+    external_sums(s, m.q, m.v, contact);
     chain_of(rope, state)->air(s, m.q, m.v, air);
     for (int k = 0; k < 6; k++) load[k] = contact[CONTACT_LOAD + k] + air[1 + k];
     for (int side = LEFT; side <= RIGHT; side++) {
@@ -33,7 +33,7 @@ static void restart_audit(const Simulator *rope, State *state, const System *s) 
 
 void begin_audit(const Simulator *rope, State *state) {
     if (state->fidelity == RIGID) return;
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const System s = rope_system(rope, state);
     restart_audit(rope, state, &s);
     chain_of(rope, state)->momentum(&s, m.q, m.v, state->audit.sums);
@@ -43,7 +43,7 @@ void begin_audit(const Simulator *rope, State *state) {
 /* Audit a step; `before` has the vertical reactions of the ends at its start. */
 static void audit_step(const Simulator *rope, State *state, const System *s, double h, double time_shift,
                        const double before[2]) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const Coefficients method = {rope->scene.solver.rho_inf};
     double load[6], force = 0, change = 0;
     load_on(rope, state, s, load);
@@ -53,11 +53,11 @@ static void audit_step(const Simulator *rope, State *state, const System *s, dou
         change = fmax(change, fabs(now - before[side]));
     }
     state->audit = audit_after_step(&state->audit, &method, h, time_shift, load, force, change,
-                                    axial_share(&rope->scene.rope, model_bottom(rope, state, state->t), h));
+                                    axial_share(&rope->scene.rope, model_bottom_s(rope, state, state->t), h));
 }
 
 /* Return the largest square of the change of r' over an element. */
-static double largest_bend(const Arrays *m) {
+static double largest_bend(const NodalArrays *m) {
     double largest = 0;
     for (int k = 0; k < m->elements; k++) {
         const double *d = m->q + (size_t)k * DOF + SLOPE, *next = d + DOF;
@@ -68,7 +68,7 @@ static double largest_bend(const Arrays *m) {
 }
 
 void audit_interval(const Simulator *rope, State *state, double h, double residual_before) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const double *left = m.q, *right = end_row(m.q, m.nodes, RIGHT);
     double sums[MOMENTUM], about[3];
     if (state->fidelity == RIGID) return;
@@ -82,10 +82,10 @@ void audit_interval(const Simulator *rope, State *state, double h, double residu
 
 /* Return the local error of a trial step divided by its tolerance. */
 static double relative_error(const Simulator *rope, State *state, const StepResult *result) {
-    const Arrays old = state_arrays(state);
+    const NodalArrays old = state_arrays(state);
     const Coefficients method = {rope->scene.solver.rho_inf};
-    const StepLimits limits = step_limits(&rope->scene, &state->errors, model_bottom(rope, state, state->t),
-                                          end_speed(&old), local_error(&method, 1, 1));
+    const StepLimits limits = step_limits(&rope->scene, &state->errors, model_bottom_s(rope, state, state->t),
+                                          relative_end_speed(&old), local_error(&method, 1, 1));
     const double strain = fmax(fabs(result->strains[LEFT]), fabs(result->strains[RIGHT]));
     return step_error(&limits, result->h, result->error, strain);
 }
@@ -93,8 +93,8 @@ static double relative_error(const Simulator *rope, State *state, const StepResu
 StepResult model_trial(Simulator *rope, State *state, double h) {
     System s = rope_system(rope, state);
     StepResult result = generalized_alpha_step(rope, state, &s, h);
-    result.near = s.around != NULL && s.around->any;
-    result.relative = result.reached ? relative_error(rope, state, &result) : INFINITY;
+    result.near = s.obstacles != NULL && s.obstacles->any;
+    result.error_ratio = result.converged ? relative_error(rope, state, &result) : INFINITY;
     return result;
 }
 
@@ -109,17 +109,17 @@ void with_angles_along(Simulator *rope, State *state, double *q, double *v, doub
     state->offsets[RIGHT] += rope_system_transport(rope, state, q, v, a, b);
 }
 
-double model_bottom(const Simulator *rope, const State *state, double t) {
+double model_bottom_s(const Simulator *rope, const State *state, double t) {
     const double left = path_height(&state->paths[LEFT], t), right = path_height(&state->paths[RIGHT], t);
     return 0.5 * (rope->scene.rope.length + left - right);
 }
 
-void model_faced(const Simulator *rope, const State *state, double t, double *faced) {
-    faced_by(&rope->scene, path_height(&state->paths[LEFT], t), path_height(&state->paths[RIGHT], t), faced);
+void model_dividers(const Simulator *rope, const State *state, double t, double *divider_s) {
+    mesh_dividers(&rope->scene, path_height(&state->paths[LEFT], t), path_height(&state->paths[RIGHT], t), divider_s);
 }
 
 void model_powers(const Simulator *rope, State *state) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     state->power_ends = state->power_swivel = 0;
     for (int side = LEFT; side <= RIGHT; side++) {
         const double *R = end_row(m.reaction, m.nodes, side), *v = end_row(m.v, m.nodes, side);
@@ -146,12 +146,12 @@ static void set_energies(EnergyBalance *energy_balance, const double balance[BAL
         const double rate = end_row(v, s->elements + 1, side)[ANGLE];
         sums[KINETIC] += 0.5 * s->inertia[side] * rate * rate;
     }
-    rope_system_outside(s, q, v, contact);
+    external_sums(s, q, v, contact);
     *energy_balance = with_energies(energy_balance, sums, contact[CONTACT_ENERGY]);
 }
 
 double model_energies(Simulator *rope, State *state) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const System s = rope_system(rope, state);
     const double before = energy_total(&state->energy_balance);
     double balance[BALANCE];
@@ -161,7 +161,7 @@ double model_energies(Simulator *rope, State *state) {
 }
 
 void model_commit(Simulator *rope, State *state, const StepResult *trial) {
-    const Arrays m = state_arrays(state), *now = &rope->trial;
+    const NodalArrays m = state_arrays(state), *now = &rope->trial;
     System s = rope_system(rope, state);
     const size_t size = (size_t)m.nodes * DOF;
     const double h = trial->t - state->t, before[2] = {state->power_ends, state->power_swivel};
@@ -169,7 +169,7 @@ void model_commit(Simulator *rope, State *state, const StepResult *trial) {
     const Coefficients method = {rope->scene.solver.rho_inf};
     const double time_shift = recentring(&method, trial->h, state->h);
     EnergyBalance *energy = &state->energy_balance;
-    const double bottom = model_bottom(rope, state, state->t), speed = end_speed(&m);
+    const double bottom_s = model_bottom_s(rope, state, state->t), speed = relative_end_speed(&m);
     double losses[2], contact[CONTACT_BALANCE], air[AIR_BALANCE], paces[2], force = 0;
     for (int side = LEFT; side <= RIGHT; side++) {
         const size_t slope = (side ? size - DOF : 0) + SLOPE + 1;
@@ -184,23 +184,23 @@ void model_commit(Simulator *rope, State *state, const StepResult *trial) {
     }
     s.time = state->t + 0.5 * h;
     chain_of(rope, state)->losses(&s, m.q, m.v, losses);
-    rope_system_outside(&s, m.q, m.v, contact);
+    external_sums(&s, m.q, m.v, contact);
     state->contact = add_contact(&rope->scene, &state->contact, h, contact + CONTACT_FORCES, longest_near(&s));
     chain_of(rope, state)->air(&s, m.q, m.v, air);
-    const double slid = wires_slip(rope, state, now->q);
+    const double dissipated = update_hysteresis(rope, state, now->q);
     with_angles_along(rope, state, now->q, now->v, now->a, now->b);
     memcpy(m.q, now->q, FIELDS * sizeof(double) * size);
     state->t = s.time = trial->t;
     state->h = trial->h;
     for (int side = LEFT; side <= RIGHT; side++)
         for (int k = 0; k < 3; k++) force = fmax(force, fabs(end_row(m.reaction, m.nodes, side)[k]));
-    state->errors = add_errors(&rope->scene, &state->errors, bottom, speed, h, local_error(&method, 1, 1), paces,
+    state->errors = add_errors(&rope->scene, &state->errors, bottom_s, speed, h, local_error(&method, 1, 1), paces,
                                trial->error, force);
     model_powers(rope, state);
-    if (!trial->near) s.around = NULL;
+    if (!trial->near) s.obstacles = NULL;
     set_energies(energy, trial->balance, &s, m.q, m.v);
     const double taken[] = {losses[0], losses[1], contact[CONTACT_DISSIPATED], contact[CONTACT_MOVED]};
     const double now_powers[] = {state->power_ends, state->power_swivel};
-    *energy = account_of_step(energy, h, before, now_powers, taken, slid, air[0]);
+    *energy = account_of_step(energy, h, before, now_powers, taken, dissipated, air[0]);
     audit_step(rope, state, &s, h, time_shift, forces);
 }

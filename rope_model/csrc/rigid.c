@@ -14,14 +14,14 @@ static void flow_velocities(int nodes, const double *q, Flow flow, double *v) {
 
 void rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes, const double *s, double *q, double *v,
                 double *a, double *reaction, double *kinetic, double *gravity, char *message) {
-    const Pull pull = rigid_pull(&scene->rope, &scene->layout, &ends[LEFT], &ends[RIGHT]);
+    const RigidTensions tensions = rigid_tensions(&scene->rope, &scene->layout, &ends[LEFT], &ends[RIGHT]);
     double points[2][3], energies[2];
     message[0] = '\0';
-    if (rigid_lowest(&pull) < 0) {
-        say_rope_goes_slack(message, rigid_lowest(&pull), t);
+    if (rigid_min_tension(&tensions) < 0) {
+        say_rope_goes_slack(message, rigid_min_tension(&tensions), t);
         return;
     }
-    rigid_energies(&scene->rope, &scene->layout, &pull, &ends[LEFT], &ends[RIGHT], energies);
+    rigid_energies(&scene->rope, &scene->layout, &tensions, &ends[LEFT], &ends[RIGHT], energies);
     *kinetic = energies[0];
     *gravity = energies[1];
     suspension_points(&scene->layout, &ends[LEFT], &ends[RIGHT], points);
@@ -33,12 +33,12 @@ void rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes
         const int end = side == LEFT ? 0 : (nodes - 1) * DOF;
         memcpy(v + end, &ends[side].vx, 3 * sizeof *v);
         memcpy(a + end, &ends[side].ax, 3 * sizeof *a);
-        reaction[end + 1] = pull.tensions[side];
+        reaction[end + 1] = tensions.at_ends[side];
     }
 }
 
-void rigid_tension(const Arrays *arrays, double rho, double gravity, int points, const double *places, const double *y,
-                   double *tension) {
+void rigid_tension(const NodalArrays *arrays, double rho, double gravity, int points, const double *places,
+                   const double *y, double *tension) {
     Flow rate = rigid_flow(arrays->a[1], arrays->a[(arrays->nodes - 1) * DOF + 1]);
     for (int k = 0; k < points; k++)
         tension[k] = rigid_tension_at(rho, gravity, &rate, arrays->reaction[1], y[k] - arrays->q[1], places[k]);
@@ -48,24 +48,24 @@ void tension_change(const Scene *scene, const EndMotion ends[2], int side, int a
                     double gained[2]) {
     EndMotion moved[2] = {ends[LEFT], ends[RIGHT]};
     for (int k = 0; k < 3; k++) ((double *)&moved[side])[3 * k + axis] += change[k];
-    const Pull before = rigid_pull(&scene->rope, &scene->layout, &ends[LEFT], &ends[RIGHT]);
-    const Pull after = rigid_pull(&scene->rope, &scene->layout, &moved[LEFT], &moved[RIGHT]);
-    for (int end = LEFT; end <= RIGHT; end++) gained[end] = after.tensions[end] - before.tensions[end];
+    const RigidTensions before = rigid_tensions(&scene->rope, &scene->layout, &ends[LEFT], &ends[RIGHT]);
+    const RigidTensions after = rigid_tensions(&scene->rope, &scene->layout, &moved[LEFT], &moved[RIGHT]);
+    for (int end = LEFT; end <= RIGHT; end++) gained[end] = after.at_ends[end] - before.at_ends[end];
 }
 
 /* Refer theta of an equilibrium q, which is referred to q, to the rigid rope. */
 static void count_from_rigid(Simulator *rope, State *state, const double *rigid, double *q) {
     const size_t size = (size_t)(state->elements + 1) * DOF;
-    double *moved = rope->trial.q, *rest = rope->trial.v;
+    double *moved = rope->trial.q, *zeros = rope->trial.v;
     memcpy(moved, q, sizeof(double) * size);
-    memset(rest, 0, sizeof(double) * size);
+    memset(zeros, 0, sizeof(double) * size);
     rope_system_refer(rope, state, rigid);
-    rope_system_transport(rope, state, moved, rest, rest, rest);
+    rope_system_transport(rope, state, moved, zeros, zeros, zeros);
     for (size_t i = ANGLE; i < size; i += DOF) q[i] -= moved[i] - q[i];
 }
 
 int flexible_start(Simulator *rope, State *state, char *message) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
     const double t = state->t, offset = state->offsets[RIGHT];
     /* b and a_rate are scratch until the restart. */

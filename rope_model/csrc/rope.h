@@ -31,7 +31,7 @@ void rope_destroy(Simulator *rope);
 /* Hang the rope at rest at time t between the ends, which must not move. */
 int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]);
 /* Advance to t.  `ends` are the motions at given_at, which is t or earlier; they are extrapolated with constant
-   accelerations.  An interval below ROPE_SHORTEST_INTERVAL moves nothing; the next one starts at the same time. */
+   accelerations.  An interval below ROPE_MIN_INTERVAL moves nothing; the next one starts at the same time. */
 int rope_advance_to(Simulator *rope, double t, const EndMotion ends[2], double given_at);
 /* Advance as rope_advance_to does, but stop at the first event after at least 1 ms: a swivel is released, sticks or
    slips; a guard trips; a body is struck.  Guards and bodies are checked every 10 ms and at t.  *event, in: nonzero if

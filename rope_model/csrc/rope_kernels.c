@@ -4,15 +4,14 @@
 #include "processor.h"
 #include "rope_system.h"
 
-/* The torsional chain is the largest: a tangent has MOST entries, and a step as many for either end. */
+/* The torsional chain is the largest: a tangent has `most` entries, and a step as many for either end. */
 size_t chain_work_bytes(int elements) {
-    enum { MOST = DOF * (2 * DOF + 1) };
-    const size_t n = (size_t)elements;
-    return sizeof(double) * ((n + MOST_LANES) * MOST + (n + 1) * 2 * DOF) + sizeof(P2) * MOST * ((n + 1) / PAIR + 1);
+    const size_t n = (size_t)elements, most = DOF * (2 * DOF + 1);
+    return sizeof(double) * ((n + MAX_LANES) * most + (n + 1) * 2 * DOF) + sizeof(P2) * most * ((n + 1) / PAIR + 1);
 }
 
 size_t chain_frames_bytes(int elements) {
-    return sizeof(double) * FRAME * ((size_t)elements + MOST_LANES - 1);
+    return sizeof(double) * FRAME_SIZE * ((size_t)elements + MAX_LANES - 1);
 }
 
 extern const Chain chains_plain[3], chains_wide[3], chains_widest[3];

@@ -4,11 +4,11 @@
 
 System rope_system(const Simulator *rope, State *state) {
     const Rope *data = &rope->scene.rope;
-    const Arrays x = state_arrays(state);
+    const NodalArrays x = state_arrays(state);
     System s = {.elements = x.elements,
                 .lengths = x.lengths,
                 .frames = rope->frames,
-                .around = rope->around->bodies > 0 ? rope->around : NULL,
+                .obstacles = rope->obstacles->bodies > 0 ? rope->obstacles : NULL,
                 .self_contact = rope->self_contact->presses ? rope->self_contact : NULL,
                 .forces = rope->forces.number > 0 ? &rope->forces : NULL,
                 .time = state->t,
@@ -17,8 +17,8 @@ System rope_system(const Simulator *rope, State *state) {
                 .latest = rope->latest,
                 .shortest = x.lengths[0]};
     element_parameters(data, rope->scene.layout.gravity, s.P);
-    const AirLaw law = air_law(&rope->scene.shaft.air, data->diameter, rope->scene.layout.spacing);
-    memcpy(s.air, &law, sizeof s.air);
+    const AirCoefficients c = air_coefficients(&rope->scene.shaft.air, data->diameter, rope->scene.layout.spacing);
+    memcpy(s.air, &c, sizeof s.air);
     for (int k = 1; k < x.elements; k++) s.shortest = fmin(s.shortest, x.lengths[k]);
     for (int side = LEFT; side <= RIGHT; side++) {
         const Swivel *swivel = &rope->scene.swivels[side];
@@ -94,19 +94,19 @@ double rope_system_norm(const System *s, const double *x, double slopes) {
 
 double longest_near(const System *s) {
     double longest = 0;
-    for (int e = 0; s->around != NULL && s->around->any && e < s->elements; e++)
-        if (s->around->near[e]) longest = larger(longest, s->lengths[e]);
+    for (int e = 0; s->obstacles != NULL && s->obstacles->any && e < s->elements; e++)
+        if (s->obstacles->near[e]) longest = maximum(longest, s->lengths[e]);
     return longest;
 }
 
-void rope_system_outside(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]) {
+void external_sums(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]) {
     memset(sums, 0, sizeof(double) * CONTACT_BALANCE);
     self_contact_sums(s, q, v, sums);
     point_forces_push(s, q, v, sums);
-    if (s->around == NULL) return;
+    if (s->obstacles == NULL) return;
     find_near_bodies(s, q, v, 0);
-    for (int e = 0; s->around->any && e < s->elements; e++)
-        if (s->around->near[e]) contact_sums(s, e, q, v, sums);
+    for (int e = 0; s->obstacles->any && e < s->elements; e++)
+        if (s->obstacles->near[e]) contact_sums(s, e, q, v, sums);
 }
 
 void rope_system_strains(Simulator *rope) {

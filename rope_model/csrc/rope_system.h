@@ -1,12 +1,12 @@
 /* Equations of motion of a rope, and the forces on it.  C version of rope_model/simulation/rope_system.py and contact.
-   Arrays q, v, a, x and R have DOF entries a node; degrees of freedom that a fidelity omits stay zero. */
+   NodalArrays q, v, a, x and R have DOF entries a node; degrees of freedom that a fidelity omits stay zero. */
 #ifndef ROPE_SYSTEM_H
 #define ROPE_SYSTEM_H
 
-#include "formulas.h" /* generated, with the sizes BALANCE, FRAME, STRAINS, MOMENTUM, AIR_BALANCE and CURVED */
+#include "formulas.h" /* generated, with BALANCE, FRAME_SIZE, STRAINS, MOMENTUM, AIR_BALANCE and CURVATURE_SIZE */
 
-enum { AIR_LAW = 9, AIR = AIR_LAW + 2 * 4 };
-enum { MOST_LANES = 8 }; /* the last group of elements may have lanes to spare */
+enum { AIR_COEFFICIENTS = 9, AIR = AIR_COEFFICIENTS + 2 * 4 };
+enum { MAX_LANES = 8 }; /* the last group of elements may have lanes to spare */
 
 typedef struct {
     int status;         /* a NewtonStatus, as CONVERGED */
@@ -22,7 +22,7 @@ typedef struct {
     double rounds, per_round, slow, unsure, growing;
 } NewtonLimits;
 
-enum { FIXED = -1, MOST_BODIES = 10 };
+enum { FIXED = -1, MAX_BODIES = 10 };
 typedef struct {
     int kind, moves_with; /* moves_with: LEFT, RIGHT or FIXED */
     Body body;
@@ -41,14 +41,14 @@ typedef struct {
 /* Bodies around the rope. */
 typedef struct {
     const Scene *scene;
-    int bodies, any;            /* any: true if an element may touch a body */
-    Placed placed[MOST_BODIES]; /* bodies at the latest contact detection */
-    double speeds[MOST_BODIES][3];
+    int bodies, any;           /* any: true if an element may touch a body */
+    Placed placed[MAX_BODIES]; /* bodies at the latest contact detection */
+    double speeds[MAX_BODIES][3];
     double margin;  /* lower bound of the distances of elements not in `near`, m */
     double longest; /* longest element, m */
     ClearanceCache cache;
     unsigned *near; /* bodies that each element may touch, one bit each */
-} Surroundings;
+} Obstacles;
 
 /* Two places of the rope in contact. */
 typedef struct {
@@ -56,15 +56,15 @@ typedef struct {
     double xi;     /* element coordinate in the second element */
     double weight; /* length of rope that the law acts on, m */
     double N[8];   /* shape functions at both places, those of the second negative */
-    Touch law;
+    ContactTerms terms;
 } SelfContact;
 
 /* Contact of the rope with itself: result and buffers of find_self_contacts. */
 typedef struct {
     const Scene *scene;
-    int presses; /* true if contacts act; otherwise there is no memory for touches */
-    int number;  /* number of touches */
-    SelfContact *touches;
+    int presses; /* true if contacts act; otherwise there is no memory for them */
+    int number;  /* number of contacts */
+    SelfContact *contacts;
     double nearest[2];  /* least distance of centre lines that touch, and its height, m */
     double (*boxes)[6]; /* bounding box of each element */
     int *others;        /* elements near the present one */
@@ -89,16 +89,16 @@ typedef struct {
     int elements, free[2][DOF]; /* free: degrees of freedom of the end nodes that are not prescribed */
     const double *lengths;
     double *frames;                 /* reference of the elements' frames, from Chain.refer; aligned to 64 bytes */
-    Surroundings *around;           /* NULL without bodies */
+    Obstacles *obstacles;           /* NULL without bodies */
     SelfContactState *self_contact; /* NULL without contact of the rope with itself */
     const PointForces *forces;      /* NULL without forces */
-    const double *wires;            /* WIRE_HISTORY numbers an element; NULL without friction between wires */
-    const double *curved;           /* CURVED numbers an element; NULL without permanent curvature */
+    const double *wires;            /* WIRE_HISTORY_SIZE numbers an element; NULL without friction between wires */
+    const double *curved;           /* CURVATURE_SIZE numbers an element; NULL without permanent curvature */
     double time;                    /* time at which point forces are evaluated, s */
-    double *latest; /* WIRE_LATEST numbers an element, of the latest tangent; scratch, aligned as frames */
-    double P[PARAMETERS], air[AIR_LAW]; /* air: an AirLaw, whose first number is 0 without air */
-    double load[2], friction_load[2];   /* moments on theta of the ends; friction per newton of upward reaction */
-    double inertia[2], shortest;        /* inertia: of theta at the ends; shortest: element, m */
+    double *latest; /* WIRE_TANGENT_SIZE numbers an element, of the latest tangent; scratch, aligned as frames */
+    double P[PARAMETERS], air[AIR_COEFFICIENTS]; /* air: AirCoefficients, whose first number is 0 without air */
+    double load[2], friction_load[2]; /* moments on theta of the ends; friction per newton of upward reaction */
+    double inertia[2], shortest;      /* inertia: of theta at the ends; shortest: element, m */
 } System;
 
 /* Operations on a chain of elements at one fidelity. */
@@ -156,11 +156,11 @@ static inline void far_bodies(Nearest nearest[KINDS]) {
     for (int kind = 0; kind < KINDS; kind++) nearest[kind] = (Nearest){.clearance = FAR};
 }
 /* Find the place of the rope nearest to the bodies of each kind. */
-void shaft_clearances(const Scene *scene, const Arrays *arrays, double t, Nearest nearest[KINDS]);
+void shaft_clearances(const Scene *scene, const NodalArrays *arrays, double t, Nearest nearest[KINDS]);
 /* Update `nearest` where the rope is nearer. */
-void shaft_nearer(const Scene *scene, const Arrays *arrays, double t, Nearest nearest[KINDS]);
+void shaft_nearer(const Scene *scene, const NodalArrays *arrays, double t, Nearest nearest[KINDS]);
 
-/* contact/surroundings.c */
+/* contact/obstacles.c */
 /* Find the elements that may touch a body, now or after a move by `margin` (m). */
 void find_near_bodies(const System *s, const double *q, const double *v, double margin);
 /* Add elements that came near during Newton's corrections, whose norms sum to `corrections`; return true if any did. */
@@ -189,7 +189,7 @@ const Chain *fastest_chains(void);
 
 /* rope_system.c */
 /* Sum the contact of all elements with bodies and of the rope with itself. */
-void rope_system_outside(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
+void external_sums(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
 double longest_near(const System *s); /* Length of the longest element that may touch a body, m; 0 for none. */
 /* Return the largest entry of x where the rope is free, entries of r' times `slopes`; infinite if one is not finite. */
 double rope_system_norm(const System *s, const double *x, double slopes);

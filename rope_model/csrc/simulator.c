@@ -8,19 +8,19 @@ Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) 
     check_scene(scene, message);
     if (message[0]) return NULL;
     const Mesh mesh = fit_mesh(scene);
-    double faced[PLACES_FACED];
-    faced_by(scene, 0, 0, faced);
-    const int elements = partition_elements(&mesh, scene->rope.length, faced, message);
+    double divider_s[DIVIDERS];
+    mesh_dividers(scene, 0, 0, divider_s);
+    const int elements = partition_elements(&mesh, scene->rope.length, divider_s, message);
     if (elements == 0) {
         char why[MESSAGE];
         memcpy(why, message, sizeof why);
-        if (scene->mesh.kind == AUTO_MESH) say_fitted_mesh_fails(message, why);
+        if (scene->mesh.kind == AUTO_MESH) say_fit_fails(message, why);
         return NULL;
     }
     Simulator *rope = allocate_simulator(scene, elements, memory, message);
     if (rope == NULL) return NULL;
     rope->mesh = mesh;
-    rope->around->bodies = may_touch(&scene->shaft);
+    rope->obstacles->bodies = may_touch(&scene->shaft);
     return rope;
 }
 
@@ -94,7 +94,7 @@ static int initialize(Simulator *rope, double t, const EndMotion ends[2]) {
     const Scene *scene = &rope->scene;
     State *state = rope->next;
     char *message = rope->message;
-    if (!(fabs(t) <= FARTHEST_START)) return say_start_time_out_of_range(message, t, FARTHEST_START);
+    if (!(fabs(t) <= MAX_START_TIME)) return say_start_time_out_of_range(message, t, MAX_START_TIME);
     memset(state, 0, rope->state_bytes);
     state->elements = rope->elements;
     state->t = state->calm_since = t;
@@ -104,17 +104,17 @@ static int initialize(Simulator *rope, double t, const EndMotion ends[2]) {
     state->fidelity = choose_fidelity(scene, ends, rope->forces.number, state->fidelity_reason);
     unsupported_motion(scene, state->fidelity, ends, rope->forces.number, why);
     if (why[0]) return say_fixed_model_cannot_follow(message, fidelity_name(state->fidelity), why);
-    const Arrays m = state_arrays(state);
-    double faced[PLACES_FACED];
-    model_faced(rope, state, t, faced);
-    partition(&rope->mesh, scene->rope.length, model_bottom(rope, state, t), faced, m.elements, &state->pattern,
+    const NodalArrays m = state_arrays(state);
+    double divider_s[DIVIDERS];
+    model_dividers(rope, state, t, divider_s);
+    partition(&rope->mesh, scene->rope.length, model_bottom_s(rope, state, t), divider_s, m.elements, &state->pattern,
               m.lengths);
     arc_lengths(m.elements, m.lengths, m.s);
     hanging_guess(m.nodes, m.s, points[LEFT], points[RIGHT], m.q, message);
     state->offsets[RIGHT] = right_offset(points[LEFT], points[RIGHT]);
     state->swivels[RIGHT].angle = scene->rope.installed_twist;
     state->step_next = state->last_interval = scene->solver.step_max;
-    state->loop_yaw = diagnostics_direction(&m);
+    state->loop_yaw = ends_yaw(&m);
     if (message[0] ||
         !(state->fidelity == RIGID ? as_rigid(rope, state, t, message) : hang(rope, state, ends, message))) {
         tell_no_room(scene, state->fidelity, &ends[LEFT], &ends[RIGHT], message);
@@ -126,7 +126,7 @@ static int initialize(Simulator *rope, double t, const EndMotion ends[2]) {
     state->event_count = 0;
     begin_audit(rope, state);
     far_bodies(state->nearest);
-    guards_at_rest(scene, state);
+    set_rise_reference(scene, state);
     with_passages(rope, state);
     with_guards(scene, state);
     return accept(rope);
@@ -151,8 +151,8 @@ static InputFilter follow_end(const State *before, const FilterSettings *setting
 /* Update the misfit of an end up to the stop of its path. */
 static void account_end(const Simulator *rope, State *state, const FilterSettings *settings, int side,
                         const InputFilter *now) {
-    const double bottom = model_bottom(rope, rope->state, rope->state->t);
-    const double leg = side == LEFT ? bottom : rope->scene.rope.length - bottom;
+    const double bottom_s = model_bottom_s(rope, rope->state, rope->state->t);
+    const double leg = side == LEFT ? bottom_s : rope->scene.rope.length - bottom_s;
     state->filters[side] = add_misfit(now, &state->paths[side], settings, &rope->scene.rope, leg);
 }
 
@@ -166,7 +166,7 @@ static int move_ends(Simulator *rope, State *state, double t, const EndMotion en
         double limits[14];
         filter_limits(&path, &now, limits);
         ends_refusal(scene, &ends[side], limits, side, rope->message);
-        if (!rope->message[0]) ends_frozen(&scene->inputs, t, &now, side, rope->message);
+        if (!rope->message[0]) stale_input_error(&scene->inputs, t, &now, side, rope->message);
         if (rope->message[0]) return 0;
         state->paths[side] = path;
         account_end(rope, state, &settings, side, &now);
@@ -215,29 +215,30 @@ static int advance_to(Simulator *rope, double t, const EndMotion ends[2], double
     const double earliest = begin - rope->scene.inputs.hold_max;
     const int64_t steps_before = rope->state->counts.steps + rope->state->counts.rejections;
     if (!rope->initialized) return say_no_state(rope->message);
-    if (fabs(t - begin) < ROPE_SHORTEST_INTERVAL) return 1;
+    if (fabs(t - begin) < ROPE_MIN_INTERVAL) return 1;
     if (!(isfinite(t) && t > begin)) return say_time_goes_back(rope->message, begin, t);
-    if (t - begin > MOST_STEPS * step_max)
-        return say_too_far_at_once(rope->message, begin, t, MOST_STEPS, step_max, MOST_STEPS * step_max);
-    if (!(earliest <= given_at && given_at <= t + ROPE_SHORTEST_INTERVAL))
+    if (t - begin > MAX_STEPS * step_max)
+        return say_too_far_at_once(rope->message, begin, t, MAX_STEPS, step_max, MAX_STEPS * step_max);
+    if (!(earliest <= given_at && given_at <= t + ROPE_MIN_INTERVAL))
         return say_motions_of_another_time(rope->message, given_at, earliest, t);
     state_copy(rope, state, rope->state);
     state->switched = state->event_count = 0;
-    rope->work_end = state->counts.newton + (rope->scene.solver.work_max > 0 ? rope->scene.solver.work_max : INT32_MAX);
+    rope->newton_limit =
+        state->counts.newton + (rope->scene.solver.work_max > 0 ? rope->scene.solver.work_max : INT32_MAX);
     if (!move_ends(rope, state, t, ends, given_at)) return 0;
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     double impulse[2] = {0, 0};
-    const double most = most_work(t - begin, step_max);
+    const double most = max_iterations(t - begin, step_max);
     const int64_t newton_before = rope->state->counts.newton;
     while (state->t < t) {
         const double t_before = state->t, before[2] = {m.reaction[1], end_row(m.reaction, m.nodes, RIGHT)[1]};
         char why[MESSAGE];
         const int64_t newton = state->counts.newton - newton_before;
         if ((double)newton >= most) return say_too_much_work(rope->message, t_before, (int)newton, begin, t);
-        if (state->counts.steps + state->counts.rejections - steps_before >= MOST_STEPS)
-            return say_too_many_steps(rope->message, t_before, MOST_STEPS, begin, t);
+        if (state->counts.steps + state->counts.rejections - steps_before >= MAX_STEPS)
+            return say_too_many_steps(rope->message, t_before, MAX_STEPS, begin, t);
         if (!step_towards(rope, state, t, why)) return say_fails_at(rope->message, t_before, why);
-        if (state->t >= t || state->t - state->looked_at >= LOOK_EVERY) {
+        if (state->t >= t || state->t - state->monitored_at >= MONITOR_INTERVAL) {
             with_passages(rope, state);
             with_guards(&rope->scene, state);
         }
@@ -282,7 +283,7 @@ int rope_restore(Simulator *rope, const void *from, size_t bytes) {
     State *state = rope->next;
     if (bytes != rope->state_bytes) return say_wrong_number_of_bytes(rope->message, (int)bytes, (int)rope->state_bytes);
     memcpy(state, from, bytes);
-    if (!state_plausible(rope, state)) return say_bytes_are_no_state(rope->message);
+    if (!state_plausible(rope, state)) return say_no_state_in_bytes(rope->message);
     rope_system_refer(rope, state, state_arrays(state).q);
     return accept(rope);
 }
@@ -292,7 +293,7 @@ void rope_apply(Simulator *rope, const PointForces *forces) {
 }
 
 void rope_rows(const Simulator *rope, double (*rows)[13]) {
-    const Arrays m = state_arrays(rope->state);
+    const NodalArrays m = state_arrays(rope->state);
     for (int node = 0; node < m.nodes; node++) {
         const double *q = m.q + (size_t)node * DOF, *v = m.v + (size_t)node * DOF;
         rows[node][0] = m.s[node];
@@ -305,7 +306,7 @@ void rope_displacement(Simulator *rope, const PointForces *forces, double (*move
     State *state = rope->state;
     memset(moved, 0, sizeof *moved * (size_t)forces->number);
     if (!rope->initialized) return;
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const Coefficients method = {rope->scene.solver.rho_inf};
     System s = rope_system(rope, state);
     s.time = forces->start;

@@ -7,13 +7,13 @@
 
 /* A trial step; its arrays are Simulator.trial. */
 typedef struct {
-    double t, h;       /* end and length of the step, s */
-    double error;      /* local error, by rope_system_norm */
-    double strains[2]; /* local error of the strains at the ends */
-    double relative;   /* largest local error divided by its tolerance */
+    double t, h;        /* end and length of the step, s */
+    double error;       /* local error, by rope_system_norm */
+    double strains[2];  /* local error of the strains at the ends */
+    double error_ratio; /* largest local error divided by its tolerance */
     double balance[BALANCE];
-    int reached; /* true if Newton's method converged */
-    int near;    /* true if the rope may touch a body */
+    int converged; /* true if Newton's method converged */
+    int near;      /* true if the rope may touch a body */
     Progress newton;
 } StepResult;
 
@@ -26,22 +26,22 @@ struct Simulator {
     size_t state_bytes;
     State *state, *next;        /* an advance works on next; both swap when it succeeds */
     State *spare;               /* scratch, as for the trial whether a swivel sticks */
-    Arrays trial;               /* arrays of the latest trial step; scratch otherwise */
+    NodalArrays trial;          /* arrays of the latest trial step; scratch otherwise */
     double *x;                  /* scratch (nodes x DOF) */
     double (*strains)[STRAINS]; /* scratch */
     double *frames;             /* referred to the state, and during an advance to the state in progress */
-    double *wires;              /* WIRE_HISTORY numbers an element, referred as frames; or NULL */
-    double *curved;             /* CURVED numbers an element, referred as frames; or NULL */
+    double *wires;              /* WIRE_HISTORY_SIZE numbers an element, referred as frames; or NULL */
+    double *curved;             /* CURVATURE_SIZE numbers an element, referred as frames; or NULL */
     double *latest;             /* System.latest; or NULL */
     void *work;                 /* scratch of the chain */
-    Surroundings *around;
+    Obstacles *obstacles;
     SelfContactState *self_contact;
     PointForces forces;
     double values[SIGNALS];
     unsigned known; /* bit g: the values of group g belong to the state */
     LoopBottom bottom;
     int bottom_known, nearest_blocks[2]; /* nearest_blocks: `pair` of leg_clearance */
-    int64_t work_end;                    /* Newton iterations after which the present advance gives up accuracy */
+    int64_t newton_limit;                /* Newton iterations after which the present advance gives up accuracy */
     int64_t corrections;                 /* Newton corrections of all equilibria of the present start */
     int turned;                          /* true if the latest equilibrium turned more than allowed */
     char message[MESSAGE];
@@ -59,7 +59,7 @@ void with_passages(const Simulator *rope, State *state);
 
 /* curvature.c */
 int is_curved(const Simulator *rope, const State *state);
-Rope partly_curved(const Rope *whole, double part); /* Return the rope with a part of its permanent curvature. */
+Rope partly_curved(const Rope *whole, double fraction); /* The rope with a fraction of its permanent curvature. */
 void curved_reference(Simulator *rope, State *state, const double *q); /* Refer the permanent curvature to q. */
 
 /* ends/switching.c */
@@ -87,9 +87,9 @@ void model_commit(Simulator *rope, State *state, const StepResult *trial);
 void model_powers(const Simulator *rope, State *state);
 double model_energies(Simulator *rope, State *state); /* Update energies; return the change of their total. */
 /* Return the arc length of the loop's lowest point from the heights of the ends at t. */
-double model_bottom(const Simulator *rope, const State *state, double t);
-/* Call faced_by with the heights of the ends at t. */
-void model_faced(const Simulator *rope, const State *state, double t, double *faced);
+double model_bottom_s(const Simulator *rope, const State *state, double t);
+/* Call mesh_dividers with the heights of the ends at t. */
+void model_dividers(const Simulator *rope, const State *state, double t, double *divider_s);
 /* Refer frames and angles of q, v, a, b to q. */
 void with_angles_along(Simulator *rope, State *state, double *q, double *v, double *a, double *b);
 void begin_audit(const Simulator *rope, State *state);
@@ -140,12 +140,12 @@ double locate(double (*f)(void *, double), void *data, double low, double high, 
 /* stepping/hang.c */
 /* Hang the rope at rest, untwisted; then twist it, relax it, and move the ends to `ends`. */
 int hang(Simulator *rope, State *state, const EndMotion ends[2], char *message);
-/* Set paths at rest, a `part` of the way to `ends`. */
-void paths_at_rest(const Simulator *rope, State *state, const EndMotion ends[2], double part);
+/* Set paths at rest, a fraction `placed` of the way to `ends`. */
+void paths_at_rest(const Simulator *rope, State *state, const EndMotion ends[2], double placed);
 
 /* stepping/statics.c */
-/* Set q to an equilibrium, reaction to its residual.  Fail if theta turns by over most_turn (rad) at the right end. */
-int find_equilibrium(Simulator *rope, State *state, double most_turn, char *message);
+/* Set q to an equilibrium, reaction to its residual.  Fail if theta turns by over max_turn (rad) at the right end. */
+int find_equilibrium(Simulator *rope, State *state, double max_turn, char *message);
 
 /* stepping/stepping.c */
 int as_rigid(Simulator *rope, State *state, double t, char *message);         /* Move the rigid model to t. */
@@ -157,7 +157,7 @@ int start_hysteresis(const Simulator *rope, State *state);
 /* Set the history from q and the state's z. */
 void wires_history(Simulator *rope, State *state, const double *q, double (*strains)[STRAINS]);
 /* Update z to q; return the dissipated energy, J. */
-double wires_slip(Simulator *rope, State *state, const double *q);
+double update_hysteresis(Simulator *rope, State *state, const double *q);
 /* Transfer z from the mesh with nodes at old_s to the state's mesh. */
 void wires_carry(Simulator *rope, State *state, const double *old_s);
 

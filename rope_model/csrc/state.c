@@ -25,21 +25,21 @@ static int within(int64_t x, int64_t least, int64_t most) {
 }
 
 /* True if the pattern belongs to the mesh, at any place of the loop, and the elements have its lengths. */
-static int partition_plausible(const Simulator *rope, const State *state, const Arrays *m) {
+static int partition_plausible(const Simulator *rope, const State *state, const NodalArrays *m) {
     const double length = rope->scene.rope.length, rounding = 1e-12 * length;
     const Pattern *pattern = &state->pattern;
     double *lengths = rope->trial.q, *s = rope->trial.v;
-    double faced[PLACES_FACED];
+    double divider_s[DIVIDERS];
     Pattern expected;
-    faced_by(&rope->scene, 0, 0, faced);
-    partition(&rope->mesh, length, 0.5 * length, faced, m->elements, &expected, lengths);
+    mesh_dividers(&rope->scene, 0, 0, divider_s);
+    partition(&rope->mesh, length, 0.5 * length, divider_s, m->elements, &expected, lengths);
     if (expected.coarse > 0) {
         const int outer = expected.counts[0] + expected.counts[SEGMENTS - 1];
-        const int first = pattern->counts[0], least = (int)fewest_outer(expected.counts + 1);
+        const int first = pattern->counts[0], least = (int)min_outer(expected.counts + 1);
         if (!within(first, least, outer - least)) return 0;
-        for (int i = 0; i < PLACES_FACED; i++) /* place of a divider in this window */
-            if (isfinite(faced[i])) faced[i] = expected.coarse * (pattern->windows[i] + 0.5 * WINDOW);
-        partition_transform(&expected, first - expected.counts[0], faced, m->elements, lengths);
+        for (int i = 0; i < DIVIDERS; i++) /* place of a divider in this window */
+            if (isfinite(divider_s[i])) divider_s[i] = expected.coarse * (pattern->windows[i] + 0.5 * WINDOW);
+        partition_transform(&expected, first - expected.counts[0], divider_s, m->elements, lengths);
     }
     if (memcmp(pattern, &expected, sizeof expected) != 0) return 0;
     arc_lengths(m->elements, lengths, s);
@@ -56,7 +56,7 @@ static int path_plausible(const Path *path, double t) {
     path_motion(path, path->stop, motion);
     for (int k = 0; k < 12; k++)
         if (!(fabs(motion[k / 4][k % 4]) <= distant)) return 0;
-    path_leaning(path, path->stop, leans);
+    path_lean_motion(path, path->stop, leans);
     for (int k = 0; k < 6; k++)
         if (!(fabs(leans[k / 3][k % 3]) <= distant)) return 0;
     return 1;
@@ -80,7 +80,7 @@ int state_plausible(const Simulator *rope, State *state) {
         memchr(state->fidelity_reason, '\0', MESSAGE) == NULL)
         return 0;
     if (rope->scene.model.fidelity != AUTO_FIDELITY && state->fidelity != rope->scene.model.fidelity) return 0;
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     /* The doubles before the swivels are contiguous, and so are all arrays. */
     if (!all_finite(&state->t, offsetof(State, swivels) / sizeof(double)) ||
         !all_finite(m.q, (size_t)(m.z - m.q) + (rope->wires != NULL ? WIRE_Z * (size_t)m.elements : 0)) ||

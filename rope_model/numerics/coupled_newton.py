@@ -66,8 +66,8 @@ def conjugate_gradients(solve: Callable[[Array], Array], coupling: Callable[[Arr
         curvature = float(np.vdot(p, Ap))
         if not curvature > 0:
             return x if x.any() else p
-        fraction = error / curvature
-        x, g = x + fraction * p, g + fraction * Ap
+        alpha = error / curvature
+        x, g = x + alpha * p, g + alpha * Ap
         z = solve(g)
         before, error = error, -float(np.vdot(g, z))
         if not error > LEFT * first:

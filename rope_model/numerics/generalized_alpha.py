@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 
 #: growth of the step above which the acceleration's rate over the shorter step is mostly noise, and used neither for
 #: extrapolation nor for re-centring
-LARGEST_GROWTH = 5.0
+MAX_GROWTH = 5.0
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Motion:
     reaction: Array
 
 
-class Assessed(Protocol):
+class HasReaction(Protocol):
     """Evaluation of a system at an instant, with at least its residual."""
 
     @property
@@ -60,7 +60,7 @@ class Assessed(Protocol):
         """Residual R: zero where free, the force of the surroundings where prescribed."""
 
 
-B = TypeVar("B", bound=Assessed)
+B = TypeVar("B", bound=HasReaction)
 
 
 @dataclass(frozen=True)
@@ -154,7 +154,7 @@ def recentring_time(method: Coefficients, h: Any, before: Any) -> Any:
 
 def rate_known(h: float, before: float) -> bool:
     """Return whether the acceleration's rate over a step of length ``before`` serves a step of length ``h``."""
-    return 0 < h <= LARGEST_GROWTH * before
+    return 0 < h <= MAX_GROWTH * before
 
 
 def recentring(method: Coefficients, h: float, before: float) -> float:

@@ -18,7 +18,7 @@ x^2 v^2 / g against its weight.
 
 from typing import Any, NamedTuple
 
-from rope_model.physics.elementary import both, ceil, cos, either, larger, less, sin, smaller, sqrt, where
+from rope_model.physics.elementary import ceil, cos, less, logical_and, logical_or, maximum, minimum, sin, sqrt, where
 from rope_model.physics.estimates import axial_frequency, bending_length
 
 # fractions of allowed errors that a step may leave, tuned on seeded ropes of 60 to 1200 m (`make promise`)
@@ -50,15 +50,15 @@ GROWTH_DELAY_STEPS = 100.0  #: steps, where these take less
 ACCEPT_BELOW = 2.0
 GROW_BELOW = 0.05  #: fraction of the tolerance below which an error is small
 TINY = 1e-300
-STEP_WORK = 12  #: Newton iterations of a step where they are bounded: the largest number in recorded trips
+STEP_ITERATIONS = 12  #: Newton iterations of a step where they are bounded: the largest number in recorded trips
 # errors (m and rad) that Newton's method may leave where work is bounded to one step
 BOUNDED_STEP_ERROR = 1e-4
 BOUNDED_MESH_ERROR = 2e-3  #: on a new mesh
-LEAST_LEFT = 0.1  #: fraction of the allowance that remains when all is used up
+MIN_LEFT = 0.1  #: fraction of the allowance that remains when all is used up
 BRAKED = 0.5  #: amplitude of the largest wave over the leg's weight: an emergency stop at 5 m/s^2
 # bounds of a wave's duration with little material damping
-LONGEST_WAVE = 60.0  #: s, a trip
-LARGEST_PHASE = 400.0  #: rad, as of the longest ropes with damping
+MAX_WAVE = 60.0  #: s, a trip
+MAX_PHASE = 400.0  #: rad, as of the longest ropes with damping
 
 
 class StepLimits(NamedTuple):
@@ -90,32 +90,32 @@ class ErrorSums(NamedTuple):
 
 def wave_duration(rope: Any, omega: Any) -> Any:
     """Return the duration (s) of a wave of frequency ``omega`` (rad/s)."""
-    least = larger(omega / LARGEST_PHASE, 1.0 / LONGEST_WAVE)
-    return 2.0 / larger(rope.beta_K * (omega * omega), 2.0 * least)
+    least = maximum(omega / MAX_PHASE, 1.0 / MAX_WAVE)
+    return 2.0 / maximum(rope.beta_K * (omega * omega), 2.0 * least)
 
 
-def step_limits(scene: Any, sums: Any, bottom: Any, end_speed: Any, error_constant: Any) -> StepLimits:
-    """Return the limits of a step while the loop hangs at arc length ``bottom`` (m).
+def step_limits(scene: Any, sums: Any, s: Any, end_speed: Any, error_constant: Any) -> StepLimits:
+    """Return the limits of a step while the loop hangs at arc length ``s`` (m).
 
     ``end_speed`` (m/s) is the vertical speed of one end against the other; ``error_constant`` h^2 is the local error
     per change of the acceleration.  The allowance shrinks as it is used up.
     """
     rope, accuracy = scene.rope, scene.accuracy
-    leg = larger(bottom, rope.length - bottom)
+    leg = maximum(s, rope.length - s)
     omega = axial_frequency(rope, leg)
     duration = wave_duration(rope, omega)
     used = end_force_error(rope, sums) / accuracy.end_force
-    allowed = FORCE_FRACTION * larger(1.0 - used, LEAST_LEFT) * accuracy.end_force / duration
+    allowed = FORCE_FRACTION * maximum(1.0 - used, MIN_LEFT) * accuracy.end_force / duration
     strain = rope.mass_per_length * scene.layout.gravity * leg / rope.Qa
     shortest = sqrt(allowed / (BRAKED * error_constant * (omega * omega * omega)))
-    longest_squared = FLOW_FRACTION * accuracy.loop / larger(flow_error(scene, end_speed, 1.0), TINY)
+    longest_squared = FLOW_FRACTION * accuracy.loop / maximum(flow_error(scene, end_speed, 1.0), TINY)
     rubs = less(rope.EI, rope.EI_stick)
     powers = where(rubs, RUBBING_POSITION_POWER, 1.0), where(rubs, RUBBING_STRAIN_POWER, 1.0)
     return StepLimits(LOOP_FRACTION * accuracy.loop, allowed * strain, shortest, sqrt(longest_squared), *powers)
 
 
 def add_errors(
-    scene: Any, sums: Any, bottom: Any, end_speed: Any, h: Any, constant: Any, strain_tt: Any, position: Any, force: Any
+    scene: Any, sums: Any, s: Any, end_speed: Any, h: Any, constant: Any, strain_tt: Any, position: Any, force: Any
 ) -> ErrorSums:
     """Return ``sums`` after a step ``h`` with a ``position`` error (m) and end forces of up to ``force`` (N).
 
@@ -125,7 +125,7 @@ def add_errors(
     """
     rope = scene.rope
     waves, squares = [], []
-    for side, leg in enumerate((bottom, rope.length - bottom)):
+    for side, leg in enumerate((s, rope.length - s)):
         omega = axial_frequency(rope, leg)
         duration = wave_duration(rope, omega)
         decay, phase = duration / (duration + h), omega * h
@@ -135,47 +135,47 @@ def add_errors(
         local = constant * (h * h) / (1.0 + constant * (phase * phase)) * change
         waves += [cosine * present + sine * later + local, cosine * later - sine * present]
         squares.append(sums.squares[side] + h * (waves[-2] * waves[-2]))
-    largest = larger(sums.position, position), larger(sums.flow, flow_error(scene, end_speed, h))
+    largest = maximum(sums.position, position), maximum(sums.flow, flow_error(scene, end_speed, h))
     wave_sums = (waves[0], waves[1], waves[2], waves[3]), (squares[0], squares[1])
-    return ErrorSums(sums.time + h, *largest, larger(sums.force, force), *wave_sums, (strain_tt[0], strain_tt[1]))
+    return ErrorSums(sums.time + h, *largest, maximum(sums.force, force), *wave_sums, (strain_tt[0], strain_tt[1]))
 
 
 def end_force_error(rope: Any, sums: Any) -> Any:
     """Return the error of the end forces, root mean square since the start, relative to the largest force."""
-    squares = larger(sums.squares[0], sums.squares[1])
-    return RATE_ERROR_FACTOR * rope.Qa * sqrt(squares / larger(sums.time, TINY)) / larger(sums.force, TINY)
+    squares = maximum(sums.squares[0], sums.squares[1])
+    return RATE_ERROR_FACTOR * rope.Qa * sqrt(squares / maximum(sums.time, TINY)) / maximum(sums.force, TINY)
 
 
-def locking_error(scene: Any, fine: Any) -> Any:
-    """Return the height (m) by which the loop hangs too high on elements of length ``fine``."""
+def locking_error(scene: Any, l: Any) -> Any:
+    """Return the height (m) by which the loop hangs too high on elements of length ``l``."""
     w, rope = bending_length(scene), scene.rope
-    x = fine / w
+    x = l / w
     locking = LOCKING * (rope.Qa * (w * w) / rope.EI) * (x * x * x * x)
     return LOOP_HEIGHT * w * (x * x) * (locking / (1.0 + locking))
 
 
-def mesh_error(scene: Any, fine: Any, grading_length: Any) -> Any:
-    """Return the loop's position error (m) on elements of length ``fine``, with ``grading_length`` in the legs."""
-    slip_factor = 1.0 + SLIPPED * _slip_fraction(scene, fine, SLIPS_FROM)
-    return locking_error(scene, fine) * slip_factor + LEG_MESH_ERROR * grading_length * scene.rope.length
+def mesh_error(scene: Any, l: Any, grading_length: Any) -> Any:
+    """Return the loop's position error (m) on elements of length ``l``, with ``grading_length`` in the legs."""
+    slip_factor = 1.0 + SLIPPED * _slip_fraction(scene, l, SLIPS_FROM)
+    return locking_error(scene, l) * slip_factor + LEG_MESH_ERROR * grading_length * scene.rope.length
 
 
-def turned_by_mesh(scene: Any, fine: Any) -> Any:
-    """Return the angle (rad) by which elements of length ``fine`` turn the loop about the vertical."""
-    return TURNED * fine / bending_length(scene) * _slip_fraction(scene, fine, TURNS_FROM)
+def turned_by_mesh(scene: Any, l: Any) -> Any:
+    """Return the angle (rad) by which elements of length ``l`` turn the loop about the vertical."""
+    return TURNED * l / bending_length(scene) * _slip_fraction(scene, l, TURNS_FROM)
 
 
-def _slip_fraction(scene: Any, fine: Any, threshold: float) -> Any:
+def _slip_fraction(scene: Any, l: Any, threshold: float) -> Any:
     """Return the fraction, 0 to 1, of a change that sets in where elements are ``threshold`` w long."""
-    power = smaller(fine / (threshold * bending_length(scene)), 10.0) ** SLIP_EXPONENT
+    power = minimum(l / (threshold * bending_length(scene)), 10.0) ** SLIP_EXPONENT
     return power / (1.0 + power)
 
 
 def length_for(scene: Any, error: Any) -> Any:
     """Return the length (m) of elements whose ``locking_error`` is between half of ``error`` (m) and ``error``."""
     w, rope = bending_length(scene), scene.rope
-    part = error / (LOOP_HEIGHT * w)
-    return w * larger(sqrt(part), (part / (LOCKING * (rope.Qa * (w * w) / rope.EI))) ** (1 / 6))
+    ratio = error / (LOOP_HEIGHT * w)
+    return w * maximum(sqrt(ratio), (ratio / (LOCKING * (rope.Qa * (w * w) / rope.EI))) ** (1 / 6))
 
 
 def flow_error(scene: Any, end_speed: Any, h: Any) -> Any:
@@ -192,14 +192,14 @@ def step_error(limits: Any, h: Any, position_error: Any, strain_error: Any) -> A
     its limit, and (h / longest)^4 for the flow through the loop.
     """
     flow = h / limits.longest
-    position = larger((position_error / limits.position) ** limits.position_power, flow * flow * (flow * flow))
+    position = maximum((position_error / limits.position) ** limits.position_power, flow * flow * (flow * flow))
     strain = (strain_error / (h * limits.strain_rate)) ** limits.strain_power
-    return where(less(limits.shortest, h), larger(position, strain), position)
+    return where(less(limits.shortest, h), maximum(position, strain), position)
 
 
-def loop_error(scene: Any, sums: Any, fine: Any, grading_length: Any) -> Any:
+def loop_error(scene: Any, sums: Any, l: Any, grading_length: Any) -> Any:
     """Return the largest error (m) of the loop's position since the start, by elements, legs and steps."""
-    mesh = mesh_error(scene, fine, grading_length)
+    mesh = mesh_error(scene, l, grading_length)
     steps = STEP_ERROR_TO_LOOP * sums.position
     return sqrt(mesh * mesh + steps * steps + sums.flow * sums.flow)  # the three occur at different instants
 
@@ -207,7 +207,7 @@ def loop_error(scene: Any, sums: Any, fine: Any, grading_length: Any) -> Any:
 def growth_delay(h: Any, step_next: Any) -> Any:
     """Return the time (s) for which errors must be small before a step ``h`` may grow to ``step_next``."""
     # the limit lies between two steps: on a whole number of steps rounding would decide
-    return smaller(GROWTH_DELAY_STEPS * step_next, GROWTH_DELAY) - 0.5 * h
+    return minimum(GROWTH_DELAY_STEPS * step_next, GROWTH_DELAY) - 0.5 * h
 
 
 class NextStep(NamedTuple):
@@ -224,15 +224,15 @@ def next_step(solver: Any, h: Any, step_next: Any, error: Any, rejected: Any, t:
     An error above the tolerance halves the next step; small errors for the time growth_delay double it.  A larger error
     than ACCEPT_BELOW is accepted only when the Newton budget is used up.  ``rejected``: true if longer steps failed.
     """
-    calm_since = where(either(rejected, error > GROW_BELOW * solver.tolerance), t, calm_since)
+    calm_since = where(logical_or(rejected, error > GROW_BELOW * solver.tolerance), t, calm_since)
     given_up = error > ACCEPT_BELOW * solver.tolerance
-    keeps = either(given_up, error <= solver.tolerance)
-    grows = both(keeps, t - calm_since > growth_delay(h, step_next), step_next < solver.step_max)
-    longer = where(grows, smaller(2.0 * step_next, solver.step_max), step_next)
+    keeps = logical_or(given_up, error <= solver.tolerance)
+    grows = logical_and(keeps, t - calm_since > growth_delay(h, step_next), step_next < solver.step_max)
+    longer = where(grows, minimum(2.0 * step_next, solver.step_max), step_next)
     return NextStep(
-        where(keeps, longer, larger(0.5 * h, solver.step_min)),
+        where(keeps, longer, maximum(0.5 * h, solver.step_min)),
         where(grows, t, calm_since),
-        where(either(given_up, h > solver.step_max * (1.0 + 1e-9)), 1.0, 0.0),
+        where(logical_or(given_up, h > solver.step_max * (1.0 + 1e-9)), 1.0, 0.0),
     )
 
 
@@ -241,11 +241,11 @@ def substeps(interval: Any, step_next: Any, steps_left: Any) -> Any:
 
     Steps may be longer than ``step_next``, but no more than twice as long: Newton's method need not converge then.
     """
-    parts = larger(ceil(interval / step_next - 1e-9), 1.0)
-    return smaller(parts, larger(steps_left, ceil(0.5 * parts)))
+    parts = maximum(ceil(interval / step_next - 1e-9), 1.0)
+    return minimum(parts, maximum(steps_left, ceil(0.5 * parts)))
 
 
-def newton_may_leave(newton_tolerance: Any, work_max: Any, bounded_tolerance: Any) -> Any:
+def effective_tolerance(newton_tolerance: Any, work_max: Any, bounded_tolerance: Any) -> Any:
     """Return Newton's tolerance (m and rad), at least ``bounded_tolerance`` where work is bounded to one step."""
-    bounded = both(work_max > 0.0, work_max < 2.0 * STEP_WORK)
-    return where(bounded, larger(newton_tolerance, bounded_tolerance), newton_tolerance)
+    bounded = logical_and(work_max > 0.0, work_max < 2.0 * STEP_ITERATIONS)
+    return where(bounded, maximum(newton_tolerance, bounded_tolerance), newton_tolerance)

@@ -41,8 +41,8 @@ ROUNDING = 1e-6
 EDGE = 0.5
 
 
-class AirLaw(NamedTuple):
-    """Numbers of the law: factor of the squared speed, velocity of the air (m/s), b, and lengths (m)."""
+class AirCoefficients(NamedTuple):
+    """Coefficients of the law: factor of the squared speed, velocity of the air (m/s), b, and lengths (m)."""
 
     factor: float  # kg/m2
     velocity: tuple[float, float, float]
@@ -60,23 +60,23 @@ class Passing(NamedTuple):
     speed: float
 
 
-def air_law(air: Any, diameter: Any, spacing: Any) -> AirLaw:
-    """Return the law of a rope of this diameter between suspensions ``spacing`` (m) apart; factor 0 without air."""
+def air_coefficients(air: Any, diameter: Any, spacing: Any) -> AirCoefficients:
+    """Return those of a rope of this diameter between suspensions ``spacing`` (m) apart; factor 0 without air."""
     velocity = air.vx, air.vy, air.vz
     factor, cross = 0.5 * air.density * air.drag * diameter, (air.cross_y, air.cross_height)
-    return AirLaw(factor, velocity, air.buffet, air.buffet_length, spacing, *cross)
+    return AirCoefficients(factor, velocity, air.buffet, air.buffet_length, spacing, *cross)
 
 
-def flow(law: AirLaw, conveyances: Sequence[Passing], point: Any, l: Any) -> list[Any]:
+def flow(air: AirCoefficients, conveyances: Sequence[Passing], point: Any, l: Any) -> list[Any]:
     """Return the velocity (m/s) of the air at ``point`` of an element of length l."""
-    x, y, z = law.velocity
-    up, half, edge = point[1] - law.cross_y, 0.5 * law.cross_height, EDGE + l
+    x, y, z = air.velocity
+    up, half, edge = point[1] - air.cross_y, 0.5 * air.cross_height, EDGE + l
     # rounding may make the difference of two steps near 1 negative
     fraction = sqrt(abs(_smooth_step((up + half) / edge) - _smooth_step((up - half) / edge)))
     x, z = fraction * x, fraction * z
     for underside, speed in conveyances:
         h = point[1] - underside[1]
-        aside = law.buffet * speed / law.spacing * (_bell((h - law.height) / law.spacing) - _bell(h / law.spacing))
+        aside = air.buffet * speed / air.spacing * (_bell((h - air.height) / air.spacing) - _bell(h / air.spacing))
         x, z = x + aside * (point[0] - underside[0]), z + aside * (point[2] - underside[2])
     return [x, y, z]
 
@@ -95,15 +95,15 @@ def _bell(h: Any) -> Any:
     return 1.0 / (square * sqrt(square))
 
 
-def drag(law: AirLaw, velocity: Any, slope: Any, speed: Any) -> tuple[list[Any], list[list[Any]]]:
+def drag(air: AirCoefficients, velocity: Any, slope: Any, speed: Any) -> tuple[list[Any], list[list[Any]]]:
     """Return the force per length in air of this ``velocity``, and -df/dv (3, 3); r' is ``slope``, r_t is ``speed``."""
     relative = [speed[i] - velocity[i] for i in range(3)]
     square = dot(slope, slope)
     along = dot(relative, slope) / square
     across = [relative[i] - along * slope[i] for i in range(3)]
     size = sqrt(dot(across, across) + ROUNDING**2)
-    force = [-law.factor * size * x for x in across]
+    force = [-air.factor * size * x for x in across]
     normal = [[float(i == j) - slope[i] * slope[j] / square for j in range(3)] for i in range(3)]
     return force, [
-        [law.factor * (size * normal[i][j] + across[i] * across[j] / size) for j in range(3)] for i in range(3)
+        [air.factor * (size * normal[i][j] + across[i] * across[j] / size) for j in range(3)] for i in range(3)
     ]

@@ -14,13 +14,13 @@ from typing import Any, NamedTuple
 import casadi as ca
 
 from rope_model.physics import hermite
-from rope_model.physics.air import AirLaw, Passing, drag, flow
+from rope_model.physics.air import AirCoefficients, Passing, drag, flow
 from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, PARAMETERS, ElementFidelity, ElementFunctions
 from rope_model.physics.elementary import cross, dot
 
-#: number of entries of an AirLaw; AIR_SIZE includes both conveyances
-LAW_SIZE = 9
-AIR_SIZE = LAW_SIZE + 2 * 4
+#: number of entries of AirCoefficients; AIR_SIZE includes both conveyances
+COEFFICIENTS_SIZE = 9
+AIR_SIZE = COEFFICIENTS_SIZE + 2 * 4
 #: entries of the balance behind element.BALANCE
 AIR_BALANCE = (
     "given_to_air",  # W
@@ -30,7 +30,7 @@ AIR_BALANCE = (
 
 
 class AirFunctions(NamedTuple):
-    """CasADi functions of the air on an element; ``A`` contains an AirLaw and both Passing conveyances.
+    """CasADi functions of the air on an element; ``A`` contains AirCoefficients and both Passing conveyances.
 
     residual: (q, v, l, A) -> R (2 m,)
     tangent:  (q, v, l, A, cv) -> J (2 m, 2 m)
@@ -52,15 +52,15 @@ def air_functions(fidelity: ElementFidelity) -> AirFunctions:
     q, v = (ca.SX.zeros(2 * NODE_DOF) for _ in symbols)
     for x, symbol in zip((q, v), symbols, strict=True):
         x[entries] = symbol
-    law, conveyances = _numbers(ca.vertsplit(A))
+    air, conveyances = _numbers(ca.vertsplit(A))
     R, J, sums = ca.SX.zeros(2 * NODE_DOF), ca.SX.zeros(2 * NODE_DOF, 2 * NODE_DOF), ca.SX.zeros(len(AIR_BALANCE))
     for xi, weight in hermite.GAUSS:
         nodes = dict(_nodes(hermite.shape_functions(xi, l)))
         (point, slope), (speed, _) = (_at(xi, l, x) for x in (q, v))
-        velocity = flow(law, conveyances, point, l)
+        velocity = flow(air, conveyances, point, l)
         if 2 not in dofs:  # a planar model ignores wind across its plane
             velocity[2] = 0
-        force, tangent = drag(law, velocity, slope, speed)
+        force, tangent = drag(air, velocity, slope, speed)
         w = weight * l
         sums += w * ca.vertcat(-dot(force, speed), *force, *cross(point, force))
         for row, (i, N_i) in nodes.items():
@@ -76,27 +76,27 @@ def air_functions(fidelity: ElementFidelity) -> AirFunctions:
 
 
 @cache
-def air_element(fidelity: ElementFidelity, plain: ElementFunctions) -> ElementFunctions:
-    """Build the functions of the ``plain`` element in air, with A behind its P and AIR_BALANCE behind its balance."""
+def air_element(fidelity: ElementFidelity, base: ElementFunctions) -> ElementFunctions:
+    """Build the functions of the ``base`` element in air, with A behind its P and AIR_BALANCE behind its balance."""
     air, m = air_functions(fidelity), len(ELEMENT_DOF[fidelity])
-    q, v, a, before = (ca.SX.sym(name, 2 * m) for name in ("q", "v", "a", "before"))
-    l, F, P = ca.SX.sym("l"), ca.SX.sym("F", plain.residual.size1_in(4)), ca.SX.sym("P", len(PARAMETERS) + AIR_SIZE)
+    q, v, a, q_prestress = (ca.SX.sym(name, 2 * m) for name in ("q", "v", "a", "q_prestress"))
+    l, F, P = ca.SX.sym("l"), ca.SX.sym("F", base.residual.size1_in(4)), ca.SX.sym("P", len(PARAMETERS) + AIR_SIZE)
     cq, cv, c_a = (ca.SX.sym(name) for name in ("cq", "cv", "ca"))
-    own, air_inputs = (l, F, P[: len(PARAMETERS)]), (q, v, l, P[len(PARAMETERS) :])
-    R, J = plain.tangent(q, v, a, *own, cq, cv, c_a, before)
+    base_args, air_inputs = (l, F, P[: len(PARAMETERS)]), (q, v, l, P[len(PARAMETERS) :])
+    R, J = base.tangent(q, v, a, *base_args, cq, cv, c_a, q_prestress)
     force = air.residual(*air_inputs)
-    return plain.replaced(
-        residual=([q, v, a, l, F, P], [plain.residual(q, v, a, *own) + force]),
-        tangent=([q, v, a, l, F, P, cq, cv, c_a, before], [R + force, J + air.tangent(*air_inputs, cv)]),
-        balance=([q, v, l, F, P], [ca.vertcat(plain.balance(q, v, *own), air.sums(*air_inputs))]),
-        losses=([q, v, l, F, P], [plain.losses(q, v, *own)]),
-        momentum=([q, v, l, P], [plain.momentum(q, v, l, own[2])]),
+    return base.replaced(
+        residual=([q, v, a, l, F, P], [base.residual(q, v, a, *base_args) + force]),
+        tangent=([q, v, a, l, F, P, cq, cv, c_a, q_prestress], [R + force, J + air.tangent(*air_inputs, cv)]),
+        balance=([q, v, l, F, P], [ca.vertcat(base.balance(q, v, *base_args), air.sums(*air_inputs))]),
+        losses=([q, v, l, F, P], [base.losses(q, v, *base_args)]),
+        momentum=([q, v, l, P], [base.momentum(q, v, l, base_args[2])]),
     )
 
 
-def _numbers(A: Any) -> tuple[AirLaw, list[Passing]]:
-    law = AirLaw(A[0], (A[1], A[2], A[3]), *A[4:LAW_SIZE])
-    return law, [Passing((A[k], A[k + 1], A[k + 2]), A[k + 3]) for k in (LAW_SIZE, LAW_SIZE + 4)]
+def _numbers(A: Any) -> tuple[AirCoefficients, list[Passing]]:
+    air = AirCoefficients(A[0], (A[1], A[2], A[3]), *A[4:COEFFICIENTS_SIZE])
+    return air, [Passing((A[k], A[k + 1], A[k + 2]), A[k + 3]) for k in (COEFFICIENTS_SIZE, COEFFICIENTS_SIZE + 4)]
 
 
 def _at(xi: float, l: ca.SX, x: ca.SX) -> tuple[list[ca.SX], list[ca.SX]]:

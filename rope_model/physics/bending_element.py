@@ -15,23 +15,23 @@ _BENDING = BALANCE.index("bending")
 Part = Callable[..., Any]
 
 
-def bending_element(plain: ElementFunctions, size: int, force: Part, tangent: Part, energy: Part) -> ElementFunctions:
-    """Add force, tangent and energy of a part with ``size`` numbers to the ``plain`` element; the energy is bending."""
-    frame = plain.residual.size1_in(4)
-    q, v, a, before = (ca.SX.sym(name, plain.residual.size1_in(0)) for name in ("q", "v", "a", "before"))
-    l, F, P = ca.SX.sym("l"), ca.SX.sym("F", frame + size), ca.SX.sym("P", plain.residual.size1_in(5))
+def bending_element(base: ElementFunctions, size: int, force: Part, tangent: Part, energy: Part) -> ElementFunctions:
+    """Add force, tangent and energy of a part with ``size`` numbers to the ``base`` element; the energy is bending."""
+    frame = base.residual.size1_in(4)
+    q, v, a, q_prestress = (ca.SX.sym(name, base.residual.size1_in(0)) for name in ("q", "v", "a", "q_prestress"))
+    l, F, P = ca.SX.sym("l"), ca.SX.sym("F", frame + size), ca.SX.sym("P", base.residual.size1_in(5))
     cq, cv, c_a = (ca.SX.sym(name) for name in ("cq", "cv", "ca"))
-    own, numbers = F[:frame], F[frame:]
-    R, J = plain.tangent(q, v, a, l, own, P, cq, cv, c_a, before)
-    added = force(q, l, own, numbers)
-    balance = plain.balance(q, v, l, own, P)
-    balance[_BENDING] += energy(q, l, own, numbers)
+    base_F, numbers = F[:frame], F[frame:]
+    R, J = base.tangent(q, v, a, l, base_F, P, cq, cv, c_a, q_prestress)
+    added = force(q, l, base_F, numbers)
+    balance = base.balance(q, v, l, base_F, P)
+    balance[_BENDING] += energy(q, l, base_F, numbers)
 
-    return plain.replaced(
-        residual=([q, v, a, l, F, P], [plain.residual(q, v, a, l, own, P) + added]),
-        tangent=([q, v, a, l, F, P, cq, cv, c_a, before], [R + added, J + tangent(q, l, own, numbers, cq)]),
+    return base.replaced(
+        residual=([q, v, a, l, F, P], [base.residual(q, v, a, l, base_F, P) + added]),
+        tangent=([q, v, a, l, F, P, cq, cv, c_a, q_prestress], [R + added, J + tangent(q, l, base_F, numbers, cq)]),
         balance=([q, v, l, F, P], [balance]),
-        losses=([q, v, l, F, P], [plain.losses(q, v, l, own, P)]),
-        strains=([q, l, F], [plain.strains(q, l, own)]),
-        transport=([q, v, a, l, F], [plain.transport(q, v, a, l, own)]),
+        losses=([q, v, l, F, P], [base.losses(q, v, l, base_F, P)]),
+        strains=([q, l, F], [base.strains(q, l, base_F)]),
+        transport=([q, v, a, l, F], [base.transport(q, v, a, l, base_F)]),
     )

@@ -18,7 +18,7 @@ Works on numbers and CasADi expressions; vectors have their components first.
 
 from typing import Any, NamedTuple
 
-from rope_model.physics.elementary import cross, dot, larger, less, smaller, sqrt
+from rope_model.physics.elementary import cross, dot, less, maximum, minimum, sqrt
 from rope_model.physics.shaft import distance, normal
 
 #: depth b of the soft onset, in rope diameters
@@ -26,7 +26,7 @@ ONSET = 0.05
 #: m, length of rope below a conveyance that is not checked against it and its head ropes
 OWN_LENGTH = 1.0
 #: m, distance within which bodies take part in Newton's iterations from the first one on
-LOOK_AHEAD = 0.05
+CONTACT_MARGIN = 0.05
 #: sums along the rope: energy stored, power dissipated, power of the moving body on the rope, force on the rope, its
 #: moment about the origin, and pressure
 SUMS = ("energy", "dissipated", "moved", "fx", "fy", "fz", "mx", "my", "mz", "pressure")
@@ -47,7 +47,7 @@ def correction_motion(corrections: Any, longest: Any, shortest: Any) -> Any:
     return 6.0 * corrections + 2.25 * longest / shortest * corrections
 
 
-class Touch(NamedTuple):
+class ContactTerms(NamedTuple):
     """Contact at one point: force on the rope (3,), upper half of the symmetric tangent row by row (6,), SUMS."""
 
     force: tuple[float, float, float]
@@ -55,16 +55,16 @@ class Touch(NamedTuple):
     sums: tuple[float, float, float, float, float, float, float, float, float, float]
 
 
-def touch(
+def contact_law(
     contact: Any, diameter: Any, body: Any, body_velocity: Any, point: Any, velocity: Any, cq: Any, cv: Any
-) -> Touch:
+) -> ContactTerms:
     """Return the contact of the centre line at ``point`` with a body, per length, for their velocities (m/s).
 
     The tangent is that with respect to (cq, cv) times position and velocity.
     """
     n, onset = normal(point, body), ONSET * diameter
-    depth = larger(0.5 * diameter - distance(point, body), 0.0)
-    soft = smaller(depth, onset)
+    depth = maximum(0.5 * diameter - distance(point, body), 0.0)
+    soft = minimum(depth, onset)
     hard = depth - soft
     spring = contact.stiffness * (soft * soft / (2.0 * onset) + hard)
     energy = contact.stiffness * (soft * soft * soft / (6.0 * onset) + 0.5 * hard * (onset + hard))
@@ -72,7 +72,7 @@ def touch(
     w = tuple(velocity[i] - body_velocity[i] for i in range(3))
     normal_speed = dot(n, w)
     u = tuple(w[i] - normal_speed * n[i] for i in range(3))
-    damped = larger(1.0 - contact.damping * normal_speed, 0.0)
+    damped = maximum(1.0 - contact.damping * normal_speed, 0.0)
     pressure = spring * damped
     slip = sqrt(dot(u, u) + contact.slip_speed * contact.slip_speed)
     drag = contact.friction * pressure / slip
@@ -85,4 +85,4 @@ def touch(
     xx, xy, xz, yy, yz, zz = (normal_stiffness * n[i] * n[j] - softening * u[i] * u[j] for i, j in pairs)
     dissipated = (spring - pressure) * normal_speed + drag * dot(u, u)
     sums = energy, dissipated, dot(force, body_velocity), *force, *cross(point, force), pressure
-    return Touch(force, (xx + viscous, xy, xz, yy + viscous, yz, zz + viscous), sums)
+    return ContactTerms(force, (xx + viscous, xy, xz, yy + viscous, yz, zz + viscous), sums)

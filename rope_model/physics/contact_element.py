@@ -15,9 +15,9 @@ from typing import Any
 import casadi as ca
 
 from rope_model.physics import contact_points, hermite
-from rope_model.physics.contact import SUMS, touch
+from rope_model.physics.contact import SUMS, contact_law
 from rope_model.physics.element import ELEMENT_DOF, ElementFidelity, ElementFunctions
-from rope_model.physics.elementary import both, where
+from rope_model.physics.elementary import logical_and, where
 from rope_model.physics.shaft import KINDS, Body
 
 LAW = ("stiffness", "damping", "friction", "slip_speed", "diameter")  #: entries of the law
@@ -34,34 +34,34 @@ CONTACT_BALANCE = (
 
 
 @cache
-def contact_element(fidelity: ElementFidelity, plain: ElementFunctions, kinds: tuple[int, ...]) -> ElementFunctions:
-    """Build the functions of the ``plain`` element of a fidelity with a body of each of the ``kinds``.
+def contact_element(fidelity: ElementFidelity, base: ElementFunctions, kinds: tuple[int, ...]) -> ElementFunctions:
+    """Build the functions of the ``base`` element of a fidelity with a body of each of the ``kinds``.
 
     F has a further entry for each body, 1 where the element is near it, else 0; P has LAW and the bodies behind its own
     entries.  Contact adds to residual, tangent, balance and losses, the latter two in further entries.
     """
     m = len(ELEMENT_DOF[fidelity])
-    frame, own, bodies = plain.residual.size1_in(4), plain.residual.size1_in(5), len(kinds)
-    q, v, a, before = (ca.MX.sym(name, 2 * m) for name in ("q", "v", "a", "before"))
-    l, F = ca.MX.sym("l"), ca.MX.sym("F", frame + bodies)
-    P = ca.MX.sym("P", own + len(LAW) + bodies * BODY_SIZE)
+    base_frame, base_size, bodies = base.residual.size1_in(4), base.residual.size1_in(5), len(kinds)
+    q, v, a, q_prestress = (ca.MX.sym(name, 2 * m) for name in ("q", "v", "a", "q_prestress"))
+    l, F = ca.MX.sym("l"), ca.MX.sym("F", base_frame + bodies)
+    P = ca.MX.sym("P", base_size + len(LAW) + bodies * BODY_SIZE)
     cq, cv, c_a = (ca.MX.sym(name) for name in ("cq", "cv", "ca"))
-    frame_entries, is_near = (F[:frame], P[:own]), ca.sum1(F[frame:]) > 0
+    base_args, is_near = (F[:base_frame], P[:base_size]), ca.sum1(F[base_frame:]) > 0
     R, J, sums = _integrals(ELEMENT_DOF[fidelity], kinds)
 
     def added(function: ca.Function, *factors: Any) -> ca.MX:
-        return _where_near(function)(is_near, q, v, l, F[frame:], P[own:], *factors)
+        return _where_near(function)(is_near, q, v, l, F[base_frame:], P[base_size:], *factors)
 
-    R_plain, J_plain = plain.tangent(q, v, a, l, *frame_entries, cq, cv, c_a, before)
+    R_base, J_base = base.tangent(q, v, a, l, *base_args, cq, cv, c_a, q_prestress)
     balance = added(sums)
-    return plain.replaced(
-        residual=([q, v, a, l, F, P], [plain.residual(q, v, a, l, *frame_entries) + added(R)]),
-        tangent=([q, v, a, l, F, P, cq, cv, c_a, before], [R_plain + added(R), J_plain + added(J, cq, cv)]),
-        balance=([q, v, l, F, P], [ca.vertcat(plain.balance(q, v, l, *frame_entries), balance)]),
-        losses=([q, v, l, F, P], [ca.vertcat(plain.losses(q, v, l, *frame_entries), balance[1:3])]),
-        strains=([q, l, F], [plain.strains(q, l, frame_entries[0])]),
-        momentum=([q, v, l, P], [plain.momentum(q, v, l, frame_entries[1])]),
-        transport=([q, v, a, l, F], [plain.transport(q, v, a, l, frame_entries[0])]),
+    return base.replaced(
+        residual=([q, v, a, l, F, P], [base.residual(q, v, a, l, *base_args) + added(R)]),
+        tangent=([q, v, a, l, F, P, cq, cv, c_a, q_prestress], [R_base + added(R), J_base + added(J, cq, cv)]),
+        balance=([q, v, l, F, P], [ca.vertcat(base.balance(q, v, l, *base_args), balance)]),
+        losses=([q, v, l, F, P], [ca.vertcat(base.losses(q, v, l, *base_args), balance[1:3])]),
+        strains=([q, l, F], [base.strains(q, l, base_args[0])]),
+        momentum=([q, v, l, P], [base.momentum(q, v, l, base_args[1])]),
+        transport=([q, v, a, l, F], [base.transport(q, v, a, l, base_args[0])]),
     )
 
 
@@ -149,8 +149,8 @@ def _cell_function(stiff: bool) -> ca.Function:
         deeper = ca.if_else(swapped, probes[:, side], probes[:, side + 1])
         other = ca.if_else(swapped, probes[:, side + 1], probes[:, side])
         start = deeper[0]
-        for part in contact_points.LEVELS:
-            level = part * P[LAW.index("diameter")]
+        for fraction in contact_points.LEVELS:
+            level = fraction * P[LAW.index("diameter")]
             reached = reach.fold(contact_points.STEPS)(ca.vertcat(other, deeper[0]), rows, l, P, level)[0]
             stop = ca.if_else(deeper[1] <= level, deeper[0], ca.if_else(other[1] >= level, other[0], reached))
             pieces += [
@@ -191,8 +191,8 @@ def _search_functions() -> tuple[ca.Function, ca.Function, ca.Function]:
     start, stop = ends[:, 0], ends[:, 1]
     middle, turns = probe_at(0.5 * (start[0] + stop[0])), start[2] * stop[2] < 0
     first = start[2] * middle[2] > 0
-    start = where(both(turns, first), middle, start)
-    stop = where(both(turns, ca.logic_not(first)), middle, stop)
+    start = where(logical_and(turns, first), middle, start)
+    stop = where(logical_and(turns, ca.logic_not(first)), middle, stop)
     next_probe = probe_at(contact_points.reaching(_probe(state[:3]), state[3], level))
     nearer = where(next_probe[1] < level, ca.vertcat(next_probe, state[3]), ca.vertcat(state[:3], next_probe[0]))
     return (
@@ -222,10 +222,8 @@ def _touch_functions() -> tuple[ca.Function, ca.Function]:
     point, speed, P = ca.SX.sym("point", 3), ca.SX.sym("speed", 3), ca.SX.sym("P", len(LAW) + BODY_SIZE)
     cq, cv = ca.SX.sym("cq"), ca.SX.sym("cv")
     law = SimpleNamespace(**dict(zip(LAW, ca.vertsplit(P[: len(LAW)]), strict=True)))
-    contact_terms = touch(law, law.diameter, *_body(P[len(LAW) :]), point, speed, cq, cv)
+    terms = contact_law(law, law.diameter, *_body(P[len(LAW) :]), point, speed, cq, cv)
     return (
-        ca.Function(
-            "touch", [point, speed, P], ca.cse([ca.vertcat(*contact_terms.force), ca.vertcat(*contact_terms.sums)])
-        ),
-        ca.Function("touch_tangent", [point, speed, P, cq, cv], [ca.cse(ca.vertcat(*contact_terms.tangent))]),
+        ca.Function("contact_law", [point, speed, P], ca.cse([ca.vertcat(*terms.force), ca.vertcat(*terms.sums)])),
+        ca.Function("touch_tangent", [point, speed, P, cq, cv], [ca.cse(ca.vertcat(*terms.tangent))]),
     )

@@ -18,7 +18,7 @@ position are proportional to it.  Works on numbers and CasADi expressions.
 import math
 from typing import Any, NamedTuple
 
-from rope_model.physics.elementary import hypot, larger, less, sqrt, where
+from rope_model.physics.elementary import hypot, less, maximum, sqrt, where
 from rope_model.physics.estimates import bending_length
 from rope_model.physics.shaft import KINDS
 
@@ -54,7 +54,7 @@ def add_contact(scene: Any, sums: Any, h: Any, pressures: Any, longest: Any) -> 
     return ContactSums(
         (a, b, c, d, e, f),
         sums.time + where(less(0.0, pressure), h, 0.0),
-        larger(sums.largest, pressure),
+        maximum(sums.largest, pressure),
         (first, second),
         sums.square + h * (unresolved * unresolved),
     )
@@ -64,7 +64,7 @@ def delay(scene: Any, length: Any) -> Any:
     """Return tau (s) of elements of this ``length`` (m)."""
     rope, tension = scene.rope, _tension(scene)
     stiff = tension * (length * length) + rope.EI * math.pi**2
-    return length * length / (math.pi * sqrt(larger(stiff / rope.mass_per_length, TINY)))
+    return length * length / (math.pi * sqrt(maximum(stiff / rope.mass_per_length, TINY)))
 
 
 def length_for(scene: Any, tau: Any) -> Any:
@@ -80,15 +80,15 @@ def _tension(scene: Any) -> Any:
 
 def contact_error(sums: Any) -> Any:
     """Return the error of the bodies' pressure, root mean square during contact, relative to the largest pressure."""
-    return sqrt(sums.square / larger(sums.time, TINY)) / larger(sums.largest, TINY)
+    return sqrt(sums.square / maximum(sums.time, TINY)) / maximum(sums.largest, TINY)
 
 
-def with_contact_at_ends(error: Any, sums: Any, time: Any, force: Any) -> Any:
+def add_contact_end_error(error: Any, sums: Any, time: Any, force: Any) -> Any:
     """Add the error by contact in ``time`` (s) to the ``error`` of the end forces over the largest ``force`` (N)."""
-    return hypot(error, TO_END_FORCES * sqrt(sums.square / larger(time, TINY)) / larger(force, TINY))
+    return hypot(error, TO_END_FORCES * sqrt(sums.square / maximum(time, TINY)) / maximum(force, TINY))
 
 
-def with_contact_of_place(scene: Any, error: Any, sums: Any) -> Any:
+def add_contact_loop_error(scene: Any, error: Any, sums: Any) -> Any:
     """Add the error by contact to ``error`` (m) of the loop's position."""
     rope, g, w = scene.rope, scene.layout.gravity, bending_length(scene)
     swing = 2.0 * math.pi * sqrt(w / g)

@@ -16,7 +16,7 @@ CasADi expressions; a and b are the rows r, r' of an element's nodes.
 from typing import Any, NamedTuple
 
 from rope_model.physics.contact import ONSET
-from rope_model.physics.elementary import dot, larger, less, sign, where
+from rope_model.physics.elementary import dot, less, maximum, unit_sign, where
 from rope_model.physics.hermite import GAUSS, interpolate
 from rope_model.physics.shaft import distance, normal
 
@@ -70,9 +70,9 @@ def reaching(outer: Any, inner: Any, level: Any) -> Any:
 
 def nonzero(x: Any) -> Any:
     """Return ``x``, or TINY with its sign."""
-    return sign(x) * larger(abs(x), TINY)
+    return unit_sign(x) * maximum(abs(x), TINY)
 
 
-def point_in(part: Any, weight: Any, start: Any, stop: Any) -> tuple[Any, Any]:
-    """Return xi and weight of a Gauss point, which has ``part`` and ``weight`` in the unit interval, on a piece."""
-    return start + part * (stop - start), weight * abs(stop - start)
+def point_in(fraction: Any, weight: Any, start: Any, stop: Any) -> tuple[Any, Any]:
+    """Return xi and weight of a Gauss point, which has ``fraction`` and ``weight`` in the unit interval, on a piece."""
+    return start + fraction * (stop - start), weight * abs(stop - start)

@@ -23,15 +23,15 @@ import casadi as ca
 from rope_model.physics import element
 from rope_model.physics.bending_element import bending_element
 from rope_model.physics.elementary import dot, sqrt
-from rope_model.physics.frame import carried, small_turn, smallest_rotation_rate, turned
+from rope_model.physics.frame import parallel_transport, rational_cos_sin, rotate_about_tangent, smallest_rotation_rate
 from rope_model.physics.initial_curvature import TO_POINTS, curvature_vectors
 
 #: number of entries of an element: k0 at its points, angles, and EI
-CURVED = 3 * len(element.POINTS) + 3
+CURVATURE_SIZE = 3 * len(element.POINTS) + 3
 
 
 class CurvedFunctions(NamedTuple):
-    """CasADi functions of permanent curvature in an element; ``C`` contains its CURVED numbers.
+    """CasADi functions of permanent curvature in an element; ``C`` contains its CURVATURE_SIZE numbers.
 
     residual: (q, l, F, C) -> R (14,)
     tangent:  (q, l, F, C, cq) -> J (14, 14)
@@ -48,7 +48,7 @@ def curved_functions() -> CurvedFunctions:
     """Build the functions."""
     relative = element.relative_coordinates()
     q, l = ca.SX.sym("q", 2 * element.NODE_DOF), ca.SX.sym("l")
-    F, C, cq = ca.SX.sym("F", element.FRAME), ca.SX.sym("C", CURVED), ca.SX.sym("cq")
+    F, C, cq = ca.SX.sym("F", element.FRAME_SIZE), ca.SX.sym("C", CURVATURE_SIZE), ca.SX.sym("cq")
     numbers, frames = ca.vertsplit(C), ca.vertsplit(F[:-3], 6)
     before, EI = numbers[-3:-1], numbers[-1]
     B = [element.interpolation(xi, l) for xi in element.POINTS]
@@ -114,14 +114,14 @@ def _bend_function() -> ca.Function:
     square = dot(d, d)
     length = sqrt(square)
     t = [d[k] / length for k in range(3)]
-    director = turned(t, carried(p, t, before), *small_turn(z[6] - angle))
+    director = rotate_about_tangent(t, parallel_transport(p, t, before), *rational_cos_sin(z[6] - angle))
     along = dot(ca.cross(d, c), director) / square
     along_zz, along_z = ca.hessian(along, z)
     return ca.Function("curved_bend", [z, p, before, angle], [ca.cse(x) for x in (along, along_z, along_zz)])
 
 
 @cache
-def curved_element(plain: element.ElementFunctions) -> element.ElementFunctions:
-    """Build the functions of the ``plain`` torsional element with permanent curvature."""
+def curved_element(base: element.ElementFunctions) -> element.ElementFunctions:
+    """Build the functions of the ``base`` torsional element with permanent curvature."""
     curved = curved_functions()
-    return bending_element(plain, CURVED, curved.residual, curved.tangent, curved.energy)
+    return bending_element(base, CURVATURE_SIZE, curved.residual, curved.tangent, curved.energy)

@@ -113,7 +113,7 @@ MOMENTUM = ("px", "py", "pz", "Lx", "Ly", "Lz", "Sx", "Sy", "Sz")
 #: entries of one element's strains: means of e and tau over the element, root mean square of k
 STRAINS = ("e", "tau", "k_rms")
 #: number of entries of the reference of an element's frame
-FRAME = 21
+FRAME_SIZE = 21
 
 _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(3)
 #: Gauss points as element coordinates xi, and weights
@@ -128,9 +128,9 @@ class ElementFunctions:
     tangent p and p x p' at each Gauss point, and p at the right node; it has no entries without torsion.
 
     residual:  (q, v, a, l, F, P) -> R (2 m,): inertia + internal - gravity, which external loads must balance
-    tangent:   (q, v, a, l, F, P, cq, cv, ca, before) -> R, J (2 m, 2 m): J = cq dR/dq + cv dR/dv + ca dR/da, exact and
-               symmetric at rest if before is q.  In motion it leaves out how q and v change damping and spin inertia.
-               The axial strains of ``before`` stiffen the element sideways
+    tangent:   (q, v, a, l, F, P, cq, cv, ca, q_prestress) -> R, J (2 m, 2 m): J = cq dR/dq + cv dR/dv + ca dR/da,
+               exact and symmetric at rest if q_prestress is q.  In motion it leaves out how q and v change damping and
+               spin inertia.  The axial strains of ``q_prestress`` stiffen the element sideways
     balance:   (q, v, l, F, P) -> BALANCE (9,)
     losses:    (q, v, l, F, P) -> the two powers of the balance (2,)
     strains:   (q, l, F) -> STRAINS (3,)
@@ -161,13 +161,13 @@ def element_functions(
     """Build the functions; a second call with the same arguments returns the same objects."""
     torsional = fidelity == "torsional"
     dofs = [*ELEMENT_DOF[fidelity], *(NODE_DOF + i for i in ELEMENT_DOF[fidelity])]
-    symbols = [ca.SX.sym(name, len(dofs)) for name in ("q", "v", "a", "before")]
-    q, v, a, before = (ca.SX.zeros(2 * NODE_DOF) for _ in symbols)
-    for x, symbol in zip((q, v, a, before), symbols, strict=True):
+    symbols = [ca.SX.sym(name, len(dofs)) for name in ("q", "v", "a", "q_prestress")]
+    q, v, a, q_prestress = (ca.SX.zeros(2 * NODE_DOF) for _ in symbols)
+    for x, symbol in zip((q, v, a, q_prestress), symbols, strict=True):
         x[dofs] = symbol
     l, P = ca.SX.sym("l"), ca.SX.sym("P", len(PARAMETERS))
     p = named(P)
-    F = ca.SX.sym("F", FRAME if torsional else 0)
+    F = ca.SX.sym("F", FRAME_SIZE if torsional else 0)
     cq, cv, c_a = ca.SX.sym("cq"), ca.SX.sym("cv"), ca.SX.sym("ca")
 
     # all terms but weight and translation depend on the 11 relative coordinates r2 - r1, r', theta only
@@ -190,7 +190,7 @@ def element_functions(
     e_z, tau_z = ca.SX.zeros(11), ca.SX.zeros(11)
     tau_z[9:] = theta_x
     for w, B_p, z_p, v_p, a_p, F_p in points:
-        shift = ca.norm_2((B_p @ relative @ before)[:3]) - ca.norm_2(z_p[:3])
+        shift = ca.norm_2((B_p @ relative @ q_prestress)[:3]) - ca.norm_2(z_p[:3])
         R_p, J_p, strains_z = point["tangent"](z_p, v_p, a_p, F_p, tau, tau_t, torque, elastic, P, cq, cv, c_a, shift)
         R_r += B_p.T @ (w * l * R_p)
         J_r += B_p.T @ (w * l * J_p) @ B_p
@@ -221,10 +221,10 @@ def element_functions(
         right = slice(NODE_DOF + 3, NODE_DOF + 6)
         reference = ca.vertcat(*(_frame(z_p) for z_p in z), q[right] / ca.norm_2(q[right]))
         transport = ca.vertcat(l * means[1], *_spin(frame_rate, F[-3:], q[right], v[right], a[right]))
-    q, v, a, before = symbols
+    q, v, a, q_prestress = symbols
     return ElementFunctions(
         residual=function("element_residual", [q, v, a, l, F, P], [R]),
-        tangent=function("element_tangent", [q, v, a, l, F, P, cq, cv, c_a, before], [R, J]),
+        tangent=function("element_tangent", [q, v, a, l, F, P, cq, cv, c_a, q_prestress], [R, J]),
         balance=function("element_balance", [q, v, l, F, P], [balance]),
         losses=function("element_losses", [q, v, l, F, P], [balance[7:]]),
         strains=function("element_strains", [q, l, F], [strains]),

@@ -65,12 +65,12 @@ def atan2(y: Any, x: Any) -> Any:
     return np.arctan2(y, x) if isinstance(y, np.ndarray) else _library(y).atan2(y, x)
 
 
-def larger(x: Any, y: Any) -> Any:
+def maximum(x: Any, y: Any) -> Any:
     """Return the larger number; ``x`` where they are equal."""
     return max(x, y) if isinstance(x, _NUMBER) else _library(x).fmax(x, y)
 
 
-def smaller(x: Any, y: Any) -> Any:
+def minimum(x: Any, y: Any) -> Any:
     """Return the smaller number; ``x`` where they are equal."""
     return min(x, y) if isinstance(x, _NUMBER) else _library(x).fmin(x, y)
 
@@ -84,12 +84,12 @@ def where(condition: Any, x: Any, y: Any) -> Any:
     return np.where(condition, x, y) if isinstance(condition, np.ndarray) else x if condition else y
 
 
-def both(*conditions: Any) -> Any:
+def logical_and(*conditions: Any) -> Any:
     """Return whether all of the conditions hold; all are computed."""
     return reduce(ca.logic_and, map(ca.SX, conditions)) if _symbolic(conditions) else all(conditions)
 
 
-def either(*conditions: Any) -> Any:
+def logical_or(*conditions: Any) -> Any:
     """Return whether one of the conditions holds; all are computed."""
     return reduce(ca.logic_or, map(ca.SX, conditions)) if _symbolic(conditions) else any(conditions)
 
@@ -99,7 +99,7 @@ def less(x: Any, y: Any) -> Any:
     return float(x < y) if isinstance(x, float) and isinstance(y, float) else x < y
 
 
-def sign(x: Any) -> Any:
+def unit_sign(x: Any) -> Any:
     """Return 1 with the sign of ``x``."""
     if isinstance(x, float):
         return math.copysign(1.0, x)

@@ -20,8 +20,8 @@ error.  ``scene`` gives rope and layout; works on numbers and CasADi expressions
 import math
 from typing import Any, NamedTuple
 
-from rope_model.physics.elementary import larger, log, sqrt
-from rope_model.physics.initial_curvature import most_curvature
+from rope_model.physics.elementary import log, maximum, sqrt
+from rope_model.physics.initial_curvature import max_curvature
 
 #: sideways displacement of the loop's bottom over its natural width: 0.25 to 0.33 measured at 4 m/s, EI 50 to 1000
 LEAN = 1 / 3
@@ -32,7 +32,7 @@ WHIP = 3e-5
 #: natural width of a free loop over (EI / rho g)^(1/3)
 NATURAL_WIDTH = 2.54307
 #: rad, yaw beyond which the loop may turn over; the estimate is 1.2 to 5 times the yaw measured
-LARGEST_YAW = 1.0
+MAX_YAW = 1.0
 
 
 class Travel(NamedTuple):
@@ -50,8 +50,8 @@ ASSUMED = Travel(0.0, 10.0, 1.0, 1.0)
 
 def travel_estimate(height_difference: Any, speed: Any, acceleration: Any) -> Travel:
     """Return the motion to expect of ends that move like this: at least ASSUMED."""
-    growth = larger(acceleration / ASSUMED.acceleration, 1.0)
-    speed = larger(speed, ASSUMED.speed)
+    growth = maximum(acceleration / ASSUMED.acceleration, 1.0)
+    speed = maximum(speed, ASSUMED.speed)
     return Travel(height_difference, speed, growth * ASSUMED.acceleration, growth * ASSUMED.jerk)
 
 
@@ -69,8 +69,8 @@ def axial_frequency(rope: Any, leg: Any) -> Any:
 def lean_error(scene: Any, travel: Any) -> Any:
     """Return the error by the length that a leaning leg takes from the other, over the longer leg."""
     # the shorter leg is at least as long as the loop is wide
-    short_leg = larger(0.5 * (scene.rope.length - travel.height_difference), scene.layout.spacing)
-    width = larger(natural_width(scene), scene.layout.spacing)
+    short_leg = maximum(0.5 * (scene.rope.length - travel.height_difference), scene.layout.spacing)
+    width = maximum(natural_width(scene), scene.layout.spacing)
     lean = LEAN * width * (1 + LEAN_GROWTH * travel.acceleration / scene.layout.gravity)
     return lean * lean / (4 * short_leg * _long_leg(scene, travel))
 
@@ -93,7 +93,7 @@ def loop_yaw(scene: Any) -> Any:
     """Return the yaw (rad) of the loop under the torque of a held rope; legs are strings under their own weight."""
     rope, g = scene.rope, scene.layout.gravity
     width = 0.5 * (scene.layout.spacing + natural_width(scene))  # mean of the widths at both ends of the legs
-    height = larger(0.5 * rope.length / width, 1.0)
+    height = maximum(0.5 * rope.length / width, 1.0)
     return 4 * abs(held_torque(rope, g)) * log(height) / (rope.mass_per_length * g * (width * width))
 
 
@@ -114,7 +114,7 @@ def twist_torque(rope: Any, angle: Any) -> Any:
 
 def curvature_torque(rope: Any) -> Any:
     """Return the largest torque (N m) that permanent curvature causes in the loop, over half a turn of it."""
-    return math.pi * rope.EI * most_curvature(rope)
+    return math.pi * rope.EI * max_curvature(rope)
 
 
 def natural_width(scene: Any) -> Any:
@@ -124,7 +124,7 @@ def natural_width(scene: Any) -> Any:
 
 def loop_width(scene: Any) -> Any:
     """Return a lower bound (m) of the loop's width: the natural width, or half the spacing of ends farther apart."""
-    return larger(natural_width(scene), 0.5 * scene.layout.spacing)
+    return maximum(natural_width(scene), 0.5 * scene.layout.spacing)
 
 
 def bending_length(scene: Any) -> Any:

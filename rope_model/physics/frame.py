@@ -32,19 +32,19 @@ def smallest_rotation_rate(p: Any, turn: Any, d: Any, change: Any) -> Any:
     return (dot(turn, d) - dot(p, cross(d, change)) / length) / (length + dot(p, d))
 
 
-def carried(p: Any, t: Any, x: Any) -> list[Any]:
+def parallel_transport(p: Any, t: Any, x: Any) -> list[Any]:
     """Return the vector ``x`` across the tangent p after the smallest rotation from p to t."""
     factor = dot(t, x) / (1.0 + dot(p, t))
     return [x[i] - factor * (p[i] + t[i]) for i in range(3)]
 
 
-def turned(t: Any, x: Any, c: Any, s: Any) -> list[Any]:
+def rotate_about_tangent(t: Any, x: Any, c: Any, s: Any) -> list[Any]:
     """Return the vector ``x`` across the tangent t, turned about t by the angle with cosine ``c`` and sine ``s``."""
     across = cross(t, x)
     return [c * x[i] + s * across[i] for i in range(3)]
 
 
-def small_turn(angle: Any) -> tuple[Any, Any]:
+def rational_cos_sin(angle: Any) -> tuple[Any, Any]:
     """Return rational cosine and sine of an angle (rad) that differs from ``angle`` by about angle^7 / 1200."""
     half = 0.5 * angle * (1.0 + angle * angle / 12 * (1.0 + angle * angle / 10))
     return (1.0 - half * half) / (1.0 + half * half), 2.0 * half / (1.0 + half * half)

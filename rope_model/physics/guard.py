@@ -22,7 +22,7 @@ with the constant of the loop at rest.
 
 from typing import Any, NamedTuple
 
-from rope_model.physics.elementary import hypot, less, smaller, where
+from rope_model.physics.elementary import hypot, less, minimum, where
 
 #: guards; the code of a cause is its index, counted from 1
 CAUSES = ("rise", "window", "clearance", "turns", "torque")
@@ -44,7 +44,7 @@ def thresholds(guard: Any) -> tuple[Any, ...]:
     return guard.rise, guard.window, guard.clearance, guard.turns, guard.torque
 
 
-def guarded(guard: Any) -> Any:
+def has_guards(guard: Any) -> Any:
     """Return a number above 0 if there is any guard, else 0."""
     return sum(thresholds(guard)[1:], guard.rise)
 
@@ -78,7 +78,7 @@ def watch(guard: Any, state: Any, t: Any, values: Any) -> GuardState:
     excess = [value - limit for value, limit in zip(values, limits, strict=True)]
     excess[2] = -excess[2]
     exceeded = [less(0.0, limit) * less(0.0, x) for limit, x in zip(limits, excess, strict=True)]
-    since = [where(less(0.5, x), smaller(before, t), NEVER) for x, before in zip(exceeded, state.since, strict=True)]
+    since = [where(less(0.5, x), minimum(before, t), NEVER) for x, before in zip(exceeded, state.since, strict=True)]
     first: Any = 0.0
     for code, (start, delay) in reversed([*enumerate(zip(since, delays, strict=True), start=1)]):
         first = where(less(t - start, delay), first, float(code))

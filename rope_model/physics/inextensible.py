@@ -18,8 +18,8 @@ length s from the left end,
 import math
 from typing import Any, NamedTuple
 
-from rope_model.physics.elementary import hypot, smaller
-from rope_model.physics.outline import suspension_points
+from rope_model.physics.centreline import suspension_points
+from rope_model.physics.elementary import hypot, minimum
 
 
 class Flow(NamedTuple):
@@ -29,10 +29,10 @@ class Flow(NamedTuple):
     w: float
 
 
-class Pull(NamedTuple):
+class RigidTensions(NamedTuple):
     """Tensions (N) at conveyances and below legs, lengths (m) of legs; mass (kg) and radius (m) of the half circle."""
 
-    tensions: tuple[float, float]
+    at_ends: tuple[float, float]
     below: tuple[float, float]
     legs: tuple[float, float]
     arc: float
@@ -44,7 +44,7 @@ def flow(v1: Any, v2: Any) -> Flow:
     return Flow(0.5 * (v1 - v2), 0.5 * (v1 + v2))
 
 
-def pull(rope: Any, layout: Any, left: Any, right: Any) -> Pull:
+def rigid_tensions(rope: Any, layout: Any, left: Any, right: Any) -> RigidTensions:
     """Return the tensions for ends with these motions."""
     rho, g, L = rope.mass_per_length, layout.gravity, rope.length
     start, stop = suspension_points(layout, left, right)
@@ -56,22 +56,22 @@ def pull(rope: Any, layout: Any, left: Any, right: Any) -> Pull:
     arc = rho * half
     common = 0.5 * (arc * (g + rate.w) + 2 * rho * u * u)
     below = common + 0.5 * arc * rate.u, common - 0.5 * arc * rate.u
-    return Pull(
+    return RigidTensions(
         (below[0] + rho * l1 * (g + left.ay), below[1] + rho * l2 * (g + right.ay)), below, (l1, l2), arc, radius
     )
 
 
-def lowest(pull: Any) -> Any:
+def min_tension(tensions: Any) -> Any:
     """Return the smallest tension (N)."""
-    return smaller(smaller(pull.below[0], pull.below[1]), smaller(pull.tensions[0], pull.tensions[1]))
+    return minimum(minimum(tensions.below[0], tensions.below[1]), minimum(tensions.at_ends[0], tensions.at_ends[1]))
 
 
-def energies(rope: Any, layout: Any, pull: Any, left: Any, right: Any) -> tuple[Any, Any]:
+def energies(rope: Any, layout: Any, tensions: Any, left: Any, right: Any) -> tuple[Any, Any]:
     """Return kinetic energy and potential energy of the weight (J) for ends with these motions."""
-    rho, (l1, l2), (u, w) = rope.mass_per_length, pull.legs, flow(left.vy, right.vy)
-    kinetic = 0.5 * rho * (l1 * (left.vy * left.vy) + l2 * (right.vy * right.vy)) + 0.5 * pull.arc * (w * w + u * u)
-    middle = left.y - l1 - 2 * pull.radius / math.pi
-    weights = rho * l1 * (left.y - 0.5 * l1) + rho * l2 * (right.y - 0.5 * l2) + pull.arc * middle
+    rho, (l1, l2), (u, w) = rope.mass_per_length, tensions.legs, flow(left.vy, right.vy)
+    kinetic = 0.5 * rho * (l1 * (left.vy * left.vy) + l2 * (right.vy * right.vy)) + 0.5 * tensions.arc * (w * w + u * u)
+    middle = left.y - l1 - 2 * tensions.radius / math.pi
+    weights = rho * l1 * (left.y - 0.5 * l1) + rho * l2 * (right.y - 0.5 * l2) + tensions.arc * middle
     return kinetic, layout.gravity * weights
 
 

@@ -22,8 +22,8 @@ import numpy as np
 
 from rope_model.physics import hermite
 from rope_model.physics.element import POINTS, WEIGHTS
-from rope_model.physics.elementary import cos, dot, hypot, larger, sin, sqrt
-from rope_model.physics.frame import carried, smallest_rotation_rate, turned
+from rope_model.physics.elementary import cos, dot, hypot, maximum, sin, sqrt
+from rope_model.physics.frame import parallel_transport, rotate_about_tangent, smallest_rotation_rate
 
 #: e1 at the left end, where the tangent is -Y
 START = (0.0, 0.0, 1.0)
@@ -43,11 +43,11 @@ _HATS = {"left": (0, 3), "1": (1, 1), "2": (2, 1), "middle": (3, 3), "4": (4, 1)
 CURVATURES = ("initial_curvature", *(f"curvature_{name}{way}" for way in ("", "_across") for name in _HATS))
 
 
-def most_curvature(rope: Any) -> Any:
+def max_curvature(rope: Any) -> Any:
     """Return the largest permanent curvature (1/m) along the rope; 0 only for a straight rope."""
     largest = 0.0
     for sixth in range(7):
-        largest = larger(hypot(*_curvature(rope, sixth)), largest)
+        largest = maximum(hypot(*_curvature(rope, sixth)), largest)
     return largest
 
 
@@ -62,7 +62,7 @@ def _curvature(rope: Any, x: Any) -> tuple[Any, Any]:
     """Return the permanent curvature (1/m) along its direction and across it at ``x`` sixths of the length."""
     along, across = rope.initial_curvature, 0.0
     for name, (middle, width) in _HATS.items():
-        hat = larger(1 - larger(x - middle, middle - x) / width, 0.0)
+        hat = maximum(1 - maximum(x - middle, middle - x) / width, 0.0)
         along += hat * getattr(rope, f"curvature_{name}")
         across += hat * getattr(rope, f"curvature_{name}_across")
     return along, across
@@ -98,4 +98,4 @@ def _unit(d: Any) -> list[Any]:
 
 def _turned(t: Any, p: Any, x: Any, along: Any, across: Any) -> list[Any]:
     """Carry ``x`` from the tangent p to t, then add ``along`` times it and ``across`` times its perpendicular."""
-    return turned(t, carried(p, t, x), along, across)
+    return rotate_about_tangent(t, parallel_transport(p, t, x), along, across)

@@ -2,12 +2,12 @@
 
 from typing import Any
 
-from rope_model.physics.elementary import cross, larger, smaller
+from rope_model.physics.elementary import cross, maximum, minimum
 
 
 def time_fraction(start: Any, stop: Any, t: Any) -> Any:
     """Return the fraction, 0 to 1, of the time from ``start`` to ``stop`` that has passed at ``t``."""
-    return smaller(larger((t - start) / (stop - start), 0.0), 1.0)
+    return minimum(maximum((t - start) / (stop - start), 0.0), 1.0)
 
 
 def point_load(point: Any, force: Any) -> tuple[Any, ...]:

@@ -16,7 +16,7 @@ expressions; vectors have their components first.
 
 from typing import Any, NamedTuple
 
-from rope_model.physics.elementary import cos, larger, less, sign, sin, smaller, sqrt
+from rope_model.physics.elementary import cos, less, maximum, minimum, sin, sqrt, unit_sign
 
 #: m, longer than any shaft
 ENDLESS = 1e6
@@ -62,12 +62,12 @@ def normal(point: Any, body: Any) -> tuple[Any, Any, Any]:
     """Return the unit normal at ``point`` (3,), away from the body: the gradient of its distance."""
     local = _in_axes(point[0] - body.centre[0], point[1] - body.centre[1], point[2] - body.centre[2], body)
     q = [abs(x) - h for x, h in zip(local, (body.half[0], body.half[1], body.half[2]), strict=True)]
-    out = [larger(x, 0.0) for x in q]
+    out = [maximum(x, 0.0) for x in q]
     root = sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2] + TINY)
     # within the box the normal is that of the nearest face
-    largest = larger(larger(q[0], q[1]), q[2])
+    largest = maximum(maximum(q[0], q[1]), q[2])
     faces = [(1.0 - less(0.0, x)) * (1.0 - less(x, largest)) for x in q]
-    x, y, z = (body.side * sign(p) * (o / root + face) for p, o, face in zip(local, out, faces, strict=True))
+    x, y, z = (body.side * unit_sign(p) * (o / root + face) for p, o, face in zip(local, out, faces, strict=True))
     return body.cosine * x + body.sine * z, y, body.cosine * z - body.sine * x
 
 
@@ -76,15 +76,15 @@ def _in_axes(x: Any, y: Any, z: Any, body: Any) -> tuple[Any, Any, Any]:
 
 
 def _distance(x: Any, y: Any, z: Any, body: Any) -> Any:
-    a, b, c = larger(x, 0.0), larger(y, 0.0), larger(z, 0.0)
-    within = smaller(larger(larger(x, y), z), 0.0)
+    a, b, c = maximum(x, 0.0), maximum(y, 0.0), maximum(z, 0.0)
+    within = minimum(maximum(maximum(x, y), z), 0.0)
     return body.side * (sqrt(a * a + b * b + c * c + TINY) + within - body.radius)
 
 
 def lining(lining: Any) -> Body:
     """Return the wall, with the rope inside."""
     x, z = 0.5 * lining.width, 0.5 * lining.depth
-    radius = lining.rounding * smaller(x, z)
+    radius = lining.rounding * minimum(x, z)
     return Body((lining.x, 0.0, lining.z), (x - radius, ENDLESS, z - radius), radius, 1.0, 0.0, -1.0)
 
 

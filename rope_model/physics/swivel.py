@@ -10,9 +10,9 @@ with the tension T at the rope's end.  T counts from zero: a rope that pushes do
 
 from typing import Any
 
-from rope_model.physics.elementary import larger
+from rope_model.physics.elementary import maximum
 
 
 def friction_moment(mu: Any, mean_diameter: Any, seal_moment: Any, tension: Any) -> Any:
     """Return the largest moment (N m) that friction with coefficient ``mu`` transmits at ``tension`` (N)."""
-    return 0.5 * mu * mean_diameter * larger(tension, 0.0) + seal_moment
+    return 0.5 * mu * mean_diameter * maximum(tension, 0.0) + seal_moment

@@ -4,10 +4,10 @@ At each Gauss point C z is added to the moment EI k, work-conjugate to the rate 
 
     R += int B^T C z dx,     J += cq int B^T C dz/dk B dx
 
-Behind the frame's entries F has HISTORY numbers of the rope at the last accepted instant (at each point section and z
-(10), then k0 and C) and LATEST numbers of the latest tangent.  The tangent is symmetric: it leaves out the skew part of
-dz/dk and the change of B.  Where wires reverse their sliding, dz/dk jumps up and down, and Newton's method with this
-tangent alone may oscillate without end.  So the tangent is
+Behind the frame's entries F has HISTORY_SIZE numbers of the rope at the last accepted instant (at each point section
+and z (10), then k0 and C) and TANGENT_SIZE numbers of the latest tangent.  The tangent is symmetric: it leaves out the
+skew part of dz/dk and the change of B.  Where wires reverse their sliding, dz/dk jumps up and down, and Newton's method
+with this tangent alone may oscillate without end.  So the tangent is
 
     p dz/dk + (1 - p) |z| / |z if all wires stuck|,    p = (z predicted by the latest tangent) . z / |z|^2 in [0, 1]
 
@@ -23,20 +23,20 @@ import casadi as ca
 from rope_model.physics import element
 from rope_model.physics.bending_element import bending_element
 from rope_model.physics.frame import smallest_rotation_rate
-from rope_model.physics.wire_friction import MEMORY, NOTHING, section, slide, within
+from rope_model.physics.wire_friction import POINT_STATE_SIZE, REGULARIZATION, bouc_wen_step, section, within
 
 #: number of entries of an element: state of its points, k0 and C
-HISTORY = MEMORY * len(element.POINTS) + 2
+HISTORY_SIZE = POINT_STATE_SIZE * len(element.POINTS) + 2
 _OF_POINT = 12  #: number of entries of a point's latest tangent: k, z and the upper half of dz/dk
-LATEST = _OF_POINT * len(element.POINTS)  #: number of entries of an element's latest tangents
+TANGENT_SIZE = _OF_POINT * len(element.POINTS)  #: number of entries of an element's latest tangents
 
 
 class WireFunctions(NamedTuple):
-    """CasADi functions of friction between the wires in an element; ``H`` is its HISTORY.
+    """CasADi functions of friction between the wires in an element; ``H`` is its history (HISTORY_SIZE,).
 
     residual: (q, l, H) -> R (2 m,)
     tangent:  (q, l, H, latest, cq) -> J (2 m, 2 m)
-    latest:   (q, l, H, latest) -> ``latest`` after that tangent (LATEST,)
+    latest:   (q, l, H, latest) -> ``latest`` after that tangent (TANGENT_SIZE,)
     energy:   (q, l, H) -> energy stored, J
     """
 
@@ -52,8 +52,8 @@ def wire_functions(fidelity: element.ElementFidelity) -> WireFunctions:
     dofs = [*element.ELEMENT_DOF[fidelity], *(element.NODE_DOF + k for k in element.ELEMENT_DOF[fidelity])]
     symbol, q = ca.SX.sym("q", len(dofs)), ca.SX.zeros(2 * element.NODE_DOF)
     q[dofs] = symbol
-    l, H, latest, cq = ca.SX.sym("l"), ca.SX.sym("H", HISTORY), ca.SX.sym("latest", LATEST), ca.SX.sym("cq")
-    *points, k0, C = ca.vertsplit(H, [*range(0, HISTORY - 1, MEMORY), *range(HISTORY - 1, HISTORY + 1)])
+    l, H, latest, cq = ca.SX.sym("l"), ca.SX.sym("H", HISTORY_SIZE), ca.SX.sym("latest", TANGENT_SIZE), ca.SX.sym("cq")
+    *points, k0, C = ca.vertsplit(H, [*range(0, HISTORY_SIZE - 1, POINT_STATE_SIZE), HISTORY_SIZE - 1, HISTORY_SIZE])
     relative, point = element.relative_coordinates(), _point_function()
     R, J, energy = ca.SX.zeros(relative.shape[0]), ca.SX.zeros(relative.shape[0], relative.shape[0]), ca.SX(0)
     latest_tangents = []
@@ -78,7 +78,7 @@ def wire_functions(fidelity: element.ElementFidelity) -> WireFunctions:
 
 def _point_function() -> ca.Function:
     """Build (at = (r', r'', theta), before, k0, latest) -> B^T z, B^T (dz/dk) B for Newton's method, |z|^2, latest."""
-    at, at_t, before = ca.SX.sym("at", 7), ca.SX.sym("at_t", 7), ca.SX.sym("before", MEMORY)
+    at, at_t, before = ca.SX.sym("at", 7), ca.SX.sym("at_t", 7), ca.SX.sym("before", POINT_STATE_SIZE)
     k0, latest = ca.SX.sym("k0"), ca.SX.sym("latest", _OF_POINT)
     d, c = at[0:3], at[3:6]
     k = ca.cross(d, c) / ca.dot(d, d)
@@ -88,15 +88,15 @@ def _point_function() -> ca.Function:
     B = ca.jacobian(ca.jtimes(k, at, at_t) - ca.cross(spin, k), at_t)
     # the law as a function of the curvature alone: turning with the section does not change it
     curvature, present = ca.SX.sym("k", 3), section(d, c, at[6])
-    slid = slide(before, [*present[0:3], *ca.vertsplit(curvature), present[6]], k0)
-    z: Any = ca.vertcat(*slid.z)
+    step = bouc_wen_step(before, [*present[0:3], *ca.vertsplit(curvature), present[6]], k0)
+    z: Any = ca.vertcat(*step.z)
     slope = ca.jacobian(z, curvature)
     # prediction by the latest tangent
     old_curvature, old_z, upper = ca.vertsplit(latest, [0, 3, 6, _OF_POINT])
     old_slope: Any = ca.vertcat(upper[[0, 1, 2]].T, upper[[1, 3, 4]].T, upper[[2, 4, 5]].T)
     predicted = old_z + old_slope @ (curvature - old_curvature)
-    trust = within(ca.dot(predicted, z) / (ca.dot(z, z) + NOTHING * k0 * k0))
-    slope = trust * 0.5 * (slope + slope.T) + (1 - trust) * slid.secant * ca.SX.eye(3)
+    trust = within(ca.dot(predicted, z) / (ca.dot(z, z) + REGULARIZATION * k0 * k0))
+    slope = trust * 0.5 * (slope + slope.T) + (1 - trust) * step.secant * ca.SX.eye(3)
     latest_now = ca.vertcat(curvature, z, _upper_half(slope))
     z, slope, latest_now = ca.substitute([z, slope, latest_now], [curvature], [k])
     outputs = B.T @ z, element.symmetric(B.T @ slope @ B), ca.dot(z, z), latest_now
@@ -108,13 +108,13 @@ def _upper_half(A: ca.SX) -> ca.SX:
 
 
 @cache
-def wire_element(fidelity: element.ElementFidelity, plain: element.ElementFunctions) -> element.ElementFunctions:
-    """Build the functions of the ``plain`` element with friction between its wires, whose energy is bending."""
+def wire_element(fidelity: element.ElementFidelity, base: element.ElementFunctions) -> element.ElementFunctions:
+    """Build the functions of the ``base`` element with friction between its wires, whose energy is bending."""
     wires = wire_functions(fidelity)
     return bending_element(
-        plain,
-        HISTORY + LATEST,
-        lambda q, l, _, numbers: wires.residual(q, l, numbers[:HISTORY]),
-        lambda q, l, _, numbers, cq: wires.tangent(q, l, numbers[:HISTORY], numbers[HISTORY:], cq),
-        lambda q, l, _, numbers: wires.energy(q, l, numbers[:HISTORY]),
+        base,
+        HISTORY_SIZE + TANGENT_SIZE,
+        lambda q, l, _, numbers: wires.residual(q, l, numbers[:HISTORY_SIZE]),
+        lambda q, l, _, numbers, cq: wires.tangent(q, l, numbers[:HISTORY_SIZE], numbers[HISTORY_SIZE:], cq),
+        lambda q, l, _, numbers: wires.energy(q, l, numbers[:HISTORY_SIZE]),
     )

@@ -27,18 +27,18 @@ from typing import Any, NamedTuple
 
 from rope_model.physics import hermite
 from rope_model.physics.costello import tension
-from rope_model.physics.elementary import cross, dot, exp, larger, log, sqrt
-from rope_model.physics.frame import carried, small_turn, turned
+from rope_model.physics.elementary import cross, dot, exp, log, maximum, sqrt
+from rope_model.physics.frame import parallel_transport, rational_cos_sin, rotate_about_tangent
 
 #: number of entries of a section (tangent, curvature vector, angle) with z behind it
-MEMORY = 10
+POINT_STATE_SIZE = 10
 #: square in units of k0^2 that counts as 0, so that there is a derivative where nothing moves
-NOTHING = 1e-26
+REGULARIZATION = 1e-26
 #: square of z in these units that is too small for a quotient
 _SMALL = 1e-12
 
 
-class Slid(NamedTuple):
+class BoucWenStep(NamedTuple):
     """State z at the end of a step, dissipation over C per length of the rope, and a slope.
 
     ``secant`` is |z| over its value if all wires stuck.
@@ -51,13 +51,13 @@ class Slid(NamedTuple):
 
 def wire_stiffness(rope: Any) -> Any:
     """Return C (N m^2); 0 without friction, where EI_stick = 0."""
-    return larger(rope.EI_stick - rope.EI, 0.0)
+    return maximum(rope.EI_stick - rope.EI, 0.0)
 
 
 def slip_curvature(rope: Any, stiffness: Any, e: Any, tau: Any) -> Any:
     """Return k0 (1/m) of a rope with friction at its axial and torsional strain; ``stiffness`` is C."""
     pull = tension(rope.Qa, rope.Qs, rope.Qk, rope.Qe, e, tau)
-    moment = rope.slip_moment + rope.slip_factor * rope.diameter * larger(pull, 0.0)
+    moment = rope.slip_moment + rope.slip_factor * rope.diameter * maximum(pull, 0.0)
     return moment / stiffness
 
 
@@ -78,7 +78,7 @@ def section(d: Any, c: Any, angle: Any) -> tuple[Any, ...]:
     return (*(d[i] / length for i in range(3)), *(turn[i] / square for i in range(3)), angle)
 
 
-def slide(before: Any, after: Any, k0: Any) -> Slid:
+def bouc_wen_step(before: Any, after: Any, k0: Any) -> BoucWenStep:
     """Advance the hysteresis from the section ``before``, with its z (10,), to the section ``after`` (7,)."""
     z = _carried(before, after, before[7:10])
     old_curvature = _carried(before, after, before[3:6])
@@ -89,9 +89,9 @@ def slide(before: Any, after: Any, k0: Any) -> Slid:
     square, along = dot(step, step), dot(z, step)
     back = _positive(-along)
     back = back - _positive(back - square)
-    part = back / (square + NOTHING)
-    z = [z[i] + part * step[i] for i in range(3)]
-    step = [(1.0 - part) * x for x in step]
+    fraction = back / (square + REGULARIZATION)
+    z = [z[i] + fraction * step[i] for i in range(3)]
+    step = [(1.0 - fraction) * x for x in step]
     # remaining part of the step, over which they slide
     s2, a = dot(step, step), dot(z, step)
     h = 1.0 + s2 / 6 * (1.0 + s2 / 20)  # sinh(s) / s
@@ -99,17 +99,17 @@ def slide(before: Any, after: Any, k0: Any) -> Slid:
     growth, gained = cosh + a * h, h + a * h * h / (cosh + 1.0)
     z_end = [(z[i] + gained * step[i]) / growth for i in range(3)]
     # work along the step, int z . dk, minus the energy stored
-    s = sqrt(s2 + NOTHING)
+    s = sqrt(s2 + REGULARIZATION)
     work = s + log(0.5 * (1.0 + exp(-2.0 * s))) + log(growth / cosh)
-    dissipated = k0 * k0 * larger(work - 0.5 * (dot(z_end, z_end) - dot(z, z)), 0.0)
+    dissipated = k0 * k0 * maximum(work - 0.5 * (dot(z_end, z_end) - dot(z, z)), 0.0)
     secant = sqrt((dot(z_end, z_end) + _SMALL) / (dot(stuck, stuck) + _SMALL))
-    return Slid((k0 * z_end[0], k0 * z_end[1], k0 * z_end[2]), dissipated, secant)
+    return BoucWenStep((k0 * z_end[0], k0 * z_end[1], k0 * z_end[2]), dissipated, secant)
 
 
 def _carried(before: Any, after: Any, x: Any) -> list[Any]:
     """Return the vector ``x`` across the rope, turned as the section is from ``before`` to ``after``."""
     p, t = before[0:3], after[0:3]
-    return turned(t, carried(p, t, x), *small_turn(after[6] - before[6]))
+    return rotate_about_tangent(t, parallel_transport(p, t, x), *rational_cos_sin(after[6] - before[6]))
 
 
 def within(x: Any) -> Any:
@@ -119,4 +119,4 @@ def within(x: Any) -> Any:
 
 def _positive(x: Any) -> Any:
     """Return (x)+ by operations that the element code supports."""
-    return 0.5 * (x + sqrt(x * x + (1e-3 * NOTHING) ** 2))
+    return 0.5 * (x + sqrt(x * x + (1e-3 * REGULARIZATION) ** 2))

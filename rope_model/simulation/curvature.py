@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from rope_model.parameters import Rope
 from rope_model.physics.curved_element import curvature_along
 from rope_model.physics.element import ElementFidelity
-from rope_model.physics.initial_curvature import CURVATURES, START, curvature_components, most_curvature
+from rope_model.physics.initial_curvature import CURVATURES, START, curvature_components, max_curvature
 
 Array = NDArray[np.float64]
 
@@ -17,16 +17,16 @@ Array = NDArray[np.float64]
 @lru_cache(maxsize=64)
 def is_curved(rope: Rope, fidelity: ElementFidelity) -> bool:
     """Return whether a permanent curvature acts: sections have a direction in the complete model only."""
-    return fidelity == "torsional" and most_curvature(rope) > 0
+    return fidelity == "torsional" and max_curvature(rope) > 0
 
 
-def partly_curved(rope: Rope, part: float) -> Rope:
-    """Return the rope with the fraction ``part`` of its permanent curvature."""
-    return replace(rope, **{name: part * getattr(rope, name) for name in CURVATURES})
+def partly_curved(rope: Rope, fraction: float) -> Rope:
+    """Return the rope with a ``fraction`` of its permanent curvature."""
+    return replace(rope, **{name: fraction * getattr(rope, name) for name in CURVATURES})
 
 
 def curved_reference(rope: Rope, q: Array, lengths: Array) -> Array:
-    """Return the entries of the rope ``q`` in the reference (elements, physics.curved_element.CURVED)."""
+    """Return the entries of the rope ``q`` in the reference (elements, physics.curved_element.CURVATURE_SIZE)."""
     nodes = np.concatenate((q[:-1], q[1:]), axis=1)
     components = np.array(curvature_components(rope, np.cumsum(lengths) - lengths, lengths))
     _, k0 = curvature_along(lengths.size)(START, components, lengths[None], nodes.T)

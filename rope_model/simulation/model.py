@@ -10,19 +10,20 @@ import numpy as np
 
 from rope_model.numerics import generalized_alpha as alpha
 from rope_model.parameters import Scene
-from rope_model.physics.accuracy import BOUNDED_STEP_ERROR, add_errors, newton_may_leave, step_error, step_limits
+from rope_model.physics.accuracy import BOUNDED_STEP_ERROR, add_errors, effective_tolerance, step_error, step_limits
 from rope_model.physics.contact_error import add_contact
 from rope_model.physics.element import parameters
 from rope_model.physics.energy_balance import after_step as account_of_step
 from rope_model.physics.energy_balance import with_energies
 from rope_model.physics.shaft import KINDS
+from rope_model.simulation.contact.obstacles import find_obstacles
 from rope_model.simulation.contact.point_forces import NO_FORCES, PointForces, nodal_forces
 from rope_model.simulation.contact.self_contact import SelfContactSystem
-from rope_model.simulation.contact.surroundings import surroundings
-from rope_model.simulation.ends.ends import HangingEnds, Phase, nominal_points
+from rope_model.simulation.ends.ends import HangingEnds, nominal_points
 from rope_model.simulation.ends.paths import END_NODE, EndPath
+from rope_model.simulation.ends.swivel_phases import Phase
 from rope_model.simulation.fidelity import flexible
-from rope_model.simulation.mesh.partition import NOWHERE, faced_by
+from rope_model.simulation.mesh.partition import NO_DIVIDERS, mesh_dividers
 from rope_model.simulation.outputs.audit import NO_LOAD, Audit, Load, after_interval, after_step, axial_share, end_load
 from rope_model.simulation.rope_kernels import KernelCache
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, Evaluation, RopeSystem, air_parameters
@@ -54,7 +55,7 @@ class RopeModel:
             node_mass = np.zeros((state.partition.lengths.size + 1, 7))
             node_mass[[0, -1], ANGLE] = scene.left.inertia, scene.right.inertia
             rope_parameters, air = np.array(parameters(scene.rope, scene.layout.gravity)), air_parameters(scene)
-            fidelity, around = flexible(state.fidelity), surroundings(scene)
+            fidelity, obstacles = flexible(state.fidelity), find_obstacles(scene)
             along = acting_along(scene, fidelity, rubs)
             touching = partial(SelfContactSystem, scene) if scene.shaft.contact.rope_stiffness > 0 else RopeSystem
             system = touching(
@@ -64,15 +65,15 @@ class RopeModel:
                 self.ends(state),
                 state.motion.q,
                 node_mass,
-                around,
-                partial(self.kernels.of, fidelity, (*along, *around.kinds) if around else along),
+                obstacles,
+                partial(self.kernels.of, fidelity, (*along, *obstacles.kinds) if obstacles else along),
                 scene.rope,
                 state.hysteresis,
             )
         self._latest[:] = [(key, system)]
-        return self.pushed(system, state.motion.t)
+        return self.with_host_forces(system, state.motion.t)
 
-    def pushed(self, system: RopeSystem, t: float) -> RopeSystem:
+    def with_host_forces(self, system: RopeSystem, t: float) -> RopeSystem:
         """Return ``system`` with the forces that act at ``t``."""
         return system.with_forces(nodal_forces(self.forces, system.lengths, t)) if self.forces.s.size else system
 
@@ -91,9 +92,9 @@ class RopeModel:
         """Return the local error of a trial step over the allowed error; infinite if Newton's method failed."""
         if result.motion is None:
             return math.inf
-        bottom, h = self.bottom(old.paths, old.motion.t), result.motion.h
+        s, h = self.bottom_s(old.paths, old.motion.t), result.motion.h
         constant = alpha.local_error(self.method, 1.0, 1.0)
-        limits = step_limits(self.scene, old.errors, bottom, end_speed(old.motion), constant)
+        limits = step_limits(self.scene, old.errors, s, relative_end_speed(old.motion), constant)
         assert result.a_rate is not None
         strain = alpha.local_error(self.method, h, h * float(np.abs(result.a_rate[_END_STRAINS]).max()))
         return float(step_error(limits, h, result.error, strain))
@@ -101,21 +102,21 @@ class RopeModel:
     def trial(self, system: RopeSystem, old: alpha.Motion, h: float) -> alpha.StepResult[Evaluation]:
         """Take a step that is not accepted yet."""
         solver = self.scene.solver
-        tolerance = float(newton_may_leave(solver.newton_tolerance, solver.work_max, BOUNDED_STEP_ERROR))
-        return alpha.step(self.pushed(system, old.t + h), old, h, self.method, tolerance)
+        tolerance = float(effective_tolerance(solver.newton_tolerance, solver.work_max, BOUNDED_STEP_ERROR))
+        return alpha.step(self.with_host_forces(system, old.t + h), old, h, self.method, tolerance)
 
-    def bottom(self, paths: tuple[EndPath, EndPath], t: float) -> float:
+    def bottom_s(self, paths: tuple[EndPath, EndPath], t: float) -> float:
         """Return the arc length (m) of the loop's lowest point, from the ends' heights alone."""
         return float(0.5 * (self.scene.rope.length + paths[0].height(t) - paths[1].height(t)))
 
-    def faced(self, paths: tuple[EndPath, EndPath], t: float) -> Sequence[float]:
-        """Return the arc lengths of the dividers along the legs, from the ends' heights: mesh_fit.faced_positions."""
-        return faced_by(self.scene, paths[0].height(t), paths[1].height(t)) if self._faces else NOWHERE
+    def dividers(self, paths: tuple[EndPath, EndPath], t: float) -> Sequence[float]:
+        """Return the arc lengths of the dividers along the legs, from the ends' heights: mesh_fit.divider_positions."""
+        return mesh_dividers(self.scene, paths[0].height(t), paths[1].height(t)) if self._has_dividers else NO_DIVIDERS
 
     @cached_property
-    def _faces(self) -> bool:
+    def _has_dividers(self) -> bool:
         """True if some divider may press a leg, at whatever heights."""
-        return faced_by(self.scene, 0.0, 0.0) != NOWHERE
+        return mesh_dividers(self.scene, 0.0, 0.0) != NO_DIVIDERS
 
     def restart(self, state: RopeState) -> RopeState:
         """Return the state with consistent accelerations and no history."""
@@ -131,21 +132,21 @@ class RopeModel:
         assert motion is not None
         assert evaluation is not None
         after, before, h = powers(system, motion), old.powers, motion.t - old.motion.t
-        bottom, force = self.bottom(old.paths, old.motion.t), float(np.abs(motion.reaction[[0, -1], POSITION]).max())
+        s, force = self.bottom_s(old.paths, old.motion.t), float(np.abs(motion.reaction[[0, -1], POSITION]).max())
         strain_tt, constant = (motion.v - old.motion.v)[_END_STRAINS] / h, alpha.local_error(self.method, 1.0, 1.0)
-        speed = end_speed(old.motion)
-        errors = add_errors(self.scene, old.errors, bottom, speed, h, constant, strain_tt.tolist(), result.error, force)
+        speed = relative_end_speed(old.motion)
+        errors = add_errors(self.scene, old.errors, s, speed, h, constant, strain_tt.tolist(), result.error, force)
         # the material's dissipation follows from the strains' differences over the step: the rates at its ends contain
         # the integrator's own oscillation, whose square does not average out
         middle, rate = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
-        halfway = self.pushed(system, old.motion.t + 0.5 * h)
-        losses, slip = halfway.losses(middle, rate), system.slip(motion.q)
-        energy, outside = energies(old.energy_balance, evaluation.balance), system.outside(middle, rate)
-        energy = account_of_step(energy, h, before, after, losses, slip.dissipated, outside["given_to_air"])
-        pressures = [outside[kind] for kind in (*KINDS, "rope")]
+        halfway = self.with_host_forces(system, old.motion.t + 0.5 * h)
+        losses, update = halfway.losses(middle, rate), system.update_hysteresis(motion.q)
+        energy, external = energies(old.energy_balance, evaluation.balance), system.external_sums(middle, rate)
+        energy = account_of_step(energy, h, before, after, losses, update.dissipated, external["given_to_air"])
+        pressures = [external[kind] for kind in (*KINDS, "rope")]
         contact = add_contact(self.scene, old.contact, h, pressures, system.longest_near(middle))
         state = old._replace(
-            motion=motion, hysteresis=slip.z, energy_balance=energy, errors=errors, powers=after, contact=contact
+            motion=motion, hysteresis=update.z, energy_balance=energy, errors=errors, powers=after, contact=contact
         )
         return self._audit_step(old.motion, with_angles_along(system, state), system)
 
@@ -158,10 +159,10 @@ class RopeModel:
             method,
             h,
             alpha.recentring(method, m.h, old.h),
-            load_on(self.ends(state), m, self.pushed(system, m.t)),
+            load_on(self.ends(state), m, self.with_host_forces(system, m.t)),
             max(map(abs, forces)),
             max(abs(forces[0] - left), abs(forces[1] - right)),
-            axial_share(self.scene.rope, self.bottom(state.paths, m.t), h),
+            axial_share(self.scene.rope, self.bottom_s(state.paths, m.t), h),
         )
         return state._replace(audit=audit)
 
@@ -217,8 +218,8 @@ def ends_of(system: RopeSystem) -> HangingEnds:
 
 def load_on(ends: HangingEnds, motion: alpha.Motion, system: RopeSystem) -> Load:
     """Return the loads on the rope by the conveyances at its ends, by touched bodies, and by the air."""
-    outside = system.outside(motion.q, motion.v)
-    loads = [tuple(outside[name] for name in names) for names in (_CONTACT_LOAD, _AIR_LOAD)]
+    external = system.external_sums(motion.q, motion.v)
+    loads = [tuple(external[name] for name in names) for names in (_CONTACT_LOAD, _AIR_LOAD)]
     for side, node in enumerate(END_NODE):
         q, R = motion.q[node].tolist(), motion.reaction[node].tolist()
         loads.append(end_load(q, R, ends.moment(side, motion.reaction)))
@@ -262,6 +263,6 @@ def powers(system: RopeSystem, motion: alpha.Motion) -> Powers:
     return Powers(at_ends, at_swivels)
 
 
-def end_speed(motion: alpha.Motion) -> float:
+def relative_end_speed(motion: alpha.Motion) -> float:
     """Return the vertical speed (m/s) of the left end against the right one."""
     return float(motion.v[0, 1] - motion.v[-1, 1])

@@ -11,8 +11,8 @@ import numpy as np
 
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.parameters import Scene
-from rope_model.physics.inextensible import Flow, energies, flow, lowest, pull, tension
-from rope_model.physics.outline import suspension_points
+from rope_model.physics.centreline import suspension_points
+from rope_model.physics.inextensible import Flow, energies, flow, min_tension, rigid_tensions, tension
 from rope_model.simulation.ends.ends import HangingEnds
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.messages import messages
@@ -43,17 +43,17 @@ class RigidRope:
 def rigid_rope(scene: Scene, ends: Ends, t: float, nodes_s: Array) -> RigidRope:
     """Return the rope at ``t``; ValueError if it goes slack."""
     left, right = ends
-    pull_now = pull(scene.rope, scene.layout, left, right)
-    if (least := lowest(pull_now)) < 0:
+    tensions = rigid_tensions(scene.rope, scene.layout, left, right)
+    if (least := min_tension(tensions)) < 0:
         raise ValueError(messages.rope_goes_slack(least, t))
-    kinetic, gravity = energies(scene.rope, scene.layout, pull_now, left, right)
+    kinetic, gravity = energies(scene.rope, scene.layout, tensions, left, right)
 
     q = hanging_guess(nodes_s, *np.array(suspension_points(scene.layout, left, right)))
     v, a, reaction = _flow_velocities(q, flow(left.vy, right.vy)), np.zeros_like(q), np.zeros_like(q)
-    for node, end, tension_there in ((0, left, pull_now.tensions[0]), (-1, right, pull_now.tensions[1])):
+    for node, end, tension_there in ((0, left, tensions.at_ends[0]), (-1, right, tensions.at_ends[1])):
         v[node, POSITION], a[node, POSITION] = end.velocity, end.acceleration
         reaction[node, 1] = tension_there
-    return RigidRope(pull_now.tensions, kinetic, gravity, Motion(t, q, v, a, a, np.zeros_like(q), 0.0, reaction))
+    return RigidRope(tensions.at_ends, kinetic, gravity, Motion(t, q, v, a, a, np.zeros_like(q), 0.0, reaction))
 
 
 def rigid_tension(motion: Motion, s: Array, y: Array, rho: float, gravity: float) -> Array:
@@ -69,7 +69,7 @@ def tension_change(scene: Scene, ends: Ends, side: int, axis: int, change: Array
     moved[side] = replace(
         ends[side], **{name: getattr(ends[side], name) + d for name, d in zip(names, change, strict=True)}
     )
-    before, after = (np.array(pull(scene.rope, scene.layout, *motions).tensions) for motions in (ends, moved))
+    before, after = (np.array(rigid_tensions(scene.rope, scene.layout, *motions).at_ends) for motions in (ends, moved))
     return np.asarray(after - before)
 
 
@@ -83,7 +83,7 @@ def flexible_start(system: RopeSystem, ends: HangingEnds, rigid: Motion) -> Moti
     left, right = (path.at_constant_acceleration(t) for path in ends.paths)
     coasting = replace(ends, paths=(left, right))
     rest = find_equilibrium(system.with_boundary(coasting), rigid.q, t)
-    coasting = replace(coasting, offsets=(ends.offsets[0], ends.offsets[1] + rest.turn))
+    coasting = replace(coasting, offsets=(ends.offsets[0], ends.offsets[1] + rest.end_rotation))
     before, after = (find_equilibrium(system.with_boundary(coasting), rest.q, at) for at in (t - d, t + d))
     for shape in (rest, before, after):  # all angles count from the rigid rope
         shape.q[:, ANGLE] -= system.frame_turn(shape.q)

@@ -1,6 +1,6 @@
 """Kernels of a rope: the functions of a chain of its elements, built, compiled, cached and bundled.
 
-They depend on the number of elements, the fidelity and the effects on the rope (``Effects``), not on its data.
+They depend on the number of elements, the fidelity and the features of the rope (``Features``), not on its data.
 """
 
 import logging
@@ -33,7 +33,7 @@ log = logging.getLogger(__name__)
 
 #: kinds of the bodies that a rope may touch; before them AIR, WIRES for friction between wires, and CURVED for
 #: permanent curvature
-Effects = tuple[int, ...]
+Features = tuple[int, ...]
 AIR, WIRES, CURVED = range(len(KINDS), len(KINDS) + 3)
 _WORDS = (*KINDS, "air", "wires", "curved")
 
@@ -51,22 +51,22 @@ class RopeKernels:
         form: compiling.KernelForm = "auto",
         bundle: Path | None = None,
         fidelity: ElementFidelity = "torsional",
-        effects: Effects = (),
+        features: Features = (),
     ) -> None:
-        library, portable = _bundle_files(bundle, elements, fidelity, effects) if bundle else (None, None)
+        library, portable = _bundle_files(bundle, elements, fidelity, features) if bundle else (None, None)
         with EXPRESSIONS:
             if portable is not None and portable.exists():
                 functions = compiling.load_portable(portable)
             else:
-                functions = [*rope_functions(elements, fidelity, effects)]
+                functions = [*rope_functions(elements, fidelity, features)]
             kernels, self.form = compiling.prepare(
-                functions, partial(_build, elements, fidelity, effects), form, library
+                functions, partial(_build, elements, fidelity, features), form, library
             )
         solve, newton_step, evaluate, losses, strains, momentum, reference, transport = kernels
         nodes, balance = (elements + 1, NODE_DOF), (evaluate.size1_out(1),)
-        self.elements, self.fidelity, self.effects = elements, fidelity, effects
+        self.elements, self.fidelity, self.features = elements, fidelity, features
         # entries of the balance of solve and evaluate
-        air, contact = AIR_BALANCE if AIR in effects else (), CONTACT_BALANCE if _touched(effects) else ()
+        air, contact = AIR_BALANCE if AIR in features else (), CONTACT_BALANCE if _touched(features) else ()
         self.balance = (*BALANCE, *air, *contact)
         self.solve = compiling.Kernel(solve, (nodes, nodes, nodes, nodes, balance, (len(PROGRESS),)))
         self.newton_step = compiling.Kernel(newton_step, (nodes, nodes))
@@ -83,16 +83,16 @@ class KernelCache:
 
     def __init__(self, elements: int, form: compiling.KernelForm = "auto", bundle: Path | None = None) -> None:
         self.elements, self._form, self._bundle = elements, form, bundle
-        self._kernels: dict[tuple[ElementFidelity, Effects], RopeKernels] = {}
+        self._kernels: dict[tuple[ElementFidelity, Features], RopeKernels] = {}
 
-    def of(self, fidelity: ElementFidelity, effects: Effects = ()) -> RopeKernels:
-        """Return the kernels for this fidelity and these effects, built on first use."""
-        if (fidelity, effects) not in self._kernels:
-            self._kernels[fidelity, effects] = RopeKernels(self.elements, self._form, self._bundle, fidelity, effects)
-        return self._kernels[fidelity, effects]
+    def of(self, fidelity: ElementFidelity, features: Features = ()) -> RopeKernels:
+        """Return the kernels for this fidelity and these features, built on first use."""
+        if (fidelity, features) not in self._kernels:
+            self._kernels[fidelity, features] = RopeKernels(self.elements, self._form, self._bundle, fidelity, features)
+        return self._kernels[fidelity, features]
 
 
-def write_bundle(elements: int, folder: Path, needed: Iterable[tuple[ElementFidelity, Effects]]) -> list[Path]:
+def write_bundle(elements: int, folder: Path, needed: Iterable[tuple[ElementFidelity, Features]]) -> list[Path]:
     """Write the portable kernels ``needed`` and, with a compiler, those for this platform into ``folder``."""
     folder.mkdir(parents=True, exist_ok=True)
     written, compiler = [], compiling.find_compiler()
@@ -102,62 +102,62 @@ def write_bundle(elements: int, folder: Path, needed: Iterable[tuple[ElementFide
             "long; install a compiler, or pip install 'balance-rope[compiler]'",
             folder.name,
         )
-    for fidelity, effects in needed:
-        library, portable = _bundle_files(folder, elements, fidelity, effects)
-        compiling.save_portable(rope_functions(elements, fidelity, effects), portable)
+    for fidelity, features in needed:
+        library, portable = _bundle_files(folder, elements, fidelity, features)
+        compiling.save_portable(rope_functions(elements, fidelity, features), portable)
         written.append(portable)
         if compiler is not None:
-            shutil.copyfile(_build(elements, fidelity, effects, compiler), library)
+            shutil.copyfile(_build(elements, fidelity, features, compiler), library)
             written.append(library)
     return written
 
 
-def _build(elements: int, fidelity: ElementFidelity, effects: Effects, compiler: Sequence[str]) -> Path:
+def _build(elements: int, fidelity: ElementFidelity, features: Features, compiler: Sequence[str]) -> Path:
     """Compile the library; the element's part, common to ropes of any length, is compiled only once."""
-    kind = "-".join((fidelity, *(_WORDS[kind] for kind in effects)))
+    kind = "-".join((fidelity, *(_WORDS[kind] for kind in features)))
     folder = compiling.cache_folder()
-    parts = compiling.build_parts(rope_parts(fidelity, effects), compiler, folder, f"element-{kind}")
-    functions = _linked_functions(elements, fidelity, effects, parts.library)
+    parts = compiling.build_parts(rope_parts(fidelity, features), compiler, folder, f"element-{kind}")
+    functions = _linked_functions(elements, fidelity, features, parts.library)
     return compiling.build_library(functions, compiler, folder, f"kernels-{kind}-{elements}", [parts.linked])
 
 
 @cache
-def _linked_functions(elements: int, fidelity: ElementFidelity, effects: Effects, library: Path) -> ChainFunctions:
+def _linked_functions(elements: int, fidelity: ElementFidelity, features: Features, library: Path) -> ChainFunctions:
     """Return ``rope_functions`` that call the parts shared by ropes of any size."""
-    parts = ChainParts(*compiling.load_compiled(rope_parts(fidelity, effects), library))
+    parts = ChainParts(*compiling.load_compiled(rope_parts(fidelity, features), library))
     return chain_functions(elements, parts, NODE_DOF, ELEMENT_DOF[fidelity])
 
 
-def _bundle_files(folder: Path, elements: int, fidelity: ElementFidelity, effects: Effects) -> tuple[Path, Path]:
-    name = "-".join((fidelity, *(_WORDS[kind] for kind in effects), str(elements)))
+def _bundle_files(folder: Path, elements: int, fidelity: ElementFidelity, features: Features) -> tuple[Path, Path]:
+    name = "-".join((fidelity, *(_WORDS[kind] for kind in features), str(elements)))
     return folder / f"{name}-{compiling.platform_tag()}{compiling.LIBRARY_SUFFIX}", folder / f"{name}.casadi"
 
 
 @cache
-def rope_parts(fidelity: ElementFidelity, effects: Effects = ()) -> ChainParts:
+def rope_parts(fidelity: ElementFidelity, features: Features = ()) -> ChainParts:
     """Return the CasADi functions that ropes of any number of elements have in common."""
-    e = rope_element(fidelity, effects)
+    e = rope_element(fidelity, features)
     return chain_parts(e.tangent, e.residual, e.balance, e.losses, e.strains, e.momentum, e.reference, e.transport)
 
 
-def rope_element(fidelity: ElementFidelity, effects: Effects = ()) -> ElementFunctions:
-    """Return the element with all effects on it."""
+def rope_element(fidelity: ElementFidelity, features: Features = ()) -> ElementFunctions:
+    """Return the element with all features."""
     element = element_functions(fidelity)
-    if CURVED in effects:
+    if CURVED in features:
         element = curved_element(element)
-    if WIRES in effects:
+    if WIRES in features:
         element = wire_element(fidelity, element)
-    if AIR in effects:
+    if AIR in features:
         element = air_element(fidelity, element)
-    touched = _touched(effects)
+    touched = _touched(features)
     return contact_element(fidelity, element, touched) if touched else element
 
 
-def _touched(effects: Effects) -> Effects:
-    return tuple(kind for kind in effects if kind < len(KINDS))
+def _touched(features: Features) -> Features:
+    return tuple(kind for kind in features if kind < len(KINDS))
 
 
 @cache
-def rope_functions(elements: int, fidelity: ElementFidelity = "torsional", effects: Effects = ()) -> ChainFunctions:
-    """Return the CasADi functions of a rope of ``elements`` elements with these effects."""
-    return chain_functions(elements, rope_parts(fidelity, effects), NODE_DOF, ELEMENT_DOF[fidelity])
+def rope_functions(elements: int, fidelity: ElementFidelity = "torsional", features: Features = ()) -> ChainFunctions:
+    """Return the CasADi functions of a rope of ``elements`` elements with these features."""
+    return chain_functions(elements, rope_parts(fidelity, features), NODE_DOF, ELEMENT_DOF[fidelity])

@@ -17,16 +17,16 @@ from rope_model.numerics.coupled_newton import Coupled, Iterate, newton
 from rope_model.numerics.generalized_alpha import Solution
 from rope_model.numerics.newton import GOOD, HUGE, KINKED, SMALL, SMOOTH, UNKNOWN, report
 from rope_model.parameters import Rope, Scene
-from rope_model.physics.air import air_law
-from rope_model.physics.air_element import AIR_BALANCE, AIR_SIZE, LAW_SIZE
-from rope_model.physics.contact import LOOK_AHEAD, largest_motion
+from rope_model.physics.air import air_coefficients
+from rope_model.physics.air_element import AIR_BALANCE, AIR_SIZE, COEFFICIENTS_SIZE
+from rope_model.physics.contact import CONTACT_MARGIN, largest_motion
 from rope_model.physics.contact_element import CONTACT_BALANCE
 from rope_model.physics.element import BALANCE, NODE_DOF, PARAMETERS
 from rope_model.physics.point_forces import point_load
-from rope_model.physics.wire_element import HISTORY, LATEST
+from rope_model.physics.wire_element import HISTORY_SIZE, TANGENT_SIZE
 from rope_model.simulation.curvature import curved_reference, is_curved
 from rope_model.simulation.rope_kernels import RopeKernels
-from rope_model.simulation.wires import NO_MEMORY, Slip, history, latest_tangent, slip
+from rope_model.simulation.wires import NO_HYSTERESIS, HysteresisUpdate, history, latest_tangent, update_hysteresis
 
 Array = NDArray[np.float64]
 #: matrix (elements, bodies): true if an element may touch a body
@@ -35,14 +35,14 @@ Near = NDArray[np.bool_]
 #: columns of r, r' and theta in a node's row
 POSITION, SLOPE, ANGLE = slice(0, 3), slice(3, 6), 6
 _NOTHING = np.zeros((1, 1), dtype=bool)
-_NOTHING_OUTSIDE = dict.fromkeys((*AIR_BALANCE, *CONTACT_BALANCE, "rope"), 0.0)
+_NO_EXTERNAL_SUMS = dict.fromkeys((*AIR_BALANCE, *CONTACT_BALANCE, "rope"), 0.0)
 _Solver = Callable[[Array], Array]
 
 
 def air_parameters(scene: Scene) -> Array:
     """Return the element's parameters for air, with conveyances at rest; empty without air."""
-    law = air_law(scene.shaft.air, scene.rope.diameter, scene.layout.spacing)
-    return np.array([law.factor, *law.velocity, *law[2:], *(AIR_SIZE - LAW_SIZE) * [0.0]] if law.factor else [])
+    c = air_coefficients(scene.shaft.air, scene.rope.diameter, scene.layout.spacing)
+    return np.array([c.factor, *c.velocity, *c[2:], *(AIR_SIZE - COEFFICIENTS_SIZE) * [0.0]] if c.factor else [])
 
 
 def arc_lengths(lengths: Array) -> Array:
@@ -50,8 +50,8 @@ def arc_lengths(lengths: Array) -> Array:
     return np.concatenate(([0.0], np.cumsum(lengths)))
 
 
-class Around(Protocol):
-    """Bodies that a rope may touch: simulation.contact.surroundings."""
+class Obstacles(Protocol):
+    """Bodies that a rope may touch: simulation.contact.obstacles."""
 
     def numbers(self, q: Array, v: Array) -> Array:
         """Return the entries of P beyond element.PARAMETERS, for physics.contact_element."""
@@ -108,13 +108,13 @@ class RopeSystem:
         boundary: Boundary,
         reference: Array,
         node_mass: Array | None = None,
-        around: Around | None = None,
+        obstacles: Obstacles | None = None,
         touching: Callable[[], RopeKernels] | None = None,
         rope: Rope | None = None,
-        z: Array = NO_MEMORY,
+        z: Array = NO_HYSTERESIS,
     ) -> None:
         nodes = lengths.size + 1
-        self.around, self._touching = around, touching
+        self.obstacles, self._touching = obstacles, touching
         # the rope at the last search for bodies, and its distance from them, m
         self._last_search: list[tuple[Array, float]] = []
         # weights of a node's coordinates in largest_motion
@@ -125,7 +125,7 @@ class RopeSystem:
         self.reference, self.z, self._rope = reference, z, rope
         self.free = boundary.free(nodes)
         self.load = self._dead_load = boundary.load(nodes)
-        self.pushed: Array | None = None
+        self.host_forces: Array | None = None
         self.node_mass = np.zeros((nodes, NODE_DOF)) if node_mass is None else node_mass
         self._free = self.free.astype(float)
         self._scale = np.ones(NODE_DOF)
@@ -138,10 +138,10 @@ class RopeSystem:
         if self._rope is not None and is_curved(self._rope, self.kernels.fidelity):
             self.frames = np.hstack((self.frames, curved_reference(self._rope, self.reference, self.lengths)))
         if self._rope is not None and self.z.size:
-            self.frames = np.hstack((self.frames, np.zeros((self.lengths.size, HISTORY + LATEST))))
+            self.frames = np.hstack((self.frames, np.zeros((self.lengths.size, HISTORY_SIZE + TANGENT_SIZE))))
             strains = self.strains(self.reference)
             self._history = history(self._rope, self._sections_of(self.reference), self.lengths, self.z, strains)
-            self.frames[:, -HISTORY - LATEST : -LATEST] = self._history
+            self.frames[:, -HISTORY_SIZE - TANGENT_SIZE : -TANGENT_SIZE] = self._history
         self._constants = self.lengths, self.frames, *self._loads
 
     def with_boundary(self, boundary: Boundary) -> RopeSystem:
@@ -153,12 +153,12 @@ class RopeSystem:
     def with_forces(self, forces: Array) -> RopeSystem:
         """Return this system with these ``forces`` on its nodes (nodes, 7), and no others of the kind."""
         other = self._alike()
-        other.pushed, other.load = forces, self._dead_load + forces
+        other.host_forces, other.load = forces, self._dead_load + forces
         other._loads = other.load, *self._loads[1:]
         other._constants = self.lengths, self.frames, *other._loads
         return other
 
-    def with_reference(self, q: Array, z: Array = NO_MEMORY) -> RopeSystem:
+    def with_reference(self, q: Array, z: Array = NO_HYSTERESIS) -> RopeSystem:
         """Return this system with the frame counted from ``q``, where its wires have ``z``."""
         if q is self.reference and z is self.z:
             return self
@@ -183,9 +183,11 @@ class RopeSystem:
         gained[0] = gained[0].cumsum()
         return gained
 
-    def slip(self, q: Array) -> Slip:
-        """Return the slip of the wires on the way to ``q``."""
-        return slip(self._history, self._sections_of(q), self.lengths) if self.z.size else Slip(NO_MEMORY, 0.0)
+    def update_hysteresis(self, q: Array) -> HysteresisUpdate:
+        """Return the update of the hysteresis on the way to ``q``."""
+        if not self.z.size:
+            return HysteresisUpdate(NO_HYSTERESIS, 0.0)
+        return update_hysteresis(self._history, self._sections_of(q), self.lengths)
 
     def _sections_of(self, q: Array) -> Array:
         """Return ``q`` for the wires: theta is 0 if the fidelity computes no torsion, whatever the ends prescribe."""
@@ -193,8 +195,8 @@ class RopeSystem:
 
     def frame_turn(self, q: Array) -> Array:
         """Return the increase of theta (nodes,), rad, when ``q`` becomes the reference."""
-        rest = np.zeros_like(q)
-        return np.asarray(self.transport(q, rest, rest)[0])
+        zeros = np.zeros_like(q)
+        return np.asarray(self.transport(q, zeros, zeros)[0])
 
     def prescribed_motion(self, t: float) -> Array:
         return self.boundary.prescribed_motion(t, self.lengths.size + 1)
@@ -207,7 +209,7 @@ class RopeSystem:
     def solve(
         self, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float, before: Array | None = None
     ) -> Solution[Evaluation]:
-        near, x = self._near(q, LOOK_AHEAD), Iterate(q, v, a, reaction)
+        near, x = self._near(q, CONTACT_MARGIN), Iterate(q, v, a, reaction)
         while True:
             solution = self._newton(near, x, c, tolerance, before)
             more = self._near(solution.q, 0.0) if solution.newton.converged else _NOTHING
@@ -230,7 +232,7 @@ class RopeSystem:
     def _iterate(self, near: Near, x: Iterate, c: Array, tolerance: float) -> Solution[Evaluation]:
         """Solve where a tangent depends on the previous one (wires), or where elements far apart are coupled."""
         kernels, constants, P = self._with_bodies(near, x.q, x.v)
-        latest = np.zeros((self.lengths.size, LATEST))
+        latest = np.zeros((self.lengths.size, TANGENT_SIZE))
         solve: _Solver
 
         def evaluated(q: Array, v: Array, a: Array, known: Array) -> Evaluation:
@@ -263,7 +265,7 @@ class RopeSystem:
         lengths, frames, *loads = constants
         if self.z.size:
             frames, own = frames.copy(), self.frames.shape[1]
-            frames[:, own - LATEST : own] = latest
+            frames[:, own - TANGENT_SIZE : own] = latest
         return lengths, frames, *loads
 
     def _solver(self, kernels: RopeKernels, constants: tuple[Array, ...], P: Array, at: Iterate, c: Array) -> _Solver:
@@ -303,21 +305,22 @@ class RopeSystem:
         balance["kinetic"] += 0.5 * float(np.vdot(self.node_mass, v * v))
         return Evaluation(R, balance)
 
-    def outside(self, q: Array, v: Array) -> dict[str, float]:
+    def external_sums(self, q: Array, v: Array) -> dict[str, float]:
         """Return the sums of bodies and air by name: contact_element.CONTACT_BALANCE, air.AIR_BALANCE, and "rope"."""
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
-        outside = _NOTHING_OUTSIDE if self.pushed is None else _NOTHING_OUTSIDE | _push(self.pushed, q, v)
+        external = _NO_EXTERNAL_SUMS if self.host_forces is None else _NO_EXTERNAL_SUMS | _push(self.host_forces, q, v)
         if len(kernels.balance) == len(BALANCE):
-            return outside
-        rest = np.zeros_like(q)
-        sums = kernels.evaluate(q, v, rest, rest, *constants, P)[1].tolist()
-        return outside | {name: outside.get(name, 0.0) + x for name, x in zip(kernels.balance, sums, strict=True)}
+            return external
+        zeros = np.zeros_like(q)
+        sums = kernels.evaluate(q, v, zeros, zeros, *constants, P)[1].tolist()
+        return external | {name: external.get(name, 0.0) + x for name, x in zip(kernels.balance, sums, strict=True)}
 
     def losses(self, q: Array, v: Array) -> Losses:
         """Return the powers that the rope and its contacts lose [W]."""
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
         losses = Losses(*kernels.losses(q, v, *constants[:2], P)[0].tolist())
-        return losses if self.pushed is None else losses._replace(moved=losses.moved + float(np.vdot(self.pushed, v)))
+        forces = self.host_forces
+        return losses if forces is None else losses._replace(moved=losses.moved + float(np.vdot(forces, v)))
 
     def longest_near(self, q: Array) -> float:
         """Return the length of the longest element that may touch a body [m]; 0 for none."""
@@ -326,24 +329,24 @@ class RopeSystem:
 
     def _near(self, q: Array, margin: float) -> Near:
         """Return whether each element may touch each body after a move by ``margin`` (m) (elements, bodies)."""
-        if self.around is None:
+        if self.obstacles is None:
             return _NOTHING
         if self._last_search:
             # a distant body stays distant while the rope has hardly moved
             before, gap = self._last_search[0]
             if gap > margin and gap - (np.abs(q - before) * self._motion).sum(axis=1).max() > margin:
                 return _NOTHING
-        distances = self.around.distances(q, self.lengths)
+        distances = self.obstacles.distances(q, self.lengths)
         self._last_search[:] = [(q, float(distances.min()))]
         return distances < margin
 
     def _with_bodies(self, near: Near, q: Array, v: Array) -> tuple[RopeKernels, tuple[Array, ...], Array]:
         """Return kernels, their constants and parameters, with or without bodies."""
         P = self._air_parameters(q, v)
-        if self.around is None or self._touching is None or not near.any():
+        if self.obstacles is None or self._touching is None or not near.any():
             return self.kernels, self._constants, P
         lengths, frames, *loads = self._constants
-        P = np.concatenate((P, self.around.numbers(q, v)))
+        P = np.concatenate((P, self.obstacles.numbers(q, v)))
         return self._touching(), (lengths, np.hstack((frames, near)), *loads), P
 
     def _air_parameters(self, q: Array, v: Array) -> Array:
@@ -351,7 +354,7 @@ class RopeSystem:
         if self.P.size == len(PARAMETERS):
             return self.P
         P = self.P.copy()
-        P[LAW_SIZE - AIR_SIZE :].reshape(2, 4)[:] = np.column_stack((q[[0, -1], POSITION], v[[0, -1], 1]))
+        P[COEFFICIENTS_SIZE - AIR_SIZE :].reshape(2, 4)[:] = np.column_stack((q[[0, -1], POSITION], v[[0, -1], 1]))
         return P
 
     def element_data(self, q: Array, v: Array) -> tuple[Array, Array]:

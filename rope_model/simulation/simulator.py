@@ -2,9 +2,9 @@
 
 ``RopeSimulator`` advances a ``RopeState`` from one instant of the host to the next.  In between it chooses its own
 steps, which end at the instants where a swivel is released or changes between stick and slip.  A transformation of the
-mesh waits for a step's end, unless the step would carry the loop mesh.LATEST l beyond the limit.  A step that does not
-converge or whose error is too large is rejected, halved and repeated.  When the smallest step fails too, the run
-returns the reason and keeps the state of the host's last instant.
+mesh waits for a step's end, unless the step would carry the loop mesh.MAX_OVERSHOOT l beyond the limit.  A step that
+does not converge or whose error is too large is rejected, halved and repeated.  When the smallest step fails too, the
+run returns the reason and keeps the state of the host's last instant.
 """
 
 import logging
@@ -18,14 +18,15 @@ import numpy as np
 
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.parameters import Scene
-from rope_model.physics.outline import suspension_points
+from rope_model.physics.centreline import suspension_points
 from rope_model.simulation.contact.bodies import NO_ROOM
 from rope_model.simulation.contact.point_forces import PointForces, at_places, elements_at, nodal_forces
-from rope_model.simulation.contact.shaft import LOOK_EVERY, with_passages
-from rope_model.simulation.ends.ends import HangingEnds, Phase, SwivelState, frozen, leaning, refusal, right_offset
+from rope_model.simulation.contact.shaft import MONITOR_INTERVAL, with_passages
+from rope_model.simulation.ends.ends import HangingEnds, clamp_axis, refusal, right_offset, stale_input_error
 from rope_model.simulation.ends.filter_program import filter_program, filter_step
 from rope_model.simulation.ends.input_filter import InputFilter, filter_limits, settings_of
 from rope_model.simulation.ends.paths import END_NODE, RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
+from rope_model.simulation.ends.swivel_phases import Phase, SwivelState
 from rope_model.simulation.fidelity import choose_fidelity, unsupported_motion
 from rope_model.simulation.interface import BalanceRope, Snapshot, Status, state_in
 from rope_model.simulation.mesh.adaptation import raise_fidelity
@@ -34,8 +35,8 @@ from rope_model.simulation.messages import fidelity_messages, messages
 from rope_model.simulation.messages.result_warnings import WARNINGS
 from rope_model.simulation.messages.rules import first_text
 from rope_model.simulation.model import RopeModel, ends_of
-from rope_model.simulation.outputs.diagnostics import LoopBottom, direction, loop_bottom
-from rope_model.simulation.outputs.guards import at_rest, with_guards
+from rope_model.simulation.outputs.diagnostics import LoopBottom, ends_yaw, loop_bottom
+from rope_model.simulation.outputs.guards import set_rise_reference, with_guards
 from rope_model.simulation.outputs.signal_table import checked_names
 from rope_model.simulation.outputs.signals import group_of
 from rope_model.simulation.rope_kernels import KernelCache
@@ -43,19 +44,19 @@ from rope_model.simulation.rope_system import ANGLE, SLOPE, Array, RopeSystem
 from rope_model.simulation.state import RopeState
 from rope_model.simulation.stepping.hang import hang, paths_at_rest
 from rope_model.simulation.stepping.statics import StaticsError, hanging_guess
-from rope_model.simulation.stepping.stepping import as_rigid, most_work, step_towards
+from rope_model.simulation.stepping.stepping import as_rigid, max_iterations, step_towards
 from rope_model.simulation.wires import start_hysteresis
 
 log = logging.getLogger(__name__)
 
 #: s, shorter intervals are skipped: hosts that end on a multiple of their step have such remainders
-SHORTEST_INTERVAL = 1e-9
+MIN_INTERVAL = 1e-9
 #: largest number of steps, rejected ones included, of a communication step: some hundred seconds
-MOST_STEPS = 20000
+MAX_STEPS = 20000
 #: practically no bound
 UNBOUNDED = 2**31 - 1
 #: s, beyond it the shortest steps are lost in the rounding of the time
-FARTHEST_START = 1e10
+MAX_START_TIME = 1e10
 
 
 class RopeSimulator(BalanceRope):
@@ -83,7 +84,7 @@ class RopeSimulator(BalanceRope):
         except ValueError as error:
             if scene.mesh.kind != "auto":
                 raise
-            raise ValueError(messages.fitted_mesh_fails(str(error))) from error
+            raise ValueError(messages.fit_fails(str(error))) from error
         self.model = RopeModel(scene, KernelCache(elements, scene.solver.kernels, bundle))
         self._filter, self._filter_settings = filter_program(scene.rope), settings_of(scene)
         self._state: RopeState | None = None
@@ -174,8 +175,8 @@ class RopeSimulator(BalanceRope):
 
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
         scene, rope = self.scene, self.scene.rope
-        if not abs(t) <= FARTHEST_START:
-            return Status(False, messages.start_time_out_of_range(t, FARTHEST_START))
+        if not abs(t) <= MAX_START_TIME:
+            return Status(False, messages.start_time_out_of_range(t, MAX_START_TIME))
         # a rigid rope needs no way to its position
         paths = paths_at_rest(scene, t, (left, right), float(scene.model.fidelity == "rigid"))
         for side, target in zip(SIDES, (left, right), strict=True):
@@ -189,11 +190,11 @@ class RopeSimulator(BalanceRope):
         try:
             if why := unsupported_motion(scene, fidelity, (left, right), self.model.forces.s.size):
                 return Status(False, fidelity_messages.fixed_model_cannot_follow(fidelity, why))
-            cells = partition(self._mesh, rope.length, self.model.bottom(paths, t), self.model.faced(paths, t))
+            cells = partition(self._mesh, rope.length, self.model.bottom_s(paths, t), self.model.dividers(paths, t))
             guess = hanging_guess(cells.nodes_s, *ends)
-            rest = np.zeros_like(guess)
+            zeros = np.zeros_like(guess)
             state = RopeState(
-                motion=Motion(t, guess, rest, rest, rest, rest, 0.0, rest),
+                motion=Motion(t, guess, zeros, zeros, zeros, zeros, 0.0, zeros),
                 partition=cells,
                 offsets=(0.0, right_offset(*ends.tolist())),
                 swivels=(SwivelState(Phase.LOCKED, 0.0, 0.0), SwivelState(Phase.LOCKED, rope.installed_twist, 0.0)),
@@ -203,7 +204,7 @@ class RopeSimulator(BalanceRope):
                 last_interval=scene.solver.step_max,
                 force_mean=(0.0, 0.0),
                 calm_since=t,
-                loop_yaw=direction(guess),
+                loop_yaw=ends_yaw(guess),
                 fidelity=fidelity,
                 fidelity_reason=reason,
             )
@@ -215,30 +216,30 @@ class RopeSimulator(BalanceRope):
         force_mean = -float(state.motion.reaction[0, 1]), -float(state.motion.reaction[-1, 1])
         energy_balance = state.energy_balance._replace(start=state.energy_balance.total)
         state = state._replace(force_mean=force_mean, energy_balance=energy_balance, events=())
-        state = with_passages(scene, at_rest(scene, self.model.begin_audit(state)))
+        state = with_passages(scene, set_rise_reference(scene, self.model.begin_audit(state)))
         self._accept(with_guards(scene, state, self.model.ends(state)))
         return Status(True)
 
     def advance_to(self, t: float, left: EndMotion, right: EndMotion, given_at: float | None = None) -> Status:
         scene, state = self.scene, self.state
         start = state.motion.t
-        if abs(t - start) < SHORTEST_INTERVAL:
+        if abs(t - start) < MIN_INTERVAL:
             return Status(True)
         if not (math.isfinite(t) and t > start):
             return Status(False, messages.time_goes_back(start, t))
         step_max, steps_before = self.scene.solver.step_max, state.counts.steps + state.counts.rejections
-        if t - start > MOST_STEPS * step_max:
-            return Status(False, messages.too_far_at_once(start, t, MOST_STEPS, step_max, MOST_STEPS * step_max))
+        if t - start > MAX_STEPS * step_max:
+            return Status(False, messages.too_far_at_once(start, t, MAX_STEPS, step_max, MAX_STEPS * step_max))
         at, earliest = t if given_at is None else given_at, start - scene.inputs.hold_max
-        if not earliest <= at <= t + SHORTEST_INTERVAL:
+        if not earliest <= at <= t + MIN_INTERVAL:
             return Status(False, messages.motions_of_another_time(at, earliest, t))
         settings, steps = self._filter_settings, []
-        bottom = self.model.bottom(state.paths, start)
-        legs = bottom, scene.rope.length - bottom
+        bottom_s = self.model.bottom_s(state.paths, start)
+        legs = bottom_s, scene.rope.length - bottom_s
         for k, (side, end) in enumerate(zip(SIDES, (left, right), strict=True)):
             filtered = filter_step(self._filter, state.filters[k], state.paths[k], settings, at, t, end, legs[k])
             refused = refusal(scene, end, filtered.limits, side)
-            if message := refused or frozen(scene.inputs, t, filtered.filter, side):
+            if message := refused or stale_input_error(scene.inputs, t, filtered.filter, side):
                 return Status(False, message)
             steps.append((filtered.path, filtered.filter))
         paths, filters = zip(*steps, strict=True)
@@ -253,19 +254,19 @@ class RopeSimulator(BalanceRope):
             except StaticsError as error:
                 return Status(False, str(error))
         impulse = [0.0, 0.0]
-        work_end = state.counts.newton + (self.scene.solver.work_max or UNBOUNDED)
-        newton, most = state.counts.newton, most_work(t - start, step_max)
+        newton_limit = state.counts.newton + (self.scene.solver.work_max or UNBOUNDED)
+        newton, most = state.counts.newton, max_iterations(t - start, step_max)
         while state.motion.t < t:
             before = state.motion
             if state.counts.newton - newton >= most:
                 return Status(False, messages.too_much_work(before.t, state.counts.newton - newton, start, t))
-            if state.counts.steps + state.counts.rejections - steps_before >= MOST_STEPS:
-                return Status(False, messages.too_many_steps(before.t, MOST_STEPS, start, t))
-            advanced = step_towards(self.model, state, t, work_end)
+            if state.counts.steps + state.counts.rejections - steps_before >= MAX_STEPS:
+                return Status(False, messages.too_many_steps(before.t, MAX_STEPS, start, t))
+            advanced = step_towards(self.model, state, t, newton_limit)
             if isinstance(advanced, str):
                 return Status(False, messages.fails_at(before.t, advanced))
             state, after = advanced, advanced.motion
-            if after.t >= t or after.t - state.looked_at >= LOOK_EVERY:
+            if after.t >= t or after.t - state.monitored_at >= MONITOR_INTERVAL:
                 state = with_passages(self.scene, state)
                 state = with_guards(self.scene, state, self.model.ends(state))
             for node in (0, -1):
@@ -290,7 +291,7 @@ class RopeSimulator(BalanceRope):
         m, system, c = self.state.motion, self.system, self.model.method.newton(self.state.last_interval)
         nodal = nodal_forces(forces, system.lengths, forces.start)
         alone, moved = (
-            system.with_forces(part * nodal).newton_step(m.q, m.v, m.a, m.reaction, c)[0] for part in (0.0, 1.0)
+            system.with_forces(fraction * nodal).newton_step(m.q, m.v, m.a, m.reaction, c)[0] for fraction in (0.0, 1.0)
         )
         return at_places(moved - alone, *elements_at(forces.s, system.lengths))
 
@@ -308,9 +309,9 @@ class RopeSimulator(BalanceRope):
             return m.q, reaction
         node, q, v, a = END_NODE[side], m.q.copy(), m.v.copy(), m.a.copy()
         if dof > ANGLE:
-            leans = np.array(self.state.paths[side].leaning(m.t))
+            leans = np.array(self.state.paths[side].lean_motion(m.t))
             leans[dof - ANGLE - 1] += change
-            q[node, SLOPE], v[node, SLOPE], a[node, SLOPE] = (1 - 2 * side) * np.array(leaning(*leans))
+            q[node, SLOPE], v[node, SLOPE], a[node, SLOPE] = (1 - 2 * side) * np.array(clamp_axis(*leans))
         else:
             for x, dx in zip((q, v, a), change, strict=True):
                 x[node, dof] += dx

@@ -18,13 +18,13 @@ from rope_model.physics.energy_balance import residual, total
 from rope_model.physics.guard import GuardState
 from rope_model.physics.shaft import KINDS
 from rope_model.shaft_parameters import FAR
-from rope_model.simulation.ends.ends import SwivelState
 from rope_model.simulation.ends.input_filter import InputFilter
 from rope_model.simulation.ends.paths import EndPath
+from rope_model.simulation.ends.swivel_phases import SwivelState
 from rope_model.simulation.fidelity import Fidelity
 from rope_model.simulation.mesh.partition import Partition
 from rope_model.simulation.outputs.audit import Audit
-from rope_model.simulation.wires import NO_MEMORY, Array
+from rope_model.simulation.wires import NO_HYSTERESIS, Array
 
 
 class EnergyBalance(NamedTuple):
@@ -130,14 +130,14 @@ class RopeState(NamedTuple):
     contact: ContactSums = ContactSums()
     powers: Powers = Powers()
     counts: Counts = Counts()
-    snapped_at: float = 0.0  # rad, twist at which the rope last snapped through when it was hung up; 0: never
+    snap_twist: float = 0.0  # rad, twist at which the rope last snapped through when it was hung up; 0: never
     given_up_since: float = 0.0  # s, instant of the first of counts.given_up
     audit: Audit = Audit()
     nearest: tuple[Nearest, ...] = (Nearest(),) * len(KINDS)
     crossing: Crossing = Crossing()
-    looked_at: float = 0.0  # s, instant of nearest, crossing and guard
+    monitored_at: float = 0.0  # s, instant of nearest, crossing and guard
     guard: GuardState = GuardState()
-    hysteresis: Array = NO_MEMORY  # 1/m, z of simulation.wires
+    hysteresis: Array = NO_HYSTERESIS  # 1/m, z of simulation.wires
 
     def to_bytes(self) -> bytes:
         """Return the state as bytes that depend on the state alone: length of the JSON, JSON, all arrays."""

@@ -15,15 +15,15 @@ from numpy.typing import NDArray
 from rope_model.parameters import Rope, Scene
 from rope_model.physics.element import POINTS, WEIGHTS
 from rope_model.physics.wire_element import wire_functions
-from rope_model.physics.wire_friction import MEMORY, section_at, slide, slip_curvature, wire_stiffness
+from rope_model.physics.wire_friction import POINT_STATE_SIZE, bouc_wen_step, section_at, slip_curvature, wire_stiffness
 
 Array = NDArray[np.float64]
 
 #: state z of a rope without friction between its wires
-NO_MEMORY = np.zeros((0, 3 * len(POINTS)))
+NO_HYSTERESIS = np.zeros((0, 3 * len(POINTS)))
 
 
-class Slip(NamedTuple):
+class HysteresisUpdate(NamedTuple):
     """State z after a step, and the wires' dissipation in it, J."""
 
     z: Array
@@ -32,11 +32,11 @@ class Slip(NamedTuple):
 
 def start_hysteresis(scene: Scene, elements: int) -> Array:
     """Return z of a flexible rope that has come to rest with no moment between its wires."""
-    return np.zeros((elements, NO_MEMORY.shape[1])) if wire_stiffness(scene.rope) else NO_MEMORY
+    return np.zeros((elements, NO_HYSTERESIS.shape[1])) if wire_stiffness(scene.rope) else NO_HYSTERESIS
 
 
 def history(rope: Rope, q: Array, lengths: Array, z: Array, strains: Array) -> Array:
-    """Return HISTORY of physics.wire_element for elements that move on from ``q`` and ``z`` (elements, HISTORY).
+    """Return the histories (elements, HISTORY_SIZE) of elements that move on from ``q`` and ``z``.
 
     ``strains`` (elements, ...) begin with e and tau.
     """
@@ -46,16 +46,16 @@ def history(rope: Rope, q: Array, lengths: Array, z: Array, strains: Array) -> A
     return np.column_stack((known.reshape(lengths.size, -1), k0, np.full(lengths.size, stiffness)))
 
 
-def slip(history: Array, q: Array, lengths: Array) -> Slip:
-    """Return the slip from the ``history`` to the rope ``q``."""
-    before, k0, stiffness = history[:, :-2].reshape(lengths.size, -1, MEMORY), history[:, -2, None], history[:, -1]
-    slid = slide(before.transpose(2, 0, 1), _sections(q, lengths).transpose(2, 0, 1), k0)
-    work = float(stiffness * lengths @ (slid.dissipated @ np.array(WEIGHTS)))
-    return Slip(np.stack(slid.z, axis=2).reshape(lengths.size, -1), work)
+def update_hysteresis(history: Array, q: Array, lengths: Array) -> HysteresisUpdate:
+    """Return the update from the ``history`` to the rope ``q``."""
+    before, (k0, stiffness) = history[:, :-2].reshape(lengths.size, -1, POINT_STATE_SIZE), history[:, -2:].T
+    step = bouc_wen_step(before.transpose(2, 0, 1), _sections(q, lengths).transpose(2, 0, 1), k0[:, None])
+    work = float(stiffness * lengths @ (step.dissipated @ np.array(WEIGHTS)))
+    return HysteresisUpdate(np.stack(step.z, axis=2).reshape(lengths.size, -1), work)
 
 
 def latest_tangent(history: Array, q: Array, lengths: Array, before: Array) -> Array:
-    """Return LATEST of physics.wire_element for a tangent at ``q`` that follows one ``before`` (elements, LATEST)."""
+    """Return the latest tangents (elements, TANGENT_SIZE) at ``q``, which follow those ``before``."""
     nodes = np.concatenate((q[:-1], q[1:]), axis=1).T
     return np.array(wire_functions("torsional").latest(nodes, lengths[None], history.T, before.T)).T
 

@@ -31,8 +31,8 @@ int bodies_group(int elements, const double *lengths, const double *q, int first
     int last = first;
     for (; last < elements && last < first + GROUP; last++, a = b, b += DOF)
         for (int i = 0; i < 3; i++) {
-            bounds[i] = lowest_on(bounds[i], lengths[last], a[i], a[SLOPE + i], b[i], b[SLOPE + i]);
-            bounds[3 + i] = highest_on(bounds[3 + i], lengths[last], a[i], a[SLOPE + i], b[i], b[SLOPE + i]);
+            bounds[i] = lower_bound(bounds[i], lengths[last], a[i], a[SLOPE + i], b[i], b[SLOPE + i]);
+            bounds[3 + i] = upper_bound(bounds[3 + i], lengths[last], a[i], a[SLOPE + i], b[i], b[SLOPE + i]);
         }
     box_between(bounds, box);
     return last;

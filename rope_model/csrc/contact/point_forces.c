@@ -5,12 +5,12 @@
 void elements_at(const System *s, int number, PointForce *point) {
     const PointForces *forces = s->forces;
     const double *place = forces->places[number];
-    const double part = time_fraction(forces->start, forces->stop, s->time);
+    const double fraction = time_fraction(forces->start, forces->stop, s->time);
     while (point->element < s->elements - 1 && place[0] > point->start + s->lengths[point->element])
         point->start += s->lengths[point->element++];
     hermite_shape_functions((place[0] - point->start) / s->lengths[point->element], s->lengths[point->element],
                             point->N);
-    for (int i = 0; i < 3; i++) point->force[i] = place[1 + i] + part * (place[4 + i] - place[1 + i]);
+    for (int i = 0; i < 3; i++) point->force[i] = place[1 + i] + fraction * (place[4 + i] - place[1 + i]);
 }
 
 void nodal_forces(const System *s, double *R) {

@@ -10,7 +10,7 @@ static double length_between(const double a[3], const double b[3]) {
 /* Return a lower bound of the distance between points in two boxes. */
 static double gap_of(const double a[6], const double b[6]) {
     double gap = -INFINITY;
-    for (int i = 0; i < 3; i++) gap = larger(gap, fabs(a[i] - b[i]) - (a[3 + i] + b[3 + i]));
+    for (int i = 0; i < 3; i++) gap = maximum(gap, fabs(a[i] - b[i]) - (a[3 + i] + b[3 + i]));
     return gap;
 }
 
@@ -21,9 +21,9 @@ static int near_elements(const System *s, int element) {
     double along = 0;
     int number = 0;
     for (int e = element + 1; e < s->elements; along += s->lengths[e++]) {
-        if (along < LEAST_ARC * diameter) continue;
+        if (along < MIN_ARC * diameter) continue;
         const double gap = gap_of(self_contact->boxes[element], self_contact->boxes[e]);
-        self_contact->cache.free = smaller(self_contact->cache.free, gap);
+        self_contact->cache.free = minimum(self_contact->cache.free, gap);
         if (!(gap < diameter)) continue;
         self_contact->others[number] = e;
         self_contact->arc_gaps[number++] = along;
@@ -41,7 +41,7 @@ static double nearest_place(const System *s, const double *q, int element, const
         at_places(q, element, N, place);
         const double distance = length_between(place, point);
         if (distance < least) *xi = probes[k];
-        least = smaller(least, distance);
+        least = minimum(least, distance);
     }
     for (int k = 0; k < CORRECTIONS; k++) *xi = nearer_xi(*xi, l, point, a, a + DOF);
     hermite_shape_functions(*xi, l, N);
@@ -49,24 +49,24 @@ static double nearest_place(const System *s, const double *q, int element, const
     return length_between(place, point);
 }
 
-/* Add a contact between a place with shape functions N and touch.xi of the other element. */
+/* Add a contact between a place with shape functions N and contact.xi of the other element. */
 static void add_self_contact(const System *s, const double *q, const double *v, const double c[2], const double N[4],
-                             SelfContact touch) {
+                             SelfContact contact) {
     SelfContactState *self_contact = s->self_contact;
-    const int other = touch.elements[1];
+    const int other = contact.elements[1];
     double partner[4], place[2][3], speed[2][3];
-    hermite_shape_functions(touch.xi, s->lengths[other], partner);
-    at_places(q, touch.elements[0], N, place[0]);
-    at_places(v, touch.elements[0], N, speed[0]);
+    hermite_shape_functions(contact.xi, s->lengths[other], partner);
+    at_places(q, contact.elements[0], N, place[0]);
+    at_places(v, contact.elements[0], N, speed[0]);
     at_places(q, other, partner, place[1]);
     at_places(v, other, partner, speed[1]);
     for (int i = 0; i < 3; i++) place[0][i] -= place[1][i];
     for (int i = 0; i < 3; i++) speed[0][i] -= speed[1][i];
-    memcpy(touch.N, N, sizeof partner);
-    for (int k = 0; k < 4; k++) touch.N[4 + k] = -partner[k];
-    touch.law = self_contact_law(&self_contact->scene->shaft.contact, self_contact->scene->rope.diameter, place[0],
-                                 speed[0], c[0], c[1]);
-    self_contact->touches[self_contact->number++] = touch;
+    memcpy(contact.N, N, sizeof partner);
+    for (int k = 0; k < 4; k++) contact.N[4 + k] = -partner[k];
+    contact.terms = self_contact_law(&self_contact->scene->shaft.contact, self_contact->scene->rope.diameter, place[0],
+                                     speed[0], c[0], c[1]);
+    self_contact->contacts[self_contact->number++] = contact;
 }
 
 /* Return the arc length from the present element to the nearest place of neighbour n. */
@@ -82,11 +82,11 @@ static int next_strand(const System *s, int others) {
     int nearest = -1;
     for (int n = 0; n < others; n++) {
         if (self_contact->distances[n] < least) nearest = n;
-        least = smaller(least, self_contact->distances[n]);
+        least = minimum(least, self_contact->distances[n]);
     }
     if (nearest < 0) return -1;
     for (int n = 0; n < others; n++)
-        if (fabs(arc_gap(s, n) - arc_gap(s, nearest)) < LEAST_ARC * diameter) self_contact->distances[n] = INFINITY;
+        if (fabs(arc_gap(s, n) - arc_gap(s, nearest)) < MIN_ARC * diameter) self_contact->distances[n] = INFINITY;
     return nearest;
 }
 
@@ -98,22 +98,22 @@ static void search_element(const System *s, const double *q, const double *v, co
     const int number = (int)number_of_points(l, diameter);
     const double weight = l / number;
     for (int k = 0; k < number;) {
-        SelfContact touch = {.elements = {element, 0}, .weight = weight};
+        SelfContact contact = {.elements = {element, 0}, .weight = weight};
         double N[4], point[3], least = INFINITY;
         hermite_shape_functions((k + 0.5) / number, l, N);
         at_places(q, element, N, point);
         for (int n = 0; n < others; n++) {
             self_contact->distances[n] = nearest_place(s, q, self_contact->others[n], point, self_contact->xi + n);
-            least = smaller(least, self_contact->distances[n]);
+            least = minimum(least, self_contact->distances[n]);
         }
         if (least < self_contact->nearest[0]) self_contact->nearest[1] = point[1];
-        self_contact->nearest[0] = smaller(self_contact->nearest[0], least);
-        for (int strand = 0; self_contact->presses && least < diameter && strand < MOST_STRANDS; strand++) {
+        self_contact->nearest[0] = minimum(self_contact->nearest[0], least);
+        for (int strand = 0; self_contact->presses && least < diameter && strand < MAX_STRANDS; strand++) {
             const int n = next_strand(s, others);
             if (n < 0) break;
-            touch.elements[1] = self_contact->others[n];
-            touch.xi = self_contact->xi[n];
-            add_self_contact(s, q, v, c, N, touch);
+            contact.elements[1] = self_contact->others[n];
+            contact.xi = self_contact->xi[n];
+            add_self_contact(s, q, v, c, N, contact);
         }
         /* Skip places farther than a diameter.  A distance that is not a number ends the search. */
         k += 1 + (int)points_skipped(least, diameter, weight, number);
@@ -139,44 +139,44 @@ int find_self_contacts(const System *s, const double *q, const double *v, double
 }
 
 /* Return the entry of q, an r or r', that shape function k of a contact belongs to. */
-static size_t row_of(const SelfContact *touch, int k) {
-    return (size_t)(touch->elements[k / 4] + k % 4 / 2) * DOF + (size_t)(k % 2 * SLOPE);
+static size_t row_of(const SelfContact *contact, int k) {
+    return (size_t)(contact->elements[k / 4] + k % 4 / 2) * DOF + (size_t)(k % 2 * SLOPE);
 }
 
 /* Distribute a force per length to the nodes of both elements. */
-static void spread(const SelfContact *touch, const double force[3], double *y) {
+static void spread(const SelfContact *contact, const double force[3], double *y) {
     for (int k = 0; k < 8; k++)
-        for (int i = 0; i < 3; i++) y[row_of(touch, k) + (size_t)i] += touch->weight * touch->N[k] * force[i];
+        for (int i = 0; i < 3; i++) y[row_of(contact, k) + (size_t)i] += contact->weight * contact->N[k] * force[i];
 }
 
 void self_contact_take_force(const SelfContactState *self_contact, double *R) {
     for (int n = 0; n < self_contact->number; n++) {
-        const double *force = self_contact->touches[n].law.force;
-        spread(&self_contact->touches[n], (const double[3]){-force[0], -force[1], -force[2]}, R);
+        const double *force = self_contact->contacts[n].terms.force;
+        spread(&self_contact->contacts[n], (const double[3]){-force[0], -force[1], -force[2]}, R);
     }
 }
 
 void self_contact_times(const SelfContactState *self_contact, const double *x, double *y) {
     static const int upper[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
     for (int n = 0; n < self_contact->number; n++) {
-        const SelfContact *touch = &self_contact->touches[n];
+        const SelfContact *contact = &self_contact->contacts[n];
         double separation[3] = {0}, force[3] = {0};
         for (int k = 0; k < 8; k++)
-            for (int i = 0; i < 3; i++) separation[i] += touch->N[k] * x[row_of(touch, k) + (size_t)i];
+            for (int i = 0; i < 3; i++) separation[i] += contact->N[k] * x[row_of(contact, k) + (size_t)i];
         for (int i = 0; i < 3; i++)
-            for (int j = 0; j < 3; j++) force[i] += touch->law.tangent[upper[i][j]] * separation[j];
-        spread(touch, force, y);
+            for (int j = 0; j < 3; j++) force[i] += contact->terms.tangent[upper[i][j]] * separation[j];
+        spread(contact, force, y);
     }
 }
 
 void self_contact_sums(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]) {
     if (s->self_contact == NULL || !find_self_contacts(s, q, v, 0, 0)) return;
     for (int n = 0; n < s->self_contact->number; n++) {
-        const SelfContact *touch = &s->self_contact->touches[n];
-        sums[CONTACT_ENERGY] += touch->weight * touch->law.sums[CONTACT_ENERGY];
-        sums[CONTACT_DISSIPATED] += touch->weight * touch->law.sums[CONTACT_DISSIPATED];
+        const SelfContact *contact = &s->self_contact->contacts[n];
+        sums[CONTACT_ENERGY] += contact->weight * contact->terms.sums[CONTACT_ENERGY];
+        sums[CONTACT_DISSIPATED] += contact->weight * contact->terms.sums[CONTACT_DISSIPATED];
         /* The forces cancel, but friction leaves a couple. */
-        for (int k = CONTACT_LOAD + 3; k < CONTACT_FORCES; k++) sums[k] += touch->weight * touch->law.sums[k];
-        sums[CONTACT_ROPE] += touch->weight * touch->law.sums[CONTACT_FORCES];
+        for (int k = CONTACT_LOAD + 3; k < CONTACT_FORCES; k++) sums[k] += contact->weight * contact->terms.sums[k];
+        sums[CONTACT_ROPE] += contact->weight * contact->terms.sums[CONTACT_FORCES];
     }
 }

@@ -38,10 +38,10 @@ static void refine(NearestSearch *search, double s, double length, const double 
 }
 
 /* Begin a search for each body from the known nearest places; return their number. */
-static int searches_of(const Scene *scene, const Arrays *m, double t, const Nearest nearest[KINDS],
+static int searches_of(const Scene *scene, const NodalArrays *m, double t, const Nearest nearest[KINDS],
                        NearestSearch *searches) {
     const double *const ends[2] = {m->q, m->q + (size_t)m->elements * DOF};
-    Placed bodies[MOST_BODIES];
+    Placed bodies[MAX_BODIES];
     const int number = placed_bodies(&scene->shaft, ends, bodies);
     const int lowest = number > 0 ? lowest_node(m->nodes, m->q) : 0;
     for (int n = 0; n < number; n++) {
@@ -59,7 +59,7 @@ static void nearest_of(int number, const NearestSearch *searches, Nearest neares
     }
 }
 
-static void search_elements(NearestSearch *search, const Arrays *m, int first, int last) {
+static void search_elements(NearestSearch *search, const NodalArrays *m, int first, int last) {
     for (int k = first; k < last; k++) {
         const double *a = m->q + (size_t)k * DOF, *b = a + DOF;
         double box[6];
@@ -72,8 +72,8 @@ static void search_elements(NearestSearch *search, const Arrays *m, int first, i
     }
 }
 
-void shaft_nearer(const Scene *scene, const Arrays *m, double t, Nearest nearest[KINDS]) {
-    NearestSearch searches[MOST_BODIES];
+void shaft_nearer(const Scene *scene, const NodalArrays *m, double t, Nearest nearest[KINDS]) {
+    NearestSearch searches[MAX_BODIES];
     const int number = searches_of(scene, m, t, nearest, searches);
     for (int first = 0, last; number > 0 && first < m->elements; first = last) {
         double box[6];
@@ -85,8 +85,8 @@ void shaft_nearer(const Scene *scene, const Arrays *m, double t, Nearest nearest
     nearest_of(number, searches, nearest);
 }
 
-void shaft_clearances(const Scene *scene, const Arrays *m, double t, Nearest nearest[KINDS]) {
-    NearestSearch searches[MOST_BODIES];
+void shaft_clearances(const Scene *scene, const NodalArrays *m, double t, Nearest nearest[KINDS]) {
+    NearestSearch searches[MAX_BODIES];
     far_bodies(nearest);
     const int number = searches_of(scene, m, t, nearest, searches);
     for (int n = 0; n < number; n++)
@@ -98,7 +98,7 @@ void shaft_clearances(const Scene *scene, const Arrays *m, double t, Nearest nea
 
 /* Update the largest penetration of the rope into itself. */
 static void with_overlap(const Simulator *rope, State *state) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const double *nearest = rope->self_contact->nearest, diameter = rope->scene.rope.diameter;
     Crossing *crossing = &state->crossing;
     const System s = {.elements = m.elements, .lengths = m.lengths, .self_contact = rope->self_contact};
@@ -110,11 +110,11 @@ static void with_overlap(const Simulator *rope, State *state) {
 }
 
 void with_passages(const Simulator *rope, State *state) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     Crossing *crossing = &state->crossing;
-    state->looked_at = state->t;
+    state->monitored_at = state->t;
     shaft_nearer(&rope->scene, &m, state->t, state->nearest);
-    const double line = diagnostics_direction(&m);
+    const double line = ends_yaw(&m);
     double across[2];
     heading(line, across);
     const int near = !legs_apart(&m, across, rope->scene.rope.diameter, rope->scene.layout.spacing);

@@ -16,7 +16,7 @@ static int largest(int axes, const double *sizes) {
 void ends_refusal(const Scene *scene, const EndMotion *target, const double limits[14], int side, char *message) {
     const Inputs *inputs = &scene->inputs;
     static const char *const names[] = END_MOTION_NAMES;
-    static const double bounds[] = END_MOTION_REACH;
+    static const double bounds[] = END_MOTION_BOUNDS;
     static const char *const units[2][2] = {{"m", "rad"}, {"m/s", "rad/s"}};
     message[0] = '\0';
     for (int i = 0; i < (int)(sizeof bounds / sizeof *bounds) && !message[0]; i++) {
@@ -43,9 +43,9 @@ void ends_refusal(const Scene *scene, const EndMotion *target, const double limi
                               worst < YAW ? "m/s^2" : "rad/s^2", inputs->acceleration_max);
 }
 
-void ends_frozen(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message) {
+void stale_input_error(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message) {
     message[0] = '\0';
-    if (end_filter->held > 1 && t - end_filter->given_at > inputs->hold_max)
+    if (end_filter->steps_held > 1 && t - end_filter->given_at > inputs->hold_max)
         say_inputs_frozen(message, SIDE_NAMES[side], t - end_filter->given_at, inputs->hold_max);
 }
 
@@ -64,7 +64,7 @@ void ends_prescribed_motion(const Scene *scene, const State *state, int side, do
              state->offsets[side] + state->swivels[side].angle, rows);
     if (scene->swivels[side].attachment != CLAMPED) return;
     double leans[2][3], n[3][3];
-    path_leaning(&state->paths[side], t, leans);
-    leaning(leans[0], leans[1], n);
+    path_lean_motion(&state->paths[side], t, leans);
+    clamp_axis(leans[0], leans[1], n);
     for (int k = 0; k < 9; k++) rows[k / 3][SLOPE + k % 3] = -YAW_SENSE[side] * n[k / 3][k % 3];
 }

@@ -4,7 +4,7 @@
 #include "simulator.h"
 
 /* Event function of one swivel: negative while it may stay in its phase. */
-static double excess_of(const Simulator *rope, const State *state, int side, double t, const Arrays *m) {
+static double excess_of(const Simulator *rope, const State *state, int side, double t, const NodalArrays *m) {
     const double *q = end_row(m->q, m->nodes, side), *v = end_row(m->v, m->nodes, side);
     const double *R = end_row(m->reaction, m->nodes, side);
     double relative[2];
@@ -12,7 +12,7 @@ static double excess_of(const Simulator *rope, const State *state, int side, dou
     return swivel_excess(&rope->scene.swivels[side], &state->swivels[side], R[1], R[ANGLE], relative[1]);
 }
 
-static double excess(const Simulator *rope, const State *state, double t, const Arrays *m) {
+static double excess(const Simulator *rope, const State *state, double t, const NodalArrays *m) {
     const double left = excess_of(rope, state, LEFT, t, m), right = excess_of(rope, state, RIGHT, t, m);
     return left >= right ? left : right;
 }
@@ -30,7 +30,7 @@ void release_swivels(Simulator *rope, State *state) {
     }
     if (!changed) return;
     model_restart(rope, state);
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     if (excess(rope, state, state->t, &m) >= 0) switch_swivels(rope, state);
 }
 
@@ -43,24 +43,24 @@ double next_release(const Simulator *rope, const State *state) {
 typedef struct {
     Simulator *rope;
     State *state;
-    int64_t iterations, work; /* Newton iterations so far, and allowed */
+    int64_t iterations, allowed; /* Newton iterations so far, and allowed */
 } EventSearch;
 
 static double excess_after(void *data, double h) {
     EventSearch *search = data;
-    if (search->iterations >= search->work) return -1; /* ends at the earliest time known to be past the event */
+    if (search->iterations >= search->allowed) return -1; /* ends at the earliest time known to be past the event */
     const StepResult trial = model_trial(search->rope, search->state, h);
     search->iterations += trial.newton.iterations;
-    return trial.reached ? excess(search->rope, search->state, trial.t, &search->rope->trial) : INFINITY;
+    return trial.converged ? excess(search->rope, search->state, trial.t, &search->rope->trial) : INFINITY;
 }
 
 int switching_step(Simulator *rope, State *state, StepResult *trial) {
     const double at_end = excess(rope, state, trial->t, &rope->trial);
     if (at_end < 0) return 0;
-    const Arrays m = state_arrays(state);
-    /* Keep work for the step to the event and the next one. */
-    EventSearch search = {rope, state, 0, rope->work_end - state->counts.newton - 2 * STEP_WORK};
-    if (search.work <= 0) { /* switch at the end of the step */
+    const NodalArrays m = state_arrays(state);
+    /* Keep iterations for the step to the event and the next one. */
+    EventSearch search = {rope, state, 0, rope->newton_limit - state->counts.newton - 2 * STEP_ITERATIONS};
+    if (search.allowed <= 0) { /* switch at the end of the step */
         state->counts.given_up += 1;
         return 1;
     }
@@ -69,8 +69,8 @@ int switching_step(Simulator *rope, State *state, StepResult *trial) {
     const double h = locate(excess_after, &search, 0, trial->t - state->t, at_start, at_end, EVENT_WIDTH);
     *trial = model_trial(rope, state, h);
     state->counts.newton += search.iterations + trial->newton.iterations;
-    state->counts.given_up += search.iterations >= search.work;
-    return trial->reached ? 1 : -1;
+    state->counts.given_up += search.iterations >= search.allowed;
+    return trial->converged ? 1 : -1;
 }
 
 /* Return the next phase of a swivel that cannot stay in its own: stick if friction can hold it, else slip. */
@@ -78,7 +78,7 @@ static SwivelState next_phase(Simulator *rope, const State *state, const SwivelS
     State *trial = rope->spare;
     state_copy(rope, trial, state);
     memcpy(trial->swivels, swivels, sizeof trial->swivels);
-    const Arrays m = state_arrays(trial);
+    const NodalArrays m = state_arrays(trial);
     SwivelState now = swivels[side];
     if (now.phase == SLIP) {
         double relative[2];
@@ -93,7 +93,7 @@ static SwivelState next_phase(Simulator *rope, const State *state, const SwivelS
 }
 
 void switch_swivels(Simulator *rope, State *state) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     SwivelState swivels[2];
     int switches[2], restarted = 0;
     memcpy(swivels, state->swivels, sizeof swivels);

@@ -14,7 +14,7 @@ static void with_energy_change(Simulator *rope, State *state) {
 
 /* Equilibrium with the present accelerations, damped by an inertia of time constant `time`; no change on failure. */
 static Progress dynamic_equilibrium(Simulator *rope, State *state, double time, double tolerance) {
-    const Arrays m = state_arrays(state), *now = &rope->trial;
+    const NodalArrays m = state_arrays(state), *now = &rope->trial;
     const System s = rope_system(rope, state);
     const size_t bytes = sizeof(double) * (size_t)m.nodes * DOF;
     const double c[3] = {1, 0, pow(time, -2)};
@@ -24,18 +24,18 @@ static Progress dynamic_equilibrium(Simulator *rope, State *state, double time, 
         chain_of(rope, state)
             ->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c, tolerance, NULL, balance);
     if (newton.status != CONVERGED) return newton;
-    wires_slip(rope, state, now->q);
+    update_hysteresis(rope, state, now->q);
     with_angles_along(rope, state, now->q, m.v, m.a, m.b);
     memcpy(m.q, now->q, bytes);
     return newton;
 }
 
 /* Transform the mesh once; return the status of Newton's method. */
-static int on_partition(Simulator *rope, State *state, int direction, const double *faced) {
-    const Arrays m = state_arrays(state);
+static int on_partition(Simulator *rope, State *state, int direction, const double *divider_s) {
+    const NodalArrays m = state_arrays(state);
     double *const fields[] = {m.q, m.v, m.a, m.b, m.a_rate}, *old_s = rope->trial.b;
     memcpy(old_s, m.s, sizeof(double) * (size_t)m.nodes);
-    partition_transform(&state->pattern, direction, faced, m.elements, m.lengths);
+    partition_transform(&state->pattern, direction, divider_s, m.elements, m.lengths);
     arc_lengths(m.elements, m.lengths, m.s);
     if (state->fidelity == RIGID) return CONVERGED; /* shape and energies do not depend on the mesh */
     transfer_fields(m.nodes, old_s, m.s, 5, fields, rope->work);
@@ -43,7 +43,7 @@ static int on_partition(Simulator *rope, State *state, int direction, const doub
     memset(m.reaction + DOF, 0, sizeof(double) * DOF * (size_t)(m.nodes - 2));
     rope_system_refer(rope, state, m.q);
     const Solver *solver = &rope->scene.solver;
-    const double tolerance = newton_may_leave(solver->newton_tolerance, solver->work_max, BOUNDED_MESH_ERROR);
+    const double tolerance = effective_tolerance(solver->newton_tolerance, solver->work_max, BOUNDED_MESH_ERROR);
     double time = RELAXATION_TIME;
     Progress newton = dynamic_equilibrium(rope, state, time, tolerance);
     for (; newton.status != CONVERGED; newton = dynamic_equilibrium(rope, state, time, tolerance)) {
@@ -57,26 +57,26 @@ static int on_partition(Simulator *rope, State *state, int direction, const doub
 }
 
 int transform_if_due(Simulator *rope, State *state) {
-    const double bottom = model_bottom(rope, state, state->t);
-    double faced[PLACES_FACED];
+    const double bottom_s = model_bottom_s(rope, state, state->t);
+    double divider_s[DIVIDERS];
     int status = CONVERGED;
-    model_faced(rope, state, state->t, faced);
+    model_dividers(rope, state, state->t, divider_s);
     while (status == CONVERGED) {
-        const int direction = (int)transformation_due(&state->pattern, bottom, DUE_EARLY);
-        if (direction == 0 && !window_due(&state->pattern, faced)) break;
-        status = on_partition(rope, state, direction, faced);
+        const int direction = (int)transformation_due(&state->pattern, bottom_s, DUE_EARLY);
+        if (direction == 0 && !window_due(&state->pattern, divider_s)) break;
+        status = on_partition(rope, state, direction, divider_s);
     }
     return status;
 }
 
 void with_loop_yaw(State *state) {
-    const Arrays x = state_arrays(state);
+    const NodalArrays x = state_arrays(state);
     const double *d = x.q + (size_t)lowest_node(x.nodes, x.q) * DOF + SLOPE;
     state->loop_yaw = nearest_turn(atan2(-d[2], d[0]), state->loop_yaw);
 }
 
 int raise_fidelity(Simulator *rope, State *state, const char *why, char *message) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const int was = state->fidelity;
     const EndMotion ends[2] = {path_at(&state->paths[LEFT], INFINITY), path_at(&state->paths[RIGHT], INFINITY)};
     say_cannot_follow(state->fidelity_reason, fidelity_name(was), why);

@@ -11,7 +11,7 @@ static int as_int(double x) {
     return x < INT_MAX ? (int)x : INT_MAX;
 }
 
-double partition_fine(const Pattern *pattern, const double *lengths) {
+double partition_fine_length(const Pattern *pattern, const double *lengths) {
     return pattern->coarse > 0 ? fine_share(pattern->counts + 1) * pattern->coarse : lengths[0];
 }
 
@@ -70,7 +70,7 @@ static int longest_of(const double *lengths, int stride, int count) {
 
 /* True if element k of this leg, from its end on, is in a window. */
 static int in_window(const int *windows, int side, int k) {
-    for (int i = side; i < PLACES_FACED; i += 2)
+    for (int i = side; i < DIVIDERS; i += 2)
         if (0 <= k - windows[i] && k - windows[i] < WINDOW) return 1;
     return 0;
 }
@@ -108,21 +108,21 @@ static double outer_of(const Mesh *mesh, double length) {
     return rint(length / mesh->coarse_length - inner_length(mesh->counts));
 }
 
-int partition_elements(const Mesh *mesh, double length, const double *faced, char *message) {
+int partition_elements(const Mesh *mesh, double length, const double *divider_s, char *message) {
     message[0] = '\0';
     if (mesh->kind == EEM) {
         require_in_bounds(mesh, message); /* an automatic mesh may be out of bounds */
         return message[0] ? 0 : mesh->elements;
     }
     double outer = outer_of(mesh, length);
-    if (outer > (double)MOST_ELEMENTS)
-        return say_too_many_lengths(message, mesh->coarse_length, length, outer, MOST_ELEMENTS);
+    if (outer > (double)MAX_ELEMENTS)
+        return say_too_many_lengths(message, mesh->coarse_length, length, outer, MAX_ELEMENTS);
     if (!(outer >= 2)) return say_too_few_lengths(message, inner_length(mesh->counts) * mesh->coarse_length, length);
     double growth = mesh->grading_length / (length / (outer + inner_length(mesh->counts)));
     double elements = leg_elements((int)outer, growth) + 2 * mesh->end_levels;
     for (int k = 0; k < SEGMENTS - 2; k++) elements += mesh->counts[k];
-    for (int i = 0; i < PLACES_FACED; i++) elements += isfinite(faced[i]) ? WINDOW * (WINDOW_PARTS - 1) : 0;
-    if (elements > (double)MOST_ELEMENTS) return say_too_many_elements(message, elements, MOST_ELEMENTS);
+    for (int i = 0; i < DIVIDERS; i++) elements += isfinite(divider_s[i]) ? WINDOW * (WINDOW_PARTS - 1) : 0;
+    if (elements > (double)MAX_ELEMENTS) return say_too_many_elements(message, elements, MAX_ELEMENTS);
     return (int)elements;
 }
 
@@ -178,23 +178,23 @@ static void tmn(const Pattern *pattern, int elements, double *lengths) {
     for (int k = 0; k < elements; k++) lengths[k] *= coarse;
 }
 
-void faced_by(const Scene *scene, double left, double right, double *faced) {
-    faced_positions(scene, left, right, faced);
-    for (int i = 0; scene->mesh.kind != AUTO_MESH && i < PLACES_FACED; i++) faced[i] = INFINITY;
+void mesh_dividers(const Scene *scene, double left, double right, double *divider_s) {
+    divider_positions(scene, left, right, divider_s);
+    for (int i = 0; scene->mesh.kind != AUTO_MESH && i < DIVIDERS; i++) divider_s[i] = INFINITY;
 }
 
-static void place_windows(Pattern *pattern, const double *faced) {
-    for (int i = 0; i < PLACES_FACED; i++) pattern->windows[i] = (int)rint(window_place(pattern, faced[i]));
+static void place_windows(Pattern *pattern, const double *divider_s) {
+    for (int i = 0; i < DIVIDERS; i++) pattern->windows[i] = (int)rint(window_place(pattern, divider_s[i]));
 }
 
-int window_due(const Pattern *pattern, const double *faced) {
-    for (int i = 0; pattern->coarse > 0 && i < PLACES_FACED; i++)
-        if (fabs(window_place(pattern, faced[i]) - pattern->windows[i]) > WINDOW_DUE) return 1;
+int window_due(const Pattern *pattern, const double *divider_s) {
+    for (int i = 0; pattern->coarse > 0 && i < DIVIDERS; i++)
+        if (fabs(window_place(pattern, divider_s[i]) - pattern->windows[i]) > WINDOW_DUE) return 1;
     return 0;
 }
 
-void partition(const Mesh *mesh, double length, double bottom, const double *faced, int elements, Pattern *pattern,
-               double *lengths) {
+void partition(const Mesh *mesh, double length, double bottom_s, const double *divider_s, int elements,
+               Pattern *pattern, double *lengths) {
     memset(pattern, 0, sizeof *pattern);
     if (mesh->kind == EEM) {
         for (int k = 0; k < mesh->elements; k++) lengths[k] = length / mesh->elements;
@@ -202,7 +202,7 @@ void partition(const Mesh *mesh, double length, double bottom, const double *fac
     }
     double inner = inner_length(mesh->counts), outer = outer_of(mesh, length);
     double coarse = length / (outer + inner);
-    double first = rint(bottom / coarse - 0.5 * inner), least = fewest_outer(mesh->counts);
+    double first = rint(bottom_s / coarse - 0.5 * inner), least = min_outer(mesh->counts);
     first = first > least ? fmin(first, outer - least) : least;
     pattern->coarse = coarse;
     pattern->end_levels = mesh->end_levels;
@@ -210,13 +210,13 @@ void partition(const Mesh *mesh, double length, double bottom, const double *fac
     pattern->counts[0] = (int)first;
     for (int k = 0; k < SEGMENTS - 2; k++) pattern->counts[k + 1] = mesh->counts[k];
     pattern->counts[SEGMENTS - 1] = (int)(outer - first);
-    place_windows(pattern, faced);
+    place_windows(pattern, divider_s);
     tmn(pattern, elements, lengths);
 }
 
-void partition_transform(Pattern *pattern, int direction, const double *faced, int elements, double *lengths) {
+void partition_transform(Pattern *pattern, int direction, const double *divider_s, int elements, double *lengths) {
     pattern->counts[0] += direction;
     pattern->counts[SEGMENTS - 1] -= direction;
-    place_windows(pattern, faced);
+    place_windows(pattern, divider_s);
     tmn(pattern, elements, lengths);
 }

@@ -2,7 +2,7 @@
 
 #include "formulas.h"
 
-enum { CUBIC = 4, LINEAR = 2, MOST_FIELDS = 8 };
+enum { CUBIC = 4, LINEAR = 2, MAX_FIELDS = 8 };
 
 /* Return the difference below which two arc lengths are equal, m. */
 static double tolerance_of(int nodes, const double *s) {
@@ -24,7 +24,7 @@ void transfer_interpolate(int nodes, const double *x, const double *s, int numbe
         if (fabs((nearer_left ? left_s : right_s) - places[k]) <= tolerance)
             memcpy(y, nearer_left ? left : right, DOF * sizeof *y);
         else
-            node_values(smaller(larger((places[k] - left_s) / l, 0.0), 1.0), l, left, y);
+            node_values(minimum(maximum((places[k] - left_s) / l, 0.0), 1.0), l, left, y);
     }
 }
 
@@ -78,8 +78,8 @@ void transfer_fields(int nodes, const double *old_s, const double *new_s, int fi
     const ptrdiff_t n = nodes;
     const int inner = nodes - 2; /* the ends keep their values */
     double *cubics = work, *lines = cubics + 2 * CUBIC * n, *r = lines + LINEAR * n, *theta = r + 6 * n * fields;
-    const double *before[MOST_FIELDS], *after[MOST_FIELDS];
-    double *y[MOST_FIELDS];
+    const double *before[MAX_FIELDS], *after[MAX_FIELDS];
+    double *y[MAX_FIELDS];
     memset(work, 0, sizeof *work * (size_t)((2 * CUBIC + LINEAR + DOF * fields) * n));
     for (int f = 0; f < fields; f++) {
         before[f] = x[f];

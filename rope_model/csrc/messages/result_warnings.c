@@ -10,8 +10,8 @@ enum { EACH_WARNING_HAS_A_NUMBER = 1 / ((int)ROPE_EXTRAPOLATION == (int)EXTRAPOL
 
 /* Return the yaw of the loop against the line between its ends. */
 static double yaw_of(State *state) {
-    const Arrays m = state_arrays(state);
-    return state->loop_yaw - diagnostics_direction(&m);
+    const NodalArrays m = state_arrays(state);
+    return state->loop_yaw - ends_yaw(&m);
 }
 
 static void neglected_effects(Simulator *rope, char *message) {
@@ -25,7 +25,7 @@ static void passed_bodies(Simulator *rope, char *message) {
     double deepest = FAR;
     for (int kind = 0; kind < KINDS; kind++) {
         const Nearest *x = &rope->state->nearest[kind];
-        deepest = smaller(deepest, x->clearance);
+        deepest = minimum(deepest, x->clearance);
         if (!(x->clearance <= 0)) continue;
         say_passed_into(passed, words[kind], x->touched_at, -x->clearance, x->time, x->s, x->y);
         memcpy(before, passages, sizeof before);
@@ -49,9 +49,9 @@ static void leg_contact(Simulator *rope, char *message) {
 
 /* Return the twist from end to end, rad, by conveyances and swivels turned against the line between the ends. */
 static double end_twist(State *state) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const double left = end_row(m.q, m.nodes, LEFT)[ANGLE] - state->offsets[LEFT];
-    return end_row(m.q, m.nodes, RIGHT)[ANGLE] - state->offsets[RIGHT] - left - 2 * diagnostics_direction(&m);
+    return end_row(m.q, m.nodes, RIGHT)[ANGLE] - state->offsets[RIGHT] - left - 2 * ends_yaw(&m);
 }
 
 static void yaw_at_rest(Simulator *rope, char *message) {

@@ -5,7 +5,7 @@
 /* Return the change of the accelerations over the trial, as Solution.resolve of Python does. */
 static const double *resolved_change(Simulator *rope, const Chain *chain, const System *s, double c_a,
                                      const double *before) {
-    const Arrays *now = &rope->trial;
+    const NodalArrays *now = &rope->trial;
     const size_t size = (size_t)now->nodes * DOF;
     for (size_t i = 0; i < size; i++) rope->x[i] = now->a[i] - before[i];
     if (s->wires == NULL) return rope->x;
@@ -16,16 +16,16 @@ static const double *resolved_change(Simulator *rope, const Chain *chain, const 
 
 /* True if the rate of the acceleration over the step `before` may predict a step h. */
 static int rate_known(double h, double before) {
-    return 0 < h && h <= LARGEST_GROWTH * before;
+    return 0 < h && h <= MAX_GROWTH * before;
 }
 
 double recentring(const Coefficients *method, double h, double before) {
     return rate_known(h, before) ? recentring_time(method, h, before) : 0;
 }
 
-static void predict(const Arrays *old, double h, double ahead, const double w[6], double *RESTRICT q,
+static void predict(const NodalArrays *old, double h, double ahead, const double w[6], double *RESTRICT q,
                     double *RESTRICT v, double *RESTRICT a) {
-    const Arrays m = *old;
+    const NodalArrays m = *old;
     for (int i = 0; i < m.nodes * DOF; i++) {
         q[i] = m.q[i] + h * m.v[i] + w[0] * m.a[i] + w[2] * m.b[i] + w[4] * m.a_rate[i];
         v[i] = m.v[i] + w[1] * m.a[i] + w[3] * m.b[i] + w[5] * m.a_rate[i];
@@ -34,7 +34,7 @@ static void predict(const Arrays *old, double h, double ahead, const double w[6]
 }
 
 StepResult generalized_alpha_step(Simulator *rope, State *state, System *s, double h) {
-    const Arrays old = state_arrays(state), *now = &rope->trial;
+    const NodalArrays old = state_arrays(state), *now = &rope->trial;
     const Coefficients method = {rope->scene.solver.rho_inf};
     const size_t size = (size_t)old.nodes * DOF;
     const double time_shift = recentring(&method, h, state->h);
@@ -52,12 +52,12 @@ StepResult generalized_alpha_step(Simulator *rope, State *state, System *s, doub
     const Chain *chain = chain_of(rope, state);
     const Solver *solver = &rope->scene.solver;
     result.newton = chain->solve(s, rope->work, now->q, now->v, now->a, now->reaction, c,
-                                 newton_may_leave(solver->newton_tolerance, solver->work_max, BOUNDED_STEP_ERROR),
+                                 effective_tolerance(solver->newton_tolerance, solver->work_max, BOUNDED_STEP_ERROR),
                                  old.q, result.balance);
     for (size_t i = 0; i < size; i++) finite &= isfinite(now->reaction[i]) != 0;
     if (result.newton.status == CONVERGED && !finite) result.newton.status = NOT_FINITE;
-    result.reached = result.newton.status == CONVERGED;
-    if (!result.reached) return result;
+    result.converged = result.newton.status == CONVERGED;
+    if (!result.converged) return result;
     for (size_t i = 0; i < size; i++) {
         now->b[i] = aux[0] * old.a[i] + aux[1] * old.b[i] + aux[2] * old.a_rate[i] + aux[3] * now->a[i];
         now->a_rate[i] = (now->a[i] - old.a[i]) / h;
@@ -70,7 +70,7 @@ StepResult generalized_alpha_step(Simulator *rope, State *state, System *s, doub
 }
 
 void generalized_alpha_restart(Simulator *rope, State *state, const System *s) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const size_t size = (size_t)m.nodes * DOF;
     const double c[3] = {0, 0, 1};
     double unused[BALANCE], *known = rope->trial.reaction;

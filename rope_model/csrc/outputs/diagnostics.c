@@ -10,7 +10,7 @@ static double clip(double x, double low, double high) {
     return fmin(fmax(x, low), high);
 }
 
-double diagnostics_direction(const Arrays *m) {
+double ends_yaw(const NodalArrays *m) {
     return line_yaw(m->q, m->q + (ptrdiff_t)DOF * m->elements);
 }
 
@@ -51,7 +51,7 @@ void diagnostics_shape(int nodes, const double *q, const double *s, int points, 
     }
 }
 
-void diagnostics_tension(const Arrays *arrays, double rho, double gravity, int points, const double *places,
+void diagnostics_tension(const NodalArrays *arrays, double rho, double gravity, int points, const double *places,
                          double *tension) {
     const double *s = arrays->s;
     double before[3] = {0, 0, 0}, row[DOF];
@@ -95,9 +95,9 @@ static int part_above(const double *first, int stride, double height, double par
     while (i < LEG && first[3 * stride * i + 1] < height) i++;
     if (i == LEG) return 0;
     const double *below = first + 3 * stride * (i > 0 ? i - 1 : 0), *above = first + 3 * stride * i;
-    double rise = above[1] - below[1], share = rise > 0 ? (height - below[1]) / rise : 1.0;
-    for (int axis = 0; axis < 3; axis++) part[0][axis] = below[axis] + share * (above[axis] - below[axis]);
-    i += share >= 1.0;
+    double rise = above[1] - below[1], fraction = rise > 0 ? (height - below[1]) / rise : 1.0;
+    for (int axis = 0; axis < 3; axis++) part[0][axis] = below[axis] + fraction * (above[axis] - below[axis]);
+    i += fraction >= 1.0;
     for (n = 1; i < LEG; i++, n++) memcpy(part[n], first + 3 * stride * i, sizeof part[n]);
     return n;
 }
@@ -106,8 +106,8 @@ static void bounds_of(int points, double point[][3], double bounds[6]) {
     for (int axis = 0; axis < 3; axis++) {
         bounds[axis] = bounds[3 + axis] = point[0][axis];
         for (int n = 1; n < points; n++) {
-            bounds[axis] = smaller(bounds[axis], point[n][axis]);
-            bounds[3 + axis] = larger(bounds[3 + axis], point[n][axis]);
+            bounds[axis] = minimum(bounds[axis], point[n][axis]);
+            bounds[3 + axis] = maximum(bounds[3 + axis], point[n][axis]);
         }
     }
 }
@@ -125,7 +125,7 @@ static void blocks_of(int points, double point[LEG][3], double bounds[BLOCKS][6]
 static double nearest_squared(int points, double point[][3], int pieces, double corner[][3], double least) {
     for (int m = 0; m < pieces; m++) {
         const double *a = corner[m], *b = corner[m + 1], along[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-        for (int n = 0; n < points; n++) least = smaller(least, squared_distance(point[n], a, along));
+        for (int n = 0; n < points; n++) least = minimum(least, squared_distance(point[n], a, along));
     }
     return least;
 }
@@ -172,13 +172,13 @@ double leg_clearance(int nodes, const double *q, const double *s, const LoopBott
 
 /* A way up a leg, in PIECES per element. */
 typedef struct {
-    const Arrays *m;
+    const NodalArrays *m;
     int point, last; /* next point, and the leg's end */
     double low[3];   /* latest point higher than all before it */
     double high[3];  /* next such point; its height is HUGE_VAL for none */
 } Climb;
 
-static void point_of(const Arrays *m, int point, double place[3]) {
+static void point_of(const NodalArrays *m, int point, double place[3]) {
     const int element = point / PIECES, piece = point % PIECES;
     const double *a = m->q + (ptrdiff_t)DOF * element;
     if (piece == 0)
@@ -200,11 +200,11 @@ static void climb_on(Climb *leg) {
 
 /* Interpolate a coordinate at a height between low and high. */
 static double climb_at(const Climb *leg, double height, int axis) {
-    const double part = (height - leg->low[1]) / (leg->high[1] - leg->low[1]);
-    return leg->low[axis] + part * (leg->high[axis] - leg->low[axis]);
+    const double fraction = (height - leg->low[1]) / (leg->high[1] - leg->low[1]);
+    return leg->low[axis] + fraction * (leg->high[axis] - leg->low[axis]);
 }
 
-int legs_apart(const Arrays *m, const double across[2], double diameter, double above) {
+int legs_apart(const NodalArrays *m, const double across[2], double diameter, double above) {
     const int lowest = lowest_node(m->nodes, m->q);
     const double *left = m->q, *low = left + (ptrdiff_t)DOF * lowest, *right = left + (ptrdiff_t)DOF * m->elements;
     double normal[3];
@@ -218,12 +218,12 @@ int legs_apart(const Arrays *m, const double across[2], double diameter, double 
            least_advance(m->lengths[lowest], low, low + DOF, across) > 0;
 }
 
-static double point_s(const Arrays *m, int point) {
+static double point_s(const NodalArrays *m, int point) {
     const int element = point / PIECES;
     return m->s[element] + m->lengths[element] * (point % PIECES) / PIECES;
 }
 
-LoopTurns loop_turns(const Arrays *m, const LoopBottom *bottom) {
+LoopTurns loop_turns(const NodalArrays *m, const LoopBottom *bottom) {
     const int last = PIECES * m->elements;
     int next = 1;
     while (next < last && point_s(m, next) < bottom->s) next++;
@@ -239,7 +239,7 @@ LoopTurns loop_turns(const Arrays *m, const LoopBottom *bottom) {
          height = fmin(left.high[1], right.high[1])) {
         const double next_across[2] = {climb_at(&right, height, 0) - climb_at(&left, height, 0),
                                        climb_at(&right, height, 2) - climb_at(&left, height, 2)};
-        const double turned = turn_about_y(across, next_across);
+        const double turned = angle_between(across, next_across);
         if (fabs(turned) > sharpest) turns.sharpest_y = 0.5 * (below + height);
         sharpest = fmax(sharpest, fabs(turned));
         angle -= turned;

@@ -7,7 +7,7 @@
 static void unperturbed_step(Simulator *rope, double c[3]) {
     State *state = rope->state;
     if (state->fidelity == RIGID) return;
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const System s = rope_system(rope, state);
     const Coefficients method = {rope->scene.solver.rho_inf};
     newton_coefficients(&method, state->last_interval, c);
@@ -19,7 +19,7 @@ static void unperturbed_step(Simulator *rope, double c[3]) {
 static void answer(Simulator *rope, int side, int dof, const double d[3], const double c[3]) {
     State *moved = rope->spare;
     state_copy(rope, moved, rope->state);
-    const Arrays m = state_arrays(moved);
+    const NodalArrays m = state_arrays(moved);
     const System s = rope_system(rope, moved);
     const size_t size = (size_t)m.nodes * DOF, row = side ? size - DOF : 0, moving = row + (size_t)dof;
     if (dof < DOF) {
@@ -28,9 +28,9 @@ static void answer(Simulator *rope, int side, int dof, const double d[3], const 
         m.a[moving] += d[2];
     } else { /* the leans of a clamp follow the DOF */
         double leans[2][3], n[3][3], *const end[3] = {m.q + row, m.v + row, m.a + row};
-        path_leaning(&moved->paths[side], moved->t, leans);
+        path_lean_motion(&moved->paths[side], moved->t, leans);
         for (int k = 0; k < 3; k++) leans[dof - DOF][k] += d[k];
-        leaning(leans[0], leans[1], n);
+        clamp_axis(leans[0], leans[1], n);
         for (int k = 0; k < 9; k++) end[k / 3][SLOPE + k % 3] = (side ? -1 : 1) * n[k / 3][k % 3];
     }
     double *R = rope->trial.a, balance[BALANCE];

@@ -6,7 +6,7 @@
 /* Return the loop's lowest point, which is kept until the state changes. */
 static const LoopBottom *loop(Simulator *rope) {
     if (!rope->bottom_known) {
-        const Arrays m = state_arrays(rope->state);
+        const NodalArrays m = state_arrays(rope->state);
         rope->bottom = loop_bottom(m.nodes, m.q, m.s);
         rope->bottom_known = 1;
     }
@@ -15,7 +15,7 @@ static const LoopBottom *loop(Simulator *rope) {
 
 static void end_signals(Simulator *rope, double *values) {
     const State *state = rope->state;
-    const Arrays m = state_arrays(rope->state);
+    const NodalArrays m = state_arrays(rope->state);
     for (int side = LEFT; side <= RIGHT; side++, values += SIGNAL_RIGHT_FX - SIGNAL_LEFT_FX) {
         const double *q = end_row(m.q, m.nodes, side), *v = end_row(m.v, m.nodes, side);
         const double *reaction = end_row(m.reaction, m.nodes, side);
@@ -31,19 +31,19 @@ static void end_signals(Simulator *rope, double *values) {
 static void loop_signals(Simulator *rope, double *values) {
     const Scene *scene = &rope->scene;
     const State *state = rope->state;
-    const Arrays m = state_arrays(rope->state);
+    const NodalArrays m = state_arrays(rope->state);
     const LoopBottom *bottom = loop(rope);
     memcpy(values + SIGNAL_LOOP_X, bottom->position, sizeof bottom->position);
     values[SIGNAL_LOOP_YAW] = nearest_turn(bottom->yaw, state->loop_yaw);
     values[SIGNAL_LOOP_CLEARANCE] = leg_clearance(m.nodes, m.q, m.s, bottom, loop_width(scene), scene->rope.diameter,
                                                   scene->layout.spacing, rope->nearest_blocks);
-    values[SIGNAL_LOOP_TURNS] = turns_of(values[SIGNAL_LOOP_YAW], diagnostics_direction(&m), state->crossing.net);
+    values[SIGNAL_LOOP_TURNS] = turns_of(values[SIGNAL_LOOP_YAW], ends_yaw(&m), state->crossing.net);
     values[SIGNAL_LOOP_RISE] = guards_rise(scene, state, &m, bottom);
     values[SIGNAL_LOOP_SIDEWAYS] = sideways(bottom->position, m.q, end_row(m.q, m.nodes, RIGHT));
 }
 
 static void clearance_signals(Simulator *rope, double *values) {
-    const Arrays m = state_arrays(rope->state);
+    const NodalArrays m = state_arrays(rope->state);
     Nearest nearest[KINDS];
     shaft_clearances(&rope->scene, &m, rope->state->t, nearest);
     for (int kind = 0; kind < KINDS; kind++) values[SIGNAL_CLEARANCE_LINING + kind] = nearest[kind].clearance;
@@ -59,7 +59,7 @@ static double material_value(const Simulator *rope, int element, int which) {
 }
 
 static void stress_signals(Simulator *rope, double *values) {
-    const Arrays m = state_arrays(rope->state);
+    const NodalArrays m = state_arrays(rope->state);
     const int last = m.elements - 1;
     int lowest = 0;
     rope_system_strains(rope);
@@ -76,10 +76,10 @@ static void stress_signals(Simulator *rope, double *values) {
 }
 
 static void contact_signals(Simulator *rope, double *values) {
-    const Arrays m = state_arrays(rope->state);
+    const NodalArrays m = state_arrays(rope->state);
     const System s = rope_system(rope, rope->state);
     double sums[CONTACT_BALANCE] = {0};
-    if (rope->state->fidelity != RIGID) rope_system_outside(&s, m.q, m.v, sums);
+    if (rope->state->fidelity != RIGID) external_sums(&s, m.q, m.v, sums);
     memcpy(values + SIGNAL_CONTACT_LINING, sums + CONTACT_FORCES, sizeof(double) * (KINDS + 1));
 }
 
@@ -89,20 +89,20 @@ static void audit_signals(Simulator *rope, double *values) {
 
 static void error_signals(Simulator *rope, double *values) {
     const State *state = rope->state;
-    const double fine = partition_fine(&state->pattern, state_arrays(rope->state).lengths);
+    const double fine_length = partition_fine_length(&state->pattern, state_arrays(rope->state).lengths);
     const InputFilter *left = &state->filters[LEFT], *right = &state->filters[RIGHT];
     double at_ends = end_force_error(&rope->scene.rope, &state->errors);
-    double of_place = loop_error(&rope->scene, &state->errors, fine, state->pattern.grading_length);
-    at_ends = with_contact_at_ends(at_ends, &state->contact, state->errors.time, state->errors.force);
-    of_place = with_contact_of_place(&rope->scene, of_place, &state->contact);
-    values[SIGNAL_STATUS_END_FORCE_ERROR] = with_misfit(at_ends, &state->errors, left, right);
-    values[SIGNAL_STATUS_LOOP_ERROR] = with_drift(of_place, left, right);
+    double of_place = loop_error(&rope->scene, &state->errors, fine_length, state->pattern.grading_length);
+    at_ends = add_contact_end_error(at_ends, &state->contact, state->errors.time, state->errors.force);
+    of_place = add_contact_loop_error(&rope->scene, of_place, &state->contact);
+    values[SIGNAL_STATUS_END_FORCE_ERROR] = add_misfit_error(at_ends, &state->errors, left, right);
+    values[SIGNAL_STATUS_LOOP_ERROR] = add_drift_error(of_place, left, right);
     values[SIGNAL_STATUS_CONTACT_ERROR] = contact_error(&state->contact);
 }
 
 /* Coordinates of the points at arc lengths `places`: all x, then all y, then all z. */
 static void points_at(const Simulator *rope, const double *places, double *values) {
-    const Arrays m = state_arrays(rope->state);
+    const NodalArrays m = state_arrays(rope->state);
     double xyz[SHAPE_POINTS][3];
     diagnostics_shape(m.nodes, m.q, m.s, SHAPE_POINTS, places, xyz[0]);
     for (int i = 0; i < SHAPE_POINTS; i++)
@@ -110,7 +110,7 @@ static void points_at(const Simulator *rope, const double *places, double *value
 }
 
 static void shape_signals(Simulator *rope, double *values) {
-    const Arrays m = state_arrays(rope->state);
+    const NodalArrays m = state_arrays(rope->state);
     double places[SHAPE_POINTS];
     shape_places(m.s[m.elements], loop(rope)->s, loop_width(&rope->scene), SHAPE_POINTS, places);
     points_at(rope, places, values + SIGNAL_SHAPE_X_1);
@@ -118,7 +118,7 @@ static void shape_signals(Simulator *rope, double *values) {
 
 /* Interpolate a material value at arc lengths `places`, which ascend, between the middles of the elements. */
 static void along(const Simulator *rope, const double *places, int which, double *values) {
-    const Arrays m = state_arrays(rope->state);
+    const NodalArrays m = state_arrays(rope->state);
     for (int i = 0, k = 0; i < SHAPE_POINTS; i++) {
         k = middle_before(m.nodes, m.s, k, places[i]);
         const int next = k < m.nodes - 2 ? k + 1 : k;
@@ -129,7 +129,7 @@ static void along(const Simulator *rope, const double *places, int which, double
 
 static void pull_at(const Simulator *rope, const double *places, double *tension) {
     const double rho = rope->scene.rope.mass_per_length, gravity = rope->scene.layout.gravity;
-    const Arrays m = state_arrays(rope->state);
+    const NodalArrays m = state_arrays(rope->state);
     double xyz[3 * SHAPE_POINTS];
     if (rope->state->fidelity != RIGID) {
         diagnostics_tension(&m, rho, gravity, SHAPE_POINTS, places, tension);
@@ -140,7 +140,7 @@ static void pull_at(const Simulator *rope, const double *places, double *tension
 }
 
 static void along_signals(Simulator *rope, double *values) {
-    const Arrays m = state_arrays(rope->state);
+    const NodalArrays m = state_arrays(rope->state);
     double *places = values + SIGNAL_SHAPE_S_1;
     rope_system_strains(rope);
     shape_places(m.s[m.elements], loop(rope)->s, loop_width(&rope->scene), SHAPE_POINTS, places);
@@ -151,7 +151,7 @@ static void along_signals(Simulator *rope, double *values) {
 
 static void station_signals(Simulator *rope, double *values) {
     const Stations *station = &rope->scene.station;
-    const Arrays m = state_arrays(rope->state);
+    const NodalArrays m = state_arrays(rope->state);
     const double step = (station->last - station->first) / (SHAPE_POINTS - 1);
     double places[SHAPE_POINTS];
     rope_system_strains(rope);

@@ -9,10 +9,10 @@ typedef struct {
 } ContactPair;
 
 /* Integration points of the parts in contact.  A cell has two monotone sides, a side two pieces. */
-enum { MOST_PRESSED = 4 * CONTACT_CELLS * CONTACT_POINTS };
+enum { MAX_PRESSED = 4 * CONTACT_CELLS * CONTACT_POINTS };
 typedef struct {
     int number;
-    double points[MOST_PRESSED][2]; /* element coordinate and weight */
+    double points[MAX_PRESSED][2]; /* element coordinate and weight */
 } Pressed;
 
 static Probe probe_at(const ContactPair *pair, double place) {
@@ -64,10 +64,10 @@ static void add_side(const ContactPair *pair, Probe one, Probe two, Pressed *pre
 /* Find the integration points where body k presses an element. */
 static void find_pressed(const System *s, int element, int k, const double *q, Pressed *pressed) {
     const double *a = q + (size_t)element * DOF;
-    const ContactPair pair = {a, a + DOF, s->lengths[element], s->around->scene->rope.diameter,
-                              &s->around->placed[k].body};
+    const ContactPair pair = {a, a + DOF, s->lengths[element], s->obstacles->scene->rope.diameter,
+                              &s->obstacles->placed[k].body};
     pressed->number = 0;
-    if (!(s->around->near[element] & 1u << k)) return;
+    if (!(s->obstacles->near[element] & 1u << k)) return;
     Probe start = probe_at(&pair, 0.0);
     for (int cell = 1; cell <= CONTACT_CELLS; cell++) {
         const Probe stop = probe_at(&pair, (double)cell / CONTACT_CELLS);
@@ -81,30 +81,30 @@ static void find_pressed(const System *s, int element, int k, const double *q, P
 /* Contact law at an integration point. */
 typedef struct {
     double N[4], weight;
-    Touch law;
+    ContactTerms terms;
 } ContactPoint;
 
 static ContactPoint contact_point_of(const System *s, int element, int k, const double point[2], const double *q,
                                      const double *v, double cq, double cv) {
-    const Surroundings *around = s->around;
+    const Obstacles *obstacles = s->obstacles;
     ContactPoint found = {.weight = s->lengths[element] * point[1]};
     double r[3], speed[3];
     hermite_shape_functions(point[0], s->lengths[element], found.N);
     at_places(q, element, found.N, r);
     at_places(v, element, found.N, speed);
-    found.law = touch(&around->scene->shaft.contact, around->scene->rope.diameter, &around->placed[k].body,
-                      around->speeds[k], r, speed, cq, cv);
+    found.terms = contact_law(&obstacles->scene->shaft.contact, obstacles->scene->rope.diameter,
+                              &obstacles->placed[k].body, obstacles->speeds[k], r, speed, cq, cv);
     return found;
 }
 
 void contact_residual(const System *s, int element, const double *q, const double *v, double R[CONTACT_DOF]) {
     Pressed pressed;
     memset(R, 0, sizeof(double) * CONTACT_DOF);
-    for (int body = 0; body < s->around->bodies; body++) {
+    for (int body = 0; body < s->obstacles->bodies; body++) {
         find_pressed(s, element, body, q, &pressed);
         for (int n = 0; n < pressed.number; n++) {
             const ContactPoint point = contact_point_of(s, element, body, pressed.points[n], q, v, 0, 0);
-            for (int k = 0; k < CONTACT_DOF; k++) R[k] -= point.weight * point.N[k / 3] * point.law.force[k % 3];
+            for (int k = 0; k < CONTACT_DOF; k++) R[k] -= point.weight * point.N[k / 3] * point.terms.force[k % 3];
         }
     }
 }
@@ -114,26 +114,26 @@ void contact_tangent(const System *s, int element, const double *q, const double
     static const int upper[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
     Pressed pressed;
     memset(tangent, 0, sizeof(double) * CONTACT_DOF * CONTACT_DOF);
-    for (int body = 0; body < s->around->bodies; body++) {
+    for (int body = 0; body < s->obstacles->bodies; body++) {
         find_pressed(s, element, body, q, &pressed);
         for (int number = 0; number < pressed.number; number++) {
             const ContactPoint point = contact_point_of(s, element, body, pressed.points[number], q, v, c[0], c[1]);
             for (int k = 0; k < CONTACT_DOF; k++)
                 for (int n = k; n < CONTACT_DOF; n++)
                     tangent[k][n] +=
-                        point.weight * point.N[k / 3] * point.N[n / 3] * point.law.tangent[upper[k % 3][n % 3]];
+                        point.weight * point.N[k / 3] * point.N[n / 3] * point.terms.tangent[upper[k % 3][n % 3]];
         }
     }
 }
 
 void contact_sums(const System *s, int element, const double *q, const double *v, double sums[CONTACT_BALANCE]) {
     Pressed pressed;
-    for (int body = 0; body < s->around->bodies; body++) {
+    for (int body = 0; body < s->obstacles->bodies; body++) {
         find_pressed(s, element, body, q, &pressed);
         for (int n = 0; n < pressed.number; n++) {
             const ContactPoint point = contact_point_of(s, element, body, pressed.points[n], q, v, 0, 0);
-            for (int k = 0; k < CONTACT_FORCES; k++) sums[k] += point.weight * point.law.sums[k];
-            sums[CONTACT_FORCES + s->around->placed[body].kind] += point.weight * point.law.sums[CONTACT_FORCES];
+            for (int k = 0; k < CONTACT_FORCES; k++) sums[k] += point.weight * point.terms.sums[k];
+            sums[CONTACT_FORCES + s->obstacles->placed[body].kind] += point.weight * point.terms.sums[CONTACT_FORCES];
         }
     }
 }

@@ -5,11 +5,11 @@
 #include "simulator.h"
 
 /* Bring the state to an equilibrium at rest, with the yaw of its loop. */
-static int equilibrium_in_frame(Simulator *rope, State *state, double most_turn, char *message) {
-    const Arrays m = state_arrays(state);
+static int equilibrium_in_frame(Simulator *rope, State *state, double max_turn, char *message) {
+    const NodalArrays m = state_arrays(state);
     const size_t bytes = sizeof(double) * (size_t)m.nodes * DOF;
     const double offset = state->offsets[RIGHT];
-    if (!find_equilibrium(rope, state, most_turn, message)) return 0;
+    if (!find_equilibrium(rope, state, max_turn, message)) return 0;
     memset(m.v, 0, (FIELDS - 2) * bytes); /* all arrays except q and the reaction */
     state->h = 0;
     model_energies(rope, state);
@@ -21,21 +21,21 @@ static int equilibrium_in_frame(Simulator *rope, State *state, double most_turn,
 
 /* Add twist in steps, each to an equilibrium.  `spare` has the state before the latest step. */
 static int turn_in(Simulator *rope, State *state, double twist, char *message) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     double left = twist, beyond = INFINITY, size = TWIST_STEP;
     while (left != 0) {
         size = fmin(size, 0.5 * fabs(left - beyond));
         const double step = size < fabs(left) ? copysign(size, twist) : left;
-        const int last = fabs(step) <= LEAST_TWIST_STEP;
+        const int last = fabs(step) <= MIN_TWIST_STEP;
         char why[MESSAGE];
-        if (rope->corrections >= MOST_CORRECTIONS) {
+        if (rope->corrections >= MAX_CORRECTIONS) {
             say_takes_too_long(why);
             return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)rope->corrections, why);
         }
         state_copy(rope, rope->spare, state);
         state->offsets[RIGHT] += step;
         for (int k = 0; k < m.nodes; k++) m.q[(size_t)k * DOF + ANGLE] += step * (m.s[k] / m.s[m.elements]);
-        if (!equilibrium_in_frame(rope, state, last ? INFINITY : MOST_TURN, message)) {
+        if (!equilibrium_in_frame(rope, state, last ? INFINITY : MAX_TURN, message)) {
             if (!rope->turned) {
                 memcpy(why, message, MESSAGE);
                 return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)rope->corrections, why);
@@ -47,7 +47,7 @@ static int turn_in(Simulator *rope, State *state, double twist, char *message) {
         }
         const double turn = state->offsets[RIGHT] - rope->spare->offsets[RIGHT] - step;
         left -= step;
-        if (fabs(turn) > MOST_TURN) state->snapped_at = twist - left;
+        if (fabs(turn) > MAX_TURN) state->snap_twist = twist - left;
         size = fmin(2 * fabs(step), TWIST_STEP);
         if (last) beyond = INFINITY;
     }
@@ -63,39 +63,39 @@ static int let_curve(Simulator *rope, State *state, char *message) {
         if (parts > 0) rope->scene.rope = partly_curved(&whole, (double)k / parts);
         found = equilibrium_in_frame(rope, state, INFINITY, message);
     }
-    const double reached = most_curvature(&rope->scene.rope);
+    const double reached = max_curvature(&rope->scene.rope);
     rope->scene.rope = whole;
     if (!found && parts > 0 && reached > 0) {
         char why[MESSAGE];
         memcpy(why, message, MESSAGE);
-        say_fails_at_curvature(message, reached, most_curvature(&whole), why);
+        say_fails_at_curvature(message, reached, max_curvature(&whole), why);
     }
     return found;
 }
 
 /* The rope before it was hung: prescribed motion of the ends, offset and yaw. */
 typedef struct {
-    double held[2][3][DOF], offset, yaw;
+    double ends[2][3][DOF], offset, yaw;
 } Before;
 
-static void untwist(const Arrays *m, double angle) {
+static void untwist(const NodalArrays *m, double angle) {
     for (int node = 0; node < m->nodes; node++) m->q[(size_t)node * DOF + ANGLE] = angle;
 }
 
 /* Hang the rope again while `side` may turn, untwisted from the other end on. */
 static int hang_while_it_turns(Simulator *rope, State *state, const Before *before, int side, char *message) {
-    const Arrays m = state_arrays(state);
-    hanging_guess(m.nodes, m.s, before->held[LEFT][0], before->held[RIGHT][0], m.q, message);
-    untwist(&m, before->held[side == LEFT ? RIGHT : LEFT][0][ANGLE]);
+    const NodalArrays m = state_arrays(state);
+    hanging_guess(m.nodes, m.s, before->ends[LEFT][0], before->ends[RIGHT][0], m.q, message);
+    untwist(&m, before->ends[side == LEFT ? RIGHT : LEFT][0][ANGLE]);
     state->offsets[RIGHT] = before->offset;
     state->loop_yaw = before->yaw;
-    state->snapped_at = 0;
+    state->snap_twist = 0;
     return let_curve(rope, state, message);
 }
 
 /* Let the swivels that start relaxed, and cannot hold, slip to equilibrium, the loosest first. */
 static int relax(Simulator *rope, State *state, const Before *before, char *message) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     double sign[2] = {0, 0}, relative[2];
     do {
         int loosest = -1;
@@ -128,11 +128,11 @@ static int relax(Simulator *rope, State *state, const Before *before, char *mess
 }
 
 static int hang_in_loop(Simulator *rope, State *state, char *message) {
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     Before before = {.offset = state->offsets[RIGHT], .yaw = state->loop_yaw};
     for (int side = LEFT; side <= RIGHT; side++)
-        ends_prescribed_motion(&rope->scene, state, side, state->t, before.held[side]);
-    const double first = before.held[LEFT][0][ANGLE], twist = before.held[RIGHT][0][ANGLE] - first;
+        ends_prescribed_motion(&rope->scene, state, side, state->t, before.ends[side]);
+    const double first = before.ends[LEFT][0][ANGLE], twist = before.ends[RIGHT][0][ANGLE] - first;
     untwist(&m, first);
     state->offsets[RIGHT] -= twist;
     rope->corrections = 0;
@@ -140,9 +140,9 @@ static int hang_in_loop(Simulator *rope, State *state, char *message) {
            relax(rope, state, &before, message);
 }
 
-void paths_at_rest(const Simulator *rope, State *state, const EndMotion ends[2], double part) {
+void paths_at_rest(const Simulator *rope, State *state, const EndMotion ends[2], double placed) {
     for (int side = LEFT; side <= RIGHT; side++) {
-        const double now = not_plumb(&rope->scene) ? part : 1, sense = side ? 1 : -1;
+        const double now = not_plumb(&rope->scene) ? placed : 1, sense = side ? 1 : -1;
         const EndMotion placed = partly_placed(&rope->scene, &ends[side], &ends[!side], sense, now);
         state->paths[side] = path_resting(state->t, &placed);
     }

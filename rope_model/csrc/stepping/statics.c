@@ -6,7 +6,7 @@
 #include "messages.h"
 
 enum { MAX_ITERATIONS = 10000 };
-#define LARGEST_MOVE 0.3 /* m or rad, of one step */
+#define MAX_MOVE 0.3 /* m or rad, of one step */
 
 /* Return the work of the residual R along x, which is zero where the rope is held. */
 static double work_along(const System *s, const double *R, const double *x) {
@@ -20,24 +20,24 @@ static double imbalance(const System *s, const double *R) {
     return rope_system_norm(s, R, 1. / s->shortest);
 }
 
-int find_equilibrium(Simulator *rope, State *state, double most_turn, char *message) {
-    const Arrays m = state_arrays(state), *scratch = &rope->trial;
+int find_equilibrium(Simulator *rope, State *state, double max_turn, char *message) {
+    const NodalArrays m = state_arrays(state), *scratch = &rope->trial;
     const System s = rope_system(rope, state);
     const Chain *chain = chain_of(rope, state);
     const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
-    double *trial = scratch->q, *rest = scratch->v, *R = scratch->a, *now = scratch->b, *x = rope->x;
+    double *trial = scratch->q, *zeros = scratch->v, *R = scratch->a, *now = scratch->b, *x = rope->x;
     double balance[BALANCE], tau = 0.1, previous = 0, turned = 0, relaxed = 1, last = 0;
     int balanced = 0, k;
     rope->turned = 0;
     const double rounding = 10 * DBL_EPSILON * rope->scene.rope.Qa * m.s[m.elements] / s.shortest;
-    memset(rest, 0, bytes);
+    memset(zeros, 0, bytes);
     memset(m.reaction, 0, bytes);
     rope_system_prescribed_motion(rope, state, &s, state->t, 1, &(double *){m.q});
     rope_system_refer(rope, state, m.q);
     for (k = 0; k < MAX_ITERATIONS && tau >= 1e-7; k++) {
         rope->corrections++;
         const double c[3] = {1, 0, pow(tau, -2)};
-        chain->newton_step(&s, rope->work, m.q, rest, rest, m.reaction, c, 0, x, now);
+        chain->newton_step(&s, rope->work, m.q, zeros, zeros, m.reaction, c, 0, x, now);
         previous = imbalance(&s, now);
         const double move = rope_system_norm(&s, x, 1), norm = rope_system_norm(&s, x, s.shortest);
         if (!isfinite(move)) {
@@ -48,9 +48,9 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
         /* The tangent lacks the part of the law without energy; relaxation makes up for it. */
         if (s.P[P_QK] != 0 && tau > SETTLED && last > 0) relaxed = relaxation(error / last, relaxed);
         last = error;
-        const double step = fmin(relaxed, LARGEST_MOVE / fmax(move, 1e-300));
+        const double step = fmin(relaxed, MAX_MOVE / fmax(move, 1e-300));
         for (size_t i = 0; i < size; i++) trial[i] = m.q[i] + step * x[i];
-        chain->evaluate(&s, trial, rest, rest, now, R, balance);
+        chain->evaluate(&s, trial, zeros, zeros, now, R, balance);
         const double force = imbalance(&s, R);
         /* A step may raise the forces but not the energy: stretch by moving sideways grows with the cube of the step.
            If the tangent is indefinite for lack of inertia, the correction itself climbs. */
@@ -61,8 +61,8 @@ int find_equilibrium(Simulator *rope, State *state, double most_turn, char *mess
             last = 0;
             continue;
         }
-        turned += rope_system_transport(rope, state, trial, rest, rest, rest);
-        rope->turned = fabs(turned) > most_turn;
+        turned += rope_system_transport(rope, state, trial, zeros, zeros, zeros);
+        rope->turned = fabs(turned) > max_turn;
         if (rope->turned) break;
         memcpy(m.q, trial, bytes);
         memcpy(m.reaction, R, bytes);
@@ -92,10 +92,10 @@ void hanging_guess(int nodes, const double *s, const double left[3], const doubl
     const int e = middle_before(nodes, s, 0, middle);
     const double cell =
         interpolate_midpoints(nodes, s, e, middle, s[e + 1] - s[e], e < nodes - 2 ? s[e + 2] - s[e + 1] : 0.0);
-    Hanging legs = hanging_shape(length, middle, width, cell);
-    if (smaller(legs.left_leg, legs.right_leg) <= legs.lean) {
+    InitialShape legs = initial_shape(length, middle, width, cell);
+    if (minimum(legs.left_leg, legs.right_leg) <= legs.lean) {
         say_rope_too_short(message, length, width, fabs(left[1] - right[1]));
         return;
     }
-    for (int k = 0; k < nodes; k++) hanging_node_row(&legs, left, across, s[k], q + (ptrdiff_t)DOF * k);
+    for (int k = 0; k < nodes; k++) initial_node_row(&legs, left, across, s[k], q + (ptrdiff_t)DOF * k);
 }

@@ -12,7 +12,7 @@ typedef struct {
 
 static double due_at(void *data, double time) {
     const DueContext *context = data;
-    return distance_to_due(&context->state->pattern, model_bottom(context->rope, context->state, time));
+    return distance_past_limit(&context->state->pattern, model_bottom_s(context->rope, context->state, time));
 }
 
 /* Return the end of the coming steps: the host's, a release, or a transformation that a step would pass too far. */
@@ -25,19 +25,19 @@ static double next_stop(const Simulator *rope, const State *state, double t_end)
     /* The next step finds a crossing between these times, at most one step late. */
     for (int k = 0; k < 2; k++) {
         const double value = due_at(&context, times[k]);
-        if (0 > at_start && value >= MESH_LATEST * state->pattern.coarse)
+        if (0 > at_start && value >= MAX_OVERSHOOT * state->pattern.coarse)
             return fmin(locate(due_at, &context, t, times[k], at_start, value, EVENT_WIDTH), stop);
     }
     return stop;
 }
 
-/* Return the number of steps, at least one, that the remaining work of this advance allows. */
+/* Return the number of steps, at least one, that the iterations left to this advance allow. */
 static int64_t steps_left(const Simulator *rope, const State *state) {
-    const int64_t left = (rope->work_end - state->counts.newton) / STEP_WORK;
+    const int64_t left = (rope->newton_limit - state->counts.newton) / STEP_ITERATIONS;
     return left > 1 ? left : 1;
 }
 
-/* Try steps towards `stop`, halved until one converges within the tolerance, or exceeds it if the remaining work allows
+/* Try steps towards `stop`, halved until one converges within the tolerance, or exceeds it if the iterations left allow
    no more steps.  Return 0 with a message if none does. */
 static int accepted_step(Simulator *rope, State *state, double stop, StepResult *trial, double *step_next, int *reaches,
                          char *message) {
@@ -49,8 +49,8 @@ static int accepted_step(Simulator *rope, State *state, double stop, StepResult 
     for (;;) {
         *trial = model_trial(rope, state, h);
         state->counts.newton += trial->newton.iterations;
-        if (trial->reached && trial->relative <= ACCEPT_BELOW * solver->tolerance) break;
-        if (trial->reached && stop - state->t > 0.5 * h * (double)steps_left(rope, state)) {
+        if (trial->converged && trial->error_ratio <= ACCEPT_BELOW * solver->tolerance) break;
+        if (trial->converged && stop - state->t > 0.5 * h * (double)steps_left(rope, state)) {
             next = h;
             break;
         }
@@ -58,15 +58,15 @@ static int accepted_step(Simulator *rope, State *state, double stop, StepResult 
         state->counts.rejections += 1;
         if (h <= solver->step_min) {
             char why[MESSAGE];
-            if (trial->reached) say_error_too_large(why, trial->relative / solver->tolerance);
+            if (trial->converged) say_error_too_large(why, trial->error_ratio / solver->tolerance);
             return say_step_fails(message, h, solver->step_min,
-                                  trial->reached ? why : NEWTON_MESSAGES[trial->newton.status]);
+                                  trial->converged ? why : NEWTON_MESSAGES[trial->newton.status]);
         }
         h = fmax(0.5 * h, solver->step_min);
         parts = 2;
         next = h;
     }
-    const NextStep following = next_step(solver, h, next, trial->relative, rejected, trial->t, state->calm_since);
+    const NextStep following = next_step(solver, h, next, trial->error_ratio, rejected, trial->t, state->calm_since);
     state->calm_since = following.calm_since;
     state->counts.given_up += following.given_up > 0 || trial->newton.error > solver->newton_tolerance;
     *step_next = following.length;
@@ -77,7 +77,7 @@ static int accepted_step(Simulator *rope, State *state, double stop, StepResult 
 int as_rigid(Simulator *rope, State *state, double t, char *message) {
     state->t = t;
     transform_if_due(rope, state);
-    const Arrays m = state_arrays(state);
+    const NodalArrays m = state_arrays(state);
     const EndMotion ends[2] = {path_at(&state->paths[LEFT], t), path_at(&state->paths[RIGHT], t)};
     rigid_rope(&rope->scene, ends, t, m.nodes, m.s, m.q, m.v, m.a, m.reaction, &state->energy_balance.kinetic,
                &state->energy_balance.gravity, message);

@@ -4,8 +4,8 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from rope_model.physics import shaft as physics
-from rope_model.physics.elementary import both, either, smaller
-from rope_model.physics.outline import suspension_points
+from rope_model.physics.centreline import suspension_points
+from rope_model.physics.elementary import logical_and, logical_or, minimum
 from rope_model.physics.shaft import KINDS, Body
 from rope_model.shaft_parameters import FAR, Shaft
 from rope_model.simulation.messages import messages
@@ -45,27 +45,27 @@ def may_touch(shaft: Any) -> Any:
     dividers = shaft.divider_1, shaft.divider_2, shaft.divider_3, shaft.divider_4
     sizes = sum((divider.size for divider in dividers), shaft.lining.width)
     sizes += shaft.conveyance.width + shaft.head_ropes.diameter
-    return both(shaft.contact.stiffness > 0, either(sizes > 0, shaft.sump.level > -FAR))
+    return logical_and(shaft.contact.stiffness > 0, logical_or(sizes > 0, shaft.sump.level > -FAR))
 
 
 def _in_lining(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, ...]:
     shaft, lining, diameter = scene.shaft, scene.shaft.lining, scene.rope.diameter
     least = _least_distance(scene, left, right, physics.lining(lining))
     # ends are accepted while their centre line is free
-    beyond = either(least < 0, smaller(lining.width, lining.depth) < diameter)
-    applies = both(fidelity != "rigid", shaft.contact.stiffness > 0, lining.width > 0, beyond)
+    beyond = logical_or(least < 0, minimum(lining.width, lining.depth) < diameter)
+    applies = logical_and(fidelity != "rigid", shaft.contact.stiffness > 0, lining.width > 0, beyond)
     return applies, 0.5 * diameter - least, lining.width, lining.depth, lining.x, lining.z
 
 
 def _below_floor(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, ...]:
     shaft, level = scene.shaft, scene.shaft.sump.level
     least = _least_distance(scene, left, right, physics.floor(shaft.sump))
-    return both(fidelity != "rigid", shaft.contact.stiffness > 0, level > -FAR, least < 0), -least, level
+    return logical_and(fidelity != "rigid", shaft.contact.stiffness > 0, level > -FAR, least < 0), -least, level
 
 
 def _least_distance(scene: Any, left: Any, right: Any, body: Body) -> Any:
     """Return the least distance (m) of the rope's ends from the body."""
-    return smaller(*(physics.distance(point, body) for point in suspension_points(scene.layout, left, right)))
+    return minimum(*(physics.distance(point, body) for point in suspension_points(scene.layout, left, right)))
 
 
 #: reasons why a rope finds no equilibrium between bodies

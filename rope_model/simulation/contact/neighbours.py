@@ -1,6 +1,6 @@
 """Contact between several ropes that hang side by side, each a BalanceRope with its own time steps.
 
-Between two of them the law of physics.rope_on_rope holds.  Over a step of the host, from t to t + h, forces act at
+Between two of them the law of physics.rope_contact holds.  Over a step of the host, from t to t + h, forces act at
 points of both ropes, linear in time and opposite on the two: they cancel to the bit.  Those at t are known from the
 step before; those at t + h, F, satisfy the law f where the ropes are then:
 
@@ -32,7 +32,7 @@ from rope_model.numerics.coupled_newton import conjugate_gradients
 from rope_model.numerics.generalized_alpha import Coefficients
 from rope_model.parameter_table import require
 from rope_model.parameters import Scene
-from rope_model.simulation.contact.pair_contact import NOTHING, Numbers, Pair, Pressing, Rows, rows_of
+from rope_model.simulation.contact.pair_contact import NO_CONTACTS, Numbers, Pair, PairContact, Rows, rows_of
 from rope_model.simulation.contact.point_forces import NO_FORCES, PointForces
 from rope_model.simulation.interface import BalanceRope
 from rope_model.simulation.rope_system import Array
@@ -43,13 +43,13 @@ SMALL_FORCE = 1e-3  #: N, error of the law that is always allowed
 #: a step is halved if the created energy exceeds this fraction of the largest work of any step
 CREATED_FRACTION = 0.02
 SLOW = 0.1  #: m/s, speed at which the kinetic energy of a metre of the rope is a lower bound of that work
-SHORTEST = 2e-3  #: s, shortest step
+MIN_STEP = 2e-3  #: s, shortest step
 #: a step is also halved if touching points approach by more diameters: they might pass through each other
 LEAP = 0.5
 GROWTH = 1.0  #: s, duration in which ropes that overlap at rest grow to their diameter
 
-Two = tuple[int, int]
-Forces = Mapping[Two, Pressing]  #: contact of each pair of ropes
+PairKey = tuple[int, int]
+Forces = Mapping[PairKey, PairContact]  #: contact of each pair of ropes
 Present = Sequence[Rows | None]  #: nodes of all ropes, None for one in pieces
 _NOWHERE = (math.nan, math.nan, math.nan)
 
@@ -95,9 +95,9 @@ class Contacts:
     """State of ``Neighbours``, by the numbers of each pair of ropes."""
 
     start: float  #: time of the start, s
-    insets: Mapping[Two, float]  #: depth of the ropes in each other at the start, m
-    forces: Mapping[Two, Pressing]  #: present forces
-    accounts: Mapping[Two, Account]  #: contact until now
+    insets: Mapping[PairKey, float]  #: depth of the ropes in each other at the start, m
+    forces: Mapping[PairKey, PairContact]  #: present forces
+    accounts: Mapping[PairKey, Account]  #: contact until now
 
 
 class Neighbours:
@@ -128,7 +128,7 @@ class Neighbours:
         self._method = Coefficients(scenes[0].solver.rho_inf)
         self._least = 0.5 * scenes[0].rope.mass_per_length * SLOW**2
         self._pairs = {(i, j): Pair(scenes[i], scenes[j]) for i, j in combinations(range(len(scenes)), 2)}
-        nothing, unused = dict.fromkeys(self._pairs, NOTHING), dict.fromkeys(self._pairs, Account())
+        nothing, unused = dict.fromkeys(self._pairs, NO_CONTACTS), dict.fromkeys(self._pairs, Account())
         self.contacts = self._begun = Contacts(0.0, dict.fromkeys(self._pairs, 0.0), nothing, unused)
 
     def begin(self, t: float, ropes: Sequence[BalanceRope]) -> None:
@@ -143,7 +143,7 @@ class Neighbours:
         for partner in partners:
             partner.begin(t, h)
         missed = self._whole_step(t, h, partners)
-        shortest = 0.5 * h < SHORTEST
+        shortest = 0.5 * h < MIN_STEP
         if missed is not None and (shortest or (missed <= TOLERANCE and not self._too_long(before))):
             for partner in partners:
                 partner.accept()
@@ -157,9 +157,9 @@ class Neighbours:
 
     def _too_long(self, before: Contacts) -> bool:
         return any(
-            abs(account.made - before.accounts[two].made) > CREATED_FRACTION * max(account.largest, self._least)
-            or account.approach > LEAP * self._pairs[two].diameter
-            for two, account in self.contacts.accounts.items()
+            abs(account.made - before.accounts[key].made) > CREATED_FRACTION * max(account.largest, self._least)
+            or account.approach > LEAP * self._pairs[key].diameter
+            for key, account in self.contacts.accounts.items()
         )
 
     def _whole_step(self, t: float, h: float, partners: Sequence[Partner]) -> float | None:
@@ -184,11 +184,11 @@ class Neighbours:
         there = zip(partners, self._origins, strict=True)
         return [None if one.rope is None else rows_of(one.rope, origin) for one, origin in there]
 
-    def _law(self, t: float, rows: Present, c: Array) -> dict[Two, Pressing]:
+    def _law(self, t: float, rows: Present, c: Array) -> dict[PairKey, PairContact]:
         law, grown = {}, min((t - self.contacts.start) / GROWTH, 1.0)
         for (i, j), pair in self._pairs.items():
             one, other, inset = rows[i], rows[j], (1.0 - grown) * self.contacts.insets[i, j]
-            law[i, j] = NOTHING if one is None or other is None else pair.pressing(one, other, c, inset)
+            law[i, j] = NO_CONTACTS if one is None or other is None else pair.find_contacts(one, other, c, inset)
         return law
 
     def _apply(self, t: float, h: float, partners: Sequence[Partner], end: Forces) -> None:
@@ -196,7 +196,7 @@ class Neighbours:
         present = self.contacts.forces
         for k, partner in enumerate(partners):
             starts, stops = (  # arc lengths on rope k, and forces there
-                [(f.s[0], f.force) if two[0] == k else (f.s[1], -f.force) for two, f in x.items() if k in two]
+                [(f.s[0], f.force) if key[0] == k else (f.s[1], -f.force) for key, f in x.items() if k in key]
                 for x in (present, end)
             )
             s = np.concatenate([s for s, _ in (*starts, *stops)])
@@ -208,16 +208,16 @@ class Neighbours:
 
     def _book(self, t: float, before: Present, after: Present, end: Forces, law: Forces, missed: float) -> None:
         present, accounts = self.contacts.forces, dict(self.contacts.accounts)
-        for two, account in self.contacts.accounts.items():
-            if not (present[two].number.size or end[two].number.size):
+        for key, account in self.contacts.accounts.items():
+            if not (present[key].point_id.size or end[key].point_id.size):
                 continue
             work, spring_work, approach = 0.0, 0.0, 0.0
-            for forces in (present[two], end[two]):
-                motion = _relative_motion(two, forces, before, after)
+            for forces in (present[key], end[key]):
+                motion = _relative_motion(key, forces, before, after)
                 work += 0.5 * float(np.vdot(forces.force, motion))
                 spring_work += 0.5 * float(np.vdot(forces.spring, motion))
                 approach = max(approach, -float(np.einsum("mi,mi->m", motion, _along(forces.force)).min(initial=0.0)))
-            contact = law[two]
+            contact = law[key]
             pressure = float(contact.pressure.sum())
             account = account._replace(
                 pressure=pressure,
@@ -227,12 +227,12 @@ class Neighbours:
                 made=account.made + spring_work + contact.energy - account.energy,
                 largest=max(account.largest, abs(work)),
                 approach=approach,
-                missed=max(account.missed, missed if end[two].number.size else 0.0),
+                missed=max(account.missed, missed if end[key].point_id.size else 0.0),
             )
             if pressure > account.peak:
                 x, y, z = (contact.pressure @ contact.position / pressure).tolist()
                 account = account._replace(peak=pressure, peak_t=t, peak_place=(x, y, z))
-            accounts[two] = account
+            accounts[key] = account
         self.contacts = replace(self.contacts, forces=end, accounts=accounts)
 
 
@@ -243,36 +243,36 @@ class _Iterate:
     """
 
     def __init__(self, tried: Forces, law_forces: Forces) -> None:
-        self._twos = [two for two in tried if tried[two].number.size or law_forces[two].number.size]
-        self.ropes = {k for two in self._twos for k in two}
-        parts = [(_union(tried[two], law_forces[two]), law_forces[two]) for two in self._twos]
-        self.forces = dict.fromkeys(tried, NOTHING) | dict(zip(self._twos, (x for x, _ in parts), strict=True))
+        self._keys = [key for key in tried if tried[key].point_id.size or law_forces[key].point_id.size]
+        self.ropes = {k for key in self._keys for k in key}
+        parts = [(_union(tried[key], law_forces[key]), law_forces[key]) for key in self._keys]
+        self.forces = dict.fromkeys(tried, NO_CONTACTS) | dict(zip(self._keys, (x for x, _ in parts), strict=True))
         self._tried = _stacked([x.force for x, _ in parts])
         # rows of each pair of ropes in `_tried`
-        own = np.split(np.arange(len(self._tried)), np.cumsum([x.number.size for x, _ in parts]))[:-1]
-        self._own = dict(zip(self._twos, own, strict=True))
-        law = _stacked([_spread(one, x.number, one.force) for x, one in parts])
+        own = np.split(np.arange(len(self._tried)), np.cumsum([x.point_id.size for x, _ in parts]))[:-1]
+        self._own = dict(zip(self._keys, own, strict=True))
+        law = _stacked([_spread(one, x.point_id, one.force) for x, one in parts])
         self._missing = law - self._tried
         largest = max(float(np.abs(x).sum()) for x in (law, self._tried))
         self.missed = float(np.abs(self._missing).sum()) / max(largest, SMALL_FORCE / TOLERANCE)
 
     def corrected(self, partners: Sequence[Partner]) -> Forces:
         """Return the forces of the next iteration."""
-        K = np.concatenate([self.forces[two].tangent for two in self._twos])
+        K = np.concatenate([self.forces[key].tangent for key in self._keys])
         resisted = partial(np.einsum, "mij,mj->mi", K)
         x = conjugate_gradients(lambda f: self._answer(partners, -f), resisted, -self._missing)
         force = self._tried + self._missing - resisted(x)
-        changed = {two: self.forces[two]._replace(force=force[own]) for two, own in self._own.items()}
+        changed = {key: self.forces[key]._replace(force=force[own]) for key, own in self._own.items()}
         return self.forces | changed
 
     def _answer(self, partners: Sequence[Partner], force: Array) -> Array:
         """Return the change of the points' separations by these forces."""
         moved = np.zeros_like(force)
         for k in sorted(self.ropes):
-            mine = [two for two in self._twos if k in two]
-            sense = np.concatenate([np.full(self._own[two].size, 1.0 - 2.0 * two.index(k)) for two in mine])
-            index = np.concatenate([self._own[two] for two in mine])
-            s = np.concatenate([self.forces[two].s[two.index(k)] for two in mine])
+            mine = [key for key in self._keys if k in key]
+            sense = np.concatenate([np.full(self._own[key].size, 1.0 - 2.0 * key.index(k)) for key in mine])
+            index = np.concatenate([self._own[key] for key in mine])
+            s = np.concatenate([self.forces[key].s[key.index(k)] for key in mine])
             order = np.argsort(s, kind="stable")
             forces = sense[order, None] * force[index[order]]
             rope = partners[k].rope
@@ -282,10 +282,10 @@ class _Iterate:
         return moved
 
 
-def _relative_motion(two: Two, forces: Pressing, before: Present, after: Present) -> Array:
+def _relative_motion(key: PairKey, forces: PairContact, before: Present, after: Present) -> Array:
     """Return the displacement (m, 3) of points on the first rope relative to those on the second, m."""
     motion = np.zeros_like(forces.force)
-    for side, k in enumerate(two):
+    for side, k in enumerate(key):
         before_k, after_k = before[k], after[k]
         if before_k is not None and after_k is not None:
             motion += (1 - 2 * side) * (after_k.positions(forces.s[side]) - before_k.positions(forces.s[side]))
@@ -298,26 +298,26 @@ def _along(force: Array) -> Array:
     return force / np.where(size > 0.0, size, 1.0)
 
 
-def _union(tried: Pressing, law: Pressing) -> Pressing:
+def _union(tried: PairContact, law: PairContact) -> PairContact:
     """Return the forces ``tried`` at the points of both, at their latest s, with spring and tangent of the law."""
-    number = np.union1d(tried.number[np.any(tried.force != 0.0, axis=1)], law.number)
-    s = _spread(tried, number, tried.s.T)
-    here = np.isin(number, law.number)
+    point_id = np.union1d(tried.point_id[np.any(tried.force != 0.0, axis=1)], law.point_id)
+    s = _spread(tried, point_id, tried.s.T)
+    here = np.isin(point_id, law.point_id)
     s[here] = law.s.T
     return law._replace(
-        number=number,
+        point_id=point_id,
         s=s.T,
-        force=_spread(tried, number, tried.force),
-        spring=_spread(law, number, law.spring),
-        tangent=_spread(law, number, law.tangent),
+        force=_spread(tried, point_id, tried.force),
+        spring=_spread(law, point_id, law.spring),
+        tangent=_spread(law, point_id, law.tangent),
     )
 
 
-def _spread(pressing: Pressing, number: Numbers, values: Array) -> Array:
-    """Return ``values`` of the points of ``pressing`` at the points of these numbers, 0 elsewhere."""
-    out = np.zeros((number.size, *values.shape[1:]))
-    known = np.isin(pressing.number, number)
-    out[np.searchsorted(number, pressing.number[known])] = values[known]
+def _spread(contacts: PairContact, point_id: Numbers, values: Array) -> Array:
+    """Return ``values`` of the points of ``contacts`` at the points with these numbers, 0 elsewhere."""
+    out = np.zeros((point_id.size, *values.shape[1:]))
+    known = np.isin(contacts.point_id, point_id)
+    out[np.searchsorted(point_id, contacts.point_id[known])] = values[known]
     return out
 
 

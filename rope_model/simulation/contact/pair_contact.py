@@ -1,4 +1,4 @@
-"""Contact detection and law between two ropes, at all points at once: physics.rope_on_rope.
+"""Contact detection and law between two ropes, at all points at once: physics.rope_contact.
 
 Points stand along the first rope, evenly, whatever its mesh: a point keeps its number from step to step.  Each is
 compared with the nearest point of each strand of the other rope.  Bounding boxes give the candidate elements.
@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rope_model.parameters import Scene
-from rope_model.physics import hermite, rope_on_rope
-from rope_model.physics.outline import enclosing_box
+from rope_model.physics import hermite, rope_contact
+from rope_model.physics.centreline import enclosing_box
 from rope_model.simulation.contact.point_forces import at_places, elements_at
 from rope_model.simulation.contact.self_contact import TANGENT_ENTRIES, strands
 from rope_model.simulation.interface import BalanceRope
@@ -53,10 +53,10 @@ def rows_of(rope: BalanceRope, origin: Array) -> Rows:
     return Rows(s[:, 0], q, v, lengths, np.array(enclosing_box(lengths, q[:-1].T, q[1:].T)))
 
 
-class Pressing(NamedTuple):
+class PairContact(NamedTuple):
     """Points of two ropes that press each other, in ascending order of their numbers."""
 
-    number: Numbers  # (m,)
+    point_id: Numbers  # (m,)
     s: Array  # (2, m), m, arc lengths on both ropes
     force: Array  # (m, 3), N, on the first rope
     spring: Array  # (m, 3), N, part of the force that stores energy
@@ -66,8 +66,8 @@ class Pressing(NamedTuple):
     position: Array  # (m, 3), m
 
 
-_NONE = np.zeros((0, 3))
-NOTHING = Pressing(np.zeros(0, np.int64), np.zeros((2, 0)), _NONE, _NONE, np.zeros((0, 3, 3)), np.zeros(0), 0.0, _NONE)
+_NO = np.zeros((0, 3))
+NO_CONTACTS = PairContact(np.zeros(0, np.int64), _NO.T[:2], _NO, _NO, np.zeros((0, 3, 3)), np.zeros(0), 0.0, _NO)
 
 
 class Pair:
@@ -77,18 +77,18 @@ class Pair:
         self._law = one.shaft.contact
         self._lossless = SimpleNamespace(**(vars(self._law) | {"damping": 0.0, "friction": 0.0}))
         self.diameter = 0.5 * (one.rope.diameter + other.rope.diameter)
-        self._spacing = one.rope.length / math.ceil(one.rope.length / (rope_on_rope.SPACING * self.diameter))
+        self._spacing = one.rope.length / math.ceil(one.rope.length / (rope_contact.SPACING * self.diameter))
 
-    def pressing(self, one: Rows, other: Rows, c: Array, inset: float = 0.0) -> Pressing:
+    def find_contacts(self, one: Rows, other: Rows, c: Array, inset: float = 0.0) -> PairContact:
         """Return the points in contact, with the tangent with respect to (c[0], c[1]) times positions and velocities.
 
         The ropes are taken to be thinner by ``inset`` (m).
         """
         near = self._near(one, other)
         if not near[0].size:
-            return NOTHING
+            return NO_CONTACTS
         number, s = self._touching(*self._nearest(one, other, *near), self.diameter - inset)
-        return self._law_at(number, s, one, other, c, self.diameter - inset) if number.size else NOTHING
+        return self._law_at(number, s, one, other, c, self.diameter - inset) if number.size else NO_CONTACTS
 
     def inset(self, one: Rows, other: Rows) -> float:
         """Return the largest penetration depth (m)."""
@@ -102,7 +102,7 @@ class Pair:
             ((x.boxes[:3] - x.boxes[3:]).min(axis=1), (x.boxes[:3] + x.boxes[3:]).max(axis=1)) for x in (one, other)
         )
         if (low - their_high >= self.diameter).any() or (their_low - high >= self.diameter).any():
-            return NOTHING.number, NOTHING.number
+            return NO_CONTACTS.point_id, NO_CONTACTS.point_id
         mine, theirs = one.boxes[:, :, None], other.boxes[:, None]
         gaps = np.abs(mine[:3] - theirs[:3]) - (mine[3:] + theirs[3:])
         pairs = np.nonzero((gaps < self.diameter).all(axis=0))
@@ -118,8 +118,8 @@ class Pair:
         middle: Any = 0.5 * (start + stop) * self._spacing
         theirs = theirs[groups]
         ends, l = _ends(other, theirs), other.lengths[theirs]
-        probed = rope_on_rope.PROBES[1] - rope_on_rope.PROBES[0]
-        reach = self.diameter + rope_on_rope.STRETCH * (GROUP * self._spacing + 0.5 * probed * l)
+        probed = rope_contact.PROBES[1] - rope_contact.PROBES[0]
+        reach = self.diameter + rope_contact.STRETCH * (GROUP * self._spacing + 0.5 * probed * l)
         near = _probed(ends, l, one.positions(middle)).min(axis=0) < reach
         groups, number = _expanded((stop - start)[near])
         number, theirs = start[near][groups] + number, theirs[near][groups]
@@ -134,29 +134,29 @@ class Pair:
         order = np.lexsort((their_s, distance, number))
         order = order[distance[order] < diameter]
         _, begin, counts = np.unique(number[order], return_index=True, return_counts=True)
-        alone = np.abs(their_s[order] - their_s[order[begin]].repeat(counts)) < rope_on_rope.LEAST_ARC * self.diameter
+        alone = np.abs(their_s[order] - their_s[order[begin]].repeat(counts)) < rope_contact.MIN_ARC * self.diameter
         parts = [(order[begin], 0 * begin)]
         for k in begin[~np.logical_and.reduceat(alone, begin)] if begin.size else ():
             here = order[number[order] == number[order[k]]]
-            chosen = here[strands(their_s[here].tolist(), rope_on_rope.LEAST_ARC * self.diameter)]
+            chosen = here[strands(their_s[here].tolist(), rope_contact.MIN_ARC * self.diameter)]
             ranks = np.argsort(np.argsort(their_s[chosen]))
             parts[0][1][parts[0][0] == chosen[0]] = ranks[0]
             parts.append((chosen[1:], ranks[1:]))
         touching, rank = (np.concatenate(x) for x in zip(*parts, strict=True))
-        label = number[touching] * rope_on_rope.MOST_STRANDS + rank
+        label = number[touching] * rope_contact.MAX_STRANDS + rank
         touching = touching[np.argsort(label)]
         return np.sort(label), np.array((s[touching], their_s[touching]))
 
-    def _law_at(self, number: Numbers, s: Array, one: Rows, other: Rows, c: Array, diameter: float) -> Pressing:
+    def _law_at(self, number: Numbers, s: Array, one: Rows, other: Rows, c: Array, diameter: float) -> PairContact:
         r, their_r = one.positions(s[0]), other.positions(s[1])
         separation, velocity = (r - their_r).T, (one.velocities(s[0]) - other.velocities(s[1])).T
-        law = rope_on_rope.self_contact_law(self._law, diameter, separation, velocity, float(c[0]), float(c[1]))
-        spring = rope_on_rope.self_contact_law(self._lossless, diameter, separation, velocity, 1.0, 0.0)
+        law = rope_contact.self_contact_law(self._law, diameter, separation, velocity, float(c[0]), float(c[1]))
+        spring = rope_contact.self_contact_law(self._lossless, diameter, separation, velocity, 1.0, 0.0)
         entries = np.array([np.broadcast_to(x, number.shape) for x in law.tangent]).T[:, TANGENT_ENTRIES]
         tangent, pressure = self._spacing * entries, self._spacing * np.asarray(law.sums[-1])
         energy = float(np.sum(law.sums[0]) * self._spacing)
         force, spring_force = (self._spacing * np.array(x.force).T for x in (law, spring))
-        return Pressing(number, s, force, spring_force, tangent, pressure, energy, 0.5 * (r + their_r))
+        return PairContact(number, s, force, spring_force, tangent, pressure, energy, 0.5 * (r + their_r))
 
 
 def _expanded(counts: Numbers) -> tuple[Numbers, Numbers]:
@@ -168,10 +168,10 @@ def _expanded(counts: Numbers) -> tuple[Numbers, Numbers]:
 def _projected(rope: Rows, elements: Numbers, points: Array) -> tuple[Array, Array]:
     """Return s of the points of elements that are nearest to ``points`` (m, 3), and their distances (m)."""
     l, ends = rope.lengths[elements], _ends(rope, elements)
-    xi = np.array(rope_on_rope.PROBES)[_probed(ends, l, points).argmin(axis=0)]
+    xi = np.array(rope_contact.PROBES)[_probed(ends, l, points).argmin(axis=0)]
     rows = np.ascontiguousarray(ends.reshape(-1, 12).T)
-    for _ in range(rope_on_rope.CORRECTIONS):
-        xi = rope_on_rope.nearer_xi(xi, l, points.T, rows[:6], rows[6:])
+    for _ in range(rope_contact.CORRECTIONS):
+        xi = rope_contact.nearer_xi(xi, l, points.T, rows[:6], rows[6:])
     return rope.s[elements] + xi * l, _distances(ends, l, points, xi)
 
 
@@ -182,7 +182,7 @@ def _ends(rope: Rows, elements: Numbers) -> Array:
 
 def _probed(ends: Array, l: Array, points: Array) -> Array:
     """Return the distances (probes, m) of points from the PROBES of elements."""
-    return np.array([_distances(ends, l, points, np.full(l.size, xi)) for xi in rope_on_rope.PROBES])
+    return np.array([_distances(ends, l, points, np.full(l.size, xi)) for xi in rope_contact.PROBES])
 
 
 def _distances(ends: Array, l: Array, points: Array, xi: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Equations of motion of a rope that may touch itself: RopeSystem with physics.rope_on_rope.
+"""Equations of motion of a rope that may touch itself: RopeSystem with physics.rope_contact.
 
 Bounding boxes give the pairs of candidate elements.  Along an element of such a pair the distance changes by no more
 than the arc length, so that far points are skipped and a leg costs a few checks.  Contact has no history in the state.
@@ -13,9 +13,9 @@ import numpy as np
 from rope_model.numerics.coupled_newton import Iterate, conjugate_gradients
 from rope_model.numerics.generalized_alpha import Solution
 from rope_model.parameters import Scene
-from rope_model.physics import hermite, rope_on_rope
-from rope_model.physics.contact import SUMS, Touch
-from rope_model.physics.outline import enclosing_box
+from rope_model.physics import hermite, rope_contact
+from rope_model.physics.centreline import enclosing_box
+from rope_model.physics.contact import SUMS, ContactTerms
 from rope_model.simulation.rope_system import SLOPE, Array, Evaluation, Losses, Near, RopeSystem
 
 #: rows and columns of the entries of a symmetric matrix (3, 3), upper half row by row
@@ -30,7 +30,7 @@ class SelfContact(NamedTuple):
     elements: tuple[int, int]
     N: tuple[float, ...]  # (8,), those of the second element's nodes are negative
     weight: float
-    touch: Touch
+    terms: ContactTerms
 
 
 class SelfContacts:
@@ -41,9 +41,9 @@ class SelfContacts:
         self._nodes = np.array([x.elements for x in contacts], dtype=int).reshape(-1, 2).repeat(2, axis=1) + _ENDS
         self._N = np.array([x.N for x in contacts]).reshape(-1, 4, 2)
         self._weights = np.array([x.weight for x in contacts])
-        self._forces = np.array([x.touch.force for x in contacts]).reshape(-1, 3)
-        self._tangents = np.array([x.touch.tangent for x in contacts]).reshape(-1, 6)[:, TANGENT_ENTRIES]
-        self._sums = np.array([x.touch.sums for x in contacts]).reshape(-1, len(SUMS))
+        self._forces = np.array([x.terms.force for x in contacts]).reshape(-1, 3)
+        self._tangents = np.array([x.terms.tangent for x in contacts]).reshape(-1, 6)[:, TANGENT_ENTRIES]
+        self._sums = np.array([x.terms.sums for x in contacts]).reshape(-1, len(SUMS))
 
     def sums(self) -> dict[str, float]:
         """Return energy (J), dissipation (W), the couple that friction leaves (N m) and the pressure (N)."""
@@ -76,12 +76,12 @@ def find_self_contacts(scene: Scene, q: Array, v: Array, lengths: Array, cq: flo
     diameter, law, l = scene.rope.diameter, scene.shaft.contact, lengths.tolist()
     start = (np.cumsum(lengths) - lengths).tolist()
     for e, N, weight, point, touching in _touching(q, rows, lengths, diameter):
-        for n in strands([start[o] + xi * l[o] for _, o, xi in touching], rope_on_rope.LEAST_ARC * diameter):
+        for n in strands([start[o] + xi * l[o] for _, o, xi in touching], rope_contact.MIN_ARC * diameter):
             _, other, xi = touching[n]
             partner = hermite.shape_functions(xi, l[other])
             separation = _difference(point, _at(rows, other, partner))
             velocity = _difference(_at(speeds, e, N), _at(speeds, other, partner))
-            contact = rope_on_rope.self_contact_law(law, diameter, separation, velocity, cq, cv)
+            contact = rope_contact.self_contact_law(law, diameter, separation, velocity, cq, cv)
             contacts.append(SelfContact((e, other), (*N, *(-n for n in partner)), weight, contact))
     return SelfContacts(contacts)
 
@@ -98,14 +98,14 @@ def _touching(
     """Yield points of candidate elements (element, N, length, position) with near ones (distance, element, xi)."""
     l = lengths.tolist()
     for e, others in _near_elements(q, lengths, diameter):
-        number, k = int(rope_on_rope.number_of_points(l[e], diameter)), 0
+        number, k = int(rope_contact.number_of_points(l[e], diameter)), 0
         weight = l[e] / number
         while k < number:
             N = hermite.shape_functions((k + 0.5) / number, l[e])
             point = _at(rows, e, N)
             near = sorted(_nearest_point(rows, l[o], o, point) for o in others)
             yield e, N, weight, point, [x for x in near if x[0] < diameter]
-            k += 1 + int(rope_on_rope.points_skipped(near[0][0], diameter, weight, number))
+            k += 1 + int(rope_contact.points_skipped(near[0][0], diameter, weight, number))
 
 
 class SelfContactSystem(RopeSystem):
@@ -115,46 +115,46 @@ class SelfContactSystem(RopeSystem):
         super().__init__(*parts)
         self.scene = scene
 
-    def touches(self, q: Array, v: Array, cq: float = 0.0, cv: float = 0.0) -> SelfContacts:
+    def self_contacts(self, q: Array, v: Array, cq: float = 0.0, cv: float = 0.0) -> SelfContacts:
         """Return the contacts of the rope with itself, with the tangent with respect to (cq, cv) times q and v."""
         return find_self_contacts(self.scene, q, v, self.lengths, cq, cv)
 
     def _newton(self, near: Near, x: Iterate, c: Array, tolerance: float, before: Array | None) -> Solution[Evaluation]:
-        if not self.touches(x.q, x.v).any:
+        if not self.self_contacts(x.q, x.v).any:
             solution = super()._newton(near, x, c, tolerance, before)
-            if not self.touches(solution.q, solution.v).any:
+            if not self.self_contacts(solution.q, solution.v).any:
                 return solution
         return self._iterate(near, x, c, tolerance)
 
     def _coupling(self, at: Iterate, c: Array) -> Callable[[Array], Array] | None:
-        return self.touches(at.q, at.v, float(c[0]), float(c[1])).times
+        return self.self_contacts(at.q, at.v, float(c[0]), float(c[1])).times
 
     def _with_touches(self, evaluation: Evaluation, q: Array, v: Array) -> Evaluation:
-        touches = self.touches(q, v)
+        contacts = self.self_contacts(q, v)
         R = evaluation.reaction.copy()
-        touches.take_force(R)
+        contacts.take_force(R)
         return Evaluation(
-            R, evaluation.balance | {"contact": evaluation.balance["contact"] + touches.sums()["contact"]}
+            R, evaluation.balance | {"contact": evaluation.balance["contact"] + contacts.sums()["contact"]}
         )
 
     def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
-        touches = self.touches(q, v, float(c[0]), float(c[1]))
-        if not touches.any:
+        contacts = self.self_contacts(q, v, float(c[0]), float(c[1]))
+        if not contacts.any:
             return super().newton_step(q, v, a, reaction, c)
         R = self.evaluate(q, v, a, reaction).reaction
         solve = self._solver(*self._with_bodies(self._near(q, 0.0), q, v), Iterate(q, v, a, reaction), c)
-        return conjugate_gradients(solve, touches.times, R), R
+        return conjugate_gradients(solve, contacts.times, R), R
 
     def evaluate(self, q: Array, v: Array, a: Array, reaction: Array) -> Evaluation:
         return self._with_touches(super().evaluate(q, v, a, reaction), q, v)
 
-    def outside(self, q: Array, v: Array) -> dict[str, float]:
-        sums, more = super().outside(q, v), self.touches(q, v).sums()
+    def external_sums(self, q: Array, v: Array) -> dict[str, float]:
+        sums, more = super().external_sums(q, v), self.self_contacts(q, v).sums()
         return {**sums, **{name: sums[name] + value for name, value in more.items()}}
 
     def losses(self, q: Array, v: Array) -> Losses:
         losses = super().losses(q, v)
-        return losses._replace(contact=losses.contact + self.touches(q, v).sums()["contact_dissipated"])
+        return losses._replace(contact=losses.contact + self.self_contacts(q, v).sums()["contact_dissipated"])
 
 
 def _near_elements(q: Array, lengths: Array, diameter: float) -> list[tuple[int, list[int]]]:
@@ -163,7 +163,7 @@ def _near_elements(q: Array, lengths: Array, diameter: float) -> list[tuple[int,
     box = np.array(enclosing_box(lengths, rows[:, :-1], rows[:, 1:]))
     gaps = np.abs(box[:3, :, None] - box[:3, None, :]) - (box[3:, :, None] + box[3:, None, :])
     start = np.cumsum(lengths) - lengths
-    near = (gaps < diameter).all(axis=0) & (start - (start + lengths)[:, None] >= rope_on_rope.LEAST_ARC * diameter)
+    near = (gaps < diameter).all(axis=0) & (start - (start + lengths)[:, None] >= rope_contact.MIN_ARC * diameter)
     return [(int(e), np.flatnonzero(near[e]).tolist()) for e in np.flatnonzero(near.any(axis=1))]
 
 
@@ -171,7 +171,7 @@ def strands(s: list[float], reach: float) -> list[int]:
     """Return the indices of points ``s``, nearest first, on separate strands: ``reach`` or more from those before."""
     chosen: list[int] = []
     for n, s_n in enumerate(s):
-        if len(chosen) < rope_on_rope.MOST_STRANDS and all(abs(s_n - s[before]) >= reach for before in chosen):
+        if len(chosen) < rope_contact.MAX_STRANDS and all(abs(s_n - s[before]) >= reach for before in chosen):
             chosen.append(n)
     return chosen
 
@@ -201,7 +201,7 @@ def _nearest_point(
     def distance(xi: float) -> float:
         return float(np.linalg.norm(_difference(_at(rows, element, hermite.shape_functions(xi, l)), point)))
 
-    xi = min(rope_on_rope.PROBES, key=distance)
-    for _ in range(rope_on_rope.CORRECTIONS):
-        xi = rope_on_rope.nearer_xi(xi, l, point, rows[element], rows[element + 1])
+    xi = min(rope_contact.PROBES, key=distance)
+    for _ in range(rope_contact.CORRECTIONS):
+        xi = rope_contact.nearer_xi(xi, l, point, rows[element], rows[element + 1])
     return distance(xi), element, xi

@@ -17,12 +17,12 @@ from typing import Any
 import numpy as np
 
 from rope_model.parameters import Scene
-from rope_model.physics.outline import enclosing_box, middle, turns
+from rope_model.physics.centreline import enclosing_box, middle, turns
 from rope_model.physics.shaft import KINDS, distance, least_distance
 from rope_model.simulation.contact.bodies import Placed, placed_bodies
 from rope_model.simulation.contact.self_contact import overlap_of
 from rope_model.simulation.mesh.adaptation import nearest_turn
-from rope_model.simulation.outputs.diagnostics import direction, legs_apart, loop_bottom, loop_turns
+from rope_model.simulation.outputs.diagnostics import ends_yaw, legs_apart, loop_bottom, loop_turns
 from rope_model.simulation.rope_system import SLOPE
 from rope_model.simulation.state import Crossing, Nearest, RopeState
 
@@ -39,7 +39,7 @@ RESOLUTION = 1e-3
 #: rad, yaw of the loop beyond which legs that are apart have crossed
 TURNED_FAR = 0.5 * math.pi
 #: s, interval of the checks: a rope that swings at 10 m/s moves by less than bodies are thick
-LOOK_EVERY = 0.01
+MONITOR_INTERVAL = 0.01
 #: clearances of each kind before any search
 NOT_NEAR = (Nearest(),) * len(KINDS)
 
@@ -76,12 +76,12 @@ class _Search:
 def _searches_of(scene: Scene, state: RopeState, known: Sequence[Nearest]) -> list[_Search]:
     """Return one search for each body, starting from the known clearances."""
     q, t, last = state.motion.q, state.motion.t, state.partition.lengths.size
-    around = [*placed_bodies(scene.shaft, (q[0].tolist(), q[-1].tolist()))]
-    lowest = int(q[:, 1].argmin()) if around else 0
+    bodies = [*placed_bodies(scene.shaft, (q[0].tolist(), q[-1].tolist()))]
+    lowest = int(q[:, 1].argmin()) if bodies else 0
     parts = (0, last), (lowest, last), (0, lowest)
     return [
         _Search(placed, parts[placed.moves_with + 1], 0.5 * scene.rope.diameter, t, known[placed.kind])
-        for placed in around
+        for placed in bodies
     ]
 
 
@@ -132,16 +132,16 @@ def _with_overlap(scene: Scene, state: RopeState) -> Crossing:
 def with_passages(scene: Scene, state: RopeState) -> RopeState:
     """Return the state with the clearances and passages of its instant.
 
-    It is called at the end of every communication step, and after LOOK_EVERY in longer ones.
+    It is called at the end of every communication step, and after MONITOR_INTERVAL in longer ones.
     """
     q, lengths, t = state.motion.q, state.partition.lengths, state.motion.t
     near = not legs_apart(q, lengths, scene.rope.diameter, scene.layout.spacing)
     crossing = _with_overlap(scene, state) if near or scene.shaft.contact.rope_stiffness > 0 else state.crossing
-    if near or crossing.net != 0 or abs(state.loop_yaw - direction(q)) > TURNED_FAR:
+    if near or crossing.net != 0 or abs(state.loop_yaw - ends_yaw(q)) > TURNED_FAR:
         bottom = loop_bottom(q, lengths)
         sides, yaw = loop_turns(q, lengths, bottom), nearest_turn(bottom.yaw, state.loop_yaw)
-        net = float(np.rint(turns(yaw, direction(q), sides.number)))
+        net = float(np.rint(turns(yaw, ends_yaw(q), sides.number)))
         if net != crossing.net:
             since, y = (crossing.since, crossing.y) if crossing.number else (t, sides.sharpest_y)
             crossing = crossing._replace(net=net, number=crossing.number + abs(net - crossing.net), since=since, y=y)
-    return state._replace(nearest=nearer(scene, state, state.nearest), crossing=crossing, looked_at=t)
+    return state._replace(nearest=nearer(scene, state, state.nearest), crossing=crossing, monitored_at=t)

@@ -20,19 +20,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rope_model.parameters import Scene, Swivel
-from rope_model.physics.elementary import atan2, cos, hypot, larger, sin, smaller, sqrt, where
+from rope_model.physics.elementary import atan2, cos, hypot, maximum, minimum, sin, sqrt, where
 from rope_model.physics.swivel import friction_moment
 from rope_model.simulation.ends.input_filter import InputFilter, Limits
-from rope_model.simulation.ends.paths import END_NODE, LEANS, PATH, REACH, EndMotion, EndPath
-from rope_model.simulation.ends.swivel_phases import Phase as Phase
-from rope_model.simulation.ends.swivel_phases import SwivelState as SwivelState
-from rope_model.simulation.ends.swivel_phases import moment_of_swivel, swivel_friction
+from rope_model.simulation.ends.paths import END_NODE, LEANS, MOTION_BOUNDS, PATH, EndMotion, EndPath
+from rope_model.simulation.ends.swivel_phases import Phase, SwivelState, moment_of_swivel, swivel_friction
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import ANGLE, SLOPE, Array
 from rope_model.solver_parameters import Inputs
 
 YAW_SENSE = (-1.0, 1.0)  #: sense of the conveyance's yaw in theta, left and right
-LEAST_LEAN = 1e-24  #: rad^2, squared lean below which C and S take their limits
+MIN_LEAN_SQUARE = 1e-24  #: rad^2, squared lean below which C and S take their limits
 SMALL_LEAN = 1e-5  #: rad^2, squared lean below which D and E take their limits
 HANGING_WIDTH = 0.4  #: width between the ends over the length of the loop in which a rope is first hung up
 
@@ -65,7 +63,7 @@ class HangingEnds:
             angle = self.offsets[side] + self.states[side].angle
             motion[:, node] = held_end(self.paths[side], t, float(self.points[side, 0]), YAW_SENSE[side], angle)
             if self.swivels[side].attachment == "clamped":
-                motion[:, node, SLOPE] = -YAW_SENSE[side] * np.array(leaning(*self.paths[side].leaning(t)))
+                motion[:, node, SLOPE] = -YAW_SENSE[side] * np.array(clamp_axis(*self.paths[side].lean_motion(t)))
         return motion
 
     def load(self, nodes: int) -> Array:
@@ -111,7 +109,7 @@ def held_end(path: EndPath, t: float, nominal_x: float, sense: float, angle: flo
     )
 
 
-def leaning(lean: Any, lean_z: Any) -> tuple[tuple[Any, ...], ...]:
+def clamp_axis(lean: Any, lean_z: Any) -> tuple[tuple[Any, ...], ...]:
     """Return the axis n of a clamp and its rates (3, 3), from the leans, a rotation vector, and their rates.
 
     n = (S lean, -C, S lean_z) with C = cos a, S = sin(a)/a for the angle a.  With p = a a_t, C_t = -S p, S_t = D p and
@@ -119,8 +117,8 @@ def leaning(lean: Any, lean_z: Any) -> tuple[tuple[Any, ...], ...]:
     """
     (x, x_t, x_tt), (z, z_t, z_tt) = lean, lean_z
     square, p = x * x + z * z, x * x_t + z * z_t
-    p_t, angle = x_t * x_t + z_t * z_t + x * x_tt + z * z_tt, sqrt(larger(square, LEAST_LEAN))
-    C, S, divisor = cos(angle), sin(angle) / angle, larger(square, SMALL_LEAN)
+    p_t, angle = x_t * x_t + z_t * z_t + x * x_tt + z * z_tt, sqrt(maximum(square, MIN_LEAN_SQUARE))
+    C, S, divisor = cos(angle), sin(angle) / angle, maximum(square, SMALL_LEAN)
     D = where(square > SMALL_LEAN, (C - S) / divisor, -1.0 / 3.0)
     E = where(square > SMALL_LEAN, -(S + 3.0 * D) / divisor, 1.0 / 15.0)
     (n_x, v_x, a_x), (n_z, v_z, a_z) = (
@@ -130,13 +128,13 @@ def leaning(lean: Any, lean_z: Any) -> tuple[tuple[Any, ...], ...]:
     return (n_x, -C, n_z), (v_x, S * p, v_z), (a_x, D * p * p + S * p_t, a_z)
 
 
-def partly_placed(scene: Any, own: Any, other: Any, sense: Any, part: Any) -> EndMotion:
-    """Return the end ``own`` on its way from a rope hung in a loop (part 0) to its position and lean (part 1)."""
+def partly_placed(scene: Any, own: Any, other: Any, sense: Any, fraction: Any) -> EndMotion:
+    """Return the end ``own`` on its way from a rope hung in a loop (0) to its position and lean (1)."""
     x, z = other.x - own.x - sense * scene.layout.spacing, other.z - own.z
-    narrow = HANGING_WIDTH * (scene.rope.length - abs(other.y - own.y)) / larger(hypot(x, z), LEAST_LEAN)
-    shift = 0.5 * (1.0 - smaller(narrow, 1.0)) * (1.0 - part)
+    narrow = HANGING_WIDTH * (scene.rope.length - abs(other.y - own.y)) / maximum(hypot(x, z), MIN_LEAN_SQUARE)
+    shift = 0.5 * (1.0 - minimum(narrow, 1.0)) * (1.0 - fraction)
     x, z = own.x + shift * x, own.z + shift * z
-    return EndMotion(x, own.y, z, yaw=own.yaw, lean=part * own.lean, lean_z=part * own.lean_z)
+    return EndMotion(x, own.y, z, yaw=own.yaw, lean=fraction * own.lean, lean_z=fraction * own.lean_z)
 
 
 def nominal_points(spacing: float) -> Array:
@@ -155,7 +153,7 @@ def right_offset(left: Any, right: Any) -> Any:
 def refusal(scene: Scene, target: EndMotion, limits: Limits, side: str) -> str:
     """Return '' if an end can follow ``target`` on a path with these limits; else cause and cure."""
     inputs, clamped = scene.inputs, getattr(scene, side).attachment == "clamped"
-    for name, bound in REACH.items():
+    for name, bound in MOTION_BOUNDS.items():
         if -bound <= (value := getattr(target, name)) <= bound:
             if value != 0 and name.startswith("lean") and not clamped:
                 return messages.no_clamp(side, name, value)
@@ -181,8 +179,8 @@ def _largest(sizes: Sequence[float]) -> int:
     return max(range(len(sizes)), key=[math.inf if math.isnan(x) else x for x in sizes].__getitem__)
 
 
-def frozen(inputs: Inputs, t: float, end_filter: InputFilter, side: str) -> str:
+def stale_input_error(inputs: Inputs, t: float, end_filter: InputFilter, side: str) -> str:
     """Return '' while an end receives new samples; else how long it has not."""
-    if end_filter.held > 1 and t - end_filter.given_at > inputs.hold_max:
+    if end_filter.steps_held > 1 and t - end_filter.given_at > inputs.hold_max:
         return messages.inputs_frozen(side, t - end_filter.given_at, inputs.hold_max)
     return ""

@@ -25,16 +25,16 @@ from typing import Any, NamedTuple
 
 from rope_model.numerics import quintic
 from rope_model.parameters import CHOICES, Scene
-from rope_model.physics.elementary import both, either, exp, floor, larger, smaller, sqrt, where
+from rope_model.physics.elementary import exp, floor, logical_and, logical_or, maximum, minimum, sqrt, where
 from rope_model.physics.estimates import axial_frequency
 from rope_model.simulation.ends.paths import RESTS_BELOW, EndMotion, EndPath
 
 #: m/s^3, jerk that is allowed at any instant of a consistent motion; met within 20 ms it takes 5.8 h times it at most,
 #: 0.1 % of g
-LEAST_JERK = 0.1
+MIN_JERK = 0.1
 #: rad/s^3, the same for a yaw, which only twists the rope; FMI gives no yaw acceleration.  3 degrees at 2 Hz have it
-LEAST_YAW_JERK = 100.0
-JERKS = (*(LEAST_JERK,) * 3, LEAST_YAW_JERK)
+MIN_YAW_JERK = 100.0
+JERKS = (*(MIN_JERK,) * 3, MIN_YAW_JERK)
 #: bandwidth of estimates over the frequency of the rope's slowest axial wave: 1/10 of a motion at that frequency passes
 #: (order 2), or 1/32 (order 3)
 ESTIMATE_FRACTION = 1.0 / 3.0
@@ -43,16 +43,16 @@ GRIDS = (1e-2, 1e-3, 1e-4)
 #: tolerance in multiples of a grid: doubles round 1e4 m by 1e-8 of the finest
 ON_GRID = 1e-6
 #: s, time below which the mean acceleration from a rate of six decimals is off by more than 1e-3 rad/s^2
-SHORTEST_MEAN = 1e-3
+MIN_MEAN_TIME = 1e-3
 #: s, time in which the rounding of positions of 1e4 m, 2e-12 m, takes some 0.1 m/s^2; in 1e-8 s it takes 1e5
-SHORTEST_AIM = 1e-5
+MIN_AIM_TIME = 1e-5
 #: m/s, least change of speed between samples that reveals a broken line: twice the error of six decimals in 10 ms
-LEAST_CHANGE = 2e-4
+MIN_CHANGE = 2e-4
 # change of the speed over that by the acceleration: 1 in a smooth motion, n at a break of a table of n steps
 STRAIGHT = 0.2  #: upper bound on a straight line; the jerk makes up a fifth
 BROKEN = 1.8  #: lower bound at a break
 #: breaks after pieces of equal length that reveal a table: random pieces of 2 or 3 steps are alike so once in 2^7
-FEWEST_BREAKS = 8.0
+MIN_BREAKS = 8.0
 #: relative difference of such lengths: less than a step of a table of a hundred
 ALIKE = 0.01
 
@@ -85,7 +85,7 @@ class InputFilter(NamedTuple):
     drift: float = 0.0  # m, slow part of the misfit of y
     farthest: float = 0.0  # m, largest size of the drift
     repeats: float = 0.0  # number of steps with the sample of an earlier one
-    held: float = 0.0  # number of steps since the latest sample
+    steps_held: float = 0.0  # number of steps since the latest sample
     sent_every: float = 0.0  # s, time between the latest samples with repetitions between them
     grid: float = 1.0  # m, coarsest of GRIDS with all positions; 1 before the first, 0: none
     samples: float = 0.0  # number of samples of an end that moves
@@ -94,7 +94,7 @@ class InputFilter(NamedTuple):
     broken_at: float = 0.0  # s, instant of that break
     breaks: float = 0.0  # number of breaks after straight pieces as long as the one before
     table_every: float = 0.0  # s, time between the latest two
-    leaning: tuple[float, float] = (0.0, 0.0)  # rad/s, mean rates of the leans between the latest two samples
+    lean_rates: tuple[float, float] = (0.0, 0.0)  # rad/s, mean rates of the leans between the latest two samples
 
     @staticmethod
     def at_rest(t: float, motion: EndMotion) -> InputFilter:
@@ -145,29 +145,29 @@ def filter_sample(state: Any, settings: Any, given_at: Any, h: Any, end: Any) ->
     repeated = _repeated(state, settings, is_later, since, values, speeds)
     motion = []
     # FMI gives no yaw acceleration: take the mean since the sample before
-    accelerations = (*end.acceleration, (end.yaw_rate - state.motion[3][1]) / larger(since, SHORTEST_MEAN))
+    accelerations = (*end.acceleration, (end.yaw_rate - state.motion[3][1]) / maximum(since, MIN_MEAN_TIME))
     for old_axis, x, v, a in zip(state.motion, (*end.position, end.yaw), speeds, accelerations, strict=True):
         new = _completed(old_axis, settings, since, (x, v, a))
         motion.append(tuple(where(repeated, old, value) for old, value in zip(old_axis, new, strict=True)))
     fades = exp(-settings.estimate * h)
     recent_changes = tuple(
-        larger(abs(axis[2] - acceleration), fades * before)
+        maximum(abs(axis[2] - acceleration), fades * before)
         for axis, acceleration, before in zip(motion, state.end_accelerations, state.recent_changes, strict=True)
     )
-    moves = either(*(abs(axis[1]) > RESTS_BELOW for axis in motion))
+    moves = logical_or(*(abs(axis[1]) > RESTS_BELOW for axis in motion))
     new_signs = _signs(state, given_at, since, end, motion[1][2], moves)
     signs = {name: where(repeated, getattr(state, name), value) for name, value in new_signs.items()}
-    keeps_rates = either(repeated, since < SHORTEST_AIM)
+    keeps_rates = logical_or(repeated, since < MIN_AIM_TIME)
     means = ((x - old) / since for x, old in zip((end.lean, end.lean_z), state.given[-2:], strict=True))
     result: InputFilter = state._replace(
         given=values,
         given_at=where(repeated, state.given_at, given_at),
         motion=tuple(motion),
         recent_changes=recent_changes,
-        repeats=state.repeats + where(both(repeated, is_later), 1.0, 0.0),
-        held=where(repeated, state.held + where(is_later, 1.0, 0.0), 0.0),
-        sent_every=where(both(state.held > 0, 1 - repeated), since, state.sent_every),
-        leaning=tuple(where(keeps_rates, old, mean) for old, mean in zip(state.leaning, means, strict=True)),
+        repeats=state.repeats + where(logical_and(repeated, is_later), 1.0, 0.0),
+        steps_held=where(repeated, state.steps_held + where(is_later, 1.0, 0.0), 0.0),
+        sent_every=where(logical_and(state.steps_held > 0, 1 - repeated), since, state.sent_every),
+        lean_rates=tuple(where(keeps_rates, old, mean) for old, mean in zip(state.lean_rates, means, strict=True)),
         **signs,
     )
     return result
@@ -180,15 +180,15 @@ def _repeated(state: Any, settings: Any, is_later: Any, since: Any, values: Any,
     alone are given, the end must be too fast to have stopped since: after a stop with a the estimated speed is off by
     up to 0.84 a / W.  A speed can be that of the latest sample.
     """
-    moves = either(*(abs(speed) > RESTS_BELOW for speed in speeds))
+    moves = logical_or(*(abs(speed) > RESTS_BELOW for speed in speeds))
     stops_below = settings.hardest * (since + 1.0 / settings.estimate)
-    too_fast = either(*(abs(axis[1]) > stops_below for axis in state.motion))
+    too_fast = logical_or(*(abs(axis[1]) > stops_below for axis in state.motion))
     trusted = [getattr(settings, kind) for kind in ("position", "speed", "acceleration") for _ in range(3)]
     trusted += settings.position, settings.speed, settings.position, settings.position
-    same = (either(trust < 1, a == b) for trust, a, b in zip(trusted, values, state.given, strict=True))
-    cannot_stay = both(settings.position > 0, where(settings.speed > 0, moves, too_fast))
+    same = (logical_or(trust < 1, a == b) for trust, a, b in zip(trusted, values, state.given, strict=True))
+    cannot_stay = logical_and(settings.position > 0, where(settings.speed > 0, moves, too_fast))
     # the first sample is of the instant of the start
-    return both(where(is_later, cannot_stay, state.time > 0), *same)
+    return logical_and(where(is_later, cannot_stay, state.time > 0), *same)
 
 
 def _completed(old: Any, settings: Any, h: Any, sample: Any) -> tuple[Any, Any, Any]:
@@ -196,12 +196,12 @@ def _completed(old: Any, settings: Any, h: Any, sample: Any) -> tuple[Any, Any, 
     x, v, a = old
     retained = exp(-settings.estimate * h)  # fraction of an old error: 1 - alpha = retained^2 or retained^3
     gain = 1.0 - retained
-    ahead, faster = quintic.extrapolate(x, v, a, h)
-    speed_gap, position_gap = sample[1] - faster, sample[0] - ahead
-    speed, acceleration = faster + (1.0 - retained * retained) * speed_gap, a + gain * gain / h * speed_gap
+    x_ahead, v_ahead = quintic.extrapolate(x, v, a, h)
+    speed_gap, position_gap = sample[1] - v_ahead, sample[0] - x_ahead
+    speed, acceleration = v_ahead + (1.0 - retained * retained) * speed_gap, a + gain * gain / h * speed_gap
     integrated = x + 0.5 * h * (v + speed) + h * h / 12.0 * (a - acceleration)
-    position = ahead + (1.0 - retained * retained * retained) * position_gap
-    position_speed = faster + 1.5 * gain * gain * (1.0 + retained) / h * position_gap
+    position = x_ahead + (1.0 - retained * retained * retained) * position_gap
+    position_speed = v_ahead + 1.5 * gain * gain * (1.0 + retained) / h * position_gap
     position_acceleration = a + gain * gain * gain / (h * h) * position_gap
     return (
         where(settings.position > 0, where(settings.speed > 0, sample[0], position), integrated),
@@ -235,32 +235,32 @@ def _signs(state: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: Any)
         finest = where(abs(multiple - floor(multiple + 0.5)) < ON_GRID, grid, finest)
     slope = (end.y - state.given[1]) / since
     change, expected = abs(slope - state.slope), abs(ay) * since
-    visible = expected > LEAST_CHANGE
-    breaks = both(visible, change > BROKEN * expected)
-    straight = both(visible, change < STRAIGHT * expected)
-    counts, piece = both(breaks, state.straight > 0), given_at - state.broken_at
-    is_table = state.breaks >= FEWEST_BREAKS
-    alike = either(is_table, abs(piece - state.table_every) < ALIKE * piece)
+    visible = expected > MIN_CHANGE
+    breaks = logical_and(visible, change > BROKEN * expected)
+    straight = logical_and(visible, change < STRAIGHT * expected)
+    counts, piece = logical_and(breaks, state.straight > 0), given_at - state.broken_at
+    is_table = state.breaks >= MIN_BREAKS
+    alike = logical_or(is_table, abs(piece - state.table_every) < ALIKE * piece)
     return {
-        "grid": where(moves, smaller(state.grid, finest), state.grid),
+        "grid": where(moves, minimum(state.grid, finest), state.grid),
         "samples": state.samples + where(moves, 1.0, 0.0),
         "slope": slope,
         "straight": where(straight, state.straight + 1.0, 0.0),
         "broken_at": where(breaks, given_at, state.broken_at),
         "breaks": where(counts, where(alike, state.breaks + 1.0, 1.0), state.breaks),
-        "table_every": where(both(counts, 1 - is_table), piece, state.table_every),
+        "table_every": where(logical_and(counts, 1 - is_table), piece, state.table_every),
     }
 
 
 def filter_path(path: Any, state: Any, stop: Any, bandwidth: Any) -> EndPath:
     """Return the path from the end of ``path`` to ``stop`` that follows the inputs; a very short one leads beyond."""
     start = path.stop
-    h = larger(stop - start, SHORTEST_AIM)
+    h = maximum(stop - start, MIN_AIM_TIME)
     ahead = stop - state.given_at + (h - (stop - start))
     starts = zip(*path.motion(start), strict=True)
     axes = zip(JERKS, starts, state.motion, state.end_accelerations, state.recent_changes, strict=True)
     x, y, z, yaw = (_axis_quintic(bandwidth, ahead, h, *axis) for axis in axes)
-    latest = zip(path.leaning(start), state.given[-2:], state.leaning, strict=True)
+    latest = zip(path.lean_motion(start), state.given[-2:], state.lean_rates, strict=True)
     lean, lean_z = (_lean_quintic(h, ahead, *axis) for axis in latest)
     return EndPath(start, stop, (x, y, z, yaw), (lean, lean_z))
 
@@ -270,7 +270,7 @@ def _lean_quintic(h: Any, ahead: Any, start: Any, sample: Any, mean: Any) -> tup
 
     Its rate, which is not given, lags by a sixth of the step; ``mean`` is that between the latest samples.
     """
-    (x, v, a), aim = start, larger(h, SHORTEST_MEAN)
+    (x, v, a), aim = start, maximum(h, MIN_MEAN_TIME)
     target = sample + (ahead + (aim - h)) * mean
     rate = 1.5 * (target - x) / aim - 0.5 * v
     return quintic.coefficients(aim, x, v, a, target, rate, (rate - v) / aim)
@@ -283,8 +283,8 @@ def _axis_quintic(
     (x, v, a), (sample_position, sample_speed, acceleration) = start, sample
     position, speed = quintic.extrapolate(sample_position, sample_speed, acceleration, ahead)
     misfit = sample_misfit(h, (x, v), (last_acceleration, acceleration), (position, speed), recent_change, jerk)
-    rest_speed = misfit.faster - misfit.faster * misfit.speed_fits
-    rest_position = misfit.farther - misfit.farther * misfit.position_fits
+    rest_speed = misfit.speed_misfit - misfit.speed_misfit * misfit.speed_fits
+    rest_position = misfit.position_misfit - misfit.position_misfit * misfit.position_fits
     stop = _observed(w, h, (rest_position, rest_speed), (position, speed, acceleration))
     return quintic.coefficients(h, x, v, a, *stop)
 
@@ -302,8 +302,8 @@ def _observed(w: Any, h: Any, rest: tuple[Any, Any], sample: tuple[Any, Any, Any
 class SampleMisfit(NamedTuple):
     """Misfit of a sample against linear acceleration, and the fractions of it that a consistent motion explains."""
 
-    farther: Any
-    faster: Any
+    position_misfit: Any
+    speed_misfit: Any
     position_fits: Any
     speed_fits: Any
 
@@ -322,13 +322,13 @@ def sample_misfit(
     """
     (x, v), (before, after), (position, speed) = start, accelerations, sample
     change = abs(after - before)
-    faster = speed - v - 0.5 * h * (before + after)
-    farther = position - x - h * v - h * h / 6.0 * (2.0 * before + after)
+    speed_misfit = speed - v - 0.5 * h * (before + after)
+    position_misfit = position - x - h * v - h * h / 6.0 * (2.0 * before + after)
     return SampleMisfit(
-        farther,
-        faster,
-        _explained_fraction(farther, h * h * (change + 0.125 * recent_change + jerk * h)),
-        _explained_fraction(faster, h * (change + 0.5 * recent_change + jerk * h)),
+        position_misfit,
+        speed_misfit,
+        _explained_fraction(position_misfit, h * h * (change + 0.125 * recent_change + jerk * h)),
+        _explained_fraction(speed_misfit, h * (change + 0.5 * recent_change + jerk * h)),
     )
 
 
@@ -337,7 +337,7 @@ def _explained_fraction(misfit: Any, limit: Any) -> Any:
 
     It is continuous, since masters that look for events vary the step.
     """
-    return smaller(larger(2.0 - abs(misfit) / limit, 0.0), 1.0)
+    return minimum(maximum(2.0 - abs(misfit) / limit, 0.0), 1.0)
 
 
 class Limits(NamedTuple):
@@ -352,8 +352,8 @@ def end_misfits(path: Any, state: Any) -> list[Axis]:
     """Return the misfits of position, speed and acceleration at the path's end, by PATH."""
     misfits, ahead = [], path.stop - state.given_at
     for (position, speed, acceleration), x, v, a in zip(state.motion, *path.motion(path.stop), strict=True):
-        expected, faster = quintic.extrapolate(position, speed, acceleration, ahead)
-        misfits.append((expected - x, faster - v, acceleration - a))
+        x_ahead, v_ahead = quintic.extrapolate(position, speed, acceleration, ahead)
+        misfits.append((x_ahead - x, v_ahead - v, acceleration - a))
     return misfits
 
 

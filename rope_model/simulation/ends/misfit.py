@@ -13,7 +13,7 @@ from typing import Any
 
 from rope_model.numerics import quintic
 from rope_model.physics.accuracy import TINY, wave_duration
-from rope_model.physics.elementary import cos, exp, larger, sin, smaller, sqrt, where
+from rope_model.physics.elementary import cos, exp, maximum, minimum, sin, sqrt, where
 from rope_model.physics.estimates import axial_frequency
 from rope_model.simulation.ends.input_filter import JERKS, InputFilter, end_misfits, sample_misfit
 
@@ -34,7 +34,7 @@ def add_misfit(state: Any, path: Any, settings: Any, rope: Any, leg: Any) -> Inp
     h = path.stop - path.start
     (_, position, _, _), (_, speed, _, _), (_, acceleration, _, _) = path.motion(path.stop)
     misfit = end_misfits(path, state)
-    misfits = [reduce(larger, map(abs, sizes)) for sizes in zip(*misfit[:3], strict=True)]
+    misfits = [reduce(maximum, map(abs, sizes)) for sizes in zip(*misfit[:3], strict=True)]
     c0, c1, c2, c3, c4, c5 = path.coefficients[1]
     # growth and lag of the acceleration, which is linear through the latest two samples
     grows = (state.motion[1][2] - state.end_accelerations[1]) / h
@@ -48,10 +48,10 @@ def add_misfit(state: Any, path: Any, settings: Any, rope: Any, leg: Any) -> Inp
         for c, before, (x, v, a), change, jerk in axes
     ]
     sample = samples[1]
-    fits = larger(1.0 - (path.stop - state.given_at) / h, 0.0) * sample.position_fits * sample.speed_fits
-    faster, most = sample.faster * fits, ONE_CHANGE * h * abs(sample.faster * fits)
-    aside = smaller(larger(sample.farther * fits - 0.5 * h * faster, -most), most)
-    *_, b3, b4, b5 = quintic.coefficients(h, 0.0, 0.0, 0.0, 0.5 * h * faster + aside, faster, 0.0)
+    fits = maximum(1.0 - (path.stop - state.given_at) / h, 0.0) * sample.position_fits * sample.speed_fits
+    speed_misfit, most = sample.speed_misfit * fits, ONE_CHANGE * h * abs(sample.speed_misfit * fits)
+    aside = minimum(maximum(sample.position_misfit * fits - 0.5 * h * speed_misfit, -most), most)
+    *_, b3, b4, b5 = quintic.coefficients(h, 0.0, 0.0, 0.0, 0.5 * h * speed_misfit + aside, speed_misfit, 0.0)
     # additional acceleration and its rates at the step's start
     begin = state.motion[1][2] + grows * (path.start - state.given_at) + lag
     added = 2.0 * c2 - begin, 6.0 * (c3 - b3) - grows, 24.0 * (c4 - b4), 120.0 * (c5 - b5)
@@ -59,21 +59,21 @@ def add_misfit(state: Any, path: Any, settings: Any, rope: Any, leg: Any) -> Inp
     shifted = position - c0 - h * c1 - h * h / 6.0 * (4.0 * c2 + acceleration) - 0.5 * h * bent - aside
     wave, leg_force = _leg_response(state.wave, added, rope, leg, h)
     impedance = sqrt(rope.Qa * rope.mass_per_length)
-    wave_force, within_force = STEP_SPEED * impedance * shifted / h, WITHIN * impedance * faster
+    wave_force, within_force = STEP_SPEED * impedance * shifted / h, WITHIN * impedance * speed_misfit
     drift = state.drift + (1.0 - exp(-settings.observer * h)) * (misfit[1][0] - state.drift)
     result: InputFilter = state._replace(
         end_accelerations=tuple(axis[2] for axis in state.motion),
         explained=tuple((sample.position_fits, sample.speed_fits) for sample in samples),
         time=state.time + h,
-        position=larger(state.position, misfits[0]),
-        speed=larger(state.speed, misfits[1]),
-        acceleration=larger(state.acceleration, misfits[2]),
+        position=maximum(state.position, misfits[0]),
+        speed=maximum(state.speed, misfits[1]),
+        acceleration=maximum(state.acceleration, misfits[2]),
         squares=tuple(sum_ + h * (size * size) for sum_, size in zip(state.squares, misfits, strict=True)),
         wave=wave,
         lag=lag,
         force=state.force + h * (leg_force * leg_force + wave_force * wave_force + within_force * within_force),
         drift=drift,
-        farthest=larger(state.farthest, abs(drift)),
+        farthest=maximum(state.farthest, abs(drift)),
     )
     return result
 
@@ -98,13 +98,13 @@ def _leg_response(wave: Any, added: Any, rope: Any, leg: Any, h: Any) -> tuple[A
     return total, rope.mass_per_length * leg * (SWINGING * total[0] + (1.0 - SWINGING) * mean)
 
 
-def with_misfit(error: Any, sums: Any, left: Any, right: Any) -> Any:
+def add_misfit_error(error: Any, sums: Any, left: Any, right: Any) -> Any:
     """Add the error by inconsistent motions to ``error`` of the end forces, root mean square over the largest."""
-    squares = larger(left.force, right.force) / larger(sums.time, TINY)
-    return sqrt(error * error + squares / larger(sums.force * sums.force, TINY))
+    squares = maximum(left.force, right.force) / maximum(sums.time, TINY)
+    return sqrt(error * error + squares / maximum(sums.force * sums.force, TINY))
 
 
-def with_drift(error: Any, left: Any, right: Any) -> Any:
+def add_drift_error(error: Any, left: Any, right: Any) -> Any:
     """Add the drift of the ends to ``error`` (m) of the loop's position."""
     drift = 0.5 * (left.farthest + right.farthest)
     return sqrt(error * error + drift * drift)

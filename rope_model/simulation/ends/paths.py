@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from rope_model.numerics import quintic
 from rope_model.parameter_table import Bounds, numeric_bounds, parameter, parameters_of
-from rope_model.physics.elementary import larger, smaller
+from rope_model.physics.elementary import maximum, minimum
 
 SIDES = ("left", "right")
 END_NODE = (0, -1)  #: rows of the ends in arrays of nodes
@@ -22,9 +22,9 @@ PATH = ("x", "y", "z", "yaw")  #: coordinates of an end's path
 LEANS = ("lean", "lean_z")  #: leans of a clamp, which have paths of their own
 RESTS_BELOW = 1e-6  #: m/s and rad/s, speed below which an end is at rest
 # bounds of accepted motions
-FARTHEST = 1e4  #: m and rad
-FASTEST = 60.0  #: m/s and rad/s
-HARDEST = 100.0  #: m/s^2 and rad/s^2
+MAX_POSITION = 1e4  #: m and rad
+MAX_SPEED = 60.0  #: m/s and rad/s
+MAX_ACCELERATION = 100.0  #: m/s^2 and rad/s^2
 
 
 def _motion(unit: str, description: str, reach: float) -> float:
@@ -39,17 +39,17 @@ class EndMotion:
     Metres, seconds, radians; yaw about Y (up).  A clamp yaws first, then leans; as it leans on, it spins by yaw.
     """
 
-    x: float = _motion("m", "position of the {side} suspension point, in plane, from the nominal point", FARTHEST)
-    y: float = _motion("m", "position of the {side} suspension point, up", FARTHEST)
-    z: float = _motion("m", "position of the {side} suspension point, out of plane", FARTHEST)
-    vx: float = _motion("m/s", "speed of the {side} suspension point, in plane", FASTEST)
-    vy: float = _motion("m/s", "speed of the {side} suspension point, up", FASTEST)
-    vz: float = _motion("m/s", "speed of the {side} suspension point, out of plane", FASTEST)
-    ax: float = _motion("m/s2", "acceleration of the {side} suspension point, in plane", HARDEST)
-    ay: float = _motion("m/s2", "acceleration of the {side} suspension point, up", HARDEST)
-    az: float = _motion("m/s2", "acceleration of the {side} suspension point, out of plane", HARDEST)
-    yaw: float = _motion("rad", "yaw of the {side} conveyance about Y", FARTHEST)
-    yaw_rate: float = _motion("rad/s", "rate of {side}.yaw", FASTEST)
+    x: float = _motion("m", "position of the {side} suspension point, in plane, from the nominal point", MAX_POSITION)
+    y: float = _motion("m", "position of the {side} suspension point, up", MAX_POSITION)
+    z: float = _motion("m", "position of the {side} suspension point, out of plane", MAX_POSITION)
+    vx: float = _motion("m/s", "speed of the {side} suspension point, in plane", MAX_SPEED)
+    vy: float = _motion("m/s", "speed of the {side} suspension point, up", MAX_SPEED)
+    vz: float = _motion("m/s", "speed of the {side} suspension point, out of plane", MAX_SPEED)
+    ax: float = _motion("m/s2", "acceleration of the {side} suspension point, in plane", MAX_ACCELERATION)
+    ay: float = _motion("m/s2", "acceleration of the {side} suspension point, up", MAX_ACCELERATION)
+    az: float = _motion("m/s2", "acceleration of the {side} suspension point, out of plane", MAX_ACCELERATION)
+    yaw: float = _motion("rad", "yaw of the {side} conveyance about Y", MAX_POSITION)
+    yaw_rate: float = _motion("rad/s", "rate of {side}.yaw", MAX_SPEED)
     lean: float = _motion("rad", "lean of the {side} end from plumb, in plane; of a clamp alone", math.pi)
     lean_z: float = _motion("rad", "lean of the {side} end from plumb, out of plane; of a clamp alone", math.pi)
 
@@ -104,39 +104,39 @@ class EndPath(NamedTuple):
 
     def at_constant_acceleration(self, t: float) -> EndPath:
         """Return the motion at ``t`` continued with its accelerations, before and after."""
-        rates = (*zip(*self.motion(t), strict=True), *self.leaning(t))
+        rates = (*zip(*self.motion(t), strict=True), *self.lean_motion(t))
         x, y, z, yaw, *leans = ((x, v, 0.5 * a, 0.0, 0.0, 0.0) for x, v, a in rates)
         return EndPath(t, math.inf, (x, y, z, yaw), (leans[0], leans[1]))
 
     def height(self, t: float) -> Any:
         """Return y at ``t``."""
-        return quintic.value(self.coefficients[1], smaller(t, self.stop) - self.start)
+        return quintic.value(self.coefficients[1], minimum(t, self.stop) - self.start)
 
     def yaw(self, t: float) -> tuple[Any, Any]:
         """Return yaw and its rate at ``t``."""
-        return quintic.rates(self.coefficients[3], smaller(t, self.stop) - self.start)[:2]
+        return quintic.rates(self.coefficients[3], minimum(t, self.stop) - self.start)[:2]
 
-    def leaning(self, t: float) -> tuple[Any, Any]:
+    def lean_motion(self, t: float) -> tuple[Any, Any]:
         """Return the leans and their rates at ``t``."""
-        s = smaller(t, self.stop) - self.start
+        s = minimum(t, self.stop) - self.start
         return quintic.rates(self.leans[0], s), quintic.rates(self.leans[1], s)
 
     def motion(self, t: float) -> tuple[OfAxes, OfAxes, OfAxes]:
         """Return position, velocity and acceleration at ``t``."""
-        s = smaller(t, self.stop) - self.start
+        s = minimum(t, self.stop) - self.start
         (x, vx, ax), (y, vy, ay), (z, vz, az), (yaw, yaw_t, yaw_tt) = [quintic.rates(c, s) for c in self.coefficients]
         return (x, y, z, yaw), (vx, vy, vz, yaw_t), (ax, ay, az, yaw_tt)
 
     def at(self, t: float) -> EndMotion:
         """Return the motion at ``t``."""
         (x, y, z, yaw), (vx, vy, vz, yaw_rate), (ax, ay, az, _) = self.motion(t)
-        return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate, *(lean[0] for lean in self.leaning(t)))
+        return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate, *(lean[0] for lean in self.lean_motion(t)))
 
     def peak_accelerations(self) -> tuple[Any, ...]:
         """Return the largest sampled accelerations of PATH and LEANS; NaN where the first sample is."""
-        times = [part * (self.stop - self.start) for part in (0.0, 0.25, 0.5, 0.75, 1.0)]
+        times = [fraction * (self.stop - self.start) for fraction in (0.0, 0.25, 0.5, 0.75, 1.0)]
         every = (*self.coefficients, *self.leans)
-        return tuple(reduce(larger, (abs(quintic.acceleration(c, s)) for s in times)) for c in every)
+        return tuple(reduce(maximum, (abs(quintic.acceleration(c, s)) for s in times)) for c in every)
 
 
 def ends_at(paths: tuple[EndPath, EndPath], t: float) -> tuple[EndMotion, EndMotion]:
@@ -145,4 +145,4 @@ def ends_at(paths: tuple[EndPath, EndPath], t: float) -> tuple[EndMotion, EndMot
 
 
 #: bound of each value of EndMotion
-REACH = {name: float(numeric_bounds(EndMotion, name)[1] or 0.0) for name in parameters_of(EndMotion)}
+MOTION_BOUNDS = {name: float(numeric_bounds(EndMotion, name)[1] or 0.0) for name in parameters_of(EndMotion)}

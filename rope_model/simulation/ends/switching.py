@@ -11,9 +11,8 @@ import math
 import numpy as np
 
 from rope_model.numerics.generalized_alpha import Motion, StepResult
-from rope_model.simulation.ends.ends import Phase, SwivelState
 from rope_model.simulation.ends.paths import END_NODE, SIDES
-from rope_model.simulation.ends.swivel_phases import frictionless, released_at, swivel_excess
+from rope_model.simulation.ends.swivel_phases import Phase, SwivelState, frictionless, released_at, swivel_excess
 from rope_model.simulation.model import RopeModel, ends_of
 from rope_model.simulation.rope_system import ANGLE, Evaluation, RopeSystem
 from rope_model.simulation.state import Event, RopeState
@@ -60,11 +59,11 @@ def _excess_of(side: int, system: RopeSystem, motion: Motion) -> float:
 
 
 def switching_step(
-    model: RopeModel, system: RopeSystem, state: RopeState, result: StepResult[Evaluation], work: int
+    model: RopeModel, system: RopeSystem, state: RopeState, result: StepResult[Evaluation], iterations_left: int
 ) -> tuple[float, int] | None:
     """Return the step to the instant at which a swivel must switch, and the Newton iterations of the search.
 
-    After ``work`` iterations it is the step to the earliest instant known to be past the event.  None if no swivel
+    After ``iterations_left`` it is the step to the earliest instant known to be past the event.  None if no swivel
     switches before ``result``.
     """
     assert result.motion is not None
@@ -76,7 +75,7 @@ def switching_step(
 
     def at(h: float) -> float:
         nonlocal iterations
-        if iterations >= work:
+        if iterations >= iterations_left:
             return -1.0
         trial = model.trial(system, state.motion, h)
         iterations += trial.newton.iterations

@@ -1,14 +1,14 @@
 """Friction of a swivel in each phase, and the event function of a phase; codegen.rules makes the C of it.
 
-``swivel_state`` is its SwivelState, ``held`` the moment (N m) with which the conveyance would hold the rope's end, and
-``rate`` that of the swivel's angle (rad/s).
+``swivel_state`` is its SwivelState, ``constraint_moment`` the moment (N m) with which the conveyance would hold the
+rope's end, and ``rate`` that of the swivel's angle (rad/s).
 """
 
 import math
 from enum import Enum
 from typing import Any, NamedTuple
 
-from rope_model.physics.elementary import both, either, where
+from rope_model.physics.elementary import logical_and, logical_or, where
 from rope_model.physics.swivel import friction_moment
 
 #: N m, excess of a moment over the static limit that is rounding
@@ -33,18 +33,18 @@ class SwivelState(NamedTuple):
 
 def frictionless(swivel: Any) -> Any:
     """Return whether the swivel turns without friction."""
-    return either(swivel.mode == "free", both(swivel.mu_kinetic == 0.0, swivel.seal_moment == 0.0))
+    return logical_or(swivel.mode == "free", logical_and(swivel.mu_kinetic == 0.0, swivel.seal_moment == 0.0))
 
 
 def released_at(swivel: Any, swivel_state: Any) -> Any:
     """Return the instant (s) at which its lock ends; infinite if it is not locked, or locked for ever."""
-    waits = both(swivel_state.phase == Phase.LOCKED, swivel.mode != "locked")
+    waits = logical_and(swivel_state.phase == Phase.LOCKED, swivel.mode != "locked")
     return where(waits, swivel.release_time, math.inf)
 
 
 def relaxes(swivel: Any, swivel_state: Any, t: Any) -> Any:
     """Return whether a run that starts at ``t`` (s) starts from the angle to which the swivel has slid."""
-    return both(swivel.start == "relaxed", t >= released_at(swivel, swivel_state))
+    return logical_and(swivel.start == "relaxed", t >= released_at(swivel, swivel_state))
 
 
 def swivel_friction(swivel: Any, mu: Any, tension: Any) -> Any:
@@ -52,20 +52,20 @@ def swivel_friction(swivel: Any, mu: Any, tension: Any) -> Any:
     return where(swivel.mode == "free", 0.0, friction_moment(mu, swivel.mean_diameter, swivel.seal_moment, tension))
 
 
-def beyond_rest(swivel: Any, tension: Any, held: Any) -> Any:
-    """Return the moment (N m) by which ``held`` exceeds the static friction; negative while the swivel holds."""
+def beyond_rest(swivel: Any, tension: Any, constraint_moment: Any) -> Any:
+    """Return by how much ``constraint_moment`` exceeds the static friction (N m); negative while the swivel holds."""
     holds = where(frictionless(swivel), 0.0, swivel_friction(swivel, swivel.mu_static, tension))
-    return abs(held) - (holds + MOMENT_RESOLUTION)
+    return abs(constraint_moment) - (holds + MOMENT_RESOLUTION)
 
 
-def moment_of_swivel(swivel: Any, swivel_state: Any, tension: Any, held: Any) -> Any:
+def moment_of_swivel(swivel: Any, swivel_state: Any, tension: Any, constraint_moment: Any) -> Any:
     """Return the moment (N m, about the tangent) of the conveyance on the rope's end."""
     friction = swivel_friction(swivel, swivel.mu_kinetic, tension)
-    return where(swivel_state.phase == Phase.SLIP, -swivel_state.sign * friction, held)
+    return where(swivel_state.phase == Phase.SLIP, -swivel_state.sign * friction, constraint_moment)
 
 
-def swivel_excess(swivel: Any, swivel_state: Any, tension: Any, held: Any, rate: Any) -> Any:
+def swivel_excess(swivel: Any, swivel_state: Any, tension: Any, constraint_moment: Any, rate: Any) -> Any:
     """Return the event function: negative while the swivel may stay in its phase."""
-    stays = either(swivel_state.phase == Phase.LOCKED, both(swivel_state.phase == Phase.SLIP, frictionless(swivel)))
-    beyond = beyond_rest(swivel, tension, held)
-    return where(stays, -math.inf, where(swivel_state.phase == Phase.STICK, beyond, -swivel_state.sign * rate))
+    phase, beyond = swivel_state.phase, beyond_rest(swivel, tension, constraint_moment)
+    stays = logical_or(phase == Phase.LOCKED, logical_and(phase == Phase.SLIP, frictionless(swivel)))
+    return where(stays, -math.inf, where(phase == Phase.STICK, beyond, -swivel_state.sign * rate))

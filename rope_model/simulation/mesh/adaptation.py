@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from rope_model.numerics.generalized_alpha import Solution
-from rope_model.physics.accuracy import BOUNDED_MESH_ERROR, newton_may_leave
+from rope_model.physics.accuracy import BOUNDED_MESH_ERROR, effective_tolerance
 from rope_model.simulation.ends.ends import right_offset
 from rope_model.simulation.ends.paths import ends_at
 from rope_model.simulation.fidelity import lowest_sufficient
@@ -32,9 +32,9 @@ RELAXATION_TIME = 0.1
 def transform_if_due(model: RopeModel, state: RopeState) -> RopeState | str:
     """Return the state on the transformed mesh if a transformation is due, or the reason for a failure."""
     t = state.motion.t
-    bottom, faced = model.bottom(state.paths, t), model.faced(state.paths, t)
-    while (direction := transformation_due(state.partition, bottom, DUE_EARLY)) or window_due(state.partition, faced):
-        transformed = _on_partition(model, state, transform(state.partition, direction, faced))
+    bottom, places = model.bottom_s(state.paths, t), model.dividers(state.paths, t)
+    while (direction := transformation_due(state.partition, bottom, DUE_EARLY)) or window_due(state.partition, places):
+        transformed = _on_partition(model, state, transform(state.partition, direction, places))
         if isinstance(transformed, str):
             return transformed
         state = transformed
@@ -55,7 +55,7 @@ def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeSta
     moved = state._replace(partition=new, motion=replace(m, **carried, reaction=reaction), hysteresis=z)
     solver = model.scene.solver
     time, step_min = RELAXATION_TIME, solver.step_min
-    tolerance = float(newton_may_leave(solver.newton_tolerance, solver.work_max, BOUNDED_MESH_ERROR))
+    tolerance = float(effective_tolerance(solver.newton_tolerance, solver.work_max, BOUNDED_MESH_ERROR))
     while not (solution := _dynamic_equilibrium(model, moved, time, tolerance)).newton.converged:
         log.debug("t = %.6f s: transformation within %.3g s rejected: %s", m.t, time, solution.newton.status.text)
         if time <= step_min:
@@ -64,7 +64,7 @@ def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeSta
         moved = moved._replace(counts=moved.counts.plus(rejections=1))
     moved = moved._replace(counts=moved.counts.plus(given_up=int(solution.newton.error > solver.newton_tolerance)))
     system = model.system(moved)
-    z = system.slip(solution.q).z
+    z = system.update_hysteresis(solution.q).z
     moved = with_angles_along(system, moved._replace(motion=replace(moved.motion, q=solution.q), hysteresis=z))
     return _with_energy_change(model, moved)
 
@@ -101,7 +101,7 @@ def raise_fidelity(model: RopeModel, state: RopeState, why: str) -> RopeState:
         motion = flexible_start(system, ends_of(system), state.motion)
     else:
         motion = with_elastic_strain(system, state.motion)
-    z = system.slip(motion.q).z
+    z = system.update_hysteresis(motion.q).z
     above = model.restart(with_angles_along(system, above._replace(motion=motion, hysteresis=z)))
     m, before = above.motion, state.energy_balance
     after = energies(before, model.system(above).evaluate(m.q, m.v, m.a, m.reaction).balance)

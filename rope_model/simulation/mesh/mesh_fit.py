@@ -15,14 +15,14 @@ from typing import Any, NamedTuple
 
 from rope_model.physics import contact_error
 from rope_model.physics.accuracy import BRAKED, length_for, wave_duration
-from rope_model.physics.elementary import both, ceil, cos, either, larger, less, smaller, sqrt, where
+from rope_model.physics.elementary import ceil, cos, less, logical_and, logical_or, maximum, minimum, sqrt, where
 from rope_model.physics.estimates import axial_frequency, bending_length
 
 #: distance (l) of the loop from the middle of segment IV at which a transformation is due: the neighbouring mesh fits
 #: as well from 0.5 on; the margin keeps a loop that trembles by up to l/5 from transforming to and fro
 DUE = 0.6
 RATIO = 4.0  #: l over the length of the elements of IV: five segments
-MOST_LEVELS = 8  #: largest end_levels
+MAX_LEVELS = 8  #: largest end_levels
 MESH_SHARE = 0.5  #: fraction of the loop's allowed error that the mesh may take
 # upper bounds of grading_length
 LEG_GRADING = 7.5e5  #: m, times loop_error / length: lag allowed to short waves on a long trip
@@ -38,13 +38,13 @@ PUMPED_GROWTH = 8.0  #: exponent of a wave's growth below which it needs fewer e
 PUMPED_ERROR = 5e-3  #: m, error of the loop below which elements are shorter, by its fourth root
 NATURAL_RADIUS = 0.912  #: smallest radius of curvature of the free loop over w: 1 / 1.09661
 LOCKING_SHARE = 0.6  #: fraction of loop_error that the loop's elements may take at rest
-LONGEST = 0.75  #: longest element of the loop over R: on longer ones it slips aside
+MAX_LENGTH = 0.75  #: longest element of the loop over R: on longer ones it slips aside
 # decay length above the bend over w
 FADE = 1.0  #: for an error of the loop of FADE_ERROR
 FADE_ERROR = 0.05  #: m
 FADE_DECADE = 0.43  #: increase for a tenth of the error
 #: distance (rope lengths) of the loop from an end down to which no part of the pattern is cut off: ends 3/4 L apart
-NEAREST = 0.12
+MIN_END_DISTANCE = 0.12
 END_LENGTH = 2.9  #: length of the end elements over the bending layer there, shorter by the fifth root of the error
 END_ERROR = 0.033  #: error of the loop over R to which END_LENGTH belongs
 BLOW = 0.01  #: s, delay of the elements of legs that a divider may press: physics.contact_error
@@ -58,7 +58,7 @@ class FittedLengths(NamedTuple):
     """
 
     radius: float
-    fine: float
+    fine_length: float
     fade: float
     end: float
     grading: float
@@ -67,14 +67,14 @@ class FittedLengths(NamedTuple):
 def fit_lengths(scene: Any, loop_error: Any, decades: Any) -> FittedLengths:
     """Return the lengths for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
     rope, w = scene.rope, bending_length(scene)
-    radius = smaller(0.5 * scene.layout.spacing, NATURAL_RADIUS * w)
+    radius = minimum(0.5 * scene.layout.spacing, NATURAL_RADIUS * w)
     shorter = (loop_error / (END_ERROR * radius)) ** 0.2
-    fine = smaller(length_for(scene, LOCKING_SHARE * loop_error), LONGEST * radius)
-    fade = w * larger(FADE + FADE_DECADE * decades, 0.0)
+    fine_length = minimum(length_for(scene, LOCKING_SHARE * loop_error), MAX_LENGTH * radius)
+    fade = w * maximum(FADE + FADE_DECADE * decades, 0.0)
     layer = sqrt(rope.EI / (0.5 * (rope.mass_per_length * scene.layout.gravity) * rope.length))
-    grading = smaller(smaller(LEG_GRADING * loop_error, LEG_WAVES) / rope.length, LEG_SWAY * w)
-    grading = smaller(grading, pumped_grading(scene) * sqrt(smaller(loop_error / PUMPED_ERROR, 1.0)))
-    return FittedLengths(radius, fine, fade, END_LENGTH * layer * shorter, grading)
+    grading = minimum(minimum(LEG_GRADING * loop_error, LEG_WAVES) / rope.length, LEG_SWAY * w)
+    grading = minimum(grading, pumped_grading(scene) * sqrt(minimum(loop_error / PUMPED_ERROR, 1.0)))
+    return FittedLengths(radius, fine_length, fade, END_LENGTH * layer * shorter, grading)
 
 
 def pumped_grading(scene: Any) -> Any:
@@ -90,7 +90,7 @@ def pumped_grading(scene: Any) -> Any:
     return g * (wavelength * wavelength) * (1.0 + (PUMPED_GROWTH / growth) ** 4)
 
 
-def faced_positions(scene: Any, left: Any, right: Any) -> tuple[Any, ...]:
+def divider_positions(scene: Any, left: Any, right: Any) -> tuple[Any, ...]:
     """Return the arc lengths (m) from the ends, at these heights, at which each divider may press a leg (8,).
 
     Left and right leg alternate; infinite where the divider does not hold the leg, or is far from it.
@@ -105,13 +105,13 @@ def faced_positions(scene: Any, left: Any, right: Any) -> tuple[Any, ...]:
 
 def _may_press(scene: Any, divider: Any, leg: Any) -> Any:
     gap = abs(leg * cos(divider.direction) - divider.offset) - 0.5 * divider.size
-    near = both(divider.size > 0, gap < REACH * scene.layout.spacing)
-    return both(scene.shaft.contact.stiffness > 0, near)
+    near = logical_and(divider.size > 0, gap < REACH * scene.layout.spacing)
+    return logical_and(scene.shaft.contact.stiffness > 0, near)
 
 
 def pressed_length(scene: Any) -> Any:
     """Return the longest element (m) of a rope with a leg that a divider may press; infinite without one."""
-    pressed = either(*(s < math.inf for s in faced_positions(scene, 0.0, 0.0)))
+    pressed = logical_or(*(s < math.inf for s in divider_positions(scene, 0.0, 0.0)))
     return where(pressed, contact_error.length_for(scene, BLOW), math.inf)
 
 
@@ -128,13 +128,13 @@ class FittedMesh(NamedTuple):
 def fit_elements(scene: Any, loop_error: Any, decades: Any) -> FittedMesh:
     """Return the mesh for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
     length, lengths, longest = scene.rope.length, fit_lengths(scene, loop_error, decades), pressed_length(scene)
-    # no part of the pattern may be cut off while the loop is NEAREST or farther from an end
-    coarse = smaller(RATIO * lengths.fine, longest)
-    coarse = smaller(coarse, 2 * NEAREST * length / _inner_length(_fine_count(lengths, coarse)))
+    # no part of the pattern may be cut off while the loop is MIN_END_DISTANCE or farther from an end
+    coarse = minimum(RATIO * lengths.fine_length, longest)
+    coarse = minimum(coarse, 2 * MIN_END_DISTANCE * length / _inner_length(_fine_count(lengths, coarse)))
     fine = _fine_count(lengths, coarse)
-    short = coarse * (0.5 * _inner_length(fine) - DUE) > NEAREST * length
-    equal = where(short, larger(ceil(length / smaller(lengths.fine, 0.5 * longest)), 8.0), 0.0)
-    end_levels = sum((less(lengths.end * 2**k, coarse) for k in range(1, MOST_LEVELS)), less(lengths.end, coarse))
+    short = coarse * (0.5 * _inner_length(fine) - DUE) > MIN_END_DISTANCE * length
+    equal = where(short, maximum(ceil(length / minimum(lengths.fine_length, 0.5 * longest)), 8.0), 0.0)
+    end_levels = sum((less(lengths.end * 2**k, coarse) for k in range(1, MAX_LEVELS)), less(lengths.end, coarse))
     grading = where(longest < math.inf, 0.0, lengths.grading)  # no joined elements in I and VII
     return FittedMesh(equal, coarse, fine, end_levels, grading)
 

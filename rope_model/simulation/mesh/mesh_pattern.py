@@ -7,7 +7,7 @@ segments and l as ``coarse``, all 0 for EEM.
 import math
 from typing import Any
 
-from rope_model.physics.elementary import either, floor, larger, less, smaller, where
+from rope_model.physics.elementary import floor, less, logical_or, maximum, minimum, where
 from rope_model.simulation.mesh.mesh_fit import DUE
 
 DUE_EARLY = 1e-7  #: m, distance before the limit at which a transformation is made, because of rounding
@@ -34,7 +34,7 @@ def inner_length(counts: Any) -> Any:
     return 0.5 * (ii + vi) + 0.25 * (iii + v) + fine_share(counts) * iv
 
 
-def fewest_outer(counts: Any) -> Any:
+def min_outer(counts: Any) -> Any:
     """Return the smallest number of elements of I or VII: below 1 by the whole l in half of segments II to VI."""
     return 1.0 - floor(0.5 * inner_length(counts))
 
@@ -44,28 +44,28 @@ def pattern_centre(pattern: Any) -> Any:
     return pattern.coarse * (pattern.counts[0] + 0.5 * inner_length(pattern.counts[1:6]))
 
 
-def distance_to_due(pattern: Any, bottom: Any) -> Any:
+def distance_past_limit(pattern: Any, bottom_s: Any) -> Any:
     """Return the distance (m) of the loop past the limit; negative if no transformation is due or possible."""
-    return _past_limit(pattern, bottom - pattern_centre(pattern))
+    return _past_limit(pattern, bottom_s - pattern_centre(pattern))
 
 
 def window_place(pattern: Any, s: Any) -> Any:
     """Return the start, in l, of the window about arc length ``s`` (m) from the end, on the rope or just beyond."""
     beyond = pattern.counts[0] + pattern.counts[6] + inner_length(pattern.counts[1:6])
-    return smaller(larger(s / pattern.coarse - 0.5 * WINDOW, -float(WINDOW)), beyond)
+    return minimum(maximum(s / pattern.coarse - 0.5 * WINDOW, -float(WINDOW)), beyond)
 
 
 def _past_limit(pattern: Any, offset: Any) -> Any:
     """Return the distance past the limit of a loop that is ``offset`` (m) right of the centre."""
     outer = where(offset > 0.0, pattern.counts[6], pattern.counts[0])
-    stays = either(pattern.coarse <= 0.0, outer == fewest_outer(pattern.counts[1:6]))
+    stays = logical_or(pattern.coarse <= 0.0, outer == min_outer(pattern.counts[1:6]))
     return where(stays, -math.inf, abs(offset) - DUE * pattern.coarse)
 
 
-def transformation_due(pattern: Any, bottom: Any, slack: Any = 0.0) -> Any:
-    """Return +1 or -1 if the loop at arc length ``bottom`` is within ``slack`` (m) of a transformation.
+def transformation_due(pattern: Any, bottom_s: Any, slack: Any = 0.0) -> Any:
+    """Return +1 or -1 if the loop at arc length ``bottom_s`` is within ``slack`` (m) of a transformation.
 
     It is 0 otherwise, or if the mesh has reached its end in that direction.
     """
-    offset = bottom - pattern_centre(pattern)
+    offset = bottom_s - pattern_centre(pattern)
     return where(_past_limit(pattern, offset) < -slack, 0.0, less(0.0, offset) - less(offset, 0.0))

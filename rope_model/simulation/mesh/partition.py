@@ -32,19 +32,19 @@ import numpy as np
 
 from rope_model.parameters import Scene
 from rope_model.simulation.mesh import mesh_pattern as tmn
-from rope_model.simulation.mesh.mesh_fit import FADE_ERROR, MESH_SHARE, faced_positions, fit_elements
+from rope_model.simulation.mesh.mesh_fit import FADE_ERROR, MESH_SHARE, divider_positions, fit_elements
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import Array, arc_lengths
-from rope_model.solver_parameters import MOST_ELEMENTS, Mesh
+from rope_model.solver_parameters import MAX_ELEMENTS, Mesh
 
 #: distance (l) beyond the limit of a transformation that a step carries the loop at most: 20 ms at 20 m/s with l = 1.6
 #: m
-LATEST = 0.25
+MAX_OVERSHOOT = 0.25
 #: lengths (l) of elements of I or VII, each at a multiple of its length from the end of the rope, so that its
 #: neighbours stay when it changes (spare ones are halved, see _legs)
 LEG_LENGTHS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
 GRADING = 2  #: least distance of an element of m l from segments II to VI over (m - 1) l
-NOWHERE = (math.inf,) * 8  #: positions of dividers on a rope that none may press
+NO_DIVIDERS = (math.inf,) * 8  #: positions of dividers on a rope that none may press
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Partition:
     ``counts`` are the elements of the seven segments (0 for EEM) before the end elements are halved ``end_levels``
     times and those of I and VII joined as ``grading_length`` (m) allows; ``coarse`` is l.  Below 1 in I or VII they
     count the l that the end cuts off.  ``windows`` begin so many l from the ends, in the order of
-    mesh_fit.faced_positions; unused ones are beyond the rope.
+    mesh_fit.divider_positions; unused ones are beyond the rope.
     """
 
     lengths: Array
@@ -62,7 +62,7 @@ class Partition:
     coarse: float = 0.0
     end_levels: int = 0
     grading_length: float = 0.0
-    windows: tuple[int, ...] = (0,) * len(NOWHERE)
+    windows: tuple[int, ...] = (0,) * len(NO_DIVIDERS)
 
     @property
     def nodes_s(self) -> Array:
@@ -70,7 +70,7 @@ class Partition:
         return arc_lengths(self.lengths)
 
     @property
-    def fine(self) -> float:
+    def fine_length(self) -> float:
         """Length of the loop's elements, m."""
         return self.coarse * tmn.fine_share(self.counts[1:6]) if self.coarse else float(self.lengths[0])
 
@@ -99,59 +99,59 @@ def fit_mesh(scene: Scene) -> Mesh:
     )
 
 
-def faced_by(scene: Scene, left: float, right: float) -> Sequence[float]:
-    """Return mesh_fit.faced_positions for a fitted mesh, and NOWHERE for a prescribed one."""
-    return faced_positions(scene, left, right) if scene.mesh.kind == "auto" else NOWHERE
+def mesh_dividers(scene: Scene, left: float, right: float) -> Sequence[float]:
+    """Return mesh_fit.divider_positions for a fitted mesh, and NO_DIVIDERS for a prescribed one."""
+    return divider_positions(scene, left, right) if scene.mesh.kind == "auto" else NO_DIVIDERS
 
 
 def mesh_elements(scene: Scene) -> int:
     """Return the number of elements of the scene's rope; ValueError if the mesh does not fit it."""
     length = scene.rope.length
-    return int(partition(fit_mesh(scene), length, 0.5 * length, faced_by(scene, 0.0, 0.0)).lengths.size)
+    return int(partition(fit_mesh(scene), length, 0.5 * length, mesh_dividers(scene, 0.0, 0.0)).lengths.size)
 
 
-def partition(mesh: Mesh, length: float, bottom: float, faced: Sequence[float] = NOWHERE) -> Partition:
-    """Return the partition of a rope of ``length`` with its loop at ``bottom`` (m) and dividers where ``faced``."""
+def partition(mesh: Mesh, length: float, bottom_s: float, divider_s: Sequence[float] = NO_DIVIDERS) -> Partition:
+    """Return the partition of a rope of ``length``, its loop at ``bottom_s`` (m) and dividers where ``divider_s``."""
     if mesh.kind == "auto":
         raise ValueError("mesh.kind = 'auto' needs the rope's data: fit the mesh first with fit_mesh(scene)")
     if mesh.kind == "eem":
         return Partition(np.full(mesh.elements, length / mesh.elements))
     inner = float(tmn.inner_length(mesh.counts))
     outer = float(np.rint(length / mesh.coarse_length - inner))
-    if outer > MOST_ELEMENTS:
-        raise ValueError(messages.too_many_lengths(mesh.coarse_length, length, outer, MOST_ELEMENTS))
+    if outer > MAX_ELEMENTS:
+        raise ValueError(messages.too_many_lengths(mesh.coarse_length, length, outer, MAX_ELEMENTS))
     if outer < 2:
         raise ValueError(messages.too_few_lengths(inner * mesh.coarse_length, length))
     coarse = length / (outer + inner)
     elements = _leg_elements(int(outer), mesh.grading_length / coarse) + 2 * mesh.end_levels + sum(mesh.counts)
-    elements += tmn.WINDOW * (tmn.WINDOW_PARTS - 1) * int(np.isfinite(faced).sum())
-    if elements > MOST_ELEMENTS:
-        raise ValueError(messages.too_many_elements(elements, MOST_ELEMENTS))
-    least = tmn.fewest_outer(mesh.counts)
-    first = int(np.clip(round(bottom / coarse - 0.5 * inner), least, outer - least))
+    elements += tmn.WINDOW * (tmn.WINDOW_PARTS - 1) * int(np.isfinite(divider_s).sum())
+    if elements > MAX_ELEMENTS:
+        raise ValueError(messages.too_many_elements(elements, MAX_ELEMENTS))
+    least = tmn.min_outer(mesh.counts)
+    first = int(np.clip(round(bottom_s / coarse - 0.5 * inner), least, outer - least))
     counts = (first, *mesh.counts, int(outer) - first)
-    return _tmn(Partition(np.empty(elements), counts, coarse, mesh.end_levels, mesh.grading_length), faced)
+    return _tmn(Partition(np.empty(elements), counts, coarse, mesh.end_levels, mesh.grading_length), divider_s)
 
 
-def transform(old: Partition, direction: float, faced: Sequence[float] = NOWHERE) -> Partition:
+def transform(old: Partition, direction: float, divider_s: Sequence[float] = NO_DIVIDERS) -> Partition:
     """Return the next partition: ``direction`` is +1 if the loop travels to the right, -1 to the left.
 
     The windows follow the dividers.
     """
     first, last = old.counts[0] + int(direction), old.counts[6] - int(direction)
-    return _tmn(replace(old, counts=(first, *old.counts[1:6], last)), faced)
+    return _tmn(replace(old, counts=(first, *old.counts[1:6], last)), divider_s)
 
 
-def window_due(pattern: Partition, faced: Sequence[float]) -> bool:
+def window_due(pattern: Partition, divider_s: Sequence[float]) -> bool:
     """Return whether a window is so far from its divider that it moves without the loop."""
     return pattern.coarse > 0 and any(
         abs(tmn.window_place(pattern, s) - window) > tmn.WINDOW_DUE
-        for s, window in {*zip(faced, pattern.windows, strict=True)}  # the set is mostly one pair
+        for s, window in {*zip(divider_s, pattern.windows, strict=True)}  # the set is mostly one pair
     )
 
 
-def _tmn(pattern: Partition, faced: Sequence[float]) -> Partition:
-    """Return ``pattern`` with its windows where dividers are ``faced``, and with the lengths of its elements."""
+def _tmn(pattern: Partition, divider_s: Sequence[float]) -> Partition:
+    """Return ``pattern`` with its windows where dividers are ``divider_s``, and with the lengths of its elements."""
     counts, coarse, levels = pattern.counts, pattern.coarse, pattern.end_levels
     inner = np.repeat(tmn.relative_lengths(counts[1:6]), counts[1:6])
     first, last = max(counts[0], 1), max(counts[6], 1)
@@ -165,7 +165,7 @@ def _tmn(pattern: Partition, faced: Sequence[float]) -> Partition:
         elements = pattern.lengths.size - inner_lengths.size - sum(end.size - 1 for end in ends)
         if elements >= len(_leg(first, growth)) + len(_leg(last, growth)):
             break
-    windows = tuple(round(tmn.window_place(pattern, s)) for s in faced)
+    windows = tuple(round(tmn.window_place(pattern, s)) for s in divider_s)
     left, right = _legs(first, last, elements, growth, windows)
     lengths = np.concatenate((ends[0], left[1:], inner_lengths, right[:0:-1], ends[1][::-1]))
     return replace(pattern, lengths=coarse * lengths, windows=windows)

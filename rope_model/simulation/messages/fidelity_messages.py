@@ -1,31 +1,31 @@
 """Reasons why a fidelity of the model serves, or does not: texts of both forms, as in messages."""
 
-from rope_model.simulation.messages.text import Text
+from rope_model.simulation.messages.text import Template
 
-cannot_follow = Text("the {fidelity:s} model cannot follow {why:.300}")
-fixed_model_cannot_follow = Text(
+cannot_follow = Template("the {fidelity:s} model cannot follow {why:.300}")
+fixed_model_cannot_follow = Template(
     "the {fidelity:s} model cannot follow {why:.300}; set model.fidelity = auto (or torsional)"
 )
-while_swivels_hold = Text("{why:.300} while its swivels hold")
-applied_forces = Text("forces that are applied to places of the rope")
-errs_too_much = Text(
+while_swivels_hold = Template("{why:.300} while its swivels hold")
+applied_forces = Template("forces that are applied to places of the rope")
+errs_too_much = Template(
     "the ends within the tolerance of {tolerance_percent:.3g} %: it errs by an estimated {error_percent:.3g} %"
 )
-would_go_slack = Text("a rope that goes slack (tension {tension:.4g} N)")
-as_asked = Text("as asked for")
-held_where_initialised = Text("{why:.300} where the rope is initialised with its swivels held")
-may_touch = Text("the rope may touch a body in the shaft")
-may_touch_itself = Text("the rope may touch itself")
-guards_watch = Text("guards watch the loop, which may turn and swing")
-in_air = Text("the air may carry the rope along")
-is_curved = Text("the rope has a permanent curvature of {curvature:g} 1/m")
-not_plumb = Text("an end is not held plumb")
-is_pushed = Text("forces are applied to places of the rope")
-no_torque = Text("no torque acts and nothing acts out of plane")
-coupled = Text("tension and torsion are coupled (Qb = {Qb:g}, Qc = {Qc:g} N m)")
-twisted = Text("the rope is twisted by {angle:g} rad")
-torque_and_more = Text("{torque:.200}; the spatial model cannot follow {why:.200}")
-errs_little = Text(
+would_go_slack = Template("a rope that goes slack (tension {tension:.4g} N)")
+as_asked = Template("as asked for")
+held_where_initialised = Template("{why:.300} where the rope is initialised with its swivels held")
+may_touch = Template("the rope may touch a body in the shaft")
+may_touch_itself = Template("the rope may touch itself")
+guards_watch = Template("guards watch the loop, which may turn and swing")
+in_air = Template("the air may carry the rope along")
+is_curved = Template("the rope has a permanent curvature of {curvature:g} 1/m")
+not_plumb = Template("an end is not held plumb")
+is_pushed = Template("forces are applied to places of the rope")
+no_torque = Template("no torque acts and nothing acts out of plane")
+coupled = Template("tension and torsion are coupled (Qb = {Qb:g}, Qc = {Qc:g} N m)")
+twisted = Template("the rope is twisted by {angle:g} rad")
+torque_and_more = Template("{torque:.200}; the spatial model cannot follow {why:.200}")
+errs_little = Template(
     "the {fidelity:s} model errs by an estimated {error_percent:.2g} %, within the tolerance of "
     "{tolerance_percent:.3g} %, for ends at up to {speed:g} m/s, {acceleration:g} m/s^2 and {jerk:g} m/s^3"
 )

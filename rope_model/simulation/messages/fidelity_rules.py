@@ -9,10 +9,10 @@ from dataclasses import fields
 from typing import Any
 
 from rope_model.physics import estimates
-from rope_model.physics.elementary import both, either, larger, where
-from rope_model.physics.guard import guarded
-from rope_model.physics.inextensible import lowest, pull
-from rope_model.physics.initial_curvature import most_curvature
+from rope_model.physics.elementary import logical_and, logical_or, maximum, where
+from rope_model.physics.guard import has_guards
+from rope_model.physics.inextensible import min_tension, rigid_tensions
+from rope_model.physics.initial_curvature import max_curvature
 from rope_model.simulation.contact.bodies import may_touch
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.messages import fidelity_messages
@@ -27,27 +27,27 @@ INPUTS = tuple(field.name for field in fields(EndMotion))
 
 def carries_torque(scene: Any) -> Any:
     """Return whether the rope carries torque even in the plane while its ends do not turn."""
-    return either(_coupled(scene)[0], _twisted(scene)[0], _curved(scene)[0])
+    return logical_or(_coupled(scene)[0], _twisted(scene)[0], _curved(scene)[0])
 
 
 def not_plumb(scene: Any) -> Any:
     """Return whether an end of the rope is clamped otherwise, or hinged."""
-    return either(scene.left.attachment != "plumb", scene.right.attachment != "plumb")
+    return logical_or(scene.left.attachment != "plumb", scene.right.attachment != "plumb")
 
 
 def expected_travel(ends: Sequence[Any]) -> estimates.Travel:
     """Return the motion to expect of ends that move like this."""
     left, right = ends
-    speed, acceleration = larger(abs(left.vy), abs(right.vy)), larger(abs(left.ay), abs(right.ay))
+    speed, acceleration = maximum(abs(left.vy), abs(right.vy)), maximum(abs(left.ay), abs(right.ay))
     return estimates.travel_estimate(abs(left.y - right.y), speed, acceleration)
 
 
 def force_error(scene: Any, fidelity: Any, travel: Any) -> Any:
     """Return the estimated error of the end forces against the complete model; inf if the loop may turn far."""
-    locked = both(scene.left.mode == "locked", scene.right.mode == "locked")
+    locked = logical_and(scene.left.mode == "locked", scene.right.mode == "locked")
     torque_error = estimates.held_error(scene, travel) + where(locked, 0.0, estimates.release_error(scene, travel))
-    torque_error = where(estimates.loop_yaw(scene) > estimates.LARGEST_YAW, math.inf, torque_error)
-    error = where(both(fidelity != "torsional", carries_torque(scene)), torque_error, 0.0)
+    torque_error = where(estimates.loop_yaw(scene) > estimates.MAX_YAW, math.inf, torque_error)
+    error = where(logical_and(fidelity != "torsional", carries_torque(scene)), torque_error, 0.0)
     loop_error = estimates.longitudinal_error(scene, travel) + estimates.lean_error(scene, travel)
     return error + where(fidelity == "rigid", loop_error, 0.0)
 
@@ -60,14 +60,14 @@ def first_input(left: Any, right: Any, turned: Any, across: Any, along: Any) -> 
         for before, end in ((len(INPUTS), right), (0, left)):
             for name in reversed(names):
                 number = float(1 + before + INPUTS.index(name))
-                first = where(both(counts, getattr(end, name) != 0), number, first)
+                first = where(logical_and(counts, getattr(end, name) != 0), number, first)
     return first
 
 
 def out_of_plane(number: Any) -> Any:
     """Return whether the input of this number acts out of the plane."""
     numbers = (before + 1 + INPUTS.index(name) for before in (0, len(INPUTS)) for name in OUT_OF_PLANE)
-    return either(*(number == own for own in numbers))
+    return logical_or(*(number == own for own in numbers))
 
 
 def held_input(left: Any, right: Any) -> Any:
@@ -78,18 +78,18 @@ def held_input(left: Any, right: Any) -> Any:
 def unsupported_input(scene: Any, fidelity: Any, left: Any, right: Any) -> Any:
     """Return the number of the first input that ``fidelity``, not torsional, leaves out; 0: none."""
     held = _turns_freely(scene) == 0
-    across = either(fidelity != "spatial", both(held, scene.model.fidelity == "auto"))
+    across = logical_or(fidelity != "spatial", logical_and(held, scene.model.fidelity == "auto"))
     return first_input(left, right, held, across, fidelity == "rigid")
 
 
 def _turns_freely(scene: Any) -> Any:
     left, right = scene.left, scene.right
-    return both(left.mode == "free", left.release_time <= 0, right.mode == "free", right.release_time <= 0)
+    return logical_and(left.mode == "free", left.release_time <= 0, right.mode == "free", right.release_time <= 0)
 
 
 def _coupled(scene: Any) -> tuple[Any, ...]:
     rope = scene.rope
-    return either(rope.Qs != 0, rope.Qk != 0), rope.Qb, rope.Qc
+    return logical_or(rope.Qs != 0, rope.Qk != 0), rope.Qb, rope.Qc
 
 
 def _twisted(scene: Any) -> tuple[Any, ...]:
@@ -97,7 +97,7 @@ def _twisted(scene: Any) -> tuple[Any, ...]:
 
 
 def _curved(scene: Any) -> tuple[Any, ...]:
-    largest = most_curvature(scene.rope)
+    largest = max_curvature(scene.rope)
     return largest > 0, largest
 
 
@@ -107,12 +107,12 @@ def _errs_too_much(scene: Any, fidelity: Any, left: Any, right: Any, forces: Any
 
 
 def _would_go_slack(scene: Any, fidelity: Any, left: Any, right: Any, forces: Any) -> tuple[Any, ...]:
-    tension = lowest(pull(scene.rope, scene.layout, left, right))
-    return both(fidelity == "rigid", tension < 0), tension
+    tension = min_tension(rigid_tensions(scene.rope, scene.layout, left, right))
+    return logical_and(fidelity == "rigid", tension < 0), tension
 
 
 def _no_torque(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, ...]:
-    return (both(fidelity != "rigid", carries_torque(scene) == 0),)
+    return (logical_and(fidelity != "rigid", carries_torque(scene) == 0),)
 
 
 def _errs_little(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, ...]:
@@ -127,7 +127,7 @@ TORQUE: Rules = {fidelity_messages.coupled: _coupled, fidelity_messages.twisted:
 COMPLETE: Rules = {
     fidelity_messages.may_touch: lambda scene, forces: (may_touch(scene.shaft),),
     fidelity_messages.may_touch_itself: lambda scene, forces: (scene.shaft.contact.rope_stiffness > 0,),
-    fidelity_messages.guards_watch: lambda scene, forces: (guarded(scene.shaft.guard) > 0,),
+    fidelity_messages.guards_watch: lambda scene, forces: (has_guards(scene.shaft.guard) > 0,),
     fidelity_messages.in_air: lambda scene, forces: (scene.shaft.air.density > 0,),
     fidelity_messages.is_curved: lambda scene, forces: _curved(scene),
     fidelity_messages.not_plumb: lambda scene, forces: (not_plumb(scene),),

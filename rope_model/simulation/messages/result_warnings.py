@@ -29,7 +29,7 @@ from rope_model.simulation.contact.shaft import BODIES
 from rope_model.simulation.ends.paths import SIDES
 from rope_model.simulation.messages import warning_messages, warning_rules
 from rope_model.simulation.messages.rules import first_text
-from rope_model.simulation.outputs.diagnostics import direction
+from rope_model.simulation.outputs.diagnostics import ends_yaw
 from rope_model.simulation.outputs.neglected_effects import neglected_text
 from rope_model.simulation.rope_system import ANGLE
 from rope_model.simulation.state import RopeState
@@ -78,14 +78,14 @@ def unfit_inputs(scene: Scene, state: RopeState) -> str:
 
 def _yaw(state: RopeState) -> float:
     """Return the yaw (rad) of the loop against its ends."""
-    return state.loop_yaw - direction(state.motion.q)
+    return state.loop_yaw - ends_yaw(state.motion.q)
 
 
 def _end_twist(state: RopeState) -> float:
     """Return the twist (rad) of the rope from end to end by conveyances and swivels turned against the ends' line."""
     (left, right), q = state.offsets, state.motion.q
     # a yaw about Y twists either end separately, and both when the whole rope is turned
-    return float(q[-1, ANGLE]) - right - (float(q[0, ANGLE]) - left) - 2 * direction(q)
+    return float(q[-1, ANGLE]) - right - (float(q[0, ANGLE]) - left) - 2 * ends_yaw(q)
 
 
 #: warnings in the order of rope_warning in rope.h

@@ -7,9 +7,9 @@ then the numbers in it.  A choice is compared with its word.
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rope_model.simulation.messages.text import Text
+from rope_model.simulation.messages.text import Template
 
-Rules = Mapping[Text, Callable[..., tuple[Any, ...]]]
+Rules = Mapping[Template, Callable[..., tuple[Any, ...]]]
 
 
 def first_text(rules: Rules, *facts: Any) -> str:

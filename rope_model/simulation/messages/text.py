@@ -3,7 +3,7 @@
 from string import Formatter
 
 
-class Text:
+class Template:
     """Text with a named placeholder for each value, as in ``{x:.3g}``; it is called with the values in their order.
 
     A placeholder is that of a real number; with ``d`` of an integer, with ``s`` or a length alone of a text.

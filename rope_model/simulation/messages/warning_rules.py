@@ -4,12 +4,12 @@ import math
 from typing import Any
 
 from rope_model.physics.accuracy import length_for, mesh_error, turned_by_mesh
-from rope_model.physics.elementary import both, either, floor, smaller, where
+from rope_model.physics.elementary import floor, logical_and, logical_or, minimum, where
 from rope_model.physics.estimates import bending_length, coupling_torque, curvature_torque, twist_torque
-from rope_model.physics.initial_curvature import most_curvature
+from rope_model.physics.initial_curvature import max_curvature
 from rope_model.shaft_parameters import FAR
-from rope_model.simulation.ends.input_filter import FEWEST_BREAKS
-from rope_model.simulation.mesh.mesh_fit import LONGEST, NATURAL_RADIUS
+from rope_model.simulation.ends.input_filter import MIN_BREAKS
+from rope_model.simulation.mesh.mesh_fit import MAX_LENGTH, NATURAL_RADIUS
 from rope_model.simulation.mesh.mesh_pattern import fine_share
 from rope_model.simulation.messages import warning_messages as texts
 from rope_model.simulation.messages.fidelity_rules import carries_torque
@@ -21,9 +21,9 @@ HALF_A_TURN = math.pi
 #: rad, yaw at rest of a rope whose data should be checked
 YAWED_FAR = math.pi / 6
 #: s, longest step for motions that are extrapolated: in a winding end forces are 2 % off at 50 ms
-LONGEST_EXTRAPOLATION = 0.02
+MAX_EXTRAPOLATION = 0.02
 #: samples of a moving end from which rounding can be recognised: the first of a trip lie on every grid
-FEWEST_SAMPLES = 20
+MIN_SAMPLES = 20
 #: m, rounding of positions below which it does no harm
 COARSEST_ROUNDING = 0.99e-4
 #: m/s, a rope with less kinetic energy than at this uniform speed is at rest
@@ -38,14 +38,14 @@ def rests(scene: Any, state: Any) -> Any:
 
 def leaves_out(scene: Any, state: Any) -> Any:
     """Return whether the rope moves in a way that its fidelity leaves out."""
-    blown = both(state.fidelity == "planar", scene.shaft.air.density > 0, abs(scene.shaft.air.vz) > 0)
-    return either(state.fidelity == "rigid", carries_torque(scene), blown)
+    blown = logical_and(state.fidelity == "planar", scene.shaft.air.density > 0, abs(scene.shaft.air.vz) > 0)
+    return logical_or(state.fidelity == "rigid", carries_torque(scene), blown)
 
 
 def yawed_far_at_rest(scene: Any, state: Any, yaw: Any) -> Any:
     """Return whether the loop hangs out of its ends' plane by ``yaw`` (rad) at rest, and no worse warning applies."""
-    free = both(state.crossing.number == 0, state.crossing.overlap == 0, abs(yaw) < HALF_A_TURN)
-    return both(state.fidelity == "torsional", free, rests(scene, state), abs(yaw) > YAWED_FAR)
+    free = logical_and(state.crossing.number == 0, state.crossing.overlap == 0, abs(yaw) < HALF_A_TURN)
+    return logical_and(state.fidelity == "torsional", free, rests(scene, state), abs(yaw) > YAWED_FAR)
 
 
 def _passages(state: Any) -> tuple[Any, ...]:
@@ -54,22 +54,22 @@ def _passages(state: Any) -> tuple[Any, ...]:
 
 def _legs_press(state: Any) -> tuple[Any, ...]:
     x = state.crossing
-    return both(x.number == 0, x.overlap > 0), x.touched_at, x.overlap, x.touched_y
+    return logical_and(x.number == 0, x.overlap > 0), x.touched_at, x.overlap, x.touched_y
 
 
 def _legs_touch(scene: Any, state: Any, yaw: Any) -> tuple[Any, ...]:
     applies, *numbers = _legs_press(state)
-    return both(applies, scene.shaft.contact.rope_stiffness == 0), *numbers
+    return logical_and(applies, scene.shaft.contact.rope_stiffness == 0), *numbers
 
 
 def _torque_of_coupling(scene: Any, turned: Any) -> tuple[Any, ...]:
     coupling, curvature, installed, ends = _torques(scene, turned)
-    return both(coupling >= curvature, coupling >= installed, coupling >= ends), scene.rope.Qb, scene.rope.Qc
+    return logical_and(coupling >= curvature, coupling >= installed, coupling >= ends), scene.rope.Qb, scene.rope.Qc
 
 
 def _torque_of_curvature(scene: Any, turned: Any) -> tuple[Any, ...]:
     _, curvature, installed, ends = _torques(scene, turned)
-    return both(curvature >= installed, curvature >= ends), most_curvature(scene.rope)
+    return logical_and(curvature >= installed, curvature >= ends), max_curvature(scene.rope)
 
 
 def _torque_of_twist(scene: Any, turned: Any) -> tuple[Any, ...]:
@@ -98,51 +98,51 @@ def _shown_below(number: Any) -> Any:
 def _waves_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
     audit, steps = state.audit, audits.signal_values(state.audit)[4]
     large = audits.LARGE_CHANGE * audit.force
-    applies = both(audit.period_fraction * audits.FEWEST_STEPS > 1.0, audit.force_change > large)
-    return applies, audit.force_change, _shown_below(steps), audits.FEWEST_STEPS, audits.axial_step(scene.rope)
+    applies = logical_and(audit.period_fraction * audits.MIN_STEPS > 1.0, audit.force_change > large)
+    return applies, audit.force_change, _shown_below(steps), audits.MIN_STEPS, audits.axial_step(scene.rope)
 
 
 def _bend_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
-    elements = audits.signal_values(state.audit)[5]
-    return both(state.audit.bend > 0, elements < audits.FEWEST_ELEMENTS), _shown_below(elements), audits.FEWEST_ELEMENTS
+    elements, enough = audits.signal_values(state.audit)[5], audits.MIN_ELEMENTS
+    return logical_and(state.audit.bend > 0, elements < enough), _shown_below(elements), enough
 
 
 def _positions_rounded(scene: Any, end_filter: Any, step: Any) -> tuple[Any, ...]:
     x = end_filter
-    on_grid = both(x.samples >= FEWEST_SAMPLES, x.grid >= COARSEST_ROUNDING, x.grid < 1)
-    return both(scene.inputs.given != "speed", on_grid, x.position > 0.25 * x.grid), x.grid
+    on_grid = logical_and(x.samples >= MIN_SAMPLES, x.grid >= COARSEST_ROUNDING, x.grid < 1)
+    return logical_and(scene.inputs.given != "speed", on_grid, x.position > 0.25 * x.grid), x.grid
 
 
 def _motion_misfits(scene: Any, end_filter: Any, step: Any) -> tuple[Any, ...]:
     x = end_filter
     disturbs = x.acceleration > scene.accuracy.end_force * scene.layout.gravity
-    return both(scene.inputs.given == "all", disturbs), x.position, x.speed, x.acceleration
+    return logical_and(scene.inputs.given == "all", disturbs), x.position, x.speed, x.acceleration
 
 
 def _loop_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
     mesh, allowed = scene.mesh, scene.accuracy.loop
     equal = mesh.kind == "eem"
-    fine = where(equal, scene.rope.length / mesh.elements, mesh.coarse_length * fine_share(mesh.counts))
-    error = mesh_error(scene, fine, where(equal, 0.0, mesh.grading_length))
-    yaw = where(state.fidelity == "planar", 0.0, turned_by_mesh(scene, fine))
-    sufficient = smaller(length_for(scene, allowed), LONGEST * NATURAL_RADIUS * bending_length(scene))
-    applies = both(mesh.kind != "auto", state.fidelity != "rigid", error > allowed)
-    return applies, fine, error, allowed, yaw, sufficient
+    fine_length = where(equal, scene.rope.length / mesh.elements, mesh.coarse_length * fine_share(mesh.counts))
+    error = mesh_error(scene, fine_length, where(equal, 0.0, mesh.grading_length))
+    yaw = where(state.fidelity == "planar", 0.0, turned_by_mesh(scene, fine_length))
+    sufficient = minimum(length_for(scene, allowed), MAX_LENGTH * NATURAL_RADIUS * bending_length(scene))
+    applies = logical_and(mesh.kind != "auto", state.fidelity != "rigid", error > allowed)
+    return applies, fine_length, error, allowed, yaw, sufficient
 
 
 def _no_air(scene: Any, state: Any) -> tuple[Any, ...]:
     air = scene.shaft.air
-    moved = either(air.vx != 0, air.vy != 0, air.vz != 0)
-    return both(air.density == 0, moved), air.vx, air.vy, air.vz
+    moved = logical_or(air.vx != 0, air.vy != 0, air.vz != 0)
+    return logical_and(air.density == 0, moved), air.vx, air.vy, air.vz
 
 
 def _blind(state: Any, blind: Any, threshold: Any) -> tuple[Any, ...]:
-    return both(blind, threshold > 0), threshold, state.fidelity
+    return logical_and(blind, threshold > 0), threshold, state.fidelity
 
 
 PASSED_SIDES: Rules = {
     texts.sides_passed: lambda scene, state: (
-        both(state.crossing.number > 0, scene.shaft.contact.rope_stiffness == 0),
+        logical_and(state.crossing.number > 0, scene.shaft.contact.rope_stiffness == 0),
         *_passages(state),
     ),
     texts.sides_passed_in_spite: lambda scene, state: (
@@ -154,7 +154,7 @@ PASSED_SIDES: Rules = {
 LEG_CONTACT: Rules = {
     # without passages a rope is turned as far over its height as its loop; passages have their own warning
     texts.turned_around: lambda scene, state, yaw: (
-        both(state.crossing.number == 0, abs(yaw) >= HALF_A_TURN),
+        logical_and(state.crossing.number == 0, abs(yaw) >= HALF_A_TURN),
         yaw / (2 * math.pi),
     ),
     texts.legs_touch: _legs_touch,
@@ -167,7 +167,7 @@ TORQUE_SOURCE: Rules = {
     texts.torque_of_ends: lambda scene, turned: (True, turned),
 }
 OTHER_RESTS: Rules = {
-    texts.other_rests: lambda scene, state: (both(state.snapped_at != 0, rests(scene, state)), state.snapped_at)
+    texts.other_rests: lambda scene, state: (logical_and(state.snap_twist != 0, rests(scene, state)), state.snap_twist)
 }
 MISSING_LOADS: Rules = {
     texts.forces_missing: lambda scene, state: _missing(
@@ -182,15 +182,15 @@ UNRESOLVED_BEND: Rules = {texts.bend_unresolved: _bend_unresolved, texts.loop_un
 LONG_EXTRAPOLATION: Rules = {
     # the interval is the difference of two instants, whose rounding grows with them
     texts.extrapolated_too_far: lambda scene, state: (
-        both(state.counts.steps > 0, state.last_interval > 1.001 * LONGEST_EXTRAPOLATION),
+        logical_and(state.counts.steps > 0, state.last_interval > 1.001 * MAX_EXTRAPOLATION),
         state.last_interval,
-        LONGEST_EXTRAPOLATION,
+        MAX_EXTRAPOLATION,
     )
 }
 NO_AIR: Rules = {
     texts.no_air: _no_air,
     texts.no_air_to_push: lambda scene, state: (
-        both(scene.shaft.air.density == 0, scene.shaft.air.buffet > 0),
+        logical_and(scene.shaft.air.density == 0, scene.shaft.air.buffet > 0),
         scene.shaft.air.buffet,
     ),
 }
@@ -200,11 +200,11 @@ BLIND_GUARDS: Rules = {
         state, state.fidelity != "torsional", scene.shaft.guard.torque
     ),
     texts.no_turns_to_guard: lambda scene, state: _blind(
-        state, either(state.fidelity == "planar", state.fidelity == "rigid"), scene.shaft.guard.turns
+        state, logical_or(state.fidelity == "planar", state.fidelity == "rigid"), scene.shaft.guard.turns
     ),
     texts.no_swing_to_guard: lambda scene, state: _blind(state, state.fidelity == "rigid", scene.shaft.guard.window),
     texts.no_rise_to_guard: lambda scene, state: _blind(
-        state, both(state.fidelity == "rigid", scene.shaft.guard.rise_y <= -FAR), scene.shaft.guard.rise
+        state, logical_and(state.fidelity == "rigid", scene.shaft.guard.rise_y <= -FAR), scene.shaft.guard.rise
     ),
 }
 ACCURACY_GIVEN_UP: Rules = {
@@ -225,7 +225,7 @@ INPUTS: Rules = {
         end_filter.sent_every,
     ),
     texts.table_too_coarse: lambda scene, end_filter, step: (
-        both(end_filter.breaks >= FEWEST_BREAKS, end_filter.grid < COARSEST_ROUNDING),
+        logical_and(end_filter.breaks >= MIN_BREAKS, end_filter.grid < COARSEST_ROUNDING),
         end_filter.table_every,
         step,
     ),

@@ -18,7 +18,7 @@ import math
 from typing import Any, NamedTuple
 
 from rope_model.numerics.generalized_alpha import auxiliary_weights
-from rope_model.physics.elementary import atan2, cross, dot, larger, sqrt, where
+from rope_model.physics.elementary import atan2, cross, dot, maximum, sqrt, where
 from rope_model.physics.estimates import axial_frequency
 from rope_model.physics.frame import end_moment
 
@@ -32,11 +32,11 @@ MISSING_FORCE = 1e-3  #: missing force over the largest end force
 MISSING_MOMENT = 5e-3  #: missing moment over the largest end force times the spacing
 #: time steps in an axial period: in an emergency stop of the 120 m rope the error of end forces is 4 % with 3.1, 8 %
 #: with 2.1
-FEWEST_STEPS = 3.0
+MIN_STEPS = 3.0
 #: change of an end force in a step over the largest force, above which the number of steps in a period matters
 LARGE_CHANGE = 0.05
 #: elements in half a turn of the sharpest bend, below which the error of the loop's position is irregular
-FEWEST_ELEMENTS = 4.0
+MIN_ELEMENTS = 4.0
 
 
 class Audit(NamedTuple):
@@ -65,9 +65,9 @@ def end_load(q: Any, f: Any, torque: Any) -> tuple[Any, ...]:
     return f[0], f[1], f[2], x + moment[0], y + moment[1], z + moment[2]
 
 
-def axial_share(rope: Any, bottom: Any, h: Any) -> Any:
+def axial_share(rope: Any, bottom_s: Any, h: Any) -> Any:
     """Return ``h`` (s) over the longer leg's axial period."""
-    return h * axial_frequency(rope, larger(bottom, rope.length - bottom)) / (2.0 * math.pi)
+    return h * axial_frequency(rope, maximum(bottom_s, rope.length - bottom_s)) / (2.0 * math.pi)
 
 
 def axial_step(rope: Any) -> Any:
@@ -78,7 +78,7 @@ def axial_step(rope: Any) -> Any:
 def elements_per_bend(square: Any) -> Any:
     """Return the elements in half a turn whose tangents differ by the root of ``square`` from node to node."""
     quarter = 0.25 * square
-    return 0.5 * math.pi / atan2(sqrt(quarter), sqrt(larger(1.0 - quarter, 0.0)))
+    return 0.5 * math.pi / atan2(sqrt(quarter), sqrt(maximum(1.0 - quarter, 0.0)))
 
 
 def signal_values(audit: Any) -> tuple[Any, ...]:
@@ -89,7 +89,7 @@ def signal_values(audit: Any) -> tuple[Any, ...]:
     return audit.missing_force, audit.missing_moment, audit.energy, audit.force_change, steps, elements
 
 
-def after_step(audit: Any, method: Any, h: Any, recentring: Any, load: Any, force: Any, change: Any, part: Any) -> Any:
+def after_step(audit: Any, method: Any, h: Any, recentring: Any, load: Any, force: Any, change: Any, ratio: Any) -> Any:
     """Return ``audit`` after a time step to ``load``, with the largest end force and ``change`` of one (N)."""
     load_weight, auxiliary_weight, _, next_weight = auxiliary_weights(method, 0.0)
     gamma, impulse, auxiliary, rate = method.gamma, [], [], []
@@ -104,9 +104,9 @@ def after_step(audit: Any, method: Any, h: Any, recentring: Any, load: Any, forc
         auxiliary=tuple(auxiliary),
         rate=tuple(rate),
         impulse=tuple(impulse),
-        force=larger(audit.force, force),
-        force_change=larger(audit.force_change, change),
-        period_fraction=larger(audit.period_fraction, part),
+        force=maximum(audit.force, force),
+        force_change=maximum(audit.force_change, change),
+        period_fraction=maximum(audit.period_fraction, ratio),
     )
 
 
@@ -121,8 +121,8 @@ def after_interval(audit: Any, h: Any, mass: Any, gravity: Any, sums: Any, about
     return audit._replace(
         sums=tuple(sums[k] for k in range(9)),
         impulse=NO_LOAD,
-        missing_force=larger(audit.missing_force, sqrt(dot(missing, missing))),
-        missing_moment=larger(audit.missing_moment, sqrt(dot(moment, moment))),
-        energy=larger(audit.energy, abs(residual)),
-        bend=larger(audit.bend, bend),
+        missing_force=maximum(audit.missing_force, sqrt(dot(missing, missing))),
+        missing_moment=maximum(audit.missing_moment, sqrt(dot(moment, moment))),
+        energy=maximum(audit.energy, abs(residual)),
+        bend=maximum(audit.bend, bend),
     )

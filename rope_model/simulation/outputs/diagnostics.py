@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rope_model.numerics.generalized_alpha import Motion
-from rope_model.physics import outline
+from rope_model.physics import centreline
 from rope_model.physics.hermite import integral, integral_to
 from rope_model.simulation.mesh.transfer import interpolate
 from rope_model.simulation.rope_system import POSITION, SLOPE, Array, arc_lengths
@@ -17,9 +17,9 @@ FINE = 41  #: samples of two elements, for the lowest point
 OUTLINE = 161  #: samples of the rope, for the clearance of the legs
 
 
-def direction(q: Array) -> float:
+def ends_yaw(q: Array) -> float:
     """Return the yaw (rad) of the line from the left to the right end."""
-    return float(outline.line_yaw(q[0], q[-1]))
+    return float(centreline.line_yaw(q[0], q[-1]))
 
 
 @dataclass(frozen=True)
@@ -71,14 +71,14 @@ def legs_apart(q: Array, lengths: Array, diameter: float, above: float) -> bool:
     node, and if the rope leads in that line's direction on both sides of it.  The plane leans as the legs do, so that
     it separates the legs of a swinging loop too.
     """
-    k, rows, across = int(q[:, 1].argmin()), q.T, outline.heading(direction(q))
+    k, rows, across = int(q[:, 1].argmin()), q.T, centreline.heading(ends_yaw(q))
     if not 0 < k < lengths.size:
         return False
     low, left = rows[:, k], np.arange(lengths.size) < k
-    normal, a, b = outline.plane_between(q[0], q[-1], low, across), rows[:, :-1], rows[:, 1:]
+    normal, a, b = centreline.plane_between(q[0], q[-1], low, across), rows[:, :-1], rows[:, 1:]
     ends = np.where(left, a, b), np.where(left, b, a), np.where(left, q[0, 1], q[-1, 1])
-    gaps = outline.side_gap(np.where(left, -1.0, 1.0), lengths, *ends, low, normal, diameter, above)
-    advances = (outline.least_advance(lengths[i], rows[:, i], rows[:, i + 1], across) for i in (k - 1, k))
+    gaps = centreline.side_gap(np.where(left, -1.0, 1.0), lengths, *ends, low, normal, diameter, above)
+    advances = (centreline.least_advance(lengths[i], rows[:, i], rows[:, i + 1], across) for i in (k - 1, k))
     return bool(gaps.min() >= 0 and min(advances) > 0)
 
 
@@ -106,8 +106,8 @@ def loop_turns(q: Array, lengths: Array, bottom: LoopBottom) -> LoopTurns:
     legs = [_rising(np.vstack((lowest, leg))) for leg in (points[k - 1 :: -1], points[k:])]
     heights = np.union1d(legs[0][:, 1], legs[1][:, 1])
     left, right = (np.array([np.interp(heights[1:], leg[:, 1], leg[:, k]) for k in (0, 2)]) for leg in legs)
-    across = np.hstack((np.array(outline.heading(bottom.yaw))[:, None], right - left))
-    turned = outline.turn(across[:, :-1], across[:, 1:])
+    across = np.hstack((np.array(centreline.heading(bottom.yaw))[:, None], right - left))
+    turned = centreline.angle_between(across[:, :-1], across[:, 1:])
     sharpest = int(np.argmax(np.abs(turned)))
     return LoopTurns(-float(np.sum(turned)) / (2 * math.pi), float(0.5 * (heights[sharpest] + heights[sharpest + 1])))
 
@@ -121,7 +121,7 @@ def _rising(leg: Array) -> Array:
 def _distance(points: Array, line: Array) -> float:
     """Return the smallest distance of ``points`` (n, 3) from the pieces of a polygon ``line`` (m, 3)."""
     return math.sqrt(
-        outline.squared_distance(points.T[:, :, None], line[:-1].T[:, None], np.diff(line.T)[:, None]).min()
+        centreline.squared_distance(points.T[:, :, None], line[:-1].T[:, None], np.diff(line.T)[:, None]).min()
     )
 
 
@@ -133,15 +133,15 @@ def _part_above(leg: Array, height: float) -> Array:
     i = int(np.argmax(high))
     below, first = leg[max(i - 1, 0)], leg[i]
     rise = first[1] - below[1]
-    part = (height - below[1]) / rise if rise > 0 else 1.0
-    return np.vstack((below + part * (first - below), leg[i + (part >= 1.0) :]))
+    fraction = (height - below[1]) / rise if rise > 0 else 1.0
+    return np.vstack((below + fraction * (first - below), leg[i + (fraction >= 1.0) :]))
 
 
 def shape_places(lengths: Array, bottom_s: float, loop: float, points: int) -> Array:
     """Return arc lengths (points,), m, from end to end, denser around the loop of this width (m) above ``bottom_s``."""
     total = float(np.sum(lengths))
     u = np.linspace(-1.0, 1.0, points)
-    s = outline.sample_s(bottom_s, np.where(u < 0, -bottom_s, total - bottom_s), np.abs(u), loop)
+    s = centreline.sample_s(bottom_s, np.where(u < 0, -bottom_s, total - bottom_s), np.abs(u), loop)
     return np.asarray(np.clip(s, 0.0, total))
 
 

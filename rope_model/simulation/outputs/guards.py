@@ -3,15 +3,15 @@
 import numpy as np
 
 from rope_model.parameters import Scene
-from rope_model.physics.guard import guarded, loop_height, off_plumb, sideways, watch
-from rope_model.physics.outline import turns
+from rope_model.physics.centreline import turns
+from rope_model.physics.guard import has_guards, loop_height, off_plumb, sideways, watch
 from rope_model.physics.shaft import KINDS
 from rope_model.shaft_parameters import FAR
 from rope_model.simulation.contact.shaft import nearer
 from rope_model.simulation.ends.ends import HangingEnds
 from rope_model.simulation.ends.paths import END_NODE
 from rope_model.simulation.mesh.adaptation import nearest_turn
-from rope_model.simulation.outputs.diagnostics import LoopBottom, direction, loop_bottom
+from rope_model.simulation.outputs.diagnostics import LoopBottom, ends_yaw, loop_bottom
 from rope_model.simulation.rope_system import POSITION, Array
 from rope_model.simulation.state import Nearest, RopeState
 
@@ -22,7 +22,7 @@ def rise(scene: Scene, state: RopeState, bottom: LoopBottom) -> float:
     return float(loop_height(scene.rope, scene.layout, float(bottom.position[1]), left, right) - state.guard.rest)
 
 
-def at_rest(scene: Scene, state: RopeState) -> RopeState:
+def set_rise_reference(scene: Scene, state: RopeState) -> RopeState:
     """Return the state with its height as the reference of the loop's rise."""
     bottom = loop_bottom(state.motion.q, state.partition.lengths)
     return state._replace(guard=state.guard._replace(rest=rise(scene, state, bottom)))
@@ -31,7 +31,7 @@ def at_rest(scene: Scene, state: RopeState) -> RopeState:
 def with_guards(scene: Scene, state: RopeState, ends: HangingEnds) -> RopeState:
     """Return the state with its guards updated to its instant."""
     guard = scene.shaft.guard
-    if guarded(guard) == 0:
+    if has_guards(guard) == 0:
         return state
     q, lengths = state.motion.q, state.partition.lengths
     bottom, known = loop_bottom(q, lengths), (Nearest(guard.clearance),) * len(KINDS)
@@ -39,7 +39,7 @@ def with_guards(scene: Scene, state: RopeState, ends: HangingEnds) -> RopeState:
         rise(scene, state, bottom) if guard.rise_y <= -FAR else float(bottom.position[1]) - guard.rise_y,
         _sideways(q[:, POSITION], guard.window_y, bottom),
         min(nearest.clearance for nearest in nearer(scene, state, known)),
-        abs(turns(nearest_turn(bottom.yaw, state.loop_yaw), direction(q), state.crossing.net)),
+        abs(turns(nearest_turn(bottom.yaw, state.loop_yaw), ends_yaw(q), state.crossing.net)),
         max(abs(ends.moment(side, state.motion.reaction)) for side in (0, 1)),
     )
     return state._replace(guard=watch(guard, state.guard, state.motion.t, values))

@@ -28,12 +28,12 @@ from scipy.sparse.linalg import splu
 from rope_model.physics.element import NODE_DOF, PARAMETERS
 from rope_model.physics.frame import conveyance_load
 from rope_model.physics.hermite import GAUSS, bend, node_values
-from rope_model.simulation.ends.ends import Phase
 from rope_model.simulation.ends.paths import SIDES
+from rope_model.simulation.ends.swivel_phases import Phase
 from rope_model.simulation.messages.fidelity_rules import not_plumb
 from rope_model.simulation.outputs.modal import assembled
-from rope_model.simulation.outputs.signals import Evaluated
-from rope_model.simulation.rope_kernels import Effects, rope_element
+from rope_model.simulation.outputs.signals import SignalSource
+from rope_model.simulation.rope_kernels import Features, rope_element
 from rope_model.simulation.rope_system import Array, arc_lengths
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.stepping.hang import equilibrium_in_frame
@@ -62,7 +62,7 @@ class LinearRope:
     maps: tuple[sp.csr_matrix, sp.csr_matrix, sp.csr_matrix]
 
 
-def linear_rope(rope: Evaluated, speed: float = 0.0) -> LinearRope:
+def linear_rope(rope: SignalSource, speed: float = 0.0) -> LinearRope:
     """Return the small motions of a rope at rest, or of one through which its left end winds at the speed [m/s].
 
     Raises
@@ -79,7 +79,7 @@ def linear_rope(rope: Evaluated, speed: float = 0.0) -> LinearRope:
     if system.longest_near(q) > 0.0:
         raise ValueError("the rope at rest touches a body in the shaft and has no linear model there: choose a height")
     nodes_s, lengths = arc_lengths(system.lengths), system.lengths[None, :]
-    derivatives, rho = _derivatives(system.kernels.effects).map(n), float(system.P[PARAMETERS.index("rho")])
+    derivatives, rho = _derivatives(system.kernels.features).map(n), float(system.P[PARAMETERS.index("rho")])
     along = _along(system.lengths)
 
     def evaluated(q: Array) -> tuple[Array, tuple[sp.csc_matrix, ...]]:
@@ -154,9 +154,9 @@ def let_turn(rope: RopeSimulator) -> None:
 
 
 @cache
-def _derivatives(effects: Effects) -> Any:
+def _derivatives(features: Features) -> Any:
     """Build (q, v, a, l, F, P) -> R, dR/dq, dR/dv, dR/da of one element."""
-    residual = rope_element("torsional", effects).residual
+    residual = rope_element("torsional", features).residual
     x = [ca.SX.sym(f"x{k}", residual.size1_in(k)) for k in range(residual.n_in())]
     R = residual(*x)
     return ca.Function("derivatives", x, ca.cse([R, *(ca.densify(ca.jacobian(R, x[k])) for k in range(3))]))

@@ -69,14 +69,14 @@ def softest(system: RopeSystem, q: Array) -> float:
 
 def assemble_matrix(system: RopeSystem, q: Array, c: tuple[float, float, float]) -> sp.csc_matrix:
     """Return the sparse c[0] dR/dq + c[1] dR/dv + c[2] dR/da of all nodes at rest in ``q``, away from bodies."""
-    n, rest = system.lengths.size, np.zeros_like(q)
-    frames, P = system.with_reference(q, system.z).element_data(q, rest)
+    n, zeros = system.lengths.size, np.zeros_like(q)
+    frames, P = system.with_reference(q, system.z).element_data(q, zeros)
     if system.kernels.fidelity != "torsional":  # whose frames have no entries of the section's
         sides = np.hstack((q[:-1], q[1:])).T
         frames = np.hstack((np.asarray(element_functions().reference.map(n)(sides, system.lengths[None, :])).T, frames))
     angles = np.column_stack((q[:, :ANGLE], q[:, ANGLE] + system.frame_turn(q)))
-    q_e, v_e = (np.hstack((x[:-1], x[1:])).T for x in (angles, rest))
-    element = rope_element("torsional", system.kernels.effects)
+    q_e, v_e = (np.hstack((x[:-1], x[1:])).T for x in (angles, zeros))
+    element = rope_element("torsional", system.kernels.features)
     J = element.tangent.map(n)(
         q_e, v_e, v_e, system.lengths[None, :], frames.T, np.tile(P[:, None], n), *(np.full((1, n), x) for x in c), q_e
     )[1]

@@ -10,9 +10,10 @@ import numpy as np
 
 from rope_model.parameters import Scene
 from rope_model.physics.frame import conveyance_load
-from rope_model.simulation.ends.ends import YAW_SENSE, HangingEnds, Phase
+from rope_model.simulation.ends.ends import YAW_SENSE, HangingEnds
 from rope_model.simulation.ends.input_filter import lean_moves, sample_moves, settings_of
 from rope_model.simulation.ends.paths import END_NODE, SIDES, ends_at
+from rope_model.simulation.ends.swivel_phases import Phase
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rigid import tension_change
 from rope_model.simulation.rope_system import ANGLE, Array
@@ -82,7 +83,7 @@ def _change_of_loads(rope: Linearised, side: int, dof: int, change: Array) -> Ar
         change_of_loads = np.zeros((2, 6))
         change_of_loads[:, 1] = -tension_change(rope.scene, ends_at(state.paths, state.motion.t), side, dof, change)
         return change_of_loads.ravel()
-    before, after = (_end_loads(rope.ends, *rope.answer(side, dof, part * change)) for part in (0.0, 1.0))
+    before, after = (_end_loads(rope.ends, *rope.answer(side, dof, fraction * change)) for fraction in (0.0, 1.0))
     return after - before
 
 

@@ -6,17 +6,17 @@ from typing import Protocol
 import numpy as np
 
 from rope_model.physics.accuracy import end_force_error, loop_error
-from rope_model.physics.contact_error import contact_error, with_contact_at_ends, with_contact_of_place
+from rope_model.physics.centreline import turns
+from rope_model.physics.contact_error import add_contact_end_error, add_contact_loop_error, contact_error
 from rope_model.physics.estimates import loop_width
 from rope_model.physics.frame import conveyance_load
 from rope_model.physics.guard import sideways
-from rope_model.physics.outline import turns
 from rope_model.physics.shaft import KINDS
 from rope_model.physics.stress import material_values
 from rope_model.simulation.contact.shaft import clearances
-from rope_model.simulation.ends.ends import Phase
-from rope_model.simulation.ends.misfit import with_drift, with_misfit
+from rope_model.simulation.ends.misfit import add_drift_error, add_misfit_error
 from rope_model.simulation.ends.paths import END_NODE, SIDES
+from rope_model.simulation.ends.swivel_phases import Phase
 from rope_model.simulation.mesh.adaptation import nearest_turn
 from rope_model.simulation.mesh.transfer import interpolate
 from rope_model.simulation.outputs import diagnostics
@@ -29,7 +29,7 @@ from rope_model.simulation.rigid import rigid_tension
 from rope_model.simulation.rope_system import ANGLE, POSITION, Array, RopeSystem, arc_lengths
 
 
-class Evaluated(Linearised, Protocol):
+class SignalSource(Linearised, Protocol):
     """Source of the signals: simulation.simulator.RopeSimulator."""
 
     @property
@@ -38,7 +38,7 @@ class Evaluated(Linearised, Protocol):
     def system(self) -> RopeSystem: ...
 
 
-def group_of(name: str) -> Callable[[Evaluated], dict[str, float]]:
+def group_of(name: str) -> Callable[[SignalSource], dict[str, float]]:
     """Return the function that computes the signal ``name`` together with related ones."""
     if name in STATE_SIGNALS:
         return state_signals
@@ -54,7 +54,7 @@ def group_of(name: str) -> Callable[[Evaluated], dict[str, float]]:
     return groups.get(name.partition(".")[0], end_signals)
 
 
-def state_signals(rope: Evaluated) -> dict[str, float]:
+def state_signals(rope: SignalSource) -> dict[str, float]:
     """Return the signals that the state contains."""
     return {name: float(value) for name, value in remembered(rope.state).items()}
 
@@ -63,7 +63,7 @@ _OF_A_SWIVEL = ("swivel.angle", "swivel.rate", "swivel.torque", "swivel.slipping
 _OF_AN_END = ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean", *_OF_A_SWIVEL)
 
 
-def end_signals(rope: Evaluated) -> dict[str, float]:
+def end_signals(rope: SignalSource) -> dict[str, float]:
     """Return forces, moments and swivels of both ends."""
     m, ends, means = rope.state.motion, rope.ends, rope.state.force_mean
     out: dict[str, float] = {}
@@ -75,7 +75,7 @@ def end_signals(rope: Evaluated) -> dict[str, float]:
     return out
 
 
-def loop_signals(rope: Evaluated) -> dict[str, float]:
+def loop_signals(rope: SignalSource) -> dict[str, float]:
     """Return position, yaw and clearance of the loop."""
     state, scene = rope.state, rope.scene
     bottom = rope.loop
@@ -87,19 +87,19 @@ def loop_signals(rope: Evaluated) -> dict[str, float]:
     return out | {
         "loop.yaw": yaw,
         "loop.clearance": clearance,
-        "loop.turns": turns(yaw, diagnostics.direction(q), state.crossing.net),
+        "loop.turns": turns(yaw, diagnostics.ends_yaw(q), state.crossing.net),
         "loop.rise": rise(scene, state, bottom),
         "loop.sideways": float(sideways(bottom.position, q[0], q[-1])),
     }
 
 
-def clearance_signals(rope: Evaluated) -> dict[str, float]:
+def clearance_signals(rope: SignalSource) -> dict[str, float]:
     """Return the distances of the rope from the bodies of its scene."""
     nearest_of_kind = clearances(rope.scene, rope.state)
     return {f"clearance.{kind}": nearest.clearance for kind, nearest in zip(KINDS, nearest_of_kind, strict=True)}
 
 
-def stress_signals(rope: Evaluated) -> dict[str, float]:
+def stress_signals(rope: SignalSource) -> dict[str, float]:
     """Return the largest stresses, and the twist."""
     bending, torsion, _, _, tau = _material(rope)
     at_bottom = int(np.searchsorted(np.cumsum(rope.state.partition.lengths), rope.loop.s))
@@ -112,41 +112,41 @@ def stress_signals(rope: Evaluated) -> dict[str, float]:
     }
 
 
-def contact_signals(rope: Evaluated) -> dict[str, float]:
+def contact_signals(rope: SignalSource) -> dict[str, float]:
     """Return the forces between the rope and bodies in the shaft, and those on itself."""
     kinds = *KINDS, "rope"
     m, forces = rope.state.motion, dict.fromkeys(kinds, 0.0)
     if rope.state.fidelity != "rigid":
-        forces |= rope.system.outside(m.q, m.v)
+        forces |= rope.system.external_sums(m.q, m.v)
     return {f"contact.{kind}": forces[kind] for kind in kinds}
 
 
-def error_signals(rope: Evaluated) -> dict[str, float]:
+def error_signals(rope: SignalSource) -> dict[str, float]:
     """Return the error estimates of the run so far."""
     scene, errors, cells, contact = rope.scene, rope.state.errors, rope.state.partition, rope.state.contact
-    at_ends = with_contact_at_ends(end_force_error(scene.rope, errors), contact, errors.time, errors.force)
-    loop_position = with_contact_of_place(scene, loop_error(scene, errors, cells.fine, cells.grading_length), contact)
+    at_ends = add_contact_end_error(end_force_error(scene.rope, errors), contact, errors.time, errors.force)
+    at_loop = add_contact_loop_error(scene, loop_error(scene, errors, cells.fine_length, cells.grading_length), contact)
     return {
-        "status.end_force_error": float(with_misfit(at_ends, errors, *rope.state.filters)),
-        "status.loop_error": float(with_drift(loop_position, *rope.state.filters)),
+        "status.end_force_error": float(add_misfit_error(at_ends, errors, *rope.state.filters)),
+        "status.loop_error": float(add_drift_error(at_loop, *rope.state.filters)),
         "status.contact_error": float(contact_error(contact)),
     }
 
 
-def audit_signals(rope: Evaluated) -> dict[str, float]:
+def audit_signals(rope: SignalSource) -> dict[str, float]:
     """Return the worst values of the audit so far; 0 before anything was computed."""
     names = (name for name in SIGNALS if name.startswith("audit."))
     return dict(zip(names, audit_values(rope.state.audit), strict=True))
 
 
-def shape_signals(rope: Evaluated) -> dict[str, float]:
+def shape_signals(rope: SignalSource) -> dict[str, float]:
     """Return points along the rope."""
     q, lengths = rope.state.motion.q, rope.state.partition.lengths
     points = diagnostics.shape(q, lengths, rope.loop.s, loop_width(rope.scene), SHAPE_POINTS)
     return _rows("shape", dict(zip("xyz", points.T, strict=True)))
 
 
-def along_signals(rope: Evaluated) -> dict[str, float]:
+def along_signals(rope: SignalSource) -> dict[str, float]:
     """Return arc lengths, tension and stresses at the points of the shape."""
     lengths = rope.state.partition.lengths
     s = diagnostics.shape_places(lengths, rope.loop.s, loop_width(rope.scene), SHAPE_POINTS)
@@ -154,7 +154,7 @@ def along_signals(rope: Evaluated) -> dict[str, float]:
     return _rows("shape", {"s": s, "tension": pull_at(rope, s), "bending": bending, "torsion": torsion})
 
 
-def station_signals(rope: Evaluated) -> dict[str, float]:
+def station_signals(rope: SignalSource) -> dict[str, float]:
     """Return tension, curvature, torque and position of points that stay in the rope."""
     where, lengths = rope.scene.station, rope.state.partition.lengths
     s = float(np.sum(lengths)) * np.linspace(where.first, where.last, SHAPE_POINTS)
@@ -163,7 +163,7 @@ def station_signals(rope: Evaluated) -> dict[str, float]:
     return _rows("station", {"tension": pull_at(rope, s), "curvature": curvature, "torque": torque} | points)
 
 
-def pull_at(rope: Evaluated, s: Array) -> Array:
+def pull_at(rope: SignalSource, s: Array) -> Array:
     """Return the tension (N) at arc lengths ``s`` (m)."""
     m, lengths = rope.state.motion, rope.state.partition.lengths
     rho, gravity = rope.scene.rope.mass_per_length, rope.scene.layout.gravity
@@ -176,7 +176,7 @@ def _rows(group: str, rows: dict[str, Array]) -> dict[str, float]:
     return {f"{group}.{name}[{i}]": float(x) for name, row in rows.items() for i, x in enumerate(row, start=1)}
 
 
-def _material(rope: Evaluated) -> tuple[Array, ...]:
+def _material(rope: SignalSource) -> tuple[Array, ...]:
     """Return bending and torsional stress (Pa), curvature (1/m), torque (N m) and twist (rad/m) of each element.
 
     Stresses are those of a solid round bar; bending is root mean square along it.  Without torsion there is no torque.

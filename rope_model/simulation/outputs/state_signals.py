@@ -5,7 +5,7 @@ from typing import Any
 
 from rope_model.physics.accuracy import TINY
 from rope_model.physics.contact_error import ContactSums
-from rope_model.physics.elementary import larger, less, sqrt
+from rope_model.physics.elementary import less, maximum, sqrt
 from rope_model.physics.energy_balance import residual, total
 from rope_model.physics.guard import GuardState
 from rope_model.physics.shaft import KINDS
@@ -27,7 +27,7 @@ def remembered(state: Any) -> dict[str, Any]:
         "status.given_up": state.counts.given_up,
         "status.given_up_since": state.given_up_since,
         "guard.tripped": less(0.0, guard.cause),
-        "inputs.repeated": larger(left.repeats, right.repeats),
+        "inputs.repeated": maximum(left.repeats, right.repeats),
         "energy.total": total(state.energy_balance),
         "energy.residual": residual(state.energy_balance),
     }
@@ -35,8 +35,8 @@ def remembered(state: Any) -> dict[str, Any]:
     values |= {"guard.cause": guard.cause, "guard.time": guard.time}
     values |= {f"count.{name}": getattr(state.counts, name) for name in Counts._fields}
     for k, name in enumerate(("position", "speed", "acceleration")):
-        values[f"inputs.misfit.{name}"] = larger(getattr(left, name), getattr(right, name))
-        mean = larger(left.squares[k], right.squares[k]) / larger(left.time, TINY)
+        values[f"inputs.misfit.{name}"] = maximum(getattr(left, name), getattr(right, name))
+        mean = maximum(left.squares[k], right.squares[k]) / maximum(left.time, TINY)
         values[f"inputs.misfit.{name}_rms"] = sqrt(mean)
     impulses = zip((*KINDS, "rope"), state.contact.impulses, strict=True)
     values |= {f"contact.{kind}.impulse": impulse for kind, impulse in impulses}

@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from rope_model.physics.elementary import both, larger, smaller, where
+from rope_model.physics.elementary import logical_and, maximum, minimum, where
 
 
 def locate(f: Callable[[float], float], low: float, high: float, f_low: float, f_high: float, width: float) -> float:
@@ -45,8 +45,8 @@ def trial_x(bracket: Any, width: Any) -> Any:
     low, high, f_low = bracket.low, bracket.high, bracket.f_low
     falls, middle = _converges(bracket), 0.5 * (low + high)
     x = low + (high - low) * f_low / where(falls, f_low - bracket.f_high, 1.0)
-    x = where(falls, smaller(larger(x, low + 0.4 * width), high - 0.4 * width), middle)
-    return where(both(low < x, x < high), x, middle)
+    x = where(falls, minimum(maximum(x, low + 0.4 * width), high - 0.4 * width), middle)
+    return where(logical_and(low < x, x < high), x, middle)
 
 
 def narrowed(bracket: Any, x: Any, value: Any) -> Bracket:
@@ -68,4 +68,4 @@ def narrowed(bracket: Any, x: Any, value: Any) -> Bracket:
 def _converges(bracket: Any) -> Any:
     """Return whether the secant of its values may be used."""
     finite = abs(bracket.f_low - bracket.f_high) < math.inf
-    return both(bracket.stalled < 2, finite, bracket.f_low < bracket.f_high)
+    return logical_and(bracket.stalled < 2, finite, bracket.f_low < bracket.f_high)

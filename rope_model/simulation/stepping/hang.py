@@ -15,7 +15,7 @@ import numpy as np
 
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.parameters import Scene
-from rope_model.physics.initial_curvature import most_curvature
+from rope_model.physics.initial_curvature import max_curvature
 from rope_model.simulation.curvature import is_curved, partly_curved
 from rope_model.simulation.ends.ends import partly_placed
 from rope_model.simulation.ends.paths import END_NODE, EndMotion, EndPath
@@ -32,11 +32,11 @@ from rope_model.simulation.stepping.statics import StaticsError, find_equilibriu
 CURVATURE_STEPS = 8  #: increments of the permanent curvature
 PLACING_STEPS = 32  #: increments of the position and lean of ends that are not plumb: 0.1 rad each at most
 TWIST_STEP = 1.0  #: rad, largest increment of twist
-LEAST_TWIST_STEP = 0.01  #: rad, smallest increment of twist
+MIN_TWIST_STEP = 0.01  #: rad, smallest increment of twist
 #: rad, largest turn of the frame at the right end, twice the loop's yaw, on the branch of equilibria
-MOST_TURN = 2.0
+MAX_TURN = 2.0
 #: corrections after which twisting is given up: a fifth above the largest number of 60 drawn ropes
-MOST_CORRECTIONS = 100_000
+MAX_CORRECTIONS = 100_000
 
 
 def hang(model: RopeModel, state: RopeState, ends: tuple[EndMotion, EndMotion]) -> RopeState:
@@ -48,19 +48,19 @@ def hang(model: RopeModel, state: RopeState, ends: tuple[EndMotion, EndMotion]) 
     return state
 
 
-def paths_at_rest(scene: Scene, t: float, ends: tuple[EndMotion, EndMotion], part: float) -> tuple[EndPath, EndPath]:
+def paths_at_rest(scene: Scene, t: float, ends: tuple[EndMotion, EndMotion], placed: float) -> tuple[EndPath, EndPath]:
     """Return the paths of both ends at rest on their way; those of plumb ends at their positions."""
-    left, right, part = *ends, part if not_plumb(scene) else 1.0
-    first, second = partly_placed(scene, left, right, -1.0, part), partly_placed(scene, right, left, 1.0, part)
+    left, right, placed = *ends, placed if not_plumb(scene) else 1.0
+    first, second = partly_placed(scene, left, right, -1.0, placed), partly_placed(scene, right, left, 1.0, placed)
     return EndPath.at_rest(t, first), EndPath.at_rest(t, second)
 
 
 def _hang_in_loop(model: RopeModel, state: RopeState) -> RopeState:
     """Return ``state`` at rest, hung up straight and untwisted, then curved, twisted and relaxed."""
-    held = model.system(state).prescribed_motion(state.motion.t)[0, [0, -1], ANGLE].tolist()
-    twist, straight = held[1] - held[0], _untwisted(state, held[0])
+    end_angles = model.system(state).prescribed_motion(state.motion.t)[0, [0, -1], ANGLE].tolist()
+    twist, straight = end_angles[1] - end_angles[0], _untwisted(state, end_angles[0])
     hung = _turn_in(model, *_let_curve(model, _turn_right_end(straight, -twist)), twist)
-    return _relax(model, [_untwisted(state, other) for other in reversed(held)], hung)
+    return _relax(model, [_untwisted(state, other) for other in reversed(end_angles)], hung)
 
 
 def _let_curve(model: RopeModel, state: RopeState) -> tuple[RopeState, int]:
@@ -75,7 +75,7 @@ def _let_curve(model: RopeModel, state: RopeState) -> tuple[RopeState, int]:
         except StaticsError as error:
             if k == 0:
                 raise
-            reached, whole = most_curvature(part.scene.rope), most_curvature(rope)
+            reached, whole = max_curvature(part.scene.rope), max_curvature(rope)
             raise StaticsError(messages.fails_at_curvature(reached, whole, str(error))) from error
         total += corrections
     return state, total
@@ -84,23 +84,21 @@ def _let_curve(model: RopeModel, state: RopeState) -> tuple[RopeState, int]:
 def _turn_in(model: RopeModel, state: RopeState, total: int, twist: float) -> RopeState:
     """Return ``state`` with ``twist`` (rad) added, so slowly that the increments do not matter.
 
-    A step that turns the frame by more than MOST_TURN is rejected; the next goes at most half way to the rejected
-    twist.  If a step of LEAST_TWIST_STEP still does, the branch ends at a limit point: the rope snaps through and the
+    A step that turns the frame by more than MAX_TURN is rejected; the next goes at most half way to the rejected
+    twist.  If a step of MIN_TWIST_STEP still does, the branch ends at a limit point: the rope snaps through and the
     search continues from the new equilibrium.  ``total`` is the number of corrections so far.
     """
     left, beyond, size = twist, math.inf, TWIST_STEP
     while left != 0:
         size = min(size, 0.5 * abs(left - beyond))
         step = math.copysign(size, twist) if size < abs(left) else left
-        last = abs(step) <= LEAST_TWIST_STEP
-        if total >= MOST_CORRECTIONS:
+        last = abs(step) <= MIN_TWIST_STEP
+        if total >= MAX_CORRECTIONS:
             raise StaticsError(
                 messages.fails_at_twist(twist - left, twist, abs(step), total, messages.takes_too_long())
             )
         try:
-            after, corrections = equilibrium_in_frame(
-                model, _twist_evenly(state, step), math.inf if last else MOST_TURN
-            )
+            after, corrections = equilibrium_in_frame(model, _twist_evenly(state, step), math.inf if last else MAX_TURN)
         except StaticsError as error:
             total += error.corrections
             if not error.turned:
@@ -110,8 +108,8 @@ def _turn_in(model: RopeModel, state: RopeState, total: int, twist: float) -> Ro
             continue
         total += corrections
         left -= step
-        if abs(after.offsets[1] - state.offsets[1] - step) > MOST_TURN:
-            after = after._replace(snapped_at=twist - left)
+        if abs(after.offsets[1] - state.offsets[1] - step) > MAX_TURN:
+            after = after._replace(snap_twist=twist - left)
         state, size = after, min(2 * abs(step), TWIST_STEP)
         if last:
             beyond = math.inf
@@ -163,15 +161,15 @@ def _with_swivels(state: RopeState, swivels: dict[int, SwivelState]) -> RopeStat
     return state._replace(swivels=(left, right))
 
 
-def equilibrium_in_frame(model: RopeModel, state: RopeState, most_turn: float = math.inf) -> tuple[RopeState, int]:
+def equilibrium_in_frame(model: RopeModel, state: RopeState, max_turn: float = math.inf) -> tuple[RopeState, int]:
     """Return ``state`` in equilibrium, and the number of corrections."""
-    m, rest = state.motion, np.zeros_like(state.motion.q)
-    equilibrium = find_equilibrium(model.system(state), m.q, m.t, most_turn=most_turn)
-    motion = Motion(m.t, equilibrium.q, rest, rest, rest, rest, 0.0, equilibrium.reaction)
-    state = _turn_right_end(state._replace(motion=motion), equilibrium.turn)
-    balance = model.system(state).evaluate(equilibrium.q, rest, rest, equilibrium.reaction).balance
+    m, zeros = state.motion, np.zeros_like(state.motion.q)
+    equilibrium = find_equilibrium(model.system(state), m.q, m.t, max_turn=max_turn)
+    motion = Motion(m.t, equilibrium.q, zeros, zeros, zeros, zeros, 0.0, equilibrium.reaction)
+    state = _turn_right_end(state._replace(motion=motion), equilibrium.end_rotation)
+    balance = model.system(state).evaluate(equilibrium.q, zeros, zeros, equilibrium.reaction).balance
     # a loop that yaws by psi turns the frame of the right end by -2 psi: this shows full turns
-    yaw = state.loop_yaw - 0.5 * equilibrium.turn
+    yaw = state.loop_yaw - 0.5 * equilibrium.end_rotation
     books = energies(state.energy_balance, balance)
     return with_loop_yaw(state._replace(energy_balance=books, loop_yaw=yaw)), equilibrium.iterations
 

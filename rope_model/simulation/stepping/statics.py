@@ -22,8 +22,8 @@ from typing import Any
 import numpy as np
 
 from rope_model.physics.element import PARAMETERS
-from rope_model.physics.elementary import larger
-from rope_model.physics.hanging import hanging_shape, node_row
+from rope_model.physics.elementary import maximum
+from rope_model.physics.initial_shape import initial_shape, node_row
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
 
@@ -49,30 +49,30 @@ class StaticsError(RuntimeError):
 class Equilibrium:
     """Configuration, reactions (zero where free, up to rounding) and number of corrections.
 
-    Angles count along it; ``turn`` (rad) is the increase of the angle at the right end, compared with the guess.
+    Angles count along it; ``end_rotation`` (rad) is the increase of the angle at the right end against the guess.
     """
 
     q: Array
     reaction: Array
     iterations: int
-    turn: float
+    end_rotation: float
 
 
 def find_equilibrium(
-    system: RopeSystem, guess: Array, t: float = 0.0, max_iterations: int = 10000, most_turn: float = math.inf
+    system: RopeSystem, guess: Array, t: float = 0.0, max_iterations: int = 10000, max_turn: float = math.inf
 ) -> Equilibrium:
     """Find the equilibrium near ``guess`` (nodes, 7), whose angles count along it, with the ends held as at ``t``.
 
-    The search fails if ``turn`` exceeds ``most_turn`` (rad).
+    The search fails if ``end_rotation`` exceeds ``max_turn`` (rad).
     """
     q = np.where(system.free, guess, system.prescribed_motion(t)[0])
-    rest = np.zeros_like(q)
+    zeros = np.zeros_like(q)
     scale = float(np.sum(system.lengths))
     rounding = 10.0 * float(np.finfo(float).eps * system.P[_QA] * scale / system.lengths.min())
-    system, reaction, turn, previous = system.with_reference(q), rest, 0.0, 0.0
+    system, reaction, end_rotation, previous = system.with_reference(q), zeros, 0.0, 0.0
     tau, largest_move, relaxed, last, balanced = 0.1, 0.3, 1.0, 0.0, 0
     for k in range(1, max_iterations + 1):
-        x, residual = system.newton_step(q, rest, rest, reaction, np.array([1.0, 0.0, tau**-2]))
+        x, residual = system.newton_step(q, zeros, zeros, reaction, np.array([1.0, 0.0, tau**-2]))
         move = float(np.max(np.abs(x[:, POSITION]))), float(np.max(np.abs(x[:, [3, 4, 5, 6]])))
         previous = _imbalance(system, residual)
         if not np.all(np.isfinite(x)):
@@ -87,7 +87,7 @@ def find_equilibrium(
         last = error
         step = min(relaxed, largest_move / max(*move, 1e-300))
         trial = q + step * x
-        following = system.evaluate(trial, rest, rest, residual).reaction
+        following = system.evaluate(trial, zeros, zeros, residual).reaction
         force = _imbalance(system, following)
         # larger forces are accepted on the way, but no gain of energy: a force that grows with the cube of the way,
         # such as that of stretch by sideways motion, may take up the work of the first force.  Where the tangent is
@@ -101,15 +101,15 @@ def find_equilibrium(
             continue
         more = system.frame_turn(trial)
         trial[:, ANGLE] += more
-        turn += float(more[-1])
-        if abs(turn) > most_turn:
+        end_rotation += float(more[-1])
+        if abs(end_rotation) > max_turn:
             break
         system, q, reaction = system.with_reference(trial), trial, following
         balanced += force <= rounding
         if balanced > BALANCED or (tau > 1e8 and system.norm(x) < REST_TOLERANCE * scale):
-            return Equilibrium(q, reaction, k, turn)
+            return Equilibrium(q, reaction, k, end_rotation)
         tau = min(tau * min(10.0, max(1.5, previous / max(force, 1e-300))), 1e12)
-    raise StaticsError(messages.no_equilibrium(k, previous), k, abs(turn) > most_turn)
+    raise StaticsError(messages.no_equilibrium(k, previous), k, abs(end_rotation) > max_turn)
 
 
 def relaxation(change: Any, last: Any) -> Any:
@@ -117,7 +117,7 @@ def relaxation(change: Any, last: Any) -> Any:
 
     The part w of a correction that multiplies the error by i r changes its square by (1 - w)^2 + (w r)^2.
     """
-    return 1.0 / (1.0 + larger((change - (1.0 - last) ** 2) / (last * last), 0.0))
+    return 1.0 / (1.0 + maximum((change - (1.0 - last) ** 2) / (last * last), 0.0))
 
 
 def _imbalance(system: RopeSystem, reaction: Array) -> float:
@@ -131,7 +131,7 @@ def hanging_guess(s: Array, left: Array, right: Array) -> Array:
     """Return two straight legs and a half circle between the suspension points ``left`` and ``right`` (nodes, 7).
 
     ``s`` are the arc lengths of the nodes.  The half circle lies in the vertical plane of the two points, see
-    physics.hanging.
+    physics.initial_shape.
     """
     length = float(s[-1])
     across = np.array([right[0] - left[0], 0.0, right[2] - left[2]])
@@ -141,7 +141,7 @@ def hanging_guess(s: Array, left: Array, right: Array) -> Array:
     across = across / width
     middle = 0.5 * (length + left[1] - right[1])  # arc length of the lowest point
     cell = float(np.interp(middle, 0.5 * (s[:-1] + s[1:]), np.diff(s)))
-    legs = hanging_shape(length, middle, width, cell)
+    legs = initial_shape(length, middle, width, cell)
     if min(legs.left_leg, legs.right_leg) <= legs.lean:
         raise StaticsError(messages.rope_too_short(length, width, abs(left[1] - right[1])))
     q = np.zeros((s.size, 7))

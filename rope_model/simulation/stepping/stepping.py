@@ -5,13 +5,13 @@ from dataclasses import replace
 from typing import Any
 
 from rope_model.numerics.generalized_alpha import StepResult
-from rope_model.physics.accuracy import ACCEPT_BELOW, STEP_WORK, next_step, substeps
-from rope_model.physics.elementary import larger
+from rope_model.physics.accuracy import ACCEPT_BELOW, STEP_ITERATIONS, next_step, substeps
+from rope_model.physics.elementary import maximum
 from rope_model.simulation.ends import switching
 from rope_model.simulation.ends.paths import ends_at
 from rope_model.simulation.mesh.adaptation import transform_if_due, with_loop_yaw
-from rope_model.simulation.mesh.mesh_pattern import distance_to_due
-from rope_model.simulation.mesh.partition import LATEST
+from rope_model.simulation.mesh.mesh_pattern import distance_past_limit
+from rope_model.simulation.mesh.partition import MAX_OVERSHOOT
 from rope_model.simulation.messages import messages
 from rope_model.simulation.model import RopeModel, powers
 from rope_model.simulation.rigid import rigid_rope
@@ -23,18 +23,18 @@ from rope_model.simulation.stepping.statics import StaticsError
 log = logging.getLogger(__name__)
 
 #: largest number of Newton iterations of a communication step: over 6 times that of 120 drawn trips
-MOST_WORK = 5_000.0
-WORK_INTERVAL = 0.05  #: s, length of the communication step above which that number grows in proportion
+MAX_ITERATIONS = 5_000.0
+LIMIT_INTERVAL = 0.05  #: s, length of the communication step above which that number grows in proportion
 
 
 #: accepted trial step, the state before it with updated counts and step control, and true if it ends at the stop
 _Accepted = tuple[StepResult[Evaluation], RopeState, bool]
 
 
-def step_towards(model: RopeModel, state: RopeState, t_end: float, work_end: int) -> RopeState | str:
+def step_towards(model: RopeModel, state: RopeState, t_end: float, newton_limit: int) -> RopeState | str:
     """Return the state after one accepted step towards ``t_end``, or the reason for a failure.
 
-    ``work_end`` is the number of Newton iterations since the start beyond which accuracy is given up.
+    ``newton_limit`` is the number of Newton iterations since the start beyond which accuracy is given up.
     """
     if state.fidelity == "rigid":
         return _rigid_step(model, state, t_end)
@@ -45,7 +45,7 @@ def step_towards(model: RopeModel, state: RopeState, t_end: float, work_end: int
     system = model.system(state)
     stop = _next_stop(model, state, t_end)
     while True:
-        accepted = _accepted_step(model, system, state, stop, work_end)
+        accepted = _accepted_step(model, system, state, stop, newton_limit)
         if isinstance(accepted, str):
             return accepted
         result, state, reaches_stop = accepted
@@ -53,12 +53,12 @@ def step_towards(model: RopeModel, state: RopeState, t_end: float, work_end: int
         assert result.motion is not None
         end = result.motion.t
         # reserve iterations for the step to the event and one after it
-        work = work_end - counts.newton - 2 * STEP_WORK
-        if (event := switching.switching_step(model, system, state, result, work)) is None:
+        iterations_left = newton_limit - counts.newton - 2 * STEP_ITERATIONS
+        if (event := switching.switching_step(model, system, state, result, iterations_left)) is None:
             break
         h, iterations = event
-        counts = counts.plus(newton=iterations, given_up=int(iterations >= work))
-        if work <= 0:  # the swivel switches at the step's end
+        counts = counts.plus(newton=iterations, given_up=int(iterations >= iterations_left))
+        if iterations_left <= 0:  # the swivel switches at the step's end
             break
         result = model.trial(system, state.motion, h)
         counts = counts.plus(newton=result.newton.iterations)
@@ -96,7 +96,7 @@ def _rigid_step(model: RopeModel, state: RopeState, t_end: float) -> RopeState |
 
 
 def _accepted_step(
-    model: RopeModel, system: RopeSystem, state: RopeState, stop: float, work_end: int
+    model: RopeModel, system: RopeSystem, state: RopeState, stop: float, newton_limit: int
 ) -> _Accepted | str:
     """Return a step towards ``stop`` that converges with an allowed error, halved as often as necessary.
 
@@ -105,7 +105,7 @@ def _accepted_step(
     solver, t = model.scene.solver, state.motion.t
     step_next, cause = min(state.step_next, solver.step_max), ""
     iterations = rejections = 0
-    parts = substeps(stop - t, step_next, float(_steps_left(work_end - state.counts.newton)))
+    parts = substeps(stop - t, step_next, float(_steps_left(newton_limit - state.counts.newton)))
     h = (stop - t) / parts
     while True:
         result = model.trial(system, state.motion, h)
@@ -113,7 +113,7 @@ def _accepted_step(
         error = model.relative_error(state, result)
         if error <= ACCEPT_BELOW * solver.tolerance:
             break
-        left = _steps_left(work_end - state.counts.newton - iterations)
+        left = _steps_left(newton_limit - state.counts.newton - iterations)
         if result.motion is not None and stop - t > 0.5 * h * left:
             step_next = h
             break
@@ -143,12 +143,12 @@ def _next_stop(model: RopeModel, state: RopeState, t_end: float) -> float:
     ahead = min(stop, t + min(state.step_next, model.scene.solver.step_max))
 
     def due(time: float) -> float:
-        return float(distance_to_due(state.partition, model.bottom(state.paths, time)))
+        return float(distance_past_limit(state.partition, model.bottom_s(state.paths, time)))
 
     # the next step finds a crossing between these instants, at most one step late
     at_start = due(t)
     for time in (0.5 * (t + ahead), ahead):
-        if at_start < 0 and (at_time := due(time)) >= LATEST * state.partition.coarse:
+        if at_start < 0 and (at_time := due(time)) >= MAX_OVERSHOOT * state.partition.coarse:
             return min(locate(due, t, time, at_start, at_time, switching.EVENT_WIDTH), stop)
     return stop
 
@@ -164,11 +164,11 @@ def as_rigid(model: RopeModel, state: RopeState, t: float) -> RopeState:
     )
 
 
-def most_work(interval: Any, step_max: Any) -> Any:
+def max_iterations(interval: Any, step_max: Any) -> Any:
     """Return the Newton iterations after which a communication step fails; a short step_max needs more."""
-    return MOST_WORK * larger(interval / WORK_INTERVAL, 1.0) + 2.0 * STEP_WORK * interval / step_max
+    return MAX_ITERATIONS * maximum(interval / LIMIT_INTERVAL, 1.0) + 2.0 * STEP_ITERATIONS * interval / step_max
 
 
-def _steps_left(work: int) -> int:
+def _steps_left(iterations_left: int) -> int:
     """Return the number of steps that so many Newton iterations allow, at least one."""
-    return max(work // STEP_WORK, 1)
+    return max(iterations_left // STEP_ITERATIONS, 1)

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from rope_model.parameters import Scene
+from rope_model.physics.centreline import enclosing_box
 from rope_model.physics.contact import OWN_LENGTH
 from rope_model.physics.contact_element import LAW
-from rope_model.physics.outline import enclosing_box
 from rope_model.physics.shaft import Body, least_distance
 from rope_model.simulation.contact.bodies import FIXED, may_touch, placed_bodies
 from rope_model.simulation.ends.paths import END_NODE
@@ -20,7 +20,7 @@ from rope_model.simulation.rope_system import POSITION, Array
 
 
 @dataclass(frozen=True)
-class Surroundings:
+class Obstacles:
     """Bodies of a scene, with their kinds in order."""
 
     scene: Scene
@@ -48,10 +48,10 @@ class Surroundings:
         return np.asarray(distances - 0.5 * self.scene.rope.diameter)
 
 
-def surroundings(scene: Scene) -> Surroundings | None:
+def find_obstacles(scene: Scene) -> Obstacles | None:
     """Return the bodies that the rope of ``scene`` may touch, or None."""
     kinds = tuple(placed.kind for placed in placed_bodies(scene.shaft, 2 * [(0.0, 0.0, 0.0)]))
-    return Surroundings(scene, kinds) if may_touch(scene.shaft) else None
+    return Obstacles(scene, kinds) if may_touch(scene.shaft) else None
 
 
 def _together(placed: tuple[Body, ...]) -> Any:

@@ -8,7 +8,7 @@ import math
 from functools import reduce
 from typing import Any
 
-from rope_model.physics.elementary import atan2, cos, dot, larger, sin, smaller
+from rope_model.physics.elementary import atan2, cos, dot, maximum, minimum, sin
 from rope_model.physics.hermite import interpolate
 
 
@@ -18,27 +18,27 @@ def suspension_points(layout: Any, left: Any, right: Any) -> tuple[tuple[Any, ..
     return (-half + left.x, left.y, left.z), (half + right.x, right.y, right.z)
 
 
-def sample_s(bottom: Any, reach: Any, fraction: Any, loop: Any) -> Any:
-    """Return the arc length (m) of a sample at the ``fraction`` of the ``reach`` from ``bottom`` to an end.
+def sample_s(bottom_s: Any, reach: Any, fraction: Any, loop: Any) -> Any:
+    """Return the arc length (m) of a sample at the ``fraction`` of the ``reach`` from ``bottom_s`` to an end.
 
     Near the bottom samples are as dense as if they had to cover twice the width of the ``loop`` (m) only, however long
     the legs are; farther away their distance grows.
     """
-    even, square = smaller(2.0 * loop / larger(abs(reach), loop), 1.0), fraction * fraction
-    return bottom + reach * (even * fraction + (1.0 - even) * (square * square))
+    even, square = minimum(2.0 * loop / maximum(abs(reach), loop), 1.0), fraction * fraction
+    return bottom_s + reach * (even * fraction + (1.0 - even) * (square * square))
 
 
 def squared_distance(point: Any, start: Any, along: Any) -> Any:
     """Return the squared distance (m^2) of ``point`` from the straight piece from ``start`` along ``along``."""
     across = point[0] - start[0], point[1] - start[1], point[2] - start[2]
-    fraction = smaller(larger(dot(across, along) / dot(along, along), 0.0), 1.0)
+    fraction = minimum(maximum(dot(across, along) / dot(along, along), 0.0), 1.0)
     x, y, z = across[0] - fraction * along[0], across[1] - fraction * along[1], across[2] - fraction * along[2]
     return x * x + y * y + z * z
 
 
 def least_squared_distance(a: Any, b: Any) -> Any:
     """Return a lower bound (m^2) of ``squared_distance`` between boxes (lowest, highest coordinates), even rounded."""
-    x, y, z = (larger(larger(a[k] - b[3 + k], b[k] - a[3 + k]), 0.0) for k in range(3))
+    x, y, z = (maximum(maximum(a[k] - b[3 + k], b[k] - a[3 + k]), 0.0) for k in range(3))
     return (1.0 - 1e-9) * (x * x + y * y + z * z)
 
 
@@ -53,19 +53,19 @@ def position_at(xi: Any, length: Any, a: Any, b: Any) -> tuple[Any, ...]:
     return tuple(interpolate(xi, length, a[k], a[3 + k], b[k], b[3 + k])[0] for k in range(3))
 
 
-def lowest(known: Any, length: Any, a: Any, slope_a: Any, b: Any, slope_b: Any) -> Any:
+def lower_bound(known: Any, length: Any, a: Any, slope_a: Any, b: Any, slope_b: Any) -> Any:
     """Return a lower bound of ``known`` and a coordinate's cubic from ``a``, not below ``known``, to ``b``.
 
     The cubic is within its control points.
     """
     third = length / 3.0
-    return smaller(smaller(known, b), smaller(a + third * slope_a, b - third * slope_b))
+    return minimum(minimum(known, b), minimum(a + third * slope_a, b - third * slope_b))
 
 
-def highest(known: Any, length: Any, a: Any, slope_a: Any, b: Any, slope_b: Any) -> Any:
+def upper_bound(known: Any, length: Any, a: Any, slope_a: Any, b: Any, slope_b: Any) -> Any:
     """Return an upper bound of ``known`` and a coordinate's cubic from ``a``, not above ``known``, to ``b``."""
     third = length / 3.0
-    return larger(larger(known, b), larger(a + third * slope_a, b - third * slope_b))
+    return maximum(maximum(known, b), maximum(a + third * slope_a, b - third * slope_b))
 
 
 def box_between(bounds: Any) -> tuple[Any, ...]:
@@ -76,7 +76,7 @@ def box_between(bounds: Any) -> tuple[Any, ...]:
 
 def enclosing_box(length: Any, a: Any, b: Any) -> tuple[Any, ...]:
     """Return centre and half widths (6,) of an upright box that contains the cubic between ``a`` and ``b``."""
-    bounds = [bound(a[k], length, a[k], a[3 + k], b[k], b[3 + k]) for bound in (lowest, highest) for k in range(3)]
+    bounds = [of(a[k], length, a[k], a[3 + k], b[k], b[3 + k]) for of in (lower_bound, upper_bound) for k in range(3)]
     return box_between(bounds)
 
 
@@ -95,7 +95,7 @@ def plane_between(left: Any, right: Any, start: Any, direction: Any) -> tuple[An
 
     At the height of the higher end the plane passes midway between the ends ``left`` and ``right``.
     """
-    rise = larger(left[1], right[1]) - start[1]
+    rise = maximum(left[1], right[1]) - start[1]
     return direction[0], -0.5 * (reach(left, start, direction) + reach(right, start, direction)) / rise, direction[1]
 
 
@@ -114,7 +114,7 @@ def margin(point: Any, lowest_point: Any, diameter: Any, above: Any) -> Any:
 
     ``above`` (m) is the height above that point up to which it grows.
     """
-    return diameter * smaller((point[1] - lowest_point[1]) / above, 1.0)
+    return diameter * minimum((point[1] - lowest_point[1]) / above, 1.0)
 
 
 def side_gap(
@@ -130,7 +130,7 @@ def side_gap(
     behind = tuple(inner[k] - third * inner[3 + k] for k in range(3))
     points = outer, ahead, behind
     gaps = [side * beyond(x, start, normal) - margin(x, start, diameter, above) for x in points]
-    return reduce(smaller, (*gaps, *(top - x[1] for x in points)))
+    return reduce(minimum, (*gaps, *(top - x[1] for x in points)))
 
 
 def least_advance(length: Any, a: Any, b: Any, direction: Any) -> Any:
@@ -139,7 +139,7 @@ def least_advance(length: Any, a: Any, b: Any, direction: Any) -> Any:
     The points come with their r'; the least control point of the slope is a bound.
     """
     start, stop = (direction[0] * x[3] + direction[1] * x[5] for x in (a, b))
-    return smaller(smaller(start, stop), 3.0 * reach(b, a, direction) / length - start - stop)
+    return minimum(minimum(start, stop), 3.0 * reach(b, a, direction) / length - start - stop)
 
 
 def turns(yaw: Any, line: Any, passages: Any) -> Any:
@@ -151,6 +151,6 @@ def turns(yaw: Any, line: Any, passages: Any) -> Any:
     return (yaw - line) / (2.0 * math.pi) - passages
 
 
-def turn(before: Any, after: Any) -> Any:
+def angle_between(before: Any, after: Any) -> Any:
     """Return the angle (rad) about Y from one horizontal vector (X, Z) to another."""
     return atan2(before[1] * after[0] - before[0] * after[1], before[0] * after[0] + before[1] * after[1])

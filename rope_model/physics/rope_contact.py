@@ -1,8 +1,8 @@
 """Contact of the rope with itself: leg on leg, loop on leg.
 
 Points along the rope, closer than its diameter, are compared with the elements to the right of their own that begin
-LEAST_ARC diameters or more behind its end.  Several strands may lie around a point: contact is with the nearest point,
-and with each next one that is LEAST_ARC diameters or more along the rope from those before.  Where the centre lines are
+MIN_ARC diameters or more behind its end.  Several strands may lie around a point: contact is with the nearest point,
+and with each next one that is MIN_ARC diameters or more along the rope from those before.  Where the centre lines are
 nearer than a diameter, the law of physics.contact holds between them, per length, with p = diameter - distance:
 
     f(r_a - r_b, v_a - v_b)  on the one,   -f  on the other,     distributed to the nodes of both elements
@@ -17,18 +17,18 @@ from types import SimpleNamespace
 from typing import Any
 
 from rope_model.physics import hermite
-from rope_model.physics.contact import Touch, touch
-from rope_model.physics.elementary import ceil, dot, floor, larger, smaller
+from rope_model.physics.contact import ContactTerms, contact_law
+from rope_model.physics.elementary import ceil, dot, floor, maximum, minimum
 from rope_model.physics.shaft import Body
 
 #: distance of the points, in diameters: two ropes that cross do not slip between them
 SPACING = 0.25
 #: largest number of points in an element; longer thin elements are checked less closely
-MOST_POINTS = 1000
+MAX_POINTS = 1000
 #: diameters along the rope within which it does not touch itself: a full circle of a radius of five
-LEAST_ARC = 10.0 * math.pi
+MIN_ARC = 10.0 * math.pi
 #: largest number of strands of equal diameter around one
-MOST_STRANDS = 6
+MAX_STRANDS = 6
 PROBES = (0.0, 0.25, 0.5, 0.75, 1.0)  #: xi at which the search for the nearest point starts
 CORRECTIONS = 4  #: Newton corrections from the nearest of these
 #: bound of the distance of two points over their arc length
@@ -37,7 +37,7 @@ STRETCH = 1.25
 
 def number_of_points(l: Any, diameter: Any) -> Any:
     """Return the number of points that are checked in an element of length ``l``."""
-    return smaller(ceil(l / (SPACING * diameter)), float(MOST_POINTS))
+    return minimum(ceil(l / (SPACING * diameter)), float(MAX_POINTS))
 
 
 def points_skipped(distance: Any, diameter: Any, spacing: Any, number: Any) -> Any:
@@ -45,12 +45,12 @@ def points_skipped(distance: Any, diameter: Any, spacing: Any, number: Any) -> A
 
     The points are ``spacing`` (m) apart.  All ``number`` of them are skipped if the distance is not a number.
     """
-    return floor(larger(smaller(number, (distance - diameter) / (STRETCH * spacing)), 0.0))
+    return floor(maximum(minimum(number, (distance - diameter) / (STRETCH * spacing)), 0.0))
 
 
-def most_points(length: Any, elements: Any, diameter: Any) -> Any:
+def max_points(length: Any, elements: Any, diameter: Any) -> Any:
     """Return the largest number of points of a rope in any mesh of so many elements."""
-    return smaller(length / (SPACING * diameter) + elements, MOST_POINTS * elements)
+    return minimum(length / (SPACING * diameter) + elements, MAX_POINTS * elements)
 
 
 def nearer_xi(xi: Any, l: Any, point: Any, a: Any, b: Any) -> Any:
@@ -61,12 +61,12 @@ def nearer_xi(xi: Any, l: Any, point: Any, a: Any, b: Any) -> Any:
     bend = [hermite.bend(xi, l, *end) for end in ends]
     square = dot(slope, slope)
     # beyond the centre of curvature the distance has no minimum
-    second = larger(square + dot(gap, bend), 0.25 * square)
-    return smaller(larger(xi - dot(gap, slope) / (l * second), 0.0), 1.0)
+    second = maximum(square + dot(gap, bend), 0.25 * square)
+    return minimum(maximum(xi - dot(gap, slope) / (l * second), 0.0), 1.0)
 
 
-def self_contact_law(contact: Any, diameter: Any, separation: Any, velocity: Any, cq: Any, cv: Any) -> Touch:
+def self_contact_law(contact: Any, diameter: Any, separation: Any, velocity: Any, cq: Any, cv: Any) -> ContactTerms:
     """Return the contact, per length, of a point at ``separation`` (3,) from another with relative ``velocity``."""
     law = SimpleNamespace(**(vars(contact) | {"stiffness": contact.rope_stiffness}))
     other = Body((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.5 * diameter, 1.0, 0.0, 1.0)
-    return touch(law, diameter, other, (0.0, 0.0, 0.0), separation, velocity, cq, cv)
+    return contact_law(law, diameter, other, (0.0, 0.0, 0.0), separation, velocity, cq, cv)
