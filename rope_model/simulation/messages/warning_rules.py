@@ -219,7 +219,7 @@ ACCURACY_GIVEN_UP: Rules = {
 INPUTS: Rules = {
     texts.positions_rounded: _positions_rounded,
     texts.samples_repeated: lambda scene, end_filter, step: (
-        both(end_filter.repeats > 0, end_filter.sent_every > 0),
+        logical_and(end_filter.repeats > 0, end_filter.sent_every > 0),
         end_filter.repeats,
         step,
         end_filter.sent_every,
