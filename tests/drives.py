@@ -15,7 +15,7 @@ from hoist_demo.drive.plant import HoistPlant, PlantState, PlantStep
 from hoist_demo.parameters import GRAVITY, Hoist, Winding
 
 
-class PlantInput(namedtuple("Given", INPUT_NAMES, defaults=(0.0,) * (len(INPUT_NAMES) - 3))):
+class PlantInput(namedtuple("PlantInput", INPUT_NAMES, defaults=(0.0,) * (len(INPUT_NAMES) - 3))):
     """Held over one communication step; forces are those of one balance rope."""
 
 

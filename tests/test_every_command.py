@@ -44,7 +44,7 @@ def test_every_number_of_a_case_has_a_status(name: str) -> None:
     found = statuses(data)
     assert len(found) == len(data)
     # what a hoist's source states are numbers of the hoist
-    stated = {key for key, status in find_case(name).given.items() if status == "published"}
+    stated = {key for key, status in find_case(name).status_by_name.items() if status == "published"}
     assert {key for key, status in found.items() if status == "published"} == stated
 
 

@@ -71,7 +71,7 @@ def test_units_are_converted_to_the_last_bit_and_what_is_left_out_follows_by_rul
     assert_allclose(case.gains.speed, 3.0 * hoist.moving_mass)
     assert [case.rope[f"{side}.swivel.mode"] for side in ("left", "right")] == [2, 0]
     wanted = {"hoist.payload_left": "data sheet", "hoist.conveyance_mass": "measured", "gains.speed": "derived"}
-    assert {key: case.given[key] for key in wanted} == wanted
+    assert {key: case.status_by_name[key] for key in wanted} == wanted
     assert case.sources["hoist.conveyance_mass"] == "scale"
     assert case.remarks == ()
 
@@ -85,7 +85,7 @@ def test_a_new_hoist_reads_back_and_shows_what_statics_say(tmp_path: Path, capsy
     assert read(tmp_path / "equal.toml", HoistFile).case.hoist.tail_rope_number == 2
     case = read(path, HoistFile).case
     checked().validate(tomllib.loads(path.read_text(encoding="utf-8")))
-    assert [case.given[f"hoist.{key}"] for key in ("payload_left", "brake.torque")] == ["given", "derived"]
+    assert [case.status_by_name[f"hoist.{key}"] for key in ("payload_left", "brake.torque")] == ["given", "derived"]
     torques = [tail.parameters["rope.Qc"] for tail in case.ropes]
     assert torques[0] == -torques[1] > 0.0
     capsys.readouterr()
@@ -184,7 +184,7 @@ def test_a_value_that_is_set_counts_as_if_it_stood_in_the_file_and_one_that_vari
     there = build(str(written(tmp_path / "there.toml", text)), {})
     assert (run.hoist, run.winding, run.gains, run.fmu) == (there.hoist, there.winding, there.gains, there.fmu)
     assert_allclose(run.hoist.rope_mass, 2.0 * 20.0)
-    assert run.given["hoist.head_rope_mass"] == "derived"
+    assert run.status_by_name["hoist.head_rope_mass"] == "derived"
     # a rope of the catalogue, with a tenth more of diameter
     other = build(own, {"rope.diameter": 1.1 * 0.052}).hoist
     assert_allclose(other.tail_mass / find_case(own).hoist.tail_mass, 1.1**2)
@@ -233,7 +233,8 @@ def test_a_hoist_like_another_has_its_values_but_those_it_names(tmp_path: Path) 
     assert (case.hoist.payload_left, case.rope["rope.length"], case.hoist.tail_rope_number) == (5e3, 930.0, 2)
     assert case.rope["rope.EI"] == own.rope["rope.EI"]
     # each file's status is that of its own values
-    found = [case.given[key] for key in ("hoist.payload_left", "rope.length", "winding.speed", "rope.diameter")]
+    keys = ("hoist.payload_left", "rope.length", "winding.speed", "rope.diameter")
+    found = [case.status_by_name[key] for key in keys]
     assert found == ["given", "given", "data sheet", "data sheet"]
     case = find_case(str(written(tmp_path / "d.toml", text.replace("length = 930", 'construction = "18x7"'))))
     assert case.rope["rope.mass_per_length"] != own.rope["rope.mass_per_length"]

@@ -84,11 +84,11 @@ class Identified:
     def provenance(self) -> list[SourcedValue]:
         """Sources of the numbers of the rope and its shaft."""
         bench = self.measured.bench
-        given = dict.fromkeys(("rope.length", "rope.diameter"), GIVEN) | dict(self.measured.given)
+        status_by_name = dict.fromkeys(("rope.length", "rope.diameter"), GIVEN) | dict(self.measured.status_by_name)
         data_statuses = {name: datum.status for name, datum in self.data.items()}
-        given |= {name: data_statuses[name] for name in bench.sought} | following_statuses(data_statuses)
+        status_by_name |= {name: data_statuses[name] for name in bench.sought} | following_statuses(data_statuses)
         return rope_provenance(
-            find_case("rope-120"), rope_data_of(bench.scene_at(self.fit.shares)), given
+            find_case("rope-120"), rope_data_of(bench.scene_at(self.fit.shares)), status_by_name
         )  # the case of the defaults
 
     def strong_correlations(self) -> list[tuple[str, str, float]]:

@@ -8,7 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from hoist_demo.control.controller import Gains
-from hoist_demo.files.values import Given, plain, statuses
+from hoist_demo.files.values import ParameterValue, plain, statuses
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.quantity import Value
 from rope_model import Level
@@ -26,7 +26,7 @@ class BalanceRopeData:
     """One balance rope, or several equal ones: its place, its break, and its own values by FMI name."""
 
     name: str
-    values: Mapping[str, Given]
+    values: Mapping[str, ParameterValue]
     number: int = 1
     place: Mapping[str, float] = field(default_factory=dict)  # m: x_left, x_right, z
     breaks: Mapping[str, float] = field(default_factory=dict)  # breaks_at [s], breaks_s [m]
@@ -47,7 +47,7 @@ class Case:
     hoist: Hoist
     winding: Winding
     gains: Gains
-    host: Mapping[str, Given]  # stated and derived values of controller, hoist.*, winding.* and others
+    host: Mapping[str, ParameterValue]  # stated and derived values of controller, hoist.*, winding.* and others
     tails: tuple[BalanceRopeData, ...]
     rope: Mapping[str, Value]  # parameters of the first rope by FMI name; the rest is the rope's own
     source: str = ""
@@ -61,19 +61,19 @@ class Case:
         return self.tails if len(self.tails) > 1 or self.tails[0].place or self.tails[0].breaks else ()
 
     @property
-    def values(self) -> dict[str, Given]:
+    def values(self) -> dict[str, ParameterValue]:
         """Stated and derived values of the host and of equal ropes, by name."""
         return {**self.host, **({} if self.ropes else self.tails[0].values)}
 
     @property
-    def given(self) -> dict[str, str]:
+    def status_by_name(self) -> dict[str, str]:
         """Status of each value by name."""
         return statuses(self.values)
 
     @property
     def sources(self) -> dict[str, str]:
         """Source of each value that states one, by name."""
-        return {key: one.source for key, one in self.values.items() if one.source}
+        return {key: entry.source for key, entry in self.values.items() if entry.source}
 
     def alone(self, tail: BalanceRopeData) -> Case:
         """Return the hoist with one of its ropes."""

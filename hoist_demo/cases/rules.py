@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from hoist_demo.cases.case import BalanceRopeData, Case
 from hoist_demo.files.catalogue import data_of, host_parameters, rope_parameters
 from hoist_demo.files.rope_file import OF_CATALOGUE
-from hoist_demo.files.values import DERIVED, Given, plain
+from hoist_demo.files.values import DERIVED, ParameterValue, plain
 from hoist_demo.parameters import GRAVITY, Hoist, Winding, hoist_with, require_trip_fits
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
@@ -71,15 +71,15 @@ RULES = (
 )
 
 
-def completed(host: Mapping[str, Given], tails: Iterable[BalanceRopeData], **head: Any) -> Case:
+def completed(host: Mapping[str, ParameterValue], tails: Iterable[BalanceRopeData], **head: Any) -> Case:
     """Return the hoist of what is stated of its host and ropes, with all that follows; ValueError where none can be."""
     host = dict(host)
     if "hoist.shaft_travel" not in host and "winding.travel" in host:
         deep = abs(float(host["winding.travel"].value))
-        host["hoist.shaft_travel"] = Given(deep, DERIVED, "winding.travel")
+        host["hoist.shaft_travel"] = ParameterValue(deep, DERIVED, "winding.travel")
     sections = data_of(plain(host))
     inputs = RuleInputs(sections["hoist"], sections["winding"], Hoist())
-    length = Given(LENGTH.value(inputs), DERIVED, LENGTH.words, follows=True)
+    length = ParameterValue(LENGTH.value(inputs), DERIVED, LENGTH.words, follows=True)
     filled = list[BalanceRopeData]()
     with Problems() as problems:
         for k, tail in enumerate(tails, 1):
@@ -87,7 +87,7 @@ def completed(host: Mapping[str, Given], tails: Iterable[BalanceRopeData], **hea
                 filled.append(replace(tail, values={"rope.length": length, **_of_catalogue(tail), **tail.values}))
     tails = tuple(filled)
     drive = ropes_as_seen_by_drive(tails)
-    if host.get("hoist.tail_rope_number", Given(drive.tail_rope_number)).value != drive.tail_rope_number:
+    if host.get("hoist.tail_rope_number", ParameterValue(drive.tail_rope_number)).value != drive.tail_rope_number:
         raise ValueError(
             f"hoist.tail_rope_number = {host['hoist.tail_rope_number'].value} must be {drive.tail_rope_number}, as "
             "number of the [[rope]] says: leave it out"
@@ -95,7 +95,7 @@ def completed(host: Mapping[str, Given], tails: Iterable[BalanceRopeData], **hea
     for rule in RULES:
         if rule.key not in host:
             value = rule.value(RuleInputs(sections["hoist"], sections["winding"], drive))
-            host[rule.key] = Given(value, DERIVED, rule.words, follows=True)
+            host[rule.key] = ParameterValue(value, DERIVED, rule.words, follows=True)
             sections = data_of(plain(host))
     require_trip_fits(sections["hoist"], sections["winding"])
     far = dict.fromkeys(line for one in tails for line in remarks(plain({**host, **one.values})))
@@ -103,14 +103,14 @@ def completed(host: Mapping[str, Given], tails: Iterable[BalanceRopeData], **hea
     return Case(**head, **data, host=host, tails=tails, rope=tails[0].parameters, remarks=tuple(far))
 
 
-def _of_catalogue(tail: BalanceRopeData) -> dict[str, Given]:
+def _of_catalogue(tail: BalanceRopeData) -> dict[str, ParameterValue]:
     """Return what the catalogue knows of a rope; ValueError where it has none such."""
     if not tail.construction:
         return {}
     diameter = float(tail.parameters.get("rope.diameter", 0.0))
-    middle = catalogue_rope(tail.construction, diameter, lay=tail.lay).middle  # type: ignore[arg-type]  # checks the lay
+    rope = catalogue_rope(tail.construction, diameter, lay=tail.lay).middle  # type: ignore[arg-type]  # checks the lay
     source = f"catalogue, {tail.construction}, middle of its range"
-    return {f"rope.{name}": Given(getattr(middle, name), DERIVED, source, follows=True) for name in OF_CATALOGUE}
+    return {f"rope.{name}": ParameterValue(getattr(rope, name), DERIVED, source, follows=True) for name in OF_CATALOGUE}
 
 
 def ropes_as_seen_by_drive(tails: tuple[BalanceRopeData, ...]) -> Hoist:
@@ -127,20 +127,20 @@ def ropes_as_seen_by_drive(tails: tuple[BalanceRopeData, ...]) -> Hoist:
     return hoist_with(Hoist(), ropes)
 
 
-def with_values(case: Case, values: Mapping[str, Value | Given]) -> Case:
+def with_values(case: Case, values: Mapping[str, Value | ParameterValue]) -> Case:
     """Return the hoist with values as if they stood in its file: what follows by rules follows anew."""
     if not values:
         return case
-    given = {key: one if isinstance(one, Given) else Given(one) for key, one in values.items()}
-    of_host = {key: one for key, one in given.items() if key in host_parameters()}
-    of_rope = {key: one for key, one in given.items() if key not in of_host}
+    entries = {k: v if isinstance(v, ParameterValue) else ParameterValue(v) for k, v in values.items()}
+    of_host = {key: entry for key, entry in entries.items() if key in host_parameters()}
+    of_rope = {key: entry for key, entry in entries.items() if key not in of_host}
     tails = [replace(tail, values=_stated(tail.values) | of_rope) for tail in case.tails]
     head = {name: getattr(case, name) for name in ("name", "source", "level", "signals")}
     return completed(_stated(case.host) | of_host, tails, **head)
 
 
-def _stated(values: Mapping[str, Given]) -> dict[str, Given]:
-    return {key: one for key, one in values.items() if not one.follows}
+def _stated(values: Mapping[str, ParameterValue]) -> dict[str, ParameterValue]:
+    return {key: entry for key, entry in values.items() if not entry.follows}
 
 
 #: Usual ranges: a value beyond draws a remark that its unit may be wrong.

@@ -80,8 +80,8 @@ def _duty(options: argparse.Namespace) -> int:
         print("balance-rope: interrupted before the first trip's end", file=sys.stderr)
         return 130
     exposed = together([gather(row) for row in table_rows(trips)]) if "station.s[1]" in trips else None
-    run = schedule.pattern[0]
-    data = host_provenance(run, schedule.given) + rope_provenance(find_case(run.case), rope.data(), schedule.given)
+    run, status = schedule.pattern[0], schedule.status_by_name
+    data = host_provenance(run, status) + rope_provenance(find_case(run.case), rope.data(), status)
     written = [*_write(trips, exposed, out), write_data(data, out / "data.csv")]
     print(f"{schedule.head.title}: hoist {schedule.head.hoist}, level {schedule.level}, {trips['trip'].size} trips\n")
     exposures = exposure_rows("", exposed) if exposed else ()

@@ -78,9 +78,9 @@ def _linearise(options: argparse.Namespace) -> int:
     print(f"{'at':>6}{'output':>16}{'input':>18}{'dB':>10}{'degrees':>10}{'of peak':>10}")
     for k, at in enumerate(small.at):
         for i, output in enumerate(small.outputs):
-            for j, given in enumerate(small.inputs):
+            for j, input_name in enumerate(small.inputs):
                 errors = "".join(f"{float(x[k, i, j]):10.2g}" for x in (small.decibels, small.degrees, small.share))
-                print(f"{at:6.3g}{output:>16}{given:>18}{errors}")
+                print(f"{at:6.3g}{output:>16}{input_name:>18}{errors}")
     print("\nwritten: " + ", ".join(map(str, written)))
     return 0
 

@@ -70,11 +70,11 @@ class WoundRun:
         rows += tuple(row for exposed in self.exposed.items() for row in exposure_rows(*exposed))
         rows += tuple(status_rows(self.provenance))
         parts = {"Hoist": run.hoist, "Winding": run.winding, "Coupling": run.coupling, "Gains": run.gains}
-        given = parameter_tables(parts, status)
+        data_tables = parameter_tables(parts, status)
         for rope in self.ropes:
-            given += rope_tables(rope, fidelities_of(self.own(rope)), status)
+            data_tables += rope_tables(rope, fidelities_of(self.own(rope)), status)
         verdict = judge(self.result, run.hoist, self.ropes, warnings, self.pairs, run.arrival)
-        return Report(self.title, verdict, self._changed(), rows, given)
+        return Report(self.title, verdict, self._changed(), rows, data_tables)
 
     def _changed(self) -> TitledRows:
         own = build(self.run.case, {})

@@ -111,12 +111,12 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
     _choose_rope(options, default if options.hoist == DEFAULT_HOIST else None)
     own = settings(options.set, parameters(_parameters(options)))
     identified = read(options.rope, RopeFile).values() if options.rope else {}
-    chosen = {key: one.value for key, one in identified.items()} | own
+    chosen = {key: entry.value for key, entry in identified.items()} | own
     values = _winding(options, case) | chosen
     run = build_trip(options.hoist, values)
     for remark in case.remarks:
         _tell(remark)
-    statuses = {key: one.status for key, one in identified.items()} | dict.fromkeys(own, GIVEN)
+    statuses = {key: entry.status for key, entry in identified.items()} | dict.fromkeys(own, GIVEN)
     hung = _ropes(options, case, run, chosen)
     if options.check:
         print(f"{options.hoist}: nothing wrong")
@@ -202,14 +202,14 @@ def _winding(options: argparse.Namespace, case: Case) -> dict[str, Value]:
         raise ValueError(f"--estop-law {options.estop_law} needs the time of the stop: give --estop-at T")
     chosen = {name: getattr(options, name) for name in TRIP}
     chosen |= {"emergency_at": options.estop_at, "emergency_law": options.estop_law}
-    given: dict[str, Any] = {name: value for name, value in chosen.items() if value is not None}
+    overrides: dict[str, Any] = {name: value for name, value in chosen.items() if value is not None}
     quick = dict[str, float]()
     if options.quick:
         quick = {"settle": _QUICK["settle"]} if options.hoist in SCENARIOS else _QUICK
-    winding = replace(case.winding, **(quick | given))
+    winding = replace(case.winding, **(quick | overrides))
     if options.creep_speed is not None and not winding.creeps:
         raise ValueError(f"--creep-speed {options.creep_speed:g} needs a creep's length: give --creep-distance S")
-    values = {f"winding.{name}": value for name, value in (quick | given).items()}
+    values = {f"winding.{name}": value for name, value in (quick | overrides).items()}
     coupling = {"coupling.step": options.step, "coupling.scheme": options.scheme}
     return values | {name: value for name, value in coupling.items() if value is not None}
 

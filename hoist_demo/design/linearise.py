@@ -237,16 +237,16 @@ def _linear_hoist(
     M[:n, :n], D[:n, :n], K[:n, :n], K[:n, n:] = by_a[:n], by_x[:n, v], by_x[:n, q], by_x[:n, lag]
     D[n:, :n], D[n:, n:] = -by_x[late][:, v], np.eye(len(lag))
     K[n:, :n], K[n:, n:] = -by_x[late][:, q], -by_x[late][:, lag]
-    given = ["torque_command", *(["brake"] if held_by == "brake" else [])]
-    B = np.zeros((size, len(given) + 3))
-    B[n:, : len(given)] = by_u[late][:, [INPUT_NAMES.index(name) for name in given]]
-    B[:n, len(given)] = -by_x[:n, 0]
+    commands = ["torque_command", *(["brake"] if held_by == "brake" else [])]
+    B = np.zeros((size, len(commands) + 3))
+    B[n:, : len(commands)] = by_u[late][:, [INPUT_NAMES.index(name) for name in commands]]
+    B[:n, len(commands)] = -by_x[:n, 0]
     B[1, -2] = B[2, -1] = 1.0
     seen = [*range(n, n + 2), *range(shown, shown + len(_SHOWN))]
     C = by_x[seen][:, [*q, *lag]]
     C_v, C_a = (np.hstack((by[seen], np.zeros((len(seen), len(lag))))) for by in (by_x[:, v], by_a))
     return LinearHoist(
-        coordinates, tuple(names[k] for k in lag), (M, D, K), (*given, "torque", "force_left", "force_right"), B,
+        coordinates, tuple(names[k] for k in lag), (M, D, K), (*commands, "torque", "force_left", "force_right"), B,
         (*_TENSIONS, *_SHOWN), (C, C_v, C_a), np.zeros((len(seen), B.shape[1])),
         np.array([x[0], *([1.0] if held_by == "brake" else []), 0.0, 0.0, 0.0]), values[seen].ravel(),
     )  # fmt: skip

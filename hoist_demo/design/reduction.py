@@ -378,6 +378,6 @@ def _fitted(A: Array, B: Array, C: Array, D: Array, s: Complex, exact: Complex) 
         unit = np.linalg.norm(left, axis=0)
         unit[unit == 0.0] = 1.0  # a lag that no input moves
         both = np.vstack((left.real / unit, left.imag / unit, _FIT * np.eye(unit.size)))
-        given = np.concatenate((right.real, right.imag, np.zeros(unit.size)))
-        coefficients[i] += np.linalg.lstsq(both, given, rcond=None)[0] / unit
+        right_hand_side = np.concatenate((right.real, right.imag, np.zeros(unit.size)))
+        coefficients[i] += np.linalg.lstsq(both, right_hand_side, rcond=None)[0] / unit
     return coefficients[:, : len(A)], coefficients[:, len(A) :]

@@ -34,9 +34,9 @@ class Schedule(RunFile):
     trips: list[Values] = Field(alias="trip", min_length=1)
 
     @property
-    def given(self) -> dict[str, str]:
+    def status_by_name(self) -> dict[str, str]:
         """Status of each value that is set, by name."""
-        return {key: status for one in (self.fixed, *self.trips) for key, status in statuses(one).items()}
+        return {key: status for values in (self.fixed, *self.trips) for key, status in statuses(values).items()}
 
     @cached_property
     def pattern(self) -> tuple[RunData, ...]:
@@ -45,9 +45,9 @@ class Schedule(RunFile):
         with Problems() as problems:
             for k, trip in enumerate(self.trips, 1):
                 problems += [
-                    f"trip {k}: {key} = {one.value!r} must be the same in all trips: set it in [fixed]; a trip has "
+                    f"trip {k}: {key} = {entry.value!r} must be the same in all trips: set it in [fixed]; a trip has "
                     f"winding.* and {' and '.join(_PAYLOADS)}"
-                    for key, one in trip.items()
+                    for key, entry in trip.items()
                     if key not in _PAYLOADS and not key.startswith("winding.")
                 ]
                 with problems.at(f"trip {k}"):

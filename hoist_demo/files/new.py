@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping
 
 from hoist_demo.cases.rules import HEAD_ROPE_STIFFNESS, TAIL_SPARE
-from hoist_demo.files.values import DERIVED, GIVEN, Given
+from hoist_demo.files.values import DERIVED, GIVEN, ParameterValue
 from hoist_demo.files.writing import hoist_text
 from hoist_demo.parameters import GRAVITY
 from hoist_demo.parameters.quantity import Bounds, Parameter, Value
@@ -38,12 +38,14 @@ WISHES = (
 
 def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
     """Return the text of a file by values of WISHES; ValueError where the rope is not in the catalogue."""
-    inputs = {p.name: Given(chosen.get(p.name, p.start), GIVEN if p.name in chosen else "assumed") for p in WISHES}
-    wish = {key: float(one.value) for key, one in inputs.items() if not isinstance(one.value, str)}
+    inputs = {
+        p.name: ParameterValue(chosen.get(p.name, p.start), GIVEN if p.name in chosen else "assumed") for p in WISHES
+    }
+    wish = {key: float(entry.value) for key, entry in inputs.items() if not isinstance(entry.value, str)}
     kind, payload, depth = str(inputs["rope"].value), wish["payload"], wish["depth"]
     mass = catalogue_rope(kind, wish["diameter"]).middle.mass_per_length
     if "conveyance" not in chosen:
-        inputs["conveyance"] = Given(0.9 * payload, DERIVED, "0.9 of the payload")
+        inputs["conveyance"] = ParameterValue(0.9 * payload, DERIVED, "0.9 of the payload")
     conveyance, number = float(inputs["conveyance"].value), int(wish["ropes"])
     head_mass = number * mass / wish["head-ropes"]
     head_diameter = math.sqrt(head_mass / 4000.0)
@@ -51,11 +53,11 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
     motor, power = _rounded(0.4 * sheave), _rounded(2.6 * payload * GRAVITY * wish["speed"])
     stiffness = _rounded((2.0 * math.pi * _SHAFT) ** 2 * motor * (sheave - motor) / sheave * radius**2)
 
-    def rule(value: float, words: str) -> Given:
-        return Given(value, DERIVED, words)
+    def rule(value: float, words: str) -> ParameterValue:
+        return ParameterValue(value, DERIVED, words)
 
-    def ours(value: Value) -> Given:
-        return Given(value, "assumed")
+    def ours(value: Value) -> ParameterValue:
+        return ParameterValue(value, "assumed")
 
     values = {
         "hoist.shaft_travel": inputs["depth"],
@@ -93,13 +95,14 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
     lays = [LAYS[k % 2] for k in range(number)] if alternate else [inputs["lay"].value]
     ropes = []
     for k, lay in enumerate(lays):
-        rope = {} if alternate else {"rope.number": Given(number)}
+        rope = {} if alternate else {"rope.number": ParameterValue(number)}
         if alternate:
             z = round(0.25 * wish["spacing"] * (k - 0.5 * (number - 1)), 3)
-            rope = {"rope.name": Given(f"rope{k + 1}"), "rope.z": rule(z, "a quarter of the spacing apart")}
-        rope |= {"rope.construction": Given(kind), "rope.lay": Given(lay), "rope.diameter": inputs["diameter"]}
-        rope |= {"rope.length": rule(depth + TAIL_SPARE, f"travel and {TAIL_SPARE:g} m")}
-        ropes.append(rope | {"rope.swivels.mode": Given("coulomb")})
+            rope = {"rope.name": ParameterValue(f"rope{k + 1}"), "rope.z": rule(z, "a quarter of the spacing apart")}
+        rope |= {"rope.construction": ParameterValue(kind), "rope.lay": ParameterValue(lay)}
+        rope["rope.diameter"] = inputs["diameter"]
+        rope["rope.length"] = rule(depth + TAIL_SPARE, f"travel and {TAIL_SPARE:g} m")
+        ropes.append(rope | {"rope.swivels.mode": ParameterValue("coulomb")})
     return hoist_text(name, values, ropes, _ABOUT)
 
 

@@ -16,7 +16,7 @@ from typing import Annotated, Any, TypeVar, get_args
 
 import pydantic
 
-from hoist_demo.files.values import Facts, given
+from hoist_demo.files.values import Facts, value_type
 from hoist_demo.parameters.quantity import Parameter
 from rope_model.texts import printable
 
@@ -67,7 +67,7 @@ class Flat:
         return handler.generate_schema(Annotated[self.model, pydantic.AfterValidator(self.make)])
 
 
-def table_of(name: str, parameters: Iterable[Parameter], leaf: Callable[[Parameter], Any] = given) -> type[Table]:
+def table_of(name: str, parameters: Iterable[Parameter], leaf: Callable[[Parameter], Any] = value_type) -> type[Table]:
     """Return the model of a table with these parameters, whose names may have more dots; `leaf` gives their types."""
     inside: dict[str, list[Parameter]] = {}
     for parameter in parameters:

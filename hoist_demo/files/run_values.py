@@ -9,7 +9,7 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.files.catalogue import SWIVELS, at_both_ends, group_table, run_fields
 from hoist_demo.files.reading import EMPTY, File, Table, beside, contents, flat, opened_by
 from hoist_demo.files.rope_file import FOLLOWING, KnownFile, RopeValues
-from hoist_demo.files.values import Given, Text, given, stated
+from hoist_demo.files.values import ParameterValue, Text, stated, value_type
 from hoist_demo.parameters.problems import Problems
 from rope_model import Level
 from rope_model.texts import printable
@@ -34,15 +34,15 @@ class Head(Table):
         return path
 
 
-def _values(content: Any) -> dict[str, Given]:
+def _values(content: Any) -> dict[str, ParameterValue]:
     return (content.file or {}) | at_both_ends(stated(contents(content)).items())
 
 
-_BOTH = {SWIVELS: (group_table(SWIVELS, given), Field(default=None))}
+_BOTH = {SWIVELS: (group_table(SWIVELS, value_type), Field(default=None))}
 #: a table with values of runs, by name; `from` names a rope's parameter file, which counts less
 Values = Annotated[
-    dict[str, Given],
-    flat("Values", {"file": (RopeValues, Field({}, alias="from")), **run_fields(given), **_BOTH}, _values),
+    dict[str, ParameterValue],
+    flat("Values", {"file": (RopeValues, Field({}, alias="from")), **run_fields(value_type), **_BOTH}, _values),
 ]
 
 

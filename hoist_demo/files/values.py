@@ -46,7 +46,7 @@ Text = Annotated[str, PlainValidator(read_text), WithJsonSchema({"type": "string
 
 
 @dataclass(frozen=True)
-class Given:
+class ParameterValue:
     """A value with its source; `low` and `high` are how far it may be off, in the parameter's unit."""
 
     value: Value
@@ -57,19 +57,22 @@ class Given:
     follows: bool = False  # whether a rule derived it from stated values
 
 
-def plain(values: Mapping[str, Given]) -> dict[str, Value]:
+ParameterValues = dict[str, ParameterValue]
+
+
+def plain(values: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values without status and source, by name."""
-    return {key: one.value for key, one in values.items()}
+    return {key: entry.value if isinstance(entry, ParameterValue) else entry for key, entry in values.items()}
 
 
-def statuses(values: Mapping[str, Given]) -> dict[str, str]:
+def statuses(values: Mapping[str, ParameterValue]) -> dict[str, str]:
     """Return the status of each value by name."""
-    return {key: one.status for key, one in values.items()}
+    return {key: entry.status for key, entry in values.items()}
 
 
-def stated(values: Iterable[tuple[str, object]], status: str = GIVEN) -> dict[str, Given]:
+def stated(values: Iterable[tuple[str, object]], status: str = GIVEN) -> dict[str, ParameterValue]:
     """Return the values among what a table sets, with this status where they state none."""
-    return {k: replace(v, status=v.status or status) for k, v in values if isinstance(v, Given)}
+    return {k: replace(v, status=v.status or status) for k, v in values if isinstance(v, ParameterValue)}
 
 
 class Facts(BaseModel):
@@ -84,14 +87,14 @@ class Facts(BaseModel):
     high: Any = None
 
 
-def given(parameter: Parameter) -> Any:
-    """Return the type of a key for pydantic: what it holds is a Given."""
-    read = AfterValidator(partial(_given, parameter))
+def value_type(parameter: Parameter) -> Any:
+    """Return the type of a key for pydantic: what it holds is a ParameterValue."""
+    read = AfterValidator(partial(_parameter_value, parameter))
     table = BeforeValidator(lambda content: content if isinstance(content, dict) else {"value": content})
     return Annotated[Facts, table, read, WithJsonSchema(value_schema(parameter))]
 
 
-def _given(parameter: Parameter, facts: Facts) -> Given:
+def _parameter_value(parameter: Parameter, facts: Facts) -> ParameterValue:
     low, high = (
         None if end is None else float(read_value(parameter, end, facts.unit)) for end in (facts.low, facts.high)
     )
@@ -102,7 +105,7 @@ def _given(parameter: Parameter, facts: Facts) -> Given:
         raise ValueError(f"{parameter.name} has no value: write {{ value = ..., unit = ... }}, or low and high")
     value = middle if facts.value is None else read_value(parameter, facts.value, facts.unit)
     assert value is not None
-    return Given(value, facts.status, facts.source, low, high)
+    return ParameterValue(value, facts.status, facts.source, low, high)
 
 
 def read_value(parameter: Parameter, content: Any, unit: str = "") -> Value:

@@ -10,7 +10,7 @@ from hoist_demo.cases.case import Case
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.design.statics import at_rest, holds, pulls
 from hoist_demo.files.catalogue import rope_parameters
-from hoist_demo.files.values import GIVEN, STATUSES, Given
+from hoist_demo.files.values import GIVEN, STATUSES, ParameterValue
 from hoist_demo.files.writing import hoist_text
 from hoist_demo.parameters import SIDES
 from hoist_demo.parameters.quantity import Value
@@ -33,19 +33,19 @@ def complete_file(case: Case, run: RunData, ropes: Sequence[RopeData], provenanc
     """Return a hoist's file with every value of a run and its status; wound again, it gives the same bits."""
     status = statuses(provenance)
 
-    def given(name: str, value: Value, of: str = "") -> Given:
+    def entry(name: str, value: Value, of: str = "") -> ParameterValue:
         source_status = status.get(f"{of}{name}", SETTING)
         file_status = source_status if source_status in STATUSES else "assumed" if source_status == SETTING else GIVEN
-        return Given(value, file_status, case.sources.get(name, ""))
+        return ParameterValue(value, file_status, case.sources.get(name, ""))
 
-    lines = {"controller": given("controller", run.controller), "level": given("level", case.level)}
-    lines |= {one.name: given(one.name, one.value) for one in host_provenance(run, {})}
+    lines = {"controller": entry("controller", run.controller), "level": entry("level", case.level)}
+    lines |= {one.name: entry(one.name, one.value) for one in host_provenance(run, {})}
     names = rope_parameters()
     ropes = [replace(one, parameters={**one.parameters, _SPACING: _spacing(one, run)}) for one in ropes]
     first = ropes[0]
     alike = {key for key in names if all(one.parameters.get(key) == first.parameters[key] for one in ropes)}
     shared = {key for key in alike if not key.startswith(("rope.", "left.", "right."))}
-    lines |= {key: given(key, first.parameters[key], first.prefix) for key in names if key in shared}
+    lines |= {key: entry(key, first.parameters[key], first.prefix) for key in names if key in shared}
     tables = []
     for rope in ropes:
         own = {key: value for key, value in rope.parameters.items() if key in names and key not in shared}
@@ -54,7 +54,7 @@ def complete_file(case: Case, run: RunData, ropes: Sequence[RopeData], provenanc
             placed = {"rope.name": rope.name, **{f"rope.{key}": x for key, x in vars(rope.place).items()}}
         if rope.breaks:
             placed |= dict(zip(("rope.breaks_at", "rope.breaks_s"), rope.breaks, strict=True))
-        tables.append({key: given(key, value, rope.prefix) for key, value in {**placed, **own}.items()})
+        tables.append({key: entry(key, value, rope.prefix) for key, value in {**placed, **own}.items()})
     return hoist_text(case.name, lines, tables)
 
 

@@ -36,13 +36,13 @@ class SummaryRow:
 
 @dataclass(frozen=True)
 class Report:
-    """Content of a report, in reading order; `changed` are the settings that differ, `given` all data of the run."""
+    """Content of a report, in reading order; `changed` are the settings that differ, `data_tables` have all data."""
 
     title: str
     verdict: Verdict
     changed: TitledRows = ("", [])
     rows: Sequence[SummaryRow] = ()
-    given: Sequence[TitledRows] = ()
+    data_tables: Sequence[TitledRows] = ()
 
 
 def rows_by_group(rows: Sequence[SummaryRow]) -> dict[str, list[SummaryRow]]:

@@ -15,7 +15,7 @@ from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.participants.rope_group import CONTACT_ENERGIES, SUMS, Member, RopeGroup, WholeRope
 from hoist_demo.cosimulation.schemes.interface import ENDS, RopePlant
 from hoist_demo.files.catalogue import rope_parameters
-from hoist_demo.files.values import DERIVED, Given
+from hoist_demo.files.values import DERIVED, ParameterValue
 from hoist_demo.parameters import Hoist, hoist_with
 from hoist_demo.parameters.place import Place
 from hoist_demo.parameters.problems import Problems
@@ -109,12 +109,12 @@ class Ropes:
         ropes = [(rope.name, rope.place.origin, rope.scene.rope.diameter) for rope in self.ropes]
         return pairs(recording, ropes, self.plant.accounts())
 
-    def provenance(self, given: Mapping[str, str]) -> list[SourcedValue]:
-        """Return the provenance of the ropes' data, each under its rope's name; `given` as `rope_provenance`."""
+    def provenance(self, status_by_name: Mapping[str, str]) -> list[SourcedValue]:
+        """Return the provenance of the ropes' data, under each rope's name; `status_by_name` as `rope_provenance`."""
         return [
             one._replace(name=f"{data.prefix}{one.name}")
             for rope, data in zip(self.ropes, self.data(), strict=True)
-            for one in rope_provenance(rope.case, data, given)
+            for one in rope_provenance(rope.case, data, status_by_name)
         ]
 
 
@@ -165,7 +165,7 @@ def _rope(tail: BalanceRopeData, parameters: Mapping[str, Value], level: Level, 
     place = Place(**tail.place)
     spacing = rope_scene(parameters, level, place).layout.spacing
     breaks = Break(tail.breaks["breaks_at"], tail.breaks["breaks_s"]) if tail.breaks else None
-    apart = Given(spacing, DERIVED, "the rope's place")
+    apart = ParameterValue(spacing, DERIVED, "the rope's place")
     alone = case.alone(replace(tail, values={**tail.values, "layout.spacing": apart}))
     rope = OneRope(tail.name, {**parameters, "layout.spacing": spacing}, level, alone, place, breaks)
     _ = rope.scene  # checks it

@@ -19,7 +19,7 @@ from hoist_demo.design.tuning import Plan
 from hoist_demo.files.catalogue import parameters, run_fields
 from hoist_demo.files.reading import EMPTY, File, Flat, Table, contents, errors_of_file, flat, read, table_of
 from hoist_demo.files.run_values import Head, Values
-from hoist_demo.files.values import VARIED, Given, Text, plain, statuses
+from hoist_demo.files.values import VARIED, ParameterValue, Text, plain, statuses
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.time_series import match_signals
@@ -138,7 +138,7 @@ class StudyFile(File):
     ] = Grid()
 
     @property
-    def variants(self) -> dict[str, dict[str, Given]]:
+    def variants(self) -> dict[str, dict[str, ParameterValue]]:
         """Fixed values of each variant, by its name."""
         variants = {one.name or str(k): {**self.fixed, **one.values} for k, one in enumerate(self.variant, 1)}
         if len(variants) < len(self.variant):
@@ -201,14 +201,14 @@ class Study:
     fmu_hash: str
     goal: Goal | None
     signals: tuple[str, ...]
-    variants: Mapping[str, Mapping[str, Given]]  # fixed values of each variant
+    variants: Mapping[str, Mapping[str, ParameterValue]]  # fixed values of each variant
     varied: Mapping[str, Varied]
     chosen: tuple[str, ...]  # varied keys that distinguish choices
     plan: Plan | None  # None without a search
     samples: tuple[StudyRun, ...] = ()  # all runs; for a search the corners of its ranges
 
     @property
-    def given(self) -> dict[str, str]:
+    def status_by_name(self) -> dict[str, str]:
         """Status of each value that is set; varied if it differs between runs."""
         status_by_key = {key: status for values in self.variants.values() for key, status in statuses(values).items()}
         differing = [k for k in status_by_key if len({sample.values.get(k) for sample in self.samples}) > 1]
@@ -217,7 +217,7 @@ class Study:
     @property
     def units(self) -> dict[str, str]:
         """Unit of every key that is set."""
-        return {name: parameters()[name].unit for name in self.given}
+        return {name: parameters()[name].unit for name in self.status_by_name}
 
     def run(self, variant: str, values: Mapping[str, Value]) -> StudyRun:
         """Return the run of a variant at a point of [vary]."""

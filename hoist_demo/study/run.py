@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 from hoist_demo.cases.rules import with_values
 from hoist_demo.cases.table import find_case
@@ -23,7 +24,7 @@ from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.design.controllers import Task
 from hoist_demo.files.catalogue import CONTROLLER, data_of, host_parameters
-from hoist_demo.files.values import GIVEN, Given, plain
+from hoist_demo.files.values import GIVEN, ParameterValue, plain
 from hoist_demo.parameters import GRAVITY, Arrival, Coupling, Hoist, start_heights
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
@@ -44,6 +45,8 @@ CONTROLLER_OF = {"shaper": "input-shaping", "trajectory": "optimised-trajectory"
 #: Data of the winding that is not part of the key of runs without creep.
 _CREEP = ("creep_speed", "creep_distance", "departure_creep_distance")
 
+_RECORD_KEYS = {"status_by_name": "given"}  #: Keys of fields in records, where they differ.
+
 
 @dataclass(frozen=True)
 class RunData(Task):
@@ -54,11 +57,15 @@ class RunData(Task):
     arrival: Arrival
     fmu: Mapping[str, Value]  # parameters of the case's rope, and those that the study sets
     signals: tuple[str, ...] = ()  # time series to keep
-    given: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)  # statuses by name
+    status_by_name: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)  # statuses by name
+
+    def record(self) -> dict[str, Any]:
+        """Return the data by their keys in records."""
+        return {_RECORD_KEYS.get(name, name): value for name, value in asdict(self).items()}
 
     def key(self, fmu_hash: str) -> str:
         """Return the name of the run, 24 hexadecimal digits."""
-        data = asdict(self) | {"fmu": dict(sorted(self.fmu.items())), "version": _VERSION}
+        data = self.record() | {"fmu": dict(sorted(self.fmu.items())), "version": _VERSION}
         del data["case"], data["given"]  # all that its file says is in the rest
         for tuning, controller in CONTROLLER_OF.items():
             if self.controller != controller:
@@ -87,9 +94,9 @@ class Outcome:
 
 def build(
     case: str,
-    values: Mapping[str, Value | Given],
+    values: Mapping[str, Value | ParameterValue],
     signals: tuple[str, ...] = (),
-    varied: Mapping[str, Value | Given] | None = None,
+    varied: Mapping[str, Value | ParameterValue] | None = None,
 ) -> RunData:
     """Return the data of a run; a `ValueError` names what does not fit together.
 
@@ -98,15 +105,15 @@ def build(
     """
     hoist_case = with_values(find_case(case), values)
     varied = dict(varied or {})
-    differing = {key: one.value if isinstance(one, Given) else one for key, one in varied.items()}
-    varied_statuses = {key: one.status if isinstance(one, Given) else GIVEN for key, one in varied.items()}
+    differing = plain(varied)
+    varied_statuses = {k: v.status if isinstance(v, ParameterValue) else GIVEN for k, v in varied.items()}
     host = {**plain(hoist_case.host), **differing}
     run = RunData(
         case=case,
         controller=str(host.get(CONTROLLER.name, CONTROLLER.start)),
         fmu={**hoist_case.rope, **fmu_part(differing)},
         signals=signals,
-        given={**hoist_case.given, **varied_statuses},
+        status_by_name={**hoist_case.status_by_name, **varied_statuses},
         **data_of(host),
     )
     run.require_possible()
@@ -123,9 +130,9 @@ def build(
 
 def build_trip(
     case: str,
-    values: Mapping[str, Value | Given],
+    values: Mapping[str, Value | ParameterValue],
     signals: tuple[str, ...] = (),
-    varied: Mapping[str, Value | Given] | None = None,
+    varied: Mapping[str, Value | ParameterValue] | None = None,
 ) -> RunData:
     """Build one trip from the landing, as `build`; refuse a jam that it does not reach."""
     run = build(case, values, signals, varied)

@@ -11,7 +11,7 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data_of, rope_scene
 from hoist_demo.files.rope_file import FOLLOWING, following_statuses
 from hoist_demo.files.run_values import LevelHead, RopeQuestion, RunFile
-from hoist_demo.files.values import DERIVED, GIVEN, VARIED, Given, statuses
+from hoist_demo.files.values import DERIVED, GIVEN, VARIED, ParameterValue, statuses
 from hoist_demo.parameters import SIDES
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.metrics import UNITS
@@ -68,22 +68,22 @@ class Uncertain(RopeQuestion, RunFile):
         data = self.data
         run = self.run({name: datum.middle for name, datum in data.items()})
         status_of = {name: VARIED if name in data else datum.status for name, datum in self.known_rope.data.items()}
-        given = {"rope.diameter": GIVEN, **statuses(self.fixed), **following_statuses(status_of)}
+        status = {"rope.diameter": GIVEN, **statuses(self.fixed), **following_statuses(status_of)}
         if "length" in self.catalogue_arguments:
-            given |= dict.fromkeys(("rope.length", "hoist.tail_rope_length"), GIVEN)
+            status |= dict.fromkeys(("rope.length", "hoist.tail_rope_length"), GIVEN)
         if self.head.bearing:
-            given |= {f"{side}.swivel.{name}": VARIED for side in SIDES for name in ("mu_kinetic", "mu_static")}
+            status |= {f"{side}.swivel.{name}": VARIED for side in SIDES for name in ("mu_kinetic", "mu_static")}
         rope = rope_data_of(rope_scene(run.fmu, self.level))
-        return [*host_provenance(run, given), *rope_provenance(find_case(self.head.hoist), rope, given)]
+        return [*host_provenance(run, status), *rope_provenance(find_case(self.head.hoist), rope, status)]
 
     def run(self, values: Mapping[str, float]) -> RunData:
         """Return the data of a winding with these values of what varies; the drive knows the rope as it is."""
         held = {name: datum.low for name, datum in self.known_rope.data.items() if name not in self.data}
         rope = self.known_rope.rope(**held, **{name: values[name] for name in self.known_rope.data if name in values})
-        drawn: dict[str, Value | Given] = {
+        drawn: dict[str, Value | ParameterValue] = {
             **{f"rope.{name}": float(getattr(rope, name)) for name in FOLLOWING},
             "hoist.tail_rope_mass": rope.mass_per_length,
-            "hoist.tail_rope_length": Given(rope.length, DERIVED),
+            "hoist.tail_rope_length": ParameterValue(rope.length, DERIVED),
         }
         if self.head.bearing:
             for side in SIDES:

@@ -33,7 +33,7 @@ def run_report(
         page.titled_table(group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in rows])
         for group, rows in rows_by_group(report.rows).items()
     )
-    body = page.fill("run.html", numbers=numbers, given="".join(page.titled_table(*table) for table in report.given))
+    body = page.fill("run.html", numbers=numbers, tables="".join(page.titled_table(*t) for t in report.data_tables))
     data = _data(result, hoist, ropes)
     data |= {"shaft": drawn_shaft(ropes[0].parameters, result.recording), "open": report.verdict.when}
     scripts = page.running(("player.js", "plots.js", "rope.js", "shaft.js", "run.js"), data)

@@ -90,7 +90,7 @@ def study_report(
         remarks=_list("Not monotonic", performed.remarks if performed else ())
         + _list("Warnings", _by_text(table, WARNINGS))
         + _list("Missing", _by_text(table, MISSING)),
-        given=page.titled_table("Study", rest)
+        tables=page.titled_table("Study", rest)
         + page.titled_table(
             "The same in all runs", [(n, _describe(values[n]), page.unit_text(units.get(n, ""))) for n in fixed]
         )
