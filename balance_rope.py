@@ -272,21 +272,21 @@ def _hoist(options: argparse.Namespace) -> tuple[Case, tuple[OneRope, ...], Traj
     case = find_case(options.hoist)
     for remark in case.remarks:
         print(f"balance-rope: {remark}", file=sys.stderr)
-    if case.ropes and (options.rope or options.set):
+    if case.distinct_ropes and (options.rope or options.set):
         raise ValueError(f"--rope and --set are for one rope: give their values to a [[rope]] of {options.hoist}")
-    if case.ropes and not options.ssp:
+    if case.distinct_ropes and not options.ssp:
         raise ValueError(f"{options.hoist} has several ropes, and an FMU has one: add --ssp")
     # slow imports
     from hoist_demo.ropes.definition import ropes_of
     from hoist_demo.study.run import build_trip
 
     run, trajectory = build_trip(options.hoist, {}), None
-    if not case.ropes:
+    if not case.distinct_ropes:
         case = _with_rope(case, options.rope, options.set)
     if options.ssp and run.controller != CONTROLLER.start:
         followed = replace(run, winding=replace(run.winding, start_delay=0.0)).design()
         case, trajectory = replace(case, gains=followed.gains), followed.trajectory
-    if not case.ropes:
+    if not case.distinct_ropes:
         return case, (), trajectory
     ropes = ropes_of(case, run, {}, options.level or case.level)
     return replace(case, hoist=ropes.hoist), ropes.ropes, trajectory

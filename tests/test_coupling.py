@@ -107,7 +107,7 @@ class Drive:
         self.state = driven(np.array([[0.0, 1.0], [-d.k / mass, 0.0]]), np.array([0.0, 1.0 / mass]), self.state, h, c)
         return ""
 
-    def place(self) -> np.ndarray:
+    def position(self) -> np.ndarray:
         return both(self.state[0])
 
     def motion(self, load: Load, s: float) -> InterfaceMotion:
@@ -117,7 +117,7 @@ class Drive:
         return InterfaceMotion(both(y), both(v), both(a))
 
     def ends(self, motion: InterfaceMotion) -> tuple[EndMotion, EndMotion]:
-        return EndMotion(y=motion.place[0], vy=motion.speed[0], ay=motion.acceleration[0]), NOTHING
+        return EndMotion(y=motion.position[0], vy=motion.speed[0], ay=motion.acceleration[0]), NOTHING
 
     def accelerance(self) -> np.ndarray:
         return np.diag(both(1.0 / self.data.m))

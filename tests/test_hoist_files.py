@@ -86,7 +86,7 @@ def test_a_new_hoist_reads_back_and_shows_what_statics_say(tmp_path: Path, capsy
     case = read(path, HoistFile).case
     checked().validate(tomllib.loads(path.read_text(encoding="utf-8")))
     assert [case.status_by_name[f"hoist.{key}"] for key in ("payload_left", "brake.torque")] == ["given", "derived"]
-    torques = [tail.parameters["rope.Qc"] for tail in case.ropes]
+    torques = [rope.parameters["rope.Qc"] for rope in case.distinct_ropes]
     assert torques[0] == -torques[1] > 0.0
     capsys.readouterr()
     assert main(["show", str(path)]) == 0
@@ -250,10 +250,10 @@ def test_the_complete_file_has_every_value_of_the_hoist_and_leads_back_to_it(fil
     one, again = build_trip(name, {}), build_trip(str(path), {})
     cases = [find_case(name), find_case(str(path))]
     ropes = [ropes_of(case, run, {}, case.level).ropes for case, run in zip(cases, (one, again), strict=True)]
-    first, second = ([(each.name, each.scene, each.place, each.breaks) for each in some] for some in ropes)
+    first, second = ([(each.name, each.scene, each.suspension, each.breaks) for each in some] for some in ropes)
     assert first == second
     # the drive of several ropes takes their sum from these
-    same = {"case": "", "fmu": {}} | ({"hoist": None} if cases[0].ropes else {})
+    same = {"case": "", "fmu": {}} | ({"hoist": None} if cases[0].distinct_ropes else {})
     assert replace(one, **same) == replace(again, **same)
     tables = tomllib.loads(text)
     for parameter in named_parameters(ropes[0][0].scene):

@@ -25,9 +25,9 @@ _HEAD = """\
 
 def c_table(table: Sequence[Variable], fmi: int) -> str:
     """Return variables.c with the scalars; FMI 3 has arrays, enumerations and the time."""
-    places = {v.name: i for i, v in enumerate(table)}
+    index = {v.name: i for i, v in enumerate(table)}
     rows = [
-        _row(v, fmi, length, places.get(RATES.get(v.name, ""), 0))
+        _row(v, fmi, length, index.get(RATES.get(v.name, ""), 0))
         for v, length in zip(table, lengths(table, fmi), strict=True)
     ]
     if fmi == 3:

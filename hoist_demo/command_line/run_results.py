@@ -82,8 +82,8 @@ class WoundRun:
         values = dict[str, Value]()
         for rope in self.ropes:
             values |= {f"{rope.prefix}{key}": value for key, value in rope.parameters.items()}
-        for tail in find_case(self.run.case).ropes:
-            before |= {f"{tail.name}.{key}": value for key, value in tail.parameters.items()}
+        for data in find_case(self.run.case).distinct_ropes:
+            before |= {f"{data.name}.{key}": value for key, value in data.parameters.items()}
         rows: list[Row] = [
             (one.name, word(one.value), unit_text(one.unit), word(before.get(one.name, "the default")))
             for one in self.provenance

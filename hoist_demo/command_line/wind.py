@@ -101,7 +101,7 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
         if options.hoist is not None:
             raise ValueError(f"--case {options.case} and {options.hoist} are both a hoist: leave one out")
         options.hoist = options.case
-    if options.hoist is not None and find_case(options.hoist).ropes:
+    if options.hoist is not None and find_case(options.hoist).distinct_ropes:
         _refuse_for_several(options)
     resume = Checkpoint.read(options.resume) if options.resume else None
     options.hoist = options.hoist or (resume.hoist if resume else "") or DEFAULT_HOIST
@@ -129,7 +129,7 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
             made = run.design()
             host = Host(hung.plant, run.hoist, run.winding, run.coupling, made.gains, trajectory=made.trajectory)
             host.name = options.hoist if options.hoist in NAMED else str(Path(options.hoist).resolve())
-            result = _run(host, None if case.ropes else options.out / LAST_GOOD, resume)
+            result = _run(host, None if case.distinct_ropes else options.out / LAST_GOOD, resume)
         ropes, remarked = hung.data(), _remarks(hung)
         rope_sources = hung.provenance(statuses)
     finally:
@@ -163,7 +163,7 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
 
 def _remarks(hung: Ropes) -> list[str]:
     """Return what an only rope lacks, and where it is not the one that hoist and drive take it for."""
-    if hung.case.ropes:
+    if hung.case.distinct_ropes:
         return []
     (data,), level = hung.data(), ""
     if isinstance(hung.plant, FmuRope) and data.level not in ("", hung.case.level):

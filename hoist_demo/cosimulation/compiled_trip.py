@@ -171,11 +171,11 @@ class CompiledTrip:
     def _give(self) -> None:
         """Give the run's state to C."""
         run, trip, drive, memory = self._run, self._trip, self._run.drive, self._run.memory
-        state, places = drive.state, self._drive.result
+        state, slices = drive.state, self._drive.result
         parts = {"x": state.x, "works": state.works, "acting": drive.input, "shown": drive.outputs}
         self._drive.give(l0=state.free_lengths, H=self._coupling.step, path=0.0, added_mass=0.0)
         for name, values in parts.items():
-            self._drive.y[places[name]] = values
+            self._drive.y[slices[name]] = values
         for row, sample in zip(self._samples, memory.samples, strict=False):
             row[...] = np.concatenate([[sample.t], *sample[1:]])
         trip.sample_count, trip.step_next, trip.steps = len(memory.samples), state.step_next, run.steps
@@ -185,8 +185,8 @@ class CompiledTrip:
 
     def _take(self) -> None:
         """Take the run's state from C."""
-        run, trip, places = self._run, self._trip, self._drive.result
-        x, works, acting, shown = (self._drive.y[places[name]].copy() for name in ("x", "works", "acting", "shown"))
+        run, trip, slices = self._run, self._trip, self._drive.result
+        x, works, acting, shown = (self._drive.y[slices[name]].copy() for name in ("x", "works", "acting", "shown"))
         run.drive.arrive(run.drive.state._replace(x=x, works=works, step_next=trip.step_next), acting, shown)
         rows = self._samples[: trip.sample_count].copy()
         samples = tuple(Sample(row.item(0), row[1:3], row[3:5], row[5:]) for row in rows)

@@ -166,17 +166,17 @@ def _acting(of: drive.Equations, x: Any, u: Any, added_mass: Any, l0: Any, p: An
     B = of.accelerance(x, u, l0, p)
     given_up = ca.solve(ca.SX.eye(len(drive.FORCES)) + ca.diag(added_mass) @ B, added_mass * a)
     acting = ca.SX(u)
-    for k, place in enumerate(drive.FORCES):
-        acting[place] -= given_up[k]
+    for k, index in enumerate(drive.FORCES):
+        acting[index] -= given_up[k]
     return acting
 
 
 def _slices(sizes: dict[str, int]) -> dict[str, slice]:
-    places, start = {}, 0
+    slices, start = {}, 0
     for name, size in sizes.items():
-        places[name] = slice(start, start + size)
+        slices[name] = slice(start, start + size)
         start += size
-    return places
+    return slices
 
 
 class Integrator:
@@ -188,7 +188,7 @@ class Integrator:
         self._error, self._reached = self.result["error"].start, slice(0, self.result["works"].stop)
         self._advance = Kernel(kernels.advance, [(self.result["shown"].stop,)])
         self.z, self.y = self._advance.inputs[0], self._advance.outputs[0]
-        self.given = {name: self.z[place] for name, place in kernels.given.items()}
+        self.given = {name: self.z[index] for name, index in kernels.given.items()}
         self._hold, self._accelerance = kernels.hold, Kernel(kernels.accelerance, [(2, 2)])
         self.evaluations = 0  # calls of `advance` with a step, so far
         self.give(p=hoist.numbers)

@@ -154,12 +154,12 @@ def _lateral(hoist: Hoist, at: At, side: str, mass: float, rope_mass: Any) -> _L
     )
     kinetic, potential, damping, pull, normal = 0.0, 0.0, 0.0, 0.0, 0.0
     for name, inertia, lever, spread in freedoms:
-        place, speed = at(f"{name}_{side}")
-        force = k * ca.fmax(lever * ca.fabs(place) - c, 0.0)
+        displacement, speed = at(f"{name}_{side}")
+        force = k * ca.fmax(lever * ca.fabs(displacement) - c, 0.0)
         kinetic += inertia * speed**2 / 2
         potential += force**2 / (2 * k)
         damping += (play.damping + play.contact_damping * force) * (lever * speed) ** 2 / 2
-        pull += (spread * place) ** 2
+        pull += (spread * displacement) ** 2
         normal += force
     return _Lateral(kinetic, potential, damping, pull, normal)
 

@@ -4,12 +4,12 @@ import re
 from collections.abc import Iterable
 
 from hoist_demo.files.catalogue import host_parameters, rope_parameters
-from hoist_demo.files.hoist_file import PLACE_PARAMETERS
+from hoist_demo.files.hoist_file import SUSPENSION_PARAMETERS
 from hoist_demo.files.values import ParameterValue, ParameterValues
 from hoist_demo.parameters.quantity import Parameter
 from rope_model.texts import printable, toml_string
 
-_PARAMETERS = {**PLACE_PARAMETERS, **host_parameters(), **rope_parameters()}
+_PARAMETERS = {**SUSPENSION_PARAMETERS, **host_parameters(), **rope_parameters()}
 _ORDER = list(dict.fromkeys(name.partition(".")[0] for name in (*host_parameters(), *rope_parameters())))
 
 

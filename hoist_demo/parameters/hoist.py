@@ -141,8 +141,8 @@ class Hoist(Stated):
     def moving_mass(self) -> float:
         """Sum of the moving masses referred to the rope [kg], the balance ropes' included."""
         ropes = self.rope_mass * (self.shaft_travel + 2.0 * self.head_rope_length_up)
-        tail = self.tail_mass * self.tail_rope_length
-        return self.sheave_mass + self.mass_left + self.mass_right + ropes + tail
+        balance_ropes = self.tail_mass * self.tail_rope_length
+        return self.sheave_mass + self.mass_left + self.mass_right + ropes + balance_ropes
 
     @property
     def travel_loss(self) -> tuple[float, float]:

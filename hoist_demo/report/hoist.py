@@ -51,7 +51,7 @@ def complete_file(case: Case, run: RunData, ropes: Sequence[RopeData], provenanc
         own = {key: value for key, value in rope.parameters.items() if key in names and key not in shared}
         placed: dict[str, Value] = {"rope.number": run.hoist.tail_rope_number}
         if rope.name:
-            placed = {"rope.name": rope.name, **{f"rope.{key}": x for key, x in vars(rope.place).items()}}
+            placed = {"rope.name": rope.name, **{f"rope.{key}": x for key, x in vars(rope.suspension).items()}}
         if rope.breaks:
             placed |= dict(zip(("rope.breaks_at", "rope.breaks_s"), rope.breaks, strict=True))
         tables.append({key: entry(key, value, rope.prefix) for key, value in {**placed, **own}.items()})
@@ -63,9 +63,9 @@ _SPACING = "layout.spacing"
 
 def _spacing(rope: RopeData, run: RunData) -> float:
     """Return the spacing of the conveyances' centres [m]: a rope's own, less what its place adds."""
-    own, place = float(rope.parameters[_SPACING]), rope.place
+    own, offset = float(rope.parameters[_SPACING]), rope.suspension
     set_spacing = float(run.fmu.get(_SPACING, rope_parameters()[_SPACING].start))
-    return set_spacing if set_spacing + place.x_right - place.x_left == own else own - place.x_right + place.x_left
+    return set_spacing if set_spacing + offset.x_right - offset.x_left == own else own - offset.x_right + offset.x_left
 
 
 def as_file(case: Case, name: str, values: Values = NOTHING) -> str:
@@ -141,7 +141,7 @@ def consequences(case: Case, name: str, values: Values = NOTHING) -> tuple[str, 
 def _neighbours(ropes: Sequence[OneRope], yaws: Mapping[str, float]) -> Iterator[str]:
     """Tell of ropes side by side that may touch as their loops yaw, more in a trip than at rest [rad]."""
     for one, other in combinations(ropes, 2):
-        (x, _, z), (x1, _, z1) = one.place.origin, other.place.origin
+        (x, _, z), (x1, _, z1) = one.suspension.origin, other.suspension.origin
         reach, reach1 = (
             0.5 * r.scene.layout.spacing * math.sin(max(-0.5 * math.pi, min(YAWS * yaws[r.name], 0.5 * math.pi)))
             for r in (one, other)

@@ -190,11 +190,11 @@ def _tracking(group: str, error: Array, elapsed: Array, winding: Winding) -> lis
 def _swing(recording: Recording, arrival: float, window: float) -> list[SummaryRow]:
     """Return the swing of both conveyances in a window [s] after the arrival of the reference [s]."""
     elapsed = recording.time - recording.time[0]
-    tail = (elapsed >= arrival) & (elapsed <= arrival + window)
-    if not bool(tail.any()):
+    in_window = (elapsed >= arrival) & (elapsed <= arrival + window)
+    if not bool(in_window.any()):
         return []
-    within = f"within {float(np.ptp(elapsed[tail])):.2g} s, peak to peak"
-    swings = {end: 1e3 * float(np.ptp(recording[f"conveyance.{end}.y"][tail])) for end in SIDES}
+    within = f"within {float(np.ptp(elapsed[in_window])):.2g} s, peak to peak"
+    swings = {end: 1e3 * float(np.ptp(recording[f"conveyance.{end}.y"][in_window])) for end in SIDES}
     return [SummaryRow(_DRIVE, f"swing after arrival, {end}, {within}", swing, "mm") for end, swing in swings.items()]
 
 

@@ -237,7 +237,7 @@ _ALONE = (
 def _between(pair: RopePair, error: float) -> Iterator[VerdictRow]:
     """Yield the clearance of two ropes, and how they pressed each other if they may."""
     if (near := pair.nearest) is not None:
-        where = _where(near.t, near.place)
+        where = _where(near.t, near.position)
         where += _ALONE if near.clearance <= 0.0 and pair.account is None else ""
         quantity = f"clearance between {pair.one} and {pair.other}"
         bound = f"above {number(error, 2)} m, its error"
@@ -248,8 +248,8 @@ def _between(pair: RopePair, error: float) -> Iterator[VerdictRow]:
         yield VerdictRow(f"force of {pair.one} on {pair.other}", f"{number(account.peak, 3)} N", where=where)
 
 
-def _where(t: float, place: Sequence[float]) -> str:
-    return f"t = {t:.2f} s, " + ", ".join(f"{c} = {round(x, 2) + 0.0:.2f} m" for c, x in zip("xyz", place, strict=True))
+def _where(t: float, point: Sequence[float]) -> str:
+    return f"t = {t:.2f} s, " + ", ".join(f"{c} = {round(x, 2) + 0.0:.2f} m" for c, x in zip("xyz", point, strict=True))
 
 
 def _pulls(recording: Recording, hoist: Hoist, ropes: Sequence[_Rope]) -> Iterator[VerdictRow]:
@@ -298,7 +298,7 @@ def _swings(rope: _Rope) -> Iterator[VerdictRow]:
             bound_text, holds = f"below {HALF_TURN:g}: turned over", largest < HALF_TURN
         where = rope.at(row)
         if name == "loop.sideways" and rope.has_numbers("loop.x", "loop.z"):
-            own = rope.data.place.origin[::2]
+            own = rope.data.suspension.origin[::2]
             x, z = (
                 rounded(float(rope.recording[f"loop.{c}"][row]) + o, rope.length_error)
                 for c, o in zip("xz", own, strict=True)
@@ -355,5 +355,5 @@ def rounded(value: float, error: float) -> str:
     """Return a number with the decimals that its error allows, three at most; an unknown error leaves three digits."""
     if not error > 0.0:
         return number(value, 3)
-    places = min(3, max(0, round(-math.log10(error))))
-    return f"{round(value, places) + 0.0:.{places}f}"
+    decimals = min(3, max(0, round(-math.log10(error))))
+    return f"{round(value, decimals) + 0.0:.{decimals}f}"

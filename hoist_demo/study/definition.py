@@ -248,7 +248,7 @@ def read_study(path: Path, fmu: Path | None = None, progress: CheckProgress = li
         rope = fmu or Path(head.fmu or f"build/{fmu_name(head.hoist, NATIVE)}")
         with Problems() as problems:
             several = f"study.hoist = {head.hoist!r} must have one balance rope, at its middle: leave [[rope]]s out"
-            problems += [several] if find_case(head.hoist).ropes else []
+            problems += [several] if find_case(head.hoist).distinct_ropes else []
             with problems.at("study"):
                 signals = match_signals(head.signals, [*DRIVE_UNITS, *read_outputs(rope, head.hoist)])
             with problems.at("study"):

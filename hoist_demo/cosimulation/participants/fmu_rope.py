@@ -114,8 +114,8 @@ class FmuRope:
         parts = []
         for type_ in dict.fromkeys(v.type for v in readable):
             buffer = self._fmu.buffer("Get", [v for v in readable if v.type == type_], rows)
-            places = {name: k for k, name in enumerate(buffer.names)}
-            there, here = np.array([(places[name], k) for k, name in enumerate(names) if name in places]).T
+            index = {name: k for k, name in enumerate(buffer.names)}
+            there, here = np.array([(index[name], k) for k, name in enumerate(names) if name in index]).T
             parts.append((buffer, there, here))
 
         def values(count: int) -> NDArray[np.float64]:

@@ -14,7 +14,7 @@ from hoist_demo.drive.outputs import SHOWN
 from hoist_demo.drive.plant import HoistPlant, PlantState, PlantStep
 from rope_model import EndMotion
 
-_PLACE, _SPEED, _ACCELERATION = (slice(SHOWN[f"{name}_left"], SHOWN[f"{name}_right"] + 1) for name in "yva")
+_POSITION, _SPEED, _ACCELERATION = (slice(SHOWN[f"{name}_left"], SHOWN[f"{name}_right"] + 1) for name in "yva")
 #: Places of the forces in a path of the drive's input.
 _START, _RISE, _BEND = (slice(k * len(INPUT_NAMES) + FORCES[0], k * len(INPUT_NAMES) + FORCES[1] + 1) for k in range(3))
 #: The controller's k-th command within a step, torque [N m] and brake: of k, time [s] and what the hoist shows then.
@@ -72,8 +72,8 @@ class HoistPartner:
             _, self._shown = self.plant.loads_and_outputs(self.state, path, np.zeros(2), 0.0)
         return self._shown
 
-    def place(self) -> Vector:
-        return self.outputs[_PLACE]
+    def position(self) -> Vector:
+        return self.outputs[_POSITION]
 
     def motion(self, load: Load, s: float) -> InterfaceMotion:
         if self._done is not None and self._done[0] is load and s == 1.0:
@@ -92,7 +92,7 @@ class HoistPartner:
 
     def ends(self, motion: InterfaceMotion) -> tuple[EndMotion, EndMotion]:
         """Motion of the rope's ends; conveyances without play rest to the sides."""
-        (y_left, y_right), (v_left, v_right) = motion.place.tolist(), motion.speed.tolist()
+        (y_left, y_right), (v_left, v_right) = motion.position.tolist(), motion.speed.tolist()
         a_left, a_right = motion.acceleration.tolist()
         left, right = self.outputs[_ASIDE].tolist() if self.plant.hoist.play is not None else _AT_REST
         return _end(left, y_left, v_left, a_left), _end(right, y_right, v_right, a_right)
@@ -119,7 +119,7 @@ def _end(aside: Sequence[float], y: float, vy: float, ay: float) -> EndMotion:
 
 
 def _motion(shown: Vector) -> InterfaceMotion:
-    return InterfaceMotion(shown[_PLACE], shown[_SPEED], shown[_ACCELERATION])
+    return InterfaceMotion(shown[_POSITION], shown[_SPEED], shown[_ACCELERATION])
 
 
 _ASIDE = np.array(

@@ -77,7 +77,7 @@ class Jacobi(Extrapolated):
         load = Load(start, rise, bend, np.zeros_like(start))
         now = pair.drive.motion(load, 0.0)
         expected = InterfaceMotion(
-            now.place + h * now.speed + h * h * (c0 / 2.0 + c1 / 6.0 + c2 / 12.0),
+            now.position + h * now.speed + h * h * (c0 / 2.0 + c1 / 6.0 + c2 / 12.0),
             now.speed + h * (c0 + c1 / 2.0 + c2 / 3.0),
             c0 + c1 + c2,
         )

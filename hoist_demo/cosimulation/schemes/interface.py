@@ -27,7 +27,7 @@ HISTORY = 3  #: Samples that are remembered: enough for a quadratic extrapolatio
 class InterfaceMotion(NamedTuple):
     """Places, speeds and accelerations of the n interface coordinates at one instant, each (n,)."""
 
-    place: Vector  # m
+    position: Vector  # m
     speed: Vector  # m/s
     acceleration: Vector  # m/s^2
 
@@ -94,7 +94,7 @@ class DrivePartner(Protocol):
     def step(self, t: float, h: float, load: Load) -> str:
         """Advance from t to t + h [s]; "" or the cause why not."""
 
-    def place(self) -> Vector:
+    def position(self) -> Vector:
         """Places of the ends now, (n,) [m]."""
 
     def motion(self, load: Load, s: float) -> InterfaceMotion:
@@ -198,7 +198,7 @@ class Pair:
 
     def step_drive(self, t: float, h: float, load: Load) -> str:
         """Advance the drive alone from t to t + h [s]; "" or the cause why not."""
-        self._before = self.drive.work(), self.drive.place()
+        self._before = self.drive.work(), self.drive.position()
         return self.drive.step(t, h, load)
 
     def forces(self) -> tuple[Vector, Vector]:
@@ -244,9 +244,9 @@ class Pair:
 
         That is the drive's work less the rope's mean force times the distance: its work to the third order in h.
         """
-        (force, mean), (work, place) = self.forces(), self._before
+        (force, mean), (work, position) = self.forces(), self._before
         sample = Sample(t, force, mean, self.drive.motion(load, 1.0).acceleration)
-        made = self.drive.work() - work - float((mean * (self.drive.place() - place)).sum())
+        made = self.drive.work() - work - float((mean * (self.drive.position() - position)).sum())
         samples = (*memory.samples, sample)[-HISTORY:]
         return memory._replace(samples=samples, exchanges=memory.exchanges + 1, residual=memory.residual + made)
 

@@ -82,7 +82,7 @@ def measure_response(pair: Pair, t: float, H: float) -> tuple[Vector, str]:
     All ends get their pulse at once, alternately up and down, so that the loop stays where it is. What the rope does
     without it, as one whose swivels have just been released, is taken off.
     """
-    at_rest = pair.drive.place()
+    at_rest = pair.drive.position()
     sign = np.where(np.arange(at_rest.size) % 2 == 0, PULSE, -PULSE)
     answer = np.zeros((2, MEMORY, sign.size))
     for given, forces in zip((0.0 * sign, sign), answer, strict=True):

@@ -103,10 +103,10 @@ def _drawn(own: Recording) -> bool:
 def _curve(own: Recording, rope: RopeData) -> Mapping[str, object]:
     """Return the rope's curve at its frames in the shaft, and the places of its ends on the conveyances."""
     rows = packing.frames(len(own.time), MOST_FRAMES)
-    curves = np.array([own.shape_at(row) for row in rows], dtype=np.float64) + rope.place.origin
+    curves = np.array([own.shape_at(row) for row in rows], dtype=np.float64) + rope.suspension.origin
     return {
         "name": rope.name,
-        "places": [rope.place.at(end) for end in SIDES],
+        "places": [rope.suspension.at(end) for end in SIDES],
         "points": curves.shape[1],
         "t": packing.pack_to(own.time[rows], 1e-4),
         **{axis: packing.pack_to(curves[:, :, k], SHAPE_RESOLUTION) for k, axis in enumerate("xyz")},

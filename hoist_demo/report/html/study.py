@@ -58,7 +58,7 @@ def study_report(
     first = [*parameters, *by, *_FIRST]
     listed = [name for name in names if name not in {*fixed, *nowhere}]
     # parameters first: they are read before what follows from them; what does not differ comes last
-    listed.sort(key=lambda name: (name not in parameters, name not in varied, _place(name, first)))
+    listed.sort(key=lambda name: (name not in parameters, name not in varied, _position(name, first)))
     columns = [
         {
             "name": name,
@@ -109,7 +109,7 @@ def _differ(values: Sequence[float | str | None]) -> bool:
     return max(numbers) - min(numbers) > ROUNDING * max(map(abs, numbers))
 
 
-def _place(name: str, order: Sequence[str]) -> int:
+def _position(name: str, order: Sequence[str]) -> int:
     return order.index(name) if name in order else len(order)
 
 
