@@ -5,7 +5,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
-from hoist_demo.calibration.measurements import Bench, InShaft, MeasurementEntry, Signal
+from hoist_demo.calibration.measurements import CalibrationProblem, InShaft, MeasurementEntry, Signal
 from hoist_demo.calibration.tracks import Markers
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.files.catalogue import group_table, rope_parameters
@@ -44,7 +44,7 @@ def _sought(parameter: Parameter) -> Any:
 _Sought = flat("Sought", {group: (group_table(group, _sought), None) for group in SOUGHT})
 
 
-class Measured(RopeQuestion):
+class MeasurementFile(RopeQuestion):
     """Schema of a TOML file of measurements."""
 
     sought: Annotated[dict[str, ParameterValue], _Sought] = EMPTY
@@ -52,14 +52,14 @@ class Measured(RopeQuestion):
     wanted: Wanted = EMPTY
 
     @cached_property
-    def bench(self) -> Bench:
-        """Bench of the rope to be identified, with the ranges of [sought]."""
+    def problem(self) -> CalibrationProblem:
+        """Calibration problem of the rope, with the ranges of [sought]."""
         where = f"range of [sought], {self.path.name}"
         ranges = {
             name: Datum(entry.low or 0.0, entry.high or 0.0, rope_parameters()[name].unit, "assumed", where)
             for name, entry in self.sought.items()
         }
-        return Bench(self.catalogue_rope, rope_scene(plain(self.fixed)), ranges)
+        return CalibrationProblem(self.catalogue_rope, rope_scene(plain(self.fixed)), ranges)
 
     @property
     def status_by_name(self) -> dict[str, str]:
@@ -68,7 +68,7 @@ class Measured(RopeQuestion):
 
     @model_validator(mode="after")
     def _is_within_reach(self) -> Self:
-        length = self.bench.catalogue_rope.length
+        length = self.problem.catalogue_rope.length
         problems = Problems(
             f"measured {k}: left_y = {left:g}, right_y = {right:g}: the ends must be less than the rope's length = "
             f"{length:g} m apart, before and after a trip, and are {abs(gap):g} m: correct left_y, right_y or travel"

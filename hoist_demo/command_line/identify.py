@@ -33,18 +33,18 @@ def add_identify(commands: Commands) -> None:
 
 
 def _identify(options: argparse.Namespace) -> int:
-    from hoist_demo.calibration.definition import Measured
+    from hoist_demo.calibration.definition import MeasurementFile
     from hoist_demo.calibration.identify import identify
     from hoist_demo.calibration.page import misfit, summary, write_page, write_rope_file
     from hoist_demo.files.reading import read
     from hoist_demo.study.provenance import write_data
 
-    measured = read(options.measured, Measured)
+    file = read(options.measured, MeasurementFile)
     if options.check:
-        print(f"{options.measured}: {sum(len(m.values) for m in measured.measurements)} values, nothing wrong")
+        print(f"{options.measured}: {sum(len(m.values) for m in file.measurements)} values, nothing wrong")
         return 0
     out = results_folder(options.out or Path("out") / "identify" / options.measured.stem)
-    result = identify(measured)
+    result = identify(file)
     print(render(summary(result)))
     written = (
         write_rope_file(result, out / "rope.toml"),
