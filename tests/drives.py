@@ -55,7 +55,7 @@ class Plant(HoistPlant):
     def rates(self, state: PlantState, u: PlantInput) -> np.ndarray:
         """dx/dt of head ropes that hold."""
         hoist = replace(self.hoist, lining=None)
-        found = equations(hoist.parts).rates(state.x, np.array(u), state.free_lengths, hoist.numbers)
+        found = equations(hoist.equation_structure).rates(state.x, np.array(u), state.free_lengths, hoist.numbers)
         return np.asarray(found).ravel()
 
 

@@ -225,7 +225,7 @@ def test_every_scheme_has_the_order_of_its_theory(name: str) -> None:
 @pytest.mark.parametrize("accelerator", ["jacobian", "secant"])
 def test_iteration_and_semi_implicit_exchange_hold_where_the_end_is_heavier_than_the_drive(accelerator: Any) -> None:
     heavy = Data(m_e=20.0)
-    errors = [error(Iterative(accelerator, 1e-9, held=True), H, heavy) for H in (0.01, 0.005)]
+    errors = [error(Iterative(accelerator, 1e-9, hold_mean=True), H, heavy) for H in (0.01, 0.005)]
     assert errors[1] < 0.6 * errors[0] < 0.05
     assert error(SemiImplicit(1), 0.01, heavy) < 0.05
     assert not error(GaussSeidel(0), 0.01, heavy) < 1.0

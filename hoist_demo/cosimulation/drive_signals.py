@@ -8,7 +8,7 @@ from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
 from hoist_demo.cosimulation.schemes.interface import Memory, Vector
 from hoist_demo.drive.equations import LOSS_NAMES, WORK_NAMES
-from hoist_demo.drive.outputs import SHOWN, tension_ratio
+from hoist_demo.drive.outputs import OUTPUT_INDEX, tension_ratio
 from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.recording.time_series import TIME, Recording
 
@@ -61,7 +61,7 @@ ROW = (
     "drive.slip_speed",
     "coupling.energy",
     "coupling.exchanges",
-    *(_SHOWN_AS.get(name, _BESIDE + name) for name in SHOWN),
+    *(_SHOWN_AS.get(name, _BESIDE + name) for name in OUTPUT_INDEX),
     *(f"{_BESIDE}work_{name}" for name in WORK_NAMES),
     *(f"{_BESIDE}losses_{name}" for name in LOSS_NAMES),
 )
@@ -71,8 +71,8 @@ def drive_row(
     t: float, reference: TrajectoryPoint, command: Command, drive: HoistPartner, memory: Memory
 ) -> tuple[tuple[float, ...], Vector, Vector]:
     """Return the drive's record at a sample, in parts; `with_drive_signals` computes the rest."""
-    slide = drive.state.slide
-    numbers = (t, *reference[:4], command.torque, command.limited, slide.slid_distance, slide.speed)
+    slip_state = drive.state.slide
+    numbers = (t, *reference[:4], command.torque, command.limited, slip_state.slid_distance, slip_state.speed)
     return (*numbers, memory.residual, memory.exchanges), drive.outputs, drive.state.works
 
 

@@ -36,7 +36,7 @@ from hoist_demo.cosimulation.schemes.explicit import GaussSeidel
 from hoist_demo.cosimulation.schemes.interface import ROPE_FORCES, Pair, RopePlant, Scheme, Stopwatch, Vector, answer
 from hoist_demo.cosimulation.schemes.stability import StabilityEstimate, predict_stability
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES
-from hoist_demo.drive.outputs import SHOWN
+from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.drive.plant import SIDE_FORCES, HoistPlant
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits, start_heights
 from hoist_demo.recording.time_series import Array, Recorder, Recording
@@ -50,8 +50,8 @@ SAVE_INTERVAL = 5.0  #: Simulated time from one state that is kept to the next [
 LOADING_PARTS = (0.25, 0.75)  #: Parts of a dwell between which the payload changes to that of the next trip [assumed].
 LOADING_INTERVAL = 0.1  #: Time between two changes of a payload that is being loaded [s].
 _GUARD = ("guard.tripped", "guard.time")
-_Y_LEFT, _RATE = SHOWN["y_left"], SHOWN["rate"]
-_PULLS = [SHOWN["pull_left"], SHOWN["pull_right"]]
+_Y_LEFT, _RATE = OUTPUT_INDEX["y_left"], OUTPUT_INDEX["rate"]
+_PULLS = [OUTPUT_INDEX["pull_left"], OUTPUT_INDEX["pull_right"]]
 _NO_FORCES = np.zeros(len(SIDE_FORCES))
 
 
@@ -172,11 +172,11 @@ class Host:
         plant = HoistPlant(self.hoist)
         rest = plant.equilibrium(*heights, *forces[:2].tolist())
         state = rest
-        acting = np.zeros(len(INPUT_NAMES))
-        acting[0], acting[list(FORCES)] = rest.x[0], forces[:2]
+        applied_input = np.zeros(len(INPUT_NAMES))
+        applied_input[0], applied_input[list(FORCES)] = rest.x[0], forces[:2]
         if after is not None:
-            state, acting = after.plant, after.input
-        drive = HoistPartner(plant, state, acting, self.drive_clock)
+            state, applied_input = after.plant, after.input
+        drive = HoistPartner(plant, state, applied_input, self.drive_clock)
         pair = Pair(drive, self.rope, self.rope_clock)
         memory = pair.start(start) if after is None else after.memory
         if after is None:
@@ -187,7 +187,7 @@ class Host:
         """Return the saved state with the cause of the stop; None if no state was saved."""
         if run.saved is None:
             return None
-        k, ((plant, acting), snapshot), controller, memory = run.saved
+        k, ((plant, applied_input), snapshot), controller, memory = run.saved
         rope = b""
         t = self.coupling.start + k * self.coupling.period
         if snapshot is not None:
@@ -196,7 +196,7 @@ class Host:
             except RuntimeError as error:
                 _log.warning("the rope's last good state is lost: %s", error)
         record = run.recorder.recording()
-        return Checkpoint(k, t, plant, controller, acting, memory, rope, record, self.data, cause, self.name)
+        return Checkpoint(k, t, plant, controller, applied_input, memory, rope, record, self.data, cause, self.name)
 
     def _recorder(self) -> Recorder:
         """Return a recorder of all signals, without those of the rope that the drive has too."""
@@ -295,10 +295,10 @@ class Host:
         run.recorder.add(*drive_row(t, point, command, run.drive, run.memory), signals)
         return command
 
-    def _command(self, controller: Controller, point: TrajectoryPoint, shown: Vector, state: Any) -> Command:
+    def _command(self, controller: Controller, point: TrajectoryPoint, outputs: Vector, state: Any) -> Command:
         """Ask the controller for its command, by the reference and the OUTPUTS of the drive."""
-        travel = shown.item(_Y_LEFT) - self._start_height
-        speed = self.hoist.sheave_radius * shown.item(_RATE)
+        travel = outputs.item(_Y_LEFT) - self._start_height
+        speed = self.hoist.sheave_radius * outputs.item(_RATE)
         command = controller.command(point, Measurement(travel, speed), state, self.coupling.sample_time)
         if not isinstance(command, Command):
             raise ValueError(f"command() must return Command(torque, limited, state), not {type(command).__name__}")
@@ -307,10 +307,10 @@ class Host:
     def _sampler(self, run: RunState, controller: Controller) -> NextCommand:
         """Return the sampler of the controller within a communication step."""
 
-        def next_command(k: int, t: float, shown: Vector) -> tuple[float, float]:
+        def next_command(k: int, t: float, outputs: Vector) -> tuple[float, float]:
             point = run.course.trajectory.at(t - self.coupling.start)
             # the step may be repeated, from the command before
-            command = self._command(controller, point, shown, deepcopy(run.commands[k - 1].state))
+            command = self._command(controller, point, outputs, deepcopy(run.commands[k - 1].state))
             run.commands[k:] = [command]
             return command.torque, command.brake
 

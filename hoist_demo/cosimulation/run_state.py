@@ -30,8 +30,8 @@ class TripEnd:
 
     def with_zeroed_totals(self) -> TripEnd:
         """Return the state with work and exchanges counted anew."""
-        slide = self.plant.slide._replace(slid_distance=0.0)
-        plant = self.plant._replace(works=np.zeros_like(self.plant.works), slide=slide)
+        slip_state = self.plant.slide._replace(slid_distance=0.0)
+        plant = self.plant._replace(works=np.zeros_like(self.plant.works), slide=slip_state)
         return replace(self, plant=plant, memory=self.memory._replace(exchanges=0, taken_back=0, residual=0.0))
 
 

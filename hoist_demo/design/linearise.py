@@ -24,7 +24,7 @@ from hoist_demo.cases.case import Case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.design.linear_model import Array, LinearModel
 from hoist_demo.drive.equations import INPUT_NAMES, equations, extra_coordinates, state_names
-from hoist_demo.drive.outputs import SHOWN
+from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.drive.plant import HoistPlant
 from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.parameters.suspension import SuspensionOffset
@@ -175,14 +175,14 @@ class LinearHoist:
 
 
 @cache
-def _derivatives(parts: Hoist) -> Any:
+def _derivatives(structure: Hoist) -> Any:
     """(x, a, u, l0, p) -> derivatives of Lagrange's rows and tensions, rates and outputs to x, a and u; values."""
-    of = equations(parts)
-    x, a = ca.SX.sym("x", len(state_names(parts))), ca.SX.sym("a", 3 + len(extra_coordinates(parts)))
-    u, l0, p = ca.SX.sym("u", len(INPUT_NAMES)), ca.SX.sym("l0", 2), ca.SX.sym("p", len(parts.numbers))
+    of = equations(structure)
+    x, a = ca.SX.sym("x", len(state_names(structure))), ca.SX.sym("a", 3 + len(extra_coordinates(structure)))
+    u, l0, p = ca.SX.sym("u", len(INPUT_NAMES)), ca.SX.sym("l0", 2), ca.SX.sym("p", len(structure.numbers))
     rows = ca.vertcat(of.lagrange(x, a, u, l0, p), of.rates(x, u, l0, p))
-    shown = of.outputs(x, u, l0, p)
-    values = ca.vertcat(rows, *(shown[SHOWN[name]] for name in _SHOWN))
+    outputs = of.outputs(x, u, l0, p)
+    values = ca.vertcat(rows, *(outputs[OUTPUT_INDEX[name]] for name in _SHOWN))
     jacobians = [ca.densify(ca.jacobian(values, z)) for z in (x, a, u)]
     return ca.Function("derivatives", [x, a, u, l0, p], [ca.cse(y) for y in (*jacobians, values)])
 
@@ -220,7 +220,7 @@ def _linear_hoist(
     x[v[:3]] = speed / hoist.sheave_radius, speed, -speed
     lag = [k for k, name in enumerate(names) if k not in (*q, *v) and name != deflection]
     numbers = hoist.numbers
-    derivatives = _derivatives(hoist.parts)
+    derivatives = _derivatives(hoist.equation_structure)
     still = np.zeros(n)
     if speed:  # the motor makes up for the losses
         by_x, _, _, values = (np.array(part) for part in derivatives(x, still, u, state.free_lengths, numbers))

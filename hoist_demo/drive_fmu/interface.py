@@ -13,7 +13,7 @@ import numpy as np
 
 from hoist_demo.cases.case import Case
 from hoist_demo.control.controller import Gains
-from hoist_demo.drive.outputs import SHOWN
+from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.drive.plant import SIDE_FORCES
 from hoist_demo.parameters import GRAVITY, SIDES, Hoist, start_heights
 from hoist_demo.parameters.quantity import leaves
@@ -127,16 +127,16 @@ def plant_outputs(hoist: Hoist, ropes: Sequence[DriveRope]) -> tuple[str, ...]:
     return (*motions(hoist), *offset_motions(hoist, ropes), *(name for name, _, _ in _DRIVE.values()))
 
 
-def shown_as(hoist: Hoist) -> dict[str, str]:
+def output_names(hoist: Hoist) -> dict[str, str]:
     """Outputs of the plant that are OUTPUTS, and their names there."""
-    return motions(hoist) | {name: shown for shown, (name, _, _) in _DRIVE.items()}
+    return motions(hoist) | {name: output for output, (name, _, _) in _DRIVE.items()}
 
 
 def variables(case: Case, step: float, ropes: Sequence[DriveRope] = ()) -> tuple[Variable, ...]:
     """Return the table of FMI variables; ``step`` is the largest internal step [s], ``ropes`` are several."""
     outputs = [(name, *_words(_MOTIONS, name)) for name in (*motions(case.hoist), *offset_motions(case.hoist, ropes))]
     outputs += [*_DRIVE.values(), *((name, *words) for name, words in _CONTROL.items())]
-    assert {*shown_as(case.hoist).values()} <= SHOWN.keys()
+    assert {*output_names(case.hoist).values()} <= OUTPUT_INDEX.keys()
     return (
         *_parameters(case, step, ropes),
         *_inputs(case, ropes),

@@ -24,9 +24,9 @@ from hoist_demo.control.controller import Gains
 from hoist_demo.control.kernel import ARGUMENTS, law_kernel
 from hoist_demo.drive.equations import INPUT_NAMES, equations
 from hoist_demo.drive.integrator import runge_kutta_step
-from hoist_demo.drive.outputs import SHOWN
+from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.drive.plant import HoistPlant
-from hoist_demo.drive_fmu.interface import DriveRope, offset_ropes, plant_outputs, shown_as, side_forces
+from hoist_demo.drive_fmu.interface import DriveRope, offset_ropes, output_names, plant_outputs, side_forces
 from hoist_demo.parameters import GRAVITY, SIDES, Hoist, start_heights
 from hoist_demo.parameters.suspension import MOVED, SuspensionOffset, moment_at, motion_at
 
@@ -108,13 +108,13 @@ def _rest(plant: HoistPlant, case: Case, lowest: float) -> Any:
 
 
 def _arguments(plant: HoistPlant) -> tuple[Any, Any, Any]:
-    rates = equations(plant.hoist.parts).rates
+    rates = equations(plant.hoist.equation_structure).rates
     return ca.SX.sym("x", rates.size1_in(0)), ca.SX.sym("u", rates.size1_in(1)), ca.SX.sym("l0", 2)
 
 
 def _rates(plant: HoistPlant, x: Any, u: Any, l0: Any) -> Any:
     """dx/dt with the numbers of this hoist."""
-    return equations(plant.hoist.parts).rates(x, u, l0, plant.hoist.numbers)
+    return equations(plant.hoist.equation_structure).rates(x, u, l0, plant.hoist.numbers)
 
 
 def _step(plant: HoistPlant) -> Any:
@@ -150,12 +150,12 @@ def _input(plant: HoistPlant, ropes: Sequence[DriveRope]) -> Any:
 def _outputs(plant: HoistPlant, ropes: Sequence[DriveRope]) -> Any:
     """Return the function (x, u, l0) -> outputs of the interface."""
     x, u, l0 = _arguments(plant)
-    shown = equations(plant.hoist.parts).outputs(x, u, l0, plant.hoist.numbers)
-    signals = {name: shown[SHOWN[field]] for name, field in shown_as(plant.hoist).items()}
+    outputs = equations(plant.hoist.equation_structure).outputs(x, u, l0, plant.hoist.numbers)
+    signals = {name: outputs[OUTPUT_INDEX[field]] for name, field in output_names(plant.hoist).items()}
     for rope in offset_ropes(plant.hoist, ropes):
         for side in SIDES:
             centre, yaw = [signals[f"{side}.{name}"] for name in MOVED], signals[f"{side}.yaw"]
-            yaw_acceleration = shown[SHOWN[f"yaw_acceleration_{side}"]]
+            yaw_acceleration = outputs[OUTPUT_INDEX[f"yaw_acceleration_{side}"]]
             moved = motion_at(rope.suspension.at(side), centre, yaw, signals[f"{side}.yaw_rate"], yaw_acceleration)
             signals |= {f"{rope.name}.{side}.{name}": value for name, value in zip(MOVED, moved, strict=True)}
     names = plant_outputs(plant.hoist, ropes)
@@ -165,7 +165,8 @@ def _outputs(plant: HoistPlant, ropes: Sequence[DriveRope]) -> Any:
 def _control(hoist: Hoist) -> Any:
     """Return the control law (its ARGUMENTS, gains) -> (M_c, I)."""
     sample, gains = ca.SX.sym("sample", len(ARGUMENTS)), ca.SX.sym("gains", len(fields(Gains)))
-    torque, _, grown = ca.vertsplit(law_kernel(hoist.parts)(ca.vertcat(sample, gains, ca.DM(hoist.numbers))))
+    law = law_kernel(hoist.equation_structure)
+    torque, _, grown = ca.vertsplit(law(ca.vertcat(sample, gains, ca.DM(hoist.numbers))))
     return ca.Function("drive_control", [sample, gains], [torque, grown])
 
 

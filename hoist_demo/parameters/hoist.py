@@ -97,13 +97,13 @@ class Hoist(Stated):
             require(tension, tension < lightest, "slack_tension", bound, "give a part of it")
 
     @property
-    def parts(self) -> "Hoist":
+    def equation_structure(self) -> "Hoist":
         """Hoist with all numbers 0 but the count of modes: equal for hoists that share their equations."""
         return with_numbers(self, repeat(0.0))
 
     @property
     def numbers(self) -> list[float]:
-        """Numbers that `parts` leaves out, those of the components in their places."""
+        """Numbers that `equation_structure` leaves out, those of the components in their places."""
         return list(_numbers(self))
 
     @property

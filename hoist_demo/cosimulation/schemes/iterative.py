@@ -94,7 +94,7 @@ class Iterative:
 
     accelerator: AcceleratorName
     tolerance: float = 1.0  # N
-    held: bool = False  # the mean over the step, instead of a parabola
+    hold_mean: bool = False  # the mean over the step, instead of a parabola
     needs_rollback: bool = True
 
     @property
@@ -105,18 +105,18 @@ class Iterative:
     @property
     def weights(self) -> tuple[float, ...]:
         """None when the mean is held; the parabola's bound is about that of a force held explicitly."""
-        return () if self.held else (1.0,)
+        return () if self.hold_mean else (1.0,)
 
     def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
         before = pair.save()
         force = memory.last.force
-        _, rise, bend = extrapolation_coefficients(memory.samples, "force", 1 if self.held else 2, h)
+        _, rise, bend = extrapolation_coefficients(memory.samples, "force", 1 if self.hold_mean else 2, h)
         x = self._unknown(force + rise / 2.0 + bend / 3.0, force + rise + bend)
         accelerator = self._accelerator(pair)
         for tried in range(MOST_EXCHANGES):
             if tried:
                 pair.restore(before)
-            load = Load.constant(x) if self.held else Load.through(force, *np.split(x, 2))
+            load = Load.constant(x) if self.hold_mean else Load.through(force, *np.split(x, 2))
             if cause := pair.step(t, h, load):
                 return Advance(memory, cause)
             end, mean = pair.forces()
@@ -132,13 +132,13 @@ class Iterative:
         )
 
     def _unknown(self, mean: Vector, end: Vector) -> Vector:
-        return mean if self.held else np.concatenate([mean, end])
+        return mean if self.hold_mean else np.concatenate([mean, end])
 
     def _accelerator(self, pair: Pair) -> Accelerator:
         if self.accelerator != "jacobian":
             return Aitken() if self.accelerator == "aitken" else Secant()
         response: Vector = -pair.added_mass()[:, None] * pair.drive.accelerance()
-        if self.held:
+        if self.hold_mean:
             return InterfaceJacobian(0.75 * response)
         none = np.zeros_like(response)
         return InterfaceJacobian(np.block([[0.75 * response, none], [response, none]]))
