@@ -21,7 +21,7 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.cosimulation.schemes.catalogue import find_scheme
-from hoist_demo.cosimulation.schemes.interface import ROPE_FORCES, Memory, Pair, Stopwatch
+from hoist_demo.cosimulation.schemes.interface import ROPE_FORCES, CoupledSystem, SchemeState, Stopwatch
 from hoist_demo.design.linear_model import LinearModel
 from hoist_demo.design.linearise import linearise
 from hoist_demo.design.reduction import ALPHA, reduced
@@ -78,9 +78,9 @@ class Shaken:
         u[0], u[1:3] = state.x[0], forces
         self.held = float(u[0])
         self.drive = HoistPartner(plant, state, u, Stopwatch())
-        self.pair, self.scheme = Pair(self.drive, self.rope), find_scheme("iterative-secant")
+        self.pair, self.scheme = CoupledSystem(self.drive, self.rope), find_scheme("iterative-secant")
         self.read, self.k = self.rope.reader(SEEN[len(DRIVE) :]), 0
-        self.memory: Memory = self.pair.start(0.0)
+        self.memory: SchemeState = self.pair.start(0.0)
 
     def step(self, torque: float) -> list[float]:
         """Advance by H under a torque command; return SEEN before."""

@@ -154,7 +154,7 @@ class CompiledTrip:
         if done:
             self._take()
             t = self._coupling.start + (run.steps - (1 if stop == "WELL" else 0)) * self._coupling.step
-            cause = run.pair.rope_stepped(t, self._rope.status(stop, trip.status))
+            cause = run.coupled.rope_stepped(t, self._rope.status(stop, trip.status))
             return SampleReached(reached.value, cause, within=stop == "DRIVE")
         return SampleReached(first)
 
@@ -170,17 +170,17 @@ class CompiledTrip:
 
     def _give(self) -> None:
         """Give the run's state to C."""
-        run, trip, drive, memory = self._run, self._trip, self._run.drive, self._run.memory
+        run, trip, drive, scheme_state = self._run, self._trip, self._run.drive, self._run.scheme_state
         state, slices = drive.state, self._drive.result
         parts = {"x": state.x, "work_totals": state.works, "applied_input": drive.input, "outputs": drive.outputs}
         self._drive.give(l0=state.free_lengths, H=self._coupling.step, path=0.0, added_mass=0.0)
         for name, values in parts.items():
             self._drive.y[slices[name]] = values
-        for row, sample in zip(self._samples, memory.samples, strict=False):
+        for row, sample in zip(self._samples, scheme_state.samples, strict=False):
             row[...] = np.concatenate([[sample.t], *sample[1:]])
-        trip.sample_count, trip.step_next, trip.steps = len(memory.samples), state.step_next, run.steps
+        trip.sample_count, trip.step_next, trip.steps = len(scheme_state.samples), state.step_next, run.steps
         trip.integral = 0.0 if run.controller is None else run.controller.integral
-        trip.residual, trip.exchanges = memory.residual, memory.exchanges
+        trip.residual, trip.exchanges = scheme_state.residual, scheme_state.exchanges
         trip.evaluations = trip.drive_time = trip.rope_time = 0
 
     def _take(self) -> None:
@@ -191,7 +191,8 @@ class CompiledTrip:
         run.drive.arrive(state, last["applied_input"], last["outputs"])
         rows = self._samples[: trip.sample_count].copy()
         samples = tuple(Sample(row.item(0), row[1:3], row[3:5], row[5:]) for row in rows)
-        run.memory = run.memory._replace(samples=samples, exchanges=int(trip.exchanges), residual=trip.residual)
+        exchanges = int(trip.exchanges)
+        run.scheme_state = run.scheme_state._replace(samples=samples, exchanges=exchanges, residual=trip.residual)
         run.controller, run.steps = ControllerState(trip.integral), trip.steps
         run.commands = [Command(trip.torque, False, run.controller)]
         run.drive.command(trip.torque, 0.0, self._drive.arguments["path"][_SIDES])

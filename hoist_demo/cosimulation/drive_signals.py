@@ -6,7 +6,7 @@ A row keeps the numbers as they come; what follows from them is computed once, f
 from hoist_demo.control.controller import Command
 from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
-from hoist_demo.cosimulation.schemes.interface import Memory, Vector
+from hoist_demo.cosimulation.schemes.interface import SchemeState, Vector
 from hoist_demo.drive.equations import LOSS_NAMES, WORK_NAMES
 from hoist_demo.drive.outputs import OUTPUT_INDEX, tension_ratio
 from hoist_demo.parameters import SIDES, Hoist
@@ -68,12 +68,12 @@ ROW = (
 
 
 def drive_row(
-    t: float, reference: TrajectoryPoint, command: Command, drive: HoistPartner, memory: Memory
+    t: float, reference: TrajectoryPoint, command: Command, drive: HoistPartner, scheme_state: SchemeState
 ) -> tuple[tuple[float, ...], Vector, Vector]:
     """Return the drive's record at a sample, in parts; `with_drive_signals` computes the rest."""
     slip_state = drive.state.slide
     numbers = (t, *reference[:4], command.torque, command.limited, slip_state.slid_distance, slip_state.speed)
-    return (*numbers, memory.residual, memory.exchanges), drive.outputs, drive.state.works
+    return (*numbers, scheme_state.residual, scheme_state.exchanges), drive.outputs, drive.state.works
 
 
 def with_drive_signals(rows: Recording, hoist: Hoist) -> Recording:

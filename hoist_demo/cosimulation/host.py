@@ -33,7 +33,15 @@ from hoist_demo.cosimulation.plain_data import encode
 from hoist_demo.cosimulation.run_state import Result, RunState, TripEnd
 from hoist_demo.cosimulation.schemes.catalogue import find_scheme
 from hoist_demo.cosimulation.schemes.explicit import GaussSeidel
-from hoist_demo.cosimulation.schemes.interface import ROPE_FORCES, Pair, RopePlant, Scheme, Stopwatch, Vector, answer
+from hoist_demo.cosimulation.schemes.interface import (
+    ROPE_FORCES,
+    CoupledSystem,
+    RopePlant,
+    Scheme,
+    Stopwatch,
+    Vector,
+    forces_or_error,
+)
 from hoist_demo.cosimulation.schemes.stability import StabilityEstimate, predict_stability
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES
 from hoist_demo.drive.outputs import OUTPUT_INDEX
@@ -137,9 +145,9 @@ class Host:
         if isinstance(run, str):
             return self._result(Recording({}, {}), 0, run, self._course)
         if resume is not None:
-            run.pair.restore(((resume.plant, resume.input), self.rope.from_bytes(resume.rope)))
+            run.coupled.restore(((resume.plant, resume.input), self.rope.from_bytes(resume.rope)))
             run.recorder.resume(resume.recording, resume.sample)
-            run.controller, run.memory = deepcopy(resume.controller), resume.memory
+            run.controller, run.scheme_state = deepcopy(resume.controller), resume.memory
             run.first = resume.sample
             run.steps = resume.sample * self.coupling.per_sample
         cause = self._wind(run, progress, save_to)
@@ -154,7 +162,7 @@ class Host:
         if not cause and run.course == self._course:
             t = self.coupling.start + self.samples * self.coupling.period
             landing = self._start_height + self.trajectory.points[-1].position
-            end = TripEnd(t, landing, run.drive.state, run.drive.input, run.memory)
+            end = TripEnd(t, landing, run.drive.state, run.drive.input, run.scheme_state)
         result = self._result(with_drive_signals(run.recorder.recording(), self.hoist), run.steps, cause, run.course)
         return replace(result, checkpoint=checkpoint, saved=saved, end=end)
 
@@ -164,7 +172,7 @@ class Host:
         read = self.rope.reader(ROPE_FORCES)
         if after is None:
             with self.start_clock:
-                forces = answer(self.rope.initialize(start, *(EndMotion(y=y) for y in heights)), read)
+                forces = forces_or_error(self.rope.initialize(start, *(EndMotion(y=y) for y in heights)), read)
             if isinstance(forces, str):
                 return f"rope, at the start: {forces}"
         else:
@@ -177,17 +185,17 @@ class Host:
         if after is not None:
             state, applied_input = after.plant, after.input
         drive = HoistPartner(plant, state, applied_input, self.drive_clock)
-        pair = Pair(drive, self.rope, self.rope_clock)
-        memory = pair.start(start) if after is None else after.memory
+        coupled = CoupledSystem(drive, self.rope, self.rope_clock)
+        scheme_state = coupled.start(start) if after is None else after.scheme_state
         if after is None:
-            self.stability = predict_stability(self.scheme, self.coupling.scheme, pair, start, self.coupling.step)
-        return RunState(drive, pair, memory, rest.x.item(0), self._recorder(), self._course)
+            self.stability = predict_stability(self.scheme, self.coupling.scheme, coupled, start, self.coupling.step)
+        return RunState(drive, coupled, scheme_state, rest.x.item(0), self._recorder(), self._course)
 
     def _checkpoint(self, run: RunState, cause: str) -> Checkpoint | None:
         """Return the saved state with the cause of the stop; None if no state was saved."""
         if run.saved is None:
             return None
-        k, ((plant, applied_input), snapshot), controller, memory = run.saved
+        k, ((plant, drive_input), snapshot), controller, scheme_state = run.saved
         rope = b""
         t = self.coupling.start + k * self.coupling.period
         if snapshot is not None:
@@ -196,7 +204,7 @@ class Host:
             except RuntimeError as error:
                 _log.warning("the rope's last good state is lost: %s", error)
         record = run.recorder.recording()
-        return Checkpoint(k, t, plant, controller, applied_input, memory, rope, record, self.data, cause, self.name)
+        return Checkpoint(k, t, plant, controller, drive_input, scheme_state, rope, record, self.data, cause, self.name)
 
     def _recorder(self) -> Recorder:
         """Return a recorder of all signals, without those of the rope that the drive has too."""
@@ -220,7 +228,7 @@ class Host:
             if stopped or (k - run.first) % self._save_interval == 0:
                 run.saved = None  # frees the memory of the state before
                 # the controller may change what it is handed
-                run.saved = k, run.pair.save(), deepcopy(run.controller), run.memory
+                run.saved = k, run.coupled.save(), deepcopy(run.controller), run.scheme_state
             if stopped:
                 return f"t = {t:.6g} s: stopped by the user"
             if compiled is not None and k < last and not self._loads(k):
@@ -292,7 +300,7 @@ class Host:
         """Record all signals at t [s] and return the controller's command."""
         point = run.course.trajectory.at(t - self.coupling.start)
         command = self._command(controller, point, run.drive.outputs, run.controller)
-        run.recorder.add(*drive_row(t, point, command, run.drive, run.memory), signals)
+        run.recorder.add(*drive_row(t, point, command, run.drive, run.scheme_state), signals)
         return command
 
     def _command(self, controller: Controller, point: TrajectoryPoint, outputs: Vector, state: Any) -> Command:
@@ -335,12 +343,12 @@ class Host:
         while run.steps < (k + 1) * per_sample:
             t = start + run.steps * H
             try:
-                memory, cause = self.scheme.advance(run.pair, run.memory, t, H)
+                scheme_state, cause = self.scheme.advance(run.coupled, run.scheme_state, t, H)
             except (ValueError, RuntimeError) as error:
                 return f"t = {t:.6g} s: {error}"
             if cause:
                 return cause
-            run.memory = memory
+            run.scheme_state = scheme_state
             run.steps += 1
         return ""
 

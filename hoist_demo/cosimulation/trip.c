@@ -183,7 +183,7 @@ static double command(Trip *m, const double reference[4]) {
     return result[1];
 }
 
-/* both partners over one step from t, as GaussSeidel(1) and Pair.exchanged */
+/* both partners over one step from t, as GaussSeidel(1) and CoupledSystem.exchanged */
 static int exchange(Trip *m, double t, const double (*reference)[4]) {
     const double H = m->H, begun = now(), work_before = work(m), integral = m->integral, torque = m->torque,
                  size = m->step_next;

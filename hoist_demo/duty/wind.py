@@ -75,7 +75,7 @@ def write_state(path: Path, trips: Recording, end: TripEnd, rope: RopePlant, sch
         plant=end.plant,
         controller=None,
         input=end.input,
-        memory=end.memory,
+        memory=end.scheme_state,
         rope=rope.to_bytes(rope.save()),
         recording=trips,
         data=schedule.data,

@@ -1,6 +1,6 @@
 """The hoist as the partner of a coupling that gives motions.
 
-The coordinates of the exchange are the heights of the left and the right end; the rope's answer to them are its
+The coordinates of the exchange are the heights of the left and the right end; the rope's response to them are its
 vertical forces. Everything else of the ends' motion follows the drive.
 """
 
@@ -16,7 +16,7 @@ from rope_model import EndMotion
 
 _POSITION, _SPEED, _ACCELERATION = (slice(OUTPUT_INDEX[f"{n}_left"], OUTPUT_INDEX[f"{n}_right"] + 1) for n in "yva")
 #: Places of the forces in a path of the drive's input.
-_START, _RISE, _BEND = (slice(k * len(INPUT_NAMES) + FORCES[0], k * len(INPUT_NAMES) + FORCES[1] + 1) for k in range(3))
+_START, _LINEAR, _QUADRATIC = (slice(k + FORCES[0], k + FORCES[1] + 1) for k in np.arange(3) * len(INPUT_NAMES))
 #: The controller's k-th command within a step, torque [N m] and brake: of k, time [s] and what the hoist shows then.
 NextCommand = Callable[[int, float, Vector], tuple[float, float]]
 
@@ -109,7 +109,7 @@ class HoistPartner:
         self._outputs = self._done = None
 
     def _under(self, load: Load) -> Vector:
-        self._path[_START], self._path[_RISE], self._path[_BEND] = load.start, load.rise, load.bend
+        self._path[_START], self._path[_LINEAR], self._path[_QUADRATIC] = load.start, load.linear, load.quadratic
         return self._path
 
 
