@@ -90,7 +90,7 @@ def test_the_verdict_has_each_number_with_its_digits_beside_its_bound(signals, p
     verdict = judge(ended, Hoist(tail_rope_number=3), [RopeData({}, parameters, {})])
     (found,) = [one for one in verdict.rows if one.quantity.startswith(row)]
     assert (found.value, found.holds) == (value, kept)
-    assert (found.quantity in verdict.words) == (kept is False)
+    assert (found.quantity in verdict.summary) == (kept is False)
 
 
 def test_an_emergency_stop_is_told_by_each_conveyance_s_own_way() -> None:

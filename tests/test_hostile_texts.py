@@ -221,8 +221,8 @@ READERS: dict[str, tuple[Callable[[Path], object], str]] = {
     "hoist name": (lambda path: read(path, HoistFile).case.name, "name = {}\n[[rope]]\n"),
     "hoist source": (lambda path: read(path, HoistFile).case.source, 'name = "a"\nsource = {}\n[[rope]]\n'),
     "duty title": (
-        lambda path: read_schedule(path).head.title, "[duty]\ntitle = {}\n[[trip]]\nwinding.travel = 10.0\n"),
-    "uncertain title": (lambda path: read(path, Uncertain).head.title, "[uncertain]\ntitle = {}\n" + MEASURED),
+        lambda path: read_schedule(path).header.title, "[duty]\ntitle = {}\n[[trip]]\nwinding.travel = 10.0\n"),
+    "uncertain title": (lambda path: read(path, Uncertain).header.title, "[uncertain]\ntitle = {}\n" + MEASURED),
     "measured name": (
         lambda path: read(path, MeasurementFile).measurements[0].name, MEASURED + WIDTH + "name = {}\n"),
     "known source": (

@@ -73,7 +73,7 @@ def worked() -> Tables:
     results, causes = [], []
     for scene in SCENES:
         found = run_windings(read(EXAMPLES / "uncertain" / f"{scene}.toml", Uncertain), os.cpu_count() or 1)
-        for name in found.question.head.measures:
+        for name in found.question.header.measures:
             results.append((scene, name, UNITS[name], *found.quantiles(name)))
             causes += [(scene, name, key, share) for key, share in found.causes(name).items()]
     head = ("scene", "measure", "unit", "low", "middle", "high")

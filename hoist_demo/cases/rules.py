@@ -40,7 +40,7 @@ class Rule(NamedTuple):
     """Rule for a parameter that the file leaves out."""
 
     key: str
-    words: str
+    expression: str
     value: Callable[[RuleInputs], Value]
 
 
@@ -71,7 +71,7 @@ RULES = (
 )
 
 
-def completed(host: Mapping[str, ParameterValue], ropes: Iterable[BalanceRopeData], **head: Any) -> Case:
+def completed(host: Mapping[str, ParameterValue], ropes: Iterable[BalanceRopeData], **header: Any) -> Case:
     """Return the hoist of what is stated of its host and ropes, with all that follows; ValueError where none can be."""
     host = dict(host)
     if "hoist.shaft_travel" not in host and "winding.travel" in host:
@@ -79,7 +79,7 @@ def completed(host: Mapping[str, ParameterValue], ropes: Iterable[BalanceRopeDat
         host["hoist.shaft_travel"] = ParameterValue(deep, DERIVED, "winding.travel")
     sections = data_of(plain(host))
     inputs = RuleInputs(sections["hoist"], sections["winding"], Hoist())
-    length = ParameterValue(LENGTH.value(inputs), DERIVED, LENGTH.words, follows=True)
+    length = ParameterValue(LENGTH.value(inputs), DERIVED, LENGTH.expression, follows=True)
     filled = list[BalanceRopeData]()
     with Problems() as problems:
         for k, rope in enumerate(ropes, 1):
@@ -95,12 +95,12 @@ def completed(host: Mapping[str, ParameterValue], ropes: Iterable[BalanceRopeDat
     for rule in RULES:
         if rule.key not in host:
             value = rule.value(RuleInputs(sections["hoist"], sections["winding"], drive))
-            host[rule.key] = ParameterValue(value, DERIVED, rule.words, follows=True)
+            host[rule.key] = ParameterValue(value, DERIVED, rule.expression, follows=True)
             sections = data_of(plain(host))
     require_trip_fits(sections["hoist"], sections["winding"])
     far = dict.fromkeys(line for one in ropes for line in remarks(plain({**host, **one.values})))
     data = {name: sections[name] for name in ("hoist", "winding", "gains")}
-    return Case(**head, **data, host=host, balance_ropes=ropes, rope=ropes[0].parameters, remarks=tuple(far))
+    return Case(**header, **data, host=host, balance_ropes=ropes, rope=ropes[0].parameters, remarks=tuple(far))
 
 
 def _of_catalogue(rope: BalanceRopeData) -> dict[str, ParameterValue]:
@@ -135,8 +135,8 @@ def with_values(case: Case, values: Mapping[str, Value | ParameterValue]) -> Cas
     of_host = {key: entry for key, entry in entries.items() if key in host_parameters()}
     of_rope = {key: entry for key, entry in entries.items() if key not in of_host}
     ropes = [replace(rope, values=_stated(rope.values) | of_rope) for rope in case.balance_ropes]
-    head = {name: getattr(case, name) for name in ("name", "source", "level", "signals")}
-    return completed(_stated(case.host) | of_host, ropes, **head)
+    header = {name: getattr(case, name) for name in ("name", "source", "level", "signals")}
+    return completed(_stated(case.host) | of_host, ropes, **header)
 
 
 def _stated(values: Mapping[str, ParameterValue]) -> dict[str, ParameterValue]:

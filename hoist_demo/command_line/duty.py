@@ -49,12 +49,12 @@ interrupted.
 
 def add_duty(commands: Commands) -> None:
     """Add the subcommand `duty`."""
-    about = "wind many trips as one run, each from where the last has left the rope"
-    duty = add_command(commands, "duty", _duty, about, _DESCRIPTION, _EPILOG)
+    text = "wind many trips as one run, each from where the last has left the rope"
+    duty = add_command(commands, "duty", _duty, text, _DESCRIPTION, _EPILOG)
     duty.add_argument("schedule", type=Path, metavar="SCHEDULE.toml", help="the trips, see docs/reference/files.md")
     duty.add_argument("--repeat", type=int, metavar="N", help="how often they are wound, instead of the file's")
-    about = "also count what each place in the rope goes through: exposure.csv"
-    duty.add_argument("--exposure", action="store_true", help=about)
+    text = "also count what each place in the rope goes through: exposure.csv"
+    duty.add_argument("--exposure", action="store_true", help=text)
     add_results(duty, "duty")
 
 
@@ -80,10 +80,10 @@ def _duty(options: argparse.Namespace) -> int:
         print("balance-rope: interrupted before the first trip's end", file=sys.stderr)
         return 130
     exposed = together([gather(row) for row in table_rows(trips)]) if "station.s[1]" in trips else None
-    run, status = schedule.pattern[0], schedule.status_by_name
+    run, status, header = schedule.pattern[0], schedule.status_by_name, schedule.header
     data = host_provenance(run, status) + rope_provenance(find_case(run.case), rope.data(), status)
     written = [*_write(trips, exposed, out), write_data(data, out / "data.csv")]
-    print(f"{schedule.head.title}: hoist {schedule.head.hoist}, level {schedule.level}, {trips['trip'].size} trips\n")
+    print(f"{header.title}: hoist {header.hoist}, level {schedule.level}, {trips['trip'].size} trips\n")
     exposures = exposure_rows("", exposed) if exposed else ()
     recording = _as_it_is(rope) if last is None else last.result.recording
     warned = [*filter(None, (contradictions(run.hoist, rope.data().parameters), remark(recording)))]

@@ -25,10 +25,10 @@ interrupted.
 
 def add_identify(commands: Commands) -> None:
     """Add the subcommand `identify`."""
-    about = "find a rope's properties from measurements"
-    identify = add_command(commands, "identify", _identify, about, _DESCRIPTION, _EPILOG)
-    about = "what was measured, see docs/reference/files.md"
-    identify.add_argument("measured", type=Path, metavar="MEASURED.toml", help=about)
+    text = "find a rope's properties from measurements"
+    identify = add_command(commands, "identify", _identify, text, _DESCRIPTION, _EPILOG)
+    text = "what was measured, see docs/reference/files.md"
+    identify.add_argument("measured", type=Path, metavar="MEASURED.toml", help=text)
     add_results(identify, "identify")
 
 

@@ -29,8 +29,8 @@ exit code: 0 all windings count, 1 some stopped or were left out, 2 wrong file o
 
 def add_uncertain(commands: Commands) -> None:
     """Add the subcommand `uncertain`."""
-    about = "what a winding may be, with all that is not known of its rope"
-    uncertain = add_command(commands, "uncertain", _uncertain, about, _DESCRIPTION, _EPILOG)
+    text = "what a winding may be, with all that is not known of its rope"
+    uncertain = add_command(commands, "uncertain", _uncertain, text, _DESCRIPTION, _EPILOG)
     uncertain.add_argument("scene", type=Path, metavar="SCENE.toml", help="what is wound, see docs/reference/files.md")
     uncertain.add_argument("--workers", type=int, metavar="N", help="processes (one per core)")
     add_results(uncertain, "uncertain")
@@ -48,10 +48,12 @@ def _uncertain(options: argparse.Namespace) -> int:
         raise ValueError(f"--workers {workers} must be at least 1: leave it out for one per core")
     question = read(options.scene, Uncertain)
     if options.check:
-        print(f"{options.scene}: {question.head.samples} windings over {', '.join(question.data)}, nothing wrong")
+        print(f"{options.scene}: {question.header.samples} windings over {', '.join(question.data)}, nothing wrong")
         return 0
     out = results_folder(options.out or Path("out") / "uncertain" / options.scene.stem)
-    watched = partial(tqdm, desc="winding", unit="winding", total=question.head.samples, file=sys.stderr, disable=None)
+    watched = partial(
+        tqdm, desc="winding", unit="winding", total=question.header.samples, file=sys.stderr, disable=None
+    )
     spread = run_windings(question, workers, watched)
     print(render(summary(spread)))
     written = (
@@ -64,4 +66,4 @@ def _uncertain(options: argparse.Namespace) -> int:
         print(f"balance-rope: {text}", file=sys.stderr)
     if text := too_few(spread):
         print(f"balance-rope: warning: {text}", file=sys.stderr)
-    return 0 if spread.completed == question.head.samples else 1
+    return 0 if spread.completed == question.header.samples else 1

@@ -69,22 +69,22 @@ is written all the same), 2 wrong arguments, 130 interrupted while the results w
 def add_wind(commands: Commands, fmu: Path) -> None:
     """Add the subcommand `wind`; `fmu` is wound where it is there and nothing else is asked for."""
     run = partial(_wind, default=fmu)
-    about = "wind once and write figures, CSV and a report"
-    wind = add_command(commands, "wind", run, about, _DESCRIPTION, _EPILOG, "demo")
-    about = (
+    text = "wind once and write figures, CSV and a report"
+    wind = add_command(commands, "wind", run, text, _DESCRIPTION, _EPILOG, "demo")
+    text = (
         f"hoist, trip, controller, ropes: a file, or one of {', '.join(NAMED)} ({DEFAULT_HOIST}, or that of --resume)"
     )
-    wind.add_argument("hoist", nargs="?", metavar="HOIST", help=about)
+    wind.add_argument("hoist", nargs="?", metavar="HOIST", help=text)
     wind.add_argument("--case", metavar="NAME", help="the same as HOIST")
     rope = wind.add_mutually_exclusive_group()
-    about = f"the rope, FMI 2.0 or 3.0 ({fmu} for {DEFAULT_HOIST}, if it is there)"
-    rope.add_argument("--fmu", type=Path, metavar="PATH", help=about)
+    text = f"the rope, FMI 2.0 or 3.0 ({fmu} for {DEFAULT_HOIST}, if it is there)"
+    rope.add_argument("--fmu", type=Path, metavar="PATH", help=text)
     rope.add_argument("--in-process", action="store_true", help="run the rope in this process, without an FMU")
     wind.add_argument("--out", type=named, metavar="DIR", help="results (out/wind and the hoist's name)")
     wind.add_argument("--check", action="store_true", help="read and check the hoist, wind nothing")
     wind.add_argument("--step", type=float, metavar="H", help="communication step [s] (that of the hoist)")
-    about = f"how drive and rope exchange, see docs/howto/hoist.md: {', '.join(SCHEMES)} (that of the hoist)"
-    wind.add_argument("--scheme", choices=tuple(SCHEMES), metavar="NAME", help=about)
+    text = f"how drive and rope exchange, see docs/howto/hoist.md: {', '.join(SCHEMES)} (that of the hoist)"
+    wind.add_argument("--scheme", choices=tuple(SCHEMES), metavar="NAME", help=text)
     wind.add_argument("--resume", type=Path, metavar="FILE", help="go on from the last_good.npz of a run that stopped")
     add_trip(wind)
     add_data(wind)

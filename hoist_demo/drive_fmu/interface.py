@@ -134,8 +134,8 @@ def output_names(hoist: Hoist) -> dict[str, str]:
 
 def variables(case: Case, step: float, ropes: Sequence[DriveRope] = ()) -> tuple[Variable, ...]:
     """Return the table of FMI variables; ``step`` is the largest internal step [s], ``ropes`` are several."""
-    outputs = [(name, *_words(_MOTIONS, name)) for name in (*motions(case.hoist), *offset_motions(case.hoist, ropes))]
-    outputs += [*_DRIVE.values(), *((name, *words) for name, words in _CONTROL.items())]
+    outputs = [(name, *_texts(_MOTIONS, name)) for name in (*motions(case.hoist), *offset_motions(case.hoist, ropes))]
+    outputs += [*_DRIVE.values(), *((name, *texts) for name, texts in _CONTROL.items())]
     assert {*output_names(case.hoist).values()} <= OUTPUT_INDEX.keys()
     return (
         *_parameters(case, step, ropes),
@@ -157,19 +157,19 @@ def _parameters(case: Case, step: float, ropes: Sequence[DriveRope]) -> Iterator
     yield Variable("solver.step_max", "parameter", "tunable", "Real", "s", step, text, 1e-6, step)
     for p in leaves(Gains):
         low, high = 1e-6 if p.bounds.opens else p.bounds.low, p.bounds.high or _MOST
-        value, about = getattr(case.gains, p.name), _GAINS[p.name]
-        yield Variable(f"controller.{p.name}", "parameter", "tunable", "Real", p.unit, value, about, low, high)
+        value, description = getattr(case.gains, p.name), _GAINS[p.name]
+        yield Variable(f"controller.{p.name}", "parameter", "tunable", "Real", p.unit, value, description, low, high)
 
 
 def _inputs(case: Case, ropes: Sequence[DriveRope]) -> Iterator[Variable]:
     upright, sides = force_inputs(ropes), side_forces(case.hoist, ropes)
     forces = [force for rope in ropes or (None,) for force in rest_forces(case, rope)] + [0.0] * len(sides)
     for name, force in zip((*upright, *sides), forces, strict=True):
-        unit, text = _words(_FORCES, name)
+        unit, text = _texts(_FORCES, name)
         yield Variable(name, "input", "continuous", "Real", unit, force, text)
 
 
-def _words(table: Mapping[str, tuple[str, str]], name: str) -> tuple[str, str]:
+def _texts(table: Mapping[str, tuple[str, str]], name: str) -> tuple[str, str]:
     """Unit and description of an end's variable, that of one of several ropes or of all."""
     *rope, side, last = name.split(".")
     unit, text = table[last]

@@ -108,8 +108,8 @@ class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: igno
             ropes = [_balance_rope(k, rope, shared, problems) for k, rope in enumerate(settings.get("rope", ()), 1)]
             names = [rope.name for rope in ropes]
             problems += [f"rope name = {n!r} must be given once: name each rope" for n in names if names.count(n) > 1]
-        head = {name: settings[name] for name in ("source", "level") if name in settings}
-        return completed(host, ropes, name=self.name, signals=tuple(settings.get("signals", ())), **head)
+        header = {name: settings[name] for name in ("source", "level") if name in settings}
+        return completed(host, ropes, name=self.name, signals=tuple(settings.get("signals", ())), **header)
 
     @model_validator(mode="after")
     def _is_a_hoist(self) -> Self:

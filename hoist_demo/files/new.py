@@ -14,7 +14,7 @@ from hoist_demo.parameters.quantity import Bounds, Parameter, Value
 from rope_model import rope as catalogue_rope
 
 _SHAFT = 12.0  #: Frequency of the motor against the sheave [Hz, assumed].
-_ABOUT = """\
+_COMMENT = """\
 Written by balance-rope new. Values are SI or { value, unit, status, source }, status: published, data sheet, measured,
 given, derived (by the rule behind it) or assumed. Replace what you know and say where it comes from; what you delete
 follows by a rule or is a default: balance-rope show FILE prints it all."""
@@ -53,8 +53,8 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
     motor, power = _rounded(0.4 * sheave), _rounded(2.6 * payload * GRAVITY * wish["speed"])
     stiffness = _rounded((2.0 * math.pi * _SHAFT) ** 2 * motor * (sheave - motor) / sheave * radius**2)
 
-    def rule(value: float, words: str) -> ParameterValue:
-        return ParameterValue(value, DERIVED, words)
+    def rule(value: float, expression: str) -> ParameterValue:
+        return ParameterValue(value, DERIVED, expression)
 
     def ours(value: Value) -> ParameterValue:
         return ParameterValue(value, "assumed")
@@ -103,7 +103,7 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
         rope["rope.diameter"] = inputs["diameter"]
         rope["rope.length"] = rule(depth + TAIL_SPARE, f"travel and {TAIL_SPARE:g} m")
         ropes.append(rope | {"rope.swivels.mode": ParameterValue("coulomb")})
-    return hoist_text(name, values, ropes, _ABOUT)
+    return hoist_text(name, values, ropes, _COMMENT)
 
 
 def _rounded(value: float) -> float:

@@ -16,7 +16,7 @@ from typing import Annotated, Any, TypeVar, get_args
 
 import pydantic
 
-from hoist_demo.files.values import Facts, value_type
+from hoist_demo.files.values import ValueTable, value_type
 from hoist_demo.parameters.quantity import Parameter
 from rope_model.texts import printable
 
@@ -148,8 +148,8 @@ def _tables(path: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        words = _missing_comma(text, error) or f"{error}: correct it there"
-        raise FileError(path, [f"is not TOML: {words}"]) from error
+        problem = _missing_comma(text, error) or f"{error}: correct it there"
+        raise FileError(path, [f"is not TOML: {problem}"]) from error
 
 
 def _missing_comma(text: str, error: tomllib.TOMLDecodeError) -> str:
@@ -180,7 +180,7 @@ _MUST = {
     "string_type": "a text: put it in quotation marks",
 }
 _MUST = {kind: f"{{key_path}} = {{short}} must be {words}" for kind, words in _MUST.items()}
-_WORDS = _MUST | {
+_TEXTS = _MUST | {
     "extra_forbidden": "{key_path} = {short} is not a key: {cure}",
     "missing": "{key_path} is missing: give it",
     "union_tag_not_found": "{key_path}: {key} is missing: give it",
@@ -196,14 +196,14 @@ def _problems(names: Sequence[str], error: Any) -> list[str]:
     context, key_path, short = error.get("ctx", {}), _key_path(loc), repr(error["input"])
     if error["type"] == "value_error":
         return [_located(key_path, line) for line in str(context["error"]).splitlines()]
-    facts = {"key_path": key_path, "short": short if len(short) <= 60 else f"{short[:57]}..."}
+    placeholders = {"key_path": key_path, "short": short if len(short) <= 60 else f"{short[:57]}..."}
     cure = cure_of(".".join(part for part in loc if isinstance(part, str)), names)
     if "." in str(loc[-1]):
         cure = "leave out the quotation marks"
     requirement = error["msg"].partition(" should ")[2] or error["msg"]
     key = context.get("discriminator", "").strip("'")
-    words = _WORDS.get(error["type"], "{key_path} = {short} must {requirement}: correct it")
-    return [words.format(**context | facts, cure=cure, requirement=requirement, key=key)]
+    text = _TEXTS.get(error["type"], "{key_path} = {short} must {requirement}: correct it")
+    return [text.format(**context | placeholders, cure=cure, requirement=requirement, key=key)]
 
 
 def _located(key_path: str, text: str) -> str:
@@ -238,7 +238,7 @@ def cure_of(key: str, keys: Sequence[str]) -> str:
         return "it is of another kind of that table: leave it out"
     table, dot, last = key.rpartition(".")
     within = [name.removeprefix(table + dot) for name in keys if name.rpartition(".")[0] == table]
-    within = within or [*Facts.model_fields]  # keys of a value
+    within = within or [*ValueTable.model_fields]  # keys of a value
     lasts = {name: name.rpartition(".")[2] for name in keys}
     alike = {last.upper(), *difflib.get_close_matches(last, set(lasts.values()), cutoff=0.75)}
     near = [f"{table}{dot}{name}" for name in difflib.get_close_matches(last, within, cutoff=0.5)]
@@ -252,7 +252,7 @@ def _names(hints: Iterable[Any], prefix: str = "") -> Iterator[str]:
         table = hint.model if isinstance(hint, Flat) else hint
         if not (isinstance(table, type) and issubclass(table, pydantic.BaseModel)):
             yield from _names(get_args(table), prefix)
-        elif table is not Facts:
+        elif table is not ValueTable:
             for name, field in table.model_fields.items():
                 yield (key := f"{prefix}{field.alias or name}")
                 yield from _names((field.annotation, *field.metadata), f"{key}.")

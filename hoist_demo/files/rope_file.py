@@ -13,7 +13,7 @@ from hoist_demo.files.catalogue import group_table, rope_parameters
 from hoist_demo.files.reading import EMPTY, File, Table, beside, contents, flat, opened_by, read
 from hoist_demo.files.values import GIVEN, ParameterValue, ParameterValues, Text, plain, read_text, value_type
 from hoist_demo.parameters.problems import Problems
-from hoist_demo.parameters.quantity import POSITIVE, VANISHING, Parameter
+from hoist_demo.parameters.quantity import NON_NEGATIVE, POSITIVE, Parameter
 from rope_model import Datum, KnownRope, rope
 from rope_model.catalogue import PROPERTIES, Lay
 from rope_model.texts import printable
@@ -51,7 +51,7 @@ class CatalogueQuery(Table):
     lay: Lay = "right-hand"
 
 
-_BOUNDS = dict.fromkeys(PROPERTIES, POSITIVE) | {"torque_factor": VANISHING}
+_BOUNDS = dict.fromkeys(PROPERTIES, POSITIVE) | {"torque_factor": NON_NEGATIVE}
 _KNOWN = [Parameter(name, p.unit, "Real", bounds=_BOUNDS[name], meaning=name) for name, p in PROPERTIES.items()]
 Properties = Annotated[ParameterValues, flat("Properties", {p.name: (value_type(p), None) for p in _KNOWN})]
 

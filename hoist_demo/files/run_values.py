@@ -15,7 +15,7 @@ from rope_model import Level
 from rope_model.texts import printable
 
 
-class Head(Table):
+class FileHeader(Table):
     """Title, and the hoist that is wound: a file, or the name of one that comes with the project."""
 
     title: Text = Field("", validate_default=True)
@@ -46,7 +46,7 @@ Values = Annotated[
 ]
 
 
-class LevelHead(Head):
+class LevelHeader(FileHeader):
     """Head of a file that is wound in process."""
 
     level: Level | None = Field(None, description="accuracy against speed of the rope; else the hoist's")
@@ -55,12 +55,12 @@ class LevelHead(Head):
 class RunFile(File):
     """A file of windings in process; each kind says under which name its head stands."""
 
-    head: LevelHead
+    header: LevelHeader
     fixed: Values = EMPTY
 
     @property
     def level(self) -> Level:
-        return self.head.level or find_case(self.head.hoist).level
+        return self.header.level or find_case(self.header.hoist).level
 
 
 class RopeQuestion(KnownFile):

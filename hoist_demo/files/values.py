@@ -75,7 +75,7 @@ def stated(values: Iterable[tuple[str, object]], status: str = GIVEN) -> dict[st
     return {k: replace(v, status=v.status or status) for k, v in values if isinstance(v, ParameterValue)}
 
 
-class Facts(BaseModel):
+class ValueTable(BaseModel):
     """A value's own table, before its parameter is asked."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -91,21 +91,21 @@ def value_type(parameter: Parameter) -> Any:
     """Return the type of a key for pydantic: what it holds is a ParameterValue."""
     read = AfterValidator(partial(_parameter_value, parameter))
     table = BeforeValidator(lambda content: content if isinstance(content, dict) else {"value": content})
-    return Annotated[Facts, table, read, WithJsonSchema(value_schema(parameter))]
+    return Annotated[ValueTable, table, read, WithJsonSchema(value_schema(parameter))]
 
 
-def _parameter_value(parameter: Parameter, facts: Facts) -> ParameterValue:
+def _parameter_value(parameter: Parameter, table: ValueTable) -> ParameterValue:
     low, high = (
-        None if end is None else float(read_value(parameter, end, facts.unit)) for end in (facts.low, facts.high)
+        None if end is None else float(read_value(parameter, end, table.unit)) for end in (table.low, table.high)
     )
     if low is not None and high is not None and low > high:
         raise ValueError(f"{parameter.name}: low = {low:g} must be at most high = {high:g}: exchange them")
     middle = None if low is None or high is None else 0.5 * (low + high)
-    if facts.value is None and middle is None:
+    if table.value is None and middle is None:
         raise ValueError(f"{parameter.name} has no value: write {{ value = ..., unit = ... }}, or low and high")
-    value = middle if facts.value is None else read_value(parameter, facts.value, facts.unit)
+    value = middle if table.value is None else read_value(parameter, table.value, table.unit)
     assert value is not None
-    return ParameterValue(value, facts.status, facts.source, low, high)
+    return ParameterValue(value, table.status, table.source, low, high)
 
 
 def read_value(parameter: Parameter, content: Any, unit: str = "") -> Value:
@@ -157,13 +157,13 @@ def _factor(unit: str, to: str) -> Fraction | None:
 def value_schema(parameter: Parameter) -> dict[str, Any]:
     """Return the JSON Schema of a value with its unit and status."""
     alone = list(_alone(parameter))
-    facts = {**_facts_schema()["properties"], "value": {"anyOf": alone}}
-    facts |= dict.fromkeys(("low", "high"), alone[0] if parameter.numeric else False)
-    table = {"type": "object", "properties": facts, "additionalProperties": False}
-    return {"anyOf": [*alone, table], "description": parameter.about}
+    properties = {**_table_schema()["properties"], "value": {"anyOf": alone}}
+    properties |= dict.fromkeys(("low", "high"), alone[0] if parameter.numeric else False)
+    table = {"type": "object", "properties": properties, "additionalProperties": False}
+    return {"anyOf": [*alone, table], "description": parameter.help_text}
 
 
-_facts_schema = cache(Facts.model_json_schema)
+_table_schema = cache(ValueTable.model_json_schema)
 
 
 def _alone(parameter: Parameter) -> Iterable[dict[str, Any]]:

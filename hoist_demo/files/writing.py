@@ -13,9 +13,9 @@ _PARAMETERS = {**SUSPENSION_PARAMETERS, **host_parameters(), **rope_parameters()
 _ORDER = list(dict.fromkeys(name.partition(".")[0] for name in (*host_parameters(), *rope_parameters())))
 
 
-def hoist_text(name: str, values: ParameterValues, ropes: Iterable[ParameterValues], about: str = "") -> str:
+def hoist_text(name: str, values: ParameterValues, ropes: Iterable[ParameterValues], comment: str = "") -> str:
     """Return a hoist's file with these values by name, and a [[rope]] with those of each rope."""
-    parts = [*(f"# {printable(text)}" for text in about.splitlines()), f"name = {toml_string(name)}", ""]
+    parts = [*(f"# {printable(text)}" for text in comment.splitlines()), f"name = {toml_string(name)}", ""]
     tables: dict[str, list[str]] = {}
     for key, entry in sorted(values.items(), key=lambda kv: "." in kv[0] and _ORDER.index(kv[0].partition(".")[0])):
         table, _, own = key.rpartition(".")
@@ -29,18 +29,18 @@ def hoist_text(name: str, values: ParameterValues, ropes: Iterable[ParameterValu
 
 def _line(name: str, key: str, entry: ParameterValue) -> str:
     within = name.replace("rope.swivels.", "left.swivel.").removeprefix("rope.")
-    facts = _PARAMETERS.get(name) or _PARAMETERS.get(within) or Parameter(name, "1", "String")
-    meaning = facts.meaning.replace("[assumed]", "").replace("{side} ", "").strip(" ;,")
+    parameter = _PARAMETERS.get(name) or _PARAMETERS.get(within) or Parameter(name, "1", "String")
+    meaning = parameter.meaning.replace("[assumed]", "").replace("{side} ", "").strip(" ;,")
     notes = ": ".join(filter(None, (meaning, entry.source)))
     quoted = re.sub(r"\w+\[\d+\]", r'"\g<0>"', key)  # TOML has brackets in quotes only
-    return f"{quoted} = {_value(facts, entry)}{f'  # {printable(notes)}' if notes else ''}"
+    return f"{quoted} = {_value(parameter, entry)}{f'  # {printable(notes)}' if notes else ''}"
 
 
-def _value(facts: Parameter, entry: ParameterValue) -> str:
-    value = facts.choices[entry.value] if facts.choices and type(entry.value) is int else entry.value
+def _value(parameter: Parameter, entry: ParameterValue) -> str:
+    value = parameter.choices[entry.value] if parameter.choices and type(entry.value) is int else entry.value
     if isinstance(value, str | bool):
         return toml_string(value) if isinstance(value, str) else str(value).lower()
-    if facts.kind == "String":  # a count, and no datum
+    if parameter.kind == "String":  # a count, and no datum
         return repr(value)
-    unit = "" if facts.unit == "1" else f", unit = {toml_string(facts.unit)}"
+    unit = "" if parameter.unit == "1" else f", unit = {toml_string(parameter.unit)}"
     return f"{{ value = {value!r}{unit}, status = {toml_string(entry.status)} }}"

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from hoist_demo.parameters.quantity import ANY, quantity
+from hoist_demo.parameters.quantity import UNBOUNDED, parameter
 from rope_model.physics.elementary import cos, sin
 
 MOVED = ("x", "z", "vx", "vz", "ax", "az")  #: What a point of a conveyance has of its own.
@@ -23,9 +23,13 @@ MOVED = ("x", "z", "vx", "vz", "ax", "az")  #: What a point of a conveyance has 
 class SuspensionOffset:
     """Offset of a rope's suspension from the centres of the conveyances."""
 
-    x_left: float = quantity(0.0, "m", "from the left conveyance's centre to where the rope hangs, to the right", ANY)
-    x_right: float = quantity(0.0, "m", "the same at the right conveyance", ANY)
-    z: float = quantity(0.0, "m", "from the conveyances' centres to where the rope hangs, out of their plane", ANY)
+    x_left: float = parameter(
+        0.0, "m", "from the left conveyance's centre to where the rope hangs, to the right", UNBOUNDED
+    )
+    x_right: float = parameter(0.0, "m", "the same at the right conveyance", UNBOUNDED)
+    z: float = parameter(
+        0.0, "m", "from the conveyances' centres to where the rope hangs, out of their plane", UNBOUNDED
+    )
 
     @property
     def origin(self) -> tuple[float, float, float]:

@@ -107,9 +107,9 @@ def consequences(case: Case, name: str, values: Values = NOTHING) -> tuple[str, 
     ]
     for height in (0.0, hoist.shaft_travel):
         left, right = pulls(hoist, height)
-        words = f"{left / 1e3:.4g} and {right / 1e3:.4g} kN"
+        label = f"{left / 1e3:.4g} and {right / 1e3:.4g} kN"
         heads = f"pull of all head ropes, left and right, left conveyance at {height:g} m"
-        rows.append(SummaryRow(_HOLD, heads, words))
+        rows.append(SummaryRow(_HOLD, heads, label))
     rows.append(SummaryRow(_HOLD, "all moving masses", hoist.moving_mass, "kg"))
     warned, yaws = [], dict[str, float]()
     ropes = ropes_of(case, build_trip(name, values), {}, case.level).ropes

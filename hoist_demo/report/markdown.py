@@ -20,7 +20,7 @@ CAPTIONS = {
 def render_markdown(report: Report, figures: Sequence[Path]) -> str:
     """Return the report as Markdown: verdict, figures by file name, and the rest."""
     verdict = report.verdict
-    parts = [f"# {_inline(report.title)}", f"**{_inline(verdict.words)}**"]
+    parts = [f"# {_inline(report.title)}", f"**{_inline(verdict.summary)}**"]
     parts += _table(COLUMNS, [row.cells for row in verdict.rows])
     parts += [f"**Warning.** {_inline(text)}" for text in verdict.remarks]
     parts += _table(CHANGED, report.changed[1], report.changed[0])

@@ -77,7 +77,7 @@ def render(rows: Sequence[SummaryRow]) -> str:
 
 def render_verdict(verdict: Verdict) -> str:
     """Return the verdict as plain text: its words and its rows."""
-    lines = textwrap.wrap(verdict.words, 110)
+    lines = textwrap.wrap(verdict.summary, 110)
     cells = [COLUMNS, *(row.cells for row in verdict.rows)] if verdict.rows else []
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     table = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in cells]

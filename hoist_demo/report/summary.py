@@ -114,10 +114,10 @@ def _of_rope(recording: Recording, name: str) -> Iterator[SummaryRow]:
 def _together(recording: Recording) -> Iterator[SummaryRow]:
     """Yield the moments of several ropes about the conveyances' centres."""
     for end in SIDES:
-        for name, words in (("mx", "tilt about X"), ("my", "moment about Y"), ("mz", "tilt about Z")):
+        for name, label in (("mx", "tilt about X"), ("my", "moment about Y"), ("mz", "tilt about Z")):
             if bool(np.isfinite(recording[f"{end}.{name}"]).any()):
                 group = f"All ropes on the {end} conveyance, about its centre"
-                yield SummaryRow(group, words, _largest(recording[f"{end}.{name}"]), "N m")
+                yield SummaryRow(group, label, _largest(recording[f"{end}.{name}"]), "N m")
 
 
 def _signals(recording: Recording, groups: Collection[str]) -> Iterator[SummaryRow]:
@@ -149,14 +149,14 @@ def exposure_rows(rope: str, exposed: Recording) -> tuple[SummaryRow, ...]:
     """Return rows on the most loaded places of a rope; `exposed` is a table of `hoist_demo.recording.exposure`."""
     group = f"Places in the rope {rope}".rstrip() + ", from its left end"
     rows: list[SummaryRow] = []
-    for name, (words, beside) in _MOST.items():
+    for name, (label, beside) in _MOST.items():
         if bool(np.isfinite(exposed[name]).all()) and bool(np.any(exposed[name])):
             k = int(np.argmax(exposed[name]))
             parts = [(name, ""), ("s", " at "), *([(f"{name.partition('.')[0]}.{beside}", ", ")] if beside else [])]
             text = "".join(
                 f"{join}{number(float(exposed[key][k]), 4)} {unit_text(exposed.units[key])}" for key, join in parts
             )
-            rows.append(SummaryRow(group, words, text))
+            rows.append(SummaryRow(group, label, text))
     return tuple(rows)
 
 

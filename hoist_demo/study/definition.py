@@ -18,7 +18,7 @@ from hoist_demo.cosimulation.participants.fmu_description import read_outputs
 from hoist_demo.design.tuning import Plan
 from hoist_demo.files.catalogue import parameters, run_fields
 from hoist_demo.files.reading import EMPTY, File, Flat, Table, contents, errors_of_file, flat, read, table_of
-from hoist_demo.files.run_values import Head, Values
+from hoist_demo.files.run_values import FileHeader, Values
 from hoist_demo.files.values import VARIED, ParameterValue, Text, plain, statuses
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter, Value
@@ -72,7 +72,7 @@ class Tune(Table):
 _BOUNDS = table_of("subject_to", [Parameter(f"subject_to.{m}", unit, "Real") for m, unit in UNITS.items()], bounds_on)
 
 
-class StudyHead(Head):
+class StudyHeader(FileHeader):
     """Table [study] at the head of a study's file."""
 
     fmu: Text = Field("", description="the rope; else what export --native makes of the hoist")
@@ -128,7 +128,7 @@ _VARY = flat("Vary", run_fields(varied))
 class StudyFile(File):
     """Schema of a study's TOML file."""
 
-    study: StudyHead = EMPTY
+    study: StudyHeader = EMPTY
     fixed: Values = EMPTY
     variant: list[Variant] = Field([])
     vary: Annotated[dict[str, Varied], WrapValidator(_in_order), _VARY] = Field({})
@@ -244,13 +244,13 @@ def read_study(path: Path, fmu: Path | None = None, progress: CheckProgress = li
     """Return the study of a file; `fmu` replaces the file's. Raises FileError with all problems."""
     file = read(path, StudyFile)
     with errors_of_file(path):
-        head = file.study
-        rope = fmu or Path(head.fmu or f"build/{fmu_name(head.hoist, NATIVE)}")
+        header = file.study
+        rope = fmu or Path(header.fmu or f"build/{fmu_name(header.hoist, NATIVE)}")
         with Problems() as problems:
-            several = f"study.hoist = {head.hoist!r} must have one balance rope, at its middle: leave [[rope]]s out"
-            problems += [several] if find_case(head.hoist).distinct_ropes else []
+            several = f"study.hoist = {header.hoist!r} must have one balance rope, at its middle: leave [[rope]]s out"
+            problems += [several] if find_case(header.hoist).distinct_ropes else []
             with problems.at("study"):
-                signals = match_signals(head.signals, [*DRIVE_UNITS, *read_outputs(rope, head.hoist)])
+                signals = match_signals(header.signals, [*DRIVE_UNITS, *read_outputs(rope, header.hoist)])
             with problems.at("study"):
                 chosen = file.chosen()
             with problems.at("variant"):
@@ -258,7 +258,9 @@ def read_study(path: Path, fmu: Path | None = None, progress: CheckProgress = li
             with problems.at("sample"):
                 plan, points = file.drawn()
         fmu_hash = hashlib.sha256(rope.read_bytes()).hexdigest()
-        study = Study(head.title, head.hoist, rope, fmu_hash, head.goal, signals, variants, file.vary, chosen, plan)
+        study = Study(
+            header.title, header.hoist, rope, fmu_hash, header.goal, signals, variants, file.vary, chosen, plan
+        )
         probe, samples = Probe(rope), list[StudyRun]()
         every = math.ceil(len(points) * len(variants) / MOST_TRIED)
         with Problems() as problems:

@@ -117,7 +117,7 @@ class Goal:
         return dict.fromkeys([*self.weights, *(bound.metric for bound in self.bounds)])
 
     @property
-    def words(self) -> str:
+    def expression(self) -> str:
         """Weighted sum of the metrics in words."""
         return " + ".join(name if weight == 1.0 else f"{weight:g} {name}" for name, weight in self.weights.items())
 

@@ -49,7 +49,7 @@ METRICS = {
     "loop_rise": ("m", "largest height of the loop's lowest point over its quasi-static place"),
     "loop_turns": ("1", "largest magnitude, of one side about the other; half a turn: the loop is over"),
     "clearance": ("m", "smallest, between the legs"),
-    **{f"clearance_{name}": ("m", f"smallest, from {words}") for name, words in BODIES.items()},
+    **{f"clearance_{name}": ("m", f"smallest, from {description}") for name, description in BODIES.items()},
     **dict.fromkeys(("left_slip", "right_slip"), ("rad", "path of the swivel's slip")),
     **dict.fromkeys(("left_slip_time", "right_slip_time"), ("s", "during which the swivel slips")),
     **dict.fromkeys(

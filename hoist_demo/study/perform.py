@@ -182,7 +182,7 @@ def _best(
         judged = f"{100.0 * one.within:.4g} % of its {len(runs)} runs keep the bounds"
     else:
         word = f", the {goal.judge} of {len(runs)} runs" if len(runs) > 1 else ""
-        judged = f"{goal.words} = {_number(goal.sense * one.score.cost)} {_unit(goal.unit)}".rstrip() + word
+        judged = f"{goal.expression} = {_number(goal.sense * one.score.cost)} {_unit(goal.unit)}".rstrip() + word
     if not one.comparable:
         exceeded = goal.exceeded(one.score)
         sentence = f"no choice keeps subject_to; nearest is {what}, where {exceeded}: loosen it, or vary more"

@@ -29,8 +29,8 @@ def not_monotonic(study: Study, samples: Sequence[StudyRun], outcomes: Sequence[
     if study.plan is None and len(lists) == len(study.varied):
         for key in (key for key in lists if not parameters()[key].choices):
             for rest, runs in _lines(key, lists, samples, outcomes):
-                for what, words in _along(study.goal, key, runs):
-                    sentences.setdefault((key, what), []).append(f"{words} ({rest})" if rest else words)
+                for what, sentence in _along(study.goal, key, runs):
+                    sentences.setdefault((key, what), []).append(f"{sentence} ({rest})" if rest else sentence)
     return [own[0] + (f", and so in {len(own) - 1} more rows" if len(own) > 1 else "") for own in sentences.values()]
 
 

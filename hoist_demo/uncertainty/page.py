@@ -14,7 +14,7 @@ NAMED = 0.05  #: Share of a spread from which on a datum is named in the termina
 
 def summary(spread: Spread) -> list[SummaryRow]:
     """Return the rows of the terminal's summary."""
-    rows = [SummaryRow("Windings", "that count", f"{spread.completed} of {spread.question.head.samples}")]
+    rows = [SummaryRow("Windings", "that count", f"{spread.completed} of {spread.question.header.samples}")]
     for name in _measured(spread):
         (low, middle, high), unit = _in_display_unit(spread.quantiles(name), UNITS[name])
         group = f"{name}, {METRICS[name][1]}"
@@ -34,7 +34,7 @@ def too_few(spread: Spread) -> str:
 
 
 def _too_few(spread: Spread) -> Iterator[str]:
-    measures = spread.question.head.measures
+    measures = spread.question.header.measures
     if none := [name for name in measures if spread.completed and not spread.has(name).any()]:
         yield (
             f"no winding shows {', '.join(none)}: the rope's model does not compute it (set model.fidelity = "
@@ -50,18 +50,20 @@ def _too_few(spread: Spread) -> Iterator[str]:
     if few := [f"{name} {count}" for name, count in counts.items() if 0 < count < need]:
         yield (
             f"no causes are known of {', '.join(few)}: {len(spread.question.data)} varied data need {need} completed "
-            f"windings, 64 for a first look; raise samples = {spread.question.head.samples}"
+            f"windings, 64 for a first look; raise samples = {spread.question.header.samples}"
         )
     if spoiled := [f"{name} {number(times)}" for name in measures if (times := spread.spoiled(name))]:
         yield (
             f"no causes are known of {', '.join(spoiled)}: the shares of the data add up to so many times their "
-            f"spread; {spread.question.head.samples} windings are too few to separate the data; raise samples"
+            f"spread; {spread.question.header.samples} windings are too few to separate the data; raise samples"
         )
 
 
 def remarks(spread: Spread) -> list[str]:
     """Return the rope's warnings and why windings do not count, each with its number of windings."""
-    return [f"in {count} of {spread.question.head.samples} windings: {text}" for text, count in spread.remarks.items()]
+    return [
+        f"in {count} of {spread.question.header.samples} windings: {text}" for text, count in spread.remarks.items()
+    ]
 
 
 def write_table(spread: Spread, path: Path) -> Path:
@@ -82,15 +84,15 @@ def write_page(spread: Spread, path: Path) -> Path:
     causes = "".join(
         paragraphs([name])
         + bars([Bar(key.replace("_", " "), 0.0, x, x, key != "unexplained") for key, x in shares], _TICKS, name)
-        for name in question.head.measures
+        for name in question.header.measures
         if (shares := _sorted(spread, name))
     )
     data = []
     for name, datum in question.data.items():
         bounds, unit = _in_display_unit((datum.low, datum.high), datum.unit)
         data.append((name, " to ".join(bounds), unit, datum.status, datum.source))
-    count = f"{spread.completed} of {question.head.samples} windings count"
-    wound = f"{count}: hoist {question.head.hoist}, level {question.level}."
+    count = f"{spread.completed} of {question.header.samples} windings count"
+    wound = f"{count}: hoist {question.header.hoist}, level {question.level}."
     hint = "Share of the spread of ranks; grey: what the data do not explain one by one."
     title, rows = provenance_table(question.provenance())
     parts = [
@@ -103,7 +105,7 @@ def write_page(spread: Spread, path: Path) -> Path:
         ),
         (title, plain_table(("datum", "value", "unit", "status"), rows)),
     ]
-    return write_sheet(path, question.head.title, parts)
+    return write_sheet(path, question.header.title, parts)
 
 
 def _in_display_unit(values: Iterable[float], unit: str) -> tuple[list[str], str]:
@@ -116,7 +118,7 @@ _TICKS = [(x / 4, f"{25 * x} %") for x in range(5)]
 
 def _measured(spread: Spread) -> list[str]:
     """Return the measures that at least one winding has."""
-    return [name for name in spread.question.head.measures if spread.has(name).any()]
+    return [name for name in spread.question.header.measures if spread.has(name).any()]
 
 
 def _sorted(spread: Spread, name: str) -> list[tuple[str, float]]:

@@ -61,7 +61,9 @@ class Spread:
     def completed(self) -> int:
         """Number of windings that came to their end with a rope that passed through nothing."""
         unfit = (STOPPED, LEFT_OUT)
-        return self.question.head.samples - sum(count for text, count in self.remarks.items() if text.startswith(unfit))
+        return self.question.header.samples - sum(
+            count for text, count in self.remarks.items() if text.startswith(unfit)
+        )
 
     @property
     def needed(self) -> int:
@@ -102,14 +104,14 @@ def run_windings(
         with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
             results = list(progress(pool.map(wind_once, [question] * len(samples), samples)))
     columns = {name: np.array([values[name] for values in samples]) for name in question.data}
-    columns |= {name: np.array([measures[name] for measures, _ in results]) for name in question.head.measures}
+    columns |= {name: np.array([measures[name] for measures, _ in results]) for name in question.header.measures}
     return Spread(question, columns, remarks_of([texts for _, texts in results]))
 
 
 def draw(question: Uncertain) -> list[dict[str, float]]:
     """Draw the values of what varies, one set per winding."""
-    sequence = scipy.stats.qmc.Sobol(len(question.data), rng=np.random.default_rng(question.head.seed))
-    shares = sequence.random_base2(round(math.log2(question.head.samples)))
+    sequence = scipy.stats.qmc.Sobol(len(question.data), rng=np.random.default_rng(question.header.seed))
+    shares = sequence.random_base2(round(math.log2(question.header.samples)))
     return [
         {name: datum.at(float(u)) for (name, datum), u in zip(question.data.items(), row, strict=True)}
         for row in shares
@@ -126,9 +128,11 @@ def wind_once(question: Uncertain, values: Mapping[str, float]) -> WindingResult
     passed = passages(result.recording)
     if result.completed and PASSED not in passed:
         metrics = measure(result, run.hoist, run.arrival).metrics
-        return {name: metrics[name] for name in question.head.measures}, tuple(f"warning: {text}" for text in warnings)
+        return {name: metrics[name] for name in question.header.measures}, tuple(
+            f"warning: {text}" for text in warnings
+        )
     reason = f"{LEFT_OUT}{passed}" if result.completed else f"{STOPPED}{result.cause}"
-    return dict.fromkeys(question.head.measures, math.nan), (reason,)
+    return dict.fromkeys(question.header.measures, math.nan), (reason,)
 
 
 def remarks_of(remarks: Sequence[Iterable[str]]) -> dict[str, int]:

@@ -58,9 +58,9 @@ class RopeData:
         """Beginning of the names of its signals and of its parameters, where there are several ropes."""
         return f"{self.name}." if self.name else ""
 
-    def whose(self, words: str) -> str:
+    def whose(self, text: str) -> str:
         """Return words on the rope, with its name where there are several."""
-        return f"{words}, {self.name}" if self.name else words
+        return f"{text}, {self.name}" if self.name else text
 
     @property
     def torque_free(self) -> bool:

@@ -46,7 +46,7 @@ _NO = '<td class="tripped">NO</td>'
 
 def _verdict(verdict: Verdict, changed: parameter_tables.TitledRows) -> str:
     kind = "note good" if verdict.good else "note stopped"
-    parts = [f'<p class="{kind}"><strong>{html_text(verdict.words)}</strong></p>']
+    parts = [f'<p class="{kind}"><strong>{html_text(verdict.summary)}</strong></p>']
     if verdict.rows:
         rows = page.plain_table(COLUMNS, [row.cells for row in verdict.rows])
         parts.append(f'<div class="scroll">{rows.replace("<td>NO</td>", _NO)}</div>')
