@@ -25,11 +25,11 @@ try:  # Ctrl-C during the slow imports must not print a traceback
     from hoist_demo.command_line.identify import add_identify
     from hoist_demo.command_line.linear import add_linear
     from hoist_demo.command_line.options import settings
-    from hoist_demo.command_line.results import named, results_folder, treat_hangup_as_interrupt
     from hoist_demo.command_line.study import add_study
+    from hoist_demo.command_line.support import named, results_folder, treat_hangup_as_interrupt
     from hoist_demo.command_line.uncertain import add_uncertain
     from hoist_demo.command_line.wind import add_wind
-    from hoist_demo.files.catalogue import CONTROLLER, parameters, rope_parameters
+    from hoist_demo.files.parameter_registry import CONTROLLER, parameters, rope_parameters
     from hoist_demo.files.reading import read
     from hoist_demo.files.rope_file import RopeFile
     from hoist_demo.files.values import plain

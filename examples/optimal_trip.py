@@ -87,7 +87,7 @@ def fastest() -> Trajectory:
 
 def wound(trip: Trajectory) -> dict[str, float]:
     """Metrics of a trip in the co-simulation."""
-    rope = InProcessRope(rope_scene(RUN.fmu))
+    rope = InProcessRope(rope_scene(RUN.rope_values))
     result = Host(rope, HOIST, WINDING, RUN.coupling, GAINS, trajectory=trip).run()
     return measure(result, HOIST, RUN.arrival).metrics
 

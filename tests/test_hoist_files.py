@@ -182,7 +182,8 @@ def test_a_value_that_is_set_counts_as_if_it_stood_in_the_file_and_one_that_vari
     text = OWN.replace("shaft_travel = 870", "shaft_travel = 600")
     text = text.replace("number = 2\n", "number = 2\nmass_per_length = 20.0\n")
     there = build(str(written(tmp_path / "there.toml", text)), {})
-    assert (run.hoist, run.winding, run.gains, run.fmu) == (there.hoist, there.winding, there.gains, there.fmu)
+    fields = ("hoist", "winding", "gains", "rope_values")
+    assert [getattr(run, name) for name in fields] == [getattr(there, name) for name in fields]
     assert_allclose(run.hoist.rope_mass, 2.0 * 20.0)
     assert run.status_by_name["hoist.head_rope_mass"] == "derived"
     # a rope of the catalogue, with a tenth more of diameter
@@ -203,8 +204,8 @@ def test_files_that_a_file_names_are_beside_it(tmp_path: Path, monkeypatch: pyte
     both = 'swivels.mode = "free"\nright.swivel.mode = 0\n'
     text = f'[duty]\nhoist = "own.toml"\n[fixed]\nfrom = "rope.toml"\n{both}[[trip]]\nwinding.travel = 870.0\n'
     schedule = read_schedule(written(folder / "duty.toml", text))
-    assert (schedule.trip(1).hoist.shaft_travel, schedule.trip(1).fmu["rope.EI"]) == (870.0, 77.0)
-    assert [schedule.trip(1).fmu[f"{end}.swivel.mode"] for end in ("left", "right")] == [1, 0]
+    assert (schedule.trip(1).hoist.shaft_travel, schedule.trip(1).rope_values["rope.EI"]) == (870.0, 77.0)
+    assert [schedule.trip(1).rope_values[f"{end}.swivel.mode"] for end in ("left", "right")] == [1, 0]
 
 
 def test_a_rope_of_several_has_the_statuses_of_its_own_numbers(tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ from numpy.testing import assert_allclose
 
 from balance_rope import main
 from hoist_demo.command_line import results
-from hoist_demo.command_line.results import interruption, treat_hangup_as_interrupt
+from hoist_demo.command_line.support import interruption, treat_hangup_as_interrupt
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.cosimulation.participants.rope_data import RopeData
@@ -205,7 +205,7 @@ def winding() -> tuple[Recording, Recording]:
     """The 120 m rope wound by 90 m: what was recorded, and its table."""
     run = build("rope-120", {})
     read = {*exposures.STATION_SIGNALS, "left.fy", "right.fy", "loop.y"}
-    rope = InProcessRope(rope_scene(run.fmu, "draft"), read)
+    rope = InProcessRope(rope_scene(run.rope_values, "draft"), read)
     recording = Host(rope, run.hoist, run.winding, run.coupling, run.gains).run().recording
     found = exposures.exposure(recording, rope.data().parameters)
     return recording, found

@@ -27,8 +27,8 @@ from hoist_demo.calibration.definition import MeasurementFile
 from hoist_demo.calibration.page import write_rope_file
 from hoist_demo.drive_fmu.description import attachments
 from hoist_demo.duty.schedule import read_schedule
-from hoist_demo.files.catalogue import rope_parameters
 from hoist_demo.files.hoist_file import HoistFile
+from hoist_demo.files.parameter_registry import rope_parameters
 from hoist_demo.files.reading import FileError, read
 from hoist_demo.files.values import LONGEST_TEXT
 from hoist_demo.report.html import page
@@ -39,7 +39,7 @@ from hoist_demo.report.verdict import Verdict, VerdictRow
 from hoist_demo.study.definition import read_study
 from hoist_demo.study.provenance import SourcedValue, write_data
 from hoist_demo.study.store import Store
-from hoist_demo.uncertainty.definition import Uncertain
+from hoist_demo.uncertainty.definition import UncertaintyFile
 from rope_model import Datum
 from rope_model.numerics.kernels import find_compiler
 from rope_model.texts import REPLACEMENT, c_string, csv_cell, html_text, printable, toml_string, xml_text
@@ -222,7 +222,7 @@ READERS: dict[str, tuple[Callable[[Path], object], str]] = {
     "hoist source": (lambda path: read(path, HoistFile).case.source, 'name = "a"\nsource = {}\n[[rope]]\n'),
     "duty title": (
         lambda path: read_schedule(path).header.title, "[duty]\ntitle = {}\n[[trip]]\nwinding.travel = 10.0\n"),
-    "uncertain title": (lambda path: read(path, Uncertain).header.title, "[uncertain]\ntitle = {}\n" + MEASURED),
+    "uncertain title": (lambda path: read(path, UncertaintyFile).header.title, "[uncertain]\ntitle = {}\n" + MEASURED),
     "measured name": (
         lambda path: read(path, MeasurementFile).measurements[0].name, MEASURED + WIDTH + "name = {}\n"),
     "known source": (
@@ -250,7 +250,7 @@ FILES: dict[str, Callable[[Path], object]] = {
     "hoists": lambda path: read(path, HoistFile).case,
     "measurements": lambda path: read(path, MeasurementFile),
     "studies": lambda path: read_study(path, path.with_name("none.fmu")),
-    "uncertain": lambda path: read(path, Uncertain),
+    "uncertain": lambda path: read(path, UncertaintyFile),
 }
 MORE = {
     "hoists": "name = 'a'\n[[rope]]\nEI = { value = 300.0, unit = 'N.m2', status = 'assumed', source = 'b' }\n",

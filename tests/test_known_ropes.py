@@ -23,9 +23,9 @@ from hoist_demo.files.reading import FileError, read
 from hoist_demo.files.rope_file import FOLLOWING, RopeFile
 from hoist_demo.files.run_values import Values
 from hoist_demo.files.values import plain, statuses
-from hoist_demo.uncertainty.definition import Uncertain
+from hoist_demo.uncertainty.definition import UncertaintyFile
 from hoist_demo.uncertainty.page import too_few
-from hoist_demo.uncertainty.spread import Spread, draw, remarks_of, wind_once
+from hoist_demo.uncertainty.spread import UncertaintyResult, draw, remarks_of, wind_once
 from rope_model import BEARINGS, CONSTRUCTIONS, Rope, Scene, rope
 from rope_model.catalogue import PROPERTIES, SHEAR, STEEL_MODULUS, Datum, properties_of, rope_of
 from rope_model.physics import costello
@@ -232,30 +232,30 @@ TRIP = "[fixed]\nwinding.travel = 1.0\nwinding.settle = 1.0\n"
 
 
 def test_samples_fill_the_ranges_and_make_the_ropes(tmp_path: Path) -> None:
-    asked = read(written(tmp_path, SCENE), Uncertain)
+    asked = read(written(tmp_path, SCENE), UncertaintyFile)
     assert [*asked.data] == ["torque_factor", "bending_stiffness"]
     samples = draw(asked)
     shares = np.array([[asked.data[name].share(x) for name, x in values.items()] for values in samples])
     # eight points of a Sobol sequence: one in each eighth of each range
     assert_allclose(np.sort(np.floor(8 * shares), axis=0), np.arange(8)[:, None] + [0, 0])
     run = asked.run(samples[0])
-    rope = rope_scene(run.fmu).rope
+    rope = rope_scene(run.rope_values).rope
     assert_allclose(rope.Qc, samples[0]["torque_factor"] * 9e7 * 0.044)
     assert rope.length == run.hoist.tail_rope_length == 120.0
     assert rope.mass_per_length == run.hoist.tail_rope_mass == 7.7
 
 
 def test_the_datum_that_causes_a_result_has_its_share(tmp_path: Path) -> None:
-    asked = read(written(tmp_path, SCENE.replace("samples = 8", "samples = 256")), Uncertain)
+    asked = read(written(tmp_path, SCENE.replace("samples = 8", "samples = 256")), UncertaintyFile)
     samples = draw(asked)
     columns = {name: np.array([values[name] for values in samples]) for name in asked.data}
     u, v = (np.argsort(np.argsort(columns[name])) / 255 for name in asked.data)
     # of independent ranks the sum with weights 2 and 1 has variances of 4 and 1; a monotone function changes no rank
     columns |= {"left_swivel_torque": np.exp(2 * u + v), "rope_force_ripple": np.full(256, 3.0)}
-    causes = Spread(asked, columns).causes("left_swivel_torque")
+    causes = UncertaintyResult(asked, columns).causes("left_swivel_torque")
     assert_allclose([*causes.values()], [0.8, 0.2, 0.0], atol=0.03)
-    assert Spread(asked, columns).causes("rope_force_ripple") == {}
-    assert too_few(Spread(asked, columns)) == ""
+    assert UncertaintyResult(asked, columns).causes("rope_force_ripple") == {}
+    assert too_few(UncertaintyResult(asked, columns)) == ""
 
 
 def test_windings_over_the_ranges(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -271,7 +271,7 @@ def test_windings_over_the_ranges(tmp_path: Path, capsys: pytest.CaptureFixture[
 
 def test_a_rope_that_passed_through_itself_sets_no_range(tmp_path: Path) -> None:
     coupled = SCENE.replace("torsional_stiffness", "torque_factor = 0.12\ntorsional_stiffness")
-    asked = read(written(tmp_path, coupled + TRIP + "layout.spacing = 0.4\n"), Uncertain)
+    asked = read(written(tmp_path, coupled + TRIP + "layout.spacing = 0.4\n"), UncertaintyFile)
     values = {name: datum.middle for name, datum in asked.data.items()}
     found, (told,) = wind_once(asked, values)
     assert np.isnan([*found.values()]).all()
@@ -300,12 +300,12 @@ def test_a_remark_of_many_windings_has_the_range_of_its_numbers() -> None:
 )
 def test_what_is_wrong_with_ranges_is_told(tmp_path: Path, change: tuple[str, str], problem: str) -> None:
     with pytest.raises(FileError, match=problem):
-        read(written(tmp_path, SCENE.replace(*change)), Uncertain)
+        read(written(tmp_path, SCENE.replace(*change)), UncertaintyFile)
 
 
 @pytest.mark.parametrize("name", ["rope-120", "kiruna-355"])
 def test_the_worked_files_are_right(name: str) -> None:
-    asked = read(Path(__file__).parents[1] / "examples" / "uncertain" / f"{name}.toml", Uncertain)
+    asked = read(Path(__file__).parents[1] / "examples" / "uncertain" / f"{name}.toml", UncertaintyFile)
     assert len(asked.data) >= 4
 
 

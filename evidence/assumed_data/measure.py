@@ -20,7 +20,7 @@ from hoist_demo.calibration.fit import REACH, Array, fit, intervals, sensitiviti
 from hoist_demo.calibration.identify import OPEN, residuals_of, stacked
 from hoist_demo.files.reading import read
 from hoist_demo.study.metrics import UNITS
-from hoist_demo.uncertainty.definition import Uncertain
+from hoist_demo.uncertainty.definition import UncertaintyFile
 from hoist_demo.uncertainty.spread import run_windings
 
 #: what is measured, with sigma
@@ -72,8 +72,8 @@ def worked() -> Tables:
     """Wind SCENES with ropes from the catalogue's ranges: quantiles of the results, and their causes."""
     results, causes = [], []
     for scene in SCENES:
-        found = run_windings(read(EXAMPLES / "uncertain" / f"{scene}.toml", Uncertain), os.cpu_count() or 1)
-        for name in found.question.header.measures:
+        found = run_windings(read(EXAMPLES / "uncertain" / f"{scene}.toml", UncertaintyFile), os.cpu_count() or 1)
+        for name in found.file.header.measures:
             results.append((scene, name, UNITS[name], *found.quantiles(name)))
             causes += [(scene, name, key, share) for key, share in found.causes(name).items()]
     head = ("scene", "measure", "unit", "low", "middle", "high")

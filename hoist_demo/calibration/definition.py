@@ -8,10 +8,10 @@ from pydantic import AfterValidator, Field, model_validator
 from hoist_demo.calibration.measurements import CalibrationProblem, InShaft, MeasurementEntry, Signal
 from hoist_demo.calibration.tracks import Markers
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
-from hoist_demo.files.catalogue import group_table, rope_parameters
+from hoist_demo.files.parameter_registry import group_table, rope_parameters
 from hoist_demo.files.reading import EMPTY, Table, flat
 from hoist_demo.files.rope_file import FOLLOWING
-from hoist_demo.files.run_values import RopeQuestion
+from hoist_demo.files.run_values import RopeAnalysisFile
 from hoist_demo.files.values import ParameterValue, plain, statuses, value_type
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter
@@ -44,7 +44,7 @@ def _sought(parameter: Parameter) -> Any:
 _Sought = flat("Sought", {group: (group_table(group, _sought), None) for group in SOUGHT})
 
 
-class MeasurementFile(RopeQuestion):
+class MeasurementFile(RopeAnalysisFile):
     """Schema of a TOML file of measurements."""
 
     sought: Annotated[dict[str, ParameterValue], _Sought] = EMPTY

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hoist_demo.cases.table import find_case
-from hoist_demo.command_line.results import Commands, add_command, add_results, interruption, results_folder
+from hoist_demo.command_line.support import Commands, add_command, add_results, interruption, results_folder
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.exposure import STATION_SIGNALS, exposure, flatten, gather, together
@@ -72,7 +72,7 @@ def _duty(options: argparse.Namespace) -> int:
         print(f"{options.schedule}: {schedule.count} trips, nothing wrong")
         return 0
     read = READ.union(STATION_SIGNALS if options.exposure else ())
-    rope = InProcessRope(rope_scene(schedule.pattern[0].fmu, schedule.level), read)
+    rope = InProcessRope(rope_scene(schedule.pattern[0].rope_values, schedule.level), read)
     out = results_folder(options.out or Path("out") / "duty" / options.schedule.stem)
     with interruption() as interrupted:
         trips, last = _wind(schedule, rope, out / STATE, interrupted, options.exposure)

@@ -4,7 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from hoist_demo.command_line.results import Commands, add_command, add_results, results_folder
+from hoist_demo.command_line.support import Commands, add_command, add_results, results_folder
 from hoist_demo.report.rows import render
 
 _DESCRIPTION = """\

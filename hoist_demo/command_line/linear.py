@@ -7,7 +7,7 @@ from pathlib import Path
 
 from hoist_demo.cases.case import DEFAULT_HOIST, NAMED, Case
 from hoist_demo.cases.table import find_case
-from hoist_demo.command_line.results import Commands, RunCommand, add_command, named, results_folder
+from hoist_demo.command_line.support import Commands, RunCommand, add_command, named, results_folder
 
 _CHANNELS = ("torque_command",), ("rate", "pull_left", "pull_right")
 _HEIGHTS = (0.0, 0.25, 0.5, 0.75, 1.0)

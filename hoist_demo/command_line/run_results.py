@@ -78,7 +78,7 @@ class WoundRun:
 
     def _changed(self) -> TitledRows:
         own = build(self.run.case, {})
-        before = {**{one.name: one.value for one in host_provenance(own, {})}, **own.fmu}
+        before = {**{one.name: one.value for one in host_provenance(own, {})}, **own.rope_values}
         values = dict[str, Value]()
         for rope in self.ropes:
             values |= {f"{rope.prefix}{key}": value for key, value in rope.parameters.items()}

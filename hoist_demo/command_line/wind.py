@@ -11,8 +11,8 @@ from typing import Any
 from hoist_demo.cases.case import DEFAULT_HOIST, NAMED, SCENARIOS, Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.options import KERNELS, TRIP, add_data, add_trip, settings
-from hoist_demo.command_line.results import Commands, add_command, interruption, named, results_folder
 from hoist_demo.command_line.run_results import REPORT, WoundRun, missing_outputs, write_results
+from hoist_demo.command_line.support import Commands, add_command, interruption, named, results_folder
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.host import Host
@@ -22,7 +22,7 @@ from hoist_demo.cosimulation.progress import progress_bar, warnings_of
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES
-from hoist_demo.files.catalogue import parameters
+from hoist_demo.files.parameter_registry import parameters
 from hoist_demo.files.reading import read
 from hoist_demo.files.rope_file import RopeFile
 from hoist_demo.files.values import GIVEN
@@ -111,13 +111,13 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
     _choose_rope(options, default if options.hoist == DEFAULT_HOIST else None)
     own = settings(options.set, parameters(_parameters(options)))
     identified = read(options.rope, RopeFile).values() if options.rope else {}
-    chosen = {key: entry.value for key, entry in identified.items()} | own
-    values = _winding(options, case) | chosen
+    overrides = {key: entry.value for key, entry in identified.items()} | own
+    values = _winding(options, case) | overrides
     run = build_trip(options.hoist, values)
     for remark in case.remarks:
         _tell(remark)
     statuses = {key: entry.status for key, entry in identified.items()} | dict.fromkeys(own, GIVEN)
-    hung = _ropes(options, case, run, chosen)
+    hung = _ropes(options, case, run, overrides)
     if options.check:
         print(f"{options.hoist}: nothing wrong")
         return 0
@@ -226,11 +226,11 @@ def _parameters(options: argparse.Namespace) -> dict[str, Parameter] | None:
     return read_parameters(options.fmu)
 
 
-def _ropes(options: argparse.Namespace, case: Case, run: RunData, chosen: Mapping[str, Value]) -> Ropes:
+def _ropes(options: argparse.Namespace, case: Case, run: RunData, overrides: Mapping[str, Value]) -> Ropes:
     """Return the hoist's ropes, of which values are `chosen`; a chosen FMU is asked whether it takes its own."""
     kernels = {} if options.kernels == "auto" else {"solver.kernels": KERNELS.index(options.kernels)}
     if options.in_process:
-        return ropes_of(case, run, {**chosen, **kernels}, options.level or case.level)
+        return ropes_of(case, run, {**overrides, **kernels}, options.level or case.level)
     if options.level:
         raise ValueError(
             f"--level {options.level} is for --in-process; an FMU has the level of its export: "
@@ -238,11 +238,11 @@ def _ropes(options: argparse.Namespace, case: Case, run: RunData, chosen: Mappin
         )
     outputs = read_outputs(options.fmu)
     signals = match_signals(options.signals or case.signals, [*DRIVE_UNITS, *outputs])
-    if fmu_part(chosen):
+    if fmu_part(overrides):
         Probe(options.fmu).require_start(run)
     recorded = ({*outputs} - {*ADDED_MASSES}).union(signals)  # added masses are expensive
-    load = partial(FmuRope, options.fmu, {**kernels, **run.fmu}, recorded)
-    return Ropes(case, run, (OneRope("", run.fmu, case.level, case, fmu=load),))
+    load = partial(FmuRope, options.fmu, {**kernels, **run.rope_values}, recorded)
+    return Ropes(case, run, (OneRope("", run.rope_values, case.level, case, fmu=load),))
 
 
 def _run(host: Host, save_to: Path | None, resume: Checkpoint | None) -> Result:

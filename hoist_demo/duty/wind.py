@@ -46,14 +46,14 @@ def wind_duty(
     drives = [run.design() for run in schedule.pattern]
     for number in range(done + 1, schedule.count + 1):
         run = schedule.trip(number)
-        chosen = drives[(number - 1) % len(drives)]
+        design = drives[(number - 1) % len(drives)]
         host = Host(
             rope,
             run.hoist,
             run.winding,
             run.coupling,
-            chosen.gains,
-            trajectory=chosen.trajectory,
+            design.gains,
+            trajectory=design.trajectory,
             after=after,
             next_hoist=schedule.trip(number + 1).hoist,
         )

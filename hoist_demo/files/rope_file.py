@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 
-from hoist_demo.files.catalogue import group_table, rope_parameters
+from hoist_demo.files.parameter_registry import group_table, rope_parameters
 from hoist_demo.files.reading import EMPTY, File, Table, beside, contents, flat, opened_by, read
 from hoist_demo.files.values import GIVEN, ParameterValue, ParameterValues, Text, plain, read_text, value_type
 from hoist_demo.parameters.problems import Problems

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from hoist_demo.cases.case import Case
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.design.statics import at_rest, holds, pulls
-from hoist_demo.files.catalogue import rope_parameters
+from hoist_demo.files.parameter_registry import rope_parameters
 from hoist_demo.files.values import GIVEN, STATUSES, ParameterValue
 from hoist_demo.files.writing import hoist_text
 from hoist_demo.parameters import SIDES
@@ -64,7 +64,7 @@ _SPACING = "layout.spacing"
 def _spacing(rope: RopeData, run: RunData) -> float:
     """Return the spacing of the conveyances' centres [m]: a rope's own, less what its place adds."""
     own, offset = float(rope.parameters[_SPACING]), rope.suspension
-    set_spacing = float(run.fmu.get(_SPACING, rope_parameters()[_SPACING].start))
+    set_spacing = float(run.rope_values.get(_SPACING, rope_parameters()[_SPACING].start))
     return set_spacing if set_spacing + offset.x_right - offset.x_left == own else own - offset.x_right + offset.x_left
 
 

@@ -14,7 +14,7 @@ from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, r
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.participants.rope_group import CONTACT_ENERGIES, SUMS, Member, RopeGroup, WholeRope
 from hoist_demo.cosimulation.schemes.interface import ENDS, RopePlant
-from hoist_demo.files.catalogue import rope_parameters
+from hoist_demo.files.parameter_registry import rope_parameters
 from hoist_demo.files.values import DERIVED, ParameterValue
 from hoist_demo.parameters import Hoist, hoist_with
 from hoist_demo.parameters.problems import Problems
@@ -118,11 +118,11 @@ class Ropes:
         ]
 
 
-def ropes_of(case: Case, run: RunData, chosen: Mapping[str, Value], level: Level) -> Ropes:
+def ropes_of(case: Case, run: RunData, overrides: Mapping[str, Value], level: Level) -> Ropes:
     """Return the ropes of a hoist with `chosen` values set beside its file; a ValueError lists all problems."""
     if not case.distinct_ropes:
-        return Ropes(case, run, (OneRope("", {**run.fmu, **fmu_part(chosen)}, level, case),))
-    values = [*run.fmu.items(), *(item for rope in case.distinct_ropes for item in rope.parameters.items())]
+        return Ropes(case, run, (OneRope("", {**run.rope_values, **fmu_part(overrides)}, level, case),))
+    values = [*run.rope_values.items(), *(item for rope in case.distinct_ropes for item in rope.parameters.items())]
     defaults = rope_parameters()
     ropes = []
     with Problems() as problems:
@@ -133,7 +133,7 @@ def ropes_of(case: Case, run: RunData, chosen: Mapping[str, Value], level: Level
                 taken = f"signals of the rope begin with it, and {', '.join(_TAKEN)} are taken"
                 problems.append(f"rope name = {rope.name!r} must be another: {taken}")
             with problems.at(f"rope {rope.name}"):
-                ropes.append(_rope(rope, {**rope.parameters, **fmu_part(chosen)}, level, case))
+                ropes.append(_rope(rope, {**rope.parameters, **fmu_part(overrides)}, level, case))
     group = Ropes(case, run, tuple(ropes))
     if group.touching:
         _require_apart(ropes)

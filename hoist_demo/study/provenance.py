@@ -14,7 +14,7 @@ from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.fmu_description import read_parameters
 from hoist_demo.cosimulation.participants.rope_data import RopeData
-from hoist_demo.files.catalogue import CONTROLLER, host_parameters, rope_parameters
+from hoist_demo.files.parameter_registry import CONTROLLER, host_parameters, rope_parameters
 from hoist_demo.files.values import DERIVED, GIVEN, VARIED
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.definition import Study
@@ -60,7 +60,7 @@ def study_provenance(study: Study) -> list[SourcedValue]:
     """Return the provenance of all data of a study; what differs between runs has no value."""
     run, status = study.samples[0].data, study.status_by_name
     parameters = read_parameters(study.fmu)
-    values = {**{name: p.start for name, p in parameters.items()}, **run.fmu}
+    values = {**{name: p.start for name, p in parameters.items()}, **run.rope_values}
     rope = RopeData({}, values, {name: p.unit for name, p in parameters.items()})
     sourced = [*host_provenance(run, status), *rope_provenance(find_case(study.hoist), rope, status)]
     return [one._replace(value=VARIED) if one.status == VARIED else one for one in sourced]

@@ -23,7 +23,7 @@ from hoist_demo.cosimulation.progress import warnings_of
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.design.controllers import Task
-from hoist_demo.files.catalogue import CONTROLLER, data_of, host_parameters
+from hoist_demo.files.parameter_registry import CONTROLLER, data_of, host_parameters
 from hoist_demo.files.values import GIVEN, ParameterValue, plain
 from hoist_demo.parameters import GRAVITY, Arrival, Coupling, Hoist, start_heights
 from hoist_demo.parameters.problems import Problems
@@ -45,7 +45,7 @@ CONTROLLER_OF = {"shaper": "input-shaping", "trajectory": "optimised-trajectory"
 #: Data of the winding that is not part of the key of runs without creep.
 _CREEP = ("creep_speed", "creep_distance", "departure_creep_distance")
 
-_RECORD_KEYS = {"status_by_name": "given"}  #: Keys of fields in records, where they differ.
+_RECORD_KEYS = {"rope_values": "fmu", "status_by_name": "given"}  #: Keys of fields in records, where they differ.
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class RunData(Task):
     case: str  # the hoist, by name or file
     coupling: Coupling
     arrival: Arrival
-    fmu: Mapping[str, Value]  # parameters of the case's rope, and those that the study sets
+    rope_values: Mapping[str, Value]  # parameters of the case's rope, and those that the study sets
     signals: tuple[str, ...] = ()  # time series to keep
     status_by_name: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)  # statuses by name
 
@@ -65,7 +65,7 @@ class RunData(Task):
 
     def key(self, fmu_hash: str) -> str:
         """Return the name of the run, 24 hexadecimal digits."""
-        data = self.record() | {"fmu": dict(sorted(self.fmu.items())), "version": _VERSION}
+        data = self.record() | {"fmu": dict(sorted(self.rope_values.items())), "version": _VERSION}
         del data["case"], data["given"]  # all that its file says is in the rest
         for tuning, controller in CONTROLLER_OF.items():
             if self.controller != controller:
@@ -111,7 +111,7 @@ def build(
     run = RunData(
         case=case,
         controller=str(host.get(CONTROLLER.name, CONTROLLER.start)),
-        fmu={**hoist_case.rope, **fmu_part(differing)},
+        rope_values={**hoist_case.rope, **fmu_part(differing)},
         signals=signals,
         status_by_name={**hoist_case.status_by_name, **varied_statuses},
         **data_of(host),
@@ -120,7 +120,7 @@ def build(
     if run.controller == "input-shaping" and run.shaper.frequency == 0.0:
         from hoist_demo.design.reduction import swing_at_landing  # scipy is slow to load
 
-        wound = replace(hoist_case, rope=run.fmu, hoist=run.hoist, winding=run.winding, gains=run.gains)
+        wound = replace(hoist_case, rope=run.rope_values, hoist=run.hoist, winding=run.winding, gains=run.gains)
         frequency, damping = swing_at_landing(wound)
         run = replace(run, shaper=replace(run.shaper, frequency=frequency, damping=damping))
     require_trip_fits(run.hoist, run.winding)
@@ -154,7 +154,7 @@ def execute(run: RunData, fmu: Path) -> Outcome:
 
 def _outcome(run: RunData, fmu: Path) -> Outcome:
     try:
-        rope = FmuRope(fmu, run.fmu, ROPE_SIGNALS.union(run.signals))
+        rope = FmuRope(fmu, run.rope_values, ROPE_SIGNALS.union(run.signals))
         try:
             result = wind_run(run, rope)
             data = rope.data()
@@ -181,8 +181,8 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
 
 def wind_run(run: RunData, rope: RopePlant, progress: Progress | None = None) -> Result:
     """Return the co-simulation of a run with any rope; `progress` as of `Host.run`."""
-    chosen = run.design()
-    host = Host(rope, run.hoist, run.winding, run.coupling, chosen.gains, trajectory=chosen.trajectory)
+    design = run.design()
+    host = Host(rope, run.hoist, run.winding, run.coupling, design.gains, trajectory=design.trajectory)
     return host.run(progress)
 
 
@@ -215,15 +215,15 @@ class Probe:
     def require_start(self, run: RunData) -> None:
         """Refuse a rope that does not start with the run's parameters, by the key if one alone is to blame."""
         heights = start_heights(run.hoist, run.winding)
-        together = self._ask(run.fmu, heights)
+        together = self._ask(run.rope_values, heights)
         if not together:
             return
         own = find_case(run.case).rope
-        set_here = {key: value for key, value in run.fmu.items() if own.get(key) != value}
+        set_here = {key: value for key, value in run.rope_values.items() if own.get(key) != value}
         alone = {key: self._ask({**own, key: value}, heights) for key, value in set_here.items()}
-        blamed = [f"{key} = {run.fmu[key]!r}: {answer}" for key, answer in alone.items() if answer]
-        chosen = ", ".join(f"{key} = {value!r}" for key, value in set_here.items()) or "the FMU's own parameters"
-        Problems(blamed or [f"{chosen}: {together}"]).refuse()
+        blamed = [f"{key} = {run.rope_values[key]!r}: {answer}" for key, answer in alone.items() if answer]
+        differing = ", ".join(f"{key} = {value!r}" for key, value in set_here.items()) or "the FMU's own parameters"
+        Problems(blamed or [f"{differing}: {together}"]).refuse()
 
     def _ask(self, parameters: Mapping[str, Value], heights: tuple[float, float]) -> str:
         question = json.dumps([dict(parameters), heights], sort_keys=True)

@@ -10,7 +10,7 @@ from pydantic import Field, field_validator, model_validator
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data_of, rope_scene
 from hoist_demo.files.rope_file import FOLLOWING, following_statuses
-from hoist_demo.files.run_values import LevelHeader, RopeQuestion, RunFile
+from hoist_demo.files.run_values import LevelHeader, RopeAnalysisFile, RunFile
 from hoist_demo.files.values import DERIVED, GIVEN, VARIED, ParameterValue, statuses
 from hoist_demo.parameters import SIDES
 from hoist_demo.parameters.quantity import Value
@@ -38,7 +38,7 @@ class UncertaintyHeader(LevelHeader):
         return samples
 
 
-class Uncertain(RopeQuestion, RunFile):
+class UncertaintyFile(RopeAnalysisFile, RunFile):
     """Schema of a TOML file that asks how uncertain a winding is."""
 
     header: UncertaintyHeader = Field({}, alias="uncertain", validate_default=True)
@@ -73,7 +73,7 @@ class Uncertain(RopeQuestion, RunFile):
             status |= dict.fromkeys(("rope.length", "hoist.tail_rope_length"), GIVEN)
         if self.header.bearing:
             status |= {f"{side}.swivel.{name}": VARIED for side in SIDES for name in ("mu_kinetic", "mu_static")}
-        rope = rope_data_of(rope_scene(run.fmu, self.level))
+        rope = rope_data_of(rope_scene(run.rope_values, self.level))
         return [*host_provenance(run, status), *rope_provenance(find_case(self.header.hoist), rope, status)]
 
     def run(self, values: Mapping[str, float]) -> RunData:
