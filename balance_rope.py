@@ -29,8 +29,8 @@ try:  # Ctrl-C during the slow imports must not print a traceback
     from hoist_demo.command_line.support import named, results_folder, treat_hangup_as_interrupt
     from hoist_demo.command_line.uncertain import add_uncertain
     from hoist_demo.command_line.wind import add_wind
-    from hoist_demo.files.parameter_registry import CONTROLLER, parameters, rope_parameters
     from hoist_demo.files.reading import read
+    from hoist_demo.files.registry import CONTROLLER, parameters, rope_parameters
     from hoist_demo.files.rope_file import RopeFile
     from hoist_demo.files.values import plain
     from hoist_export import WITHOUT, export_hoist, export_rope

@@ -28,7 +28,7 @@ from evidence.stability.page import page as stability_page
 from evidence.tables import Tables, read
 from evidence.validation.page import page as validation_page
 from hoist_demo.cases.rules import LENGTH, RULES
-from hoist_demo.files.parameter_registry import host_parameters
+from hoist_demo.files.registry import host_parameters
 from hoist_demo.parameters.quantity import UNBOUNDED
 from hoist_demo.study.metrics import METRICS
 

@@ -99,11 +99,8 @@ def model_description(described: Mapping[int, Variable], build: Build) -> Elemen
     ]
     indices = {v.name: index for index, v in enumerate(variables, start=1)}
     outputs = {v.name: indices[v.name] for v in variables if v.causality == "output"}
-    at_start = (
-        node("Unknown", dependencies=_dependencies(build, name, indices), index=index)
-        for name, index in outputs.items()
-    )
-    later = (node("Unknown", dependencies=_dependencies_later(name), index=index) for name, index in outputs.items())
+    at_start = (node("Unknown", dependencies=_dependencies(build, x, indices), index=k) for x, k in outputs.items())
+    later = (node("Unknown", dependencies=_dependencies_later(x), index=k) for x, k in outputs.items())
     structure = [node("Outputs", *later), node("InitialUnknowns", *at_start)]
     return _document(build, {"fmiVersion": "2.0", "guid": build.token}, interface, units, types, listed, structure)
 
@@ -137,9 +134,7 @@ def model_description3(gathered: Sequence[Array], time: int, build: Build) -> El
     listed += map(_variable3, gathered)
     numbers = {array.name: array.reference for array in gathered}
     outputs = {array.name: array.reference for array in gathered if array.variable.causality == "output"}
-    structure = [
-        node("Output", valueReference=number, dependencies=_dependencies_later(x)) for x, number in outputs.items()
-    ]
+    structure = [node("Output", valueReference=k, dependencies=_dependencies_later(x)) for x, k in outputs.items()]
     structure += [
         node("InitialUnknown", dependencies=_dependencies(build, name, numbers), valueReference=number)
         for name, number in outputs.items()
@@ -153,10 +148,8 @@ def build_description(build: Build, fmi: int) -> Element:
     files = [node("SourceFile", name=name) for name in build.sources]
     if fmi == 3:  # the binary's functions have no prefix; those of FMI 2.0 have none anyway
         files.append(node("PreprocessorDefinition", name="FMI3_OVERRIDE_FUNCTION_PREFIX", value=1))
-    configuration = node(
-        "BuildConfiguration", node("SourceFileSet", *files, language="C99"), modelIdentifier=build.name
-    )
-    return node("fmiBuildDescription", configuration, fmiVersion="3.0")
+    config = node("BuildConfiguration", node("SourceFileSet", *files, language="C99"), modelIdentifier=build.name)
+    return node("fmiBuildDescription", config, fmiVersion="3.0")
 
 
 def _document(

@@ -19,7 +19,7 @@ from hoist_demo.command_line.options import settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data_of, rope_scene
-from hoist_demo.files.parameter_registry import parameters
+from hoist_demo.files.registry import parameters
 from hoist_demo.files.run_values import Values
 from hoist_demo.files.values import statuses as file_statuses
 from hoist_demo.parameters import Hoist, Winding

@@ -254,7 +254,7 @@ def test_the_complete_file_has_every_value_of_the_hoist_and_leads_back_to_it(fil
     first, second = ([(each.name, each.scene, each.suspension, each.breaks) for each in some] for some in ropes)
     assert first == second
     # the drive of several ropes takes their sum from these
-    same = {"case": "", "fmu": {}} | ({"hoist": None} if cases[0].distinct_ropes else {})
+    same = {"case": "", "rope_values": {}} | ({"hoist": None} if cases[0].distinct_ropes else {})
     assert replace(one, **same) == replace(again, **same)
     tables = tomllib.loads(text)
     for parameter in named_parameters(ropes[0][0].scene):

@@ -17,7 +17,7 @@ from exports import FLAVOURS
 from numpy.testing import assert_allclose
 
 from balance_rope import main
-from hoist_demo.command_line import results
+from hoist_demo.command_line import support
 from hoist_demo.command_line.support import interruption, treat_hangup_as_interrupt
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
@@ -131,7 +131,7 @@ def test_an_interrupt_and_a_closed_terminal_let_the_writing_finish(
     name: str, capsys: Capture, monkeypatch: Patch
 ) -> None:
     before = signal.getsignal(signal.SIGINT)
-    monkeypatch.setattr(results, "silence", lambda: None)
+    monkeypatch.setattr(support, "silence", lambda: None)
     treat_hangup_as_interrupt()
     with interruption("writing") as interrupted:
         os.kill(os.getpid(), getattr(signal, name))

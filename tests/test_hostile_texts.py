@@ -28,8 +28,8 @@ from hoist_demo.calibration.page import write_rope_file
 from hoist_demo.drive_fmu.description import attachments
 from hoist_demo.duty.schedule import read_schedule
 from hoist_demo.files.hoist_file import HoistFile
-from hoist_demo.files.parameter_registry import rope_parameters
 from hoist_demo.files.reading import FileError, read
+from hoist_demo.files.registry import rope_parameters
 from hoist_demo.files.values import LONGEST_TEXT
 from hoist_demo.report.html import page
 from hoist_demo.report.html.study import study_report

@@ -32,9 +32,8 @@ def c_table(table: Sequence[Variable], fmi: int) -> str:
     ]
     if fmi == 3:
         rows.append('{"time", NULL, 0, 1, 0, KIND_REAL, CAUSALITY_INDEPENDENT, VARIABILITY_CONTINUOUS, FROM_TIME}')
-    return "\n".join(
-        [_HEAD, f"const size_t MODEL_SCALARS = {len(rows)};", _array("const Variable MODEL_VARIABLES[]", rows)]
-    )
+    scalars = f"const size_t MODEL_SCALARS = {len(rows)};"
+    return "\n".join([_HEAD, scalars, _array("const Variable MODEL_VARIABLES[]", rows)])
 
 
 def lengths(table: Sequence[Variable], fmi: int) -> list[int]:

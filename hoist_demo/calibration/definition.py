@@ -8,8 +8,8 @@ from pydantic import AfterValidator, Field, model_validator
 from hoist_demo.calibration.measurements import CalibrationProblem, InShaft, MeasurementEntry, Signal
 from hoist_demo.calibration.tracks import Markers
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
-from hoist_demo.files.parameter_registry import group_table, rope_parameters
 from hoist_demo.files.reading import EMPTY, Table, flat
+from hoist_demo.files.registry import group_table, rope_parameters
 from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.files.run_values import RopeAnalysisFile
 from hoist_demo.files.values import ParameterValue, plain, statuses, value_type

@@ -28,6 +28,7 @@ from hoist_demo.files.reading import Table
 from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.files.values import Text
 from hoist_demo.parameters import Winding
+from rope_model import SIGNALS, Datum, EndMotion, Scene
 from rope_model.catalogue import properties_of
 from rope_model.physics.estimates import natural_width
 from rope_model.scene_names import with_values
@@ -43,7 +44,7 @@ MODES = 14  #: Modes among which those of one plane are looked for.
 class RopePredictor:
     """One rope under measurement; each position in the shaft is computed once."""
 
-    def __init__(self, scene: rope_model.Scene) -> None:
+    def __init__(self, scene: Scene) -> None:
         self.scene = scene.with_(model=rope_model.Model("torsional"))
         self._at_rest: dict[tuple[float, float], rope_model.BalanceRope] = {}
 
@@ -56,9 +57,7 @@ class RopePredictor:
         """Return an output at rest with the ends at these heights [m]."""
         if (left, right) not in self._at_rest:
             rope = rope_model.balance_rope(self.scene)
-            _require_rest(
-                rope.initialize(0.0, rope_model.EndMotion(y=left), rope_model.EndMotion(y=right)), left, right
-            )
+            _require_rest(rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right)), left, right)
             self._at_rest[left, right] = rope
         return self._at_rest[left, right].signals([name])[name]
 
@@ -74,10 +73,10 @@ class RopePredictor:
         motion = s_curve(winding)
         rope = rope_model.balance_rope(self.scene)
 
-        def ends(t: float) -> tuple[rope_model.EndMotion, rope_model.EndMotion]:
+        def ends(t: float) -> tuple[EndMotion, EndMotion]:
             p = motion.at(t)
-            rising = rope_model.EndMotion(y=left + p.position, vy=p.speed, ay=p.acceleration)
-            return rising, rope_model.EndMotion(y=right - p.position, vy=-p.speed, ay=-p.acceleration)
+            rising = EndMotion(y=left + p.position, vy=p.speed, ay=p.acceleration)
+            return rising, EndMotion(y=right - p.position, vy=-p.speed, ay=-p.acceleration)
 
         _require_rest(rope.initialize(0.0, *ends(0.0)), left, right)
         read = rope.reader((name,))
@@ -110,7 +109,7 @@ class RopePredictor:
         """Return the frequencies of the lowest modes in or out of plane [Hz]."""
         # the mesh differs from rope to rope, and to compile for each takes longer than to interpret
         rope = rope_model.RopeSimulator(self.scene.with_(solver=replace(self.scene.solver, kernels="portable")))
-        _require_rest(rope.initialize(0.0, rope_model.EndMotion(y=left), rope_model.EndMotion(y=right)), left, right)
+        _require_rest(rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right)), left, right)
         modes = natural_modes(rope.system, rope.state.motion.q, MODES)
         return np.asarray(modes.frequencies[(modes.out_of_plane > 0.5) == (plane == "out of plane")])
 
@@ -127,7 +126,7 @@ Series = Annotated[
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Magnitude = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 Time = Annotated[float, Field(ge=0.0, le=LONGEST)]
-Signal: Any = Literal[tuple(rope_model.SIGNALS)]  #: Name of an output, docs/reference/variables.md.
+Signal: Any = Literal[tuple(SIGNALS)]  #: Name of an output, docs/reference/variables.md.
 
 
 class RopeMeasurement(Table):
@@ -147,7 +146,7 @@ class RopeMeasurement(Table):
     @property
     def unit(self) -> str:
         """Unit of the values, as FMI spells it."""
-        return self.UNIT or str(rope_model.SIGNALS[getattr(self, "signal")].unit)  # noqa: B009 (not of all kinds)
+        return self.UNIT or str(SIGNALS[getattr(self, "signal")].unit)  # noqa: B009 (not of all kinds)
 
     def predict(self, predictor: RopePredictor) -> Sequence[float]:
         """Return the model's prediction of each value, in `unit`."""
@@ -338,11 +337,11 @@ class CalibrationProblem:
     """Rope under identification: its ranges of the catalogue, and the scene in which it hangs."""
 
     catalogue_rope: rope_model.KnownRope
-    scene: rope_model.Scene
-    sought: Mapping[str, rope_model.Datum] = field(default_factory=dict)  # ranges of parameters beside the properties
+    scene: Scene
+    sought: Mapping[str, Datum] = field(default_factory=dict)  # ranges of parameters beside the properties
 
     @property
-    def data(self) -> dict[str, rope_model.Datum]:
+    def data(self) -> dict[str, Datum]:
         """Data of the properties and of the other parameters sought."""
         return {**self.catalogue_rope.data, **self.sought}
 
@@ -362,7 +361,7 @@ class CalibrationProblem:
         made = self.catalogue_rope.rope(**values)
         return replace(self.scene.rope, **{name: getattr(made, name) for name in FOLLOWING})
 
-    def scene_at(self, norm_params: Array) -> rope_model.Scene:
+    def scene_at(self, norm_params: Array) -> Scene:
         """Return the scene with the rope at these shares of the ranges."""
         values = {name: self.value(name, norm_params) for name in self.sought}
         return with_values(self.scene.with_(rope=self.rope(norm_params)), values)

@@ -133,9 +133,8 @@ class Markers(Table):
     @property
     def lengths(self) -> dict[str, float]:
         """Lengths (m) that are at most the rope's, by what they are."""
-        return {f"places.{k}": s for k, s in self.places.items()} | {
-            f"{self.file}: largest distance of the ends": self.apart
-        }
+        lengths = {f"places.{k}": s for k, s in self.places.items()}
+        return lengths | {f"{self.file}: largest distance of the ends": self.apart}
 
     def motions(self, start: Array) -> list[tuple[EndMotion, EndMotion]]:
         """Motions of the ends at each time, from poses ``start`` (steps, 2, 3) off the first places of the file, m."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from hoist_demo.cases.case import BalanceRopeData, Case
-from hoist_demo.files.parameter_registry import data_of, host_parameters, rope_parameters
+from hoist_demo.files.registry import data_of, host_parameters, rope_parameters
 from hoist_demo.files.rope_file import OF_CATALOGUE
 from hoist_demo.files.values import DERIVED, ParameterValue, plain
 from hoist_demo.parameters import GRAVITY, Hoist, Winding, hoist_with, require_trip_fits

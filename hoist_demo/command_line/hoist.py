@@ -13,7 +13,7 @@ from hoist_demo.command_line.options import SET, settings
 from hoist_demo.command_line.support import Commands, add_command
 from hoist_demo.files.hoist_file import schema
 from hoist_demo.files.new import WISHES, new_hoist
-from hoist_demo.files.parameter_registry import parameters, rope_parameters
+from hoist_demo.files.registry import parameters, rope_parameters
 from hoist_demo.files.rope_file import OF_CATALOGUE
 from hoist_demo.files.values import read_value
 

@@ -16,11 +16,7 @@ _REFERENCE = ("position", "speed", "acceleration", "jerk")
 DRIVE_UNITS = {
     TIME: "s",
     **dict(zip((f"reference.{name}" for name in _REFERENCE), ("m", "m/s", "m/s2", "m/s3"), strict=True)),
-    **{
-        f"conveyance.{side}.{name}": unit
-        for side in SIDES
-        for name, unit in (("y", "m"), ("vy", "m/s"), ("ay", "m/s2"))
-    },
+    **{f"conveyance.{side}.{n}": unit for side in SIDES for n, unit in (("y", "m"), ("vy", "m/s"), ("ay", "m/s2"))},
     "drive.angle": "rad",
     "drive.rate": "rad/s",
     "drive.torque_command": "N.m",
@@ -45,10 +41,7 @@ _MOTION = {"y": "y", "v": "vy", "a": "ay"}
 _SHOWN_AS = {
     **{f"{name}_{side}": f"conveyance.{side}.{spelt}" for side in SIDES for name, spelt in _MOTION.items()},
     **{f"{name}_{side}": f"drive.{name}_{side}" for side in SIDES for name in ("tension", "pull", "slack", "jam")},
-    **{
-        name: f"drive.{name}"
-        for name in ("angle", "rate", "torque", "brake_torque", "energy_kinetic", "energy_potential")
-    },
+    **{n: f"drive.{n}" for n in ("angle", "rate", "torque", "brake_torque", "energy_kinetic", "energy_potential")},
 }
 _BESIDE = "beside."  #: Before the names of what a row has beside them.
 #: What `drive_row` gives, by name.

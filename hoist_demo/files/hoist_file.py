@@ -16,14 +16,8 @@ from pydantic.json_schema import GenerateJsonSchema
 
 from hoist_demo.cases.case import FOLDER, NAMED, BalanceRopeData, Case
 from hoist_demo.cases.rules import completed
-from hoist_demo.files.parameter_registry import (
-    at_both_ends,
-    host_parameters,
-    rope_parameters,
-    run_fields,
-    swivel_parameters,
-)
 from hoist_demo.files.reading import File, Flat, beside, contents, opened_by, read, table_of
+from hoist_demo.files.registry import at_both_ends, host_parameters, rope_parameters, run_fields, swivel_parameters
 from hoist_demo.files.rope_file import RopeValues
 from hoist_demo.files.values import GIVEN, ParameterValue, ParameterValues, Status, Text, read_text, stated, value_type
 from hoist_demo.parameters import SIDES

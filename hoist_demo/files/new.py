@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping
 
 from hoist_demo.cases.rules import HEAD_ROPE_STIFFNESS, TAIL_SPARE
-from hoist_demo.files.values import DERIVED, GIVEN, ParameterValue
+from hoist_demo.files.values import DERIVED, ParameterValue
 from hoist_demo.files.writing import hoist_text
 from hoist_demo.parameters import GRAVITY
 from hoist_demo.parameters.quantity import Bounds, Parameter, Value
@@ -38,9 +38,8 @@ WISHES = (
 
 def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
     """Return the text of a file by values of WISHES; ValueError where the rope is not in the catalogue."""
-    inputs = {
-        p.name: ParameterValue(chosen.get(p.name, p.start), GIVEN if p.name in chosen else "assumed") for p in WISHES
-    }
+    inputs = {p.name: ParameterValue(p.start, "assumed") for p in WISHES}
+    inputs |= {wish: ParameterValue(value) for wish, value in chosen.items()}
     wish = {key: float(entry.value) for key, entry in inputs.items() if not isinstance(entry.value, str)}
     kind, payload, depth = str(inputs["rope"].value), wish["payload"], wish["depth"]
     mass = catalogue_rope(kind, wish["diameter"]).middle.mass_per_length

@@ -9,11 +9,11 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 
-from hoist_demo.files.parameter_registry import group_table, rope_parameters
 from hoist_demo.files.reading import EMPTY, File, Table, beside, contents, flat, opened_by, read
+from hoist_demo.files.registry import group_table, rope_parameters
 from hoist_demo.files.values import GIVEN, ParameterValue, ParameterValues, Text, plain, read_text, value_type
 from hoist_demo.parameters.problems import Problems
-from hoist_demo.parameters.quantity import NON_NEGATIVE, POSITIVE, Parameter
+from hoist_demo.parameters.quantity import NONNEGATIVE, POSITIVE, Parameter
 from rope_model import Datum, KnownRope, rope
 from rope_model.catalogue import PROPERTIES, Lay
 from rope_model.texts import printable
@@ -51,7 +51,7 @@ class CatalogueQuery(Table):
     lay: Lay = "right-hand"
 
 
-_BOUNDS = dict.fromkeys(PROPERTIES, POSITIVE) | {"torque_factor": NON_NEGATIVE}
+_BOUNDS = dict.fromkeys(PROPERTIES, POSITIVE) | {"torque_factor": NONNEGATIVE}
 _KNOWN = [Parameter(name, p.unit, "Real", bounds=_BOUNDS[name], meaning=name) for name, p in PROPERTIES.items()]
 Properties = Annotated[ParameterValues, flat("Properties", {p.name: (value_type(p), None) for p in _KNOWN})]
 

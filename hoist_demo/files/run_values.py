@@ -6,8 +6,8 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from hoist_demo.cases.case import NAMED
 from hoist_demo.cases.table import find_case
-from hoist_demo.files.parameter_registry import SWIVELS, at_both_ends, group_table, run_fields
 from hoist_demo.files.reading import EMPTY, File, Table, beside, contents, flat, opened_by
+from hoist_demo.files.registry import SWIVELS, at_both_ends, group_table, run_fields
 from hoist_demo.files.rope_file import FOLLOWING, KnownFile, RopeValues
 from hoist_demo.files.values import ParameterValue, Text, stated, value_type
 from hoist_demo.parameters.problems import Problems

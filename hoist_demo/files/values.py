@@ -57,9 +57,6 @@ class ParameterValue:
     follows: bool = False  # whether a rule derived it from stated values
 
 
-ParameterValues = dict[str, ParameterValue]
-
-
 def plain(values: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values without status and source, by name."""
     return {key: entry.value if isinstance(entry, ParameterValue) else entry for key, entry in values.items()}
@@ -95,9 +92,7 @@ def value_type(parameter: Parameter) -> Any:
 
 
 def _parameter_value(parameter: Parameter, table: ValueTable) -> ParameterValue:
-    low, high = (
-        None if end is None else float(read_value(parameter, end, table.unit)) for end in (table.low, table.high)
-    )
+    low, high = (None if x is None else float(read_value(parameter, x, table.unit)) for x in (table.low, table.high))
     if low is not None and high is not None and low > high:
         raise ValueError(f"{parameter.name}: low = {low:g} must be at most high = {high:g}: exchange them")
     middle = None if low is None or high is None else 0.5 * (low + high)
@@ -163,6 +158,7 @@ def value_schema(parameter: Parameter) -> dict[str, Any]:
     return {"anyOf": [*alone, table], "description": parameter.help_text}
 
 
+ParameterValues = dict[str, ParameterValue]
 _table_schema = cache(ValueTable.model_json_schema)
 
 

@@ -7,7 +7,7 @@ Masses "referred to the rope" are J / R^2 with the sheave's radius R.
 import math
 from dataclasses import dataclass
 
-from hoist_demo.parameters.quantity import FRACTION, NON_NEGATIVE, ValidatedData, parameter
+from hoist_demo.parameters.quantity import FRACTION, NONNEGATIVE, ValidatedData, parameter
 
 
 def require(value: float, holds: bool, name: str, bound: str, cure: str) -> None:
@@ -24,7 +24,7 @@ class DriveShaft(ValidatedData, of="drive_shaft."):
         3.0e3, "kg", "of the motor's rotor referred to the rope, a part of the hoist's sheave_mass"
     )
     stiffness: float = parameter(2.0e8, "N m/rad")
-    damping: float = parameter(0.02, "-", "damping ratio of motor against sheave", NON_NEGATIVE)
+    damping: float = parameter(0.02, "-", "damping ratio of motor against sheave", NONNEGATIVE)
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Brake(ValidatedData, of="brake."):
     """
 
     torque: float = parameter(5.5e5, "N m", "full braking torque, of both directions of rotation")
-    delay: float = parameter(0.15, "s", "from the trip to the first torque", NON_NEGATIVE)
+    delay: float = parameter(0.15, "s", "from the trip to the first torque", NONNEGATIVE)
     lag: float = parameter(0.10, "s", "time constant of the pressure")
     travel: float = parameter(2.0e-3, "m", "at the rim: elastic deflection of the stuck brake at its full torque")
     first_stage: float = parameter(0.5, "-", "fraction of the torque in the first stage of a two-stage stop", FRACTION)
@@ -55,8 +55,8 @@ class Lining(ValidatedData, of="lining."):
 class Guides(ValidatedData, of="guides."):
     """Friction of one conveyance along its guides; all values [assumed]."""
 
-    coulomb: float = parameter(1.0e3, "N", "", NON_NEGATIVE)
-    viscous: float = parameter(50.0, "N s/m", "", NON_NEGATIVE)
+    coulomb: float = parameter(1.0e3, "N", "", NONNEGATIVE)
+    viscous: float = parameter(50.0, "N s/m", "", NONNEGATIVE)
 
 
 @dataclass(frozen=True)
@@ -66,18 +66,18 @@ class Play(ValidatedData, of="play."):
     Within the play the head ropes alone pull it back, a pendulum with several ropes; beyond it the shoes are springs.
     """
 
-    clearance: float = parameter(5.0e-3, "m", "to either side, in x and in z", NON_NEGATIVE)
+    clearance: float = parameter(5.0e-3, "m", "to either side, in x and in z", NONNEGATIVE)
     stiffness: float = parameter(2.0e6, "N/m", "of the guides of a conveyance, in x and in z")
     contact_damping: float = parameter(
-        0.5, "s/m", "damping over elastic force and speed (Hunt and Crossley)", NON_NEGATIVE
+        0.5, "s/m", "damping over elastic force and speed (Hunt and Crossley)", NONNEGATIVE
     )
-    damping: float = parameter(500.0, "N s/m", "of air and rollers, at any place", NON_NEGATIVE)
+    damping: float = parameter(500.0, "N s/m", "of air and rollers, at any place", NONNEGATIVE)
     arm: float = parameter(
         1.5, "m", "from the conveyance's axis to the shoes: play and stiffness in yaw are c / a and k a^2"
     )
     gyration: float = parameter(1.2, "m", "radius of gyration of the loaded conveyance about the vertical")
     rope_spread: float = parameter(0.4, "m", "radius of gyration of the head ropes' attachments about the vertical")
-    friction: float = parameter(0.1, "-", "shoe on guide: contact brakes the conveyance along the guides", NON_NEGATIVE)
+    friction: float = parameter(0.1, "-", "shoe on guide: contact brakes the conveyance along the guides", NONNEGATIVE)
 
 
 @dataclass(frozen=True)
@@ -88,11 +88,11 @@ class Jam(ValidatedData, of="jam."):
     conveyance that is pulled or carried through is free behind it.
     """
 
-    height: float = parameter(45.0, "m", "of the place, by the conveyance's suspension", NON_NEGATIVE)
+    height: float = parameter(45.0, "m", "of the place, by the conveyance's suspension", NONNEGATIVE)
     distance: float = parameter(2.0, "m", "from the place to where the guides begin to hold, up and down")
     force: float = parameter(8.0e5, "N", "that holds the conveyance at the place")
     travel: float = parameter(0.01, "m", "elastic deflection of the stuck conveyance at its full force")
-    damping: float = parameter(5.0e-3, "s", "of the stuck conveyance: damping over stiffness", NON_NEGATIVE)
+    damping: float = parameter(5.0e-3, "s", "of the stuck conveyance: damping over stiffness", NONNEGATIVE)
 
     def require_within(self, shaft_travel: float, name: str) -> None:
         """Raise the ValueError of a place that is not there; ``name`` is the conveyance of the jam."""

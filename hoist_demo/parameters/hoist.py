@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lining, Play, require
-from hoist_demo.parameters.quantity import NON_NEGATIVE, Bounds, ValidatedData, parameter
+from hoist_demo.parameters.quantity import NONNEGATIVE, Bounds, ValidatedData, parameter
 from rope_model.physics.elementary import larger
 
 GRAVITY = 9.81  #: Acceleration of free fall [m/s^2].
@@ -41,8 +41,8 @@ class Hoist(ValidatedData):
     """Friction (Koepe) hoist with its motor on the sheave, without parts that are None or 0; all values [assumed]."""
 
     conveyance_mass: float = parameter(10.0e3, "kg", "each conveyance with its attachments")
-    payload_left: float = parameter(5.0e3, "kg", "", NON_NEGATIVE)
-    payload_right: float = parameter(0.0, "kg", "", NON_NEGATIVE)
+    payload_left: float = parameter(5.0e3, "kg", "", NONNEGATIVE)
+    payload_right: float = parameter(0.0, "kg", "", NONNEGATIVE)
     sheave_mass: float = parameter(8.0e3, "kg", "inertia of sheave and motor referred to the rope, J / R^2")
     sheave_radius: float = parameter(1.25, "m")
     torque_lag: float = parameter(0.05, "s", "time constant of the motor torque")
@@ -50,18 +50,18 @@ class Hoist(ValidatedData):
     head_rope_number: int = parameter(4, "-", "", _COUNT)
     head_rope_stiffness: float = parameter(2.6e7, "N", "EA of one rope", _STIFFNESS)
     head_rope_mass: float = parameter(2.0, "kg/m", "of one rope")
-    head_rope_damping: float = parameter(0.03, "-", "damping ratio of a conveyance on its ropes", NON_NEGATIVE)
+    head_rope_damping: float = parameter(0.03, "-", "damping ratio of a conveyance on its ropes", NONNEGATIVE)
     head_rope_length_up: float = parameter(15.0, "m", "sheave axis above a conveyance at the upper landing")
-    loss_coulomb: float = parameter(4.0e3, "N", "at the sheave's rim", NON_NEGATIVE)
-    loss_viscous: float = parameter(200.0, "N s/m", "at the sheave's rim", NON_NEGATIVE)
+    loss_coulomb: float = parameter(4.0e3, "N", "at the sheave's rim", NONNEGATIVE)
+    loss_viscous: float = parameter(200.0, "N s/m", "at the sheave's rim", NONNEGATIVE)
     loss_speed: float = parameter(0.02, "m/s", "width of the smooth Coulomb law F tanh(v / loss_speed)")
     friction_coefficient: float = parameter(0.25, "-", "rope on lining", _FRICTION)
     wrap_angle: float = parameter(math.pi, "rad", "", _ANGLE)
     shaft_travel: float = parameter(90.0, "m", "between the landings")
     tail_rope_mass: float = parameter(
-        8.0, "kg/m", "of one balance rope, of ropes that differ the sum, for feed-forward and statics", NON_NEGATIVE
+        8.0, "kg/m", "of one balance rope, of ropes that differ the sum, for feed-forward and statics", NONNEGATIVE
     )
-    tail_rope_length: float = parameter(120.0, "m", "likewise", NON_NEGATIVE)
+    tail_rope_length: float = parameter(120.0, "m", "likewise", NONNEGATIVE)
     tail_rope_number: int = parameter(
         1, "-", "of equal balance ropes, one of which is computed; of ropes that differ 1, their sum", _COUNT
     )

@@ -39,7 +39,7 @@ class Bounds(NamedTuple):
 
 
 POSITIVE = Bounds(0.0, opens=True)  #: Bounds of most quantities.
-NON_NEGATIVE = Bounds(0.0)  #: Bounds of quantities that may be 0.
+NONNEGATIVE = Bounds(0.0)  #: Bounds of quantities that may be 0.
 UNBOUNDED = Bounds()  #: Bounds of quantities of either sign.
 FRACTION = Bounds(0.0, 1.0, True, "give a fraction")  #: Bounds of a share.
 

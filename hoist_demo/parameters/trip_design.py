@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from hoist_demo.parameters.quantity import NON_NEGATIVE, Bounds, ValidatedData, parameter
+from hoist_demo.parameters.quantity import NONNEGATIVE, Bounds, ValidatedData, parameter
 
 CONTROLLERS = ("pi", "pi-feed-forward", "input-shaping", "optimised-trajectory")  #: Names; design.controllers has them.
 
@@ -13,9 +13,7 @@ class Shaper(ValidatedData):
     """The mode to leave at rest, as measured (metrics `swing_frequency`, `swing_damping` of a study) or modelled."""
 
     kind: Literal["ZV", "ZVD"] = parameter("ZVD", "")
-    frequency: float = parameter(
-        0.0, "Hz", "damped, of the mode; 0: it and damping from the linear model", NON_NEGATIVE
-    )
+    frequency: float = parameter(0.0, "Hz", "damped, of the mode; 0: it and damping from the linear model", NONNEGATIVE)
     damping: float = parameter(0.0, "1", "damping ratio of the mode", Bounds(0.0, 0.999, cure="measure it"))
 
 

@@ -6,7 +6,7 @@ from typing import Literal
 
 from hoist_demo.parameters.components import require
 from hoist_demo.parameters.hoist import Hoist
-from hoist_demo.parameters.quantity import NON_NEGATIVE, UNBOUNDED, ValidatedData, parameter
+from hoist_demo.parameters.quantity import NONNEGATIVE, UNBOUNDED, ValidatedData, parameter
 
 #: Who stops the hoist: the drive along its reference, or the brake with a regulated deceleration, its full torque, or a
 #: part of it first and the whole later.
@@ -23,14 +23,12 @@ class Winding(ValidatedData):
     jerk: float = parameter(0.5, "m/s^3", "limit")
     creep_speed: float = parameter(0.5, "m/s", "of a creep, where there is one")
     creep_distance: float = parameter(
-        0.0, "m", "to the landing from where creep speed is reached, final stop included; 0: no creep", NON_NEGATIVE
+        0.0, "m", "to the landing from where creep speed is reached, final stop included; 0: no creep", NONNEGATIVE
     )
-    departure_creep_distance: float = parameter(0.0, "m", "to where creep speed is left; 0: no creep", NON_NEGATIVE)
-    start_delay: float = parameter(1.0, "s", "", NON_NEGATIVE)
-    settle: float = parameter(10.0, "s", "recorded after the reference has arrived", NON_NEGATIVE)
-    emergency_at: float | None = parameter(
-        None, "s", "emergency stop begins; left out: no emergency stop", NON_NEGATIVE
-    )
+    departure_creep_distance: float = parameter(0.0, "m", "to where creep speed is left; 0: no creep", NONNEGATIVE)
+    start_delay: float = parameter(1.0, "s", "", NONNEGATIVE)
+    settle: float = parameter(10.0, "s", "recorded after the reference has arrived", NONNEGATIVE)
+    emergency_at: float | None = parameter(None, "s", "emergency stop begins; left out: no emergency stop", NONNEGATIVE)
     emergency_deceleration: float = parameter(5.0, "m/s^2")
     emergency_jerk: float = parameter(50.0, "m/s^3", "the short ramp of the emergency deceleration")
     emergency_law: EmergencyLaw = "drive"

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from hoist_demo.cases.case import Case
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.design.statics import at_rest, holds, pulls
-from hoist_demo.files.parameter_registry import rope_parameters
+from hoist_demo.files.registry import rope_parameters
 from hoist_demo.files.values import GIVEN, STATUSES, ParameterValue
 from hoist_demo.files.writing import hoist_text
 from hoist_demo.parameters import SIDES

@@ -96,9 +96,8 @@ def _of_ropes(panel: Panel, drawable: Collection[str], names: Sequence[str]) -> 
     if len(own) == 1:
         (line,) = own
         styled = zip(names, cycle("abcde"), strict=False)
-        yield replace(
-            panel, lines=tuple(replace(line, signal=f"{n}.{line.signal}", label=n, style=s) for n, s in styled)
-        )
+        lines = tuple(replace(line, signal=f"{n}.{line.signal}", label=n, style=s) for n, s in styled)
+        yield replace(panel, lines=lines)
     else:
         for n in names:
             lines = tuple(replace(line, signal=f"{n}.{line.signal}") for line in own)

@@ -145,17 +145,15 @@ _MOST = {
 }
 
 
-def exposure_rows(rope: str, exposed: Recording) -> tuple[SummaryRow, ...]:
-    """Return rows on the most loaded places of a rope; `exposed` is a table of `hoist_demo.recording.exposure`."""
+def exposure_rows(rope: str, table: Recording) -> tuple[SummaryRow, ...]:
+    """Return rows on the most loaded places of a rope; `table` is one of `hoist_demo.recording.exposure`."""
     group = f"Places in the rope {rope}".rstrip() + ", from its left end"
     rows: list[SummaryRow] = []
     for name, (label, beside) in _MOST.items():
-        if bool(np.isfinite(exposed[name]).all()) and bool(np.any(exposed[name])):
-            k = int(np.argmax(exposed[name]))
+        if bool(np.isfinite(table[name]).all()) and bool(np.any(table[name])):
+            k = int(np.argmax(table[name]))
             parts = [(name, ""), ("s", " at "), *([(f"{name.partition('.')[0]}.{beside}", ", ")] if beside else [])]
-            text = "".join(
-                f"{join}{number(float(exposed[key][k]), 4)} {unit_text(exposed.units[key])}" for key, join in parts
-            )
+            text = "".join(f"{sep}{number(float(table[x][k]), 4)} {unit_text(table.units[x])}" for x, sep in parts)
             rows.append(SummaryRow(group, label, text))
     return tuple(rows)
 

@@ -221,9 +221,7 @@ def _of_each(ropes: Sequence[_Rope], rows_of: Callable[[_Rope], Iterator[Verdict
     order = list(dict.fromkeys(quantity for quantity, *_ in rows))
     rows.sort(key=lambda row: order.index(row[0]))
     # rows that are the same for all ropes appear once
-    alike = {
-        q for q in order if len(own := [row for one, _, row in rows if one == q]) == len(ropes) and len({*own}) == 1
-    }
+    alike = {q for q in order if len(own := [row for x, _, row in rows if x == q]) == len(ropes) and len({*own}) == 1}
     named = (row if q in alike else replace(row, quantity=data.whose(q)) for q, data, row in rows)
     return [*dict.fromkeys(named)]
 

@@ -14,7 +14,7 @@ from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, r
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.participants.rope_group import CONTACT_ENERGIES, SUMS, Member, RopeGroup, WholeRope
 from hoist_demo.cosimulation.schemes.interface import ENDS, RopePlant
-from hoist_demo.files.parameter_registry import rope_parameters
+from hoist_demo.files.registry import rope_parameters
 from hoist_demo.files.values import DERIVED, ParameterValue
 from hoist_demo.parameters import Hoist, hoist_with
 from hoist_demo.parameters.problems import Problems

@@ -16,8 +16,8 @@ from hoist_demo.cases.table import NATIVE, find_case, fmu_name
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs
 from hoist_demo.design.tuning import Plan
-from hoist_demo.files.parameter_registry import parameters, run_fields
 from hoist_demo.files.reading import EMPTY, File, Flat, Table, contents, errors_of_file, flat, read, table_of
+from hoist_demo.files.registry import parameters, run_fields
 from hoist_demo.files.run_values import FileHeader, Values
 from hoist_demo.files.values import VARIED, ParameterValue, Text, plain, statuses
 from hoist_demo.parameters.problems import Problems

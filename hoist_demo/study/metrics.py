@@ -79,11 +79,7 @@ UNITS = {name: unit for name, (unit, _) in METRICS.items()}
 
 #: Outputs of the rope that the host and the metrics use; a study reads no others unless it keeps them.
 ROPE_SIGNALS = frozenset(
-    {
-        f"{end}.{name}"
-        for end in SIDES
-        for name in ("fy", "fy_mean", *(f"swivel.{s}" for s in ("rate", "slipping", "torque")))
-    }
+    {f"{end}.{n}" for end in SIDES for n in ("fy", "fy_mean", *(f"swivel.{s}" for s in ("rate", "slipping", "torque")))}
     | {
         "loop.x",
         "loop.z",

@@ -40,12 +40,10 @@ def constraints_on(parameter: Parameter) -> Any:
 
 
 def _read_constraints(parameter: Parameter, content: Any) -> tuple[Constraint, ...]:
-    words = {*content} if isinstance(content, Mapping) else set()
+    name, words = parameter.name, {*content} if isinstance(content, Mapping) else set()
     if not words & {*_SENSES} or not words <= {*_SENSES, "unit"}:
-        raise ValueError(
-            f"{parameter.name} = {content!r} must have below or above, and may have unit: write {{ below = 0.3 }}"
-        )
-    metric, unit = parameter.name.rpartition(".")[2], content.get("unit")
+        raise ValueError(f"{name} = {content!r} must have below or above, and may have unit: write {{ below = 0.3 }}")
+    metric, unit = name.rpartition(".")[2], content.get("unit")
     return tuple(
         Constraint(metric, float(read_value(parameter, content[word], unit)), sense)
         for word, sense in _SENSES.items()

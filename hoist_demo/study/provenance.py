@@ -14,7 +14,7 @@ from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.fmu_description import read_parameters
 from hoist_demo.cosimulation.participants.rope_data import RopeData
-from hoist_demo.files.parameter_registry import CONTROLLER, host_parameters, rope_parameters
+from hoist_demo.files.registry import CONTROLLER, host_parameters, rope_parameters
 from hoist_demo.files.values import DERIVED, GIVEN, VARIED
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.definition import Study

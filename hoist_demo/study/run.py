@@ -23,7 +23,7 @@ from hoist_demo.cosimulation.progress import warnings_of
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.design.controllers import Task
-from hoist_demo.files.parameter_registry import CONTROLLER, data_of, host_parameters
+from hoist_demo.files.registry import CONTROLLER, data_of, host_parameters
 from hoist_demo.files.values import GIVEN, ParameterValue, plain
 from hoist_demo.parameters import GRAVITY, Arrival, Coupling, Hoist, start_heights
 from hoist_demo.parameters.problems import Problems

@@ -10,7 +10,7 @@ from functools import partial
 from itertools import pairwise
 from typing import Any
 
-from hoist_demo.files.parameter_registry import parameters
+from hoist_demo.files.registry import parameters
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.definition import Study, StudyRun
 from hoist_demo.study.metrics import UNITS

@@ -110,9 +110,7 @@ def draw(file: UncertaintyFile) -> list[dict[str, float]]:
     """Draw the values of what varies, one set per winding."""
     sequence = scipy.stats.qmc.Sobol(len(file.data), rng=np.random.default_rng(file.header.seed))
     shares = sequence.random_base2(round(math.log2(file.header.samples)))
-    return [
-        {name: datum.at(float(u)) for (name, datum), u in zip(file.data.items(), row, strict=True)} for row in shares
-    ]
+    return [{key: datum.at(float(u)) for (key, datum), u in zip(file.data.items(), row, strict=True)} for row in shares]
 
 
 def wind_once(file: UncertaintyFile, values: Mapping[str, float]) -> WindingResult:

@@ -151,9 +151,8 @@ class RopeGroup:
             return {}
         accounts = self.accounts()
         forces = {f"neighbours.{one}.{other}.force": account.pressure for (one, other), account in accounts.items()}
-        sums = (
-            np.array([(x.energy, x.work, x.dissipated, x.made) for x in accounts.values()]).reshape(-1, 4).sum(axis=0)
-        )
+        energies = [(x.energy, x.work, x.dissipated, x.made) for x in accounts.values()]
+        sums = np.array(energies).reshape(-1, 4).sum(axis=0)
         return forces | dict(zip(CONTACT_ENERGIES, sums.tolist(), strict=True))
 
     def _over_parts(self, k: int, summed: Sequence[str], values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -21,13 +21,12 @@ from hoist_demo.cosimulation.schemes.interface import (
     Vector,
 )
 
+Coefficients = tuple[Vector, Vector, Vector]
 #: Weights of the samples, latest first, in the mean of the extrapolated step, by order (Adams-Bashforth).
 MEAN_WEIGHTS = ((1.0,), (1.5, -0.5), (23.0 / 12.0, -16.0 / 12.0, 5.0 / 12.0))
 
 
-def extrapolation_coefficients(
-    samples: Sequence[Sample], name: str, order: int, h: float
-) -> tuple[Vector, Vector, Vector]:
+def extrapolation_coefficients(samples: Sequence[Sample], name: str, order: int, h: float) -> Coefficients:
     """Coefficients c0, c1, c2 of s = 0 .. 1 over the step of h [s] that follows the last sample; `name` is a field."""
     latest = samples[-1]
     last: Vector = getattr(latest, name)
