@@ -17,7 +17,7 @@ try:  # Ctrl-C during the slow imports must not print a traceback
     from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, missing_platforms
     from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
     from fmu_src.ssp import Datum, Version
-    from hoist_demo.cases.case import DEFAULT_HOIST, NAMED, Case
+    from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, Case
     from hoist_demo.cases.rules import with_values
     from hoist_demo.cases.table import NATIVE, find_case, fmu_name
     from hoist_demo.command_line.duty import add_duty
@@ -138,7 +138,7 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         nargs="?",
         default=DEFAULT_HOIST,
         metavar="HOIST",
-        help=f"start values: the rope of a hoist's file, or of {', '.join(NAMED)} (%(default)s)",
+        help=f"start values: the rope of a hoist's file, or of {', '.join(BUILTIN_HOISTS)} (%(default)s)",
     )
     export.add_argument(
         "--rope", type=Path, metavar="FILE", help="start values of the rope, as balance-rope identify writes them"

@@ -12,7 +12,7 @@ from xml.etree.ElementTree import Element
 
 from fmu_src.interface import RATES, Variable
 from fmu_src.profile import Array
-from fmu_src.units import QUANTITIES, quantity_attributes, unit_definition, units_of
+from fmu_src.units import DECLARED_TYPES, quantity_attributes, unit_definition, units_of
 from fmu_src.xml import node, plain
 from rope_model.parameters import CHOICES
 from rope_model.scene_names import choices_of
@@ -86,7 +86,7 @@ def model_description(described: Mapping[int, Variable], build: Build) -> Elemen
         providesDirectionalDerivative=build.derivatives,
     )
     units = units_of(variables)
-    types = [node("SimpleType", node("Real", **quantity_attributes(u)), name=QUANTITIES[u].name) for u in units]
+    types = [node("SimpleType", node("Real", **quantity_attributes(u)), name=DECLARED_TYPES[u].name) for u in units]
     listed = [
         node(
             "ScalarVariable",
@@ -127,7 +127,7 @@ def model_description3(gathered: Sequence[Array], time: int, build: Build) -> El
     )
     variables = [array.variable for array in gathered]
     units = units_of(variables)
-    types = [node("Float64Type", name=QUANTITIES[unit].name, **quantity_attributes(unit)) for unit in units]
+    types = [node("Float64Type", name=DECLARED_TYPES[unit].name, **quantity_attributes(unit)) for unit in units]
     types += map(_enumeration, dict.fromkeys(_choice(v.name) for v in variables if choices_of(v.name)))
     independent = {"causality": "independent", "variability": "continuous", "description": "time"}
     listed = [node("Float64", name="time", valueReference=time, **independent, declaredType="Time")]
@@ -205,7 +205,7 @@ def _common_attributes(v: Variable) -> dict[str, str]:
 
 def _type_attributes(v: Variable) -> dict[str, Any]:
     """Return declared type, unit and bounds."""
-    out = {"declaredType": QUANTITIES[v.unit].name, "unit": v.unit} if v.unit else {}
+    out = {"declaredType": DECLARED_TYPES[v.unit].name, "unit": v.unit} if v.unit else {}
     return out | {key: f"{x:g}" for key, x in (("min", v.minimum), ("max", v.maximum)) if x is not None}
 
 

@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from rope_groups import rope_in_process
 from scipy.linalg import expm
 
-from hoist_demo.cases.case import NAMED
+from hoist_demo.cases.case import BUILTIN_HOISTS
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
@@ -320,7 +320,7 @@ def test_a_choice_that_will_be_unstable_is_warned_of_with_the_number(caplog: pyt
     assert result.warning in caplog.text
 
 
-@pytest.mark.parametrize("case", NAMED)
+@pytest.mark.parametrize("case", BUILTIN_HOISTS)
 @pytest.mark.parametrize("H", [0.005, 0.01, 0.02])
 def test_the_default_is_expected_to_be_stable_on_every_case(case: str, H: float) -> None:
     scene, plant = find_case(case), rope_in_process(case, level="draft")

@@ -12,7 +12,7 @@ from pydantic import TypeAdapter
 from rope_groups import rope_in_process
 
 from balance_rope import main
-from hoist_demo.cases.case import HOISTS, NAMED
+from hoist_demo.cases.case import BUILTIN_HOISTS, HOISTS
 from hoist_demo.cases.table import NATIVE, find_case, fmu_name
 from hoist_demo.command_line import wind
 from hoist_demo.command_line.options import settings
@@ -37,7 +37,7 @@ def known(name: str, given: dict[str, str]) -> list[SourcedValue]:
     return [*host_provenance(build(name, {}), given), *rope_provenance(find_case(name), rope, given)]
 
 
-@pytest.mark.parametrize("name", NAMED)
+@pytest.mark.parametrize("name", BUILTIN_HOISTS)
 def test_every_number_of_a_case_has_a_status(name: str) -> None:
     data = known(name, {})
     assert {one.status for one in data} <= {*STATUSES}

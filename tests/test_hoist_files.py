@@ -11,7 +11,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from balance_rope import main
-from hoist_demo.cases.case import FOLDER, NAMED
+from hoist_demo.cases.case import BUILTIN_HOISTS, FOLDER
 from hoist_demo.cases.rules import TAIL_SPARE
 from hoist_demo.cases.table import find_case
 from hoist_demo.duty.schedule import read_schedule
@@ -24,7 +24,7 @@ from hoist_demo.study.run import build, build_trip
 from rope_model.scene_names import named_parameters
 
 ROOT = Path(__file__).parents[1]
-SHIPPED = [*(FOLDER / f"{name}.toml" for name in NAMED), *sorted((ROOT / "examples" / "hoists").glob("*.toml"))]
+SHIPPED = [*(FOLDER / f"{n}.toml" for n in BUILTIN_HOISTS), *sorted((ROOT / "examples" / "hoists").glob("*.toml"))]
 OWN = """
 name = "Own"
 status = "data sheet"
@@ -245,7 +245,7 @@ def test_a_hoist_like_another_has_its_values_but_those_it_names(tmp_path: Path) 
 
 @pytest.mark.parametrize("file", SHIPPED, ids=lambda path: path.stem)
 def test_the_complete_file_has_every_value_of_the_hoist_and_leads_back_to_it(file: Path, tmp_path: Path) -> None:
-    name = file.stem if file.stem in NAMED else str(file)
+    name = file.stem if file.stem in BUILTIN_HOISTS else str(file)
     text = as_file(find_case(name), name)
     path = written(tmp_path / "hoist.toml", text)
     one, again = build_trip(name, {}), build_trip(str(path), {})

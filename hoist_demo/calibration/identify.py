@@ -28,7 +28,7 @@ from hoist_demo.study.provenance import SourcedValue, rope_provenance
 from rope_model import Datum, KnownRope
 
 OPEN = 0.25  #: Half width of an interval in shares from which on a property is undetermined: half that of a range.
-NAMED = 0.3  #: Least part of a property in a direction that names it.
+MIN_COMPONENT = 0.3  #: Least part of a property in a direction that names it.
 STRONG = 0.7  #: Least correlation that is reported.
 
 
@@ -76,7 +76,7 @@ class CalibrationResult:
     def open_directions(self) -> list[str]:
         """List the properties of each direction that the data leave open, equal sets once."""
         named = [
-            " and ".join(name for name, part in zip(self.names, direction, strict=True) if abs(part) > NAMED)
+            " and ".join(name for name, part in zip(self.names, direction, strict=True) if abs(part) > MIN_COMPONENT)
             for direction in self.fit.untold()
         ]
         return list(dict.fromkeys(named))

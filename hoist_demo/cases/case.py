@@ -17,7 +17,7 @@ FOLDER = Path(str(files("hoist_demo"))) / "hoists"  #: Folder of the hoists that
 # names of hoists, and of scenarios in which something goes wrong, in the order of help texts
 HOISTS = ("rope-120", "rope-240", "kiruna-355", "kiruna-710", "monopol-1000", "robert-1096", "palabora-1282")
 SCENARIOS = ("overwind", "slack-rope", "seized-swivel", "jammed-conveyance", "caught-rope")
-NAMED = (*HOISTS, *SCENARIOS)
+BUILTIN_HOISTS = (*HOISTS, *SCENARIOS)
 DEFAULT_HOIST = "rope-120"
 
 

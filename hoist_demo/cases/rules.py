@@ -71,7 +71,7 @@ RULES = (
 )
 
 
-def completed(host: Mapping[str, ParameterValue], ropes: Iterable[BalanceRopeData], **header: Any) -> Case:
+def apply_rules(host: Mapping[str, ParameterValue], ropes: Iterable[BalanceRopeData], **header: Any) -> Case:
     """Return the hoist of what is stated of its host and ropes, with all that follows; ValueError where none can be."""
     host = dict(host)
     if "hoist.shaft_travel" not in host and "winding.travel" in host:
@@ -86,7 +86,7 @@ def completed(host: Mapping[str, ParameterValue], ropes: Iterable[BalanceRopeDat
             with problems.at(f"rope {k}"):
                 filled.append(replace(rope, values={"rope.length": length, **_of_catalogue(rope), **rope.values}))
     ropes = tuple(filled)
-    drive = ropes_as_seen_by_drive(ropes)
+    drive = rope_totals(ropes)
     if host.get("hoist.tail_rope_number", ParameterValue(drive.tail_rope_number)).value != drive.tail_rope_number:
         raise ValueError(
             f"hoist.tail_rope_number = {host['hoist.tail_rope_number'].value} must be {drive.tail_rope_number}, as "
@@ -113,7 +113,7 @@ def _of_catalogue(rope: BalanceRopeData) -> dict[str, ParameterValue]:
     return {f"rope.{name}": ParameterValue(getattr(mean, name), DERIVED, source, follows=True) for name in OF_CATALOGUE}
 
 
-def ropes_as_seen_by_drive(ropes: tuple[BalanceRopeData, ...]) -> Hoist:
+def rope_totals(ropes: tuple[BalanceRopeData, ...]) -> Hoist:
     """Return a hoist with number, mass and length of the balance ropes as the drive takes them."""
     mass = rope_parameters()["rope.mass_per_length"].start
     each = [(rope.parameters.get("rope.mass_per_length", mass), rope.parameters["rope.length"]) for rope in ropes]
@@ -136,7 +136,7 @@ def with_values(case: Case, values: Mapping[str, Value | ParameterValue]) -> Cas
     of_rope = {key: entry for key, entry in entries.items() if key not in of_host}
     ropes = [replace(rope, values=_stated(rope.values) | of_rope) for rope in case.balance_ropes]
     header = {name: getattr(case, name) for name in ("name", "source", "level", "signals")}
-    return completed(_stated(case.host) | of_host, ropes, **header)
+    return apply_rules(_stated(case.host) | of_host, ropes, **header)
 
 
 def _stated(values: Mapping[str, ParameterValue]) -> dict[str, ParameterValue]:

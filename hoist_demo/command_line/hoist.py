@@ -6,7 +6,7 @@ import sys
 from functools import partial
 from pathlib import Path
 
-from hoist_demo.cases.case import NAMED
+from hoist_demo.cases.case import BUILTIN_HOISTS
 from hoist_demo.cases.rules import with_values
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.options import SET, settings
@@ -46,7 +46,7 @@ def add_hoist_commands(commands: Commands) -> None:
     new.add_argument("--force", action="store_true", help="write over a file that is there")
     for name, text in (("show", "print a hoist and what follows from it"), ("check", "only what is wrong with it")):
         show = add_command(commands, name, partial(_show, everything=name == "show"), text, _SHOW, "")
-        show.add_argument("hoist", metavar="HOIST", help=f"a file, or one of {', '.join(NAMED)}")
+        show.add_argument("hoist", metavar="HOIST", help=f"a file, or one of {', '.join(BUILTIN_HOISTS)}")
         show.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help=SET)
     text = "the catalogue's ropes, or one as [[rope]] of a file"
     example = "example: balance-rope rope 34x7 --diameter 52mm"

@@ -5,7 +5,7 @@ import csv
 import math
 from pathlib import Path
 
-from hoist_demo.cases.case import DEFAULT_HOIST, NAMED, Case
+from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.support import Commands, RunCommand, add_command, named, results_folder
 
@@ -45,7 +45,7 @@ def add_linear(commands: Commands) -> None:
 def _add(commands: Commands, name: str, run: RunCommand, text: str, description: str) -> argparse.ArgumentParser:
     """Add a subcommand with the options that both have."""
     command = add_command(commands, name, run, text, description, _EPILOG.format(name=name))
-    text = f"a file, or one of {', '.join(NAMED)} (%(default)s)"
+    text = f"a file, or one of {', '.join(BUILTIN_HOISTS)} (%(default)s)"
     command.add_argument("hoist", nargs="?", default=DEFAULT_HOIST, metavar="HOIST", help=text)
     text = "left height over travel (five from 0 to 1)"
     command.add_argument("--at", type=float, nargs="+", default=_HEIGHTS, metavar="PART", help=text)

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from hoist_demo.cases.case import DEFAULT_HOIST, NAMED, SCENARIOS, Case
+from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, SCENARIOS, Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.options import KERNELS, TRIP, add_data, add_trip, settings
 from hoist_demo.command_line.run_results import REPORT, WoundRun, missing_outputs, write_results
@@ -71,9 +71,8 @@ def add_wind(commands: Commands, fmu: Path) -> None:
     run = partial(_wind, default=fmu)
     text = "wind once and write figures, CSV and a report"
     wind = add_command(commands, "wind", run, text, _DESCRIPTION, _EPILOG, "demo")
-    text = (
-        f"hoist, trip, controller, ropes: a file, or one of {', '.join(NAMED)} ({DEFAULT_HOIST}, or that of --resume)"
-    )
+    names = f"{', '.join(BUILTIN_HOISTS)} ({DEFAULT_HOIST}, or that of --resume)"
+    text = f"hoist, trip, controller, ropes: a file, or one of {names}"
     wind.add_argument("hoist", nargs="?", metavar="HOIST", help=text)
     wind.add_argument("--case", metavar="NAME", help="the same as HOIST")
     rope = wind.add_mutually_exclusive_group()
@@ -128,7 +127,7 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
         with warnings_of("hoist_demo") as warnings:
             made = run.design()
             host = Host(hung.plant, run.hoist, run.winding, run.coupling, made.gains, trajectory=made.trajectory)
-            host.name = options.hoist if options.hoist in NAMED else str(Path(options.hoist).resolve())
+            host.name = options.hoist if options.hoist in BUILTIN_HOISTS else str(Path(options.hoist).resolve())
             result = _run(host, None if case.distinct_ropes else options.out / LAST_GOOD, resume)
         ropes, remarked = hung.data(), _remarks(hung)
         rope_sources = hung.provenance(statuses)

@@ -22,7 +22,7 @@ from hoist_demo.drive.plant import PlantState
 from hoist_demo.recording.time_series import Array, Recording
 
 _FIELD = re.compile(r"(\w+)=([^(),]+)[,)]")  #: A single value in the text of a dataclass.
-MOST_DIFFERENCES = 6  #: Differences between two runs' data at most that a message lists.
+MAX_DIFFERENCES = 6  #: Differences between two runs' data at most that a message lists.
 CONTROLLER = "the controller's state"  #: What messages call it.
 
 
@@ -107,5 +107,5 @@ def differences(there: str, here: str) -> str:
         {f"{name} is {value} there" for name, value in old if (name, value) not in new}
         | {f"{name} is {value} here" for name, value in new if (name, value) not in old}
     )
-    more = f" and {len(changed) - MOST_DIFFERENCES} more" if len(changed) > MOST_DIFFERENCES else ""
-    return (", ".join(changed[:MOST_DIFFERENCES]) or "they differ") + more
+    more = f" and {len(changed) - MAX_DIFFERENCES} more" if len(changed) > MAX_DIFFERENCES else ""
+    return (", ".join(changed[:MAX_DIFFERENCES]) or "they differ") + more

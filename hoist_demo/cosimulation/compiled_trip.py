@@ -38,7 +38,7 @@ _MEMORY = ("arg", "res", "iw", "w")  #: Of a function of CasADi.
 #: What trip.c takes from here for all hoists, by name.
 _NUMBERS: dict[str, float] = {
     **{name: getattr(integrator, name) for name in ("SHORTEST", "SAFETY", "SHRINKS", "GROWS", "ORDER")},
-    "LEAST_ROPE": plant.LEAST_ROPE,
+    "MIN_ROPE": plant.MIN_ROPE,
     "HISTORY": HISTORY,
     "WARNING": WARNING,
     "DISCARD": DISCARD,
@@ -93,7 +93,7 @@ class CompiledTrip:
     ) -> None:  # fmt: skip
         """`clocks` are the drive's and the rope's; at most so many samples are done at a time."""
         self._run, self._rope, self._coupling, self._clocks = run, rope, coupling, clocks
-        self._drive = drive = run.drive.plant.holding
+        self._drive = drive = run.drive.plant.stick_integrator
         self._library = _library(hoist.equation_structure, drive.kernels)
         self._advance = CDLL(str(drive.kernels.library)).advance
         names = run.recorder.names[len(ROW) :]

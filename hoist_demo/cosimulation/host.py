@@ -272,7 +272,7 @@ class Host:
         # a rope of another class may do more in its steps than its library
         library = rope.library() if type(rope) is FmuRope or type(rope) is InProcessRope else None
         plain = type(scheme) is GaussSeidel and scheme.order == 1 and not self._own
-        compiled = run.drive.plant.holding.kernels.library is not None
+        compiled = run.drive.plant.stick_integrator.kernels.library is not None
         if library is None or not (plain and compiled) or self.hoist.lining is not None:
             return None
         gains, clocks, most = self._gains or Gains(), (self.drive_clock, self.rope_clock), self._save_interval
@@ -286,11 +286,11 @@ class Host:
         """Return the course at t [s], with an emergency stop if the safety circuit opens."""
         course, start, T, least = run.course, self.coupling.start, self.coupling.period, self.hoist.slack_tension
         if least is not None and min(run.drive.outputs[_PULLS]) < least:
-            course = course.stopped(t - start)
+            course = course.with_emergency_stop(t - start)
         if not self._guard or not signals.item(self._guard[0]) > 0.0:
             return course
         time = signals.item(self._guard[1])
-        return course.stopped(start + T * max(0, math.ceil((time - start) / T - 1e-9)) - start)
+        return course.with_emergency_stop(start + T * max(0, math.ceil((time - start) / T - 1e-9)) - start)
 
     @property
     def _course(self) -> Course:

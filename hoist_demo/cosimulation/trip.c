@@ -158,7 +158,7 @@ static bool step_drive(Trip *m, double s, double end) {
         if (steps == 1.0) {
             const double wound = m->radius * y[PHI];
             m->step_next = size * m->H;
-            return fmin(z[AT_L0] - wound, z[AT_L0 + 1] + wound) > LEAST_ROPE;
+            return fmin(z[AT_L0] - wound, z[AT_L0 + 1] + wound) > MIN_ROPE;
         }
     }
     return false;

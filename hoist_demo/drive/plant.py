@@ -29,8 +29,8 @@ from rope_model.numerics.kernels import KernelForm
 
 #: The rope's signals that act on conveyances with play.
 SIDE_FORCES = tuple(f"{side}.{name}" for side in SIDES for name in ("fx", "fz", "my"))
-LEAST_ROPE = 0.1  #: Head rope between sheave and conveyance [m] below which a conveyance is in the headgear.
-MOST_SWITCHES = 200  #: Within one step of the drive, between head ropes that hold and head ropes that slide.
+MIN_ROPE = 0.1  #: Head rope between sheave and conveyance [m] below which a conveyance is in the headgear.
+MAX_SWITCHES = 200  #: Within one step of the drive, between head ropes that hold and head ropes that slide.
 _TENSIONS = (OUTPUT_INDEX["tension_left"], OUTPUT_INDEX["tension_right"])
 _RATE = STATE_NAMES.index("phi_rate")
 
@@ -69,8 +69,8 @@ class HoistPlant:
 
     def __init__(self, hoist: Hoist, form: KernelForm = "auto") -> None:
         self.hoist, self._form = hoist, form
-        self.holding = Integrator(_without_lining(hoist), form)  # for head ropes that hold on the sheave
-        self.state_names = self.holding.names
+        self.stick_integrator = Integrator(_without_lining(hoist), form)  # for head ropes that hold on the sheave
+        self.state_names = self.stick_integrator.names
 
     @cached_property
     def _sliding(self) -> Integrator:
@@ -79,7 +79,7 @@ class HoistPlant:
 
     @property
     def _made(self) -> list[Integrator]:
-        return [self.holding, *([self._sliding] if "_sliding" in vars(self) else [])]
+        return [self.stick_integrator, *([self._sliding] if "_sliding" in vars(self) else [])]
 
     def reload(self, hoist: Hoist) -> None:
         """Take over the numbers of a hoist of the same parts: another payload."""
@@ -117,7 +117,7 @@ class HoistPlant:
             sag = 2.0 * hoist.rope_mass * GRAVITY * (1.0 - (-1.0) ** j) / (hoist.rope_stiffness * k**3)
             for side, length in zip(SIDES, lengths, strict=True):
                 x[self.state_names.index(f"eta{j}_{side}")] = -sag * length**2
-        x[0] = self.holding.holding_torque(x, lengths)
+        x[0] = self.stick_integrator.holding_torque(x, lengths)
         if hoist.drive_shaft is not None:
             x[self.state_names.index("twist")] = x[0] / hoist.drive_shaft.stiffness
         return PlantState(x, np.zeros(WORK_COUNT), lengths)
@@ -128,7 +128,7 @@ class HoistPlant:
         """Advance with the path's three inputs, of INPUT_NAMES each, in one vector, from s = begin to its end."""
         old = state
         size = (state.step_next or h) / h
-        for _ in range(MOST_SWITCHES):
+        for _ in range(MAX_SWITCHES):
             integrator, x, watch = self._at(state)
             integrator.give(x=x, work_totals=state.works, l0=state.free_lengths, H=h, path=path, added_mass=added_mass)
             reached = integrator.integrate(h, size, begin, end, watch)
@@ -139,19 +139,19 @@ class HoistPlant:
             size = fits if state is old else max(size, fits)
             state = self._reached(state, y[result["x"]], y[result["work_totals"]], size * h)
             (left, right), wound = state.free_lengths, self.hoist.sheave_radius * state.x.item(1) + state.slide.slip
-            if (free := min(left - wound, right + wound)) <= LEAST_ROPE:
+            if (free := min(left - wound, right + wound)) <= MIN_ROPE:
                 return PlantStep(False, f"drive: head rope of {free:.3g} m left at the sheave: overwind", old)
             if begin >= end:
                 return PlantStep(True, "", state, y[result["applied_input"]], y[result["outputs"]])
             state = _switched(state, y[result["outputs"]])
-        often = f"more than {MOST_SWITCHES} times in {h:g} s"
+        often = f"more than {MAX_SWITCHES} times in {h:g} s"
         return PlantStep(False, f"drive: the head ropes slip and hold {often}: shorten the step", old)
 
     def _at(self, state: PlantState) -> tuple[Integrator, Vector, Watch | None]:
         """Return the integrator for a state, the state in its coordinates, and the function to watch."""
         slip_state = state.slide
         if slip_state.sense == 0.0:
-            return self.holding, state.x, None if self.hoist.lining is None else self._excess
+            return self.stick_integrator, state.x, None if self.hoist.lining is None else self._excess
         names = self._sliding.names
         values = dict(zip(self.state_names, state.x.tolist(), strict=True))
         values |= {"slip": slip_state.slip, "slip_rate": slip_state.speed, "sense": slip_state.sense}
@@ -163,7 +163,7 @@ class HoistPlant:
         """Return the tension beyond what friction holds [N], of ropes that hold."""
         hoist = self.hoist
         off = hoist.rope_mass * (hoist.sheave_radius * y.item(_RATE)) ** 2
-        outputs = self.holding.result["outputs"].start
+        outputs = self.stick_integrator.result["outputs"].start
         low, high = sorted(y.item(outputs + k) for k in _TENSIONS)
         return high - off - hoist.tension_ratio_limit * max(low - off, 0.0)
 

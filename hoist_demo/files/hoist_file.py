@@ -14,8 +14,8 @@ from typing import Annotated, Any, Self
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, create_model, model_validator
 from pydantic.json_schema import GenerateJsonSchema
 
-from hoist_demo.cases.case import FOLDER, NAMED, BalanceRopeData, Case
-from hoist_demo.cases.rules import completed
+from hoist_demo.cases.case import BUILTIN_HOISTS, FOLDER, BalanceRopeData, Case
+from hoist_demo.cases.rules import apply_rules
 from hoist_demo.files.reading import File, Flat, beside, contents, opened_by, read, table_of
 from hoist_demo.files.registry import at_both_ends, host_parameters, rope_parameters, run_fields, swivel_parameters
 from hoist_demo.files.rope_file import RopeValues
@@ -65,7 +65,7 @@ def _stated_values(table: RopeTable) -> dict[str, Any]:
 def _base(content: Any, info: ValidationInfo) -> HoistFile:
     """Return the hoist that `like` names."""
     name = read_text(content)
-    path = FOLDER / f"{name}.toml" if name in NAMED else beside(info, name)
+    path = FOLDER / f"{name}.toml" if name in BUILTIN_HOISTS else beside(info, name)
     return read(path, HoistFile, opened_by(info))
 
 
@@ -109,7 +109,7 @@ class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: igno
             names = [rope.name for rope in ropes]
             problems += [f"rope name = {n!r} must be given once: name each rope" for n in names if names.count(n) > 1]
         header = {name: settings[name] for name in ("source", "level") if name in settings}
-        return completed(host, ropes, name=self.name, signals=tuple(settings.get("signals", ())), **header)
+        return apply_rules(host, ropes, name=self.name, signals=tuple(settings.get("signals", ())), **header)
 
     @model_validator(mode="after")
     def _is_a_hoist(self) -> Self:

@@ -4,7 +4,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from hoist_demo.cases.case import NAMED
+from hoist_demo.cases.case import BUILTIN_HOISTS
 from hoist_demo.cases.table import find_case
 from hoist_demo.files.reading import EMPTY, File, Table, beside, contents, flat, opened_by
 from hoist_demo.files.registry import SWIVELS, at_both_ends, group_table, run_fields
@@ -29,7 +29,7 @@ class FileHeader(Table):
     @field_validator("hoist")
     @classmethod
     def _is_there(cls, name: str, info: ValidationInfo) -> str:
-        path = str(beside(info, name)) if name.endswith(".toml") and name not in NAMED else name
+        path = str(beside(info, name)) if name.endswith(".toml") and name not in BUILTIN_HOISTS else name
         find_case(path)
         return path
 

@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 from hoist_demo.cases.case import Case
 from hoist_demo.cosimulation.participants.rope_data import RopeData
-from hoist_demo.design.statics import at_rest, holds, pulls
+from hoist_demo.design.statics import at_rest, pulls, static_slip_safeties
 from hoist_demo.files.registry import rope_parameters
 from hoist_demo.files.values import GIVEN, STATUSES, ParameterValue
 from hoist_demo.files.writing import hoist_text
@@ -93,7 +93,7 @@ def slip_problems(case: Case) -> list[str]:
         f"slip safety {one.when} is {one.safety:.3g} (tension ratio {one.ratio:.3g}, limit "
         f"{case.hoist.tension_ratio_limit:.3g}), and {one.required:g} is usually asked for: more weight on the light "
         "side, a better lining, or a gentler trip"
-        for one in holds(case.hoist, case.winding)
+        for one in static_slip_safeties(case.hoist, case.winding)
         if one.safety < one.required and one.required > 1.0
     ]
 
@@ -103,7 +103,7 @@ def consequences(case: Case, name: str, values: Values = NOTHING) -> tuple[str, 
     hoist = case.hoist
     rows = [
         SummaryRow(_HOLD, f"slip safety {one.when}, without swing", f"{one.safety:.3g}, asked {one.required:g}")
-        for one in holds(hoist, case.winding)
+        for one in static_slip_safeties(hoist, case.winding)
     ]
     for height in (0.0, hoist.shaft_travel):
         left, right = pulls(hoist, height)

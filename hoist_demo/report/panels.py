@@ -222,7 +222,7 @@ def marks(result: Result) -> list[Mark]:
     if (slid := slip(result.recording)) is not None:
         instants.append(Mark(slid.t, "head ropes slip"))
     if winding.creeps:
-        instants += [Mark(start + t, "creep") for t in result.trajectory.holds(winding.creep_speed)]
+        instants += [Mark(start + t, "creep") for t in result.trajectory.cruise_times(winding.creep_speed)]
     if (trip := guard_trip(result.recording)) is not None:
         instants.append(Mark(trip.t, f"guard: {trip.cause}"))
     if winding.emergency_at is not None:

@@ -85,7 +85,7 @@ def render_verdict(verdict: Verdict) -> str:
 
 
 TITLE = "Data that this rests on, by status"
-NAMED = 8  #: Most names that are listed one by one.
+MAX_LISTED_NAMES = 8  #: Most names that are listed one by one.
 
 
 def status_rows(data: Sequence[SourcedValue]) -> list[SummaryRow]:
@@ -95,7 +95,7 @@ def status_rows(data: Sequence[SourcedValue]) -> list[SummaryRow]:
         names = [one.name for one in data if one.status == status]
         if names and status != SETTING:
             kinds = Counter(name.rpartition(".")[0] for name in names)
-            text = ", ".join(names if len(names) <= NAMED else (f"{count} of {kind}" for kind, count in kinds.items()))
+            text = ", ".join(names if len(names) <= MAX_LISTED_NAMES else (f"{n} of {k}" for k, n in kinds.items()))
             rows.append(SummaryRow(TITLE, status, text))
     return rows
 

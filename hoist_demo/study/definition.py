@@ -236,7 +236,7 @@ class Study:
 
 
 #: Starts tried before a study winds, spread evenly over more runs; what another refuses is the cause in its row.
-MOST_TRIED = 200
+MAX_TRIED = 200
 #: Passes the drawn values on one by one while they are checked, which takes a while.
 CheckProgress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
 
@@ -263,7 +263,7 @@ def read_study(path: Path, fmu: Path | None = None, progress: CheckProgress = li
             header.title, header.hoist, rope, digest, header.objective, signals, variants, file.vary, design_keys, plan
         )
         probe, samples = Probe(rope), list[StudyRun]()
-        every = math.ceil(len(points) * len(variants) / MOST_TRIED)
+        every = math.ceil(len(points) * len(variants) / MAX_TRIED)
         with Problems() as problems:
             for values, name in ((values, name) for values in progress(points) for name in variants):
                 with problems.at(f"variant {name}" if name else ""):

@@ -23,7 +23,7 @@ WITHIN = "within"  #: Column with the share of a choice's runs that keep the bou
 EXCESS = "excess"  #: Column with the largest excess over a bound, as a part of it.
 WARNINGS = "warnings"  #: Column with a run's warnings.
 MISSING = "missing"  #: Column with the reason why a metric is missing.
-MOST_WARNINGS = 3  #: Most warnings in the text on the best choice.
+MAX_WARNINGS = 3  #: Most warnings in the text on the best choice.
 #: Carries out samples and returns their keys; `cluster.run_samples` with its first two arguments given.
 RunSamples = Callable[[Sequence[StudyRun]], list[str]]
 
@@ -194,8 +194,8 @@ def _best(
     # a warning of all runs says least about this choice
     common = Counter(kind_of(text) for outcome in outcomes for text in outcome["warnings"])
     warned = sorted(texts, key=lambda text: common[kind_of(text)])
-    sentence += "".join(f". Warning: {text}" for text in warned[:MOST_WARNINGS])
-    sentence += f". {len(warned) - MOST_WARNINGS} more warnings of its runs" if len(warned) > MOST_WARNINGS else ""
+    sentence += "".join(f". Warning: {text}" for text in warned[:MAX_WARNINGS])
+    sentence += f". {len(warned) - MAX_WARNINGS} more warnings of its runs" if len(warned) > MAX_WARNINGS else ""
     return Best(runs, sentence, one.comparable)
 
 

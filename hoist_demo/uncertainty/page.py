@@ -9,7 +9,7 @@ from hoist_demo.report.rows import SummaryRow, in_display_unit, provenance_table
 from hoist_demo.study.metrics import METRICS, UNITS
 from hoist_demo.uncertainty.spread import QUANTILES, UncertaintyResult
 
-NAMED = 0.05  #: Share of a spread from which on a datum is named in the terminal.
+MIN_LISTED_SHARE = 0.05  #: Share of a spread from which on a datum is named in the terminal.
 
 
 def summary(result: UncertaintyResult) -> list[SummaryRow]:
@@ -23,7 +23,7 @@ def summary(result: UncertaintyResult) -> list[SummaryRow]:
         rows += [
             SummaryRow(group, key if key == "unexplained" else f"caused by {key}", f"{100 * x:.0f} %")
             for key, x in _sorted(result, name)
-            if x > NAMED
+            if x > MIN_LISTED_SHARE
         ]
     return [*rows, *status_rows(result.file.provenance())]
 

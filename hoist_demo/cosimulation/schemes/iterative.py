@@ -24,7 +24,7 @@ from hoist_demo.cosimulation.schemes.interface import Advance, CoupledSystem, Lo
 
 AcceleratorName = Literal["jacobian", "aitken", "secant"]
 ACCELERATORS: tuple[AcceleratorName, ...] = ("jacobian", "aitken", "secant")
-MOST_EXCHANGES = 30  #: Tries of one step, after which it fails.
+MAX_EXCHANGES = 30  #: Tries of one step, after which it fails.
 
 
 class Accelerator(Protocol):
@@ -113,7 +113,7 @@ class Iterative:
         _, linear, quadratic = extrapolation_coefficients(scheme_state.samples, "force", 1 if self.hold_mean else 2, h)
         x = self._unknown(force + linear / 2.0 + quadratic / 3.0, force + linear + quadratic)
         accelerator = self._accelerator(coupled)
-        for tried in range(MOST_EXCHANGES):
+        for tried in range(MAX_EXCHANGES):
             if tried:
                 coupled.restore(before)
             load = Load.constant(x) if self.hold_mean else Load.through(force, *np.split(x, 2))
@@ -127,7 +127,7 @@ class Iterative:
             x = accelerator.next(x, response)
         return Advance(
             scheme_state,
-            f"coupling: after {MOST_EXCHANGES} exchanges the forces still change by {change:.3g} N, "
+            f"coupling: after {MAX_EXCHANGES} exchanges the forces still change by {change:.3g} N, "
             f"tolerance {self.tolerance:g} N: take the accelerator secant, a shorter step or a larger tolerance",
         )
 

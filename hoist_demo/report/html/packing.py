@@ -84,14 +84,14 @@ MAPS = (
     ("tension", "Tension along the rope", "kN", 1e-3),
 )
 
-MOST_COLUMNS = 240  #: Most instants in a picture.
+MAX_COLUMNS = 240  #: Most instants in a picture.
 ROPE_ROWS = 160  #: Places along the rope in a picture.
 MISSING = "The rope has no outputs {}, so these are not shown along it; export its FMU anew and wind again."
 
 
 def along(recording: Recording, name: str) -> dict[str, object]:
     """Return pictures of what was recorded along a rope, one `name` of several, and a note of what was not."""
-    rows = frames(len(recording.time), MOST_COLUMNS)
+    rows = frames(len(recording.time), MAX_COLUMNS)
     curves = [curve for row in rows if (curve := recording.shape_at(row)) is not None]
     # arc lengths of the points [m]
     positions = [np.append(0.0, np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))) for curve in curves]

@@ -20,8 +20,8 @@ from hoist_demo.report.verdict import COLUMNS, Verdict
 from rope_model import FAR
 from rope_model.texts import html_text
 
-MOST_TIMES = 2000  #: Points of a time plot: twice what a laptop's screen resolves; peaks are kept.
-MOST_FRAMES = 600  #: Positions of the rope; the browser interpolates between them.
+MAX_TIMES = 2000  #: Points of a time plot: twice what a laptop's screen resolves; peaks are kept.
+MAX_FRAMES = 600  #: Positions of the rope; the browser interpolates between them.
 SHAPE_RESOLUTION = 1e-4  #: Error that packing may bring into a point of the rope [m].
 
 
@@ -73,7 +73,7 @@ def _data(result: Result, hoist: Hoist, ropes: Sequence[RopeData]) -> dict[str, 
     shown = panels.panels(recording, hoist, of_ropes)
     drawn = [(rope, own) for rope in ropes if _drawn(own := rope_signals(recording, rope.name))]
     return {
-        "time": packing.pack_to(packing.thin_times(recording.time, MOST_TIMES), 1e-4),
+        "time": packing.pack_to(packing.thin_times(recording.time, MAX_TIMES), 1e-4),
         # a run that stopped at once has one row, and an axis needs a length
         "span": [start, max(float(recording.time[-1]), start + 1e-3)],
         "signals": signals,
@@ -91,7 +91,7 @@ def _data(result: Result, hoist: Hoist, ropes: Sequence[RopeData]) -> dict[str, 
 
 
 def _signal(values: Array, unit: str) -> dict[str, object]:
-    return {"unit": page.unit_text(unit), "values": packing.pack(packing.thin(values, MOST_TIMES))}
+    return {"unit": page.unit_text(unit), "values": packing.pack(packing.thin(values, MAX_TIMES))}
 
 
 def _drawn(own: Recording) -> bool:
@@ -102,7 +102,7 @@ def _drawn(own: Recording) -> bool:
 
 def _curve(own: Recording, rope: RopeData) -> Mapping[str, object]:
     """Return the rope's curve at its frames in the shaft, and the places of its ends on the conveyances."""
-    rows = packing.frames(len(own.time), MOST_FRAMES)
+    rows = packing.frames(len(own.time), MAX_FRAMES)
     curves = np.array([own.shape_at(row) for row in rows], dtype=np.float64) + rope.suspension.origin
     return {
         "name": rope.name,
