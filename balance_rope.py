@@ -17,7 +17,7 @@ try:  # Ctrl-C during the slow imports must not print a traceback
     from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, missing_platforms
     from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
     from fmu_src.ssp import Datum, Version
-    from hoist_demo.cases.case import DEFAULT_HOIST, NAMED, Case
+    from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, Case
     from hoist_demo.cases.rules import with_values
     from hoist_demo.cases.table import NATIVE, find_case, fmu_name
     from hoist_demo.command_line.duty import add_duty
@@ -25,12 +25,12 @@ try:  # Ctrl-C during the slow imports must not print a traceback
     from hoist_demo.command_line.identify import add_identify
     from hoist_demo.command_line.linear import add_linear
     from hoist_demo.command_line.options import settings
-    from hoist_demo.command_line.results import named, results_folder, treat_hangup_as_interrupt
     from hoist_demo.command_line.study import add_study
+    from hoist_demo.command_line.support import named, results_folder, treat_hangup_as_interrupt
     from hoist_demo.command_line.uncertain import add_uncertain
     from hoist_demo.command_line.wind import add_wind
-    from hoist_demo.files.catalogue import CONTROLLER, parameters, rope_parameters
     from hoist_demo.files.reading import read
+    from hoist_demo.files.registry import CONTROLLER, parameters, rope_parameters
     from hoist_demo.files.rope_file import RopeFile
     from hoist_demo.files.values import plain
     from hoist_export import WITHOUT, export_hoist, export_rope
@@ -138,7 +138,7 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         nargs="?",
         default=DEFAULT_HOIST,
         metavar="HOIST",
-        help=f"start values: the rope of a hoist's file, or of {', '.join(NAMED)} (%(default)s)",
+        help=f"start values: the rope of a hoist's file, or of {', '.join(BUILTIN_HOISTS)} (%(default)s)",
     )
     export.add_argument(
         "--rope", type=Path, metavar="FILE", help="start values of the rope, as balance-rope identify writes them"
@@ -272,21 +272,21 @@ def _hoist(options: argparse.Namespace) -> tuple[Case, tuple[OneRope, ...], Traj
     case = find_case(options.hoist)
     for remark in case.remarks:
         print(f"balance-rope: {remark}", file=sys.stderr)
-    if case.ropes and (options.rope or options.set):
+    if case.distinct_ropes and (options.rope or options.set):
         raise ValueError(f"--rope and --set are for one rope: give their values to a [[rope]] of {options.hoist}")
-    if case.ropes and not options.ssp:
+    if case.distinct_ropes and not options.ssp:
         raise ValueError(f"{options.hoist} has several ropes, and an FMU has one: add --ssp")
     # slow imports
     from hoist_demo.ropes.definition import ropes_of
     from hoist_demo.study.run import build_trip
 
     run, trajectory = build_trip(options.hoist, {}), None
-    if not case.ropes:
+    if not case.distinct_ropes:
         case = _with_rope(case, options.rope, options.set)
     if options.ssp and run.controller != CONTROLLER.start:
         followed = replace(run, winding=replace(run.winding, start_delay=0.0)).design()
         case, trajectory = replace(case, gains=followed.gains), followed.trajectory
-    if not case.ropes:
+    if not case.distinct_ropes:
         return case, (), trajectory
     ropes = ropes_of(case, run, {}, options.level or case.level)
     return replace(case, hoist=ropes.hoist), ropes.ropes, trajectory

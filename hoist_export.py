@@ -13,7 +13,7 @@ from fmu_src.profile import Profile
 from fmu_src.ssp import Component, Datum, Version, export_ssp
 from hoist_demo.cases.case import Case
 from hoist_demo.drive_fmu.description import drive_model, duration
-from hoist_demo.drive_fmu.interface import DriveTail
+from hoist_demo.drive_fmu.interface import DriveRope
 from hoist_demo.drive_fmu.omissions import OMISSIONS, leave_out, not_held, obstacles
 from hoist_demo.parameters import start_heights
 from hoist_demo.parameters.problems import Problems
@@ -119,8 +119,8 @@ def export_hoist(
         raise ValueError(f"step = {step:g} s must be above 0 and at most {MOST_STEP:g} s: shorten it")
     case = leave_out(case, without)
     Problems([*obstacles(case), *_obstacles(case, ropes, without)]).refuse()
-    tails = [DriveTail(one.name, one.scene.rope.mass_per_length, one.scene.rope.length, one.place) for one in ropes]
-    drive = drive_model(case, tails, trajectory)
+    drive_ropes = [DriveRope(r.name, r.scene.rope.mass_per_length, r.scene.rope.length, r.suspension) for r in ropes]
+    drive = drive_model(case, drive_ropes, trajectory)
     fmus = {DRIVE: export_model(folder / f"{DRIVE}.fmu", platforms, fmi, **vars(drive))}
     for rope, parameters in _parameters(case, ropes).items():
         path = folder / f"{rope}.fmu"

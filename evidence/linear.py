@@ -21,12 +21,12 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.cosimulation.schemes.catalogue import find_scheme
-from hoist_demo.cosimulation.schemes.interface import ROPE_FORCES, Memory, Pair, Stopwatch
+from hoist_demo.cosimulation.schemes.interface import ROPE_FORCES, CoupledSystem, SchemeState, Stopwatch
 from hoist_demo.design.linear_model import LinearModel
 from hoist_demo.design.linearise import linearise
 from hoist_demo.design.reduction import ALPHA, reduced
 from hoist_demo.drive.equations import INPUT_NAMES
-from hoist_demo.drive.outputs import SHOWN
+from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.drive.plant import HoistPlant
 from rope_model import EndMotion
 
@@ -78,13 +78,13 @@ class Shaken:
         u[0], u[1:3] = state.x[0], forces
         self.held = float(u[0])
         self.drive = HoistPartner(plant, state, u, Stopwatch())
-        self.pair, self.scheme = Pair(self.drive, self.rope), find_scheme("iterative-secant")
+        self.pair, self.scheme = CoupledSystem(self.drive, self.rope), find_scheme("iterative-secant")
         self.read, self.k = self.rope.reader(SEEN[len(DRIVE) :]), 0
-        self.memory: Memory = self.pair.start(0.0)
+        self.memory: SchemeState = self.pair.start(0.0)
 
     def step(self, torque: float) -> list[float]:
         """Advance by H under a torque command; return SEEN before."""
-        seen = [*(float(self.drive.outputs[SHOWN[name]]) for name in DRIVE), *self.read()]
+        seen = [*(float(self.drive.outputs[OUTPUT_INDEX[name]]) for name in DRIVE), *self.read()]
         self.drive.command(torque, 0.0, np.zeros(6))
         self.memory, cause = self.scheme.advance(self.pair, self.memory, self.k * self.H, self.H)
         if cause:
@@ -95,7 +95,7 @@ class Shaken:
     def followed(self, speed: float, rise: float) -> float:
         """Torque that takes the hoist to the speed [m/s] within so many seconds and keeps it there."""
         hoist, (_, wanted, push, _) = self.case.hoist, smooth_step(self.k * self.H / rise)
-        error = speed * wanted - hoist.sheave_radius * float(self.drive.outputs[SHOWN["rate"]])
+        error = speed * wanted - hoist.sheave_radius * float(self.drive.outputs[OUTPUT_INDEX["rate"]])
         return self.held + hoist.sheave_radius * hoist.moving_mass * (speed / rise * push + error)
 
 

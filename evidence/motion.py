@@ -26,7 +26,7 @@ from pydantic import Field
 from scipy.interpolate import CubicSpline, make_smoothing_spline
 from scipy.optimize import brentq
 
-from hoist_demo.calibration.definition import Measured
+from hoist_demo.calibration.definition import MeasurementFile
 from hoist_demo.calibration.fit import fit
 from hoist_demo.calibration.identify import residuals_of, stacked
 from hoist_demo.calibration.tracks import Markers
@@ -141,9 +141,9 @@ class Started(Markers):
                 found.append(at_places(rows[:, 1:7], *elements_at(s, np.diff(rows[:, 0]))))
         return np.array(found)
 
-    def predict(self, trial: Any, *_: float) -> Array:
-        """Residuals (m) on the scene of a measurements.Trial, without offsets and delay."""
-        off = (self.wound(trial.scene) - self.seen)[np.isfinite(self.seen)]
+    def predict(self, predictor: Any, *_: float) -> Array:
+        """Residuals (m) on the scene of a measurements.RopePredictor, without offsets and delay."""
+        off = (self.wound(predictor.scene) - self.seen)[np.isfinite(self.seen)]
         return np.concatenate((off, np.zeros(self.nuisance)))
 
     def misses(self, places: Array) -> Array:
@@ -164,7 +164,7 @@ class Started(Markers):
         return np.array(found)
 
 
-class Motions(Measured):
+class Motions(MeasurementFile):
     """A file of such markers."""
 
     measurements: list[Started] = Field(alias="measured", min_length=1)  # type: ignore[assignment]
@@ -244,12 +244,12 @@ def judged(folder: Path, cable: Path, out: Path) -> Judged:
     lengths = arc_lengths(runs(folder / "train", FITTED))
     judges = motions(folder / "eval", cable, out, JUDGED, lengths)
     fitted = motions(folder / "train", cable, out, FITTED, lengths)
-    bench, measured = fitted.bench, fitted.measurements
-    found = fit(residuals_of(bench, measured, *stacked(measured)), len(bench.names), FOUND)
-    for name, share, reach in zip(bench.names, found.shares, found.reaches, strict=True):
-        low, value, high = (bench.data[name].at(float(np.clip(share + k * reach, 0.0, 1.0))) for k in (-1, 0, 1))
+    problem, measured = fitted.problem, fitted.measurements
+    found = fit(residuals_of(problem, measured, *stacked(measured)), len(problem.names), FOUND)
+    for name, share, reach in zip(problem.names, found.norm_params, found.reaches, strict=True):
+        low, value, high = (problem.data[name].at(float(np.clip(share + k * reach, 0.0, 1.0))) for k in (-1, 0, 1))
         print(f"{name} = {value:.4g} ({low:.4g} to {high:.4g})")
-    scene, misses, chains = bench.trial(found.shares).scene, list[Array](), list[Array]()
+    scene, misses, chains = problem.predictor(found.norm_params).scene, list[Array](), list[Array]()
     for one in judges.measurements:
         misses.append(one.misses(one.wound(scene)))
         chains.append(one.misses(one.hung(scene.rope.length)))

@@ -28,8 +28,8 @@ from evidence.stability.page import page as stability_page
 from evidence.tables import Tables, read
 from evidence.validation.page import page as validation_page
 from hoist_demo.cases.rules import LENGTH, RULES
-from hoist_demo.files.catalogue import host_parameters
-from hoist_demo.parameters.quantity import ANY
+from hoist_demo.files.registry import host_parameters
+from hoist_demo.parameters.quantity import UNBOUNDED
 from hoist_demo.study.metrics import METRICS
 
 #: front matter of a page outside the navigation
@@ -86,7 +86,7 @@ def metrics(tables: Tables) -> str:
     return markdown(_both((f"`{name}`", unit, text) for name, (unit, text) in METRICS.items()), "name", "unit", "")
 
 
-RULED = {rule.key: rule.words for rule in (LENGTH, *RULES)}
+RULED = {rule.key: rule.expression for rule in (LENGTH, *RULES)}
 
 
 def rules(tables: Tables) -> str:
@@ -101,7 +101,7 @@ def host(tables: Tables) -> str:
         value = "none" if p.start is None else f"{p.start:.6g}" if isinstance(p.start, float) else str(p.start)
         start = "by rule" if p.name in RULED else f"none; {value}" if p.name.count(".") > 1 else value
         meaning = ", ".join(filter(None, (p.meaning, " or ".join(p.choices))))
-        bounds = "" if p.bounds == ANY else p.bounds.words
+        bounds = "" if p.bounds == UNBOUNDED else p.bounds.description
         rows.append((f"`{p.name}`", "" if p.unit == "1" else p.unit, start, bounds, meaning))
     return markdown(_both(rows), "key", "unit", "default", "bounds", "meaning")
 

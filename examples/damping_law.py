@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 import camera_track as camera
 import numpy as np
 
-from hoist_demo.calibration.definition import Measured
+from hoist_demo.calibration.definition import MeasurementFile
 from hoist_demo.calibration.fit import Fit, fit
 from hoist_demo.calibration.identify import residuals_of, stacked
 from hoist_demo.files.reading import read
@@ -35,16 +35,16 @@ def swung(folder: Path, part: float, seed: int) -> str:
     return table + keys.replace("swing.csv", f"{seed}.csv")
 
 
-def fitted(folder: Path, swings: str, law: str) -> tuple[Measured, Fit]:
+def fitted(folder: Path, swings: str, law: str) -> tuple[MeasurementFile, Fit]:
     """Fit one law to the swings."""
     head = (folder / "swing.toml").read_text(encoding="utf-8").partition("[[measured]]")[0]
     head = head.replace("high = 3e-2 }\n\n[sought]", "high = 1.2e-2 }\n\n[sought]").replace("low = 0.01", "low = 0.001")
     file = folder / f"{law}.toml"
     head = head.replace("[fixed]", f"{LAWS[law]}[fixed]\nrope.slip_factor = 0.0")
     file.write_text(head + swings, encoding="utf-8")
-    measured = read(file, Measured)
-    bench, asked = measured.bench, measured.measurements
-    return measured, fit(residuals_of(bench, asked, *stacked(asked)), len(bench.names))
+    file = read(file, MeasurementFile)
+    problem, asked = file.problem, file.measurements
+    return file, fit(residuals_of(problem, asked, *stacked(asked)), len(problem.names))
 
 
 def main() -> None:
@@ -54,8 +54,8 @@ def main() -> None:
         far, near = swung(folder, 1.0, 1), swung(folder, 1.0 / 3.0, 2)
         for what, swings in (("one swing", far), ("two amplitudes", far + near)):
             for law in LAWS:
-                measured, found = fitted(folder, swings, law)
-                told = [f"{name} = {measured.bench.value(name, found.shares):.3g}" for name in measured.bench.names]
+                file, found = fitted(folder, swings, law)
+                told = [f"{name} = {file.problem.value(name, found.norm_params):.3g}" for name in file.problem.names]
                 misfit = np.sqrt(np.mean(np.square(found.residuals)))
                 print(f"{what}, {law}: {misfit:.2f} standard errors off (RMS); {', '.join(told)}")
 

@@ -75,7 +75,7 @@ class Lqg:
 def wound(run: RunData, controller: Any) -> dict[str, float]:
     """Metrics of a trip; the controller has the data of the design."""
     made = None if controller is None else lambda hoist, holding: controller(DESIGN.hoist, holding)
-    rope = InProcessRope(rope_scene(run.fmu))
+    rope = InProcessRope(rope_scene(run.rope_values))
     result = Host(rope, run.hoist, run.winding, run.coupling, run.gains, made).run()
     return measure(result, run.hoist, run.arrival).metrics
 

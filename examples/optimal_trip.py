@@ -59,14 +59,14 @@ def planned(T: float) -> tuple[float, Array]:
         g.append(np.append(C @ x, x[-3:]))  # of a jerk that many intervals ago: swings, s, v, a
         x = step[:-1, :-1] @ x
     ago = np.subtract.outer(np.arange(1, N + HOLD + 1), np.arange(N)) - 1
-    given = np.where((ago >= 0)[..., None], np.array(g)[np.maximum(ago, 0)], 0.0)  # (instants, jerks, quantities)
-    swing, end = np.concatenate((given[N:, :, 0], given[N:, :, 1])), given[N - 1, :, 2:].T
+    effect = np.where((ago >= 0)[..., None], np.array(g)[np.maximum(ago, 0)], 0.0)  # (instants, jerks, quantities)
+    swing, end = np.concatenate((effect[N:, :, 0], effect[N:, :, 1])), effect[N - 1, :, 2:].T
     place, one = np.kron(np.eye(2), np.ones((HOLD, 1))), np.ones((2 * HOLD, 1))
     # unknowns: jerks up, jerks down, places at rest, w
     rows = [np.hstack((sign * swing, -sign * swing, -sign * place, -one)) for sign in (1, -1)]
     bounds = [np.zeros(4 * HOLD)]
     for k, most in ((3, WINDING.speed), (4, WINDING.acceleration)):
-        rows += [np.hstack((sign * given[:N, :, k], -sign * given[:N, :, k], np.zeros((N, 3)))) for sign in (1, -1)]
+        rows += [np.hstack((sign * effect[:N, :, k], -sign * effect[:N, :, k], np.zeros((N, 3)))) for sign in (1, -1)]
         bounds.append(np.full(2 * N, most))
     cost = np.concatenate((np.full(2 * N, PRICE * h), [0.0, 0.0, 1.0]))
     found = linprog(
@@ -87,7 +87,7 @@ def fastest() -> Trajectory:
 
 def wound(trip: Trajectory) -> dict[str, float]:
     """Metrics of a trip in the co-simulation."""
-    rope = InProcessRope(rope_scene(RUN.fmu))
+    rope = InProcessRope(rope_scene(RUN.rope_values))
     result = Host(rope, HOIST, WINDING, RUN.coupling, GAINS, trajectory=trip).run()
     return measure(result, HOIST, RUN.arrival).metrics
 

@@ -31,8 +31,8 @@ hoist = Hoist(
 winding = Winding(travel=150.0, speed=10.0, acceleration=0.8, settle=5.0)
 gains = Gains(speed=3.0 * hoist.moving_mass, integral_time=2.0, position=0.5)
 known = rope("34x7", diameter=0.049, length=hoist.tail_rope_length).rope(mass_per_length=hoist.tail_rope_mass)
-tail = {f"rope.{name}": getattr(known, name) for name in FOLLOWING} | {"layout.spacing": 2.2}
-plant = FmuRope(fmu, tail)
+balance_rope = {f"rope.{name}": getattr(known, name) for name in FOLLOWING} | {"layout.spacing": 2.2}
+plant = FmuRope(fmu, balance_rope)
 result = Host(plant, hoist, winding, gains=gains).run()
 data = plant.data()
 plant.close()

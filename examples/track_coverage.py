@@ -13,7 +13,7 @@ from typing import Any
 import camera_track as camera
 import numpy as np
 
-from hoist_demo.calibration.definition import Measured
+from hoist_demo.calibration.definition import MeasurementFile
 from hoist_demo.calibration.fit import CONFIDENCE
 from hoist_demo.calibration.identify import identify
 from hoist_demo.files.reading import read
@@ -30,7 +30,7 @@ def tried(markers: np.ndarray, seeds: range, kind: str = "labelled") -> Iterator
     """Yield for each set whether the intervals have the truth, and the errors over the values."""
     for seed in seeds:
         with TemporaryDirectory() as folder:
-            found = identify(read(camera.write(Path(folder), markers, seed, **KINDS[kind]), Measured))
+            found = identify(read(camera.write(Path(folder), markers, seed, **KINDS[kind]), MeasurementFile))
         told = [(found.data[name], found.value(name), true) for name, true in camera.TRUTH.items()]
         yield [one.low <= true <= one.high for one, _, true in told], [value / true - 1 for _, value, true in told]
 

@@ -87,8 +87,8 @@ def estimates(measured: Array, torque: Array) -> Array:
 
 print(f"{'RMS error / size':>24}" + "".join(f"{name:>20}" for name in TOLD))
 for trip in sys.argv[1:] or TRIPS:
-    run = build("rope-120", TRIPS[trip])
-    record = Host(InProcessRope(rope_scene(run.fmu)), run.hoist, run.winding, run.coupling, run.gains).run().recording
+    r = build("rope-120", TRIPS[trip])
+    record = Host(InProcessRope(rope_scene(r.rope_values)), r.hoist, r.winding, r.coupling, r.gains).run().recording
     noise = np.random.default_rng(1).normal(size=(SEEN, record.time.size))
     measured = np.array([record[name] + s * n for (name, s), n in zip(MEASURED.values(), noise, strict=True)]).T
     told = estimates(measured, record["drive.torque"])

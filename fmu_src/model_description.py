@@ -12,7 +12,7 @@ from xml.etree.ElementTree import Element
 
 from fmu_src.interface import RATES, Variable
 from fmu_src.profile import Array
-from fmu_src.units import QUANTITIES, quantity_attributes, unit_definition, units_of
+from fmu_src.units import DECLARED_TYPES, quantity_attributes, unit_definition, units_of
 from fmu_src.xml import node, plain
 from rope_model.parameters import CHOICES
 from rope_model.scene_names import choices_of
@@ -87,7 +87,7 @@ def model_description(described: Mapping[int, Variable], build: Build) -> Elemen
         providesDirectionalDerivative=build.derivatives,
     )
     units = units_of(variables)
-    types = [node("SimpleType", node("Real", **quantity_attributes(u)), name=QUANTITIES[u].name) for u in units]
+    types = [node("SimpleType", node("Real", **quantity_attributes(u)), name=DECLARED_TYPES[u].name) for u in units]
     listed = [
         node(
             "ScalarVariable",
@@ -100,11 +100,8 @@ def model_description(described: Mapping[int, Variable], build: Build) -> Elemen
     ]
     indices = {v.name: index for index, v in enumerate(variables, start=1)}
     outputs = {v.name: indices[v.name] for v in variables if v.causality == "output"}
-    at_start = (
-        node("Unknown", dependencies=_dependencies(build, name, indices), index=index)
-        for name, index in outputs.items()
-    )
-    later = (node("Unknown", dependencies=_dependencies_later(name), index=index) for name, index in outputs.items())
+    at_start = (node("Unknown", dependencies=_dependencies(build, x, indices), index=k) for x, k in outputs.items())
+    later = (node("Unknown", dependencies=_dependencies_later(x), index=k) for x, k in outputs.items())
     structure = [node("Outputs", *later), node("InitialUnknowns", *at_start)]
     return _document(build, {"fmiVersion": "2.0", "guid": build.token}, interface, units, types, listed, structure)
 
@@ -131,16 +128,14 @@ def model_description3(gathered: Sequence[Array], time: int, build: Build) -> El
     )
     variables = [array.variable for array in gathered]
     units = units_of(variables)
-    types = [node("Float64Type", name=QUANTITIES[unit].name, **quantity_attributes(unit)) for unit in units]
+    types = [node("Float64Type", name=DECLARED_TYPES[unit].name, **quantity_attributes(unit)) for unit in units]
     types += map(_enumeration, dict.fromkeys(_choice(v.name) for v in variables if choices_of(v.name)))
     independent = {"causality": "independent", "variability": "continuous", "description": "time"}
     listed = [node("Float64", name="time", valueReference=time, **independent, declaredType="Time")]
     listed += map(_variable3, gathered)
     numbers = {array.name: array.reference for array in gathered}
     outputs = {array.name: array.reference for array in gathered if array.variable.causality == "output"}
-    structure = [
-        node("Output", valueReference=number, dependencies=_dependencies_later(x)) for x, number in outputs.items()
-    ]
+    structure = [node("Output", valueReference=k, dependencies=_dependencies_later(x)) for x, k in outputs.items()]
     structure += [
         node("InitialUnknown", dependencies=_dependencies(build, name, numbers), valueReference=number)
         for name, number in outputs.items()
@@ -154,10 +149,8 @@ def build_description(build: Build, fmi: int) -> Element:
     files = [node("SourceFile", name=name) for name in build.sources]
     if fmi == 3:  # the binary's functions have no prefix; those of FMI 2.0 have none anyway
         files.append(node("PreprocessorDefinition", name="FMI3_OVERRIDE_FUNCTION_PREFIX", value=1))
-    configuration = node(
-        "BuildConfiguration", node("SourceFileSet", *files, language="C99"), modelIdentifier=build.name
-    )
-    return node("fmiBuildDescription", configuration, fmiVersion="3.0")
+    config = node("BuildConfiguration", node("SourceFileSet", *files, language="C99"), modelIdentifier=build.name)
+    return node("fmiBuildDescription", config, fmiVersion="3.0")
 
 
 def _document(
@@ -213,7 +206,7 @@ def _common_attributes(v: Variable) -> dict[str, str]:
 
 def _type_attributes(v: Variable) -> dict[str, Any]:
     """Return declared type, unit and bounds."""
-    out = {"declaredType": QUANTITIES[v.unit].name, "unit": v.unit} if v.unit else {}
+    out = {"declaredType": DECLARED_TYPES[v.unit].name, "unit": v.unit} if v.unit else {}
     return out | {key: f"{x:g}" for key, x in (("min", v.minimum), ("max", v.maximum)) if x is not None}
 
 

@@ -85,9 +85,7 @@ def export_ssp(
     ports = [port for c in components for port in _ports(c.name, described[c.name], types)]
     pairs = _pairs(ports)
     connected = {port for pair in pairs for port in pair}
-    elements = (
-        _component(c, [p for p in ports if p.component == c.name and p in connected], version) for c in components
-    )
+    nodes = (_component(c, [p for p in ports if p.component == c.name and p in connected], version) for c in components)
     connections = (
         node(
             "ssd:Connection",
@@ -108,7 +106,7 @@ def export_ssp(
     )
     system = node(
         "ssd:System",
-        node("ssd:Elements", *elements),
+        node("ssd:Elements", *nodes),
         node("ssd:Connections", *connections),
         _annotations("org.openmodelica", node("oms:Annotations", node("oms:SimulationInformation", master))),
         name=name,
@@ -162,14 +160,12 @@ def _annotations(tool: str, content: Element) -> Element:
 
 
 def _read(component: Component) -> Element:
-    """Read the model description; ValueError for another FMI version and for unknown parameters."""
+    """Read the model description; ValueError for another FMI fmi and for unknown parameters."""
     with zipfile.ZipFile(component.fmu) as archive:
         root = ElementTree.fromstring(archive.read("modelDescription.xml"))
-    version = root.get("fmiVersion")
-    if version not in ("2.0", "3.0"):
-        raise ValueError(
-            f"FMU '{component.fmu}' has fmiVersion = {version}, but must have 2.0 or 3.0: export one of these"
-        )
+    fmi = root.get("fmiVersion")
+    if fmi not in ("2.0", "3.0"):
+        raise ValueError(f"FMU '{component.fmu}' has fmiVersion = {fmi}, but must have 2.0 or 3.0: export one of these")
     known = {v.get("name") for v in _variables(root) if v.get("causality") in ("parameter", "input")}
     if unknown := sorted(set(component.parameters) - known):
         raise ValueError(f"{component.name} has no parameter {', '.join(unknown)}: see its documentation for the names")

@@ -15,7 +15,7 @@ from hoist_demo.drive.plant import HoistPlant, PlantState, PlantStep
 from hoist_demo.parameters import GRAVITY, Hoist, Winding
 
 
-class PlantInput(namedtuple("Given", INPUT_NAMES, defaults=(0.0,) * (len(INPUT_NAMES) - 3))):
+class PlantInput(namedtuple("PlantInput", INPUT_NAMES, defaults=(0.0,) * (len(INPUT_NAMES) - 3))):
     """Held over one communication step; forces are those of one balance rope."""
 
 
@@ -55,7 +55,7 @@ class Plant(HoistPlant):
     def rates(self, state: PlantState, u: PlantInput) -> np.ndarray:
         """dx/dt of head ropes that hold."""
         hoist = replace(self.hoist, lining=None)
-        found = equations(hoist.parts).rates(state.x, np.array(u), state.free_lengths, hoist.numbers)
+        found = equations(hoist.equation_structure).rates(state.x, np.array(u), state.free_lengths, hoist.numbers)
         return np.asarray(found).ravel()
 
 

@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from rope_groups import rope_in_process
 from scipy.linalg import expm
 
-from hoist_demo.cases.case import NAMED
+from hoist_demo.cases.case import BUILTIN_HOISTS
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
@@ -25,7 +25,15 @@ from hoist_demo.cosimulation.schemes import explicit
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.energy import EnergyControlled
 from hoist_demo.cosimulation.schemes.explicit import GaussSeidel, ImpulsePreserving, SemiImplicit
-from hoist_demo.cosimulation.schemes.interface import InterfaceMotion, Load, Memory, Pair, Reader, Sample, Scheme
+from hoist_demo.cosimulation.schemes.interface import (
+    CoupledSystem,
+    InterfaceMotion,
+    Load,
+    Reader,
+    Sample,
+    Scheme,
+    SchemeState,
+)
 from hoist_demo.cosimulation.schemes.iterative import Iterative
 from hoist_demo.cosimulation.schemes.stability import MARGIN, growth_per_step
 from hoist_demo.parameters import Coupling, Hoist, Winding
@@ -103,21 +111,21 @@ class Drive:
 
     def step(self, t: float, h: float, load: Load) -> str:
         d, mass = self.data, self.data.m + float(load.added_mass[0])
-        c = np.array([load.start[0] + d.f, load.rise[0], load.bend[0]])
+        c = np.array([load.start[0] + d.f, load.linear[0], load.quadratic[0]])
         self.state = driven(np.array([[0.0, 1.0], [-d.k / mass, 0.0]]), np.array([0.0, 1.0 / mass]), self.state, h, c)
         return ""
 
-    def place(self) -> np.ndarray:
+    def position(self) -> np.ndarray:
         return both(self.state[0])
 
     def motion(self, load: Load, s: float) -> InterfaceMotion:
         d, (y, v) = self.data, self.state
-        force = load.start[0] + s * (load.rise[0] + s * load.bend[0])
+        force = load.start[0] + s * (load.linear[0] + s * load.quadratic[0])
         a = (d.f - d.k * y + force) / (d.m + load.added_mass[0])
         return InterfaceMotion(both(y), both(v), both(a))
 
     def ends(self, motion: InterfaceMotion) -> tuple[EndMotion, EndMotion]:
-        return EndMotion(y=motion.place[0], vy=motion.speed[0], ay=motion.acceleration[0]), NOTHING
+        return EndMotion(y=motion.position[0], vy=motion.speed[0], ay=motion.acceleration[0]), NOTHING
 
     def accelerance(self) -> np.ndarray:
         return np.diag(both(1.0 / self.data.m))
@@ -174,7 +182,7 @@ class Follower:
         self.state, self.end, self.mean, self.h = snapshot
 
 
-def start(data: Data, t: float, H: float) -> tuple[Pair, Memory]:
+def start(data: Data, t: float, H: float) -> tuple[CoupledSystem, SchemeState]:
     """Both halves on the exact solution at t, with exact samples of the two steps before."""
     samples = []
     for past in (t - 2 * H, t - H, t):
@@ -183,20 +191,20 @@ def start(data: Data, t: float, H: float) -> tuple[Pair, Memory]:
         samples.append(Sample(past, both(force), both(-impulse / H), both(a)))
     y, v, x, w = data.exact(t)
     follower = Follower(data, np.array([x, w]), np.array([y, v, a]), float(samples[-1].mean[0]), H)
-    return Pair(Drive(data, np.array([y, v])), follower), Memory(tuple(samples))
+    return CoupledSystem(Drive(data, np.array([y, v])), follower), SchemeState(tuple(samples))
 
 
 def error(scheme: Scheme, H: float, data: Data | None = None) -> float:
     """RMS error of the force over its largest, from 0.5 to 2.5 s, at the communication points."""
     data, begin = data or Data(), 0.5
-    (pair, memory), found = start(data, begin, H), []
+    (coupled, scheme_state), found = start(data, begin, H), []
     times = begin + H * np.arange(round(2.0 / H))
     for t in times:
-        advance = scheme.advance(pair, memory, float(t), H)
+        advance = scheme.advance(coupled, scheme_state, float(t), H)
         if advance.cause:
             return math.inf
-        memory = advance.memory
-        found.append(float(memory.last.force[0]))
+        scheme_state = advance.scheme_state
+        found.append(float(scheme_state.last.force[0]))
     exact = np.array([data.forces(float(t) + H)[0] for t in times])
     return float(np.sqrt(np.mean((np.array(found) - exact) ** 2)) / np.max(np.abs(exact)))
 
@@ -225,7 +233,7 @@ def test_every_scheme_has_the_order_of_its_theory(name: str) -> None:
 @pytest.mark.parametrize("accelerator", ["jacobian", "secant"])
 def test_iteration_and_semi_implicit_exchange_hold_where_the_end_is_heavier_than_the_drive(accelerator: Any) -> None:
     heavy = Data(m_e=20.0)
-    errors = [error(Iterative(accelerator, 1e-9, held=True), H, heavy) for H in (0.01, 0.005)]
+    errors = [error(Iterative(accelerator, 1e-9, hold_mean=True), H, heavy) for H in (0.01, 0.005)]
     assert errors[1] < 0.6 * errors[0] < 0.05
     assert error(SemiImplicit(1), 0.01, heavy) < 0.05
     assert not error(GaussSeidel(0), 0.01, heavy) < 1.0
@@ -256,18 +264,18 @@ def test_extrapolation_reproduces_polynomials_of_its_order_on_uneven_samples(deg
 @pytest.mark.parametrize(("inner", "bound"), [(ImpulsePreserving(), 1.0), (GaussSeidel(1), 0.05)])
 def test_energy_control_keeps_the_residual_below_its_bound(inner: Scheme, bound: float) -> None:
     H = 0.04
-    (free, free_memory), (pair, memory) = start(Data(), 0.5, H), start(Data(), 0.5, H)
+    (free, free_memory), (coupled, scheme_state) = start(Data(), 0.5, H), start(Data(), 0.5, H)
     scheme, worst, uncontrolled = EnergyControlled(inner, bound), 0.0, 0.0
     for k in range(25):
-        advance = scheme.advance(pair, memory, 0.5 + k * H, H)
+        advance = scheme.advance(coupled, scheme_state, 0.5 + k * H, H)
         assert not advance.cause
-        worst = max(worst, abs(advance.memory.residual - memory.residual) / H)
-        memory = advance.memory
-        after = inner.advance(free, free_memory, 0.5 + k * H, H).memory
+        worst = max(worst, abs(advance.scheme_state.residual - scheme_state.residual) / H)
+        scheme_state = advance.scheme_state
+        after = inner.advance(free, free_memory, 0.5 + k * H, H).scheme_state
         uncontrolled = max(uncontrolled, abs(after.residual - free_memory.residual) / H)
         free_memory = after
     assert worst <= bound < uncontrolled
-    assert memory.exchanges > 25
+    assert scheme_state.exchanges > 25
 
 
 # a mere mass; and F = -Z v with speeds that decay by 0.9 per step: the root is 0.9 - Z H / M
@@ -312,7 +320,7 @@ def test_a_choice_that_will_be_unstable_is_warned_of_with_the_number(caplog: pyt
     assert result.warning in caplog.text
 
 
-@pytest.mark.parametrize("case", NAMED)
+@pytest.mark.parametrize("case", BUILTIN_HOISTS)
 @pytest.mark.parametrize("H", [0.005, 0.01, 0.02])
 def test_the_default_is_expected_to_be_stable_on_every_case(case: str, H: float) -> None:
     scene, plant = find_case(case), rope_in_process(case, level="draft")

@@ -120,7 +120,7 @@ def test_search_finds_the_minimum(judge: Callable[[np.ndarray], Score], best: li
 
 def test_shaper_takes_the_swing_that_a_trip_leaves() -> None:
     run = build("rope-120", {"winding.jerk": 3.0, "controller": "input-shaping"})
-    rope = InProcessRope(rope_scene(run.fmu, "draft"))
+    rope = InProcessRope(rope_scene(run.rope_values, "draft"))
     result = Host(rope, run.hoist, run.winding, run.coupling, run.gains).run()
     metrics = measure(result, run.hoist, run.arrival).metrics
     assert replace(run, winding=replace(run.winding, emergency_at=1.0)).design()  # a guard may stop what a file may not

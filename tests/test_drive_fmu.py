@@ -34,7 +34,7 @@ from hoist_demo.drive_fmu.description import drive_model
 from hoist_demo.drive_fmu.kernels import _input, _outputs
 from hoist_demo.drive_fmu.omissions import OMISSIONS, leave_out, obstacles
 from hoist_demo.parameters import start_heights
-from hoist_demo.parameters.place import Place
+from hoist_demo.parameters.suspension import SuspensionOffset
 
 pytestmark = pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")
 SETUP = find_case("rope-120")
@@ -139,20 +139,20 @@ def test_overwind_is_refused_and_leaves_the_drive_where_it_was(drive: Host) -> N
 def test_ropes_beside_the_centres_do_the_work_that_the_drive_gets() -> None:
     """At random motions: forces and moments times the speeds of the ropes' ends, and of the conveyances."""
     case, rng = find_case("kiruna-355"), np.random.default_rng(1)
-    places = {"a": Place(0.2, -0.1, -0.5), "b": Place(z=0.4), "c": Place()}
-    tails = [interface.DriveTail(name, 8.0, 400.0, place) for name, place in places.items()]
+    places = {"a": SuspensionOffset(0.2, -0.1, -0.5), "b": SuspensionOffset(z=0.4), "c": SuspensionOffset()}
+    ropes = [interface.DriveRope(name, 8.0, 400.0, place) for name, place in places.items()]
     plant = HoistPlant(case.hoist)
     x = plant.hanging_state(*start_heights(case.hoist, case.winding), -1e4, -1e5).x
     x += 0.01 * rng.normal(size=x.size)
-    names = [*interface.force_inputs(tails), *interface.side_forces(case.hoist, tails)]
+    names = [*interface.force_inputs(ropes), *interface.side_forces(case.hoist, ropes)]
     forces = dict(zip(names, rng.normal(size=len(names)), strict=True))
-    u = np.concatenate([[0.0], _input(plant, tails)(x, list(forces.values())).full().ravel()])
-    values = _outputs(plant, tails)(x, u, [40.0, 395.0]).full().ravel()
-    shown = dict(zip(interface.plant_outputs(case.hoist, tails), values, strict=True))
+    u = np.concatenate([[0.0], _input(plant, ropes)(x, list(forces.values())).full().ravel()])
+    values = _outputs(plant, ropes)(x, u, [40.0, 395.0]).full().ravel()
+    shown = dict(zip(interface.plant_outputs(case.hoist, ropes), values, strict=True))
     pairs = (("fx", "vx"), ("fy_mean", "vy"), ("fz", "vz"), ("my", "yaw_rate"))
     at_ends = sum(
         forces[f"{one.name}.{side}.{force}"] * shown.get(f"{one.name}.{side}.{rate}", shown[f"{side}.{rate}"])
-        for one in tails
+        for one in ropes
         for side in SIDES
         for force, rate in pairs
     )

@@ -48,7 +48,7 @@ def schedule_of(
 
 
 def rope_of(schedule: Schedule) -> InProcessRope:
-    return InProcessRope(rope_scene(schedule.pattern[0].fmu, schedule.level), READ)
+    return InProcessRope(rope_scene(schedule.pattern[0].rope_values, schedule.level), READ)
 
 
 def wound(schedule: Schedule) -> list[WoundTrip]:

@@ -12,14 +12,14 @@ from pydantic import TypeAdapter
 from rope_groups import rope_in_process
 
 from balance_rope import main
-from hoist_demo.cases.case import HOISTS, NAMED
+from hoist_demo.cases.case import BUILTIN_HOISTS, HOISTS
 from hoist_demo.cases.table import NATIVE, find_case, fmu_name
 from hoist_demo.command_line import wind
 from hoist_demo.command_line.options import settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data_of, rope_scene
-from hoist_demo.files.catalogue import parameters
+from hoist_demo.files.registry import parameters
 from hoist_demo.files.run_values import Values
 from hoist_demo.files.values import statuses as file_statuses
 from hoist_demo.parameters import Hoist, Winding
@@ -37,14 +37,14 @@ def known(name: str, given: dict[str, str]) -> list[SourcedValue]:
     return [*host_provenance(build(name, {}), given), *rope_provenance(find_case(name), rope, given)]
 
 
-@pytest.mark.parametrize("name", NAMED)
+@pytest.mark.parametrize("name", BUILTIN_HOISTS)
 def test_every_number_of_a_case_has_a_status(name: str) -> None:
     data = known(name, {})
     assert {one.status for one in data} <= {*STATUSES}
     found = statuses(data)
     assert len(found) == len(data)
     # what a hoist's source states are numbers of the hoist
-    stated = {key for key, status in find_case(name).given.items() if status == "published"}
+    stated = {key for key, status in find_case(name).status_by_name.items() if status == "published"}
     assert {key for key, status in found.items() if status == "published"} == stated
 
 

@@ -11,7 +11,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from balance_rope import main
-from hoist_demo.cases.case import FOLDER, NAMED
+from hoist_demo.cases.case import BUILTIN_HOISTS, FOLDER
 from hoist_demo.cases.rules import TAIL_SPARE
 from hoist_demo.cases.table import find_case
 from hoist_demo.duty.schedule import read_schedule
@@ -24,7 +24,7 @@ from hoist_demo.study.run import build, build_trip
 from rope_model.scene_names import named_parameters
 
 ROOT = Path(__file__).parents[1]
-SHIPPED = [*(FOLDER / f"{name}.toml" for name in NAMED), *sorted((ROOT / "examples" / "hoists").glob("*.toml"))]
+SHIPPED = [*(FOLDER / f"{n}.toml" for n in BUILTIN_HOISTS), *sorted((ROOT / "examples" / "hoists").glob("*.toml"))]
 OWN = """
 name = "Own"
 status = "data sheet"
@@ -71,7 +71,7 @@ def test_units_are_converted_to_the_last_bit_and_what_is_left_out_follows_by_rul
     assert_allclose(case.gains.speed, 3.0 * hoist.moving_mass)
     assert [case.rope[f"{side}.swivel.mode"] for side in ("left", "right")] == [2, 0]
     wanted = {"hoist.payload_left": "data sheet", "hoist.conveyance_mass": "measured", "gains.speed": "derived"}
-    assert {key: case.given[key] for key in wanted} == wanted
+    assert {key: case.status_by_name[key] for key in wanted} == wanted
     assert case.sources["hoist.conveyance_mass"] == "scale"
     assert case.remarks == ()
 
@@ -85,8 +85,8 @@ def test_a_new_hoist_reads_back_and_shows_what_statics_say(tmp_path: Path, capsy
     assert read(tmp_path / "equal.toml", HoistFile).case.hoist.tail_rope_number == 2
     case = read(path, HoistFile).case
     checked().validate(tomllib.loads(path.read_text(encoding="utf-8")))
-    assert [case.given[f"hoist.{key}"] for key in ("payload_left", "brake.torque")] == ["given", "derived"]
-    torques = [tail.parameters["rope.Qc"] for tail in case.ropes]
+    assert [case.status_by_name[f"hoist.{key}"] for key in ("payload_left", "brake.torque")] == ["given", "derived"]
+    torques = [rope.parameters["rope.Qc"] for rope in case.distinct_ropes]
     assert torques[0] == -torques[1] > 0.0
     capsys.readouterr()
     assert main(["show", str(path)]) == 0
@@ -182,9 +182,10 @@ def test_a_value_that_is_set_counts_as_if_it_stood_in_the_file_and_one_that_vari
     text = OWN.replace("shaft_travel = 870", "shaft_travel = 600")
     text = text.replace("number = 2\n", "number = 2\nmass_per_length = 20.0\n")
     there = build(str(written(tmp_path / "there.toml", text)), {})
-    assert (run.hoist, run.winding, run.gains, run.fmu) == (there.hoist, there.winding, there.gains, there.fmu)
+    fields = ("hoist", "winding", "gains", "rope_values")
+    assert [getattr(run, name) for name in fields] == [getattr(there, name) for name in fields]
     assert_allclose(run.hoist.rope_mass, 2.0 * 20.0)
-    assert run.given["hoist.head_rope_mass"] == "derived"
+    assert run.status_by_name["hoist.head_rope_mass"] == "derived"
     # a rope of the catalogue, with a tenth more of diameter
     other = build(own, {"rope.diameter": 1.1 * 0.052}).hoist
     assert_allclose(other.tail_mass / find_case(own).hoist.tail_mass, 1.1**2)
@@ -203,8 +204,8 @@ def test_files_that_a_file_names_are_beside_it(tmp_path: Path, monkeypatch: pyte
     both = 'swivels.mode = "free"\nright.swivel.mode = 0\n'
     text = f'[duty]\nhoist = "own.toml"\n[fixed]\nfrom = "rope.toml"\n{both}[[trip]]\nwinding.travel = 870.0\n'
     schedule = read_schedule(written(folder / "duty.toml", text))
-    assert (schedule.trip(1).hoist.shaft_travel, schedule.trip(1).fmu["rope.EI"]) == (870.0, 77.0)
-    assert [schedule.trip(1).fmu[f"{end}.swivel.mode"] for end in ("left", "right")] == [1, 0]
+    assert (schedule.trip(1).hoist.shaft_travel, schedule.trip(1).rope_values["rope.EI"]) == (870.0, 77.0)
+    assert [schedule.trip(1).rope_values[f"{end}.swivel.mode"] for end in ("left", "right")] == [1, 0]
 
 
 def test_a_rope_of_several_has_the_statuses_of_its_own_numbers(tmp_path: Path) -> None:
@@ -233,7 +234,8 @@ def test_a_hoist_like_another_has_its_values_but_those_it_names(tmp_path: Path) 
     assert (case.hoist.payload_left, case.rope["rope.length"], case.hoist.tail_rope_number) == (5e3, 930.0, 2)
     assert case.rope["rope.EI"] == own.rope["rope.EI"]
     # each file's status is that of its own values
-    found = [case.given[key] for key in ("hoist.payload_left", "rope.length", "winding.speed", "rope.diameter")]
+    keys = ("hoist.payload_left", "rope.length", "winding.speed", "rope.diameter")
+    found = [case.status_by_name[key] for key in keys]
     assert found == ["given", "given", "data sheet", "data sheet"]
     case = find_case(str(written(tmp_path / "d.toml", text.replace("length = 930", 'construction = "18x7"'))))
     assert case.rope["rope.mass_per_length"] != own.rope["rope.mass_per_length"]
@@ -243,16 +245,16 @@ def test_a_hoist_like_another_has_its_values_but_those_it_names(tmp_path: Path) 
 
 @pytest.mark.parametrize("file", SHIPPED, ids=lambda path: path.stem)
 def test_the_complete_file_has_every_value_of_the_hoist_and_leads_back_to_it(file: Path, tmp_path: Path) -> None:
-    name = file.stem if file.stem in NAMED else str(file)
+    name = file.stem if file.stem in BUILTIN_HOISTS else str(file)
     text = as_file(find_case(name), name)
     path = written(tmp_path / "hoist.toml", text)
     one, again = build_trip(name, {}), build_trip(str(path), {})
     cases = [find_case(name), find_case(str(path))]
     ropes = [ropes_of(case, run, {}, case.level).ropes for case, run in zip(cases, (one, again), strict=True)]
-    first, second = ([(each.name, each.scene, each.place, each.breaks) for each in some] for some in ropes)
+    first, second = ([(each.name, each.scene, each.suspension, each.breaks) for each in some] for some in ropes)
     assert first == second
     # the drive of several ropes takes their sum from these
-    same = {"case": "", "fmu": {}} | ({"hoist": None} if cases[0].ropes else {})
+    same = {"case": "", "rope_values": {}} | ({"hoist": None} if cases[0].distinct_ropes else {})
     assert replace(one, **same) == replace(again, **same)
     tables = tomllib.loads(text)
     for parameter in named_parameters(ropes[0][0].scene):

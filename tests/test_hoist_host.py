@@ -135,7 +135,7 @@ def test_a_rope_that_cannot_hang_stops_before_the_first_row() -> None:
     result = _run(FakeRope(fails_at=-1.0), Winding(travel=2.0))
     assert (result.completed, result.steps) == (False, 0)
     assert "no hanging shape" in result.cause
-    assert "no hanging shape" in judge(result, Hoist(), [RopeData({}, {}, {})]).words
+    assert "no hanging shape" in judge(result, Hoist(), [RopeData({}, {}, {})]).summary
 
 
 def test_csv_reads_back_to_ten_digits_with_its_units(short: Result, tmp_path: Path) -> None:

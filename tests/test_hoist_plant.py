@@ -83,13 +83,13 @@ def test_steps_of_any_length_agree_with_an_integrator_of_order_eight(name, added
         # steps mostly err by far less than their bound of 1e-8
         np.testing.assert_allclose(step.state.x, exact.y[:, -1], rtol=1e-8, atol=1e-8)
         # the input that acts at the end belongs to the state there
-        np.testing.assert_allclose(step.acting[1], plant.loads_at(step.state, path, 1.0).force_left, rtol=1e-12)
+        np.testing.assert_allclose(step.applied_input[1], plant.loads_at(step.state, path, 1.0).force_left, rtol=1e-12)
 
 
 @pytest.mark.parametrize("name", HOISTS)
 def test_state_and_work_of_a_step_agree_with_cvodes(name: str) -> None:
     plant, state = _swinging(name)
-    of, p = equations(plant.hoist.parts), plant.hoist.numbers
+    of, p = equations(plant.hoist.equation_structure), plant.hoist.numbers
     x, u = ca.SX.sym("x", state.x.size), ca.DM([*PATH.start])
     arguments = (x, u, ca.DM(list(state.free_lengths)), p)
     dae = {"x": x, "ode": of.rates(*arguments), "quad": of.powers(*arguments)}
@@ -107,7 +107,7 @@ def test_without_a_compiler_the_drive_takes_the_same_steps() -> None:
     ours, theirs = (p.step(state, 0.01, PATH) for p in (plant, portable))
     # the same operations, contracted or ordered otherwise by a compiler: rounding, in some ten steps
     np.testing.assert_allclose(ours.state.x, theirs.state.x, rtol=1e-11, atol=1e-11)
-    np.testing.assert_allclose(ours.shown, theirs.shown, rtol=1e-9, atol=1e-6)
+    np.testing.assert_allclose(ours.outputs, theirs.outputs, rtol=1e-9, atol=1e-6)
     assert ours.state.step_next == pytest.approx(theirs.state.step_next, rel=1e-3)
 
 

@@ -17,8 +17,8 @@ from exports import FLAVOURS
 from numpy.testing import assert_allclose
 
 from balance_rope import main
-from hoist_demo.command_line import results
-from hoist_demo.command_line.results import interruption, treat_hangup_as_interrupt
+from hoist_demo.command_line import support
+from hoist_demo.command_line.support import interruption, treat_hangup_as_interrupt
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.cosimulation.participants.rope_data import RopeData
@@ -90,7 +90,7 @@ def test_the_verdict_has_each_number_with_its_digits_beside_its_bound(signals, p
     verdict = judge(ended, Hoist(tail_rope_number=3), [RopeData({}, parameters, {})])
     (found,) = [one for one in verdict.rows if one.quantity.startswith(row)]
     assert (found.value, found.holds) == (value, kept)
-    assert (found.quantity in verdict.words) == (kept is False)
+    assert (found.quantity in verdict.summary) == (kept is False)
 
 
 def test_an_emergency_stop_is_told_by_each_conveyance_s_own_way() -> None:
@@ -131,7 +131,7 @@ def test_an_interrupt_and_a_closed_terminal_let_the_writing_finish(
     name: str, capsys: Capture, monkeypatch: Patch
 ) -> None:
     before = signal.getsignal(signal.SIGINT)
-    monkeypatch.setattr(results, "silence", lambda: None)
+    monkeypatch.setattr(support, "silence", lambda: None)
     treat_hangup_as_interrupt()
     with interruption("writing") as interrupted:
         os.kill(os.getpid(), getattr(signal, name))
@@ -205,7 +205,7 @@ def winding() -> tuple[Recording, Recording]:
     """The 120 m rope wound by 90 m: what was recorded, and its table."""
     run = build("rope-120", {})
     read = {*exposures.STATION_SIGNALS, "left.fy", "right.fy", "loop.y"}
-    rope = InProcessRope(rope_scene(run.fmu, "draft"), read)
+    rope = InProcessRope(rope_scene(run.rope_values, "draft"), read)
     recording = Host(rope, run.hoist, run.winding, run.coupling, run.gains).run().recording
     found = exposures.exposure(recording, rope.data().parameters)
     return recording, found

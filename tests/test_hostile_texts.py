@@ -23,13 +23,13 @@ from fmu_src.native.table import c_table
 from fmu_src.profile import scalars
 from fmu_src.ssp import export_ssp
 from fmu_src.xml import xml_bytes
-from hoist_demo.calibration.definition import Measured
+from hoist_demo.calibration.definition import MeasurementFile
 from hoist_demo.calibration.page import write_rope_file
 from hoist_demo.drive_fmu.description import attachments
 from hoist_demo.duty.schedule import read_schedule
-from hoist_demo.files.catalogue import rope_parameters
 from hoist_demo.files.hoist_file import HoistFile
 from hoist_demo.files.reading import FileError, read
+from hoist_demo.files.registry import rope_parameters
 from hoist_demo.files.values import LONGEST_TEXT
 from hoist_demo.report.html import page
 from hoist_demo.report.html.study import study_report
@@ -39,7 +39,7 @@ from hoist_demo.report.verdict import Verdict, VerdictRow
 from hoist_demo.study.definition import read_study
 from hoist_demo.study.provenance import SourcedValue, write_data
 from hoist_demo.study.store import Store
-from hoist_demo.uncertainty.definition import Uncertain
+from hoist_demo.uncertainty.definition import UncertaintyFile
 from rope_model import Datum
 from rope_model.numerics.kernels import find_compiler
 from rope_model.texts import REPLACEMENT, c_string, csv_cell, html_text, printable, toml_string, xml_text
@@ -203,10 +203,10 @@ def test_a_rope_file_reads_back(tmp_path: Path) -> None:
     for text in HOSTILE:
         datum = Datum(1.0, 2.0, "1", text, text)  # type: ignore[arg-type]
         known = SimpleNamespace(construction=text, diameter=0.05, length=60.0, lay=text, data={"torque_factor": datum})
-        bench = SimpleNamespace(rope=lambda shares: SimpleNamespace(**dict.fromkeys(FOLLOWING, 1.0)), sought={})
-        fit = SimpleNamespace(shares=None, contradicted=False)
-        measured = SimpleNamespace(bench=bench, path=SimpleNamespace(name=text))
-        found = SimpleNamespace(calibrated_rope=known, data={}, fit=fit, measured=measured)
+        problem = SimpleNamespace(rope=lambda norm_params: SimpleNamespace(**dict.fromkeys(FOLLOWING, 1.0)), sought={})
+        fit = SimpleNamespace(norm_params=None, contradicted=False)
+        measured = SimpleNamespace(problem=problem, path=SimpleNamespace(name=text))
+        found = SimpleNamespace(calibrated_rope=known, data={}, fit=fit, measurement_file=measured)
         path = write_rope_file(found, tmp_path / "rope.toml")  # type: ignore[arg-type]
         read = tomllib.loads(path.read_text(encoding="utf-8"))
         assert read["rope"]["construction"] == read["rope"]["lay"] == text
@@ -221,12 +221,12 @@ READERS: dict[str, tuple[Callable[[Path], object], str]] = {
     "hoist name": (lambda path: read(path, HoistFile).case.name, "name = {}\n[[rope]]\n"),
     "hoist source": (lambda path: read(path, HoistFile).case.source, 'name = "a"\nsource = {}\n[[rope]]\n'),
     "duty title": (
-        lambda path: read_schedule(path).head.title, "[duty]\ntitle = {}\n[[trip]]\nwinding.travel = 10.0\n"),
-    "uncertain title": (lambda path: read(path, Uncertain).head.title, "[uncertain]\ntitle = {}\n" + MEASURED),
+        lambda path: read_schedule(path).header.title, "[duty]\ntitle = {}\n[[trip]]\nwinding.travel = 10.0\n"),
+    "uncertain title": (lambda path: read(path, UncertaintyFile).header.title, "[uncertain]\ntitle = {}\n" + MEASURED),
     "measured name": (
-        lambda path: read(path, Measured).measurements[0].name, MEASURED + WIDTH + "name = {}\n"),
+        lambda path: read(path, MeasurementFile).measurements[0].name, MEASURED + WIDTH + "name = {}\n"),
     "known source": (
-        lambda path: read(path, Measured).bench.catalogue_rope.data["torque_factor"].source,
+        lambda path: read(path, MeasurementFile).problem.catalogue_rope.data["torque_factor"].source,
         MEASURED + "[known]\ntorque_factor = {{ low = 0.1, high = 0.1, source = {} }}\n" + WIDTH),
 }  # fmt: skip
 
@@ -248,9 +248,9 @@ def test_texts_of_files_are_kept_or_refused_with_a_cure(kind: str, tmp_path: Pat
 FILES: dict[str, Callable[[Path], object]] = {
     "duties": lambda path: read_schedule(path),
     "hoists": lambda path: read(path, HoistFile).case,
-    "measurements": lambda path: read(path, Measured),
+    "measurements": lambda path: read(path, MeasurementFile),
     "studies": lambda path: read_study(path, path.with_name("none.fmu")),
-    "uncertain": lambda path: read(path, Uncertain),
+    "uncertain": lambda path: read(path, UncertaintyFile),
 }
 MORE = {
     "hoists": "name = 'a'\n[[rope]]\nEI = { value = 300.0, unit = 'N.m2', status = 'assumed', source = 'b' }\n",

@@ -16,8 +16,8 @@ from hoist_demo.report.html.run import run_report
 from hoist_demo.report.html.study import study_report
 from hoist_demo.report.rows import Report
 from hoist_demo.report.verdict import judge
-from hoist_demo.study.goal import Bound, Goal
-from hoist_demo.study.perform import Best, Performed
+from hoist_demo.study.objective import Constraint, Objective
+from hoist_demo.study.perform import Best, StudyResult
 
 pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium found: apt-get install chromium")
 
@@ -130,9 +130,9 @@ def seen_study(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPath
     table["slip_safety"], table["clearance"] = [2.0, 1.5, 1.9, 1.8], [0.5, 2.0, 0.7, 0.4]
     meta = {"parameters": ["jerk", "controller"], "title": "Jerks"}
     page = tmp_path_factory.mktemp("study") / "study.html"
-    goal = Goal({"swing": 1.0}, 1.0, (Bound("clearance", 0.45, -1.0),))
-    performed = Performed(page, 4, {}, {}, {}, (), range(4), Best((3,), "run 4", True))
-    return look(study_report(table, {"swing": "mm"}, meta, page, (), performed, goal), _STUDY, request.param)
+    objective = Objective({"swing": 1.0}, 1.0, (Constraint("clearance", 0.45, -1.0),))
+    result = StudyResult(page, 4, {}, {}, {}, (), range(4), Best((3,), "run 4", True))
+    return look(study_report(table, {"swing": "mm"}, meta, page, (), result, objective), _STUDY, request.param)
 
 
 def test_a_run_loads_silently_and_follows_slider_click_and_clock(seen_run: SimpleNamespace) -> None:

@@ -13,19 +13,19 @@ from pydantic import TypeAdapter
 
 from balance_rope import _with_rope, main
 from hoist_demo.calibration import measurements
-from hoist_demo.calibration.definition import Measured
+from hoist_demo.calibration.definition import MeasurementFile
 from hoist_demo.calibration.fit import CONFIDENCE, END_TOLERANCE, RANGE_VARIANCE, REACH, fit, intervals, sensitivities
 from hoist_demo.calibration.identify import identify, residuals_of, stacked
-from hoist_demo.calibration.measurements import Bench
+from hoist_demo.calibration.measurements import CalibrationProblem
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.files.reading import FileError, read
 from hoist_demo.files.rope_file import FOLLOWING, RopeFile
 from hoist_demo.files.run_values import Values
 from hoist_demo.files.values import plain, statuses
-from hoist_demo.uncertainty.definition import Uncertain
+from hoist_demo.uncertainty.definition import UncertaintyFile
 from hoist_demo.uncertainty.page import too_few
-from hoist_demo.uncertainty.spread import Spread, draw, remarks_of, wind_once
+from hoist_demo.uncertainty.spread import UncertaintyResult, draw, remarks_of, wind_once
 from rope_model import BEARINGS, CONSTRUCTIONS, Rope, Scene, rope
 from rope_model.catalogue import PROPERTIES, SHEAR, STEEL_MODULUS, Datum, properties_of, rope_of
 from rope_model.physics import costello
@@ -50,7 +50,7 @@ def test_a_linear_rope_is_within_its_interval_in_nine_cases_of_ten() -> None:
         truth = 0.2 + 0.6 * rng.random(3)
         values = matrix @ truth + rng.standard_normal(8)
         found = fit(lambda u, values=values: matrix @ u - values, 3)
-        hits += np.abs(found.shares - truth) <= found.reaches
+        hits += np.abs(found.norm_params - truth) <= found.reaches
     # three standard errors of a share of 0.9 in so many sets
     assert_allclose(hits / sets, CONFIDENCE, atol=3 * np.sqrt(CONFIDENCE * (1 - CONFIDENCE) / sets))
 
@@ -63,14 +63,14 @@ def test_the_interval_of_a_linear_rope_is_that_of_its_covariance() -> None:
         return np.asarray(matrix @ (u - 0.5) - values)
 
     found = fit(residuals, 3)
-    expected = found.shares + found.reaches * [[-1.0], [1.0]]
+    expected = found.norm_params + found.reaches * [[-1.0], [1.0]]
     assert_allclose(intervals(residuals, found), np.clip(expected, 0.0, 1.0).T, rtol=1e-9)
 
 
 def test_the_first_shares_alone_have_the_covariance_that_they_have_among_all() -> None:
     matrix = np.random.default_rng(2).standard_normal((9, 4)) * [30.0, 60.0, 25.0, 40.0]
     found = fit(lambda u: matrix @ (u - 0.4), 4)
-    assert_allclose(found.of_first_shares(2).covariance, found.covariance[:2, :2], rtol=1e-9)
+    assert_allclose(found.of_first_params(2).covariance, found.covariance[:2, :2], rtol=1e-9)
 
 
 def test_the_interval_of_a_bent_rope_is_where_the_squares_have_grown() -> None:
@@ -80,14 +80,14 @@ def test_the_interval_of_a_bent_rope_is_where_the_squares_have_grown() -> None:
     low, high = intervals(residuals, found)[0]
     exact = np.cbrt(0.3 + REACH / 8.0 * np.array([-1.0, 1.0]))
     assert_allclose([low, high], exact, rtol=END_TOLERANCE)
-    assert found.shares[0] - low > 1.2 * (high - found.shares[0])
+    assert found.norm_params[0] - low > 1.2 * (high - found.norm_params[0])
 
 
 def test_a_direction_without_data_keeps_its_range_and_its_middle() -> None:
     # of u and v only the sum is measured
     found = fit(lambda u: 50.0 * u[:1] + 50.0 * u[1:] - 60.0, 2)
     assert_allclose(np.abs(found.untold()), [[np.sqrt(0.5), np.sqrt(0.5)]])
-    assert_allclose(found.shares, [0.6, 0.6], atol=1e-4)
+    assert_allclose(found.norm_params, [0.6, 0.6], atol=1e-4)
     assert_allclose(np.diag(found.covariance), 0.5 * (RANGE_VARIANCE + 1 / (2 * 50.0**2)))
     assert found.correlations[0, 1] < -0.9
 
@@ -100,9 +100,9 @@ def test_a_search_turns_back_where_a_rope_cannot_be_computed(best: float) -> Non
         return np.array([9.0 * (u[0] - best), 3.0 * (u[0] + u[1] - 1.0)])
 
     found = fit(residuals, 2)
-    assert_allclose(found.shares[0], min(best, 0.6), atol=0.01)
+    assert_allclose(found.norm_params[0], min(best, 0.6), atol=0.01)
     low, high = intervals(residuals, found)[0]
-    assert low < found.shares[0] <= high <= 0.6 + 0.01
+    assert low < found.norm_params[0] <= high <= 0.6 + 0.01
 
 
 def test_a_rope_without_a_neighbour_is_refused() -> None:
@@ -111,7 +111,7 @@ def test_a_rope_without_a_neighbour_is_refused() -> None:
 
 
 def test_a_rope_that_is_measured_without_errors_is_found_again() -> None:
-    bench = Bench(rope("34x7", diameter=0.046, length=120.0), Scene())
+    problem = CalibrationProblem(rope("34x7", diameter=0.046, length=120.0), Scene())
     plan = [
         measurements.Mass(value=1.0, sigma=0.01),
         measurements.LoopWidth(value=1.0, sigma=0.01),
@@ -121,24 +121,24 @@ def test_a_rope_that_is_measured_without_errors_is_found_again() -> None:
     ]
     truth = np.array([0.3, 0.6, 0.7, 0.55, 0.4])
     _, sigmas = stacked(plan)
-    found = fit(residuals_of(bench, plan, bench.predict(truth, plan), sigmas), truth.size)
+    found = fit(residuals_of(problem, plan, problem.predict(truth, plan), sigmas), truth.size)
     # what Newton's method leaves of the yaw, 1e-5 rad, is 1e-3 of its sigma
-    assert_allclose(found.shares, truth, atol=1e-3)
+    assert_allclose(found.norm_params, truth, atol=1e-3)
 
 
 def test_what_a_swing_sweeps_is_that_of_its_track() -> None:
-    bench = Bench(rope("34x7", diameter=0.046, length=30.0), Scene())
+    problem = CalibrationProblem(rope("34x7", diameter=0.046, length=30.0), Scene())
     where: Any = {"left_y": 0.0, "right_y": 4.0, "travel": 4.0, "speed": 2.0, "signal": "loop.x", "sigma": 1.0}
     times = tuple(np.linspace(3.0, 5.0, 21))
     plan = [measurements.Track(value=[0.0] * 21, t=times, **where)]
     plan.append(measurements.Swept(value=0.0, t=3.0, until=5.0, **where))
-    *places, swept = bench.predict(np.full(5, 0.5), plan)
+    *places, swept = problem.predict(np.full(5, 0.5), plan)
     assert swept > 0.05
     assert_allclose(swept, np.ptp(places))
 
 
 def test_what_a_width_alone_does_not_tell_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    found = identify(read(written(tmp_path, ROPE + WIDTH), Measured))
+    found = identify(read(written(tmp_path, ROPE + WIDTH), MeasurementFile))
     assert [name for name in found.names if found.is_determined(name)] == ["bending_stiffness"]
     assert {"torque_factor", "torsional_stiffness", "axial_stiffness"} <= {*found.open_directions()}
     width, error = 3.05, 0.05
@@ -146,7 +146,8 @@ def test_what_a_width_alone_does_not_tell_is_named(tmp_path: Path, monkeypatch: 
     datum = found.calibrated_rope.data["bending_stiffness"]
     # EI ~ width^3
     assert_allclose(np.log(datum.high / EI), 3 * 1.645 * error / width, rtol=0.05)
-    assert found.calibrated_rope.data["torque_factor"] == found.measured.bench.catalogue_rope.data["torque_factor"]
+    catalogue_rope = found.measurement_file.problem.catalogue_rope
+    assert found.calibrated_rope.data["torque_factor"] == catalogue_rope.data["torque_factor"]
     assert found.candidates[0].error <= found.wanted_error
     # two directions of the same pair, as near-equal lacks of knowledge have them
     monkeypatch.setattr(type(found.fit), "untold", lambda _: np.array([[0.8, 0.6, 0, 0, 0], [0.6, -0.8, 0, 0, 0]]))
@@ -210,7 +211,7 @@ def test_measurements_that_contradict_each_other_are_told(tmp_path: Path, capsys
 )
 def test_what_is_wrong_with_a_file_is_told(tmp_path: Path, text: str, problem: str) -> None:
     with pytest.raises(FileError, match=problem):
-        read(written(tmp_path, text), Measured)
+        read(written(tmp_path, text), MeasurementFile)
 
 
 SCENE = """
@@ -231,30 +232,30 @@ TRIP = "[fixed]\nwinding.travel = 1.0\nwinding.settle = 1.0\n"
 
 
 def test_samples_fill_the_ranges_and_make_the_ropes(tmp_path: Path) -> None:
-    asked = read(written(tmp_path, SCENE), Uncertain)
+    asked = read(written(tmp_path, SCENE), UncertaintyFile)
     assert [*asked.data] == ["torque_factor", "bending_stiffness"]
     samples = draw(asked)
     shares = np.array([[asked.data[name].share(x) for name, x in values.items()] for values in samples])
     # eight points of a Sobol sequence: one in each eighth of each range
     assert_allclose(np.sort(np.floor(8 * shares), axis=0), np.arange(8)[:, None] + [0, 0])
     run = asked.run(samples[0])
-    rope = rope_scene(run.fmu).rope
+    rope = rope_scene(run.rope_values).rope
     assert_allclose(rope.Qc, samples[0]["torque_factor"] * 9e7 * 0.044)
     assert rope.length == run.hoist.tail_rope_length == 120.0
     assert rope.mass_per_length == run.hoist.tail_rope_mass == 7.7
 
 
 def test_the_datum_that_causes_a_result_has_its_share(tmp_path: Path) -> None:
-    asked = read(written(tmp_path, SCENE.replace("samples = 8", "samples = 256")), Uncertain)
+    asked = read(written(tmp_path, SCENE.replace("samples = 8", "samples = 256")), UncertaintyFile)
     samples = draw(asked)
     columns = {name: np.array([values[name] for values in samples]) for name in asked.data}
     u, v = (np.argsort(np.argsort(columns[name])) / 255 for name in asked.data)
     # of independent ranks the sum with weights 2 and 1 has variances of 4 and 1; a monotone function changes no rank
     columns |= {"left_swivel_torque": np.exp(2 * u + v), "rope_force_ripple": np.full(256, 3.0)}
-    causes = Spread(asked, columns).causes("left_swivel_torque")
+    causes = UncertaintyResult(asked, columns).causes("left_swivel_torque")
     assert_allclose([*causes.values()], [0.8, 0.2, 0.0], atol=0.03)
-    assert Spread(asked, columns).causes("rope_force_ripple") == {}
-    assert too_few(Spread(asked, columns)) == ""
+    assert UncertaintyResult(asked, columns).causes("rope_force_ripple") == {}
+    assert too_few(UncertaintyResult(asked, columns)) == ""
 
 
 def test_windings_over_the_ranges(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -270,7 +271,7 @@ def test_windings_over_the_ranges(tmp_path: Path, capsys: pytest.CaptureFixture[
 
 def test_a_rope_that_passed_through_itself_sets_no_range(tmp_path: Path) -> None:
     coupled = SCENE.replace("torsional_stiffness", "torque_factor = 0.12\ntorsional_stiffness")
-    asked = read(written(tmp_path, coupled + TRIP + "layout.spacing = 0.4\n"), Uncertain)
+    asked = read(written(tmp_path, coupled + TRIP + "layout.spacing = 0.4\n"), UncertaintyFile)
     values = {name: datum.middle for name, datum in asked.data.items()}
     found, (told,) = wind_once(asked, values)
     assert np.isnan([*found.values()]).all()
@@ -299,12 +300,12 @@ def test_a_remark_of_many_windings_has_the_range_of_its_numbers() -> None:
 )
 def test_what_is_wrong_with_ranges_is_told(tmp_path: Path, change: tuple[str, str], problem: str) -> None:
     with pytest.raises(FileError, match=problem):
-        read(written(tmp_path, SCENE.replace(*change)), Uncertain)
+        read(written(tmp_path, SCENE.replace(*change)), UncertaintyFile)
 
 
 @pytest.mark.parametrize("name", ["rope-120", "kiruna-355"])
 def test_the_worked_files_are_right(name: str) -> None:
-    asked = read(Path(__file__).parents[1] / "examples" / "uncertain" / f"{name}.toml", Uncertain)
+    asked = read(Path(__file__).parents[1] / "examples" / "uncertain" / f"{name}.toml", UncertaintyFile)
     assert len(asked.data) >= 4
 
 

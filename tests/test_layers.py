@@ -92,7 +92,7 @@ casadi: rope_model.physics.element rope_model.physics.air_element rope_model.phy
     hoist_demo.drive hoist_demo.control.kernel
     hoist_demo.drive_fmu.kernels
 scipy: rope_model.simulation.outputs.modal rope_model.simulation.outputs.linear
-    hoist_demo.design hoist_demo.control.trajectory hoist_demo.study.tuning
+    hoist_demo.design hoist_demo.control.trajectory hoist_demo.study.sampling
     hoist_demo.calibration.fit hoist_demo.calibration.tracks hoist_demo.uncertainty.spread
     hoist_demo.recording.exposure
 pythonfmu: fmu_src.slave fmu_src.export

@@ -25,11 +25,11 @@ from hoist_demo.study import definition
 from hoist_demo.study.cluster import cluster, run_samples
 from hoist_demo.study.definition import Study, StudyRun, read_study
 from hoist_demo.study.metrics import measure
-from hoist_demo.study.perform import perform
+from hoist_demo.study.perform import run_study
 from hoist_demo.study.run import Outcome, build, execute
+from hoist_demo.study.sampling import Range, latin_hypercube
 from hoist_demo.study.store import Store, read_results
 from hoist_demo.study.trends import not_monotonic
-from hoist_demo.study.tuning import Range, latin_hypercube
 
 Read = Callable[..., Study]
 SHORT = """
@@ -132,7 +132,7 @@ def counting(study: Study, store: Store, ran: list[str]) -> Callable[[Sequence[S
 def test_table_opens_in_pandas_with_units_and_the_same_bytes(read: Read, tmp_path: Path) -> None:
     study = read("[vary]\ngains.speed = [1e5, 2e5]")
     stores = Store(tmp_path / "a"), Store(tmp_path / "b")
-    tables = [perform(study, store, counting(study, store, [])).table for store in stores]
+    tables = [run_study(study, store, counting(study, store, [])).table for store in stores]
     assert tables[0].read_bytes() == tables[1].read_bytes()
     assert pd.read_parquet(tables[0])["cycle_time"].tolist() == [0.5, 0.0]
     units = read_results(tables[0]).units
@@ -145,14 +145,14 @@ def test_search_is_resumed_without_a_run(read: Read, tmp_path: Path) -> None:
         "[sample]\nmethod = 'tune'\npoints = 4\nsearches = 2\nsteps = 20"
     )
     store, ran = Store(tmp_path / "out"), list[str]()
-    first = perform(study, store, counting(study, store, ran))
+    first = run_study(study, store, counting(study, store, ran))
     assert first.best is not None
     assert len(ran) <= 4 + 2 * 20
     table = pd.read_parquet(first.table)
     assert first.best.runs == (table["judged"].idxmin(),)
     assert table["gains.speed"][first.best.runs[0]] == pytest.approx(2e5, rel=0.02)
     ran.clear()
-    assert perform(study, store, counting(study, store, ran)) == first
+    assert run_study(study, store, counting(study, store, ran)) == first
     assert ran == []
 
 
@@ -188,18 +188,18 @@ def test_failed_run_is_recorded_with_its_cause_and_stops_no_other(read: Read, tm
     # steps as large as these err by more than this, and may not be shortened
     study = read(SHORT + "solver.step_min = 0.01\n[vary]\nsolver.tolerance = [1e6, 1e-10]")
     store = Store(tmp_path / "out")
-    performed = perform(study, store, partial(run_samples, client, study, store=store))
-    table = pd.read_parquet(performed.table)
+    result = run_study(study, store, partial(run_samples, client, study, store=store))
+    table = pd.read_parquet(result.table)
     assert table["status"].tolist() == ["completed", "stopped"]
     assert "step" in table["cause"][1]
-    assert len(performed.causes) == 1
+    assert len(result.causes) == 1
 
 
 def test_table_holds_what_the_rope_did(read: Read, tmp_path: Path, client: Client) -> None:
     study = read(f"study.signals = ['left.fy', 'right.fy']\n{SHORT}")
     store = Store(tmp_path / "out")
-    performed = perform(study, store, partial(run_samples, client, study, store=store))
-    table = pd.read_parquet(performed.table)
+    result = run_study(study, store, partial(run_samples, client, study, store=store))
+    table = pd.read_parquet(result.table)
     kept = read_results(tmp_path / "out" / "signals" / f"{table['key'][0]}.parquet")
     series = kept.table
     # 120 m of 8 kg/m, hung from ends 90 m apart: 105 m below the upper end, 15 m below the lower one
@@ -232,7 +232,7 @@ def test_grid_is_run_for_every_variant(read: Read) -> None:
         "[vary]\ncontroller = ['pi', 'pi-feed-forward']\nwinding.jerk = { values = [0.5, 1], unit = 'm/s3' }"
     )
     assert len(study.samples) == 2 * 2 * 2
-    assert {(s.variant, s.data.fmu["rope.EI"]) for s in study.samples} == {("soft", 50.0), ("stiff", 500.0)}
+    assert {(s.variant, s.data.rope_values["rope.EI"]) for s in study.samples} == {("soft", 50.0), ("stiff", 500.0)}
     assert {(s.data.controller, s.data.winding.jerk) for s in study.samples} == {
         (c, j) for c in ("pi", "pi-feed-forward") for j in (0.5, 1.0)
     }
@@ -265,7 +265,7 @@ def test_choices_are_compared_over_the_same_payloads_within_bounds(read: Read, t
         warned = (f"slip safety {metrics['slip_safety']}",)
         outcome = Outcome("completed", "", metrics, {}, warnings=warned)
         store.write(sample.data.key(study.fmu_hash), sample.data, outcome, "w")
-    found = perform(study, store, lambda samples: [s.data.key(study.fmu_hash) for s in samples])
+    found = run_study(study, store, lambda samples: [s.data.key(study.fmu_hash) for s in samples])
     assert found.best is not None
     assert found.best.feasible == (best is not None)
     if best:
@@ -345,7 +345,7 @@ def test_all_errors_are_told_at_once_and_need_no_fmu(read: Read, tmp_path: Path)
 
 
 def test_of_many_starts_some_are_tried_and_a_refusal_of_another_is_its_cause(read: Read, monkeypatch) -> None:
-    monkeypatch.setattr(definition, "MOST_TRIED", 1)
+    monkeypatch.setattr(definition, "MAX_TRIED", 1)
     study = read("[vary]\nrope.length = [80, 120]")
     outcome = execute(study.samples[0].data, study.fmu)
     assert (outcome.status, "the rope of 80 m cannot hang" in outcome.cause) == ("stopped", True), outcome.cause

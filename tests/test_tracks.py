@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from balance_rope import main
-from hoist_demo.calibration.definition import Measured
+from hoist_demo.calibration.definition import MeasurementFile
 from hoist_demo.calibration.fit import CONFIDENCE
 from hoist_demo.calibration.tracks import Markers
 from hoist_demo.files.reading import FileError, read
@@ -41,14 +41,14 @@ def markers() -> Array:
 
 
 def track_of(path: Path) -> tuple[Any, Markers]:
-    measured = read(path, Measured)
-    markers = measured.measurements[0]
+    measurement_file = read(path, MeasurementFile)
+    markers = measurement_file.measurements[0]
     assert isinstance(markers, Markers)
-    return measured, markers
+    return measurement_file, markers
 
 
-def true_shares(bench: Any) -> Array:
-    return np.array([bench.data[name].share(camera().TRUTH[name]) for name in bench.names])
+def true_shares(problem: Any) -> Array:
+    return np.array([problem.data[name].share(camera().TRUTH[name]) for name in problem.names])
 
 
 def test_the_residuals_of_the_true_rope_are_noise(tmp_path: Path) -> None:
@@ -57,8 +57,8 @@ def test_the_residuals_of_the_true_rope_are_noise(tmp_path: Path) -> None:
     text = re.sub(r"(\n0\.9[04]?),[^,]*", r"\1,", track.read_text(encoding="utf-8"))
     track.write_text(re.sub(r"\n([\d.]+)", lambda t: f"\n{1.7e9 + float(t[1])}", text), encoding="utf-8")
     measured, asked = track_of(track.with_suffix(".toml"))
-    assert [*measured.bench.names] == ["torsional_stiffness", "bending_stiffness", "rope.beta_K"]
-    residuals = asked.predict(measured.bench.trial(true_shares(measured.bench))) / asked.sigma
+    assert [*measured.problem.names] == ["torsional_stiffness", "bending_stiffness", "rope.beta_K"]
+    residuals = asked.predict(measured.problem.predictor(true_shares(measured.problem))) / asked.sigma
     count = asked.values.size - 13
     # 5 % of the markers are lost, 2 of 4 in 2 % of the frames swapped; a frame with a mask more costs little
     assert 0.88 < count / markers().size < 0.95
@@ -73,7 +73,7 @@ def test_unlabelled_points_are_off_the_true_rope_by_noise(tmp_path: Path, monkey
     track = path.with_suffix(".csv")  # which loses one coordinate of one point
     track.write_text(re.sub(r"(\n1,(.*?,){6})[^,]*", r"\1", track.read_text(encoding="utf-8")), encoding="utf-8")
     measured, asked = track_of(path)
-    residuals = asked.predict(measured.bench.trial(true_shares(measured.bench))) / asked.sigma
+    residuals = asked.predict(measured.problem.predictor(true_shares(measured.problem))) / asked.sigma
     points = asked.unknowns - 1
     assert residuals.size == 3 * points + 1
     assert 0.93 < 3 * points / markers().size < 0.97
@@ -88,7 +88,7 @@ def test_the_delay_of_the_camera_is_found(tmp_path: Path, monkeypatch: pytest.Mo
     for name in ("DELAY", "OFFSET", "GRIPPER"):
         monkeypatch.setattr(camera(), name, 0.0)
     measured, asked = track_of(camera().write(tmp_path, shifted, 3))
-    found = asked.delay * asked.predict(measured.bench.trial(true_shares(measured.bench)))[-1] / asked.sigma
+    found = asked.delay * asked.predict(measured.problem.predictor(true_shares(measured.problem)))[-1] / asked.sigma
     # three standard errors of a shift in time, .1 ms each, and the pull towards none
     error = camera().SIGMA / np.linalg.norm(np.gradient(markers(), camera().FRAME, axis=0))
     assert_allclose(found, -late, atol=3 * error + late * (error / asked.delay) ** 2)
@@ -104,10 +104,10 @@ def test_of_a_hundred_tracks_nine_in_ten_intervals_have_the_truth(monkeypatch: p
 
 def test_a_cable_is_led_into_the_swing_in_which_a_track_begins(tmp_path: Path) -> None:
     measured, asked = track_of(camera().write(tmp_path, markers(), 3, **example("track_coverage").KINDS["moving"]))
-    trial, middle = measured.bench.trial(true_shares(measured.bench)), np.full(asked.starts, 0.5)
-    found = least_squares(lambda u: asked.predict(trial, *u) / asked.sigma, middle, bounds=(0.0, 1.0), max_nfev=8)
+    predictor, middle = measured.problem.predictor(true_shares(measured.problem)), np.full(asked.starts, 0.5)
+    found = least_squares(lambda u: asked.predict(predictor, *u) / asked.sigma, middle, bounds=(0.0, 1.0), max_nfev=8)
     assert 2 * found.cost / found.fun.size < 1.1  # errors of one sigma, some of which the starts take up
-    assert np.square(asked.predict(trial) / asked.sigma).mean() > 15.0
+    assert np.square(asked.predict(predictor) / asked.sigma).mean() > 15.0
 
 
 @pytest.mark.slow
@@ -145,7 +145,7 @@ def test_what_is_wrong_with_a_track_is_told(tmp_path: Path, old: str, new: str, 
     for one in (path, path.with_suffix(".csv")):
         one.write_text(re.sub(old, new, one.read_text(encoding="utf-8")), encoding="utf-8")
     with pytest.raises(FileError, match=problem):
-        read(path, Measured)
+        read(path, MeasurementFile)
 
 
 def test_a_track_is_checked_by_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

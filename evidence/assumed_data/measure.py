@@ -15,12 +15,12 @@ from tqdm import tqdm
 
 from evidence.rendering import DOCS
 from evidence.tables import Measures, Tables, table
-from hoist_demo.calibration.definition import Measured
+from hoist_demo.calibration.definition import MeasurementFile
 from hoist_demo.calibration.fit import REACH, Array, fit, intervals, sensitivities
 from hoist_demo.calibration.identify import OPEN, residuals_of, stacked
 from hoist_demo.files.reading import read
 from hoist_demo.study.metrics import UNITS
-from hoist_demo.uncertainty.definition import Uncertain
+from hoist_demo.uncertainty.definition import UncertaintyFile
 from hoist_demo.uncertainty.spread import run_windings
 
 #: what is measured, with sigma
@@ -36,17 +36,17 @@ HANGING = ("at rest", "swing")
 SCENES = ("rope-120", "kiruna-355")
 
 
-def cover(plan: Measured, which: str, sets: int, seed: int) -> Iterator[tuple[object, ...]]:
+def cover(plan: MeasurementFile, which: str, sets: int, seed: int) -> Iterator[tuple[object, ...]]:
     """Yield per property: sets in which it is told, held within, held by an exact interval, and the mean half width."""
-    bench = plan.bench
+    problem = plan.problem
     _, sigmas = stacked(plan.measurements)
     rng, (low, high) = np.random.default_rng(seed), DRAWN
-    truths: Array = low + (high - low) * rng.random((sets, len(bench.names)))
+    truths: Array = low + (high - low) * rng.random((sets, len(problem.names)))
     held = []
     for truth in tqdm(truths, desc=which, unit="rope", leave=False):
         errors = rng.standard_normal(sigmas.size)
-        values = bench.predict(truth, plan.measurements) + sigmas * errors
-        residuals = residuals_of(bench, plan.measurements, values, sigmas)
+        values = problem.predict(truth, plan.measurements) + sigmas * errors
+        residuals = residuals_of(problem, plan.measurements, values, sigmas)
         ends = intervals(residuals, fit(residuals, truth.size))
         estimate = np.linalg.pinv(sensitivities(residuals, truth))
         off = estimate @ errors / np.linalg.norm(estimate, axis=1)
@@ -54,13 +54,13 @@ def cover(plan: Measured, which: str, sets: int, seed: int) -> Iterator[tuple[ob
         within = (ends[:, 0] <= truth) & (truth <= ends[:, 1])
         held.append((reach < OPEN, within & (reach < OPEN), (np.abs(off) <= REACH) & (reach < OPEN), reach))
     told, within, exact, reach = np.array(held).transpose(1, 2, 0)
-    for k, name in enumerate(bench.names):
+    for k, name in enumerate(problem.names):
         yield which, name, told[k].sum(), within[k].sum(), exact[k].sum(), reach[k].mean()
 
 
 def coverage() -> Tables:
     """Measure the coverage of judged and unseen sets, and without the measurements of a hanging rope."""
-    plan = read(PLAN, Measured)
+    plan = read(PLAN, MeasurementFile)
     kept = tuple(m for m in plan.measurements if m.what not in HANGING)
     samples = plan.model_copy(update={"measurements": kept})
     rows = [*cover(plan, "judged", SETS, SEED), *cover(plan, "unseen", SETS, UNSEEN)]
@@ -72,8 +72,8 @@ def worked() -> Tables:
     """Wind SCENES with ropes from the catalogue's ranges: quantiles of the results, and their causes."""
     results, causes = [], []
     for scene in SCENES:
-        found = run_windings(read(EXAMPLES / "uncertain" / f"{scene}.toml", Uncertain), os.cpu_count() or 1)
-        for name in found.question.head.measures:
+        found = run_windings(read(EXAMPLES / "uncertain" / f"{scene}.toml", UncertaintyFile), os.cpu_count() or 1)
+        for name in found.file.header.measures:
             results.append((scene, name, UNITS[name], *found.quantiles(name)))
             causes += [(scene, name, key, share) for key, share in found.causes(name).items()]
     head = ("scene", "measure", "unit", "low", "middle", "high")

@@ -25,16 +25,15 @@ _HEAD = """\
 
 def c_table(table: Sequence[Variable], fmi: int) -> str:
     """Return variables.c with the scalars; FMI 3 has arrays, enumerations and the time."""
-    places = {v.name: i for i, v in enumerate(table)}
+    index = {v.name: i for i, v in enumerate(table)}
     rows = [
-        _row(v, fmi, length, places.get(RATES.get(v.name, ""), 0))
+        _row(v, fmi, length, index.get(RATES.get(v.name, ""), 0))
         for v, length in zip(table, lengths(table, fmi), strict=True)
     ]
     if fmi == 3:
         rows.append('{"time", NULL, 0, 1, 0, KIND_REAL, CAUSALITY_INDEPENDENT, VARIABILITY_CONTINUOUS, FROM_TIME}')
-    return "\n".join(
-        [_HEAD, f"const size_t MODEL_SCALARS = {len(rows)};", _array("const Variable MODEL_VARIABLES[]", rows)]
-    )
+    scalars = f"const size_t MODEL_SCALARS = {len(rows)};"
+    return "\n".join([_HEAD, scalars, _array("const Variable MODEL_VARIABLES[]", rows)])
 
 
 def lengths(table: Sequence[Variable], fmi: int) -> list[int]:

@@ -5,14 +5,14 @@ from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
-from hoist_demo.calibration.measurements import Bench, InShaft, MeasurementEntry, Signal
+from hoist_demo.calibration.measurements import CalibrationProblem, InShaft, MeasurementEntry, Signal
 from hoist_demo.calibration.tracks import Markers
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
-from hoist_demo.files.catalogue import group_table, rope_parameters
 from hoist_demo.files.reading import EMPTY, Table, flat
+from hoist_demo.files.registry import group_table, rope_parameters
 from hoist_demo.files.rope_file import FOLLOWING
-from hoist_demo.files.run_values import RopeQuestion
-from hoist_demo.files.values import Given, given, plain, statuses
+from hoist_demo.files.run_values import RopeAnalysisFile
+from hoist_demo.files.values import ParameterValue, plain, statuses, value_type
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter
 from rope_model import Datum
@@ -31,44 +31,44 @@ class Wanted(Table):
 def _sought(parameter: Parameter) -> Any:
     """Return the type of a parameter that is looked for."""
 
-    def checked(one: Given) -> Given:
+    def checked(entry: ParameterValue) -> ParameterValue:
         if parameter.name in {f"rope.{name}" for name in FOLLOWING}:
             raise ValueError(f"{parameter.name} follows from the properties, all of which are sought: give [known]")
-        if one.low is None or one.high is None or one.low >= one.high:
-            raise ValueError(f"{parameter.name} = {one.value!r} must be {{ low, high }}, in order")
-        return one
+        if entry.low is None or entry.high is None or entry.low >= entry.high:
+            raise ValueError(f"{parameter.name} = {entry.value!r} must be {{ low, high }}, in order")
+        return entry
 
-    return Annotated[given(parameter), AfterValidator(checked)]
+    return Annotated[value_type(parameter), AfterValidator(checked)]
 
 
 _Sought = flat("Sought", {group: (group_table(group, _sought), None) for group in SOUGHT})
 
 
-class Measured(RopeQuestion):
+class MeasurementFile(RopeAnalysisFile):
     """Schema of a TOML file of measurements."""
 
-    sought: Annotated[dict[str, Given], _Sought] = EMPTY
+    sought: Annotated[dict[str, ParameterValue], _Sought] = EMPTY
     measurements: list[MeasurementEntry] = Field(alias="measured", min_length=1)
     wanted: Wanted = EMPTY
 
     @cached_property
-    def bench(self) -> Bench:
-        """Bench of the rope to be identified, with the ranges of [sought]."""
+    def problem(self) -> CalibrationProblem:
+        """Calibration problem of the rope, with the ranges of [sought]."""
         where = f"range of [sought], {self.path.name}"
         ranges = {
-            name: Datum(float(one.low or 0.0), float(one.high or 0.0), rope_parameters()[name].unit, "assumed", where)
-            for name, one in self.sought.items()
+            name: Datum(entry.low or 0.0, entry.high or 0.0, rope_parameters()[name].unit, "assumed", where)
+            for name, entry in self.sought.items()
         }
-        return Bench(self.catalogue_rope, rope_scene(plain(self.fixed)), ranges)
+        return CalibrationProblem(self.catalogue_rope, rope_scene(plain(self.fixed)), ranges)
 
     @property
-    def given(self) -> dict[str, str]:
+    def status_by_name(self) -> dict[str, str]:
         """Status of each value of [fixed] by name."""
         return statuses(self.fixed)
 
     @model_validator(mode="after")
     def _is_within_reach(self) -> Self:
-        length = self.bench.catalogue_rope.length
+        length = self.problem.catalogue_rope.length
         problems = Problems(
             f"measured {k}: left_y = {left:g}, right_y = {right:g}: the ends must be less than the rope's length = "
             f"{length:g} m apart, before and after a trip, and are {abs(gap):g} m: correct left_y, right_y or travel"

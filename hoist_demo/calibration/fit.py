@@ -1,8 +1,8 @@
 """Weighted least squares with bounds over shares of ranges, with the information that the data hold.
 
-With the residuals r = (model - measured) / sigma and J = dr/du in the shares u of the ranges, the information of the
-data is J^T J = V diag(s^2) V^T.  Along V_k the data give the standard error 1 / s_k; where that is more than a range
-has by itself, 1 / sqrt(12), the data do not tell, and the range stands:
+With the residuals r = (model - measured) / sigma and J = dr/du in the normalised parameters u, shares of the ranges,
+the information of the data is J^T J = V diag(s^2) V^T.  Along V_k the data give the standard error 1 / s_k; where that
+is more than a range has by itself, 1 / sqrt(12), the data do not tell, and the range stands:
 
     covariance = V diag(min(1 / s_k^2, 1/12)) V^T
 
@@ -26,7 +26,7 @@ from scipy.optimize import least_squares
 from scipy.special import chdtrc, ndtri  # scipy.stats is slow to load
 
 Array = NDArray[np.float64]
-Residuals = Callable[[Array], Array]  #: (shares (n,)) -> prediction less measurement in standard errors (m,).
+Residuals = Callable[[Array], Array]  #: (norm_params (n,)) -> prediction less measurement in standard errors (m,).
 MIDDLE = 0.5  #: Value of all shares before anything is measured.
 RANGE_VARIANCE = 1 / 12  #: Variance of a share of which only the range is known.
 CONFIDENCE = 0.9  #: Confidence of the intervals.
@@ -41,22 +41,23 @@ SIGNIFICANCE = 0.01  #: p-value below which the measurements contradict the mode
 
 @dataclass(frozen=True)
 class Fit:
-    """Least-squares fit: shares (n,), residuals (m,) in standard errors and their sensitivities (m, n).
+    """Least-squares fit: norm_params (n,), residuals (m,) in standard errors and their sensitivities (m, n).
 
-    ``held``: rows (k, n) that hold the shares at the middle of their ranges in directions that the data do not tell.
+    ``prior_rows`` (k, n) hold the shares at the middle of their ranges in directions that the data do not tell.
     """
 
-    shares: Array
+    norm_params: Array
     residuals: Array
     sensitivities: Array
-    held: Array
+    prior_rows: Array
     nuisance: int = 0  # other unknowns, each found by the residuals
 
-    def of_first_shares(self, count: int) -> "Fit":
+    def of_first_params(self, count: int) -> "Fit":
         """Return the fit of the first ``count`` shares, the others refitted for each value of them."""
         first, others = np.hsplit(self.sensitivities, [count])
         first = first - others @ np.linalg.lstsq(others, first, rcond=None)[0]
-        return replace(self, shares=self.shares[:count], sensitivities=first, held=self.held[:, :count])
+        params, prior_rows = self.norm_params[:count], self.prior_rows[:, :count]
+        return replace(self, norm_params=params, sensitivities=first, prior_rows=prior_rows)
 
     @property
     def covariance(self) -> Array:
@@ -74,7 +75,7 @@ class Fit:
 
     def _directions(self) -> tuple[Array, Array]:
         """Information along each direction, as standard errors per share, and the directions in columns."""
-        n = self.shares.size
+        n = self.norm_params.size
         _, s, rows = np.linalg.svd(np.vstack((self.sensitivities, np.zeros((n, n)))), full_matrices=False)
         return s, rows.T
 
@@ -92,7 +93,7 @@ class Fit:
     @property
     def p_value(self) -> float:
         """Probability of residuals at least this large by chance; 1 without more values than what was found."""
-        spare = self.residuals.size - self.nuisance - (self.shares.size - len(self.untold()))
+        spare = self.residuals.size - self.nuisance - (self.norm_params.size - len(self.untold()))
         return float(chdtrc(spare, self.residuals @ self.residuals)) if spare > 0 else 1.0
 
     @property
@@ -108,48 +109,49 @@ def fit(residuals: Residuals, count: int, ftol: float = 1e-8) -> Fit:
     first = _solve(residuals, start, PULL * np.eye(count), ftol)
     if not (untold := first.untold()):
         return first
-    return _solve(residuals, np.clip(first.shares, 1e-3, 1 - 1e-3), np.array(untold) / np.sqrt(RANGE_VARIANCE), ftol)
+    start = np.clip(first.norm_params, 1e-3, 1 - 1e-3)
+    return _solve(residuals, start, np.array(untold) / np.sqrt(RANGE_VARIANCE), ftol)
 
 
 def _where_computed(residuals: Residuals, size: int) -> Residuals:
     """Return residuals that are infinite where the rope cannot be computed, so that a search turns back."""
 
-    def tried(shares: Array) -> Array:
+    def tried(norm_params: Array) -> Array:
         try:
-            return residuals(shares)
+            return residuals(norm_params)
         except RuntimeError:
             return np.full(size, np.inf)
 
     return tried
 
 
-def _solve(residuals: Residuals, start: Array, held: Array, ftol: float) -> Fit:
-    """Solve from ``start``, with the shares held at the middle as far as the rows of ``held`` say."""
+def _solve(residuals: Residuals, start: Array, prior_rows: Array, ftol: float) -> Fit:
+    """Solve from ``start``, with the shares held at the middle as far as ``prior_rows`` say."""
 
     def slopes(u: Array) -> Array:
-        return np.vstack((sensitivities(residuals, u), held))
+        return np.vstack((sensitivities(residuals, u), prior_rows))
 
-    solution = least_squares(lambda u: _all(residuals, held, u), start, slopes, (0.0, 1.0), xtol=1e-6, ftol=ftol)
-    values = solution.fun.size - len(held)
-    return Fit(solution.x, solution.fun[:values], solution.jac[:values], held)
+    solution = least_squares(lambda u: _all(residuals, prior_rows, u), start, slopes, (0.0, 1.0), xtol=1e-6, ftol=ftol)
+    values = solution.fun.size - len(prior_rows)
+    return Fit(solution.x, solution.fun[:values], solution.jac[:values], prior_rows)
 
 
-def _all(residuals: Residuals, held: Array, shares: Array) -> Array:
+def _all(residuals: Residuals, prior_rows: Array, norm_params: Array) -> Array:
     """Concatenate the residuals and the rows that hold the shares at the middle, (m + k,)."""
-    return np.concatenate((residuals(shares), held @ (shares - MIDDLE)))
+    return np.concatenate((residuals(norm_params), prior_rows @ (norm_params - MIDDLE)))
 
 
 def intervals(residuals: Residuals, best_fit: Fit) -> Array:
     """Return the lower and upper end of each share's interval, (n, 2)."""
     residuals = _where_computed(residuals, best_fit.residuals.size)
-    return np.array([[_end(residuals, best_fit, k, side) for side in (-1.0, 1.0)] for k in range(best_fit.shares.size)])
+    return np.array([[_end(residuals, best_fit, k, s) for s in (-1.0, 1.0)] for k in range(best_fit.norm_params.size)])
 
 
 def _end(residuals: Residuals, best_fit: Fit, k: int, side: float) -> float:
     """Return the value of share ``k`` at which the least squares have grown by REACH^2, within its range."""
     column = best_fit.covariance[:, k]
     along = side * column / np.sqrt(column[k])  # a standard error of share k, and how the others follow
-    limit = float(0.5 * (1 + side) - best_fit.shares[k]) / along[k]  # standard errors to the end of the range
+    limit = float(0.5 * (1 + side) - best_fit.norm_params[k]) / along[k]  # standard errors to the end of the range
     reach = REACH
     for _ in range(END_TRIALS):
         reach = min(reach, limit)
@@ -160,40 +162,40 @@ def _end(residuals: Residuals, best_fit: Fit, k: int, side: float) -> float:
             break
         # the root of the growth is close to linear; a fit that creeps on has none
         reach *= float(np.clip(REACH / max(increase, 1e-9), 0.5, 2.0))
-    return float(best_fit.shares[k] + reach * along[k])
+    return float(best_fit.norm_params[k] + reach * along[k])
 
 
 def _root_of_increase(residuals: Residuals, best_fit: Fit, k: int, step: Array) -> float:
     """Root of the growth of the squares ``step`` away from the fit, after the other shares have been corrected."""
-    jacobian = np.vstack((best_fit.sensitivities, best_fit.held))
-    others = np.arange(best_fit.shares.size) != k
-    held = best_fit.held @ (best_fit.shares - MIDDLE)
-    least = float(best_fit.residuals @ best_fit.residuals + held @ held)
-    shares = np.clip(best_fit.shares + step, 0.0, 1.0)
+    jacobian = np.vstack((best_fit.sensitivities, best_fit.prior_rows))
+    others = np.arange(best_fit.norm_params.size) != k
+    prior = best_fit.prior_rows @ (best_fit.norm_params - MIDDLE)
+    least = float(best_fit.residuals @ best_fit.residuals + prior @ prior)
+    norm_params = np.clip(best_fit.norm_params + step, 0.0, 1.0)
     squares = list[float]()
     for _ in range(CORRECTIONS + 1):
-        r = _all(residuals, best_fit.held, shares)
+        r = _all(residuals, best_fit.prior_rows, norm_params)
         squares.append(float(r @ r))
         if not math.isfinite(squares[-1]):
             break
         correction = np.linalg.lstsq(jacobian[:, others], r, rcond=None)[0]
-        shares = shares.copy()
-        shares[others] = np.clip(shares[others] - correction, 0.0, 1.0)
+        norm_params = norm_params.copy()
+        norm_params[others] = np.clip(norm_params[others] - correction, 0.0, 1.0)
     return math.sqrt(max(min(squares) - least, 0.0))
 
 
-def sensitivities(predict: Callable[[Array], Array], shares: Array) -> Array:
+def sensitivities(predict: Callable[[Array], Array], norm_params: Array) -> Array:
     """d(prediction)/d(share) by differences within the ranges, (m, n): central where both sides are finite."""
-    steps = DIFFERENCE * np.eye(shares.size)
-    above, below = np.clip(shares + steps, 0.0, 1.0), np.clip(shares - steps, 0.0, 1.0)
+    steps = DIFFERENCE * np.eye(norm_params.size)
+    above, below = np.clip(norm_params + steps, 0.0, 1.0), np.clip(norm_params - steps, 0.0, 1.0)
     with ThreadPoolExecutor(os.cpu_count()) as pool:  # the native rope computes outside of Python's lock
         values = np.array(list(pool.map(predict, [*above, *below])))
     if not (there := np.isfinite(values).all(axis=1)).all():
-        values[~there] = predict(shares)
-        above[~there[: shares.size]] = below[~there[shares.size :]] = shares
+        values[~there] = predict(norm_params)
+        above[~there[: norm_params.size]] = below[~there[norm_params.size :]] = norm_params
         if not np.diag(above - below).all():
             raise RuntimeError("no rope on either side of the one found can be computed: narrow the ranges")
-    differences = values[: shares.size] - values[shares.size :]
+    differences = values[: norm_params.size] - values[norm_params.size :]
     return np.asarray((differences / np.diag(above - below)[:, None]).T)
 
 

@@ -1,19 +1,19 @@
 """A rope's properties from a file of measurements: values with intervals, what stays open, what to measure next."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from hoist_demo.calibration.definition import Measured
+from hoist_demo.calibration.definition import MeasurementFile
 from hoist_demo.calibration.fit import Array, Fit, Residuals, error_of, fit, intervals, sensitivities, with_measurement
 from hoist_demo.calibration.measurements import (
-    AnyRopeMeasurement,
     AtRest,
-    Bench,
+    CalibrationProblem,
     LoopWidth,
     Mass,
+    Measurements,
     RopeMeasurement,
     SampleExtension,
     SampleRotation,
@@ -28,7 +28,7 @@ from hoist_demo.study.provenance import SourcedValue, rope_provenance
 from rope_model import Datum, KnownRope
 
 OPEN = 0.25  #: Half width of an interval in shares from which on a property is undetermined: half that of a range.
-NAMED = 0.3  #: Least part of a property in a direction that names it.
+MIN_COMPONENT = 0.3  #: Least part of a property in a direction that names it.
 STRONG = 0.7  #: Least correlation that is reported.
 
 
@@ -41,10 +41,10 @@ class Candidate:
 
 
 @dataclass(frozen=True)
-class Identified:
+class CalibrationResult:
     """Result of a calibration; ``data`` are the calibrated ranges."""
 
-    measured: Measured
+    measurement_file: MeasurementFile
     fit: Fit
     intervals: Array  # intervals of the shares, (n, 2)
     data: Mapping[str, Datum]
@@ -57,7 +57,7 @@ class Identified:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the properties and parameters that were identified."""
-        return self.measured.bench.names
+        return self.measurement_file.problem.names
 
     def is_determined(self, name: str) -> bool:
         """Return True if the data say more about a property than its range does."""
@@ -65,30 +65,30 @@ class Identified:
 
     def value(self, name: str) -> float:
         """Return the identified value of a property in its SI unit."""
-        return self.measured.bench.value(name, self.fit.shares)
+        return self.measurement_file.problem.value(name, self.fit.norm_params)
 
     @property
     def calibrated_rope(self) -> KnownRope:
         """Rope of the catalogue with the calibrated ranges."""
-        before = self.measured.bench.catalogue_rope
+        before = self.measurement_file.problem.catalogue_rope
         return replace(before, data={name: self.data[name] for name in before.data})
 
     def open_directions(self) -> list[str]:
         """List the properties of each direction that the data leave open, equal sets once."""
         named = [
-            " and ".join(name for name, part in zip(self.names, direction, strict=True) if abs(part) > NAMED)
+            " and ".join(name for name, part in zip(self.names, direction, strict=True) if abs(part) > MIN_COMPONENT)
             for direction in self.fit.untold()
         ]
         return list(dict.fromkeys(named))
 
     def provenance(self) -> list[SourcedValue]:
         """Sources of the numbers of the rope and its shaft."""
-        bench = self.measured.bench
-        given = dict.fromkeys(("rope.length", "rope.diameter"), GIVEN) | dict(self.measured.given)
+        problem = self.measurement_file.problem
+        status_by_name = {"rope.length": GIVEN, "rope.diameter": GIVEN, **self.measurement_file.status_by_name}
         data_statuses = {name: datum.status for name, datum in self.data.items()}
-        given |= {name: data_statuses[name] for name in bench.sought} | following_statuses(data_statuses)
+        status_by_name |= {name: data_statuses[name] for name in problem.sought} | following_statuses(data_statuses)
         return rope_provenance(
-            find_case("rope-120"), rope_data_of(bench.scene_at(self.fit.shares)), given
+            find_case("rope-120"), rope_data_of(problem.scene_at(self.fit.norm_params)), status_by_name
         )  # the case of the defaults
 
     def strong_correlations(self) -> list[tuple[str, str, float]]:
@@ -98,57 +98,57 @@ class Identified:
         return [(self.names[j], self.names[i], float(matrix[i, j])) for i, j in pairs]
 
 
-def identify(measured: Measured) -> Identified:
+def identify(file: MeasurementFile) -> CalibrationResult:
     """Fit the properties, find their intervals, and rank candidates for the next measurement."""
-    bench = measured.bench
-    residuals = residuals_of(bench, measured.measurements, *stacked(measured.measurements))
-    tracks = [m for m in measured.measurements if isinstance(m, Markers)]
-    count = len(bench.names)
+    problem = file.problem
+    residuals = residuals_of(problem, file.measurements, *stacked(file.measurements))
+    tracks = [m for m in file.measurements if isinstance(m, Markers)]
+    count = len(problem.names)
     whole = replace(fit(residuals, count + sum(m.starts for m in tracks)), nuisance=sum(m.unknowns for m in tracks))
-    properties_fit = whole.of_first_shares(count)
-    ends = np.clip(properties_fit.shares[:, None] + np.outer(properties_fit.reaches, [-1.0, 1.0]), 0.0, 1.0)
-    if whole.shares.size == count:  # with a start, residuals are too nonlinear for the few corrections of a profile
+    properties_fit = whole.of_first_params(count)
+    ends = np.clip(properties_fit.norm_params[:, None] + np.outer(properties_fit.reaches, [-1.0, 1.0]), 0.0, 1.0)
+    if whole.norm_params.size == count:  # with a start, residuals are too nonlinear for a profile's few corrections
         ends = intervals(residuals, properties_fit)
-    where: Any = dict(measured.wanted)
+    where: Any = dict(file.wanted)
     wanted = AtRest(value=(0.0,), sigma=1.0, **where)
-    possible = candidates(bench, properties_fit.shares)
-    rows = sensitivities(lambda u: bench.predict(u, [wanted, *possible]), properties_fit.shares)
+    possible = candidates(problem, properties_fit.norm_params)
+    rows = sensitivities(lambda u: problem.predict(u, [wanted, *possible]), properties_fit.norm_params)
     gradient, covariance = rows[0], properties_fit.covariance
     left = [
         Candidate(m, error_of(with_measurement(covariance, row / m.sigma), gradient))
         for m, row in zip(possible, rows[1:], strict=True)
     ]
-    trial = bench.trial(properties_fit.shares)
-    predicted = bench.predict(whole.shares, [*measured.measurements, wanted], trial)
-    return Identified(
-        measured,
+    predictor = problem.predictor(properties_fit.norm_params)
+    predicted = problem.predict(whole.norm_params, [*file.measurements, wanted], predictor)
+    return CalibrationResult(
+        file,
         properties_fit,
         ends,
-        calibrated(measured, properties_fit, ends),
+        calibrated(file, properties_fit, ends),
         predicted[:-1],
         float(predicted[-1]),
         error_of(covariance, gradient),
         tuple(sorted(left, key=lambda c: c.error)),
-        trial.warnings,
+        predictor.warnings,
     )
 
 
-def stacked(measurements: Sequence[AnyRopeMeasurement]) -> tuple[Array, Array]:
+def stacked(measurements: Measurements) -> tuple[Array, Array]:
     """Stack all values and their standard errors, each (m,)."""
     values = [value for m in measurements for value in m.values]
     return np.array(values), np.array([m.sigma for m in measurements for _ in m.values])
 
 
-def residuals_of(bench: Bench, measurements: Sequence[AnyRopeMeasurement], values: Array, sigmas: Array) -> Residuals:
-    """Return the function (shares) -> (predictions - values) / sigmas, (m,)."""
-    return lambda shares: np.asarray((bench.predict(shares, measurements) - values) / sigmas)
+def residuals_of(problem: CalibrationProblem, measurements: Measurements, values: Array, sigmas: Array) -> Residuals:
+    """Return the function (norm_params) -> (predictions - values) / sigmas, (m,)."""
+    return lambda norm_params: np.asarray((problem.predict(norm_params, measurements) - values) / sigmas)
 
 
-def calibrated(measured: Measured, properties_fit: Fit, ends: Array) -> dict[str, Datum]:
+def calibrated(file: MeasurementFile, properties_fit: Fit, ends: Array) -> dict[str, Datum]:
     """Replace ranges by narrower calibrated intervals; if the model is contradicted, they stand with that status."""
-    data = measured.bench.data
-    source = measured.path.name
-    for name, reach, interval in zip(measured.bench.names, properties_fit.reaches, ends, strict=True):
+    data = file.problem.data
+    source = file.path.name
+    for name, reach, interval in zip(file.problem.names, properties_fit.reaches, ends, strict=True):
         if reach < OPEN and properties_fit.contradicted:
             data[name] = replace(data[name], status="contradicted", source=source)
         elif reach < OPEN:
@@ -157,13 +157,13 @@ def calibrated(measured: Measured, properties_fit: Fit, ends: Array) -> dict[str
     return data
 
 
-def candidates(bench: Bench, shares: Array) -> list[RopeMeasurement]:
+def candidates(problem: CalibrationProblem, norm_params: Array) -> list[RopeMeasurement]:
     """List possible next measurements, each with its usual error [assumed]."""
-    trial = bench.trial(shares)
-    data = trial.scene.rope
-    load = 0.5 * data.length * data.mass_per_length * trial.scene.layout.gravity
-    torsion = trial.properties["torsional_stiffness"]
-    width = bench.predict(shares, [LoopWidth(value=(1.0,), sigma=1.0)])[0]
+    predictor = problem.predictor(norm_params)
+    data = predictor.scene.rope
+    load = 0.5 * data.length * data.mass_per_length * predictor.scene.layout.gravity
+    torsion = predictor.properties["torsional_stiffness"]
+    width = problem.predict(norm_params, [LoopWidth(value=(1.0,), sigma=1.0)])[0]
     turn = 0.05 * load * data.diameter / torsion  # rad/m, for a torque like those of torque factors
     torque = 5e-4 * load * data.diameter
     kilonewtons = f"under {1e-3 * load:.3g} kN"

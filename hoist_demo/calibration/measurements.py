@@ -28,6 +28,7 @@ from hoist_demo.files.reading import Table
 from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.files.values import Text
 from hoist_demo.parameters import Winding
+from rope_model import SIGNALS, Datum, EndMotion, Scene
 from rope_model.catalogue import properties_of
 from rope_model.physics.estimates import natural_width
 from rope_model.scene_names import with_values
@@ -40,10 +41,10 @@ SAMPLE = 0.1  #: Time between two values of which a largest and a smallest are t
 MODES = 14  #: Modes among which those of one plane are looked for.
 
 
-class Trial:
+class RopePredictor:
     """One rope under measurement; each position in the shaft is computed once."""
 
-    def __init__(self, scene: rope_model.Scene) -> None:
+    def __init__(self, scene: Scene) -> None:
         self.scene = scene.with_(model=rope_model.Model("torsional"))
         self._at_rest: dict[tuple[float, float], rope_model.BalanceRope] = {}
 
@@ -56,9 +57,7 @@ class Trial:
         """Return an output at rest with the ends at these heights [m]."""
         if (left, right) not in self._at_rest:
             rope = rope_model.balance_rope(self.scene)
-            _require_rest(
-                rope.initialize(0.0, rope_model.EndMotion(y=left), rope_model.EndMotion(y=right)), left, right
-            )
+            _require_rest(rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right)), left, right)
             self._at_rest[left, right] = rope
         return self._at_rest[left, right].signals([name])[name]
 
@@ -74,10 +73,10 @@ class Trial:
         motion = s_curve(winding)
         rope = rope_model.balance_rope(self.scene)
 
-        def ends(t: float) -> tuple[rope_model.EndMotion, rope_model.EndMotion]:
+        def ends(t: float) -> tuple[EndMotion, EndMotion]:
             p = motion.at(t)
-            rising = rope_model.EndMotion(y=left + p.position, vy=p.speed, ay=p.acceleration)
-            return rising, rope_model.EndMotion(y=right - p.position, vy=-p.speed, ay=-p.acceleration)
+            rising = EndMotion(y=left + p.position, vy=p.speed, ay=p.acceleration)
+            return rising, EndMotion(y=right - p.position, vy=-p.speed, ay=-p.acceleration)
 
         _require_rest(rope.initialize(0.0, *ends(0.0)), left, right)
         read = rope.reader((name,))
@@ -110,7 +109,7 @@ class Trial:
         """Return the frequencies of the lowest modes in or out of plane [Hz]."""
         # the mesh differs from rope to rope, and to compile for each takes longer than to interpret
         rope = rope_model.RopeSimulator(self.scene.with_(solver=replace(self.scene.solver, kernels="portable")))
-        _require_rest(rope.initialize(0.0, rope_model.EndMotion(y=left), rope_model.EndMotion(y=right)), left, right)
+        _require_rest(rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right)), left, right)
         modes = natural_modes(rope.system, rope.state.motion.q, MODES)
         return np.asarray(modes.frequencies[(modes.out_of_plane > 0.5) == (plane == "out of plane")])
 
@@ -127,7 +126,7 @@ Series = Annotated[
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Magnitude = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 Time = Annotated[float, Field(ge=0.0, le=LONGEST)]
-Signal: Any = Literal[tuple(rope_model.SIGNALS)]  #: Name of an output, docs/reference/variables.md.
+Signal: Any = Literal[tuple(SIGNALS)]  #: Name of an output, docs/reference/variables.md.
 
 
 class RopeMeasurement(Table):
@@ -147,9 +146,9 @@ class RopeMeasurement(Table):
     @property
     def unit(self) -> str:
         """Unit of the values, as FMI spells it."""
-        return self.UNIT or str(rope_model.SIGNALS[getattr(self, "signal")].unit)  # noqa: B009 (not of all kinds)
+        return self.UNIT or str(SIGNALS[getattr(self, "signal")].unit)  # noqa: B009 (not of all kinds)
 
-    def predict(self, trial: Trial) -> Sequence[float]:
+    def predict(self, predictor: RopePredictor) -> Sequence[float]:
         """Return the model's prediction of each value, in `unit`."""
         raise NotImplementedError
 
@@ -173,8 +172,8 @@ class LoopWidth(RopeMeasurement):
     what: Literal["loop width"] = "loop width"
     values: Series[Magnitude] = Field(alias="value")
 
-    def predict(self, trial: Trial) -> Sequence[float]:
-        return [float(natural_width(trial.scene))] * len(self.values)
+    def predict(self, predictor: RopePredictor) -> Sequence[float]:
+        return [float(natural_width(predictor.scene))] * len(self.values)
 
 
 class Mass(RopeMeasurement):
@@ -184,8 +183,8 @@ class Mass(RopeMeasurement):
     what: Literal["mass"] = "mass"
     values: Series[Magnitude] = Field(alias="value")
 
-    def predict(self, trial: Trial) -> Sequence[float]:
-        return [trial.scene.rope.mass_per_length] * len(self.values)
+    def predict(self, predictor: RopePredictor) -> Sequence[float]:
+        return [predictor.scene.rope.mass_per_length] * len(self.values)
 
 
 class SampleTorque(RopeMeasurement):
@@ -196,8 +195,8 @@ class SampleTorque(RopeMeasurement):
     load: Series[Magnitude]  # N
     twist: Series[Finite] = (0.0,)  # rad/m
 
-    def predict(self, trial: Trial) -> Sequence[float]:
-        return [trial.lay_torque(load) + trial.torsion(load) * twist for load, twist in self.each("load", "twist")]
+    def predict(self, predictor: RopePredictor) -> Sequence[float]:
+        return [predictor.lay_torque(load) + predictor.torsion(load) * w for load, w in self.each("load", "twist")]
 
 
 class SampleRotation(RopeMeasurement):
@@ -208,8 +207,8 @@ class SampleRotation(RopeMeasurement):
     load: Series[Magnitude]  # N
     length: Series[Magnitude]  # m
 
-    def predict(self, trial: Trial) -> Sequence[float]:
-        return [trial.lay_torque(load) * length / trial.torsion(load) for load, length in self.each("load", "length")]
+    def predict(self, predictor: RopePredictor) -> Sequence[float]:
+        return [predictor.lay_torque(load) * l / predictor.torsion(load) for load, l in self.each("load", "length")]
 
 
 class SampleExtension(RopeMeasurement):
@@ -221,8 +220,8 @@ class SampleExtension(RopeMeasurement):
     load: Series[Magnitude]  # N
     length: Series[Magnitude]  # m
 
-    def predict(self, trial: Trial) -> Sequence[float]:
-        return [load * length / trial.scene.rope.Qa for load, length in self.each("load", "length")]
+    def predict(self, predictor: RopePredictor) -> Sequence[float]:
+        return [load * length / predictor.scene.rope.Qa for load, length in self.each("load", "length")]
 
 
 class InShaft(RopeMeasurement):
@@ -243,8 +242,8 @@ class AtRest(InShaft):
     what: Literal["at rest"] = "at rest"
     signal: Signal
 
-    def predict(self, trial: Trial) -> Sequence[float]:
-        return [trial.signal(self.signal, left, right) for left, right in self.each("left_y", "right_y")]
+    def predict(self, predictor: RopePredictor) -> Sequence[float]:
+        return [predictor.signal(self.signal, left, right) for left, right in self.each("left_y", "right_y")]
 
 
 class Swing(InShaft):
@@ -256,10 +255,10 @@ class Swing(InShaft):
     plane: Literal["in plane", "out of plane"]
     number: Series[Annotated[float, Field(ge=1.0, multiple_of=1.0)]] = (1.0,)
 
-    def predict(self, trial: Trial) -> Sequence[float]:
+    def predict(self, predictor: RopePredictor) -> Sequence[float]:
         predicted = []
         for number, left, right in self.each("number", "left_y", "right_y"):
-            frequencies = trial.frequencies(self.plane, left, right)
+            frequencies = predictor.frequencies(self.plane, left, right)
             if number > frequencies.size:
                 raise RuntimeError(
                     f"{self.title}: number = {number:g} must be at most {frequencies.size}, as {MODES} modes hold so "
@@ -286,17 +285,17 @@ class Track(InShaft):
         trips = zip(super().apart, self.each("travel"), strict=True)
         return [*super().apart, *((left, right, gap + 2 * travel) for (left, right, gap), (travel,) in trips)]
 
-    def predict(self, trial: Trial) -> Sequence[float]:
-        return [values[0] for values in self._over_trips(trial, self.each("t"))]
+    def predict(self, predictor: RopePredictor) -> Sequence[float]:
+        return [values[0] for values in self._over_trips(predictor, self.each("t"))]
 
-    def _over_trips(self, trial: Trial, times: Sequence[Sequence[float]]) -> list[list[float]]:
+    def _over_trips(self, predictor: RopePredictor, times: Sequence[Sequence[float]]) -> list[list[float]]:
         """Return the signal at the times [s] of each value, to the millisecond; each trip is wound once."""
         trips = self.each("left_y", "right_y", "travel", "speed", "acceleration", "jerk")
         rounded = [[round(t, 3) for t in some] for some in times]
         by_trip: dict[tuple[float, ...], set[float]] = {}
         for trip, some in zip(trips, rounded, strict=True):
             by_trip.setdefault(trip, set()).update(some)
-        runs = {trip: trial.track(self.signal, sorted(t), trip[0], trip[1], trip[2:]) for trip, t in by_trip.items()}
+        runs = {p: predictor.track(self.signal, sorted(t), p[0], p[1], p[2:]) for p, t in by_trip.items()}
         return [[runs[trip][t] for t in some] for trip, some in zip(trips, rounded, strict=True)]
 
     @model_validator(mode="after")
@@ -313,9 +312,9 @@ class Swept(Track):
     values: Series[Annotated[float, Field(ge=0.0, allow_inf_nan=False)]] = Field(alias="value")
     until: Series[Time]  # s
 
-    def predict(self, trial: Trial) -> Sequence[float]:
+    def predict(self, predictor: RopePredictor) -> Sequence[float]:
         windows = [np.linspace(t, until, math.ceil((until - t) / SAMPLE) + 1) for t, until in self.each("t", "until")]
-        return [max(values) - min(values) for values in self._over_trips(trial, [w.tolist() for w in windows])]
+        return [max(values) - min(values) for values in self._over_trips(predictor, [w.tolist() for w in windows])]
 
     @model_validator(mode="after")
     def _ends_later(self) -> Self:
@@ -326,6 +325,7 @@ class Swept(Track):
 
 
 AnyRopeMeasurement = RopeMeasurement | Markers
+Measurements = Sequence[AnyRopeMeasurement]
 MeasurementEntry = Annotated[
     LoopWidth | Mass | SampleTorque | SampleRotation | SampleExtension | AtRest | Track | Swept | Swing | Markers,
     Field(discriminator="what"),
@@ -333,15 +333,15 @@ MeasurementEntry = Annotated[
 
 
 @dataclass(frozen=True)
-class Bench:
+class CalibrationProblem:
     """Rope under identification: its ranges of the catalogue, and the scene in which it hangs."""
 
     catalogue_rope: rope_model.KnownRope
-    scene: rope_model.Scene
-    sought: Mapping[str, rope_model.Datum] = field(default_factory=dict)  # ranges of parameters beside the properties
+    scene: Scene
+    sought: Mapping[str, Datum] = field(default_factory=dict)  # ranges of parameters beside the properties
 
     @property
-    def data(self) -> dict[str, rope_model.Datum]:
+    def data(self) -> dict[str, Datum]:
         """Data of the properties and of the other parameters sought."""
         return {**self.catalogue_rope.data, **self.sought}
 
@@ -350,29 +350,29 @@ class Bench:
         """Names of everything sought: all that has a range."""
         return tuple(name for name, datum in self.data.items() if datum.high > datum.low)
 
-    def value(self, name: str, shares: Array) -> float:
+    def value(self, name: str, norm_params: Array) -> float:
         """Return the value at its share of its range."""
-        return self.data[name].at(float(shares[self.names.index(name)]))
+        return self.data[name].at(float(norm_params[self.names.index(name)]))
 
-    def rope(self, shares: Array) -> rope_model.Rope:
+    def rope(self, norm_params: Array) -> rope_model.Rope:
         """Return the rope at these shares of the ranges; what the file fixes beyond the properties is the scene's."""
         data = self.catalogue_rope.data
-        values = {name: self.value(name, shares) if name in self.names else data[name].low for name in data}
+        values = {name: self.value(name, norm_params) if name in self.names else data[name].low for name in data}
         made = self.catalogue_rope.rope(**values)
         return replace(self.scene.rope, **{name: getattr(made, name) for name in FOLLOWING})
 
-    def scene_at(self, shares: Array) -> rope_model.Scene:
+    def scene_at(self, norm_params: Array) -> Scene:
         """Return the scene with the rope at these shares of the ranges."""
-        values = {name: self.value(name, shares) for name in self.sought}
-        return with_values(self.scene.with_(rope=self.rope(shares)), values)
+        values = {name: self.value(name, norm_params) for name in self.sought}
+        return with_values(self.scene.with_(rope=self.rope(norm_params)), values)
 
-    def trial(self, shares: Array) -> Trial:
-        """Return the rope that has these shares, ready to be measured."""
-        return Trial(self.scene_at(shares))
+    def predictor(self, norm_params: Array) -> RopePredictor:
+        """Return the predictor for the rope with these shares."""
+        return RopePredictor(self.scene_at(norm_params))
 
-    def predict(self, shares: Array, measurements: Sequence[AnyRopeMeasurement], of: Trial | None = None) -> Array:
-        """Predict all values of the measurements in turn; ``shares`` are those of the rope, then those of starts."""
-        trial = of or self.trial(shares)
-        starts = iter(shares[len(self.names) :].tolist())
-        predictions = [m.predict(trial, *islice(starts, getattr(m, "starts", 0))) for m in measurements]
+    def predict(self, norm_params: Array, measurements: Measurements, predictor: RopePredictor | None = None) -> Array:
+        """Predict all values of the measurements in turn; ``norm_params`` are the rope's, then those of starts."""
+        predictor = predictor or self.predictor(norm_params)
+        starts = iter(norm_params[len(self.names) :].tolist())
+        predictions = [m.predict(predictor, *islice(starts, getattr(m, "starts", 0))) for m in measurements]
         return np.array([value for values in predictions for value in values])

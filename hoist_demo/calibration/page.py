@@ -4,7 +4,7 @@ import textwrap
 from pathlib import Path
 
 from hoist_demo.calibration.fit import CONFIDENCE, SIGNIFICANCE
-from hoist_demo.calibration.identify import Identified
+from hoist_demo.calibration.identify import CalibrationResult
 from hoist_demo.calibration.tracks import Markers
 from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.report.html.page import Bar, bars, engineering, number, paragraphs, plain_table, unit_text, write_sheet
@@ -15,7 +15,7 @@ from rope_model.texts import printable, toml_string
 SIDE = 4.0  #: Standard errors to either side in the picture of the residuals.
 
 
-def summary(result: Identified) -> list[SummaryRow]:
+def summary(result: CalibrationResult) -> list[SummaryRow]:
     """Return the rows of the terminal's summary: properties, open directions, correlations, next measurements."""
     group = f"Properties, with the interval of {100 * CONFIDENCE:.0f} %"
     rows = [SummaryRow(group, *row[:2], row[2]) for row in _properties(result)]
@@ -23,14 +23,14 @@ def summary(result: Identified) -> list[SummaryRow]:
     rows += [SummaryRow("Determined only together", *row) for row in _pairs(result)]
     group = "Best next measurement, and its remaining error"
     unit = _wanted_unit(result)
-    now = f"now: {result.measured.wanted.signal}, {number(result.wanted)} {unit}"
+    now = f"now: {result.measurement_file.wanted.signal}, {number(result.wanted)} {unit}"
     rows.append(SummaryRow(group, now, _error(result)))
     rows += [SummaryRow(group, c.measurement.name, c.error, unit) for c in result.candidates[:3]]
     rows += [SummaryRow("As found, the rope says", "warning", text) for text in result.warnings]
     return [*rows, *status_rows(result.provenance())]
 
 
-def misfit(result: Identified) -> str:
+def misfit(result: CalibrationResult) -> str:
     """Return a warning if the measurements contradict the model, else ''."""
     if not result.fit.contradicted:
         return ""
@@ -43,12 +43,12 @@ def misfit(result: Identified) -> str:
     )
 
 
-def write_page(result: Identified, path: Path) -> Path:
+def write_page(result: CalibrationResult, path: Path) -> Path:
     """Write the HTML page of an identification and return its path."""
-    bench = result.measured.bench
+    problem = result.measurement_file.problem
     ranges = [
         Bar(f"{name.replace('_', ' ')}", float(low), float(high), float(share), result.is_determined(name))
-        for name, share, (low, high) in zip(result.names, result.fit.shares, result.intervals, strict=True)
+        for name, share, (low, high) in zip(result.names, result.fit.norm_params, result.intervals, strict=True)
     ]
     residuals = [Bar(name, 0.5, 0.5 + x / (2 * SIDE), 0.5 + x / (2 * SIDE)) for name, x in _residuals(result)]
     steps = [(0.5 + x / (2 * SIDE), f"{x:+.0f}" if x else "0") for x in (-4, -3, -2, -1, 0, 1, 2, 3, 4)]
@@ -56,7 +56,7 @@ def write_page(result: Identified, path: Path) -> Path:
     head = ("property", interval, "unit", "known before", "status before")
     properties = []
     for row, name in zip(_properties(result), result.names, strict=True):
-        datum = bench.data[name]
+        datum = problem.data[name]
         factor, _ = engineering(result.data[name].high, datum.unit)
         range_before = f"{number(factor * datum.low)} to {number(factor * datum.high)}"
         properties.append((*row, range_before, f"{datum.status}: {datum.source}"))
@@ -84,16 +84,16 @@ def write_page(result: Identified, path: Path) -> Path:
         ("Undetermined by the data", paragraphs(_open(result)) or none),
         ("Determined only together", plain_table(("properties", "correlation"), pairs) if pairs else none),
         (
-            f"Best next measurement of {result.measured.wanted.signal}",
+            f"Best next measurement of {result.measurement_file.wanted.signal}",
             paragraphs([f"It is {number(result.wanted)} {_wanted_unit(result)}, its standard error {_error(result)}."])
             + plain_table(("measurement", "standard error that it leaves"), left),
         ),
         (title, plain_table(("datum", "value", "unit", "status"), data)),
     ]  # fmt: skip
-    return write_sheet(path, f"A rope from measurements: {result.measured.path.name}", parts)
+    return write_sheet(path, f"A rope from measurements: {result.measurement_file.path.name}", parts)
 
 
-def _properties(result: Identified) -> list[tuple[str, str, str]]:
+def _properties(result: CalibrationResult) -> list[tuple[str, str, str]]:
     """Return name, value with interval, and unit of each property."""
     rows = []
     for name in result.names:
@@ -110,27 +110,27 @@ def _properties(result: Identified) -> list[tuple[str, str, str]]:
     return rows
 
 
-def _open(result: Identified) -> list[str]:
+def _open(result: CalibrationResult) -> list[str]:
     return [f"{text}: the range stands" for text in result.open_directions()]
 
 
-def _pairs(result: Identified) -> list[tuple[str, str]]:
+def _pairs(result: CalibrationResult) -> list[tuple[str, str]]:
     return [(f"{one} and {other}", f"{value:+.2f}") for one, other, value in result.strong_correlations()]
 
 
-def _error(result: Identified) -> str:
+def _error(result: CalibrationResult) -> str:
     return f"{number(result.wanted_error)} {_wanted_unit(result)}"
 
 
-def _wanted_unit(result: Identified) -> str:
-    return unit_text(SIGNALS[result.measured.wanted.signal].unit)
+def _wanted_unit(result: CalibrationResult) -> str:
+    return unit_text(SIGNALS[result.measurement_file.wanted.signal].unit)
 
 
-def _values(result: Identified) -> list[tuple[str, float, float, float, str]]:
+def _values(result: CalibrationResult) -> list[tuple[str, float, float, float, str]]:
     """Name, measured, predicted, sigma and unit of each value."""
     predicted = iter(result.predicted)
     rows = []
-    for m in result.measured.measurements:
+    for m in result.measurement_file.measurements:
         if isinstance(m, Markers):
             of_places = [float(next(predicted)) ** 2 for _ in m.values][: -m.nuisance]
             rms = (sum(of_places) / len(of_places)) ** 0.5
@@ -142,16 +142,17 @@ def _values(result: Identified) -> list[tuple[str, float, float, float, str]]:
     return rows
 
 
-def _residuals(result: Identified) -> list[tuple[str, float]]:
+def _residuals(result: CalibrationResult) -> list[tuple[str, float]]:
     return [(name, (predicted - value) / sigma) for name, value, predicted, sigma, _ in _values(result)]
 
 
-def write_rope_file(result: Identified, path: Path) -> Path:
+def write_rope_file(result: CalibrationResult, path: Path) -> Path:
     """Write the identified rope as the TOML file that --rope takes, and return its path."""
     calibrated_rope = result.calibrated_rope
-    rope = result.measured.bench.rope(result.fit.shares)
+    file = result.measurement_file
+    rope = file.problem.rope(result.fit.norm_params)
     lines = [
-        f"# Found by balance-rope identify from {printable(result.measured.path.name)}. wind and export take it as",
+        f"# Found by balance-rope identify from {printable(file.path.name)}. wind and export take it as",
         '# --rope FILE, studies, duties and ropes as [fixed] from = "FILE".',
         *(f"# {printable(line)}" for line in textwrap.wrap(misfit(result), 110)),
         "[rope]",
@@ -166,7 +167,7 @@ def write_rope_file(result: Identified, path: Path) -> Path:
         facts = f"status = {toml_string(datum.status)}, source = {toml_string(datum.source)}"
         lines.append(f"{name} = {{ low = {datum.low:.6g}, high = {datum.high:.6g}, {facts} }}")
     lines += ["", "[fixed]", *(f"rope.{name} = {getattr(rope, name):.8g}" for name in FOLLOWING)]
-    for name in result.measured.bench.sought:
+    for name in result.measurement_file.problem.sought:
         status = toml_string(result.data[name].status)
         lines.append(f"{name} = {{ value = {result.value(name):.6g}, status = {status} }}")
     path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")

@@ -87,14 +87,14 @@ class Markers(Table):
     delay: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # s, standard error of the camera's time
     _t: Array = PrivateAttr()  # (n,), s from the first of the file, whose frames are the last ones
     _spacing: float = PrivateAttr()  # m, of the ends at the start
-    _held: Array = PrivateAttr()  # (3, n, 2, 5), values, rates and accelerations of the ends' places and leans
+    _end_paths: Array = PrivateAttr()  # (3, n, 2, 5), values, rates and accelerations of the ends' places and leans
     _places: Array = PrivateAttr()  # (frames, markers, 3), m; NaN where lost or not compared
 
     @model_validator(mode="after")
     def _is_there(self, info: ValidationInfo) -> Self:
         frames = _checked(_read(beside(info, self.file), self), self)
-        self._spacing, held, markers = _turned(frames, self)
-        self._t, self._held = _smoothed(frames, held, self.settle)
+        self._spacing, end_paths, markers = _turned(frames, self)
+        self._t, self._end_paths = _smoothed(frames, end_paths, self.settle)
         markers[~frames.whole | (frames.t < self.skip)] = np.nan
         labelled, free = np.split(markers, [len(self.places)], axis=1)
         self._places = np.hstack((_masked(labelled, self.sigma), free))
@@ -127,25 +127,24 @@ class Markers(Table):
     @property
     def apart(self) -> float:
         """Largest distance of the ends, m."""
-        x = self._held[0, ..., :3]
+        x = self._end_paths[0, ..., :3]
         return float(np.linalg.norm(x[:, 1] - x[:, 0] + [self._spacing, 0.0, 0.0], axis=1).max())
 
     @property
     def lengths(self) -> dict[str, float]:
         """Lengths (m) that are at most the rope's, by what they are."""
-        return {f"places.{k}": s for k, s in self.places.items()} | {
-            f"{self.file}: largest distance of the ends": self.apart
-        }
+        lengths = {f"places.{k}": s for k, s in self.places.items()}
+        return lengths | {f"{self.file}: largest distance of the ends": self.apart}
 
     def motions(self, start: Array) -> list[tuple[EndMotion, EndMotion]]:
         """Motions of the ends at each time, from poses ``start`` (steps, 2, 3) off the first places of the file, m."""
-        held = self._held.copy()
+        paths = self._end_paths.copy()
         t = self._t[: -len(self._places)]
         h = (self._t[t.size] - t[0]) / STEPS
-        for k, displacement in enumerate(start):
+        for k, offset in enumerate(start):
             s = np.clip(t - t[0] - k * h, 0.0, h)[:, None, None]
-            held[:, : t.size, :, :3] += quintic.rates(quintic.coefficients(h, displacement, 0.0, 0.0, 0.0, 0.0, 0.0), s)
-        motions = np.concatenate((*held[..., :3], np.zeros((*held.shape[1:3], 2)), held[0, ..., 3:]), axis=2)
+            paths[:, : t.size, :, :3] += quintic.rates(quintic.coefficients(h, offset, 0.0, 0.0, 0.0, 0.0, 0.0), s)
+        motions = np.concatenate((*paths[..., :3], np.zeros((*paths.shape[1:3], 2)), paths[0, ..., 3:]), axis=2)
         return [(EndMotion(*left), EndMotion(*right)) for left, right in motions.tolist()]
 
     def wind(self, scene: Scene, start: Array) -> Array:
@@ -171,13 +170,13 @@ class Markers(Table):
                 samples.append([at_places(rows[:, 1:7], *at), at_places(rows[:, 7:], *at), tangents])
         return np.array(samples).swapaxes(0, 1)
 
-    def predict(self, trial: Any, *start: float) -> Array:
-        """Residuals (m) on the scene of a measurements.Trial, and shares that tell its start; squares are the loss."""
+    def predict(self, predictor: Any, *start: float) -> Array:
+        """Residuals (m) on the scene of a RopePredictor, and shares that tell its start; squares are the loss."""
         start_errors = ERRORS * np.subtract(start or [0.5] * self.starts, 0.5)
         labelled = len(self.places)
         t = self._t[-len(self._places) :]
         seen = np.isfinite(self._places)
-        x, v, along = self.wind(trial.scene, start_errors)
+        x, v, along = self.wind(predictor.scene, start_errors)
         motion = CubicHermiteSpline(t, x[:, :labelled], v[:, :labelled])
 
         def residuals(b: Array) -> Array:
@@ -262,11 +261,11 @@ def _turned(frames: _Frames, track: Markers) -> tuple[float, Array, Array]:
     return spacing, np.concatenate((ends, leans), axis=2), (frames.markers - middle) @ matrix
 
 
-def _smoothed(frames: _Frames, held: Array, settle: float) -> tuple[Array, Array]:
+def _smoothed(frames: _Frames, end_paths: Array, settle: float) -> tuple[Array, Array]:
     """Times (s), with those before the file begins, and values, rates and accelerations (3, n, 2, 5) of the ends."""
     frame = frames.period
     before = frames.t[0] + np.arange(-math.ceil(settle / frame) if settle else -REST, 0) * frame
-    times, seen, t = frames.t[frames.whole], held[frames.whole].reshape(-1, 10), np.concatenate((before, frames.t))
+    times, seen, t = frames.t[frames.whole], end_paths[frames.whole].reshape(-1, 10), np.concatenate((before, frames.t))
     if not settle:
         times = np.concatenate((before, times))
         seen = np.vstack((np.tile(seen[:FIRST].mean(axis=0), (REST, 1)), seen))

@@ -8,7 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from hoist_demo.control.controller import Gains
-from hoist_demo.files.values import Given, plain, statuses
+from hoist_demo.files.values import ParameterValue, plain, statuses
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.quantity import Value
 from rope_model import Level
@@ -17,18 +17,18 @@ FOLDER = Path(str(files("hoist_demo"))) / "hoists"  #: Folder of the hoists that
 # names of hoists, and of scenarios in which something goes wrong, in the order of help texts
 HOISTS = ("rope-120", "rope-240", "kiruna-355", "kiruna-710", "monopol-1000", "robert-1096", "palabora-1282")
 SCENARIOS = ("overwind", "slack-rope", "seized-swivel", "jammed-conveyance", "caught-rope")
-NAMED = (*HOISTS, *SCENARIOS)
+BUILTIN_HOISTS = (*HOISTS, *SCENARIOS)
 DEFAULT_HOIST = "rope-120"
 
 
 @dataclass(frozen=True)
 class BalanceRopeData:
-    """One balance rope, or several equal ones: its place, its break, and its own values by FMI name."""
+    """One balance rope, or several equal ones: its suspension, its break, and its own values by FMI name."""
 
     name: str
-    values: Mapping[str, Given]
+    values: Mapping[str, ParameterValue]
     number: int = 1
-    place: Mapping[str, float] = field(default_factory=dict)  # m: x_left, x_right, z
+    suspension: Mapping[str, float] = field(default_factory=dict)  # m: x_left, x_right, z
     breaks: Mapping[str, float] = field(default_factory=dict)  # breaks_at [s], breaks_s [m]
     construction: str = ""  # name in the catalogue, if it has the rope
     lay: str = "right-hand"
@@ -47,8 +47,8 @@ class Case:
     hoist: Hoist
     winding: Winding
     gains: Gains
-    host: Mapping[str, Given]  # stated and derived values of controller, hoist.*, winding.* and others
-    tails: tuple[BalanceRopeData, ...]
+    host: Mapping[str, ParameterValue]  # stated and derived values of controller, hoist.*, winding.* and others
+    balance_ropes: tuple[BalanceRopeData, ...]
     rope: Mapping[str, Value]  # parameters of the first rope by FMI name; the rest is the rope's own
     source: str = ""
     level: Level = "standard"
@@ -56,25 +56,26 @@ class Case:
     remarks: tuple[str, ...] = ()  # sentences on values that are far from what hoists have
 
     @property
-    def ropes(self) -> tuple[BalanceRopeData, ...]:
-        """Several ropes, or one with a place or a break; none where all are equal."""
-        return self.tails if len(self.tails) > 1 or self.tails[0].place or self.tails[0].breaks else ()
+    def distinct_ropes(self) -> tuple[BalanceRopeData, ...]:
+        """Several ropes, or one with a suspension or a break; none where all are equal."""
+        ropes = self.balance_ropes
+        return ropes if len(ropes) > 1 or ropes[0].suspension or ropes[0].breaks else ()
 
     @property
-    def values(self) -> dict[str, Given]:
+    def values(self) -> dict[str, ParameterValue]:
         """Stated and derived values of the host and of equal ropes, by name."""
-        return {**self.host, **({} if self.ropes else self.tails[0].values)}
+        return {**self.host, **({} if self.distinct_ropes else self.balance_ropes[0].values)}
 
     @property
-    def given(self) -> dict[str, str]:
+    def status_by_name(self) -> dict[str, str]:
         """Status of each value by name."""
         return statuses(self.values)
 
     @property
     def sources(self) -> dict[str, str]:
         """Source of each value that states one, by name."""
-        return {key: one.source for key, one in self.values.items() if one.source}
+        return {key: entry.source for key, entry in self.values.items() if entry.source}
 
-    def alone(self, tail: BalanceRopeData) -> Case:
+    def alone(self, rope: BalanceRopeData) -> Case:
         """Return the hoist with one of its ropes."""
-        return replace(self, tails=(BalanceRopeData(tail.name, tail.values),), rope=tail.parameters)
+        return replace(self, balance_ropes=(BalanceRopeData(rope.name, rope.values),), rope=rope.parameters)

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from hoist_demo.cases.case import BalanceRopeData, Case
-from hoist_demo.files.catalogue import data_of, host_parameters, rope_parameters
+from hoist_demo.files.registry import data_of, host_parameters, rope_parameters
 from hoist_demo.files.rope_file import OF_CATALOGUE
-from hoist_demo.files.values import DERIVED, Given, plain
+from hoist_demo.files.values import DERIVED, ParameterValue, plain
 from hoist_demo.parameters import GRAVITY, Hoist, Winding, hoist_with, require_trip_fits
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
@@ -25,7 +25,7 @@ class RuleInputs:
 
     hoist: Hoist
     winding: Winding
-    tail: Hoist  # hoist with number, mass and length of the balance ropes alone
+    rope: Hoist  # hoist with number, mass and length of the balance ropes alone
 
     @property
     def torque(self) -> float:
@@ -40,15 +40,15 @@ class Rule(NamedTuple):
     """Rule for a parameter that the file leaves out."""
 
     key: str
-    words: str
+    expression: str
     value: Callable[[RuleInputs], Value]
 
 
 LENGTH = Rule("rope.length", f"hoist.shaft_travel + {TAIL_SPARE:g} m", lambda k: k.hoist.shaft_travel + TAIL_SPARE)
 RULES = (
-    Rule("hoist.tail_rope_number", "number of equal ropes; 1 of ropes that differ", lambda k: k.tail.tail_rope_number),
-    Rule("hoist.tail_rope_mass", "rope.mass_per_length; of unequal ropes the sum", lambda k: k.tail.tail_rope_mass),
-    Rule("hoist.tail_rope_length", "rope.length; of unequal ropes the mean by mass", lambda k: k.tail.tail_rope_length),
+    Rule("hoist.tail_rope_number", "number of equal ropes; 1 of ropes that differ", lambda k: k.rope.tail_rope_number),
+    Rule("hoist.tail_rope_mass", "rope.mass_per_length; of unequal ropes the sum", lambda k: k.rope.tail_rope_mass),
+    Rule("hoist.tail_rope_length", "rope.length; of unequal ropes the mean by mass", lambda k: k.rope.tail_rope_length),
     Rule("winding.travel", "hoist.shaft_travel, from landing to landing", lambda k: k.hoist.shaft_travel),
     Rule(
         "hoist.head_rope_mass",
@@ -71,23 +71,23 @@ RULES = (
 )
 
 
-def completed(host: Mapping[str, Given], tails: Iterable[BalanceRopeData], **head: Any) -> Case:
+def apply_rules(host: Mapping[str, ParameterValue], ropes: Iterable[BalanceRopeData], **header: Any) -> Case:
     """Return the hoist of what is stated of its host and ropes, with all that follows; ValueError where none can be."""
     host = dict(host)
     if "hoist.shaft_travel" not in host and "winding.travel" in host:
         deep = abs(float(host["winding.travel"].value))
-        host["hoist.shaft_travel"] = Given(deep, DERIVED, "winding.travel")
+        host["hoist.shaft_travel"] = ParameterValue(deep, DERIVED, "winding.travel")
     sections = data_of(plain(host))
     inputs = RuleInputs(sections["hoist"], sections["winding"], Hoist())
-    length = Given(LENGTH.value(inputs), DERIVED, LENGTH.words, follows=True)
+    length = ParameterValue(LENGTH.value(inputs), DERIVED, LENGTH.expression, follows=True)
     filled = list[BalanceRopeData]()
     with Problems() as problems:
-        for k, tail in enumerate(tails, 1):
+        for k, rope in enumerate(ropes, 1):
             with problems.at(f"rope {k}"):
-                filled.append(replace(tail, values={"rope.length": length, **_of_catalogue(tail), **tail.values}))
-    tails = tuple(filled)
-    drive = ropes_as_seen_by_drive(tails)
-    if host.get("hoist.tail_rope_number", Given(drive.tail_rope_number)).value != drive.tail_rope_number:
+                filled.append(replace(rope, values={"rope.length": length, **_of_catalogue(rope), **rope.values}))
+    ropes = tuple(filled)
+    drive = rope_totals(ropes)
+    if host.get("hoist.tail_rope_number", ParameterValue(drive.tail_rope_number)).value != drive.tail_rope_number:
         raise ValueError(
             f"hoist.tail_rope_number = {host['hoist.tail_rope_number'].value} must be {drive.tail_rope_number}, as "
             "number of the [[rope]] says: leave it out"
@@ -95,52 +95,52 @@ def completed(host: Mapping[str, Given], tails: Iterable[BalanceRopeData], **hea
     for rule in RULES:
         if rule.key not in host:
             value = rule.value(RuleInputs(sections["hoist"], sections["winding"], drive))
-            host[rule.key] = Given(value, DERIVED, rule.words, follows=True)
+            host[rule.key] = ParameterValue(value, DERIVED, rule.expression, follows=True)
             sections = data_of(plain(host))
     require_trip_fits(sections["hoist"], sections["winding"])
-    far = dict.fromkeys(line for one in tails for line in remarks(plain({**host, **one.values})))
+    far = dict.fromkeys(line for one in ropes for line in remarks(plain({**host, **one.values})))
     data = {name: sections[name] for name in ("hoist", "winding", "gains")}
-    return Case(**head, **data, host=host, tails=tails, rope=tails[0].parameters, remarks=tuple(far))
+    return Case(**header, **data, host=host, balance_ropes=ropes, rope=ropes[0].parameters, remarks=tuple(far))
 
 
-def _of_catalogue(tail: BalanceRopeData) -> dict[str, Given]:
+def _of_catalogue(rope: BalanceRopeData) -> dict[str, ParameterValue]:
     """Return what the catalogue knows of a rope; ValueError where it has none such."""
-    if not tail.construction:
+    if not rope.construction:
         return {}
-    diameter = float(tail.parameters.get("rope.diameter", 0.0))
-    middle = catalogue_rope(tail.construction, diameter, lay=tail.lay).middle  # type: ignore[arg-type]  # checks the lay
-    source = f"catalogue, {tail.construction}, middle of its range"
-    return {f"rope.{name}": Given(getattr(middle, name), DERIVED, source, follows=True) for name in OF_CATALOGUE}
+    diameter = float(rope.parameters.get("rope.diameter", 0.0))
+    mean = catalogue_rope(rope.construction, diameter, lay=rope.lay).middle  # type: ignore[arg-type]  # checks the lay
+    source = f"catalogue, {rope.construction}, middle of its range"
+    return {f"rope.{name}": ParameterValue(getattr(mean, name), DERIVED, source, follows=True) for name in OF_CATALOGUE}
 
 
-def ropes_as_seen_by_drive(tails: tuple[BalanceRopeData, ...]) -> Hoist:
+def rope_totals(ropes: tuple[BalanceRopeData, ...]) -> Hoist:
     """Return a hoist with number, mass and length of the balance ropes as the drive takes them."""
     mass = rope_parameters()["rope.mass_per_length"].start
-    each = [(tail.parameters.get("rope.mass_per_length", mass), tail.parameters["rope.length"]) for tail in tails]
-    ropes = [(float(m), float(length)) for m, length in each]
-    number = sum(tail.number for tail in tails)
-    if len(tails) == 1 and not (tails[0].place or tails[0].breaks):
-        ((own, length),) = ropes
+    each = [(rope.parameters.get("rope.mass_per_length", mass), rope.parameters["rope.length"]) for rope in ropes]
+    masses_and_lengths = [(float(m), float(length)) for m, length in each]
+    number = sum(rope.number for rope in ropes)
+    if len(ropes) == 1 and not (ropes[0].suspension or ropes[0].breaks):
+        ((own, length),) = masses_and_lengths
         return Hoist(tail_rope_number=number, tail_rope_mass=own, tail_rope_length=length)
-    if number > len(tails):
+    if number > len(ropes):
         raise ValueError("number must be 1 where ropes hang at places of their own: give each its own [[rope]]")
-    return hoist_with(Hoist(), ropes)
+    return hoist_with(Hoist(), masses_and_lengths)
 
 
-def with_values(case: Case, values: Mapping[str, Value | Given]) -> Case:
+def with_values(case: Case, values: Mapping[str, Value | ParameterValue]) -> Case:
     """Return the hoist with values as if they stood in its file: what follows by rules follows anew."""
     if not values:
         return case
-    given = {key: one if isinstance(one, Given) else Given(one) for key, one in values.items()}
-    of_host = {key: one for key, one in given.items() if key in host_parameters()}
-    of_rope = {key: one for key, one in given.items() if key not in of_host}
-    tails = [replace(tail, values=_stated(tail.values) | of_rope) for tail in case.tails]
-    head = {name: getattr(case, name) for name in ("name", "source", "level", "signals")}
-    return completed(_stated(case.host) | of_host, tails, **head)
+    entries = {k: v if isinstance(v, ParameterValue) else ParameterValue(v) for k, v in values.items()}
+    of_host = {key: entry for key, entry in entries.items() if key in host_parameters()}
+    of_rope = {key: entry for key, entry in entries.items() if key not in of_host}
+    ropes = [replace(rope, values=_stated(rope.values) | of_rope) for rope in case.balance_ropes]
+    header = {name: getattr(case, name) for name in ("name", "source", "level", "signals")}
+    return apply_rules(_stated(case.host) | of_host, ropes, **header)
 
 
-def _stated(values: Mapping[str, Given]) -> dict[str, Given]:
-    return {key: one for key, one in values.items() if not one.follows}
+def _stated(values: Mapping[str, ParameterValue]) -> dict[str, ParameterValue]:
+    return {key: entry for key, entry in values.items() if not entry.follows}
 
 
 #: Usual ranges: a value beyond draws a remark that its unit may be wrong.

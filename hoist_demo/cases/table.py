@@ -3,7 +3,7 @@
 from functools import cache
 from pathlib import Path
 
-from hoist_demo.cases.case import DEFAULT_HOIST, FOLDER, NAMED, Case
+from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, FOLDER, Case
 from hoist_demo.files.hoist_file import HoistFile
 from hoist_demo.files.reading import read
 
@@ -17,11 +17,11 @@ def fmu_name(hoist: str, end: str = "") -> str:
 
 def find_case(name: str) -> Case:
     """Return the hoist of a file, or of this name; ValueError with all names when there is none."""
-    if name in NAMED:
+    if name in BUILTIN_HOISTS:
         return _read(FOLDER / f"{name}.toml")
     if name.endswith(".toml"):
         return _read(path := Path(name), path.stat().st_mtime_ns if path.is_file() else 0)
-    raise ValueError(f"hoist = {name!r} must be a file, NAME.toml, or one of {', '.join(NAMED)}: choose one")
+    raise ValueError(f"hoist = {name!r} must be a file, NAME.toml, or one of {', '.join(BUILTIN_HOISTS)}: choose one")
 
 
 @cache

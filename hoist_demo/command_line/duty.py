@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hoist_demo.cases.table import find_case
-from hoist_demo.command_line.results import Commands, add_command, add_results, interruption, results_folder
+from hoist_demo.command_line.support import Commands, add_command, add_results, interruption, results_folder
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.exposure import STATION_SIGNALS, exposure, flatten, gather, together
@@ -49,12 +49,12 @@ interrupted.
 
 def add_duty(commands: Commands) -> None:
     """Add the subcommand `duty`."""
-    about = "wind many trips as one run, each from where the last has left the rope"
-    duty = add_command(commands, "duty", _duty, about, _DESCRIPTION, _EPILOG)
+    text = "wind many trips as one run, each from where the last has left the rope"
+    duty = add_command(commands, "duty", _duty, text, _DESCRIPTION, _EPILOG)
     duty.add_argument("schedule", type=Path, metavar="SCHEDULE.toml", help="the trips, see docs/reference/files.md")
     duty.add_argument("--repeat", type=int, metavar="N", help="how often they are wound, instead of the file's")
-    about = "also count what each place in the rope goes through: exposure.csv"
-    duty.add_argument("--exposure", action="store_true", help=about)
+    text = "also count what each place in the rope goes through: exposure.csv"
+    duty.add_argument("--exposure", action="store_true", help=text)
     add_results(duty, "duty")
 
 
@@ -72,7 +72,7 @@ def _duty(options: argparse.Namespace) -> int:
         print(f"{options.schedule}: {schedule.count} trips, nothing wrong")
         return 0
     read = READ.union(STATION_SIGNALS if options.exposure else ())
-    rope = InProcessRope(rope_scene(schedule.pattern[0].fmu, schedule.level), read)
+    rope = InProcessRope(rope_scene(schedule.pattern[0].rope_values, schedule.level), read)
     out = results_folder(options.out or Path("out") / "duty" / options.schedule.stem)
     with interruption() as interrupted:
         trips, last = _wind(schedule, rope, out / STATE, interrupted, options.exposure)
@@ -80,10 +80,10 @@ def _duty(options: argparse.Namespace) -> int:
         print("balance-rope: interrupted before the first trip's end", file=sys.stderr)
         return 130
     exposed = together([gather(row) for row in table_rows(trips)]) if "station.s[1]" in trips else None
-    run = schedule.pattern[0]
-    data = host_provenance(run, schedule.given) + rope_provenance(find_case(run.case), rope.data(), schedule.given)
+    run, status, header = schedule.pattern[0], schedule.status_by_name, schedule.header
+    data = host_provenance(run, status) + rope_provenance(find_case(run.case), rope.data(), status)
     written = [*_write(trips, exposed, out), write_data(data, out / "data.csv")]
-    print(f"{schedule.head.title}: hoist {schedule.head.hoist}, level {schedule.level}, {trips['trip'].size} trips\n")
+    print(f"{header.title}: hoist {header.hoist}, level {schedule.level}, {trips['trip'].size} trips\n")
     exposures = exposure_rows("", exposed) if exposed else ()
     recording = _as_it_is(rope) if last is None else last.result.recording
     warned = [*filter(None, (contradictions(run.hoist, rope.data().parameters), remark(recording)))]

@@ -6,14 +6,14 @@ import sys
 from functools import partial
 from pathlib import Path
 
-from hoist_demo.cases.case import NAMED
+from hoist_demo.cases.case import BUILTIN_HOISTS
 from hoist_demo.cases.rules import with_values
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.options import SET, settings
-from hoist_demo.command_line.results import Commands, add_command
-from hoist_demo.files.catalogue import parameters, rope_parameters
+from hoist_demo.command_line.support import Commands, add_command
 from hoist_demo.files.hoist_file import schema
 from hoist_demo.files.new import WISHES, new_hoist
+from hoist_demo.files.registry import parameters, rope_parameters
 from hoist_demo.files.rope_file import OF_CATALOGUE
 from hoist_demo.files.values import read_value
 
@@ -40,17 +40,17 @@ def add_hoist_commands(commands: Commands) -> None:
     new.add_argument("name", metavar="NAME", help="of the hoist, and of the file NAME.toml")
     for p in WISHES:
         start = f" ({p.start:g})" if isinstance(p.start, float) and p.start else f" ({p.start})" if p.start else ""
-        new.add_argument(f"--{p.name}", required=p.start == "", metavar="X", help=f"{p.about}{start}")
+        new.add_argument(f"--{p.name}", required=p.start == "", metavar="X", help=f"{p.help_text}{start}")
     new.add_argument("--out", type=Path, metavar="FILE", help="(NAME.toml)")
     new.add_argument("--schema", action="store_true", help="also a JSON Schema beside it, for editors")
     new.add_argument("--force", action="store_true", help="write over a file that is there")
-    for name, about in (("show", "print a hoist and what follows from it"), ("check", "only what is wrong with it")):
-        show = add_command(commands, name, partial(_show, everything=name == "show"), about, _SHOW, "")
-        show.add_argument("hoist", metavar="HOIST", help=f"a file, or one of {', '.join(NAMED)}")
+    for name, text in (("show", "print a hoist and what follows from it"), ("check", "only what is wrong with it")):
+        show = add_command(commands, name, partial(_show, everything=name == "show"), text, _SHOW, "")
+        show.add_argument("hoist", metavar="HOIST", help=f"a file, or one of {', '.join(BUILTIN_HOISTS)}")
         show.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help=SET)
-    about = "the catalogue's ropes, or one as [[rope]] of a file"
+    text = "the catalogue's ropes, or one as [[rope]] of a file"
     example = "example: balance-rope rope 34x7 --diameter 52mm"
-    rope = add_command(commands, "rope", _rope, about, f"Print {about}.", example)
+    rope = add_command(commands, "rope", _rope, text, f"Print {text}.", example)
     rope.add_argument("construction", nargs="?", metavar="KIND", help="one of the catalogue; all without it")
     rope.add_argument("--diameter", default="44mm", metavar="D", help="[m] (%(default)s)")
     rope.add_argument("--length", default="120", metavar="L", help="[m] (%(default)s)")

@@ -4,7 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from hoist_demo.command_line.results import Commands, add_command, add_results, results_folder
+from hoist_demo.command_line.support import Commands, add_command, add_results, results_folder
 from hoist_demo.report.rows import render
 
 _DESCRIPTION = """\
@@ -25,26 +25,26 @@ interrupted.
 
 def add_identify(commands: Commands) -> None:
     """Add the subcommand `identify`."""
-    about = "find a rope's properties from measurements"
-    identify = add_command(commands, "identify", _identify, about, _DESCRIPTION, _EPILOG)
-    about = "what was measured, see docs/reference/files.md"
-    identify.add_argument("measured", type=Path, metavar="MEASURED.toml", help=about)
+    text = "find a rope's properties from measurements"
+    identify = add_command(commands, "identify", _identify, text, _DESCRIPTION, _EPILOG)
+    text = "what was measured, see docs/reference/files.md"
+    identify.add_argument("measured", type=Path, metavar="MEASURED.toml", help=text)
     add_results(identify, "identify")
 
 
 def _identify(options: argparse.Namespace) -> int:
-    from hoist_demo.calibration.definition import Measured
+    from hoist_demo.calibration.definition import MeasurementFile
     from hoist_demo.calibration.identify import identify
     from hoist_demo.calibration.page import misfit, summary, write_page, write_rope_file
     from hoist_demo.files.reading import read
     from hoist_demo.study.provenance import write_data
 
-    measured = read(options.measured, Measured)
+    file = read(options.measured, MeasurementFile)
     if options.check:
-        print(f"{options.measured}: {sum(len(m.values) for m in measured.measurements)} values, nothing wrong")
+        print(f"{options.measured}: {sum(len(m.values) for m in file.measurements)} values, nothing wrong")
         return 0
     out = results_folder(options.out or Path("out") / "identify" / options.measured.stem)
-    result = identify(measured)
+    result = identify(file)
     print(render(summary(result)))
     written = (
         write_rope_file(result, out / "rope.toml"),

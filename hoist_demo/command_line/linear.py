@@ -5,9 +5,9 @@ import csv
 import math
 from pathlib import Path
 
-from hoist_demo.cases.case import DEFAULT_HOIST, NAMED, Case
+from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, Case
 from hoist_demo.cases.table import find_case
-from hoist_demo.command_line.results import Commands, RunCommand, add_command, named, results_folder
+from hoist_demo.command_line.support import Commands, RunCommand, add_command, named, results_folder
 
 _CHANNELS = ("torque_command",), ("rate", "pull_left", "pull_right")
 _HEIGHTS = (0.0, 0.25, 0.5, 0.75, 1.0)
@@ -33,8 +33,8 @@ def add_linear(commands: Commands) -> None:
     """Add the subcommands `linearise` and `modes`."""
     linearise = _add(commands, "linearise", _linearise, "linear models for controller design", _LINEARISE)
     modes = _add(commands, "modes", _modes, "frequencies and damping along the trip", _MODES)
-    about = "of the left conveyance, upwards (%(default)s)"
-    linearise.add_argument("--speed", type=float, default=0.0, metavar="M/S", help=about)
+    text = "of the left conveyance, upwards (%(default)s)"
+    linearise.add_argument("--speed", type=float, default=0.0, metavar="M/S", help=text)
     linearise.add_argument("--held-by", choices=("motor", "brake"), default="motor", help="(%(default)s)")
     linearise.add_argument("--states", type=int, default=17, metavar="N", help="of each model (%(default)s)")
     for name, channels in zip(("--inputs", "--outputs"), _CHANNELS, strict=True):
@@ -42,13 +42,13 @@ def add_linear(commands: Commands) -> None:
     modes.add_argument("--count", type=int, default=8, metavar="N", help="modes printed at each height (%(default)s)")
 
 
-def _add(commands: Commands, name: str, run: RunCommand, about: str, description: str) -> argparse.ArgumentParser:
+def _add(commands: Commands, name: str, run: RunCommand, text: str, description: str) -> argparse.ArgumentParser:
     """Add a subcommand with the options that both have."""
-    command = add_command(commands, name, run, about, description, _EPILOG.format(name=name))
-    about = f"a file, or one of {', '.join(NAMED)} (%(default)s)"
-    command.add_argument("hoist", nargs="?", default=DEFAULT_HOIST, metavar="HOIST", help=about)
-    about = "left height over travel (five from 0 to 1)"
-    command.add_argument("--at", type=float, nargs="+", default=_HEIGHTS, metavar="PART", help=about)
+    command = add_command(commands, name, run, text, description, _EPILOG.format(name=name))
+    text = f"a file, or one of {', '.join(BUILTIN_HOISTS)} (%(default)s)"
+    command.add_argument("hoist", nargs="?", default=DEFAULT_HOIST, metavar="HOIST", help=text)
+    text = "left height over travel (five from 0 to 1)"
+    command.add_argument("--at", type=float, nargs="+", default=_HEIGHTS, metavar="PART", help=text)
     swivels = ("as given", "locked", "free", "sticking")
     command.add_argument("--swivels", choices=swivels, default=swivels[0], help="(%(default)s)")
     command.add_argument("--band", type=float, default=2.0, metavar="HZ", help="highest frequency (%(default)s)")
@@ -78,9 +78,9 @@ def _linearise(options: argparse.Namespace) -> int:
     print(f"{'at':>6}{'output':>16}{'input':>18}{'dB':>10}{'degrees':>10}{'of peak':>10}")
     for k, at in enumerate(small.at):
         for i, output in enumerate(small.outputs):
-            for j, given in enumerate(small.inputs):
+            for j, input_name in enumerate(small.inputs):
                 errors = "".join(f"{float(x[k, i, j]):10.2g}" for x in (small.decibels, small.degrees, small.share))
-                print(f"{at:6.3g}{output:>16}{given:>18}{errors}")
+                print(f"{at:6.3g}{output:>16}{input_name:>18}{errors}")
     print("\nwritten: " + ", ".join(map(str, written)))
     return 0
 

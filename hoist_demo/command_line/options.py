@@ -5,8 +5,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import get_args
 
-from hoist_demo.files.catalogue import host_parameters
 from hoist_demo.files.reading import cure_of
+from hoist_demo.files.registry import host_parameters
 from hoist_demo.files.values import read_value
 from hoist_demo.parameters import EmergencyLaw
 from hoist_demo.parameters.quantity import Parameter, Value
@@ -23,25 +23,25 @@ a unit; counts as if it stood in the hoist's file; may be repeated, and override
 def add_trip(wind: argparse.ArgumentParser) -> None:
     """Add the options that change the hoist's trip."""
     for name in TRIP:
-        about = f"{host_parameters()[f'winding.{name}'].about} (that of the hoist)"
-        wind.add_argument(f"--{name.replace('_', '-')}", type=float, metavar=name[0].upper(), help=about)
-    about = "emergency stop from time T [s], at the hoist's winding.emergency_deceleration"
-    wind.add_argument("--estop-at", type=float, metavar="T", help=about)
-    about = "who stops: the drive, along its reference; or the brake of a hoist that has one (that of the hoist)"
-    wind.add_argument("--estop-law", choices=get_args(EmergencyLaw), help=about)
+        text = f"{host_parameters()[f'winding.{name}'].help_text} (that of the hoist)"
+        wind.add_argument(f"--{name.replace('_', '-')}", type=float, metavar=name[0].upper(), help=text)
+    text = "emergency stop from time T [s], at the hoist's winding.emergency_deceleration"
+    wind.add_argument("--estop-at", type=float, metavar="T", help=text)
+    text = "who stops: the drive, along its reference; or the brake of a hoist that has one (that of the hoist)"
+    wind.add_argument("--estop-law", choices=get_args(EmergencyLaw), help=text)
 
 
 def add_data(wind: argparse.ArgumentParser) -> None:
     """Add the options for the rope's data and for the columns written."""
-    about = "the rope computes by compiled C, portably, which is slow, or auto: compiled where it can be (%(default)s)"
-    wind.add_argument("--kernels", choices=KERNELS, default="auto", help=about)
-    about = "accuracy against speed of the rope in process (that of the hoist); an FMU has that of its export"
-    wind.add_argument("--level", choices=get_args(Level), help=about)
-    about = "parameters of the rope, as balance-rope identify writes them"
-    wind.add_argument("--rope", type=Path, metavar="FILE", help=about)
+    text = "the rope computes by compiled C, portably, which is slow, or auto: compiled where it can be (%(default)s)"
+    wind.add_argument("--kernels", choices=KERNELS, default="auto", help=text)
+    text = "accuracy against speed of the rope in process (that of the hoist); an FMU has that of its export"
+    wind.add_argument("--level", choices=get_args(Level), help=text)
+    text = "parameters of the rope, as balance-rope identify writes them"
+    wind.add_argument("--rope", type=Path, metavar="FILE", help=text)
     wind.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help=SET)
-    about = "columns of signals.csv, beside the time: names of its header, * for any letters (all but the shape's)"
-    wind.add_argument("--signals", nargs="+", default=[], metavar="NAME", help=about)
+    text = "columns of signals.csv, beside the time: names of its header, * for any letters (all but the shape's)"
+    wind.add_argument("--signals", nargs="+", default=[], metavar="NAME", help=text)
 
 
 def settings(texts: Iterable[str], parameters: Mapping[str, Parameter]) -> dict[str, Value]:

@@ -70,20 +70,20 @@ class WoundRun:
         rows += tuple(row for exposed in self.exposed.items() for row in exposure_rows(*exposed))
         rows += tuple(status_rows(self.provenance))
         parts = {"Hoist": run.hoist, "Winding": run.winding, "Coupling": run.coupling, "Gains": run.gains}
-        given = parameter_tables(parts, status)
+        data_tables = parameter_tables(parts, status)
         for rope in self.ropes:
-            given += rope_tables(rope, fidelities_of(self.own(rope)), status)
+            data_tables += rope_tables(rope, fidelities_of(self.own(rope)), status)
         verdict = judge(self.result, run.hoist, self.ropes, warnings, self.pairs, run.arrival)
-        return Report(self.title, verdict, self._changed(), rows, given)
+        return Report(self.title, verdict, self._changed(), rows, data_tables)
 
     def _changed(self) -> TitledRows:
         own = build(self.run.case, {})
-        before = {**{one.name: one.value for one in host_provenance(own, {})}, **own.fmu}
+        before = {**{one.name: one.value for one in host_provenance(own, {})}, **own.rope_values}
         values = dict[str, Value]()
         for rope in self.ropes:
             values |= {f"{rope.prefix}{key}": value for key, value in rope.parameters.items()}
-        for tail in find_case(self.run.case).ropes:
-            before |= {f"{tail.name}.{key}": value for key, value in tail.parameters.items()}
+        for data in find_case(self.run.case).distinct_ropes:
+            before |= {f"{data.name}.{key}": value for key, value in data.parameters.items()}
         rows: list[Row] = [
             (one.name, word(one.value), unit_text(one.unit), word(before.get(one.name, "the default")))
             for one in self.provenance

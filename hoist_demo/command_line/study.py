@@ -9,7 +9,7 @@ from typing import Any
 
 from tqdm import tqdm
 
-from hoist_demo.command_line.results import Commands, add_command, add_results, results_folder
+from hoist_demo.command_line.support import Commands, add_command, add_results, results_folder
 
 _DESCRIPTION = """\
 Wind many times with the rope's FMU, over parameters that a TOML file names, on all cores or on a dask cluster.
@@ -43,7 +43,7 @@ def _study(options: argparse.Namespace) -> int:
     try:
         from hoist_demo.report.html.study import study_report
         from hoist_demo.study.cluster import cluster, run_samples
-        from hoist_demo.study.perform import perform, write_what_is_there
+        from hoist_demo.study.perform import run_study, write_what_is_there
         from hoist_demo.study.store import Store, read_results
     except ModuleNotFoundError as error:
         raise ValueError(f"a study needs {error.name}: pip install 'balance-rope[study]'") from error
@@ -71,7 +71,7 @@ def _study(options: argparse.Namespace) -> int:
             cluster(options.workers, options.scheduler) as client,
             tqdm(total=total, initial=there, desc="winding", unit="run", file=sys.stderr, disable=None) as bar,
         ):
-            performed = perform(
+            result = run_study(
                 study, store, partial(run_samples, client, study, store=store, finished=lambda *_: bar.update())
             )
     except KeyboardInterrupt:
@@ -79,22 +79,20 @@ def _study(options: argparse.Namespace) -> int:
         left = "no run was finished" if table_path is None else f"what is finished is kept in {table_path}"
         print(f"\ninterrupted: {left}; the same command goes on", file=sys.stderr)
         return 130
-    for run, passed in performed.passages.items():
+    for run, passed in result.passages.items():
         print(f"{run}: {passed}", file=sys.stderr)
-    for text, runs in performed.warnings.items():
+    for text, runs in result.warnings.items():
         more = f" and {len(runs) - 1} more" if len(runs) > 1 else ""
         print(f"{runs[0]}{more}: warning: {text}", file=sys.stderr)
-    for run, cause in performed.causes.items():
+    for run, cause in result.causes.items():
         print(f"{run}: {cause}", file=sys.stderr)
-    passed = f", in {len(performed.passages)} the rope struck or passed through something" if performed.passages else ""
-    print(
-        f"{performed.runs - len(performed.causes)} of {performed.runs} runs wound to the end{passed}: {performed.table}"
-    )
-    for remark in performed.remarks:
+    passed = f", in {len(result.passages)} the rope struck or passed through something" if result.passages else ""
+    print(f"{result.runs - len(result.causes)} of {result.runs} runs wound to the end{passed}: {result.table}")
+    for remark in result.remarks:
         print(f"not monotonic: {remark}")
-    if performed.best is not None:
-        print(performed.best.text, file=sys.stdout if performed.best.feasible else sys.stderr)
-    results = read_results(performed.table)
+    if result.best is not None:
+        print(result.best.text, file=sys.stdout if result.best.feasible else sys.stderr)
+    results = read_results(result.table)
     parameters = [name for name in results.table.columns if name in study.units or name in ("variant", "controller")]
     meta: dict[str, Any] = {
         "title": study.title,
@@ -109,6 +107,6 @@ def _study(options: argparse.Namespace) -> int:
     print("\n" + render(status_rows(provenance)) + "\n")
     page = store.directory / "report.html"
     data = [provenance_table(provenance)]
-    report = study_report(results.table, results.units, meta, page, data, performed, study.goal)
+    report = study_report(results.table, results.units, meta, page, data, result, study.objective)
     print(f"open in a browser: {report}")
-    return 1 if performed.causes else 0
+    return 1 if result.causes else 0

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from hoist_demo.command_line.results import Commands, add_command, add_results, results_folder
+from hoist_demo.command_line.support import Commands, add_command, add_results, results_folder
 from hoist_demo.report.rows import render
 
 _DESCRIPTION = """\
@@ -29,8 +29,8 @@ exit code: 0 all windings count, 1 some stopped or were left out, 2 wrong file o
 
 def add_uncertain(commands: Commands) -> None:
     """Add the subcommand `uncertain`."""
-    about = "what a winding may be, with all that is not known of its rope"
-    uncertain = add_command(commands, "uncertain", _uncertain, about, _DESCRIPTION, _EPILOG)
+    text = "what a winding may be, with all that is not known of its rope"
+    uncertain = add_command(commands, "uncertain", _uncertain, text, _DESCRIPTION, _EPILOG)
     uncertain.add_argument("scene", type=Path, metavar="SCENE.toml", help="what is wound, see docs/reference/files.md")
     uncertain.add_argument("--workers", type=int, metavar="N", help="processes (one per core)")
     add_results(uncertain, "uncertain")
@@ -39,29 +39,29 @@ def add_uncertain(commands: Commands) -> None:
 def _uncertain(options: argparse.Namespace) -> int:
     from hoist_demo.files.reading import read
     from hoist_demo.study.provenance import write_data
-    from hoist_demo.uncertainty.definition import Uncertain
+    from hoist_demo.uncertainty.definition import UncertaintyFile
     from hoist_demo.uncertainty.page import remarks, summary, too_few, write_page, write_table
     from hoist_demo.uncertainty.spread import run_windings
 
     workers = os.cpu_count() or 1 if options.workers is None else options.workers
     if workers < 1:
         raise ValueError(f"--workers {workers} must be at least 1: leave it out for one per core")
-    question = read(options.scene, Uncertain)
+    file = read(options.scene, UncertaintyFile)
     if options.check:
-        print(f"{options.scene}: {question.head.samples} windings over {', '.join(question.data)}, nothing wrong")
+        print(f"{options.scene}: {file.header.samples} windings over {', '.join(file.data)}, nothing wrong")
         return 0
     out = results_folder(options.out or Path("out") / "uncertain" / options.scene.stem)
-    watched = partial(tqdm, desc="winding", unit="winding", total=question.head.samples, file=sys.stderr, disable=None)
-    spread = run_windings(question, workers, watched)
-    print(render(summary(spread)))
+    watched = partial(tqdm, desc="winding", unit="winding", total=file.header.samples, file=sys.stderr, disable=None)
+    result = run_windings(file, workers, watched)
+    print(render(summary(result)))
     written = (
-        write_table(spread, out / "windings.csv"),
-        write_data(question.provenance(), out / "data.csv"),
-        write_page(spread, out / "report.html"),
+        write_table(result, out / "windings.csv"),
+        write_data(file.provenance(), out / "data.csv"),
+        write_page(result, out / "report.html"),
     )
     print("\nwritten: " + ", ".join(map(str, written)))
-    for text in remarks(spread):
+    for text in remarks(result):
         print(f"balance-rope: {text}", file=sys.stderr)
-    if text := too_few(spread):
+    if text := too_few(result):
         print(f"balance-rope: warning: {text}", file=sys.stderr)
-    return 0 if spread.completed == question.head.samples else 1
+    return 0 if result.completed == file.header.samples else 1

@@ -8,11 +8,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from hoist_demo.cases.case import DEFAULT_HOIST, NAMED, SCENARIOS, Case
+from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, SCENARIOS, Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.options import KERNELS, TRIP, add_data, add_trip, settings
-from hoist_demo.command_line.results import Commands, add_command, interruption, named, results_folder
 from hoist_demo.command_line.run_results import REPORT, WoundRun, missing_outputs, write_results
+from hoist_demo.command_line.support import Commands, add_command, interruption, named, results_folder
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.host import Host
@@ -22,8 +22,8 @@ from hoist_demo.cosimulation.progress import progress_bar, warnings_of
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.catalogue import SCHEMES
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES
-from hoist_demo.files.catalogue import parameters
 from hoist_demo.files.reading import read
+from hoist_demo.files.registry import parameters
 from hoist_demo.files.rope_file import RopeFile
 from hoist_demo.files.values import GIVEN
 from hoist_demo.parameters import ASSUMED_DATA, Winding
@@ -69,22 +69,21 @@ is written all the same), 2 wrong arguments, 130 interrupted while the results w
 def add_wind(commands: Commands, fmu: Path) -> None:
     """Add the subcommand `wind`; `fmu` is wound where it is there and nothing else is asked for."""
     run = partial(_wind, default=fmu)
-    about = "wind once and write figures, CSV and a report"
-    wind = add_command(commands, "wind", run, about, _DESCRIPTION, _EPILOG, "demo")
-    about = (
-        f"hoist, trip, controller, ropes: a file, or one of {', '.join(NAMED)} ({DEFAULT_HOIST}, or that of --resume)"
-    )
-    wind.add_argument("hoist", nargs="?", metavar="HOIST", help=about)
+    text = "wind once and write figures, CSV and a report"
+    wind = add_command(commands, "wind", run, text, _DESCRIPTION, _EPILOG, "demo")
+    names = f"{', '.join(BUILTIN_HOISTS)} ({DEFAULT_HOIST}, or that of --resume)"
+    text = f"hoist, trip, controller, ropes: a file, or one of {names}"
+    wind.add_argument("hoist", nargs="?", metavar="HOIST", help=text)
     wind.add_argument("--case", metavar="NAME", help="the same as HOIST")
     rope = wind.add_mutually_exclusive_group()
-    about = f"the rope, FMI 2.0 or 3.0 ({fmu} for {DEFAULT_HOIST}, if it is there)"
-    rope.add_argument("--fmu", type=Path, metavar="PATH", help=about)
+    text = f"the rope, FMI 2.0 or 3.0 ({fmu} for {DEFAULT_HOIST}, if it is there)"
+    rope.add_argument("--fmu", type=Path, metavar="PATH", help=text)
     rope.add_argument("--in-process", action="store_true", help="run the rope in this process, without an FMU")
     wind.add_argument("--out", type=named, metavar="DIR", help="results (out/wind and the hoist's name)")
     wind.add_argument("--check", action="store_true", help="read and check the hoist, wind nothing")
     wind.add_argument("--step", type=float, metavar="H", help="communication step [s] (that of the hoist)")
-    about = f"how drive and rope exchange, see docs/howto/hoist.md: {', '.join(SCHEMES)} (that of the hoist)"
-    wind.add_argument("--scheme", choices=tuple(SCHEMES), metavar="NAME", help=about)
+    text = f"how drive and rope exchange, see docs/howto/hoist.md: {', '.join(SCHEMES)} (that of the hoist)"
+    wind.add_argument("--scheme", choices=tuple(SCHEMES), metavar="NAME", help=text)
     wind.add_argument("--resume", type=Path, metavar="FILE", help="go on from the last_good.npz of a run that stopped")
     add_trip(wind)
     add_data(wind)
@@ -101,7 +100,7 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
         if options.hoist is not None:
             raise ValueError(f"--case {options.case} and {options.hoist} are both a hoist: leave one out")
         options.hoist = options.case
-    if options.hoist is not None and find_case(options.hoist).ropes:
+    if options.hoist is not None and find_case(options.hoist).distinct_ropes:
         _refuse_for_several(options)
     resume = Checkpoint.read(options.resume) if options.resume else None
     options.hoist = options.hoist or (resume.hoist if resume else "") or DEFAULT_HOIST
@@ -111,13 +110,13 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
     _choose_rope(options, default if options.hoist == DEFAULT_HOIST else None)
     own = settings(options.set, parameters(_parameters(options)))
     identified = read(options.rope, RopeFile).values() if options.rope else {}
-    chosen = {key: one.value for key, one in identified.items()} | own
-    values = _winding(options, case) | chosen
+    overrides = {key: entry.value for key, entry in identified.items()} | own
+    values = _winding(options, case) | overrides
     run = build_trip(options.hoist, values)
     for remark in case.remarks:
         _tell(remark)
-    statuses = {key: one.status for key, one in identified.items()} | dict.fromkeys(own, GIVEN)
-    hung = _ropes(options, case, run, chosen)
+    statuses = {key: entry.status for key, entry in identified.items()} | dict.fromkeys(own, GIVEN)
+    hung = _ropes(options, case, run, overrides)
     if options.check:
         print(f"{options.hoist}: nothing wrong")
         return 0
@@ -128,8 +127,8 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
         with warnings_of("hoist_demo") as warnings:
             made = run.design()
             host = Host(hung.plant, run.hoist, run.winding, run.coupling, made.gains, trajectory=made.trajectory)
-            host.name = options.hoist if options.hoist in NAMED else str(Path(options.hoist).resolve())
-            result = _run(host, None if case.ropes else options.out / LAST_GOOD, resume)
+            host.name = options.hoist if options.hoist in BUILTIN_HOISTS else str(Path(options.hoist).resolve())
+            result = _run(host, None if case.distinct_ropes else options.out / LAST_GOOD, resume)
         ropes, remarked = hung.data(), _remarks(hung)
         rope_sources = hung.provenance(statuses)
     finally:
@@ -163,7 +162,7 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
 
 def _remarks(hung: Ropes) -> list[str]:
     """Return what an only rope lacks, and where it is not the one that hoist and drive take it for."""
-    if hung.case.ropes:
+    if hung.case.distinct_ropes:
         return []
     (data,), level = hung.data(), ""
     if isinstance(hung.plant, FmuRope) and data.level not in ("", hung.case.level):
@@ -202,14 +201,14 @@ def _winding(options: argparse.Namespace, case: Case) -> dict[str, Value]:
         raise ValueError(f"--estop-law {options.estop_law} needs the time of the stop: give --estop-at T")
     chosen = {name: getattr(options, name) for name in TRIP}
     chosen |= {"emergency_at": options.estop_at, "emergency_law": options.estop_law}
-    given: dict[str, Any] = {name: value for name, value in chosen.items() if value is not None}
+    overrides: dict[str, Any] = {name: value for name, value in chosen.items() if value is not None}
     quick = dict[str, float]()
     if options.quick:
         quick = {"settle": _QUICK["settle"]} if options.hoist in SCENARIOS else _QUICK
-    winding = replace(case.winding, **(quick | given))
+    winding = replace(case.winding, **(quick | overrides))
     if options.creep_speed is not None and not winding.creeps:
         raise ValueError(f"--creep-speed {options.creep_speed:g} needs a creep's length: give --creep-distance S")
-    values = {f"winding.{name}": value for name, value in (quick | given).items()}
+    values = {f"winding.{name}": value for name, value in (quick | overrides).items()}
     coupling = {"coupling.step": options.step, "coupling.scheme": options.scheme}
     return values | {name: value for name, value in coupling.items() if value is not None}
 
@@ -226,11 +225,11 @@ def _parameters(options: argparse.Namespace) -> dict[str, Parameter] | None:
     return read_parameters(options.fmu)
 
 
-def _ropes(options: argparse.Namespace, case: Case, run: RunData, chosen: Mapping[str, Value]) -> Ropes:
+def _ropes(options: argparse.Namespace, case: Case, run: RunData, overrides: Mapping[str, Value]) -> Ropes:
     """Return the hoist's ropes, of which values are `chosen`; a chosen FMU is asked whether it takes its own."""
     kernels = {} if options.kernels == "auto" else {"solver.kernels": KERNELS.index(options.kernels)}
     if options.in_process:
-        return ropes_of(case, run, {**chosen, **kernels}, options.level or case.level)
+        return ropes_of(case, run, {**overrides, **kernels}, options.level or case.level)
     if options.level:
         raise ValueError(
             f"--level {options.level} is for --in-process; an FMU has the level of its export: "
@@ -238,11 +237,11 @@ def _ropes(options: argparse.Namespace, case: Case, run: RunData, chosen: Mappin
         )
     outputs = read_outputs(options.fmu)
     signals = match_signals(options.signals or case.signals, [*DRIVE_UNITS, *outputs])
-    if fmu_part(chosen):
+    if fmu_part(overrides):
         Probe(options.fmu).require_start(run)
     recorded = ({*outputs} - {*ADDED_MASSES}).union(signals)  # added masses are expensive
-    load = partial(FmuRope, options.fmu, {**kernels, **run.fmu}, recorded)
-    return Ropes(case, run, (OneRope("", run.fmu, case.level, case, fmu=load),))
+    load = partial(FmuRope, options.fmu, {**kernels, **run.rope_values}, recorded)
+    return Ropes(case, run, (OneRope("", run.rope_values, case.level, case, fmu=load),))
 
 
 def _run(host: Host, save_to: Path | None, resume: Checkpoint | None) -> Result:

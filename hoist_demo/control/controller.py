@@ -18,7 +18,7 @@ from typing import Any, NamedTuple, Protocol
 
 from hoist_demo.control.trajectory import Braking, TrajectoryPoint
 from hoist_demo.parameters import Hoist
-from hoist_demo.parameters.quantity import Bounds, Stated, quantity
+from hoist_demo.parameters.quantity import Bounds, ValidatedData, parameter
 from rope_model.physics.elementary import logical_and, maximum, minimum, tanh, where
 
 
@@ -31,13 +31,13 @@ class BrakeState:
 
 
 @dataclass(frozen=True)
-class Gains(Stated, of="gain "):
+class Gains(ValidatedData, of="gain "):
     """Tuning; the defaults are ours [assumed] for the default hoist."""
 
-    speed: float = quantity(1.5e5, "N s/m", "k_v")
-    integral_time: float = quantity(1.0, "s", "T_i")
-    position: float = quantity(1.0, "1/s", "k_s")
-    feed_forward: float = quantity(1.0, "1", "share of the feed-forward that is used", Bounds(0.0, 1.0))
+    speed: float = parameter(1.5e5, "N s/m", "k_v")
+    integral_time: float = parameter(1.0, "s", "T_i")
+    position: float = parameter(1.0, "1/s", "k_s")
+    feed_forward: float = parameter(1.0, "1", "share of the feed-forward that is used", Bounds(0.0, 1.0))
 
 
 def emergency_brake(

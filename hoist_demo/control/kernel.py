@@ -16,14 +16,14 @@ ARGUMENTS = ("position", "speed_asked", "acceleration", "travel", "speed", "hold
 
 
 @cache
-def law_kernel(parts: Hoist) -> Any:
+def law_kernel(structure: Hoist) -> Any:
     """Return SpeedController.law as (ARGUMENTS, Gains and hoist's numbers in a vector) -> (torque, limited, integral).
 
-    One text for all hoists with these parts (`Hoist.parts`).
+    One text for all hoists of this `Hoist.equation_structure`.
     """
     gains = {field.name: ca.SX.sym(field.name) for field in fields(Gains)}
-    given, p = ca.SX.sym("given", len(ARGUMENTS)), ca.SX.sym("p", len(parts.numbers))
-    hoist = with_numbers(parts, ca.vertsplit(p))
-    s, v, a, travel, speed, hold, integral, h = ca.vertsplit(given)
+    arguments, p = ca.SX.sym("arguments", len(ARGUMENTS)), ca.SX.sym("p", len(structure.numbers))
+    hoist = with_numbers(structure, ca.vertsplit(p))
+    s, v, a, travel, speed, hold, integral, h = ca.vertsplit(arguments)
     outputs = SpeedController(hoist, hold, SimpleNamespace(**gains)).law((s, v, a), travel, speed, integral, h)
-    return ca.Function("law", [ca.vertcat(given, *gains.values(), p)], [ca.vertcat(*outputs)])
+    return ca.Function("law", [ca.vertcat(arguments, *gains.values(), p)], [ca.vertcat(*outputs)])

@@ -64,7 +64,7 @@ class Trajectory:
         """Time at which the reference has come to rest for good, waiting before the start included [s]."""
         return self.starts[-1]
 
-    def holds(self, speed: float) -> tuple[float, ...]:
+    def cruise_times(self, speed: float) -> tuple[float, ...]:
         """Times [s] from which the given magnitude of speed [m/s] is held."""
         pairs = zip(self.starts, self.points, strict=True)
         # rounding of the segments before
@@ -107,10 +107,10 @@ def s_curve(winding: Winding) -> Trajectory:
             f"emergency_at = {winding.emergency_at:g} s must be below {trip.duration:.3g} s, where the trip has ended: "
             "stop earlier"
         )
-    return stopped_at(trip, winding.emergency_at, winding)
+    return with_emergency_stop(trip, winding.emergency_at, winding)
 
 
-def stopped_at(trip: Trajectory, at: float, winding: Winding) -> Trajectory:
+def with_emergency_stop(trip: Trajectory, at: float, winding: Winding) -> Trajectory:
     """`trip` with an emergency stop from time `at` [s] on, by the law of `winding`."""
     stop = emergency_stop(trip, at, winding.emergency_deceleration, winding.emergency_jerk)
     if winding.emergency_law == "drive":
@@ -255,9 +255,9 @@ class Course:
     trajectory: Trajectory
     winding: Winding
 
-    def stopped(self, at: float) -> Course:
+    def with_emergency_stop(self, at: float) -> Course:
         """Return the course with an emergency stop from `at` [s] on, if none has begun before."""
         begun = self.winding.emergency_at
         if at >= self.trajectory.duration or (begun is not None and begun <= at):
             return self
-        return Course(stopped_at(self.trajectory, at, self.winding), replace(self.winding, emergency_at=at))
+        return Course(with_emergency_stop(self.trajectory, at, self.winding), replace(self.winding, emergency_at=at))

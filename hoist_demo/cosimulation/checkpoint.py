@@ -17,12 +17,12 @@ from typing import Any
 import numpy as np
 
 from hoist_demo.cosimulation.plain_data import decode, encode
-from hoist_demo.cosimulation.schemes.interface import Memory, Vector
+from hoist_demo.cosimulation.schemes.interface import SchemeState, Vector
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.recording.time_series import Array, Recording
 
 _FIELD = re.compile(r"(\w+)=([^(),]+)[,)]")  #: A single value in the text of a dataclass.
-MOST_DIFFERENCES = 6  #: Differences between two runs' data at most that a message lists.
+MAX_DIFFERENCES = 6  #: Differences between two runs' data at most that a message lists.
 CONTROLLER = "the controller's state"  #: What messages call it.
 
 
@@ -35,7 +35,7 @@ class Checkpoint:
     plant: PlantState
     controller: Any  # plain data
     input: Vector  # that acts on the drive, in the order of INPUT_NAMES
-    memory: Memory
+    memory: SchemeState
     rope: bytes  # b"" when the rope cannot save its state
     recording: Recording  # rows of the run until it stopped; a resumed run goes on behind this sample's
     data: str  # data that a resumed run must share: see Host.data
@@ -94,7 +94,7 @@ class Checkpoint:
 def _checkpoint(text: dict[str, Any], arrays: dict[str, Array]) -> Checkpoint:
     """Decode a checkpoint from an archive's text and arrays, without the controller's state."""
     checkpoint = Checkpoint(controller=None, **{name: decode(value, arrays) for name, value in text.items()})
-    kinds = {"plant": PlantState, "memory": Memory, "recording": Recording, "rope": bytes, "input": np.ndarray}
+    kinds = {"plant": PlantState, "memory": SchemeState, "recording": Recording, "rope": bytes, "input": np.ndarray}
     if wrong := [name for name, kind in kinds.items() if not isinstance(getattr(checkpoint, name), kind)]:
         raise TypeError(f"{', '.join(wrong)} of other kinds")
     return checkpoint
@@ -107,5 +107,5 @@ def differences(there: str, here: str) -> str:
         {f"{name} is {value} there" for name, value in old if (name, value) not in new}
         | {f"{name} is {value} here" for name, value in new if (name, value) not in old}
     )
-    more = f" and {len(changed) - MOST_DIFFERENCES} more" if len(changed) > MOST_DIFFERENCES else ""
-    return (", ".join(changed[:MOST_DIFFERENCES]) or "they differ") + more
+    more = f" and {len(changed) - MAX_DIFFERENCES} more" if len(changed) > MAX_DIFFERENCES else ""
+    return (", ".join(changed[:MAX_DIFFERENCES]) or "they differ") + more

@@ -23,7 +23,7 @@ from hoist_demo.cosimulation.run_state import RunState
 from hoist_demo.cosimulation.schemes.interface import ENDS, HISTORY, ROPE_FORCES, Sample, Stopwatch
 from hoist_demo.drive import integrator, plant
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES, STATE_NAMES, WORK_NAMES
-from hoist_demo.drive.outputs import OUTPUTS, SHOWN
+from hoist_demo.drive.outputs import OUTPUT_INDEX, OUTPUTS
 from hoist_demo.drive.plant import SIDE_FORCES
 from hoist_demo.parameters import Coupling, Hoist
 from rope_model import EndMotion
@@ -33,12 +33,12 @@ _STOPS = ("WELL", "LOOK", "DRIVE", *CALLS)  #: How samples end: well, before one
 _SIDES = slice(INPUT_NAMES.index("fx_left"), len(INPUT_NAMES))
 _SPELT = {"y": "y", "vy": "v", "ay": "a"}  #: Names in OUTPUTS, where they are others.
 #: -1: a hoist has nothing that leans
-_ENDS = [SHOWN.get(f"{_SPELT.get(name, name)}_{side}", -1) for side in ENDS for name in EndMotion.__dataclass_fields__]
+_ENDS = [OUTPUT_INDEX.get(f"{_SPELT.get(name, name)}_{s}", -1) for s in ENDS for name in EndMotion.__dataclass_fields__]
 _MEMORY = ("arg", "res", "iw", "w")  #: Of a function of CasADi.
 #: What trip.c takes from here for all hoists, by name.
 _NUMBERS: dict[str, float] = {
     **{name: getattr(integrator, name) for name in ("SHORTEST", "SAFETY", "SHRINKS", "GROWS", "ORDER")},
-    "LEAST_ROPE": plant.LEAST_ROPE,
+    "MIN_ROPE": plant.MIN_ROPE,
     "HISTORY": HISTORY,
     "WARNING": WARNING,
     "DISCARD": DISCARD,
@@ -47,10 +47,10 @@ _NUMBERS: dict[str, float] = {
     "FORCE": FORCES[0],
     "SIDES": _SIDES.start,
     "PHI": STATE_NAMES.index("phi"),
-    "WORKS": integrator.WORKS,
+    "WORK_COUNT": integrator.WORK_COUNT,
     **{f"{name.upper()}_WORK": WORK_NAMES.index(name) for name in ENDS},
     "OUTPUTS": len(OUTPUTS),
-    **{name.upper(): SHOWN[name] for name in ("y_left", "a_left", "pull_left", "rate")},
+    **{name.upper(): OUTPUT_INDEX[name] for name in ("y_left", "a_left", "pull_left", "rate")},
     **{name.upper(): ARGUMENTS.index(name) for name in ("travel", "speed", "integral")},
     **{name: k for names in (STANDARDS, _STOPS) for k, name in enumerate(names)},
 }
@@ -64,7 +64,7 @@ class TripStructure(Structure):
     """Arguments and state of trip.c, its struct Trip."""
 
     _fields_ = (
-        *_fields(c_void_p, "drive z y given"),
+        *_fields(c_void_p, "drive z y law_arguments"),
         *_fields(Access, "step motions valid forces sides guard"),
         *_fields(c_void_p, "recorded warning warned text heard"),
         *_fields(c_int, "records warnings watched per_sample per_step"),
@@ -93,13 +93,13 @@ class CompiledTrip:
     ) -> None:  # fmt: skip
         """`clocks` are the drive's and the rope's; at most so many samples are done at a time."""
         self._run, self._rope, self._coupling, self._clocks = run, rope, coupling, clocks
-        self._drive = drive = run.drive.plant.holding
-        self._library = _library(hoist.parts, drive.kernels)
+        self._drive = drive = run.drive.plant.stick_integrator
+        self._library = _library(hoist.equation_structure, drive.kernels)
         self._advance = CDLL(str(drive.kernels.library)).advance
         names = run.recorder.names[len(ROW) :]
         values = {"holding_torque": run.holding_torque, "h": coupling.sample_time}
         arguments = (values.get(name, 0.0) for name in ARGUMENTS)
-        self._given = np.array([*arguments, *astuple(gains), *hoist.numbers])
+        self._law_arguments = np.array([*arguments, *astuple(gains), *hoist.numbers])
         self._table, self._forces = rope.table(names, most), rope.table(ROPE_FORCES, 1)
         self._sides = rope.table(SIDE_FORCES if hoist.play is not None else (), 1)
         self._guard = rope.table([name for name in names if name == "guard.tripped"], 1)
@@ -111,7 +111,7 @@ class CompiledTrip:
             drive=cast(self._advance, c_void_p),
             z=drive.z.ctypes.data,
             y=drive.y.ctypes.data,
-            given=self._given.ctypes.data,
+            law_arguments=self._law_arguments.ctypes.data,
             step=rope.step,
             motions=rope.motions,
             valid=rope.valid or Access(),
@@ -154,7 +154,7 @@ class CompiledTrip:
         if done:
             self._take()
             t = self._coupling.start + (run.steps - (1 if stop == "WELL" else 0)) * self._coupling.step
-            cause = run.pair.rope_stepped(t, self._rope.status(stop, trip.status))
+            cause = run.coupled.rope_stepped(t, self._rope.status(stop, trip.status))
             return SampleReached(reached.value, cause, within=stop == "DRIVE")
         return SampleReached(first)
 
@@ -170,30 +170,32 @@ class CompiledTrip:
 
     def _give(self) -> None:
         """Give the run's state to C."""
-        run, trip, drive, memory = self._run, self._trip, self._run.drive, self._run.memory
-        state, places = drive.state, self._drive.result
-        parts = {"x": state.x, "works": state.works, "acting": drive.input, "shown": drive.outputs}
+        run, trip, drive, scheme_state = self._run, self._trip, self._run.drive, self._run.scheme_state
+        state, slices = drive.state, self._drive.result
+        parts = {"x": state.x, "work_totals": state.works, "applied_input": drive.input, "outputs": drive.outputs}
         self._drive.give(l0=state.free_lengths, H=self._coupling.step, path=0.0, added_mass=0.0)
         for name, values in parts.items():
-            self._drive.y[places[name]] = values
-        for row, sample in zip(self._samples, memory.samples, strict=False):
+            self._drive.y[slices[name]] = values
+        for row, sample in zip(self._samples, scheme_state.samples, strict=False):
             row[...] = np.concatenate([[sample.t], *sample[1:]])
-        trip.sample_count, trip.step_next, trip.steps = len(memory.samples), state.step_next, run.steps
+        trip.sample_count, trip.step_next, trip.steps = len(scheme_state.samples), state.step_next, run.steps
         trip.integral = 0.0 if run.controller is None else run.controller.integral
-        trip.residual, trip.exchanges = memory.residual, memory.exchanges
+        trip.residual, trip.exchanges = scheme_state.residual, scheme_state.exchanges
         trip.evaluations = trip.drive_time = trip.rope_time = 0
 
     def _take(self) -> None:
         """Take the run's state from C."""
-        run, trip, places = self._run, self._trip, self._drive.result
-        x, works, acting, shown = (self._drive.y[places[name]].copy() for name in ("x", "works", "acting", "shown"))
-        run.drive.arrive(run.drive.state._replace(x=x, works=works, step_next=trip.step_next), acting, shown)
+        run, trip, slices = self._run, self._trip, self._drive.result
+        last = {name: self._drive.y[place].copy() for name, place in slices.items()}
+        state = run.drive.state._replace(x=last["x"], works=last["work_totals"], step_next=trip.step_next)
+        run.drive.arrive(state, last["applied_input"], last["outputs"])
         rows = self._samples[: trip.sample_count].copy()
         samples = tuple(Sample(row.item(0), row[1:3], row[3:5], row[5:]) for row in rows)
-        run.memory = run.memory._replace(samples=samples, exchanges=int(trip.exchanges), residual=trip.residual)
+        exchanges = int(trip.exchanges)
+        run.scheme_state = run.scheme_state._replace(samples=samples, exchanges=exchanges, residual=trip.residual)
         run.controller, run.steps = ControllerState(trip.integral), trip.steps
         run.commands = [Command(trip.torque, False, run.controller)]
-        run.drive.command(trip.torque, 0.0, self._drive.given["path"][_SIDES])
+        run.drive.command(trip.torque, 0.0, self._drive.arguments["path"][_SIDES])
         self._drive.evaluations += trip.evaluations
         for clock, time in zip(self._clocks, (trip.drive_time, trip.rope_time), strict=True):
             clock.wall += time
@@ -205,22 +207,22 @@ def _one(table: OutputTable) -> Access:
 
 
 @cache
-def _library(parts: Hoist, kernels: integrator.DriveKernels) -> CDLL:
+def _library(structure: Hoist, kernels: integrator.DriveKernels) -> CDLL:
     """Compile and load trip.c for hoists with these parts; RuntimeError without a C compiler."""
     if (compiler := find_compiler()) is None:
         raise RuntimeError("no C compiler found")
-    law, results = law_kernel(parts), kernels.result
+    law, results = law_kernel(structure), kernels.result
     numbers = _NUMBERS | {
-        **{f"AT_{name.upper()}": kernels.given[name].start for name in ("s", "h", "path", "l0")},
-        **{f"AT_{name.upper()}": results[name].start for name in ("works", "error", "shown")},
-        "REACHED": results["works"].stop,
-        "SIZE": results["shown"].stop,
+        **{f"AT_{name.upper()}": kernels.argument_slices[name].start for name in ("s", "h", "path", "l0")},
+        **{f"AT_{name.upper()}": results[name].start for name in ("work_totals", "error", "outputs")},
+        "REACHED": results["work_totals"].stop,
+        "SIZE": results["outputs"].stop,
         **{f"SZ_{n.upper()}": 1 + max(getattr(f, f"sz_{n}")() for f in (law, kernels.advance)) for n in _MEMORY},
     }
     sources = {
         "trip.c": files(__package__).joinpath("trip.c").read_text(encoding="utf-8"),
         "numbers.h": "".join(f"#define {name} {value!r}\n" for name, value in numbers.items())
-        + f"static const int ENDS_SHOWN[] = {{{', '.join(map(str, _ENDS))}}};\n",
+        + f"static const int ENDS_OUTPUTS[] = {{{', '.join(map(str, _ENDS))}}};\n",
         "law.c": generate_c((law,), "law"),
     }
     return CDLL(str(compile_library(sources, compiler, cache_folder(), "hoist_trip")))

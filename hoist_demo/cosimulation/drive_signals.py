@@ -6,9 +6,9 @@ A row keeps the numbers as they come; what follows from them is computed once, f
 from hoist_demo.control.controller import Command
 from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
-from hoist_demo.cosimulation.schemes.interface import Memory, Vector
+from hoist_demo.cosimulation.schemes.interface import SchemeState, Vector
 from hoist_demo.drive.equations import LOSS_NAMES, WORK_NAMES
-from hoist_demo.drive.outputs import SHOWN, tension_ratio
+from hoist_demo.drive.outputs import OUTPUT_INDEX, tension_ratio
 from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.recording.time_series import TIME, Recording
 
@@ -16,11 +16,7 @@ _REFERENCE = ("position", "speed", "acceleration", "jerk")
 DRIVE_UNITS = {
     TIME: "s",
     **dict(zip((f"reference.{name}" for name in _REFERENCE), ("m", "m/s", "m/s2", "m/s3"), strict=True)),
-    **{
-        f"conveyance.{side}.{name}": unit
-        for side in SIDES
-        for name, unit in (("y", "m"), ("vy", "m/s"), ("ay", "m/s2"))
-    },
+    **{f"conveyance.{side}.{n}": unit for side in SIDES for n, unit in (("y", "m"), ("vy", "m/s"), ("ay", "m/s2"))},
     "drive.angle": "rad",
     "drive.rate": "rad/s",
     "drive.torque_command": "N.m",
@@ -45,10 +41,7 @@ _MOTION = {"y": "y", "v": "vy", "a": "ay"}
 _SHOWN_AS = {
     **{f"{name}_{side}": f"conveyance.{side}.{spelt}" for side in SIDES for name, spelt in _MOTION.items()},
     **{f"{name}_{side}": f"drive.{name}_{side}" for side in SIDES for name in ("tension", "pull", "slack", "jam")},
-    **{
-        name: f"drive.{name}"
-        for name in ("angle", "rate", "torque", "brake_torque", "energy_kinetic", "energy_potential")
-    },
+    **{n: f"drive.{n}" for n in ("angle", "rate", "torque", "brake_torque", "energy_kinetic", "energy_potential")},
 }
 _BESIDE = "beside."  #: Before the names of what a row has beside them.
 #: What `drive_row` gives, by name.
@@ -61,19 +54,19 @@ ROW = (
     "drive.slip_speed",
     "coupling.energy",
     "coupling.exchanges",
-    *(_SHOWN_AS.get(name, _BESIDE + name) for name in SHOWN),
+    *(_SHOWN_AS.get(name, _BESIDE + name) for name in OUTPUT_INDEX),
     *(f"{_BESIDE}work_{name}" for name in WORK_NAMES),
     *(f"{_BESIDE}losses_{name}" for name in LOSS_NAMES),
 )
 
 
 def drive_row(
-    t: float, reference: TrajectoryPoint, command: Command, drive: HoistPartner, memory: Memory
+    t: float, reference: TrajectoryPoint, command: Command, drive: HoistPartner, scheme_state: SchemeState
 ) -> tuple[tuple[float, ...], Vector, Vector]:
     """Return the drive's record at a sample, in parts; `with_drive_signals` computes the rest."""
-    slide = drive.state.slide
-    numbers = (t, *reference[:4], command.torque, command.limited, slide.slid_distance, slide.speed)
-    return (*numbers, memory.residual, memory.exchanges), drive.outputs, drive.state.works
+    slip_state = drive.state.slide
+    numbers = (t, *reference[:4], command.torque, command.limited, slip_state.slid_distance, slip_state.speed)
+    return (*numbers, scheme_state.residual, scheme_state.exchanges), drive.outputs, drive.state.works
 
 
 def with_drive_signals(rows: Recording, hoist: Hoist) -> Recording:

@@ -33,10 +33,18 @@ from hoist_demo.cosimulation.plain_data import encode
 from hoist_demo.cosimulation.run_state import Result, RunState, TripEnd
 from hoist_demo.cosimulation.schemes.catalogue import find_scheme
 from hoist_demo.cosimulation.schemes.explicit import GaussSeidel
-from hoist_demo.cosimulation.schemes.interface import ROPE_FORCES, Pair, RopePlant, Scheme, Stopwatch, Vector, answer
+from hoist_demo.cosimulation.schemes.interface import (
+    ROPE_FORCES,
+    CoupledSystem,
+    RopePlant,
+    Scheme,
+    Stopwatch,
+    Vector,
+    forces_or_error,
+)
 from hoist_demo.cosimulation.schemes.stability import StabilityEstimate, predict_stability
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES
-from hoist_demo.drive.outputs import SHOWN
+from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.drive.plant import SIDE_FORCES, HoistPlant
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits, start_heights
 from hoist_demo.recording.time_series import Array, Recorder, Recording
@@ -50,8 +58,8 @@ SAVE_INTERVAL = 5.0  #: Simulated time from one state that is kept to the next [
 LOADING_PARTS = (0.25, 0.75)  #: Parts of a dwell between which the payload changes to that of the next trip [assumed].
 LOADING_INTERVAL = 0.1  #: Time between two changes of a payload that is being loaded [s].
 _GUARD = ("guard.tripped", "guard.time")
-_Y_LEFT, _RATE = SHOWN["y_left"], SHOWN["rate"]
-_PULLS = [SHOWN["pull_left"], SHOWN["pull_right"]]
+_Y_LEFT, _RATE = OUTPUT_INDEX["y_left"], OUTPUT_INDEX["rate"]
+_PULLS = [OUTPUT_INDEX["pull_left"], OUTPUT_INDEX["pull_right"]]
 _NO_FORCES = np.zeros(len(SIDE_FORCES))
 
 
@@ -137,9 +145,9 @@ class Host:
         if isinstance(run, str):
             return self._result(Recording({}, {}), 0, run, self._course)
         if resume is not None:
-            run.pair.restore(((resume.plant, resume.input), self.rope.from_bytes(resume.rope)))
+            run.coupled.restore(((resume.plant, resume.input), self.rope.from_bytes(resume.rope)))
             run.recorder.resume(resume.recording, resume.sample)
-            run.controller, run.memory = deepcopy(resume.controller), resume.memory
+            run.controller, run.scheme_state = deepcopy(resume.controller), resume.memory
             run.first = resume.sample
             run.steps = resume.sample * self.coupling.per_sample
         cause = self._wind(run, progress, save_to)
@@ -154,7 +162,7 @@ class Host:
         if not cause and run.course == self._course:
             t = self.coupling.start + self.samples * self.coupling.period
             landing = self._start_height + self.trajectory.points[-1].position
-            end = TripEnd(t, landing, run.drive.state, run.drive.input, run.memory)
+            end = TripEnd(t, landing, run.drive.state, run.drive.input, run.scheme_state)
         result = self._result(with_drive_signals(run.recorder.recording(), self.hoist), run.steps, cause, run.course)
         return replace(result, checkpoint=checkpoint, saved=saved, end=end)
 
@@ -164,7 +172,7 @@ class Host:
         read = self.rope.reader(ROPE_FORCES)
         if after is None:
             with self.start_clock:
-                forces = answer(self.rope.initialize(start, *(EndMotion(y=y) for y in heights)), read)
+                forces = forces_or_error(self.rope.initialize(start, *(EndMotion(y=y) for y in heights)), read)
             if isinstance(forces, str):
                 return f"rope, at the start: {forces}"
         else:
@@ -172,22 +180,22 @@ class Host:
         plant = HoistPlant(self.hoist)
         rest = plant.equilibrium(*heights, *forces[:2].tolist())
         state = rest
-        acting = np.zeros(len(INPUT_NAMES))
-        acting[0], acting[list(FORCES)] = rest.x[0], forces[:2]
+        applied_input = np.zeros(len(INPUT_NAMES))
+        applied_input[0], applied_input[list(FORCES)] = rest.x[0], forces[:2]
         if after is not None:
-            state, acting = after.plant, after.input
-        drive = HoistPartner(plant, state, acting, self.drive_clock)
-        pair = Pair(drive, self.rope, self.rope_clock)
-        memory = pair.start(start) if after is None else after.memory
+            state, applied_input = after.plant, after.input
+        drive = HoistPartner(plant, state, applied_input, self.drive_clock)
+        coupled = CoupledSystem(drive, self.rope, self.rope_clock)
+        scheme_state = coupled.start(start) if after is None else after.scheme_state
         if after is None:
-            self.stability = predict_stability(self.scheme, self.coupling.scheme, pair, start, self.coupling.step)
-        return RunState(drive, pair, memory, rest.x.item(0), self._recorder(), self._course)
+            self.stability = predict_stability(self.scheme, self.coupling.scheme, coupled, start, self.coupling.step)
+        return RunState(drive, coupled, scheme_state, rest.x.item(0), self._recorder(), self._course)
 
     def _checkpoint(self, run: RunState, cause: str) -> Checkpoint | None:
         """Return the saved state with the cause of the stop; None if no state was saved."""
         if run.saved is None:
             return None
-        k, ((plant, acting), snapshot), controller, memory = run.saved
+        k, ((plant, drive_input), snapshot), controller, scheme_state = run.saved
         rope = b""
         t = self.coupling.start + k * self.coupling.period
         if snapshot is not None:
@@ -196,7 +204,7 @@ class Host:
             except RuntimeError as error:
                 _log.warning("the rope's last good state is lost: %s", error)
         record = run.recorder.recording()
-        return Checkpoint(k, t, plant, controller, acting, memory, rope, record, self.data, cause, self.name)
+        return Checkpoint(k, t, plant, controller, drive_input, scheme_state, rope, record, self.data, cause, self.name)
 
     def _recorder(self) -> Recorder:
         """Return a recorder of all signals, without those of the rope that the drive has too."""
@@ -220,7 +228,7 @@ class Host:
             if stopped or (k - run.first) % self._save_interval == 0:
                 run.saved = None  # frees the memory of the state before
                 # the controller may change what it is handed
-                run.saved = k, run.pair.save(), deepcopy(run.controller), run.memory
+                run.saved = k, run.coupled.save(), deepcopy(run.controller), run.scheme_state
             if stopped:
                 return f"t = {t:.6g} s: stopped by the user"
             if compiled is not None and k < last and not self._loads(k):
@@ -264,7 +272,7 @@ class Host:
         # a rope of another class may do more in its steps than its library
         library = rope.library() if type(rope) is FmuRope or type(rope) is InProcessRope else None
         plain = type(scheme) is GaussSeidel and scheme.order == 1 and not self._own
-        compiled = run.drive.plant.holding.kernels.library is not None
+        compiled = run.drive.plant.stick_integrator.kernels.library is not None
         if library is None or not (plain and compiled) or self.hoist.lining is not None:
             return None
         gains, clocks, most = self._gains or Gains(), (self.drive_clock, self.rope_clock), self._save_interval
@@ -278,11 +286,11 @@ class Host:
         """Return the course at t [s], with an emergency stop if the safety circuit opens."""
         course, start, T, least = run.course, self.coupling.start, self.coupling.period, self.hoist.slack_tension
         if least is not None and min(run.drive.outputs[_PULLS]) < least:
-            course = course.stopped(t - start)
+            course = course.with_emergency_stop(t - start)
         if not self._guard or not signals.item(self._guard[0]) > 0.0:
             return course
         time = signals.item(self._guard[1])
-        return course.stopped(start + T * max(0, math.ceil((time - start) / T - 1e-9)) - start)
+        return course.with_emergency_stop(start + T * max(0, math.ceil((time - start) / T - 1e-9)) - start)
 
     @property
     def _course(self) -> Course:
@@ -292,13 +300,13 @@ class Host:
         """Record all signals at t [s] and return the controller's command."""
         point = run.course.trajectory.at(t - self.coupling.start)
         command = self._command(controller, point, run.drive.outputs, run.controller)
-        run.recorder.add(*drive_row(t, point, command, run.drive, run.memory), signals)
+        run.recorder.add(*drive_row(t, point, command, run.drive, run.scheme_state), signals)
         return command
 
-    def _command(self, controller: Controller, point: TrajectoryPoint, shown: Vector, state: Any) -> Command:
+    def _command(self, controller: Controller, point: TrajectoryPoint, outputs: Vector, state: Any) -> Command:
         """Ask the controller for its command, by the reference and the OUTPUTS of the drive."""
-        travel = shown.item(_Y_LEFT) - self._start_height
-        speed = self.hoist.sheave_radius * shown.item(_RATE)
+        travel = outputs.item(_Y_LEFT) - self._start_height
+        speed = self.hoist.sheave_radius * outputs.item(_RATE)
         command = controller.command(point, Measurement(travel, speed), state, self.coupling.sample_time)
         if not isinstance(command, Command):
             raise ValueError(f"command() must return Command(torque, limited, state), not {type(command).__name__}")
@@ -307,10 +315,10 @@ class Host:
     def _sampler(self, run: RunState, controller: Controller) -> NextCommand:
         """Return the sampler of the controller within a communication step."""
 
-        def next_command(k: int, t: float, shown: Vector) -> tuple[float, float]:
+        def next_command(k: int, t: float, outputs: Vector) -> tuple[float, float]:
             point = run.course.trajectory.at(t - self.coupling.start)
             # the step may be repeated, from the command before
-            command = self._command(controller, point, shown, deepcopy(run.commands[k - 1].state))
+            command = self._command(controller, point, outputs, deepcopy(run.commands[k - 1].state))
             run.commands[k:] = [command]
             return command.torque, command.brake
 
@@ -335,12 +343,12 @@ class Host:
         while run.steps < (k + 1) * per_sample:
             t = start + run.steps * H
             try:
-                memory, cause = self.scheme.advance(run.pair, run.memory, t, H)
+                scheme_state, cause = self.scheme.advance(run.coupled, run.scheme_state, t, H)
             except (ValueError, RuntimeError) as error:
                 return f"t = {t:.6g} s: {error}"
             if cause:
                 return cause
-            run.memory = memory
+            run.scheme_state = scheme_state
             run.steps += 1
         return ""
 

@@ -12,7 +12,7 @@ from hoist_demo.control.controller import Command
 from hoist_demo.control.trajectory import Course, Trajectory
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
-from hoist_demo.cosimulation.schemes.interface import Memory, Pair, Stopwatch, Vector
+from hoist_demo.cosimulation.schemes.interface import CoupledSystem, SchemeState, Stopwatch, Vector
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.parameters import Winding
 from hoist_demo.recording.time_series import Recorder, Recording
@@ -26,13 +26,14 @@ class TripEnd:
     landing: float  # m, at which the left conveyance was to arrive
     plant: PlantState
     input: Vector  # that acts on the drive, in the order of INPUT_NAMES
-    memory: Memory
+    scheme_state: SchemeState
 
     def with_zeroed_totals(self) -> TripEnd:
         """Return the state with work and exchanges counted anew."""
-        slide = self.plant.slide._replace(slid_distance=0.0)
-        plant = self.plant._replace(works=np.zeros_like(self.plant.works), slide=slide)
-        return replace(self, plant=plant, memory=self.memory._replace(exchanges=0, taken_back=0, residual=0.0))
+        slip_state = self.plant.slide._replace(slid_distance=0.0)
+        plant = self.plant._replace(works=np.zeros_like(self.plant.works), slide=slip_state)
+        scheme_state = self.scheme_state._replace(exchanges=0, taken_back=0, residual=0.0)
+        return replace(self, plant=plant, scheme_state=scheme_state)
 
 
 @dataclass
@@ -40,8 +41,8 @@ class RunState:
     """States at the latest communication point, and at the latest sample that was saved."""
 
     drive: HoistPartner
-    pair: Pair  # drive and rope, for the scheme
-    memory: Memory
+    coupled: CoupledSystem  # drive and rope, for the scheme
+    scheme_state: SchemeState
     holding_torque: float  # N m, of the motor at rest where the trip starts
     recorder: Recorder
     course: Course
@@ -50,7 +51,7 @@ class RunState:
     first: int = 0  # sample from which it goes on
     steps: int = 0  # communication steps done
     #: latest sample that is kept, states of drive and rope, the controller's, the scheme's
-    saved: tuple[int, tuple[Any, Any], Any, Memory] | None = None
+    saved: tuple[int, tuple[Any, Any], Any, SchemeState] | None = None
 
 
 @dataclass(frozen=True)

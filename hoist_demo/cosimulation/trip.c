@@ -32,7 +32,7 @@ typedef struct {
 typedef struct {
     Kernel *drive; /* the kernel advance, */
     double *z, *y; /* what it is given and finds */
-    double *given; /* to the law */
+    double *law_arguments;
 
     Access step, motions, valid, forces, sides, guard; /* of the rope; without a function where it lacks one */
     const Access *recorded;
@@ -64,11 +64,11 @@ static double now(void) {
 
 Kernel law;
 
-static void evaluate(Kernel *kernel, const double *given, double *result) {
+static void evaluate(Kernel *kernel, const double *arguments, double *result) {
     const double *arg[SZ_ARG];
     double *res[SZ_RES], w[SZ_W];
     long long iw[SZ_IW];
-    arg[0] = given;
+    arg[0] = arguments;
     res[0] = result;
     kernel(arg, res, iw, w, 0);
 }
@@ -110,10 +110,10 @@ static void listen(Trip *m) {
 }
 
 static int step_rope(Trip *m, double t, double h) {
-    const double *shown = m->y + AT_SHOWN, *force = (const double *)m->forces.values;
+    const double *outputs = m->y + AT_OUTPUTS, *force = (const double *)m->forces.values;
     double *motions = (double *)m->motions.values;
-    for (size_t i = 0; i < sizeof ENDS_SHOWN / sizeof *ENDS_SHOWN; i++)
-        if (ENDS_SHOWN[i] >= 0) motions[i] = shown[ENDS_SHOWN[i]];
+    for (size_t i = 0; i < sizeof ENDS_OUTPUTS / sizeof *ENDS_OUTPUTS; i++)
+        if (ENDS_OUTPUTS[i] >= 0) motions[i] = outputs[ENDS_OUTPUTS[i]];
     if (m->step.standard == NATIVE) {
         if (!((int (*)(void *, double, const double *, double))m->step.function)(m->step.rope, t + h, motions, t + h))
             return STEP;
@@ -158,32 +158,32 @@ static bool step_drive(Trip *m, double s, double end) {
         if (steps == 1.0) {
             const double wound = m->radius * y[PHI];
             m->step_next = size * m->H;
-            return fmin(z[AT_L0] - wound, z[AT_L0 + 1] + wound) > LEAST_ROPE;
+            return fmin(z[AT_L0] - wound, z[AT_L0 + 1] + wound) > MIN_ROPE;
         }
     }
     return false;
 }
 
 static double work(const Trip *m) {
-    const double *works = m->y + AT_WORKS;
-    return (works[LEFT_WORK] + works[RIGHT_WORK]) / m->ropes;
+    const double *work_totals = m->y + AT_WORK_TOTALS;
+    return (work_totals[LEFT_WORK] + work_totals[RIGHT_WORK]) / m->ropes;
 }
 
 /* the command of the law that holds from now on; tells whether it is limited */
 static double command(Trip *m, const double reference[4]) {
-    const double *shown = m->y + AT_SHOWN;
+    const double *outputs = m->y + AT_OUTPUTS;
     double result[3];
-    memcpy(m->given, reference, 3 * sizeof(double));
-    m->given[TRAVEL] = shown[Y_LEFT] - m->start_height;
-    m->given[SPEED] = m->radius * shown[RATE];
-    m->given[INTEGRAL] = m->integral;
-    evaluate(law, m->given, result);
+    memcpy(m->law_arguments, reference, 3 * sizeof(double));
+    m->law_arguments[TRAVEL] = outputs[Y_LEFT] - m->start_height;
+    m->law_arguments[SPEED] = m->radius * outputs[RATE];
+    m->law_arguments[INTEGRAL] = m->integral;
+    evaluate(law, m->law_arguments, result);
     m->torque = result[0];
     m->integral = result[2];
     return result[1];
 }
 
-/* both partners over one step from t, as GaussSeidel(1) and Pair.exchanged */
+/* both partners over one step from t, as GaussSeidel(1) and CoupledSystem.exchanged */
 static int exchange(Trip *m, double t, const double (*reference)[4]) {
     const double H = m->H, begun = now(), work_before = work(m), integral = m->integral, torque = m->torque,
                  size = m->step_next;
@@ -219,8 +219,8 @@ static int exchange(Trip *m, double t, const double (*reference)[4]) {
     for (int i = 0; i < 2; i++) {
         sample.force[i] = force[i];
         sample.mean[i] = force[2 + i];
-        sample.acceleration[i] = y[AT_SHOWN + A_LEFT + i];
-        distance[i] = y[AT_SHOWN + Y_LEFT + i] - before[AT_SHOWN + Y_LEFT + i];
+        sample.acceleration[i] = y[AT_OUTPUTS + A_LEFT + i];
+        distance[i] = y[AT_OUTPUTS + Y_LEFT + i] - before[AT_OUTPUTS + Y_LEFT + i];
     }
     m->residual += work(m) - work_before - (sample.mean[0] * distance[0] + sample.mean[1] * distance[1]);
     m->exchanges++;
@@ -234,12 +234,12 @@ static int exchange(Trip *m, double t, const double (*reference)[4]) {
 
 /* what the rope shows now goes into a row of the record; whether nobody need look at it */
 static bool record(Trip *m, size_t row) {
-    const double *shown = m->y + AT_SHOWN, begun = now();
+    const double *outputs = m->y + AT_OUTPUTS, begun = now();
     bool well = true;
     for (int i = 0; i < m->records && well; i++) well = call(m, m->recorded + i, row);
     well = well && (!m->watched || !m->guard.function || (call(m, &m->guard, 0) && !holds(&m->guard)));
     m->rope_time += now() - begun;
-    return well && !(m->watched && fmin(shown[PULL_LEFT], shown[PULL_LEFT + 1]) < m->slack_tension);
+    return well && !(m->watched && fmin(outputs[PULL_LEFT], outputs[PULL_LEFT + 1]) < m->slack_tension);
 }
 
 /* Samples from the first on until before the last, each with the steps to the next one.  Returns how the last one
@@ -259,8 +259,8 @@ int trip_samples(Trip *m, int *sample, int last) {
         row[7] = row[8] = 0.0; /* the head ropes hold */
         row[9] = m->residual;
         row[10] = m->exchanges;
-        memcpy(row + 11, y + AT_SHOWN, OUTPUTS * sizeof(double));
-        memcpy(row + 11 + OUTPUTS, y + AT_WORKS, WORKS * sizeof(double));
+        memcpy(row + 11, y + AT_OUTPUTS, OUTPUTS * sizeof(double));
+        memcpy(row + 11 + OUTPUTS, y + AT_WORK_TOTALS, WORK_COUNT * sizeof(double));
         if (m->sides.function) {
             if (!call(m, &m->sides, 0)) return LOOK;
             memcpy(path + SIDES, m->sides.values, m->sides.bytes);

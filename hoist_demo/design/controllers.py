@@ -56,12 +56,10 @@ class Task:
 
 
 DESIGNS: dict[str, Callable[[Task], Drive]] = {
-    "pi": lambda task: Drive(replace(task.gains, feed_forward=0.0), s_curve(task.winding)),
-    "pi-feed-forward": lambda task: Drive(task.gains, s_curve(task.winding)),
-    "input-shaping": lambda task: Drive(task.gains, shape(s_curve(task.winding), task.shaper)),
-    "optimised-trajectory": lambda task: Drive(
-        task.gains, optimise(task.hoist, task.winding, task.gains, task.trajectory)
-    ),
+    "pi": lambda t: Drive(replace(t.gains, feed_forward=0.0), s_curve(t.winding)),
+    "pi-feed-forward": lambda t: Drive(t.gains, s_curve(t.winding)),
+    "input-shaping": lambda t: Drive(t.gains, shape(s_curve(t.winding), t.shaper)),
+    "optimised-trajectory": lambda t: Drive(t.gains, optimise(t.hoist, t.winding, t.gains, t.trajectory)),
 }
 _OWN_TRIP = ("input-shaping", "optimised-trajectory")
 assert tuple(DESIGNS) == CONTROLLERS

@@ -81,9 +81,7 @@ class LinearModel:
         omega = np.sqrt(np.maximum(squares, 0.0))
         damping = np.einsum("ij,ij->j", shapes, self.damping[:n, :n] @ shapes) / (2 * np.maximum(omega, _SLOWEST))
         # kinetic energy by the coordinates' first part: the hoist, or a direction of the rope
-        kind = [
-            "hoist" if not name.startswith("rope.") else PARTS[1 + _DIRECTION[int(name[-1])]] for name in self.names[:n]
-        ]
+        kind = ["hoist" if not x.startswith("rope.") else PARTS[1 + _DIRECTION[int(x[-1])]] for x in self.names[:n]]
         energy = shapes * (M @ shapes)
         shares = np.array([energy[[part == x for x in kind]].sum(axis=0) for part in PARTS])
         return Modes(omega / (2 * np.pi), damping, shapes, shares)

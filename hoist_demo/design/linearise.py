@@ -24,10 +24,10 @@ from hoist_demo.cases.case import Case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.design.linear_model import Array, LinearModel
 from hoist_demo.drive.equations import INPUT_NAMES, equations, extra_coordinates, state_names
-from hoist_demo.drive.outputs import SHOWN
+from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.drive.plant import HoistPlant
 from hoist_demo.parameters import SIDES, Hoist
-from hoist_demo.parameters.place import Place
+from hoist_demo.parameters.suspension import SuspensionOffset
 from rope_model import EndMotion, Level, RopeSimulator, Scene
 from rope_model.simulation.outputs.linear import LinearRope, let_turn, linear_rope
 
@@ -79,13 +79,13 @@ def linearise(
     if speed and held_by == "brake":
         raise ValueError(f"speed = {speed:g} m/s must be 0 with held_by = 'brake': take 'motor'")
     hoist = _smooth(case.hoist, held_by)
-    tails = _tails(case, swivels, level)
-    return tuple(_assembled(x, *_parts(hoist, tails, x, held_by, speed)) for x in at)
+    specs = _rope_specs(case, swivels, level)
+    return tuple(_assembled(x, *_parts(hoist, specs, x, held_by, speed)) for x in at)
 
 
 def linearise_hoist(case: Case, at: float, held_by: HeldBy = "motor") -> LinearModel:
     """Return the model of a hoist under the constant forces of ropes at rest: what a controller sees without them."""
-    _, drive = _parts(_smooth(case.hoist, held_by), _tails(case), at, held_by)
+    _, drive = _parts(_smooth(case.hoist, held_by), _rope_specs(case), at, held_by)
     M, D, K = (sp.csc_matrix(A) for A in drive.matrices)
     C, C_v, C_a = (sp.csr_matrix(A) for A in drive.maps)
     return LinearModel(
@@ -96,30 +96,30 @@ def linearise_hoist(case: Case, at: float, held_by: HeldBy = "motor") -> LinearM
 
 def linearise_rope(scene: Scene, left: EndMotion, right: EndMotion) -> LinearModel:
     """Return the linear model of a rope alone, at rest between these ends, whose accelerations are the inputs."""
-    tail = LinearTail(_rope(scene))
-    return _assembled(0.0, [(tail, _hung(tail.rope, left, right))], LinearHoist.none())
+    spec = LinearRopeSpec(_rope(scene))
+    return _assembled(0.0, [(spec, _hung(spec.rope, left, right))], LinearHoist.none())
 
 
-class LinearTail(NamedTuple):
+class LinearRopeSpec(NamedTuple):
     """One balance rope, or several equal ones."""
 
     rope: RopeSimulator
     number: int = 1
     name: str = ""  # name of one of several ropes that differ
-    place: Place = Place()
+    suspension: SuspensionOffset = SuspensionOffset()
 
 
-def _tails(case: Case, swivels: Swivels = "as given", level: Level = "standard") -> list[LinearTail]:
+def _rope_specs(case: Case, swivels: Swivels = "as given", level: Level = "standard") -> list[LinearRopeSpec]:
     """Return the balance ropes of a hoist, ready to hang."""
-    if not case.ropes:
+    if not case.distinct_ropes:
         scene = rope_scene({**case.rope, **_swivels(swivels)}, level)
-        return [LinearTail(_rope(scene), case.hoist.tail_rope_number)]
-    tails = []
-    for tail in case.ropes:
-        place = Place(**tail.place)
-        scene = rope_scene({**tail.parameters, **_swivels(swivels)}, level, place)
-        tails.append(LinearTail(_rope(scene), tail.number, tail.name, place))
-    return tails
+        return [LinearRopeSpec(_rope(scene), case.hoist.tail_rope_number)]
+    specs = []
+    for rope in case.distinct_ropes:
+        suspension = SuspensionOffset(**rope.suspension)
+        scene = rope_scene({**rope.parameters, **_swivels(swivels)}, level, suspension)
+        specs.append(LinearRopeSpec(_rope(scene), rope.number, rope.name, suspension))
+    return specs
 
 
 def _swivels(wanted: Swivels) -> dict[str, int]:
@@ -175,14 +175,14 @@ class LinearHoist:
 
 
 @cache
-def _derivatives(parts: Hoist) -> Any:
+def _derivatives(structure: Hoist) -> Any:
     """(x, a, u, l0, p) -> derivatives of Lagrange's rows and tensions, rates and outputs to x, a and u; values."""
-    of = equations(parts)
-    x, a = ca.SX.sym("x", len(state_names(parts))), ca.SX.sym("a", 3 + len(extra_coordinates(parts)))
-    u, l0, p = ca.SX.sym("u", len(INPUT_NAMES)), ca.SX.sym("l0", 2), ca.SX.sym("p", len(parts.numbers))
+    of = equations(structure)
+    x, a = ca.SX.sym("x", len(state_names(structure))), ca.SX.sym("a", 3 + len(extra_coordinates(structure)))
+    u, l0, p = ca.SX.sym("u", len(INPUT_NAMES)), ca.SX.sym("l0", 2), ca.SX.sym("p", len(structure.numbers))
     rows = ca.vertcat(of.lagrange(x, a, u, l0, p), of.rates(x, u, l0, p))
-    shown = of.outputs(x, u, l0, p)
-    values = ca.vertcat(rows, *(shown[SHOWN[name]] for name in _SHOWN))
+    outputs = of.outputs(x, u, l0, p)
+    values = ca.vertcat(rows, *(outputs[OUTPUT_INDEX[name]] for name in _SHOWN))
     jacobians = [ca.densify(ca.jacobian(values, z)) for z in (x, a, u)]
     return ca.Function("derivatives", [x, a, u, l0, p], [ca.cse(y) for y in (*jacobians, values)])
 
@@ -220,7 +220,7 @@ def _linear_hoist(
     x[v[:3]] = speed / hoist.sheave_radius, speed, -speed
     lag = [k for k, name in enumerate(names) if k not in (*q, *v) and name != deflection]
     numbers = hoist.numbers
-    derivatives = _derivatives(hoist.parts)
+    derivatives = _derivatives(hoist.equation_structure)
     still = np.zeros(n)
     if speed:  # the motor makes up for the losses
         by_x, _, _, values = (np.array(part) for part in derivatives(x, still, u, state.free_lengths, numbers))
@@ -237,35 +237,35 @@ def _linear_hoist(
     M[:n, :n], D[:n, :n], K[:n, :n], K[:n, n:] = by_a[:n], by_x[:n, v], by_x[:n, q], by_x[:n, lag]
     D[n:, :n], D[n:, n:] = -by_x[late][:, v], np.eye(len(lag))
     K[n:, :n], K[n:, n:] = -by_x[late][:, q], -by_x[late][:, lag]
-    given = ["torque_command", *(["brake"] if held_by == "brake" else [])]
-    B = np.zeros((size, len(given) + 3))
-    B[n:, : len(given)] = by_u[late][:, [INPUT_NAMES.index(name) for name in given]]
-    B[:n, len(given)] = -by_x[:n, 0]
+    commands = ["torque_command", *(["brake"] if held_by == "brake" else [])]
+    B = np.zeros((size, len(commands) + 3))
+    B[n:, : len(commands)] = by_u[late][:, [INPUT_NAMES.index(name) for name in commands]]
+    B[:n, len(commands)] = -by_x[:n, 0]
     B[1, -2] = B[2, -1] = 1.0
     seen = [*range(n, n + 2), *range(shown, shown + len(_SHOWN))]
     C = by_x[seen][:, [*q, *lag]]
     C_v, C_a = (np.hstack((by[seen], np.zeros((len(seen), len(lag))))) for by in (by_x[:, v], by_a))
     return LinearHoist(
-        coordinates, tuple(names[k] for k in lag), (M, D, K), (*given, "torque", "force_left", "force_right"), B,
+        coordinates, tuple(names[k] for k in lag), (M, D, K), (*commands, "torque", "force_left", "force_right"), B,
         (*_TENSIONS, *_SHOWN), (C, C_v, C_a), np.zeros((len(seen), B.shape[1])),
         np.array([x[0], *([1.0] if held_by == "brake" else []), 0.0, 0.0, 0.0]), values[seen].ravel(),
     )  # fmt: skip
 
 
-_Hung = Sequence[tuple[LinearTail, LinearRope]]
+_Hung = Sequence[tuple[LinearRopeSpec, LinearRope]]
 
 
 def _parts(
-    hoist: Hoist, tails: Iterable[LinearTail], at: float, held_by: HeldBy, speed: float = 0.0
+    hoist: Hoist, specs: Iterable[LinearRopeSpec], at: float, held_by: HeldBy, speed: float = 0.0
 ) -> tuple[_Hung, LinearHoist]:
     """Return ropes and hoist at this part of the travel."""
     if not 0.0 <= at <= 1.0:
         raise ValueError(f"at = {at:g} must be within 0 and 1: it is a part of the travel")
     left, right = at * hoist.shaft_travel, (1.0 - at) * hoist.shaft_travel
-    hung = [(tail, _hung(tail.rope, EndMotion(y=left), EndMotion(y=right), speed)) for tail in tails]
+    hung = [(spec, _hung(spec.rope, EndMotion(y=left), EndMotion(y=right), speed)) for spec in specs]
     # the hoist takes its ropes for so many equal ones
     pulls = [
-        sum(tail.number * float(rope.rest[rope.outputs.index(f"{side}.fy")]) for tail, rope in hung)
+        sum(spec.number * float(rope.rest[rope.outputs.index(f"{side}.fy")]) for spec, rope in hung)
         / hoist.tail_rope_number
         for side in SIDES
     ]
@@ -278,13 +278,13 @@ def _end_coordinates(rope: LinearRope) -> dict[str, int]:
     return {f"{side}.{name}": firsts[side] + k for side in SIDES for name, k in _END.items()}
 
 
-def _is_moved(tail: LinearTail, rope: LinearRope, name: str) -> bool:
+def _is_moved(spec: LinearRopeSpec, rope: LinearRope, name: str) -> bool:
     """Return True if a conveyance that moves so takes the rope's end along."""
     side, _, direction = name.partition(".")
-    return not rope.free[_end_coordinates(rope)[name]] or (direction == "yaw" and any(tail.place.at(side)))
+    return not rope.free[_end_coordinates(rope)[name]] or (direction == "yaw" and any(spec.suspension.at(side)))
 
 
-def _carried(tail: LinearTail, rope: LinearRope, first: int, shared: Mapping[str, int], total: int) -> sp.csc_matrix:
+def _carried(spec: LinearRopeSpec, rope: LinearRope, first: int, shared: Mapping[str, int], size: int) -> sp.csc_matrix:
     """Return a rope's coordinates by those of the model: its own from `first` on, its ends' by the `shared` ones."""
     ends = _end_coordinates(rope)
     entries = [(k, first + j, 1.0) for j, k in enumerate(np.flatnonzero(rope.free).tolist())]
@@ -294,13 +294,13 @@ def _carried(tail: LinearTail, rope: LinearRope, first: int, shared: Mapping[str
         for name, column in shared.items()
         if not rope.free[ends[name]]
     ]
-    # the derivative of place.motion_at
-    for side in SIDES if tail.name else ():
+    # the derivative of suspension.motion_at
+    for side in SIDES if spec.name else ():
         if (yaw := shared.get(f"{side}.yaw")) is not None:
-            x, z = tail.place.at(side)
+            x, z = spec.suspension.at(side)
             entries += [(ends[f"{side}.x"], yaw, z), (ends[f"{side}.z"], yaw, -x)]
     rows, columns, values = zip(*entries, strict=True)
-    return sp.csc_matrix((values, (rows, columns)), shape=(rope.free.size, total))
+    return sp.csc_matrix((values, (rows, columns)), shape=(rope.free.size, size))
 
 
 def _assembled(at: float, hung: _Hung, hoist: LinearHoist) -> LinearModel:
@@ -310,7 +310,7 @@ def _assembled(at: float, hung: _Hung, hoist: LinearHoist) -> LinearModel:
     held = [
         name
         for name in _end_coordinates(ropes[0])
-        if name not in heights and any(_is_moved(tail, rope, name) for tail, rope in hung)
+        if name not in heights and any(_is_moved(spec, rope, name) for spec, rope in hung)
     ]
     firsts = drives + np.cumsum([0, *(np.count_nonzero(rope.free) for rope in ropes)])
     first_held = int(firsts[-1])
@@ -322,7 +322,7 @@ def _assembled(at: float, hung: _Hung, hoist: LinearHoist) -> LinearModel:
     keep = sp.diags([0.0 if first_held <= k < first_lag else 1.0 for k in range(total)])
     M, D, K = (
         sum(
-            (keep @ (tail.number * (T.T @ getattr(rope, part) @ T)) for (tail, rope), T in zip(hung, Ts, strict=True)),
+            (keep @ (spec.number * (T.T @ getattr(rope, part) @ T)) for (spec, rope), T in zip(hung, Ts, strict=True)),
             keep @ (S.T @ sp.csc_matrix(H) @ S),
         ).tocsc()
         for part, H in zip(("mass", "damping", "stiffness"), hoist.matrices, strict=True)
@@ -334,7 +334,7 @@ def _assembled(at: float, hung: _Hung, hoist: LinearHoist) -> LinearModel:
         sp.vstack([sp.csr_matrix(H) @ S, *(rope.maps[k] @ T for rope, T in zip(ropes, Ts, strict=True))]).tocsr()
         for k, H in enumerate(hoist.maps)
     ]
-    prefixed = [(f"{tail.name}." if tail.name else "", rope) for tail, rope in hung]
+    prefixed = [(f"{spec.name}." if spec.name else "", rope) for spec, rope in hung]
     own = [f"rope.{prefix}{k // 7}.{k % 7}" for prefix, rope in prefixed for k in np.flatnonzero(rope.free)]
     names = (*hoist.coordinates, *own, *held, *hoist.lags)
     outputs = [f"{prefix}{name}" for prefix, rope in prefixed for name in rope.outputs]

@@ -83,7 +83,7 @@ def _accelerations(plant: HoistPlant, rest: PlantState) -> Any:
     x, F = ca.SX.sym("x", len(STATE_NAMES)), ca.SX.sym("F", 2)
     u = ca.SX.zeros(len(INPUT_NAMES))
     u[list(FORCES)] = F
-    moved = equations(plant.hoist.parts).rates(x, u, rest.free_lengths, plant.hoist.numbers)[4:7]
+    moved = equations(plant.hoist.equation_structure).rates(x, u, rest.free_lengths, plant.hoist.numbers)[4:7]
     B = ca.jacobian(moved, F)
     M, c = _mass_and_load(plant.hoist)(x[2:4], x[5:7])
     a_0 = ca.substitute(moved, F, -c)

@@ -92,9 +92,7 @@ class ReducedModel:
 
     def scheduled(self) -> Any:
         """CasADi function (part of the travel, X, u) -> X', y, of cubic splines between heights, constant beyond."""
-        part, X, u = (
-            ca.MX.sym(name, size) for name, size in (("at", 1), ("X", self.A.shape[1]), ("u", self.B.shape[2]))
-        )
+        part, X, u = (ca.MX.sym(x, size) for x, size in (("at", 1), ("X", self.A.shape[1]), ("u", self.B.shape[2])))
         at = self.at
         options = {"degree": [min(3, len(self.at) - 1)]}
         inside = ca.fmin(ca.fmax(part, at[0]), at[-1])
@@ -187,9 +185,8 @@ def swing_at_landing(case: Case) -> tuple[float, float]:
     rates = np.append(gains.speed / gains.integral_time * error, 0.0)
     poles, shapes = np.linalg.eig(np.vstack((np.column_stack((closed, rim * by_command)), rates)))
     excited = np.linalg.solve(shapes, np.append(by_command, 0.0).astype(complex))
-    swings = np.abs(np.array([C[1] - rim * C[2], C[3] + rim * C[2]]) @ shapes[:-1]).max(axis=0) * np.abs(
-        excited / poles**2
-    )
+    moved = np.abs(np.array([C[1] - rim * C[2], C[3] + rim * C[2]]) @ shapes[:-1]).max(axis=0)
+    swings = moved * np.abs(excited / poles**2)
     swing = poles[np.argmax(np.where((poles.imag > 0.0) & (-poles.real < LASTING * np.abs(poles)), swings, -1.0))]
     return float(swing.imag) / (2 * np.pi), float(-swing.real / abs(swing))
 
@@ -378,6 +375,6 @@ def _fitted(A: Array, B: Array, C: Array, D: Array, s: Complex, exact: Complex) 
         unit = np.linalg.norm(left, axis=0)
         unit[unit == 0.0] = 1.0  # a lag that no input moves
         both = np.vstack((left.real / unit, left.imag / unit, _FIT * np.eye(unit.size)))
-        given = np.concatenate((right.real, right.imag, np.zeros(unit.size)))
-        coefficients[i] += np.linalg.lstsq(both, given, rcond=None)[0] / unit
+        right_hand_side = np.concatenate((right.real, right.imag, np.zeros(unit.size)))
+        coefficients[i] += np.linalg.lstsq(both, right_hand_side, rcond=None)[0] / unit
     return coefficients[:, : len(A)], coefficients[:, len(A) :]

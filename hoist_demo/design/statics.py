@@ -13,7 +13,7 @@ MOVING = 1.25  #: Slip safety that design rules require in normal winding [assum
 
 
 @dataclass(frozen=True)
-class Hold:
+class StaticSlipSafety:
     """Head ropes on the sheave, at one instant."""
 
     when: str
@@ -36,7 +36,7 @@ def pulls(hoist: Hoist, height: float, acceleration: float = 0.0) -> tuple[float
     return tensions[0], tensions[1]
 
 
-def holds(hoist: Hoist, winding: Winding) -> list[Hold]:
+def static_slip_safeties(hoist: Hoist, winding: Winding) -> list[StaticSlipSafety]:
     """Return how the head ropes hold at rest, speeding up and slowing down, the worse of both landings.
 
     The conveyances are rigidly hung: swing of the head ropes, which jerk excites, lowers what a winding shows.
@@ -55,7 +55,7 @@ def holds(hoist: Hoist, winding: Winding) -> list[Hold]:
             left, right = pulls(hoist, height, acceleration)
             ratios.append(max(left, right) / min(left, right) if min(left, right) > 0.0 else np.inf)
         ratio = max(ratios)
-        instants.append(Hold(when, ratio, hoist.slip_safety(ratio), required))
+        instants.append(StaticSlipSafety(when, ratio, hoist.slip_safety(ratio), required))
     return instants
 
 

@@ -26,25 +26,25 @@ LAST_STEP = 5e-3  #: Radius of the trust region at the end, in parts of the rang
 
 
 class Score(NamedTuple):
-    """Score of a point; cost and excess are infinite where a run failed."""
+    """Score of a point; cost and violations are infinite where a run failed."""
 
     cost: float
-    excess: tuple[float, ...] = ()  # over each bound, as a part of it; 0 or less where it is kept
+    violations: tuple[float, ...] = ()  # of each bound, as a part of it; 0 or less where it is kept
 
     @property
     def finite(self) -> bool:
         """True if the score can be compared."""
-        return all(map(math.isfinite, (self.cost, *self.excess)))
+        return all(map(math.isfinite, (self.cost, *self.violations)))
 
     @property
     def feasible(self) -> bool:
         """True if all bounds are kept."""
-        return self.finite and max(self.excess, default=0.0) <= 0.0
+        return self.finite and max(self.violations, default=0.0) <= 0.0
 
     @property
     def rank(self) -> tuple[float, float]:
         """Key by which scores are sorted, smaller is better: bounds come before the cost."""
-        return max(0.0, *self.excess, 0.0), self.cost
+        return max(0.0, *self.violations, 0.0), self.cost
 
 
 #: Judges points, shape (points, dimensions), each coordinate between 0 and 1; called from several threads.
@@ -111,7 +111,7 @@ class _Walk:
     def __init__(self, evaluate: Evaluate, start: Array, judged: Score, sample: Sequence[Score]) -> None:
         costs = [point.cost for point in sample]
         # a run that failed scores worse than any, but makes no cliff for the quadratic models
-        self._failed = Score(2.0 * max(costs) - min(costs), tuple(1.0 for _ in judged.excess))
+        self._failed = Score(2.0 * max(costs) - min(costs), tuple(1.0 for _ in judged.violations))
         self._evaluate, self._start = evaluate, start
         self._seen = {start.tobytes(): judged}
         self.points: list[Array] = []
@@ -121,8 +121,8 @@ class _Walk:
     def minimise(self, steps: int) -> None:
         from scipy.optimize import Bounds, NonlinearConstraint, minimize
 
-        bounds = len(self._failed.excess)
-        within = NonlinearConstraint(lambda x: self._at(x).excess, np.full(bounds, -np.inf), np.zeros(bounds))
+        bounds = len(self._failed.violations)
+        within = NonlinearConstraint(lambda x: self._at(x).violations, np.full(bounds, -np.inf), np.zeros(bounds))
         minimize(
             lambda x: self._at(x).cost,
             self._start,

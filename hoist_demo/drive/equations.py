@@ -86,8 +86,8 @@ class Equations:
 class Coordinates:
     """Symbols of q and q' by name."""
 
-    def __init__(self, parts: Hoist) -> None:
-        self.names = ("phi", "y_left", "y_right", *extra_coordinates(parts))
+    def __init__(self, structure: Hoist) -> None:
+        self.names = ("phi", "y_left", "y_right", *extra_coordinates(structure))
         self.q, self.v = ca.SX.sym("q", len(self.names)), ca.SX.sym("v", len(self.names))
 
     def __call__(self, name: str) -> tuple[Any, Any]:
@@ -99,26 +99,26 @@ class Coordinates:
 
 
 @cache
-def equations(parts: Hoist) -> Equations:
-    """Return the equations of motion of all hoists with these parts (`Hoist.parts`)."""
-    at, p = Coordinates(parts), ca.SX.sym("p", len(parts.numbers))
-    hoist = with_numbers(parts, ca.vertsplit(p))
-    q, v, R = at.q, at.v, hoist.sheave_radius
+def equations(structure: Hoist) -> Equations:
+    """Return the equations of motion of all hoists of this `Hoist.equation_structure`."""
+    coords, p = Coordinates(structure), ca.SX.sym("p", len(structure.numbers))
+    hoist = with_numbers(structure, ca.vertsplit(p))
+    q, v, R = coords.q, coords.v, hoist.sheave_radius
     torque, l0 = ca.SX.sym("M"), ca.SX.sym("l0", 2)
     u = ca.SX.sym("u", len(INPUT_NAMES))
-    given = dict(zip(INPUT_NAMES, ca.vertsplit(u), strict=True))
-    (phi, rate), (_, twist_rate), (_, slip_rate) = at("phi"), at("twist"), at("slip")
+    inputs = dict(zip(INPUT_NAMES, ca.vertsplit(u), strict=True))
+    (phi, rate), (_, twist_rate), (_, slip_rate) = coords("phi"), coords("twist"), coords("slip")
     rim_speed, rope_speed = R * rate, R * rate + slip_rate
-    along_slip = ca.DM(np.array([name == "slip" for name in at.names], dtype=float))
+    along_slip = ca.DM(np.array([name == "slip" for name in coords.names], dtype=float))
 
     # motor: the torque follows its command with a lag, both within the limits
     available = hoist.torque_available(rate + twist_rate)
     motor = torque if hoist.power_limit is None else ca.fmin(ca.fmax(torque, -available), available)
-    command = ca.fmin(ca.fmax(given["torque_command"], -hoist.torque_limit), hoist.torque_limit)
+    command = ca.fmin(ca.fmax(inputs["torque_command"], -hoist.torque_limit), hoist.torque_limit)
 
     # energies of the legs, of the sheave and of the shaft
-    legs = [make_leg(hoist, at, side, l0[i], given) for i, side in enumerate(SIDES)]
-    K, V, shaft_damping = _rotation(hoist, at)
+    legs = [make_leg(hoist, coords, side, l0[i], inputs) for i, side in enumerate(SIDES)]
+    K, V, shaft_damping = _rotation(hoist, coords)
     K, V = K + sum(leg.kinetic for leg in legs), V + sum(leg.potential for leg in legs)
     rope_damping, rope_power = sum(leg.rope_damping for leg in legs), sum(leg.rope_power for leg in legs)
     play_damping = sum(leg.play_damping for leg in legs)
@@ -126,12 +126,12 @@ def equations(parts: Hoist) -> Equations:
 
     # generalised forces: what acts from outside, and dry friction
     rim = hoist.loss_coulomb * ca.tanh(rim_speed / hoist.loss_speed) + hoist.loss_viscous * rim_speed
-    brake = _brake_friction(hoist, given["brake"], rim_speed)
+    brake = _brake_friction(hoist, inputs["brake"], rim_speed)
     outside = {"phi": motor - R * rim - brake.force, "twist": motor}
     for side, leg in zip(SIDES, legs, strict=True):
         y, x, z, yaw = ca.vertsplit(leg.side_force)
         outside |= {f"y_{side}": y - leg.friction, f"x_{side}": x, f"z_{side}": z, f"yaw_{side}": yaw}
-    Q = ca.vertcat(*(outside.get(name, 0.0) for name in at.names))
+    Q = ca.vertcat(*(outside.get(name, 0.0) for name in coords.names))
 
     # Lagrange's equation: mass matrix times acceleration = everything else
     momentum = ca.gradient(K, v)
@@ -144,7 +144,7 @@ def equations(parts: Hoist) -> Equations:
         return ca.ldl_solve(forces, *factors)
 
     def tensions(a: Any) -> list[Any]:
-        return [_tension(hoist, at, sign, leg, a, rope_speed) for sign, leg in zip((1.0, -1.0), legs, strict=True)]
+        return [_tension(hoist, coords, sign, leg, a, rope_speed) for sign, leg in zip((1.0, -1.0), legs, strict=True)]
 
     lining, a = _sliding_friction(hoist, accelerations(forces), accelerations(along_slip), tensions, rope_speed)
 
@@ -152,29 +152,29 @@ def equations(parts: Hoist) -> Equations:
     x = ca.vertcat(torque, q[:3], v[:3], q[3:], v[3:], *(z for one in dry for z in one.states))
     lag = (command - torque) / hoist.torque_lag
     rates = ca.vertcat(lag, v[:3], a[:3], v[3:], a[3:], *(rate for one in dry for rate in one.rates))
-    ends = [ca.dot(leg.side_force, ca.vertcat(*(at(f"{n}_{s}")[1] for n in ("y", "x", "z", "yaw"))))
+    ends = [ca.dot(leg.side_force, ca.vertcat(*(coords(f"{n}_{s}")[1] for n in ("y", "x", "z", "yaw"))))
             for s, leg in zip(SIDES, legs, strict=True)]  # fmt: skip
-    guides = sum(leg.friction * at(f"y_{side}")[1] for side, leg in zip(SIDES, legs, strict=True)) + 2 * play_damping
+    guides = sum(leg.friction * coords(f"y_{s}")[1] for s, leg in zip(SIDES, legs, strict=True)) + 2 * play_damping
     losses = ca.vertcat(
         rim * rim_speed, guides, brake.force * rate, 2 * shaft_damping, lining.force * sum(lining.states) * slip_rate
     )
     powers = ca.vertcat(motor * (rate + twist_rate), ca.sum1(losses), rope_power, *ends, losses)
 
-    shown = ca.vertcat(
+    outputs = ca.vertcat(
         q[1:3], v[1:3], a[1:3], phi, rate, motor, *tensions(a), K, V,
-        rate + twist_rate, brake.force, *(leg.static_tension for leg in legs), *_lateral_motion(at, a),
+        rate + twist_rate, brake.force, *(leg.static_tension for leg in legs), *_lateral_motion(coords, a),
         *(leg.pull for leg in legs), *(leg.slack for leg in legs), *(leg.jam.force for leg in legs),
     )  # fmt: skip
     accelerance = ca.jacobian(rates, u)[list(ACCELERATIONS), list(FORCES)]
-    arguments, given_a = [x, u, l0, p], ca.SX.sym("a", len(at.names))
+    arguments, a_in = [x, u, l0, p], ca.SX.sym("a", len(coords.names))
     return Equations(
         rates=_function("rates", arguments, rates),
         powers=_function("powers", arguments, powers),
-        outputs=_function("outputs", arguments, shown),
+        outputs=_function("outputs", arguments, outputs),
         accelerance=_function("accelerance", arguments, accelerance),
         hold=_function("hold", [x, l0, p], ca.gradient(V, q)[0]),
         lagrange=_function(
-            "lagrange", [x, given_a, *arguments[1:]], ca.vertcat(mass_matrix @ given_a - forces, *tensions(given_a))
+            "lagrange", [x, a_in, *arguments[1:]], ca.vertcat(mass_matrix @ a_in - forces, *tensions(a_in))
         ),
     )
 
@@ -183,27 +183,27 @@ def _function(name: str, arguments: list[Any], value: Any) -> Any:
     return ca.Function(name, arguments, [ca.cse(value)])
 
 
-def _tension(hoist: Hoist, at: Coordinates, sign: float, leg: Leg, a: Any, rope_speed: Any) -> Any:
+def _tension(hoist: Hoist, coords: Coordinates, sign: float, leg: Leg, a: Any, rope_speed: Any) -> Any:
     """Return the tension of a leg's head ropes at the sheave [N]: Lagrange's row of the leg is its moment there."""
-    phi, rate = at("phi")
+    phi, rate = coords("phi")
     row = ca.gradient(leg.kinetic, rate)
-    change = ca.jtimes(row, at.q, at.v) + ca.jtimes(row, at.v, a) - ca.gradient(leg.kinetic, phi)
+    change = ca.jtimes(row, coords.q, coords.v) + ca.jtimes(row, coords.v, a) - ca.gradient(leg.kinetic, phi)
     moment = change + ca.gradient(leg.potential, phi) + ca.gradient(leg.rope_damping, rate)
     return sign * moment / hoist.sheave_radius + hoist.rope_mass * rope_speed**2 / 2
 
 
-def _lateral_motion(at: Coordinates, a: Any) -> list[Any]:
+def _lateral_motion(coords: Coordinates, a: Any) -> list[Any]:
     """Place, rate and second derivative in x, z and yaw, left then right; zeros where the hoist has no play."""
-    shown: list[Any] = []
+    outputs: list[Any] = []
     for name in (f"{n}_{s}" for s in SIDES for n in ("x", "z", "yaw")):
-        k = at.names.index(name) if name in at.names else None
-        shown += [0.0, 0.0, 0.0] if k is None else [at.q[k], at.v[k], a[k]]
-    return shown
+        k = coords.names.index(name) if name in coords.names else None
+        outputs += [0.0, 0.0, 0.0] if k is None else [coords.q[k], coords.v[k], a[k]]
+    return outputs
 
 
-def _rotation(hoist: Hoist, at: Coordinates) -> tuple[Any, Any, Any]:
+def _rotation(hoist: Hoist, coords: Coordinates) -> tuple[Any, Any, Any]:
     """Kinetic and potential energy and Rayleigh's function of sheave, shaft and motor."""
-    (_, rate), (twist, twist_rate) = at("phi"), at("twist")
+    (_, rate), (twist, twist_rate) = coords("phi"), coords("twist")
     R, shaft = hoist.sheave_radius, hoist.drive_shaft
     if shaft is None:
         return hoist.sheave_mass * (R * rate) ** 2 / 2, 0.0, 0.0
@@ -226,20 +226,20 @@ def _brake_friction(hoist: Hoist, command: Any, rim_speed: Any) -> Friction:
 
 
 def _sliding_friction(
-    hoist: Hoist, held: Any, per_force: Any, tensions: Callable[[Any], list[Any]], w: Any
+    hoist: Hoist, a_stick: Any, per_force: Any, tensions: Callable[[Any], list[Any]], w: Any
 ) -> tuple[Friction, Any]:
     """Force of the lining on head ropes that slide [N], and the accelerations under it; 0 where they hold.
 
-    Its state is the sense of their sliding, 1 as the sheave's positive rotation or -1, which does not change. `held`
+    Its state is the sense of their sliding, 1 as the sheave's positive rotation or -1, which does not change. `a_stick`
     are the accelerations without it, `per_force` those of 1 N along the slip, `tensions` follow them.
     """
     if hoist.lining is None:
-        return Friction(), held
-    sense, a = ca.SX.sym("sense"), ca.SX.sym("a", held.numel())
+        return Friction(), a_stick
+    sense, a = ca.SX.sym("sense"), ca.SX.sym("a", a_stick.numel())
     left, right = (tension - hoist.rope_mass * w**2 for tension in tensions(a))
     low = ((1.0 + sense) * left + (1.0 - sense) * right) / 2.0
     against = -sense * per_force
     gain = ca.exp(hoist.lining.sliding * hoist.friction_coefficient * hoist.wrap_angle) - 1.0
-    pressing = ca.fmax(ca.substitute(low, a, held), 0.0)
+    pressing = ca.fmax(ca.substitute(low, a, a_stick), 0.0)
     force = gain * pressing / (1.0 - gain * ca.dot(ca.gradient(low, a), against))
-    return Friction(force, (sense,), (0.0,)), held + force * against
+    return Friction(force, (sense,), (0.0,)), a_stick + force * against

@@ -48,7 +48,7 @@ SHRINKS = 0.5  #: Smallest factor from one step to the next.
 GROWS = 1.5  #: Largest factor from one step to the next.
 LOCATED = 1e-9  #: How long before the end of the steps what is watched may have become positive [s].
 TOLERANCE = 1e-8  #: Of a step's error, relative and in SI units.
-WORKS = len(drive.WORK_NAMES) + len(drive.LOSS_NAMES)
+WORK_COUNT = len(drive.WORK_NAMES) + len(drive.LOSS_NAMES)
 PATH = 3 * len(drive.INPUT_NAMES)  #: Numbers of a path: u_0, u_1 and u_2.
 ORDER = 5
 _B = (35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84)  #: Weights b of the result, the last stage.
@@ -91,7 +91,7 @@ class DriveKernels:
     """CasADi functions of hoists with the same parts, and places in the argument and in the result of `advance`."""
 
     names: tuple[str, ...]  # names of the states
-    given: dict[str, slice]
+    argument_slices: dict[str, slice]
     result: dict[str, slice]
     advance: Any
     accelerance: Any  # function of the equations
@@ -100,14 +100,14 @@ class DriveKernels:
 
 
 @cache
-def drive_kernels(parts: Hoist, form: KernelForm = "auto") -> DriveKernels:
-    """Return the kernels for all hoists with these parts (`Hoist.parts`)."""
-    of, names = drive.equations(parts), drive.state_names(parts)
-    held = {"H": 1, "path": PATH, "added_mass": 2, "l0": 2, "p": len(parts.numbers)}
-    given = _slices({"x": len(names), "works": WORKS, "s": 1, "h": 1, **held})
-    shown = {"error": 1, "acting": len(drive.INPUT_NAMES), "shown": len(OUTPUTS)}
-    result = _slices({"x": len(names), "works": WORKS, **shown})
-    functions = [_advance(of, given), of.accelerance]
+def drive_kernels(structure: Hoist, form: KernelForm = "auto") -> DriveKernels:
+    """Return the kernels for all hoists of this `Hoist.equation_structure`."""
+    eqs, names = drive.equations(structure), drive.state_names(structure)
+    step_params = {"H": 1, "path": PATH, "added_mass": 2, "l0": 2, "p": len(structure.numbers)}
+    argument_slices = _slices({"x": len(names), "work_totals": WORK_COUNT, "s": 1, "h": 1, **step_params})
+    outputs = {"error": 1, "applied_input": len(drive.INPUT_NAMES), "outputs": len(OUTPUTS)}
+    result = _slices({"x": len(names), "work_totals": WORK_COUNT, **outputs})
+    functions = [_advance(eqs, argument_slices), eqs.accelerance]
     made: list[Path] = []
 
     def build(compiler: Sequence[str]) -> Path:
@@ -115,96 +115,98 @@ def drive_kernels(parts: Hoist, form: KernelForm = "auto") -> DriveKernels:
         return made[0]
 
     (advance, accelerance), kind = prepare(functions, build, form)
-    return DriveKernels(names, given, result, advance, accelerance, of.hold, made[0] if kind == "compiled" else None)
+    library = made[0] if kind == "compiled" else None
+    return DriveKernels(names, argument_slices, result, advance, accelerance, eqs.hold, library)
 
 
-def _advance(of: drive.Equations, given: dict[str, slice]) -> Any:
+def _advance(eqs: drive.Equations, argument_slices: dict[str, slice]) -> Any:
     """Return `advance` as a CasADi function of one vector that gives one vector."""
-    n, held_from = given["x"].stop, given["H"].start
-    numbers = given["p"].stop - held_from
-    slope = _slope(of, n, numbers)
-    z = ca.MX.sym("z", given["p"].stop)
-    held = z[held_from:]
-    s, h = z[given["s"]], z[given["h"]]
-    y = ca.vertcat(z[given["x"]], ca.MX.zeros(WORKS))
-    k = slope(y, s, held)
-    new, _, error = runge_kutta_step(lambda at, x: slope(x, at, held), s, y, k, h)
+    n, step_params_from = argument_slices["x"].stop, argument_slices["H"].start
+    numbers = argument_slices["p"].stop - step_params_from
+    slope = _slope(eqs, n, numbers)
+    z = ca.MX.sym("z", argument_slices["p"].stop)
+    step_params = z[step_params_from:]
+    s, h = z[argument_slices["s"]], z[argument_slices["h"]]
+    y = ca.vertcat(z[argument_slices["x"]], ca.MX.zeros(WORK_COUNT))
+    k = slope(y, s, step_params)
+    new, _, error = runge_kutta_step(lambda at, x: slope(x, at, step_params), s, y, k, h)
     error = ca.norm_inf(error / (TOLERANCE * (1 + ca.fabs(y) + ca.fabs(k))))
-    acting, shown = _loads_and_outputs(of, n, numbers)(new[:n], s + h, held)
+    applied_input, outputs = _loads_and_outputs(eqs, n, numbers)(new[:n], s + h, step_params)
     # a step with any value that is not finite fails; a comparison with NaN is false
-    error = ca.if_else(ca.sumsqr(ca.vertcat(new, error, acting, shown)) < ca.inf, error, ca.inf)
-    return ca.Function("advance", [z], [ca.vertcat(new[:n], z[given["works"]] + new[n:], error, acting, shown)])
+    error = ca.if_else(ca.sumsqr(ca.vertcat(new, error, applied_input, outputs)) < ca.inf, error, ca.inf)
+    work_totals = z[argument_slices["work_totals"]] + new[n:]
+    return ca.Function("advance", [z], [ca.vertcat(new[:n], work_totals, error, applied_input, outputs)])
 
 
-def _slope(of: drive.Equations, states: int, numbers: int) -> Any:
-    """Return the CasADi function (y, s, held) -> dy/ds."""
-    y, s = ca.SX.sym("y", states + WORKS), ca.SX.sym("s")
+def _slope(eqs: drive.Equations, states: int, numbers: int) -> Any:
+    """Return the CasADi function (y, s, step_params) -> dy/ds."""
+    y, s = ca.SX.sym("y", states + WORK_COUNT), ca.SX.sym("s")
     x = y[:states]
-    held, H, u, l0, p = _symbols(of, numbers, x, s)
-    value = H * ca.vertcat(of.rates(x, u, l0, p), of.powers(x, u, l0, p))
-    return ca.Function("slope", [y, s, held], [ca.cse(value)])
+    step_params, H, u, l0, p = _symbols(eqs, numbers, x, s)
+    value = H * ca.vertcat(eqs.rates(x, u, l0, p), eqs.powers(x, u, l0, p))
+    return ca.Function("slope", [y, s, step_params], [ca.cse(value)])
 
 
-def _loads_and_outputs(of: drive.Equations, states: int, numbers: int) -> Any:
-    """Return the CasADi function (x, s, held) -> input that acts, outputs."""
+def _loads_and_outputs(eqs: drive.Equations, states: int, numbers: int) -> Any:
+    """Return the CasADi function (x, s, step_params) -> input that acts, outputs."""
     x, s = ca.SX.sym("x", states), ca.SX.sym("s")
-    held, _, u, l0, p = _symbols(of, numbers, x, s)
-    return ca.Function("loads_and_outputs", [x, s, held], ca.cse([u, of.outputs(x, u, l0, p)]))
+    step_params, _, u, l0, p = _symbols(eqs, numbers, x, s)
+    return ca.Function("loads_and_outputs", [x, s, step_params], ca.cse([u, eqs.outputs(x, u, l0, p)]))
 
 
-def _symbols(of: drive.Equations, numbers: int, x: Any, s: Any) -> tuple[Any, Any, Any, Any, Any]:
+def _symbols(eqs: drive.Equations, numbers: int, x: Any, s: Any) -> tuple[Any, Any, Any, Any, Any]:
     """Symbols of what is held over a communication step, and of it H, the input that acts at s, l0 and p."""
-    held = ca.SX.sym("held", numbers)
-    H, path, added_mass, l0, p = ca.vertsplit(held, [0, 1, 1 + PATH, 3 + PATH, 5 + PATH, numbers])
-    start, rise, bend = ca.vertsplit(path, len(drive.INPUT_NAMES))
-    return held, H, _acting(of, x, start + s * (rise + s * bend), added_mass, l0, p), l0, p
+    step_params = ca.SX.sym("step_params", numbers)
+    H, path, added_mass, l0, p = ca.vertsplit(step_params, [0, 1, 1 + PATH, 3 + PATH, 5 + PATH, numbers])
+    start, linear, quadratic = ca.vertsplit(path, len(drive.INPUT_NAMES))
+    return step_params, H, _applied_input(eqs, x, start + s * (linear + s * quadratic), added_mass, l0, p), l0, p
 
 
-def _acting(of: drive.Equations, x: Any, u: Any, added_mass: Any, l0: Any, p: Any) -> Any:
+def _applied_input(eqs: drive.Equations, x: Any, u: Any, added_mass: Any, l0: Any, p: Any) -> Any:
     """Return the input with its forces less the added masses times the accelerations that come out."""
-    a = of.rates(x, u, l0, p)[list(drive.ACCELERATIONS)]
-    B = of.accelerance(x, u, l0, p)
+    a = eqs.rates(x, u, l0, p)[list(drive.ACCELERATIONS)]
+    B = eqs.accelerance(x, u, l0, p)
     given_up = ca.solve(ca.SX.eye(len(drive.FORCES)) + ca.diag(added_mass) @ B, added_mass * a)
-    acting = ca.SX(u)
-    for k, place in enumerate(drive.FORCES):
-        acting[place] -= given_up[k]
-    return acting
+    applied_input = ca.SX(u)
+    for k, index in enumerate(drive.FORCES):
+        applied_input[index] -= given_up[k]
+    return applied_input
 
 
 def _slices(sizes: dict[str, int]) -> dict[str, slice]:
-    places, start = {}, 0
+    slices, start = {}, 0
     for name, size in sizes.items():
-        places[name] = slice(start, start + size)
+        slices[name] = slice(start, start + size)
         start += size
-    return places
+    return slices
 
 
 class Integrator:
     """Integrator for all hoists with the same parts; not to be shared between threads."""
 
     def __init__(self, hoist: Hoist, form: KernelForm) -> None:
-        self.kernels = kernels = drive_kernels(hoist.parts, form)
+        self.kernels = kernels = drive_kernels(hoist.equation_structure, form)
         self.names, self.result = kernels.names, kernels.result
-        self._error, self._reached = self.result["error"].start, slice(0, self.result["works"].stop)
-        self._advance = Kernel(kernels.advance, [(self.result["shown"].stop,)])
+        self._error, self._reached = self.result["error"].start, slice(0, self.result["work_totals"].stop)
+        self._advance = Kernel(kernels.advance, [(self.result["outputs"].stop,)])
         self.z, self.y = self._advance.inputs[0], self._advance.outputs[0]
-        self.given = {name: self.z[place] for name, place in kernels.given.items()}
+        self.arguments = {name: self.z[index] for name, index in kernels.argument_slices.items()}
         self._hold, self._accelerance = kernels.hold, Kernel(kernels.accelerance, [(2, 2)])
         self.evaluations = 0  # calls of `advance` with a step, so far
         self.give(p=hoist.numbers)
 
     def give(self, **values: Any) -> None:
-        """Give what `advance` takes, by name: x, works, s, h, H, path, added_mass, l0; p are the hoist's numbers."""
+        """Give what `advance` takes, by name: x, work_totals, s, h, H, path, added_mass, l0, p (numbers)."""
         for name, value in values.items():
-            self.given[name][...] = value
+            self.arguments[name][...] = value
 
     def holding_torque(self, x: Vector, lengths: tuple[float, float]) -> float:
         """Return the motor's torque that holds the state at rest [N m]."""
-        return float(self._hold(x, lengths, self.given["p"]))
+        return float(self._hold(x, lengths, self.arguments["p"]))
 
     def accelerance(self, x: Vector, u: Vector, lengths: tuple[float, float]) -> Vector:
         """Return the change of (a_left, a_right) per force on either conveyance, shape (2, 2) [1/kg]."""
-        (columns,) = self._accelerance(x, u, np.array(lengths), self.given["p"])
+        (columns,) = self._accelerance(x, u, np.array(lengths), self.arguments["p"])
         return columns.T
 
     def integrate(self, h: float, size: float, s: float, end: float, watch: Watch | None = None) -> StepEnd | None:

@@ -39,7 +39,7 @@ from numpy.typing import NDArray
 from hoist_demo.parameters import GRAVITY, Hoist
 from hoist_demo.parameters.components import Jam
 
-At = Callable[[str], tuple[Any, Any]]  #: Symbols of a coordinate and its rate; zeros where the hoist lacks it.
+CoordinateLookup = Callable[[str], tuple[Any, Any]]  #: Symbols of a coordinate and its rate; zeros where it is lacking.
 
 
 class Friction(NamedTuple):
@@ -67,13 +67,13 @@ class Leg:
     static_tension: Any  # N at the sheave, were everything at rest here
 
 
-def make_leg(hoist: Hoist, at: At, side: str, l0: Any, given: dict[str, Any]) -> Leg:
-    """Energies and forces of the head ropes and the conveyance of one side, under what is given by name."""
+def make_leg(hoist: Hoist, coords: CoordinateLookup, side: str, l0: Any, inputs: dict[str, Any]) -> Leg:
+    """Energies and forces of the head ropes and the conveyance of one side, under the inputs by name."""
     sign, mass = (1.0, hoist.mass_left) if side == "left" else (-1.0, hoist.mass_right)
     other = "right" if side == "left" else "left"
     EA, mu, g, R, n = hoist.rope_stiffness, hoist.rope_mass, GRAVITY, hoist.sheave_radius, hoist.head_rope_modes
-    (phi, rate), (slip, slip_rate), (y, vy) = at("phi"), at("slip"), at(f"y_{side}")
-    modes = [(j * np.pi, *at(f"eta{j}_{side}")) for j in range(1, n + 1)]
+    (phi, rate), (slip, slip_rate), (y, vy) = coords("phi"), coords("slip"), coords(f"y_{side}")
+    modes = [(j * np.pi, *coords(f"eta{j}_{side}")) for j in range(1, n + 1)]
     length, height, w = l0 - sign * (R * phi + slip), hoist.sheave_height - y, sign * (R * rate + slip_rate)
 
     # head ropes: the square of their velocity, integrated over zeta for each pair of its shapes
@@ -82,7 +82,7 @@ def make_leg(hoist: Hoist, at: At, side: str, l0: Any, given: dict[str, Any]) ->
     kinetic, potential = mass * vy**2 / 2, mass * g * y
     speed_vector = ca.vertcat(*speeds)
     kinetic += mu * length / 2 * ca.bilin(ca.DM(_shape_products(n)), speed_vector, speed_vector)
-    lateral = _lateral(hoist, at, side, mass, mu * length)
+    lateral = _lateral(hoist, coords, side, mass, mu * length)
     stretched = height + lateral.pull / (2 * height)
     kinetic = kinetic + lateral.kinetic
     # slack ones hang as far down as their weight stretches them
@@ -107,8 +107,8 @@ def make_leg(hoist: Hoist, at: At, side: str, l0: Any, given: dict[str, Any]) ->
         friction += hoist.guides.coulomb * ca.tanh(vy / hoist.loss_speed) + hoist.guides.viscous * vy
     if hoist.play is not None:
         friction += hoist.play.friction * lateral.normal * ca.tanh(vy / hoist.loss_speed)
-    pulls = [given[f"force_{side}"], *(given[f"{name}_{side}"] for name in ("fx", "fz", "my"))]
-    hanging = (hoist.tail_rope_length + y - at(f"y_{other}")[0]) / 2
+    pulls = [inputs[f"force_{side}"], *(inputs[f"{name}_{side}"] for name in ("fx", "fz", "my"))]
+    hanging = (hoist.tail_rope_length + y - coords(f"y_{other}")[0]) / 2
     return Leg(
         kinetic=kinetic,
         potential=potential,
@@ -142,7 +142,7 @@ class _Lateral(NamedTuple):
     normal: Any = 0.0  # N, sum of the contact forces' sizes
 
 
-def _lateral(hoist: Hoist, at: At, side: str, mass: float, rope_mass: Any) -> _Lateral:
+def _lateral(hoist: Hoist, coords: CoordinateLookup, side: str, mass: float, rope_mass: Any) -> _Lateral:
     """Return the energies in x, z and yaw; a shoe at the arm a has the play c / a and the stiffness k a^2 in yaw."""
     if (play := hoist.play) is None:
         return _Lateral()
@@ -154,12 +154,12 @@ def _lateral(hoist: Hoist, at: At, side: str, mass: float, rope_mass: Any) -> _L
     )
     kinetic, potential, damping, pull, normal = 0.0, 0.0, 0.0, 0.0, 0.0
     for name, inertia, lever, spread in freedoms:
-        place, speed = at(f"{name}_{side}")
-        force = k * ca.fmax(lever * ca.fabs(place) - c, 0.0)
+        displacement, speed = coords(f"{name}_{side}")
+        force = k * ca.fmax(lever * ca.fabs(displacement) - c, 0.0)
         kinetic += inertia * speed**2 / 2
         potential += force**2 / (2 * k)
         damping += (play.damping + play.contact_damping * force) * (lever * speed) ** 2 / 2
-        pull += (spread * place) ** 2
+        pull += (spread * displacement) ** 2
         normal += force
     return _Lateral(kinetic, potential, damping, pull, normal)
 

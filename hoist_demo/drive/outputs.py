@@ -33,7 +33,7 @@ OUTPUTS = (
     *("slack_left", "slack_right"),  # m, of the head ropes
     *("jam_left", "jam_right"),  # N, of a jam on a conveyance, positive against upward motion
 )
-SHOWN = {name: k for k, name in enumerate(OUTPUTS)}  #: Places of OUTPUTS.
+OUTPUT_INDEX = {name: k for k, name in enumerate(OUTPUTS)}  #: Places of OUTPUTS.
 
 
 def tension_ratio(one: Array, other: Array) -> Array:

@@ -22,20 +22,20 @@ from typing import NamedTuple
 import numpy as np
 
 from hoist_demo.drive.equations import INPUT_NAMES, STATE_NAMES
-from hoist_demo.drive.integrator import SHORTEST, WORKS, Integrator, Vector, Watch
-from hoist_demo.drive.outputs import SHOWN
+from hoist_demo.drive.integrator import SHORTEST, WORK_COUNT, Integrator, Vector, Watch
+from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.parameters import GRAVITY, SIDES, Hoist
 from rope_model.numerics.kernels import KernelForm
 
 #: The rope's signals that act on conveyances with play.
 SIDE_FORCES = tuple(f"{side}.{name}" for side in SIDES for name in ("fx", "fz", "my"))
-LEAST_ROPE = 0.1  #: Head rope between sheave and conveyance [m] below which a conveyance is in the headgear.
-MOST_SWITCHES = 200  #: Within one step of the drive, between head ropes that hold and head ropes that slide.
-_TENSIONS = (SHOWN["tension_left"], SHOWN["tension_right"])
+MIN_ROPE = 0.1  #: Head rope between sheave and conveyance [m] below which a conveyance is in the headgear.
+MAX_SWITCHES = 200  #: Within one step of the drive, between head ropes that hold and head ropes that slide.
+_TENSIONS = (OUTPUT_INDEX["tension_left"], OUTPUT_INDEX["tension_right"])
 _RATE = STATE_NAMES.index("phi_rate")
 
 
-class Slide(NamedTuple):
+class SlipState(NamedTuple):
     """Slip of the head ropes, positive as the sheave's rotation."""
 
     sense: float = 0.0  # 1 or -1 while they slide, 0 while they hold
@@ -51,7 +51,7 @@ class PlantState(NamedTuple):
     works: Vector  # J, (10,): in the order of WORK_NAMES and of LOSS_NAMES, which are parts of the second
     free_lengths: tuple[float, float]  # m, head ropes at phi = 0
     step_next: float = 0.0  # s, of the integrator; 0: not known yet
-    slide: Slide = Slide()  # state of the head ropes on the sheave
+    slide: SlipState = SlipState()  # state of the head ropes on the sheave
 
 
 class PlantStep(NamedTuple):
@@ -60,8 +60,8 @@ class PlantStep(NamedTuple):
     valid: bool
     message: str
     state: PlantState
-    acting: Vector = np.zeros(0)  # input at the step's end, in the order of INPUT_NAMES
-    shown: Vector = np.zeros(0)  # OUTPUTS under it
+    applied_input: Vector = np.zeros(0)  # input at the step's end, in the order of INPUT_NAMES
+    outputs: Vector = np.zeros(0)  # OUTPUTS under it
 
 
 class HoistPlant:
@@ -69,8 +69,8 @@ class HoistPlant:
 
     def __init__(self, hoist: Hoist, form: KernelForm = "auto") -> None:
         self.hoist, self._form = hoist, form
-        self.holding = Integrator(_without_lining(hoist), form)  # for head ropes that hold on the sheave
-        self.state_names = self.holding.names
+        self.stick_integrator = Integrator(_without_lining(hoist), form)  # for head ropes that hold on the sheave
+        self.state_names = self.stick_integrator.names
 
     @cached_property
     def _sliding(self) -> Integrator:
@@ -79,7 +79,7 @@ class HoistPlant:
 
     @property
     def _made(self) -> list[Integrator]:
-        return [self.holding, *([self._sliding] if "_sliding" in vars(self) else [])]
+        return [self.stick_integrator, *([self._sliding] if "_sliding" in vars(self) else [])]
 
     def reload(self, hoist: Hoist) -> None:
         """Take over the numbers of a hoist of the same parts: another payload."""
@@ -117,10 +117,10 @@ class HoistPlant:
             sag = 2.0 * hoist.rope_mass * GRAVITY * (1.0 - (-1.0) ** j) / (hoist.rope_stiffness * k**3)
             for side, length in zip(SIDES, lengths, strict=True):
                 x[self.state_names.index(f"eta{j}_{side}")] = -sag * length**2
-        x[0] = self.holding.holding_torque(x, lengths)
+        x[0] = self.stick_integrator.holding_torque(x, lengths)
         if hoist.drive_shaft is not None:
             x[self.state_names.index("twist")] = x[0] / hoist.drive_shaft.stiffness
-        return PlantState(x, np.zeros(WORKS), lengths)
+        return PlantState(x, np.zeros(WORK_COUNT), lengths)
 
     def advance(
         self, state: PlantState, h: float, path: Vector, added_mass: Vector, begin: float = 0.0, end: float = 1.0
@@ -128,54 +128,54 @@ class HoistPlant:
         """Advance with the path's three inputs, of INPUT_NAMES each, in one vector, from s = begin to its end."""
         old = state
         size = (state.step_next or h) / h
-        for _ in range(MOST_SWITCHES):
+        for _ in range(MAX_SWITCHES):
             integrator, x, watch = self._at(state)
-            integrator.give(x=x, works=state.works, l0=state.free_lengths, H=h, path=path, added_mass=added_mass)
+            integrator.give(x=x, work_totals=state.works, l0=state.free_lengths, H=h, path=path, added_mass=added_mass)
             reached = integrator.integrate(h, size, begin, end, watch)
             if reached is None:
                 return PlantStep(False, f"drive: {_not_finite(path, h, added_mass)}", old)
             (y, fits, begin), result = reached, integrator.result
             # the rest of a step behind a switch may be as short as it likes, and says nothing of what fits
             size = fits if state is old else max(size, fits)
-            state = self._reached(state, y[result["x"]], y[result["works"]], size * h)
+            state = self._reached(state, y[result["x"]], y[result["work_totals"]], size * h)
             (left, right), wound = state.free_lengths, self.hoist.sheave_radius * state.x.item(1) + state.slide.slip
-            if (free := min(left - wound, right + wound)) <= LEAST_ROPE:
+            if (free := min(left - wound, right + wound)) <= MIN_ROPE:
                 return PlantStep(False, f"drive: head rope of {free:.3g} m left at the sheave: overwind", old)
             if begin >= end:
-                return PlantStep(True, "", state, y[result["acting"]], y[result["shown"]])
-            state = _switched(state, y[result["shown"]])
-        often = f"more than {MOST_SWITCHES} times in {h:g} s"
+                return PlantStep(True, "", state, y[result["applied_input"]], y[result["outputs"]])
+            state = _switched(state, y[result["outputs"]])
+        often = f"more than {MAX_SWITCHES} times in {h:g} s"
         return PlantStep(False, f"drive: the head ropes slip and hold {often}: shorten the step", old)
 
     def _at(self, state: PlantState) -> tuple[Integrator, Vector, Watch | None]:
         """Return the integrator for a state, the state in its coordinates, and the function to watch."""
-        slide = state.slide
-        if slide.sense == 0.0:
-            return self.holding, state.x, None if self.hoist.lining is None else self._excess
+        slip_state = state.slide
+        if slip_state.sense == 0.0:
+            return self.stick_integrator, state.x, None if self.hoist.lining is None else self._excess
         names = self._sliding.names
         values = dict(zip(self.state_names, state.x.tolist(), strict=True))
-        values |= {"slip": slide.slip, "slip_rate": slide.speed, "sense": slide.sense}
+        values |= {"slip": slip_state.slip, "slip_rate": slip_state.speed, "sense": slip_state.sense}
         rate = names.index("slip_rate")
         # they hold again once they slide the other way
-        return self._sliding, np.array([values[name] for name in names]), lambda y: -slide.sense * y.item(rate)
+        return self._sliding, np.array([values[name] for name in names]), lambda y: -slip_state.sense * y.item(rate)
 
     def _excess(self, y: Vector) -> float:
         """Return the tension beyond what friction holds [N], of ropes that hold."""
         hoist = self.hoist
         off = hoist.rope_mass * (hoist.sheave_radius * y.item(_RATE)) ** 2
-        shown = self.holding.result["shown"].start
-        low, high = sorted(y.item(shown + k) for k in _TENSIONS)
+        outputs = self.stick_integrator.result["outputs"].start
+        low, high = sorted(y.item(outputs + k) for k in _TENSIONS)
         return high - off - hoist.tension_ratio_limit * max(low - off, 0.0)
 
-    def _reached(self, state: PlantState, x: Vector, works: Vector, step_next: float) -> PlantState:
+    def _reached(self, state: PlantState, x: Vector, work_totals: Vector, step_next: float) -> PlantState:
         """Return the state in which the integrator has ended, from its coordinates x."""
-        slide = state.slide
-        if slide.sense != 0.0:
+        slip_state = state.slide
+        if slip_state.sense != 0.0:
             values = dict(zip(self._sliding.names, x.tolist(), strict=True))
-            slid_distance = slide.slid_distance + (values["slip"] - slide.slip)
+            slid_distance = slip_state.slid_distance + (values["slip"] - slip_state.slip)
             x = np.array([values[name] for name in self.state_names])
-            slide = Slide(slide.sense, values["slip_rate"], slid_distance, values["slip"])
-        return PlantState(x, works, state.free_lengths, step_next, slide)
+            slip_state = SlipState(slip_state.sense, values["slip_rate"], slid_distance, values["slip"])
+        return PlantState(x, work_totals, state.free_lengths, step_next, slip_state)
 
     def accelerance(self, state: PlantState) -> Vector:
         """Return the change of (a_left, a_right) per force on either conveyance, exact, shape (2, 2) [1/kg]."""
@@ -185,9 +185,9 @@ class HoistPlant:
     def loads_and_outputs(self, state: PlantState, path: Vector, added_mass: Vector, s: float) -> tuple[Vector, Vector]:
         """Return the input that acts at s, and OUTPUTS."""
         integrator, x, _ = self._at(state)
-        integrator.give(x=x, works=state.works, l0=state.free_lengths, H=0.0, path=path, added_mass=added_mass)
+        integrator.give(x=x, work_totals=state.works, l0=state.free_lengths, H=0.0, path=path, added_mass=added_mass)
         y, result = integrator.evaluate(s), integrator.result
-        return y[result["acting"]], y[result["shown"]]
+        return y[result["applied_input"]], y[result["outputs"]]
 
     def _free_length(self, name: str, y: float, mass: float, force: float) -> float:
         """Positive root of s = l (1 + (m g - n F + mu g l / 2) / EA) [m]."""
@@ -217,11 +217,11 @@ def _without_lining(hoist: Hoist) -> Hoist:
     return hoist if hoist.lining is None else replace(hoist, lining=None)
 
 
-def _switched(state: PlantState, shown: Vector) -> PlantState:
+def _switched(state: PlantState, outputs: Vector) -> PlantState:
     """Return the state with ropes that slide, towards the larger tension, if they held, and hold if they slid."""
-    (left, right), slide = state.free_lengths, state.slide
-    if slide.sense == 0.0:
-        sense = 1.0 if shown[_TENSIONS[1]] > shown[_TENSIONS[0]] else -1.0
-        return state._replace(slide=Slide(sense, slid_distance=slide.slid_distance))
-    lengths = (left - slide.slip, right + slide.slip)
-    return state._replace(slide=Slide(slid_distance=slide.slid_distance), free_lengths=lengths)
+    (left, right), slip_state = state.free_lengths, state.slide
+    if slip_state.sense == 0.0:
+        sense = 1.0 if outputs[_TENSIONS[1]] > outputs[_TENSIONS[0]] else -1.0
+        return state._replace(slide=SlipState(sense, slid_distance=slip_state.slid_distance))
+    lengths = (left - slip_state.slip, right + slip_state.slip)
+    return state._replace(slide=SlipState(slid_distance=slip_state.slid_distance), free_lengths=lengths)

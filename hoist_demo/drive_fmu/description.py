@@ -7,7 +7,7 @@ from importlib.resources import files
 
 from hoist_demo.cases.case import Case
 from hoist_demo.control.trajectory import Trajectory, s_curve
-from hoist_demo.drive_fmu.interface import START_PULLS, DriveTail, force_inputs, holding, plant_outputs, variables
+from hoist_demo.drive_fmu.interface import START_PULLS, DriveRope, force_inputs, holding, plant_outputs, variables
 from hoist_demo.drive_fmu.kernels import Kernels, kernels
 from hoist_demo.drive_fmu.omissions import leave_out, obstacles
 from hoist_demo.parameters import ASSUMED_DATA, Winding, require_trip_fits
@@ -39,10 +39,10 @@ def duration(winding: Winding, trajectory: Trajectory | None = None) -> float:
     return float(math.ceil(reached + winding.settle))
 
 
-def drive_model(case: Case, tails: Sequence[DriveTail] = (), trajectory: Trajectory | None = None) -> DriveModel:
+def drive_model(case: Case, ropes: Sequence[DriveRope] = (), trajectory: Trajectory | None = None) -> DriveModel:
     """Hoist and trip of ``case`` as C; the trip is part of the export.
 
-    ``tails`` are its balance ropes where they differ; the hoist of the case has them as one.  ``trajectory`` as for
+    ``ropes`` are its balance ropes where they differ; the hoist of the case has them as one.  ``trajectory`` as for
     duration.  The brake is left out: it is for emergency stops, which an exported trip lacks; ValueError names
     what else an exported drive cannot hold.
     """
@@ -51,8 +51,8 @@ def drive_model(case: Case, tails: Sequence[DriveTail] = (), trajectory: Traject
     # the wait before the trip is a parameter of its own
     reference = s_curve(replace(case.winding, start_delay=0.0)) if trajectory is None else trajectory
     require_trip_fits(case.hoist, case.winding)
-    generated = kernels(case, tails)
-    table = variables(case, generated.step, tails)
+    generated = kernels(case, ropes)
+    table = variables(case, generated.step, ropes)
     trip = f"{abs(case.winding.travel):g} m {'up' if case.winding.travel > 0.0 else 'down'} at up to"
     text = (
         "Drive of a friction hoist with motor, sheave, head ropes and two conveyances, S-curve reference and speed "
@@ -61,20 +61,20 @@ def drive_model(case: Case, tails: Sequence[DriveTail] = (), trajectory: Traject
     sources = {
         "drive_model.c": files(__package__).joinpath("drive_model.c").read_text(encoding="utf-8"),
         "drive_kernels.c": generated.c,
-        "drive_table.h": _table(case, table, generated, tails, reference),
+        "drive_table.h": _table(case, table, generated, ropes, reference),
     }
     lasts = duration(case.winding, trajectory)
-    return DriveModel(NAME, text, table, sources, attachments(text, table), lasts, initial(case, tails))
+    return DriveModel(NAME, text, table, sources, attachments(text, table), lasts, initial(case, ropes))
 
 
-def initial(case: Case, tails: Sequence[DriveTail] = ()) -> dict[str, tuple[str, ...]]:
+def initial(case: Case, ropes: Sequence[DriveRope] = ()) -> dict[str, tuple[str, ...]]:
     """Return the inputs, and the parameters in their place, that the outputs follow during initialisation.
 
     Conveyances and sheave rest at the landings whatever the forces, and the reference waits there.  What holds the
     balance rope follows its vertical forces; those of the sides come with the first step.
     """
-    numbers = (v.name for v in variables(case, 1.0, tails) if v.causality == "output" and v.kind == "Real")
-    held = holding(tails)
+    numbers = (v.name for v in variables(case, 1.0, ropes) if v.causality == "output" and v.kind == "Real")
+    held = holding(ropes)
     return {name: held.get(name, ()) for name in numbers}
 
 
@@ -115,12 +115,12 @@ static const double DRIVE_TRIP[][5] = {trip};
 
 
 def _table(
-    case: Case, table: Sequence[Variable], generated: Kernels, tails: Sequence[DriveTail], reference: Trajectory
+    case: Case, table: Sequence[Variable], generated: Kernels, ropes: Sequence[DriveRope], reference: Trajectory
 ) -> str:
     """Return the text of drive_table.h: sizes, places in the table and the trip."""
     trip = [(start, *point[:4]) for start, point in zip(reference.starts, reference.points, strict=True)]
-    hardest = [i for i, name in enumerate(plant_outputs(case.hoist, tails)) if name.endswith((".ax", ".ay", ".az"))]
-    integers = _sizes(case, table, generated, tails) | {"SEGMENTS": len(trip), "ACCELERATIONS": len(hardest)}
+    hardest = [i for i, name in enumerate(plant_outputs(case.hoist, ropes)) if name.endswith((".ax", ".ay", ".az"))]
+    integers = _sizes(case, table, generated, ropes) | {"SEGMENTS": len(trip), "ACCELERATIONS": len(hardest)}
     parameters = (v for v in table if v.causality == "parameter")
     bounds = [(v.minimum, v.maximum) for v in parameters if v.minimum is not None and v.maximum is not None]
     kernel = "int drive_{}(const double **arg, double **res, int *iw, double *w, int mem);"
@@ -137,10 +137,10 @@ def _table(
     )
 
 
-def _sizes(case: Case, table: Sequence[Variable], generated: Kernels, tails: Sequence[DriveTail]) -> dict[str, int]:
+def _sizes(case: Case, table: Sequence[Variable], generated: Kernels, ropes: Sequence[DriveRope]) -> dict[str, int]:
     """Sizes of kernels and trip, and places in the table of variables."""
-    names, shown = [v.name for v in table], plant_outputs(case.hoist, tails)
-    forces = force_inputs(tails)
+    names, shown = [v.name for v in table], plant_outputs(case.hoist, ropes)
+    forces = force_inputs(ropes)
     controls = sum(v.causality == "output" and v.kind == "Real" for v in table) - len(shown)
     return {
         "STATES": generated.states,

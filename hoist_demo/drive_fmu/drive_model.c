@@ -11,7 +11,7 @@
 
 #include "model.h"
 
-#define LEAST_ROPE 0.1 /* m, of a head rope between sheave and conveyance */
+#define MIN_ROPE 0.1 /* m, of a head rope between sheave and conveyance */
 
 typedef struct {
     double t, start, hold, integral, left_start;
@@ -167,11 +167,11 @@ static int sound(const State *s, char *message) {
                      OF_ALL);
             return 0;
         }
-    if (fmin(left, right) > LEAST_ROPE) return 1;
+    if (fmin(left, right) > MIN_ROPE) return 1;
     snprintf(message, MESSAGE_BYTES,
              "head rope of %.3g m left at the sheave, not above %.3g m: overwind; check trip, "
              "gains and rope forces",
-             fmin(left, right), LEAST_ROPE);
+             fmin(left, right), MIN_ROPE);
     return 0;
 }
 

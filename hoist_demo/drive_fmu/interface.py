@@ -13,11 +13,11 @@ import numpy as np
 
 from hoist_demo.cases.case import Case
 from hoist_demo.control.controller import Gains
-from hoist_demo.drive.outputs import SHOWN
+from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.drive.plant import SIDE_FORCES
 from hoist_demo.parameters import GRAVITY, SIDES, Hoist, start_heights
-from hoist_demo.parameters.place import MOVED, Place
 from hoist_demo.parameters.quantity import leaves
+from hoist_demo.parameters.suspension import MOVED, SuspensionOffset
 from rope_model import EndMotion
 from rope_model.parameter_table import parameters_of
 from rope_model.scene_names import Variable
@@ -65,33 +65,33 @@ _FORCES = {
 }
 
 
-class DriveTail(NamedTuple):
+class DriveRope(NamedTuple):
     """One of several balance ropes, as the drive takes it."""
 
     name: str
     mass_per_length: float  # kg/m
     length: float  # m
-    place: Place = Place()
+    suspension: SuspensionOffset = SuspensionOffset()
 
 
-def force_inputs(tails: Sequence[DriveTail]) -> tuple[str, ...]:
+def force_inputs(ropes: Sequence[DriveRope]) -> tuple[str, ...]:
     """Names of the vertical forces: left and right, of each rope where there are several."""
-    return tuple(f"{tail.name}.{force}" for tail in tails for force in INPUTS) or INPUTS
+    return tuple(f"{rope.name}.{force}" for rope in ropes for force in INPUTS) or INPUTS
 
 
-def holding(tails: Sequence[DriveTail]) -> dict[str, tuple[str, ...]]:
+def holding(ropes: Sequence[DriveRope]) -> dict[str, tuple[str, ...]]:
     """Outputs that hold the balance ropes' weight, and what says how much: inputs, and parameters in their place."""
-    names = (*force_inputs(tails), *START_PULLS)
+    names = (*force_inputs(ropes), *START_PULLS)
     return {
         **dict.fromkeys(("drive.torque", "drive.torque_command", "drive.energy_potential"), names),
         **{f"drive.tension_{side}": names[k::2] for k, side in enumerate(SIDES)},
     }
 
 
-def rest_forces(case: Case, tail: DriveTail | None = None) -> tuple[float, float]:
+def rest_forces(case: Case, rope: DriveRope | None = None) -> tuple[float, float]:
     """Weight of a balance rope's legs on the conveyances at the start [N], negative: the bend's size neglected."""
     left, right = start_heights(case.hoist, case.winding)
-    rope = tail or DriveTail("", case.hoist.tail_rope_mass, case.hoist.tail_rope_length)
+    rope = rope or DriveRope("", case.hoist.tail_rope_mass, case.hoist.tail_rope_length)
     weight = GRAVITY * rope.mass_per_length
     middle = 0.5 * rope.length
     return -weight * (middle + 0.5 * (left - right)), -weight * (middle - 0.5 * (left - right))
@@ -105,51 +105,51 @@ def motions(hoist: Hoist) -> dict[str, str]:
     return names
 
 
-def side_forces(hoist: Hoist, tails: Sequence[DriveTail]) -> tuple[str, ...]:
+def side_forces(hoist: Hoist, ropes: Sequence[DriveRope]) -> tuple[str, ...]:
     """Inputs beyond the vertical forces: of each rope, in the order of the plant's."""
     if hoist.play is None:
         return ()
-    return tuple(f"{tail.name}.{force}" for tail in tails for force in SIDE_FORCES) or SIDE_FORCES
+    return tuple(f"{rope.name}.{force}" for rope in ropes for force in SIDE_FORCES) or SIDE_FORCES
 
 
-def placed_motions(hoist: Hoist, tails: Sequence[DriveTail]) -> list[str]:
+def offset_motions(hoist: Hoist, ropes: Sequence[DriveRope]) -> list[str]:
     """Outputs that the ropes beside the centres take in, by rope and end MOVED: there a conveyance's yaw counts."""
-    return [f"{tail.name}.{side}.{name}" for tail in placed(hoist, tails) for side in SIDES for name in MOVED]
+    return [f"{rope.name}.{side}.{name}" for rope in offset_ropes(hoist, ropes) for side in SIDES for name in MOVED]
 
 
-def placed(hoist: Hoist, tails: Sequence[DriveTail]) -> list[DriveTail]:
+def offset_ropes(hoist: Hoist, ropes: Sequence[DriveRope]) -> list[DriveRope]:
     """Ropes beside the centres of conveyances that may yaw."""
-    return [tail for tail in tails if hoist.play is not None and tail.place != Place()]
+    return [rope for rope in ropes if hoist.play is not None and rope.suspension != SuspensionOffset()]
 
 
-def plant_outputs(hoist: Hoist, tails: Sequence[DriveTail]) -> tuple[str, ...]:
+def plant_outputs(hoist: Hoist, ropes: Sequence[DriveRope]) -> tuple[str, ...]:
     """Names of the plant's outputs, in the order of the table."""
-    return (*motions(hoist), *placed_motions(hoist, tails), *(name for name, _, _ in _DRIVE.values()))
+    return (*motions(hoist), *offset_motions(hoist, ropes), *(name for name, _, _ in _DRIVE.values()))
 
 
-def shown_as(hoist: Hoist) -> dict[str, str]:
+def output_names(hoist: Hoist) -> dict[str, str]:
     """Outputs of the plant that are OUTPUTS, and their names there."""
-    return motions(hoist) | {name: shown for shown, (name, _, _) in _DRIVE.items()}
+    return motions(hoist) | {name: output for output, (name, _, _) in _DRIVE.items()}
 
 
-def variables(case: Case, step: float, tails: Sequence[DriveTail] = ()) -> tuple[Variable, ...]:
-    """Return the table of FMI variables; ``step`` is the largest internal step [s], ``tails`` are several ropes."""
-    outputs = [(name, *_words(_MOTIONS, name)) for name in (*motions(case.hoist), *placed_motions(case.hoist, tails))]
-    outputs += [*_DRIVE.values(), *((name, *words) for name, words in _CONTROL.items())]
-    assert {*shown_as(case.hoist).values()} <= SHOWN.keys()
+def variables(case: Case, step: float, ropes: Sequence[DriveRope] = ()) -> tuple[Variable, ...]:
+    """Return the table of FMI variables; ``step`` is the largest internal step [s], ``ropes`` are several."""
+    outputs = [(name, *_texts(_MOTIONS, name)) for name in (*motions(case.hoist), *offset_motions(case.hoist, ropes))]
+    outputs += [*_DRIVE.values(), *((name, *texts) for name, texts in _CONTROL.items())]
+    assert {*output_names(case.hoist).values()} <= OUTPUT_INDEX.keys()
     return (
-        *_parameters(case, step, tails),
-        *_inputs(case, tails),
+        *_parameters(case, step, ropes),
+        *_inputs(case, ropes),
         *(Variable(name, "output", "continuous", "Real", unit, None, text) for name, unit, text in outputs),
         Variable("status.valid", "output", "discrete", "Boolean", "", None, "whether the last step succeeded"),
         Variable("status.message", "output", "discrete", "String", "", None, "cause and cure of a failure; else empty"),
     )
 
 
-def _parameters(case: Case, step: float, tails: Sequence[DriveTail]) -> Iterator[Variable]:
+def _parameters(case: Case, step: float, ropes: Sequence[DriveRope]) -> Iterator[Variable]:
     text = "wait before the trip begins"
     yield Variable("trip.start", "parameter", "fixed", "Real", "s", case.winding.start_delay, text, 0.0, _MOST)
-    pulls = np.sum([rest_forces(case, tail) for tail in tails or (None,)], axis=0)
+    pulls = np.sum([rest_forces(case, rope) for rope in ropes or (None,)], axis=0)
     for side, name, pull in zip(SIDES, START_PULLS, pulls, strict=True):
         text = f"pull of all balance ropes on the {side} conveyance at the start, where no input gives one (0 N)"
         yield Variable(name, "parameter", "fixed", "Real", "N", float(pull), text, -_MOST, 0.0)
@@ -157,19 +157,19 @@ def _parameters(case: Case, step: float, tails: Sequence[DriveTail]) -> Iterator
     yield Variable("solver.step_max", "parameter", "tunable", "Real", "s", step, text, 1e-6, step)
     for p in leaves(Gains):
         low, high = 1e-6 if p.bounds.opens else p.bounds.low, p.bounds.high or _MOST
-        value, about = getattr(case.gains, p.name), _GAINS[p.name]
-        yield Variable(f"controller.{p.name}", "parameter", "tunable", "Real", p.unit, value, about, low, high)
+        value, description = getattr(case.gains, p.name), _GAINS[p.name]
+        yield Variable(f"controller.{p.name}", "parameter", "tunable", "Real", p.unit, value, description, low, high)
 
 
-def _inputs(case: Case, tails: Sequence[DriveTail]) -> Iterator[Variable]:
-    upright, sides = force_inputs(tails), side_forces(case.hoist, tails)
-    forces = [force for tail in tails or (None,) for force in rest_forces(case, tail)] + [0.0] * len(sides)
+def _inputs(case: Case, ropes: Sequence[DriveRope]) -> Iterator[Variable]:
+    upright, sides = force_inputs(ropes), side_forces(case.hoist, ropes)
+    forces = [force for rope in ropes or (None,) for force in rest_forces(case, rope)] + [0.0] * len(sides)
     for name, force in zip((*upright, *sides), forces, strict=True):
-        unit, text = _words(_FORCES, name)
+        unit, text = _texts(_FORCES, name)
         yield Variable(name, "input", "continuous", "Real", unit, force, text)
 
 
-def _words(table: Mapping[str, tuple[str, str]], name: str) -> tuple[str, str]:
+def _texts(table: Mapping[str, tuple[str, str]], name: str) -> tuple[str, str]:
     """Unit and description of an end's variable, that of one of several ropes or of all."""
     *rope, side, last = name.split(".")
     unit, text = table[last]

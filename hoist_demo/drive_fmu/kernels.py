@@ -24,16 +24,16 @@ from hoist_demo.control.controller import Gains
 from hoist_demo.control.kernel import ARGUMENTS, law_kernel
 from hoist_demo.drive.equations import INPUT_NAMES, equations
 from hoist_demo.drive.integrator import runge_kutta_step
-from hoist_demo.drive.outputs import SHOWN
+from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.drive.plant import HoistPlant
-from hoist_demo.drive_fmu.interface import DriveTail, placed, plant_outputs, shown_as, side_forces
+from hoist_demo.drive_fmu.interface import DriveRope, offset_ropes, output_names, plant_outputs, side_forces
 from hoist_demo.parameters import GRAVITY, SIDES, Hoist, start_heights
-from hoist_demo.parameters.place import MOVED, Place, moment_at, motion_at
+from hoist_demo.parameters.suspension import MOVED, SuspensionOffset, moment_at, motion_at
 
 #: Step times the largest eigenvalue: an error of LIMIT^6 / 3600 = 7e-8 of the fastest oscillation; 3 is unstable.
 LIMIT = 0.25
 DEGREE = 4
-_ONE = DriveTail("", 0.0, 0.0)  #: The rope of a hoist with one, or with equal ones.
+_ONE = DriveRope("", 0.0, 0.0)  #: The rope of a hoist with one, or with equal ones.
 
 
 @dataclass(frozen=True)
@@ -51,11 +51,11 @@ class Kernels:
 _HOST = Path(__file__).resolve().parent.parent
 
 
-def kernels(case: Case, tails: Sequence[DriveTail] = ()) -> Kernels:
+def kernels(case: Case, ropes: Sequence[DriveRope] = ()) -> Kernels:
     """C functions drive_rest, _input, _step, _outputs and _control; the installed package brings some."""
     brought = kernels_file(_HOST, case)
-    if tails or not brought.exists():
-        return generate(case, tails)
+    if ropes or not brought.exists():
+        return generate(case, ropes)
     data = json.loads(brought.read_text(encoding="utf-8"))
     return Kernels(**data | {"work": tuple(data["work"])})
 
@@ -68,12 +68,12 @@ def kernels_file(package: Path, case: Case) -> Path:
     return package / "drive_fmu" / "prebuilt" / f"kernels-{digest.hexdigest()[:20]}.json"
 
 
-def generate(case: Case, tails: Sequence[DriveTail] = ()) -> Kernels:
+def generate(case: Case, ropes: Sequence[DriveRope] = ()) -> Kernels:
     """Generate the kernels as C."""
     plant = HoistPlant(case.hoist)
     lowest = -2.0 * GRAVITY * case.hoist.tail_rope_mass * case.hoist.tail_rope_length
     rest = _rest(plant, case, lowest)
-    functions = [rest, _input(plant, tails), _step(plant), _outputs(plant, tails), _control(case.hoist)]
+    functions = [rest, _input(plant, ropes), _step(plant), _outputs(plant, ropes), _control(case.hoist)]
     options: dict[str, Any] = {"with_header": False, "casadi_int": "int", "indent": 4}
     generator = ca.CodeGenerator("drive_kernels", options)
     for function in functions:
@@ -108,13 +108,13 @@ def _rest(plant: HoistPlant, case: Case, lowest: float) -> Any:
 
 
 def _arguments(plant: HoistPlant) -> tuple[Any, Any, Any]:
-    rates = equations(plant.hoist.parts).rates
+    rates = equations(plant.hoist.equation_structure).rates
     return ca.SX.sym("x", rates.size1_in(0)), ca.SX.sym("u", rates.size1_in(1)), ca.SX.sym("l0", 2)
 
 
 def _rates(plant: HoistPlant, x: Any, u: Any, l0: Any) -> Any:
     """dx/dt with the numbers of this hoist."""
-    return equations(plant.hoist.parts).rates(x, u, l0, plant.hoist.numbers)
+    return equations(plant.hoist.equation_structure).rates(x, u, l0, plant.hoist.numbers)
 
 
 def _step(plant: HoistPlant) -> Any:
@@ -125,47 +125,48 @@ def _step(plant: HoistPlant) -> Any:
     return ca.Function("drive_step", [x, u, l0, h], [new])
 
 
-def _input(plant: HoistPlant, tails: Sequence[DriveTail]) -> Any:
+def _input(plant: HoistPlant, ropes: Sequence[DriveRope]) -> Any:
     """(x, forces of the ropes in the order of the table) -> the plant's input but for the torque."""
     x = ca.SX.sym("x", len(plant.state_names))
-    ropes = tails or (_ONE,)
-    forces = ca.SX.sym("F", 2 * len(ropes) + len(side_forces(plant.hoist, tails)))
+    attached = ropes or (_ONE,)
+    forces = ca.SX.sym("F", 2 * len(attached) + len(side_forces(plant.hoist, ropes)))
     total = dict.fromkeys(INPUT_NAMES[1:], ca.SX(0.0))
-    upright, sides = forces[: 2 * len(ropes)], forces[2 * len(ropes) :]
-    for k, rope in enumerate(ropes):
+    upright, sides = forces[: 2 * len(attached)], forces[2 * len(attached) :]
+    for k, rope in enumerate(attached):
         for i, side in enumerate(SIDES):
             fy = upright[2 * k + i]
             total[f"force_{side}"] += fy
             if plant.hoist.play is None:
                 continue
             fx, fz, my = ca.vertsplit(sides[6 * k + 3 * i : 6 * k + 3 * i + 3])
-            if rope.place != Place():
+            if rope.suspension != SuspensionOffset():
                 yaw = x[plant.state_names.index(f"yaw_{side}")]
-                my += moment_at(rope.place.at(side), yaw, (fx, fy, fz))[1]
+                my += moment_at(rope.suspension.at(side), yaw, (fx, fy, fz))[1]
             for name, value in (("fx", fx), ("fz", fz), ("my", my)):
                 total[f"{name}_{side}"] += value
     return ca.Function("drive_input", [x, forces], [ca.vertcat(*total.values())])
 
 
-def _outputs(plant: HoistPlant, tails: Sequence[DriveTail]) -> Any:
+def _outputs(plant: HoistPlant, ropes: Sequence[DriveRope]) -> Any:
     """Return the function (x, u, l0) -> outputs of the interface."""
     x, u, l0 = _arguments(plant)
-    shown = equations(plant.hoist.parts).outputs(x, u, l0, plant.hoist.numbers)
-    signals = {name: shown[SHOWN[field]] for name, field in shown_as(plant.hoist).items()}
-    for tail in placed(plant.hoist, tails):
+    outputs = equations(plant.hoist.equation_structure).outputs(x, u, l0, plant.hoist.numbers)
+    signals = {name: outputs[OUTPUT_INDEX[field]] for name, field in output_names(plant.hoist).items()}
+    for rope in offset_ropes(plant.hoist, ropes):
         for side in SIDES:
             centre, yaw = [signals[f"{side}.{name}"] for name in MOVED], signals[f"{side}.yaw"]
-            yaw_acceleration = shown[SHOWN[f"yaw_acceleration_{side}"]]
-            moved = motion_at(tail.place.at(side), centre, yaw, signals[f"{side}.yaw_rate"], yaw_acceleration)
-            signals |= {f"{tail.name}.{side}.{name}": value for name, value in zip(MOVED, moved, strict=True)}
-    names = plant_outputs(plant.hoist, tails)
+            yaw_acceleration = outputs[OUTPUT_INDEX[f"yaw_acceleration_{side}"]]
+            moved = motion_at(rope.suspension.at(side), centre, yaw, signals[f"{side}.yaw_rate"], yaw_acceleration)
+            signals |= {f"{rope.name}.{side}.{name}": value for name, value in zip(MOVED, moved, strict=True)}
+    names = plant_outputs(plant.hoist, ropes)
     return ca.Function("drive_outputs", [x, u, l0], [ca.vertcat(*(signals[name] for name in names))])
 
 
 def _control(hoist: Hoist) -> Any:
     """Return the control law (its ARGUMENTS, gains) -> (M_c, I)."""
     sample, gains = ca.SX.sym("sample", len(ARGUMENTS)), ca.SX.sym("gains", len(fields(Gains)))
-    torque, _, grown = ca.vertsplit(law_kernel(hoist.parts)(ca.vertcat(sample, gains, ca.DM(hoist.numbers))))
+    law = law_kernel(hoist.equation_structure)
+    torque, _, grown = ca.vertsplit(law(ca.vertcat(sample, gains, ca.DM(hoist.numbers))))
     return ca.Function("drive_control", [sample, gains], [torque, grown])
 
 

@@ -11,7 +11,7 @@ from typing import Self
 from pydantic import Field, model_validator
 
 from hoist_demo.files.reading import read
-from hoist_demo.files.run_values import LevelHead, RunFile, Values
+from hoist_demo.files.run_values import LevelHeader, RunFile, Values
 from hoist_demo.files.values import statuses
 from hoist_demo.parameters import start_heights
 from hoist_demo.parameters.problems import Problems
@@ -21,7 +21,7 @@ _PAYLOADS = ("hoist.payload_left", "hoist.payload_right")
 _ROUNDING = 1e-9  #: Of heights [m].
 
 
-class Duty(LevelHead):
+class Duty(LevelHeader):
     """Table [duty] at the head of a schedule's file."""
 
     repeat: int = Field(1, ge=1, description="how often the trips are wound one after the other")
@@ -30,13 +30,13 @@ class Duty(LevelHead):
 class Schedule(RunFile):
     """Schema of a schedule's TOML file: trips that are wound one after the other, again and again."""
 
-    head: Duty = Field({}, alias="duty", validate_default=True)
+    header: Duty = Field({}, alias="duty", validate_default=True)
     trips: list[Values] = Field(alias="trip", min_length=1)
 
     @property
-    def given(self) -> dict[str, str]:
+    def status_by_name(self) -> dict[str, str]:
         """Status of each value that is set, by name."""
-        return {key: status for one in (self.fixed, *self.trips) for key, status in statuses(one).items()}
+        return {key: status for values in (self.fixed, *self.trips) for key, status in statuses(values).items()}
 
     @cached_property
     def pattern(self) -> tuple[RunData, ...]:
@@ -45,19 +45,19 @@ class Schedule(RunFile):
         with Problems() as problems:
             for k, trip in enumerate(self.trips, 1):
                 problems += [
-                    f"trip {k}: {key} = {one.value!r} must be the same in all trips: set it in [fixed]; a trip has "
+                    f"trip {k}: {key} = {entry.value!r} must be the same in all trips: set it in [fixed]; a trip has "
                     f"winding.* and {' and '.join(_PAYLOADS)}"
-                    for key, one in trip.items()
+                    for key, entry in trip.items()
                     if key not in _PAYLOADS and not key.startswith("winding.")
                 ]
                 with problems.at(f"trip {k}"):
-                    runs.append(build(self.head.hoist, self.fixed, varied=trip))
+                    runs.append(build(self.header.hoist, self.fixed, varied=trip))
         return tuple(runs)
 
     @property
     def count(self) -> int:
         """Number of trips, repetitions included."""
-        return self.head.repeat * len(self.pattern)
+        return self.header.repeat * len(self.pattern)
 
     def trip(self, number: int) -> RunData:
         """Return the data of a trip, the first being 1; beyond the last one the pattern goes on."""
@@ -71,7 +71,7 @@ class Schedule(RunFile):
     @property
     def data(self) -> str:
         """Data that a duty and its continuation must share: all but the number of repetitions."""
-        return repr((self.head.hoist, self.level, self.pattern))
+        return repr((self.header.hoist, self.level, self.pattern))
 
     @model_validator(mode="after")
     def _follow_one_another(self) -> Self:

@@ -95,8 +95,8 @@ def trip_row(trip: WoundTrip, rest: tuple[float, float]) -> dict[str, float]:
     columns |= {"trip": float(trip.number), "start": float(recording.time[0])}
     if trip.result.end is not None:
         columns["landing"] = trip.result.end.landing
-    for name, signal, place in (("sway", "loop.x", rest[0]), ("sway_across", "loop.z", rest[1])):
-        columns[name] = float(np.max(np.abs(recording[signal] - place)))
+    for name, signal, landing in (("sway", "loop.x", rest[0]), ("sway_across", "loop.z", rest[1])):
+        columns[name] = float(np.max(np.abs(recording[signal] - landing)))
     columns["turns"] = float(np.max(np.abs(recording["loop.turns"])))
     return columns | _yaw(recording, trip.result.trajectory.duration)
 

@@ -46,14 +46,14 @@ def wind_duty(
     drives = [run.design() for run in schedule.pattern]
     for number in range(done + 1, schedule.count + 1):
         run = schedule.trip(number)
-        chosen = drives[(number - 1) % len(drives)]
+        design = drives[(number - 1) % len(drives)]
         host = Host(
             rope,
             run.hoist,
             run.winding,
             run.coupling,
-            chosen.gains,
-            trajectory=chosen.trajectory,
+            design.gains,
+            trajectory=design.trajectory,
             after=after,
             next_hoist=schedule.trip(number + 1).hoist,
         )
@@ -75,7 +75,7 @@ def write_state(path: Path, trips: Recording, end: TripEnd, rope: RopePlant, sch
         plant=end.plant,
         controller=None,
         input=end.input,
-        memory=end.memory,
+        memory=end.scheme_state,
         rope=rope.to_bytes(rope.save()),
         recording=trips,
         data=schedule.data,
@@ -88,15 +88,13 @@ def write_state(path: Path, trips: Recording, end: TripEnd, rope: RopePlant, sch
 
 def read_state(path: Path, rope: RopePlant, schedule: Schedule) -> tuple[list[dict[str, float]], TripEnd]:
     """Read rows and the last trip's end, and put the rope into its state; raise ValueError for another duty's file."""
-    checkpoint = Checkpoint.read(path)
-    if checkpoint.data != schedule.data:
-        changes = differences(checkpoint.data, schedule.data)
+    last = Checkpoint.read(path)
+    if last.data != schedule.data:
+        changes = differences(last.data, schedule.data)
         raise ValueError(f"'{path}' must be of this schedule, but {changes}: give another --out")
-    rope.restore(rope.from_bytes(checkpoint.rope))
-    end = TripEnd(
-        checkpoint.t, schedule.landing(checkpoint.sample), checkpoint.plant, checkpoint.input, checkpoint.memory
-    )
-    return table_rows(checkpoint.recording), end
+    rope.restore(rope.from_bytes(last.rope))
+    end = TripEnd(last.t, schedule.landing(last.sample), last.plant, last.input, last.memory)
+    return table_rows(last.recording), end
 
 
 def table_rows(trips: Recording) -> list[dict[str, float]]:

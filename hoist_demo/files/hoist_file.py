@@ -14,26 +14,26 @@ from typing import Annotated, Any, Self
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, create_model, model_validator
 from pydantic.json_schema import GenerateJsonSchema
 
-from hoist_demo.cases.case import FOLDER, NAMED, BalanceRopeData, Case
-from hoist_demo.cases.rules import completed
-from hoist_demo.files.catalogue import at_both_ends, host_parameters, rope_parameters, run_fields, swivel_parameters
+from hoist_demo.cases.case import BUILTIN_HOISTS, FOLDER, BalanceRopeData, Case
+from hoist_demo.cases.rules import apply_rules
 from hoist_demo.files.reading import File, Flat, beside, contents, opened_by, read, table_of
+from hoist_demo.files.registry import at_both_ends, host_parameters, rope_parameters, run_fields, swivel_parameters
 from hoist_demo.files.rope_file import RopeValues
-from hoist_demo.files.values import GIVEN, Given, Status, Text, given, read_text, stated
+from hoist_demo.files.values import GIVEN, ParameterValue, ParameterValues, Status, Text, read_text, stated, value_type
 from hoist_demo.parameters import SIDES
-from hoist_demo.parameters.place import Place
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter, leaves
+from hoist_demo.parameters.suspension import SuspensionOffset
 from rope_model import Level
 
-PLACE = ("x_left", "x_right", "z")
+SUSPENSION_KEYS = ("x_left", "x_right", "z")
 BREAK = ("breaks_at", "breaks_s")
 _BREAKS = (
     Parameter("rope.breaks_at", "s", "Real", meaning="time of the rope's break; none without it"),
     Parameter("rope.breaks_s", "m", "Real", meaning="place of the break, from the left end along the rope"),
 )
-#: Parameters of the place and break of one of several ropes, by name.
-PLACE_PARAMETERS = {p.name: p for p in (*leaves(Place, "rope."), *_BREAKS)}
+#: Parameters of the suspension and break of one of several ropes, by name.
+SUSPENSION_PARAMETERS = {p.name: p for p in (*leaves(SuspensionOffset, "rope."), *_BREAKS)}
 _DECIDES = ("construction", "from")  #: Keys that decide for another rope.
 _CATALOGUE_INPUTS = ("rope.length", "rope.diameter")  #: Parameters that the catalogue does not know.
 
@@ -43,7 +43,7 @@ def _rope_parameters() -> list[Parameter]:
     own = [p for p in rope_parameters().values() if not p.name.startswith("contact.")]
     named = [p if p.name.startswith("rope.") else replace(p, name=f"rope.{p.name}") for p in own]
     both = [replace(p, name=f"rope.{p.name}") for p in swivel_parameters()]
-    return [*named, *both, *PLACE_PARAMETERS.values()]
+    return [*named, *both, *SUSPENSION_PARAMETERS.values()]
 
 
 class RopeTable(table_of("rope", _rope_parameters())):  # type: ignore[misc]
@@ -59,17 +59,17 @@ class RopeTable(table_of("rope", _rope_parameters())):  # type: ignore[misc]
 def _stated_values(table: RopeTable) -> dict[str, Any]:
     """Return all that a [[rope]] sets; values by FMI name."""
     values = at_both_ends(contents(table)).items()
-    return {f"rope.{key}" if isinstance(one, Given) and "." not in key else key: one for key, one in values}
+    return {f"rope.{key}" if isinstance(v, ParameterValue) and "." not in key else key: v for key, v in values}
 
 
 def _base(content: Any, info: ValidationInfo) -> HoistFile:
     """Return the hoist that `like` names."""
     name = read_text(content)
-    path = FOLDER / f"{name}.toml" if name in NAMED else beside(info, name)
+    path = FOLDER / f"{name}.toml" if name in BUILTIN_HOISTS else beside(info, name)
     return read(path, HoistFile, opened_by(info))
 
 
-_OF_ALL = {name: field for name, field in run_fields(given).items() if name not in ("rope", *SIDES)}
+_OF_ALL = {name: field for name, field in run_fields(value_type).items() if name not in ("rope", *SIDES)}
 
 
 class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: ignore[misc]
@@ -88,7 +88,7 @@ class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: igno
     def says(self) -> dict[str, Any]:
         """Return all values that the file sets, over those of the hoist that it is like; each with its status."""
         below = self.like.says() if self.like else {}
-        own = {key: one for key, one in contents(self) if key not in ("like", "status", "rope")}
+        own = {key: entry for key, entry in contents(self) if key not in ("like", "status", "rope")}
         own |= stated(own.items(), self.status)
         ropes = [rope | stated(rope.items(), self.status) for rope in self.rope]
         if ropes and "rope" in below:
@@ -101,15 +101,15 @@ class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: igno
     def case(self) -> Case:
         """Hoist of the file; a ValueError lists all that is wrong."""
         settings = self.says()
-        values = {key: one for key, one in settings.items() if isinstance(one, Given)}
-        host = {key: one for key, one in values.items() if key in host_parameters()}
-        shared = {key: one for key, one in values.items() if key not in host}
+        values = stated(settings.items())
+        host = {key: entry for key, entry in values.items() if key in host_parameters()}
+        shared = {key: entry for key, entry in values.items() if key not in host}
         with Problems([] if "rope" in settings else ["rope is missing: write [[rope]] above what it has"]) as problems:
-            tails = [_tail(k, rope, shared, problems) for k, rope in enumerate(settings.get("rope", ()), 1)]
-            names = [tail.name for tail in tails]
+            ropes = [_balance_rope(k, rope, shared, problems) for k, rope in enumerate(settings.get("rope", ()), 1)]
+            names = [rope.name for rope in ropes]
             problems += [f"rope name = {n!r} must be given once: name each rope" for n in names if names.count(n) > 1]
-        head = {name: settings[name] for name in ("source", "level") if name in settings}
-        return completed(host, tails, name=self.name, signals=tuple(settings.get("signals", ())), **head)
+        header = {name: settings[name] for name in ("source", "level") if name in settings}
+        return apply_rules(host, ropes, name=self.name, signals=tuple(settings.get("signals", ())), **header)
 
     @model_validator(mode="after")
     def _is_a_hoist(self) -> Self:
@@ -122,17 +122,17 @@ def _inherited(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
     if not own.keys() & {*_DECIDES}:
         return base
     return {
-        key: one
-        for key, one in base.items()
+        key: entry
+        for key, entry in base.items()
         if key not in (*_DECIDES, "lay")
-        and (key in _CATALOGUE_INPUTS or not key.startswith("rope.") or key in PLACE_PARAMETERS)
+        and (key in _CATALOGUE_INPUTS or not key.startswith("rope.") or key in SUSPENSION_PARAMETERS)
     }
 
 
-def _tail(k: int, settings: dict[str, Any], shared: dict[str, Given], problems: list[str]) -> BalanceRopeData:
+def _balance_rope(k: int, settings: dict[str, Any], shared: ParameterValues, problems: list[str]) -> BalanceRopeData:
     """Return a rope; add what is wrong to the problems."""
-    own = {key: one for key, one in settings.items() if isinstance(one, Given) and key not in PLACE_PARAMETERS}
-    at = {key: float(settings[f"rope.{key}"].value) for key in (*PLACE, *BREAK) if f"rope.{key}" in settings}
+    own = {key: entry for key, entry in stated(settings.items()).items() if key not in SUSPENSION_PARAMETERS}
+    at = {key: float(settings[f"rope.{key}"].value) for key in (*SUSPENSION_KEYS, *BREAK) if f"rope.{key}" in settings}
     number = settings.get("number", 1)
     breaks = {key: at.pop(key) for key in BREAK if key in at}
     if len(breaks) == 1:

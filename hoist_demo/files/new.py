@@ -7,14 +7,14 @@ import math
 from collections.abc import Mapping
 
 from hoist_demo.cases.rules import HEAD_ROPE_STIFFNESS, TAIL_SPARE
-from hoist_demo.files.values import DERIVED, GIVEN, Given
+from hoist_demo.files.values import DERIVED, ParameterValue
 from hoist_demo.files.writing import hoist_text
 from hoist_demo.parameters import GRAVITY
 from hoist_demo.parameters.quantity import Bounds, Parameter, Value
 from rope_model import rope as catalogue_rope
 
 _SHAFT = 12.0  #: Frequency of the motor against the sheave [Hz, assumed].
-_ABOUT = """\
+_COMMENT = """\
 Written by balance-rope new. Values are SI or { value, unit, status, source }, status: published, data sheet, measured,
 given, derived (by the rule behind it) or assumed. Replace what you know and say where it comes from; what you delete
 follows by a rule or is a default: balance-rope show FILE prints it all."""
@@ -38,12 +38,13 @@ WISHES = (
 
 def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
     """Return the text of a file by values of WISHES; ValueError where the rope is not in the catalogue."""
-    inputs = {p.name: Given(chosen.get(p.name, p.start), GIVEN if p.name in chosen else "assumed") for p in WISHES}
-    wish = {key: float(one.value) for key, one in inputs.items() if not isinstance(one.value, str)}
+    inputs = {p.name: ParameterValue(p.start, "assumed") for p in WISHES}
+    inputs |= {wish: ParameterValue(value) for wish, value in chosen.items()}
+    wish = {key: float(entry.value) for key, entry in inputs.items() if not isinstance(entry.value, str)}
     kind, payload, depth = str(inputs["rope"].value), wish["payload"], wish["depth"]
     mass = catalogue_rope(kind, wish["diameter"]).middle.mass_per_length
     if "conveyance" not in chosen:
-        inputs["conveyance"] = Given(0.9 * payload, DERIVED, "0.9 of the payload")
+        inputs["conveyance"] = ParameterValue(0.9 * payload, DERIVED, "0.9 of the payload")
     conveyance, number = float(inputs["conveyance"].value), int(wish["ropes"])
     head_mass = number * mass / wish["head-ropes"]
     head_diameter = math.sqrt(head_mass / 4000.0)
@@ -51,11 +52,11 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
     motor, power = _rounded(0.4 * sheave), _rounded(2.6 * payload * GRAVITY * wish["speed"])
     stiffness = _rounded((2.0 * math.pi * _SHAFT) ** 2 * motor * (sheave - motor) / sheave * radius**2)
 
-    def rule(value: float, words: str) -> Given:
-        return Given(value, DERIVED, words)
+    def rule(value: float, expression: str) -> ParameterValue:
+        return ParameterValue(value, DERIVED, expression)
 
-    def ours(value: Value) -> Given:
-        return Given(value, "assumed")
+    def ours(value: Value) -> ParameterValue:
+        return ParameterValue(value, "assumed")
 
     values = {
         "hoist.shaft_travel": inputs["depth"],
@@ -93,14 +94,15 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
     lays = [LAYS[k % 2] for k in range(number)] if alternate else [inputs["lay"].value]
     ropes = []
     for k, lay in enumerate(lays):
-        rope = {} if alternate else {"rope.number": Given(number)}
+        rope = {} if alternate else {"rope.number": ParameterValue(number)}
         if alternate:
             z = round(0.25 * wish["spacing"] * (k - 0.5 * (number - 1)), 3)
-            rope = {"rope.name": Given(f"rope{k + 1}"), "rope.z": rule(z, "a quarter of the spacing apart")}
-        rope |= {"rope.construction": Given(kind), "rope.lay": Given(lay), "rope.diameter": inputs["diameter"]}
-        rope |= {"rope.length": rule(depth + TAIL_SPARE, f"travel and {TAIL_SPARE:g} m")}
-        ropes.append(rope | {"rope.swivels.mode": Given("coulomb")})
-    return hoist_text(name, values, ropes, _ABOUT)
+            rope = {"rope.name": ParameterValue(f"rope{k + 1}"), "rope.z": rule(z, "a quarter of the spacing apart")}
+        rope |= {"rope.construction": ParameterValue(kind), "rope.lay": ParameterValue(lay)}
+        rope["rope.diameter"] = inputs["diameter"]
+        rope["rope.length"] = rule(depth + TAIL_SPARE, f"travel and {TAIL_SPARE:g} m")
+        ropes.append(rope | {"rope.swivels.mode": ParameterValue("coulomb")})
+    return hoist_text(name, values, ropes, _COMMENT)
 
 
 def _rounded(value: float) -> float:

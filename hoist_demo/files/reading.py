@@ -16,7 +16,7 @@ from typing import Annotated, Any, TypeVar, get_args
 
 import pydantic
 
-from hoist_demo.files.values import Facts, given
+from hoist_demo.files.values import ValueTable, value_type
 from hoist_demo.parameters.quantity import Parameter
 from rope_model.texts import printable
 
@@ -67,7 +67,7 @@ class Flat:
         return handler.generate_schema(Annotated[self.model, pydantic.AfterValidator(self.make)])
 
 
-def table_of(name: str, parameters: Iterable[Parameter], leaf: Callable[[Parameter], Any] = given) -> type[Table]:
+def table_of(name: str, parameters: Iterable[Parameter], leaf: Callable[[Parameter], Any] = value_type) -> type[Table]:
     """Return the model of a table with these parameters, whose names may have more dots; `leaf` gives their types."""
     inside: dict[str, list[Parameter]] = {}
     for parameter in parameters:
@@ -148,73 +148,73 @@ def _tables(path: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        words = _missing_comma(text, error) or f"{error}: correct it there"
-        raise FileError(path, [f"is not TOML: {words}"]) from error
+        problem = _missing_comma(text, error) or f"{error}: correct it there"
+        raise FileError(path, [f"is not TOML: {problem}"]) from error
 
 
 def _missing_comma(text: str, error: tomllib.TOMLDecodeError) -> str:
     """Return the words on a comma with which the text can be read further; "" where that is not the trouble."""
-    if (place := _place(error)) == _END:
+    if (position := _position(error)) == _END:
         return ""
-    line, column = place
+    line, column = position
     at = sum(map(len, text.splitlines(keepends=True)[: line - 1])) + column - 1
     try:
         tomllib.loads(text[:at] + "," + text[at:])
     except tomllib.TOMLDecodeError as further:
-        if _place(further) <= (line, column + 1):
+        if _position(further) <= (line, column + 1):
             return ""
     return f"a comma is missing at line {line}, column {column}: put it before what stands there"
 
 
-def _place(error: tomllib.TOMLDecodeError) -> tuple[int, int]:
+def _position(error: tomllib.TOMLDecodeError) -> tuple[int, int]:
     """Return line and column of a TOML error, or _END."""
     match = re.search(r"line (\d+), column (\d+)", str(error))
     return (int(match[1]), int(match[2])) if match else _END
 
 
 _END = (sys.maxsize, 0)  # the text ends too soon
-_ONE, _SEVERAL = "one table: write [{place}] above it", "a list: write [[{place}]] above each table, or [a, b]"
+_ONE, _SEVERAL = "one table: write [{key_path}] above it", "a list: write [[{key_path}]] above each table, or [a, b]"
 _MUST = {
     **dict.fromkeys(("model_type", "dict_type", "model_attributes_type"), _ONE),
     **dict.fromkeys(("list_type", "tuple_type"), _SEVERAL),
     "string_type": "a text: put it in quotation marks",
 }
-_MUST = {kind: f"{{place}} = {{short}} must be {words}" for kind, words in _MUST.items()}
-_WORDS = _MUST | {
-    "extra_forbidden": "{place} = {short} is not a key: {cure}",
-    "missing": "{place} is missing: give it",
-    "union_tag_not_found": "{place}: {key} is missing: give it",
-    "union_tag_invalid": "{place}: {key} = {tag!r} must be one of {expected_tags}: choose one",
+_MUST = {kind: f"{{key_path}} = {{short}} must be {words}" for kind, words in _MUST.items()}
+_TEXTS = _MUST | {
+    "extra_forbidden": "{key_path} = {short} is not a key: {cure}",
+    "missing": "{key_path} is missing: give it",
+    "union_tag_not_found": "{key_path}: {key} is missing: give it",
+    "union_tag_invalid": "{key_path}: {key} = {tag!r} must be one of {expected_tags}: choose one",
 }
 
 
 def _problems(names: Sequence[str], error: Any) -> list[str]:
     """Return the lines on one error of pydantic's, in a file that has these keys."""
-    # the place of a table of several kinds names its kind, too, which is no key
+    # the path of a table of several kinds names its kind, too, which is no key
     keys = {part for name in names for part in name.split(".")} | {*error["loc"][-1:]}
     loc = [part for part in error["loc"] if isinstance(part, int) or part in keys]
-    context, place, short = error.get("ctx", {}), _place_of(loc), repr(error["input"])
+    context, key_path, short = error.get("ctx", {}), _key_path(loc), repr(error["input"])
     if error["type"] == "value_error":
-        return [_located(place, line) for line in str(context["error"]).splitlines()]
-    facts = {"place": place, "short": short if len(short) <= 60 else f"{short[:57]}..."}
+        return [_located(key_path, line) for line in str(context["error"]).splitlines()]
+    placeholders = {"key_path": key_path, "short": short if len(short) <= 60 else f"{short[:57]}..."}
     cure = cure_of(".".join(part for part in loc if isinstance(part, str)), names)
     if "." in str(loc[-1]):
         cure = "leave out the quotation marks"
     requirement = error["msg"].partition(" should ")[2] or error["msg"]
     key = context.get("discriminator", "").strip("'")
-    words = _WORDS.get(error["type"], "{place} = {short} must {requirement}: correct it")
-    return [words.format(**context | facts, cure=cure, requirement=requirement, key=key)]
+    text = _TEXTS.get(error["type"], "{key_path} = {short} must {requirement}: correct it")
+    return [text.format(**context | placeholders, cure=cure, requirement=requirement, key=key)]
 
 
-def _located(place: str, text: str) -> str:
-    """Return a problem behind its place, unless it begins with the key itself."""
+def _located(key_path: str, text: str) -> str:
+    """Return a problem behind its key path, unless it begins with the key itself."""
     name = text.partition(" ")[0]
-    table = place.removesuffix(name).removesuffix(name.removeprefix("rope.")).rstrip(" .")
+    table = key_path.removesuffix(name).removesuffix(name.removeprefix("rope.")).rstrip(" .")
     return f"{table}: {text}" if table else text
 
 
-def _place_of(loc: Sequence[int | str]) -> str:
-    """Return the dotted name of a place; members of lists are counted from 1: `rope 2 left.swivel.mode`."""
+def _key_path(loc: Sequence[int | str]) -> str:
+    """Return the dotted path of a key; members of lists are counted from 1: `rope 2 left.swivel.mode`."""
     parts = (f" {part + 1} " if isinstance(part, int) else f".{part or repr(part)}" for part in loc)
     return "".join(parts).replace(" .", " ").strip(" .")
 
@@ -238,7 +238,7 @@ def cure_of(key: str, keys: Sequence[str]) -> str:
         return "it is of another kind of that table: leave it out"
     table, dot, last = key.rpartition(".")
     within = [name.removeprefix(table + dot) for name in keys if name.rpartition(".")[0] == table]
-    within = within or [*Facts.model_fields]  # keys of a value
+    within = within or [*ValueTable.model_fields]  # keys of a value
     lasts = {name: name.rpartition(".")[2] for name in keys}
     alike = {last.upper(), *difflib.get_close_matches(last, set(lasts.values()), cutoff=0.75)}
     near = [f"{table}{dot}{name}" for name in difflib.get_close_matches(last, within, cutoff=0.5)]
@@ -252,7 +252,7 @@ def _names(hints: Iterable[Any], prefix: str = "") -> Iterator[str]:
         table = hint.model if isinstance(hint, Flat) else hint
         if not (isinstance(table, type) and issubclass(table, pydantic.BaseModel)):
             yield from _names(get_args(table), prefix)
-        elif table is not Facts:
+        elif table is not ValueTable:
             for name, field in table.model_fields.items():
                 yield (key := f"{prefix}{field.alias or name}")
                 yield from _names((field.annotation, *field.metadata), f"{key}.")

@@ -9,11 +9,11 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 
-from hoist_demo.files.catalogue import group_table, rope_parameters
 from hoist_demo.files.reading import EMPTY, File, Table, beside, contents, flat, opened_by, read
-from hoist_demo.files.values import GIVEN, Given, Text, given, read_text
+from hoist_demo.files.registry import group_table, rope_parameters
+from hoist_demo.files.values import GIVEN, ParameterValue, ParameterValues, Text, plain, read_text, value_type
 from hoist_demo.parameters.problems import Problems
-from hoist_demo.parameters.quantity import POSITIVE, VANISHING, Parameter
+from hoist_demo.parameters.quantity import NONNEGATIVE, POSITIVE, Parameter
 from rope_model import Datum, KnownRope, rope
 from rope_model.catalogue import PROPERTIES, Lay
 from rope_model.texts import printable
@@ -46,14 +46,14 @@ class CatalogueQuery(Table):
 
     file: Annotated[Any, BeforeValidator(_known_there), WithJsonSchema({"type": "string"})] = Field(None, alias="from")
     construction: Text = ""
-    diameter: given(rope_parameters()["rope.diameter"]) = None  # type: ignore[valid-type]
-    length: given(rope_parameters()["rope.length"]) = None  # type: ignore[valid-type]
+    diameter: value_type(rope_parameters()["rope.diameter"]) = None  # type: ignore[valid-type]
+    length: value_type(rope_parameters()["rope.length"]) = None  # type: ignore[valid-type]
     lay: Lay = "right-hand"
 
 
-_BOUNDS = dict.fromkeys(PROPERTIES, POSITIVE) | {"torque_factor": VANISHING}
-_PROPERTIES = [Parameter(name, p.unit, "Real", bounds=_BOUNDS[name], meaning=name) for name, p in PROPERTIES.items()]
-Properties = Annotated[dict[str, Given], flat("Properties", {p.name: (given(p), None) for p in _PROPERTIES})]
+_BOUNDS = dict.fromkeys(PROPERTIES, POSITIVE) | {"torque_factor": NONNEGATIVE}
+_KNOWN = [Parameter(name, p.unit, "Real", bounds=_BOUNDS[name], meaning=name) for name, p in PROPERTIES.items()]
+Properties = Annotated[ParameterValues, flat("Properties", {p.name: (value_type(p), None) for p in _KNOWN})]
 
 
 class KnownFile(File):
@@ -66,23 +66,23 @@ class KnownFile(File):
     def ranges(self) -> dict[str, Datum]:
         """Known ranges by property, those of the file that [rope] names included."""
         ranges = self.rope.file.ranges if self.rope.file else {}
-        for name, one in self.known.items():
-            low, high = (float(one.value if end is None else end) for end in (one.low, one.high))
+        for name, entry in self.known.items():
+            low, high = (float(entry.value if end is None else end) for end in (entry.low, entry.high))
             # a parameter file repeats the catalogue's statuses; what people know was measured
-            status, source = one.status or "measured", one.source or printable(self.path.name)
+            status, source = entry.status or "measured", entry.source or printable(self.path.name)
             ranges = ranges | {name: Datum(low, high, PROPERTIES[name].unit, status, source)}  # type: ignore[arg-type]
         return ranges
 
     @cached_property
     def catalogue_arguments(self) -> dict[str, Any]:
         """Arguments for the catalogue, those of the file that [rope] names included."""
-        own = {key: one.value if isinstance(one, Given) else one for key, one in contents(self.rope) if key != "from"}
+        own = plain({key: entry for key, entry in contents(self.rope) if key != "from"})
         return (self.rope.file.catalogue_arguments if self.rope.file else {}) | own
 
     @cached_property
     def catalogue_rope(self) -> KnownRope:
         """Rope of the catalogue with these ranges, or of these alone; a ValueError lists all that is wrong."""
-        arguments = {key: one for key, one in self.catalogue_arguments.items() if one != ""}
+        arguments = {key: entry for key, entry in self.catalogue_arguments.items() if entry != ""}
         needed = [] if "construction" in arguments else [name for name in PROPERTIES if name not in self.ranges]
         if "diameter" not in arguments or needed:
             also = f", without a construction [known] {', '.join(needed)}" if needed else ""
@@ -94,12 +94,12 @@ class KnownFile(File):
         except ValueError as error:
             raise ValueError(f"[rope] {error}") from error
         with Problems() as problems:
-            for name, one in self.ranges.items():
+            for name, datum in self.ranges.items():
                 low, high = whole.data[name].low / FAR_OFF, FAR_OFF * whole.data[name].high
-                if not (low <= one.low and one.high <= high):
-                    text = f"{one.low:g} to {one.high:g}" if one.low < one.high else f"{one.high:g}"
+                if not (low <= datum.low and datum.high <= high):
+                    text = f"{datum.low:g} to {datum.high:g}" if datum.low < datum.high else f"{datum.high:g}"
                     problems.append(
-                        f"[known] {name} = {text} must be within {low:.3g} and {high:.3g} {one.unit}, {FAR_OFF:g} "
+                        f"[known] {name} = {text} must be within {low:.3g} and {high:.3g} {datum.unit}, {FAR_OFF:g} "
                         "times less and more than the catalogue has: check its unit"
                     )
         return replace(whole, data={**whole.data, **self.ranges})
@@ -113,25 +113,25 @@ class RopeFile(_OtherFile):
     """Parameter file of a rope, as balance-rope identify writes it."""
 
     fixed: Annotated[
-        dict[str, Given], flat("Fixed", {group: (group_table(group, given), None) for group in ("rope", "air")})
+        ParameterValues, flat("Fixed", {group: (group_table(group, value_type), None) for group in ("rope", "air")})
     ]
 
-    def values(self) -> dict[str, Given]:
+    def values(self) -> dict[str, ParameterValue]:
         """Return the values of a rope and of its air with their statuses."""
-        following = following_statuses({name: one.status for name, one in self.ranges.items()})
+        following = following_statuses({name: datum.status for name, datum in self.ranges.items()})
         return {
-            name: Given(one.value, one.status or following.get(name, GIVEN), printable(self.path.name))
-            for name, one in self.fixed.items()
+            name: ParameterValue(entry.value, entry.status or following.get(name, GIVEN), printable(self.path.name))
+            for name, entry in self.fixed.items()
         }
 
 
-def _values_there(content: Any, info: ValidationInfo) -> dict[str, Given]:
+def _values_there(content: Any, info: ValidationInfo) -> dict[str, ParameterValue]:
     return read(beside(info, read_text(content)), RopeFile, opened_by(info)).values()
 
 
 #: the type of `from = "FILE"`: values of a rope's parameter file
 RopeValues = Annotated[
-    dict[str, Given],
+    dict[str, ParameterValue],
     BeforeValidator(_values_there),
     WithJsonSchema({"type": "string", "description": "parameter file that balance-rope identify wrote"}),
 ]

@@ -4,18 +4,18 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from hoist_demo.cases.case import NAMED
+from hoist_demo.cases.case import BUILTIN_HOISTS
 from hoist_demo.cases.table import find_case
-from hoist_demo.files.catalogue import SWIVELS, at_both_ends, group_table, run_fields
 from hoist_demo.files.reading import EMPTY, File, Table, beside, contents, flat, opened_by
+from hoist_demo.files.registry import SWIVELS, at_both_ends, group_table, run_fields
 from hoist_demo.files.rope_file import FOLLOWING, KnownFile, RopeValues
-from hoist_demo.files.values import Given, Text, given, stated
+from hoist_demo.files.values import ParameterValue, Text, stated, value_type
 from hoist_demo.parameters.problems import Problems
 from rope_model import Level
 from rope_model.texts import printable
 
 
-class Head(Table):
+class FileHeader(Table):
     """Title, and the hoist that is wound: a file, or the name of one that comes with the project."""
 
     title: Text = Field("", validate_default=True)
@@ -29,24 +29,24 @@ class Head(Table):
     @field_validator("hoist")
     @classmethod
     def _is_there(cls, name: str, info: ValidationInfo) -> str:
-        path = str(beside(info, name)) if name.endswith(".toml") and name not in NAMED else name
+        path = str(beside(info, name)) if name.endswith(".toml") and name not in BUILTIN_HOISTS else name
         find_case(path)
         return path
 
 
-def _values(content: Any) -> dict[str, Given]:
+def _values(content: Any) -> dict[str, ParameterValue]:
     return (content.file or {}) | at_both_ends(stated(contents(content)).items())
 
 
-_BOTH = {SWIVELS: (group_table(SWIVELS, given), Field(default=None))}
+_BOTH = {SWIVELS: (group_table(SWIVELS, value_type), Field(default=None))}
 #: a table with values of runs, by name; `from` names a rope's parameter file, which counts less
 Values = Annotated[
-    dict[str, Given],
-    flat("Values", {"file": (RopeValues, Field({}, alias="from")), **run_fields(given), **_BOTH}, _values),
+    dict[str, ParameterValue],
+    flat("Values", {"file": (RopeValues, Field({}, alias="from")), **run_fields(value_type), **_BOTH}, _values),
 ]
 
 
-class LevelHead(Head):
+class LevelHeader(FileHeader):
     """Head of a file that is wound in process."""
 
     level: Level | None = Field(None, description="accuracy against speed of the rope; else the hoist's")
@@ -55,15 +55,15 @@ class LevelHead(Head):
 class RunFile(File):
     """A file of windings in process; each kind says under which name its head stands."""
 
-    head: LevelHead
+    header: LevelHeader
     fixed: Values = EMPTY
 
     @property
     def level(self) -> Level:
-        return self.head.level or find_case(self.head.hoist).level
+        return self.header.level or find_case(self.header.hoist).level
 
 
-class RopeQuestion(KnownFile):
+class RopeAnalysisFile(KnownFile):
     """A file that asks something of a rope of which properties are known; they decide some of its parameters."""
 
     fixed: Values = EMPTY

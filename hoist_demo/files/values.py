@@ -46,7 +46,7 @@ Text = Annotated[str, PlainValidator(read_text), WithJsonSchema({"type": "string
 
 
 @dataclass(frozen=True)
-class Given:
+class ParameterValue:
     """A value with its source; `low` and `high` are how far it may be off, in the parameter's unit."""
 
     value: Value
@@ -57,22 +57,22 @@ class Given:
     follows: bool = False  # whether a rule derived it from stated values
 
 
-def plain(values: Mapping[str, Given]) -> dict[str, Value]:
+def plain(values: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values without status and source, by name."""
-    return {key: one.value for key, one in values.items()}
+    return {key: entry.value if isinstance(entry, ParameterValue) else entry for key, entry in values.items()}
 
 
-def statuses(values: Mapping[str, Given]) -> dict[str, str]:
+def statuses(values: Mapping[str, ParameterValue]) -> dict[str, str]:
     """Return the status of each value by name."""
-    return {key: one.status for key, one in values.items()}
+    return {key: entry.status for key, entry in values.items()}
 
 
-def stated(values: Iterable[tuple[str, object]], status: str = GIVEN) -> dict[str, Given]:
+def stated(values: Iterable[tuple[str, object]], status: str = GIVEN) -> dict[str, ParameterValue]:
     """Return the values among what a table sets, with this status where they state none."""
-    return {k: replace(v, status=v.status or status) for k, v in values if isinstance(v, Given)}
+    return {k: replace(v, status=v.status or status) for k, v in values if isinstance(v, ParameterValue)}
 
 
-class Facts(BaseModel):
+class ValueTable(BaseModel):
     """A value's own table, before its parameter is asked."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -84,25 +84,23 @@ class Facts(BaseModel):
     high: Any = None
 
 
-def given(parameter: Parameter) -> Any:
-    """Return the type of a key for pydantic: what it holds is a Given."""
-    read = AfterValidator(partial(_given, parameter))
+def value_type(parameter: Parameter) -> Any:
+    """Return the type of a key for pydantic: what it holds is a ParameterValue."""
+    read = AfterValidator(partial(_parameter_value, parameter))
     table = BeforeValidator(lambda content: content if isinstance(content, dict) else {"value": content})
-    return Annotated[Facts, table, read, WithJsonSchema(value_schema(parameter))]
+    return Annotated[ValueTable, table, read, WithJsonSchema(value_schema(parameter))]
 
 
-def _given(parameter: Parameter, facts: Facts) -> Given:
-    low, high = (
-        None if end is None else float(read_value(parameter, end, facts.unit)) for end in (facts.low, facts.high)
-    )
+def _parameter_value(parameter: Parameter, table: ValueTable) -> ParameterValue:
+    low, high = (None if x is None else float(read_value(parameter, x, table.unit)) for x in (table.low, table.high))
     if low is not None and high is not None and low > high:
         raise ValueError(f"{parameter.name}: low = {low:g} must be at most high = {high:g}: exchange them")
     middle = None if low is None or high is None else 0.5 * (low + high)
-    if facts.value is None and middle is None:
+    if table.value is None and middle is None:
         raise ValueError(f"{parameter.name} has no value: write {{ value = ..., unit = ... }}, or low and high")
-    value = middle if facts.value is None else read_value(parameter, facts.value, facts.unit)
+    value = middle if table.value is None else read_value(parameter, table.value, table.unit)
     assert value is not None
-    return Given(value, facts.status, facts.source, low, high)
+    return ParameterValue(value, table.status, table.source, low, high)
 
 
 def read_value(parameter: Parameter, content: Any, unit: str = "") -> Value:
@@ -154,13 +152,14 @@ def _factor(unit: str, to: str) -> Fraction | None:
 def value_schema(parameter: Parameter) -> dict[str, Any]:
     """Return the JSON Schema of a value with its unit and status."""
     alone = list(_alone(parameter))
-    facts = {**_facts_schema()["properties"], "value": {"anyOf": alone}}
-    facts |= dict.fromkeys(("low", "high"), alone[0] if parameter.numeric else False)
-    table = {"type": "object", "properties": facts, "additionalProperties": False}
-    return {"anyOf": [*alone, table], "description": parameter.about}
+    properties = {**_table_schema()["properties"], "value": {"anyOf": alone}}
+    properties |= dict.fromkeys(("low", "high"), alone[0] if parameter.numeric else False)
+    table = {"type": "object", "properties": properties, "additionalProperties": False}
+    return {"anyOf": [*alone, table], "description": parameter.help_text}
 
 
-_facts_schema = cache(Facts.model_json_schema)
+ParameterValues = dict[str, ParameterValue]
+_table_schema = cache(ValueTable.model_json_schema)
 
 
 def _alone(parameter: Parameter) -> Iterable[dict[str, Any]]:

@@ -1,46 +1,46 @@
 """Writing of hoists' files: every value with its unit, its meaning and where it comes from."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 
-from hoist_demo.files.catalogue import host_parameters, rope_parameters
-from hoist_demo.files.hoist_file import PLACE_PARAMETERS
-from hoist_demo.files.values import Given
+from hoist_demo.files.hoist_file import SUSPENSION_PARAMETERS
+from hoist_demo.files.registry import host_parameters, rope_parameters
+from hoist_demo.files.values import ParameterValue, ParameterValues
 from hoist_demo.parameters.quantity import Parameter
 from rope_model.texts import printable, toml_string
 
-_PARAMETERS = {**PLACE_PARAMETERS, **host_parameters(), **rope_parameters()}
+_PARAMETERS = {**SUSPENSION_PARAMETERS, **host_parameters(), **rope_parameters()}
 _ORDER = list(dict.fromkeys(name.partition(".")[0] for name in (*host_parameters(), *rope_parameters())))
 
 
-def hoist_text(name: str, values: Mapping[str, Given], ropes: Iterable[Mapping[str, Given]], about: str = "") -> str:
+def hoist_text(name: str, values: ParameterValues, ropes: Iterable[ParameterValues], comment: str = "") -> str:
     """Return a hoist's file with these values by name, and a [[rope]] with those of each rope."""
-    parts = [*(f"# {printable(text)}" for text in about.splitlines()), f"name = {toml_string(name)}", ""]
+    parts = [*(f"# {printable(text)}" for text in comment.splitlines()), f"name = {toml_string(name)}", ""]
     tables: dict[str, list[str]] = {}
-    for key, one in sorted(values.items(), key=lambda item: "." in item[0] and _ORDER.index(item[0].partition(".")[0])):
+    for key, entry in sorted(values.items(), key=lambda kv: "." in kv[0] and _ORDER.index(kv[0].partition(".")[0])):
         table, _, own = key.rpartition(".")
-        tables.setdefault(table, []).append(_line(key, own, one))
+        tables.setdefault(table, []).append(_line(key, own, entry))
     for table, lines in tables.items():
         parts += [*([f"[{table}]"] if table else []), *lines, ""]
     for rope in ropes:
-        parts += ["[[rope]]", *(_line(key, key.removeprefix("rope."), one) for key, one in rope.items()), ""]
+        parts += ["[[rope]]", *(_line(key, key.removeprefix("rope."), entry) for key, entry in rope.items()), ""]
     return "\n".join(parts).rstrip() + "\n"
 
 
-def _line(name: str, key: str, one: Given) -> str:
+def _line(name: str, key: str, entry: ParameterValue) -> str:
     within = name.replace("rope.swivels.", "left.swivel.").removeprefix("rope.")
-    facts = _PARAMETERS.get(name) or _PARAMETERS.get(within) or Parameter(name, "1", "String")
-    meaning = facts.meaning.replace("[assumed]", "").replace("{side} ", "").strip(" ;,")
-    notes = ": ".join(filter(None, (meaning, one.source)))
+    parameter = _PARAMETERS.get(name) or _PARAMETERS.get(within) or Parameter(name, "1", "String")
+    meaning = parameter.meaning.replace("[assumed]", "").replace("{side} ", "").strip(" ;,")
+    notes = ": ".join(filter(None, (meaning, entry.source)))
     quoted = re.sub(r"\w+\[\d+\]", r'"\g<0>"', key)  # TOML has brackets in quotes only
-    return f"{quoted} = {_value(facts, one)}{f'  # {printable(notes)}' if notes else ''}"
+    return f"{quoted} = {_value(parameter, entry)}{f'  # {printable(notes)}' if notes else ''}"
 
 
-def _value(facts: Parameter, one: Given) -> str:
-    value = facts.choices[one.value] if facts.choices and type(one.value) is int else one.value
+def _value(parameter: Parameter, entry: ParameterValue) -> str:
+    value = parameter.choices[entry.value] if parameter.choices and type(entry.value) is int else entry.value
     if isinstance(value, str | bool):
         return toml_string(value) if isinstance(value, str) else str(value).lower()
-    if facts.kind == "String":  # a count, and no datum
+    if parameter.kind == "String":  # a count, and no datum
         return repr(value)
-    unit = "" if facts.unit == "1" else f", unit = {toml_string(facts.unit)}"
-    return f"{{ value = {value!r}{unit}, status = {toml_string(one.status)} }}"
+    unit = "" if parameter.unit == "1" else f", unit = {toml_string(parameter.unit)}"
+    return f"{{ value = {value!r}{unit}, status = {toml_string(entry.status)} }}"

@@ -7,7 +7,7 @@ Masses "referred to the rope" are J / R^2 with the sheave's radius R.
 import math
 from dataclasses import dataclass
 
-from hoist_demo.parameters.quantity import SHARE, VANISHING, Stated, quantity
+from hoist_demo.parameters.quantity import FRACTION, NONNEGATIVE, ValidatedData, parameter
 
 
 def require(value: float, holds: bool, name: str, bound: str, cure: str) -> None:
@@ -17,78 +17,82 @@ def require(value: float, holds: bool, name: str, bound: str, cure: str) -> None
 
 
 @dataclass(frozen=True)
-class DriveShaft(Stated, of="drive_shaft."):
+class DriveShaft(ValidatedData, of="drive_shaft."):
     """Elastic shaft between motor and sheave; all values [assumed]."""
 
-    motor_mass: float = quantity(
+    motor_mass: float = parameter(
         3.0e3, "kg", "of the motor's rotor referred to the rope, a part of the hoist's sheave_mass"
     )
-    stiffness: float = quantity(2.0e8, "N m/rad")
-    damping: float = quantity(0.02, "-", "damping ratio of motor against sheave", VANISHING)
+    stiffness: float = parameter(2.0e8, "N m/rad")
+    damping: float = parameter(0.02, "-", "damping ratio of motor against sheave", NONNEGATIVE)
 
 
 @dataclass(frozen=True)
-class Brake(Stated, of="brake."):
+class Brake(ValidatedData, of="brake."):
     """Disc brake on the sheave; all values [assumed].
 
     The torque asked for is a fraction of the full one. It comes after a dead time and with the lag of its hydraulics.
     """
 
-    torque: float = quantity(5.5e5, "N m", "full braking torque, of both directions of rotation")
-    delay: float = quantity(0.15, "s", "from the trip to the first torque", VANISHING)
-    lag: float = quantity(0.10, "s", "time constant of the pressure")
-    travel: float = quantity(2.0e-3, "m", "at the rim: elastic deflection of the stuck brake at its full torque")
-    first_stage: float = quantity(0.5, "-", "fraction of the torque in the first stage of a two-stage stop", SHARE)
-    first_stage_time: float = quantity(1.5, "s", "from the trip to the second stage")
+    torque: float = parameter(5.5e5, "N m", "full braking torque, of both directions of rotation")
+    delay: float = parameter(0.15, "s", "from the trip to the first torque", NONNEGATIVE)
+    lag: float = parameter(0.10, "s", "time constant of the pressure")
+    travel: float = parameter(2.0e-3, "m", "at the rim: elastic deflection of the stuck brake at its full torque")
+    first_stage: float = parameter(0.5, "-", "fraction of the torque in the first stage of a two-stage stop", FRACTION)
+    first_stage_time: float = parameter(1.5, "s", "from the trip to the second stage")
 
 
 @dataclass(frozen=True)
-class Lining(Stated, of="lining."):
+class Lining(ValidatedData, of="lining."):
     """Lining of the sheave, on which the head ropes may slide; all values [assumed]."""
 
-    sliding: float = quantity(0.8, "-", "friction coefficient of ropes that slide over that of ropes that hold", SHARE)
+    sliding: float = parameter(
+        0.8, "-", "friction coefficient of ropes that slide over that of ropes that hold", FRACTION
+    )
 
 
 @dataclass(frozen=True)
-class Guides(Stated, of="guides."):
+class Guides(ValidatedData, of="guides."):
     """Friction of one conveyance along its guides; all values [assumed]."""
 
-    coulomb: float = quantity(1.0e3, "N", "", VANISHING)
-    viscous: float = quantity(50.0, "N s/m", "", VANISHING)
+    coulomb: float = parameter(1.0e3, "N", "", NONNEGATIVE)
+    viscous: float = parameter(50.0, "N s/m", "", NONNEGATIVE)
 
 
 @dataclass(frozen=True)
-class Play(Stated, of="play."):
+class Play(ValidatedData, of="play."):
     """Freedom of a conveyance between its guides: x, z and yaw; all values [assumed].
 
     Within the play the head ropes alone pull it back, a pendulum with several ropes; beyond it the shoes are springs.
     """
 
-    clearance: float = quantity(5.0e-3, "m", "to either side, in x and in z", VANISHING)
-    stiffness: float = quantity(2.0e6, "N/m", "of the guides of a conveyance, in x and in z")
-    contact_damping: float = quantity(0.5, "s/m", "damping over elastic force and speed (Hunt and Crossley)", VANISHING)
-    damping: float = quantity(500.0, "N s/m", "of air and rollers, at any place", VANISHING)
-    arm: float = quantity(
+    clearance: float = parameter(5.0e-3, "m", "to either side, in x and in z", NONNEGATIVE)
+    stiffness: float = parameter(2.0e6, "N/m", "of the guides of a conveyance, in x and in z")
+    contact_damping: float = parameter(
+        0.5, "s/m", "damping over elastic force and speed (Hunt and Crossley)", NONNEGATIVE
+    )
+    damping: float = parameter(500.0, "N s/m", "of air and rollers, at any place", NONNEGATIVE)
+    arm: float = parameter(
         1.5, "m", "from the conveyance's axis to the shoes: play and stiffness in yaw are c / a and k a^2"
     )
-    gyration: float = quantity(1.2, "m", "radius of gyration of the loaded conveyance about the vertical")
-    rope_spread: float = quantity(0.4, "m", "radius of gyration of the head ropes' attachments about the vertical")
-    friction: float = quantity(0.1, "-", "shoe on guide: contact brakes the conveyance along the guides", VANISHING)
+    gyration: float = parameter(1.2, "m", "radius of gyration of the loaded conveyance about the vertical")
+    rope_spread: float = parameter(0.4, "m", "radius of gyration of the head ropes' attachments about the vertical")
+    friction: float = parameter(0.1, "-", "shoe on guide: contact brakes the conveyance along the guides", NONNEGATIVE)
 
 
 @dataclass(frozen=True)
-class Jam(Stated, of="jam."):
+class Jam(ValidatedData, of="jam."):
     """A place where its guides are too narrow for a conveyance: it catches there, and sticks; all values [assumed].
 
     The holding force rises from 0 at `distance` from the place to its full value at the place, and falls again: a
     conveyance that is pulled or carried through is free behind it.
     """
 
-    height: float = quantity(45.0, "m", "of the place, by the conveyance's suspension", VANISHING)
-    distance: float = quantity(2.0, "m", "from the place to where the guides begin to hold, up and down")
-    force: float = quantity(8.0e5, "N", "that holds the conveyance at the place")
-    travel: float = quantity(0.01, "m", "elastic deflection of the stuck conveyance at its full force")
-    damping: float = quantity(5.0e-3, "s", "of the stuck conveyance: damping over stiffness", VANISHING)
+    height: float = parameter(45.0, "m", "of the place, by the conveyance's suspension", NONNEGATIVE)
+    distance: float = parameter(2.0, "m", "from the place to where the guides begin to hold, up and down")
+    force: float = parameter(8.0e5, "N", "that holds the conveyance at the place")
+    travel: float = parameter(0.01, "m", "elastic deflection of the stuck conveyance at its full force")
+    damping: float = parameter(5.0e-3, "s", "of the stuck conveyance: damping over stiffness", NONNEGATIVE)
 
     def require_within(self, shaft_travel: float, name: str) -> None:
         """Raise the ValueError of a place that is not there; ``name`` is the conveyance of the jam."""

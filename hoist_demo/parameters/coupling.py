@@ -4,18 +4,18 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from hoist_demo.parameters.components import require
-from hoist_demo.parameters.quantity import ANY, Bounds, Stated, quantity
+from hoist_demo.parameters.quantity import UNBOUNDED, Bounds, ValidatedData, parameter
 
 
 @dataclass(frozen=True)
-class Coupling(Stated):
+class Coupling(ValidatedData):
     """Exchange of data between drive and rope."""
 
-    step: float = quantity(0.01, "s", "communication step H", Bounds(0.0, 0.1, True, "take 0.005 to 0.02 s"))
-    start: float = quantity(0.0, "s", "time at the start", ANY)
+    step: float = parameter(0.01, "s", "communication step H", Bounds(0.0, 0.1, True, "take 0.005 to 0.02 s"))
+    start: float = parameter(0.0, "s", "time at the start", UNBOUNDED)
     #: one of hoist_demo.cosimulation.schemes.catalogue
-    scheme: str = quantity("gauss-seidel-1", "-", "coupling scheme, listed by wind --help", ANY)
-    sample: float | None = quantity(
+    scheme: str = parameter("gauss-seidel-1", "-", "coupling scheme, listed by wind --help", UNBOUNDED)
+    sample: float | None = parameter(
         None, "s", "sample time of the controller, a multiple of step or a whole part of it; left out: the step"
     )
 

@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lining, Play, require
-from hoist_demo.parameters.quantity import VANISHING, Bounds, Stated, quantity
+from hoist_demo.parameters.quantity import NONNEGATIVE, Bounds, ValidatedData, parameter
 from rope_model.physics.elementary import maximum
 
 GRAVITY = 9.81  #: Acceleration of free fall [m/s^2].
@@ -37,47 +37,47 @@ _ANGLE = Bounds(0.1, 4.0 * math.pi, cure="give it in rad: 180 degrees are 3.1416
 
 
 @dataclass(frozen=True)
-class Hoist(Stated):
+class Hoist(ValidatedData):
     """Friction (Koepe) hoist with its motor on the sheave, without parts that are None or 0; all values [assumed]."""
 
-    conveyance_mass: float = quantity(10.0e3, "kg", "each conveyance with its attachments")
-    payload_left: float = quantity(5.0e3, "kg", "", VANISHING)
-    payload_right: float = quantity(0.0, "kg", "", VANISHING)
-    sheave_mass: float = quantity(8.0e3, "kg", "inertia of sheave and motor referred to the rope, J / R^2")
-    sheave_radius: float = quantity(1.25, "m")
-    torque_lag: float = quantity(0.05, "s", "time constant of the motor torque")
-    torque_limit: float = quantity(2.2e5, "N m", "motor with service brake")
-    head_rope_number: int = quantity(4, "-", "", _COUNT)
-    head_rope_stiffness: float = quantity(2.6e7, "N", "EA of one rope", _STIFFNESS)
-    head_rope_mass: float = quantity(2.0, "kg/m", "of one rope")
-    head_rope_damping: float = quantity(0.03, "-", "damping ratio of a conveyance on its ropes", VANISHING)
-    head_rope_length_up: float = quantity(15.0, "m", "sheave axis above a conveyance at the upper landing")
-    loss_coulomb: float = quantity(4.0e3, "N", "at the sheave's rim", VANISHING)
-    loss_viscous: float = quantity(200.0, "N s/m", "at the sheave's rim", VANISHING)
-    loss_speed: float = quantity(0.02, "m/s", "width of the smooth Coulomb law F tanh(v / loss_speed)")
-    friction_coefficient: float = quantity(0.25, "-", "rope on lining", _FRICTION)
-    wrap_angle: float = quantity(math.pi, "rad", "", _ANGLE)
-    shaft_travel: float = quantity(90.0, "m", "between the landings")
-    tail_rope_mass: float = quantity(
-        8.0, "kg/m", "of one balance rope, of ropes that differ the sum, for feed-forward and statics", VANISHING
+    conveyance_mass: float = parameter(10.0e3, "kg", "each conveyance with its attachments")
+    payload_left: float = parameter(5.0e3, "kg", "", NONNEGATIVE)
+    payload_right: float = parameter(0.0, "kg", "", NONNEGATIVE)
+    sheave_mass: float = parameter(8.0e3, "kg", "inertia of sheave and motor referred to the rope, J / R^2")
+    sheave_radius: float = parameter(1.25, "m")
+    torque_lag: float = parameter(0.05, "s", "time constant of the motor torque")
+    torque_limit: float = parameter(2.2e5, "N m", "motor with service brake")
+    head_rope_number: int = parameter(4, "-", "", _COUNT)
+    head_rope_stiffness: float = parameter(2.6e7, "N", "EA of one rope", _STIFFNESS)
+    head_rope_mass: float = parameter(2.0, "kg/m", "of one rope")
+    head_rope_damping: float = parameter(0.03, "-", "damping ratio of a conveyance on its ropes", NONNEGATIVE)
+    head_rope_length_up: float = parameter(15.0, "m", "sheave axis above a conveyance at the upper landing")
+    loss_coulomb: float = parameter(4.0e3, "N", "at the sheave's rim", NONNEGATIVE)
+    loss_viscous: float = parameter(200.0, "N s/m", "at the sheave's rim", NONNEGATIVE)
+    loss_speed: float = parameter(0.02, "m/s", "width of the smooth Coulomb law F tanh(v / loss_speed)")
+    friction_coefficient: float = parameter(0.25, "-", "rope on lining", _FRICTION)
+    wrap_angle: float = parameter(math.pi, "rad", "", _ANGLE)
+    shaft_travel: float = parameter(90.0, "m", "between the landings")
+    tail_rope_mass: float = parameter(
+        8.0, "kg/m", "of one balance rope, of ropes that differ the sum, for feed-forward and statics", NONNEGATIVE
     )
-    tail_rope_length: float = quantity(120.0, "m", "likewise", VANISHING)
-    tail_rope_number: int = quantity(
+    tail_rope_length: float = parameter(120.0, "m", "likewise", NONNEGATIVE)
+    tail_rope_number: int = parameter(
         1, "-", "of equal balance ropes, one of which is computed; of ropes that differ 1, their sum", _COUNT
     )
-    conveyance_mass_right: float | None = quantity(
+    conveyance_mass_right: float | None = parameter(
         None, "kg", "of a counterweight or another conveyance; left out: as the left one"
     )
-    power_limit: float | None = quantity(None, "W", "of the motor and its converter, in both directions")
-    head_rope_modes: int = quantity(0, "-", "longitudinal, of a side's head ropes, beyond their mean strain", _MODES)
-    drive_shaft: DriveShaft | None = quantity(None, "", "none: rigid")
-    brake: Brake | None = quantity(None, "", "none: no brake but the motor")
-    lining: Lining | None = quantity(None, "", "none: the head ropes hold on the sheave whatever they pull")
-    guides: Guides | None = quantity(None, "", "none: no friction along the guides")
-    play: Play | None = quantity(None, "", "none: conveyances move along straight lines")
-    jam_left: Jam | None = quantity(None, "", "none: the left conveyance passes everywhere")
-    jam_right: Jam | None = quantity(None, "", "none: the right conveyance passes everywhere")
-    slack_tension: float | None = quantity(
+    power_limit: float | None = parameter(None, "W", "of the motor and its converter, in both directions")
+    head_rope_modes: int = parameter(0, "-", "longitudinal, of a side's head ropes, beyond their mean strain", _MODES)
+    drive_shaft: DriveShaft | None = parameter(None, "", "none: rigid")
+    brake: Brake | None = parameter(None, "", "none: no brake but the motor")
+    lining: Lining | None = parameter(None, "", "none: the head ropes hold on the sheave whatever they pull")
+    guides: Guides | None = parameter(None, "", "none: no friction along the guides")
+    play: Play | None = parameter(None, "", "none: conveyances move along straight lines")
+    jam_left: Jam | None = parameter(None, "", "none: the left conveyance passes everywhere")
+    jam_right: Jam | None = parameter(None, "", "none: the right conveyance passes everywhere")
+    slack_tension: float | None = parameter(
         None, "N", "of the head ropes at either conveyance, below which the safety circuit opens; left out: not watched"
     )
 
@@ -97,13 +97,13 @@ class Hoist(Stated):
             require(tension, tension < lightest, "slack_tension", bound, "give a part of it")
 
     @property
-    def parts(self) -> "Hoist":
+    def equation_structure(self) -> "Hoist":
         """Hoist with all numbers 0 but the count of modes: equal for hoists that share their equations."""
         return with_numbers(self, repeat(0.0))
 
     @property
     def numbers(self) -> list[float]:
-        """Numbers that `parts` leaves out, those of the components in their places."""
+        """Numbers that `equation_structure` leaves out, those of the components in their places."""
         return list(_numbers(self))
 
     @property
@@ -141,8 +141,8 @@ class Hoist(Stated):
     def moving_mass(self) -> float:
         """Sum of the moving masses referred to the rope [kg], the balance ropes' included."""
         ropes = self.rope_mass * (self.shaft_travel + 2.0 * self.head_rope_length_up)
-        tail = self.tail_mass * self.tail_rope_length
-        return self.sheave_mass + self.mass_left + self.mass_right + ropes + tail
+        balance_ropes = self.tail_mass * self.tail_rope_length
+        return self.sheave_mass + self.mass_left + self.mass_right + ropes + balance_ropes
 
     @property
     def travel_loss(self) -> tuple[float, float]:

@@ -16,12 +16,12 @@ class Problems(list[str]):
             self.refuse()
 
     @contextmanager
-    def at(self, place: str) -> Iterator[None]:
-        """Collect what is refused inside, each line behind its place."""
+    def at(self, key_path: str) -> Iterator[None]:
+        """Collect what is refused inside, each line behind its key path."""
         try:
             yield
         except ValueError as error:
-            self += [f"{place}: {line}" if place else line for line in str(error).splitlines() or [repr(error)]]
+            self += [f"{key_path}: {line}" if key_path else line for line in str(error).splitlines() or [repr(error)]]
 
     def refuse(self) -> None:
         """Raise a ValueError with all problems, if there are any."""

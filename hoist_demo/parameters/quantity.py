@@ -23,7 +23,7 @@ class Bounds(NamedTuple):
     cure: str = ""
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         """Return the bounds in a sentence."""
         low, high = (None if end is None else f"{end:.6g}" for end in (self.low, self.high))
         if high is not None and low is not None and not self.opens:
@@ -32,19 +32,19 @@ class Bounds(NamedTuple):
         most = f"at most {high}" if high is not None else ""
         return " and ".join(filter(None, (least, most))) or "finite"
 
-    def hold(self, value: float) -> bool:
+    def contains(self, value: float) -> bool:
         """Return True if a number is finite and keeps them."""
         above = self.low is None or (value > self.low if self.opens else value >= self.low)
         return math.isfinite(value) and above and (self.high is None or value <= self.high)
 
 
 POSITIVE = Bounds(0.0, opens=True)  #: Bounds of most quantities.
-VANISHING = Bounds(0.0)  #: Bounds of quantities that may be 0.
-ANY = Bounds()  #: Bounds of quantities of either sign.
-SHARE = Bounds(0.0, 1.0, True, "give a fraction")  #: Bounds of a share.
+NONNEGATIVE = Bounds(0.0)  #: Bounds of quantities that may be 0.
+UNBOUNDED = Bounds()  #: Bounds of quantities of either sign.
+FRACTION = Bounds(0.0, 1.0, True, "give a fraction")  #: Bounds of a share.
 
 
-def quantity(default: T, unit: str, meaning: str = "", bounds: Bounds = POSITIVE) -> T:
+def parameter(default: T, unit: str, meaning: str = "", bounds: Bounds = POSITIVE) -> T:
     """Return a field with its unit ("-" of a pure number), its meaning beyond its name, and its bounds."""
     return field(default=default, metadata={"unit": unit, "description": meaning, "bounds": bounds})
 
@@ -71,7 +71,7 @@ class Parameter:
     unit: str  # FMI's spelling, "1" for none
     kind: str  # Real, Integer, Boolean or String
     start: Value = ""  # value where it is not set; a data class of the host has its own
-    bounds: Bounds = ANY
+    bounds: Bounds = UNBOUNDED
     choices: tuple[str, ...] = ()  # words of a text, or of the codes of a number
     meaning: str = ""
 
@@ -94,9 +94,9 @@ class Parameter:
             raise ValueError(f"{bad} must be a finite number: give it in {self.unit_words}")
         if self.kind != "Real" and float(value) != round(value):
             raise ValueError(f"{bad} must be a whole number: round it")
-        if not self.bounds.hold(value):
+        if not self.bounds.contains(value):
             cure = self.bounds.cure or f"give it in {self.unit_words}"
-            raise ValueError(f"{bad} must be {self.bounds.words}: {cure}")
+            raise ValueError(f"{bad} must be {self.bounds.description}: {cure}")
         return float(value) if self.kind == "Real" else round(value)
 
     def _code(self, value: object) -> object:
@@ -118,7 +118,7 @@ class Parameter:
         return "plain numbers" if self.unit == "1" else self.unit
 
     @property
-    def about(self) -> str:
+    def help_text(self) -> str:
         """Meaning with its unit in brackets."""
         return f"{self.meaning or self.name}{'' if self.unit == '1' else f' [{self.unit}]'}"
 
@@ -130,18 +130,19 @@ def leaves(data: Any, prefix: str = "") -> Iterator[Parameter]:
     """Yield all single values of a data class by dotted names; `brake: Brake | None` stands for the brake's own."""
     hints = get_type_hints(data)
     for one in fields(data):
-        hint, facts, name = hints[one.name], one.metadata, f"{prefix}{one.name}"
-        kinds, about, start = (hint, *get_args(hint)), str(facts.get("description", "")), cast(Any, one.default)
+        hint, metadata, name = hints[one.name], one.metadata, f"{prefix}{one.name}"
+        kinds, start = (hint, *get_args(hint)), cast(Any, one.default)
+        unit, meaning = fmi_unit(metadata.get("unit", "")), str(metadata.get("description", ""))
         if get_origin(hint) is Literal:
-            yield Parameter(name, "1", "String", start, choices=get_args(hint), meaning=about)
+            yield Parameter(name, "1", "String", start, choices=get_args(hint), meaning=meaning)
         elif kind := next((_KINDS[t] for t in kinds if t in _KINDS), None):
-            yield Parameter(name, fmi_unit(facts.get("unit", "")), kind, start, facts.get("bounds", ANY), meaning=about)
+            yield Parameter(name, unit, kind, start, metadata.get("bounds", UNBOUNDED), meaning=meaning)
         for part in kinds:
             if isinstance(part, type) and is_dataclass(part):
                 yield from leaves(part, f"{name}.")
 
 
-class Stated:
+class ValidatedData:
     """Data that are checked when they are made, each value alone; `of` stands before their names in messages."""
 
     _of = ""

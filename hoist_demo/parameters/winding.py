@@ -6,7 +6,7 @@ from typing import Literal
 
 from hoist_demo.parameters.components import require
 from hoist_demo.parameters.hoist import Hoist
-from hoist_demo.parameters.quantity import ANY, VANISHING, Stated, quantity
+from hoist_demo.parameters.quantity import NONNEGATIVE, UNBOUNDED, ValidatedData, parameter
 
 #: Who stops the hoist: the drive along its reference, or the brake with a regulated deceleration, its full torque, or a
 #: part of it first and the whole later.
@@ -14,23 +14,23 @@ EmergencyLaw = Literal["drive", "deceleration", "torque", "two-stage"]
 
 
 @dataclass(frozen=True)
-class Winding(Stated):
+class Winding(ValidatedData):
     """One trip of the left conveyance, up when travel is positive, with waiting times before and after."""
 
-    travel: float = quantity(90.0, "m", "negative lowers", ANY)
-    speed: float = quantity(8.0, "m/s", "limit")
-    acceleration: float = quantity(0.75, "m/s^2", "limit")
-    jerk: float = quantity(0.5, "m/s^3", "limit")
-    creep_speed: float = quantity(0.5, "m/s", "of a creep, where there is one")
-    creep_distance: float = quantity(
-        0.0, "m", "to the landing from where creep speed is reached, final stop included; 0: no creep", VANISHING
+    travel: float = parameter(90.0, "m", "negative lowers", UNBOUNDED)
+    speed: float = parameter(8.0, "m/s", "limit")
+    acceleration: float = parameter(0.75, "m/s^2", "limit")
+    jerk: float = parameter(0.5, "m/s^3", "limit")
+    creep_speed: float = parameter(0.5, "m/s", "of a creep, where there is one")
+    creep_distance: float = parameter(
+        0.0, "m", "to the landing from where creep speed is reached, final stop included; 0: no creep", NONNEGATIVE
     )
-    departure_creep_distance: float = quantity(0.0, "m", "to where creep speed is left; 0: no creep", VANISHING)
-    start_delay: float = quantity(1.0, "s", "", VANISHING)
-    settle: float = quantity(10.0, "s", "recorded after the reference has arrived", VANISHING)
-    emergency_at: float | None = quantity(None, "s", "emergency stop begins; left out: no emergency stop", VANISHING)
-    emergency_deceleration: float = quantity(5.0, "m/s^2")
-    emergency_jerk: float = quantity(50.0, "m/s^3", "the short ramp of the emergency deceleration")
+    departure_creep_distance: float = parameter(0.0, "m", "to where creep speed is left; 0: no creep", NONNEGATIVE)
+    start_delay: float = parameter(1.0, "s", "", NONNEGATIVE)
+    settle: float = parameter(10.0, "s", "recorded after the reference has arrived", NONNEGATIVE)
+    emergency_at: float | None = parameter(None, "s", "emergency stop begins; left out: no emergency stop", NONNEGATIVE)
+    emergency_deceleration: float = parameter(5.0, "m/s^2")
+    emergency_jerk: float = parameter(50.0, "m/s^3", "the short ramp of the emergency deceleration")
     emergency_law: EmergencyLaw = "drive"
 
     def __post_init__(self) -> None:
@@ -57,12 +57,12 @@ class Winding(Stated):
 
 
 @dataclass(frozen=True)
-class Arrival(Stated):
+class Arrival(ValidatedData):
     """Bounds within which a conveyance counts as arrived; all values [assumed]."""
 
-    position_band: float = quantity(0.01, "m", "of the left conveyance about its landing")
-    speed_band: float = quantity(0.01, "m/s", "of both conveyances")
-    window: float = quantity(5.0, "s", "after the reference's arrival, over which swing is judged")
+    position_band: float = parameter(0.01, "m", "of the left conveyance about its landing")
+    speed_band: float = parameter(0.01, "m/s", "of both conveyances")
+    window: float = parameter(5.0, "s", "after the reference's arrival, over which swing is judged")
 
 
 def require_trip_fits(hoist: Hoist, winding: Winding) -> None:

@@ -49,9 +49,9 @@ def remark(recording: Recording) -> str:
         effects = [effect for effect in neglected_effects(fidelity)
                    if any(np.isnan(recording[name]).any() for name in _names((effect,), names))]  # fmt: skip
         if effects and fidelity in fidelities_of(recording):
-            words = ", ".join(effect.words for effect in effects)
+            label = ", ".join(effect.words for effect in effects)
             return (
-                f"the rope ran as its {fidelity} model{_when(fidelity, recording)}, which does not compute {words}; "
+                f"the rope ran as its {fidelity} model{_when(fidelity, recording)}, which does not compute {label}; "
                 "none of that is shown. Set model.fidelity = 1 (torsional), or take the level standard"
             )
     return ""

@@ -19,7 +19,7 @@ class Nearest:
 
     clearance: float  # m, between their surfaces
     t: float  # s
-    place: tuple[float, float, float]  # m, half-way between both
+    position: tuple[float, float, float]  # m, half-way between both
 
 
 @dataclass(frozen=True)
@@ -36,9 +36,9 @@ def nearest(times: Array, one: Array, other: Array, radii: float) -> Nearest:
     """Return the nearest approach of two ropes: points (instants, points, 3) [m], and the sum of their radii [m]."""
     best = Nearest(np.inf, float(times[0]), (np.nan, np.nan, np.nan))
     for k, t in enumerate(times):
-        distance, place = polygon_distance(one[k], other[k])
+        distance, position = polygon_distance(one[k], other[k])
         if distance - radii < best.clearance:
-            x, y, z = place.tolist()
+            x, y, z = position.tolist()
             best = Nearest(distance - radii, float(t), (x, y, z))
     return best
 

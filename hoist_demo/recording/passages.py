@@ -25,10 +25,10 @@ PASSED = "passed"  #: Word of ``passages`` for bodies that did not hold the rope
 def passages(recording: Recording, rope: str = "the rope") -> str:
     """Return what ``rope`` has struck or passed through so far, with times and places; "" for nothing."""
     met = [
-        _met(recording, words, f"nearest.{name}.touched_at", f"nearest.{name}.y")
+        _met(recording, label, f"nearest.{name}.touched_at", f"nearest.{name}.y")
         if _last(recording, f"nearest.{name}.clearance", 1.0) <= 0.0
-        else _briefly(recording, words, [f"contact.{name}"])
-        for name, words in BODIES.items()
+        else _briefly(recording, label, [f"contact.{name}"])
+        for name, label in BODIES.items()
         if _last(recording, f"nearest.{name}.clearance", 1.0) <= 0.0 or _pressed(recording, name)
     ]
     # contact for a moment between two rows leaves its dissipated energy
@@ -62,14 +62,14 @@ def without_passages(warnings: Iterable[str]) -> list[str]:
 _PASSAGE_WARNINGS = ("the rope has struck", "the rope has passed into")
 
 
-def _met(recording: Recording, words: str, since: str, y: str) -> str:
-    return f"{words} (from t = {_last(recording, since):.4g} s on, deepest at y = {_last(recording, y):.4g} m)"
+def _met(recording: Recording, label: str, since: str, y: str) -> str:
+    return f"{label} (from t = {_last(recording, since):.4g} s on, deepest at y = {_last(recording, y):.4g} m)"
 
 
-def _briefly(recording: Recording, words: str, names: Sequence[str]) -> str:
+def _briefly(recording: Recording, label: str, names: Sequence[str]) -> str:
     """Return ``words`` with the time of the first row that shows contact, where its depth is unknown or too small."""
     shown = [_shows(recording, name) for name in names if name in recording]
-    return f"{words} (from t = {recording.time[np.argmax(np.any(shown, axis=0))]:.4g} s on)"
+    return f"{label} (from t = {recording.time[np.argmax(np.any(shown, axis=0))]:.4g} s on)"
 
 
 def _shows(recording: Recording, name: str) -> NDArray[np.bool_]:

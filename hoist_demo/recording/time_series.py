@@ -81,9 +81,8 @@ class Recorder:
     def recording(self) -> Recording:
         """Return all rows so far."""
         columns = self._table[: self.count].T.copy()
-        return Recording(
-            dict(zip(self.names, columns, strict=True)), {name: self._units.get(name, "") for name in self.names}
-        )
+        units = {name: self._units.get(name, "") for name in self.names}
+        return Recording(dict(zip(self.names, columns, strict=True)), units)
 
 
 def is_along(name: str) -> bool:

@@ -160,7 +160,7 @@ def shapes(recording: Recording, ropes: Sequence[RopeData]) -> Figure | None:
     drawn = []
     for row in shape_rows(recording, 6):
         hanging = [(rope, own) for rope in ropes if row < len((own := rope_signals(recording, rope.name)).time)]
-        points = [shape + rope.place.origin for rope, own in hanging if (shape := own.shape_at(row)) is not None]
+        points = [shape + rope.suspension.origin for rope, own in hanging if (shape := own.shape_at(row)) is not None]
         if curves := [shape for shape in points if np.isfinite(shape).all()]:
             drawn.append((recording.time[row], curves))
     if not drawn:

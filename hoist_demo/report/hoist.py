@@ -8,9 +8,9 @@ from types import MappingProxyType
 
 from hoist_demo.cases.case import Case
 from hoist_demo.cosimulation.participants.rope_data import RopeData
-from hoist_demo.design.statics import at_rest, holds, pulls
-from hoist_demo.files.catalogue import rope_parameters
-from hoist_demo.files.values import GIVEN, STATUSES, Given
+from hoist_demo.design.statics import at_rest, pulls, static_slip_safeties
+from hoist_demo.files.registry import rope_parameters
+from hoist_demo.files.values import GIVEN, STATUSES, ParameterValue
 from hoist_demo.files.writing import hoist_text
 from hoist_demo.parameters import SIDES
 from hoist_demo.parameters.quantity import Value
@@ -33,28 +33,28 @@ def complete_file(case: Case, run: RunData, ropes: Sequence[RopeData], provenanc
     """Return a hoist's file with every value of a run and its status; wound again, it gives the same bits."""
     status = statuses(provenance)
 
-    def given(name: str, value: Value, of: str = "") -> Given:
+    def entry(name: str, value: Value, of: str = "") -> ParameterValue:
         source_status = status.get(f"{of}{name}", SETTING)
         file_status = source_status if source_status in STATUSES else "assumed" if source_status == SETTING else GIVEN
-        return Given(value, file_status, case.sources.get(name, ""))
+        return ParameterValue(value, file_status, case.sources.get(name, ""))
 
-    lines = {"controller": given("controller", run.controller), "level": given("level", case.level)}
-    lines |= {one.name: given(one.name, one.value) for one in host_provenance(run, {})}
+    lines = {"controller": entry("controller", run.controller), "level": entry("level", case.level)}
+    lines |= {one.name: entry(one.name, one.value) for one in host_provenance(run, {})}
     names = rope_parameters()
     ropes = [replace(one, parameters={**one.parameters, _SPACING: _spacing(one, run)}) for one in ropes]
     first = ropes[0]
     alike = {key for key in names if all(one.parameters.get(key) == first.parameters[key] for one in ropes)}
     shared = {key for key in alike if not key.startswith(("rope.", "left.", "right."))}
-    lines |= {key: given(key, first.parameters[key], first.prefix) for key in names if key in shared}
+    lines |= {key: entry(key, first.parameters[key], first.prefix) for key in names if key in shared}
     tables = []
     for rope in ropes:
         own = {key: value for key, value in rope.parameters.items() if key in names and key not in shared}
         placed: dict[str, Value] = {"rope.number": run.hoist.tail_rope_number}
         if rope.name:
-            placed = {"rope.name": rope.name, **{f"rope.{key}": x for key, x in vars(rope.place).items()}}
+            placed = {"rope.name": rope.name, **{f"rope.{key}": x for key, x in vars(rope.suspension).items()}}
         if rope.breaks:
             placed |= dict(zip(("rope.breaks_at", "rope.breaks_s"), rope.breaks, strict=True))
-        tables.append({key: given(key, value, rope.prefix) for key, value in {**placed, **own}.items()})
+        tables.append({key: entry(key, value, rope.prefix) for key, value in {**placed, **own}.items()})
     return hoist_text(case.name, lines, tables)
 
 
@@ -63,9 +63,9 @@ _SPACING = "layout.spacing"
 
 def _spacing(rope: RopeData, run: RunData) -> float:
     """Return the spacing of the conveyances' centres [m]: a rope's own, less what its place adds."""
-    own, place = float(rope.parameters[_SPACING]), rope.place
-    set_spacing = float(run.fmu.get(_SPACING, rope_parameters()[_SPACING].start))
-    return set_spacing if set_spacing + place.x_right - place.x_left == own else own - place.x_right + place.x_left
+    own, offset = float(rope.parameters[_SPACING]), rope.suspension
+    set_spacing = float(run.rope_values.get(_SPACING, rope_parameters()[_SPACING].start))
+    return set_spacing if set_spacing + offset.x_right - offset.x_left == own else own - offset.x_right + offset.x_left
 
 
 def as_file(case: Case, name: str, values: Values = NOTHING) -> str:
@@ -93,7 +93,7 @@ def slip_problems(case: Case) -> list[str]:
         f"slip safety {one.when} is {one.safety:.3g} (tension ratio {one.ratio:.3g}, limit "
         f"{case.hoist.tension_ratio_limit:.3g}), and {one.required:g} is usually asked for: more weight on the light "
         "side, a better lining, or a gentler trip"
-        for one in holds(case.hoist, case.winding)
+        for one in static_slip_safeties(case.hoist, case.winding)
         if one.safety < one.required and one.required > 1.0
     ]
 
@@ -103,13 +103,13 @@ def consequences(case: Case, name: str, values: Values = NOTHING) -> tuple[str, 
     hoist = case.hoist
     rows = [
         SummaryRow(_HOLD, f"slip safety {one.when}, without swing", f"{one.safety:.3g}, asked {one.required:g}")
-        for one in holds(hoist, case.winding)
+        for one in static_slip_safeties(hoist, case.winding)
     ]
     for height in (0.0, hoist.shaft_travel):
         left, right = pulls(hoist, height)
-        words = f"{left / 1e3:.4g} and {right / 1e3:.4g} kN"
+        label = f"{left / 1e3:.4g} and {right / 1e3:.4g} kN"
         heads = f"pull of all head ropes, left and right, left conveyance at {height:g} m"
-        rows.append(SummaryRow(_HOLD, heads, words))
+        rows.append(SummaryRow(_HOLD, heads, label))
     rows.append(SummaryRow(_HOLD, "all moving masses", hoist.moving_mass, "kg"))
     warned, yaws = [], dict[str, float]()
     ropes = ropes_of(case, build_trip(name, values), {}, case.level).ropes
@@ -141,7 +141,7 @@ def consequences(case: Case, name: str, values: Values = NOTHING) -> tuple[str, 
 def _neighbours(ropes: Sequence[OneRope], yaws: Mapping[str, float]) -> Iterator[str]:
     """Tell of ropes side by side that may touch as their loops yaw, more in a trip than at rest [rad]."""
     for one, other in combinations(ropes, 2):
-        (x, _, z), (x1, _, z1) = one.place.origin, other.place.origin
+        (x, _, z), (x1, _, z1) = one.suspension.origin, other.suspension.origin
         reach, reach1 = (
             0.5 * r.scene.layout.spacing * math.sin(max(-0.5 * math.pi, min(YAWS * yaws[r.name], 0.5 * math.pi)))
             for r in (one, other)

@@ -20,7 +20,7 @@ CAPTIONS = {
 def render_markdown(report: Report, figures: Sequence[Path]) -> str:
     """Return the report as Markdown: verdict, figures by file name, and the rest."""
     verdict = report.verdict
-    parts = [f"# {_inline(report.title)}", f"**{_inline(verdict.words)}**"]
+    parts = [f"# {_inline(report.title)}", f"**{_inline(verdict.summary)}**"]
     parts += _table(COLUMNS, [row.cells for row in verdict.rows])
     parts += [f"**Warning.** {_inline(text)}" for text in verdict.remarks]
     parts += _table(CHANGED, report.changed[1], report.changed[0])
@@ -28,7 +28,7 @@ def render_markdown(report: Report, figures: Sequence[Path]) -> str:
     parts += [f"![{_caption(path)}]({path.name})\n\n{_caption(path)}" for path in figures]
     for group, rows in rows_by_group(report.rows).items():
         parts += _table(("quantity", "value", "unit"), [(row.quantity, row.text, row.unit) for row in rows], group)
-    for name, lines in report.given:
+    for name, lines in report.data_tables:
         parts += _table(("parameter", "value", "unit", "status"), lines, f"Data: {name}")
     return "\n\n".join(parts) + "\n"
 

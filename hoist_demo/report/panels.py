@@ -96,9 +96,8 @@ def _of_ropes(panel: Panel, drawable: Collection[str], names: Sequence[str]) -> 
     if len(own) == 1:
         (line,) = own
         styled = zip(names, cycle("abcde"), strict=False)
-        yield replace(
-            panel, lines=tuple(replace(line, signal=f"{n}.{line.signal}", label=n, style=s) for n, s in styled)
-        )
+        lines = tuple(replace(line, signal=f"{n}.{line.signal}", label=n, style=s) for n, s in styled)
+        yield replace(panel, lines=lines)
     else:
         for n in names:
             lines = tuple(replace(line, signal=f"{n}.{line.signal}") for line in own)
@@ -223,7 +222,7 @@ def marks(result: Result) -> list[Mark]:
     if (slid := slip(result.recording)) is not None:
         instants.append(Mark(slid.t, "head ropes slip"))
     if winding.creeps:
-        instants += [Mark(start + t, "creep") for t in result.trajectory.holds(winding.creep_speed)]
+        instants += [Mark(start + t, "creep") for t in result.trajectory.cruise_times(winding.creep_speed)]
     if (trip := guard_trip(result.recording)) is not None:
         instants.append(Mark(trip.t, f"guard: {trip.cause}"))
     if winding.emergency_at is not None:

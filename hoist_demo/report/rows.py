@@ -36,13 +36,13 @@ class SummaryRow:
 
 @dataclass(frozen=True)
 class Report:
-    """Content of a report, in reading order; `changed` are the settings that differ, `given` all data of the run."""
+    """Content of a report, in reading order; `changed` are the settings that differ, `data_tables` have all data."""
 
     title: str
     verdict: Verdict
     changed: TitledRows = ("", [])
     rows: Sequence[SummaryRow] = ()
-    given: Sequence[TitledRows] = ()
+    data_tables: Sequence[TitledRows] = ()
 
 
 def rows_by_group(rows: Sequence[SummaryRow]) -> dict[str, list[SummaryRow]]:
@@ -77,7 +77,7 @@ def render(rows: Sequence[SummaryRow]) -> str:
 
 def render_verdict(verdict: Verdict) -> str:
     """Return the verdict as plain text: its words and its rows."""
-    lines = textwrap.wrap(verdict.words, 110)
+    lines = textwrap.wrap(verdict.summary, 110)
     cells = [COLUMNS, *(row.cells for row in verdict.rows)] if verdict.rows else []
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     table = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in cells]
@@ -85,7 +85,7 @@ def render_verdict(verdict: Verdict) -> str:
 
 
 TITLE = "Data that this rests on, by status"
-NAMED = 8  #: Most names that are listed one by one.
+MAX_LISTED_NAMES = 8  #: Most names that are listed one by one.
 
 
 def status_rows(data: Sequence[SourcedValue]) -> list[SummaryRow]:
@@ -95,7 +95,7 @@ def status_rows(data: Sequence[SourcedValue]) -> list[SummaryRow]:
         names = [one.name for one in data if one.status == status]
         if names and status != SETTING:
             kinds = Counter(name.rpartition(".")[0] for name in names)
-            text = ", ".join(names if len(names) <= NAMED else (f"{count} of {kind}" for kind, count in kinds.items()))
+            text = ", ".join(names if len(names) <= MAX_LISTED_NAMES else (f"{n} of {k}" for k, n in kinds.items()))
             rows.append(SummaryRow(TITLE, status, text))
     return rows
 

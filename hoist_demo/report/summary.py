@@ -114,10 +114,10 @@ def _of_rope(recording: Recording, name: str) -> Iterator[SummaryRow]:
 def _together(recording: Recording) -> Iterator[SummaryRow]:
     """Yield the moments of several ropes about the conveyances' centres."""
     for end in SIDES:
-        for name, words in (("mx", "tilt about X"), ("my", "moment about Y"), ("mz", "tilt about Z")):
+        for name, label in (("mx", "tilt about X"), ("my", "moment about Y"), ("mz", "tilt about Z")):
             if bool(np.isfinite(recording[f"{end}.{name}"]).any()):
                 group = f"All ropes on the {end} conveyance, about its centre"
-                yield SummaryRow(group, words, _largest(recording[f"{end}.{name}"]), "N m")
+                yield SummaryRow(group, label, _largest(recording[f"{end}.{name}"]), "N m")
 
 
 def _signals(recording: Recording, groups: Collection[str]) -> Iterator[SummaryRow]:
@@ -145,18 +145,16 @@ _MOST = {
 }
 
 
-def exposure_rows(rope: str, exposed: Recording) -> tuple[SummaryRow, ...]:
-    """Return rows on the most loaded places of a rope; `exposed` is a table of `hoist_demo.recording.exposure`."""
+def exposure_rows(rope: str, table: Recording) -> tuple[SummaryRow, ...]:
+    """Return rows on the most loaded places of a rope; `table` is one of `hoist_demo.recording.exposure`."""
     group = f"Places in the rope {rope}".rstrip() + ", from its left end"
     rows: list[SummaryRow] = []
-    for name, (words, beside) in _MOST.items():
-        if bool(np.isfinite(exposed[name]).all()) and bool(np.any(exposed[name])):
-            k = int(np.argmax(exposed[name]))
+    for name, (label, beside) in _MOST.items():
+        if bool(np.isfinite(table[name]).all()) and bool(np.any(table[name])):
+            k = int(np.argmax(table[name]))
             parts = [(name, ""), ("s", " at "), *([(f"{name.partition('.')[0]}.{beside}", ", ")] if beside else [])]
-            text = "".join(
-                f"{join}{number(float(exposed[key][k]), 4)} {unit_text(exposed.units[key])}" for key, join in parts
-            )
-            rows.append(SummaryRow(group, words, text))
+            text = "".join(f"{sep}{number(float(table[x][k]), 4)} {unit_text(table.units[x])}" for x, sep in parts)
+            rows.append(SummaryRow(group, label, text))
     return tuple(rows)
 
 
@@ -190,11 +188,11 @@ def _tracking(group: str, error: Array, elapsed: Array, winding: Winding) -> lis
 def _swing(recording: Recording, arrival: float, window: float) -> list[SummaryRow]:
     """Return the swing of both conveyances in a window [s] after the arrival of the reference [s]."""
     elapsed = recording.time - recording.time[0]
-    tail = (elapsed >= arrival) & (elapsed <= arrival + window)
-    if not bool(tail.any()):
+    in_window = (elapsed >= arrival) & (elapsed <= arrival + window)
+    if not bool(in_window.any()):
         return []
-    within = f"within {float(np.ptp(elapsed[tail])):.2g} s, peak to peak"
-    swings = {end: 1e3 * float(np.ptp(recording[f"conveyance.{end}.y"][tail])) for end in SIDES}
+    within = f"within {float(np.ptp(elapsed[in_window])):.2g} s, peak to peak"
+    swings = {end: 1e3 * float(np.ptp(recording[f"conveyance.{end}.y"][in_window])) for end in SIDES}
     return [SummaryRow(_DRIVE, f"swing after arrival, {end}, {within}", swing, "mm") for end, swing in swings.items()]
 
 

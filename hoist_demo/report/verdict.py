@@ -61,7 +61,7 @@ COLUMNS = ("", "value", "bound", "kept", _WHERE)
 class Verdict:
     """Outcome in words, rows, and remarks on what to do or to be warned of."""
 
-    words: str
+    summary: str
     rows: tuple[VerdictRow, ...] = ()
     remarks: tuple[str, ...] = ()
     when: float | None = None  # s, of the first touch of a body, else of the largest swing
@@ -201,7 +201,7 @@ def _rows(
         yield from _between(pair, max(rope.length_error for rope in ropes if rope.data.name in (pair.one, pair.other)))
     for hold in slip_safeties(result.recording, hoist, result.winding):
         bound = f"at least {hold.required:g}: {hold.rule}"
-        yield VerdictRow(f"slip safety {hold.when}", hold.words, bound, hold.enough, f"t = {hold.t:.2f} s")
+        yield VerdictRow(f"slip safety {hold.when}", hold.text, bound, hold.enough, f"t = {hold.t:.2f} s")
     names = [rope.data.name or "struck" for rope in ropes if passages(rope.recording)]
     near = [pair for pair in pairs if pair.nearest is not None and pair.nearest.clearance <= 0.0]
     names += [f"{pair.one} on {pair.other}" for pair in near]
@@ -221,9 +221,7 @@ def _of_each(ropes: Sequence[_Rope], rows_of: Callable[[_Rope], Iterator[Verdict
     order = list(dict.fromkeys(quantity for quantity, *_ in rows))
     rows.sort(key=lambda row: order.index(row[0]))
     # rows that are the same for all ropes appear once
-    alike = {
-        q for q in order if len(own := [row for one, _, row in rows if one == q]) == len(ropes) and len({*own}) == 1
-    }
+    alike = {q for q in order if len(own := [row for x, _, row in rows if x == q]) == len(ropes) and len({*own}) == 1}
     named = (row if q in alike else replace(row, quantity=data.whose(q)) for q, data, row in rows)
     return [*dict.fromkeys(named)]
 
@@ -237,7 +235,7 @@ _ALONE = (
 def _between(pair: RopePair, error: float) -> Iterator[VerdictRow]:
     """Yield the clearance of two ropes, and how they pressed each other if they may."""
     if (near := pair.nearest) is not None:
-        where = _where(near.t, near.place)
+        where = _where(near.t, near.position)
         where += _ALONE if near.clearance <= 0.0 and pair.account is None else ""
         quantity = f"clearance between {pair.one} and {pair.other}"
         bound = f"above {number(error, 2)} m, its error"
@@ -248,8 +246,8 @@ def _between(pair: RopePair, error: float) -> Iterator[VerdictRow]:
         yield VerdictRow(f"force of {pair.one} on {pair.other}", f"{number(account.peak, 3)} N", where=where)
 
 
-def _where(t: float, place: Sequence[float]) -> str:
-    return f"t = {t:.2f} s, " + ", ".join(f"{c} = {round(x, 2) + 0.0:.2f} m" for c, x in zip("xyz", place, strict=True))
+def _where(t: float, point: Sequence[float]) -> str:
+    return f"t = {t:.2f} s, " + ", ".join(f"{c} = {round(x, 2) + 0.0:.2f} m" for c, x in zip("xyz", point, strict=True))
 
 
 def _pulls(recording: Recording, hoist: Hoist, ropes: Sequence[_Rope]) -> Iterator[VerdictRow]:
@@ -282,7 +280,7 @@ def _head_ropes(recording: Recording, hoist: Hoist) -> Iterator[VerdictRow]:
 
 
 def _swings(rope: _Rope) -> Iterator[VerdictRow]:
-    for name, words, unit, guard in _SWINGS:
+    for name, label, unit, guard in _SWINGS:
         if not rope.has_numbers(name):
             continue
         values = np.abs(rope.recording[name])
@@ -298,13 +296,13 @@ def _swings(rope: _Rope) -> Iterator[VerdictRow]:
             bound_text, holds = f"below {HALF_TURN:g}: turned over", largest < HALF_TURN
         where = rope.at(row)
         if name == "loop.sideways" and rope.has_numbers("loop.x", "loop.z"):
-            own = rope.data.place.origin[::2]
+            own = rope.data.suspension.origin[::2]
             x, z = (
                 rounded(float(rope.recording[f"loop.{c}"][row]) + o, rope.length_error)
                 for c, o in zip("xz", own, strict=True)
             )
             where += f", x = {x} m, z = {z} m"
-        yield VerdictRow(words, text, bound_text, holds, where)
+        yield VerdictRow(label, text, bound_text, holds, where)
 
 
 def _clearances(rope: _Rope) -> Iterator[VerdictRow]:
@@ -314,7 +312,7 @@ def _clearances(rope: _Rope) -> Iterator[VerdictRow]:
         text = f"{rounded(clear, rope.length_error)} m"
         yield VerdictRow("clearance between the legs", text, "above 0", clear > 0.0, rope.at(row))
     bound = rope.parameter("guard.clearance")
-    for kind, words in BODIES.items():
+    for kind, label in BODIES.items():
         near = f"nearest.{kind}"
         if not rope.has_numbers(f"{near}.clearance"):
             continue
@@ -322,7 +320,7 @@ def _clearances(rope: _Rope) -> Iterator[VerdictRow]:
         where = f"t = {t:.2f} s, y = {y:.2f} m, {s:.1f} m along the rope"
         bound_text = f"above {bound:g} m, its guard's" if bound > 0.0 else "above 0"
         text = f"{rounded(clear, rope.length_error)} m"
-        yield VerdictRow(f"clearance from {words}", text, bound_text, clear > bound, where)
+        yield VerdictRow(f"clearance from {label}", text, bound_text, clear > bound, where)
 
 
 def _swivels(rope: _Rope) -> Iterator[VerdictRow]:
@@ -338,7 +336,7 @@ def _swivels(rope: _Rope) -> Iterator[VerdictRow]:
 
 def _errors(rope: _Rope) -> Iterator[VerdictRow]:
     """Return the estimates of the rope's own error, beside the accuracy that was asked of it."""
-    for name, words, unit, factor, accuracy in (
+    for name, label, unit, factor, accuracy in (
         ("status.end_force_error", "estimated error of the end forces", "% of the largest", 100.0, "end_force"),
         ("status.loop_error", "estimated error of the loop's place", "mm", 1e3, "loop"),
     ):
@@ -346,14 +344,14 @@ def _errors(rope: _Rope) -> Iterator[VerdictRow]:
             bound, error = rope.parameter(f"accuracy.{accuracy}"), rope.last(name)
             text = f"{number(factor * error, 2)} {unit}"
             if bound > 0.0:
-                yield VerdictRow(words, text, f"{number(factor * bound, 2)} {unit.split()[0]} asked", error <= bound)
+                yield VerdictRow(label, text, f"{number(factor * bound, 2)} {unit.split()[0]} asked", error <= bound)
             else:
-                yield VerdictRow(words, text)
+                yield VerdictRow(label, text)
 
 
 def rounded(value: float, error: float) -> str:
     """Return a number with the decimals that its error allows, three at most; an unknown error leaves three digits."""
     if not error > 0.0:
         return number(value, 3)
-    places = min(3, max(0, round(-math.log10(error))))
-    return f"{round(value, places) + 0.0:.{places}f}"
+    decimals = min(3, max(0, round(-math.log10(error))))
+    return f"{round(value, decimals) + 0.0:.{decimals}f}"

@@ -14,12 +14,12 @@ from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, r
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.participants.rope_group import CONTACT_ENERGIES, SUMS, Member, RopeGroup, WholeRope
 from hoist_demo.cosimulation.schemes.interface import ENDS, RopePlant
-from hoist_demo.files.catalogue import rope_parameters
-from hoist_demo.files.values import DERIVED, Given
+from hoist_demo.files.registry import rope_parameters
+from hoist_demo.files.values import DERIVED, ParameterValue
 from hoist_demo.parameters import Hoist, hoist_with
-from hoist_demo.parameters.place import Place
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
+from hoist_demo.parameters.suspension import SuspensionOffset
 from hoist_demo.recording.nearness import RopePair, pairs
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.study.provenance import SourcedValue, rope_provenance
@@ -33,13 +33,13 @@ _TAKEN = tuple(dict.fromkeys(signal.partition(".")[0] for signal in (*SUMS, *CON
 
 @dataclass(frozen=True)
 class OneRope:
-    """One of the ropes: its data, its place, and its break."""
+    """One of the ropes: its data, its suspension, and its break."""
 
     name: str  # "" of the only one, or of equal ones
     parameters: Mapping[str, Value]  # values by FMI name; the level has the rest
     level: Level
     case: Case  # the hoist with this rope alone
-    place: Place = field(default_factory=Place)
+    suspension: SuspensionOffset = field(default_factory=SuspensionOffset)
     breaks: Break | None = None
     fmu: Callable[[], FmuRope] | None = None  # loads the one that is wound instead
 
@@ -63,7 +63,7 @@ class OneRope:
     def data(self) -> RopeData:
         """Return the identity of the rope for the reports."""
         breaks = None if self.breaks is None else (self.breaks.t, self.breaks.s)
-        return replace(self.plant.data(), name=self.name, place=self.place, breaks=breaks)
+        return replace(self.plant.data(), name=self.name, suspension=self.suspension, breaks=breaks)
 
 
 @dataclass(frozen=True)
@@ -77,12 +77,12 @@ class Ropes:
     @cached_property
     def plant(self) -> RopePlant:
         """Plant that stands for all ropes."""
-        if not self.case.ropes:
+        if not self.case.distinct_ropes:
             return self.ropes[0].plant
-        group = [Member(rope.name, rope.plant, rope.place) for rope in self.ropes]
+        group = [Member(rope.name, rope.plant, rope.suspension) for rope in self.ropes]
         if not self.touching:
             return RopeGroup(group)
-        neighbours = Neighbours([rope.scene for rope in self.ropes], [rope.place.origin for rope in self.ropes])
+        neighbours = Neighbours([rope.scene for rope in self.ropes], [rope.suspension.origin for rope in self.ropes])
         return RopeGroup(group, neighbours)
 
     @property
@@ -93,7 +93,7 @@ class Ropes:
     @property
     def hoist(self) -> Hoist:
         """Hoist of the run, with these ropes."""
-        if not self.case.ropes:
+        if not self.case.distinct_ropes:
             return self.run.hoist
         data = [rope.scene.rope for rope in self.ropes]
         return hoist_with(self.run.hoist, [(rope.mass_per_length, rope.length) for rope in data])
@@ -106,34 +106,34 @@ class Ropes:
         """Return the pairs of ropes in the record of a run."""
         if not (isinstance(self.plant, RopeGroup) and recording.signals):
             return []
-        ropes = [(rope.name, rope.place.origin, rope.scene.rope.diameter) for rope in self.ropes]
+        ropes = [(rope.name, rope.suspension.origin, rope.scene.rope.diameter) for rope in self.ropes]
         return pairs(recording, ropes, self.plant.accounts())
 
-    def provenance(self, given: Mapping[str, str]) -> list[SourcedValue]:
-        """Return the provenance of the ropes' data, each under its rope's name; `given` as `rope_provenance`."""
+    def provenance(self, status_by_name: Mapping[str, str]) -> list[SourcedValue]:
+        """Return the provenance of the ropes' data, under each rope's name; `status_by_name` as `rope_provenance`."""
         return [
             one._replace(name=f"{data.prefix}{one.name}")
             for rope, data in zip(self.ropes, self.data(), strict=True)
-            for one in rope_provenance(rope.case, data, given)
+            for one in rope_provenance(rope.case, data, status_by_name)
         ]
 
 
-def ropes_of(case: Case, run: RunData, chosen: Mapping[str, Value], level: Level) -> Ropes:
+def ropes_of(case: Case, run: RunData, overrides: Mapping[str, Value], level: Level) -> Ropes:
     """Return the ropes of a hoist with `chosen` values set beside its file; a ValueError lists all problems."""
-    if not case.ropes:
-        return Ropes(case, run, (OneRope("", {**run.fmu, **fmu_part(chosen)}, level, case),))
-    values = [*run.fmu.items(), *(item for tail in case.ropes for item in tail.parameters.items())]
+    if not case.distinct_ropes:
+        return Ropes(case, run, (OneRope("", {**run.rope_values, **fmu_part(overrides)}, level, case),))
+    values = [*run.rope_values.items(), *(item for rope in case.distinct_ropes for item in rope.parameters.items())]
     defaults = rope_parameters()
     ropes = []
     with Problems() as problems:
         if guards := sorted(key for key, value in values if key.startswith("guard.") and value != defaults[key].start):
             problems.append(f"{guards[0]} must be left out: guards of several ropes are not computed")
-        for tail in case.ropes:
-            if tail.name in _TAKEN:
+        for rope in case.distinct_ropes:
+            if rope.name in _TAKEN:
                 taken = f"signals of the rope begin with it, and {', '.join(_TAKEN)} are taken"
-                problems.append(f"rope name = {tail.name!r} must be another: {taken}")
-            with problems.at(f"rope {tail.name}"):
-                ropes.append(_rope(tail, {**tail.parameters, **fmu_part(chosen)}, level, case))
+                problems.append(f"rope name = {rope.name!r} must be another: {taken}")
+            with problems.at(f"rope {rope.name}"):
+                ropes.append(_rope(rope, {**rope.parameters, **fmu_part(overrides)}, level, case))
     group = Ropes(case, run, tuple(ropes))
     if group.touching:
         _require_apart(ropes)
@@ -151,7 +151,7 @@ def _require_apart(ropes: Sequence[OneRope]) -> None:
         if rope.scene.model.fidelity not in ("torsional", "spatial")
     )
     for one, other in combinations(ropes, 2):
-        apart = min(math.dist(one.place.at(end), other.place.at(end)) for end in ENDS)
+        apart = min(math.dist(one.suspension.at(end), other.suspension.at(end)) for end in ENDS)
         if apart < (least := 0.5 * (one.scene.rope.diameter + other.scene.rope.diameter)):
             problems.append(
                 f"rope {other.name}: an end that is {apart:g} m from that of {one.name} must be at least {least:g} m "
@@ -160,13 +160,13 @@ def _require_apart(ropes: Sequence[OneRope]) -> None:
     problems.refuse()
 
 
-def _rope(tail: BalanceRopeData, parameters: Mapping[str, Value], level: Level, case: Case) -> OneRope:
+def _rope(rope: BalanceRopeData, parameters: Mapping[str, Value], level: Level, case: Case) -> OneRope:
     """Return the rope between its own points of the conveyances, the centres of which are layout.spacing apart."""
-    place = Place(**tail.place)
-    spacing = rope_scene(parameters, level, place).layout.spacing
-    breaks = Break(tail.breaks["breaks_at"], tail.breaks["breaks_s"]) if tail.breaks else None
-    apart = Given(spacing, DERIVED, "the rope's place")
-    alone = case.alone(replace(tail, values={**tail.values, "layout.spacing": apart}))
-    rope = OneRope(tail.name, {**parameters, "layout.spacing": spacing}, level, alone, place, breaks)
-    _ = rope.scene  # checks it
-    return rope
+    suspension = SuspensionOffset(**rope.suspension)
+    spacing = rope_scene(parameters, level, suspension).layout.spacing
+    breaks = Break(rope.breaks["breaks_at"], rope.breaks["breaks_s"]) if rope.breaks else None
+    apart = ParameterValue(spacing, DERIVED, "the rope's place")
+    alone = case.alone(replace(rope, values={**rope.values, "layout.spacing": apart}))
+    one = OneRope(rope.name, {**parameters, "layout.spacing": spacing}, level, alone, suspension, breaks)
+    _ = one.scene  # checks it
+    return one

@@ -25,7 +25,7 @@ _log = logging.getLogger(__name__)
 Finished = Callable[[str, Outcome], None]  #: Called with the key and the outcome of every run as it is recorded.
 BATCH = 0.5  #: Time that a worker works on what it is given at once, if that is more than one run [s].
 AHEAD = 2  #: Batches per thread given before others have ended.
-FEWEST = 16  #: Threads that are counted at least: workers may join.
+MIN_THREADS = 16  #: Threads that are counted at least: workers may join.
 
 #: Nobody looks at the stacks that workers would sample a hundred times a second, nor at the machine's load, nor at how
 #: late each part of the cluster is fifty times a second; and no run fills the memory in a tenth of a second.
@@ -98,7 +98,7 @@ def run_samples(
 
     while left or batches:
         threads = max(1, sum(client.ncores().values()))
-        while left and len(batches) < AHEAD * max(threads, FEWEST):
+        while left and len(batches) < AHEAD * max(threads, MIN_THREADS):
             size = max(1, min(int(BATCH / pace), len(left) // (AHEAD * threads)))
             give(left[:size])
             del left[:size]

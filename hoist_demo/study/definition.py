@@ -16,17 +16,17 @@ from hoist_demo.cases.table import NATIVE, find_case, fmu_name
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs
 from hoist_demo.design.tuning import Plan
-from hoist_demo.files.catalogue import parameters, run_fields
 from hoist_demo.files.reading import EMPTY, File, Flat, Table, contents, errors_of_file, flat, read, table_of
-from hoist_demo.files.run_values import Head, Values
-from hoist_demo.files.values import VARIED, Given, Text, plain, statuses
+from hoist_demo.files.registry import parameters, run_fields
+from hoist_demo.files.run_values import FileHeader, Values
+from hoist_demo.files.values import VARIED, ParameterValue, Text, plain, statuses
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.time_series import match_signals
-from hoist_demo.study.goal import Bound, Goal, Judge, bounds_on, read_weights
 from hoist_demo.study.metrics import UNITS
+from hoist_demo.study.objective import Constraint, Judge, Objective, constraints_on, read_weights
 from hoist_demo.study.run import Probe, RunData, build_trip
-from hoist_demo.study.tuning import Range, grid, latin_hypercube, varied
+from hoist_demo.study.sampling import Range, grid, latin_hypercube, varied
 
 #: Disturbances over which a study without variants compares its choices.
 LOADS = ("hoist.payload_left", "hoist.payload_right")
@@ -69,18 +69,18 @@ class Tune(Table):
         return plan
 
 
-_BOUNDS = table_of("subject_to", [Parameter(f"subject_to.{m}", unit, "Real") for m, unit in UNITS.items()], bounds_on)
+_METRICS = table_of("subject_to", [Parameter(f"subject_to.{m}", u, "Real") for m, u in UNITS.items()], constraints_on)
 
 
-class StudyHead(Head):
+class StudyHeader(FileHeader):
     """Table [study] at the head of a study's file."""
 
     fmu: Text = Field("", description="the rope; else what export --native makes of the hoist")
     signals: tuple[Text, ...] = ()
     minimise: Weights = None
     maximise: Weights = None
-    bounds: Annotated[
-        tuple[Bound, ...], Flat(_BOUNDS, lambda table: tuple(b for _, pair in contents(table) for b in pair))
+    constraints: Annotated[
+        tuple[Constraint, ...], Flat(_METRICS, lambda table: tuple(b for _, pair in contents(table) for b in pair))
     ] = Field((), alias="subject_to")
     judge: Judge = "worst"
     over: list[Text] | None = None
@@ -89,18 +89,19 @@ class StudyHead(Head):
     def _is_one(self) -> Self:
         if self.minimise and self.maximise:
             raise ValueError(f"minimise = {self.minimise!r} must stand without maximise: keep one of them")
-        if self.judge == "share" and not self.bounds:
+        if self.judge == "share" and not self.constraints:
             raise ValueError("judge = 'share' must have bounds: give subject_to")
-        if self.bounds and not (self.minimise or self.maximise or self.judge == "share"):
+        if self.constraints and not (self.minimise or self.maximise or self.judge == "share"):
             raise ValueError("subject_to must have minimise or maximise beside it, or judge = 'share': give one")
         return self
 
     @property
-    def goal(self) -> Goal | None:
-        """Goal of the study; None if the file states none."""
-        if not (self.minimise or self.maximise or self.bounds):
+    def objective(self) -> Objective | None:
+        """Objective of the study; None if the file states none."""
+        if not (self.minimise or self.maximise or self.constraints):
             return None
-        return Goal(self.minimise or self.maximise or {}, -1.0 if self.maximise else 1.0, self.bounds, self.judge)
+        weights, sense = self.minimise or self.maximise or {}, -1.0 if self.maximise else 1.0
+        return Objective(weights, sense, self.constraints, self.judge)
 
 
 class Variant(Table):
@@ -128,7 +129,7 @@ _VARY = flat("Vary", run_fields(varied))
 class StudyFile(File):
     """Schema of a study's TOML file."""
 
-    study: StudyHead = EMPTY
+    study: StudyHeader = EMPTY
     fixed: Values = EMPTY
     variant: list[Variant] = Field([])
     vary: Annotated[dict[str, Varied], WrapValidator(_in_order), _VARY] = Field({})
@@ -138,7 +139,7 @@ class StudyFile(File):
     ] = Grid()
 
     @property
-    def variants(self) -> dict[str, dict[str, Given]]:
+    def variants(self) -> dict[str, dict[str, ParameterValue]]:
         """Fixed values of each variant, by its name."""
         variants = {one.name or str(k): {**self.fixed, **one.values} for k, one in enumerate(self.variant, 1)}
         if len(variants) < len(self.variant):
@@ -149,7 +150,7 @@ class StudyFile(File):
         """Return the plan of a search, and the points of [vary]: of a search the corners of its ranges."""
         lists = {key: v for key, v in self.vary.items() if isinstance(v, tuple)}
         ranges = {key: v for key, v in self.vary.items() if isinstance(v, Range)}
-        sample, goal = self.sample, self.study.goal
+        sample, objective = self.sample, self.study.objective
         if isinstance(sample, Grid):
             if ranges:
                 raise ValueError(f"{next(iter(ranges))} is a range, a grid needs a list: give {{ values = [...] }}")
@@ -160,11 +161,11 @@ class StudyFile(File):
             if lists:
                 raise ValueError(f"{next(iter(lists))} is a list, {sample.method} needs {{ low, high }}: give a range")
             return None, latin_hypercube(ranges, sample.runs, sample.seed)
-        if goal is None or goal.judge == "share":
+        if objective is None or objective.judge == "share":
             raise ValueError("method = 'tune' must have a cost: give minimise in [study], and no judge = 'share'")
         return sample.plan(len(ranges)), grid({**lists, **{key: (r.at(0.0), r.at(1.0)) for key, r in ranges.items()}})
 
-    def chosen(self) -> tuple[str, ...]:
+    def design_keys(self) -> tuple[str, ...]:
         """Return the varied keys that tell one choice from another; the rest is what they are compared over."""
         if self.sample.method == "tune":
             return tuple(key for key, v in self.vary.items() if isinstance(v, Range))
@@ -173,13 +174,13 @@ class StudyFile(File):
             over = list(self.vary) if len(self.variant) > 1 else [key for key in self.vary if key in LOADS]
         for key in {*over} - {*self.vary}:
             raise ValueError(f"over = {key!r} must be varied: name keys of [vary]")
-        chosen = tuple(key for key in self.vary if key not in over)
-        if self.study.goal and self.sample.method == "latin-hypercube" and over and chosen:
+        design_keys = tuple(key for key in self.vary if key not in over)
+        if self.study.objective and self.sample.method == "latin-hypercube" and over and design_keys:
             raise ValueError(
                 f"over = {over!r} must be all of [vary], or none: a hypercube meets each choice once, so its best "
                 "would be the luckiest. Compare [[variant]]s, take a grid, or write over = [] to compare single runs"
             )
-        return chosen
+        return design_keys
 
 
 @dataclass(frozen=True)
@@ -199,16 +200,16 @@ class Study:
     hoist: str
     fmu: Path
     fmu_hash: str
-    goal: Goal | None
+    objective: Objective | None
     signals: tuple[str, ...]
-    variants: Mapping[str, Mapping[str, Given]]  # fixed values of each variant
+    variants: Mapping[str, Mapping[str, ParameterValue]]  # fixed values of each variant
     varied: Mapping[str, Varied]
-    chosen: tuple[str, ...]  # varied keys that distinguish choices
+    design_keys: tuple[str, ...]  # varied keys that distinguish choices
     plan: Plan | None  # None without a search
     samples: tuple[StudyRun, ...] = ()  # all runs; for a search the corners of its ranges
 
     @property
-    def given(self) -> dict[str, str]:
+    def status_by_name(self) -> dict[str, str]:
         """Status of each value that is set; varied if it differs between runs."""
         status_by_key = {key: status for values in self.variants.values() for key, status in statuses(values).items()}
         differing = [k for k in status_by_key if len({sample.values.get(k) for sample in self.samples}) > 1]
@@ -217,7 +218,7 @@ class Study:
     @property
     def units(self) -> dict[str, str]:
         """Unit of every key that is set."""
-        return {name: parameters()[name].unit for name in self.given}
+        return {name: parameters()[name].unit for name in self.status_by_name}
 
     def run(self, variant: str, values: Mapping[str, Value]) -> StudyRun:
         """Return the run of a variant at a point of [vary]."""
@@ -231,11 +232,11 @@ class Study:
 
     def choice(self, sample: StudyRun) -> tuple[Value, ...]:
         """Return what is chosen in a run; runs of one choice are judged together."""
-        return ("" if self.plan else sample.variant, *(sample.values[key] for key in self.chosen))
+        return ("" if self.plan else sample.variant, *(sample.values[key] for key in self.design_keys))
 
 
 #: Starts tried before a study winds, spread evenly over more runs; what another refuses is the cause in its row.
-MOST_TRIED = 200
+MAX_TRIED = 200
 #: Passes the drawn values on one by one while they are checked, which takes a while.
 CheckProgress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
 
@@ -244,23 +245,25 @@ def read_study(path: Path, fmu: Path | None = None, progress: CheckProgress = li
     """Return the study of a file; `fmu` replaces the file's. Raises FileError with all problems."""
     file = read(path, StudyFile)
     with errors_of_file(path):
-        head = file.study
-        rope = fmu or Path(head.fmu or f"build/{fmu_name(head.hoist, NATIVE)}")
+        header = file.study
+        rope = fmu or Path(header.fmu or f"build/{fmu_name(header.hoist, NATIVE)}")
         with Problems() as problems:
-            several = f"study.hoist = {head.hoist!r} must have one balance rope, at its middle: leave [[rope]]s out"
-            problems += [several] if find_case(head.hoist).ropes else []
+            several = f"study.hoist = {header.hoist!r} must have one balance rope, at its middle: leave [[rope]]s out"
+            problems += [several] if find_case(header.hoist).distinct_ropes else []
             with problems.at("study"):
-                signals = match_signals(head.signals, [*DRIVE_UNITS, *read_outputs(rope, head.hoist)])
+                signals = match_signals(header.signals, [*DRIVE_UNITS, *read_outputs(rope, header.hoist)])
             with problems.at("study"):
-                chosen = file.chosen()
+                design_keys = file.design_keys()
             with problems.at("variant"):
                 variants = file.variants
             with problems.at("sample"):
                 plan, points = file.drawn()
-        fmu_hash = hashlib.sha256(rope.read_bytes()).hexdigest()
-        study = Study(head.title, head.hoist, rope, fmu_hash, head.goal, signals, variants, file.vary, chosen, plan)
+        digest = hashlib.sha256(rope.read_bytes()).hexdigest()
+        study = Study(
+            header.title, header.hoist, rope, digest, header.objective, signals, variants, file.vary, design_keys, plan
+        )
         probe, samples = Probe(rope), list[StudyRun]()
-        every = math.ceil(len(points) * len(variants) / MOST_TRIED)
+        every = math.ceil(len(points) * len(variants) / MAX_TRIED)
         with Problems() as problems:
             for values, name in ((values, name) for values in progress(points) for name in variants):
                 with problems.at(f"variant {name}" if name else ""):

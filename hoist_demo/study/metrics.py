@@ -49,7 +49,7 @@ METRICS = {
     "loop_rise": ("m", "largest height of the loop's lowest point over its quasi-static place"),
     "loop_turns": ("1", "largest magnitude, of one side about the other; half a turn: the loop is over"),
     "clearance": ("m", "smallest, between the legs"),
-    **{f"clearance_{name}": ("m", f"smallest, from {words}") for name, words in BODIES.items()},
+    **{f"clearance_{name}": ("m", f"smallest, from {description}") for name, description in BODIES.items()},
     **dict.fromkeys(("left_slip", "right_slip"), ("rad", "path of the swivel's slip")),
     **dict.fromkeys(("left_slip_time", "right_slip_time"), ("s", "during which the swivel slips")),
     **dict.fromkeys(
@@ -79,11 +79,7 @@ UNITS = {name: unit for name, (unit, _) in METRICS.items()}
 
 #: Outputs of the rope that the host and the metrics use; a study reads no others unless it keeps them.
 ROPE_SIGNALS = frozenset(
-    {
-        f"{end}.{name}"
-        for end in SIDES
-        for name in ("fy", "fy_mean", *(f"swivel.{s}" for s in ("rate", "slipping", "torque")))
-    }
+    {f"{end}.{n}" for end in SIDES for n in ("fy", "fy_mean", *(f"swivel.{s}" for s in ("rate", "slipping", "torque")))}
     | {
         "loop.x",
         "loop.z",
@@ -141,8 +137,8 @@ def trip_metrics(result: Result, arrival: Arrival) -> dict[str, float]:
     if math.isfinite(winding.tracking_end):
         return {}  # the brake has stopped it somewhere, and nothing asked for that place
     travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
-    place = recording["reference.position"][-1]
-    outside = np.abs(travel - place) > arrival.position_band
+    landing = recording["reference.position"][-1]
+    outside = np.abs(travel - landing) > arrival.position_band
     for end in SIDES:
         outside |= np.abs(recording[f"conveyance.{end}.vy"]) > arrival.speed_band
     last = int(np.flatnonzero(outside)[-1]) if outside.any() else 0
@@ -150,7 +146,7 @@ def trip_metrics(result: Result, arrival: Arrival) -> dict[str, float]:
     return {
         "trajectory_time": result.trajectory.duration - winding.start_delay,
         "cycle_time": float(t[last + 1]) - winding.start_delay if last + 1 < t.size else math.nan,
-        "position_error": float(place - travel[-1]),
+        "position_error": float(landing - travel[-1]),
         "tracking_error": _largest(recording["reference.position"] - travel),
         "torque_rms": float(np.sqrt(np.mean(recording["drive.torque"][moving] ** 2))),
     }
@@ -224,17 +220,17 @@ def _swivel(recording: Recording, end: str) -> dict[str, float]:
 def _swing(recording: Recording, hoist: Hoist, arrived: float, arrival: Arrival) -> Measures:
     """Measure the swing of conveyances and loop within the window after the reference has arrived."""
     t = recording.time - recording.time[0]
-    tail = (t >= arrived) & (t <= arrived + arrival.window)
-    if np.count_nonzero(tail) < 2:
+    in_window = (t >= arrived) & (t <= arrived + arrival.window)
+    if np.count_nonzero(in_window) < 2:
         return Measures({}, "swing_frequency: the record ends as the reference arrives: give winding.settle")
     # heights of the conveyances against their ropes' ends at the sheave
     rim = hoist.sheave_radius * recording["drive.angle"]
     signs = zip(SIDES, (1.0, -1.0), strict=True)
-    swings = {end: (recording[f"conveyance.{end}.y"] - sign * rim)[tail] for end, sign in signs}
+    swings = {end: (recording[f"conveyance.{end}.y"] - sign * rim)[in_window] for end, sign in signs}
     metrics = {f"swing_{end}": float(np.ptp(swing)) for end, swing in swings.items()}
     if "loop.x" in recording:
-        metrics["loop_swing"] = float(np.ptp(recording["loop.x"][tail]))
-    mode = fit_swing(recording.time[tail], max(swings.values(), key=np.ptp))
+        metrics["loop_swing"] = float(np.ptp(recording["loop.x"][in_window]))
+    mode = fit_swing(recording.time[in_window], max(swings.values(), key=np.ptp))
     if isinstance(mode, str):
         return Measures(metrics, f"swing_frequency: {mode}")
     return Measures(metrics | {"swing_frequency": mode.frequency, "swing_damping": mode.damping})

@@ -11,19 +11,19 @@ from hoist_demo.design.tuning import Plan, Score, search
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.time_series import Array
 from hoist_demo.study.definition import Study, StudyRun
-from hoist_demo.study.goal import Goal, Standing
 from hoist_demo.study.metrics import UNITS
+from hoist_demo.study.objective import ChoiceScore, Objective
+from hoist_demo.study.sampling import Range
 from hoist_demo.study.store import SEPARATOR, Store, kind_of
 from hoist_demo.study.trends import not_monotonic
-from hoist_demo.study.tuning import Range
 
-# columns of a study with a goal; those of a choice are the same in all its runs
+# columns of a study with an objective; those of a choice are the same in all its runs
 JUDGED = "judged"  #: Column with the sum by which a choice is judged.
 WITHIN = "within"  #: Column with the share of a choice's runs that keep the bounds.
 EXCESS = "excess"  #: Column with the largest excess over a bound, as a part of it.
 WARNINGS = "warnings"  #: Column with a run's warnings.
 MISSING = "missing"  #: Column with the reason why a metric is missing.
-MOST_WARNINGS = 3  #: Most warnings in the text on the best choice.
+MAX_WARNINGS = 3  #: Most warnings in the text on the best choice.
 #: Carries out samples and returns their keys; `cluster.run_samples` with its first two arguments given.
 RunSamples = Callable[[Sequence[StudyRun]], list[str]]
 
@@ -38,7 +38,7 @@ class Best:
 
 
 @dataclass(frozen=True)
-class Performed:
+class StudyResult:
     """Outcome of a study: its table and remarks."""
 
     table: Path  # results.parquet
@@ -51,7 +51,7 @@ class Performed:
     best: Best | None  # None where nothing says what is best, or no run can be compared
 
 
-def perform(study: Study, store: Store, run: RunSamples) -> Performed:
+def run_study(study: Study, store: Store, run: RunSamples) -> StudyResult:
     """Run the study's samples, or its search, and write the table."""
     if study.plan is not None:
         return _write(study, store, *_search(study, study.plan, store, run))
@@ -71,8 +71,8 @@ def write_what_is_there(study: Study, store: Store) -> Path | None:
 def _search(study: Study, plan: Plan, store: Store, run: RunSamples) -> tuple[list[StudyRun], list[str]]:
     """Search, and return all its runs in their order, with their keys."""
     ranges = {key: r for key, r in study.varied.items() if isinstance(r, Range)}
-    assert study.goal is not None
-    goal = study.goal
+    assert study.objective is not None
+    objective = study.objective
 
     def samples_of(points: Array) -> list[list[StudyRun]]:
         return [
@@ -83,7 +83,7 @@ def _search(study: Study, plan: Plan, store: Store, run: RunSamples) -> tuple[li
     def judged(points: Array) -> list[Score]:
         each = samples_of(points)
         keys = iter(run([sample for samples in each for sample in samples]))
-        return [goal.standing([_record(store, next(keys))["outcome"] for _ in samples]).score for samples in each]
+        return [objective.assess([_record(store, next(keys))["outcome"] for _ in samples]).score for samples in each]
 
     result = search(judged, len(ranges), plan)
     samples = [sample for samples in samples_of(result.points) for sample in samples]
@@ -96,15 +96,15 @@ def _record(store: Store, key: str) -> dict[str, Any]:
     return record
 
 
-def _write(study: Study, store: Store, samples: Sequence[StudyRun], keys: Sequence[str]) -> Performed:
+def _write(study: Study, store: Store, samples: Sequence[StudyRun], keys: Sequence[str]) -> StudyResult:
     outcomes = [_record(store, key)["outcome"] for key in keys]
     varied = [name for name in study.units if len({sample.values.get(name) for sample in samples}) > 1]
     named = [f"run {number}{_named(sample, varied)}" for number, sample in enumerate(samples, 1)]
     numbers: dict[tuple[Value, ...], int] = {}
     choices = [numbers.setdefault(study.choice(sample), len(numbers)) for sample in samples]
-    standings = _standings(study.goal, choices, outcomes)
+    scores = _choice_scores(study.objective, choices, outcomes)
     rows = [
-        _row(study, number, sample, key, outcome, standings[choice] if standings else None)
+        _row(study, number, sample, key, outcome, scores[choice] if scores else None)
         for number, (sample, key, outcome, choice) in enumerate(zip(samples, keys, outcomes, choices, strict=True), 1)
     ]
     warnings: dict[str, list[str]] = {}
@@ -112,8 +112,8 @@ def _write(study: Study, store: Store, samples: Sequence[StudyRun], keys: Sequen
         for text in outcome["warnings"]:
             alike = next((first for first in warnings if kind_of(first) == kind_of(text)), text)
             warnings.setdefault(alike, []).append(name)
-    judged = {JUDGED: study.goal.unit if study.goal else "1", WITHIN: "1", EXCESS: "1"}
-    return Performed(
+    judged = {JUDGED: study.objective.unit if study.objective else "1", WITHIN: "1", EXCESS: "1"}
+    return StudyResult(
         table=store.write_table(rows, {**study.units, **UNITS, **judged}, study.title),
         runs=len(rows),
         causes={n: o["cause"] for n, o in zip(named, outcomes, strict=True) if o["status"] != "completed"},
@@ -121,24 +121,24 @@ def _write(study: Study, store: Store, samples: Sequence[StudyRun], keys: Sequen
         warnings=warnings,
         remarks=not_monotonic(study, samples, outcomes),
         choices=choices,
-        best=_best(study, samples, outcomes, choices, standings),
+        best=_best(study, samples, outcomes, choices, scores),
     )
 
 
-def _standings(
-    goal: Goal | None, choices: Sequence[int], outcomes: Sequence[Mapping[str, Any]]
-) -> Mapping[int, Standing]:
+def _choice_scores(
+    objective: Objective | None, choices: Sequence[int], outcomes: Sequence[Mapping[str, Any]]
+) -> Mapping[int, ChoiceScore]:
     """Return the judgement of each choice."""
-    if goal is None:
+    if objective is None:
         return {}
     runs: dict[int, list[Mapping[str, Any]]] = {}
     for choice, outcome in zip(choices, outcomes, strict=True):
         runs.setdefault(choice, []).append(outcome)
-    return {choice: goal.standing(own) for choice, own in runs.items()}
+    return {choice: objective.assess(own) for choice, own in runs.items()}
 
 
 def _row(
-    study: Study, number: int, sample: StudyRun, key: str, outcome: Mapping[str, Any], standing: Standing | None
+    study: Study, number: int, sample: StudyRun, key: str, outcome: Mapping[str, Any], choice_score: ChoiceScore | None
 ) -> dict[str, object]:
     head = {"run": number, "key": key, "variant": sample.variant, "controller": sample.data.controller}
     row: dict[str, object] = head | {name: sample.values.get(name) for name in study.units if name != "controller"}
@@ -146,11 +146,11 @@ def _row(
     if outcome["passed"]:
         row["status"] = f"{outcome['status']}, but {outcome['passed']}"
     row |= {WARNINGS: SEPARATOR.join(outcome["warnings"]), MISSING: outcome["missing"]}
-    if standing is not None and study.goal is not None:
-        cost = study.goal.sense * standing.score.cost
-        row |= {JUDGED: cost if math.isfinite(cost) else math.nan, WITHIN: standing.within}
-        if study.goal.bounds:
-            row[EXCESS] = max(standing.score.excess) if standing.score.finite else math.nan
+    if choice_score is not None and study.objective is not None:
+        cost = study.objective.sense * choice_score.score.cost
+        row |= {JUDGED: cost if math.isfinite(cost) else math.nan, WITHIN: choice_score.within}
+        if study.objective.constraints:
+            row[EXCESS] = max(choice_score.score.violations) if choice_score.score.finite else math.nan
     return row | {name: outcome["metrics"].get(name, math.nan) for name in UNITS}
 
 
@@ -159,42 +159,43 @@ def _best(
     samples: Sequence[StudyRun],
     outcomes: Sequence[Mapping[str, Any]],
     choices: Sequence[int],
-    standings: Mapping[int, Standing],
+    scores: Mapping[int, ChoiceScore],
 ) -> Best | None:
     """Return the best choice in words, with what its runs warn of."""
-    goal = study.goal
-    finite = [k for k, one in standings.items() if one.score.finite or (one.by_share and one.within > 0.0)]
-    if goal is None:
+    objective = study.objective
+    finite = [k for k, one in scores.items() if one.score.finite or (one.by_share and one.within > 0.0)]
+    if objective is None:
         return None
     if not finite:
         return Best((), "no choice can be compared: each has a run that stopped, or misses a metric", feasible=False)
-    first = min(finite, key=lambda k: standings[k].rank)
-    if not standings[first].comparable:
-        first = min(finite, key=lambda k: standings[k].score.rank)
-    one = standings[first]
+    first = min(finite, key=lambda k: scores[k].rank)
+    if not scores[first].comparable:
+        first = min(finite, key=lambda k: scores[k].score.rank)
+    one = scores[first]
     runs = tuple(k for k, choice in enumerate(choices) if choice == first)
     variant, *values = study.choice(samples[runs[0]])
     shown = [str(variant)] if variant else []
-    chosen = zip(study.chosen, values, strict=True)
+    chosen = zip(study.design_keys, values, strict=True)
     shown += [f"{key} = {_number(value)} {_unit(study.units[key])}".rstrip() for key, value in chosen]
     what = ", ".join(shown) or f"run {runs[0] + 1}"
     if one.by_share:
         judged = f"{100.0 * one.within:.4g} % of its {len(runs)} runs keep the bounds"
     else:
-        word = f", the {goal.judge} of {len(runs)} runs" if len(runs) > 1 else ""
-        judged = f"{goal.words} = {_number(goal.sense * one.score.cost)} {_unit(goal.unit)}".rstrip() + word
+        word = f", the {objective.judge} of {len(runs)} runs" if len(runs) > 1 else ""
+        cost = _number(objective.sense * one.score.cost)
+        judged = f"{objective.expression} = {cost} {_unit(objective.unit)}".rstrip() + word
     if not one.comparable:
-        exceeded = goal.exceeded(one.score)
+        exceeded = objective.exceeded(one.score)
         sentence = f"no choice keeps subject_to; nearest is {what}, where {exceeded}: loosen it, or vary more"
     else:
-        equal = sum(standings[k].rank == one.rank for k in finite)
+        equal = sum(scores[k].rank == one.rank for k in finite)
         sentence = f"best is {what}: {judged}" + (f", the first of {equal} equal choices" if equal > 1 else "")
     texts = dict.fromkeys(text for k in runs for text in (outcomes[k]["passed"], *outcomes[k]["warnings"]) if text)
     # a warning of all runs says least about this choice
     common = Counter(kind_of(text) for outcome in outcomes for text in outcome["warnings"])
     warned = sorted(texts, key=lambda text: common[kind_of(text)])
-    sentence += "".join(f". Warning: {text}" for text in warned[:MOST_WARNINGS])
-    sentence += f". {len(warned) - MOST_WARNINGS} more warnings of its runs" if len(warned) > MOST_WARNINGS else ""
+    sentence += "".join(f". Warning: {text}" for text in warned[:MAX_WARNINGS])
+    sentence += f". {len(warned) - MAX_WARNINGS} more warnings of its runs" if len(warned) > MAX_WARNINGS else ""
     return Best(runs, sentence, one.comparable)
 
 

@@ -14,7 +14,7 @@ from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.fmu_description import read_parameters
 from hoist_demo.cosimulation.participants.rope_data import RopeData
-from hoist_demo.files.catalogue import CONTROLLER, host_parameters, rope_parameters
+from hoist_demo.files.registry import CONTROLLER, host_parameters, rope_parameters
 from hoist_demo.files.values import DERIVED, GIVEN, VARIED
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.definition import Study
@@ -38,48 +38,48 @@ class SourcedValue(NamedTuple):
     status: str
 
 
-def host_provenance(run: RunData, given: Mapping[str, str]) -> list[SourcedValue]:
-    """Return the sources of the host's data; ``given`` are the statuses of values set beside those of the run."""
+def host_provenance(run: RunData, status_by_name: Mapping[str, str]) -> list[SourcedValue]:
+    """Return the sources of the host's data; ``status_by_name`` has those of values set beside those of the run."""
     sourced = []
     for name, value, unit in _leaves(run):
         is_datum = name.partition(".")[0] not in _SETTINGS and _is_number(value)
-        status = run.given.get(name, "assumed") if is_datum else SETTING
-        sourced.append(SourcedValue(name, value, unit, given.get(name, status)))
+        status = run.status_by_name.get(name, "assumed") if is_datum else SETTING
+        sourced.append(SourcedValue(name, value, unit, status_by_name.get(name, status)))
     return sourced
 
 
-def rope_provenance(case: Case, rope: RopeData, given: Mapping[str, str]) -> list[SourcedValue]:
-    """Return the sources of one balance rope's data; ``given`` are the statuses of set values."""
+def rope_provenance(case: Case, rope: RopeData, status_by_name: Mapping[str, str]) -> list[SourcedValue]:
+    """Return the sources of one balance rope's data; ``status_by_name`` has those of set values."""
     return [
-        SourcedValue(name, rope.display(name), rope.units.get(name, ""), _rope_status(name, value, case, given))
+        SourcedValue(name, rope.display(name), rope.units.get(name, ""), _status_of(name, value, case, status_by_name))
         for name, value in rope.parameters.items()
     ]
 
 
 def study_provenance(study: Study) -> list[SourcedValue]:
     """Return the provenance of all data of a study; what differs between runs has no value."""
-    run = study.samples[0].data
+    run, status = study.samples[0].data, study.status_by_name
     parameters = read_parameters(study.fmu)
-    values = {**{name: p.start for name, p in parameters.items()}, **run.fmu}
+    values = {**{name: p.start for name, p in parameters.items()}, **run.rope_values}
     rope = RopeData({}, values, {name: p.unit for name, p in parameters.items()})
-    sourced = [*host_provenance(run, study.given), *rope_provenance(find_case(study.hoist), rope, study.given)]
+    sourced = [*host_provenance(run, status), *rope_provenance(find_case(study.hoist), rope, status)]
     return [one._replace(value=VARIED) if one.status == VARIED else one for one in sourced]
 
 
-def _rope_status(name: str, value: Value, case: Case, given: Mapping[str, str]) -> str:
+def _status_of(name: str, value: Value, case: Case, status_by_name: Mapping[str, str]) -> str:
     if name.partition(".")[0] in _SETTINGS:
         return SETTING
-    if name in given:
-        return given[name]
+    if name in status_by_name:
+        return status_by_name[name]
     parameter = rope_parameters().get(name)
     own = case.rope.get(name, None if parameter is None else parameter.start)
     is_ours = parameter is not None and "[assumed]" in parameter.meaning
-    is_datum = is_ours or name in case.given or (name in case.rope and name.startswith("rope."))
+    is_datum = is_ours or name in case.status_by_name or (name in case.rope and name.startswith("rope."))
     if not _is_number(value) or not (is_datum or value != own):
         return SETTING
     if value != own:
         return "exported"
-    return case.given.get(name, "assumed")
+    return case.status_by_name.get(name, "assumed")
 
 
 def _leaves(run: RunData) -> Iterator[tuple[str, Value, str]]:

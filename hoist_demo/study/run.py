@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 from hoist_demo.cases.rules import with_values
 from hoist_demo.cases.table import find_case
@@ -22,8 +23,8 @@ from hoist_demo.cosimulation.progress import warnings_of
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.design.controllers import Task
-from hoist_demo.files.catalogue import CONTROLLER, data_of, host_parameters
-from hoist_demo.files.values import GIVEN, Given, plain
+from hoist_demo.files.registry import CONTROLLER, data_of, host_parameters
+from hoist_demo.files.values import GIVEN, ParameterValue, plain
 from hoist_demo.parameters import GRAVITY, Arrival, Coupling, Hoist, start_heights
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
@@ -44,6 +45,8 @@ CONTROLLER_OF = {"shaper": "input-shaping", "trajectory": "optimised-trajectory"
 #: Data of the winding that is not part of the key of runs without creep.
 _CREEP = ("creep_speed", "creep_distance", "departure_creep_distance")
 
+_RECORD_KEYS = {"rope_values": "fmu", "status_by_name": "given"}  #: Keys of fields in records, where they differ.
+
 
 @dataclass(frozen=True)
 class RunData(Task):
@@ -52,13 +55,17 @@ class RunData(Task):
     case: str  # the hoist, by name or file
     coupling: Coupling
     arrival: Arrival
-    fmu: Mapping[str, Value]  # parameters of the case's rope, and those that the study sets
+    rope_values: Mapping[str, Value]  # parameters of the case's rope, and those that the study sets
     signals: tuple[str, ...] = ()  # time series to keep
-    given: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)  # statuses by name
+    status_by_name: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)  # statuses by name
+
+    def record(self) -> dict[str, Any]:
+        """Return the data by their keys in records."""
+        return {_RECORD_KEYS.get(name, name): value for name, value in asdict(self).items()}
 
     def key(self, fmu_hash: str) -> str:
         """Return the name of the run, 24 hexadecimal digits."""
-        data = asdict(self) | {"fmu": dict(sorted(self.fmu.items())), "version": _VERSION}
+        data = self.record() | {"fmu": dict(sorted(self.rope_values.items())), "version": _VERSION}
         del data["case"], data["given"]  # all that its file says is in the rest
         for tuning, controller in CONTROLLER_OF.items():
             if self.controller != controller:
@@ -87,9 +94,9 @@ class Outcome:
 
 def build(
     case: str,
-    values: Mapping[str, Value | Given],
+    values: Mapping[str, Value | ParameterValue],
     signals: tuple[str, ...] = (),
-    varied: Mapping[str, Value | Given] | None = None,
+    varied: Mapping[str, Value | ParameterValue] | None = None,
 ) -> RunData:
     """Return the data of a run; a `ValueError` names what does not fit together.
 
@@ -98,22 +105,22 @@ def build(
     """
     hoist_case = with_values(find_case(case), values)
     varied = dict(varied or {})
-    differing = {key: one.value if isinstance(one, Given) else one for key, one in varied.items()}
-    varied_statuses = {key: one.status if isinstance(one, Given) else GIVEN for key, one in varied.items()}
+    differing = plain(varied)
+    varied_statuses = {k: v.status if isinstance(v, ParameterValue) else GIVEN for k, v in varied.items()}
     host = {**plain(hoist_case.host), **differing}
     run = RunData(
         case=case,
         controller=str(host.get(CONTROLLER.name, CONTROLLER.start)),
-        fmu={**hoist_case.rope, **fmu_part(differing)},
+        rope_values={**hoist_case.rope, **fmu_part(differing)},
         signals=signals,
-        given={**hoist_case.given, **varied_statuses},
+        status_by_name={**hoist_case.status_by_name, **varied_statuses},
         **data_of(host),
     )
     run.require_possible()
     if run.controller == "input-shaping" and run.shaper.frequency == 0.0:
         from hoist_demo.design.reduction import swing_at_landing  # scipy is slow to load
 
-        wound = replace(hoist_case, rope=run.fmu, hoist=run.hoist, winding=run.winding, gains=run.gains)
+        wound = replace(hoist_case, rope=run.rope_values, hoist=run.hoist, winding=run.winding, gains=run.gains)
         frequency, damping = swing_at_landing(wound)
         run = replace(run, shaper=replace(run.shaper, frequency=frequency, damping=damping))
     require_trip_fits(run.hoist, run.winding)
@@ -123,9 +130,9 @@ def build(
 
 def build_trip(
     case: str,
-    values: Mapping[str, Value | Given],
+    values: Mapping[str, Value | ParameterValue],
     signals: tuple[str, ...] = (),
-    varied: Mapping[str, Value | Given] | None = None,
+    varied: Mapping[str, Value | ParameterValue] | None = None,
 ) -> RunData:
     """Build one trip from the landing, as `build`; refuse a jam that it does not reach."""
     run = build(case, values, signals, varied)
@@ -147,7 +154,7 @@ def execute(run: RunData, fmu: Path) -> Outcome:
 
 def _outcome(run: RunData, fmu: Path) -> Outcome:
     try:
-        rope = FmuRope(fmu, run.fmu, ROPE_SIGNALS.union(run.signals))
+        rope = FmuRope(fmu, run.rope_values, ROPE_SIGNALS.union(run.signals))
         try:
             result = wind_run(run, rope)
             data = rope.data()
@@ -174,8 +181,8 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
 
 def wind_run(run: RunData, rope: RopePlant, progress: Progress | None = None) -> Result:
     """Return the co-simulation of a run with any rope; `progress` as of `Host.run`."""
-    chosen = run.design()
-    host = Host(rope, run.hoist, run.winding, run.coupling, chosen.gains, trajectory=chosen.trajectory)
+    design = run.design()
+    host = Host(rope, run.hoist, run.winding, run.coupling, design.gains, trajectory=design.trajectory)
     return host.run(progress)
 
 
@@ -208,15 +215,15 @@ class Probe:
     def require_start(self, run: RunData) -> None:
         """Refuse a rope that does not start with the run's parameters, by the key if one alone is to blame."""
         heights = start_heights(run.hoist, run.winding)
-        together = self._ask(run.fmu, heights)
+        together = self._ask(run.rope_values, heights)
         if not together:
             return
         own = find_case(run.case).rope
-        set_here = {key: value for key, value in run.fmu.items() if own.get(key) != value}
+        set_here = {key: value for key, value in run.rope_values.items() if own.get(key) != value}
         alone = {key: self._ask({**own, key: value}, heights) for key, value in set_here.items()}
-        blamed = [f"{key} = {run.fmu[key]!r}: {answer}" for key, answer in alone.items() if answer]
-        chosen = ", ".join(f"{key} = {value!r}" for key, value in set_here.items()) or "the FMU's own parameters"
-        Problems(blamed or [f"{chosen}: {together}"]).refuse()
+        blamed = [f"{key} = {run.rope_values[key]!r}: {answer}" for key, answer in alone.items() if answer]
+        differing = ", ".join(f"{key} = {value!r}" for key, value in set_here.items()) or "the FMU's own parameters"
+        Problems(blamed or [f"{differing}: {together}"]).refuse()
 
     def _ask(self, parameters: Mapping[str, Value], heights: tuple[float, float]) -> str:
         question = json.dumps([dict(parameters), heights], sort_keys=True)

@@ -24,7 +24,7 @@ class SlipSafety(NamedTuple):
     cure: str
 
     @property
-    def words(self) -> str:
+    def text(self) -> str:
         """Return the number, with words where its digits would be those of what is asked for."""
         number = f"{self.safety:.2f}"
         return f"just below {self.required:g}" if not self.enough and float(number) == self.required else number
@@ -68,7 +68,7 @@ def slip_safeties(recording: Recording, hoist: Hoist, winding: Winding) -> list[
 def slip_warnings(recording: Recording, hoist: Hoist, winding: Winding) -> list[str]:
     """List where the head ropes hold less well than is asked, and what cures that."""
     return [
-        f"slip safety {one.when} is {one.words}, not {one.required:g}: {one.cure}"
+        f"slip safety {one.when} is {one.text}, not {one.required:g}: {one.cure}"
         for one in slip_safeties(recording, hoist, winding)
         if not one.enough
     ]

@@ -16,7 +16,7 @@ import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -80,7 +80,7 @@ class Store:
             with _whole(self.directory / "signals" / f"{key}.parquet") as path:
                 pq.write_table(table, path)
         plain_outcome = {name: value for name, value in vars(outcome).items() if name not in ("signals", "units")}
-        record = {"key": key, "data": asdict(run), "outcome": plain_outcome, "worker": worker}
+        record = {"key": key, "data": run.record(), "outcome": plain_outcome, "worker": worker}
         with _whole(self._path(key)) as path:
             path.write_text(json.dumps(record, indent=1), encoding="utf-8")
 

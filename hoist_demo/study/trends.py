@@ -10,11 +10,11 @@ from functools import partial
 from itertools import pairwise
 from typing import Any
 
-from hoist_demo.files.catalogue import parameters
+from hoist_demo.files.registry import parameters
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.definition import Study, StudyRun
-from hoist_demo.study.goal import Bound, Goal
 from hoist_demo.study.metrics import UNITS
+from hoist_demo.study.objective import Constraint, Objective
 
 PROMINENCE = 0.1  #: Least height of an extremum, in parts of the range of a result.
 NOISE = 0.01  #: Least height of an extremum, in parts of the largest size of a result.
@@ -29,8 +29,8 @@ def not_monotonic(study: Study, samples: Sequence[StudyRun], outcomes: Sequence[
     if study.plan is None and len(lists) == len(study.varied):
         for key in (key for key in lists if not parameters()[key].choices):
             for rest, runs in _lines(key, lists, samples, outcomes):
-                for what, words in _along(study.goal, key, runs):
-                    sentences.setdefault((key, what), []).append(f"{words} ({rest})" if rest else words)
+                for what, sentence in _along(study.objective, key, runs):
+                    sentences.setdefault((key, what), []).append(f"{sentence} ({rest})" if rest else sentence)
     return [own[0] + (f", and so in {len(own) - 1} more rows" if len(own) > 1 else "") for own in sentences.values()]
 
 
@@ -52,16 +52,16 @@ def _lines(
             yield rest, sorted(line.items(), key=lambda pair: pair[0])
 
 
-def _along(goal: Goal | None, key: str, runs: RunLine) -> Iterator[tuple[str, str]]:
+def _along(objective: Objective | None, key: str, runs: RunLine) -> Iterator[tuple[str, str]]:
     """Yield each result that is not monotonic, and the words on it."""
-    for what, happened in _events(goal):
+    for what, happened in _events(objective):
         happens = [happened(outcome) for _, outcome in runs]
         # an event at the lower end only counts, too: more is expected to be worse
         changes = sum(before != after for before, after in pairwise(happens))
         expected = 0 if happens[0] and not happens[-1] else 1
         if any(happens) and changes > expected:
             yield what, f"{what} at {key} = {_values(runs, happens, True)}, not at {_values(runs, happens, False)}"
-    for metric in goal.metrics if goal else _WATCHED:
+    for metric in objective.metrics if objective else _WATCHED:
         pairs = [(x, _metric(outcome, metric)) for x, outcome in runs if outcome["status"] == "completed"]
         if turn := _turn([pair for pair in pairs if math.isfinite(pair[1])]):
             x, y, word = turn
@@ -73,16 +73,16 @@ def _metric(outcome: OutcomeRecord, name: str) -> float:
     return float(outcome["metrics"].get(name, math.nan))
 
 
-def _events(goal: Goal | None) -> Iterator[tuple[str, Callable[[OutcomeRecord], bool]]]:
+def _events(objective: Objective | None) -> Iterator[tuple[str, Callable[[OutcomeRecord], bool]]]:
     yield "The rope struck or passed through something", lambda outcome: bool(outcome["passed"])
     yield "Runs stopped early", lambda outcome: outcome["status"] != "completed"
-    for bound in goal.bounds if goal else ():
+    for bound in objective.constraints if objective else ():
         word = "above" if bound.sense > 0.0 else "below"
         yield f"{bound.metric} is {word} {bound.value:g}", partial(_is_beyond, bound)
 
 
-def _is_beyond(bound: Bound, outcome: OutcomeRecord) -> bool:
-    return bound.excess({bound.metric: _metric(outcome, bound.metric)}) > 0.0
+def _is_beyond(bound: Constraint, outcome: OutcomeRecord) -> bool:
+    return bound.violation({bound.metric: _metric(outcome, bound.metric)}) > 0.0
 
 
 def _values(runs: Sequence[tuple[float, OutcomeRecord]], happens: Sequence[bool], wanted: bool) -> str:

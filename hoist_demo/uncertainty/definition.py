@@ -10,8 +10,8 @@ from pydantic import Field, field_validator, model_validator
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data_of, rope_scene
 from hoist_demo.files.rope_file import FOLLOWING, following_statuses
-from hoist_demo.files.run_values import LevelHead, RopeQuestion, RunFile
-from hoist_demo.files.values import DERIVED, GIVEN, VARIED, Given, statuses
+from hoist_demo.files.run_values import LevelHeader, RopeAnalysisFile, RunFile
+from hoist_demo.files.values import DERIVED, GIVEN, VARIED, ParameterValue, statuses
 from hoist_demo.parameters import SIDES
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.metrics import UNITS
@@ -22,7 +22,7 @@ from rope_model import BEARINGS, Datum, KnownRope
 MEASURES = ("clearance", "loop_yaw", "left_swivel_torque", "rope_force_ripple")
 
 
-class UncertainHead(LevelHead):
+class UncertaintyHeader(LevelHeader):
     """Table [uncertain] at the head of the file."""
 
     samples: int = Field(64, ge=8, description="a power of two")
@@ -38,23 +38,23 @@ class UncertainHead(LevelHead):
         return samples
 
 
-class Uncertain(RopeQuestion, RunFile):
+class UncertaintyFile(RopeAnalysisFile, RunFile):
     """Schema of a TOML file that asks how uncertain a winding is."""
 
-    head: UncertainHead = Field({}, alias="uncertain", validate_default=True)
+    header: UncertaintyHeader = Field({}, alias="uncertain", validate_default=True)
 
     @cached_property
     def known_rope(self) -> KnownRope:
         """Rope with its ranges, as long as the hoist's unless the file states a length."""
         if "length" in self.catalogue_arguments:
             return self.catalogue_rope
-        return replace(self.catalogue_rope, length=find_case(self.head.hoist).hoist.tail_rope_length)
+        return replace(self.catalogue_rope, length=find_case(self.header.hoist).hoist.tail_rope_length)
 
     @property
     def data(self) -> dict[str, Datum]:
         """Ranges of the data that vary, by name."""
         ranges = {name: datum for name, datum in self.known_rope.data.items() if datum.high > datum.low}
-        return ranges | (BEARINGS[self.head.bearing] if self.head.bearing else {})
+        return ranges | (BEARINGS[self.header.bearing] if self.header.bearing else {})
 
     @model_validator(mode="after")
     def _varies(self) -> Self:
@@ -68,25 +68,25 @@ class Uncertain(RopeQuestion, RunFile):
         data = self.data
         run = self.run({name: datum.middle for name, datum in data.items()})
         status_of = {name: VARIED if name in data else datum.status for name, datum in self.known_rope.data.items()}
-        given = {"rope.diameter": GIVEN, **statuses(self.fixed), **following_statuses(status_of)}
+        status = {"rope.diameter": GIVEN, **statuses(self.fixed), **following_statuses(status_of)}
         if "length" in self.catalogue_arguments:
-            given |= dict.fromkeys(("rope.length", "hoist.tail_rope_length"), GIVEN)
-        if self.head.bearing:
-            given |= {f"{side}.swivel.{name}": VARIED for side in SIDES for name in ("mu_kinetic", "mu_static")}
-        rope = rope_data_of(rope_scene(run.fmu, self.level))
-        return [*host_provenance(run, given), *rope_provenance(find_case(self.head.hoist), rope, given)]
+            status |= dict.fromkeys(("rope.length", "hoist.tail_rope_length"), GIVEN)
+        if self.header.bearing:
+            status |= {f"{side}.swivel.{name}": VARIED for side in SIDES for name in ("mu_kinetic", "mu_static")}
+        rope = rope_data_of(rope_scene(run.rope_values, self.level))
+        return [*host_provenance(run, status), *rope_provenance(find_case(self.header.hoist), rope, status)]
 
     def run(self, values: Mapping[str, float]) -> RunData:
         """Return the data of a winding with these values of what varies; the drive knows the rope as it is."""
         held = {name: datum.low for name, datum in self.known_rope.data.items() if name not in self.data}
         rope = self.known_rope.rope(**held, **{name: values[name] for name in self.known_rope.data if name in values})
-        drawn: dict[str, Value | Given] = {
+        drawn: dict[str, Value | ParameterValue] = {
             **{f"rope.{name}": float(getattr(rope, name)) for name in FOLLOWING},
             "hoist.tail_rope_mass": rope.mass_per_length,
-            "hoist.tail_rope_length": Given(rope.length, DERIVED),
+            "hoist.tail_rope_length": ParameterValue(rope.length, DERIVED),
         }
-        if self.head.bearing:
+        if self.header.bearing:
             for side in SIDES:
                 drawn[f"{side}.swivel.mu_kinetic"] = values["running_friction"]
                 drawn[f"{side}.swivel.mu_static"] = values["running_friction"] * values["starting_ratio"]
-        return build_trip(self.head.hoist, {"model.fidelity": 1, **self.fixed}, varied=drawn)
+        return build_trip(self.header.hoist, {"model.fidelity": 1, **self.fixed}, varied=drawn)

@@ -7,103 +7,103 @@ from hoist_demo.recording.time_series import Recording, write_csv
 from hoist_demo.report.html.page import Bar, bars, number, paragraphs, plain_table, write_sheet
 from hoist_demo.report.rows import SummaryRow, in_display_unit, provenance_table, status_rows
 from hoist_demo.study.metrics import METRICS, UNITS
-from hoist_demo.uncertainty.spread import QUANTILES, Spread
+from hoist_demo.uncertainty.spread import QUANTILES, UncertaintyResult
 
-NAMED = 0.05  #: Share of a spread from which on a datum is named in the terminal.
+MIN_LISTED_SHARE = 0.05  #: Share of a spread from which on a datum is named in the terminal.
 
 
-def summary(spread: Spread) -> list[SummaryRow]:
+def summary(result: UncertaintyResult) -> list[SummaryRow]:
     """Return the rows of the terminal's summary."""
-    rows = [SummaryRow("Windings", "that count", f"{spread.completed} of {spread.question.head.samples}")]
-    for name in _measured(spread):
-        (low, middle, high), unit = _in_display_unit(spread.quantiles(name), UNITS[name])
+    rows = [SummaryRow("Windings", "that count", f"{result.completed} of {result.file.header.samples}")]
+    for name in _measured(result):
+        (low, middle, high), unit = _in_display_unit(result.quantiles(name), UNITS[name])
         group = f"{name}, {METRICS[name][1]}"
         rows.append(SummaryRow(group, "half of the ropes below", middle, unit))
         rows.append(SummaryRow(group, "nine in ten within", f"{low} to {high}", unit))
         rows += [
             SummaryRow(group, key if key == "unexplained" else f"caused by {key}", f"{100 * x:.0f} %")
-            for key, x in _sorted(spread, name)
-            if x > NAMED
+            for key, x in _sorted(result, name)
+            if x > MIN_LISTED_SHARE
         ]
-    return [*rows, *status_rows(spread.question.provenance())]
+    return [*rows, *status_rows(result.file.provenance())]
 
 
-def too_few(spread: Spread) -> str:
+def too_few(result: UncertaintyResult) -> str:
     """Return a warning of results without windings, and of too few windings for causes; '' for neither."""
-    return "; ".join(_too_few(spread))
+    return "; ".join(_too_few(result))
 
 
-def _too_few(spread: Spread) -> Iterator[str]:
-    measures = spread.question.head.measures
-    if none := [name for name in measures if spread.completed and not spread.has(name).any()]:
+def _too_few(result: UncertaintyResult) -> Iterator[str]:
+    measures = result.file.header.measures
+    if none := [name for name in measures if result.completed and not result.has(name).any()]:
         yield (
             f"no winding shows {', '.join(none)}: the rope's model does not compute it (set model.fidelity = "
             "torsional), or its event did not happen"
         )
-    if not spread.completed:
+    if not result.completed:
         yield (
             "no winding counts, so that nothing is known: see why above, and change the rope, what is near it, or the "
             "trip, not the samples"
         )
         return
-    counts, need = {name: int(spread.has(name).sum()) for name in measures}, spread.needed
+    counts, need = {name: int(result.has(name).sum()) for name in measures}, result.needed
     if few := [f"{name} {count}" for name, count in counts.items() if 0 < count < need]:
         yield (
-            f"no causes are known of {', '.join(few)}: {len(spread.question.data)} varied data need {need} completed "
-            f"windings, 64 for a first look; raise samples = {spread.question.head.samples}"
+            f"no causes are known of {', '.join(few)}: {len(result.file.data)} varied data need {need} completed "
+            f"windings, 64 for a first look; raise samples = {result.file.header.samples}"
         )
-    if spoiled := [f"{name} {number(times)}" for name in measures if (times := spread.spoiled(name))]:
+    if spoiled := [f"{name} {number(times)}" for name in measures if (times := result.spoiled(name))]:
         yield (
             f"no causes are known of {', '.join(spoiled)}: the shares of the data add up to so many times their "
-            f"spread; {spread.question.head.samples} windings are too few to separate the data; raise samples"
+            f"spread; {result.file.header.samples} windings are too few to separate the data; raise samples"
         )
 
 
-def remarks(spread: Spread) -> list[str]:
+def remarks(result: UncertaintyResult) -> list[str]:
     """Return the rope's warnings and why windings do not count, each with its number of windings."""
-    return [f"in {count} of {spread.question.head.samples} windings: {text}" for text, count in spread.remarks.items()]
+    return [f"in {count} of {result.file.header.samples} windings: {text}" for text, count in result.remarks.items()]
 
 
-def write_table(spread: Spread, path: Path) -> Path:
+def write_table(result: UncertaintyResult, path: Path) -> Path:
     """Write a CSV file with a row per winding, and return its path."""
-    units = {name: datum.unit for name, datum in spread.question.data.items()} | UNITS
-    write_csv(Recording(spread.columns, units), path)
+    units = {name: datum.unit for name, datum in result.file.data.items()} | UNITS
+    write_csv(Recording(result.columns, units), path)
     return path
 
 
-def write_page(spread: Spread, path: Path) -> Path:
+def write_page(result: UncertaintyResult, path: Path) -> Path:
     """Write the HTML page of the spread, and return its path."""
-    question = spread.question
+    file = result.file
     head = ("result", "", *(f"{100 * q:.0f} % below" for q in QUANTILES), "unit")
     results = []
-    for name in _measured(spread):
-        quantiles, unit = _in_display_unit(spread.quantiles(name), UNITS[name])
+    for name in _measured(result):
+        quantiles, unit = _in_display_unit(result.quantiles(name), UNITS[name])
         results.append((name, METRICS[name][1], *quantiles, unit))
     causes = "".join(
         paragraphs([name])
         + bars([Bar(key.replace("_", " "), 0.0, x, x, key != "unexplained") for key, x in shares], _TICKS, name)
-        for name in question.head.measures
-        if (shares := _sorted(spread, name))
+        for name in file.header.measures
+        if (shares := _sorted(result, name))
     )
     data = []
-    for name, datum in question.data.items():
+    for name, datum in file.data.items():
         bounds, unit = _in_display_unit((datum.low, datum.high), datum.unit)
         data.append((name, " to ".join(bounds), unit, datum.status, datum.source))
-    count = f"{spread.completed} of {question.head.samples} windings count"
-    wound = f"{count}: hoist {question.head.hoist}, level {question.level}."
+    count = f"{result.completed} of {file.header.samples} windings count"
+    wound = f"{count}: hoist {file.header.hoist}, level {file.level}."
     hint = "Share of the spread of ranks; grey: what the data do not explain one by one."
-    title, rows = provenance_table(question.provenance())
+    title, rows = provenance_table(file.provenance())
     parts = [
-        ("", paragraphs([wound, *remarks(spread)])),
+        ("", paragraphs([wound, *remarks(result)])),
         ("What the results may be", plain_table(head, results)),
-        ("Which datum causes it", paragraphs([hint, *filter(None, [too_few(spread)])]) + causes),
+        ("Which datum causes it", paragraphs([hint, *filter(None, [too_few(result)])]) + causes),
         (
             "What varies, evenly over its range, in logarithms where it does not begin at 0",
             plain_table(("datum", "range", "unit", "status", "source"), data),
         ),
         (title, plain_table(("datum", "value", "unit", "status"), rows)),
     ]
-    return write_sheet(path, question.head.title, parts)
+    return write_sheet(path, file.header.title, parts)
 
 
 def _in_display_unit(values: Iterable[float], unit: str) -> tuple[list[str], str]:
@@ -114,11 +114,11 @@ def _in_display_unit(values: Iterable[float], unit: str) -> tuple[list[str], str
 _TICKS = [(x / 4, f"{25 * x} %") for x in range(5)]
 
 
-def _measured(spread: Spread) -> list[str]:
+def _measured(result: UncertaintyResult) -> list[str]:
     """Return the measures that at least one winding has."""
-    return [name for name in spread.question.head.measures if spread.has(name).any()]
+    return [name for name in result.file.header.measures if result.has(name).any()]
 
 
-def _sorted(spread: Spread, name: str) -> list[tuple[str, float]]:
+def _sorted(result: UncertaintyResult, name: str) -> list[tuple[str, float]]:
     """Return the causes of a spread, the largest first, what is unexplained last."""
-    return sorted(spread.causes(name).items(), key=lambda cause: (cause[0] == "unexplained", -cause[1]))
+    return sorted(result.causes(name).items(), key=lambda cause: (cause[0] == "unexplained", -cause[1]))

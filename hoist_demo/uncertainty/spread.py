@@ -25,7 +25,7 @@ from hoist_demo.recording.passages import PASSED, passages
 from hoist_demo.recording.time_series import Array
 from hoist_demo.study.metrics import ROPE_SIGNALS, measure
 from hoist_demo.study.run import wind_run
-from hoist_demo.uncertainty.definition import Uncertain
+from hoist_demo.uncertainty.definition import UncertaintyFile
 
 WindingResult = tuple[dict[str, float], tuple[str, ...]]  #: Measures by name, and remarks.
 QUANTILES = (0.05, 0.5, 0.95)  #: Quantiles of each measure in the results.
@@ -37,14 +37,14 @@ _NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 
 
 @dataclass(frozen=True)
-class Spread:
+class UncertaintyResult:
     """Results of all windings, a row each: what varied and what was measured.
 
     NaN where the winding has stopped before, its rope has passed through something, or it shows no such thing: the
     rope's model may not compute it.
     """
 
-    question: Uncertain
+    file: UncertaintyFile
     columns: Mapping[str, Array]
     remarks: Mapping[str, int] = field(default_factory=dict)  # warnings and causes of stops: in how many windings
 
@@ -61,12 +61,12 @@ class Spread:
     def completed(self) -> int:
         """Number of windings that came to their end with a rope that passed through nothing."""
         unfit = (STOPPED, LEFT_OUT)
-        return self.question.head.samples - sum(count for text, count in self.remarks.items() if text.startswith(unfit))
+        return self.file.header.samples - sum(count for text, count in self.remarks.items() if text.startswith(unfit))
 
     @property
     def needed(self) -> int:
         """Windings from which on a regression leaves a rest by which to judge it."""
-        return len(self.question.data) + 2
+        return len(self.file.data) + 2
 
     def causes(self, name: str) -> dict[str, float]:
         """Return each datum's share in a measure's spread, and the unexplained; {} if too few or contradictory."""
@@ -83,52 +83,49 @@ class Spread:
         y = self.columns[name][selected]
         if y.size < self.needed or np.ptp(y) == 0.0:
             return {}
-        x = np.array([_standard(self.columns[key][selected]) for key in self.question.data])
+        x = np.array([_standard(self.columns[key][selected]) for key in self.file.data])
         y = _standard(y)
         b = np.linalg.lstsq(x.T, y, rcond=None)[0]
         rest = y - b @ x
-        shares = {key: float(share) for key, share in zip(self.question.data, b * b, strict=True)}
+        shares = {key: float(share) for key, share in zip(self.file.data, b * b, strict=True)}
         return shares | {"unexplained": float(rest @ rest / (y @ y))}
 
 
 def run_windings(
-    question: Uncertain, workers: int, progress: Callable[[Iterable[WindingResult]], Iterable[WindingResult]] = iter
-) -> Spread:
+    file: UncertaintyFile, workers: int, progress: Callable[[Iterable[WindingResult]], Iterable[WindingResult]] = iter
+) -> UncertaintyResult:
     """Wind the sampled ropes in ``workers`` processes, and return the spread of the measures."""
-    samples = draw(question)
+    samples = draw(file)
     if workers == 1:
-        results = list(progress(wind_once(question, values) for values in samples))
+        results = list(progress(wind_once(file, values) for values in samples))
     else:
         with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-            results = list(progress(pool.map(wind_once, [question] * len(samples), samples)))
-    columns = {name: np.array([values[name] for values in samples]) for name in question.data}
-    columns |= {name: np.array([measures[name] for measures, _ in results]) for name in question.head.measures}
-    return Spread(question, columns, remarks_of([texts for _, texts in results]))
+            results = list(progress(pool.map(wind_once, [file] * len(samples), samples)))
+    columns = {name: np.array([values[name] for values in samples]) for name in file.data}
+    columns |= {name: np.array([measures[name] for measures, _ in results]) for name in file.header.measures}
+    return UncertaintyResult(file, columns, remarks_of([texts for _, texts in results]))
 
 
-def draw(question: Uncertain) -> list[dict[str, float]]:
+def draw(file: UncertaintyFile) -> list[dict[str, float]]:
     """Draw the values of what varies, one set per winding."""
-    sequence = scipy.stats.qmc.Sobol(len(question.data), rng=np.random.default_rng(question.head.seed))
-    shares = sequence.random_base2(round(math.log2(question.head.samples)))
-    return [
-        {name: datum.at(float(u)) for (name, datum), u in zip(question.data.items(), row, strict=True)}
-        for row in shares
-    ]
+    sequence = scipy.stats.qmc.Sobol(len(file.data), rng=np.random.default_rng(file.header.seed))
+    shares = sequence.random_base2(round(math.log2(file.header.samples)))
+    return [{key: datum.at(float(u)) for (key, datum), u in zip(file.data.items(), row, strict=True)} for row in shares]
 
 
-def wind_once(question: Uncertain, values: Mapping[str, float]) -> WindingResult:
+def wind_once(file: UncertaintyFile, values: Mapping[str, float]) -> WindingResult:
     """Return the measures of one winding with its warnings; NaN, with the reason, if it shows no real rope."""
-    run = question.run(values)
+    run = file.run(values)
     with warnings_of("hoist_demo") as warnings:
-        rope = InProcessRope(rope_scene(run.fmu, question.level), ROPE_SIGNALS)
+        rope = InProcessRope(rope_scene(run.rope_values, file.level), ROPE_SIGNALS)
         result = wind_run(run, rope)
     result = replace(result, recording=mask_neglected(result.recording, rope.data().torque_free))
     passed = passages(result.recording)
     if result.completed and PASSED not in passed:
         metrics = measure(result, run.hoist, run.arrival).metrics
-        return {name: metrics[name] for name in question.head.measures}, tuple(f"warning: {text}" for text in warnings)
+        return {name: metrics[name] for name in file.header.measures}, tuple(f"warning: {text}" for text in warnings)
     reason = f"{LEFT_OUT}{passed}" if result.completed else f"{STOPPED}{result.cause}"
-    return dict.fromkeys(question.head.measures, math.nan), (reason,)
+    return dict.fromkeys(file.header.measures, math.nan), (reason,)
 
 
 def remarks_of(remarks: Sequence[Iterable[str]]) -> dict[str, int]:

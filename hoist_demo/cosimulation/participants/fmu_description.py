@@ -49,7 +49,7 @@ def _variable(stated: Any) -> Variable:
     kind = _kind(stated.type)
     declared = stated.declaredType
     ranges = [range(1, length + 1) for length in stated.shape]
-    places = [f"[{','.join(map(str, place))}]" for place in product(*ranges)] if ranges else [""]
+    indices = [f"[{','.join(map(str, index))}]" for index in product(*ranges)] if ranges else [""]
     texts = () if stated.start is None else stated.start.split() if ranges else (stated.start,)
     items = {item.name: int(item.value) for item in declared.items} if kind == "Enumeration" else {}
     low, high = (min(items.values()), max(items.values())) if items else (stated.min, stated.max)
@@ -60,7 +60,7 @@ def _variable(stated: Any) -> Variable:
         type=stated.type,
         kind=kind,
         unit=str(stated.unit or (declared.unit if declared is not None else None) or ""),
-        elements=tuple(stated.name + place for place in places),
+        elements=tuple(stated.name + index for index in indices),
         starts=tuple(_value(kind, text) for text in texts),
         minimum=None if low is None else float(low),
         maximum=None if high is None else float(high),

@@ -114,8 +114,8 @@ class FmuRope:
         parts = []
         for type_ in dict.fromkeys(v.type for v in readable):
             buffer = self._fmu.buffer("Get", [v for v in readable if v.type == type_], rows)
-            places = {name: k for k, name in enumerate(buffer.names)}
-            there, here = np.array([(places[name], k) for k, name in enumerate(names) if name in places]).T
+            index = {name: k for k, name in enumerate(buffer.names)}
+            there, here = np.array([(index[name], k) for k, name in enumerate(names) if name in index]).T
             parts.append((buffer, there, here))
 
         def values(count: int) -> NDArray[np.float64]:
@@ -272,13 +272,11 @@ def _digest(path: Path, changed: int, size: int) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def _typed(variable: Variable, value: Value) -> Value:
+def _typed(v: Variable, value: Value) -> Value:
     """Convert a value to the variable's FMI type, an enumeration's item to its number."""
-    if variable.kind == "Enumeration" and isinstance(value, str):
-        if value not in variable.items:
-            raise ValueError(
-                f"parameter {variable.name} = '{value}' must be one of {', '.join(variable.items)}: choose one"
-            )
-        return variable.items[value]
+    if v.kind == "Enumeration" and isinstance(value, str):
+        if value not in v.items:
+            raise ValueError(f"parameter {v.name} = '{value}' must be one of {', '.join(v.items)}: choose one")
+        return v.items[value]
     types: Mapping[str, type[Value]] = {"Real": float, "Boolean": bool, "String": str}
-    return types.get(variable.kind, int)(value)
+    return types.get(v.kind, int)(value)

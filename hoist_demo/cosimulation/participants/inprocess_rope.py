@@ -18,8 +18,8 @@ import rope_model
 from hoist_demo.cosimulation.participants.library_calls import TEXT, OutputTable, RopeLibrary, access, codes_of
 from hoist_demo.cosimulation.participants.rope_data import RopeData, stamp, unstamp
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, Reader
-from hoist_demo.parameters.place import Place
 from hoist_demo.parameters.quantity import Value
+from hoist_demo.parameters.suspension import SuspensionOffset
 from hoist_demo.recording.fidelity import FIDELITY, code_of
 from rope_model.scene_names import named_parameters, with_values
 
@@ -66,13 +66,13 @@ class InProcessRope:
         return replace(rope_data_of(self._rope.scene), model=model, fidelity_reason=reason)
 
     def reader(self, names: Sequence[str]) -> Reader:
-        places = [k for k, name in enumerate(names) if name in rope_model.SIGNALS]
+        indices = [k for k, name in enumerate(names) if name in rope_model.SIGNALS]
         fidelities = [k for k, name in enumerate(names) if name == FIDELITY]
-        read = self._rope.reader([names[k] for k in places])
+        read = self._rope.reader([names[k] for k in indices])
 
         def values() -> NDArray[np.float64]:
             row = np.full(len(names), np.nan)
-            row[places] = read()
+            row[indices] = read()
             if fidelities:
                 row[fidelities] = code_of(self._rope.fidelity)
             return row
@@ -89,16 +89,16 @@ class InProcessRope:
         ends = np.zeros((1, 2 * len(rope_model.EndMotion.__dataclass_fields__)))
 
         def table(names: Sequence[str], rows: int) -> OutputTable:
-            places = [k for k, name in enumerate(names) if name in rope_model.SIGNALS]
+            indices = [k for k, name in enumerate(names) if name in rope_model.SIGNALS]
             fidelities = [k for k, name in enumerate(names) if name == FIDELITY]
-            numbers = (c_int * len(places))(*([*rope_model.SIGNALS].index(names[k]) for k in places))
-            values, texts = np.zeros((rows, len(places))), np.zeros((rows, len(fidelities)), TEXT)
-            accesses = [access("NATIVE", lib.rope_signals, rope, numbers, values)] if places else []
+            numbers = (c_int * len(indices))(*([*rope_model.SIGNALS].index(names[k]) for k in indices))
+            values, texts = np.zeros((rows, len(indices))), np.zeros((rows, len(fidelities)), TEXT)
+            accesses = [access("NATIVE", lib.rope_signals, rope, numbers, values)] if indices else []
             accesses += [access("NATIVE", lib.rope_fidelity, rope, numbers, texts)] if fidelities else []
 
             def read(count: int) -> NDArray[np.float64]:
                 outputs = np.full((count, len(names)), np.nan)
-                outputs[:, places], outputs[:, fidelities] = values[:count], codes_of(texts[:count])
+                outputs[:, indices], outputs[:, fidelities] = values[:count], codes_of(texts[:count])
                 return outputs
 
             return OutputTable(accesses, read)
@@ -144,10 +144,10 @@ def rope_data_of(scene: rope_model.Scene) -> RopeData:
 
 
 def rope_scene(
-    parameters: Mapping[str, Value], level: rope_model.Level = "standard", place: Place | None = None
+    parameters: Mapping[str, Value], level: rope_model.Level = "standard", suspension: SuspensionOffset | None = None
 ) -> rope_model.Scene:
-    """Return the scene of a level with parameters by FMI name, choices by code; `place` adds to the ends' spacing."""
+    """Return the scene of a level with parameters by FMI name, choices by code; `suspension` adds to the spacing."""
     scene = with_values(rope_model.at_level(rope_model.Scene(), level), parameters)
-    if place is None:
+    if suspension is None:
         return scene
-    return scene.with_(layout=replace(scene.layout, spacing=place.apart(scene.layout.spacing)))
+    return scene.with_(layout=replace(scene.layout, spacing=suspension.apart(scene.layout.spacing)))

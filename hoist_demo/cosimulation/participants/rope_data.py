@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import get_args
 
 from hoist_demo.parameters import SIDES
-from hoist_demo.parameters.place import Place
 from hoist_demo.parameters.quantity import Value
+from hoist_demo.parameters.suspension import SuspensionOffset
 from rope_model import Level, Scene, at_level
 from rope_model.physics.initial_curvature import CURVATURES
 from rope_model.scene_names import choices_of, named_parameters
@@ -50,7 +50,7 @@ class RopeData:
     units: Mapping[str, str]  # FMI's spelling, "1" for a pure number
     fidelity_reason: str = ""  # why the fidelity runs that runs
     name: str = ""  # prefix of its signals where there are several ropes
-    place: Place = field(default_factory=Place)
+    suspension: SuspensionOffset = field(default_factory=SuspensionOffset)
     breaks: tuple[float, float] | None = None  # time [s] and place of its break [m], along the rope from its left end
 
     @property
@@ -58,9 +58,9 @@ class RopeData:
         """Beginning of the names of its signals and of its parameters, where there are several ropes."""
         return f"{self.name}." if self.name else ""
 
-    def whose(self, words: str) -> str:
+    def whose(self, text: str) -> str:
         """Return words on the rope, with its name where there are several."""
-        return f"{words}, {self.name}" if self.name else words
+        return f"{text}, {self.name}" if self.name else text
 
     @property
     def torque_free(self) -> bool:

@@ -1,6 +1,6 @@
-"""Several balance ropes between the same two conveyances: one RopePlant, each rope with data and a place of its own.
+"""Several balance ropes between the same two conveyances: one RopePlant, each with its data and suspension.
 
-Forces and moments that the ropes put on the conveyances at their places are added up (parameters.place). There the
+Forces and moments that the ropes put on the conveyances are added up (parameters.suspension). There the
 growth of the yaw's rate is its change over the step.
 
 Ropes that may press each other take a step together, halved where they strike: their contact is rope_model's, here is
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, ENDS, Reader, RopePlant
-from hoist_demo.parameters.place import MOVED, Place, moment_at, motion_at
+from hoist_demo.parameters.suspension import MOVED, SuspensionOffset, moment_at, motion_at
 from rope_model import Account, BalanceRope, EndMotion, Neighbours, Status
 
 MEANS = tuple(f"{end}.fy_mean" for end in ENDS)
@@ -44,11 +44,11 @@ class WholeRope(RopePlant, Protocol):
 
 @dataclass(frozen=True)
 class Member:
-    """One rope of a group, with its name and place."""
+    """One rope of a group, with its name and suspension."""
 
     name: str
     rope: RopePlant
-    place: Place
+    suspension: SuspensionOffset
 
 
 class RopeGroup:
@@ -67,7 +67,7 @@ class RopeGroup:
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
         self._last = left, right
-        self._placed = [self._ends(m.place, 0.0, left, right) for m in self.members]
+        self._placed = [self._ends(m.suspension, 0.0, left, right) for m in self.members]
         statuses = [m.rope.initialize(t0, *ends) for m, ends in zip(self.members, self._placed, strict=True)]
         if self.neighbours is not None and all(status.valid for status in statuses):
             self.neighbours.begin(t0, [whole for m in self.members if (whole := _whole(m.rope)) is not None])
@@ -75,7 +75,7 @@ class RopeGroup:
         return self._all(statuses)
 
     def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
-        ends = [self._ends(m.place, h, left, right) for m in self.members]
+        ends = [self._ends(m.suspension, h, left, right) for m in self.members]
         self._last = left, right
         before, self._placed = self._placed, ends
         if self.neighbours is None:
@@ -94,8 +94,8 @@ class RopeGroup:
         readers = [m.rope.reader([*summed, *part]) for m, part in zip(self.members, own, strict=True)]
         contact = [*self._contact()]
         shown = [*contact, *summed, *(f"{m.name}.{n}" for m, part in zip(self.members, own, strict=True) for n in part)]
-        places = {name: k for k, name in enumerate(shown)}
-        order = [places.get(name, len(shown)) for name in names]
+        index = {name: k for k, name in enumerate(shown)}
+        order = [index.get(name, len(shown)) for name in names]
 
         def read() -> NDArray[np.float64]:
             values = [self._over_parts(k, summed, r()) for k, r in enumerate(readers)]
@@ -103,7 +103,7 @@ class RopeGroup:
             for member, one in zip(self.members, values, strict=True):
                 if summed:
                     total += one[: len(summed)]
-                    total[: len(_ACTIONS)] += _moments(one, member.place, self._last)
+                    total[: len(_ACTIONS)] += _moments(one, member.suspension, self._last)
             parts = [one[len(summed) :] for one in values]
             return np.concatenate([[*self._contact().values()], total, *parts, [math.nan]])[order]
 
@@ -151,9 +151,8 @@ class RopeGroup:
             return {}
         accounts = self.accounts()
         forces = {f"neighbours.{one}.{other}.force": account.pressure for (one, other), account in accounts.items()}
-        sums = (
-            np.array([(x.energy, x.work, x.dissipated, x.made) for x in accounts.values()]).reshape(-1, 4).sum(axis=0)
-        )
+        energies = [(x.energy, x.work, x.dissipated, x.made) for x in accounts.values()]
+        sums = np.array(energies).reshape(-1, 4).sum(axis=0)
         return forces | dict(zip(CONTACT_ENERGIES, sums.tolist(), strict=True))
 
     def _over_parts(self, k: int, summed: Sequence[str], values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -164,12 +163,12 @@ class RopeGroup:
                     values[summed.index(name)] = mean
         return values
 
-    def _ends(self, place: Place, h: float, left: EndMotion, right: EndMotion) -> _Ends:
+    def _ends(self, suspension: SuspensionOffset, h: float, left: EndMotion, right: EndMotion) -> _Ends:
         """Motions of a rope's ends at the end of a step."""
         was_left, was_right = self._last
         return (
-            _end(left, place.at("left"), was_left.yaw_rate, h),
-            _end(right, place.at("right"), was_right.yaw_rate, h),
+            _end(left, suspension.at("left"), was_left.yaw_rate, h),
+            _end(right, suspension.at("right"), was_right.yaw_rate, h),
         )
 
     def _all(self, statuses: Sequence[Status]) -> Status:
@@ -227,19 +226,19 @@ def _whole(rope: RopePlant) -> BalanceRope | None:
     return getattr(rope, "whole", None)
 
 
-def _end(conveyance: EndMotion, place: tuple[float, float], rate_before: float, h: float) -> EndMotion:
-    """Return the motion of a conveyance's point at this place, from its own nominal position."""
-    if place == (0.0, 0.0) or (conveyance.yaw == 0.0 and conveyance.yaw_rate == 0.0 and rate_before == 0.0):
+def _end(conveyance: EndMotion, offset: tuple[float, float], rate_before: float, h: float) -> EndMotion:
+    """Return the motion of a conveyance's point at this offset, from its own nominal position."""
+    if offset == (0.0, 0.0) or (conveyance.yaw == 0.0 and conveyance.yaw_rate == 0.0 and rate_before == 0.0):
         return conveyance
     yaw_rate, c = conveyance.yaw_rate, conveyance
     yaw_acceleration = (yaw_rate - rate_before) / h if h > 0.0 else 0.0
-    moved = motion_at(place, [getattr(c, name) for name in MOVED], c.yaw, yaw_rate, yaw_acceleration)
+    moved = motion_at(offset, [getattr(c, name) for name in MOVED], c.yaw, yaw_rate, yaw_acceleration)
     return replace(c, **dict(zip(MOVED, moved, strict=True)))
 
 
-def _moments(values: NDArray[np.float64], place: Place, conveyances: _Ends) -> NDArray[np.float64]:
+def _moments(values: NDArray[np.float64], suspension: SuspensionOffset, conveyances: _Ends) -> NDArray[np.float64]:
     """Return the moments of a rope's forces about the centres, in the order of _ACTIONS."""
     moments = np.zeros((len(ENDS), 6))
     for k, end in enumerate(ENDS):
-        moments[k, 3:] = moment_at(place.at(end), conveyances[k].yaw, values[6 * k : 6 * k + 3].tolist())
+        moments[k, 3:] = moment_at(suspension.at(end), conveyances[k].yaw, values[6 * k : 6 * k + 3].tolist())
     return moments.ravel()

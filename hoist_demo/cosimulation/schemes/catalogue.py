@@ -12,7 +12,7 @@ SCHEMES: dict[str, Scheme] = {
     "impulse-preserving": ImpulsePreserving(),
     **{f"semi-implicit-{order}": SemiImplicit(order) for order in range(3)},
     **{f"iterative-{name}": Iterative(name) for name in ACCELERATORS},
-    "implicit-impulse": Iterative("jacobian", held=True),
+    "implicit-impulse": Iterative("jacobian", hold_mean=True),
     "energy-controlled": EnergyControlled(GaussSeidel(1)),
 }
 

@@ -9,7 +9,7 @@ conservation and power bonds in co-simulations, Engineering with Computers 33 (2
 import math
 from dataclasses import dataclass
 
-from hoist_demo.cosimulation.schemes.interface import Advance, Memory, Pair, Scheme
+from hoist_demo.cosimulation.schemes.interface import Advance, CoupledSystem, Scheme, SchemeState
 
 SAFETY = 0.8  #: Factor on the step that the power allows.
 LARGEST_CHANGE = 2.0  #: Largest factor from one step to the next.
@@ -33,31 +33,31 @@ class EnergyControlled:
     def weights(self) -> tuple[float, ...]:
         return self.inner.weights
 
-    def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
+    def advance(self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float) -> Advance:
         """Steps of the scheme's own, the last of which ends at t + h."""
         done = 0.0
-        wanted = memory.step_next or h
+        target_step = scheme_state.step_next or h
         while done < h:
-            parts = max(math.ceil((h - done) / wanted - 1e-9), 1)
+            parts = max(math.ceil((h - done) / target_step - 1e-9), 1)
             step = (h - done) / parts
-            before = pair.save()
-            advance = self.inner.advance(pair, memory, t + done, step)
+            before = coupled.save()
+            advance = self.inner.advance(coupled, scheme_state, t + done, step)
             if advance.cause:
                 return advance
-            power = abs(advance.memory.residual - memory.residual) / step
+            power = abs(advance.scheme_state.residual - scheme_state.residual) / step
             factor = SAFETY * (self.bound / power) ** (1.0 / self.order) if power > 0.0 else math.inf
             if power > self.bound:
-                wanted = step * min(max(factor, 0.1), 0.5)
-                pair.restore(before)
-                memory = memory.with_taken_back(advance.memory.exchanges - memory.exchanges)
-                if wanted < self.smallest:
+                target_step = step * min(max(factor, 0.1), 0.5)
+                coupled.restore(before)
+                scheme_state = scheme_state.with_taken_back(advance.scheme_state.exchanges - scheme_state.exchanges)
+                if target_step < self.smallest:
                     return Advance(
-                        memory,
+                        scheme_state,
                         f"coupling: {power:.3g} W between drive and rope in a step of {step:.3g} s, bound "
                         f"{self.bound:g} W, smallest step {self.smallest:g} s: allow more power or a smaller step",
                     )
                 continue
-            memory, done = advance.memory, h if parts == 1 else done + step
+            scheme_state, done = advance.scheme_state, h if parts == 1 else done + step
             # a step that was cut to end at t + h says nothing against a longer one
-            wanted = max(step * min(factor, LARGEST_CHANGE), min(wanted, step * factor))
-        return Advance(memory._replace(step_next=min(wanted, h)))
+            target_step = max(step * min(factor, LARGEST_CHANGE), min(target_step, step * factor))
+        return Advance(scheme_state._replace(step_next=min(target_step, h)))

@@ -11,15 +11,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hoist_demo.cosimulation.schemes.interface import Advance, InterfaceMotion, Load, Memory, Pair, Sample, Vector
+from hoist_demo.cosimulation.schemes.interface import (
+    Advance,
+    CoupledSystem,
+    InterfaceMotion,
+    Load,
+    Sample,
+    SchemeState,
+    Vector,
+)
 
+Coefficients = tuple[Vector, Vector, Vector]
 #: Weights of the samples, latest first, in the mean of the extrapolated step, by order (Adams-Bashforth).
 MEAN_WEIGHTS = ((1.0,), (1.5, -0.5), (23.0 / 12.0, -16.0 / 12.0, 5.0 / 12.0))
 
 
-def extrapolation_coefficients(
-    samples: Sequence[Sample], name: str, order: int, h: float
-) -> tuple[Vector, Vector, Vector]:
+def extrapolation_coefficients(samples: Sequence[Sample], name: str, order: int, h: float) -> Coefficients:
     """Coefficients c0, c1, c2 of s = 0 .. 1 over the step of h [s] that follows the last sample; `name` is a field."""
     latest = samples[-1]
     last: Vector = getattr(latest, name)
@@ -35,8 +42,8 @@ def extrapolation_coefficients(
         return last, slope, zero
     t_before = (samples[-3].t - latest.t) / h
     before = (second - getattr(samples[-3], name)) / (t - t_before)
-    bend = (slope - before) / -t_before
-    return last, slope - bend * t, bend
+    quadratic = (slope - before) / -t_before
+    return last, slope - quadratic * t, quadratic
 
 
 @dataclass(frozen=True)
@@ -55,9 +62,9 @@ class Extrapolated:
 class GaussSeidel(Extrapolated):
     """The drive first with extrapolated forces, then the rope along the motion that the drive made."""
 
-    def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
-        start, rise, bend = extrapolation_coefficients(memory.samples, "force", self.order, h)
-        return pair.exchange(memory, t, h, Load(start, rise, bend, np.zeros(start.shape)))
+    def advance(self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float) -> Advance:
+        start, linear, quadratic = extrapolation_coefficients(scheme_state.samples, "force", self.order, h)
+        return coupled.exchange(scheme_state, t, h, Load(start, linear, quadratic, np.zeros(start.shape)))
 
 
 class Jacobi(Extrapolated):
@@ -71,19 +78,19 @@ class Jacobi(Extrapolated):
     holding the place itself would move the rope's end by jumps.
     """
 
-    def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
-        start, rise, bend = extrapolation_coefficients(memory.samples, "force", self.order, h)
-        c0, c1, c2 = extrapolation_coefficients(memory.samples, "acceleration", self.order, h)
-        load = Load(start, rise, bend, np.zeros_like(start))
-        now = pair.drive.motion(load, 0.0)
+    def advance(self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float) -> Advance:
+        start, linear, quadratic = extrapolation_coefficients(scheme_state.samples, "force", self.order, h)
+        c0, c1, c2 = extrapolation_coefficients(scheme_state.samples, "acceleration", self.order, h)
+        load = Load(start, linear, quadratic, np.zeros_like(start))
+        now = coupled.drive.motion(load, 0.0)
         expected = InterfaceMotion(
-            now.place + h * now.speed + h * h * (c0 / 2.0 + c1 / 6.0 + c2 / 12.0),
+            now.position + h * now.speed + h * h * (c0 / 2.0 + c1 / 6.0 + c2 / 12.0),
             now.speed + h * (c0 + c1 / 2.0 + c2 / 3.0),
             c0 + c1 + c2,
         )
-        if cause := pair.step_drive(t, h, load) or pair.step_rope(t, h, expected):
-            return Advance(memory, cause)
-        return Advance(pair.exchanged(memory, t + h, Load.constant(pair.forces()[0])))
+        if cause := coupled.step_drive(t, h, load) or coupled.step_rope(t, h, expected):
+            return Advance(scheme_state, cause)
+        return Advance(coupled.exchanged(scheme_state, t + h, Load.constant(coupled.forces()[0])))
 
 
 @dataclass(frozen=True)
@@ -100,12 +107,12 @@ class SemiImplicit(Extrapolated):
 
     needs_added_mass: bool = True
 
-    def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
-        added = pair.added_mass()
-        force = extrapolation_coefficients(memory.samples, "force", self.order, h)
-        acceleration = extrapolation_coefficients(memory.samples, "acceleration", self.order, h)
-        start, rise, bend = (f + added * a for f, a in zip(force, acceleration, strict=True))
-        return pair.exchange(memory, t, h, Load(start, rise, bend, added))
+    def advance(self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float) -> Advance:
+        added = coupled.added_mass()
+        force = extrapolation_coefficients(scheme_state.samples, "force", self.order, h)
+        acceleration = extrapolation_coefficients(scheme_state.samples, "acceleration", self.order, h)
+        start, linear, quadratic = (f + added * a for f, a in zip(force, acceleration, strict=True))
+        return coupled.exchange(scheme_state, t, h, Load(start, linear, quadratic, added))
 
 
 @dataclass(frozen=True)
@@ -120,5 +127,5 @@ class ImpulsePreserving:
     needs_rollback: bool = False
     needs_added_mass: bool = False
 
-    def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
-        return pair.exchange(memory, t, h, Load.constant(memory.last.mean))
+    def advance(self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float) -> Advance:
+        return coupled.exchange(scheme_state, t, h, Load.constant(scheme_state.last.mean))

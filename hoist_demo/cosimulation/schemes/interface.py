@@ -1,6 +1,6 @@
-"""Data that cross the interface, questions of a scheme to both partners, and its memory between steps.
+"""Data that cross the interface, questions of a scheme to both partners, and its state between steps.
 
-load of a step      F(s) = start + rise s + bend s^2 - m_a a ,     a: acceleration of the drive's ends, s = 0 .. 1
+load of a step      F(s) = start + linear s + quadratic s^2 - m_a a ,   a: acceleration of the drive's ends, s = 0 .. 1
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ HISTORY = 3  #: Samples that are remembered: enough for a quadratic extrapolatio
 class InterfaceMotion(NamedTuple):
     """Places, speeds and accelerations of the n interface coordinates at one instant, each (n,)."""
 
-    place: Vector  # m
+    position: Vector  # m
     speed: Vector  # m/s
     acceleration: Vector  # m/s^2
 
@@ -36,8 +36,8 @@ class Load(NamedTuple):
     """Forces on the drive over one step, each (n,), in N; the added mass in kg."""
 
     start: Vector
-    rise: Vector
-    bend: Vector
+    linear: Vector
+    quadratic: Vector
     added_mass: Vector
 
     @staticmethod
@@ -49,8 +49,8 @@ class Load(NamedTuple):
     @staticmethod
     def through(start: Vector, mean: Vector, end: Vector) -> Load:
         """Return the parabola with these forces at both ends and this mean."""
-        bend = 3.0 * (start + end) - 6.0 * mean
-        return Load(start, end - start - bend, bend, np.zeros(start.shape))
+        quadratic = 3.0 * (start + end) - 6.0 * mean
+        return Load(start, end - start - quadratic, quadratic, np.zeros(start.shape))
 
 
 class Sample(NamedTuple):
@@ -62,8 +62,8 @@ class Sample(NamedTuple):
     acceleration: Vector  # m/s^2, of the drive under the load that it had at t
 
 
-class Memory(NamedTuple):
-    """Memory of a scheme; saving it with the partners' states is enough to go on."""
+class SchemeState(NamedTuple):
+    """State of a scheme; saving it with the partners' states is enough to go on."""
 
     samples: tuple[Sample, ...]  # the last HISTORY, oldest first
     step_next: float = 0.0  # s, that the energy control would like; 0: not chosen yet
@@ -76,15 +76,15 @@ class Memory(NamedTuple):
         """Sample at the latest communication point."""
         return self.samples[-1]
 
-    def with_taken_back(self, count: int = 1) -> Memory:
-        """Return the memory with ``count`` more exchanges that were done and undone."""
+    def with_taken_back(self, count: int = 1) -> SchemeState:
+        """Return the state with ``count`` more exchanges that were done and undone."""
         return self._replace(exchanges=self.exchanges + count, taken_back=self.taken_back + count)
 
 
 class Advance(NamedTuple):
-    """Memory after a step, or that before it with the cause for which the step failed."""
+    """State after a step, or that before it with the cause for which the step failed."""
 
-    memory: Memory
+    scheme_state: SchemeState
     cause: str = ""
 
 
@@ -94,7 +94,7 @@ class DrivePartner(Protocol):
     def step(self, t: float, h: float, load: Load) -> str:
         """Advance from t to t + h [s]; "" or the cause why not."""
 
-    def place(self) -> Vector:
+    def position(self) -> Vector:
         """Places of the ends now, (n,) [m]."""
 
     def motion(self, load: Load, s: float) -> InterfaceMotion:
@@ -170,7 +170,7 @@ class Stopwatch:
         self.wall += perf_counter() - self._since
 
 
-class Pair:
+class CoupledSystem:
     """Two partners of a co-simulation: a scheme steps and asks the rope here, and the drive itself."""
 
     def __init__(self, drive: DrivePartner, rope: RopePlant, clock: Stopwatch | None = None) -> None:
@@ -188,7 +188,7 @@ class Pair:
 
     def rope_stepped(self, t: float, status: Status) -> str:
         """Take what the rope answers to a step from t [s]; "" or the cause why it is of no use."""
-        forces = answer(status, self._read)
+        forces = forces_or_error(status, self._read)
         self._forces = None if isinstance(forces, str) else forces
         return f"rope, step from t = {t:.6g} s: {forces}" if isinstance(forces, str) else ""
 
@@ -198,7 +198,7 @@ class Pair:
 
     def step_drive(self, t: float, h: float, load: Load) -> str:
         """Advance the drive alone from t to t + h [s]; "" or the cause why not."""
-        self._before = self.drive.work(), self.drive.place()
+        self._before = self.drive.work(), self.drive.position()
         return self.drive.step(t, h, load)
 
     def forces(self) -> tuple[Vector, Vector]:
@@ -234,30 +234,30 @@ class Pair:
             self.rope.restore(snapshot)
             self._forces = None
 
-    def start(self, t: float) -> Memory:
-        """Return the memory of a scheme that begins at t [s]; before it everything counts as at rest."""
+    def start(self, t: float) -> SchemeState:
+        """Return the state of a scheme that begins at t [s]; before it everything counts as at rest."""
         force, mean = self.forces()
-        return Memory((Sample(t, force, mean, self.drive.motion(Load.constant(force), 1.0).acceleration),))
+        return SchemeState((Sample(t, force, mean, self.drive.motion(Load.constant(force), 1.0).acceleration),))
 
-    def exchanged(self, memory: Memory, t: float, load: Load) -> Memory:
-        """Memory with the step that has ended at t, where the load acts, and with the energy that it made up.
+    def exchanged(self, scheme_state: SchemeState, t: float, load: Load) -> SchemeState:
+        """State with the step that has ended at t, where the load acts, and with the energy that it made up.
 
         That is the drive's work less the rope's mean force times the distance: its work to the third order in h.
         """
-        (force, mean), (work, place) = self.forces(), self._before
+        (force, mean), (work, position) = self.forces(), self._before
         sample = Sample(t, force, mean, self.drive.motion(load, 1.0).acceleration)
-        made = self.drive.work() - work - float((mean * (self.drive.place() - place)).sum())
-        samples = (*memory.samples, sample)[-HISTORY:]
-        return memory._replace(samples=samples, exchanges=memory.exchanges + 1, residual=memory.residual + made)
+        made = self.drive.work() - work - float((mean * (self.drive.position() - position)).sum())
+        samples, exchanges = (*scheme_state.samples, sample)[-HISTORY:], scheme_state.exchanges + 1
+        return scheme_state._replace(samples=samples, exchanges=exchanges, residual=scheme_state.residual + made)
 
-    def exchange(self, memory: Memory, t: float, h: float, load: Load) -> Advance:
-        """Do the step under a load, drive first, and return the new memory."""
+    def exchange(self, scheme_state: SchemeState, t: float, h: float, load: Load) -> Advance:
+        """Do the step under a load, drive first, and return the new state."""
         if cause := self.step(t, h, load):
-            return Advance(memory, cause)
-        return Advance(self.exchanged(memory, t + h, load))
+            return Advance(scheme_state, cause)
+        return Advance(self.exchanged(scheme_state, t + h, load))
 
 
-def answer(status: Status, read: Reader) -> Vector | str:
+def forces_or_error(status: Status, read: Reader) -> Vector | str:
     """Return the rope's forces behind a start or a step, by a reader of ROPE_FORCES; or why they are unusable."""
     if not status.valid:
         return status.message or "status.valid is false, without a message"
@@ -283,5 +283,5 @@ class Scheme(Protocol):
     def needs_added_mass(self) -> bool:
         """True if the rope must give its added mass."""
 
-    def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
+    def advance(self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float) -> Advance:
         """Both partners from t to t + h [s]; when it fails their states may lie anywhere between."""

@@ -11,7 +11,7 @@ is an impedance; in the middle either converges by 1/3 per exchange at worst. Th
 force is continuous from step to step and damps nothing: with a drive lighter than the rope's added mass the solution
 itself alternates. The held mean is of first order and stable with any mass.
 
-An accelerator gives the next x to try from those tried and the answers g(x) of the rope, r = g(x) - x.
+An accelerator gives the next x to try from those tried and the responses g(x) of the rope, r = g(x) - x.
 """
 
 from dataclasses import dataclass
@@ -20,18 +20,18 @@ from typing import Literal, Protocol
 import numpy as np
 
 from hoist_demo.cosimulation.schemes.explicit import extrapolation_coefficients
-from hoist_demo.cosimulation.schemes.interface import Advance, Load, Memory, Pair, Vector
+from hoist_demo.cosimulation.schemes.interface import Advance, CoupledSystem, Load, SchemeState, Vector
 
 AcceleratorName = Literal["jacobian", "aitken", "secant"]
 ACCELERATORS: tuple[AcceleratorName, ...] = ("jacobian", "aitken", "secant")
-MOST_EXCHANGES = 30  #: Tries of one step, after which it fails.
+MAX_EXCHANGES = 30  #: Tries of one step, after which it fails.
 
 
 class Accelerator(Protocol):
     """Proposes the next x; one object serves one step."""
 
-    def next(self, x: Vector, answer: Vector) -> Vector:
-        """Return the forces to try after x, whose answer is known."""
+    def next(self, x: Vector, response: Vector) -> Vector:
+        """Return the forces to try after x, whose response is known."""
 
 
 class InterfaceJacobian:
@@ -40,8 +40,8 @@ class InterfaceJacobian:
     def __init__(self, jacobian: Vector) -> None:
         self._matrix = np.eye(jacobian.shape[0]) - jacobian
 
-    def next(self, x: Vector, answer: Vector) -> Vector:
-        return np.asarray(x + np.linalg.solve(self._matrix, answer - x))
+    def next(self, x: Vector, response: Vector) -> Vector:
+        return np.asarray(x + np.linalg.solve(self._matrix, response - x))
 
 
 class Aitken:
@@ -54,8 +54,8 @@ class Aitken:
     def __init__(self) -> None:
         self._factor, self._before = 1.0, np.zeros(0)
 
-    def next(self, x: Vector, answer: Vector) -> Vector:
-        r = answer - x
+    def next(self, x: Vector, response: Vector) -> Vector:
+        r = response - x
         if self._before.size:
             change = r - self._before
             size = float(change @ change)
@@ -73,19 +73,19 @@ class Secant:
     """
 
     def __init__(self) -> None:
-        self._answers: list[Vector] = []
+        self._responses: list[Vector] = []
         self._residuals: list[Vector] = []
 
-    def next(self, x: Vector, answer: Vector) -> Vector:
-        r = answer - x
-        self._answers.append(answer)
+    def next(self, x: Vector, response: Vector) -> Vector:
+        r = response - x
+        self._responses.append(response)
         self._residuals.append(r)
         if len(self._residuals) == 1:
-            return answer
+            return response
         # newest differences first; least squares of least norm forgets those that tell nothing new
         V = np.array([old - r for old in self._residuals[-2::-1]][: x.size]).T
-        W = np.array([old - answer for old in self._answers[-2::-1]][: x.size]).T
-        return np.asarray(answer + W @ np.linalg.lstsq(V, -r, rcond=1e-10)[0])
+        W = np.array([old - response for old in self._responses[-2::-1]][: x.size]).T
+        return np.asarray(response + W @ np.linalg.lstsq(V, -r, rcond=1e-10)[0])
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ class Iterative:
 
     accelerator: AcceleratorName
     tolerance: float = 1.0  # N
-    held: bool = False  # the mean over the step, instead of a parabola
+    hold_mean: bool = False  # the mean over the step, instead of a parabola
     needs_rollback: bool = True
 
     @property
@@ -105,40 +105,40 @@ class Iterative:
     @property
     def weights(self) -> tuple[float, ...]:
         """None when the mean is held; the parabola's bound is about that of a force held explicitly."""
-        return () if self.held else (1.0,)
+        return () if self.hold_mean else (1.0,)
 
-    def advance(self, pair: Pair, memory: Memory, t: float, h: float) -> Advance:
-        before = pair.save()
-        force = memory.last.force
-        _, rise, bend = extrapolation_coefficients(memory.samples, "force", 1 if self.held else 2, h)
-        x = self._unknown(force + rise / 2.0 + bend / 3.0, force + rise + bend)
-        accelerator = self._accelerator(pair)
-        for tried in range(MOST_EXCHANGES):
+    def advance(self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float) -> Advance:
+        before = coupled.save()
+        force = scheme_state.last.force
+        _, linear, quadratic = extrapolation_coefficients(scheme_state.samples, "force", 1 if self.hold_mean else 2, h)
+        x = self._unknown(force + linear / 2.0 + quadratic / 3.0, force + linear + quadratic)
+        accelerator = self._accelerator(coupled)
+        for tried in range(MAX_EXCHANGES):
             if tried:
-                pair.restore(before)
-            load = Load.constant(x) if self.held else Load.through(force, *np.split(x, 2))
-            if cause := pair.step(t, h, load):
-                return Advance(memory, cause)
-            end, mean = pair.forces()
-            answer = self._unknown(mean, end)
-            change = float(np.max(np.abs(answer - x)))
+                coupled.restore(before)
+            load = Load.constant(x) if self.hold_mean else Load.through(force, *np.split(x, 2))
+            if cause := coupled.step(t, h, load):
+                return Advance(scheme_state, cause)
+            end, mean = coupled.forces()
+            response = self._unknown(mean, end)
+            change = float(np.max(np.abs(response - x)))
             if change <= self.tolerance:
-                return Advance(pair.exchanged(memory.with_taken_back(tried), t + h, load))
-            x = accelerator.next(x, answer)
+                return Advance(coupled.exchanged(scheme_state.with_taken_back(tried), t + h, load))
+            x = accelerator.next(x, response)
         return Advance(
-            memory,
-            f"coupling: after {MOST_EXCHANGES} exchanges the forces still change by {change:.3g} N, "
+            scheme_state,
+            f"coupling: after {MAX_EXCHANGES} exchanges the forces still change by {change:.3g} N, "
             f"tolerance {self.tolerance:g} N: take the accelerator secant, a shorter step or a larger tolerance",
         )
 
     def _unknown(self, mean: Vector, end: Vector) -> Vector:
-        return mean if self.held else np.concatenate([mean, end])
+        return mean if self.hold_mean else np.concatenate([mean, end])
 
-    def _accelerator(self, pair: Pair) -> Accelerator:
+    def _accelerator(self, coupled: CoupledSystem) -> Accelerator:
         if self.accelerator != "jacobian":
             return Aitken() if self.accelerator == "aitken" else Secant()
-        response: Vector = -pair.added_mass()[:, None] * pair.drive.accelerance()
-        if self.held:
+        response: Vector = -coupled.added_mass()[:, None] * coupled.drive.accelerance()
+        if self.hold_mean:
             return InterfaceJacobian(0.75 * response)
         none = np.zeros_like(response)
         return InterfaceJacobian(np.block([[0.75 * response, none], [response, none]]))

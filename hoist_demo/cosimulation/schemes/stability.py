@@ -18,14 +18,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from hoist_demo.cosimulation.schemes.explicit import SemiImplicit
-from hoist_demo.cosimulation.schemes.interface import InterfaceMotion, Pair, Scheme, Vector
+from hoist_demo.cosimulation.schemes.interface import CoupledSystem, InterfaceMotion, Scheme, Vector
 
 _log = logging.getLogger(__name__)
-MEMORY = 48  #: Steps for which the rope's answer is followed.
+RESPONSE_STEPS = 48  #: Steps for which the rope's response is followed.
 PULSE = 0.05  #: Acceleration of the trial [m/s^2].
 STILL_STEPS = 4  #: Steps without a pulse after which a rope may be found to hang still.
 STILL_CHANGE = 1e-7  #: Largest relative change of its forces until then.
-MARGIN = 1.01  #: Growth per step from which the user is warned: below, the rope's damping beyond its memory decides.
+MARGIN = 1.01  #: Growth per step from which the user is warned: below, the rope's damping beyond these steps decides.
 
 
 @dataclass(frozen=True)
@@ -52,71 +52,74 @@ class StabilityEstimate:
         )
 
 
-def predict_stability(scheme: Scheme, name: str, pair: Pair, t: float, H: float) -> StabilityEstimate | None:
+def predict_stability(
+    scheme: Scheme, name: str, coupled: CoupledSystem, t: float, H: float
+) -> StabilityEstimate | None:
     """Predict the scheme's stability by trial steps of the rope at rest; None if unknown, ValueError if impossible."""
     if scheme.needs_added_mass:
-        pair.added_mass()
-    if pair.rope.save() is None:
+        coupled.added_mass()
+    if coupled.rope.save() is None:
         if scheme.needs_rollback:
             raise ValueError(
                 f"scheme = '{name}' takes steps back, but this rope cannot save its state: take semi-implicit-1 "
                 "or gauss-seidel-1, or an FMU with canGetAndSetFMUstate"
             )
         return None
-    answer, cause = measure_response(pair, t, H)
+    response, cause = measure_response(coupled, t, H)
     if cause:
         _log.info("the coupling's stability is not known: %s", cause)
         return None
     # the worst end and the smallest mass: either end of the rope may become the long leg in the course of a trip
-    mass = 1.0 / float(np.max(np.diag(pair.drive.accelerance())))
-    worst = max((growth_per_step(scheme, end, mass) for end in answer.T), default=math.nan)
-    seen = StabilityEstimate(worst, float(np.max(answer[0])), mass)
+    mass = 1.0 / float(np.max(np.diag(coupled.drive.accelerance())))
+    worst = max((growth_per_step(scheme, end, mass) for end in response.T), default=math.nan)
+    seen = StabilityEstimate(worst, float(np.max(response[0])), mass)
     if warning := seen.warning(name, H):
         _log.warning("%s", warning)
     return seen
 
 
-def measure_response(pair: Pair, t: float, H: float) -> tuple[Vector, str]:
-    """Masses m_j, (MEMORY, n) [kg], of ends that are held, and the cause where that fails; the rope is taken back.
+def measure_response(coupled: CoupledSystem, t: float, H: float) -> tuple[Vector, str]:
+    """Masses m_j, (RESPONSE_STEPS, n) [kg], of held ends, and the cause where that fails; the rope is taken back.
 
     All ends get their pulse at once, alternately up and down, so that the loop stays where it is. What the rope does
     without it, as one whose swivels have just been released, is taken off.
     """
-    at_rest = pair.drive.place()
+    at_rest = coupled.drive.position()
     sign = np.where(np.arange(at_rest.size) % 2 == 0, PULSE, -PULSE)
-    answer = np.zeros((2, MEMORY, sign.size))
-    for given, forces in zip((0.0 * sign, sign), answer, strict=True):
-        if cause := _pushed(pair, t, H, at_rest, given, forces):
-            return np.zeros((MEMORY, sign.size)), cause
-    return (answer[0] - answer[1]) / sign, ""
+    response = np.zeros((2, RESPONSE_STEPS, sign.size))
+    for pulse, forces in zip((0.0 * sign, sign), response, strict=True):
+        if cause := _pushed(coupled, t, H, at_rest, pulse, forces):
+            return np.zeros((RESPONSE_STEPS, sign.size)), cause
+    return (response[0] - response[1]) / sign, ""
 
 
-def _pushed(pair: Pair, t: float, H: float, at_rest: Vector, pulse: Vector, forces: Vector) -> str:
-    """Fill `forces` with the rope's answer to a pulse; return the cause of a failure, else ""."""
-    snapshot = pair.rope.save()
+def _pushed(coupled: CoupledSystem, t: float, H: float, at_rest: Vector, pulse: Vector, forces: Vector) -> str:
+    """Fill `forces` with the rope's response to a pulse; return the cause of a failure, else ""."""
+    snapshot = coupled.rope.save()
     try:
-        for k in range(MEMORY):
+        for k in range(RESPONSE_STEPS):
             displacement = pulse * H * H * (k + 0.5)
             acceleration = pulse if k == 0 else 0.0 * pulse
-            if cause := pair.step_rope(t + k * H, H, InterfaceMotion(at_rest + displacement, pulse * H, acceleration)):
+            motion = InterfaceMotion(at_rest + displacement, pulse * H, acceleration)
+            if cause := coupled.step_rope(t + k * H, H, motion):
                 return cause
-            forces[k] = pair.forces()[0]
+            forces[k] = coupled.forces()[0]
             if k == STILL_STEPS and not pulse.any() and np.allclose(forces[:k], forces[k], rtol=STILL_CHANGE, atol=0.0):
                 forces[k:] = forces[k]
                 break
         return ""
     finally:
-        pair.restore_rope(snapshot)
+        coupled.restore_rope(snapshot)
 
 
-def growth_per_step(scheme: Scheme, answer: Vector, mass: float) -> float:
-    """Largest root of the recursion for one end, `answer` (MEMORY,) in kg; 0 for schemes that use no past forces."""
+def growth_per_step(scheme: Scheme, response: Vector, mass: float) -> float:
+    """Largest root of the recursion for one end, `response` (RESPONSE_STEPS,) in kg; 0 if no past forces are used."""
     w = np.array(scheme.weights)
     if not w.size:
         return 0.0
-    past = -np.convolve(w, answer)  # F_(k-i) by the accelerations a_k, a_(k-1), ...
+    past = -np.convolve(w, response)  # F_(k-i) by the accelerations a_k, a_(k-1), ...
     if isinstance(scheme, SemiImplicit):
-        past[: w.size] += w * answer[0]
-        mass += float(answer[0])
+        past[: w.size] += w * response[0]
+        mass += float(response[0])
     roots = np.roots(np.concatenate([[1.0], -past / mass]))
     return float(np.max(np.abs(roots), initial=0.0))

@@ -84,18 +84,18 @@ MAPS = (
     ("tension", "Tension along the rope", "kN", 1e-3),
 )
 
-MOST_COLUMNS = 240  #: Most instants in a picture.
+MAX_COLUMNS = 240  #: Most instants in a picture.
 ROPE_ROWS = 160  #: Places along the rope in a picture.
 MISSING = "The rope has no outputs {}, so these are not shown along it; export its FMU anew and wind again."
 
 
 def along(recording: Recording, name: str) -> dict[str, object]:
     """Return pictures of what was recorded along a rope, one `name` of several, and a note of what was not."""
-    rows = frames(len(recording.time), MOST_COLUMNS)
+    rows = frames(len(recording.time), MAX_COLUMNS)
     curves = [curve for row in rows if (curve := recording.shape_at(row)) is not None]
     # arc lengths of the points [m]
-    places = [np.append(0.0, np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))) for curve in curves]
-    length = max(float(place[-1]) for place in places)
+    positions = [np.append(0.0, np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))) for curve in curves]
+    length = max(float(position[-1]) for position in positions)
     maps, missing = [], []
     for quantity, title, unit, factor in MAPS:
         values = recording.along(quantity)
@@ -104,7 +104,7 @@ def along(recording: Recording, name: str) -> dict[str, object]:
             continue
         if bool(np.isnan(values).all()):  # the fidelity of the rope's model leaves it out
             continue
-        picture = factor * over_length(values[rows], places, length)
+        picture = factor * over_length(values[rows], positions, length)
         titled = f"{title}, {name}" if name else title
         entry = {"id": quantity, "title": titled, "unit": unit, "quiet": bool(np.ptp(picture) == 0.0)}
         maps.append(entry | {"values": pack(picture, "u8")})
@@ -113,15 +113,15 @@ def along(recording: Recording, name: str) -> dict[str, object]:
     return {"maps": [one | size for one in maps], "note": note}
 
 
-def over_length(values: Array, places: list[Array], length: float) -> Array:
+def over_length(values: Array, positions: list[Array], length: float) -> Array:
     """Return the largest value (frames, n) in each of ROPE_ROWS parts of the length; a loop may be within one part."""
     edges = np.linspace(0.0, length, ROPE_ROWS + 1)
     picture = np.full((ROPE_ROWS, len(values)), np.nan)
-    for k, (column, place) in enumerate(zip(values, places, strict=True)):
+    for k, (column, position) in enumerate(zip(values, positions, strict=True)):
         if bool(np.isnan(column).all()):
             continue
-        ends = np.interp(edges, place, column)
+        ends = np.interp(edges, position, column)
         picture[:, k] = np.maximum(ends[:-1], ends[1:])
-        parts = np.minimum(np.searchsorted(edges, place, side="right") - 1, ROPE_ROWS - 1)
+        parts = np.minimum(np.searchsorted(edges, position, side="right") - 1, ROPE_ROWS - 1)
         np.maximum.at(picture[:, k], parts, column)
     return picture

@@ -127,9 +127,9 @@ def bars(rows: Sequence[Bar], ticks: Sequence[tuple[float, str]], title: str) ->
     """Draw rows over a common axis from 0 to 1, as SVG; `ticks` are places on it with their texts."""
     height = ROW * (len(rows) + 1)
     parts = [
-        f'<line class="grid" x1="{_x(place):.1f}" x2="{_x(place):.1f}" y1="0" y2="{height - ROW}"/>'
-        f'<text class="tick" text-anchor="middle" x="{_x(place):.1f}" y="{height - 8}">{html_text(text)}</text>'
-        for place, text in ticks
+        f'<line class="grid" x1="{_x(position):.1f}" x2="{_x(position):.1f}" y1="0" y2="{height - ROW}"/>'
+        f'<text class="tick" text-anchor="middle" x="{_x(position):.1f}" y="{height - 8}">{html_text(text)}</text>'
+        for position, text in ticks
     ]
     for k, row in enumerate(rows):
         y = ROW * (k + 0.5)
@@ -164,5 +164,5 @@ def write_sheet(path: Path, title: str, parts: Sequence[tuple[str, str]]) -> Pat
     return write_html(path, render_page("study", title, f'<main class="sheet">\n{body}\n</main>'))
 
 
-def _x(place: float) -> float:
-    return LABEL + AXIS * place
+def _x(position: float) -> float:
+    return LABEL + AXIS * position

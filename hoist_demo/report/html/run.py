@@ -20,8 +20,8 @@ from hoist_demo.report.verdict import COLUMNS, Verdict
 from rope_model import FAR
 from rope_model.texts import html_text
 
-MOST_TIMES = 2000  #: Points of a time plot: twice what a laptop's screen resolves; peaks are kept.
-MOST_FRAMES = 600  #: Positions of the rope; the browser interpolates between them.
+MAX_TIMES = 2000  #: Points of a time plot: twice what a laptop's screen resolves; peaks are kept.
+MAX_FRAMES = 600  #: Positions of the rope; the browser interpolates between them.
 SHAPE_RESOLUTION = 1e-4  #: Error that packing may bring into a point of the rope [m].
 
 
@@ -33,7 +33,7 @@ def run_report(
         page.titled_table(group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in rows])
         for group, rows in rows_by_group(report.rows).items()
     )
-    body = page.fill("run.html", numbers=numbers, given="".join(page.titled_table(*table) for table in report.given))
+    body = page.fill("run.html", numbers=numbers, tables="".join(page.titled_table(*t) for t in report.data_tables))
     data = _data(result, hoist, ropes)
     data |= {"shaft": drawn_shaft(ropes[0].parameters, result.recording), "open": report.verdict.when}
     scripts = page.running(("player.js", "plots.js", "rope.js", "shaft.js", "run.js"), data)
@@ -46,7 +46,7 @@ _NO = '<td class="tripped">NO</td>'
 
 def _verdict(verdict: Verdict, changed: parameter_tables.TitledRows) -> str:
     kind = "note good" if verdict.good else "note stopped"
-    parts = [f'<p class="{kind}"><strong>{html_text(verdict.words)}</strong></p>']
+    parts = [f'<p class="{kind}"><strong>{html_text(verdict.summary)}</strong></p>']
     if verdict.rows:
         rows = page.plain_table(COLUMNS, [row.cells for row in verdict.rows])
         parts.append(f'<div class="scroll">{rows.replace("<td>NO</td>", _NO)}</div>')
@@ -73,7 +73,7 @@ def _data(result: Result, hoist: Hoist, ropes: Sequence[RopeData]) -> dict[str, 
     shown = panels.panels(recording, hoist, of_ropes)
     drawn = [(rope, own) for rope in ropes if _drawn(own := rope_signals(recording, rope.name))]
     return {
-        "time": packing.pack_to(packing.thin_times(recording.time, MOST_TIMES), 1e-4),
+        "time": packing.pack_to(packing.thin_times(recording.time, MAX_TIMES), 1e-4),
         # a run that stopped at once has one row, and an axis needs a length
         "span": [start, max(float(recording.time[-1]), start + 1e-3)],
         "signals": signals,
@@ -91,7 +91,7 @@ def _data(result: Result, hoist: Hoist, ropes: Sequence[RopeData]) -> dict[str, 
 
 
 def _signal(values: Array, unit: str) -> dict[str, object]:
-    return {"unit": page.unit_text(unit), "values": packing.pack(packing.thin(values, MOST_TIMES))}
+    return {"unit": page.unit_text(unit), "values": packing.pack(packing.thin(values, MAX_TIMES))}
 
 
 def _drawn(own: Recording) -> bool:
@@ -102,11 +102,11 @@ def _drawn(own: Recording) -> bool:
 
 def _curve(own: Recording, rope: RopeData) -> Mapping[str, object]:
     """Return the rope's curve at its frames in the shaft, and the places of its ends on the conveyances."""
-    rows = packing.frames(len(own.time), MOST_FRAMES)
-    curves = np.array([own.shape_at(row) for row in rows], dtype=np.float64) + rope.place.origin
+    rows = packing.frames(len(own.time), MAX_FRAMES)
+    curves = np.array([own.shape_at(row) for row in rows], dtype=np.float64) + rope.suspension.origin
     return {
         "name": rope.name,
-        "places": [rope.place.at(end) for end in SIDES],
+        "places": [rope.suspension.at(end) for end in SIDES],
         "points": curves.shape[1],
         "t": packing.pack_to(own.time[rows], 1e-4),
         **{axis: packing.pack_to(curves[:, :, k], SHAPE_RESOLUTION) for k, axis in enumerate("xyz")},

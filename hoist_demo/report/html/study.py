@@ -16,9 +16,9 @@ import pandas as pd
 from hoist_demo.recording.passages import PASSED
 from hoist_demo.report.html import page
 from hoist_demo.report.html.parameter_tables import TitledRows
-from hoist_demo.study.goal import Goal
 from hoist_demo.study.metrics import MORE_IS_BETTER, NEUTRAL, UNITS
-from hoist_demo.study.perform import MISSING, WARNINGS, Performed
+from hoist_demo.study.objective import Objective
+from hoist_demo.study.perform import MISSING, WARNINGS, StudyResult
 from hoist_demo.study.store import SEPARATOR, kind_of
 from rope_model.texts import html_text
 
@@ -37,15 +37,15 @@ def study_report(
     meta: Mapping[str, Any],
     path: str | Path,
     more: Sequence[TitledRows] = (),
-    performed: Performed | None = None,
-    goal: Goal | None = None,
+    result: StudyResult | None = None,
+    objective: Objective | None = None,
 ) -> Path:
     """Write the report to `path`: one row of `table` per run, units `stated` by column name ("" or "1" for none).
 
-    `more` are tables of the data, `performed` the study's outcome, which is judged by `goal`.
+    `more` are tables of the data, `result` the study's outcome, which is judged by `objective`.
     """
-    best = performed.best if performed else None
-    by, limits = tuple(goal.metrics) if goal else (), goal.bounds if goal else ()
+    best = result.best if result else None
+    by, limits = tuple(objective.metrics) if objective else (), objective.constraints if objective else ()
     parameters = [str(name) for name in meta.get("parameters", ())]
     causes = ["" if pd.isna(cause) else str(cause) for cause in table[CAUSE]]
     values, units, factors = _in_engineering_units(
@@ -58,7 +58,7 @@ def study_report(
     first = [*parameters, *by, *_FIRST]
     listed = [name for name in names if name not in {*fixed, *nowhere}]
     # parameters first: they are read before what follows from them; what does not differ comes last
-    listed.sort(key=lambda name: (name not in parameters, name not in varied, _place(name, first)))
+    listed.sort(key=lambda name: (name not in parameters, name not in varied, _position(name, first)))
     columns = [
         {
             "name": name,
@@ -76,7 +76,7 @@ def study_report(
         "columns": columns,
         "statuses": [str(status) for status in table[STATUS]],
         "causes": causes,
-        "choices": list(performed.choices if performed else range(len(causes))),
+        "choices": list(result.choices if result else range(len(causes))),
         "best": list(best.runs) if best else [],
         "by": list(by),
     }
@@ -87,10 +87,10 @@ def study_report(
     body = page.fill(
         "study.html",
         outcome="</p><p>".join(html_text(text.strip()) for text in sentences if text),
-        remarks=_list("Not monotonic", performed.remarks if performed else ())
+        remarks=_list("Not monotonic", result.remarks if result else ())
         + _list("Warnings", _by_text(table, WARNINGS))
         + _list("Missing", _by_text(table, MISSING)),
-        given=page.titled_table("Study", rest)
+        tables=page.titled_table("Study", rest)
         + page.titled_table(
             "The same in all runs", [(n, _describe(values[n]), page.unit_text(units.get(n, ""))) for n in fixed]
         )
@@ -109,7 +109,7 @@ def _differ(values: Sequence[float | str | None]) -> bool:
     return max(numbers) - min(numbers) > ROUNDING * max(map(abs, numbers))
 
 
-def _place(name: str, order: Sequence[str]) -> int:
+def _position(name: str, order: Sequence[str]) -> int:
     return order.index(name) if name in order else len(order)
 
 

@@ -67,7 +67,7 @@ def varied(parameter: Parameter) -> Any:
         Discriminator(lambda table: "list" if isinstance(table, dict) and "values" in table else "range"),
         BeforeValidator(partial(_table, parameter.name)),
         AfterValidator(partial(_read, parameter)),
-        WithJsonSchema({"type": ["array", "object"], "description": parameter.about}),
+        WithJsonSchema({"type": ["array", "object"], "description": parameter.help_text}),
     ]
 
 

@@ -1,4 +1,4 @@
-"""Place of a balance rope on its conveyances, and what follows from it.
+"""Suspension of a balance rope on its conveyances, and what follows from it.
 
 A rope hangs from a point p = (x, z) of either conveyance, counted from its centre. There the conveyance, turned by its
 yaw psi, moves the rope's end by its own motion and by
@@ -13,19 +13,23 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from hoist_demo.parameters.quantity import ANY, quantity
+from hoist_demo.parameters.quantity import UNBOUNDED, parameter
 from rope_model.physics.elementary import cos, sin
 
 MOVED = ("x", "z", "vx", "vz", "ax", "az")  #: What a point of a conveyance has of its own.
 
 
 @dataclass(frozen=True)
-class Place:
-    """Place of a rope, from the centres of the conveyances."""
+class SuspensionOffset:
+    """Offset of a rope's suspension from the centres of the conveyances."""
 
-    x_left: float = quantity(0.0, "m", "from the left conveyance's centre to where the rope hangs, to the right", ANY)
-    x_right: float = quantity(0.0, "m", "the same at the right conveyance", ANY)
-    z: float = quantity(0.0, "m", "from the conveyances' centres to where the rope hangs, out of their plane", ANY)
+    x_left: float = parameter(
+        0.0, "m", "from the left conveyance's centre to where the rope hangs, to the right", UNBOUNDED
+    )
+    x_right: float = parameter(0.0, "m", "the same at the right conveyance", UNBOUNDED)
+    z: float = parameter(
+        0.0, "m", "from the conveyances' centres to where the rope hangs, out of their plane", UNBOUNDED
+    )
 
     @property
     def origin(self) -> tuple[float, float, float]:
@@ -42,14 +46,14 @@ class Place:
 
 
 def motion_at(
-    place: tuple[float, float], centre: Sequence[Any], yaw: Any, yaw_rate: Any, yaw_acceleration: Any
+    offset: tuple[float, float], centre: Sequence[Any], yaw: Any, yaw_rate: Any, yaw_acceleration: Any
 ) -> tuple[Any, ...]:
     """Return MOVED of a conveyance's point, from its nominal place; ``centre`` is MOVED of the conveyance's centre."""
     cx, cz, cvx, cvz, cax, caz = centre
-    x, z = _turned(place, yaw)
+    x, z = _turned(offset, yaw)
     return (
-        cx + x - place[0],
-        cz + z - place[1],
+        cx + x - offset[0],
+        cz + z - offset[1],
         cvx + yaw_rate * z,
         cvz - yaw_rate * x,
         cax + yaw_acceleration * z - yaw_rate**2 * x,
@@ -57,14 +61,14 @@ def motion_at(
     )
 
 
-def moment_at(place: tuple[float, float], yaw: Any, force: Sequence[Any]) -> tuple[Any, Any, Any]:
+def moment_at(offset: tuple[float, float], yaw: Any, force: Sequence[Any]) -> tuple[Any, Any, Any]:
     """Return the moment of a force at a point of a conveyance, about its centre, p' x f."""
-    x, z = _turned(place, yaw)
+    x, z = _turned(offset, yaw)
     fx, fy, fz = force
     return -z * fy, z * fx - x * fz, x * fy
 
 
-def _turned(place: tuple[float, float], yaw: Any) -> tuple[Any, Any]:
+def _turned(offset: tuple[float, float], yaw: Any) -> tuple[Any, Any]:
     """x and z of a point of the conveyance, from its centre, where it is turned about Y."""
-    x, z = place
+    x, z = offset
     return x * cos(yaw) + z * sin(yaw), z * cos(yaw) - x * sin(yaw)

@@ -16,12 +16,12 @@ RunCommand = Callable[[argparse.Namespace], int]
 
 
 def add_command(
-    commands: Commands, name: str, run: RunCommand, about: str, description: str, epilog: str, *others: str
+    commands: Commands, name: str, run: RunCommand, text: str, description: str, epilog: str, *others: str
 ) -> argparse.ArgumentParser:
     """Add a subcommand, which may have other names; its options hold the function to run as `run`."""
     form = argparse.RawDescriptionHelpFormatter
     made = commands.add_parser(
-        name, help=about, description=description, epilog=epilog, formatter_class=form, aliases=others
+        name, help=text, description=description, epilog=epilog, formatter_class=form, aliases=others
     )
     made.set_defaults(run=run)
     return made

@@ -68,9 +68,9 @@ def swivel_parameters() -> tuple[Parameter, ...]:
 def at_both_ends(values: Iterable[tuple[str, Any]]) -> dict[str, Any]:
     """Return values by name, with those of `swivels` repeated for both ends."""
     expanded = dict[str, Any]()
-    for key, one in sorted(values, key=lambda item: not item[0].startswith(f"{SWIVELS}.")):
+    for key, value in sorted(values, key=lambda item: not item[0].startswith(f"{SWIVELS}.")):
         table, dot, name = key.partition(f"{SWIVELS}.")
-        expanded |= {key: one} if table or not dot else {f"{end}.swivel.{name}": one for end in SIDES}
+        expanded |= {key: value} if table or not dot else {f"{end}.swivel.{name}": value for end in SIDES}
     return expanded
 
 

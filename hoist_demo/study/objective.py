@@ -1,4 +1,4 @@
-"""Goal of a study: it judges a choice by all its runs, against the same disturbances, and by bounds on every run.
+"""Objective of a study: it judges a choice by all its runs, against the same disturbances, and by bounds on every run.
 
 A run that failed keeps no bound and has no finite cost. Judging: by the worst run, by the mean of all, or by the share
 of runs that keep the bounds.
@@ -22,32 +22,30 @@ _SENSES = {"below": 1.0, "above": -1.0}
 
 
 @dataclass(frozen=True)
-class Bound:
+class Constraint:
     """Bound on a metric in every run."""
 
     metric: str
     value: float
     sense: float  # 1: below the value, -1: above it
 
-    def excess(self, metrics: Mapping[str, float]) -> float:
+    def violation(self, metrics: Mapping[str, float]) -> float:
         """Return the excess over the bound, as a part of it unless it is 0; 0 or less if it is kept."""
         return self.sense * (metrics[self.metric] - self.value) / (abs(self.value) or 1.0)
 
 
-def bounds_on(parameter: Parameter) -> Any:
-    """Return the type of a metric in subject_to for pydantic: what it holds is a tuple of Bounds."""
-    return Annotated[Any, PlainValidator(partial(_read_bounds, parameter)), WithJsonSchema({"type": "object"})]
+def constraints_on(parameter: Parameter) -> Any:
+    """Return the type of a metric in subject_to for pydantic: what it holds is a tuple of Constraints."""
+    return Annotated[Any, PlainValidator(partial(_read_constraints, parameter)), WithJsonSchema({"type": "object"})]
 
 
-def _read_bounds(parameter: Parameter, content: Any) -> tuple[Bound, ...]:
-    words = {*content} if isinstance(content, Mapping) else set()
+def _read_constraints(parameter: Parameter, content: Any) -> tuple[Constraint, ...]:
+    name, words = parameter.name, {*content} if isinstance(content, Mapping) else set()
     if not words & {*_SENSES} or not words <= {*_SENSES, "unit"}:
-        raise ValueError(
-            f"{parameter.name} = {content!r} must have below or above, and may have unit: write {{ below = 0.3 }}"
-        )
-    metric, unit = parameter.name.rpartition(".")[2], content.get("unit")
+        raise ValueError(f"{name} = {content!r} must have below or above, and may have unit: write {{ below = 0.3 }}")
+    metric, unit = name.rpartition(".")[2], content.get("unit")
     return tuple(
-        Bound(metric, float(read_value(parameter, content[word], unit)), sense)
+        Constraint(metric, float(read_value(parameter, content[word], unit)), sense)
         for word, sense in _SENSES.items()
         if word in content
     )
@@ -67,7 +65,7 @@ def read_weights(content: Any) -> dict[str, float]:
 
 
 @dataclass(frozen=True)
-class Standing:
+class ChoiceScore:
     """Choice, judged by all its runs."""
 
     score: Score
@@ -86,38 +84,38 @@ class Standing:
 
 
 @dataclass(frozen=True)
-class Goal:
+class Objective:
     """Cost that is to be small, and bounds that every run must keep."""
 
     weights: Mapping[str, float]  # by metric, in 1 / its unit
     sense: float  # 1: the smallest sum is best, -1: the largest
-    bounds: tuple[Bound, ...] = ()
+    constraints: tuple[Constraint, ...] = ()
     judge: Judge = "worst"
 
     def of_run(self, outcome: Mapping[str, Any]) -> Score:
         """Return cost and excesses of a run's recorded outcome; infinite where it failed or a metric is missing."""
         metrics = outcome["metrics"]
         cost = self.sense * sum(weight * float(metrics[name]) for name, weight in self.weights.items())
-        score = Score(cost, tuple(bound.excess(metrics) for bound in self.bounds))
-        failed = Score(math.inf, (math.inf,) * len(self.bounds))
+        score = Score(cost, tuple(bound.violation(metrics) for bound in self.constraints))
+        failed = Score(math.inf, (math.inf,) * len(self.constraints))
         return score if score.finite and outcome["status"] == "completed" else failed
 
-    def standing(self, outcomes: Sequence[Mapping[str, Any]]) -> Standing:
+    def assess(self, outcomes: Sequence[Mapping[str, Any]]) -> ChoiceScore:
         """Return the judgement of a choice by its runs."""
         runs = [self.of_run(outcome) for outcome in outcomes]
         feasible = [run for run in runs if run.feasible]
         costs = [run.cost for run in (feasible or runs if self.judge == "share" else runs)]
         cost = max(costs) if self.judge == "worst" else sum(costs) / len(costs)
-        excess = tuple(max(excesses) for excesses in zip(*(run.excess for run in runs), strict=True))
-        return Standing(Score(cost, excess), len(feasible) / len(runs), self.judge == "share")
+        violation = tuple(max(violations) for violations in zip(*(run.violations for run in runs), strict=True))
+        return ChoiceScore(Score(cost, violation), len(feasible) / len(runs), self.judge == "share")
 
     @property
     def metrics(self) -> dict[str, None]:
-        """Metrics that the goal names, in order."""
-        return dict.fromkeys([*self.weights, *(bound.metric for bound in self.bounds)])
+        """Metrics that the objective names, in order."""
+        return dict.fromkeys([*self.weights, *(bound.metric for bound in self.constraints)])
 
     @property
-    def words(self) -> str:
+    def expression(self) -> str:
         """Weighted sum of the metrics in words."""
         return " + ".join(name if weight == 1.0 else f"{weight:g} {name}" for name, weight in self.weights.items())
 
@@ -130,7 +128,7 @@ class Goal:
     def exceeded(self, judged: Score) -> str:
         """Return the bounds that are not kept, in words; "" for none."""
         return ", ".join(
-            f"{bound.metric} is {100.0 * excess:.3g} % {'above' if bound.sense > 0.0 else 'below'} {bound.value:g}"
-            for bound, excess in zip(self.bounds, judged.excess, strict=True)
-            if excess > 0.0
+            f"{bound.metric} is {100.0 * violation:.3g} % {'above' if bound.sense > 0.0 else 'below'} {bound.value:g}"
+            for bound, violation in zip(self.constraints, judged.violations, strict=True)
+            if violation > 0.0
         )
