@@ -13,19 +13,11 @@ from rope_model.numerics import kernels as compiling
 from rope_model.numerics.block_chain import ChainFunctions, ChainParts, chain_functions, chain_parts
 from rope_model.numerics.newton import PROGRESS
 from rope_model.numerics.program import EXPRESSIONS
+from rope_model.physics import element
 from rope_model.physics.air_element import AIR_BALANCE, air_element
 from rope_model.physics.contact_element import CONTACT_BALANCE, contact_element
 from rope_model.physics.curved_element import curved_element
-from rope_model.physics.element import (
-    BALANCE,
-    ELEMENT_DOF,
-    MOMENTUM,
-    NODE_DOF,
-    STRAINS,
-    ElementFidelity,
-    ElementFunctions,
-    element_functions,
-)
+from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, ElementFidelity
 from rope_model.physics.shaft import KINDS
 from rope_model.physics.wire_element import wire_element
 
@@ -67,13 +59,13 @@ class RopeKernels:
         self.elements, self.fidelity, self.features = elements, fidelity, features
         # entries of the balance of solve and evaluate
         air, contact = AIR_BALANCE if AIR in features else (), CONTACT_BALANCE if _touched(features) else ()
-        self.balance = (*BALANCE, *air, *contact)
+        self.balance = (*element.BALANCE, *air, *contact)
         self.solve = compiling.Kernel(solve, (nodes, nodes, nodes, nodes, balance, (len(PROGRESS),)))
         self.newton_step = compiling.Kernel(newton_step, (nodes, nodes))
         self.evaluate = compiling.Kernel(evaluate, (nodes, balance))
         self.losses = compiling.Kernel(losses, ((losses.size1_out(0),),))
-        self.strains = compiling.Kernel(strains, ((elements, len(STRAINS)),))
-        self.momentum = compiling.Kernel(momentum, ((len(MOMENTUM),),))
+        self.strains = compiling.Kernel(strains, ((elements, len(element.STRAINS)),))
+        self.momentum = compiling.Kernel(momentum, ((len(element.MOMENTUM),),))
         self.reference = compiling.Kernel(reference, ((elements, reference.size1_out(0)),))
         self.transport = compiling.Kernel(transport, ((elements, 3),))
 
@@ -140,17 +132,17 @@ def rope_parts(fidelity: ElementFidelity, features: Features = ()) -> ChainParts
     return chain_parts(e.tangent, e.residual, e.balance, e.losses, e.strains, e.momentum, e.reference, e.transport)
 
 
-def rope_element(fidelity: ElementFidelity, features: Features = ()) -> ElementFunctions:
+def rope_element(fidelity: ElementFidelity, features: Features = ()) -> element.ElementFunctions:
     """Return the element with all features."""
-    element = element_functions(fidelity)
+    functions = element.element_functions(fidelity)
     if CURVED in features:
-        element = curved_element(element)
+        functions = curved_element(functions)
     if WIRES in features:
-        element = wire_element(fidelity, element)
+        functions = wire_element(fidelity, functions)
     if AIR in features:
-        element = air_element(fidelity, element)
+        functions = air_element(fidelity, functions)
     touched = _touched(features)
-    return contact_element(fidelity, element, touched) if touched else element
+    return contact_element(fidelity, functions, touched) if touched else functions
 
 
 def _touched(features: Features) -> Features:

@@ -7,14 +7,8 @@ from typing import Any, NamedTuple
 
 from rope_model.numerics.program import Program
 from rope_model.parameters import Rope
-from rope_model.simulation.ends.input_filter import (
-    FilterSettings,
-    InputFilter,
-    Limits,
-    filter_limits,
-    filter_path,
-    filter_sample,
-)
+from rope_model.simulation.ends import input_filter
+from rope_model.simulation.ends.input_filter import FilterSettings, InputFilter, Limits
 from rope_model.simulation.ends.misfit import add_misfit
 from rope_model.simulation.ends.paths import PATH, EndMotion, EndPath
 
@@ -63,10 +57,10 @@ def _step_of(rope: Rope) -> Callable[[Sequence[Any]], list[Any]]:
 
     def step(x: Sequence[Any]) -> list[Any]:
         state, path, settings, given_at, stop, end, leg = _make_arguments(iter(x))
-        state = filter_sample(state, settings, given_at, stop - path.stop, EndMotion(*end))
-        path = filter_path(path, state, stop, settings.observer)
+        state = input_filter.filter_sample(state, settings, given_at, stop - path.stop, EndMotion(*end))
+        path = input_filter.filter_path(path, state, stop, settings.observer)
         after = add_misfit(state, path, settings, rope, leg)
-        return _flat(FilterStep(after, path, filter_limits(path, state)))
+        return _flat(FilterStep(after, path, input_filter.filter_limits(path, state)))
 
     return step
 
