@@ -9,7 +9,7 @@
 enum { FORCES = 12 };
 
 struct ModelInstance {
-    Simulator *rope;
+    Simulator *sim;
     Memory memory;
     Scene scene;
     int at_step_end; /* true if inputs apply at the end of a step */
@@ -36,7 +36,7 @@ static void read_motions(const double *values, EndMotion ends[2]) {
 }
 
 static int copy_message(const ModelInstance *model, int ok, char *message) {
-    if (!ok) snprintf(message, MESSAGE_BYTES, "%s", rope_message(model->rope));
+    if (!ok) snprintf(message, MESSAGE_BYTES, "%s", rope_message(model->sim));
     return ok;
 }
 
@@ -54,22 +54,22 @@ ModelInstance *model_create(const double *values, const Allocator *allocator, ch
     memset(model, 0, sizeof *model);
     model->memory = (Memory){allocator->allocate, allocator->deallocate};
     read_parameters(model, values);
-    model->rope = rope_create(&model->scene, &model->memory, message);
-    if (model->rope) return model;
+    model->sim = rope_create(&model->scene, &model->memory, message);
+    if (model->sim) return model;
     allocator->deallocate(model);
     return NULL;
 }
 
 void model_destroy(ModelInstance *model) {
     if (!model) return;
-    rope_destroy(model->rope);
+    rope_destroy(model->sim);
     model->memory.deallocate(model);
 }
 
 int model_initialize(ModelInstance *model, double t, const double *values, char *message) {
     EndMotion ends[2];
     read_motions(values, ends);
-    return copy_message(model, rope_initialize(model->rope, t, ends), message);
+    return copy_message(model, rope_initialize(model->sim, t, ends), message);
 }
 
 int model_step(ModelInstance *model, double t, double h, const double *values, int *event, char *message) {
@@ -77,32 +77,32 @@ int model_step(ModelInstance *model, double t, double h, const double *values, i
     read_motions(values, ends);
     const double given_at = model->at_step_end ? t + h : t;
     if (event && !model->at_step_end) /* only extrapolated motions are known at an event */
-        return copy_message(model, rope_advance_to_event(model->rope, t + h, ends, given_at, event), message);
-    return copy_message(model, rope_advance_to(model->rope, t + h, ends, given_at), message);
+        return copy_message(model, rope_advance_to_event(model->sim, t + h, ends, given_at, event), message);
+    return copy_message(model, rope_advance_to(model->sim, t + h, ends, given_at), message);
 }
 
 int model_retune(ModelInstance *model, const double *values, char *message) {
     Scene before = model->scene;
     read_parameters(model, values);
-    if (copy_message(model, rope_retune(model->rope, &model->scene), message)) return 1;
+    if (copy_message(model, rope_retune(model->sim, &model->scene), message)) return 1;
     model->scene = before;
     return 0;
 }
 
 double model_time(const ModelInstance *model) {
-    return rope_time(model->rope);
+    return rope_time(model->sim);
 }
 
 int model_output(ModelInstance *model, size_t scalar, double *value, char *message) {
     (void)message;
-    rope_signals(model->rope, 1, &(int){(int)ROPE_PLACES[scalar].offset}, value);
+    rope_signals(model->sim, 1, &(int){(int)ROPE_PLACES[scalar].offset}, value);
     return 1;
 }
 
 int model_warning(ModelInstance *model, int number, char *message) {
     message[0] = '\0';
     if (number > ROPE_EXTRAPOLATION) return 0;
-    if (number < ROPE_EXTRAPOLATION || !model->at_step_end) rope_warning(model->rope, number, message);
+    if (number < ROPE_EXTRAPOLATION || !model->at_step_end) rope_warning(model->sim, number, message);
     return 1;
 }
 
@@ -121,13 +121,13 @@ int model_text(ModelInstance *model, size_t scalar, const char **text, char *mes
         *text = warning(model);
     else
         *text =
-            ROPE_PLACES[scalar].where == FIDELITY_NAME ? rope_fidelity(model->rope) : rope_fidelity_reason(model->rope);
+            ROPE_PLACES[scalar].where == FIDELITY_NAME ? rope_fidelity(model->sim) : rope_fidelity_reason(model->sim);
     return 1;
 }
 
 void model_note(const ModelInstance *model, char *message) {
-    snprintf(message, MESSAGE_BYTES, "model: %s, %d elements, %s", rope_fidelity(model->rope),
-             rope_elements(model->rope), rope_fidelity_reason(model->rope));
+    snprintf(message, MESSAGE_BYTES, "model: %s, %d elements, %s", rope_fidelity(model->sim), rope_elements(model->sim),
+             rope_fidelity_reason(model->sim));
 }
 
 int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t number,
@@ -142,19 +142,19 @@ int model_derivative(ModelInstance *model, size_t known, double seed, const unsi
                      MODEL_VARIABLES[unknown[i]].name);
             return 0;
         }
-    if (!copy_message(model, rope_load_derivative(model->rope, input, model->at_step_end, force), message)) return 0;
+    if (!copy_message(model, rope_load_derivative(model->sim, input, model->at_step_end, force), message)) return 0;
     for (size_t i = 0; i < number; i++) sum[i] += seed * force[ROPE_PLACES[unknown[i]].derivative];
     return 1;
 }
 
 size_t model_state_bytes(const ModelInstance *model) {
-    return rope_state_bytes(model->rope);
+    return rope_state_bytes(model->sim);
 }
 
 void model_save(const ModelInstance *model, void *to) {
-    rope_save(model->rope, to);
+    rope_save(model->sim, to);
 }
 
 int model_restore(ModelInstance *model, const void *from, size_t bytes, char *message) {
-    return copy_message(model, rope_restore(model->rope, from, bytes), message);
+    return copy_message(model, rope_restore(model->sim, from, bytes), message);
 }

@@ -30,8 +30,8 @@ typedef struct {
 } Sample;
 
 typedef struct {
-    Kernel *drive; /* the kernel advance, */
-    double *z, *y; /* what it is given and finds */
+    Kernel *drive; /* one substep of the drive */
+    double *z, *y; /* its arguments and results */
     double *law_arguments;
 
     Access step, motions, valid, forces, sides, guard; /* of the rope; without a function where it lacks one */
@@ -73,64 +73,67 @@ static void evaluate(Kernel *kernel, const double *arguments, double *result) {
     kernel(arg, res, iw, w, 0);
 }
 
-static int call(Trip *m, const Access *a, size_t row) {
+static int call(Trip *trip, const Access *a, size_t row) {
     char *values = a->values + row * a->bytes;
     const char *text = "";
     void *target = a->text ? (void *)&text : values;
-    m->status = 0;
+    trip->status = 0;
     if (a->standard == FMI2)
-        m->status = ((int (*)(void *, const void *, size_t, void *))a->function)(a->rope, a->numbers, a->count, target);
+        trip->status =
+            ((int (*)(void *, const void *, size_t, void *))a->function)(a->rope, a->numbers, a->count, target);
     else if (a->standard == FMI3)
-        m->status = ((int (*)(void *, const void *, size_t, void *, size_t))a->function)(a->rope, a->numbers, a->count,
-                                                                                         target, a->length);
+        trip->status = ((int (*)(void *, const void *, size_t, void *, size_t))a->function)(
+            a->rope, a->numbers, a->count, target, a->length);
     else if (a->text)
         text = ((const char *(*)(void *))a->function)(a->rope);
     else
         ((void (*)(void *, size_t, const void *, void *))a->function)(a->rope, a->count, a->numbers, target);
     if (a->text) strncpy(values, text, a->bytes);
-    return m->status <= WARNING;
+    return trip->status <= WARNING;
 }
 
-/* whether the value of one access, of whatever type, is anything but 0 */
+/* Return whether the value of an access, of any type, is not 0. */
 static bool holds(const Access *a) {
     for (size_t i = 0; i < a->bytes; i++)
         if (a->values[i]) return true;
     return false;
 }
 
-/* warnings about a valid state are heard when they are new */
-static void listen(Trip *m) {
-    for (int i = 0; i < m->warnings; i++) {
-        if (m->warned[i]) continue;
-        ((void (*)(void *, int, char *))m->warning)(m->step.rope, i, m->text);
-        if (!m->text[0]) continue;
-        m->warned[i] = 1;
-        m->heard();
+/* Report each warning about a valid state once in a trip. */
+static void listen(Trip *trip) {
+    for (int i = 0; i < trip->warnings; i++) {
+        if (trip->warned[i]) continue;
+        ((void (*)(void *, int, char *))trip->warning)(trip->step.rope, i, trip->text);
+        if (!trip->text[0]) continue;
+        trip->warned[i] = 1;
+        trip->heard();
     }
 }
 
-static int step_rope(Trip *m, double t, double h) {
-    const double *outputs = m->y + AT_OUTPUTS, *force = (const double *)m->forces.values;
-    double *motions = (double *)m->motions.values;
+static int step_rope(Trip *trip, double t, double h) {
+    const double *outputs = trip->y + AT_OUTPUTS, *force = (const double *)trip->forces.values;
+    double *motions = (double *)trip->motions.values;
     for (size_t i = 0; i < sizeof ENDS_OUTPUTS / sizeof *ENDS_OUTPUTS; i++)
         if (ENDS_OUTPUTS[i] >= 0) motions[i] = outputs[ENDS_OUTPUTS[i]];
-    if (m->step.standard == NATIVE) {
-        if (!((int (*)(void *, double, const double *, double))m->step.function)(m->step.rope, t + h, motions, t + h))
+    if (trip->step.standard == NATIVE) {
+        if (!((int (*)(void *, double, const double *, double))trip->step.function)(trip->step.rope, t + h, motions,
+                                                                                    t + h))
             return STEP;
-        listen(m);
+        listen(trip);
     } else {
         bool event, ended = false, early;
         double last;
-        if (!call(m, &m->motions, 0)) return MOTIONS;
-        m->status = m->step.standard == FMI2
-                        ? ((int (*)(void *, double, double, int))m->step.function)(m->step.rope, t, h, 0)
-                        : ((int (*)(void *, double, double, bool, bool *, bool *, bool *, double *))m->step.function)(
-                              m->step.rope, t, h, 0, &event, &ended, &early, &last);
-        if (ended && m->status <= WARNING) m->status = DISCARD;
-        if (m->status > WARNING) return STEP;
-        if (m->valid.function && !(call(m, &m->valid, 0) && holds(&m->valid))) return VALID;
+        if (!call(trip, &trip->motions, 0)) return MOTIONS;
+        trip->status =
+            trip->step.standard == FMI2
+                ? ((int (*)(void *, double, double, int))trip->step.function)(trip->step.rope, t, h, 0)
+                : ((int (*)(void *, double, double, bool, bool *, bool *, bool *, double *))trip->step.function)(
+                      trip->step.rope, t, h, 0, &event, &ended, &early, &last);
+        if (ended && trip->status <= WARNING) trip->status = DISCARD;
+        if (trip->status > WARNING) return STEP;
+        if (trip->valid.function && !(call(trip, &trip->valid, 0) && holds(&trip->valid))) return VALID;
     }
-    if (!call(m, &m->forces, 0)) return FORCES;
+    if (!call(trip, &trip->forces, 0)) return FORCES;
     return isfinite(force[0] + force[1] + force[2] + force[3]) ? WELL : FORCES;
 }
 
@@ -139,15 +142,15 @@ static double change(double error) {
 }
 
 /* HoistPlant.advance, and in it Integrator.integrate */
-static bool step_drive(Trip *m, double s, double end) {
-    double *z = m->z, *y = m->y;
-    double size = (m->step_next != 0.0 ? m->step_next : m->H) / m->H, growth = GROWS;
-    while (size * m->H > SHORTEST) {
+static bool step_drive(Trip *trip, double s, double end) {
+    double *z = trip->z, *y = trip->y;
+    double size = (trip->step_next != 0.0 ? trip->step_next : trip->H) / trip->H, growth = GROWS;
+    while (size * trip->H > SHORTEST) {
         const double steps = fmax(1.0, ceil((end - s) / size - 1e-9)), used = (end - s) / steps;
         z[AT_S] = s;
         z[AT_H] = used;
-        evaluate(m->drive, z, y);
-        m->evaluations++;
+        evaluate(trip->drive, z, y);
+        trip->evaluations++;
         size = fmin(used * change(y[AT_ERROR]), size * growth);
         if (!(y[AT_ERROR] <= 1.0)) {
             growth = 1.0;
@@ -156,64 +159,64 @@ static bool step_drive(Trip *m, double s, double end) {
         memcpy(z, y, REACHED * sizeof(double));
         s += used;
         if (steps == 1.0) {
-            const double wound = m->radius * y[PHI];
-            m->step_next = size * m->H;
+            const double wound = trip->radius * y[PHI];
+            trip->step_next = size * trip->H;
             return fmin(z[AT_L0] - wound, z[AT_L0 + 1] + wound) > MIN_ROPE;
         }
     }
     return false;
 }
 
-static double work(const Trip *m) {
-    const double *work_totals = m->y + AT_WORK_TOTALS;
-    return (work_totals[LEFT_WORK] + work_totals[RIGHT_WORK]) / m->ropes;
+static double work(const Trip *trip) {
+    const double *work_totals = trip->y + AT_WORK_TOTALS;
+    return (work_totals[LEFT_WORK] + work_totals[RIGHT_WORK]) / trip->ropes;
 }
 
 /* the command of the law that holds from now on; tells whether it is limited */
-static double command(Trip *m, const double reference[4]) {
-    const double *outputs = m->y + AT_OUTPUTS;
+static double command(Trip *trip, const double reference[4]) {
+    const double *outputs = trip->y + AT_OUTPUTS;
     double result[3];
-    memcpy(m->law_arguments, reference, 3 * sizeof(double));
-    m->law_arguments[TRAVEL] = outputs[Y_LEFT] - m->start_height;
-    m->law_arguments[SPEED] = m->radius * outputs[RATE];
-    m->law_arguments[INTEGRAL] = m->integral;
-    evaluate(law, m->law_arguments, result);
-    m->torque = result[0];
-    m->integral = result[2];
+    memcpy(trip->law_arguments, reference, 3 * sizeof(double));
+    trip->law_arguments[TRAVEL] = outputs[Y_LEFT] - trip->start_height;
+    trip->law_arguments[SPEED] = trip->radius * outputs[RATE];
+    trip->law_arguments[INTEGRAL] = trip->integral;
+    evaluate(law, trip->law_arguments, result);
+    trip->torque = result[0];
+    trip->integral = result[2];
     return result[1];
 }
 
 /* both partners over one step from t, as GaussSeidel(1) and CoupledSystem.exchanged */
-static int exchange(Trip *m, double t, const double (*reference)[4]) {
-    const double H = m->H, begun = now(), work_before = work(m), integral = m->integral, torque = m->torque,
-                 size = m->step_next;
-    double *path = m->z + AT_PATH, *y = m->y, distance[2], before[SIZE], left;
-    const Sample *last = m->samples + m->sample_count - 1;
-    const double *force = (const double *)m->forces.values;
+static int exchange(Trip *trip, double t, const double (*reference)[4]) {
+    const double H = trip->H, begun = now(), work_before = work(trip), integral = trip->integral, torque = trip->torque,
+                 size = trip->step_next;
+    double *path = trip->z + AT_PATH, *y = trip->y, distance[2], before[SIZE], left;
+    const Sample *last = trip->samples + trip->sample_count - 1;
+    const double *force = (const double *)trip->forces.values;
     Sample sample;
     int failed = WELL;
     for (int i = 0; i < 2; i++) {
         path[FORCE + i] = last->force[i];
         path[INPUTS + FORCE + i] =
-            m->sample_count > 1 ? (last->force[i] - last[-1].force[i]) / -((last[-1].t - last->t) / H) : 0.0;
+            trip->sample_count > 1 ? (last->force[i] - last[-1].force[i]) / -((last[-1].t - last->t) / H) : 0.0;
     }
     memcpy(before, y, sizeof before);
-    for (int k = 0; k < m->per_step && !failed; k++) {
-        if (k) command(m, reference[k]);
-        path[TORQUE] = m->torque;
-        if (!step_drive(m, k / (double)m->per_step, (k + 1) / (double)m->per_step)) failed = DRIVE;
+    for (int k = 0; k < trip->per_step && !failed; k++) {
+        if (k) command(trip, reference[k]);
+        path[TORQUE] = trip->torque;
+        if (!step_drive(trip, k / (double)trip->per_step, (k + 1) / (double)trip->per_step)) failed = DRIVE;
     }
     left = now();
-    m->drive_time += left - begun;
+    trip->drive_time += left - begun;
     if (failed) {
         memcpy(y, before, sizeof before);
-        m->integral = integral;
-        m->torque = torque;
-        m->step_next = size;
+        trip->integral = integral;
+        trip->torque = torque;
+        trip->step_next = size;
         return DRIVE;
     }
-    failed = step_rope(m, t, H);
-    m->rope_time += now() - left;
+    failed = step_rope(trip, t, H);
+    trip->rope_time += now() - left;
     if (failed) return failed;
     sample.t = t + H;
     for (int i = 0; i < 2; i++) {
@@ -222,53 +225,53 @@ static int exchange(Trip *m, double t, const double (*reference)[4]) {
         sample.acceleration[i] = y[AT_OUTPUTS + A_LEFT + i];
         distance[i] = y[AT_OUTPUTS + Y_LEFT + i] - before[AT_OUTPUTS + Y_LEFT + i];
     }
-    m->residual += work(m) - work_before - (sample.mean[0] * distance[0] + sample.mean[1] * distance[1]);
-    m->exchanges++;
-    if (m->sample_count == HISTORY)
-        memmove(m->samples, m->samples + 1, (HISTORY - 1) * sizeof sample);
+    trip->residual += work(trip) - work_before - (sample.mean[0] * distance[0] + sample.mean[1] * distance[1]);
+    trip->exchanges++;
+    if (trip->sample_count == HISTORY)
+        memmove(trip->samples, trip->samples + 1, (HISTORY - 1) * sizeof sample);
     else
-        m->sample_count++;
-    m->samples[m->sample_count - 1] = sample;
+        trip->sample_count++;
+    trip->samples[trip->sample_count - 1] = sample;
     return WELL;
 }
 
-/* what the rope shows now goes into a row of the record; whether nobody need look at it */
-static bool record(Trip *m, size_t row) {
-    const double *outputs = m->y + AT_OUTPUTS, begun = now();
+/* Write the recorded outputs to a row; return false if a read failed, a guard tripped or a watched rope is slack. */
+static bool record(Trip *trip, size_t row) {
+    const double *outputs = trip->y + AT_OUTPUTS, begun = now();
     bool well = true;
-    for (int i = 0; i < m->records && well; i++) well = call(m, m->recorded + i, row);
-    well = well && (!m->watched || !m->guard.function || (call(m, &m->guard, 0) && !holds(&m->guard)));
-    m->rope_time += now() - begun;
-    return well && !(m->watched && fmin(outputs[PULL_LEFT], outputs[PULL_LEFT + 1]) < m->slack_tension);
+    for (int i = 0; i < trip->records && well; i++) well = call(trip, trip->recorded + i, row);
+    well = well && (!trip->watched || !trip->guard.function || (call(trip, &trip->guard, 0) && !holds(&trip->guard)));
+    trip->rope_time += now() - begun;
+    return well && !(trip->watched && fmin(outputs[PULL_LEFT], outputs[PULL_LEFT + 1]) < trip->slack_tension);
 }
 
-/* Samples from the first on until before the last, each with the steps to the next one.  Returns how the last one
-   ended: before a sample at which Host must LOOK itself, before a step in which the DRIVE fails, or in one of the rope.
- */
-int trip_samples(Trip *m, int *sample, int last) {
-    double *path = m->z + AT_PATH, *y = m->y;
-    memcpy(m->z, y, REACHED * sizeof(double));
+/* Simulate the samples from *sample on, before the last, each with the steps to the next one; *sample is the one
+   reached. Return WELL, LOOK before a sample that Host must process itself, DRIVE before a drive step that fails, or
+   the number of the rope's call that failed. */
+int trip_samples(Trip *trip, int *sample, int last) {
+    double *path = trip->z + AT_PATH, *y = trip->y;
+    memcpy(trip->z, y, REACHED * sizeof(double));
     for (size_t n = 0; *sample < last; n++, ++*sample) {
-        const double (*reference)[4] = m->reference + *sample * m->per_step;
-        double *row = m->row + n * m->columns;
-        if (!record(m, n)) return LOOK;
-        row[0] = m->start + *sample * m->period;
+        const double (*reference)[4] = trip->reference + *sample * trip->per_step;
+        double *row = trip->row + n * trip->columns;
+        if (!record(trip, n)) return LOOK;
+        row[0] = trip->start + *sample * trip->period;
         memcpy(row + 1, reference, 4 * sizeof(double));
-        row[6] = command(m, reference[0]);
-        row[5] = m->torque;
+        row[6] = command(trip, reference[0]);
+        row[5] = trip->torque;
         row[7] = row[8] = 0.0; /* the head ropes hold */
-        row[9] = m->residual;
-        row[10] = m->exchanges;
+        row[9] = trip->residual;
+        row[10] = trip->exchanges;
         memcpy(row + 11, y + AT_OUTPUTS, OUTPUTS * sizeof(double));
         memcpy(row + 11 + OUTPUTS, y + AT_WORK_TOTALS, WORK_COUNT * sizeof(double));
-        if (m->sides.function) {
-            if (!call(m, &m->sides, 0)) return LOOK;
-            memcpy(path + SIDES, m->sides.values, m->sides.bytes);
+        if (trip->sides.function) {
+            if (!call(trip, &trip->sides, 0)) return LOOK;
+            memcpy(path + SIDES, trip->sides.values, trip->sides.bytes);
             for (int i = SIDES; i < INPUTS; i++)
                 if (isnan(path[i])) path[i] = 0.0;
         }
-        for (int i = 0; i < m->per_sample; i++, m->steps++) {
-            const int failed = exchange(m, m->start + m->steps * m->H, reference);
+        for (int i = 0; i < trip->per_sample; i++, trip->steps++) {
+            const int failed = exchange(trip, trip->start + trip->steps * trip->H, reference);
             if (failed) return failed;
         }
     }

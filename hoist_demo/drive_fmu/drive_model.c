@@ -41,12 +41,12 @@ static Motion reference(double t) {
     return (Motion){s + dt * (v + dt * (a / 2.0 + dt * j / 6.0)), v + dt * (a + dt * j / 2.0), a + dt * j};
 }
 
-static void plant_outputs(ModelInstance *m, State *s) {
-    m->arg[0] = s->x;
-    m->arg[1] = s->u;
-    m->arg[2] = s->free_lengths;
-    m->res[0] = s->outputs;
-    drive_outputs(m->arg, m->res, m->iw, m->w, 0);
+static void plant_outputs(ModelInstance *model, State *s) {
+    model->arg[0] = s->x;
+    model->arg[1] = s->u;
+    model->arg[2] = s->free_lengths;
+    model->res[0] = s->outputs;
+    drive_outputs(model->arg, model->res, model->iw, model->w, 0);
 }
 
 static void control_outputs(State *s, const double *parameters) {
@@ -75,40 +75,41 @@ int model_open(const char *resources, char *message) {
 }
 
 ModelInstance *model_create(const double *values, const Allocator *allocator, char *message) {
-    ModelInstance *m = allocator->allocate(1, sizeof *m);
-    if (!m) {
+    ModelInstance *model = allocator->allocate(1, sizeof *model);
+    if (!model) {
         snprintf(message, MESSAGE_BYTES, "no memory for the drive; free other instances first");
         return NULL;
     }
-    memset(m, 0, sizeof *m);
-    m->deallocate = allocator->deallocate;
-    if (read_parameters(m->parameters, values, message)) return m;
-    m->deallocate(m);
+    memset(model, 0, sizeof *model);
+    model->deallocate = allocator->deallocate;
+    if (read_parameters(model->parameters, values, message)) return model;
+    model->deallocate(model);
     return NULL;
 }
 
-void model_destroy(ModelInstance *m) {
-    if (m) m->deallocate(m);
+void model_destroy(ModelInstance *model) {
+    if (model) model->deallocate(model);
 }
 
-/* what all balance ropes do to the plant: of its input all but the torque */
-static void add_up(ModelInstance *m, State *s, const double *values) {
-    m->arg[0] = s->x;
-    m->arg[1] = values + DRIVE_FORCE;
-    m->res[0] = s->u + 1;
-    drive_input(m->arg, m->res, m->iw, m->w, 0);
+/* Sum the forces of all balance ropes into the plant input behind its torque. */
+static void add_up(ModelInstance *model, State *s, const double *values) {
+    model->arg[0] = s->x;
+    model->arg[1] = values + DRIVE_FORCE;
+    model->res[0] = s->u + 1;
+    drive_input(model->arg, model->res, model->iw, model->w, 0);
 }
 
 static const char *const OF_ALL = DRIVE_FORCES > 2 ? " (all ropes)" : "";
 
-int model_initialize(ModelInstance *m, double t, const double *values, char *message) {
-    State *s = &m->next;
+int model_initialize(ModelInstance *model, double t, const double *values, char *message) {
+    State *s = &model->next;
     double pull[2];
     memset(s, 0, sizeof *s);
-    add_up(m, s, values);
+    add_up(model, s, values);
     memcpy(pull, s->u + 1, sizeof pull);
     for (int i = 0; i < 2; i++) {
-        if (pull[i] == 0.0) pull[i] = m->parameters[DRIVE_FY_START + i]; /* containers initialise what they connect */
+        if (pull[i] == 0.0)
+            pull[i] = model->parameters[DRIVE_FY_START + i]; /* containers initialise what they connect */
         if (!(pull[i] >= DRIVE_LOWEST_FORCE && pull[i] <= 0.0)) {
             snprintf(message, MESSAGE_BYTES,
                      "%s%s = %.9g N at the start must be between %.9g N and 0: it is the balance rope's pull at rest, "
@@ -118,10 +119,10 @@ int model_initialize(ModelInstance *m, double t, const double *values, char *mes
         }
     }
     s->t = s->start = t;
-    m->arg[0] = pull;
-    m->res[0] = s->x;
-    m->res[1] = s->free_lengths;
-    drive_rest(m->arg, m->res, m->iw, m->w, 0);
+    model->arg[0] = pull;
+    model->res[0] = s->x;
+    model->res[1] = s->free_lengths;
+    drive_rest(model->arg, model->res, model->iw, model->w, 0);
     if (!(fabs(s->x[0]) <= DRIVE_TORQUE_LIMIT)) {
         snprintf(message, MESSAGE_BYTES,
                  "holding torque = %.6g N m must be within +-%.6g N m, that of the motor: check "
@@ -133,29 +134,29 @@ int model_initialize(ModelInstance *m, double t, const double *values, char *mes
     memset(s->u, 0, sizeof s->u);
     s->u[0] = s->hold = s->x[0];
     memcpy(s->u + 1, pull, sizeof pull); /* the sides come with the first step: the conveyances hang in the middle */
-    plant_outputs(m, s);
+    plant_outputs(model, s);
     s->left_start = s->outputs[DRIVE_LEFT_Y];
-    control_outputs(s, m->parameters);
-    m->state = *s;
+    control_outputs(s, model->parameters);
+    model->state = *s;
     return 1;
 }
 
-static void control(ModelInstance *m, State *s, double h) {
-    Motion r = reference(s->t - s->start - m->parameters[DRIVE_TRIP_START]);
+static void control(ModelInstance *model, State *s, double h) {
+    Motion r = reference(s->t - s->start - model->parameters[DRIVE_TRIP_START]);
     const double sample[] = {
         r.s,     r.v,         r.a, s->outputs[DRIVE_LEFT_Y] - s->left_start, DRIVE_RADIUS * s->outputs[DRIVE_RATE],
         s->hold, s->integral, h};
     double torque, integral;
-    m->arg[0] = sample;
-    m->arg[1] = m->parameters + DRIVE_GAINS;
-    m->res[0] = &torque;
-    m->res[1] = &integral;
-    drive_control(m->arg, m->res, m->iw, m->w, 0);
+    model->arg[0] = sample;
+    model->arg[1] = model->parameters + DRIVE_GAINS;
+    model->res[0] = &torque;
+    model->res[1] = &integral;
+    drive_control(model->arg, model->res, model->iw, model->w, 0);
     s->u[0] = torque;
     s->integral = integral;
 }
 
-/* finite, and rope left at the sheave */
+/* Check that the state is finite and that rope is left at the sheave. */
 static int sound(const State *s, char *message) {
     double left = s->free_lengths[0] - DRIVE_RADIUS * s->x[1], right = s->free_lengths[1] + DRIVE_RADIUS * s->x[1];
     for (int i = 0; i < DRIVE_STATES; i++)
@@ -175,7 +176,7 @@ static int sound(const State *s, char *message) {
     return 0;
 }
 
-/* whether the rope's forces move the conveyances as a rope's ends may move */
+/* Check that the ropes' forces accelerate the conveyances as a rope's ends may be. */
 static int can_follow(const State *s, char *message) {
     for (int i = 0; i < DRIVE_ACCELERATIONS; i++) {
         const int shown = DRIVE_ACCELERATION[i];
@@ -190,94 +191,94 @@ static int can_follow(const State *s, char *message) {
     return 1;
 }
 
-int model_step(ModelInstance *m, double t, double h, const double *values, int *event, char *message) {
+int model_step(ModelInstance *model, double t, double h, const double *values, int *event, char *message) {
     (void)event; /* none */
     double stop = t + h, steps, part, x[DRIVE_STATES];
-    State *s = &m->next;
-    h += t - m->state.t; /* rests of rounding size included */
-    steps = ceil(h / m->parameters[DRIVE_STEP_MAX] - 1e-9);
+    State *s = &model->next;
+    h += t - model->state.t; /* rests of rounding size included */
+    steps = ceil(h / model->parameters[DRIVE_STEP_MAX] - 1e-9);
     if (!(steps <= DRIVE_MOST_STEPS)) {
         snprintf(message, MESSAGE_BYTES,
                  "communication step %.9g s needs %.3g internal steps of %.3g s, more than %d; "
                  "take shorter ones",
-                 h, steps, m->parameters[DRIVE_STEP_MAX], DRIVE_MOST_STEPS);
+                 h, steps, model->parameters[DRIVE_STEP_MAX], DRIVE_MOST_STEPS);
         return 0;
     }
     if (steps < 1.0) steps = 1.0;
     part = h / steps;
-    *s = m->state;
-    control(m, s, h);
-    add_up(m, s, values);
-    plant_outputs(m, s);
+    *s = model->state;
+    control(model, s, h);
+    add_up(model, s, values);
+    plant_outputs(model, s);
     if (!can_follow(s, message)) return 0;
     for (long k = 0; k < (long)steps; k++) {
-        m->arg[0] = s->x;
-        m->arg[1] = s->u;
-        m->arg[2] = s->free_lengths;
-        m->arg[3] = &part;
-        m->res[0] = x;
-        drive_step(m->arg, m->res, m->iw, m->w, 0);
+        model->arg[0] = s->x;
+        model->arg[1] = s->u;
+        model->arg[2] = s->free_lengths;
+        model->arg[3] = &part;
+        model->res[0] = x;
+        drive_step(model->arg, model->res, model->iw, model->w, 0);
         memcpy(s->x, x, sizeof x);
         if (!sound(s, message)) return 0;
     }
     s->t = stop;
-    plant_outputs(m, s);
-    control_outputs(s, m->parameters);
-    m->state = *s;
+    plant_outputs(model, s);
+    control_outputs(s, model->parameters);
+    model->state = *s;
     return 1;
 }
 
-int model_retune(ModelInstance *m, const double *values, char *message) {
-    return read_parameters(m->parameters, values, message);
+int model_retune(ModelInstance *model, const double *values, char *message) {
+    return read_parameters(model->parameters, values, message);
 }
 
-double model_time(const ModelInstance *m) {
-    return m->state.t;
+double model_time(const ModelInstance *model) {
+    return model->state.t;
 }
 
-int model_output(ModelInstance *m, size_t scalar, double *value, char *message) {
+int model_output(ModelInstance *model, size_t scalar, double *value, char *message) {
     (void)message;
-    *value = m->state.outputs[scalar - DRIVE_FIRST_OUTPUT];
+    *value = model->state.outputs[scalar - DRIVE_FIRST_OUTPUT];
     return 1;
 }
 
-int model_text(ModelInstance *m, size_t scalar, const char **text, char *message) {
-    (void)m, (void)scalar, (void)message;
+int model_text(ModelInstance *model, size_t scalar, const char **text, char *message) {
+    (void)model, (void)scalar, (void)message;
     *text = "";
     return 1;
 }
 
-void model_note(const ModelInstance *m, char *message) {
+void model_note(const ModelInstance *model, char *message) {
     snprintf(message, MESSAGE_BYTES, "drive: %d states, internal steps of at most %.3g s", DRIVE_STATES,
-             m->parameters[DRIVE_STEP_MAX]);
+             model->parameters[DRIVE_STEP_MAX]);
 }
 
-int model_warning(ModelInstance *m, int number, char *message) {
-    (void)m, (void)number, (void)message;
+int model_warning(ModelInstance *model, int number, char *message) {
+    (void)model, (void)number, (void)message;
     return 0;
 }
 
-int model_derivative(ModelInstance *m, size_t known, double seed, const unsigned *unknown, size_t number, double *sum,
-                     char *message) {
-    (void)m, (void)known, (void)seed, (void)unknown, (void)number, (void)sum;
+int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t number,
+                     double *sum, char *message) {
+    (void)model, (void)known, (void)seed, (void)unknown, (void)number, (void)sum;
     snprintf(message, MESSAGE_BYTES, "the drive has no directional derivatives; take differences");
     return 0;
 }
 
-size_t model_state_bytes(const ModelInstance *m) {
-    return sizeof m->state;
+size_t model_state_bytes(const ModelInstance *model) {
+    return sizeof model->state;
 }
 
-void model_save(const ModelInstance *m, void *to) {
-    memcpy(to, &m->state, sizeof m->state);
+void model_save(const ModelInstance *model, void *to) {
+    memcpy(to, &model->state, sizeof model->state);
 }
 
-int model_restore(ModelInstance *m, const void *from, size_t bytes, char *message) {
-    if (bytes != sizeof m->state) {
+int model_restore(ModelInstance *model, const void *from, size_t bytes, char *message) {
+    if (bytes != sizeof model->state) {
         snprintf(message, MESSAGE_BYTES, "a state of the drive has %lu bytes, not %lu; save it anew",
-                 (unsigned long)sizeof m->state, (unsigned long)bytes);
+                 (unsigned long)sizeof model->state, (unsigned long)bytes);
         return 0;
     }
-    memcpy(&m->state, from, sizeof m->state);
+    memcpy(&model->state, from, sizeof model->state);
     return 1;
 }

@@ -1,6 +1,6 @@
 """C text of the element: all its functions as straight-line code for several elements at once.
 
-The type V contains one number each of LANES elements (see lanes.h); the text is the same for all widths.  A quotient
+The type Vec contains one number each of LANES elements (see lanes.h); the text is the same for all widths.  A quotient
 becomes a product with the reciprocal, which is computed once for each divisor, as division is the most expensive.
 """
 
@@ -16,7 +16,7 @@ from rope_model.physics.wire_element import wire_functions
 
 
 def element_code() -> str:
-    """Return all element functions, as ``torsional_tangent``; arguments are arrays of V, the last is the result."""
+    """Return all element functions, as ``torsional_tangent``; arguments are arrays of Vec, the last is the result."""
     return "\n".join(_function_code(name, f) for fidelity in ELEMENT_DOF for name, f in _functions(fidelity))
 
 
@@ -60,8 +60,8 @@ def _upper_half(name: str, tangent: ca.Function) -> ca.Function:
 def _function_code(name: str, f: ca.Function) -> str:
     inputs = range(f.n_in())
     symbols = [ca.vertcat(*(ca.SX.sym(f"x{i}[{k}]") for k in range(f.numel_in(i)))) for i in inputs]
-    arguments = "".join(f"const V *RESTRICT x{i}, " for i in inputs)
-    lines, texts = statements(ca.Function(name, symbols, f.call(symbols)), "V")
+    arguments = "".join(f"const Vec *RESTRICT x{i}, " for i in inputs)
+    lines, texts = statements(ca.Function(name, symbols, f.call(symbols)), "Vec")
     lines = [*(f"(void)x{i};" for i in inputs), *lines]
     lines += [f"y[{k}] = {f'SPLAT({text})' if is_number(text) else text};" for k, text in enumerate(texts)]
-    return f"static void {name}({arguments}V *RESTRICT y) {{\n" + "".join(f"    {line}\n" for line in lines) + "}\n"
+    return f"static void {name}({arguments}Vec *RESTRICT y) {{\n" + "".join(f"    {line}\n" for line in lines) + "}\n"

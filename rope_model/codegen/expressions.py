@@ -58,7 +58,7 @@ def texts_of(values: Sequence[Any]) -> tuple[list[str], list[str]]:
 def statements(f: ca.Function, kind: str = "double") -> tuple[list[str], list[str]]:
     """Return lines that name repeated terms, and the texts of the results.
 
-    Numbers have the type ``kind``.  With vectors V a quotient is a product with the reciprocal, computed once for each
+    Numbers have the type ``kind``.  With vectors Vec a quotient is a product with the reciprocal, computed once for each
     divisor.
     """
     inputs = [[x.name() for x in ca.vertsplit(f.sx_in(i))] for i in range(f.n_in())]
@@ -92,7 +92,7 @@ def statements(f: ca.Function, kind: str = "double") -> tuple[list[str], list[st
             expression = _Text(inputs[sources[0]][sources[1]], _ATOM)
         else:
             operands = [values[s] for s in sources]
-            if kind == "V" and operation in (ca.OP_DIV, ca.OP_INV):
+            if kind == "Vec" and operation in (ca.OP_DIV, ca.OP_INV):
                 *above, below = operands
                 expression = _expression(ca.OP_MUL, [*above, reciprocal(below)], kind) if above else reciprocal(below)
             else:

@@ -123,7 +123,7 @@ def state_signals() -> str:
     lines += [f"values[{constant(name)}] = {text};" for name, text in zip(values, texts, strict=True)]
     return (
         "/* Generated from rope_model.simulation.outputs.state_signals by rope_model.codegen.rules. */\n"
-        "static void state_signals(Simulator *rope, double *values) {\n    const State *state = rope->state;\n"
+        "static void state_signals(Simulator *sim, double *values) {\n    const State *state = sim->state;\n"
         f"{''.join(f'    {line}{chr(10)}' for line in lines)}}}\n"
     )
 

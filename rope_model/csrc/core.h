@@ -92,15 +92,15 @@ typedef struct {
     double number;     /* turns of one side of the rope about the other */
     double sharpest_y; /* height around which they change most, m */
 } LoopTurns;
-double ends_yaw(const NodalArrays *m); /* Return the yaw of the line from the left to the right end. */
+double ends_yaw(const NodalArrays *nodal); /* Return the yaw of the line from the left to the right end. */
 LoopBottom loop_bottom(int nodes, const double *q, const double *s);
 /* Return the smallest clearance between the legs, m, from `above` the loop's bottom upwards.  `pair`, not negative, has
    the blocks that were nearest in the last call, to speed up the search.  Takes 10 kB of stack. */
 double leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
                      double diameter, double above, int pair[2]);
 /* True if the legs are certainly apart, and within a quarter turn of `across`, the line from left to right. */
-int legs_apart(const NodalArrays *m, const double across[2], double diameter, double above);
-LoopTurns loop_turns(const NodalArrays *m, const LoopBottom *bottom);
+int legs_apart(const NodalArrays *nodal, const double across[2], double diameter, double above);
+LoopTurns loop_turns(const NodalArrays *nodal, const LoopBottom *bottom);
 /* Ascending arc lengths `places` (points) over the whole rope, denser around the bottom; `loop` is loop_width(). */
 void shape_places(double total, double bottom_s, double loop, int points, double *places);
 /* Coordinates xyz (points x 3) of the centre line at arc lengths `places`, which ascend. */

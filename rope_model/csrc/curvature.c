@@ -2,8 +2,8 @@
 
 #include "simulator.h"
 
-int is_curved(const Simulator *rope, const State *state) {
-    return rope->curved != NULL && state->fidelity == TORSIONAL && max_curvature(&rope->scene.rope) > 0;
+int is_curved(const Simulator *sim, const State *state) {
+    return sim->curved != NULL && state->fidelity == TORSIONAL && max_curvature(&sim->scene.rope) > 0;
 }
 
 Rope partly_curved(const Rope *whole, double fraction) {
@@ -13,18 +13,18 @@ Rope partly_curved(const Rope *whole, double fraction) {
     return rope;
 }
 
-void curved_reference(Simulator *rope, State *state, const double *q) {
-    const Rope *data = &rope->scene.rope;
-    const NodalArrays m = state_arrays(state);
-    double e1[3] = DIRECTOR_START, components[6], found[12], *to = rope->curved, s = 0;
-    const int elements = is_curved(rope, state) ? m.elements : 0;
+void curved_reference(Simulator *sim, State *state, const double *q) {
+    const Rope *data = &sim->scene.rope;
+    const NodalArrays nodal = state_arrays(state);
+    double e1[3] = DIRECTOR_START, components[6], found[12], *to = sim->curved, s = 0;
+    const int elements = is_curved(sim, state) ? nodal.elements : 0;
     for (int e = 0; e < elements; e++, q += DOF, to += CURVATURE_SIZE) {
         const double material[] = {q[ANGLE], q[DOF + ANGLE], data->EI};
-        curvature_components(data, s, m.lengths[e], components);
-        curvature_vectors(components, m.lengths[e], q, e1, found);
+        curvature_components(data, s, nodal.lengths[e], components);
+        curvature_vectors(components, nodal.lengths[e], q, e1, found);
         memcpy(to, found, 9 * sizeof *to);
         memcpy(to + 9, material, sizeof material);
         memcpy(e1, found + 9, sizeof e1);
-        s += m.lengths[e];
+        s += nodal.lengths[e];
     }
 }

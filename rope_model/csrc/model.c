@@ -3,130 +3,130 @@
 #include "simulator.h"
 
 /* Return the relative vertical speed of the ends, m/s. */
-static double relative_end_speed(const NodalArrays *m) {
-    return m->v[1] - end_row(m->v, m->nodes, RIGHT)[1];
+static double relative_end_speed(const NodalArrays *nodal) {
+    return nodal->v[1] - end_row(nodal->v, nodal->nodes, RIGHT)[1];
 }
 
 /* Load of conveyances, bodies and air on the rope: force and moment about the origin. */
-static void load_on(const Simulator *rope, State *state, const System *s, double load[6]) {
-    const NodalArrays m = state_arrays(state);
+static void load_on(const Simulator *sim, State *state, const System *sys, double load[6]) {
+    const NodalArrays nodal = state_arrays(state);
     double contact[CONTACT_BALANCE], air[AIR_BALANCE];
-    external_sums(s, m.q, m.v, contact);
-    chain_of(rope, state)->air(s, m.q, m.v, air);
+    external_sums(sys, nodal.q, nodal.v, contact);
+    chain_of(sim, state)->air(sys, nodal.q, nodal.v, air);
     for (int k = 0; k < 6; k++) load[k] = contact[CONTACT_LOAD + k] + air[1 + k];
     for (int side = LEFT; side <= RIGHT; side++) {
-        const double *q = end_row(m.q, m.nodes, side), *R = end_row(m.reaction, m.nodes, side);
+        const double *q = end_row(nodal.q, nodal.nodes, side), *R = end_row(nodal.reaction, nodal.nodes, side);
         double one[6];
-        end_load(q, R, ends_moment(&rope->scene, state, side, R), one);
+        end_load(q, R, ends_moment(&sim->scene, state, side, R), one);
         for (int k = 0; k < 6; k++) load[k] += one[k];
     }
     /* A planar rope has no load across its plane. */
     if (state->fidelity == PLANAR) load[2] = load[3] = load[4] = 0;
 }
 
-static void restart_audit(const Simulator *rope, State *state, const System *s) {
+static void restart_audit(const Simulator *sim, State *state, const System *sys) {
     Audit *audit = &state->audit;
-    load_on(rope, state, s, audit->load);
+    load_on(sim, state, sys, audit->load);
     memcpy(audit->auxiliary, audit->load, sizeof audit->load);
     memset(audit->rate, 0, sizeof audit->rate);
 }
 
-void begin_audit(const Simulator *rope, State *state) {
+void begin_audit(const Simulator *sim, State *state) {
     if (state->fidelity == RIGID) return;
-    const NodalArrays m = state_arrays(state);
-    const System s = rope_system(rope, state);
-    restart_audit(rope, state, &s);
-    chain_of(rope, state)->momentum(&s, m.q, m.v, state->audit.sums);
+    const NodalArrays nodal = state_arrays(state);
+    const System sys = rope_system(sim, state);
+    restart_audit(sim, state, &sys);
+    chain_of(sim, state)->momentum(&sys, nodal.q, nodal.v, state->audit.sums);
     memset(state->audit.impulse, 0, sizeof state->audit.impulse);
 }
 
 /* Audit a step; `before` has the vertical reactions of the ends at its start. */
-static void audit_step(const Simulator *rope, State *state, const System *s, double h, double time_shift,
+static void audit_step(const Simulator *sim, State *state, const System *sys, double h, double time_shift,
                        const double before[2]) {
-    const NodalArrays m = state_arrays(state);
-    const Coefficients method = {rope->scene.solver.rho_inf};
+    const NodalArrays nodal = state_arrays(state);
+    const Coefficients method = {sim->scene.solver.rho_inf};
     double load[6], force = 0, change = 0;
-    load_on(rope, state, s, load);
+    load_on(sim, state, sys, load);
     for (int side = LEFT; side <= RIGHT; side++) {
-        const double now = end_row(m.reaction, m.nodes, side)[1];
+        const double now = end_row(nodal.reaction, nodal.nodes, side)[1];
         force = fmax(force, fabs(now));
         change = fmax(change, fabs(now - before[side]));
     }
     state->audit = audit_after_step(&state->audit, &method, h, time_shift, load, force, change,
-                                    axial_share(&rope->scene.rope, model_bottom_s(rope, state, state->t), h));
+                                    axial_share(&sim->scene.rope, model_bottom_s(sim, state, state->t), h));
 }
 
 /* Return the largest square of the change of r' over an element. */
-static double largest_bend(const NodalArrays *m) {
+static double largest_bend(const NodalArrays *nodal) {
     double largest = 0;
-    for (int k = 0; k < m->elements; k++) {
-        const double *d = m->q + (size_t)k * DOF + SLOPE, *next = d + DOF;
+    for (int k = 0; k < nodal->elements; k++) {
+        const double *d = nodal->q + (size_t)k * DOF + SLOPE, *next = d + DOF;
         const double change[3] = {next[0] - d[0], next[1] - d[1], next[2] - d[2]};
         largest = fmax(largest, dot(change, change));
     }
     return largest;
 }
 
-void audit_interval(const Simulator *rope, State *state, double h, double residual_before) {
-    const NodalArrays m = state_arrays(state);
-    const double *left = m.q, *right = end_row(m.q, m.nodes, RIGHT);
+void audit_interval(const Simulator *sim, State *state, double h, double residual_before) {
+    const NodalArrays nodal = state_arrays(state);
+    const double *left = nodal.q, *right = end_row(nodal.q, nodal.nodes, RIGHT);
     double sums[MOMENTUM], about[3];
     if (state->fidelity == RIGID) return;
-    const System s = rope_system(rope, state);
-    chain_of(rope, state)->momentum(&s, m.q, m.v, sums);
+    const System sys = rope_system(sim, state);
+    chain_of(sim, state)->momentum(&sys, nodal.q, nodal.v, sums);
     for (int k = 0; k < 3; k++) about[k] = 0.5 * (left[k] + right[k]);
-    state->audit = audit_after_interval(&state->audit, h, rope->scene.rope.mass_per_length * rope->scene.rope.length,
-                                        rope->scene.layout.gravity, sums, about,
-                                        energy_residual(&state->energy_balance) - residual_before, largest_bend(&m));
+    state->audit = audit_after_interval(
+        &state->audit, h, sim->scene.rope.mass_per_length * sim->scene.rope.length, sim->scene.layout.gravity, sums,
+        about, energy_residual(&state->energy_balance) - residual_before, largest_bend(&nodal));
 }
 
 /* Return the local error of a trial step divided by its tolerance. */
-static double relative_error(const Simulator *rope, State *state, const StepResult *result) {
+static double relative_error(const Simulator *sim, State *state, const StepResult *result) {
     const NodalArrays old = state_arrays(state);
-    const Coefficients method = {rope->scene.solver.rho_inf};
-    const StepLimits limits = step_limits(&rope->scene, &state->errors, model_bottom_s(rope, state, state->t),
+    const Coefficients method = {sim->scene.solver.rho_inf};
+    const StepLimits limits = step_limits(&sim->scene, &state->errors, model_bottom_s(sim, state, state->t),
                                           relative_end_speed(&old), local_error(&method, 1, 1));
     const double strain = fmax(fabs(result->strains[LEFT]), fabs(result->strains[RIGHT]));
     return step_error(&limits, result->h, result->error, strain);
 }
 
-StepResult model_trial(Simulator *rope, State *state, double h) {
-    System s = rope_system(rope, state);
-    StepResult result = generalized_alpha_step(rope, state, &s, h);
-    result.near = s.obstacles != NULL && s.obstacles->any;
-    result.error_ratio = result.converged ? relative_error(rope, state, &result) : INFINITY;
+StepResult model_trial(Simulator *sim, State *state, double h) {
+    System sys = rope_system(sim, state);
+    StepResult result = generalized_alpha_step(sim, state, &sys, h);
+    result.near = sys.obstacles != NULL && sys.obstacles->any;
+    result.error_ratio = result.converged ? relative_error(sim, state, &result) : INFINITY;
     return result;
 }
 
-void model_restart(Simulator *rope, State *state) {
-    const System s = rope_system(rope, state);
-    generalized_alpha_restart(rope, state, &s);
-    model_powers(rope, state);
-    restart_audit(rope, state, &s);
+void model_restart(Simulator *sim, State *state) {
+    const System sys = rope_system(sim, state);
+    generalized_alpha_restart(sim, state, &sys);
+    model_powers(sim, state);
+    restart_audit(sim, state, &sys);
 }
 
-void with_angles_along(Simulator *rope, State *state, double *q, double *v, double *a, double *b) {
-    state->offsets[RIGHT] += rope_system_transport(rope, state, q, v, a, b);
+void with_angles_along(Simulator *sim, State *state, double *q, double *v, double *a, double *b) {
+    state->offsets[RIGHT] += rope_system_transport(sim, state, q, v, a, b);
 }
 
-double model_bottom_s(const Simulator *rope, const State *state, double t) {
+double model_bottom_s(const Simulator *sim, const State *state, double t) {
     const double left = path_height(&state->paths[LEFT], t), right = path_height(&state->paths[RIGHT], t);
-    return 0.5 * (rope->scene.rope.length + left - right);
+    return 0.5 * (sim->scene.rope.length + left - right);
 }
 
-void model_dividers(const Simulator *rope, const State *state, double t, double *divider_s) {
-    mesh_dividers(&rope->scene, path_height(&state->paths[LEFT], t), path_height(&state->paths[RIGHT], t), divider_s);
+void model_dividers(const Simulator *sim, const State *state, double t, double *divider_s) {
+    mesh_dividers(&sim->scene, path_height(&state->paths[LEFT], t), path_height(&state->paths[RIGHT], t), divider_s);
 }
 
-void model_powers(const Simulator *rope, State *state) {
-    const NodalArrays m = state_arrays(state);
+void model_powers(const Simulator *sim, State *state) {
+    const NodalArrays nodal = state_arrays(state);
     state->power_ends = state->power_swivel = 0;
     for (int side = LEFT; side <= RIGHT; side++) {
-        const double *R = end_row(m.reaction, m.nodes, side), *v = end_row(m.v, m.nodes, side);
-        const double moment = ends_moment(&rope->scene, state, side, R);
+        const double *R = end_row(nodal.reaction, nodal.nodes, side), *v = end_row(nodal.v, nodal.nodes, side);
+        const double moment = ends_moment(&sim->scene, state, side, R);
         double spin = v[ANGLE];
         for (int k = 0; k < 3; k++) state->power_ends += R[k] * v[k];
-        if (rope->scene.swivels[side].attachment == CLAMPED) state->power_ends += dot(R + SLOPE, v + SLOPE);
+        if (sim->scene.swivels[side].attachment == CLAMPED) state->power_ends += dot(R + SLOPE, v + SLOPE);
         if (state->swivels[side].phase == SLIP) {
             double relative[2];
             ends_relative(state, side, state->t, 0, spin, relative);
@@ -138,69 +138,69 @@ void model_powers(const Simulator *rope, State *state) {
 }
 
 /* Set the energies from sums over the elements.  The inertia of the swivels adds to the kinetic energy. */
-static void set_energies(EnergyBalance *energy_balance, const double balance[BALANCE], const System *s, const double *q,
-                         const double *v) {
+static void set_energies(EnergyBalance *energy_balance, const double balance[BALANCE], const System *sys,
+                         const double *q, const double *v) {
     double sums[BALANCE], contact[CONTACT_BALANCE];
     memcpy(sums, balance, sizeof sums);
     for (int side = LEFT; side <= RIGHT; side++) {
-        const double rate = end_row(v, s->elements + 1, side)[ANGLE];
-        sums[KINETIC] += 0.5 * s->inertia[side] * rate * rate;
+        const double rate = end_row(v, sys->elements + 1, side)[ANGLE];
+        sums[KINETIC] += 0.5 * sys->inertia[side] * rate * rate;
     }
-    external_sums(s, q, v, contact);
+    external_sums(sys, q, v, contact);
     *energy_balance = with_energies(energy_balance, sums, contact[CONTACT_ENERGY]);
 }
 
-double model_energies(Simulator *rope, State *state) {
-    const NodalArrays m = state_arrays(state);
-    const System s = rope_system(rope, state);
+double model_energies(Simulator *sim, State *state) {
+    const NodalArrays nodal = state_arrays(state);
+    const System sys = rope_system(sim, state);
     const double before = energy_total(&state->energy_balance);
     double balance[BALANCE];
-    chain_of(rope, state)->evaluate(&s, m.q, m.v, m.a, m.reaction, NULL, balance);
-    set_energies(&state->energy_balance, balance, &s, m.q, m.v);
+    chain_of(sim, state)->evaluate(&sys, nodal.q, nodal.v, nodal.a, nodal.reaction, NULL, balance);
+    set_energies(&state->energy_balance, balance, &sys, nodal.q, nodal.v);
     return energy_total(&state->energy_balance) - before;
 }
 
-void model_commit(Simulator *rope, State *state, const StepResult *trial) {
-    const NodalArrays m = state_arrays(state), *now = &rope->trial;
-    System s = rope_system(rope, state);
-    const size_t size = (size_t)m.nodes * DOF;
+void model_commit(Simulator *sim, State *state, const StepResult *trial) {
+    const NodalArrays nodal = state_arrays(state), *now = &sim->trial;
+    System sys = rope_system(sim, state);
+    const size_t size = (size_t)nodal.nodes * DOF;
     const double h = trial->t - state->t, before[2] = {state->power_ends, state->power_swivel};
-    const double forces[2] = {m.reaction[1], end_row(m.reaction, m.nodes, RIGHT)[1]};
-    const Coefficients method = {rope->scene.solver.rho_inf};
+    const double forces[2] = {nodal.reaction[1], end_row(nodal.reaction, nodal.nodes, RIGHT)[1]};
+    const Coefficients method = {sim->scene.solver.rho_inf};
     const double time_shift = recentring(&method, trial->h, state->h);
     EnergyBalance *energy = &state->energy_balance;
-    const double bottom_s = model_bottom_s(rope, state, state->t), speed = relative_end_speed(&m);
+    const double bottom_s = model_bottom_s(sim, state, state->t), speed = relative_end_speed(&nodal);
     double losses[2], contact[CONTACT_BALANCE], air[AIR_BALANCE], paces[2], force = 0;
     for (int side = LEFT; side <= RIGHT; side++) {
         const size_t slope = (side ? size - DOF : 0) + SLOPE + 1;
-        paces[side] = (now->v[slope] - m.v[slope]) / h;
+        paces[side] = (now->v[slope] - nodal.v[slope]) / h;
     }
     /* Losses follow from the differences over the step: rates at its ends have the integrator's own oscillation, whose
        square does not average out.  Put the middle of the step into q, and the mean rate into v. */
     for (size_t i = 0; i < size; i++) {
-        const double q = m.q[i];
-        m.q[i] = 0.5 * (q + now->q[i]);
-        m.v[i] = (now->q[i] - q) / h;
+        const double q = nodal.q[i];
+        nodal.q[i] = 0.5 * (q + now->q[i]);
+        nodal.v[i] = (now->q[i] - q) / h;
     }
-    s.time = state->t + 0.5 * h;
-    chain_of(rope, state)->losses(&s, m.q, m.v, losses);
-    external_sums(&s, m.q, m.v, contact);
-    state->contact = add_contact(&rope->scene, &state->contact, h, contact + CONTACT_FORCES, longest_near(&s));
-    chain_of(rope, state)->air(&s, m.q, m.v, air);
-    const double dissipated = update_hysteresis(rope, state, now->q);
-    with_angles_along(rope, state, now->q, now->v, now->a, now->b);
-    memcpy(m.q, now->q, FIELDS * sizeof(double) * size);
-    state->t = s.time = trial->t;
+    sys.time = state->t + 0.5 * h;
+    chain_of(sim, state)->losses(&sys, nodal.q, nodal.v, losses);
+    external_sums(&sys, nodal.q, nodal.v, contact);
+    state->contact = add_contact(&sim->scene, &state->contact, h, contact + CONTACT_FORCES, longest_near(&sys));
+    chain_of(sim, state)->air(&sys, nodal.q, nodal.v, air);
+    const double dissipated = update_hysteresis(sim, state, now->q);
+    with_angles_along(sim, state, now->q, now->v, now->a, now->b);
+    memcpy(nodal.q, now->q, FIELDS * sizeof(double) * size);
+    state->t = sys.time = trial->t;
     state->h = trial->h;
     for (int side = LEFT; side <= RIGHT; side++)
-        for (int k = 0; k < 3; k++) force = fmax(force, fabs(end_row(m.reaction, m.nodes, side)[k]));
-    state->errors = add_errors(&rope->scene, &state->errors, bottom_s, speed, h, local_error(&method, 1, 1), paces,
+        for (int k = 0; k < 3; k++) force = fmax(force, fabs(end_row(nodal.reaction, nodal.nodes, side)[k]));
+    state->errors = add_errors(&sim->scene, &state->errors, bottom_s, speed, h, local_error(&method, 1, 1), paces,
                                trial->error, force);
-    model_powers(rope, state);
-    if (!trial->near) s.obstacles = NULL;
-    set_energies(energy, trial->balance, &s, m.q, m.v);
+    model_powers(sim, state);
+    if (!trial->near) sys.obstacles = NULL;
+    set_energies(energy, trial->balance, &sys, nodal.q, nodal.v);
     const double taken[] = {losses[0], losses[1], contact[CONTACT_DISSIPATED], contact[CONTACT_MOVED]};
     const double now_powers[] = {state->power_ends, state->power_swivel};
     *energy = account_of_step(energy, h, before, now_powers, taken, dissipated, air[0]);
-    audit_step(rope, state, &s, h, time_shift, forces);
+    audit_step(sim, state, &sys, h, time_shift, forces);
 }

@@ -54,48 +54,48 @@ void tension_change(const Scene *scene, const EndMotion ends[2], int side, int a
 }
 
 /* Refer theta of an equilibrium q, which is referred to q, to the rigid rope. */
-static void count_from_rigid(Simulator *rope, State *state, const double *rigid, double *q) {
+static void count_from_rigid(Simulator *sim, State *state, const double *rigid, double *q) {
     const size_t size = (size_t)(state->elements + 1) * DOF;
-    double *moved = rope->trial.q, *zeros = rope->trial.v;
+    double *moved = sim->trial.q, *zeros = sim->trial.v;
     memcpy(moved, q, sizeof(double) * size);
     memset(zeros, 0, sizeof(double) * size);
-    rope_system_refer(rope, state, rigid);
-    rope_system_transport(rope, state, moved, zeros, zeros, zeros);
+    rope_system_refer(sim, state, rigid);
+    rope_system_transport(sim, state, moved, zeros, zeros, zeros);
     for (size_t i = ANGLE; i < size; i += DOF) q[i] -= moved[i] - q[i];
 }
 
-int flexible_start(Simulator *rope, State *state, char *message) {
-    const NodalArrays m = state_arrays(state);
-    const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
+int flexible_start(Simulator *sim, State *state, char *message) {
+    const NodalArrays nodal = state_arrays(state);
+    const size_t size = (size_t)nodal.nodes * DOF, bytes = sizeof(double) * size;
     const double t = state->t, offset = state->offsets[RIGHT];
     /* b and a_rate are scratch until the restart. */
-    double *q = m.b, *reaction = m.a_rate, *const all[3] = {m.q, m.v, m.a};
+    double *q = nodal.b, *reaction = nodal.a_rate, *const all[3] = {nodal.q, nodal.v, nodal.a};
     const Path paths[2] = {state->paths[LEFT], state->paths[RIGHT]};
-    state_copy(rope, rope->spare, state);
-    const double *rigid = state_arrays(rope->spare).q;
+    state_copy(sim, sim->spare, state);
+    const double *rigid = state_arrays(sim->spare).q;
     for (int side = LEFT; side <= RIGHT; side++) state->paths[side] = path_coasting(&paths[side], t);
-    int found = find_equilibrium(rope, state, INFINITY, message);
+    int found = find_equilibrium(sim, state, INFINITY, message);
     const double turned = state->offsets[RIGHT];
-    memcpy(q, m.q, bytes);
-    memcpy(reaction, m.reaction, bytes);
+    memcpy(q, nodal.q, bytes);
+    memcpy(reaction, nodal.reaction, bytes);
     for (int k = 1; k < 3 && found; k++) { /* equilibria just before and after t */
         state->t = k == 1 ? t - DIFFERENCE : t + DIFFERENCE;
         state->offsets[RIGHT] = turned;
-        memcpy(m.q, q, bytes);
-        found = find_equilibrium(rope, state, INFINITY, message);
-        memcpy(all[k], m.q, bytes);
+        memcpy(nodal.q, q, bytes);
+        found = find_equilibrium(sim, state, INFINITY, message);
+        memcpy(all[k], nodal.q, bytes);
     }
     state->t = t;
     state->offsets[RIGHT] = offset;
     memcpy(state->paths, paths, sizeof paths);
-    memcpy(m.q, q, bytes);
-    memcpy(m.reaction, reaction, bytes);
-    for (int k = 0; k < 3 && found; k++) count_from_rigid(rope, state, rigid, all[k]);
-    rope_system_refer(rope, state, rigid);
+    memcpy(nodal.q, q, bytes);
+    memcpy(nodal.reaction, reaction, bytes);
+    for (int k = 0; k < 3 && found; k++) count_from_rigid(sim, state, rigid, all[k]);
+    rope_system_refer(sim, state, rigid);
     for (size_t i = 0; i < size; i++) {
-        const double before = m.v[i], after = m.a[i];
-        m.v[i] = (after - before) / (2 * DIFFERENCE);
-        m.a[i] = (after - 2 * m.q[i] + before) / (DIFFERENCE * DIFFERENCE);
+        const double before = nodal.v[i], after = nodal.a[i];
+        nodal.v[i] = (after - before) / (2 * DIFFERENCE);
+        nodal.a[i] = (after - 2 * nodal.q[i] + before) / (DIFFERENCE * DIFFERENCE);
     }
     return found;
 }

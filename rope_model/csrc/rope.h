@@ -24,21 +24,21 @@ typedef struct Simulator Simulator;
 /* Create a rope, not yet initialised.  Return NULL, with the reason in message (MESSAGE bytes), if a parameter is out
    of range, the mesh does not fit the rope, or memory is short. */
 Simulator *rope_create(const Scene *scene, const Memory *memory, char *message);
-void rope_destroy(Simulator *rope);
+void rope_destroy(Simulator *sim);
 
 /* On success an action returns 1.  On failure it returns 0, the state is unchanged, and rope_message has the reason. */
 
 /* Hang the rope at rest at time t between the ends, which must not move. */
-int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]);
+int rope_initialize(Simulator *sim, double t, const EndMotion ends[2]);
 /* Advance to t.  `ends` are the motions at given_at, which is t or earlier; they are extrapolated with constant
    accelerations.  An interval below ROPE_MIN_INTERVAL moves nothing; the next one starts at the same time. */
-int rope_advance_to(Simulator *rope, double t, const EndMotion ends[2], double given_at);
+int rope_advance_to(Simulator *sim, double t, const EndMotion ends[2], double given_at);
 /* Advance as rope_advance_to does, but stop at the first event after at least 1 ms: a swivel is released, sticks or
    slips; a guard trips; a body is struck.  Guards and bodies are checked every 10 ms and at t.  *event, in: nonzero if
    the previous call stopped at one; unchanged motions are then no new sample.  *event, out: nonzero if this one did. */
-int rope_advance_to_event(Simulator *rope, double t, const EndMotion ends[2], double given_at, int *event);
+int rope_advance_to_event(Simulator *sim, double t, const EndMotion ends[2], double given_at, int *event);
 /* Replace the parameters of solver, swivels and air by those of `scene`.  Only tunable ones may differ. */
-int rope_retune(Simulator *rope, const Scene *scene);
+int rope_retune(Simulator *sim, const Scene *scene);
 
 /* Point forces on the rope. */
 typedef struct {
@@ -47,35 +47,35 @@ typedef struct {
     const double (*places)[7]; /* arc length from the left end, m, ascending; force at start (3) and at stop (3), N */
 } PointForces;
 /* Apply point forces until the next call.  The rope keeps the pointer to `places`; a saved state has no forces. */
-void rope_apply(Simulator *rope, const PointForces *forces);
+void rope_apply(Simulator *sim, const PointForces *forces);
 /* Arc length, r, r', and the rates of r and r' of each node. */
-void rope_rows(const Simulator *rope, double (*rows)[13]);
+void rope_rows(const Simulator *sim, double (*rows)[13]);
 /* Displacements, m, by forces at `start` that act at the end of a step as long as the last one; linearised. */
-void rope_displacement(Simulator *rope, const PointForces *forces, double (*moved)[3]);
-const char *rope_message(const Simulator *rope);
+void rope_displacement(Simulator *sim, const PointForces *forces, double (*moved)[3]);
+const char *rope_message(const Simulator *sim);
 
-int rope_is_initialized(const Simulator *rope);
-double rope_time(const Simulator *rope);
-int rope_elements(const Simulator *rope);
-const char *rope_fidelity(const Simulator *rope); /* "torsional", "spatial", "planar" or "rigid" */
-const char *rope_fidelity_reason(const Simulator *rope);
+int rope_is_initialized(const Simulator *sim);
+double rope_time(const Simulator *sim);
+int rope_elements(const Simulator *sim);
+const char *rope_fidelity(const Simulator *sim); /* "torsional", "spatial", "planar" or "rigid" */
+const char *rope_fidelity_reason(const Simulator *sim);
 
 /* Write a warning about valid results into message (MESSAGE bytes), "" if it does not apply.  `number` is 0
    to ROPE_EXTRAPOLATION; the last one is only for hosts that extrapolate the ends' motions. */
 enum { ROPE_WARNINGS = 13, ROPE_EXTRAPOLATION = ROPE_WARNINGS };
-void rope_warning(Simulator *rope, int number, char *message);
+void rope_warning(Simulator *sim, int number, char *message);
 
 /* Write the values of outputs, by their numbers in rope_model.simulation.outputs.signal_table.SIGNALS.  Booleans and
    integers are exact.  A value is computed at the first call after a change of state. */
-void rope_signals(Simulator *rope, size_t number, const int *signals, double *values);
+void rope_signals(Simulator *sim, size_t number, const int *signals, double *values);
 
 /* Differentiate the forces and moments left.fx ... left.mz, right.fx ... right.mz with respect to one of the 26 inputs,
    EndMotion on the left and on the right.  The input is given at the start or the end of a step as long as the last. */
-int rope_load_derivative(Simulator *rope, int input, int at_step_end, double derivative[12]);
+int rope_load_derivative(Simulator *sim, int input, int at_step_end, double derivative[12]);
 
 /* The complete state is a block of bytes without addresses, valid in every process. */
-size_t rope_state_bytes(const Simulator *rope);
-void rope_save(const Simulator *rope, void *to);
-int rope_restore(Simulator *rope, const void *from, size_t bytes);
+size_t rope_state_bytes(const Simulator *sim);
+void rope_save(const Simulator *sim, void *to);
+int rope_restore(Simulator *sim, const void *from, size_t bytes);
 
 #endif

@@ -133,10 +133,10 @@ int placed_bodies(const Shaft *shaft, const double *const ends[2], Placed *bodie
 int bodies_group(int elements, const double *lengths, const double *q, int first, double box[6]);
 
 /* contact/point_forces.c */
-void elements_at(const System *s, int number, PointForce *point); /* Advance to a place, in ascending order. */
-void nodal_forces(const System *s, double *R);                    /* Subtract the point forces from R. */
+void elements_at(const System *sys, int number, PointForce *point); /* Advance to a place, in ascending order. */
+void nodal_forces(const System *sys, double *R);                    /* Subtract the point forces from R. */
 /* Add load and power of the point forces. */
-void point_forces_push(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
+void point_forces_push(const System *sys, const double *q, const double *v, double sums[CONTACT_BALANCE]);
 /* Interpolate r, or its speed, in an element with shape functions N. */
 static inline void at_places(const double *x, int element, const double N[4], double y[3]) {
     const double *a = x + (size_t)element * DOF, *b = a + DOF;
@@ -145,11 +145,11 @@ static inline void at_places(const double *x, int element, const double N[4], do
 
 /* contact/self_contact.c */
 /* Find contacts of the rope with itself, with tangents along (cq, cv) of q and v; return their number. */
-int find_self_contacts(const System *s, const double *q, const double *v, double cq, double cv);
+int find_self_contacts(const System *sys, const double *q, const double *v, double cq, double cv);
 void self_contact_take_force(const SelfContactState *self_contact, double *R); /* Subtract forces from R. */
 /* Add the product of the tangent with x to y. */
 void self_contact_times(const SelfContactState *self_contact, const double *x, double *y);
-void self_contact_sums(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
+void self_contact_sums(const System *sys, const double *q, const double *v, double sums[CONTACT_BALANCE]);
 
 /* contact/shaft.c */
 static inline void far_bodies(Nearest nearest[KINDS]) {
@@ -162,12 +162,12 @@ void shaft_nearer(const Scene *scene, const NodalArrays *arrays, double t, Neare
 
 /* contact/obstacles.c */
 /* Find the elements that may touch a body, now or after a move by `margin` (m). */
-void find_near_bodies(const System *s, const double *q, const double *v, double margin);
+void find_near_bodies(const System *sys, const double *q, const double *v, double margin);
 /* Add elements that came near during Newton's corrections, whose norms sum to `corrections`; return true if any did. */
-int add_near_bodies(const System *s, const double *q, double corrections);
-void remember_configuration(const System *s, ClearanceCache *cache, const double *q);
+int add_near_bodies(const System *sys, const double *q, double corrections);
+void remember_configuration(const System *sys, ClearanceCache *cache, const double *q);
 /* True if no clearance can have fallen below `least` (m) since remember_configuration. */
-int clearance_exceeds(const System *s, const ClearanceCache *cache, const double *q, double least);
+int clearance_exceeds(const System *sys, const ClearanceCache *cache, const double *q, double least);
 
 /* numerics/newton.c */
 /* Judge a correction of this norm; `fresh` is true if its factorization is new. */
@@ -175,10 +175,10 @@ Progress newton_judge(Progress before, double norm, double tolerance, int fresh,
 
 /* physics/contact_element.c; contact forces on r and r' of both nodes; contact_sums adds to its sums */
 enum { CONTACT_DOF = 12 };
-void contact_residual(const System *s, int element, const double *q, const double *v, double R[CONTACT_DOF]);
-void contact_tangent(const System *s, int element, const double *q, const double *v, const double c[3],
+void contact_residual(const System *sys, int element, const double *q, const double *v, double R[CONTACT_DOF]);
+void contact_tangent(const System *sys, int element, const double *q, const double *v, const double c[3],
                      double tangent[CONTACT_DOF][CONTACT_DOF]);
-void contact_sums(const System *s, int element, const double *q, const double *v, double sums[CONTACT_BALANCE]);
+void contact_sums(const System *sys, int element, const double *q, const double *v, double sums[CONTACT_BALANCE]);
 
 /* rope_kernels.c */
 /* Bytes of `work` for a chain of any fidelity, aligned to 64 bytes. */
@@ -189,9 +189,9 @@ const Chain *fastest_chains(void);
 
 /* rope_system.c */
 /* Sum the contact of all elements with bodies and of the rope with itself. */
-void external_sums(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]);
-double longest_near(const System *s); /* Length of the longest element that may touch a body, m; 0 for none. */
+void external_sums(const System *sys, const double *q, const double *v, double sums[CONTACT_BALANCE]);
+double longest_near(const System *sys); /* Length of the longest element that may touch a body, m; 0 for none. */
 /* Return the largest entry of x where the rope is free, entries of r' times `slopes`; infinite if one is not finite. */
-double rope_system_norm(const System *s, const double *x, double slopes);
+double rope_system_norm(const System *sys, const double *x, double slopes);
 
 #endif

@@ -29,10 +29,10 @@ struct Simulator {
     NodalArrays trial;          /* arrays of the latest trial step; scratch otherwise */
     double *x;                  /* scratch (nodes x DOF) */
     double (*strains)[STRAINS]; /* scratch */
-    double *frames;             /* referred to the state, and during an advance to the state in progress */
-    double *wires;              /* WIRE_HISTORY_SIZE numbers an element, referred as frames; or NULL */
-    double *curved;             /* CURVATURE_SIZE numbers an element, referred as frames; or NULL */
-    double *latest;             /* System.latest; or NULL */
+    double *frames;             /* of the elements in the state, or during an advance in the state in progress */
+    double *wires;              /* WIRE_HISTORY_SIZE numbers an element, of the same state as frames; or NULL */
+    double *curved;             /* CURVATURE_SIZE numbers an element, of the same state as frames; or NULL */
+    double *latest;             /* friction of the wires at the last tangent, see System.latest; or NULL */
     void *work;                 /* scratch of the chain */
     Obstacles *obstacles;
     SelfContactState *self_contact;
@@ -47,27 +47,27 @@ struct Simulator {
     char message[MESSAGE];
 };
 
-static inline const Chain *chain_of(const Simulator *rope, const State *state) {
-    return rope->chains + (state->fidelity == RIGID ? PLANAR : state->fidelity) - TORSIONAL;
+static inline const Chain *chain_of(const Simulator *sim, const State *state) {
+    return sim->chains + (state->fidelity == RIGID ? PLANAR : state->fidelity) - TORSIONAL;
 }
 
 /* Below, functions with a message return 0 on failure. */
 
 /* contact/shaft.c */
 /* Record clearances and passages of the rope at the state's time. */
-void with_passages(const Simulator *rope, State *state);
+void with_passages(const Simulator *sim, State *state);
 
 /* curvature.c */
-int is_curved(const Simulator *rope, const State *state);
+int is_curved(const Simulator *sim, const State *state);
 Rope partly_curved(const Rope *whole, double fraction); /* The rope with a fraction of its permanent curvature. */
-void curved_reference(Simulator *rope, State *state, const double *q); /* Refer the permanent curvature to q. */
+void curved_reference(Simulator *sim, State *state, const double *q); /* Refer the permanent curvature to q. */
 
 /* ends/switching.c */
-void release_swivels(Simulator *rope, State *state);
-double next_release(const Simulator *rope, const State *state);
+void release_swivels(Simulator *sim, State *state);
+double next_release(const Simulator *sim, const State *state);
 /* Shorten the trial to end where a swivel must switch.  Return 1 if it was shortened, 0 if not, -1 on failure. */
-int switching_step(Simulator *rope, State *state, StepResult *trial);
-void switch_swivels(Simulator *rope, State *state);
+int switching_step(Simulator *sim, State *state, StepResult *trial);
+void switch_swivels(Simulator *sim, State *state);
 int chatters(const State *state);
 
 /* memory.c */
@@ -76,34 +76,34 @@ Simulator *allocate_simulator(const Scene *scene, int elements, const Memory *me
 
 /* mesh/adaptation.c */
 /* Transform the mesh as often as due; return the status of Newton's method.  The state is void unless CONVERGED. */
-int transform_if_due(Simulator *rope, State *state);
+int transform_if_due(Simulator *sim, State *state);
 void with_loop_yaw(State *state);
-int raise_fidelity(Simulator *rope, State *state, const char *why, char *message);
+int raise_fidelity(Simulator *sim, State *state, const char *why, char *message);
 
 /* model.c */
-StepResult model_trial(Simulator *rope, State *state, double h);
-void model_restart(Simulator *rope, State *state);
-void model_commit(Simulator *rope, State *state, const StepResult *trial);
-void model_powers(const Simulator *rope, State *state);
-double model_energies(Simulator *rope, State *state); /* Update energies; return the change of their total. */
+StepResult model_trial(Simulator *sim, State *state, double h);
+void model_restart(Simulator *sim, State *state);
+void model_commit(Simulator *sim, State *state, const StepResult *trial);
+void model_powers(const Simulator *sim, State *state);
+double model_energies(Simulator *sim, State *state); /* Update energies; return the change of their total. */
 /* Return the arc length of the loop's lowest point from the heights of the ends at t. */
-double model_bottom_s(const Simulator *rope, const State *state, double t);
+double model_bottom_s(const Simulator *sim, const State *state, double t);
 /* Call mesh_dividers with the heights of the ends at t. */
-void model_dividers(const Simulator *rope, const State *state, double t, double *divider_s);
+void model_dividers(const Simulator *sim, const State *state, double t, double *divider_s);
 /* Refer frames and angles of q, v, a, b to q. */
-void with_angles_along(Simulator *rope, State *state, double *q, double *v, double *a, double *b);
-void begin_audit(const Simulator *rope, State *state);
+void with_angles_along(Simulator *sim, State *state, double *q, double *v, double *a, double *b);
+void begin_audit(const Simulator *sim, State *state);
 /* Audit a communication step of length h; residual_before is the residual of the energy balance at its start. */
-void audit_interval(const Simulator *rope, State *state, double h, double residual_before);
+void audit_interval(const Simulator *sim, State *state, double h, double residual_before);
 
 /* numerics/generalized_alpha.c */
-StepResult generalized_alpha_step(Simulator *rope, State *state, System *s, double h); /* Step into rope->trial. */
-void generalized_alpha_restart(Simulator *rope, State *state, const System *s);
+StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, double h); /* Step into rope->trial. */
+void generalized_alpha_restart(Simulator *sim, State *state, const System *sys);
 /* Return the time by which b is moved when a step h follows one of length `before` (0 after a restart). */
 double recentring(const Coefficients *method, double h, double before);
 
 /* outputs/sensitivity.c */
-void added_mass_signals(Simulator *rope, double *values); /* compute of a SignalGroup */
+void added_mass_signals(Simulator *sim, double *values); /* compute of a SignalGroup */
 
 /* outputs/signals.c */
 typedef struct {
@@ -114,22 +114,22 @@ SignalGroup group_of(int signal);
 
 /* rigid.c */
 /* Set q, v, a and reaction from equilibria between the moving ends, referred to the rigid rope. */
-int flexible_start(Simulator *rope, State *state, char *message);
+int flexible_start(Simulator *sim, State *state, char *message);
 
 /* rope_system.c */
-System rope_system(const Simulator *rope, State *state);
-void rope_system_refer(Simulator *rope, State *state, const double *q); /* Refer frames, curvature, wires to q. */
+System rope_system(const Simulator *sim, State *state);
+void rope_system_refer(Simulator *sim, State *state, const double *q); /* Refer frames, curvature, wires to q. */
 /* Refer frames and angles to q; return the change of theta at the right end. */
-double rope_system_transport(Simulator *rope, State *state, double *q, double *v, double *a, double *b);
+double rope_system_transport(Simulator *sim, State *state, double *q, double *v, double *a, double *b);
 /* Set prescribed entries at t of q, v and a in x, or of the first `orders` of them. */
-void rope_system_prescribed_motion(const Simulator *rope, const State *state, const System *s, double t, int orders,
+void rope_system_prescribed_motion(const Simulator *sim, const State *state, const System *sys, double t, int orders,
                                    double *const x[]);
-void rope_system_strains(Simulator *rope); /* Strains of the present state, into rope->strains. */
+void rope_system_strains(Simulator *sim); /* Strains of the present state, into rope->strains. */
 
 /* state.c */
 /* True if restored bytes can be a state of this rope.  Overwrites rope->trial. */
-int state_plausible(const Simulator *rope, State *state);
-void state_copy(const Simulator *rope, State *to, const State *from);
+int state_plausible(const Simulator *sim, State *state);
+void state_copy(const Simulator *sim, State *to, const State *from);
 void record_event(State *state, int what, int which, double kinetic, double potential);
 
 /* stepping/events.c */
@@ -139,26 +139,26 @@ double locate(double (*f)(void *, double), void *data, double low, double high, 
 
 /* stepping/hang.c */
 /* Hang the rope at rest, untwisted; then twist it, relax it, and move the ends to `ends`. */
-int hang(Simulator *rope, State *state, const EndMotion ends[2], char *message);
+int hang(Simulator *sim, State *state, const EndMotion ends[2], char *message);
 /* Set paths at rest, a fraction `placed` of the way to `ends`. */
-void paths_at_rest(const Simulator *rope, State *state, const EndMotion ends[2], double placed);
+void paths_at_rest(const Simulator *sim, State *state, const EndMotion ends[2], double placed);
 
 /* stepping/statics.c */
 /* Set q to an equilibrium, reaction to its residual.  Fail if theta turns by over max_turn (rad) at the right end. */
-int find_equilibrium(Simulator *rope, State *state, double max_turn, char *message);
+int find_equilibrium(Simulator *sim, State *state, double max_turn, char *message);
 
 /* stepping/stepping.c */
-int as_rigid(Simulator *rope, State *state, double t, char *message);         /* Move the rigid model to t. */
-int step_towards(Simulator *rope, State *state, double t_end, char *message); /* Take one accepted step. */
+int as_rigid(Simulator *sim, State *state, double t, char *message);         /* Move the rigid model to t. */
+int step_towards(Simulator *sim, State *state, double t_end, char *message); /* Take one accepted step. */
 
 /* wires.c; nothing changes unless wires rub */
 /* Start friction between wires, with z = 0, if the rope has it and is not rigid; return true if it started. */
-int start_hysteresis(const Simulator *rope, State *state);
+int start_hysteresis(const Simulator *sim, State *state);
 /* Set the history from q and the state's z. */
-void wires_history(Simulator *rope, State *state, const double *q, double (*strains)[STRAINS]);
+void wires_history(Simulator *sim, State *state, const double *q, double (*strains)[STRAINS]);
 /* Update z to q; return the dissipated energy, J. */
-double update_hysteresis(Simulator *rope, State *state, const double *q);
+double update_hysteresis(Simulator *sim, State *state, const double *q);
 /* Transfer z from the mesh with nodes at old_s to the state's mesh. */
-void wires_carry(Simulator *rope, State *state, const double *old_s);
+void wires_carry(Simulator *sim, State *state, const double *old_s);
 
 #endif

@@ -5,8 +5,8 @@
 #include "rules.h"
 #include "simulator.h"
 
-void state_copy(const Simulator *rope, State *to, const State *from) {
-    memcpy(to, from, rope->state_bytes);
+void state_copy(const Simulator *sim, State *to, const State *from) {
+    memcpy(to, from, sim->state_bytes);
 }
 
 void record_event(State *state, int what, int which, double kinetic, double potential) {
@@ -25,27 +25,27 @@ static int within(int64_t x, int64_t least, int64_t most) {
 }
 
 /* True if the pattern belongs to the mesh, at any place of the loop, and the elements have its lengths. */
-static int partition_plausible(const Simulator *rope, const State *state, const NodalArrays *m) {
-    const double length = rope->scene.rope.length, rounding = 1e-12 * length;
+static int partition_plausible(const Simulator *sim, const State *state, const NodalArrays *nodal) {
+    const double length = sim->scene.rope.length, rounding = 1e-12 * length;
     const Pattern *pattern = &state->pattern;
-    double *lengths = rope->trial.q, *s = rope->trial.v;
+    double *lengths = sim->trial.q, *s = sim->trial.v;
     double divider_s[DIVIDERS];
     Pattern expected;
-    mesh_dividers(&rope->scene, 0, 0, divider_s);
-    partition(&rope->mesh, length, 0.5 * length, divider_s, m->elements, &expected, lengths);
+    mesh_dividers(&sim->scene, 0, 0, divider_s);
+    partition(&sim->mesh, length, 0.5 * length, divider_s, nodal->elements, &expected, lengths);
     if (expected.coarse > 0) {
         const int outer = expected.counts[0] + expected.counts[SEGMENTS - 1];
         const int first = pattern->counts[0], least = (int)min_outer(expected.counts + 1);
         if (!within(first, least, outer - least)) return 0;
         for (int i = 0; i < DIVIDERS; i++) /* place of a divider in this window */
             if (isfinite(divider_s[i])) divider_s[i] = expected.coarse * (pattern->windows[i] + 0.5 * WINDOW);
-        partition_transform(&expected, first - expected.counts[0], divider_s, m->elements, lengths);
+        partition_transform(&expected, first - expected.counts[0], divider_s, nodal->elements, lengths);
     }
     if (memcmp(pattern, &expected, sizeof expected) != 0) return 0;
-    arc_lengths(m->elements, lengths, s);
-    for (int k = 0; k < m->elements; k++)
-        if (!(fabs(m->lengths[k] - lengths[k]) <= rounding && fabs(m->s[k] - s[k]) <= rounding)) return 0;
-    return fabs(m->s[m->elements] - s[m->elements]) <= rounding;
+    arc_lengths(nodal->elements, lengths, s);
+    for (int k = 0; k < nodal->elements; k++)
+        if (!(fabs(nodal->lengths[k] - lengths[k]) <= rounding && fabs(nodal->s[k] - s[k]) <= rounding)) return 0;
+    return fabs(nodal->s[nodal->elements] - s[nodal->elements]) <= rounding;
 }
 
 /* True if the path ends at t, with a motion that an end may have. */
@@ -74,16 +74,17 @@ static int happenings_plausible(const State *state) {
     return 1;
 }
 
-int state_plausible(const Simulator *rope, State *state) {
-    if (state->elements != rope->elements || !within(state->fidelity, TORSIONAL, RIGID) ||
-        state->rubs != (rope->wires != NULL && state->fidelity != RIGID) ||
+int state_plausible(const Simulator *sim, State *state) {
+    if (state->elements != sim->elements || !within(state->fidelity, TORSIONAL, RIGID) ||
+        state->rubs != (sim->wires != NULL && state->fidelity != RIGID) ||
         memchr(state->fidelity_reason, '\0', MESSAGE) == NULL)
         return 0;
-    if (rope->scene.model.fidelity != AUTO_FIDELITY && state->fidelity != rope->scene.model.fidelity) return 0;
-    const NodalArrays m = state_arrays(state);
+    if (sim->scene.model.fidelity != AUTO_FIDELITY && state->fidelity != sim->scene.model.fidelity) return 0;
+    const NodalArrays nodal = state_arrays(state);
     /* The doubles before the swivels are contiguous, and so are all arrays. */
     if (!all_finite(&state->t, offsetof(State, swivels) / sizeof(double)) ||
-        !all_finite(m.q, (size_t)(m.z - m.q) + (rope->wires != NULL ? WIRE_Z * (size_t)m.elements : 0)) ||
+        !all_finite(nodal.q,
+                    (size_t)(nodal.z - nodal.q) + (sim->wires != NULL ? WIRE_Z * (size_t)nodal.elements : 0)) ||
         !all_finite(&state->energy_balance.kinetic,
                     (offsetof(State, counts) - offsetof(State, energy_balance)) / sizeof(double)))
         return 0;
@@ -95,5 +96,5 @@ int state_plausible(const Simulator *rope, State *state) {
             !path_plausible(&state->paths[side], state->t))
             return 0;
     }
-    return partition_plausible(rope, state, &m) && happenings_plausible(state);
+    return partition_plausible(sim, state, &nodal) && happenings_plausible(state);
 }

@@ -37,34 +37,34 @@ static int fits(const Scene *scene, char *message) {
 }
 
 Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) {
-    Simulator *rope;
+    Simulator *sim;
     if (!fits(scene, message)) return NULL;
-    rope = memory->allocate(1, sizeof *rope);
-    if (!rope) {
+    sim = memory->allocate(1, sizeof *sim);
+    if (!sim) {
         snprintf(message, MESSAGE, "no memory for the rope");
         return NULL;
     }
-    rope->memory = *memory;
-    rope->scene = *scene;
-    rope->state.elements = scene->mesh.kind == EEM ? scene->mesh.elements : 100;
-    return rope;
+    sim->memory = *memory;
+    sim->scene = *scene;
+    sim->state.elements = scene->mesh.kind == EEM ? scene->mesh.elements : 100;
+    return sim;
 }
 
-void rope_destroy(Simulator *rope) {
-    rope->memory.deallocate(rope);
+void rope_destroy(Simulator *sim) {
+    sim->memory.deallocate(sim);
 }
 
-static int moves_well(Simulator *rope, double h, const EndMotion ends[2]) {
+static int moves_well(Simulator *sim, double h, const EndMotion ends[2]) {
     int side;
     for (side = LEFT; side <= RIGHT; side++) {
         const char *name = side == LEFT ? "left" : "right";
         if (fabs(ends[side].vy) > 60.0) {
-            snprintf(rope->message, MESSAGE,
-                     "input %s.vy = %g is beyond +-60 (SI units); check its unit and connection", name, ends[side].vy);
+            snprintf(sim->message, MESSAGE, "input %s.vy = %g is beyond +-60 (SI units); check its unit and connection",
+                     name, ends[side].vy);
             return 0;
         }
-        if (rope->state.initialized && fabs(ends[side].y - rope->state.ends[side].y) > 60.0 * h + 0.1) {
-            snprintf(rope->message, MESSAGE,
+        if (sim->state.initialized && fabs(ends[side].y - sim->state.ends[side].y) > 60.0 * h + 0.1) {
+            snprintf(sim->message, MESSAGE,
                      "inputs %s.y and its derivatives do not fit together; give one smooth motion", name);
             return 0;
         }
@@ -72,110 +72,110 @@ static int moves_well(Simulator *rope, double h, const EndMotion ends[2]) {
     return 1;
 }
 
-int rope_initialize(Simulator *rope, double t, const EndMotion ends[2]) {
-    rope->state.initialized = 0;
-    if (!moves_well(rope, 0.0, ends)) return 0;
-    rope->state.t = t;
-    memcpy(rope->state.ends, ends, sizeof rope->state.ends);
-    rope->state.initialized = 1;
+int rope_initialize(Simulator *sim, double t, const EndMotion ends[2]) {
+    sim->state.initialized = 0;
+    if (!moves_well(sim, 0.0, ends)) return 0;
+    sim->state.t = t;
+    memcpy(sim->state.ends, ends, sizeof sim->state.ends);
+    sim->state.initialized = 1;
     return 1;
 }
 
-int rope_advance_to(Simulator *rope, double t, const EndMotion given[2], double given_at) {
+int rope_advance_to(Simulator *sim, double t, const EndMotion given[2], double given_at) {
     const double ahead = t - given_at;
     EndMotion ends[2] = {given[LEFT], given[RIGHT]};
     for (int side = LEFT; side <= RIGHT; side++) {
         ends[side].y += ahead * (given[side].vy + 0.5 * ahead * given[side].ay);
         ends[side].vy += ahead * given[side].ay;
     }
-    if (!moves_well(rope, t - rope->state.t, ends)) return 0;
-    rope->state.h = t - rope->state.t;
-    rope->state.t = t;
-    rope->state.steps += ceil(rope->state.h / rope->scene.solver.step_max - 1e-9);
-    memcpy(rope->state.ends, ends, sizeof rope->state.ends);
+    if (!moves_well(sim, t - sim->state.t, ends)) return 0;
+    sim->state.h = t - sim->state.t;
+    sim->state.t = t;
+    sim->state.steps += ceil(sim->state.h / sim->scene.solver.step_max - 1e-9);
+    memcpy(sim->state.ends, ends, sizeof sim->state.ends);
     return 1;
 }
 
-int rope_advance_to_event(Simulator *rope, double t, const EndMotion ends[2], double given_at, int *event) {
+int rope_advance_to_event(Simulator *sim, double t, const EndMotion ends[2], double given_at, int *event) {
     *event = 0;
-    return rope_advance_to(rope, t, ends, given_at);
+    return rope_advance_to(sim, t, ends, given_at);
 }
 
-int rope_retune(Simulator *rope, const Scene *scene) {
-    if (!fits(scene, rope->message)) return 0;
-    rope->scene = *scene;
+int rope_retune(Simulator *sim, const Scene *scene) {
+    if (!fits(scene, sim->message)) return 0;
+    sim->scene = *scene;
     return 1;
 }
 
-const char *rope_message(const Simulator *rope) {
-    return rope->message;
+const char *rope_message(const Simulator *sim) {
+    return sim->message;
 }
-int rope_is_initialized(const Simulator *rope) {
-    return rope->state.initialized;
+int rope_is_initialized(const Simulator *sim) {
+    return sim->state.initialized;
 }
-double rope_time(const Simulator *rope) {
-    return rope->state.t;
+double rope_time(const Simulator *sim) {
+    return sim->state.t;
 }
-int rope_elements(const Simulator *rope) {
-    return rope->state.elements;
+int rope_elements(const Simulator *sim) {
+    return sim->state.elements;
 }
-const char *rope_fidelity(const Simulator *rope) {
-    return rope->state.initialized ? "torsional" : "";
+const char *rope_fidelity(const Simulator *sim) {
+    return sim->state.initialized ? "torsional" : "";
 }
-const char *rope_fidelity_reason(const Simulator *rope) {
-    return rope->state.initialized ? "a stand-in has one fidelity" : "";
-}
-
-static double leg_mass(const Simulator *rope, int side) {
-    const EndMotion *ends = rope->state.ends;
-    double leg = 0.5 * (rope->scene.rope.length + ends[side].y - ends[1 - side].y);
-    return leg * rope->scene.rope.mass_per_length;
+const char *rope_fidelity_reason(const Simulator *sim) {
+    return sim->state.initialized ? "a stand-in has one fidelity" : "";
 }
 
-void rope_warning(Simulator *rope, int number, char *message) {
-    (void)rope, (void)number;
+static double leg_mass(const Simulator *sim, int side) {
+    const EndMotion *ends = sim->state.ends;
+    double leg = 0.5 * (sim->scene.rope.length + ends[side].y - ends[1 - side].y);
+    return leg * sim->scene.rope.mass_per_length;
+}
+
+void rope_warning(Simulator *sim, int number, char *message) {
+    (void)sim, (void)number;
     message[0] = '\0';
 }
 
-static double value_of(Simulator *rope, int signal) {
+static double value_of(Simulator *sim, int signal) {
     int side = signal == SIGNAL_LEFT_FY ? LEFT : RIGHT;
     if (signal == SIGNAL_LEFT_FY || signal == SIGNAL_RIGHT_FY)
-        return -leg_mass(rope, side) * (rope->scene.layout.gravity + rope->state.ends[side].ay);
-    return signal == SIGNAL_COUNT_STEPS ? rope->state.steps : 0.0;
+        return -leg_mass(sim, side) * (sim->scene.layout.gravity + sim->state.ends[side].ay);
+    return signal == SIGNAL_COUNT_STEPS ? sim->state.steps : 0.0;
 }
 
-void rope_signals(Simulator *rope, size_t number, const int *signals, double *values) {
-    for (size_t k = 0; k < number; k++) values[k] = value_of(rope, signals[k]);
+void rope_signals(Simulator *sim, size_t number, const int *signals, double *values) {
+    for (size_t k = 0; k < number; k++) values[k] = value_of(sim, signals[k]);
 }
 
-int rope_load_derivative(Simulator *rope, int input, int at_step_end, double derivative[12]) {
+int rope_load_derivative(Simulator *sim, int input, int at_step_end, double derivative[12]) {
     (void)at_step_end;
     int moved = input / 11, k = input % 11, side;
     for (side = 0; side < 12; side++) derivative[side] = 0.0;
     for (side = LEFT; side <= RIGHT; side++) {
-        double g = rope->scene.layout.gravity + rope->state.ends[side].ay;
-        if (k == 1) derivative[6 * side + 1] = (side == moved ? -0.5 : 0.5) * rope->scene.rope.mass_per_length * g;
-        if (k == 7 && side == moved) derivative[6 * side + 1] = -leg_mass(rope, side);
+        double g = sim->scene.layout.gravity + sim->state.ends[side].ay;
+        if (k == 1) derivative[6 * side + 1] = (side == moved ? -0.5 : 0.5) * sim->scene.rope.mass_per_length * g;
+        if (k == 7 && side == moved) derivative[6 * side + 1] = -leg_mass(sim, side);
     }
     return 1;
 }
 
-size_t rope_state_bytes(const Simulator *rope) {
-    (void)rope;
+size_t rope_state_bytes(const Simulator *sim) {
+    (void)sim;
     return sizeof(State);
 }
 
-void rope_save(const Simulator *rope, void *to) {
-    memcpy(to, &rope->state, sizeof rope->state);
+void rope_save(const Simulator *sim, void *to) {
+    memcpy(to, &sim->state, sizeof sim->state);
 }
 
-int rope_restore(Simulator *rope, const void *from, size_t bytes) {
+int rope_restore(Simulator *sim, const void *from, size_t bytes) {
     const State *state = from;
-    if (bytes != sizeof *state || state->elements != rope->state.elements) {
-        snprintf(rope->message, MESSAGE,
+    if (bytes != sizeof *state || state->elements != sim->state.elements) {
+        snprintf(sim->message, MESSAGE,
                  "the saved state does not fit; restore it into a rope with the same parameters");
         return 0;
     }
-    rope->state = *state;
+    sim->state = *state;
     return 1;
 }

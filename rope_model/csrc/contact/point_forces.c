@@ -2,32 +2,32 @@
 
 #include "rope_system.h"
 
-void elements_at(const System *s, int number, PointForce *point) {
-    const PointForces *forces = s->forces;
+void elements_at(const System *sys, int number, PointForce *point) {
+    const PointForces *forces = sys->forces;
     const double *place = forces->places[number];
-    const double fraction = time_fraction(forces->start, forces->stop, s->time);
-    while (point->element < s->elements - 1 && place[0] > point->start + s->lengths[point->element])
-        point->start += s->lengths[point->element++];
-    hermite_shape_functions((place[0] - point->start) / s->lengths[point->element], s->lengths[point->element],
+    const double fraction = time_fraction(forces->start, forces->stop, sys->time);
+    while (point->element < sys->elements - 1 && place[0] > point->start + sys->lengths[point->element])
+        point->start += sys->lengths[point->element++];
+    hermite_shape_functions((place[0] - point->start) / sys->lengths[point->element], sys->lengths[point->element],
                             point->N);
     for (int i = 0; i < 3; i++) point->force[i] = place[1 + i] + fraction * (place[4 + i] - place[1 + i]);
 }
 
-void nodal_forces(const System *s, double *R) {
+void nodal_forces(const System *sys, double *R) {
     PointForce point = {0};
-    for (int number = 0; s->forces != NULL && number < s->forces->number; number++) {
-        elements_at(s, number, &point);
+    for (int number = 0; sys->forces != NULL && number < sys->forces->number; number++) {
+        elements_at(sys, number, &point);
         double *row = R + (size_t)point.element * DOF;
         for (int k = 0; k < 4; k++)
             for (int i = 0; i < 3; i++) row[k / 2 * DOF + k % 2 * SLOPE + i] -= point.N[k] * point.force[i];
     }
 }
 
-void point_forces_push(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]) {
+void point_forces_push(const System *sys, const double *q, const double *v, double sums[CONTACT_BALANCE]) {
     PointForce point = {0};
-    for (int number = 0; s->forces != NULL && number < s->forces->number; number++) {
+    for (int number = 0; sys->forces != NULL && number < sys->forces->number; number++) {
         double place[3], speed[3], load[6];
-        elements_at(s, number, &point);
+        elements_at(sys, number, &point);
         at_places(q, point.element, point.N, place);
         at_places(v, point.element, point.N, speed);
         point_load(place, point.force, load);

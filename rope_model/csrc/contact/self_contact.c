@@ -15,12 +15,12 @@ static double gap_of(const double a[6], const double b[6]) {
 }
 
 /* Find the elements to the right that may touch this one, and update cache.free; return their number. */
-static int near_elements(const System *s, int element) {
-    SelfContactState *self_contact = s->self_contact;
+static int near_elements(const System *sys, int element) {
+    SelfContactState *self_contact = sys->self_contact;
     const double diameter = self_contact->scene->rope.diameter;
     double along = 0;
     int number = 0;
-    for (int e = element + 1; e < s->elements; along += s->lengths[e++]) {
+    for (int e = element + 1; e < sys->elements; along += sys->lengths[e++]) {
         if (along < MIN_ARC * diameter) continue;
         const double gap = gap_of(self_contact->boxes[element], self_contact->boxes[e]);
         self_contact->cache.free = minimum(self_contact->cache.free, gap);
@@ -32,9 +32,9 @@ static int near_elements(const System *s, int element) {
 }
 
 /* Return the distance of an element from a point; xi is the element coordinate of the nearest place. */
-static double nearest_place(const System *s, const double *q, int element, const double point[3], double *xi) {
+static double nearest_place(const System *sys, const double *q, int element, const double point[3], double *xi) {
     static const double probes[] = PROBE_PLACES;
-    const double *a = q + (size_t)element * DOF, l = s->lengths[element];
+    const double *a = q + (size_t)element * DOF, l = sys->lengths[element];
     double N[4], place[3], least = INFINITY;
     for (int k = 0; k < PROBES; k++) {
         hermite_shape_functions(probes[k], l, N);
@@ -50,12 +50,12 @@ static double nearest_place(const System *s, const double *q, int element, const
 }
 
 /* Add a contact between a place with shape functions N and contact.xi of the other element. */
-static void add_self_contact(const System *s, const double *q, const double *v, const double c[2], const double N[4],
+static void add_self_contact(const System *sys, const double *q, const double *v, const double c[2], const double N[4],
                              SelfContact contact) {
-    SelfContactState *self_contact = s->self_contact;
+    SelfContactState *self_contact = sys->self_contact;
     const int other = contact.elements[1];
     double partner[4], place[2][3], speed[2][3];
-    hermite_shape_functions(contact.xi, s->lengths[other], partner);
+    hermite_shape_functions(contact.xi, sys->lengths[other], partner);
     at_places(q, contact.elements[0], N, place[0]);
     at_places(v, contact.elements[0], N, speed[0]);
     at_places(q, other, partner, place[1]);
@@ -70,13 +70,13 @@ static void add_self_contact(const System *s, const double *q, const double *v, 
 }
 
 /* Return the arc length from the present element to the nearest place of neighbour n. */
-static double arc_gap(const System *s, int n) {
-    return s->self_contact->arc_gaps[n] + s->self_contact->xi[n] * s->lengths[s->self_contact->others[n]];
+static double arc_gap(const System *sys, int n) {
+    return sys->self_contact->arc_gaps[n] + sys->self_contact->xi[n] * sys->lengths[sys->self_contact->others[n]];
 }
 
 /* Return the nearest neighbour if it touches, else -1.  Excludes its strand from later calls. */
-static int next_strand(const System *s, int others) {
-    SelfContactState *self_contact = s->self_contact;
+static int next_strand(const System *sys, int others) {
+    SelfContactState *self_contact = sys->self_contact;
     const double diameter = self_contact->scene->rope.diameter;
     double least = diameter;
     int nearest = -1;
@@ -86,15 +86,15 @@ static int next_strand(const System *s, int others) {
     }
     if (nearest < 0) return -1;
     for (int n = 0; n < others; n++)
-        if (fabs(arc_gap(s, n) - arc_gap(s, nearest)) < MIN_ARC * diameter) self_contact->distances[n] = INFINITY;
+        if (fabs(arc_gap(sys, n) - arc_gap(sys, nearest)) < MIN_ARC * diameter) self_contact->distances[n] = INFINITY;
     return nearest;
 }
 
 /* Find the contacts of an element with its neighbours. */
-static void search_element(const System *s, const double *q, const double *v, const double c[2], int element,
+static void search_element(const System *sys, const double *q, const double *v, const double c[2], int element,
                            int others) {
-    SelfContactState *self_contact = s->self_contact;
-    const double diameter = self_contact->scene->rope.diameter, l = s->lengths[element];
+    SelfContactState *self_contact = sys->self_contact;
+    const double diameter = self_contact->scene->rope.diameter, l = sys->lengths[element];
     const int number = (int)number_of_points(l, diameter);
     const double weight = l / number;
     for (int k = 0; k < number;) {
@@ -103,37 +103,37 @@ static void search_element(const System *s, const double *q, const double *v, co
         hermite_shape_functions((k + 0.5) / number, l, N);
         at_places(q, element, N, point);
         for (int n = 0; n < others; n++) {
-            self_contact->distances[n] = nearest_place(s, q, self_contact->others[n], point, self_contact->xi + n);
+            self_contact->distances[n] = nearest_place(sys, q, self_contact->others[n], point, self_contact->xi + n);
             least = minimum(least, self_contact->distances[n]);
         }
         if (least < self_contact->nearest[0]) self_contact->nearest[1] = point[1];
         self_contact->nearest[0] = minimum(self_contact->nearest[0], least);
         for (int strand = 0; self_contact->presses && least < diameter && strand < MAX_STRANDS; strand++) {
-            const int n = next_strand(s, others);
+            const int n = next_strand(sys, others);
             if (n < 0) break;
             contact.elements[1] = self_contact->others[n];
             contact.xi = self_contact->xi[n];
-            add_self_contact(s, q, v, c, N, contact);
+            add_self_contact(sys, q, v, c, N, contact);
         }
         /* Skip places farther than a diameter.  A distance that is not a number ends the search. */
         k += 1 + (int)points_skipped(least, diameter, weight, number);
     }
 }
 
-int find_self_contacts(const System *s, const double *q, const double *v, double cq, double cv) {
-    SelfContactState *self_contact = s->self_contact;
+int find_self_contacts(const System *sys, const double *q, const double *v, double cq, double cv) {
+    SelfContactState *self_contact = sys->self_contact;
     const double c[2] = {cq, cv};
     self_contact->number = 0;
     self_contact->nearest[0] = self_contact->scene->rope.diameter;
-    if (clearance_exceeds(s, &self_contact->cache, q, self_contact->scene->rope.diameter)) return 0;
-    remember_configuration(s, &self_contact->cache, q);
-    for (int e = 0; e < s->elements; e++) {
+    if (clearance_exceeds(sys, &self_contact->cache, q, self_contact->scene->rope.diameter)) return 0;
+    remember_configuration(sys, &self_contact->cache, q);
+    for (int e = 0; e < sys->elements; e++) {
         const double *a = q + (size_t)e * DOF;
-        enclosing_box(s->lengths[e], a, a + DOF, self_contact->boxes[e]);
+        enclosing_box(sys->lengths[e], a, a + DOF, self_contact->boxes[e]);
     }
-    for (int e = 0; e < s->elements; e++) {
-        const int others = near_elements(s, e);
-        if (others > 0) search_element(s, q, v, c, e, others);
+    for (int e = 0; e < sys->elements; e++) {
+        const int others = near_elements(sys, e);
+        if (others > 0) search_element(sys, q, v, c, e, others);
     }
     return self_contact->number;
 }
@@ -169,10 +169,10 @@ void self_contact_times(const SelfContactState *self_contact, const double *x, d
     }
 }
 
-void self_contact_sums(const System *s, const double *q, const double *v, double sums[CONTACT_BALANCE]) {
-    if (s->self_contact == NULL || !find_self_contacts(s, q, v, 0, 0)) return;
-    for (int n = 0; n < s->self_contact->number; n++) {
-        const SelfContact *contact = &s->self_contact->contacts[n];
+void self_contact_sums(const System *sys, const double *q, const double *v, double sums[CONTACT_BALANCE]) {
+    if (sys->self_contact == NULL || !find_self_contacts(sys, q, v, 0, 0)) return;
+    for (int n = 0; n < sys->self_contact->number; n++) {
+        const SelfContact *contact = &sys->self_contact->contacts[n];
         sums[CONTACT_ENERGY] += contact->weight * contact->terms.sums[CONTACT_ENERGY];
         sums[CONTACT_DISSIPATED] += contact->weight * contact->terms.sums[CONTACT_DISSIPATED];
         /* The forces cancel, but friction leaves a couple. */

@@ -38,15 +38,15 @@ static void refine(NearestSearch *search, double s, double length, const double 
 }
 
 /* Begin a search for each body from the known nearest places; return their number. */
-static int searches_of(const Scene *scene, const NodalArrays *m, double t, const Nearest nearest[KINDS],
+static int searches_of(const Scene *scene, const NodalArrays *nodal, double t, const Nearest nearest[KINDS],
                        NearestSearch *searches) {
-    const double *const ends[2] = {m->q, m->q + (size_t)m->elements * DOF};
+    const double *const ends[2] = {nodal->q, nodal->q + (size_t)nodal->elements * DOF};
     Placed bodies[MAX_BODIES];
     const int number = placed_bodies(&scene->shaft, ends, bodies);
-    const int lowest = number > 0 ? lowest_node(m->nodes, m->q) : 0;
+    const int lowest = number > 0 ? lowest_node(nodal->nodes, nodal->q) : 0;
     for (int n = 0; n < number; n++) {
         const int first = bodies[n].moves_with == LEFT ? lowest : 0;
-        const int last = bodies[n].moves_with == RIGHT ? lowest : m->elements;
+        const int last = bodies[n].moves_with == RIGHT ? lowest : nodal->elements;
         searches[n] = (NearestSearch){bodies[n], first, last, 0.5 * scene->rope.diameter, t, nearest[bodies[n].kind]};
     }
     return number;
@@ -59,69 +59,69 @@ static void nearest_of(int number, const NearestSearch *searches, Nearest neares
     }
 }
 
-static void search_elements(NearestSearch *search, const NodalArrays *m, int first, int last) {
+static void search_elements(NearestSearch *search, const NodalArrays *nodal, int first, int last) {
     for (int k = first; k < last; k++) {
-        const double *a = m->q + (size_t)k * DOF, *b = a + DOF;
+        const double *a = nodal->q + (size_t)k * DOF, *b = a + DOF;
         double box[6];
         if (k < search->first || k >= search->last) continue;
-        enclosing_box(m->lengths[k], a, b, box);
+        enclosing_box(nodal->lengths[k], a, b, box);
         if (!may_be_nearer(search, box)) continue;
-        probe(search, m->s[k], a);
-        probe(search, m->s[k + 1], b);
-        refine(search, m->s[k], m->lengths[k], a, b);
+        probe(search, nodal->s[k], a);
+        probe(search, nodal->s[k + 1], b);
+        refine(search, nodal->s[k], nodal->lengths[k], a, b);
     }
 }
 
-void shaft_nearer(const Scene *scene, const NodalArrays *m, double t, Nearest nearest[KINDS]) {
+void shaft_nearer(const Scene *scene, const NodalArrays *nodal, double t, Nearest nearest[KINDS]) {
     NearestSearch searches[MAX_BODIES];
-    const int number = searches_of(scene, m, t, nearest, searches);
-    for (int first = 0, last; number > 0 && first < m->elements; first = last) {
+    const int number = searches_of(scene, nodal, t, nearest, searches);
+    for (int first = 0, last; number > 0 && first < nodal->elements; first = last) {
         double box[6];
-        last = bodies_group(m->elements, m->lengths, m->q, first, box);
+        last = bodies_group(nodal->elements, nodal->lengths, nodal->q, first, box);
         for (int n = 0; n < number; n++)
             if (first < searches[n].last && searches[n].first < last && may_be_nearer(&searches[n], box))
-                search_elements(&searches[n], m, first, last);
+                search_elements(&searches[n], nodal, first, last);
     }
     nearest_of(number, searches, nearest);
 }
 
-void shaft_clearances(const Scene *scene, const NodalArrays *m, double t, Nearest nearest[KINDS]) {
+void shaft_clearances(const Scene *scene, const NodalArrays *nodal, double t, Nearest nearest[KINDS]) {
     NearestSearch searches[MAX_BODIES];
     far_bodies(nearest);
-    const int number = searches_of(scene, m, t, nearest, searches);
+    const int number = searches_of(scene, nodal, t, nearest, searches);
     for (int n = 0; n < number; n++)
         for (int k = searches[n].first; k <= searches[n].last; k++)
-            probe(&searches[n], m->s[k], m->q + (size_t)k * DOF);
+            probe(&searches[n], nodal->s[k], nodal->q + (size_t)k * DOF);
     nearest_of(number, searches, nearest);
-    shaft_nearer(scene, m, t, nearest);
+    shaft_nearer(scene, nodal, t, nearest);
 }
 
 /* Update the largest penetration of the rope into itself. */
-static void with_overlap(const Simulator *rope, State *state) {
-    const NodalArrays m = state_arrays(state);
-    const double *nearest = rope->self_contact->nearest, diameter = rope->scene.rope.diameter;
+static void with_overlap(const Simulator *sim, State *state) {
+    const NodalArrays nodal = state_arrays(state);
+    const double *nearest = sim->self_contact->nearest, diameter = sim->scene.rope.diameter;
     Crossing *crossing = &state->crossing;
-    const System s = {.elements = m.elements, .lengths = m.lengths, .self_contact = rope->self_contact};
-    find_self_contacts(&s, m.q, m.v, 0, 0);
+    const System sys = {.elements = nodal.elements, .lengths = nodal.lengths, .self_contact = sim->self_contact};
+    find_self_contacts(&sys, nodal.q, nodal.v, 0, 0);
     if (!(diameter - nearest[0] > crossing->overlap)) return;
     if (crossing->overlap == 0) crossing->touched_at = state->t;
     crossing->overlap = diameter - nearest[0];
     crossing->touched_y = nearest[1];
 }
 
-void with_passages(const Simulator *rope, State *state) {
-    const NodalArrays m = state_arrays(state);
+void with_passages(const Simulator *sim, State *state) {
+    const NodalArrays nodal = state_arrays(state);
     Crossing *crossing = &state->crossing;
     state->monitored_at = state->t;
-    shaft_nearer(&rope->scene, &m, state->t, state->nearest);
-    const double line = ends_yaw(&m);
+    shaft_nearer(&sim->scene, &nodal, state->t, state->nearest);
+    const double line = ends_yaw(&nodal);
     double across[2];
     heading(line, across);
-    const int near = !legs_apart(&m, across, rope->scene.rope.diameter, rope->scene.layout.spacing);
-    if (near || rope->self_contact->presses) with_overlap(rope, state);
+    const int near = !legs_apart(&nodal, across, sim->scene.rope.diameter, sim->scene.layout.spacing);
+    if (near || sim->self_contact->presses) with_overlap(sim, state);
     if (!near && crossing->net == 0 && fabs(state->loop_yaw - line) <= TURNED_FAR) return;
-    const LoopBottom bottom = loop_bottom(m.nodes, m.q, m.s);
-    const LoopTurns turns = loop_turns(&m, &bottom);
+    const LoopBottom bottom = loop_bottom(nodal.nodes, nodal.q, nodal.s);
+    const LoopTurns turns = loop_turns(&nodal, &bottom);
     const double net = rint(turns_of(nearest_turn(bottom.yaw, state->loop_yaw), line, turns.number));
     const int first = net != crossing->net && crossing->number == 0;
     if (first) crossing->since = state->t;

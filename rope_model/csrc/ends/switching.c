@@ -4,23 +4,23 @@
 #include "simulator.h"
 
 /* Event function of one swivel: negative while it may stay in its phase. */
-static double excess_of(const Simulator *rope, const State *state, int side, double t, const NodalArrays *m) {
-    const double *q = end_row(m->q, m->nodes, side), *v = end_row(m->v, m->nodes, side);
-    const double *R = end_row(m->reaction, m->nodes, side);
+static double excess_of(const Simulator *sim, const State *state, int side, double t, const NodalArrays *nodal) {
+    const double *q = end_row(nodal->q, nodal->nodes, side), *v = end_row(nodal->v, nodal->nodes, side);
+    const double *R = end_row(nodal->reaction, nodal->nodes, side);
     double relative[2];
     ends_relative(state, side, t, q[ANGLE], v[ANGLE], relative);
-    return swivel_excess(&rope->scene.swivels[side], &state->swivels[side], R[1], R[ANGLE], relative[1]);
+    return swivel_excess(&sim->scene.swivels[side], &state->swivels[side], R[1], R[ANGLE], relative[1]);
 }
 
-static double excess(const Simulator *rope, const State *state, double t, const NodalArrays *m) {
-    const double left = excess_of(rope, state, LEFT, t, m), right = excess_of(rope, state, RIGHT, t, m);
+static double excess(const Simulator *sim, const State *state, double t, const NodalArrays *nodal) {
+    const double left = excess_of(sim, state, LEFT, t, nodal), right = excess_of(sim, state, RIGHT, t, nodal);
     return left >= right ? left : right;
 }
 
-void release_swivels(Simulator *rope, State *state) {
+void release_swivels(Simulator *sim, State *state) {
     int changed = 0;
     for (int side = LEFT; side <= RIGHT; side++) {
-        const Swivel *swivel = &rope->scene.swivels[side];
+        const Swivel *swivel = &sim->scene.swivels[side];
         SwivelState *now = &state->swivels[side];
         if (state->t >= released_at(swivel, now)) {
             now->phase = frictionless(swivel) ? SLIP : STICK;
@@ -29,19 +29,19 @@ void release_swivels(Simulator *rope, State *state) {
         }
     }
     if (!changed) return;
-    model_restart(rope, state);
-    const NodalArrays m = state_arrays(state);
-    if (excess(rope, state, state->t, &m) >= 0) switch_swivels(rope, state);
+    model_restart(sim, state);
+    const NodalArrays nodal = state_arrays(state);
+    if (excess(sim, state, state->t, &nodal) >= 0) switch_swivels(sim, state);
 }
 
-double next_release(const Simulator *rope, const State *state) {
-    const Swivel *swivels = rope->scene.swivels;
+double next_release(const Simulator *sim, const State *state) {
+    const Swivel *swivels = sim->scene.swivels;
     return fmin(released_at(&swivels[LEFT], &state->swivels[LEFT]),
                 released_at(&swivels[RIGHT], &state->swivels[RIGHT]));
 }
 
 typedef struct {
-    Simulator *rope;
+    Simulator *sim;
     State *state;
     int64_t iterations, allowed; /* Newton iterations so far, and allowed */
 } EventSearch;
@@ -49,61 +49,61 @@ typedef struct {
 static double excess_after(void *data, double h) {
     EventSearch *search = data;
     if (search->iterations >= search->allowed) return -1; /* ends at the earliest time known to be past the event */
-    const StepResult trial = model_trial(search->rope, search->state, h);
+    const StepResult trial = model_trial(search->sim, search->state, h);
     search->iterations += trial.newton.iterations;
-    return trial.converged ? excess(search->rope, search->state, trial.t, &search->rope->trial) : INFINITY;
+    return trial.converged ? excess(search->sim, search->state, trial.t, &search->sim->trial) : INFINITY;
 }
 
-int switching_step(Simulator *rope, State *state, StepResult *trial) {
-    const double at_end = excess(rope, state, trial->t, &rope->trial);
+int switching_step(Simulator *sim, State *state, StepResult *trial) {
+    const double at_end = excess(sim, state, trial->t, &sim->trial);
     if (at_end < 0) return 0;
-    const NodalArrays m = state_arrays(state);
+    const NodalArrays nodal = state_arrays(state);
     /* Keep iterations for the step to the event and the next one. */
-    EventSearch search = {rope, state, 0, rope->newton_limit - state->counts.newton - 2 * STEP_ITERATIONS};
+    EventSearch search = {sim, state, 0, sim->newton_limit - state->counts.newton - 2 * STEP_ITERATIONS};
     if (search.allowed <= 0) { /* switch at the end of the step */
         state->counts.given_up += 1;
         return 1;
     }
-    double at_start = excess(rope, state, state->t, &m);
+    double at_start = excess(sim, state, state->t, &nodal);
     if (at_start >= 0) at_start = -1e-12; /* the rate of a slip that has just begun is zero */
     const double h = locate(excess_after, &search, 0, trial->t - state->t, at_start, at_end, EVENT_WIDTH);
-    *trial = model_trial(rope, state, h);
+    *trial = model_trial(sim, state, h);
     state->counts.newton += search.iterations + trial->newton.iterations;
     state->counts.given_up += search.iterations >= search.allowed;
     return trial->converged ? 1 : -1;
 }
 
 /* Return the next phase of a swivel that cannot stay in its own: stick if friction can hold it, else slip. */
-static SwivelState next_phase(Simulator *rope, const State *state, const SwivelState swivels[2], int side) {
-    State *trial = rope->spare;
-    state_copy(rope, trial, state);
+static SwivelState next_phase(Simulator *sim, const State *state, const SwivelState swivels[2], int side) {
+    State *trial = sim->spare;
+    state_copy(sim, trial, state);
     memcpy(trial->swivels, swivels, sizeof trial->swivels);
-    const NodalArrays m = state_arrays(trial);
+    const NodalArrays nodal = state_arrays(trial);
     SwivelState now = swivels[side];
     if (now.phase == SLIP) {
         double relative[2];
-        ends_relative(trial, side, trial->t, end_row(m.q, m.nodes, side)[ANGLE], 0, relative);
+        ends_relative(trial, side, trial->t, end_row(nodal.q, nodal.nodes, side)[ANGLE], 0, relative);
         now = trial->swivels[side] = (SwivelState){.angle = relative[0], .phase = STICK};
-        model_restart(rope, trial);
-        if (excess_of(rope, trial, side, trial->t, &m) < 0) return now;
+        model_restart(sim, trial);
+        if (excess_of(sim, trial, side, trial->t, &nodal) < 0) return now;
     }
     now.phase = SLIP;
-    now.sign = copysign(1, -end_row(m.reaction, m.nodes, side)[ANGLE]);
+    now.sign = copysign(1, -end_row(nodal.reaction, nodal.nodes, side)[ANGLE]);
     return now;
 }
 
-void switch_swivels(Simulator *rope, State *state) {
-    const NodalArrays m = state_arrays(state);
+void switch_swivels(Simulator *sim, State *state) {
+    const NodalArrays nodal = state_arrays(state);
     SwivelState swivels[2];
     int switches[2], restarted = 0;
     memcpy(swivels, state->swivels, sizeof swivels);
     for (int side = LEFT; side <= RIGHT; side++) {
-        switches[side] = excess_of(rope, state, side, state->t, &m) >= 0;
+        switches[side] = excess_of(sim, state, side, state->t, &nodal) >= 0;
         if (!switches[side]) continue;
-        swivels[side] = next_phase(rope, state, swivels, side);
+        swivels[side] = next_phase(sim, state, swivels, side);
         restarted = swivels[side].phase == STICK; /* next_phase restarted the spare */
     }
-    if (restarted) state_copy(rope, state, rope->spare);
+    if (restarted) state_copy(sim, state, sim->spare);
     for (int side = LEFT; side <= RIGHT; side++) {
         if (!switches[side]) continue;
         memmove(state->switchings + 1, state->switchings, sizeof(double) * (CHATTER_EVENTS - 1));
@@ -115,7 +115,7 @@ void switch_swivels(Simulator *rope, State *state) {
     }
     if (restarted) return;
     memcpy(state->swivels, swivels, sizeof swivels);
-    model_restart(rope, state);
+    model_restart(sim, state);
 }
 
 int chatters(const State *state) {

@@ -4,8 +4,8 @@
 #include "simulator.h"
 
 /* Enter the energy change of a transformation into the energy balance. */
-static void with_energy_change(Simulator *rope, State *state) {
-    const double before = state->energy_balance.kinetic, change = model_energies(rope, state);
+static void with_energy_change(Simulator *sim, State *state) {
+    const double before = state->energy_balance.kinetic, change = model_energies(sim, state);
     const double kinetic = state->energy_balance.kinetic - before;
     state->energy_balance.transformations += change;
     record_event(state, TRANSFORMED, 0, kinetic, change - kinetic);
@@ -13,58 +13,58 @@ static void with_energy_change(Simulator *rope, State *state) {
 }
 
 /* Equilibrium with the present accelerations, damped by an inertia of time constant `time`; no change on failure. */
-static Progress dynamic_equilibrium(Simulator *rope, State *state, double time, double tolerance) {
-    const NodalArrays m = state_arrays(state), *now = &rope->trial;
-    const System s = rope_system(rope, state);
-    const size_t bytes = sizeof(double) * (size_t)m.nodes * DOF;
+static Progress dynamic_equilibrium(Simulator *sim, State *state, double time, double tolerance) {
+    const NodalArrays nodal = state_arrays(state), *now = &sim->trial;
+    const System sys = rope_system(sim, state);
+    const size_t bytes = sizeof(double) * (size_t)nodal.nodes * DOF;
     const double c[3] = {1, 0, pow(time, -2)};
     double balance[BALANCE];
-    memcpy(now->q, m.q, FIELDS * bytes);
+    memcpy(now->q, nodal.q, FIELDS * bytes);
     const Progress newton =
-        chain_of(rope, state)
-            ->solve(&s, rope->work, now->q, now->v, now->a, now->reaction, c, tolerance, NULL, balance);
+        chain_of(sim, state)
+            ->solve(&sys, sim->work, now->q, now->v, now->a, now->reaction, c, tolerance, NULL, balance);
     if (newton.status != CONVERGED) return newton;
-    update_hysteresis(rope, state, now->q);
-    with_angles_along(rope, state, now->q, m.v, m.a, m.b);
-    memcpy(m.q, now->q, bytes);
+    update_hysteresis(sim, state, now->q);
+    with_angles_along(sim, state, now->q, nodal.v, nodal.a, nodal.b);
+    memcpy(nodal.q, now->q, bytes);
     return newton;
 }
 
 /* Transform the mesh once; return the status of Newton's method. */
-static int on_partition(Simulator *rope, State *state, int direction, const double *divider_s) {
-    const NodalArrays m = state_arrays(state);
-    double *const fields[] = {m.q, m.v, m.a, m.b, m.a_rate}, *old_s = rope->trial.b;
-    memcpy(old_s, m.s, sizeof(double) * (size_t)m.nodes);
-    partition_transform(&state->pattern, direction, divider_s, m.elements, m.lengths);
-    arc_lengths(m.elements, m.lengths, m.s);
+static int on_partition(Simulator *sim, State *state, int direction, const double *divider_s) {
+    const NodalArrays nodal = state_arrays(state);
+    double *const fields[] = {nodal.q, nodal.v, nodal.a, nodal.b, nodal.a_rate}, *old_s = sim->trial.b;
+    memcpy(old_s, nodal.s, sizeof(double) * (size_t)nodal.nodes);
+    partition_transform(&state->pattern, direction, divider_s, nodal.elements, nodal.lengths);
+    arc_lengths(nodal.elements, nodal.lengths, nodal.s);
     if (state->fidelity == RIGID) return CONVERGED; /* shape and energies do not depend on the mesh */
-    transfer_fields(m.nodes, old_s, m.s, 5, fields, rope->work);
-    wires_carry(rope, state, old_s);
-    memset(m.reaction + DOF, 0, sizeof(double) * DOF * (size_t)(m.nodes - 2));
-    rope_system_refer(rope, state, m.q);
-    const Solver *solver = &rope->scene.solver;
+    transfer_fields(nodal.nodes, old_s, nodal.s, 5, fields, sim->work);
+    wires_carry(sim, state, old_s);
+    memset(nodal.reaction + DOF, 0, sizeof(double) * DOF * (size_t)(nodal.nodes - 2));
+    rope_system_refer(sim, state, nodal.q);
+    const Solver *solver = &sim->scene.solver;
     const double tolerance = effective_tolerance(solver->newton_tolerance, solver->work_max, BOUNDED_MESH_ERROR);
     double time = RELAXATION_TIME;
-    Progress newton = dynamic_equilibrium(rope, state, time, tolerance);
-    for (; newton.status != CONVERGED; newton = dynamic_equilibrium(rope, state, time, tolerance)) {
+    Progress newton = dynamic_equilibrium(sim, state, time, tolerance);
+    for (; newton.status != CONVERGED; newton = dynamic_equilibrium(sim, state, time, tolerance)) {
         if (time <= solver->step_min) return newton.status;
         time = fmax(0.5 * time, solver->step_min);
         state->counts.rejections += 1;
     }
     state->counts.given_up += newton.error > solver->newton_tolerance;
-    with_energy_change(rope, state);
+    with_energy_change(sim, state);
     return CONVERGED;
 }
 
-int transform_if_due(Simulator *rope, State *state) {
-    const double bottom_s = model_bottom_s(rope, state, state->t);
+int transform_if_due(Simulator *sim, State *state) {
+    const double bottom_s = model_bottom_s(sim, state, state->t);
     double divider_s[DIVIDERS];
     int status = CONVERGED;
-    model_dividers(rope, state, state->t, divider_s);
+    model_dividers(sim, state, state->t, divider_s);
     while (status == CONVERGED) {
         const int direction = (int)transformation_due(&state->pattern, bottom_s, DUE_EARLY);
         if (direction == 0 && !window_due(&state->pattern, divider_s)) break;
-        status = on_partition(rope, state, direction, divider_s);
+        status = on_partition(sim, state, direction, divider_s);
     }
     return status;
 }
@@ -75,28 +75,28 @@ void with_loop_yaw(State *state) {
     state->loop_yaw = nearest_turn(atan2(-d[2], d[0]), state->loop_yaw);
 }
 
-int raise_fidelity(Simulator *rope, State *state, const char *why, char *message) {
-    const NodalArrays m = state_arrays(state);
+int raise_fidelity(Simulator *sim, State *state, const char *why, char *message) {
+    const NodalArrays nodal = state_arrays(state);
     const int was = state->fidelity;
     const EndMotion ends[2] = {path_at(&state->paths[LEFT], INFINITY), path_at(&state->paths[RIGHT], INFINITY)};
     say_cannot_follow(state->fidelity_reason, fidelity_name(was), why);
-    state->fidelity = lowest_sufficient(&rope->scene, ends, rope->forces.number);
+    state->fidelity = lowest_sufficient(&sim->scene, ends, sim->forces.number);
     state->offsets[LEFT] = 0;
-    state->offsets[RIGHT] = right_offset(m.q, end_row(m.q, m.nodes, RIGHT));
+    state->offsets[RIGHT] = right_offset(nodal.q, end_row(nodal.q, nodal.nodes, RIGHT));
     record_event(state, RAISED, state->fidelity, 0, 0);
-    rope_system_refer(rope, state, m.q);
-    if (was != RIGID && !carries_torque(&rope->scene)) {
-        model_restart(rope, state);
+    rope_system_refer(sim, state, nodal.q);
+    if (was != RIGID && !carries_torque(&sim->scene)) {
+        model_restart(sim, state);
         return 1;
     }
-    if (was == RIGID && !flexible_start(rope, state, message)) return 0;
-    if (dynamic_equilibrium(rope, state, SETTLING_TIME, SETTLING_TOLERANCE).status == CONVERGED)
-        memcpy(m.reaction, rope->trial.reaction, sizeof(double) * (size_t)m.nodes * DOF);
+    if (was == RIGID && !flexible_start(sim, state, message)) return 0;
+    if (dynamic_equilibrium(sim, state, SETTLING_TIME, SETTLING_TOLERANCE).status == CONVERGED)
+        memcpy(nodal.reaction, sim->trial.reaction, sizeof(double) * (size_t)nodal.nodes * DOF);
     else
-        with_angles_along(rope, state, m.q, m.v, m.a, m.b);
-    model_restart(rope, state);
-    state->energy_balance.transformations += model_energies(rope, state);
-    if (start_hysteresis(rope, state)) rope_system_refer(rope, state, m.q);
+        with_angles_along(sim, state, nodal.q, nodal.v, nodal.a, nodal.b);
+    model_restart(sim, state);
+    state->energy_balance.transformations += model_energies(sim, state);
+    if (start_hysteresis(sim, state)) rope_system_refer(sim, state, nodal.q);
     return 1;
 }
 

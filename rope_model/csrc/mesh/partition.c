@@ -144,7 +144,8 @@ static int fill_inner(const int *counts, double *lengths) {
     return n;
 }
 
-/* Write the outermost l: the last length twice, ..., l/4, l/2, none above `longest`; return the number of elements. */
+/* Write the lengths of the outermost coarse element, refined towards the end: 2^-levels twice, ..., 1/4, 1/2 of it,
+   each divided to at most `longest`; return the number of elements. */
 static int end(int levels, double longest, double *lengths, int stride) {
     int n = 0;
     for (int k = 0; k <= levels; k++) {

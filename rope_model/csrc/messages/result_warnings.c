@@ -10,21 +10,21 @@ enum { EACH_WARNING_HAS_A_NUMBER = 1 / ((int)ROPE_EXTRAPOLATION == (int)EXTRAPOL
 
 /* Return the yaw of the loop against the line between its ends. */
 static double yaw_of(State *state) {
-    const NodalArrays m = state_arrays(state);
-    return state->loop_yaw - ends_yaw(&m);
+    const NodalArrays nodal = state_arrays(state);
+    return state->loop_yaw - ends_yaw(&nodal);
 }
 
-static void neglected_effects(Simulator *rope, char *message) {
+static void neglected_effects(Simulator *sim, char *message) {
     static const char *const texts[] = LEFT_OUT_TEXTS;
-    if (leaves_out(&rope->scene, rope->state)) snprintf(message, MESSAGE, "%s", texts[rope->state->fidelity]);
+    if (leaves_out(&sim->scene, sim->state)) snprintf(message, MESSAGE, "%s", texts[sim->state->fidelity]);
 }
 
-static void passed_bodies(Simulator *rope, char *message) {
+static void passed_bodies(Simulator *sim, char *message) {
     static const char *const words[KINDS] = BODY_WORDS;
     char passages[MESSAGE] = "", before[MESSAGE], passed[MESSAGE];
     double deepest = FAR;
     for (int kind = 0; kind < KINDS; kind++) {
-        const Nearest *x = &rope->state->nearest[kind];
+        const Nearest *x = &sim->state->nearest[kind];
         deepest = minimum(deepest, x->clearance);
         if (!(x->clearance <= 0)) continue;
         say_passed_into(passed, words[kind], x->touched_at, -x->clearance, x->time, x->s, x->y);
@@ -35,52 +35,52 @@ static void passed_bodies(Simulator *rope, char *message) {
             memcpy(passages, passed, sizeof passages);
     }
     if (!passages[0]) return;
-    if (!may_touch(&rope->scene.shaft))
+    if (!may_touch(&sim->scene.shaft))
         say_rope_passed_into(message, passages);
-    else if (deepest > -rope->scene.rope.diameter)
+    else if (deepest > -sim->scene.rope.diameter)
         say_rope_struck(message, passages);
     else
-        say_rope_pressed_into(message, passages, rope->scene.shaft.contact.stiffness);
+        say_rope_pressed_into(message, passages, sim->scene.shaft.contact.stiffness);
 }
 
-static void leg_contact(Simulator *rope, char *message) {
-    tell_touching_legs(&rope->scene, rope->state, yaw_of(rope->state), message);
+static void leg_contact(Simulator *sim, char *message) {
+    tell_touching_legs(&sim->scene, sim->state, yaw_of(sim->state), message);
 }
 
 /* Return the twist from end to end, rad, by conveyances and swivels turned against the line between the ends. */
 static double end_twist(State *state) {
-    const NodalArrays m = state_arrays(state);
-    const double left = end_row(m.q, m.nodes, LEFT)[ANGLE] - state->offsets[LEFT];
-    return end_row(m.q, m.nodes, RIGHT)[ANGLE] - state->offsets[RIGHT] - left - 2 * ends_yaw(&m);
+    const NodalArrays nodal = state_arrays(state);
+    const double left = end_row(nodal.q, nodal.nodes, LEFT)[ANGLE] - state->offsets[LEFT];
+    return end_row(nodal.q, nodal.nodes, RIGHT)[ANGLE] - state->offsets[RIGHT] - left - 2 * ends_yaw(&nodal);
 }
 
-static void yaw_at_rest(Simulator *rope, char *message) {
-    const double yaw = yaw_of(rope->state);
+static void yaw_at_rest(Simulator *sim, char *message) {
+    const double yaw = yaw_of(sim->state);
     char why[MESSAGE] = "";
-    if (!yawed_far_at_rest(&rope->scene, rope->state, yaw)) return;
-    tell_torque_source(&rope->scene, end_twist(rope->state), why);
+    if (!yawed_far_at_rest(&sim->scene, sim->state, yaw)) return;
+    tell_torque_source(&sim->scene, end_twist(sim->state), why);
     say_yawed_at_rest(message, yaw, YAWED_FAR, why);
 }
 
-static void unfit_inputs(Simulator *rope, char *message) {
+static void unfit_inputs(Simulator *sim, char *message) {
     char reason[MESSAGE] = "";
     for (int side = LEFT; side <= RIGHT; side++)
-        if (tell_inputs_of_end(&rope->scene, &rope->state->filters[side], rope->state->last_interval, reason)) {
+        if (tell_inputs_of_end(&sim->scene, &sim->state->filters[side], sim->state->last_interval, reason)) {
             say_of_end(message, SIDE_NAMES[side], reason);
             return;
         }
 }
 
-void rope_warning(Simulator *rope, int number, char *message) {
+void rope_warning(Simulator *sim, int number, char *message) {
     static void (*const by_shape[EXTRAPOLATION + 1])(Simulator *, char *) = {[PASSED_BODIES] = passed_bodies,
                                                                              [NEGLECTED_EFFECTS] = neglected_effects,
                                                                              [LEG_CONTACT] = leg_contact,
                                                                              [YAW_AT_REST] = yaw_at_rest,
                                                                              [UNFIT_INPUTS] = unfit_inputs};
     message[0] = '\0';
-    if (!rope->initialized || number < 0 || number > EXTRAPOLATION) return;
+    if (!sim->initialized || number < 0 || number > EXTRAPOLATION) return;
     if (by_shape[number])
-        by_shape[number](rope, message);
+        by_shape[number](sim, message);
     else
-        tell_by_numbers(number, &rope->scene, rope->state, message);
+        tell_by_numbers(number, &sim->scene, sim->state, message);
 }

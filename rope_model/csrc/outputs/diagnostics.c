@@ -10,8 +10,8 @@ static double clip(double x, double low, double high) {
     return fmin(fmax(x, low), high);
 }
 
-double ends_yaw(const NodalArrays *m) {
-    return line_yaw(m->q, m->q + (ptrdiff_t)DOF * m->elements);
+double ends_yaw(const NodalArrays *nodal) {
+    return line_yaw(nodal->q, nodal->q + (ptrdiff_t)DOF * nodal->elements);
 }
 
 LoopBottom loop_bottom(int nodes, const double *q, const double *s) {
@@ -172,19 +172,19 @@ double leg_clearance(int nodes, const double *q, const double *s, const LoopBott
 
 /* A way up a leg, in PIECES per element. */
 typedef struct {
-    const NodalArrays *m;
+    const NodalArrays *nodal;
     int point, last; /* next point, and the leg's end */
     double low[3];   /* latest point higher than all before it */
     double high[3];  /* next such point; its height is HUGE_VAL for none */
 } Climb;
 
-static void point_of(const NodalArrays *m, int point, double place[3]) {
+static void point_of(const NodalArrays *nodal, int point, double place[3]) {
     const int element = point / PIECES, piece = point % PIECES;
-    const double *a = m->q + (ptrdiff_t)DOF * element;
+    const double *a = nodal->q + (ptrdiff_t)DOF * element;
     if (piece == 0)
         memcpy(place, a, 3 * sizeof *place);
     else
-        position_at((double)piece / PIECES, m->lengths[element], a, a + DOF, place);
+        position_at((double)piece / PIECES, nodal->lengths[element], a, a + DOF, place);
 }
 
 static void climb_on(Climb *leg) {
@@ -193,7 +193,7 @@ static void climb_on(Climb *leg) {
     memcpy(leg->low, leg->high, sizeof leg->low);
     leg->high[1] = HUGE_VAL;
     for (; (leg->last - leg->point) * step >= 0 && leg->high[1] == HUGE_VAL; leg->point += step) {
-        point_of(leg->m, leg->point, place);
+        point_of(leg->nodal, leg->point, place);
         if (place[1] > leg->low[1]) memcpy(leg->high, place, sizeof leg->high);
     }
 }
@@ -204,30 +204,31 @@ static double climb_at(const Climb *leg, double height, int axis) {
     return leg->low[axis] + fraction * (leg->high[axis] - leg->low[axis]);
 }
 
-int legs_apart(const NodalArrays *m, const double across[2], double diameter, double above) {
-    const int lowest = lowest_node(m->nodes, m->q);
-    const double *left = m->q, *low = left + (ptrdiff_t)DOF * lowest, *right = left + (ptrdiff_t)DOF * m->elements;
+int legs_apart(const NodalArrays *nodal, const double across[2], double diameter, double above) {
+    const int lowest = lowest_node(nodal->nodes, nodal->q);
+    const double *left = nodal->q, *low = left + (ptrdiff_t)DOF * lowest,
+                 *right = left + (ptrdiff_t)DOF * nodal->elements;
     double normal[3];
-    int apart = 0 < lowest && lowest < m->elements, k = 0;
+    int apart = 0 < lowest && lowest < nodal->elements, k = 0;
     plane_between(left, right, low, across, normal);
     for (const double *q = left; q < low; q += DOF, k++)
-        apart &= side_gap(-1.0, m->lengths[k], q, q + DOF, left[1], low, normal, diameter, above) >= 0;
+        apart &= side_gap(-1.0, nodal->lengths[k], q, q + DOF, left[1], low, normal, diameter, above) >= 0;
     for (const double *q = low; q < right; q += DOF, k++)
-        apart &= side_gap(1.0, m->lengths[k], q + DOF, q, right[1], low, normal, diameter, above) >= 0;
-    return apart && least_advance(m->lengths[lowest - 1], low - DOF, low, across) > 0 &&
-           least_advance(m->lengths[lowest], low, low + DOF, across) > 0;
+        apart &= side_gap(1.0, nodal->lengths[k], q + DOF, q, right[1], low, normal, diameter, above) >= 0;
+    return apart && least_advance(nodal->lengths[lowest - 1], low - DOF, low, across) > 0 &&
+           least_advance(nodal->lengths[lowest], low, low + DOF, across) > 0;
 }
 
-static double point_s(const NodalArrays *m, int point) {
+static double point_s(const NodalArrays *nodal, int point) {
     const int element = point / PIECES;
-    return m->s[element] + m->lengths[element] * (point % PIECES) / PIECES;
+    return nodal->s[element] + nodal->lengths[element] * (point % PIECES) / PIECES;
 }
 
-LoopTurns loop_turns(const NodalArrays *m, const LoopBottom *bottom) {
-    const int last = PIECES * m->elements;
+LoopTurns loop_turns(const NodalArrays *nodal, const LoopBottom *bottom) {
+    const int last = PIECES * nodal->elements;
     int next = 1;
-    while (next < last && point_s(m, next) < bottom->s) next++;
-    Climb left = {m, next - 1, 0, {0}, {0}}, right = {m, next, last, {0}, {0}};
+    while (next < last && point_s(nodal, next) < bottom->s) next++;
+    Climb left = {nodal, next - 1, 0, {0}, {0}}, right = {nodal, next, last, {0}, {0}};
     memcpy(left.high, bottom->position, sizeof left.high);
     memcpy(right.high, bottom->position, sizeof right.high);
     climb_on(&left);

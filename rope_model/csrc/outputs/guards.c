@@ -2,49 +2,49 @@
 
 #include "rope_system.h"
 
-double guards_rise(const Scene *scene, const State *state, const NodalArrays *m, const LoopBottom *bottom) {
-    const double left = m->q[1], right = m->q[(size_t)m->elements * DOF + 1];
+double guards_rise(const Scene *scene, const State *state, const NodalArrays *nodal, const LoopBottom *bottom) {
+    const double left = nodal->q[1], right = nodal->q[(size_t)nodal->elements * DOF + 1];
     return loop_height(&scene->rope, &scene->layout, bottom->position[1], left, right) - state->guard.rest;
 }
 
 /* Return the distance of the lowest point from the middle between the ends; with a window, that of a leg from plumb. */
-static double guards_sideways(const NodalArrays *m, double height, const LoopBottom *bottom) {
-    const double *last = m->q + (size_t)m->elements * DOF;
-    const double *lowest = m->q + (size_t)lowest_node(m->nodes, m->q) * DOF;
+static double guards_sideways(const NodalArrays *nodal, double height, const LoopBottom *bottom) {
+    const double *last = nodal->q + (size_t)nodal->elements * DOF;
+    const double *lowest = nodal->q + (size_t)lowest_node(nodal->nodes, nodal->q) * DOF;
     double farthest = 0;
-    if (height <= -FAR) return sideways(bottom->position, m->q, last);
-    for (const double *a = m->q; a < last; a += DOF)
+    if (height <= -FAR) return sideways(bottom->position, nodal->q, last);
+    for (const double *a = nodal->q; a < last; a += DOF)
         if ((a[1] < height) != (a[DOF + 1] < height))
-            farthest = maximum(farthest, off_plumb(height, a, a + DOF, a < lowest ? m->q : last));
+            farthest = maximum(farthest, off_plumb(height, a, a + DOF, a < lowest ? nodal->q : last));
     return farthest;
 }
 
 void set_rise_reference(const Scene *scene, State *state) {
-    const NodalArrays m = state_arrays(state);
-    const LoopBottom bottom = loop_bottom(m.nodes, m.q, m.s);
+    const NodalArrays nodal = state_arrays(state);
+    const LoopBottom bottom = loop_bottom(nodal.nodes, nodal.q, nodal.s);
     state->guard = (GuardState){0, 0, 0, {NEVER, NEVER, NEVER, NEVER, NEVER}};
-    state->guard.rest = guards_rise(scene, state, &m, &bottom);
+    state->guard.rest = guards_rise(scene, state, &nodal, &bottom);
 }
 
 void with_guards(const Scene *scene, State *state) {
     const Guard *guard = &scene->shaft.guard;
     if (has_guards(guard) == 0) return;
-    const NodalArrays m = state_arrays(state);
-    const LoopBottom bottom = loop_bottom(m.nodes, m.q, m.s);
+    const NodalArrays nodal = state_arrays(state);
+    const LoopBottom bottom = loop_bottom(nodal.nodes, nodal.q, nodal.s);
     Nearest nearest[KINDS];
     double clearance = guard->clearance, torque = 0;
     for (int kind = 0; kind < KINDS; kind++) nearest[kind] = (Nearest){.clearance = guard->clearance};
-    shaft_nearer(scene, &m, state->t, nearest);
+    shaft_nearer(scene, &nodal, state->t, nearest);
     for (int kind = 0; kind < KINDS; kind++) clearance = minimum(clearance, nearest[kind].clearance);
     for (int side = LEFT; side <= RIGHT; side++) {
-        const double *reaction = m.reaction + (size_t)(side * m.elements) * DOF;
+        const double *reaction = nodal.reaction + (size_t)(side * nodal.elements) * DOF;
         torque = maximum(torque, fabs(ends_moment(scene, state, side, reaction)));
     }
     const double quantities[GUARDS] = {
-        guard->rise_y <= -FAR ? guards_rise(scene, state, &m, &bottom) : bottom.position[1] - guard->rise_y,
-        guards_sideways(&m, guard->window_y, &bottom),
+        guard->rise_y <= -FAR ? guards_rise(scene, state, &nodal, &bottom) : bottom.position[1] - guard->rise_y,
+        guards_sideways(&nodal, guard->window_y, &bottom),
         clearance,
-        fabs(turns_of(nearest_turn(bottom.yaw, state->loop_yaw), ends_yaw(&m), state->crossing.net)),
+        fabs(turns_of(nearest_turn(bottom.yaw, state->loop_yaw), ends_yaw(&nodal), state->crossing.net)),
         torque,
     };
     state->guard = watch(guard, &state->guard, state->t, quantities);

@@ -4,22 +4,22 @@
 #include "state_signals.h" /* state_signals: generated */
 
 /* Return the loop's lowest point, which is kept until the state changes. */
-static const LoopBottom *loop(Simulator *rope) {
-    if (!rope->bottom_known) {
-        const NodalArrays m = state_arrays(rope->state);
-        rope->bottom = loop_bottom(m.nodes, m.q, m.s);
-        rope->bottom_known = 1;
+static const LoopBottom *loop(Simulator *sim) {
+    if (!sim->bottom_known) {
+        const NodalArrays nodal = state_arrays(sim->state);
+        sim->bottom = loop_bottom(nodal.nodes, nodal.q, nodal.s);
+        sim->bottom_known = 1;
     }
-    return &rope->bottom;
+    return &sim->bottom;
 }
 
-static void end_signals(Simulator *rope, double *values) {
-    const State *state = rope->state;
-    const NodalArrays m = state_arrays(rope->state);
+static void end_signals(Simulator *sim, double *values) {
+    const State *state = sim->state;
+    const NodalArrays nodal = state_arrays(sim->state);
     for (int side = LEFT; side <= RIGHT; side++, values += SIGNAL_RIGHT_FX - SIGNAL_LEFT_FX) {
-        const double *q = end_row(m.q, m.nodes, side), *v = end_row(m.v, m.nodes, side);
-        const double *reaction = end_row(m.reaction, m.nodes, side);
-        const double torque = ends_moment(&rope->scene, state, side, reaction);
+        const double *q = end_row(nodal.q, nodal.nodes, side), *v = end_row(nodal.v, nodal.nodes, side);
+        const double *reaction = end_row(nodal.reaction, nodal.nodes, side);
+        const double torque = ends_moment(&sim->scene, state, side, reaction);
         conveyance_load(q, reaction, torque, values + SIGNAL_LEFT_FX);
         ends_relative(state, side, state->t, q[ANGLE], v[ANGLE], values + SIGNAL_LEFT_SWIVEL_ANGLE);
         values[SIGNAL_LEFT_FY_MEAN] = state->force_mean[side];
@@ -28,139 +28,139 @@ static void end_signals(Simulator *rope, double *values) {
     }
 }
 
-static void loop_signals(Simulator *rope, double *values) {
-    const Scene *scene = &rope->scene;
-    const State *state = rope->state;
-    const NodalArrays m = state_arrays(rope->state);
-    const LoopBottom *bottom = loop(rope);
+static void loop_signals(Simulator *sim, double *values) {
+    const Scene *scene = &sim->scene;
+    const State *state = sim->state;
+    const NodalArrays nodal = state_arrays(sim->state);
+    const LoopBottom *bottom = loop(sim);
     memcpy(values + SIGNAL_LOOP_X, bottom->position, sizeof bottom->position);
     values[SIGNAL_LOOP_YAW] = nearest_turn(bottom->yaw, state->loop_yaw);
-    values[SIGNAL_LOOP_CLEARANCE] = leg_clearance(m.nodes, m.q, m.s, bottom, loop_width(scene), scene->rope.diameter,
-                                                  scene->layout.spacing, rope->nearest_blocks);
-    values[SIGNAL_LOOP_TURNS] = turns_of(values[SIGNAL_LOOP_YAW], ends_yaw(&m), state->crossing.net);
-    values[SIGNAL_LOOP_RISE] = guards_rise(scene, state, &m, bottom);
-    values[SIGNAL_LOOP_SIDEWAYS] = sideways(bottom->position, m.q, end_row(m.q, m.nodes, RIGHT));
+    values[SIGNAL_LOOP_CLEARANCE] = leg_clearance(nodal.nodes, nodal.q, nodal.s, bottom, loop_width(scene),
+                                                  scene->rope.diameter, scene->layout.spacing, sim->nearest_blocks);
+    values[SIGNAL_LOOP_TURNS] = turns_of(values[SIGNAL_LOOP_YAW], ends_yaw(&nodal), state->crossing.net);
+    values[SIGNAL_LOOP_RISE] = guards_rise(scene, state, &nodal, bottom);
+    values[SIGNAL_LOOP_SIDEWAYS] = sideways(bottom->position, nodal.q, end_row(nodal.q, nodal.nodes, RIGHT));
 }
 
-static void clearance_signals(Simulator *rope, double *values) {
-    const NodalArrays m = state_arrays(rope->state);
+static void clearance_signals(Simulator *sim, double *values) {
+    const NodalArrays nodal = state_arrays(sim->state);
     Nearest nearest[KINDS];
-    shaft_clearances(&rope->scene, &m, rope->state->t, nearest);
+    shaft_clearances(&sim->scene, &nodal, sim->state->t, nearest);
     for (int kind = 0; kind < KINDS; kind++) values[SIGNAL_CLEARANCE_LINING + kind] = nearest[kind].clearance;
 }
 
 /* values of physics.stress.material_values */
 enum { BENDING_STRESS, TORSIONAL_STRESS, CURVATURE, TORQUE, MATERIAL_VALUES };
 
-static double material_value(const Simulator *rope, int element, int which) {
+static double material_value(const Simulator *sim, int element, int which) {
     double found[MATERIAL_VALUES];
-    material_values(&rope->scene.rope, rope->state->fidelity == TORSIONAL, rope->strains[element], found);
+    material_values(&sim->scene.rope, sim->state->fidelity == TORSIONAL, sim->strains[element], found);
     return found[which];
 }
 
-static void stress_signals(Simulator *rope, double *values) {
-    const NodalArrays m = state_arrays(rope->state);
-    const int last = m.elements - 1;
+static void stress_signals(Simulator *sim, double *values) {
+    const NodalArrays nodal = state_arrays(sim->state);
+    const int last = nodal.elements - 1;
     int lowest = 0;
-    rope_system_strains(rope);
+    rope_system_strains(sim);
     values[SIGNAL_STRESS_BENDING_MAX] = values[SIGNAL_STRESS_TORSION_MAX] = -HUGE_VAL;
     for (int k = 0; k <= last; k++)
         for (int which = BENDING_STRESS; which <= TORSIONAL_STRESS; which++) {
             double *most = values + SIGNAL_STRESS_BENDING_MAX + which;
-            *most = fmax(*most, material_value(rope, k, which));
+            *most = fmax(*most, material_value(sim, k, which));
         }
-    while (lowest < last && m.s[lowest + 1] < loop(rope)->s) lowest++;
-    values[SIGNAL_LEFT_TWIST] = rope->strains[0][1];
-    values[SIGNAL_RIGHT_TWIST] = rope->strains[last][1];
-    values[SIGNAL_LOOP_TWIST] = rope->strains[lowest][1];
+    while (lowest < last && nodal.s[lowest + 1] < loop(sim)->s) lowest++;
+    values[SIGNAL_LEFT_TWIST] = sim->strains[0][1];
+    values[SIGNAL_RIGHT_TWIST] = sim->strains[last][1];
+    values[SIGNAL_LOOP_TWIST] = sim->strains[lowest][1];
 }
 
-static void contact_signals(Simulator *rope, double *values) {
-    const NodalArrays m = state_arrays(rope->state);
-    const System s = rope_system(rope, rope->state);
+static void contact_signals(Simulator *sim, double *values) {
+    const NodalArrays nodal = state_arrays(sim->state);
+    const System sys = rope_system(sim, sim->state);
     double sums[CONTACT_BALANCE] = {0};
-    if (rope->state->fidelity != RIGID) external_sums(&s, m.q, m.v, sums);
+    if (sim->state->fidelity != RIGID) external_sums(&sys, nodal.q, nodal.v, sums);
     memcpy(values + SIGNAL_CONTACT_LINING, sums + CONTACT_FORCES, sizeof(double) * (KINDS + 1));
 }
 
-static void audit_signals(Simulator *rope, double *values) {
-    audit_values(&rope->state->audit, values + SIGNAL_AUDIT_MOMENTUM);
+static void audit_signals(Simulator *sim, double *values) {
+    audit_values(&sim->state->audit, values + SIGNAL_AUDIT_MOMENTUM);
 }
 
-static void error_signals(Simulator *rope, double *values) {
-    const State *state = rope->state;
-    const double fine_length = partition_fine_length(&state->pattern, state_arrays(rope->state).lengths);
+static void error_signals(Simulator *sim, double *values) {
+    const State *state = sim->state;
+    const double fine_length = partition_fine_length(&state->pattern, state_arrays(sim->state).lengths);
     const InputFilter *left = &state->filters[LEFT], *right = &state->filters[RIGHT];
-    double at_ends = end_force_error(&rope->scene.rope, &state->errors);
-    double of_place = loop_error(&rope->scene, &state->errors, fine_length, state->pattern.grading_length);
+    double at_ends = end_force_error(&sim->scene.rope, &state->errors);
+    double of_place = loop_error(&sim->scene, &state->errors, fine_length, state->pattern.grading_length);
     at_ends = add_contact_end_error(at_ends, &state->contact, state->errors.time, state->errors.force);
-    of_place = add_contact_loop_error(&rope->scene, of_place, &state->contact);
+    of_place = add_contact_loop_error(&sim->scene, of_place, &state->contact);
     values[SIGNAL_STATUS_END_FORCE_ERROR] = add_misfit_error(at_ends, &state->errors, left, right);
     values[SIGNAL_STATUS_LOOP_ERROR] = add_drift_error(of_place, left, right);
     values[SIGNAL_STATUS_CONTACT_ERROR] = contact_error(&state->contact);
 }
 
 /* Coordinates of the points at arc lengths `places`: all x, then all y, then all z. */
-static void points_at(const Simulator *rope, const double *places, double *values) {
-    const NodalArrays m = state_arrays(rope->state);
+static void points_at(const Simulator *sim, const double *places, double *values) {
+    const NodalArrays nodal = state_arrays(sim->state);
     double xyz[SHAPE_POINTS][3];
-    diagnostics_shape(m.nodes, m.q, m.s, SHAPE_POINTS, places, xyz[0]);
+    diagnostics_shape(nodal.nodes, nodal.q, nodal.s, SHAPE_POINTS, places, xyz[0]);
     for (int i = 0; i < SHAPE_POINTS; i++)
         for (int axis = 0; axis < 3; axis++) values[SHAPE_POINTS * axis + i] = xyz[i][axis];
 }
 
-static void shape_signals(Simulator *rope, double *values) {
-    const NodalArrays m = state_arrays(rope->state);
+static void shape_signals(Simulator *sim, double *values) {
+    const NodalArrays nodal = state_arrays(sim->state);
     double places[SHAPE_POINTS];
-    shape_places(m.s[m.elements], loop(rope)->s, loop_width(&rope->scene), SHAPE_POINTS, places);
-    points_at(rope, places, values + SIGNAL_SHAPE_X_1);
+    shape_places(nodal.s[nodal.elements], loop(sim)->s, loop_width(&sim->scene), SHAPE_POINTS, places);
+    points_at(sim, places, values + SIGNAL_SHAPE_X_1);
 }
 
 /* Interpolate a material value at arc lengths `places`, which ascend, between the middles of the elements. */
-static void along(const Simulator *rope, const double *places, int which, double *values) {
-    const NodalArrays m = state_arrays(rope->state);
+static void along(const Simulator *sim, const double *places, int which, double *values) {
+    const NodalArrays nodal = state_arrays(sim->state);
     for (int i = 0, k = 0; i < SHAPE_POINTS; i++) {
-        k = middle_before(m.nodes, m.s, k, places[i]);
-        const int next = k < m.nodes - 2 ? k + 1 : k;
-        values[i] = interpolate_midpoints(m.nodes, m.s, k, places[i], material_value(rope, k, which),
-                                          material_value(rope, next, which));
+        k = middle_before(nodal.nodes, nodal.s, k, places[i]);
+        const int next = k < nodal.nodes - 2 ? k + 1 : k;
+        values[i] = interpolate_midpoints(nodal.nodes, nodal.s, k, places[i], material_value(sim, k, which),
+                                          material_value(sim, next, which));
     }
 }
 
-static void pull_at(const Simulator *rope, const double *places, double *tension) {
-    const double rho = rope->scene.rope.mass_per_length, gravity = rope->scene.layout.gravity;
-    const NodalArrays m = state_arrays(rope->state);
+static void pull_at(const Simulator *sim, const double *places, double *tension) {
+    const double rho = sim->scene.rope.mass_per_length, gravity = sim->scene.layout.gravity;
+    const NodalArrays nodal = state_arrays(sim->state);
     double xyz[3 * SHAPE_POINTS];
-    if (rope->state->fidelity != RIGID) {
-        diagnostics_tension(&m, rho, gravity, SHAPE_POINTS, places, tension);
+    if (sim->state->fidelity != RIGID) {
+        diagnostics_tension(&nodal, rho, gravity, SHAPE_POINTS, places, tension);
         return;
     }
-    points_at(rope, places, xyz);
-    rigid_tension(&m, rho, gravity, SHAPE_POINTS, places, xyz + SHAPE_POINTS, tension);
+    points_at(sim, places, xyz);
+    rigid_tension(&nodal, rho, gravity, SHAPE_POINTS, places, xyz + SHAPE_POINTS, tension);
 }
 
-static void along_signals(Simulator *rope, double *values) {
-    const NodalArrays m = state_arrays(rope->state);
+static void along_signals(Simulator *sim, double *values) {
+    const NodalArrays nodal = state_arrays(sim->state);
     double *places = values + SIGNAL_SHAPE_S_1;
-    rope_system_strains(rope);
-    shape_places(m.s[m.elements], loop(rope)->s, loop_width(&rope->scene), SHAPE_POINTS, places);
-    pull_at(rope, places, values + SIGNAL_SHAPE_TENSION_1);
-    along(rope, places, BENDING_STRESS, values + SIGNAL_SHAPE_BENDING_1);
-    along(rope, places, TORSIONAL_STRESS, values + SIGNAL_SHAPE_TORSION_1);
+    rope_system_strains(sim);
+    shape_places(nodal.s[nodal.elements], loop(sim)->s, loop_width(&sim->scene), SHAPE_POINTS, places);
+    pull_at(sim, places, values + SIGNAL_SHAPE_TENSION_1);
+    along(sim, places, BENDING_STRESS, values + SIGNAL_SHAPE_BENDING_1);
+    along(sim, places, TORSIONAL_STRESS, values + SIGNAL_SHAPE_TORSION_1);
 }
 
-static void station_signals(Simulator *rope, double *values) {
-    const Stations *station = &rope->scene.station;
-    const NodalArrays m = state_arrays(rope->state);
+static void station_signals(Simulator *sim, double *values) {
+    const Stations *station = &sim->scene.station;
+    const NodalArrays nodal = state_arrays(sim->state);
     const double step = (station->last - station->first) / (SHAPE_POINTS - 1);
     double places[SHAPE_POINTS];
-    rope_system_strains(rope);
+    rope_system_strains(sim);
     for (int i = 0; i < SHAPE_POINTS; i++)
-        places[i] = m.s[m.elements] * (i < SHAPE_POINTS - 1 ? i * step + station->first : station->last);
-    pull_at(rope, places, values + SIGNAL_STATION_TENSION_1);
-    along(rope, places, CURVATURE, values + SIGNAL_STATION_CURVATURE_1);
-    along(rope, places, TORQUE, values + SIGNAL_STATION_TORQUE_1);
-    points_at(rope, places, values + SIGNAL_STATION_X_1);
+        places[i] = nodal.s[nodal.elements] * (i < SHAPE_POINTS - 1 ? i * step + station->first : station->last);
+    pull_at(sim, places, values + SIGNAL_STATION_TENSION_1);
+    along(sim, places, CURVATURE, values + SIGNAL_STATION_CURVATURE_1);
+    along(sim, places, TORQUE, values + SIGNAL_STATION_TORQUE_1);
+    points_at(sim, places, values + SIGNAL_STATION_X_1);
 }
 
 SignalGroup group_of(int signal) {

@@ -62,12 +62,12 @@ static void add_side(const ContactPair *pair, Probe one, Probe two, Pressed *pre
 }
 
 /* Find the integration points where body k presses an element. */
-static void find_pressed(const System *s, int element, int k, const double *q, Pressed *pressed) {
+static void find_pressed(const System *sys, int element, int k, const double *q, Pressed *pressed) {
     const double *a = q + (size_t)element * DOF;
-    const ContactPair pair = {a, a + DOF, s->lengths[element], s->obstacles->scene->rope.diameter,
-                              &s->obstacles->placed[k].body};
+    const ContactPair pair = {a, a + DOF, sys->lengths[element], sys->obstacles->scene->rope.diameter,
+                              &sys->obstacles->placed[k].body};
     pressed->number = 0;
-    if (!(s->obstacles->near[element] & 1u << k)) return;
+    if (!(sys->obstacles->near[element] & 1u << k)) return;
     Probe start = probe_at(&pair, 0.0);
     for (int cell = 1; cell <= CONTACT_CELLS; cell++) {
         const Probe stop = probe_at(&pair, (double)cell / CONTACT_CELLS);
@@ -84,12 +84,12 @@ typedef struct {
     ContactTerms terms;
 } ContactPoint;
 
-static ContactPoint contact_point_of(const System *s, int element, int k, const double point[2], const double *q,
+static ContactPoint contact_point_of(const System *sys, int element, int k, const double point[2], const double *q,
                                      const double *v, double cq, double cv) {
-    const Obstacles *obstacles = s->obstacles;
-    ContactPoint found = {.weight = s->lengths[element] * point[1]};
+    const Obstacles *obstacles = sys->obstacles;
+    ContactPoint found = {.weight = sys->lengths[element] * point[1]};
     double r[3], speed[3];
-    hermite_shape_functions(point[0], s->lengths[element], found.N);
+    hermite_shape_functions(point[0], sys->lengths[element], found.N);
     at_places(q, element, found.N, r);
     at_places(v, element, found.N, speed);
     found.terms = contact_law(&obstacles->scene->shaft.contact, obstacles->scene->rope.diameter,
@@ -97,27 +97,27 @@ static ContactPoint contact_point_of(const System *s, int element, int k, const 
     return found;
 }
 
-void contact_residual(const System *s, int element, const double *q, const double *v, double R[CONTACT_DOF]) {
+void contact_residual(const System *sys, int element, const double *q, const double *v, double R[CONTACT_DOF]) {
     Pressed pressed;
     memset(R, 0, sizeof(double) * CONTACT_DOF);
-    for (int body = 0; body < s->obstacles->bodies; body++) {
-        find_pressed(s, element, body, q, &pressed);
+    for (int body = 0; body < sys->obstacles->bodies; body++) {
+        find_pressed(sys, element, body, q, &pressed);
         for (int n = 0; n < pressed.number; n++) {
-            const ContactPoint point = contact_point_of(s, element, body, pressed.points[n], q, v, 0, 0);
+            const ContactPoint point = contact_point_of(sys, element, body, pressed.points[n], q, v, 0, 0);
             for (int k = 0; k < CONTACT_DOF; k++) R[k] -= point.weight * point.N[k / 3] * point.terms.force[k % 3];
         }
     }
 }
 
-void contact_tangent(const System *s, int element, const double *q, const double *v, const double c[3],
+void contact_tangent(const System *sys, int element, const double *q, const double *v, const double c[3],
                      double tangent[CONTACT_DOF][CONTACT_DOF]) {
     static const int upper[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
     Pressed pressed;
     memset(tangent, 0, sizeof(double) * CONTACT_DOF * CONTACT_DOF);
-    for (int body = 0; body < s->obstacles->bodies; body++) {
-        find_pressed(s, element, body, q, &pressed);
+    for (int body = 0; body < sys->obstacles->bodies; body++) {
+        find_pressed(sys, element, body, q, &pressed);
         for (int number = 0; number < pressed.number; number++) {
-            const ContactPoint point = contact_point_of(s, element, body, pressed.points[number], q, v, c[0], c[1]);
+            const ContactPoint point = contact_point_of(sys, element, body, pressed.points[number], q, v, c[0], c[1]);
             for (int k = 0; k < CONTACT_DOF; k++)
                 for (int n = k; n < CONTACT_DOF; n++)
                     tangent[k][n] +=
@@ -126,14 +126,14 @@ void contact_tangent(const System *s, int element, const double *q, const double
     }
 }
 
-void contact_sums(const System *s, int element, const double *q, const double *v, double sums[CONTACT_BALANCE]) {
+void contact_sums(const System *sys, int element, const double *q, const double *v, double sums[CONTACT_BALANCE]) {
     Pressed pressed;
-    for (int body = 0; body < s->obstacles->bodies; body++) {
-        find_pressed(s, element, body, q, &pressed);
+    for (int body = 0; body < sys->obstacles->bodies; body++) {
+        find_pressed(sys, element, body, q, &pressed);
         for (int n = 0; n < pressed.number; n++) {
-            const ContactPoint point = contact_point_of(s, element, body, pressed.points[n], q, v, 0, 0);
+            const ContactPoint point = contact_point_of(sys, element, body, pressed.points[n], q, v, 0, 0);
             for (int k = 0; k < CONTACT_FORCES; k++) sums[k] += point.weight * point.terms.sums[k];
-            sums[CONTACT_FORCES + s->obstacles->placed[body].kind] += point.weight * point.terms.sums[CONTACT_FORCES];
+            sums[CONTACT_FORCES + sys->obstacles->placed[body].kind] += point.weight * point.terms.sums[CONTACT_FORCES];
         }
     }
 }

@@ -5,14 +5,14 @@
 #include "simulator.h"
 
 /* Bring the state to an equilibrium at rest, with the yaw of its loop. */
-static int equilibrium_in_frame(Simulator *rope, State *state, double max_turn, char *message) {
-    const NodalArrays m = state_arrays(state);
-    const size_t bytes = sizeof(double) * (size_t)m.nodes * DOF;
+static int equilibrium_in_frame(Simulator *sim, State *state, double max_turn, char *message) {
+    const NodalArrays nodal = state_arrays(state);
+    const size_t bytes = sizeof(double) * (size_t)nodal.nodes * DOF;
     const double offset = state->offsets[RIGHT];
-    if (!find_equilibrium(rope, state, max_turn, message)) return 0;
-    memset(m.v, 0, (FIELDS - 2) * bytes); /* all arrays except q and the reaction */
+    if (!find_equilibrium(sim, state, max_turn, message)) return 0;
+    memset(nodal.v, 0, (FIELDS - 2) * bytes); /* all arrays except q and the reaction */
     state->h = 0;
-    model_energies(rope, state);
+    model_energies(sim, state);
     /* A yaw psi of the loop turns the frame of the right end by -2 psi.  This counts full turns. */
     state->loop_yaw -= 0.5 * (state->offsets[RIGHT] - offset);
     with_loop_yaw(state);
@@ -20,32 +20,33 @@ static int equilibrium_in_frame(Simulator *rope, State *state, double max_turn, 
 }
 
 /* Add twist in steps, each to an equilibrium.  `spare` has the state before the latest step. */
-static int turn_in(Simulator *rope, State *state, double twist, char *message) {
-    const NodalArrays m = state_arrays(state);
+static int turn_in(Simulator *sim, State *state, double twist, char *message) {
+    const NodalArrays nodal = state_arrays(state);
     double left = twist, beyond = INFINITY, size = TWIST_STEP;
     while (left != 0) {
         size = fmin(size, 0.5 * fabs(left - beyond));
         const double step = size < fabs(left) ? copysign(size, twist) : left;
         const int last = fabs(step) <= MIN_TWIST_STEP;
         char why[MESSAGE];
-        if (rope->corrections >= MAX_CORRECTIONS) {
+        if (sim->corrections >= MAX_CORRECTIONS) {
             say_takes_too_long(why);
-            return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)rope->corrections, why);
+            return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)sim->corrections, why);
         }
-        state_copy(rope, rope->spare, state);
+        state_copy(sim, sim->spare, state);
         state->offsets[RIGHT] += step;
-        for (int k = 0; k < m.nodes; k++) m.q[(size_t)k * DOF + ANGLE] += step * (m.s[k] / m.s[m.elements]);
-        if (!equilibrium_in_frame(rope, state, last ? INFINITY : MAX_TURN, message)) {
-            if (!rope->turned) {
+        for (int k = 0; k < nodal.nodes; k++)
+            nodal.q[(size_t)k * DOF + ANGLE] += step * (nodal.s[k] / nodal.s[nodal.elements]);
+        if (!equilibrium_in_frame(sim, state, last ? INFINITY : MAX_TURN, message)) {
+            if (!sim->turned) {
                 memcpy(why, message, MESSAGE);
-                return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)rope->corrections, why);
+                return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)sim->corrections, why);
             }
-            state_copy(rope, state, rope->spare);
+            state_copy(sim, state, sim->spare);
             message[0] = '\0';
             beyond = left - step;
             continue;
         }
-        const double turn = state->offsets[RIGHT] - rope->spare->offsets[RIGHT] - step;
+        const double turn = state->offsets[RIGHT] - sim->spare->offsets[RIGHT] - step;
         left -= step;
         if (fabs(turn) > MAX_TURN) state->snap_twist = twist - left;
         size = fmin(2 * fabs(step), TWIST_STEP);
@@ -55,16 +56,16 @@ static int turn_in(Simulator *rope, State *state, double twist, char *message) {
 }
 
 /* Find the equilibrium of the straight rope first, then add its permanent curvature in steps. */
-static int let_curve(Simulator *rope, State *state, char *message) {
-    const Rope whole = rope->scene.rope;
-    const int parts = is_curved(rope, state) ? CURVATURE_STEPS : 0;
+static int let_curve(Simulator *sim, State *state, char *message) {
+    const Rope whole = sim->scene.rope;
+    const int parts = is_curved(sim, state) ? CURVATURE_STEPS : 0;
     int found = 1;
     for (int k = 0; k <= parts && found; k++) {
-        if (parts > 0) rope->scene.rope = partly_curved(&whole, (double)k / parts);
-        found = equilibrium_in_frame(rope, state, INFINITY, message);
+        if (parts > 0) sim->scene.rope = partly_curved(&whole, (double)k / parts);
+        found = equilibrium_in_frame(sim, state, INFINITY, message);
     }
-    const double reached = max_curvature(&rope->scene.rope);
-    rope->scene.rope = whole;
+    const double reached = max_curvature(&sim->scene.rope);
+    sim->scene.rope = whole;
     if (!found && parts > 0 && reached > 0) {
         char why[MESSAGE];
         memcpy(why, message, MESSAGE);
@@ -78,31 +79,31 @@ typedef struct {
     double ends[2][3][DOF], offset, yaw;
 } Before;
 
-static void untwist(const NodalArrays *m, double angle) {
-    for (int node = 0; node < m->nodes; node++) m->q[(size_t)node * DOF + ANGLE] = angle;
+static void untwist(const NodalArrays *nodal, double angle) {
+    for (int node = 0; node < nodal->nodes; node++) nodal->q[(size_t)node * DOF + ANGLE] = angle;
 }
 
-/* Hang the rope again while `side` may turn, untwisted from the other end on. */
-static int hang_while_it_turns(Simulator *rope, State *state, const Before *before, int side, char *message) {
-    const NodalArrays m = state_arrays(state);
-    hanging_guess(m.nodes, m.s, before->ends[LEFT][0], before->ends[RIGHT][0], m.q, message);
-    untwist(&m, before->ends[side == LEFT ? RIGHT : LEFT][0][ANGLE]);
+/* Hang the rope again, without twist, while its end at `side` may turn. */
+static int hang_while_it_turns(Simulator *sim, State *state, const Before *before, int side, char *message) {
+    const NodalArrays nodal = state_arrays(state);
+    hanging_guess(nodal.nodes, nodal.s, before->ends[LEFT][0], before->ends[RIGHT][0], nodal.q, message);
+    untwist(&nodal, before->ends[side == LEFT ? RIGHT : LEFT][0][ANGLE]);
     state->offsets[RIGHT] = before->offset;
     state->loop_yaw = before->yaw;
     state->snap_twist = 0;
-    return let_curve(rope, state, message);
+    return let_curve(sim, state, message);
 }
 
 /* Let the swivels that start relaxed, and cannot hold, slip to equilibrium, the loosest first. */
-static int relax(Simulator *rope, State *state, const Before *before, char *message) {
-    const NodalArrays m = state_arrays(state);
+static int relax(Simulator *sim, State *state, const Before *before, char *message) {
+    const NodalArrays nodal = state_arrays(state);
     double sign[2] = {0, 0}, relative[2];
     do {
         int loosest = -1;
         double least = INFINITY;
         for (int side = LEFT; side <= RIGHT; side++) {
-            const Swivel *swivel = &rope->scene.swivels[side];
-            const double *R = end_row(m.reaction, m.nodes, side);
+            const Swivel *swivel = &sim->scene.swivels[side];
+            const double *R = end_row(nodal.reaction, nodal.nodes, side);
             if (sign[side] != 0 || !relaxes(swivel, &state->swivels[side], state->t)) continue;
             const double friction = swivel_friction(swivel, swivel->mu_kinetic, R[1]);
             if (!(beyond_rest(swivel, R[1], R[ANGLE]) >= 0 && friction < least)) continue;
@@ -111,49 +112,48 @@ static int relax(Simulator *rope, State *state, const Before *before, char *mess
         }
         if (loosest < 0) return 1;
         const int first = sign[LEFT] == 0 && sign[RIGHT] == 0;
-        sign[loosest] = copysign(1, -end_row(m.reaction, m.nodes, loosest)[ANGLE]);
+        sign[loosest] = copysign(1, -end_row(nodal.reaction, nodal.nodes, loosest)[ANGLE]);
         for (int side = LEFT; side <= RIGHT; side++)
             if (sign[side] != 0) state->swivels[side] = (SwivelState){.sign = sign[side], .phase = SLIP};
-        if (!(first ? hang_while_it_turns(rope, state, before, loosest, message)
-                    : equilibrium_in_frame(rope, state, INFINITY, message)))
+        if (!(first ? hang_while_it_turns(sim, state, before, loosest, message)
+                    : equilibrium_in_frame(sim, state, INFINITY, message)))
             return 0;
         for (int side = LEFT; side <= RIGHT; side++) {
             if (sign[side] == 0) continue;
-            ends_relative(state, side, state->t, end_row(m.q, m.nodes, side)[ANGLE], 0, relative);
+            ends_relative(state, side, state->t, end_row(nodal.q, nodal.nodes, side)[ANGLE], 0, relative);
             state->swivels[side] = (SwivelState){.angle = relative[0], .phase = LOCKED};
         }
-        if (!equilibrium_in_frame(rope, state, INFINITY, message)) return 0;
-    } while (is_curved(rope, state));
+        if (!equilibrium_in_frame(sim, state, INFINITY, message)) return 0;
+    } while (is_curved(sim, state));
     return 1;
 }
 
-static int hang_in_loop(Simulator *rope, State *state, char *message) {
-    const NodalArrays m = state_arrays(state);
+static int hang_in_loop(Simulator *sim, State *state, char *message) {
+    const NodalArrays nodal = state_arrays(state);
     Before before = {.offset = state->offsets[RIGHT], .yaw = state->loop_yaw};
     for (int side = LEFT; side <= RIGHT; side++)
-        ends_prescribed_motion(&rope->scene, state, side, state->t, before.ends[side]);
+        ends_prescribed_motion(&sim->scene, state, side, state->t, before.ends[side]);
     const double first = before.ends[LEFT][0][ANGLE], twist = before.ends[RIGHT][0][ANGLE] - first;
-    untwist(&m, first);
+    untwist(&nodal, first);
     state->offsets[RIGHT] -= twist;
-    rope->corrections = 0;
-    return let_curve(rope, state, message) && turn_in(rope, state, twist, message) &&
-           relax(rope, state, &before, message);
+    sim->corrections = 0;
+    return let_curve(sim, state, message) && turn_in(sim, state, twist, message) && relax(sim, state, &before, message);
 }
 
-void paths_at_rest(const Simulator *rope, State *state, const EndMotion ends[2], double placed) {
+void paths_at_rest(const Simulator *sim, State *state, const EndMotion ends[2], double placed) {
     for (int side = LEFT; side <= RIGHT; side++) {
-        const double now = not_plumb(&rope->scene) ? placed : 1, sense = side ? 1 : -1;
-        const EndMotion placed = partly_placed(&rope->scene, &ends[side], &ends[!side], sense, now);
+        const double now = not_plumb(&sim->scene) ? placed : 1, sense = side ? 1 : -1;
+        const EndMotion placed = partly_placed(&sim->scene, &ends[side], &ends[!side], sense, now);
         state->paths[side] = path_resting(state->t, &placed);
     }
 }
 
-int hang(Simulator *rope, State *state, const EndMotion ends[2], char *message) {
-    const int steps = not_plumb(&rope->scene) ? PLACING_STEPS : 0;
-    int found = hang_in_loop(rope, state, message);
+int hang(Simulator *sim, State *state, const EndMotion ends[2], char *message) {
+    const int steps = not_plumb(&sim->scene) ? PLACING_STEPS : 0;
+    int found = hang_in_loop(sim, state, message);
     for (int k = 0; k < steps && found; k++) {
-        paths_at_rest(rope, state, ends, (k + 1.0) / PLACING_STEPS);
-        found = equilibrium_in_frame(rope, state, INFINITY, message);
+        paths_at_rest(sim, state, ends, (k + 1.0) / PLACING_STEPS);
+        found = equilibrium_in_frame(sim, state, INFINITY, message);
     }
     return found;
 }

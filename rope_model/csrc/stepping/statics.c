@@ -9,65 +9,65 @@ enum { MAX_ITERATIONS = 10000 };
 #define MAX_MOVE 0.3 /* m or rad, of one step */
 
 /* Return the work of the residual R along x, which is zero where the rope is held. */
-static double work_along(const System *s, const double *R, const double *x) {
+static double work_along(const System *sys, const double *R, const double *x) {
     double work = 0;
-    for (size_t i = 0; i < (size_t)(s->elements + 1) * DOF; i++) work += R[i] * x[i];
+    for (size_t i = 0; i < (size_t)(sys->elements + 1) * DOF; i++) work += R[i] * x[i];
     return work;
 }
 
 /* Return the largest unbalanced force, N. */
-static double imbalance(const System *s, const double *R) {
-    return rope_system_norm(s, R, 1. / s->shortest);
+static double imbalance(const System *sys, const double *R) {
+    return rope_system_norm(sys, R, 1. / sys->shortest);
 }
 
-int find_equilibrium(Simulator *rope, State *state, double max_turn, char *message) {
-    const NodalArrays m = state_arrays(state), *scratch = &rope->trial;
-    const System s = rope_system(rope, state);
-    const Chain *chain = chain_of(rope, state);
-    const size_t size = (size_t)m.nodes * DOF, bytes = sizeof(double) * size;
-    double *trial = scratch->q, *zeros = scratch->v, *R = scratch->a, *now = scratch->b, *x = rope->x;
+int find_equilibrium(Simulator *sim, State *state, double max_turn, char *message) {
+    const NodalArrays nodal = state_arrays(state), *scratch = &sim->trial;
+    const System sys = rope_system(sim, state);
+    const Chain *chain = chain_of(sim, state);
+    const size_t size = (size_t)nodal.nodes * DOF, bytes = sizeof(double) * size;
+    double *trial = scratch->q, *zeros = scratch->v, *R = scratch->a, *now = scratch->b, *x = sim->x;
     double balance[BALANCE], tau = 0.1, previous = 0, turned = 0, relaxed = 1, last = 0;
     int balanced = 0, k;
-    rope->turned = 0;
-    const double rounding = 10 * DBL_EPSILON * rope->scene.rope.Qa * m.s[m.elements] / s.shortest;
+    sim->turned = 0;
+    const double rounding = 10 * DBL_EPSILON * sim->scene.rope.Qa * nodal.s[nodal.elements] / sys.shortest;
     memset(zeros, 0, bytes);
-    memset(m.reaction, 0, bytes);
-    rope_system_prescribed_motion(rope, state, &s, state->t, 1, &(double *){m.q});
-    rope_system_refer(rope, state, m.q);
+    memset(nodal.reaction, 0, bytes);
+    rope_system_prescribed_motion(sim, state, &sys, state->t, 1, &(double *){nodal.q});
+    rope_system_refer(sim, state, nodal.q);
     for (k = 0; k < MAX_ITERATIONS && tau >= 1e-7; k++) {
-        rope->corrections++;
+        sim->corrections++;
         const double c[3] = {1, 0, pow(tau, -2)};
-        chain->newton_step(&s, rope->work, m.q, zeros, zeros, m.reaction, c, 0, x, now);
-        previous = imbalance(&s, now);
-        const double move = rope_system_norm(&s, x, 1), norm = rope_system_norm(&s, x, s.shortest);
+        chain->newton_step(&sys, sim->work, nodal.q, zeros, zeros, nodal.reaction, c, 0, x, now);
+        previous = imbalance(&sys, now);
+        const double move = rope_system_norm(&sys, x, 1), norm = rope_system_norm(&sys, x, sys.shortest);
         if (!isfinite(move)) {
             tau *= 0.1;
             continue;
         }
-        const double error = -work_along(&s, now, x);
+        const double error = -work_along(&sys, now, x);
         /* The tangent lacks the part of the law without energy; relaxation makes up for it. */
-        if (s.P[P_QK] != 0 && tau > SETTLED && last > 0) relaxed = relaxation(error / last, relaxed);
+        if (sys.P[P_QK] != 0 && tau > SETTLED && last > 0) relaxed = relaxation(error / last, relaxed);
         last = error;
         const double step = fmin(relaxed, MAX_MOVE / fmax(move, 1e-300));
-        for (size_t i = 0; i < size; i++) trial[i] = m.q[i] + step * x[i];
-        chain->evaluate(&s, trial, zeros, zeros, now, R, balance);
-        const double force = imbalance(&s, R);
-        /* A step may raise the forces but not the energy: stretch by moving sideways grows with the cube of the step.
-           If the tangent is indefinite for lack of inertia, the correction itself climbs. */
+        for (size_t i = 0; i < size; i++) trial[i] = nodal.q[i] + step * x[i];
+        chain->evaluate(&sys, trial, zeros, zeros, now, R, balance);
+        const double force = imbalance(&sys, R);
+        /* A step may raise the residual's norm, as stretch by moving sideways grows with the cube of the step, but not
+           the energy.  Where the tangent is indefinite the correction climbs: a smaller tau adds inertia. */
         const int climbs = error < 0 && previous > rounding;
-        const int ends_low = work_along(&s, R, x) <= 3 * error || force <= previous + rounding;
+        const int ends_low = work_along(&sys, R, x) <= 3 * error || force <= previous + rounding;
         if (climbs || !isfinite(force) || !ends_low) {
             tau *= 0.3;
             last = 0;
             continue;
         }
-        turned += rope_system_transport(rope, state, trial, zeros, zeros, zeros);
-        rope->turned = fabs(turned) > max_turn;
-        if (rope->turned) break;
-        memcpy(m.q, trial, bytes);
-        memcpy(m.reaction, R, bytes);
+        turned += rope_system_transport(sim, state, trial, zeros, zeros, zeros);
+        sim->turned = fabs(turned) > max_turn;
+        if (sim->turned) break;
+        memcpy(nodal.q, trial, bytes);
+        memcpy(nodal.reaction, R, bytes);
         balanced += force <= rounding;
-        if (balanced > BALANCED || (tau > 1e8 && norm < REST_TOLERANCE * m.s[m.elements])) {
+        if (balanced > BALANCED || (tau > 1e8 && norm < REST_TOLERANCE * nodal.s[nodal.elements])) {
             state->offsets[RIGHT] += turned;
             return 1;
         }

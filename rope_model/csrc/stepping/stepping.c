@@ -6,21 +6,21 @@
 static const char *const NEWTON_MESSAGES[] = NEWTON_TEXTS; /* messages of a Newton status */
 
 typedef struct {
-    const Simulator *rope;
+    const Simulator *sim;
     const State *state;
 } DueContext;
 
 static double due_at(void *data, double time) {
     const DueContext *context = data;
-    return distance_past_limit(&context->state->pattern, model_bottom_s(context->rope, context->state, time));
+    return distance_past_limit(&context->state->pattern, model_bottom_s(context->sim, context->state, time));
 }
 
 /* Return the end of the coming steps: the host's, a release, or a transformation that a step would pass too far. */
-static double next_stop(const Simulator *rope, const State *state, double t_end) {
-    const double t = state->t, stop = fmin(t_end, next_release(rope, state));
-    const double ahead = fmin(stop, t + fmin(state->step_next, rope->scene.solver.step_max));
+static double next_stop(const Simulator *sim, const State *state, double t_end) {
+    const double t = state->t, stop = fmin(t_end, next_release(sim, state));
+    const double ahead = fmin(stop, t + fmin(state->step_next, sim->scene.solver.step_max));
     const double times[2] = {0.5 * (t + ahead), ahead};
-    DueContext context = {rope, state};
+    DueContext context = {sim, state};
     const double at_start = due_at(&context, t);
     /* The next step finds a crossing between these times, at most one step late. */
     for (int k = 0; k < 2; k++) {
@@ -32,25 +32,25 @@ static double next_stop(const Simulator *rope, const State *state, double t_end)
 }
 
 /* Return the number of steps, at least one, that the iterations left to this advance allow. */
-static int64_t steps_left(const Simulator *rope, const State *state) {
-    const int64_t left = (rope->newton_limit - state->counts.newton) / STEP_ITERATIONS;
+static int64_t steps_left(const Simulator *sim, const State *state) {
+    const int64_t left = (sim->newton_limit - state->counts.newton) / STEP_ITERATIONS;
     return left > 1 ? left : 1;
 }
 
 /* Try steps towards `stop`, halved until one converges within the tolerance, or exceeds it if the iterations left allow
    no more steps.  Return 0 with a message if none does. */
-static int accepted_step(Simulator *rope, State *state, double stop, StepResult *trial, double *step_next, int *reaches,
+static int accepted_step(Simulator *sim, State *state, double stop, StepResult *trial, double *step_next, int *reaches,
                          char *message) {
-    const Solver *solver = &rope->scene.solver;
+    const Solver *solver = &sim->scene.solver;
     double next = fmin(state->step_next, solver->step_max);
-    double parts = substeps(stop - state->t, next, (double)steps_left(rope, state));
+    double parts = substeps(stop - state->t, next, (double)steps_left(sim, state));
     double h = (stop - state->t) / parts;
     int rejected = 0;
     for (;;) {
-        *trial = model_trial(rope, state, h);
+        *trial = model_trial(sim, state, h);
         state->counts.newton += trial->newton.iterations;
         if (trial->converged && trial->error_ratio <= ACCEPT_BELOW * solver->tolerance) break;
-        if (trial->converged && stop - state->t > 0.5 * h * (double)steps_left(rope, state)) {
+        if (trial->converged && stop - state->t > 0.5 * h * (double)steps_left(sim, state)) {
             next = h;
             break;
         }
@@ -74,55 +74,55 @@ static int accepted_step(Simulator *rope, State *state, double stop, StepResult 
     return 1;
 }
 
-int as_rigid(Simulator *rope, State *state, double t, char *message) {
+int as_rigid(Simulator *sim, State *state, double t, char *message) {
     state->t = t;
-    transform_if_due(rope, state);
-    const NodalArrays m = state_arrays(state);
+    transform_if_due(sim, state);
+    const NodalArrays nodal = state_arrays(state);
     const EndMotion ends[2] = {path_at(&state->paths[LEFT], t), path_at(&state->paths[RIGHT], t)};
-    rigid_rope(&rope->scene, ends, t, m.nodes, m.s, m.q, m.v, m.a, m.reaction, &state->energy_balance.kinetic,
-               &state->energy_balance.gravity, message);
-    memcpy(m.b, m.a, sizeof(double) * (size_t)m.nodes * DOF);
-    memset(m.a_rate, 0, sizeof(double) * (size_t)m.nodes * DOF);
+    rigid_rope(&sim->scene, ends, t, nodal.nodes, nodal.s, nodal.q, nodal.v, nodal.a, nodal.reaction,
+               &state->energy_balance.kinetic, &state->energy_balance.gravity, message);
+    memcpy(nodal.b, nodal.a, sizeof(double) * (size_t)nodal.nodes * DOF);
+    memset(nodal.a_rate, 0, sizeof(double) * (size_t)nodal.nodes * DOF);
     state->h = 0;
     return !message[0];
 }
 
-static int rigid_step(Simulator *rope, State *state, double t_end, char *message) {
+static int rigid_step(Simulator *sim, State *state, double t_end, char *message) {
     const double h = t_end - state->t, before = state->power_ends;
-    if (!as_rigid(rope, state, t_end, message)) return 0;
-    model_powers(rope, state);
+    if (!as_rigid(sim, state, t_end, message)) return 0;
+    model_powers(sim, state);
     state->energy_balance.work_ends += 0.5 * h * (before + state->power_ends);
     state->counts.steps += 1;
     return 1;
 }
 
-int step_towards(Simulator *rope, State *state, double t_end, char *message) {
-    if (state->fidelity == RIGID) return rigid_step(rope, state, t_end, message);
-    const int transformed = transform_if_due(rope, state);
+int step_towards(Simulator *sim, State *state, double t_end, char *message) {
+    if (state->fidelity == RIGID) return rigid_step(sim, state, t_end, message);
+    const int transformed = transform_if_due(sim, state);
     if (transformed != CONVERGED)
-        return say_transformation_fails(message, rope->scene.solver.step_min, NEWTON_MESSAGES[transformed]);
-    release_swivels(rope, state);
-    const double stop = next_stop(rope, state, t_end);
+        return say_transformation_fails(message, sim->scene.solver.step_min, NEWTON_MESSAGES[transformed]);
+    release_swivels(sim, state);
+    const double stop = next_stop(sim, state, t_end);
     double step_next, end;
     int reaches, switching;
     StepResult trial;
     for (;;) {
-        if (!accepted_step(rope, state, stop, &trial, &step_next, &reaches, message)) return 0;
+        if (!accepted_step(sim, state, stop, &trial, &step_next, &reaches, message)) return 0;
         end = trial.t;
-        switching = switching_step(rope, state, &trial);
+        switching = switching_step(sim, state, &trial);
         if (switching >= 0) break;
         /* A shorter step may not reach the event, or locate it more easily. */
-        state->step_next = fmax(0.5 * (end - state->t), rope->scene.solver.step_min);
+        state->step_next = fmax(0.5 * (end - state->t), sim->scene.solver.step_min);
         if (state->step_next > 0.75 * (end - state->t))
             return say_step_to_event_fails(message, NEWTON_MESSAGES[trial.newton.status]);
         state->counts.rejections += 1;
     }
-    model_commit(rope, state, &trial);
+    model_commit(sim, state, &trial);
     state->step_next = step_next;
     state->counts.steps += 1;
     if (reaches && trial.t == end) state->t = stop; /* without rounding error */
     if (switching) {
-        switch_swivels(rope, state);
+        switch_swivels(sim, state);
         if (chatters(state)) return say_swivel_chatters(message);
     }
     with_loop_yaw(state);
