@@ -106,25 +106,24 @@ def model_description(described: Mapping[int, Variable], build: Build) -> Elemen
     return _document(build, {"fmiVersion": "2.0", "guid": build.token}, interface, units, types, listed, structure)
 
 
+_SUPPORTED3 = ("canGetAndSetFMUState", "canSerializeFMUState", "canHandleVariableCommunicationStepSize")
+_UNSUPPORTED3 = (
+    *("needsExecutionTool", "canBeInstantiatedOnlyOncePerProcess", "providesAdjointDerivatives"),
+    *("providesPerElementDependencies", "providesIntermediateUpdate", "canReturnEarlyAfterIntermediateUpdate"),
+    "providesEvaluateDiscreteStates",
+)
+
+
 def model_description3(gathered: Sequence[Array], time: int, build: Build) -> Element:
     """Return the root element of FMI 3.0; ``time`` is the value reference of the independent variable."""
     interface = node(
         "CoSimulation",
         modelIdentifier=build.name,
-        needsExecutionTool=False,
-        canBeInstantiatedOnlyOncePerProcess=False,
-        canGetAndSetFMUState=True,
-        canSerializeFMUState=True,
-        providesDirectionalDerivatives=build.derivatives,
-        providesAdjointDerivatives=False,
-        providesPerElementDependencies=False,
-        canHandleVariableCommunicationStepSize=True,
         maxOutputDerivativeOrder=0,
-        providesIntermediateUpdate=False,
-        mightReturnEarlyFromDoStep=build.events,
-        canReturnEarlyAfterIntermediateUpdate=False,
-        hasEventMode=build.events,
-        providesEvaluateDiscreteStates=False,
+        **dict.fromkeys(_SUPPORTED3, True),
+        **dict.fromkeys(("mightReturnEarlyFromDoStep", "hasEventMode"), build.events),
+        providesDirectionalDerivatives=build.derivatives,
+        **dict.fromkeys(_UNSUPPORTED3, False),
     )
     variables = [array.variable for array in gathered]
     units = units_of(variables)

@@ -6,19 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from hoist_demo.calibration import measurements as kinds
 from hoist_demo.calibration.definition import MeasurementFile
 from hoist_demo.calibration.fit import Array, Fit, Residuals, error_of, fit, intervals, sensitivities, with_measurement
-from hoist_demo.calibration.measurements import (
-    AtRest,
-    CalibrationProblem,
-    LoopWidth,
-    Mass,
-    Measurements,
-    RopeMeasurement,
-    SampleExtension,
-    SampleRotation,
-    SampleTorque,
-)
+from hoist_demo.calibration.measurements import CalibrationProblem, Measurements, RopeMeasurement
 from hoist_demo.calibration.tracks import Markers
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data_of
@@ -110,7 +101,7 @@ def identify(file: MeasurementFile) -> CalibrationResult:
     if whole.norm_params.size == count:  # with a start, residuals are too nonlinear for a profile's few corrections
         ends = intervals(residuals, properties_fit)
     where: Any = dict(file.wanted)
-    wanted = AtRest(value=(0.0,), sigma=1.0, **where)
+    wanted = kinds.AtRest(value=(0.0,), sigma=1.0, **where)
     possible = candidates(problem, properties_fit.norm_params)
     rows = sensitivities(lambda u: problem.predict(u, [wanted, *possible]), properties_fit.norm_params)
     gradient, covariance = rows[0], properties_fit.covariance
@@ -163,7 +154,7 @@ def candidates(problem: CalibrationProblem, norm_params: Array) -> list[RopeMeas
     data = predictor.scene.rope
     load = 0.5 * data.length * data.mass_per_length * predictor.scene.layout.gravity
     torsion = predictor.properties["torsional_stiffness"]
-    width = problem.predict(norm_params, [LoopWidth(value=(1.0,), sigma=1.0)])[0]
+    width = problem.predict(norm_params, [kinds.LoopWidth(value=(1.0,), sigma=1.0)])[0]
     turn = 0.05 * load * data.diameter / torsion  # rad/m, for a torque like those of torque factors
     torque = 5e-4 * load * data.diameter
     kilonewtons = f"under {1e-3 * load:.3g} kN"
@@ -176,12 +167,12 @@ def candidates(problem: CalibrationProblem, norm_params: Array) -> list[RopeMeas
     yaw = "yaw of the loop at equal heights, by camera, to 1 degree"
     torque_at_rest = "torque of the left end at equal heights, to 0.5 N m"
     return [
-        LoopWidth(name="width of the free loop, to 1 %", value=(1.0,), sigma=0.01 * width),
-        Mass(name="mass, to 0.5 %", value=(1.0,), sigma=5e-3 * data.mass_per_length),
-        SampleTorque(name=f"torque of a sample {kilonewtons}, {share}", sigma=torque, **sample),
-        SampleTorque(name=twisted, sigma=torque, twist=(turn,), **sample),
-        SampleRotation(name=rotation, sigma=np.deg2rad(5), length=(10.0,), **sample),
-        SampleExtension(name=extension, sigma=5e-4, length=(10.0,), **sample),
-        AtRest(name=yaw, sigma=np.deg2rad(1), signal="loop.yaw", **level),
-        AtRest(name=torque_at_rest, sigma=0.5, signal="left.swivel.torque", **level),
+        kinds.LoopWidth(name="width of the free loop, to 1 %", value=(1.0,), sigma=0.01 * width),
+        kinds.Mass(name="mass, to 0.5 %", value=(1.0,), sigma=5e-3 * data.mass_per_length),
+        kinds.SampleTorque(name=f"torque of a sample {kilonewtons}, {share}", sigma=torque, **sample),
+        kinds.SampleTorque(name=twisted, sigma=torque, twist=(turn,), **sample),
+        kinds.SampleRotation(name=rotation, sigma=np.deg2rad(5), length=(10.0,), **sample),
+        kinds.SampleExtension(name=extension, sigma=5e-4, length=(10.0,), **sample),
+        kinds.AtRest(name=yaw, sigma=np.deg2rad(1), signal="loop.yaw", **level),
+        kinds.AtRest(name=torque_at_rest, sigma=0.5, signal="left.swivel.torque", **level),
     ]

@@ -31,17 +31,10 @@ from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner, Nex
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
 from hoist_demo.cosimulation.plain_data import encode
 from hoist_demo.cosimulation.run_state import Result, RunState, TripEnd
+from hoist_demo.cosimulation.schemes import interface
 from hoist_demo.cosimulation.schemes.catalogue import find_scheme
 from hoist_demo.cosimulation.schemes.explicit import GaussSeidel
-from hoist_demo.cosimulation.schemes.interface import (
-    ROPE_FORCES,
-    CoupledSystem,
-    RopePlant,
-    Scheme,
-    Stopwatch,
-    Vector,
-    forces_or_error,
-)
+from hoist_demo.cosimulation.schemes.interface import CoupledSystem, RopePlant, Stopwatch, Vector
 from hoist_demo.cosimulation.schemes.stability import StabilityEstimate, predict_stability
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES
 from hoist_demo.drive.outputs import OUTPUT_INDEX
@@ -76,7 +69,7 @@ class Host:
         controller: Callable[[Hoist, float], Controller] | None = None,
         *,
         trajectory: Trajectory | None = None,
-        scheme: Scheme | None = None,
+        scheme: interface.Scheme | None = None,
         after: TripEnd | None = None,
         next_hoist: Hoist | None = None,
     ) -> None:
@@ -169,10 +162,12 @@ class Host:
     def _start(self) -> RunState | str:
         """Return the run at rest, or behind another trip; a cause if the rope does not hang."""
         start, heights, after = self.coupling.start, self.start_heights, self._after
-        read = self.rope.reader(ROPE_FORCES)
+        read = self.rope.reader(interface.ROPE_FORCES)
         if after is None:
             with self.start_clock:
-                forces = forces_or_error(self.rope.initialize(start, *(EndMotion(y=y) for y in heights)), read)
+                forces = interface.forces_or_error(
+                    self.rope.initialize(start, *(EndMotion(y=y) for y in heights)), read
+                )
             if isinstance(forces, str):
                 return f"rope, at the start: {forces}"
         else:

@@ -181,20 +181,9 @@ FORMULAS: dict[str, Callable[..., Any]] = {
 }
 #: structures of results, which are generated for C
 DEFINED_HERE: tuple[type[Any], ...] = (
-    inextensible.Flow,
-    inextensible.RigidTensions,
-    initial_shape.InitialShape,
-    events.Bracket,
-    mesh_fit.FittedMesh,
-    generalized_alpha.Coefficients,
-    accuracy.StepLimits,
-    accuracy.NextStep,
-    shaft.Body,
-    air.AirCoefficients,
-    contact.ContactTerms,
-    contact_points.Probe,
-    wire_friction.BoucWenStep,
-    input_filter.FilterSettings,
+    *(inextensible.Flow, inextensible.RigidTensions, initial_shape.InitialShape, shaft.Body, air.AirCoefficients),
+    *(contact.ContactTerms, contact_points.Probe, wire_friction.BoucWenStep, input_filter.FilterSettings),
+    *(events.Bracket, mesh_fit.FittedMesh, generalized_alpha.Coefficients, accuracy.StepLimits, accuracy.NextStep),
 )
 #: structures that a formula may take or return
 STRUCTURES: dict[str, type[Any]] = {

@@ -12,17 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rope_model.numerics.newton import (
-    APPLIES,
-    CONTRACTION,
-    RUNNING,
-    STATUS,
-    NewtonLimits,
-    NewtonReport,
-    initial_progress,
-    judge,
-    report,
-)
+from rope_model.numerics import newton as control
+from rope_model.numerics.newton import NewtonLimits, NewtonReport
 
 Array = NDArray[np.float64]
 
@@ -80,18 +71,20 @@ def newton(
     system: Coupled, x: Iterate, c: Array, tolerance: float, limits: NewtonLimits, error_fraction: float
 ) -> tuple[Iterate, NewtonReport]:
     """Correct ``x`` until its residual is zero where free; v and a follow by c[1] and c[2] times the corrections."""
-    progress = initial_progress(error_fraction)
+    progress = control.initial_progress(error_fraction)
     for _ in range(int(limits.rounds)):
         solve = system.factorized(x)
         for k in range(int(limits.per_round)):
-            if k > 0 and not (progress[STATUS] == RUNNING and progress[CONTRACTION] < limits.slow):
+            if k > 0 and not (
+                progress[control.STATUS] == control.RUNNING and progress[control.CONTRACTION] < limits.slow
+            ):
                 break
             coupling = system.coupling(x)
             dx = solve(x.R) if coupling is None else conjugate_gradients(solve, coupling, x.R)
-            progress = judge(limits)(progress, system.norm(dx), tolerance, k == 0)
-            if progress[APPLIES] != 0:
+            progress = control.judge(limits)(progress, system.norm(dx), tolerance, k == 0)
+            if progress[control.APPLIES] != 0:
                 q, v, a = (part + factor * dx for part, factor in zip(x[:3], c.tolist(), strict=True))
                 x = Iterate(q, v, a, system.residual(q, v, a, x.R))
-        if progress[STATUS] != RUNNING:
+        if progress[control.STATUS] != control.RUNNING:
             break
-    return x, report(np.array(progress).ravel().tolist())
+    return x, control.report(np.array(progress).ravel().tolist())

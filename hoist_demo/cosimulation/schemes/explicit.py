@@ -11,22 +11,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hoist_demo.cosimulation.schemes.interface import (
-    Advance,
-    CoupledSystem,
-    InterfaceMotion,
-    Load,
-    Sample,
-    SchemeState,
-    Vector,
-)
+from hoist_demo.cosimulation.schemes import interface
+from hoist_demo.cosimulation.schemes.interface import Advance, CoupledSystem, Load, SchemeState, Vector
 
 Coefficients = tuple[Vector, Vector, Vector]
 #: Weights of the samples, latest first, in the mean of the extrapolated step, by order (Adams-Bashforth).
 MEAN_WEIGHTS = ((1.0,), (1.5, -0.5), (23.0 / 12.0, -16.0 / 12.0, 5.0 / 12.0))
 
 
-def extrapolation_coefficients(samples: Sequence[Sample], name: str, order: int, h: float) -> Coefficients:
+def extrapolation_coefficients(samples: Sequence[interface.Sample], name: str, order: int, h: float) -> Coefficients:
     """Coefficients c0, c1, c2 of s = 0 .. 1 over the step of h [s] that follows the last sample; `name` is a field."""
     latest = samples[-1]
     last: Vector = getattr(latest, name)
@@ -83,7 +76,7 @@ class Jacobi(Extrapolated):
         c0, c1, c2 = extrapolation_coefficients(scheme_state.samples, "acceleration", self.order, h)
         load = Load(start, linear, quadratic, np.zeros_like(start))
         now = coupled.drive.motion(load, 0.0)
-        expected = InterfaceMotion(
+        expected = interface.InterfaceMotion(
             now.position + h * now.speed + h * h * (c0 / 2.0 + c1 / 6.0 + c2 / 12.0),
             now.speed + h * (c0 + c1 / 2.0 + c2 / 3.0),
             c0 + c1 + c2,
