@@ -196,8 +196,8 @@ def _rope(recording: Recording) -> dict[str, float]:
         if signal in recording:
             metrics[name] = _largest(recording[signal] - recording[signal][0])
     for name in ("yaw", "turns", "sideways", "rise"):
-        if f"loop.{name}" in recording:
-            metrics[f"loop_{name}"] = _largest(recording[f"loop.{name}"])
+        if (values := recording.signals.get(f"loop.{name}")) is not None:
+            metrics[f"loop_{name}"] = float(np.max(values)) if name == "rise" else _largest(values)  # a fall is no rise
     for name in BODIES:
         if f"nearest.{name}.clearance" in recording:
             smallest = float(recording[f"nearest.{name}.clearance"][-1])
