@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 
 from hoist_demo.files.catalogue import group_table, rope_parameters
 from hoist_demo.files.reading import EMPTY, File, Table, beside, contents, flat, opened_by, read
-from hoist_demo.files.values import GIVEN, Given, Text, given, read_text
+from hoist_demo.files.values import DERIVED, GIVEN, VARIED, Given, Text, given, read_text
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import POSITIVE, VANISHING, Parameter
 from rope_model import Datum, KnownRope, rope
@@ -25,16 +25,22 @@ OF_CATALOGUE = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ")
 FOLLOWING = (*OF_CATALOGUE, "length", "diameter")
 _FOLLOWING = {
     "mass_per_length": ("rope.mass_per_length", "rope.rhoJ", "hoist.tail_rope_mass"),
-    "axial_stiffness": ("rope.Qa",),
+    "axial_stiffness": ("rope.Qa", "rope.Qb", "rope.Qc"),
     "torque_factor": ("rope.Qb", "rope.Qc"),
     "torsional_stiffness": ("rope.Qd",),
     "bending_stiffness": ("rope.EI",),
 }
+_BY_RULE = ("rope.rhoJ", "hoist.tail_rope_mass", "rope.Qb", "rope.Qc")  #: Those that are no property themselves.
+_PASSED_ON = ("calibrated", "contradicted", VARIED)  #: Statuses that what follows by a rule has, too.
 
 
 def following_statuses(statuses: Mapping[str, str]) -> dict[str, str]:
     """Return the statuses of the parameters that follow from properties of a rope with these statuses."""
-    return {name: status for key, status in statuses.items() for name in _FOLLOWING.get(key, ())}
+    return {
+        name: DERIVED if name in _BY_RULE and status not in _PASSED_ON else status
+        for key, status in sorted(statuses.items(), key=lambda one: one[1] in _PASSED_ON)
+        for name in _FOLLOWING.get(key, ())
+    }
 
 
 def _known_there(content: Any, info: ValidationInfo) -> KnownFile | None:
@@ -68,8 +74,7 @@ class KnownFile(File):
         ranges = self.rope.file.ranges if self.rope.file else {}
         for name, one in self.known.items():
             low, high = (float(one.value if end is None else end) for end in (one.low, one.high))
-            # a parameter file repeats the catalogue's statuses; what people know was measured
-            status, source = one.status or "measured", one.source or printable(self.path.name)
+            status, source = one.status or GIVEN, one.source or printable(self.path.name)
             ranges = ranges | {name: Datum(low, high, PROPERTIES[name].unit, status, source)}  # type: ignore[arg-type]
         return ranges
 
