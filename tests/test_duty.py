@@ -150,11 +150,16 @@ def test_the_schedules_of_the_documents_can_be_wound(name: str, count: int) -> N
 
 def test_the_command_leaves_a_table_and_goes_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     schedule_of(tmp_path, settle=2.0, travel=5.0)
+    file = tmp_path / "duty.toml"
+    hard = file.read_text(encoding="utf-8").replace("[fixed]", "[fixed]\nwinding.acceleration = 4.9\nwinding.jerk = 40")
+    file.write_text(hard, encoding="utf-8")
     arguments = ["duty", str(tmp_path / "duty.toml"), "--out", str(tmp_path / "out")]
     assert balance_rope.main(arguments) == 0
     assert balance_rope.main([*arguments, "--repeat", "2"]) == 0
     told = capsys.readouterr().out
     assert "2 of 4 trips are there already" in told
+    assert "slip safety in normal winding is" in told
+    assert "hoist.payload_left,varied,kg,varied" in (tmp_path / "out" / "data.csv").read_text(encoding="utf-8")
     units = {line.split()[0]: line.split()[2] for line in told.splitlines() if " in trip " in line}
     # angles in degrees, and no unit of pure numbers: "in trip" follows
     assert (units["loop_yaw"], units["turns"], units["sway"]) == ("deg", "in", "m")

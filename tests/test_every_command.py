@@ -93,7 +93,7 @@ def test_commands_say_whence_numbers_are(command: str, tmp_path: Path, capsys: p
     assert "Data that this rests on, by status" in said
     with (out / "data.csv").open(encoding="utf-8", newline="") as table:
         rows = {row["name"]: row["status"] for row in csv.DictReader(table)}
-    assert rows[_SAID[command]] == {"uncertain": "varied", "identify": "calibrated"}.get(command, "given")
+    assert rows[_SAID[command]] == {"wind": "given", "identify": "calibrated"}.get(command, "varied")
     assert set(rows.values()) <= {*STATUSES}
     if command in ("uncertain", "identify"):
         assert "Data that this rests on, by status" in (out / "report.html").read_text(encoding="utf-8")

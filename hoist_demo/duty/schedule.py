@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 
 from hoist_demo.files.reading import read
 from hoist_demo.files.run_values import LevelHead, RunFile, Values
-from hoist_demo.files.values import statuses
+from hoist_demo.files.values import VARIED, plain, statuses
 from hoist_demo.parameters import start_heights
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.study.run import RunData, build
@@ -35,8 +35,10 @@ class Schedule(RunFile):
 
     @property
     def given(self) -> dict[str, str]:
-        """Status of each value that is set, by name."""
-        return {key: status for one in (self.fixed, *self.trips) for key, status in statuses(one).items()}
+        """Status of each value that is set, by name; varied if it differs between trips."""
+        given = {key: status for one in (self.fixed, *self.trips) for key, status in statuses(one).items()}
+        runs = [plain({**self.fixed, **trip}) for trip in self.trips]
+        return given | {key: VARIED for key in given if len({run.get(key) for run in runs}) > 1}
 
     @cached_property
     def pattern(self) -> tuple[RunData, ...]:

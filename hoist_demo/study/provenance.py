@@ -43,16 +43,17 @@ def host_provenance(run: RunData, given: Mapping[str, str]) -> list[SourcedValue
     sourced = []
     for name, value, unit in _leaves(run):
         is_datum = name.partition(".")[0] not in _SETTINGS and _is_number(value)
-        status = run.given.get(name, "assumed") if is_datum else SETTING
-        sourced.append(SourcedValue(name, value, unit, given.get(name, status)))
+        status = given.get(name, run.given.get(name, "assumed") if is_datum else SETTING)
+        sourced.append(SourcedValue(name, VARIED if status == VARIED else value, unit, status))
     return sourced
 
 
 def rope_provenance(case: Case, rope: RopeData, given: Mapping[str, str]) -> list[SourcedValue]:
     """Return the sources of one balance rope's data; ``given`` are the statuses of set values."""
     return [
-        SourcedValue(name, rope.display(name), rope.units.get(name, ""), _rope_status(name, value, case, given))
+        SourcedValue(name, VARIED if status == VARIED else rope.display(name), rope.units.get(name, ""), status)
         for name, value in rope.parameters.items()
+        for status in (_rope_status(name, value, case, given),)
     ]
 
 
@@ -62,8 +63,7 @@ def study_provenance(study: Study) -> list[SourcedValue]:
     parameters = read_parameters(study.fmu)
     values = {**{name: p.start for name, p in parameters.items()}, **run.fmu}
     rope = RopeData({}, values, {name: p.unit for name, p in parameters.items()})
-    sourced = [*host_provenance(run, study.given), *rope_provenance(find_case(study.hoist), rope, study.given)]
-    return [one._replace(value=VARIED) if one.status == VARIED else one for one in sourced]
+    return [*host_provenance(run, study.given), *rope_provenance(find_case(study.hoist), rope, study.given)]
 
 
 def _rope_status(name: str, value: Value, case: Case, given: Mapping[str, str]) -> str:
