@@ -15,7 +15,7 @@ from hoist_demo.files.reading import FileError
 from hoist_demo.parameters import GRAVITY
 
 pytestmark = pytest.mark.usefixtures("plain_figures")
-Place = tuple[float, float]
+Duty = tuple[list[WoundTrip], tuple[float, float], InProcessRope]
 DUTY = """
 [duty]
 hoist = "rope-120"
@@ -56,14 +56,19 @@ def wound(schedule: Schedule) -> list[WoundTrip]:
 
 
 @pytest.fixture(scope="module")
-def trips_at_rest(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[WoundTrip], Place]:
-    """Return the trips of two repetitions, and the place of the loop at rest."""
+def trips_at_rest(tmp_path_factory: pytest.TempPathFactory) -> Duty:
+    """Return the trips of two repetitions, the place of the loop at rest, and the rope."""
     schedule = schedule_of(tmp_path_factory.mktemp("duty"), repeat=2, settle=15.0)
-    rest = place_at_rest(schedule, rope_of(schedule))
-    return wound(schedule), rest
+    rope = rope_of(schedule)
+    rest = place_at_rest(schedule, rope)
+    return list(wind_duty(schedule, rope, torque_free=False)), rest, rope
 
 
-def test_a_trip_begins_with_what_the_one_before_has_left(trips_at_rest: tuple[list[WoundTrip], Place]) -> None:
+def test_a_payload_that_changes_is_taken_for_no_table_of_positions(trips_at_rest: Duty) -> None:
+    assert trips_at_rest[2].whole.warnings() == {}
+
+
+def test_a_trip_begins_with_what_the_one_before_has_left(trips_at_rest: Duty) -> None:
     first, second, *_ = trips_at_rest[0]
     before, after = first.result.recording, second.result.recording
     assert after.time[0] == before.time[-1]
@@ -83,8 +88,8 @@ def test_a_dwell_ends_with_the_payload_of_the_next_trip(tmp_path: Path) -> None:
         assert after - before == pytest.approx(change * GRAVITY, rel=2e-3)
 
 
-def test_trips_from_rest_miss_what_builds_up(trips_at_rest: tuple[list[WoundTrip], Place]) -> None:
-    wound, rest = trips_at_rest
+def test_trips_from_rest_miss_what_builds_up(trips_at_rest: Duty) -> None:
+    wound, rest, _ = trips_at_rest
     trips = trip_table([trip_row(trip, rest) for trip in wound], 2)
     found = {one.name: one for one in worst(trips, 2)}
     assert found["loop_yaw"].trip > 2
