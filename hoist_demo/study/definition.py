@@ -24,7 +24,7 @@ from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.study.goal import Bound, Goal, Judge, bounds_on, read_weights
-from hoist_demo.study.metrics import UNITS
+from hoist_demo.study.metrics import ARRIVALS, UNITS
 from hoist_demo.study.run import Probe, RunData, build_trip
 from hoist_demo.study.tuning import Range, grid, latin_hypercube, varied
 
@@ -222,7 +222,12 @@ class Study:
     def run(self, variant: str, values: Mapping[str, Value]) -> StudyRun:
         """Return the run of a variant at a point of [vary]."""
         fixed = self.variants[variant]
-        return StudyRun(variant, {**plain(fixed), **values}, build_trip(self.hoist, fixed, self.signals, varied=values))
+        run = build_trip(self.hoist, fixed, self.signals, varied=values)
+        asked = [] if self.goal is None else [name for name in ARRIVALS if name in self.goal.metrics]
+        if run.winding.emergency_at is not None and asked:
+            stop = f"winding.emergency_at = {run.winding.emergency_at:g} s"
+            raise ValueError(f"{stop} must be left out for {asked[0]}, which no stop has: judge stop_distance instead")
+        return StudyRun(variant, {**plain(fixed), **values}, run)
 
     def samples_at(self, values: Mapping[str, Value]) -> list[StudyRun]:
         """Return the runs of a search at a point: for every variant and all values of the lists."""

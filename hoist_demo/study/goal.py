@@ -1,6 +1,7 @@
 """Goal of a study: it judges a choice by all its runs, against the same disturbances, and by bounds on every run.
 
-A run that failed keeps no bound and has no finite cost. Judging: by the worst run, by the mean of all, or by the share
+A run that failed keeps no bound and has no finite cost, nor does one that the safety circuit cut short, but in a goal
+that names a metric of stops. Judging: by the worst run, by the mean of all, or by the share
 of runs that keep the bounds.
 """
 
@@ -15,7 +16,8 @@ from pydantic import PlainValidator, WithJsonSchema
 from hoist_demo.design.tuning import Score
 from hoist_demo.files.values import read_value
 from hoist_demo.parameters.quantity import Parameter
-from hoist_demo.study.metrics import UNITS
+from hoist_demo.study.metrics import STOPS, UNITS
+from hoist_demo.study.run import CUT_SHORT
 
 Judge = Literal["worst", "mean", "share"]
 _SENSES = {"below": 1.0, "above": -1.0}
@@ -100,7 +102,8 @@ class Goal:
         cost = self.sense * sum(weight * float(metrics[name]) for name, weight in self.weights.items())
         score = Score(cost, tuple(bound.excess(metrics) for bound in self.bounds))
         failed = Score(math.inf, (math.inf,) * len(self.bounds))
-        return score if score.finite and outcome["status"] == "completed" else failed
+        counted = ("completed", CUT_SHORT) if {*self.metrics} & {*STOPS} else ("completed",)
+        return score if score.finite and outcome["status"] in counted else failed
 
     def standing(self, outcomes: Sequence[Mapping[str, Any]]) -> Standing:
         """Return the judgement of a choice by its runs."""

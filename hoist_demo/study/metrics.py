@@ -75,6 +75,9 @@ NEUTRAL = frozenset(
     {"position_error", "swing_frequency", "swing_damping", "guard_cause", "guard_time", "simulated_time"}
 )
 
+ARRIVALS = ("cycle_time", "trajectory_time", "position_error")  #: Metrics that only a trip to the landing has.
+STOPS = ("stop_time", "stop_distance", "guard_tripped", "guard_cause", "guard_time")  #: Metrics of stops.
+
 UNITS = {name: unit for name, (unit, _) in METRICS.items()}
 
 #: Outputs of the rope that the host and the metrics use; a study reads no others unless it keeps them.
@@ -141,18 +144,23 @@ def trip_metrics(result: Result, arrival: Arrival) -> dict[str, float]:
     if math.isfinite(winding.tracking_end):
         return {}  # the brake has stopped it somewhere, and nothing asked for that place
     travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
+    moving = (t >= winding.start_delay) & (t <= result.trajectory.duration)
+    torque = recording["drive.torque"][moving] if moving.any() else np.array([math.nan])
+    followed = {
+        "tracking_error": _largest(recording["reference.position"] - travel),
+        "torque_rms": float(np.sqrt(np.mean(torque**2))),
+    }
+    if winding.emergency_at is not None:
+        return followed  # stopped on its way, as asked for or by the safety circuit: it never arrives
     place = recording["reference.position"][-1]
     outside = np.abs(travel - place) > arrival.position_band
     for end in SIDES:
         outside |= np.abs(recording[f"conveyance.{end}.vy"]) > arrival.speed_band
     last = int(np.flatnonzero(outside)[-1]) if outside.any() else 0
-    moving = (t >= winding.start_delay) & (t <= result.trajectory.duration)
-    return {
+    return followed | {
         "trajectory_time": result.trajectory.duration - winding.start_delay,
-        "cycle_time": float(t[last + 1]) - winding.start_delay if last + 1 < t.size else math.nan,
+        "cycle_time": max(0.0, float(t[last + 1]) - winding.start_delay) if last + 1 < t.size else math.nan,
         "position_error": float(place - travel[-1]),
-        "tracking_error": _largest(recording["reference.position"] - travel),
-        "torque_rms": float(np.sqrt(np.mean(recording["drive.torque"][moving] ** 2))),
     }
 
 
