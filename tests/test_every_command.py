@@ -217,12 +217,16 @@ def test_a_hoist_takes_no_other_s_fmu(tmp_path: Path, monkeypatch: Patch) -> Non
     assert fmu_name("monopol-1000", NATIVE) != fmu_name("rope-120", NATIVE)
 
 
-def test_a_level_that_the_fmu_has_not_is_told(tmp_path: Path, fmu_of: Callable[[str], Path], capsys: Capture) -> None:
-    file = tmp_path / "own.toml"
+def test_a_level_that_is_not_wound_is_told(tmp_path: Path, fmu_of: Callable[[str], Path], capsys: Capture) -> None:
+    file, written = tmp_path / "own.toml", tmp_path / "out" / "hoist.toml"
     file.write_text("name = 'own'\nlike = 'rope-120'\nlevel = 'reference'\n", encoding="utf-8")
     short = ["--quick", "--travel", "0.5", "--out", str(tmp_path / "out")]
     assert main(["wind", str(file), "--fmu", str(fmu_of("draft")), *short]) == 0
     assert "level = 'reference' of" in capsys.readouterr().err
+    # what was wound is what the file beside the results says, which leaves nothing to another level
+    assert 'level = "draft"' in written.read_text(encoding="utf-8")
+    assert main(["wind", str(written), "--level", "standard", *short]) == 0
+    assert "--level standard changes nothing" in capsys.readouterr().err
 
 
 def test_a_state_is_not_taken_up_by_a_rope_of_other_parameters(tmp_path: Path) -> None:

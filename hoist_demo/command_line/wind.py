@@ -162,10 +162,14 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
 
 
 def _remarks(hung: Ropes) -> list[str]:
-    """Return what an only rope lacks, and where it is not the one that hoist and drive take it for."""
+    """Return what an only rope lacks, and where a rope is not the one that was asked for, or that the drive expects."""
+    first, own, level = hung.ropes[0], hung.case.level, ""
+    if first.level != own and first.scene == replace(first, level=own).scene:
+        level = f"--level {first.level} changes nothing, for {hung.case.name} states mesh, accuracy, solver and model"
+        level += " itself: leave them out of its file"
     if hung.case.ropes:
-        return []
-    (data,), level = hung.data(), ""
+        return [*filter(None, (level,))]
+    (data,) = hung.data()
     if isinstance(hung.plant, FmuRope) and data.level not in ("", hung.case.level):
         level = (
             f"level = {hung.case.level!r} of {hung.case.name} is not that of the FMU, {data.level!r}, which was "

@@ -38,7 +38,8 @@ def complete_file(case: Case, run: RunData, ropes: Sequence[RopeData], provenanc
         file_status = source_status if source_status in STATUSES else "assumed" if source_status == SETTING else GIVEN
         return Given(value, file_status, case.sources.get(name, ""))
 
-    lines = {"controller": given("controller", run.controller), "level": given("level", case.level)}
+    wound = ropes[0].level or case.level
+    lines = {"controller": given("controller", run.controller), "level": given("level", wound)}
     lines |= {one.name: given(one.name, one.value) for one in host_provenance(run, {})}
     names = rope_parameters()
     ropes = [replace(one, parameters={**one.parameters, _SPACING: _spacing(one, run)}) for one in ropes]
