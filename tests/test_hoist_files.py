@@ -102,6 +102,12 @@ def test_a_new_hoist_reads_back_and_shows_what_statics_say(tmp_path: Path, capsy
         True,
         True,
     )
+    # light payloads in heavy conveyances: these are what the motor moves
+    asked = ["--depth", "600", "--payload", "1t", "--speed", "12", "--conveyance", "15t", "--out", str(path), "--force"]
+    assert main(["new", "man", *asked]) == main(["check", str(path)]) == 0
+    assert main(["check", str(path), "--set", "hoist.torque_limit=4e4", "--set", "hoist.power_limit=3e5"]) == 1
+    told = capsys.readouterr().err
+    assert all(f"hoist.{limit} must be" in told for limit in ("torque_limit = 40000 N m", "power_limit = 300000 W"))
     assert main(["rope"]) == main(["rope", "34x7", "--diameter", "52mm"]) == 0
 
 

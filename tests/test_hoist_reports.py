@@ -28,7 +28,7 @@ from hoist_demo.recording import fidelity as masks
 from hoist_demo.recording.incidents import SIDES, Stop, stops
 from hoist_demo.recording.time_series import TIME, Recording
 from hoist_demo.report.html import packing
-from hoist_demo.report.verdict import judge
+from hoist_demo.report.verdict import Verdict, judge
 from hoist_demo.study.run import build
 from rope_model import neglected_text
 
@@ -92,11 +92,21 @@ VERDICTS = [
 ]
 
 
-@pytest.mark.parametrize(("signals", "parameters", "row", "value", "kept"), VERDICTS)
-def test_the_verdict_has_each_number_with_its_digits_beside_its_bound(signals, parameters, row, value, kept) -> None:
+def judged(signals: dict, parameters: dict) -> Verdict:
     record = Recording({"time": np.array([0.0, 1.0])} | {name: np.array(x) for name, x in signals.items()}, {})
     ended = SimpleNamespace(recording=record, completed=True, cause="", warning="", winding=Winding())
-    verdict = judge(ended, Hoist(tail_rope_number=3), [RopeData({}, parameters, {})])
+    return judge(ended, Hoist(tail_rope_number=3), [RopeData({}, parameters, {})])
+
+
+def test_a_motor_at_its_limit_is_remarked_on_with_its_seconds() -> None:
+    limited = [judged({"drive.torque_limited": flags}, {}).remarks for flags in ([0.0, 0.0], [1.0, 0.0])]
+    assert [len(texts) for texts in limited] == [0, 1]
+    assert "at its limit for 1.00 s" in limited[1][0]
+
+
+@pytest.mark.parametrize(("signals", "parameters", "row", "value", "kept"), VERDICTS)
+def test_the_verdict_has_each_number_with_its_digits_beside_its_bound(signals, parameters, row, value, kept) -> None:
+    verdict = judged(signals, parameters)
     (found,) = [one for one in verdict.rows if one.quantity.startswith(row)]
     shown = f"{found.value}; {found.where}" if ";" in value else found.value
     assert (shown, found.holds) == (value, kept)

@@ -7,6 +7,7 @@ from itertools import combinations
 from types import MappingProxyType
 
 from hoist_demo.cases.case import Case
+from hoist_demo.cases.rules import RuleInputs
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.design.statics import at_rest, holds, pulls
 from hoist_demo.files.catalogue import rope_parameters
@@ -96,6 +97,21 @@ def slip_problems(case: Case) -> list[str]:
         "side, a better lining, or a gentler trip"
         for one in holds(case.hoist, case.winding)
         if one.safety < one.required and one.required > 1.0
+    ]
+
+
+def drive_problems(case: Case) -> list[str]:
+    """Return a line on each limit of the motor that is below what its trip asks for."""
+    hoist, trip = case.hoist, case.winding
+    torque = RuleInputs(hoist, trip, hoist).torque
+    # up to this speed the acceleration is full
+    power = torque * max(0.0, trip.speed - 0.5 * trip.acceleration**2 / trip.jerk) / hoist.sheave_radius
+    limits = (("torque", hoist.torque_limit, torque, "N m"), ("power", hoist.power_limit, power, "W"))
+    return [
+        f"hoist.{name}_limit = {limit:g} {unit} must be at least {asked:.3g} {unit}, which winding.acceleration and "
+        "winding.speed ask for with the payload: raise it, or wind more gently"
+        for name, limit, asked, unit in limits
+        if limit is not None and limit < asked
     ]
 
 

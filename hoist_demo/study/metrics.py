@@ -185,7 +185,7 @@ def _drive(recording: Recording) -> dict[str, float]:
     work = np.diff(recording["drive.work_motor"])
     return {
         "torque_peak": _largest(recording["drive.torque"]),
-        "torque_limited_time": _time_of(recording, "drive.torque_limited"),
+        "torque_limited_time": recording.seconds("drive.torque_limited"),
         "motor_energy": float(np.sum(work)),
         "motor_energy_drawn": float(np.sum(np.maximum(work, 0.0))),
     }
@@ -223,7 +223,7 @@ def _swivel(recording: Recording, end: str) -> dict[str, float]:
     starts = np.flatnonzero(np.diff(slipping) > 0.0)
     return {
         f"{end}_slip": float(np.sum(np.abs(rate[1:]) * np.diff(recording.time))),
-        f"{end}_slip_time": _time_of(recording, f"{end}.swivel.slipping"),
+        f"{end}_slip_time": recording.seconds(f"{end}.swivel.slipping"),
         f"{end}_starting_torque": float(abs(torque[starts[0]])) if starts.size else math.nan,
         f"{end}_swivel_torque": _largest(torque),
     }
@@ -263,8 +263,3 @@ def _ripple(time: Array, force: Array) -> float:
 def _largest(values: Array) -> float:
     """Return the largest magnitude."""
     return float(np.max(np.abs(values)))
-
-
-def _time_of(recording: Recording, flag: str) -> float:
-    """Return the time during which a 0/1 signal is 1 [s], each value holding until the next row."""
-    return float(np.sum(np.diff(recording.time) * recording[flag][:-1]))
