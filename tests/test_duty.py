@@ -64,12 +64,9 @@ def trips_at_rest(tmp_path_factory: pytest.TempPathFactory) -> Duty:
     return list(wind_duty(schedule, rope, torque_free=False)), rest, rope
 
 
-def test_a_payload_that_changes_is_taken_for_no_table_of_positions(trips_at_rest: Duty) -> None:
-    assert trips_at_rest[2].whole.warnings() == {}
-
-
 def test_a_trip_begins_with_what_the_one_before_has_left(trips_at_rest: Duty) -> None:
     first, second, *_ = trips_at_rest[0]
+    assert trips_at_rest[2].whole.warnings() == {}  # payloads that change are no coarse table of positions
     before, after = first.result.recording, second.result.recording
     assert after.time[0] == before.time[-1]
     for name in ("loop.yaw", "loop.x", "loop.z", "left.fy", "left.swivel.torque", "conveyance.left.y"):
@@ -93,7 +90,7 @@ def test_trips_from_rest_miss_what_builds_up(trips_at_rest: Duty) -> None:
     trips = trip_table([trip_row(trip, rest) for trip in wound], 2)
     found = {one.name: one for one in worst(trips, 2)}
     assert found["loop_yaw"].trip > 2
-    assert found["loop_yaw"].missed > 0.3
+    assert found["loop_yaw"].value > 1.3 * found["loop_yaw"].first_cycle
     assert_array_equal(trips["yaw_start"][1:], trips["yaw_end"][:-1])
     assert_allclose(trips["landing"], [90.0, 0.0] * 2, rtol=0.0, atol=1e-12)
     assert steady_from(trips, 2) is None

@@ -165,8 +165,7 @@ def _remarks(hung: Ropes) -> list[str]:
     """Return what an only rope lacks, and where a rope is not the one that was asked for, or that the drive expects."""
     first, own, level = hung.ropes[0], hung.case.level, ""
     if first.level != own and first.scene == replace(first, level=own).scene:
-        level = f"--level {first.level} changes nothing, for {hung.case.name} states mesh, accuracy, solver and model"
-        level += " itself: leave them out of its file"
+        level = f"--level {first.level} changes nothing: leave mesh, accuracy, solver and model out of the hoist's file"
     if hung.case.ropes:
         return [*filter(None, (level,))]
     (data,) = hung.data()

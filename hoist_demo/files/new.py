@@ -88,11 +88,10 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
         "winding.emergency_deceleration": ours(2.0),
         "layout.spacing": inputs["spacing"],
     }
-    sections = data_of(plain(values))
-    tail = hoist_with(sections["hoist"], [(number * mass, depth + TAIL_SPARE)])
-    torque = _rounded(max(2.6 * payload * GRAVITY * radius, 1.5 * RuleInputs(tail, sections["winding"], tail).torque))
-    words = "2.6 times what lifts the payload, or 1.5 times what the trip asks for"
-    values["hoist.torque_limit"] = rule(torque, words)
+    parts = data_of(plain(values))
+    whole = hoist_with(parts["hoist"], [(number * mass, depth + TAIL_SPARE)])
+    torque = _rounded(max(2.6 * payload * GRAVITY * radius, 1.5 * RuleInputs(whole, parts["winding"], whole).torque))
+    values["hoist.torque_limit"] = rule(torque, "2.6 times what lifts the payload, or 1.5 times what the trip asks for")
     values["hoist.power_limit"] = rule(_rounded(torque * wish["speed"] / radius), "of the torque at full speed")
     alternate = inputs["lay"].value == LAYS[-1] and number > 1
     lays = [LAYS[k % 2] for k in range(number)] if alternate else [inputs["lay"].value]

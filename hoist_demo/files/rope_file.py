@@ -25,22 +25,18 @@ OF_CATALOGUE = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ")
 FOLLOWING = (*OF_CATALOGUE, "length", "diameter")
 _FOLLOWING = {
     "mass_per_length": ("rope.mass_per_length", "rope.rhoJ", "hoist.tail_rope_mass"),
-    "axial_stiffness": ("rope.Qa", "rope.Qb", "rope.Qc"),
+    "axial_stiffness": ("rope.Qa",),
     "torque_factor": ("rope.Qb", "rope.Qc"),
     "torsional_stiffness": ("rope.Qd",),
     "bending_stiffness": ("rope.EI",),
 }
-_BY_RULE = ("rope.rhoJ", "hoist.tail_rope_mass", "rope.Qb", "rope.Qc")  #: Those that are no property themselves.
-_PASSED_ON = ("calibrated", "contradicted", VARIED)  #: Statuses that what follows by a rule has, too.
+_BY_RULE = ("rope.rhoJ", "hoist.tail_rope_mass")  #: Those that are no property themselves.
 
 
 def following_statuses(statuses: Mapping[str, str]) -> dict[str, str]:
     """Return the statuses of the parameters that follow from properties of a rope with these statuses."""
-    return {
-        name: DERIVED if name in _BY_RULE and status not in _PASSED_ON else status
-        for key, status in sorted(statuses.items(), key=lambda one: one[1] in _PASSED_ON)
-        for name in _FOLLOWING.get(key, ())
-    }
+    following = {name: status for key, status in statuses.items() for name in _FOLLOWING.get(key, ())}
+    return {name: DERIVED if name in _BY_RULE and one != VARIED else one for name, one in following.items()}
 
 
 def _known_there(content: Any, info: ValidationInfo) -> KnownFile | None:

@@ -39,8 +39,7 @@ def complete_file(case: Case, run: RunData, ropes: Sequence[RopeData], provenanc
         file_status = source_status if source_status in STATUSES else "assumed" if source_status == SETTING else GIVEN
         return Given(value, file_status, case.sources.get(name, ""))
 
-    wound = ropes[0].level or case.level
-    lines = {"controller": given("controller", run.controller), "level": given("level", wound)}
+    lines = {"controller": given("controller", run.controller), "level": given("level", ropes[0].level or case.level)}
     lines |= {one.name: given(one.name, one.value) for one in host_provenance(run, {})}
     names = rope_parameters()
     ropes = [replace(one, parameters={**one.parameters, _SPACING: _spacing(one, run)}) for one in ropes]
@@ -104,14 +103,12 @@ def drive_problems(case: Case) -> list[str]:
     """Return a line on each limit of the motor that is below what its trip asks for."""
     hoist, trip = case.hoist, case.winding
     torque = RuleInputs(hoist, trip, hoist).torque
-    # up to this speed the acceleration is full
-    power = torque * max(0.0, trip.speed - 0.5 * trip.acceleration**2 / trip.jerk) / hoist.sheave_radius
-    limits = (("torque", hoist.torque_limit, torque, "N m"), ("power", hoist.power_limit, power, "W"))
+    rate = max(0.0, trip.speed - 0.5 * trip.acceleration**2 / trip.jerk) / hoist.sheave_radius  # at full acceleration
     return [
-        f"hoist.{name}_limit = {limit:g} {unit} must be at least {asked:.3g} {unit}, which winding.acceleration and "
-        "winding.speed ask for with the payload: raise it, or wind more gently"
-        for name, limit, asked, unit in limits
-        if limit is not None and limit < asked
+        f"hoist.{name} = {limit:g} {unit} must be at least {asked:.3g} {unit}, which speeding up with the payload asks "
+        "for: raise it, or wind more gently (winding.acceleration, winding.speed)"
+        for name, asked, unit in (("torque_limit", torque, "N m"), ("power_limit", torque * rate, "W"))
+        if (limit := getattr(hoist, name)) is not None and limit < asked
     ]
 
 

@@ -153,10 +153,8 @@ def _warnings(result: Result, hoist: Hoist, ropes: Sequence[_Rope], window: floa
     """List the warnings that readers of the numbers need: of coupling, head ropes' hold, ropes' fidelity and breaks."""
     texts = [result.warning, *slip_warnings(result.recording, hoist, result.winding)]
     if limited := result.recording.seconds("drive.torque_limited"):
-        texts.append(
-            f"the motor was at its limit for {limited:.2f} s: raise hoist.torque_limit or hoist.power_limit, or wind "
-            "more gently (winding.acceleration, winding.emergency_deceleration)"
-        )
+        cure = "raise hoist.torque_limit and power_limit, or accelerate and stop more gently"
+        texts.append(f"the motor was at its limit for {limited:.2f} s: {cure}")
     for rope in ropes:
         name, breaks = rope.data.name, rope.data.breaks
         texts.append(remark(rope.recording).replace("the rope", f"rope {name}" if name else "the rope", 1))

@@ -223,10 +223,9 @@ class Study:
         """Return the run of a variant at a point of [vary]."""
         fixed = self.variants[variant]
         run = build_trip(self.hoist, fixed, self.signals, varied=values)
-        asked = [] if self.goal is None else [name for name in ARRIVALS if name in self.goal.metrics]
-        if run.winding.emergency_at is not None and asked:
-            stop = f"winding.emergency_at = {run.winding.emergency_at:g} s"
-            raise ValueError(f"{stop} must be left out for {asked[0]}, which no stop has: judge stop_distance instead")
+        asked = [name for name in ARRIVALS if self.goal and name in self.goal.metrics]
+        if (at := run.winding.emergency_at) is not None and asked:
+            raise ValueError(f"{asked[0]} must be left out, for winding.emergency_at = {at:g} s: judge stop_distance")
         return StudyRun(variant, {**plain(fixed), **values}, run)
 
     def samples_at(self, values: Mapping[str, Value]) -> list[StudyRun]:

@@ -1,8 +1,7 @@
 """Goal of a study: it judges a choice by all its runs, against the same disturbances, and by bounds on every run.
 
-A run that failed keeps no bound and has no finite cost, nor does one that the safety circuit cut short, but in a goal
-that names a metric of stops. Judging: by the worst run, by the mean of all, or by the share
-of runs that keep the bounds.
+A run that failed keeps no bound and has no finite cost; nor does one that the safety circuit cut short, unless the goal
+names a metric of stops. Judging: by the worst run, by the mean of all, or by the share of runs that keep the bounds.
 """
 
 import math
@@ -102,7 +101,7 @@ class Goal:
         cost = self.sense * sum(weight * float(metrics[name]) for name, weight in self.weights.items())
         score = Score(cost, tuple(bound.excess(metrics) for bound in self.bounds))
         failed = Score(math.inf, (math.inf,) * len(self.bounds))
-        counted = ("completed", CUT_SHORT) if {*self.metrics} & {*STOPS} else ("completed",)
+        counted = {"completed"} if STOPS.isdisjoint(self.metrics) else {"completed", CUT_SHORT}
         return score if score.finite and outcome["status"] in counted else failed
 
     def standing(self, outcomes: Sequence[Mapping[str, Any]]) -> Standing:

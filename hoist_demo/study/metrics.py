@@ -57,10 +57,7 @@ METRICS = {
     ),
     **dict.fromkeys(("left_swivel_torque", "right_swivel_torque"), ("N.m", "largest magnitude")),
     "guard_tripped": ("1", "whether a guard of the loop has tripped, and stopped the hoist"),
-    "guard_cause": (
-        "1",
-        "which: {codes}".format(codes=", ".join(f"{k} {c}" for k, c in incidents.GUARD_CODES.items())),
-    ),
+    "guard_cause": ("1", f"which: {', '.join(f'{k} {c}' for k, c in incidents.GUARD_CODES.items())}"),
     "guard_time": ("s", "when, in the record's time"),
     "slack_time": ("s", "of slack head ropes, the worse side"),
     "slip_safety": ("1", "(exp(mu alpha) - 1) / (largest ratio of the head rope tensions - 1): up to 1 they slip"),
@@ -76,7 +73,7 @@ NEUTRAL = frozenset(
 )
 
 ARRIVALS = ("cycle_time", "trajectory_time", "position_error")  #: Metrics that only a trip to the landing has.
-STOPS = ("stop_time", "stop_distance", "guard_tripped", "guard_cause", "guard_time")  #: Metrics of stops.
+STOPS = frozenset({"stop_time", "stop_distance", "guard_tripped", "guard_cause", "guard_time"})  #: Those of stops.
 
 UNITS = {name: unit for name, (unit, _) in METRICS.items()}
 

@@ -167,10 +167,9 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
     names = dict.fromkeys((TIME, *run.signals)) if run.signals else {}
     series = {name: result.recording[name].tolist() for name in names if name in result.recording}
     units = {name: result.recording.units[name] for name in series}
-    status, cause = "completed" if result.completed else "stopped", result.cause
-    if result.completed and result.winding.emergency_at != run.winding.emergency_at:
-        status, at = CUT_SHORT, f"emergency stop at t = {result.winding.emergency_at:g} s"
-        cause = f"{at}{incidents(result.recording)}"
+    status, cause, at = "completed" if result.completed else "stopped", result.cause, result.winding.emergency_at
+    if result.completed and at != run.winding.emergency_at:
+        status, cause = CUT_SHORT, f"emergency stop at t = {at:g} s{incidents(result.recording)}"
     warned = (*slip_warnings(result.recording, run.hoist, result.winding), contradicted)
     sentences = tuple(filter(None, warned))
     passed = passages(result.recording)
