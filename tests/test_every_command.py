@@ -212,8 +212,10 @@ def test_a_run_is_gone_on_with_whose_hoist_is_a_file(tmp_path: Path, monkeypatch
 def test_a_hoist_takes_no_other_s_fmu(tmp_path: Path, monkeypatch: Patch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "build").mkdir()
+    # with what a study exported there, the report would lack what that does not show
     (tmp_path / "build" / fmu_name("rope-120")).write_bytes(b"no FMU")
-    assert [main(["wind", hoist, "--check"]) for hoist in ("rope-120", "rope-240")] == [2, 0]
+    (tmp_path / "mine.toml").write_text('name = "mine"\nlike = "rope-120"\n[[rope]]\n')
+    assert [main(["wind", hoist, "--check"]) for hoist in ("rope-120", "rope-240", "mine.toml")] == [2, 0, 0]
     assert fmu_name("monopol-1000", NATIVE) != fmu_name("rope-120", NATIVE)
 
 

@@ -284,15 +284,3 @@ def test_the_file_beside_the_results_winds_them_again(tmp_path: Path, capsys: py
     assert main(["show", str(file)]) == 0
     said = capsys.readouterr().out
     assert tomllib.loads(said) == tomllib.loads(text)
-
-
-def test_a_hoist_of_a_file_takes_no_fmu_that_happens_to_be_there(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "build").mkdir()
-    # with what a study exported there, the report would lack what that does not show
-    (tmp_path / "build" / "balance_rope.fmu").write_text("of another rope")
-    (tmp_path / "mine.toml").write_text('name = "mine"\nlike = "rope-120"\n[[rope]]\n')
-    assert main(["wind", "mine.toml", "--check"]) == 0
-    assert main(["wind", "rope-120", "--check"]) == 2

@@ -114,13 +114,11 @@ def test_cycle_time_waits_for_the_swing_and_for_the_creep_that_is_none(swing, cr
     assert (found["swing_right"] < 1e-12) == (swing == 0.0)
 
 
-@pytest.mark.parametrize(
-    ("trip", "cycle"), [({"emergency_at": 4.0}, math.nan), ({"emergency_at": 0.5}, math.nan), ({"travel": 1e-4}, 0.0)]
-)
-def test_a_stop_never_arrives_and_a_trip_within_the_band_takes_no_time(trip: dict[str, float], cycle: float) -> None:
-    found = measure(*invent_trip(0.0, **trip), Arrival()).metrics
-    assert_allclose(found["cycle_time"], cycle)
-    assert [math.isnan(found[name]) for name in ARRIVALS] == [math.isnan(cycle)] * 3
+def test_a_stop_never_arrives_and_a_trip_within_the_band_takes_no_time() -> None:
+    for trip, cycle in (({"emergency_at": 4.0}, math.nan), ({"emergency_at": 0.5}, math.nan), ({"travel": 1e-4}, 0.0)):
+        found = measure(*invent_trip(0.0, **trip), Arrival()).metrics
+        assert_allclose(found["cycle_time"], cycle)
+        assert [math.isnan(found[name]) for name in ARRIVALS] == [math.isnan(cycle)] * 3
 
 
 def test_a_run_that_a_guard_cuts_short_is_for_goals_of_stops_alone(read: Read) -> None:
