@@ -93,7 +93,7 @@ def test_commands_say_whence_numbers_are(command: str, tmp_path: Path, capsys: p
     assert "Data that this rests on, by status" in said
     with (out / "data.csv").open(encoding="utf-8", newline="") as table:
         rows = {row["name"]: row["status"] for row in csv.DictReader(table)}
-    assert rows[_SAID[command]] == {"uncertain": "varied", "identify": "calibrated"}.get(command, "given")
+    assert rows[_SAID[command]] == {"wind": "given", "identify": "calibrated"}.get(command, "varied")
     assert set(rows.values()) <= {*STATUSES}
     if command in ("uncertain", "identify"):
         assert "Data that this rests on, by status" in (out / "report.html").read_text(encoding="utf-8")
@@ -212,17 +212,23 @@ def test_a_run_is_gone_on_with_whose_hoist_is_a_file(tmp_path: Path, monkeypatch
 def test_a_hoist_takes_no_other_s_fmu(tmp_path: Path, monkeypatch: Patch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "build").mkdir()
+    # with what a study exported there, the report would lack what that does not show
     (tmp_path / "build" / fmu_name("rope-120")).write_bytes(b"no FMU")
-    assert [main(["wind", hoist, "--check"]) for hoist in ("rope-120", "rope-240")] == [2, 0]
+    (tmp_path / "mine.toml").write_text('name = "mine"\nlike = "rope-120"\n[[rope]]\n')
+    assert [main(["wind", hoist, "--check"]) for hoist in ("rope-120", "rope-240", "mine.toml")] == [2, 0, 0]
     assert fmu_name("monopol-1000", NATIVE) != fmu_name("rope-120", NATIVE)
 
 
-def test_a_level_that_the_fmu_has_not_is_told(tmp_path: Path, fmu_of: Callable[[str], Path], capsys: Capture) -> None:
-    file = tmp_path / "own.toml"
+def test_a_level_that_is_not_wound_is_told(tmp_path: Path, fmu_of: Callable[[str], Path], capsys: Capture) -> None:
+    file, written = tmp_path / "own.toml", tmp_path / "out" / "hoist.toml"
     file.write_text("name = 'own'\nlike = 'rope-120'\nlevel = 'reference'\n", encoding="utf-8")
     short = ["--quick", "--travel", "0.5", "--out", str(tmp_path / "out")]
     assert main(["wind", str(file), "--fmu", str(fmu_of("draft")), *short]) == 0
     assert "level = 'reference' of" in capsys.readouterr().err
+    # what was wound is what the file beside the results says, which leaves nothing to another level
+    assert 'level = "draft"' in written.read_text(encoding="utf-8")
+    assert main(["wind", str(written), "--level", "standard", *short]) == 0
+    assert "--level standard changes nothing" in capsys.readouterr().err
 
 
 def test_a_state_is_not_taken_up_by_a_rope_of_other_parameters(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ from rope_groups import rope_in_process
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
+from hoist_demo.design.statics import holds
 from hoist_demo.drive.equations import LOSS_NAMES
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.parameters import GRAVITY, Coupling, Hoist, Winding
@@ -165,6 +166,17 @@ def test_over_a_sheave_that_is_held_two_weights_fall_as_on_a_capstan() -> None:
     force = light * (GRAVITY - exact) * (most - 1.0)
     work = state.works[5:][LINING] - at[100].works[5:][LINING]
     assert work == pytest.approx(force * abs(state.slide.slid_distance - at[100].slide.slid_distance), rel=1e-3)
+
+
+@pytest.mark.parametrize(("speed", "when"), [(8.0, "of this trip"), (-8.0, "of the trip back")])
+def test_statics_foresee_the_hold_under_the_full_brake(speed: float, when: str) -> None:
+    # heavily damped ropes without mass, as the statics have them
+    light = {"head_rope_mass": 1e-9, "head_rope_damping": 0.7, "tail_rope_mass": 0.0, "loss_coulomb": 0.0}
+    plant = Plant(Hoist(brake=Brake(torque=2e5), loss_viscous=0.0, **light))
+    u = PlantInput(0.0, 0.0, 0.0, brake=1.0)
+    found = plant.outputs(plant.run(running(plant, speed), 0.01, u, 100)[-1], u).tension_ratio
+    holding = {one.when: one.ratio for one in holds(plant.hoist, Winding(emergency_law="torque"))}
+    assert found == pytest.approx(next(ratio for key, ratio in holding.items() if when in key), rel=1e-3)
 
 
 def test_slip_does_not_depend_on_the_communication_step() -> None:

@@ -102,6 +102,12 @@ def test_a_new_hoist_reads_back_and_shows_what_statics_say(tmp_path: Path, capsy
         True,
         True,
     )
+    # light payloads in heavy conveyances: these are what the motor moves
+    asked = ["--depth", "600", "--payload", "1t", "--speed", "12", "--conveyance", "15t", "--out", str(path), "--force"]
+    assert main(["new", "man", *asked]) == main(["check", str(path)]) == 0
+    assert main(["check", str(path), "--set", "hoist.torque_limit=4e4", "--set", "hoist.power_limit=3e5"]) == 1
+    told = capsys.readouterr().err
+    assert all(f"hoist.{limit} must be" in told for limit in ("torque_limit = 40000 N m", "power_limit = 300000 W"))
     assert main(["rope"]) == main(["rope", "34x7", "--diameter", "52mm"]) == 0
 
 
@@ -280,15 +286,3 @@ def test_the_file_beside_the_results_winds_them_again(tmp_path: Path, capsys: py
     assert main(["show", str(file)]) == 0
     said = capsys.readouterr().out
     assert tomllib.loads(said) == tomllib.loads(text)
-
-
-def test_a_hoist_of_a_file_takes_no_fmu_that_happens_to_be_there(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "build").mkdir()
-    # with what a study exported there, the report would lack what that does not show
-    (tmp_path / "build" / "balance_rope.fmu").write_text("of another rope")
-    (tmp_path / "mine.toml").write_text('name = "mine"\nlike = "rope-120"\n[[rope]]\n')
-    assert main(["wind", "mine.toml", "--check"]) == 0
-    assert main(["wind", "rope-120", "--check"]) == 2

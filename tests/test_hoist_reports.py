@@ -28,7 +28,7 @@ from hoist_demo.recording import fidelity as masks
 from hoist_demo.recording.incidents import SIDES, Stop, stops
 from hoist_demo.recording.time_series import TIME, Recording
 from hoist_demo.report.html import packing
-from hoist_demo.report.verdict import judge
+from hoist_demo.report.verdict import VerdictRow, judge
 from hoist_demo.study.run import build
 from rope_model import neglected_text
 
@@ -64,7 +64,8 @@ def test_a_run_that_goes_on_with_a_higher_fidelity_is_shown_from_there_on() -> N
     assert masks.drop_duplicates_of_remark([neglected_text("planar"), "other"], shown) == ["other"]
 
 
-#: what is recorded, parameters of the rope, and the row of the verdict: its value and whether the bound is kept
+NAN = float("nan")
+#: what is recorded, parameters of the rope, and the row of the verdict: its value (; where), whether the bound is kept
 VERDICTS = [
     # three ropes of 1 to 2 kN, known within 2 N each
     ({"left.fy": [-1e3, -2e3], "status.end_force_error": [0, 1e-3]}, {}, "pull of all 3", "3.00 to 6.00 kN", True),
@@ -80,6 +81,15 @@ VERDICTS = [
     # exp(0.25 pi) = 2.193: (2.193 - 1) / (1.5 - 1) at rest, 1.193 / 1.2 while it winds
     ({"drive.tension_ratio": [1.5, 2.2]}, {}, "slip safety at rest", "2.39", True),
     ({"drive.tension_ratio": [1.5, 2.2]}, {}, "slip safety in normal", "0.99", False),
+    ({"drive.torque_limited": [1, 0]}, {}, "remark", "the motor was at its limit for 1.00 s", None),
+    # the guard counts from a height of its own; a fall is no rise
+    ({"loop.rise": [0.0, 0.3]}, {"guard.rise": 0.2}, "rise of the loop", "0.3 m", False),
+    ({"loop.rise": [0.0, 0.3]}, {"guard.rise": 0.2, "guard.rise_y": -14.0}, "rise of the loop", "0.3 m", None),
+    ({"loop.rise": [0.0, -0.3]}, {"guard.rise": 0.2}, "rise of the loop", "0 m", True),
+    # only what was computed is told, with when and where
+    ({"loop.sideways": [2, 1], "loop.x": [2, 1], "loop.z": [NAN, 0]}, {}, "sideways", "2 m; t = 0.00 s, x = 2 m", None),
+    ({"left.swivel.slipping": [NAN, 1]}, {}, "slip of the", "left none; computed from t = 1.00 s on", None),
+    ({"loop.turns": [NAN, 0.2]}, {}, "turns", "0.2; t = 1.00 s, computed from t = 1.00 s on", True),
 ]
 
 
@@ -88,8 +98,10 @@ def test_the_verdict_has_each_number_with_its_digits_beside_its_bound(signals, p
     record = Recording({"time": np.array([0.0, 1.0])} | {name: np.array(x) for name, x in signals.items()}, {})
     ended = SimpleNamespace(recording=record, completed=True, cause="", warning="", winding=Winding())
     verdict = judge(ended, Hoist(tail_rope_number=3), [RopeData({}, parameters, {})])
-    (found,) = [one for one in verdict.rows if one.quantity.startswith(row)]
-    assert (found.value, found.holds) == (value, kept)
+    remarks = [VerdictRow("remark", text.partition(":")[0]) for text in verdict.remarks]
+    (found,) = [one for one in (*verdict.rows, *remarks) if one.quantity.startswith(row)]
+    shown = f"{found.value}; {found.where}" if ";" in value else found.value
+    assert (shown, found.holds) == (value, kept)
     assert (found.quantity in verdict.summary) == (kept is False)
 
 

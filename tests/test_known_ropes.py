@@ -243,6 +243,8 @@ def test_samples_fill_the_ranges_and_make_the_ropes(tmp_path: Path) -> None:
     assert_allclose(rope.Qc, samples[0]["torque_factor"] * 9e7 * 0.044)
     assert rope.length == run.hoist.tail_rope_length == 120.0
     assert rope.mass_per_length == run.hoist.tail_rope_mass == 7.7
+    found, wanted = {one.name: one.status for one in asked.provenance()}, {"rope.Qa": "given", "rope.rhoJ": "derived"}
+    assert {key: found[key] for key in (*wanted, "rope.Qc")} == wanted | {"rope.Qc": "varied"}
 
 
 def test_the_datum_that_causes_a_result_has_its_share(tmp_path: Path) -> None:

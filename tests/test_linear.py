@@ -152,7 +152,16 @@ def test_commands_write_their_files(command: str, files: str, tmp_path: Path) ->
     assert all((tmp_path / name).stat().st_size > 0 for name in files.split())
 
 
-@pytest.mark.parametrize("band", ["-1", "0", "nan"])
-def test_a_band_that_is_none_is_refused(band: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["modes", "--band", band]) == 2
-    assert f"--band {band} must be above 0.02 Hz" in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        *((f"modes --band {band}", f"--band {band} must be above 0.02 Hz") for band in ("-1", "0", "nan")),
+        ("modes --count 0", "--count 0 must be at least 1"),
+        # two states of each motion, and one of the torque's lag: both counts are of one model
+        ("linearise --at 0.5 --states 2", "states = 2 must be within 3 and "),
+        ("linearise --at 0.2 0.5 --states 500", "states = 500 must be at most "),
+    ],
+)
+def test_a_number_that_cannot_be_is_refused(asked: str, told: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(asked.split()) == 2
+    assert told in capsys.readouterr().err

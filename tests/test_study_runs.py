@@ -24,9 +24,10 @@ from hoist_demo.recording.time_series import Recording
 from hoist_demo.study import definition
 from hoist_demo.study.cluster import cluster, run_samples
 from hoist_demo.study.definition import Study, StudyRun, read_study
-from hoist_demo.study.metrics import measure
+from hoist_demo.study.metrics import ARRIVALS, measure
+from hoist_demo.study.objective import Objective
 from hoist_demo.study.perform import run_study
-from hoist_demo.study.run import Outcome, build, execute
+from hoist_demo.study.run import CUT_SHORT, Outcome, build, execute
 from hoist_demo.study.sampling import Range, latin_hypercube
 from hoist_demo.study.store import Store, read_results
 from hoist_demo.study.trends import not_monotonic
@@ -41,9 +42,9 @@ arrival.window = 0.2
 """
 
 
-def invent_trip(swing: float, creep: float = 0.0) -> tuple[Result, Hoist]:
+def invent_trip(swing: float, creep: float = 0.0, **trip: float) -> tuple[Result, Hoist]:
     """A trip that follows its reference, then swings with 1.5 Hz at the right conveyance."""
-    hoist, winding = Hoist(), Winding(travel=10.0, settle=6.0)
+    hoist, winding = Hoist(), Winding(**{"travel": 10.0, "settle": 6.0, **trip})
     reference = s_curve(winding)
     t = np.arange(0.0, reference.duration + winding.settle, 0.01)
     s = reference.sample(t)
@@ -111,6 +112,21 @@ def test_cycle_time_waits_for_the_swing_and_for_the_creep_that_is_none(swing, cr
     found = measure(result, hoist, arrival).metrics
     assert found["cycle_time"] - found["trajectory_time"] == pytest.approx(wait, abs=within)
     assert (found["swing_right"] < 1e-12) == (swing == 0.0)
+
+
+def test_a_stop_never_arrives_and_a_trip_within_the_band_takes_no_time() -> None:
+    for trip, cycle in (({"emergency_at": 4.0}, math.nan), ({"emergency_at": 0.5}, math.nan), ({"travel": 1e-4}, 0.0)):
+        found = measure(*invent_trip(0.0, **trip), Arrival()).metrics
+        assert_allclose(found["cycle_time"], cycle)
+        assert [math.isnan(found[name]) for name in ARRIVALS] == [math.isnan(cycle)] * 3
+
+
+def test_a_run_that_a_guard_cuts_short_is_for_goals_of_stops_alone(read: Read) -> None:
+    study = read(SHORT + "guard.window = 1e-9")
+    outcome = execute(study.samples[0].data, study.fmu)
+    assert (outcome.status, "its guard tripped" in outcome.cause) == (CUT_SHORT, True)
+    costs = [Objective({name: 1.0}, 1.0).of_run(vars(outcome)).cost for name in ("torque_peak", "guard_time")]
+    assert [math.isfinite(cost) for cost in costs] == [False, True]
 
 
 def counting(study: Study, store: Store, ran: list[str]) -> Callable[[Sequence[StudyRun]], list[str]]:
@@ -316,6 +332,7 @@ BAD = {
     "more searches than points": (LOW + TUNE + "points = 1\n" + RANGE, "searches = 2", "at most points = 1"),
     "luckiest payload": (LOW + FOUR + RANGE + PAYLOAD, "over = ['hoist.payload_left']", "over = []"),
     "designed trip that stops": (SHAPED + "winding.emergency_at = 5", "emergency_at = 5", "pi-feed-forward"),
+    "no cycle of a stop": (LOW + "[fixed]\nwinding.emergency_at = 5", "emergency_at = 5", "judge stop_distance"),
     "optimised trip creeps": (OPTIMISED + "winding.creep_distance = 3", "creep_distance = 3 m", "another controller"),
     "two best runs": (LOW + "study.maximise = 'slip_safety'", "cycle_time", "keep one"),
     "unknown signal": ("study.signals = ['loop.jaw']", "loop.jaw", "loop.yaw"),

@@ -66,6 +66,7 @@ def _duty(options: argparse.Namespace) -> int:
     from hoist_demo.report.rows import status_rows
     from hoist_demo.study.provenance import host_provenance, rope_provenance, write_data
     from hoist_demo.study.run import contradictions
+    from hoist_demo.uncertainty.spread import remarks_of
 
     schedule = read_schedule(options.schedule, options.repeat)
     if options.check:
@@ -75,7 +76,7 @@ def _duty(options: argparse.Namespace) -> int:
     rope = InProcessRope(rope_scene(schedule.pattern[0].rope_values, schedule.level), read)
     out = results_folder(options.out or Path("out") / "duty" / options.schedule.stem)
     with interruption() as interrupted:
-        trips, last = _wind(schedule, rope, out / STATE, interrupted, options.exposure)
+        trips, last, slips = _wind(schedule, rope, out / STATE, interrupted, options.exposure)
     if trips is None:
         print("balance-rope: interrupted before the first trip's end", file=sys.stderr)
         return 130
@@ -86,7 +87,8 @@ def _duty(options: argparse.Namespace) -> int:
     print(f"{header.title}: hoist {header.hoist}, level {schedule.level}, {trips['trip'].size} trips\n")
     exposures = exposure_rows("", exposed) if exposed else ()
     recording = _as_it_is(rope) if last is None else last.result.recording
-    warned = [*filter(None, (contradictions(run.hoist, rope.data().parameters), remark(recording)))]
+    slipped = (f"{text} ({count} of {len(slips)} trips)" for text, count in remarks_of(slips).items())
+    warned = [*filter(None, (contradictions(run.hoist, rope.data().parameters), remark(recording), *slipped))]
     print(render([*_summary(trips, last, len(schedule.pattern), warned), *exposures, *status_rows(data)]))
     print(f"\n{ASSUMED_DATA}\n")
     print("written: " + ", ".join(str(path) for path in written))
@@ -102,14 +104,15 @@ def _duty(options: argparse.Namespace) -> int:
 
 def _wind(
     schedule: Schedule, rope: InProcessRope, state: Path, interrupted: Callable[[], bool], counted: bool
-) -> tuple[Recording | None, WoundTrip | None]:
-    """Wind the trips that are left; return the table of all, None for no trip, and the last trip wound here."""
+) -> tuple[Recording | None, WoundTrip | None, list[list[str]]]:
+    """Wind those left; return the table of all trips, None for none, the last wound here, and warnings of slip."""
     from hoist_demo.duty.table import place_at_rest, trip_row, trip_table
     from hoist_demo.duty.wind import read_state, wind_duty, write_state
+    from hoist_demo.study.slip import slip_warnings
 
     cycle = len(schedule.pattern)
     rest = place_at_rest(schedule, rope)
-    rows = list[dict[str, float]]()
+    rows, slips = list[dict[str, float]](), list[list[str]]()
     after = last = None
     if state.is_file():
         saved_rows, after = read_state(state, rope, schedule)
@@ -126,11 +129,12 @@ def _wind(
             if interrupted() and trip.result.end is None:
                 break
             last = trip
+            slips.append(slip_warnings(trip.result.recording, trip.data.hoist, trip.result.winding))
             exposed = exposure(trip.result.recording, rope.data().parameters)
             rows.append(trip_row(trip, rest) | (flatten(exposed) if exposed else {}))
             if trip.result.end is not None:
                 write_state(state, trip_table(rows, cycle), trip.result.end, rope, schedule)
-    return (trip_table(rows, cycle) if rows else None), last
+    return (trip_table(rows, cycle) if rows else None), last, slips
 
 
 def _as_it_is(rope: InProcessRope) -> Recording:

@@ -99,7 +99,7 @@ def _rope(options: argparse.Namespace) -> int:
 
 
 def _show(options: argparse.Namespace, everything: bool) -> int:
-    from hoist_demo.report.hoist import as_file, consequences, slip_problems
+    from hoist_demo.report.hoist import as_file, consequences, drive_problems, slip_problems
 
     values = settings(options.set, parameters())
     case = with_values(find_case(options.hoist), values)
@@ -108,7 +108,7 @@ def _show(options: argparse.Namespace, everything: bool) -> int:
     text, warnings = consequences(case, options.hoist, values)
     if everything:
         print("\n".join(f"# {line}".rstrip() for line in text.splitlines()) + "\n")
-    remarks = [*case.remarks, *slip_problems(case), *warnings]
+    remarks = [*case.remarks, *drive_problems(case), *slip_problems(case), *warnings]
     for line in remarks:
         print(f"balance-rope: {line}", file=sys.stderr)
     if not remarks:

@@ -94,6 +94,8 @@ def _modes(options: argparse.Namespace) -> int:
     from hoist_demo.design.reduction import telling
     from hoist_demo.report.linear_figures import write_modes_figure
 
+    if options.count < 1:
+        raise ValueError(f"--count {options.count} must be at least 1: give how many modes to print")
     case, band, out = _hoist(options), options.band, results_folder(options.out)
     models = linearise(case, options.at, options.swivels)
     head = ("at", "frequency [Hz]", "damping", "felt by the drive", *PARTS)

@@ -161,10 +161,13 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
 
 
 def _remarks(hung: Ropes) -> list[str]:
-    """Return what an only rope lacks, and where it is not the one that hoist and drive take it for."""
+    """Return what an only rope lacks, and where a rope is not the one that was asked for, or that the drive expects."""
+    first, own_level, level = hung.ropes[0], hung.case.level, ""
+    if first.level != own_level and first.scene == replace(first, level=own_level).scene:
+        level = f"--level {first.level} changes nothing: leave mesh, accuracy, solver and model out of the hoist's file"
     if hung.case.distinct_ropes:
-        return []
-    (data,), level = hung.data(), ""
+        return [*filter(None, (level,))]
+    (data,) = hung.data()
     if isinstance(hung.plant, FmuRope) and data.level not in ("", hung.case.level):
         level = (
             f"level = {hung.case.level!r} of {hung.case.name} is not that of the FMU, {data.level!r}, which was "

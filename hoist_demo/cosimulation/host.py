@@ -49,7 +49,6 @@ _log = logging.getLogger(__name__)
 Progress = Callable[[float, float], bool]
 SAVE_INTERVAL = 5.0  #: Simulated time from one state that is kept to the next [s].
 LOADING_PARTS = (0.25, 0.75)  #: Parts of a dwell between which the payload changes to that of the next trip [assumed].
-LOADING_INTERVAL = 0.1  #: Time between two changes of a payload that is being loaded [s].
 _GUARD = ("guard.tripped", "guard.time")
 _Y_LEFT, _RATE = OUTPUT_INDEX["y_left"], OUTPUT_INDEX["rate"]
 _PULLS = [OUTPUT_INDEX["pull_left"], OUTPUT_INDEX["pull_right"]]
@@ -88,7 +87,6 @@ class Host:
         if after is not None:
             self.coupling = replace(self.coupling, start=after.t)
         self._save_interval = max(1, round(SAVE_INTERVAL / self.coupling.period))  # samples
-        self._loading_interval = max(1, round(LOADING_INTERVAL / self.coupling.period))  # samples
         self.scheme = find_scheme(self.coupling.scheme) if scheme is None else scheme
         self._after = None if after is None else after.with_zeroed_totals()
         self._next_hoist = next_hoist
@@ -255,11 +253,9 @@ class Host:
         return ""
 
     def _looked_at(self, run: RunState, k: int) -> int:
-        """Return the next sample behind k at which a state is saved or a payload changes."""
+        """Return the next sample behind k at which a state is saved or a payload begins to change."""
         next_save = k + self._save_interval - (k - run.first) % self._save_interval
-        if self._next_hoist is None:
-            return next_save
-        return min(next_save, k + self._loading_interval - k % self._loading_interval)
+        return next((j for j in range(k + 1, next_save) if self._loads(j)), next_save)
 
     def _compiled(self, run: RunState) -> CompiledTrip | None:
         """Return the trip in C; None for a run that only this host winds."""
@@ -327,7 +323,6 @@ class Host:
             return f"t = {t:.6g} s: the controller's {numbers} must be finite: check its command()"
         # the rope's forces on conveyances with play are held until the next sample
         sides = np.nan_to_num(self._read_sides(), nan=0.0) if self.hoist.play is not None else _NO_FORCES
-        self._load(run.drive.plant, k)
         run.commands = [command]
         run.drive.command(command.torque, command.brake, sides)
         return self._steps(run, k)
@@ -337,6 +332,7 @@ class Host:
         start, H, per_sample = self.coupling.start, self.coupling.step, self.coupling.per_sample
         while run.steps < (k + 1) * per_sample:
             t = start + run.steps * H
+            self._load(run.drive.plant, run.steps * H)
             try:
                 scheme_state, cause = self.scheme.advance(run.coupled, run.scheme_state, t, H)
             except (ValueError, RuntimeError) as error:
@@ -348,15 +344,17 @@ class Host:
         return ""
 
     def _loads(self, k: int) -> bool:
-        """Return True if a payload may change at sample k."""
-        return self._next_hoist is not None and k % self._loading_interval == 0
+        """Return True if a payload changes in a step between sample k and the next."""
+        first, last = (self.trajectory.duration + part * self.winding.settle for part in LOADING_PARTS)
+        return self._next_hoist is not None and first < (k + 1) * self.coupling.period < last + 2 * self.coupling.period
 
-    def _load(self, plant: HoistPlant, k: int) -> None:
-        """Change the payloads at sample k of the dwell, in stairs of LOADING_INTERVAL."""
-        if self._next_hoist is None or not self._loads(k):
-            return
-        dwelt = k * self.coupling.period - self.trajectory.duration
-        if dwelt > LOADING_PARTS[0] * self.winding.settle:
+    def _load(self, plant: HoistPlant, t: float) -> None:
+        """Change the payloads before a step that begins t [s] after the start, in the middle of the dwell.
+
+        Rarer changes would be stairs in the acceleration, which the rope takes for a table that is too coarse.
+        """
+        dwelt = t - self.trajectory.duration
+        if self._next_hoist is not None and dwelt > LOADING_PARTS[0] * self.winding.settle:
             first, last = (part * self.winding.settle for part in LOADING_PARTS)
             part, now, then = min((dwelt - first) / (last - first), 1.0), self.hoist, self._next_hoist
             left = now.payload_left + part * (then.payload_left - now.payload_left)

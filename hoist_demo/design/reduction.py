@@ -232,23 +232,23 @@ def _bases(models: Sequence[LinearModel], band: float, states: int) -> list[Arra
     driven = len(driven_coordinates(first))
     count, least = (states - first.lags) // 2 - driven, first.lags + 2 * driven
     if len(models) > 1:
-        return _krylov_bases(models, band, count, least)
+        return _krylov_bases(models, band, states, count, least)
     modes = first.modes(BEYOND * band)
-    _require_states(count, 1, modes.frequencies.size, least)
+    _require_states(states, count, 1, modes.frequencies.size, least)
     return [modes.shapes[:, np.argsort(-telling(first, modes, band))[:count]]]
 
 
-def _require_states(count: int, fewest: int, most: int, others: int) -> None:
+def _require_states(states: int, count: int, fewest: int, most: int, others: int) -> None:
     if not fewest <= count <= most:
-        states, low, high = (2 * motions + others for motions in (count, fewest, most))
+        low, high = 2 * fewest + others, 2 * most + others + 1  # an odd one is left over
         raise ValueError(f"states = {states} must be within {low} and {high}: take as many")
 
 
-def _krylov_bases(models: Sequence[LinearModel], band: float, count: int, others: int) -> list[Array]:
+def _krylov_bases(models: Sequence[LinearModel], band: float, states: int, count: int, others: int) -> list[Array]:
     """Bases of the hoist's own motions and of responses to the inputs and to these; ``others`` are further states."""
     n = models[0].free
     own = [k for k, name in enumerate(models[0].names[:3]) if not name.startswith("rope.")]
-    _require_states(count, max(len(own), 1), n - 3 + max(len(own), 1), others)
+    _require_states(states, count, max(len(own), 1), n - 3 + max(len(own), 1), others)
     masses = [0.5 * (m.mass + m.mass.T)[:n, :n] for m in models]
     bases = [_orthonormal(_followed(m, own), M) for m, M in zip(models, masses, strict=True)]
     pushes = [
@@ -262,8 +262,8 @@ def _krylov_bases(models: Sequence[LinearModel], band: float, count: int, others
         news = [_answers(*of, s) for of in zip(models, masses, bases, pushes, strict=True)]
         T = _new_at_all([x.T @ (M @ x) for x, M in zip(news, masses, strict=True)], missing)
         if not T.size:
-            had = bases[0].shape[1]
-            raise ValueError(f"states = {2 * count + others} must be fewer: the inputs move {had} motions; take less")
+            most = 2 * bases[0].shape[1] + others + 1
+            raise ValueError(f"states = {states} must be at most {most}, for the inputs move no more: take fewer")
         bases = [np.hstack((W, _orthonormal(x @ T, M))) for W, x, M in zip(bases, news, masses, strict=True)]
     return bases
 

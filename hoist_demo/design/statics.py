@@ -42,17 +42,20 @@ def static_slip_safeties(hoist: Hoist, winding: Winding) -> list[StaticSlipSafet
     The conveyances are rigidly hung: swing of the head ropes, which jerk excites, lowers what a winding shows.
     """
     instants = []
-    up = 1.0 if winding.travel > 0.0 else -1.0
-    for when, acceleration, required in (
-        ("at rest", 0.0, AT_REST),
-        ("speeding up", up * winding.acceleration, MOVING),
-        ("slowing down", -up * winding.acceleration, MOVING),
-        ("in an emergency stop of this trip", -up * winding.emergency_deceleration, 1.0),
-        ("in one of the trip back, with these loads", up * winding.emergency_deceleration, 1.0),
+    up, law = 1.0 if winding.travel > 0.0 else -1.0, winding.emergency_law
+    full = hoist.brake if law in ("torque", "two-stage") else None  # nothing regulates it: the imbalance counts
+    stop = full.torque / hoist.sheave_radius / hoist.moving_mass if full else winding.emergency_deceleration
+    for when, acceleration, falls, required in (
+        ("at rest", 0.0, False, AT_REST),
+        ("speeding up", up * winding.acceleration, False, MOVING),
+        ("slowing down", -up * winding.acceleration, False, MOVING),
+        (f"in an emergency stop of this trip ({law})", -up * stop, full is not None, 1.0),
+        (f"in one of the trip back ({law}), with these loads", up * stop, full is not None, 1.0),
     ):
         ratios = []
         for height in (0.0, hoist.shaft_travel):
-            left, right = pulls(hoist, height, acceleration)
+            left, right = pulls(hoist, height)
+            left, right = pulls(hoist, height, acceleration - falls * (left - right) / hoist.moving_mass)
             ratios.append(max(left, right) / min(left, right) if min(left, right) > 0.0 else np.inf)
         ratio = max(ratios)
         instants.append(StaticSlipSafety(when, ratio, hoist.slip_safety(ratio), required))

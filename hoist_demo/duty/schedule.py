@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 
 from hoist_demo.files.reading import read
 from hoist_demo.files.run_values import LevelHeader, RunFile, Values
-from hoist_demo.files.values import statuses
+from hoist_demo.files.values import VARIED, plain, statuses
 from hoist_demo.parameters import start_heights
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.study.run import RunData, build
@@ -35,8 +35,10 @@ class Schedule(RunFile):
 
     @property
     def status_by_name(self) -> dict[str, str]:
-        """Status of each value that is set, by name."""
-        return {key: status for values in (self.fixed, *self.trips) for key, status in statuses(values).items()}
+        """Status of each value that is set, by name; varied if it differs between trips."""
+        status = {key: status for values in (self.fixed, *self.trips) for key, status in statuses(values).items()}
+        runs = [plain({**self.fixed, **trip}) for trip in self.trips]
+        return status | {key: VARIED for key in status if len({run.get(key) for run in runs}) > 1}
 
     @cached_property
     def pattern(self) -> tuple[RunData, ...]:

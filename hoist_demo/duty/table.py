@@ -73,11 +73,6 @@ class Worst:
     trip: int
     first_cycle: float
 
-    @property
-    def missed(self) -> float:
-        """Excess over the first cycle's worst, as a part of it; 0 if that is the worst."""
-        return abs(self.value - self.first_cycle) / abs(self.first_cycle) if self.first_cycle else math.nan
-
 
 def place_at_rest(schedule: Schedule, rope: RopePlant) -> tuple[float, float]:
     """Return x and z of the loop's lowest point at rest before the first trip [m]; NaN if it does not hang."""

@@ -6,10 +6,11 @@ All rules are ours [assumed]: plausible for a tower hoist with skips, and taken 
 import math
 from collections.abc import Mapping
 
-from hoist_demo.cases.rules import HEAD_ROPE_STIFFNESS, TAIL_SPARE
-from hoist_demo.files.values import DERIVED, ParameterValue
+from hoist_demo.cases.rules import HEAD_ROPE_STIFFNESS, TAIL_SPARE, RuleInputs
+from hoist_demo.files.registry import data_of
+from hoist_demo.files.values import DERIVED, ParameterValue, plain
 from hoist_demo.files.writing import hoist_text
-from hoist_demo.parameters import GRAVITY
+from hoist_demo.parameters import GRAVITY, hoist_with
 from hoist_demo.parameters.quantity import Bounds, Parameter, Value
 from rope_model import rope as catalogue_rope
 
@@ -49,7 +50,7 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
     head_mass = number * mass / wish["head-ropes"]
     head_diameter = math.sqrt(head_mass / 4000.0)
     radius, sheave = _rounded(50.0 * head_diameter), _rounded(1.5 * payload)
-    motor, power = _rounded(0.4 * sheave), _rounded(2.6 * payload * GRAVITY * wish["speed"])
+    motor = _rounded(0.4 * sheave)
     stiffness = _rounded((2.0 * math.pi * _SHAFT) ** 2 * motor * (sheave - motor) / sheave * radius**2)
 
     def rule(value: float, expression: str) -> ParameterValue:
@@ -70,8 +71,6 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
         "hoist.head_rope_modes": ours(2),
         "hoist.sheave_radius": rule(radius, f"50 times {head_diameter:.3f} m, a head rope of 4000 kg/m3 d2"),
         "hoist.sheave_mass": rule(sheave, "1.5 times the payload"),
-        "hoist.torque_limit": rule(_rounded(power * radius / wish["speed"]), "of the power at full speed"),
-        "hoist.power_limit": rule(power, "2.6 times what lifts the payload at full speed"),
         "hoist.loss_coulomb": rule(_rounded(0.01 * conveyance * GRAVITY), "1 % of a conveyance's weight"),
         "hoist.loss_viscous": rule(_rounded(0.02 * payload), "0.02 1/s of the payload"),
         "hoist.friction_coefficient": ours(0.25),
@@ -90,6 +89,11 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
         "winding.emergency_deceleration": ours(2.0),
         "layout.spacing": inputs["spacing"],
     }
+    parts = data_of(plain(values))
+    whole = hoist_with(parts["hoist"], [(number * mass, depth + TAIL_SPARE)])
+    torque = _rounded(max(2.6 * payload * GRAVITY * radius, 1.5 * RuleInputs(whole, parts["winding"], whole).torque))
+    values["hoist.torque_limit"] = rule(torque, "2.6 times what lifts the payload, or 1.5 times what the trip asks for")
+    values["hoist.power_limit"] = rule(_rounded(torque * wish["speed"] / radius), "of the torque at full speed")
     alternate = inputs["lay"].value == LAYS[-1] and number > 1
     lays = [LAYS[k % 2] for k in range(number)] if alternate else [inputs["lay"].value]
     ropes = []

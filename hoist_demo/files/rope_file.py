@@ -11,7 +11,17 @@ from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema
 
 from hoist_demo.files.reading import EMPTY, File, Table, beside, contents, flat, opened_by, read
 from hoist_demo.files.registry import group_table, rope_parameters
-from hoist_demo.files.values import GIVEN, ParameterValue, ParameterValues, Text, plain, read_text, value_type
+from hoist_demo.files.values import (
+    DERIVED,
+    GIVEN,
+    VARIED,
+    ParameterValue,
+    ParameterValues,
+    Text,
+    plain,
+    read_text,
+    value_type,
+)
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import NONNEGATIVE, POSITIVE, Parameter
 from rope_model import Datum, KnownRope, rope
@@ -30,11 +40,13 @@ _FOLLOWING = {
     "torsional_stiffness": ("rope.Qd",),
     "bending_stiffness": ("rope.EI",),
 }
+_BY_RULE = ("rope.rhoJ", "hoist.tail_rope_mass")  #: Those that are no property themselves.
 
 
 def following_statuses(statuses: Mapping[str, str]) -> dict[str, str]:
     """Return the statuses of the parameters that follow from properties of a rope with these statuses."""
-    return {name: status for key, status in statuses.items() for name in _FOLLOWING.get(key, ())}
+    following = {name: status for key, status in statuses.items() for name in _FOLLOWING.get(key, ())}
+    return {name: DERIVED if name in _BY_RULE and one != VARIED else one for name, one in following.items()}
 
 
 def _known_there(content: Any, info: ValidationInfo) -> KnownFile | None:
@@ -68,8 +80,7 @@ class KnownFile(File):
         ranges = self.rope.file.ranges if self.rope.file else {}
         for name, entry in self.known.items():
             low, high = (float(entry.value if end is None else end) for end in (entry.low, entry.high))
-            # a parameter file repeats the catalogue's statuses; what people know was measured
-            status, source = entry.status or "measured", entry.source or printable(self.path.name)
+            status, source = entry.status or GIVEN, entry.source or printable(self.path.name)
             ranges = ranges | {name: Datum(low, high, PROPERTIES[name].unit, status, source)}  # type: ignore[arg-type]
         return ranges
 

@@ -41,6 +41,10 @@ class Recording:
         """Instants of the rows [s]."""
         return self.signals[TIME]
 
+    def seconds(self, flag: str) -> float:
+        """Return the time during which a 0/1 signal is 1 [s], each value holding until the next row."""
+        return float(np.sum(np.diff(self.time) * self[flag][:-1])) if flag in self else 0.0
+
     def shape_at(self, row: int) -> Array | None:
         """Return the rope's points at a row from left to right, shape (n, 3) [m]; None if not recorded."""
         count = sum(1 for name in self.signals if name.startswith("shape.x["))

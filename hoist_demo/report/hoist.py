@@ -7,6 +7,7 @@ from itertools import combinations
 from types import MappingProxyType
 
 from hoist_demo.cases.case import Case
+from hoist_demo.cases.rules import RuleInputs
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.design.statics import at_rest, pulls, static_slip_safeties
 from hoist_demo.files.registry import rope_parameters
@@ -38,7 +39,8 @@ def complete_file(case: Case, run: RunData, ropes: Sequence[RopeData], provenanc
         file_status = source_status if source_status in STATUSES else "assumed" if source_status == SETTING else GIVEN
         return ParameterValue(value, file_status, case.sources.get(name, ""))
 
-    lines = {"controller": entry("controller", run.controller), "level": entry("level", case.level)}
+    level = ropes[0].level or case.level
+    lines = {"controller": entry("controller", run.controller), "level": entry("level", level)}
     lines |= {one.name: entry(one.name, one.value) for one in host_provenance(run, {})}
     names = rope_parameters()
     ropes = [replace(one, parameters={**one.parameters, _SPACING: _spacing(one, run)}) for one in ropes]
@@ -95,6 +97,19 @@ def slip_problems(case: Case) -> list[str]:
         "side, a better lining, or a gentler trip"
         for one in static_slip_safeties(case.hoist, case.winding)
         if one.safety < one.required and one.required > 1.0
+    ]
+
+
+def drive_problems(case: Case) -> list[str]:
+    """Return a line on each limit of the motor that is below what its trip asks for."""
+    hoist, trip = case.hoist, case.winding
+    torque = RuleInputs(hoist, trip, hoist).torque
+    rate = max(0.0, trip.speed - 0.5 * trip.acceleration**2 / trip.jerk) / hoist.sheave_radius  # at full acceleration
+    return [
+        f"hoist.{name} = {limit:g} {unit} must be at least {asked:.3g} {unit}, which speeding up with the payload asks "
+        "for: raise it, or wind more gently (winding.acceleration, winding.speed)"
+        for name, asked, unit in (("torque_limit", torque, "N m"), ("power_limit", torque * rate, "W"))
+        if (limit := getattr(hoist, name)) is not None and limit < asked
     ]
 
 

@@ -161,12 +161,11 @@ def exposure_rows(rope: str, table: Recording) -> tuple[SummaryRow, ...]:
 def _trip(recording: Recording, hoist: Hoist, winding: Winding) -> list[SummaryRow]:
     travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
     error = recording["reference.position"] - travel
-    limited = float(np.sum(np.diff(recording.time) * recording["drive.torque_limited"][:-1]))
     return [
         SummaryRow(_DRIVE, "travel asked for", winding.travel, "m"),
         SummaryRow(_DRIVE, "travel reached, left conveyance", float(travel[-1]), "m"),
         *_tracking(_DRIVE, 1e3 * error, recording.time - recording.time[0], winding),
-        SummaryRow(_DRIVE, "time at the torque limit", limited, "s"),
+        SummaryRow(_DRIVE, "time at the torque limit", recording.seconds("drive.torque_limited"), "s"),
         SummaryRow(_DRIVE, "tension ratio at which the head ropes slip", hoist.tension_ratio_limit),
     ]
 

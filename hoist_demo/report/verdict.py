@@ -88,8 +88,13 @@ class _Rope:
         """Return True if all these signals have numbers."""
         return self.recording.has(*names) and all(bool(np.isfinite(self.recording[name]).any()) for name in names)
 
-    def at(self, row: int) -> str:
-        return f"t = {self.recording.time[row]:.2f} s"
+    def at(self, row: int, name: str) -> str:
+        return ", ".join(filter(None, (f"t = {self.recording.time[row]:.2f} s", self.since(name))))
+
+    def since(self, name: str) -> str:
+        """Return from when on a signal was computed; "" if it always was."""
+        there = np.isfinite(self.recording[name])
+        return "" if there.all() else f"computed from t = {self.recording.time[np.argmax(there)]:.2f} s on"
 
     @cached_property
     def length_error(self) -> float:
@@ -147,6 +152,9 @@ def _broken(recording: Recording, name: str) -> str:
 def _warnings(result: Result, hoist: Hoist, ropes: Sequence[_Rope], window: float) -> list[str]:
     """List the warnings that readers of the numbers need: of coupling, head ropes' hold, ropes' fidelity and breaks."""
     texts = [result.warning, *slip_warnings(result.recording, hoist, result.winding)]
+    if limited := result.recording.seconds("drive.torque_limited"):
+        cure = "raise hoist.torque_limit and power_limit, or accelerate and stop more gently"
+        texts.append(f"the motor was at its limit for {limited:.2f} s: {cure}")
     for rope in ropes:
         name, breaks = rope.data.name, rope.data.breaks
         texts.append(remark(rope.recording).replace("the rope", f"rope {name}" if name else "the rope", 1))
@@ -283,10 +291,11 @@ def _swings(rope: _Rope) -> Iterator[VerdictRow]:
     for name, label, unit, guard in _SWINGS:
         if not rope.has_numbers(name):
             continue
-        values = np.abs(rope.recording[name])
+        # the fall of a loop is no rise
+        values = rope.recording[name] if guard == "rise" else np.abs(rope.recording[name])
         bound = rope.parameter(f"guard.{guard}")
-        if guard == "window" and float(rope.data.parameters.get("guard.window_y", -FAR)) > -FAR:
-            bound = 0.0  # it watches the legs instead
+        if float(rope.data.parameters.get(f"guard.{guard}_y", -FAR)) > -FAR:
+            bound = 0.0  # it watches the legs instead, or counts the rise from there
         row = int(np.nanargmax(values))
         largest = float(values[row])
         text = f"{rounded(largest, rope.length_error)} m" if unit else number(largest, 2)
@@ -294,14 +303,11 @@ def _swings(rope: _Rope) -> Iterator[VerdictRow]:
         holds = largest < bound if bound > 0.0 else None
         if name == "loop.turns" and not 0.0 < bound < HALF_TURN:
             bound_text, holds = f"below {HALF_TURN:g}: turned over", largest < HALF_TURN
-        where = rope.at(row)
-        if name == "loop.sideways" and rope.has_numbers("loop.x", "loop.z"):
-            own = rope.data.suspension.origin[::2]
-            x, z = (
-                rounded(float(rope.recording[f"loop.{c}"][row]) + o, rope.length_error)
-                for c, o in zip("xz", own, strict=True)
-            )
-            where += f", x = {x} m, z = {z} m"
+        where = rope.at(row, name)
+        if name == "loop.sideways" and rope.recording.has("loop.x", "loop.z"):
+            origins = zip("xz", rope.data.suspension.origin[::2], strict=True)
+            places = ((c, float(rope.recording[f"loop.{c}"][row]) + origin) for c, origin in origins)
+            where += "".join(f", {c} = {rounded(x, rope.length_error)} m" for c, x in places if math.isfinite(x))
         yield VerdictRow(label, text, bound_text, holds, where)
 
 
@@ -310,7 +316,7 @@ def _clearances(rope: _Rope) -> Iterator[VerdictRow]:
         row = int(np.nanargmin(rope.recording["loop.clearance"]))
         clear = float(rope.recording["loop.clearance"][row])
         text = f"{rounded(clear, rope.length_error)} m"
-        yield VerdictRow("clearance between the legs", text, "above 0", clear > 0.0, rope.at(row))
+        yield VerdictRow("clearance between the legs", text, "above 0", clear > 0.0, rope.at(row, "loop.clearance"))
     bound = rope.parameter("guard.clearance")
     for kind, label in BODIES.items():
         near = f"nearest.{kind}"
@@ -324,14 +330,16 @@ def _clearances(rope: _Rope) -> Iterator[VerdictRow]:
 
 
 def _swivels(rope: _Rope) -> Iterator[VerdictRow]:
-    texts = {}
+    texts, since = {}, ""
     for end in SIDES:
         if rope.has_numbers(name := f"{end}.swivel.slipping"):
+            since = rope.since(name)
             slipped = float(np.sum(np.diff(rope.recording.time) * (rope.recording[name][:-1] > 0.0)))
             texts[end] = "locked" if end in rope.data.locked else f"{slipped:.2f} s" if slipped else "none"
     if texts:
         text = ", ".join(f"{end} {word}" for end, word in texts.items())
-        yield VerdictRow("slip of the swivels", "both locked" if [*texts.values()] == ["locked"] * 2 else text)
+        text = "both locked" if [*texts.values()] == ["locked"] * 2 else text
+        yield VerdictRow("slip of the swivels", text, where=since)
 
 
 def _errors(rope: _Rope) -> Iterator[VerdictRow]:

@@ -57,10 +57,7 @@ METRICS = {
     ),
     **dict.fromkeys(("left_swivel_torque", "right_swivel_torque"), ("N.m", "largest magnitude")),
     "guard_tripped": ("1", "whether a guard of the loop has tripped, and stopped the hoist"),
-    "guard_cause": (
-        "1",
-        "which: {codes}".format(codes=", ".join(f"{k} {c}" for k, c in incidents.GUARD_CODES.items())),
-    ),
+    "guard_cause": ("1", f"which: {', '.join(f'{k} {c}' for k, c in incidents.GUARD_CODES.items())}"),
     "guard_time": ("s", "when, in the record's time"),
     "slack_time": ("s", "of slack head ropes, the worse side"),
     "slip_safety": ("1", "(exp(mu alpha) - 1) / (largest ratio of the head rope tensions - 1): up to 1 they slip"),
@@ -74,6 +71,9 @@ MORE_IS_BETTER = frozenset({"slip_safety", "clearance", *(f"clearance_{name}" fo
 NEUTRAL = frozenset(
     {"position_error", "swing_frequency", "swing_damping", "guard_cause", "guard_time", "simulated_time"}
 )
+
+ARRIVALS = ("cycle_time", "trajectory_time", "position_error")  #: Metrics that only a trip to the landing has.
+STOPS = frozenset({"stop_time", "stop_distance", "guard_tripped", "guard_cause", "guard_time"})  #: Those of stops.
 
 UNITS = {name: unit for name, (unit, _) in METRICS.items()}
 
@@ -137,18 +137,23 @@ def trip_metrics(result: Result, arrival: Arrival) -> dict[str, float]:
     if math.isfinite(winding.tracking_end):
         return {}  # the brake has stopped it somewhere, and nothing asked for that place
     travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
+    moving = (t >= winding.start_delay) & (t <= result.trajectory.duration)
+    torque = recording["drive.torque"][moving] if moving.any() else np.array([math.nan])
+    followed = {
+        "tracking_error": _largest(recording["reference.position"] - travel),
+        "torque_rms": float(np.sqrt(np.mean(torque**2))),
+    }
+    if winding.emergency_at is not None:
+        return followed  # stopped on its way, as asked for or by the safety circuit: it never arrives
     landing = recording["reference.position"][-1]
     outside = np.abs(travel - landing) > arrival.position_band
     for end in SIDES:
         outside |= np.abs(recording[f"conveyance.{end}.vy"]) > arrival.speed_band
     last = int(np.flatnonzero(outside)[-1]) if outside.any() else 0
-    moving = (t >= winding.start_delay) & (t <= result.trajectory.duration)
-    return {
+    return followed | {
         "trajectory_time": result.trajectory.duration - winding.start_delay,
-        "cycle_time": float(t[last + 1]) - winding.start_delay if last + 1 < t.size else math.nan,
+        "cycle_time": max(0.0, float(t[last + 1]) - winding.start_delay) if last + 1 < t.size else math.nan,
         "position_error": float(landing - travel[-1]),
-        "tracking_error": _largest(recording["reference.position"] - travel),
-        "torque_rms": float(np.sqrt(np.mean(recording["drive.torque"][moving] ** 2))),
     }
 
 
@@ -173,7 +178,7 @@ def _drive(recording: Recording) -> dict[str, float]:
     work = np.diff(recording["drive.work_motor"])
     return {
         "torque_peak": _largest(recording["drive.torque"]),
-        "torque_limited_time": _time_of(recording, "drive.torque_limited"),
+        "torque_limited_time": recording.seconds("drive.torque_limited"),
         "motor_energy": float(np.sum(work)),
         "motor_energy_drawn": float(np.sum(np.maximum(work, 0.0))),
     }
@@ -192,8 +197,8 @@ def _rope(recording: Recording) -> dict[str, float]:
         if signal in recording:
             metrics[name] = _largest(recording[signal] - recording[signal][0])
     for name in ("yaw", "turns", "sideways", "rise"):
-        if f"loop.{name}" in recording:
-            metrics[f"loop_{name}"] = _largest(recording[f"loop.{name}"])
+        if (values := recording.signals.get(f"loop.{name}")) is not None:
+            metrics[f"loop_{name}"] = float(np.max(values)) if name == "rise" else _largest(values)  # a fall is no rise
     for name in BODIES:
         if f"nearest.{name}.clearance" in recording:
             smallest = float(recording[f"nearest.{name}.clearance"][-1])
@@ -211,7 +216,7 @@ def _swivel(recording: Recording, end: str) -> dict[str, float]:
     starts = np.flatnonzero(np.diff(slipping) > 0.0)
     return {
         f"{end}_slip": float(np.sum(np.abs(rate[1:]) * np.diff(recording.time))),
-        f"{end}_slip_time": _time_of(recording, f"{end}.swivel.slipping"),
+        f"{end}_slip_time": recording.seconds(f"{end}.swivel.slipping"),
         f"{end}_starting_torque": float(abs(torque[starts[0]])) if starts.size else math.nan,
         f"{end}_swivel_torque": _largest(torque),
     }
@@ -251,8 +256,3 @@ def _ripple(time: Array, force: Array) -> float:
 def _largest(values: Array) -> float:
     """Return the largest magnitude."""
     return float(np.max(np.abs(values)))
-
-
-def _time_of(recording: Recording, flag: str) -> float:
-    """Return the time during which a 0/1 signal is 1 [s], each value holding until the next row."""
-    return float(np.sum(np.diff(recording.time) * recording[flag][:-1]))

@@ -1,7 +1,7 @@
 """Objective of a study: it judges a choice by all its runs, against the same disturbances, and by bounds on every run.
 
-A run that failed keeps no bound and has no finite cost. Judging: by the worst run, by the mean of all, or by the share
-of runs that keep the bounds.
+A run that failed keeps no bound and has no finite cost; nor does one that the safety circuit cut short, unless its
+objective names a metric of stops. Judging: by the worst run, by the mean of all, or by the share of runs that keep the bounds.
 """
 
 import math
@@ -15,7 +15,8 @@ from pydantic import PlainValidator, WithJsonSchema
 from hoist_demo.design.tuning import Score
 from hoist_demo.files.values import read_value
 from hoist_demo.parameters.quantity import Parameter
-from hoist_demo.study.metrics import UNITS
+from hoist_demo.study.metrics import STOPS, UNITS
+from hoist_demo.study.run import CUT_SHORT
 
 Judge = Literal["worst", "mean", "share"]
 _SENSES = {"below": 1.0, "above": -1.0}
@@ -98,7 +99,8 @@ class Objective:
         cost = self.sense * sum(weight * float(metrics[name]) for name, weight in self.weights.items())
         score = Score(cost, tuple(bound.violation(metrics) for bound in self.constraints))
         failed = Score(math.inf, (math.inf,) * len(self.constraints))
-        return score if score.finite and outcome["status"] == "completed" else failed
+        counted = {"completed"} if STOPS.isdisjoint(self.metrics) else {"completed", CUT_SHORT}
+        return score if score.finite and outcome["status"] in counted else failed
 
     def assess(self, outcomes: Sequence[Mapping[str, Any]]) -> ChoiceScore:
         """Return the judgement of a choice by its runs."""

@@ -43,16 +43,17 @@ def host_provenance(run: RunData, status_by_name: Mapping[str, str]) -> list[Sou
     sourced = []
     for name, value, unit in _leaves(run):
         is_datum = name.partition(".")[0] not in _SETTINGS and _is_number(value)
-        status = run.status_by_name.get(name, "assumed") if is_datum else SETTING
-        sourced.append(SourcedValue(name, value, unit, status_by_name.get(name, status)))
+        status = status_by_name.get(name, run.status_by_name.get(name, "assumed") if is_datum else SETTING)
+        sourced.append(SourcedValue(name, VARIED if status == VARIED else value, unit, status))
     return sourced
 
 
 def rope_provenance(case: Case, rope: RopeData, status_by_name: Mapping[str, str]) -> list[SourcedValue]:
     """Return the sources of one balance rope's data; ``status_by_name`` has those of set values."""
     return [
-        SourcedValue(name, rope.display(name), rope.units.get(name, ""), _status_of(name, value, case, status_by_name))
+        SourcedValue(name, VARIED if status == VARIED else rope.display(name), rope.units.get(name, ""), status)
         for name, value in rope.parameters.items()
+        for status in (_status_of(name, value, case, status_by_name),)
     ]
 
 
@@ -62,8 +63,7 @@ def study_provenance(study: Study) -> list[SourcedValue]:
     parameters = read_parameters(study.fmu)
     values = {**{name: p.start for name, p in parameters.items()}, **run.rope_values}
     rope = RopeData({}, values, {name: p.unit for name, p in parameters.items()})
-    sourced = [*host_provenance(run, status), *rope_provenance(find_case(study.hoist), rope, status)]
-    return [one._replace(value=VARIED) if one.status == VARIED else one for one in sourced]
+    return [*host_provenance(run, status), *rope_provenance(find_case(study.hoist), rope, status)]
 
 
 def _status_of(name: str, value: Value, case: Case, status_by_name: Mapping[str, str]) -> str:

@@ -30,14 +30,16 @@ from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.parameters.winding import require_jams_on_the_way, require_trip_fits
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
+from hoist_demo.recording.incidents import incidents
 from hoist_demo.recording.passages import passages
 from hoist_demo.recording.time_series import TIME
 from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, measure
 from hoist_demo.study.slip import slip_warnings
 from rope_model import EndMotion
 
+CUT_SHORT = "cut short"  #: State of a run that the safety circuit stopped.
 #: States that a resumed study does not repeat: wound to the end, or ended by rope or drive with a cause.
-FINISHED = ("completed", "stopped")
+FINISHED = ("completed", "stopped", CUT_SHORT)
 ERROR = "error"  #: State of a run that could not be carried out (a dead worker, an exception); resuming tries it again.
 _VERSION = version("balance-rope")
 #: Data that only one controller uses, and that is not part of the key of the others' runs.
@@ -81,7 +83,7 @@ class RunData(Task):
 class Outcome:
     """Outcome of a run: plain data that travels between processes."""
 
-    status: str  # completed, stopped or error
+    status: str  # completed, stopped, cut short or error
     cause: str
     metrics: Mapping[str, float]
     signals: Mapping[str, list[float]]  # requested time series by name, and their time
@@ -172,11 +174,13 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
     names = dict.fromkeys((TIME, *run.signals)) if run.signals else {}
     series = {name: result.recording[name].tolist() for name in names if name in result.recording}
     units = {name: result.recording.units[name] for name in series}
-    status = "completed" if result.completed else "stopped"
+    status, cause, at = "completed" if result.completed else "stopped", result.cause, result.winding.emergency_at
+    if result.completed and at != run.winding.emergency_at:
+        status, cause = CUT_SHORT, f"emergency stop at t = {at:g} s{incidents(result.recording)}"
     warned = (*slip_warnings(result.recording, run.hoist, result.winding), contradicted)
     sentences = tuple(filter(None, warned))
     passed = passages(result.recording)
-    return Outcome(status, result.cause, metrics, series, units, fidelity, sentences, missing, passed)
+    return Outcome(status, cause, metrics, series, units, fidelity, sentences, missing, passed)
 
 
 def wind_run(run: RunData, rope: RopePlant, progress: Progress | None = None) -> Result:
