@@ -114,16 +114,12 @@ def export_ssp(
     )
     named = {"kind": "general", "type": "application/x-srmd-meta-data", "source": _STATUSES}
     algorithm = node("osp:Algorithm", node("osp:FixedStepAlgorithm", baseStepSize=repr(step)))
+    algorithm = _annotations("com.opensimulationplatform", algorithm)
     root = node(
         "ssd:SystemStructureDescription",
         system,
         node("ssd:Units", *_units(described.values(), {port.unit for port in connected} - {""})),
-        node(
-            "ssd:DefaultExperiment",
-            _annotations("com.opensimulationplatform", algorithm),
-            startTime="0.0",
-            stopTime=repr(stop),
-        ),
+        node("ssd:DefaultExperiment", algorithm, startTime="0.0", stopTime=repr(stop)),
         *([node("ssc:MetaData", **named)] if data and version == "2.0" else ()),
         version=version,
         name=name,

@@ -12,7 +12,7 @@ from rope_groups import rope_in_process
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.design.statics import holds
+from hoist_demo.design.statics import static_slip_safeties
 from hoist_demo.drive.equations import LOSS_NAMES
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.parameters import GRAVITY, Coupling, Hoist, Winding
@@ -175,7 +175,7 @@ def test_statics_foresee_the_hold_under_the_full_brake(speed: float, when: str) 
     plant = Plant(Hoist(brake=Brake(torque=2e5), loss_viscous=0.0, **light))
     u = PlantInput(0.0, 0.0, 0.0, brake=1.0)
     found = plant.outputs(plant.run(running(plant, speed), 0.01, u, 100)[-1], u).tension_ratio
-    holding = {one.when: one.ratio for one in holds(plant.hoist, Winding(emergency_law="torque"))}
+    holding = {one.when: one.ratio for one in static_slip_safeties(plant.hoist, Winding(emergency_law="torque"))}
     assert found == pytest.approx(next(ratio for key, ratio in holding.items() if when in key), rel=1e-3)
 
 

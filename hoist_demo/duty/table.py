@@ -21,22 +21,9 @@ READ = ROPE_SIGNALS | {"loop.turns"}  #: Outputs of the rope that the table is m
 
 #: Metrics of a study; sway is from where the loop hung at rest before the first trip.
 _MEASURED = (
-    "rope_force_ripple",
-    "rope_force_peak",
-    "rope_force_range",
-    "bending_stress",
-    "sway",
-    "sway_across",
-    "loop_yaw",
-    "clearance",
-    "left_swivel_torque",
-    "right_swivel_torque",
-    "left_slip",
-    "right_slip",
-    "slip_safety",
-    "position_error",
-    "torque_rms",
-    "motor_energy_drawn",
+    *("rope_force_ripple", "rope_force_peak", "rope_force_range", "bending_stress", "sway", "sway_across", "loop_yaw"),
+    *("clearance", "left_swivel_torque", "right_swivel_torque", "left_slip", "right_slip", "slip_safety"),
+    *("position_error", "torque_rms", "motor_energy_drawn"),
 )
 
 #: Columns of the table, each with unit and meaning.

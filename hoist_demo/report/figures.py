@@ -29,22 +29,9 @@ DASHES: dict[str, Any] = {"left": "-", "right": (0, (4, 2.5))}
 REFERENCE = "#8a8a8a"
 ACCENTS = ("#2f8f5b", "#8e44ad", "#b03a2e", "#5d6d7e")
 
+_STYLE_FILE = Path(__file__).with_name("figures.mplstyle")
 STYLE: dict[Any, Any] = {
-    "font.size": 9.0,
-    "axes.titlesize": 9.5,
-    "axes.titlelocation": "left",
-    "axes.titleweight": "bold",
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "grid.color": "#e3e3e3",
-    "grid.linewidth": 0.6,
-    "lines.linewidth": 1.2,
-    "legend.frameon": False,
-    "legend.fontsize": 8.0,
-    "figure.constrained_layout.use": True,
-    "axes.formatter.useoffset": False,
+    **matplotlib.rc_params_from_file(_STYLE_FILE, use_default_template=False),
     "axes.prop_cycle": cycler(color=(*ACCENTS, *COLOURS.values(), "black")),
 }
 

@@ -80,16 +80,8 @@ UNITS = {name: unit for name, (unit, _) in METRICS.items()}
 #: Outputs of the rope that the host and the metrics use; a study reads no others unless it keeps them.
 ROPE_SIGNALS = frozenset(
     {f"{end}.{n}" for end in SIDES for n in ("fy", "fy_mean", *(f"swivel.{s}" for s in ("rate", "slipping", "torque")))}
-    | {
-        "loop.x",
-        "loop.z",
-        "loop.yaw",
-        "loop.clearance",
-        *(f"loop.{name}" for name in ("rise", "sideways", "turns")),
-        "stress.bending_max",
-        "energy.work_ends",
-        FIDELITY,
-    }
+    | {f"loop.{name}" for name in ("x", "z", "yaw", "clearance", "rise", "sideways", "turns")}
+    | {"stress.bending_max", "energy.work_ends", FIDELITY}
     | PASSAGE_SIGNALS
     | incidents.GUARD_SIGNALS
 )

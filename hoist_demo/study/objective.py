@@ -1,7 +1,7 @@
 """Objective of a study: it judges a choice by all its runs, against the same disturbances, and by bounds on every run.
 
 A run that failed keeps no bound and has no finite cost; nor does one that the safety circuit cut short, unless its
-objective names a metric of stops. Judging: by the worst run, by the mean of all, or by the share of runs that keep the bounds.
+objective names a metric of stops. Runs are judged by the worst, by the mean, or by the share that keeps the bounds.
 """
 
 import math

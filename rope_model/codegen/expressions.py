@@ -13,23 +13,9 @@ _OPERATORS = {ca.OP_ADD: ("+", _SUM), ca.OP_SUB: ("-", _SUM), ca.OP_MUL: ("*", _
 _LOGICAL = {ca.OP_AND: "&&", ca.OP_OR: "||"}
 _OPERATORS |= {ca.OP_LT: ("<", _COMPARISON), ca.OP_LE: ("<=", _COMPARISON)}
 _OPERATORS |= {ca.OP_EQ: ("==", _COMPARISON), ca.OP_NE: ("!=", _COMPARISON)}
-_CALLS = {
-    ca.OP_SQRT: "sqrt",
-    ca.OP_CEIL: "ceil",
-    ca.OP_FLOOR: "floor",
-    ca.OP_EXP: "exp",
-    ca.OP_LOG: "log",
-    ca.OP_SIN: "sin",
-    ca.OP_COS: "cos",
-    ca.OP_ATAN2: "atan2",
-    ca.OP_HYPOT: "hypot",
-    ca.OP_FABS: "fabs",
-    ca.OP_POW: "pow",
-    ca.OP_CONSTPOW: "pow",
-    ca.OP_COPYSIGN: "copysign",
-    ca.OP_FMAX: "maximum",
-    ca.OP_FMIN: "minimum",
-}
+_LIBM = ("sqrt", "ceil", "floor", "exp", "log", "sin", "cos", "atan2", "hypot", "fabs", "pow", "copysign")
+_CALLS = {getattr(ca, f"OP_{name.upper()}"): name for name in _LIBM}
+_CALLS |= {ca.OP_CONSTPOW: "pow", ca.OP_FMAX: "maximum", ca.OP_FMIN: "minimum"}
 _INFINITE = {math.inf: "INFINITY", -math.inf: "-INFINITY"}
 #: length above which an expression gets a name
 _LONG = 80

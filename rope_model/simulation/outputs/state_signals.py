@@ -45,18 +45,7 @@ def remembered(state: Any) -> dict[str, Any]:
     return {name: value for name, value in values.items() if name in SIGNALS}
 
 
+_START: dict[str, Any] = {"crossing": Crossing(), "guard": GuardState(), "filters": (InputFilter(),) * 2}
+_START |= {"counts": Counts(), "given_up_since": 0.0, "energy_balance": EnergyBalance(), "contact": ContactSums()}
 #: names of these signals
-STATE_SIGNALS = tuple(
-    remembered(
-        SimpleNamespace(
-            crossing=Crossing(),
-            guard=GuardState(),
-            filters=(InputFilter(), InputFilter()),
-            counts=Counts(),
-            given_up_since=0.0,
-            energy_balance=EnergyBalance(),
-            contact=ContactSums(),
-            nearest=(Nearest(),) * len(KINDS),
-        )
-    )
-)
+STATE_SIGNALS = tuple(remembered(SimpleNamespace(**_START, nearest=(Nearest(),) * len(KINDS))))
