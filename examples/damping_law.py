@@ -39,10 +39,10 @@ def fitted(folder: Path, swings: str, law: str) -> tuple[MeasurementFile, Fit]:
     """Fit one law to the swings."""
     head = (folder / "swing.toml").read_text(encoding="utf-8").partition("[[measured]]")[0]
     head = head.replace("high = 3e-2 }\n\n[sought]", "high = 1.2e-2 }\n\n[sought]").replace("low = 0.01", "low = 0.001")
-    file = folder / f"{law}.toml"
+    path = folder / f"{law}.toml"
     head = head.replace("[fixed]", f"{LAWS[law]}[fixed]\nrope.slip_factor = 0.0")
-    file.write_text(head + swings, encoding="utf-8")
-    file = read(file, MeasurementFile)
+    path.write_text(head + swings, encoding="utf-8")
+    file = read(path, MeasurementFile)
     problem, asked = file.problem, file.measurements
     return file, fit(residuals_of(problem, asked, *stacked(asked)), len(problem.names))
 
