@@ -77,7 +77,6 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
         "hoist.wrap_angle": ours(math.pi),
         "hoist.drive_shaft.motor_mass": rule(motor, "0.4 of the sheave's"),
         "hoist.drive_shaft.stiffness": rule(stiffness, f"{_SHAFT:g} Hz"),
-        "hoist.brake.torque": rule(_rounded(3.0 * payload * GRAVITY * radius), "3 times the payload's"),
         "hoist.guides.coulomb": rule(_rounded(0.005 * conveyance * GRAVITY), "0.5 % of a conveyance's weight"),
         "hoist.guides.viscous": rule(_rounded(0.01 * payload), "0.01 1/s of the payload"),
         "hoist.play.clearance": ours(5e-3),
@@ -93,6 +92,11 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
     whole = hoist_with(parts["hoist"], [(number * mass, depth + TAIL_SPARE)])
     torque = _rounded(max(2.6 * payload * GRAVITY * radius, 1.5 * RuleInputs(whole, parts["winding"], whole).torque))
     values["hoist.torque_limit"] = rule(torque, "2.6 times what lifts the payload, or 1.5 times what the trip asks for")
+    stopping = radius * (whole.moving_mass * parts["winding"].emergency_deceleration + payload * GRAVITY)
+    brake = _rounded(max(3.0 * payload * GRAVITY * radius, stopping))
+    values["hoist.brake.torque"] = rule(
+        brake, "3 times the payload's, or an emergency stop's with the payload going down"
+    )
     values["hoist.power_limit"] = rule(_rounded(torque * wish["speed"] / radius), "of the torque at full speed")
     alternate = inputs["lay"].value == LAYS[-1] and number > 1
     lays = [LAYS[k % 2] for k in range(number)] if alternate else [inputs["lay"].value]
