@@ -11,8 +11,7 @@ SAID_python := the rope runs in Python, the form to read; make demo FLAVOUR=nati
 SAID_native := the rope runs in C
 READY := $(VENV)/.ready
 DEV := $(VENV)/.dev
-# one process per core, each with one thread; one that has no tests left takes over half of those of another
-# what pip leaves uncompiled is compiled where it is imported, once
+# one process per core, each with one thread; idle ones take over tests; imported modules are compiled to bytecode once
 PYTEST := OMP_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n logical --dist worksteal
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m evidence --measure
 

@@ -76,14 +76,14 @@ def model_description(described: Mapping[int, Variable], build: Build) -> Elemen
         *([node("SourceFiles", *(node("File", name=name) for name in build.sources))] if build.sources else ()),
         modelIdentifier=build.name,
         needsExecutionTool=False,
-        canHandleVariableCommunicationStepSize=True,
+        **dict.fromkeys(
+            ("canHandleVariableCommunicationStepSize", "canGetAndSetFMUstate", "canSerializeFMUstate"), True
+        ),
         canInterpolateInputs=any(v.causality == "input" and v.name in RATES for v in variables),
         maxOutputDerivativeOrder=0,
         canRunAsynchronuously=False,
         canBeInstantiatedOnlyOncePerProcess=False,
         canNotUseMemoryManagementFunctions=False,
-        canGetAndSetFMUstate=True,
-        canSerializeFMUstate=True,
         providesDirectionalDerivative=build.derivatives,
     )
     units = units_of(variables)

@@ -286,6 +286,7 @@ def _ends(left: EndMotion, right: EndMotion) -> bytes:
 
 
 def _unpack(data: bytes) -> RopeState:
+    """Return the state in ``data``: StateStructure, six arrays (n + 1, 7), n lengths, n + 1 arc lengths, hysteresis."""
     s = layout.StateStructure.from_buffer_copy(data)
     n = s.elements
     values = np.frombuffer(data, dtype=np.float64, offset=ctypes.sizeof(layout.StateStructure))

@@ -23,7 +23,7 @@ from rope_model.physics import shaft as physics
 from rope_model.physics.shaft import KINDS, Body, distance, least_distance
 from rope_model.shaft_parameters import Contact, Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
 from rope_model.simulation.contact.bodies import NO_ROOM
-from rope_model.simulation.contact.shaft import RESOLUTION, clearances, with_passages
+from rope_model.simulation.contact.shaft import RESOLUTION, clearances, update_passages
 from rope_model.simulation.mesh.partition import Partition
 from rope_model.simulation.mesh.transfer import interpolate
 from rope_model.simulation.messages.rules import first_text
@@ -222,7 +222,7 @@ def test_legs_that_pass_through_each_other_without_any_yaw_are_counted() -> None
         q = rope.state.motion.q.copy()
         q[3:5, 0] += x
         q[3:5, 2] = upper, lower
-        seen = with_passages(rope.scene, seen._replace(motion=replace(seen.motion, q=q)))
+        seen = update_passages(rope.scene, seen._replace(motion=replace(seen.motion, q=q)))
         counted.append((abs(seen.crossing.net), seen.crossing.number))
     assert counted == [(0.0, 0.0), (1.0, 1.0), (0.0, 2.0)]
     assert abs(seen.loop_yaw) < 0.1

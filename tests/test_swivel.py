@@ -273,7 +273,7 @@ def test_a_rope_hung_anew_after_a_trip_rests_within_the_limits_band() -> None:
     rope = wound(balance_rope(scene), lambda t: (smooth_trip(t, 10.0, 10.0, 0.0)[0], RIGHT), 3000, 0.02)
     assert rope.state.counts.swivel_events > 0
     after, anew = rope.signals(), hung(balance_rope(scene), EndMotion(y=10.0), RIGHT).signals()
-    # the same rope, its ends at the same places: its torque differs by that of its twist, D / L of theory.md
+    # the same rope, its ends at the same places: its torque differs by that of its twist, D / L of docs/theory/rope.md
     torsion = (ROPE.Qd - ROPE.Qs**2 / ROPE.Qa) / ROPE.length
     torque, twist = (after[f"right.swivel.{key}"] - anew[f"right.swivel.{key}"] for key in ("torque", "angle"))
     twist -= after["left.swivel.angle"] - anew["left.swivel.angle"]

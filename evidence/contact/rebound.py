@@ -45,7 +45,7 @@ def rebound(speed: float, damping: float, stiffness: float, h: float) -> Rebound
     q[:, 0], q[:, 3] = np.linspace(0.0, LENGTH, ELEMENTS + 1), 1.0
     kernels = partial(RopeKernels, ELEMENTS, "portable", fidelity="planar")
     parts = np.diff(q[:, 0]), np.array(parameters(rope, 0.0)), StaticBoundary.at(q, OUT_OF_PLANE), q
-    system = RopeSystem(kernels(), *parts, obstacles=bodies, touching=partial(kernels, features=bodies.kinds))
+    system = RopeSystem(kernels(), *parts, obstacles=bodies, contact_kernels=partial(kernels, features=bodies.kinds))
     v = np.zeros_like(q)
     v[:, 1] = -speed
     motion, start = restart(system, 0.0, q, v, np.zeros_like(q))

@@ -1,3 +1,5 @@
+/* State of an FMU's instance: modes, entered values, saved states and messages. */
+
 #include "component.h"
 
 #include <float.h>
@@ -120,10 +122,10 @@ static int is_log_category(const char *name) {
     return 0;
 }
 
-int component_categories(Component *c, size_t number, const char *const names[], int *all) {
-    *all = number == 0;
-    if (number && !component_nonnull(c, names)) return 0;
-    for (size_t k = 0; k < number; k++) {
+int component_categories(Component *c, size_t count, const char *const names[], int *all) {
+    *all = count == 0;
+    if (count && !component_nonnull(c, names)) return 0;
+    for (size_t k = 0; k < count; k++) {
         if (!component_nonnull(c, names[k])) return 0;
         if (!is_log_category(names[k]))
             return log_error(c, "there is no such log category; use logAll, logStatusWarning or logStatusError");
@@ -347,7 +349,7 @@ static void check_entry(const Variable *variable, double value, char reason[MESS
     else if (!isfinite(value))
         snprintf(reason, MESSAGE_BYTES, "%s = %s is out of range: it must be finite; give a number", variable->name,
                  shortest(value, text));
-    else if (variable->choices && !(value >= 0.0 && value < variable->number))
+    else if (variable->choices && !(value >= 0.0 && value < variable->count))
         snprintf(reason, MESSAGE_BYTES, "%s = %s is none of the choices: %s", variable->name, shortest(value, text),
                  variable->choices);
     else if (variable->kind != KIND_REAL && !(fabs(value) <= 2147483648.0 && value == floor(value)))
@@ -432,13 +434,13 @@ size_t component_state_bytes(const Component *c) {
 }
 
 /* Return the FNV-1a hash over words: fast, because hosts save at every step.  It detects damage, not malice. */
-static uint64_t checksum(const unsigned char *bytes, size_t number) {
+static uint64_t checksum(const unsigned char *bytes, size_t count) {
     uint64_t sum = 14695981039346656037u, word;
-    for (; number >= sizeof word; bytes += sizeof word, number -= sizeof word) {
+    for (; count >= sizeof word; bytes += sizeof word, count -= sizeof word) {
         memcpy(&word, bytes, sizeof word);
         sum = (sum ^ word) * 1099511628211u;
     }
-    while (number--) sum = (sum ^ *bytes++) * 1099511628211u;
+    while (count--) sum = (sum ^ *bytes++) * 1099511628211u;
     return sum;
 }
 
@@ -522,11 +524,11 @@ int component_restore(Component *c, const void *from, size_t bytes) {
     char reason[MESSAGE_BYTES] = "";
     if (!component_is_state(c, from, bytes)) return 0;
     if (header->started) {
-        size_t number = bytes - ((const unsigned char *)rest - (const unsigned char *)from);
+        size_t count = bytes - ((const unsigned char *)rest - (const unsigned char *)from);
         /* Other fixed parameters need a new model; the present one stays until that has the state. */
         int fits = c->started && c->model && same_fixed(values, c->values);
         model = fits ? c->model : model_create(goes_by, &c->allocator, reason);
-        if (!model || !model_retune(model, goes_by, reason) || !model_restore(model, rest, number, reason)) {
+        if (!model || !model_retune(model, goes_by, reason) || !model_restore(model, rest, count, reason)) {
             char other[MESSAGE_BYTES];
             if (fits)
                 model_retune(model, c->values + MODEL_SCALARS, other);

@@ -30,7 +30,7 @@ void component_fail(Component *c);
 
 int component_nonnull(Component *c, const void *pointer); /* Refuse NULL. */
 /* Check names of log categories; *all is true if they select all, also for an empty list. */
-int component_categories(Component *c, size_t number, const char *const names[], int *all);
+int component_categories(Component *c, size_t count, const char *const names[], int *all);
 
 /* Refuse a call of `function` outside of `modes`. */
 int component_check_mode(Component *c, const char *function, int modes);

@@ -145,9 +145,9 @@ VARIABLES_OF(String, KIND_STRING)
 
 /* types without variables */
 
-static fmi3Status none_of(Instance *i, const char *function, size_t number) {
+static fmi3Status none_of(Instance *i, const char *function, size_t count) {
     if (!check_call(i, function, ANY_MODE)) return fmi3Error;
-    return status(!number || component_error(i->component, "there is no variable of this type"));
+    return status(!count || component_error(i->component, "there is no variable of this type"));
 }
 
 /* functions below ignore arguments */

@@ -19,7 +19,7 @@ typedef enum { FROM_ENTRY, FROM_MODEL, FROM_STATUS_VALID, FROM_STATUS_MESSAGE, F
 typedef struct {
     const char *name;
     const char *choices; /* as "0 locked, 1 free, 2 coulomb", or NULL */
-    unsigned number;     /* number of choices */
+    unsigned count;      /* number of choices */
     unsigned length;
     unsigned rate; /* value reference of the input that is the time derivative of this input; 0 for none */
     unsigned char kind, causality, variability, source;
@@ -37,7 +37,7 @@ int model_has_arrays(void);        /* true if an array is one variable, false if
 
 /* The host's allocator, with the behaviour of calloc and free. */
 typedef struct {
-    void *(*allocate)(size_t number, size_t size);
+    void *(*allocate)(size_t count, size_t size);
     void (*deallocate)(void *);
 } Allocator;
 
@@ -68,10 +68,10 @@ int model_text(ModelInstance *model, size_t scalar, const char **text, char *mes
 /* Write a line for the log about the model; "" for none. */
 void model_note(const ModelInstance *model, char *message);
 /* Write warning `number`, from 0 on; "" if it does not apply.  Return 0 after the last warning. */
-int model_warning(ModelInstance *model, int number, char *message);
+int model_warning(ModelInstance *model, int index, char *message);
 
 /* Add seed times the derivatives of the scalars `unknown` with respect to the scalar `known` to sum (number). */
-int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t number,
+int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t count,
                      double *sum, char *message);
 
 /* The complete state without the entries is a block of bytes without addresses, valid in every process. */

@@ -360,23 +360,23 @@ void model_note(const ModelInstance *model, char *message) {
     python.PyGILState_Release(gil);
 }
 
-int model_warning(ModelInstance *model, int number, char *message) {
+int model_warning(ModelInstance *model, int index, char *message) {
     const int gil = python.PyGILState_Ensure();
-    const int exists = number < as_number(python.PyObject_GetAttrString(model->object, "warnings"));
+    const int exists = index < as_number(python.PyObject_GetAttrString(model->object, "warnings"));
     message[0] = '\0';
-    if (exists) take_text(python.PyObject_CallMethod(model->object, "warning", "i", number), message);
+    if (exists) take_text(python.PyObject_CallMethod(model->object, "warning", "i", index), message);
     python.PyGILState_Release(gil);
     return exists;
 }
 
-int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t number,
+int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t count,
                      double *sum, char *message) {
     int gil = python.PyGILState_Ensure(), ok;
     for (size_t i = 0; i < MODEL_SCALARS; i++) model->derivatives[i] = NAN;
     ok = check_answer(model->object, python.PyObject_CallMethod(model->object, "derive", "nd", (ptrdiff_t)known, seed),
                       message);
     python.PyGILState_Release(gil);
-    for (size_t i = 0; ok && i < number; i++) {
+    for (size_t i = 0; ok && i < count; i++) {
         if (isnan(model->derivatives[unknown[i]])) {
             snprintf(message, MESSAGE_BYTES,
                      "there is no derivative of %s; ask for those of left.fx ... left.mz, right.fx ... right.mz",

@@ -99,10 +99,10 @@ int model_output(ModelInstance *model, size_t scalar, double *value, char *messa
     return 1;
 }
 
-int model_warning(ModelInstance *model, int number, char *message) {
+int model_warning(ModelInstance *model, int index, char *message) {
     message[0] = '\0';
-    if (number > ROPE_EXTRAPOLATION) return 0;
-    if (number < ROPE_EXTRAPOLATION || !model->at_step_end) rope_warning(model->sim, number, message);
+    if (index > ROPE_EXTRAPOLATION) return 0;
+    if (index < ROPE_EXTRAPOLATION || !model->at_step_end) rope_warning(model->sim, index, message);
     return 1;
 }
 
@@ -130,12 +130,12 @@ void model_note(const ModelInstance *model, char *message) {
              rope_fidelity_reason(model->sim));
 }
 
-int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t number,
+int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t count,
                      double *sum, char *message) {
     const int side = ROPE_PLACES[known].where == RIGHT_MOTION;
     const int input = side * INPUTS_OF_END + (int)(ROPE_PLACES[known].offset / sizeof(double));
     double force[FORCES];
-    for (size_t i = 0; i < number; i++)
+    for (size_t i = 0; i < count; i++)
         if (ROPE_PLACES[unknown[i]].derivative < 0) {
             snprintf(message, MESSAGE_BYTES,
                      "there is no derivative of %s; ask for those of left.fx ... left.mz, right.fx ... right.mz",
@@ -143,7 +143,7 @@ int model_derivative(ModelInstance *model, size_t known, double seed, const unsi
             return 0;
         }
     if (!copy_message(model, rope_load_derivative(model->sim, input, model->at_step_end, force), message)) return 0;
-    for (size_t i = 0; i < number; i++) sum[i] += seed * force[ROPE_PLACES[unknown[i]].derivative];
+    for (size_t i = 0; i < count; i++) sum[i] += seed * force[ROPE_PLACES[unknown[i]].derivative];
     return 1;
 }
 

@@ -1,4 +1,4 @@
-"""Samples of a trip in C, as many at a time as nobody need look at: trip.c.
+"""Advance of a trip in C, by trip.c, up to the next sample that the host in Python must process.
 
 It takes what most trips have: the scheme gauss-seidel-1, the speed controller, head ropes that hold on the sheave, a
 rope in a library, and a C compiler. All else goes on in `host.Host`, which gives the same bits.
@@ -91,7 +91,7 @@ class CompiledTrip:
         self, run: RunState, rope: RopeLibrary, hoist: Hoist, gains: Gains, coupling: Coupling, start_height: float,
         clocks: tuple[Stopwatch, Stopwatch], most: int,
     ) -> None:  # fmt: skip
-        """`clocks` are the drive's and the rope's; at most so many samples are done at a time."""
+        """`clocks` are stopwatches of drive and rope, `most` is the largest number of samples of one call."""
         self._run, self._rope, self._coupling, self._clocks = run, rope, coupling, clocks
         self._drive = drive = run.drive.plant.stick_integrator
         self._library = _library(hoist.equation_structure, drive.kernels)
@@ -112,12 +112,8 @@ class CompiledTrip:
             z=drive.z.ctypes.data,
             y=drive.y.ctypes.data,
             law_arguments=self._law_arguments.ctypes.data,
-            step=rope.step,
-            motions=rope.motions,
-            valid=rope.valid or Access(),
-            forces=_one(self._forces),
-            sides=_one(self._sides),
-            guard=_one(self._guard),
+            **{name: getattr(rope, name) or Access() for name in ("step", "motions", "valid")},
+            **{name: _one(getattr(self, f"_{name}")) for name in ("forces", "sides", "guard")},
             recorded=addressof(self._recorded),
             records=len(self._recorded),
             **{name: cast(getattr(rope, name), c_void_p) for name in ("warning", "warned", "text")},
@@ -140,8 +136,8 @@ class CompiledTrip:
             return SampleReached(first)
         begun = run.course.winding.emergency_at
         trip.watched = begun is None or begun > first * self._coupling.period
-        self._follow(run.course.trajectory)
-        self._give()
+        self._set_reference(run.course.trajectory)
+        self._copy_to_c()
         rows = run.recorder.following
         reached = c_int(first)
         trip.row = rows.ctypes.data
@@ -152,13 +148,13 @@ class CompiledTrip:
         rows[:done, len(ROW) :] = self._table.read(done)
         run.recorder.count += done
         if done:
-            self._take()
+            self._copy_from_c()
             t = self._coupling.start + (run.steps - (1 if stop == "WELL" else 0)) * self._coupling.step
             cause = run.coupled.rope_stepped(t, self._rope.status(stop, trip.status))
             return SampleReached(reached.value, cause, within=stop == "DRIVE")
         return SampleReached(first)
 
-    def _follow(self, trajectory: Trajectory) -> None:
+    def _set_reference(self, trajectory: Trajectory) -> None:
         """Put the reference at all samples where C finds it."""
         if trajectory is self._trajectory:
             return
@@ -168,7 +164,7 @@ class CompiledTrip:
         self._reference = trajectory.sample((t - coupling.start).ravel())
         self._trip.reference = self._reference.ctypes.data
 
-    def _give(self) -> None:
+    def _copy_to_c(self) -> None:
         """Give the run's state to C."""
         run, trip, drive, scheme_state = self._run, self._trip, self._run.drive, self._run.scheme_state
         state, slices = drive.state, self._drive.result
@@ -183,7 +179,7 @@ class CompiledTrip:
         trip.residual, trip.exchanges = scheme_state.residual, scheme_state.exchanges
         trip.evaluations = trip.drive_time = trip.rope_time = 0
 
-    def _take(self) -> None:
+    def _copy_from_c(self) -> None:
         """Take the run's state from C."""
         run, trip, slices = self._run, self._trip, self._drive.result
         last = {name: self._drive.y[place].copy() for name, place in slices.items()}

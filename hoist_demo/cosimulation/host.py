@@ -72,12 +72,12 @@ class Host:
         after: TripEnd | None = None,
         next_hoist: Hoist | None = None,
     ) -> None:
-        """`controller` makes one's own from the hoist and the motor's torque at rest [N m]; else a speed controller.
+        """Prepare a trip; None stands for the defaults.
 
-        `trajectory` is the trip asked for, of its own shape; else the winding's S-curve. `scheme` is one that the
-        coupling cannot name. `after` is where the trip before ended with the same rope, which goes on from its state;
-        else all begins at rest. `next_hoist` has the payloads of the trip that follows: in the middle of this
-        one's dwell they change evenly from these.
+        `controller` makes a controller of the hoist and the motor's torque at rest [N m]; default: SpeedController.
+        `trajectory` replaces the winding's S-curve, `scheme` the one that `coupling` names. `after` is the end of the
+        trip before with the same rope, which goes on from there; else all begins at rest. `next_hoist` has the payloads
+        of the trip that follows: in the middle of this one's dwell they change evenly.
         """
         self.rope = rope
         self.name = ""  # name or file of the hoist, which a checkpoint states
@@ -163,9 +163,8 @@ class Host:
         read = self.rope.reader(interface.ROPE_FORCES)
         if after is None:
             with self.start_clock:
-                forces = interface.forces_or_error(
-                    self.rope.initialize(start, *(EndMotion(y=y) for y in heights)), read
-                )
+                status = self.rope.initialize(start, *(EndMotion(y=y) for y in heights))
+                forces = interface.forces_or_error(status, read)
             if isinstance(forces, str):
                 return f"rope, at the start: {forces}"
         else:
@@ -224,8 +223,8 @@ class Host:
                 run.saved = k, run.coupled.save(), deepcopy(run.controller), run.scheme_state
             if stopped:
                 return f"t = {t:.6g} s: stopped by the user"
-            if compiled is not None and k < last and not self._loads(k):
-                until = k + 1 if progress is not None else self._looked_at(run, k)
+            if compiled is not None and k < last and not self._payload_changes(k):
+                until = k + 1 if progress is not None else self._next_watched(run, k)
                 reached, cause, within = compiled.samples(k, min(until, last))
                 cause = cause or (self._steps(run, reached) if within else "")
                 if cause:
@@ -237,7 +236,7 @@ class Host:
             with self.rope_clock:
                 signals = self._read_signals()
             try:
-                run.course = self._heeding(run, t, signals)
+                run.course = self._under_safety_circuit(run, t, signals)
             except ValueError as error:
                 return f"t = {t:.6g} s: the stop that the safety circuit asks for: {error}"
             command = self._sample(run, controller, t, signals)
@@ -252,10 +251,10 @@ class Host:
             progress(1.0, start + last * T)
         return ""
 
-    def _looked_at(self, run: RunState, k: int) -> int:
+    def _next_watched(self, run: RunState, k: int) -> int:
         """Return the next sample behind k at which a state is saved or a payload begins to change."""
         next_save = k + self._save_interval - (k - run.first) % self._save_interval
-        return next((j for j in range(k + 1, next_save) if self._loads(j)), next_save)
+        return next((j for j in range(k + 1, next_save) if self._payload_changes(j)), next_save)
 
     def _compiled(self, run: RunState) -> CompiledTrip | None:
         """Return the trip in C; None for a run that only this host winds."""
@@ -273,7 +272,7 @@ class Host:
             _log.warning("the trip is wound in Python, four times as long: %s", last_words(error))
             return None
 
-    def _heeding(self, run: RunState, t: float, signals: Array) -> Course:
+    def _under_safety_circuit(self, run: RunState, t: float, signals: Array) -> Course:
         """Return the course at t [s], with an emergency stop if the safety circuit opens."""
         course, start, T, least = run.course, self.coupling.start, self.coupling.period, self.hoist.slack_tension
         if least is not None and min(run.drive.outputs[_PULLS]) < least:
@@ -332,7 +331,7 @@ class Host:
         start, H, per_sample = self.coupling.start, self.coupling.step, self.coupling.per_sample
         while run.steps < (k + 1) * per_sample:
             t = start + run.steps * H
-            self._load(run.drive.plant, run.steps * H)
+            self._set_payloads(run.drive.plant, run.steps * H)
             try:
                 scheme_state, cause = self.scheme.advance(run.coupled, run.scheme_state, t, H)
             except (ValueError, RuntimeError) as error:
@@ -343,12 +342,12 @@ class Host:
             run.steps += 1
         return ""
 
-    def _loads(self, k: int) -> bool:
+    def _payload_changes(self, k: int) -> bool:
         """Return True if a payload changes in a step between sample k and the next."""
         first, last = (self.trajectory.duration + part * self.winding.settle for part in LOADING_PARTS)
         return self._next_hoist is not None and first < (k + 1) * self.coupling.period < last + 2 * self.coupling.period
 
-    def _load(self, plant: HoistPlant, t: float) -> None:
+    def _set_payloads(self, plant: HoistPlant, t: float) -> None:
         """Change the payloads before a step that begins t [s] after the start, in the middle of the dwell.
 
         Rarer changes would be stairs in the acceleration, which the rope takes for a table that is too coarse.

@@ -136,7 +136,7 @@ def reduced(models: Sequence[LinearModel], states: int = 17, band: float = 2.0) 
     models : sequence of LinearModel
         Of `linearise`, in the order of their heights, with the inputs and outputs that count (`selected`).
     states : int
-        Number of states, or one more: two of each mode, one of each lag, two of each end that is told to move.
+        Largest number of states, or one more: a mode takes two, a lag one, an end that is moved two.
     band : float
         Upper end [Hz] of the frequencies that count.
 

@@ -19,8 +19,8 @@ F = T_1 - T_2 from them, and the tensions follow F through the accelerations: T_
     F = (exp(mu alpha) - 1) max(T_20 - mu_r w^2, 0) / (1 - (exp(mu alpha) - 1) T_2') ,     T_2' < 0 ,
 
 as F slows the ropes' sliding, which the slack side resists. The mass of the ropes on the sheave itself is neglected.
-A row of Lagrange's equation holds a leg up to the sheave's top point, through which mu |w| kg/s flow: what it puts on
-the sheave is the tension less mu w^2 / 2, on both sides alike.
+A row of Lagrange's equation holds a leg up to the sheave's top point, through which mu_r |w| kg/s flow: what it puts
+on the sheave is the tension less mu_r w^2 / 2, on both sides alike.
 """
 
 from collections.abc import Callable

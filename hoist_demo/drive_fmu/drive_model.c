@@ -253,14 +253,14 @@ void model_note(const ModelInstance *model, char *message) {
              model->parameters[DRIVE_STEP_MAX]);
 }
 
-int model_warning(ModelInstance *model, int number, char *message) {
-    (void)model, (void)number, (void)message;
+int model_warning(ModelInstance *model, int index, char *message) {
+    (void)model, (void)index, (void)message;
     return 0;
 }
 
-int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t number,
+int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t count,
                      double *sum, char *message) {
-    (void)model, (void)known, (void)seed, (void)unknown, (void)number, (void)sum;
+    (void)model, (void)known, (void)seed, (void)unknown, (void)count, (void)sum;
     snprintf(message, MESSAGE_BYTES, "the drive has no directional derivatives; take differences");
     return 0;
 }

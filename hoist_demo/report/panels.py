@@ -126,6 +126,7 @@ def _followed(quantity: str, component: str) -> tuple[Line, ...]:
 
 
 def _all(hoist: Hoist) -> Iterator[Panel]:
+    """Yield all panels by group."""
     limit, kilo, mega, count = hoist.tension_ratio_limit, 1e-3, 1e-6, hoist.tail_rope_number
     slip: list[tuple[Any, ...]] = [
         ("Head ropes slipped on the sheave", "m", _lines({"drive.slip": "way"}), 0.01),

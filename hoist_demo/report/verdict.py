@@ -97,7 +97,7 @@ class _Rope:
         return "" if there.all() else f"computed from t = {self.recording.time[np.argmax(there)]:.2f} s on"
 
     @cached_property
-    def length_error(self) -> float:
+    def loop_error(self) -> float:
         """Estimated error of the loop's place [m]."""
         return self.last("status.loop_error")
 
@@ -206,7 +206,7 @@ def _rows(
     yield from _of_each(ropes, _swings)
     yield from _of_each(ropes, _clearances)
     for pair in pairs:
-        yield from _between(pair, max(rope.length_error for rope in ropes if rope.data.name in (pair.one, pair.other)))
+        yield from _between(pair, max(rope.loop_error for rope in ropes if rope.data.name in (pair.one, pair.other)))
     for hold in slip_safeties(result.recording, hoist, result.winding):
         bound = f"at least {hold.required:g}: {hold.rule}"
         yield VerdictRow(f"slip safety {hold.when}", hold.text, bound, hold.enough, f"t = {hold.t:.2f} s")
@@ -298,7 +298,7 @@ def _swings(rope: _Rope) -> Iterator[VerdictRow]:
             bound = 0.0  # it watches the legs instead, or counts the rise from there
         row = int(np.nanargmax(values))
         largest = float(values[row])
-        text = f"{rounded(largest, rope.length_error)} m" if unit else number(largest, 2)
+        text = f"{rounded(largest, rope.loop_error)} m" if unit else number(largest, 2)
         bound_text = f"below {bound:g} {unit}".rstrip() + ", its guard's" if bound > 0.0 else NO_BOUND
         holds = largest < bound if bound > 0.0 else None
         if name == "loop.turns" and not 0.0 < bound < HALF_TURN:
@@ -307,7 +307,7 @@ def _swings(rope: _Rope) -> Iterator[VerdictRow]:
         if name == "loop.sideways" and rope.recording.has("loop.x", "loop.z"):
             origins = zip("xz", rope.data.suspension.origin[::2], strict=True)
             places = ((c, float(rope.recording[f"loop.{c}"][row]) + origin) for c, origin in origins)
-            where += "".join(f", {c} = {rounded(x, rope.length_error)} m" for c, x in places if math.isfinite(x))
+            where += "".join(f", {c} = {rounded(x, rope.loop_error)} m" for c, x in places if math.isfinite(x))
         yield VerdictRow(label, text, bound_text, holds, where)
 
 
@@ -315,7 +315,7 @@ def _clearances(rope: _Rope) -> Iterator[VerdictRow]:
     if rope.has_numbers("loop.clearance"):
         row = int(np.nanargmin(rope.recording["loop.clearance"]))
         clear = float(rope.recording["loop.clearance"][row])
-        text = f"{rounded(clear, rope.length_error)} m"
+        text = f"{rounded(clear, rope.loop_error)} m"
         yield VerdictRow("clearance between the legs", text, "above 0", clear > 0.0, rope.at(row, "loop.clearance"))
     bound = rope.parameter("guard.clearance")
     for kind, label in BODIES.items():
@@ -325,7 +325,7 @@ def _clearances(rope: _Rope) -> Iterator[VerdictRow]:
         clear, t, s, y = (rope.last(f"{near}.{key}") for key in ("clearance", "time", "s", "y"))
         where = f"t = {t:.2f} s, y = {y:.2f} m, {s:.1f} m along the rope"
         bound_text = f"above {bound:g} m, its guard's" if bound > 0.0 else "above 0"
-        text = f"{rounded(clear, rope.length_error)} m"
+        text = f"{rounded(clear, rope.loop_error)} m"
         yield VerdictRow(f"clearance from {label}", text, bound_text, clear > bound, where)
 
 

@@ -217,7 +217,7 @@ _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
     ("", switching, "EVENT_WIDTH CHATTER_TIME"),
     ("", warning_rules, "YAWED_FAR"),
     ("CONTACT_", contact_points, "CELLS HALVINGS STEPS LEVELS PARTS WEIGHTS"),
-    ("GRADIENT_", coupled_newton, "STEPS LEFT"),
+    ("", coupled_newton, "CG_MAX_STEPS CG_TOLERANCE"),
     ("NEWTON_", newton, "SMOOTH KINKED HUGE UNKNOWN GOOD SMALL"),
     ("WIRE_", wire_element, "HISTORY_SIZE TANGENT_SIZE"),
     ("WIRE_", wire_friction, "POINT_STATE_SIZE"),

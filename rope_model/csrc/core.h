@@ -31,15 +31,15 @@ static inline int lowest_node(int nodes, const double *q) {
 }
 
 /* Return an entry of a motion by its number in END_MOTION_NAMES. */
-static inline double end_value(const EndMotion *motion, int number) {
-    return ((const double *)motion)[number];
+static inline double end_value(const EndMotion *motion, int index) {
+    return ((const double *)motion)[index];
 }
 
 /* Below, s (nodes) are arc lengths of the nodes, m; q, v, a and reaction are nodes x DOF.  A message has MESSAGE bytes
    and is "" on success. */
 
 /* ends/ends.c */
-/* Refuse a target motion that is out of range, or whose filter_limits exceed the scene's. */
+/* Refuse a target motion that is out of range, or whose `limits`, from filter_limits, exceed the scene's. */
 void ends_refusal(const Scene *scene, const EndMotion *target, const double limits[14], int side, char *message);
 /* Refuse a motion that has not changed for longer than hold_max. */
 void stale_input_error(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message);
@@ -74,7 +74,7 @@ int window_due(const Pattern *pattern, const double *divider_s); /* True if a di
 
 /* mesh/transfer.c */
 /* Interpolate x (nodes x DOF) at arc lengths `places`: y (number x DOF). */
-void transfer_interpolate(int nodes, const double *x, const double *s, int number, const double *places, double *y);
+void transfer_interpolate(int nodes, const double *x, const double *s, int count, const double *places, double *y);
 /* Transfer up to 8 fields x (nodes x DOF) between meshes; `work` has TRANSFER_WORK(fields) numbers a node. */
 #define TRANSFER_WORK(fields) (10 + 14 * (fields))
 void transfer_fields(int nodes, const double *old_s, const double *new_s, int fields, double *const *x, double *work);
@@ -117,7 +117,7 @@ double interpolate_midpoints(int nodes, const double *s, int k, double place, do
 /* Return the height of the loop's bottom above its quasi-static position, m. */
 double guards_rise(const Scene *scene, const State *state, const NodalArrays *arrays, const LoopBottom *bottom);
 void set_rise_reference(const Scene *scene, State *state); /* Reset the guards of a rope at rest. */
-void with_guards(const Scene *scene, State *state);        /* Update the guards at the state's time. */
+void update_guards(const Scene *scene, State *state);      /* Update the guards at the state's time. */
 
 /* parameter_table.c */
 /* Check all parameters; a message names the group, as in "rope: Qa = ...". */

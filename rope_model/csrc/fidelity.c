@@ -11,8 +11,8 @@ const char *fidelity_name(int fidelity) {
 }
 
 /* Write name and value of an input into text (MESSAGE bytes). */
-static void input_text(const EndMotion ends[2], int number, char *text) {
-    const int side = (number - 1) / INPUT_COUNT, place = (number - 1) % INPUT_COUNT;
+static void input_text(const EndMotion ends[2], int index, char *text) {
+    const int side = (index - 1) / INPUT_COUNT, place = (index - 1) % INPUT_COUNT;
     say_nonzero_input(text, SIDE_NAMES[side], INPUTS[place], end_value(&ends[side], place));
 }
 
@@ -20,14 +20,14 @@ void unsupported_motion(const Scene *scene, int fidelity, const EndMotion ends[2
     const EndMotion *left = &ends[LEFT], *right = &ends[RIGHT];
     cause[0] = '\0';
     if (fidelity == TORSIONAL) return;
-    const int number = (int)unsupported_input(scene, fidelity, left, right);
+    const int index = (int)unsupported_input(scene, fidelity, left, right);
     char why[MESSAGE];
-    if (number == 0 && scene->model.fidelity == AUTO_FIDELITY)
+    if (index == 0 && scene->model.fidelity == AUTO_FIDELITY)
         tell_unsupported(scene, fidelity, left, right, forces, cause);
-    if (number == 0 && fidelity == RIGID && forces > 0) say_applied_forces(cause);
-    if (number == 0) return;
-    input_text(ends, number, cause);
-    if (fidelity == SPATIAL && out_of_plane(number)) say_while_swivels_hold(cause, memcpy(why, cause, sizeof why));
+    if (index == 0 && fidelity == RIGID && forces > 0) say_applied_forces(cause);
+    if (index == 0) return;
+    input_text(ends, index, cause);
+    if (fidelity == SPATIAL && out_of_plane(index)) say_while_swivels_hold(cause, memcpy(why, cause, sizeof why));
 }
 
 int lowest_sufficient(const Scene *scene, const EndMotion ends[2], int forces) {
@@ -47,9 +47,9 @@ int choose_fidelity(const Scene *scene, const EndMotion ends[2], int forces, cha
         return scene->model.fidelity;
     }
     if (tell_complete_model(scene, forces, reason)) return TORSIONAL;
-    const int number = (int)held_input(left, right), estimated = scene->model.force_tolerance > 0;
-    if (number > 0) {
-        input_text(ends, number, why);
+    const int index = (int)held_input(left, right), estimated = scene->model.force_tolerance > 0;
+    if (index > 0) {
+        input_text(ends, index, why);
         say_held_where_initialised(reason, why);
         return TORSIONAL;
     }

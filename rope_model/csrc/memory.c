@@ -20,8 +20,8 @@ static void *reserve(Arena *arena, size_t bytes) {
     return start;
 }
 
-static double *numbers(Arena *arena, size_t number) {
-    return reserve(arena, sizeof(double) * number);
+static double *numbers(Arena *arena, size_t count) {
+    return reserve(arena, sizeof(double) * count);
 }
 
 /* Lay out all arrays; return the bytes to clear: most self-contacts behind them are never written and cost no memory.

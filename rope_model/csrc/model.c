@@ -105,7 +105,7 @@ void model_restart(Simulator *sim, State *state) {
     restart_audit(sim, state, &sys);
 }
 
-void with_angles_along(Simulator *sim, State *state, double *q, double *v, double *a, double *b) {
+void update_angles(Simulator *sim, State *state, double *q, double *v, double *a, double *b) {
     state->offsets[RIGHT] += rope_system_transport(sim, state, q, v, a, b);
 }
 
@@ -188,7 +188,7 @@ void model_commit(Simulator *sim, State *state, const StepResult *trial) {
     state->contact = add_contact(&sim->scene, &state->contact, h, contact + CONTACT_FORCES, longest_near(&sys));
     chain_of(sim, state)->air(&sys, nodal.q, nodal.v, air);
     const double dissipated = update_hysteresis(sim, state, now->q);
-    with_angles_along(sim, state, now->q, now->v, now->a, now->b);
+    update_angles(sim, state, now->q, now->v, now->a, now->b);
     memcpy(nodal.q, now->q, FIELDS * sizeof(double) * size);
     state->t = sys.time = trial->t;
     state->h = trial->h;

@@ -15,7 +15,7 @@ enum { MESSAGE = 512 };                 /* bytes for a message, with its termina
 
 /* The host's allocator, with the behaviour of calloc and free. */
 typedef struct {
-    void *(*allocate)(size_t number, size_t size);
+    void *(*allocate)(size_t count, size_t size);
     void (*deallocate)(void *);
 } Memory;
 
@@ -42,7 +42,7 @@ int rope_retune(Simulator *sim, const Scene *scene);
 
 /* Point forces on the rope. */
 typedef struct {
-    int number;
+    int count;
     double start, stop;        /* times, s, between which the forces are linear; they are constant before and after */
     const double (*places)[7]; /* arc length from the left end, m, ascending; force at start (3) and at stop (3), N */
 } PointForces;
@@ -63,11 +63,11 @@ const char *rope_fidelity_reason(const Simulator *sim);
 /* Write a warning about valid results into message (MESSAGE bytes), "" if it does not apply.  `number` is 0
    to ROPE_EXTRAPOLATION; the last one is only for hosts that extrapolate the ends' motions. */
 enum { ROPE_WARNINGS = 13, ROPE_EXTRAPOLATION = ROPE_WARNINGS };
-void rope_warning(Simulator *sim, int number, char *message);
+void rope_warning(Simulator *sim, int index, char *message);
 
 /* Write the values of outputs, by their numbers in rope_model.simulation.outputs.signal_table.SIGNALS.  Booleans and
    integers are exact.  A value is computed at the first call after a change of state. */
-void rope_signals(Simulator *sim, size_t number, const int *signals, double *values);
+void rope_signals(Simulator *sim, size_t count, const int *signals, double *values);
 
 /* Differentiate the forces and moments left.fx ... left.mz, right.fx ... right.mz with respect to one of the 26 inputs,
    EndMotion on the left and on the right.  The input is given at the start or the end of a step as long as the last. */

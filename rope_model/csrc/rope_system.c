@@ -10,7 +10,7 @@ System rope_system(const Simulator *sim, State *state) {
                   .frames = sim->frames,
                   .obstacles = sim->obstacles->bodies > 0 ? sim->obstacles : NULL,
                   .self_contact = sim->self_contact->presses ? sim->self_contact : NULL,
-                  .forces = sim->forces.number > 0 ? &sim->forces : NULL,
+                  .forces = sim->forces.count > 0 ? &sim->forces : NULL,
                   .time = state->t,
                   .wires = state->rubs ? sim->wires : NULL,
                   .curved = is_curved(sim, state) ? sim->curved : NULL,

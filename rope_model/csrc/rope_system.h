@@ -1,5 +1,5 @@
 /* Equations of motion of a rope, and the forces on it.  C version of rope_model/simulation/rope_system.py and contact.
-   NodalArrays q, v, a, x and R have DOF entries a node; degrees of freedom that a fidelity omits stay zero. */
+   Arrays q, v, a, x and R have DOF entries per node; degrees of freedom that a fidelity omits stay zero. */
 #ifndef ROPE_SYSTEM_H
 #define ROPE_SYSTEM_H
 
@@ -63,7 +63,7 @@ typedef struct {
 typedef struct {
     const Scene *scene;
     int presses; /* true if contacts act; otherwise there is no memory for them */
-    int number;  /* number of contacts */
+    int count;   /* number of contacts */
     SelfContact *contacts;
     double nearest[2];  /* least distance of centre lines that touch, and its height, m */
     double (*boxes)[6]; /* bounding box of each element */
@@ -109,12 +109,12 @@ typedef struct {
                       double tolerance, const double *before, double balance[BALANCE]);
     /* Solve J x = M change with the factors that solve left in `work`. */
     void (*resolve)(const System *, void *work, const double *q, const double *v, const double *a, const double *change,
-                    const double *known, double *x);
+                    const double *reaction, double *x);
     /* Solve J x = -R on the free degrees of freedom; `factorized` keeps the factors of the latest call. */
     void (*newton_step)(const System *, void *work, const double *q, const double *v, const double *a,
-                        const double *known, const double c[3], int factorized, double *x, double *R);
-    void (*evaluate)(const System *, const double *q, const double *v, const double *a, const double *known, double *R,
-                     double balance[BALANCE]); /* R may be NULL */
+                        const double *reaction, const double c[3], int factorized, double *x, double *R);
+    void (*evaluate)(const System *, const double *q, const double *v, const double *a, const double *reaction,
+                     double *R, double balance[BALANCE]); /* R may be NULL */
     void (*losses)(const System *, const double *q, const double *v, double powers[2]);
     void (*air)(const System *, const double *q, const double *v, double sums[AIR_BALANCE]);
     void (*strains)(const System *, const double *q, double (*strains)[STRAINS]);
@@ -133,8 +133,8 @@ int placed_bodies(const Shaft *shaft, const double *const ends[2], Placed *bodie
 int bodies_group(int elements, const double *lengths, const double *q, int first, double box[6]);
 
 /* contact/point_forces.c */
-void elements_at(const System *sys, int number, PointForce *point); /* Advance to a place, in ascending order. */
-void nodal_forces(const System *sys, double *R);                    /* Subtract the point forces from R. */
+void elements_at(const System *sys, int index, PointForce *point); /* Advance to a place, in ascending order. */
+void nodal_forces(const System *sys, double *R);                   /* Subtract the point forces from R. */
 /* Add load and power of the point forces. */
 void point_forces_push(const System *sys, const double *q, const double *v, double sums[CONTACT_BALANCE]);
 /* Interpolate r, or its speed, in an element with shape functions N. */

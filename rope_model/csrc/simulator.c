@@ -53,7 +53,7 @@ static int accept(Simulator *sim) {
     State *before = sim->state;
     sim->state = sim->next;
     sim->next = before;
-    sim->known = 0;
+    sim->computed_groups = 0;
     sim->bottom_known = 0;
     sim->initialized = 1;
     sim->message[0] = '\0';
@@ -66,7 +66,7 @@ int rope_retune(Simulator *sim, const Scene *scene) {
     sim->scene.solver = scene->solver;
     memcpy(sim->scene.swivels, scene->swivels, sizeof scene->swivels);
     sim->scene.shaft.air = scene->shaft.air;
-    sim->known = 0;
+    sim->computed_groups = 0;
     return 1;
 }
 
@@ -101,8 +101,8 @@ static int initialize(Simulator *sim, double t, const EndMotion ends[2]) {
     char why[MESSAGE];
     double points[2][3];
     if (!hold_ends(sim, state, ends, points)) return 0;
-    state->fidelity = choose_fidelity(scene, ends, sim->forces.number, state->fidelity_reason);
-    unsupported_motion(scene, state->fidelity, ends, sim->forces.number, why);
+    state->fidelity = choose_fidelity(scene, ends, sim->forces.count, state->fidelity_reason);
+    unsupported_motion(scene, state->fidelity, ends, sim->forces.count, why);
     if (why[0]) return say_fixed_model_cannot_follow(message, fidelity_name(state->fidelity), why);
     const NodalArrays nodal = state_arrays(state);
     double divider_s[DIVIDERS];
@@ -128,19 +128,19 @@ static int initialize(Simulator *sim, double t, const EndMotion ends[2]) {
     begin_audit(sim, state);
     far_bodies(state->nearest);
     set_rise_reference(scene, state);
-    with_passages(sim, state);
-    with_guards(scene, state);
+    update_passages(sim, state);
+    update_guards(scene, state);
     return accept(sim);
 }
 
 /* Refer the frames to the state again after a failure. */
-static int conclude(Simulator *sim, int succeeded) {
+static int refer_after_failure(Simulator *sim, int succeeded) {
     if (!succeeded && sim->initialized) rope_system_refer(sim, sim->state, state_arrays(sim->state).q);
     return succeeded;
 }
 
 int rope_initialize(Simulator *sim, double t, const EndMotion ends[2]) {
-    return conclude(sim, initialize(sim, t, ends));
+    return refer_after_failure(sim, initialize(sim, t, ends));
 }
 
 /* Return the filter of an end with the host's sample, for a step to t. */
@@ -176,7 +176,7 @@ static int move_ends(Simulator *sim, State *state, double t, const EndMotion end
     EndMotion filtered[2] = {ends[LEFT], ends[RIGHT]};
     for (int side = LEFT; side <= RIGHT && scene->inputs.given != ALL_GIVEN; side++)
         filtered[side] = path_at(&state->paths[side], t);
-    unsupported_motion(&sim->scene, state->fidelity, filtered, sim->forces.number, why);
+    unsupported_motion(&sim->scene, state->fidelity, filtered, sim->forces.count, why);
     if (!why[0]) return 1;
     if (sim->scene.model.fidelity != AUTO_FIDELITY)
         return say_fixed_model_cannot_follow(sim->message, fidelity_name(state->fidelity), why);
@@ -241,8 +241,8 @@ static int advance_to(Simulator *sim, double t, const EndMotion ends[2], double 
             return say_too_many_steps(sim->message, t_before, MAX_STEPS, begin, t);
         if (!step_towards(sim, state, t, why)) return say_fails_at(sim->message, t_before, why);
         if (state->t >= t || state->t - state->monitored_at >= MONITOR_INTERVAL) {
-            with_passages(sim, state);
-            with_guards(&sim->scene, state);
+            update_passages(sim, state);
+            update_guards(&sim->scene, state);
         }
         if (event != NULL) *event |= has_event(sim, state);
         if (event != NULL && *event && state->t < t && state->t - begin >= CHATTER_TIME) {
@@ -262,7 +262,7 @@ static int advance_to(Simulator *sim, double t, const EndMotion ends[2], double 
 }
 
 int rope_advance_to(Simulator *sim, double t, const EndMotion ends[2], double given_at) {
-    return conclude(sim, advance_to(sim, t, ends, given_at, NULL));
+    return refer_after_failure(sim, advance_to(sim, t, ends, given_at, NULL));
 }
 
 int rope_advance_to_event(Simulator *sim, double t, const EndMotion ends[2], double given_at, int *event) {
@@ -271,7 +271,7 @@ int rope_advance_to_event(Simulator *sim, double t, const EndMotion ends[2], dou
     for (int side = LEFT; side <= RIGHT; side++) same &= !memcmp(&ends[side], filters[side].given, sizeof ends[side]);
     if (same) given_at = fmin(filters[LEFT].given_at, filters[RIGHT].given_at);
     *event = 0;
-    return conclude(sim, advance_to(sim, t, ends, given_at, event));
+    return refer_after_failure(sim, advance_to(sim, t, ends, given_at, event));
 }
 
 size_t rope_state_bytes(const Simulator *sim) {
@@ -307,7 +307,7 @@ void rope_rows(const Simulator *sim, double (*rows)[13]) {
 
 void rope_displacement(Simulator *sim, const PointForces *forces, double (*moved)[3]) {
     State *state = sim->state;
-    memset(moved, 0, sizeof *moved * (size_t)forces->number);
+    memset(moved, 0, sizeof *moved * (size_t)forces->count);
     if (!sim->initialized) return;
     const NodalArrays nodal = state_arrays(state);
     const Coefficients method = {sim->scene.solver.rho_inf};
@@ -321,12 +321,12 @@ void rope_displacement(Simulator *sim, const PointForces *forces, double (*moved
             ->newton_step(&sys, sim->work, nodal.q, nodal.v, nodal.a, nodal.reaction, c, k, answers[k], sim->trial.v);
     }
     PointForce point = {0};
-    for (int number = 0; number < forces->number; number++) {
+    for (int index = 0; index < forces->count; index++) {
         double without[3];
-        elements_at(&sys, number, &point);
+        elements_at(&sys, index, &point);
         at_places(answers[0], point.element, point.N, without);
-        at_places(answers[1], point.element, point.N, moved[number]);
-        for (int i = 0; i < 3; i++) moved[number][i] -= without[i];
+        at_places(answers[1], point.element, point.N, moved[index]);
+        for (int i = 0; i < 3; i++) moved[index][i] -= without[i];
     }
 }
 
@@ -334,11 +334,11 @@ void rope_displacement(Simulator *sim, const PointForces *forces, double (*moved
 static double value_of(Simulator *sim, int signal) {
     if (!sim->initialized || signal < 0 || signal >= SIGNALS) return NAN;
     const SignalGroup group = group_of(signal);
-    if (!(sim->known & 1u << group.number)) group.compute(sim, sim->values);
-    sim->known |= 1u << group.number;
+    if (!(sim->computed_groups & 1u << group.index)) group.compute(sim, sim->values);
+    sim->computed_groups |= 1u << group.index;
     return sim->values[signal];
 }
 
-void rope_signals(Simulator *sim, size_t number, const int *signals, double *values) {
-    for (size_t k = 0; k < number; k++) values[k] = value_of(sim, signals[k]);
+void rope_signals(Simulator *sim, size_t count, const int *signals, double *values) {
+    for (size_t k = 0; k < count; k++) values[k] = value_of(sim, signals[k]);
 }

@@ -38,7 +38,7 @@ struct Simulator {
     SelfContactState *self_contact;
     PointForces forces;
     double values[SIGNALS];
-    unsigned known; /* bit g: the values of group g belong to the state */
+    unsigned computed_groups; /* bit g: the values of group g belong to the state */
     LoopBottom bottom;
     int bottom_known, nearest_blocks[2]; /* nearest_blocks: `pair` of leg_clearance */
     int64_t newton_limit;                /* Newton iterations after which the present advance gives up accuracy */
@@ -55,7 +55,7 @@ static inline const Chain *chain_of(const Simulator *sim, const State *state) {
 
 /* contact/shaft.c */
 /* Record clearances and passages of the rope at the state's time. */
-void with_passages(const Simulator *sim, State *state);
+void update_passages(const Simulator *sim, State *state);
 
 /* curvature.c */
 int is_curved(const Simulator *sim, const State *state);
@@ -77,7 +77,7 @@ Simulator *allocate_simulator(const Scene *scene, int elements, const Memory *me
 /* mesh/adaptation.c */
 /* Transform the mesh as often as due; return the status of Newton's method.  The state is void unless CONVERGED. */
 int transform_if_due(Simulator *sim, State *state);
-void with_loop_yaw(State *state);
+void update_loop_yaw(State *state);
 int raise_fidelity(Simulator *sim, State *state, const char *why, char *message);
 
 /* model.c */
@@ -91,13 +91,13 @@ double model_bottom_s(const Simulator *sim, const State *state, double t);
 /* Call mesh_dividers with the heights of the ends at t. */
 void model_dividers(const Simulator *sim, const State *state, double t, double *divider_s);
 /* Refer frames and angles of q, v, a, b to q. */
-void with_angles_along(Simulator *sim, State *state, double *q, double *v, double *a, double *b);
+void update_angles(Simulator *sim, State *state, double *q, double *v, double *a, double *b);
 void begin_audit(const Simulator *sim, State *state);
 /* Audit a communication step of length h; residual_before is the residual of the energy balance at its start. */
 void audit_interval(const Simulator *sim, State *state, double h, double residual_before);
 
 /* numerics/generalized_alpha.c */
-StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, double h); /* Step into rope->trial. */
+StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, double h); /* Step into sim->trial. */
 void generalized_alpha_restart(Simulator *sim, State *state, const System *sys);
 /* Return the time by which b is moved when a step h follows one of length `before` (0 after a restart). */
 double recentring(const Coefficients *method, double h, double before);
@@ -107,7 +107,7 @@ void added_mass_signals(Simulator *sim, double *values); /* compute of a SignalG
 
 /* outputs/signals.c */
 typedef struct {
-    int number;
+    int index;
     void (*compute)(Simulator *, double *); /* writes the values of the group into (SIGNALS) */
 } SignalGroup;
 SignalGroup group_of(int signal);
@@ -124,10 +124,10 @@ double rope_system_transport(Simulator *sim, State *state, double *q, double *v,
 /* Set prescribed entries at t of q, v and a in x, or of the first `orders` of them. */
 void rope_system_prescribed_motion(const Simulator *sim, const State *state, const System *sys, double t, int orders,
                                    double *const x[]);
-void rope_system_strains(Simulator *sim); /* Strains of the present state, into rope->strains. */
+void rope_system_strains(Simulator *sim); /* Strains of the present state, into sim->strains. */
 
 /* state.c */
-/* True if restored bytes can be a state of this rope.  Overwrites rope->trial. */
+/* True if restored bytes can be a state of this rope.  Overwrites sim->trial. */
 int state_plausible(const Simulator *sim, State *state);
 void state_copy(const Simulator *sim, State *to, const State *from);
 void record_event(State *state, int what, int which, double kinetic, double potential);

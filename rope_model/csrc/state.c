@@ -14,8 +14,8 @@ void record_event(State *state, int what, int which, double kinetic, double pote
         state->events[state->event_count++] = (Event){state->t, kinetic, potential, what, which};
 }
 
-static int all_finite(const double *x, size_t number) {
-    for (size_t i = 0; i < number; i++)
+static int all_finite(const double *x, size_t count) {
+    for (size_t i = 0; i < count; i++)
         if (!isfinite(x[i])) return 0;
     return 1;
 }

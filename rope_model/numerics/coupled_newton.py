@@ -18,9 +18,9 @@ from rope_model.numerics.newton import NewtonLimits, NewtonReport
 Array = NDArray[np.float64]
 
 #: fraction of the initial squared error, in J's norm, at which conjugate gradients end
-LEFT = 1e-16
+CG_TOLERANCE = 1e-16
 #: largest number of steps of conjugate gradients
-STEPS = 200
+CG_MAX_STEPS = 200
 
 
 class Iterate(NamedTuple):
@@ -52,7 +52,7 @@ def conjugate_gradients(solve: Callable[[Array], Array], coupling: Callable[[Arr
     p = solve(R)
     error = first = -float(np.vdot(R, p))
     g, Jp, x = R, -R, np.zeros_like(R)
-    for _ in range(STEPS):
+    for _ in range(CG_MAX_STEPS):
         Ap = Jp + coupling(p)
         curvature = float(np.vdot(p, Ap))
         if not curvature > 0:
@@ -61,7 +61,7 @@ def conjugate_gradients(solve: Callable[[Array], Array], coupling: Callable[[Arr
         x, g = x + alpha * p, g + alpha * Ap
         z = solve(g)
         before, error = error, -float(np.vdot(g, z))
-        if not error > LEFT * first:
+        if not error > CG_TOLERANCE * first:
             break
         p, Jp = z + error / before * p, error / before * Jp - g
     return x

@@ -124,8 +124,8 @@ POINTS, WEIGHTS = tuple((0.5 + 0.5 * _GAUSS_POINTS).tolist()), tuple((0.5 * _GAU
 class ElementFunctions:
     """CasADi functions of an element; q, v, a are (2 m,) with m degrees of freedom of a node, 7 for ``torsional``.
 
-    ``l`` is the reference length in m, ``P`` see PARAMETERS.  ``F`` is the reference of the frame: in its reference,
-    tangent p and p x p' at each Gauss point, and p at the right node; it has no entries without torsion.
+    ``l`` is the reference length in m, ``P`` see PARAMETERS.  ``F`` describes the frame's reference: tangent p
+    and p x p' at each Gauss point, then p at the right node; it has no entries without torsion.
 
     residual:  (q, v, a, l, F, P) -> R (2 m,): inertia + internal - gravity, which external loads must balance
     tangent:   (q, v, a, l, F, P, cq, cv, ca, q_prestress) -> R, J (2 m, 2 m): J = cq dR/dq + cv dR/dv + ca dR/da,

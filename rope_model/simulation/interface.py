@@ -19,7 +19,7 @@ from rope_model.simulation.state import RopeState
 
 @dataclass(frozen=True)
 class Status:
-    """Validity of the rope's state."""
+    """Outcome of a start, step or restore; on failure the rope's state is unchanged."""
 
     valid: bool  #: true if the start or step succeeded
     message: str = ""  #: cause and cure, if not
@@ -68,7 +68,7 @@ class BalanceRope(ABC):
 
     @property
     def fidelity(self) -> Fidelity:
-        """Fidelity of the present computation: torsional is all, then spatial, planar and rigid."""
+        """Present fidelity; from complete to coarsest: torsional, spatial, planar, rigid."""
         return self.state.fidelity
 
     @property
@@ -105,7 +105,7 @@ class BalanceRope(ABC):
         Parameters
         ----------
         t : float
-            Time to reach [s]. Less than 1e-9 s ahead nothing moves; the next step makes up for the time.
+            Time to reach [s]. If it is less than 1e-9 s ahead, the call succeeds without a step.
         left, right : EndMotion
             Motions of the ends at ``given_at``.
         given_at : float, optional
@@ -173,7 +173,7 @@ class BalanceRope(ABC):
         """
 
     def added_mass(self) -> tuple[float, float]:
-        """Return growth of the downward force with an upward acceleration of the same end, left and right [kg].
+        """Return the added masses of the left and right end [kg]: downward force per upward acceleration of the end.
 
         The acceleration is held over an interval as long as the last, from the present state on.
         """

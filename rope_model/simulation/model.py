@@ -33,7 +33,7 @@ from rope_model.simulation.state import EnergyBalance, Powers, RopeState
 
 @dataclass(frozen=True)
 class RopeModel:
-    """Scene with its kernels, immutable except for their memory and the latest system, a start for the next."""
+    """Scene with its kernels; immutable to callers, it keeps the latest system as the start of the next."""
 
     scene: Scene
     kernels: KernelCache
@@ -57,8 +57,8 @@ class RopeModel:
             rope_parameters, air = np.array(parameters(scene.rope, scene.layout.gravity)), air_parameters(scene)
             fidelity, obstacles = flexible(state.fidelity), find_obstacles(scene)
             along = acting_along(scene, fidelity, rubs)
-            touching = partial(SelfContactSystem, scene) if scene.shaft.contact.rope_stiffness > 0 else RopeSystem
-            system = touching(
+            make_system = partial(SelfContactSystem, scene) if scene.shaft.contact.rope_stiffness > 0 else RopeSystem
+            system = make_system(
                 self.kernels.of(fidelity, along),
                 state.partition.lengths,
                 np.concatenate((rope_parameters, air)),
@@ -148,7 +148,7 @@ class RopeModel:
         state = old._replace(
             motion=motion, hysteresis=update.z, energy_balance=energy, errors=errors, powers=after, contact=contact
         )
-        return self._audit_step(old.motion, with_angles_along(system, state), system)
+        return self._audit_step(old.motion, update_angles(system, state), system)
 
     def _audit_step(self, old: alpha.Motion, state: RopeState, system: RopeSystem) -> RopeState:
         """Return ``state`` with the impulse of a time step from ``old``, for the audit of the communication step."""
@@ -196,7 +196,7 @@ class RopeModel:
 _END_STRAINS = ([0, -1], SLOPE.start + 1)
 
 
-def with_angles_along(system: RopeSystem, state: RopeState) -> RopeState:
+def update_angles(system: RopeSystem, state: RopeState) -> RopeState:
     """Return ``state``, whose angles count from the reference of ``system``, as one that is its own reference.
 
     The rate of theta is then the spin.  b differs from a by events within a step: both change alike.

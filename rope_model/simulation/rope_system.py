@@ -87,7 +87,7 @@ class Losses(NamedTuple):
 
 @dataclass(frozen=True)
 class Evaluation:
-    """Residual (reactions where prescribed) and balance of physics.element and contact_element by name, J, W, N."""
+    """Residual (nodes, 7), reactions where prescribed (N, N m), and sums of the elements by name (J, W, N)."""
 
     reaction: Array
     balance: dict[str, float]
@@ -97,7 +97,8 @@ class RopeSystem:
     """Equations of motion for numerics.generalized_alpha and for statics.
 
     ``reference`` (nodes, 7) is the state from which the frame is counted; see physics.frame.  ``z`` is the hysteresis
-    of the wires of ``rope`` where they rub; ``rope`` also has the permanent curvature.
+    of the wires of ``rope`` where they rub; ``rope`` also has the permanent curvature.  ``P`` are the element's
+    parameters, then those of the air; ``contact_kernels`` makes the kernels of a rope that touches ``obstacles``.
     """
 
     def __init__(
@@ -109,12 +110,12 @@ class RopeSystem:
         reference: Array,
         node_mass: Array | None = None,
         obstacles: Obstacles | None = None,
-        touching: Callable[[], RopeKernels] | None = None,
+        contact_kernels: Callable[[], RopeKernels] | None = None,
         rope: Rope | None = None,
         z: Array = NO_HYSTERESIS,
     ) -> None:
         nodes = lengths.size + 1
-        self.obstacles, self._touching = obstacles, touching
+        self.obstacles, self._contact_kernels = obstacles, contact_kernels
         # the rope at the last search for bodies, and its distance from them, m
         self._last_search: list[tuple[Array, float]] = []
         # weights of a node's coordinates in largest_motion
@@ -209,6 +210,7 @@ class RopeSystem:
     def solve(
         self, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float, before: Array | None = None
     ) -> Solution[Evaluation]:
+        """Solve R = 0 by Newton's method; repeat with the bodies that the solution touches until none is new."""
         near, x = self._near(q, CONTACT_MARGIN), Iterate(q, v, a, reaction)
         while True:
             solution = self._newton(near, x, c, tolerance, before)
@@ -343,11 +345,11 @@ class RopeSystem:
     def _with_bodies(self, near: Near, q: Array, v: Array) -> tuple[RopeKernels, tuple[Array, ...], Array]:
         """Return kernels, their constants and parameters, with or without bodies."""
         P = self._air_parameters(q, v)
-        if self.obstacles is None or self._touching is None or not near.any():
+        if self.obstacles is None or self._contact_kernels is None or not near.any():
             return self.kernels, self._constants, P
         lengths, frames, *loads = self._constants
         P = np.concatenate((P, self.obstacles.numbers(q, v)))
-        return self._touching(), (lengths, np.hstack((frames, near)), *loads), P
+        return self._contact_kernels(), (lengths, np.hstack((frames, near)), *loads), P
 
     def _air_parameters(self, q: Array, v: Array) -> Array:
         """Return the element's parameters, in air with the conveyances at the rope's ends."""

@@ -21,7 +21,7 @@ from rope_model.parameters import Scene
 from rope_model.physics.centreline import suspension_points
 from rope_model.simulation.contact.bodies import NO_ROOM
 from rope_model.simulation.contact.point_forces import PointForces, at_places, elements_at, nodal_forces
-from rope_model.simulation.contact.shaft import MONITOR_INTERVAL, with_passages
+from rope_model.simulation.contact.shaft import MONITOR_INTERVAL, update_passages
 from rope_model.simulation.ends.ends import HangingEnds, clamp_axis, refusal, right_offset, stale_input_error
 from rope_model.simulation.ends.filter_program import filter_program, filter_step
 from rope_model.simulation.ends.input_filter import InputFilter, filter_limits, settings_of
@@ -36,7 +36,7 @@ from rope_model.simulation.messages.result_warnings import WARNINGS
 from rope_model.simulation.messages.rules import first_text
 from rope_model.simulation.model import RopeModel, ends_of
 from rope_model.simulation.outputs.diagnostics import LoopBottom, ends_yaw, loop_bottom
-from rope_model.simulation.outputs.guards import set_rise_reference, with_guards
+from rope_model.simulation.outputs.guards import set_rise_reference, update_guards
 from rope_model.simulation.outputs.signal_table import checked_names
 from rope_model.simulation.outputs.signals import group_of
 from rope_model.simulation.rope_kernels import KernelCache
@@ -216,8 +216,8 @@ class RopeSimulator(BalanceRope):
         force_mean = -float(state.motion.reaction[0, 1]), -float(state.motion.reaction[-1, 1])
         energy_balance = state.energy_balance._replace(start=state.energy_balance.total)
         state = state._replace(force_mean=force_mean, energy_balance=energy_balance, events=())
-        state = with_passages(scene, set_rise_reference(scene, self.model.begin_audit(state)))
-        self._accept(with_guards(scene, state, self.model.ends(state)))
+        state = update_passages(scene, set_rise_reference(scene, self.model.begin_audit(state)))
+        self._accept(update_guards(scene, state, self.model.ends(state)))
         return Status(True)
 
     def advance_to(self, t: float, left: EndMotion, right: EndMotion, given_at: float | None = None) -> Status:
@@ -267,8 +267,8 @@ class RopeSimulator(BalanceRope):
                 return Status(False, messages.fails_at(before.t, advanced))
             state, after = advanced, advanced.motion
             if after.t >= t or after.t - state.monitored_at >= MONITOR_INTERVAL:
-                state = with_passages(self.scene, state)
-                state = with_guards(self.scene, state, self.model.ends(state))
+                state = update_passages(self.scene, state)
+                state = update_guards(self.scene, state, self.model.ends(state))
             for node in (0, -1):
                 impulse[node] -= 0.5 * (after.t - before.t) * float(before.reaction[node, 1] + after.reaction[node, 1])
         mean = impulse[0] / (t - start), impulse[1] / (t - start)

@@ -132,8 +132,8 @@ static double leg_mass(const Simulator *sim, int side) {
     return leg * sim->scene.rope.mass_per_length;
 }
 
-void rope_warning(Simulator *sim, int number, char *message) {
-    (void)sim, (void)number;
+void rope_warning(Simulator *sim, int index, char *message) {
+    (void)sim, (void)index;
     message[0] = '\0';
 }
 
@@ -144,8 +144,8 @@ static double value_of(Simulator *sim, int signal) {
     return signal == SIGNAL_COUNT_STEPS ? sim->state.steps : 0.0;
 }
 
-void rope_signals(Simulator *sim, size_t number, const int *signals, double *values) {
-    for (size_t k = 0; k < number; k++) values[k] = value_of(sim, signals[k]);
+void rope_signals(Simulator *sim, size_t count, const int *signals, double *values) {
+    for (size_t k = 0; k < count; k++) values[k] = value_of(sim, signals[k]);
 }
 
 int rope_load_derivative(Simulator *sim, int input, int at_step_end, double derivative[12]) {

@@ -37,7 +37,7 @@ class FmuRope:
     def __init__(
         self, path: Path, parameters: Mapping[str, Value] | None = None, recorded: Collection[str] | None = None
     ) -> None:
-        """Load the FMU and set its parameters; `recorded` outputs, None: all but the expensive added masses."""
+        """Load the FMU and set its parameters; `recorded` outputs are read, by default all but the added masses."""
         self._started = False
         self._warned: set[str] = set()  # warnings that were logged
         self._errors: list[str] = []  # the FMU's messages about the call that fails

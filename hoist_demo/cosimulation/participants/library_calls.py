@@ -26,7 +26,7 @@ class Access(Structure):
 
 
 def access(standard: str, function: Any, rope: int, numbers: Any, values: NDArray[Any]) -> Access:
-    """Return the access to variables with these numbers in C, by an array (rows, values)."""
+    """Return a C getter or setter of one row of ``values`` for the variables ``numbers``."""
     shape = len(numbers), values.shape[1], values.strides[0], values.ctypes.data
     code = STANDARDS.index(standard)
     made = Access(code, values.dtype == TEXT, cast(function, c_void_p), rope, addressof(numbers), *shape)

@@ -4,9 +4,9 @@
 
 enum { GROUP = 12 }; /* elements that share a box in the broad phase of contact detection */
 
-static int add(Placed *bodies, int number, int kind, int moves_with, Body body) {
-    bodies[number] = (Placed){kind, moves_with, body};
-    return number + 1;
+static int add(Placed *bodies, int count, int kind, int moves_with, Body body) {
+    bodies[count] = (Placed){kind, moves_with, body};
+    return count + 1;
 }
 
 int placed_bodies(const Shaft *shaft, const double *const ends[2], Placed *bodies) {

@@ -2,9 +2,9 @@
 
 #include "rope_system.h"
 
-void elements_at(const System *sys, int number, PointForce *point) {
+void elements_at(const System *sys, int index, PointForce *point) {
     const PointForces *forces = sys->forces;
-    const double *place = forces->places[number];
+    const double *place = forces->places[index];
     const double fraction = time_fraction(forces->start, forces->stop, sys->time);
     while (point->element < sys->elements - 1 && place[0] > point->start + sys->lengths[point->element])
         point->start += sys->lengths[point->element++];
@@ -15,8 +15,8 @@ void elements_at(const System *sys, int number, PointForce *point) {
 
 void nodal_forces(const System *sys, double *R) {
     PointForce point = {0};
-    for (int number = 0; sys->forces != NULL && number < sys->forces->number; number++) {
-        elements_at(sys, number, &point);
+    for (int index = 0; sys->forces != NULL && index < sys->forces->count; index++) {
+        elements_at(sys, index, &point);
         double *row = R + (size_t)point.element * DOF;
         for (int k = 0; k < 4; k++)
             for (int i = 0; i < 3; i++) row[k / 2 * DOF + k % 2 * SLOPE + i] -= point.N[k] * point.force[i];
@@ -25,9 +25,9 @@ void nodal_forces(const System *sys, double *R) {
 
 void point_forces_push(const System *sys, const double *q, const double *v, double sums[CONTACT_BALANCE]) {
     PointForce point = {0};
-    for (int number = 0; sys->forces != NULL && number < sys->forces->number; number++) {
+    for (int index = 0; sys->forces != NULL && index < sys->forces->count; index++) {
         double place[3], speed[3], load[6];
-        elements_at(sys, number, &point);
+        elements_at(sys, index, &point);
         at_places(q, point.element, point.N, place);
         at_places(v, point.element, point.N, speed);
         point_load(place, point.force, load);

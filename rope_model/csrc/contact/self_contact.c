@@ -19,16 +19,16 @@ static int near_elements(const System *sys, int element) {
     SelfContactState *self_contact = sys->self_contact;
     const double diameter = self_contact->scene->rope.diameter;
     double along = 0;
-    int number = 0;
+    int count = 0;
     for (int e = element + 1; e < sys->elements; along += sys->lengths[e++]) {
         if (along < MIN_ARC * diameter) continue;
         const double gap = gap_of(self_contact->boxes[element], self_contact->boxes[e]);
         self_contact->cache.free = minimum(self_contact->cache.free, gap);
         if (!(gap < diameter)) continue;
-        self_contact->others[number] = e;
-        self_contact->arc_gaps[number++] = along;
+        self_contact->others[count] = e;
+        self_contact->arc_gaps[count++] = along;
     }
-    return number;
+    return count;
 }
 
 /* Return the distance of an element from a point; xi is the element coordinate of the nearest place. */
@@ -66,7 +66,7 @@ static void add_self_contact(const System *sys, const double *q, const double *v
     for (int k = 0; k < 4; k++) contact.N[4 + k] = -partner[k];
     contact.terms = self_contact_law(&self_contact->scene->shaft.contact, self_contact->scene->rope.diameter, place[0],
                                      speed[0], c[0], c[1]);
-    self_contact->contacts[self_contact->number++] = contact;
+    self_contact->contacts[self_contact->count++] = contact;
 }
 
 /* Return the arc length from the present element to the nearest place of neighbour n. */
@@ -95,12 +95,12 @@ static void search_element(const System *sys, const double *q, const double *v, 
                            int others) {
     SelfContactState *self_contact = sys->self_contact;
     const double diameter = self_contact->scene->rope.diameter, l = sys->lengths[element];
-    const int number = (int)number_of_points(l, diameter);
-    const double weight = l / number;
-    for (int k = 0; k < number;) {
+    const int count = (int)number_of_points(l, diameter);
+    const double weight = l / count;
+    for (int k = 0; k < count;) {
         SelfContact contact = {.elements = {element, 0}, .weight = weight};
         double N[4], point[3], least = INFINITY;
-        hermite_shape_functions((k + 0.5) / number, l, N);
+        hermite_shape_functions((k + 0.5) / count, l, N);
         at_places(q, element, N, point);
         for (int n = 0; n < others; n++) {
             self_contact->distances[n] = nearest_place(sys, q, self_contact->others[n], point, self_contact->xi + n);
@@ -116,14 +116,14 @@ static void search_element(const System *sys, const double *q, const double *v, 
             add_self_contact(sys, q, v, c, N, contact);
         }
         /* Skip places farther than a diameter.  A distance that is not a number ends the search. */
-        k += 1 + (int)points_skipped(least, diameter, weight, number);
+        k += 1 + (int)points_skipped(least, diameter, weight, count);
     }
 }
 
 int find_self_contacts(const System *sys, const double *q, const double *v, double cq, double cv) {
     SelfContactState *self_contact = sys->self_contact;
     const double c[2] = {cq, cv};
-    self_contact->number = 0;
+    self_contact->count = 0;
     self_contact->nearest[0] = self_contact->scene->rope.diameter;
     if (clearance_exceeds(sys, &self_contact->cache, q, self_contact->scene->rope.diameter)) return 0;
     remember_configuration(sys, &self_contact->cache, q);
@@ -135,7 +135,7 @@ int find_self_contacts(const System *sys, const double *q, const double *v, doub
         const int others = near_elements(sys, e);
         if (others > 0) search_element(sys, q, v, c, e, others);
     }
-    return self_contact->number;
+    return self_contact->count;
 }
 
 /* Return the entry of q, an r or r', that shape function k of a contact belongs to. */
@@ -150,7 +150,7 @@ static void spread(const SelfContact *contact, const double force[3], double *y)
 }
 
 void self_contact_take_force(const SelfContactState *self_contact, double *R) {
-    for (int n = 0; n < self_contact->number; n++) {
+    for (int n = 0; n < self_contact->count; n++) {
         const double *force = self_contact->contacts[n].terms.force;
         spread(&self_contact->contacts[n], (const double[3]){-force[0], -force[1], -force[2]}, R);
     }
@@ -158,7 +158,7 @@ void self_contact_take_force(const SelfContactState *self_contact, double *R) {
 
 void self_contact_times(const SelfContactState *self_contact, const double *x, double *y) {
     static const int upper[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-    for (int n = 0; n < self_contact->number; n++) {
+    for (int n = 0; n < self_contact->count; n++) {
         const SelfContact *contact = &self_contact->contacts[n];
         double separation[3] = {0}, force[3] = {0};
         for (int k = 0; k < 8; k++)
@@ -171,7 +171,7 @@ void self_contact_times(const SelfContactState *self_contact, const double *x, d
 
 void self_contact_sums(const System *sys, const double *q, const double *v, double sums[CONTACT_BALANCE]) {
     if (sys->self_contact == NULL || !find_self_contacts(sys, q, v, 0, 0)) return;
-    for (int n = 0; n < sys->self_contact->number; n++) {
+    for (int n = 0; n < sys->self_contact->count; n++) {
         const SelfContact *contact = &sys->self_contact->contacts[n];
         sums[CONTACT_ENERGY] += contact->weight * contact->terms.sums[CONTACT_ENERGY];
         sums[CONTACT_DISSIPATED] += contact->weight * contact->terms.sums[CONTACT_DISSIPATED];

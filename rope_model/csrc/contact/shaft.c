@@ -42,18 +42,18 @@ static int searches_of(const Scene *scene, const NodalArrays *nodal, double t, c
                        NearestSearch *searches) {
     const double *const ends[2] = {nodal->q, nodal->q + (size_t)nodal->elements * DOF};
     Placed bodies[MAX_BODIES];
-    const int number = placed_bodies(&scene->shaft, ends, bodies);
-    const int lowest = number > 0 ? lowest_node(nodal->nodes, nodal->q) : 0;
-    for (int n = 0; n < number; n++) {
+    const int count = placed_bodies(&scene->shaft, ends, bodies);
+    const int lowest = count > 0 ? lowest_node(nodal->nodes, nodal->q) : 0;
+    for (int n = 0; n < count; n++) {
         const int first = bodies[n].moves_with == LEFT ? lowest : 0;
         const int last = bodies[n].moves_with == RIGHT ? lowest : nodal->elements;
         searches[n] = (NearestSearch){bodies[n], first, last, 0.5 * scene->rope.diameter, t, nearest[bodies[n].kind]};
     }
-    return number;
+    return count;
 }
 
-static void nearest_of(int number, const NearestSearch *searches, Nearest nearest[KINDS]) {
-    for (int n = 0; n < number; n++) {
+static void nearest_of(int count, const NearestSearch *searches, Nearest nearest[KINDS]) {
+    for (int n = 0; n < count; n++) {
         Nearest *known = &nearest[searches[n].placed.kind];
         if (searches[n].nearest.clearance < known->clearance) *known = searches[n].nearest;
     }
@@ -74,30 +74,30 @@ static void search_elements(NearestSearch *search, const NodalArrays *nodal, int
 
 void shaft_nearer(const Scene *scene, const NodalArrays *nodal, double t, Nearest nearest[KINDS]) {
     NearestSearch searches[MAX_BODIES];
-    const int number = searches_of(scene, nodal, t, nearest, searches);
-    for (int first = 0, last; number > 0 && first < nodal->elements; first = last) {
+    const int count = searches_of(scene, nodal, t, nearest, searches);
+    for (int first = 0, last; count > 0 && first < nodal->elements; first = last) {
         double box[6];
         last = bodies_group(nodal->elements, nodal->lengths, nodal->q, first, box);
-        for (int n = 0; n < number; n++)
+        for (int n = 0; n < count; n++)
             if (first < searches[n].last && searches[n].first < last && may_be_nearer(&searches[n], box))
                 search_elements(&searches[n], nodal, first, last);
     }
-    nearest_of(number, searches, nearest);
+    nearest_of(count, searches, nearest);
 }
 
 void shaft_clearances(const Scene *scene, const NodalArrays *nodal, double t, Nearest nearest[KINDS]) {
     NearestSearch searches[MAX_BODIES];
     far_bodies(nearest);
-    const int number = searches_of(scene, nodal, t, nearest, searches);
-    for (int n = 0; n < number; n++)
+    const int count = searches_of(scene, nodal, t, nearest, searches);
+    for (int n = 0; n < count; n++)
         for (int k = searches[n].first; k <= searches[n].last; k++)
             probe(&searches[n], nodal->s[k], nodal->q + (size_t)k * DOF);
-    nearest_of(number, searches, nearest);
+    nearest_of(count, searches, nearest);
     shaft_nearer(scene, nodal, t, nearest);
 }
 
 /* Update the largest penetration of the rope into itself. */
-static void with_overlap(const Simulator *sim, State *state) {
+static void update_overlap(const Simulator *sim, State *state) {
     const NodalArrays nodal = state_arrays(state);
     const double *nearest = sim->self_contact->nearest, diameter = sim->scene.rope.diameter;
     Crossing *crossing = &state->crossing;
@@ -109,7 +109,7 @@ static void with_overlap(const Simulator *sim, State *state) {
     crossing->touched_y = nearest[1];
 }
 
-void with_passages(const Simulator *sim, State *state) {
+void update_passages(const Simulator *sim, State *state) {
     const NodalArrays nodal = state_arrays(state);
     Crossing *crossing = &state->crossing;
     state->monitored_at = state->t;
@@ -118,7 +118,7 @@ void with_passages(const Simulator *sim, State *state) {
     double across[2];
     heading(line, across);
     const int near = !legs_apart(&nodal, across, sim->scene.rope.diameter, sim->scene.layout.spacing);
-    if (near || sim->self_contact->presses) with_overlap(sim, state);
+    if (near || sim->self_contact->presses) update_overlap(sim, state);
     if (!near && crossing->net == 0 && fabs(state->loop_yaw - line) <= TURNED_FAR) return;
     const LoopBottom bottom = loop_bottom(nodal.nodes, nodal.q, nodal.s);
     const LoopTurns turns = loop_turns(&nodal, &bottom);

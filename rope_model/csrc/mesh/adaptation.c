@@ -4,7 +4,7 @@
 #include "simulator.h"
 
 /* Enter the energy change of a transformation into the energy balance. */
-static void with_energy_change(Simulator *sim, State *state) {
+static void add_energy_change(Simulator *sim, State *state) {
     const double before = state->energy_balance.kinetic, change = model_energies(sim, state);
     const double kinetic = state->energy_balance.kinetic - before;
     state->energy_balance.transformations += change;
@@ -25,7 +25,7 @@ static Progress dynamic_equilibrium(Simulator *sim, State *state, double time, d
             ->solve(&sys, sim->work, now->q, now->v, now->a, now->reaction, c, tolerance, NULL, balance);
     if (newton.status != CONVERGED) return newton;
     update_hysteresis(sim, state, now->q);
-    with_angles_along(sim, state, now->q, nodal.v, nodal.a, nodal.b);
+    update_angles(sim, state, now->q, nodal.v, nodal.a, nodal.b);
     memcpy(nodal.q, now->q, bytes);
     return newton;
 }
@@ -52,7 +52,7 @@ static int on_partition(Simulator *sim, State *state, int direction, const doubl
         state->counts.rejections += 1;
     }
     state->counts.given_up += newton.error > solver->newton_tolerance;
-    with_energy_change(sim, state);
+    add_energy_change(sim, state);
     return CONVERGED;
 }
 
@@ -69,7 +69,7 @@ int transform_if_due(Simulator *sim, State *state) {
     return status;
 }
 
-void with_loop_yaw(State *state) {
+void update_loop_yaw(State *state) {
     const NodalArrays x = state_arrays(state);
     const double *d = x.q + (size_t)lowest_node(x.nodes, x.q) * DOF + SLOPE;
     state->loop_yaw = nearest_turn(atan2(-d[2], d[0]), state->loop_yaw);
@@ -80,7 +80,7 @@ int raise_fidelity(Simulator *sim, State *state, const char *why, char *message)
     const int was = state->fidelity;
     const EndMotion ends[2] = {path_at(&state->paths[LEFT], INFINITY), path_at(&state->paths[RIGHT], INFINITY)};
     say_cannot_follow(state->fidelity_reason, fidelity_name(was), why);
-    state->fidelity = lowest_sufficient(&sim->scene, ends, sim->forces.number);
+    state->fidelity = lowest_sufficient(&sim->scene, ends, sim->forces.count);
     state->offsets[LEFT] = 0;
     state->offsets[RIGHT] = right_offset(nodal.q, end_row(nodal.q, nodal.nodes, RIGHT));
     record_event(state, RAISED, state->fidelity, 0, 0);
@@ -93,7 +93,7 @@ int raise_fidelity(Simulator *sim, State *state, const char *why, char *message)
     if (dynamic_equilibrium(sim, state, SETTLING_TIME, SETTLING_TOLERANCE).status == CONVERGED)
         memcpy(nodal.reaction, sim->trial.reaction, sizeof(double) * (size_t)nodal.nodes * DOF);
     else
-        with_angles_along(sim, state, nodal.q, nodal.v, nodal.a, nodal.b);
+        update_angles(sim, state, nodal.q, nodal.v, nodal.a, nodal.b);
     model_restart(sim, state);
     state->energy_balance.transformations += model_energies(sim, state);
     if (start_hysteresis(sim, state)) rope_system_refer(sim, state, nodal.q);

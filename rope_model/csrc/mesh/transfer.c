@@ -9,10 +9,10 @@ static double tolerance_of(int nodes, const double *s) {
     return 1e-9 * s[nodes - 1];
 }
 
-void transfer_interpolate(int nodes, const double *x, const double *s, int number, const double *places, double *y) {
+void transfer_interpolate(int nodes, const double *x, const double *s, int count, const double *places, double *y) {
     const double tolerance = tolerance_of(nodes, s);
     int i = 0;
-    for (int k = 0; k < number; k++, y += DOF) {
+    for (int k = 0; k < count; k++, y += DOF) {
         /* Find the last element whose left node is left of the place.  Places mostly ascend. */
         while (i < nodes - 2 && s[i + 1] < places[k] + tolerance) i++;
         while (i > 0 && s[i] >= places[k] + tolerance) i--;

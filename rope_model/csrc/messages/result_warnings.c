@@ -71,16 +71,16 @@ static void unfit_inputs(Simulator *sim, char *message) {
         }
 }
 
-void rope_warning(Simulator *sim, int number, char *message) {
+void rope_warning(Simulator *sim, int index, char *message) {
     static void (*const by_shape[EXTRAPOLATION + 1])(Simulator *, char *) = {[PASSED_BODIES] = passed_bodies,
                                                                              [NEGLECTED_EFFECTS] = neglected_effects,
                                                                              [LEG_CONTACT] = leg_contact,
                                                                              [YAW_AT_REST] = yaw_at_rest,
                                                                              [UNFIT_INPUTS] = unfit_inputs};
     message[0] = '\0';
-    if (!sim->initialized || number < 0 || number > EXTRAPOLATION) return;
-    if (by_shape[number])
-        by_shape[number](sim, message);
+    if (!sim->initialized || index < 0 || index > EXTRAPOLATION) return;
+    if (by_shape[index])
+        by_shape[index](sim, message);
     else
-        tell_by_numbers(number, &sim->scene, sim->state, message);
+        tell_by_numbers(index, &sim->scene, sim->state, message);
 }

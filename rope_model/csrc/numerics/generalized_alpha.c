@@ -73,17 +73,17 @@ void generalized_alpha_restart(Simulator *sim, State *state, const System *sys) 
     const NodalArrays nodal = state_arrays(state);
     const size_t size = (size_t)nodal.nodes * DOF;
     const double c[3] = {0, 0, 1};
-    double unused[BALANCE], *known = sim->trial.reaction;
+    double unused[BALANCE], *reaction = sim->trial.reaction;
     memset(nodal.a, 0, sizeof(double) * size);
     rope_system_prescribed_motion(sim, state, sys, state->t, 3, (double *[]){nodal.q, nodal.v, nodal.a});
     for (int again = 0; again < 2; again++) { /* friction of the second pass uses the reactions of the first */
-        memcpy(known, nodal.reaction, sizeof(double) * size);
+        memcpy(reaction, nodal.reaction, sizeof(double) * size);
         chain_of(sim, state)
-            ->newton_step(sys, sim->work, nodal.q, nodal.v, nodal.a, known, c, again, sim->x, nodal.reaction);
+            ->newton_step(sys, sim->work, nodal.q, nodal.v, nodal.a, reaction, c, again, sim->x, nodal.reaction);
         for (size_t i = 0; i < size; i++) nodal.a[i] += sim->x[i];
     }
-    memcpy(known, nodal.reaction, sizeof(double) * size);
-    chain_of(sim, state)->evaluate(sys, nodal.q, nodal.v, nodal.a, known, nodal.reaction, unused);
+    memcpy(reaction, nodal.reaction, sizeof(double) * size);
+    chain_of(sim, state)->evaluate(sys, nodal.q, nodal.v, nodal.a, reaction, nodal.reaction, unused);
     memcpy(nodal.b, nodal.a, sizeof(double) * size);
     memset(nodal.a_rate, 0, sizeof(double) * size);
     state->h = 0;

@@ -112,8 +112,8 @@ static void bounds_of(int points, double point[][3], double bounds[6]) {
     }
 }
 
-static int at_most(int number, int most) {
-    return number < most ? number : most;
+static int at_most(int count, int most) {
+    return count < most ? count : most;
 }
 
 /* Bounds of each block of a leg, with the first point of the next block. */

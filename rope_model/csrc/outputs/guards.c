@@ -26,7 +26,7 @@ void set_rise_reference(const Scene *scene, State *state) {
     state->guard.rest = guards_rise(scene, state, &nodal, &bottom);
 }
 
-void with_guards(const Scene *scene, State *state) {
+void update_guards(const Scene *scene, State *state) {
     const Guard *guard = &scene->shaft.guard;
     if (has_guards(guard) == 0) return;
     const NodalArrays nodal = state_arrays(state);

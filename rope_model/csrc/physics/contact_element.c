@@ -11,7 +11,7 @@ typedef struct {
 /* Integration points of the parts in contact.  A cell has two monotone sides, a side two pieces. */
 enum { MAX_PRESSED = 4 * CONTACT_CELLS * CONTACT_POINTS };
 typedef struct {
-    int number;
+    int count;
     double points[MAX_PRESSED][2]; /* element coordinate and weight */
 } Pressed;
 
@@ -57,7 +57,7 @@ static void add_side(const ContactPair *pair, Probe one, Probe two, Pressed *pre
                 : other.depth >= level ? other.place
                                        : place_of_depth(pair, other, deeper.place, level);
         for (int n = 0; place != before && n < CONTACT_POINTS; n++)
-            contact_point(parts[n], weights[n], before, place, pressed->points[pressed->number++]);
+            contact_point(parts[n], weights[n], before, place, pressed->points[pressed->count++]);
     }
 }
 
@@ -66,7 +66,7 @@ static void find_pressed(const System *sys, int element, int k, const double *q,
     const double *a = q + (size_t)element * DOF;
     const ContactPair pair = {a, a + DOF, sys->lengths[element], sys->obstacles->scene->rope.diameter,
                               &sys->obstacles->placed[k].body};
-    pressed->number = 0;
+    pressed->count = 0;
     if (!(sys->obstacles->near[element] & 1u << k)) return;
     Probe start = probe_at(&pair, 0.0);
     for (int cell = 1; cell <= CONTACT_CELLS; cell++) {
@@ -102,7 +102,7 @@ void contact_residual(const System *sys, int element, const double *q, const dou
     memset(R, 0, sizeof(double) * CONTACT_DOF);
     for (int body = 0; body < sys->obstacles->bodies; body++) {
         find_pressed(sys, element, body, q, &pressed);
-        for (int n = 0; n < pressed.number; n++) {
+        for (int n = 0; n < pressed.count; n++) {
             const ContactPoint point = contact_point_of(sys, element, body, pressed.points[n], q, v, 0, 0);
             for (int k = 0; k < CONTACT_DOF; k++) R[k] -= point.weight * point.N[k / 3] * point.terms.force[k % 3];
         }
@@ -116,8 +116,8 @@ void contact_tangent(const System *sys, int element, const double *q, const doub
     memset(tangent, 0, sizeof(double) * CONTACT_DOF * CONTACT_DOF);
     for (int body = 0; body < sys->obstacles->bodies; body++) {
         find_pressed(sys, element, body, q, &pressed);
-        for (int number = 0; number < pressed.number; number++) {
-            const ContactPoint point = contact_point_of(sys, element, body, pressed.points[number], q, v, c[0], c[1]);
+        for (int index = 0; index < pressed.count; index++) {
+            const ContactPoint point = contact_point_of(sys, element, body, pressed.points[index], q, v, c[0], c[1]);
             for (int k = 0; k < CONTACT_DOF; k++)
                 for (int n = k; n < CONTACT_DOF; n++)
                     tangent[k][n] +=
@@ -130,7 +130,7 @@ void contact_sums(const System *sys, int element, const double *q, const double 
     Pressed pressed;
     for (int body = 0; body < sys->obstacles->bodies; body++) {
         find_pressed(sys, element, body, q, &pressed);
-        for (int n = 0; n < pressed.number; n++) {
+        for (int n = 0; n < pressed.count; n++) {
             const ContactPoint point = contact_point_of(sys, element, body, pressed.points[n], q, v, 0, 0);
             for (int k = 0; k < CONTACT_FORCES; k++) sums[k] += point.weight * point.terms.sums[k];
             sums[CONTACT_FORCES + sys->obstacles->placed[body].kind] += point.weight * point.terms.sums[CONTACT_FORCES];

@@ -15,7 +15,7 @@ static int equilibrium_in_frame(Simulator *sim, State *state, double max_turn, c
     model_energies(sim, state);
     /* A yaw psi of the loop turns the frame of the right end by -2 psi.  This counts full turns. */
     state->loop_yaw -= 0.5 * (state->offsets[RIGHT] - offset);
-    with_loop_yaw(state);
+    update_loop_yaw(state);
     return 1;
 }
 

@@ -125,6 +125,6 @@ int step_towards(Simulator *sim, State *state, double t_end, char *message) {
         switch_swivels(sim, state);
         if (chatters(state)) return say_swivel_chatters(message);
     }
-    with_loop_yaw(state);
+    update_loop_yaw(state);
     return 1;
 }

@@ -207,6 +207,7 @@ class Neighbours:
                 partner.rope.apply(PointForces(s[order], first[order], last[order], t, t + h) if s.size else NO_FORCES)
 
     def _book(self, t: float, before: Present, after: Present, end: Forces, law: Forces, missed: float) -> None:
+        """Add work, dissipation and created energy of a step to the accounts of the pairs, by the trapezoidal rule."""
         present, accounts = self.contacts.forces, dict(self.contacts.accounts)
         for key, account in self.contacts.accounts.items():
             if not (present[key].point_id.size or end[key].point_id.size):

@@ -129,7 +129,7 @@ def _with_overlap(scene: Scene, state: RopeState) -> Crossing:
     return crossing._replace(overlap=overlap, touched_at=touched_at, touched_y=y)
 
 
-def with_passages(scene: Scene, state: RopeState) -> RopeState:
+def update_passages(scene: Scene, state: RopeState) -> RopeState:
     """Return the state with the clearances and passages of its instant.
 
     It is called at the end of every communication step, and after MONITOR_INTERVAL in longer ones.

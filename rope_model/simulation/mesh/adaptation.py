@@ -17,7 +17,7 @@ from rope_model.simulation.mesh.partition import Partition, transform, window_du
 from rope_model.simulation.mesh.transfer import transfer_fields
 from rope_model.simulation.messages import fidelity_messages, messages
 from rope_model.simulation.messages.fidelity_rules import carries_torque
-from rope_model.simulation.model import RopeModel, ends_of, energies, with_angles_along
+from rope_model.simulation.model import RopeModel, ends_of, energies, update_angles
 from rope_model.simulation.rigid import flexible_start, with_elastic_strain
 from rope_model.simulation.rope_system import POSITION, SLOPE, Evaluation
 from rope_model.simulation.state import Event, RopeState
@@ -42,6 +42,7 @@ def transform_if_due(model: RopeModel, state: RopeState) -> RopeState | str:
 
 
 def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeState | str:
+    """Transfer the state to ``new`` and relax its stiff part; return the reason if that fails."""
     if state.fidelity == "rigid":  # shape and energies of a rigid rope do not depend on the mesh
         return state._replace(partition=new)
     old_s, new_s = state.partition.nodes_s, new.nodes_s
@@ -65,7 +66,7 @@ def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeSta
     moved = moved._replace(counts=moved.counts.plus(given_up=int(solution.newton.error > solver.newton_tolerance)))
     system = model.system(moved)
     z = system.update_hysteresis(solution.q).z
-    moved = with_angles_along(system, moved._replace(motion=replace(moved.motion, q=solution.q), hysteresis=z))
+    moved = update_angles(system, moved._replace(motion=replace(moved.motion, q=solution.q), hysteresis=z))
     return _with_energy_change(model, moved)
 
 
@@ -102,7 +103,7 @@ def raise_fidelity(model: RopeModel, state: RopeState, why: str) -> RopeState:
     else:
         motion = with_elastic_strain(system, state.motion)
     z = system.update_hysteresis(motion.q).z
-    above = model.restart(with_angles_along(system, above._replace(motion=motion, hysteresis=z)))
+    above = model.restart(update_angles(system, above._replace(motion=motion, hysteresis=z)))
     m, before = above.motion, state.energy_balance
     after = energies(before, model.system(above).evaluate(m.q, m.v, m.a, m.reaction).balance)
     if not above.hysteresis.size:
@@ -112,7 +113,7 @@ def raise_fidelity(model: RopeModel, state: RopeState, why: str) -> RopeState:
     )
 
 
-def with_loop_yaw(state: RopeState) -> RopeState:
+def update_loop_yaw(state: RopeState) -> RopeState:
     """Return the state with the loop's yaw at its lowest node, unwrapped from its last value."""
     q = state.motion.q
     d = q[q[:, 1].argmin(), SLOPE].tolist()

@@ -28,7 +28,7 @@ def set_rise_reference(scene: Scene, state: RopeState) -> RopeState:
     return state._replace(guard=state.guard._replace(rest=rise(scene, state, bottom)))
 
 
-def with_guards(scene: Scene, state: RopeState, ends: HangingEnds) -> RopeState:
+def update_guards(scene: Scene, state: RopeState, ends: HangingEnds) -> RopeState:
     """Return the state with its guards updated to its instant."""
     guard = scene.shaft.guard
     if has_guards(guard) == 0:

@@ -25,6 +25,7 @@ class Signal(NamedTuple):
 
 
 def _table() -> Iterator[tuple[str, Signal]]:
+    """Yield names and facts of all outputs in the order of their value references."""
     for side in SIDES:
         for k, axis in enumerate("xyz"):
             what = ("horizontal, in plane", "vertical", "horizontal, out of plane")[k]

@@ -21,7 +21,7 @@ from rope_model.simulation.ends.ends import partly_placed
 from rope_model.simulation.ends.paths import END_NODE, EndMotion, EndPath
 from rope_model.simulation.ends.swivel_phases import Phase, SwivelState, beyond_rest, relaxes
 from rope_model.simulation.fidelity import flexible
-from rope_model.simulation.mesh.adaptation import with_loop_yaw
+from rope_model.simulation.mesh.adaptation import update_loop_yaw
 from rope_model.simulation.messages import messages
 from rope_model.simulation.messages.fidelity_rules import not_plumb
 from rope_model.simulation.model import RopeModel, ends_of, energies
@@ -171,7 +171,7 @@ def equilibrium_in_frame(model: RopeModel, state: RopeState, max_turn: float = m
     # a loop that yaws by psi turns the frame of the right end by -2 psi: this shows full turns
     yaw = state.loop_yaw - 0.5 * equilibrium.end_rotation
     books = energies(state.energy_balance, balance)
-    return with_loop_yaw(state._replace(energy_balance=books, loop_yaw=yaw)), equilibrium.iterations
+    return update_loop_yaw(state._replace(energy_balance=books, loop_yaw=yaw)), equilibrium.iterations
 
 
 def _turn_right_end(state: RopeState, angle: float) -> RopeState:

@@ -9,7 +9,7 @@ from rope_model.physics.accuracy import ACCEPT_BELOW, STEP_ITERATIONS, next_step
 from rope_model.physics.elementary import maximum
 from rope_model.simulation.ends import switching
 from rope_model.simulation.ends.paths import ends_at
-from rope_model.simulation.mesh.adaptation import transform_if_due, with_loop_yaw
+from rope_model.simulation.mesh.adaptation import transform_if_due, update_loop_yaw
 from rope_model.simulation.mesh.mesh_pattern import distance_past_limit
 from rope_model.simulation.mesh.partition import MAX_OVERSHOOT
 from rope_model.simulation.messages import messages
@@ -77,7 +77,7 @@ def step_towards(model: RopeModel, state: RopeState, t_end: float, newton_limit:
         after = switching.switch_swivels(model, after)
         if switching.chatters(after):
             return messages.swivel_chatters()
-    return with_loop_yaw(after)
+    return update_loop_yaw(after)
 
 
 def _rigid_step(model: RopeModel, state: RopeState, t_end: float) -> RopeState | str:
