@@ -34,7 +34,7 @@ WITHOUT = (*OMISSIONS, "break", "guard", "touching")
 HEAVY_ROPE_RATIO = 0.25  #: Mass of the balance ropes over the lighter conveyance's, above which they are heavy.
 LIGHT_STEP = 0.01  #: Communication step with light ropes [s].
 HEAVY_STEP = 0.005  #: Communication step with heavy ropes [s].
-MOST_STEP = 0.02  #: Largest communication step [s].
+MAX_STEP = 0.02  #: Largest communication step [s].
 _TOGETHER = {"inputs_at_step_end": False}
 _GUARDS = tuple(f"guard.{name}" for name in ("rise", "window", "clearance", "turns", "torque"))
 
@@ -101,7 +101,7 @@ def export_hoist(
     trajectory
         The trip asked for, without the wait before it; None: the winding's S-curve.
     step
-        Communication step of the system [s], at most MOST_STEP; the controller samples at each. None: LIGHT_STEP, or
+        Communication step of the system [s], at most MAX_STEP; the controller samples at each. None: LIGHT_STEP, or
         HEAVY_STEP where the balance ropes weigh more than HEAVY_ROPE_RATIO of the lighter conveyance.
     version
         Of SSP.
@@ -115,8 +115,8 @@ def export_hoist(
     """
     if unknown := sorted({*without} - {*WITHOUT}):
         raise ValueError(f"without = {unknown[0]!r} must be one of {', '.join(WITHOUT)}: choose one")
-    if step is not None and not 0.0 < step <= MOST_STEP:
-        raise ValueError(f"step = {step:g} s must be above 0 and at most {MOST_STEP:g} s: shorten it")
+    if step is not None and not 0.0 < step <= MAX_STEP:
+        raise ValueError(f"step = {step:g} s must be above 0 and at most {MAX_STEP:g} s: shorten it")
     case = leave_out(case, without)
     Problems([*obstacles(case), *_obstacles(case, ropes, without)]).refuse()
     drive_ropes = [DriveRope(r.name, r.scene.rope.mass_per_length, r.scene.rope.length, r.suspension) for r in ropes]

@@ -156,7 +156,7 @@ def _annotations(tool: str, content: Element) -> Element:
 
 
 def _read(component: Component) -> Element:
-    """Read the model description; ValueError for another FMI fmi and for unknown parameters."""
+    """Read the model description; ValueError for another FMI version and for unknown parameters."""
     with zipfile.ZipFile(component.fmu) as archive:
         root = ElementTree.fromstring(archive.read("modelDescription.xml"))
     fmi = root.get("fmiVersion")

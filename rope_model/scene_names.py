@@ -65,11 +65,13 @@ def named_parameters(scene: Scene) -> Iterator[NamedParameter]:
 def with_values(scene: Scene, values: Mapping[str, Value]) -> Scene:
     """Return the scene with other parameters by name; ValueError for unknown ones and values out of range."""
     chosen, counts = dict[str, dict[str, Any]](), [*scene.mesh.counts]
-    known = {p.name for p in named_parameters(scene)}
+    known = {p.name: p.kind for p in named_parameters(scene)}
     value: Any
     for name, value in values.items():
         if name not in known:
             raise ValueError(f"{name} = {value!r} must be a parameter of the rope: see docs/reference/variables.md")
+        if known[name] == "Integer" and isinstance(value, float) and not (value.is_integer() or choices_of(name)):
+            raise ValueError(f"{name} = {value!r} must be a whole number: leave out the fraction")
         group, _, field = name.rpartition(".")
         if field.startswith("counts["):
             counts[int(field[len("counts[") : -1]) - 1] = int(value)

@@ -30,7 +30,7 @@ from hoist_demo.duty.schedule import read_schedule
 from hoist_demo.files.hoist_file import HoistFile
 from hoist_demo.files.reading import FileError, read
 from hoist_demo.files.registry import rope_parameters
-from hoist_demo.files.values import LONGEST_TEXT
+from hoist_demo.files.values import MAX_TEXT
 from hoist_demo.report.html import page
 from hoist_demo.report.html.study import study_report
 from hoist_demo.report.markdown import render_markdown
@@ -235,9 +235,9 @@ READERS: dict[str, tuple[Callable[[Path], object], str]] = {
 def test_texts_of_files_are_kept_or_refused_with_a_cure(kind: str, tmp_path: Path) -> None:
     read, template = READERS[kind]
     path = tmp_path / "file.toml"
-    for text in [*HOSTILE, "x" * (LONGEST_TEXT + 1)]:
+    for text in [*HOSTILE, "x" * (MAX_TEXT + 1)]:
         path.write_text(template.format(toml_string(text)), encoding="utf-8")
-        if printable(text) == text and len(text) <= LONGEST_TEXT:
+        if printable(text) == text and len(text) <= MAX_TEXT:
             assert read(path) == text
             continue
         told = refusal(read, path)

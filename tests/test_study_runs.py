@@ -121,7 +121,7 @@ def test_a_stop_never_arrives_and_a_trip_within_the_band_takes_no_time() -> None
         assert [math.isnan(found[name]) for name in ARRIVALS] == [math.isnan(cycle)] * 3
 
 
-def test_a_run_that_a_guard_cuts_short_is_for_goals_of_stops_alone(read: Read) -> None:
+def test_a_run_that_a_guard_cuts_short_is_for_objectives_of_stops_alone(read: Read) -> None:
     study = read(SHORT + "guard.window = 1e-9")
     outcome = execute(study.samples[0].data, study.fmu)
     assert (outcome.status, "its guard tripped" in outcome.cause) == (CUT_SHORT, True)

@@ -181,6 +181,11 @@ def test_event_mode_returns_at_each_event_and_takes_motions_that_are_held_throug
     assert plain[0] == early[0] == 0
     assert max(plain[1], early[1]) < 1e-3 * 9.81  # none that is told
     assert_allclose(early[2:], plain[2:], rtol=2e-3)
+    rope = Host(*unpacked("native-3"), events=True)
+    rope.start(**EVENTS | {"left.swivel.mode": 1, "left.swivel.release_time": STEP})
+    assert rope.give(falling(0.0)) == rope.do_step(0.0, STEP) == OK, rope.said
+    assert_allclose(rope.get("left.swivel.torque"), 0.0, atol=1e-9)  # released at the end of the step, in which it held
+    rope.free()
     assert_allclose(run(events=True, given=2)[1][2:4], run(events=False, given=2)[1][2:4], rtol=2e-2)
 
 

@@ -103,7 +103,7 @@ def export_model(
     duration: float,
     initial: Mapping[str, Sequence[str]],
 ) -> Path:
-    """Write the FMU of a model without arrays, directional derivatives and event mode; ``platforms`` as for the rope.
+    """Write the FMU of a model without arrays, events and directional derivatives; ``platforms`` as for the rope.
 
     Its outputs at an instant depend on no input of that instant (after initialisation).  ``sources`` are C files that
     implement model.h, ``attachments`` further files by their paths in the archive, ``duration`` that of the default run
@@ -120,7 +120,6 @@ def export_model(
         name=name,
         description=description,
         derivatives=False,
-        events=False,
         initial=initial,
     )
     write_archive(destination, {**files, **attachments, **licenses()})

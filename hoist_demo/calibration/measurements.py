@@ -35,7 +35,7 @@ from rope_model.scene_names import with_values
 from rope_model.simulation.outputs.modal import natural_modes
 
 Array = NDArray[np.float64]
-LONGEST = 3600.0  #: Latest time of a value after a trip's start [s]: no swing lasts longer, and tracks are slow.
+MAX_TIME = 3600.0  #: Latest time of a value after a trip's start [s]: no swing lasts longer, and tracks are slow.
 COMMUNICATION = 0.02  #: Communication step of a track [s].
 SAMPLE = 0.1  #: Time between two values of which a largest and a smallest are taken [s].
 MODES = 14  #: Modes among which those of one plane are looked for.
@@ -125,7 +125,7 @@ Series = Annotated[
 ]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Magnitude = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-Time = Annotated[float, Field(ge=0.0, le=LONGEST)]
+Time = Annotated[float, Field(ge=0.0, le=MAX_TIME)]
 Signal: Any = Literal[tuple(SIGNALS)]  #: Name of an output, docs/reference/variables.md.
 
 
@@ -367,7 +367,7 @@ class CalibrationProblem:
         return with_values(self.scene.with_(rope=self.rope(norm_params)), values)
 
     def predictor(self, norm_params: Array) -> RopePredictor:
-        """Return the predictor for the rope with these shares."""
+        """Return the predictor for the rope with these normalised parameters."""
         return RopePredictor(self.scene_at(norm_params))
 
     def predict(self, norm_params: Array, measurements: Measurements, predictor: RopePredictor | None = None) -> Array:

@@ -37,7 +37,7 @@ _ENDS = [OUTPUT_INDEX.get(f"{_SPELT.get(name, name)}_{s}", -1) for s in ENDS for
 _MEMORY = ("arg", "res", "iw", "w")  #: Of a function of CasADi.
 #: What trip.c takes from here for all hoists, by name.
 _NUMBERS: dict[str, float] = {
-    **{name: getattr(integrator, name) for name in ("SHORTEST", "SAFETY", "SHRINKS", "GROWS", "ORDER")},
+    **{name: getattr(integrator, name) for name in ("MIN_STEP", "SAFETY", "SHRINKS", "GROWS", "ORDER")},
     "MIN_ROPE": plant.MIN_ROPE,
     "HISTORY": HISTORY,
     "WARNING": WARNING,

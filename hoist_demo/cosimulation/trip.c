@@ -145,7 +145,7 @@ static double change(double error) {
 static bool step_drive(Trip *trip, double s, double end) {
     double *z = trip->z, *y = trip->y;
     double size = (trip->step_next != 0.0 ? trip->step_next : trip->H) / trip->H, growth = GROWS;
-    while (size * trip->H > SHORTEST) {
+    while (size * trip->H > MIN_STEP) {
         const double steps = fmax(1.0, ceil((end - s) / size - 1e-9)), used = (end - s) / steps;
         z[AT_S] = s;
         z[AT_H] = used;

@@ -1,10 +1,11 @@
 """What follows from a hoist's data before anything is wound: pulls, hold on the sheave, and the rope at rest."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import GRAVITY, Hoist, Winding
 from rope_model import BalanceRope, EndMotion
 
@@ -34,6 +35,13 @@ def pulls(hoist: Hoist, height: float, acceleration: float = 0.0) -> tuple[float
         moved = mass + hoist.rope_mass * (hoist.sheave_height - y) + hoist.tail_rope_number * hoist.tail_rope_mass * leg
         tensions.append(moved * (GRAVITY + sign * acceleration))
     return tensions[0], tensions[1]
+
+
+def reached(winding: Winding) -> Winding:
+    """Return the trip with the speed and the acceleration that it reaches."""
+    points = s_curve(winding).points
+    speed, acceleration = (max(abs(getattr(x, name)) for x in points) for name in ("speed", "acceleration"))
+    return replace(winding, speed=speed, acceleration=acceleration)
 
 
 def static_slip_safeties(hoist: Hoist, winding: Winding) -> list[StaticSlipSafety]:

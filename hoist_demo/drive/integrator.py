@@ -42,7 +42,7 @@ Vector = NDArray[np.float64]
 Watch = Callable[[Vector], float]  #: Of a state and OUTPUTS there, as one vector; positive once the steps are to end.
 #: Where steps have ended: all that `advance` gives there, size of the next one, s.
 StepEnd = tuple[Vector, float, float]
-SHORTEST = 1e-7  #: Step of the integrator [s] below which it gives up.
+MIN_STEP = 1e-7  #: Step of the integrator [s] below which it gives up.
 SAFETY = 0.9  #: Factor on the step that the error allows.
 SHRINKS = 0.5  #: Smallest factor from one step to the next.
 GROWS = 1.5  #: Largest factor from one step to the next.
@@ -212,7 +212,7 @@ class Integrator:
     def integrate(self, h: float, size: float, s: float, end: float, watch: Watch | None = None) -> StepEnd | None:
         """Integrate in steps of `size` [parts of h] at first, to the end or where `watch` turns positive; else None."""
         largest_factor = GROWS
-        while size * h > SHORTEST:
+        while size * h > MIN_STEP:
             steps = max(1, math.ceil((end - s) / size - 1e-9))
             used = (end - s) / steps
             y = self.evaluate(s, used)

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hoist_demo.drive.equations import INPUT_NAMES, STATE_NAMES
-from hoist_demo.drive.integrator import SHORTEST, WORK_COUNT, Integrator, Vector, Watch
+from hoist_demo.drive.integrator import MIN_STEP, WORK_COUNT, Integrator, Vector, Watch
 from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.parameters import GRAVITY, SIDES, Hoist
 from rope_model.numerics.kernels import KernelForm
@@ -209,7 +209,7 @@ def _not_finite(path: Vector, h: float, added_mass: Vector) -> str:
         bad.append("step or added mass")
     if bad:
         return f"input is not finite: {', '.join(bad)}"
-    steps = f"no steps of {SHORTEST:g} s or longer keep to the tolerance"
+    steps = f"no steps of {MIN_STEP:g} s or longer keep to the tolerance"
     return f"state is not finite, or {steps}: check rope forces and torque command"
 
 

@@ -15,7 +15,7 @@ from hoist_demo.parameters.quantity import Parameter, Value, fmi_unit
 from rope_model import DatumStatus
 from rope_model.texts import printable
 
-LONGEST_TEXT = 200  #: Characters of a title, of a source, or of a name for people.
+MAX_TEXT = 200  #: Characters of a title, of a source, or of a name for people.
 GIVEN = "given"  #: Status of a value that is set without one.
 DERIVED = "derived"  #: Status of a value that follows by a rule.
 VARIED = "varied"  #: Status of a value that differs between runs.
@@ -31,18 +31,18 @@ _NO_UNIT = (ArithmeticError, AssertionError, AttributeError, LookupError, Syntax
 
 
 def read_text(content: Any) -> str:
-    """Return a title, a name or a source: a line of at most LONGEST_TEXT characters; ValueError for another."""
+    """Return a title, a name or a source: a line of at most MAX_TEXT characters; ValueError for another."""
     text = str(content)
     if not isinstance(content, str | int | float):
-        raise ValueError(f"{text[:LONGEST_TEXT]!r} must be a text: put it in quotation marks")
-    if len(text) > LONGEST_TEXT:
-        raise ValueError(f"{text[:20]!r}... of {len(text)} characters must have at most {LONGEST_TEXT}: shorten it")
+        raise ValueError(f"{text[:MAX_TEXT]!r} must be a text: put it in quotation marks")
+    if len(text) > MAX_TEXT:
+        raise ValueError(f"{text[:20]!r}... of {len(text)} characters must have at most {MAX_TEXT}: shorten it")
     if printable(text) != text:
         raise ValueError(f"{text!r} must be a line of printable characters: leave out the others")
     return text
 
 
-Text = Annotated[str, PlainValidator(read_text), WithJsonSchema({"type": "string", "maxLength": LONGEST_TEXT})]
+Text = Annotated[str, PlainValidator(read_text), WithJsonSchema({"type": "string", "maxLength": MAX_TEXT})]
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ def read_value(parameter: Parameter, content: Any, unit: str = "") -> Value:
         match = _WITH_UNIT.fullmatch(content)
         if match is None:
             raise ValueError(
-                f"{parameter.name} = {content[:LONGEST_TEXT]!r} must be a finite number, with a unit behind it or in "
+                f"{parameter.name} = {content[:MAX_TEXT]!r} must be a finite number, with a unit behind it or in "
                 f"{parameter.unit_words}: correct it"
             )
         return parameter.read(_converted(parameter, match[1], match[2] or unit))
@@ -123,7 +123,7 @@ def _converted(parameter: Parameter, number: str | float, unit: str) -> float:
     factor = _factor(fmi_unit(unit), parameter.unit) if unit else Fraction(1)
     if factor is None:
         raise ValueError(
-            f"{parameter.name} has unit = {unit[:LONGEST_TEXT]!r}, which must measure the same as "
+            f"{parameter.name} has unit = {unit[:MAX_TEXT]!r}, which must measure the same as "
             f"{parameter.unit_words}: convert the value to it"
         )
     try:

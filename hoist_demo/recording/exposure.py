@@ -18,7 +18,7 @@ from rope_model import SIGNALS
 PERIODS = 2.0  #: Periods in half the record from which on it is a vibration [assumed].
 #: How many times as high as the valleys about it a peak is at least: that of a trip alone has waves [assumed].
 STANDS_OUT = 2.0
-SHORTEST = 16  #: Rows of the shortest record that has a spectrum.
+MIN_ROWS = 16  #: Rows of the shortest record that has a spectrum.
 
 
 class Spectra(NamedTuple):
@@ -36,7 +36,7 @@ def spectra(time: Array, values: Array) -> Spectra:
     within such a half is the trip, no vibration.
     """
     rows, places = values.shape
-    if rows < SHORTEST:
+    if rows < MIN_ROWS:
         return Spectra(np.empty(0), np.empty((0, places)))
     from scipy.signal import welch  # slow to load, and most runs record no stations
 

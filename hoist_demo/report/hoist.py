@@ -9,7 +9,7 @@ from types import MappingProxyType
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.rules import RuleInputs
 from hoist_demo.cosimulation.participants.rope_data import RopeData
-from hoist_demo.design.statics import at_rest, pulls, static_slip_safeties
+from hoist_demo.design.statics import at_rest, pulls, reached, static_slip_safeties
 from hoist_demo.files.registry import rope_parameters
 from hoist_demo.files.values import GIVEN, STATUSES, ParameterValue
 from hoist_demo.files.writing import hoist_text
@@ -102,7 +102,7 @@ def slip_problems(case: Case) -> list[str]:
 
 def drive_problems(case: Case) -> list[str]:
     """Return a line on each limit of the motor that is below what its trip asks for."""
-    hoist, trip = case.hoist, case.winding
+    hoist, trip = case.hoist, reached(case.winding)
     torque = RuleInputs(hoist, trip, hoist).torque
     rate = max(0.0, trip.speed - 0.5 * trip.acceleration**2 / trip.jerk) / hoist.sheave_radius  # at full acceleration
     return [

@@ -31,7 +31,7 @@ class Constraint:
     sense: float  # 1: below the value, -1: above it
 
     def violation(self, metrics: Mapping[str, float]) -> float:
-        """Return the excess over the bound, as a part of it unless it is 0; 0 or less if it is kept."""
+        """Return the violation of the bound, as a fraction of it unless it is 0; 0 or less if it is kept."""
         return self.sense * (metrics[self.metric] - self.value) / (abs(self.value) or 1.0)
 
 
@@ -93,14 +93,18 @@ class Objective:
     constraints: tuple[Constraint, ...] = ()
     judge: Judge = "worst"
 
+    @property
+    def counted(self) -> set[str]:
+        """Status of runs that count: a run that the safety circuit cut short does if a metric of stops is named."""
+        return {"completed"} if STOPS.isdisjoint(self.metrics) else {"completed", CUT_SHORT}
+
     def of_run(self, outcome: Mapping[str, Any]) -> Score:
-        """Return cost and excesses of a run's recorded outcome; infinite where it failed or a metric is missing."""
+        """Return cost and violations of a run's recorded outcome; infinite where it failed or a metric is missing."""
         metrics = outcome["metrics"]
         cost = self.sense * sum(weight * float(metrics[name]) for name, weight in self.weights.items())
         score = Score(cost, tuple(bound.violation(metrics) for bound in self.constraints))
         failed = Score(math.inf, (math.inf,) * len(self.constraints))
-        counted = {"completed"} if STOPS.isdisjoint(self.metrics) else {"completed", CUT_SHORT}
-        return score if score.finite and outcome["status"] in counted else failed
+        return score if score.finite and outcome["status"] in self.counted else failed
 
     def assess(self, outcomes: Sequence[Mapping[str, Any]]) -> ChoiceScore:
         """Return the judgement of a choice by its runs."""

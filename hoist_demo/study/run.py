@@ -38,7 +38,7 @@ from hoist_demo.study.slip import slip_warnings
 from rope_model import EndMotion
 
 CUT_SHORT = "cut short"  #: State of a run that the safety circuit stopped.
-#: States that a resumed study does not repeat: wound to the end, or ended by rope or drive with a cause.
+#: States that a resumed study does not repeat: wound to the end, cut short, or ended by rope or drive with a cause.
 FINISHED = ("completed", "stopped", CUT_SHORT)
 ERROR = "error"  #: State of a run that could not be carried out (a dead worker, an exception); resuming tries it again.
 _VERSION = version("balance-rope")

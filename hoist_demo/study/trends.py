@@ -61,8 +61,9 @@ def _along(objective: Objective | None, key: str, runs: RunLine) -> Iterator[tup
         expected = 0 if happens[0] and not happens[-1] else 1
         if any(happens) and changes > expected:
             yield what, f"{what} at {key} = {_values(runs, happens, True)}, not at {_values(runs, happens, False)}"
+    counted = objective.counted if objective else {"completed"}
     for metric in objective.metrics if objective else _WATCHED:
-        pairs = [(x, _metric(outcome, metric)) for x, outcome in runs if outcome["status"] == "completed"]
+        pairs = [(x, _metric(outcome, metric)) for x, outcome in runs if outcome["status"] in counted]
         if turn := _turn([pair for pair in pairs if math.isfinite(pair[1])]):
             x, y, word = turn
             shown = f"{y:.4g}" if UNITS[metric] == "1" else f"{y:.4g} {UNITS[metric]}"
@@ -75,7 +76,8 @@ def _metric(outcome: OutcomeRecord, name: str) -> float:
 
 def _events(objective: Objective | None) -> Iterator[tuple[str, Callable[[OutcomeRecord], bool]]]:
     yield "The rope struck or passed through something", lambda outcome: bool(outcome["passed"])
-    yield "Runs stopped early", lambda outcome: outcome["status"] != "completed"
+    counted = objective.counted if objective else {"completed"}
+    yield "Runs stopped early", lambda outcome: outcome["status"] not in counted
     for bound in objective.constraints if objective else ():
         word = "above" if bound.sense > 0.0 else "below"
         yield f"{bound.metric} is {word} {bound.value:g}", partial(_is_beyond, bound)

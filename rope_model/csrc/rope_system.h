@@ -5,7 +5,7 @@
 
 #include "formulas.h" /* generated, with BALANCE, FRAME_SIZE, STRAINS, MOMENTUM, AIR_BALANCE and CURVATURE_SIZE */
 
-enum { AIR_COEFFICIENTS = 9, AIR = AIR_COEFFICIENTS + 2 * 4 };
+enum { AIR_COEFFICIENTS = 9, AIR_SIZE = AIR_COEFFICIENTS + 2 * 4 };
 enum { MAX_LANES = 8 }; /* the last group of elements may have lanes to spare */
 
 typedef struct {

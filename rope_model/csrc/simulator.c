@@ -248,12 +248,12 @@ static int advance_to(Simulator *sim, double t, const EndMotion ends[2], double 
         if (event != NULL && *event && state->t < t && state->t - begin >= CHATTER_TIME) {
             t = state->t; /* last round */
             cut_paths(sim, state, t, ends, given_at);
-            if (state->fidelity != RIGID) release_swivels(sim, state);
         }
         for (int side = LEFT; side <= RIGHT; side++)
             impulse[side] -=
                 0.5 * (state->t - t_before) * (before[side] + end_row(nodal.reaction, nodal.nodes, side)[1]);
     }
+    if (event != NULL && *event && state->fidelity != RIGID) release_swivels(sim, state);
     audit_interval(sim, state, t - begin, energy_residual(&sim->state->energy_balance));
     state->last_interval = t - begin;
     if (state->counts.given_up > 0 && sim->state->counts.given_up == 0) state->given_up_since = begin;

@@ -102,18 +102,10 @@ class RopeSystem:
     """
 
     def __init__(
-        self,
-        kernels: RopeKernels,
-        lengths: Array,
-        P: Array,
-        boundary: Boundary,
-        reference: Array,
-        node_mass: Array | None = None,
-        obstacles: Obstacles | None = None,
-        contact_kernels: Callable[[], RopeKernels] | None = None,
-        rope: Rope | None = None,
-        z: Array = NO_HYSTERESIS,
-    ) -> None:
+        self, kernels: RopeKernels, lengths: Array, P: Array, boundary: Boundary, reference: Array,
+        node_mass: Array | None = None, obstacles: Obstacles | None = None,
+        contact_kernels: Callable[[], RopeKernels] | None = None, rope: Rope | None = None, z: Array = NO_HYSTERESIS,
+    ) -> None:  # fmt: skip
         nodes = lengths.size + 1
         self.obstacles, self._contact_kernels = obstacles, contact_kernels
         # the rope at the last search for bodies, and its distance from them, m

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from hoist_demo.cosimulation.schemes.interface import Advance, CoupledSystem, Scheme, SchemeState
 
 SAFETY = 0.8  #: Factor on the step that the power allows.
-LARGEST_CHANGE = 2.0  #: Largest factor from one step to the next.
+MAX_CHANGE = 2.0  #: Largest factor from one step to the next.
 
 
 @dataclass(frozen=True)
@@ -59,5 +59,5 @@ class EnergyControlled:
                 continue
             scheme_state, done = advance.scheme_state, h if parts == 1 else done + step
             # a step that was cut to end at t + h says nothing against a longer one
-            target_step = max(step * min(factor, LARGEST_CHANGE), min(target_step, step * factor))
+            target_step = max(step * min(factor, MAX_CHANGE), min(target_step, step * factor))
         return Advance(scheme_state._replace(step_next=min(target_step, h)))

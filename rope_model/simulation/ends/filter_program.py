@@ -71,15 +71,9 @@ def filter_program(rope: Rope) -> Program:
 
 
 def filter_step(
-    program: Program,
-    state: InputFilter,
-    path: EndPath,
-    settings: FilterSettings,
-    given_at: float,
-    stop: float,
-    end: EndMotion,
-    leg: float,
-) -> FilterStep:
+    program: Program, state: InputFilter, path: EndPath, settings: FilterSettings, given_at: float, stop: float,
+    end: EndMotion, leg: float,
+) -> FilterStep:  # fmt: skip
     """Return the path to ``stop`` of an end that moves as ``end`` at the instant ``given_at``, according to the host.
 
     ``leg`` is the length (m) of the rope from this end to the loop.
