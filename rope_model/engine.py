@@ -64,8 +64,7 @@ def declare(lib: ctypes.CDLL) -> ctypes.CDLL:
         "rope_initialize": (c_int, (rope, c_double, c_char_p)),
         "rope_advance_to": (c_int, (rope, c_double, c_char_p, c_double)),
         "rope_retune": (c_int, (rope, c_void_p)),
-        "rope_apply": (None, (rope, c_void_p)),
-        "rope_rows": (None, (rope, c_void_p)),
+        **{f"rope_{name}": (None, (rope, c_void_p)) for name in ("apply", "rows", "save")},
         "rope_displacement": (None, (rope, c_void_p, c_void_p)),
         **{f"rope_{name}": (c_char_p, (rope,)) for name in ("message", "fidelity", "fidelity_reason")},
         **{f"rope_{name}": (c_int, (rope,)) for name in ("is_initialized", "elements")},
@@ -74,7 +73,6 @@ def declare(lib: ctypes.CDLL) -> ctypes.CDLL:
         "rope_signals": (None, (rope, c_size_t, POINTER(c_int), POINTER(c_double))),
         "rope_load_derivative": (c_int, (rope, c_int, c_int, POINTER(c_double))),
         "rope_state_bytes": (c_size_t, (rope,)),
-        "rope_save": (None, (rope, c_void_p)),
         "rope_restore": (c_int, (rope, c_char_p, c_size_t)),
     }
     for name, (result, arguments) in results.items():

@@ -112,6 +112,6 @@ def wind(hoist: Hoist, winding: Winding, gains: Gains, step: float = 0.02) -> di
             "torque": shown.torque, "power": shown.power, "slip_safety": hoist.slip_safety(shown.tension_ratio),
             "static_slip_safety": hoist.slip_safety(
                 tension_ratio(shown.static_tension_left, shown.static_tension_right)),
-            "energy_residual": energy_residual(at_rest, shown, state.works[:5]),
+            "energy_residual": energy_residual(at_rest, shown, state.work_totals[:5]),
         })  # fmt: skip
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}

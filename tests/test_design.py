@@ -69,7 +69,7 @@ def test_low_fidelity_without_balance_rope_accelerates_as_the_plant() -> None:
     R = hoist.sheave_radius
     moved = np.array([1.0e4, 3.0 / R, 3.01, 87.005, 1.5 / R, 1.51, -1.49])
     x = np.array([3.0, 1.5, 0.0, 3.0, 3.01, -2.995, 1.5, 1.51, -1.49, 1.0e4 / R, 0.0])
-    rates = plant.rates(type(state)(moved, state.works[:5], state.free_lengths), PlantInput(0.0, 0.0, 0.0))
+    rates = plant.rates(type(state)(moved, state.work_totals[:5], state.free_lengths), PlantInput(0.0, 0.0, 0.0))
     found = np.asarray(model.rates(x, 0.0)).ravel()
     np.testing.assert_allclose(found[6:9], rates[4:7] * np.array([R, 1.0, 1.0]), rtol=1e-9)
 

@@ -62,9 +62,9 @@ def test_damped_ropes_never_push_and_never_give_energy(damping: float) -> None:
     shown, states = thrown(hoist, 6.0, 3.0)
     assert min(s.pull_left for s in shown) == 0.0
     assert max(s.slack_left for s in shown) > 0.5
-    assert np.all(np.diff([s.works[:5][2] for s in states]) >= 0.0)
+    assert np.all(np.diff([s.work_totals[:5][2] for s in states]) >= 0.0)
     # steps mostly err by far less than their bound of 1e-8, here of 1e7 J
-    np.testing.assert_allclose(energy_residual(shown[0], shown[-1], states[-1].works[:5]), 0.0, atol=0.5)
+    np.testing.assert_allclose(energy_residual(shown[0], shown[-1], states[-1].work_totals[:5]), 0.0, atol=0.5)
 
 
 def test_a_narrow_place_takes_the_work_of_its_force_from_what_passes() -> None:
@@ -72,7 +72,7 @@ def test_a_narrow_place_takes_the_work_of_its_force_from_what_passes() -> None:
     _, states = thrown(replace(FIXED_SHEAVE, jam_left=jam), 20.0, 0.5)
     assert states[-1].x[2] > 51.0
     # F d int_-1^1 (1 - u^2)^2 du; the guides' deflection has long reached its full value
-    np.testing.assert_allclose(states[-1].works[5:][1], 5e4 * 16.0 / 15.0, rtol=1e-7)
+    np.testing.assert_allclose(states[-1].work_totals[5:][1], 5e4 * 16.0 / 15.0, rtol=1e-7)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -134,18 +134,18 @@ def test_ropes_that_slide_have_the_tensions_of_euler_and_eytelwein_and_energy_is
     plant = Plant(hoist)
     states = braked(plant, running(plant, 8.0), 3.0)
     shown = [plant.outputs(s, PlantInput(0.0, PULL, PULL, brake=1.0)) for s in states]
-    assert {s.slide.sense for s in states} >= {0.0, 1.0}
+    assert {s.slip_state.sense for s in states} >= {0.0, 1.0}
     for state, now in zip(states, shown, strict=True):
-        if state.slide.sense != 0.0:
-            off = hoist.rope_mass * (hoist.sheave_radius * now.rate + state.slide.speed) ** 2
+        if state.slip_state.sense != 0.0:
+            off = hoist.rope_mass * (hoist.sheave_radius * now.rate + state.slip_state.speed) ** 2
             ratio = (now.tension_right - off) / (now.tension_left - off)
-            np.testing.assert_allclose(math.log(ratio) * state.slide.sense, 0.8 * 0.25 * math.pi, rtol=1e-9)
-    taken = np.diff([s.works[5:][LINING] for s in states])
+            np.testing.assert_allclose(math.log(ratio) * state.slip_state.sense, 0.8 * 0.25 * math.pi, rtol=1e-9)
+    taken = np.diff([s.work_totals[5:][LINING] for s in states])
     assert np.all(taken >= 0.0)
     assert np.sum(taken) > 1e5
     # steps mostly err by far less than their bound of 1e-8, here of 1e7 J
-    np.testing.assert_allclose(energy_residual(shown[0], shown[-1], states[-1].works[:5]), 0.0, atol=0.5)
-    np.testing.assert_allclose(states[-1].works[5:].sum(), states[-1].works[:5][1], rtol=1e-12)
+    np.testing.assert_allclose(energy_residual(shown[0], shown[-1], states[-1].work_totals[:5]), 0.0, atol=0.5)
+    np.testing.assert_allclose(states[-1].work_totals[5:].sum(), states[-1].work_totals[:5][1], rtol=1e-12)
 
 
 def test_over_a_sheave_that_is_held_two_weights_fall_as_on_a_capstan() -> None:
@@ -162,10 +162,12 @@ def test_over_a_sheave_that_is_held_two_weights_fall_as_on_a_capstan() -> None:
     heavy, light = hoist.mass_left, hoist.mass_right
     exact = -GRAVITY * (heavy - most * light) / (heavy + most * light)
     # the weight of 5 kg of ropes, more on one side by some m: of the 60 kN that accelerate them
-    assert (state.slide.speed - at[100].slide.speed) / 0.5 == pytest.approx(exact, rel=1e-3)
+    assert (state.slip_state.speed - at[100].slip_state.speed) / 0.5 == pytest.approx(exact, rel=1e-3)
     force = light * (GRAVITY - exact) * (most - 1.0)
-    work = state.works[5:][LINING] - at[100].works[5:][LINING]
-    assert work == pytest.approx(force * abs(state.slide.slid_distance - at[100].slide.slid_distance), rel=1e-3)
+    work = state.work_totals[5:][LINING] - at[100].work_totals[5:][LINING]
+    assert work == pytest.approx(
+        force * abs(state.slip_state.slid_distance - at[100].slip_state.slid_distance), rel=1e-3
+    )
 
 
 @pytest.mark.parametrize(("speed", "when"), [(8.0, "of this trip"), (-8.0, "of the trip back")])
@@ -182,9 +184,9 @@ def test_statics_foresee_the_hold_under_the_full_brake(speed: float, when: str) 
 def test_slip_does_not_depend_on_the_communication_step() -> None:
     plant = Plant(HOISTS["plain"])
     coarse, fine = (braked(plant, running(plant, 8.0), 3.0, h)[-1] for h in (0.02, 0.001))
-    assert coarse.slide.slid_distance > 1.0
+    assert coarse.slip_state.slid_distance > 1.0
     # both instants are located within 1e-9 s, at up to 10 m/s, in each of some ten slips
-    np.testing.assert_allclose(fine.slide.slid_distance, coarse.slide.slid_distance, atol=1e-6)
+    np.testing.assert_allclose(fine.slip_state.slid_distance, coarse.slip_state.slid_distance, atol=1e-6)
     np.testing.assert_allclose(fine.x, coarse.x, rtol=1e-5, atol=1e-4)
 
 
@@ -197,14 +199,14 @@ def test_ropes_that_hold_have_the_bits_of_a_hoist_without_a_lining() -> None:
         for k in range(200):
             state = plant.step(state, 0.01, PlantInput(torque + 100.0 * k, PULL, PULL)).state
         states.append(state)
-    assert states[0].slide.slid_distance == 0.0
+    assert states[0].slip_state.slid_distance == 0.0
     np.testing.assert_array_equal(states[0].x, states[1].x)
-    np.testing.assert_array_equal(states[0].works[:5], states[1].works[:5])
+    np.testing.assert_array_equal(states[0].work_totals[:5], states[1].work_totals[:5])
 
 
 def test_the_accelerance_of_ropes_that_slide_is_that_of_differences() -> None:
     plant = Plant(HOISTS["plain"])
-    state = next(s for s in braked(plant, running(plant, 8.0), 0.5) if s.slide.sense != 0.0)
+    state = next(s for s in braked(plant, running(plant, 8.0), 0.5) if s.slip_state.sense != 0.0)
     found = np.empty((2, 2))
     for k, change in enumerate(((1e3, 0.0), (0.0, 1e3))):
         up, down = (plant.outputs(state, PlantInput(0.0, s * change[0], s * change[1])) for s in (1.0, -1.0))

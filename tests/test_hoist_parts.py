@@ -150,13 +150,13 @@ def test_with_every_part_the_energy_balance_closes() -> None:
         assert step.valid
         state = step.state
     # steps mostly err by far less than their bound of 1e-8, here of 1e7 J
-    np.testing.assert_allclose(energy_residual(start, plant.outputs(state, u), state.works[:5]), 0.0, atol=0.05)
-    np.testing.assert_allclose(state.works[5:].sum(), state.works[:5][1], rtol=1e-12)
+    np.testing.assert_allclose(energy_residual(start, plant.outputs(state, u), state.work_totals[:5]), 0.0, atol=0.05)
+    np.testing.assert_allclose(state.work_totals[5:].sum(), state.work_totals[:5][1], rtol=1e-12)
     # every loss has taken something, or this test says nothing of it; head ropes that slip are in test_head_ropes
-    taken = dict(zip(LOSS_NAMES, state.works[5:], strict=True))
+    taken = dict(zip(LOSS_NAMES, state.work_totals[5:], strict=True))
     assert taken.pop("lining") == 0.0
     assert min(taken.values()) > 1.0, taken
-    assert np.all(np.abs(state.works[:5]) > 10.0)
+    assert np.all(np.abs(state.work_totals[:5]) > 10.0)
 
 
 def test_a_hoist_with_its_sides_exchanged_does_the_same_mirrored() -> None:

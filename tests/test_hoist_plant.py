@@ -98,7 +98,7 @@ def test_state_and_work_of_a_step_agree_with_cvodes(name: str) -> None:
     step = plant.step(state, 0.02, PATH.start)
     np.testing.assert_allclose(step.state.x, np.asarray(exact["xf"]).ravel(), rtol=1e-7, atol=1e-7)
     # of some kJ in this step
-    np.testing.assert_allclose(step.state.works, np.asarray(exact["qf"]).ravel(), rtol=1e-7, atol=1e-4)
+    np.testing.assert_allclose(step.state.work_totals, np.asarray(exact["qf"]).ravel(), rtol=1e-7, atol=1e-4)
 
 
 def test_without_a_compiler_the_drive_takes_the_same_steps() -> None:

@@ -35,7 +35,7 @@ class Checkpoint:
     plant: PlantState
     controller: Any  # plain data
     input: Vector  # that acts on the drive, in the order of INPUT_NAMES
-    memory: SchemeState
+    scheme_state: SchemeState
     rope: bytes  # b"" when the rope cannot save its state
     recording: Recording  # rows of the run until it stopped; a resumed run goes on behind this sample's
     data: str  # data that a resumed run must share: see Host.data
@@ -94,7 +94,8 @@ class Checkpoint:
 def _checkpoint(text: dict[str, Any], arrays: dict[str, Array]) -> Checkpoint:
     """Decode a checkpoint from an archive's text and arrays, without the controller's state."""
     checkpoint = Checkpoint(controller=None, **{name: decode(value, arrays) for name, value in text.items()})
-    kinds = {"plant": PlantState, "memory": SchemeState, "recording": Recording, "rope": bytes, "input": np.ndarray}
+    kinds = {"plant": PlantState, "scheme_state": SchemeState, "recording": Recording}
+    kinds |= {"rope": bytes, "input": np.ndarray}
     if wrong := [name for name, kind in kinds.items() if not isinstance(getattr(checkpoint, name), kind)]:
         raise TypeError(f"{', '.join(wrong)} of other kinds")
     return checkpoint

@@ -168,7 +168,7 @@ class CompiledTrip:
         """Give the run's state to C."""
         run, trip, drive, scheme_state = self._run, self._trip, self._run.drive, self._run.scheme_state
         state, slices = drive.state, self._drive.result
-        parts = {"x": state.x, "work_totals": state.works, "applied_input": drive.input, "outputs": drive.outputs}
+        parts = {"x": state.x, "work_totals": state.work_totals, "applied_input": drive.input, "outputs": drive.outputs}
         self._drive.give(l0=state.free_lengths, H=self._coupling.step, path=0.0, added_mass=0.0)
         for name, values in parts.items():
             self._drive.y[slices[name]] = values
@@ -183,7 +183,7 @@ class CompiledTrip:
         """Take the run's state from C."""
         run, trip, slices = self._run, self._trip, self._drive.result
         last = {name: self._drive.y[place].copy() for name, place in slices.items()}
-        state = run.drive.state._replace(x=last["x"], works=last["work_totals"], step_next=trip.step_next)
+        state = run.drive.state._replace(x=last["x"], work_totals=last["work_totals"], step_next=trip.step_next)
         run.drive.arrive(state, last["applied_input"], last["outputs"])
         rows = self._samples[: trip.sample_count].copy()
         samples = tuple(Sample(row.item(0), row[1:3], row[3:5], row[5:]) for row in rows)

@@ -60,9 +60,9 @@ def drive_row(
     t: float, reference: TrajectoryPoint, command: Command, drive: HoistPartner, scheme_state: SchemeState
 ) -> tuple[tuple[float, ...], Vector, Vector]:
     """Return the drive's record at a sample, in parts; `with_drive_signals` computes the rest."""
-    slip_state = drive.state.slide
+    slip_state = drive.state.slip_state
     numbers = (t, *reference[:4], command.torque, command.limited, slip_state.slid_distance, slip_state.speed)
-    return (*numbers, scheme_state.residual, scheme_state.exchanges), drive.outputs, drive.state.works
+    return (*numbers, scheme_state.residual, scheme_state.exchanges), drive.outputs, drive.state.work_totals
 
 
 def with_drive_signals(rows: Recording, hoist: Hoist) -> Recording:

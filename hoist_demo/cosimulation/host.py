@@ -138,7 +138,7 @@ class Host:
         if resume is not None:
             run.coupled.restore(((resume.plant, resume.input), self.rope.from_bytes(resume.rope)))
             run.recorder.resume(resume.recording, resume.sample)
-            run.controller, run.scheme_state = deepcopy(resume.controller), resume.memory
+            run.controller, run.scheme_state = deepcopy(resume.controller), resume.scheme_state
             run.first = resume.sample
             run.steps = resume.sample * self.coupling.per_sample
         cause = self._wind(run, progress, save_to)

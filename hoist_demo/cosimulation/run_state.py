@@ -30,8 +30,8 @@ class TripEnd:
 
     def with_zeroed_totals(self) -> TripEnd:
         """Return the state with work and exchanges counted anew."""
-        slip_state = self.plant.slide._replace(slid_distance=0.0)
-        plant = self.plant._replace(works=np.zeros_like(self.plant.works), slide=slip_state)
+        slip_state = self.plant.slip_state._replace(slid_distance=0.0)
+        plant = self.plant._replace(work_totals=np.zeros_like(self.plant.work_totals), slip_state=slip_state)
         scheme_state = self.scheme_state._replace(exchanges=0, taken_back=0, residual=0.0)
         return replace(self, plant=plant, scheme_state=scheme_state)
 

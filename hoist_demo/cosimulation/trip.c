@@ -245,9 +245,8 @@ static bool record(Trip *trip, size_t row) {
     return well && !(trip->watched && fmin(outputs[PULL_LEFT], outputs[PULL_LEFT + 1]) < trip->slack_tension);
 }
 
-/* Simulate the samples from *sample on, before the last, each with the steps to the next one; *sample is the one
-   reached. Return WELL, LOOK before a sample that Host must process itself, DRIVE before a drive step that fails, or
-   the number of the rope's call that failed. */
+/* Simulate samples up to `last`; *sample is the first, and then the one reached. Return WELL, LOOK before a sample that
+   Host must process itself, DRIVE before a drive step that fails, or the rope's call that failed. */
 int trip_samples(Trip *trip, int *sample, int last) {
     double *path = trip->z + AT_PATH, *y = trip->y;
     memcpy(trip->z, y, REACHED * sizeof(double));

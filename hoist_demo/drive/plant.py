@@ -48,10 +48,10 @@ class PlantState(NamedTuple):
     """State x = (M [N m], phi [rad], y_L, y_R [m], phi' [rad/s], v_L, v_R [m/s], ...), work and free lengths."""
 
     x: Vector  # in the order of HoistPlant.state_names, which begin with STATE_NAMES
-    works: Vector  # J, (10,): in the order of WORK_NAMES and of LOSS_NAMES, which are parts of the second
+    work_totals: Vector  # J, (10,): in the order of WORK_NAMES and of LOSS_NAMES, which are parts of the second
     free_lengths: tuple[float, float]  # m, head ropes at phi = 0
     step_next: float = 0.0  # s, of the integrator; 0: not known yet
-    slide: SlipState = SlipState()  # state of the head ropes on the sheave
+    slip_state: SlipState = SlipState()  # state of the head ropes on the sheave
 
 
 class PlantStep(NamedTuple):
@@ -130,7 +130,8 @@ class HoistPlant:
         size = (state.step_next or h) / h
         for _ in range(MAX_SWITCHES):
             integrator, x, watch = self._at(state)
-            integrator.give(x=x, work_totals=state.works, l0=state.free_lengths, H=h, path=path, added_mass=added_mass)
+            start = {"x": x, "work_totals": state.work_totals, "l0": state.free_lengths}
+            integrator.give(**start, H=h, path=path, added_mass=added_mass)
             reached = integrator.integrate(h, size, begin, end, watch)
             if reached is None:
                 return PlantStep(False, f"drive: {_not_finite(path, h, added_mass)}", old)
@@ -138,7 +139,8 @@ class HoistPlant:
             # the rest of a step behind a switch may be as short as it likes, and says nothing of what fits
             size = fits if state is old else max(size, fits)
             state = self._reached(state, y[result["x"]], y[result["work_totals"]], size * h)
-            (left, right), wound = state.free_lengths, self.hoist.sheave_radius * state.x.item(1) + state.slide.slip
+            wound = self.hoist.sheave_radius * state.x.item(1) + state.slip_state.slip
+            left, right = state.free_lengths
             if (free := min(left - wound, right + wound)) <= MIN_ROPE:
                 return PlantStep(False, f"drive: head rope of {free:.3g} m left at the sheave: overwind", old)
             if begin >= end:
@@ -149,7 +151,7 @@ class HoistPlant:
 
     def _at(self, state: PlantState) -> tuple[Integrator, Vector, Watch | None]:
         """Return the integrator for a state, the state in its coordinates, and the function to watch."""
-        slip_state = state.slide
+        slip_state = state.slip_state
         if slip_state.sense == 0.0:
             return self.stick_integrator, state.x, None if self.hoist.lining is None else self._excess
         names = self._sliding.names
@@ -169,7 +171,7 @@ class HoistPlant:
 
     def _reached(self, state: PlantState, x: Vector, work_totals: Vector, step_next: float) -> PlantState:
         """Return the state in which the integrator has ended, from its coordinates x."""
-        slip_state = state.slide
+        slip_state = state.slip_state
         if slip_state.sense != 0.0:
             values = dict(zip(self._sliding.names, x.tolist(), strict=True))
             slid_distance = slip_state.slid_distance + (values["slip"] - slip_state.slip)
@@ -185,7 +187,8 @@ class HoistPlant:
     def loads_and_outputs(self, state: PlantState, path: Vector, added_mass: Vector, s: float) -> tuple[Vector, Vector]:
         """Return the input that acts at s, and OUTPUTS."""
         integrator, x, _ = self._at(state)
-        integrator.give(x=x, work_totals=state.works, l0=state.free_lengths, H=0.0, path=path, added_mass=added_mass)
+        start = {"x": x, "work_totals": state.work_totals, "l0": state.free_lengths}
+        integrator.give(**start, H=0.0, path=path, added_mass=added_mass)
         y, result = integrator.evaluate(s), integrator.result
         return y[result["applied_input"]], y[result["outputs"]]
 
@@ -219,9 +222,9 @@ def _without_lining(hoist: Hoist) -> Hoist:
 
 def _switched(state: PlantState, outputs: Vector) -> PlantState:
     """Return the state with ropes that slide, towards the larger tension, if they held, and hold if they slid."""
-    (left, right), slip_state = state.free_lengths, state.slide
+    (left, right), slip_state = state.free_lengths, state.slip_state
     if slip_state.sense == 0.0:
         sense = 1.0 if outputs[_TENSIONS[1]] > outputs[_TENSIONS[0]] else -1.0
-        return state._replace(slide=SlipState(sense, slid_distance=slip_state.slid_distance))
+        return state._replace(slip_state=SlipState(sense, slid_distance=slip_state.slid_distance))
     lengths = (left - slip_state.slip, right + slip_state.slip)
-    return state._replace(slide=SlipState(slid_distance=slip_state.slid_distance), free_lengths=lengths)
+    return state._replace(slip_state=SlipState(slid_distance=slip_state.slid_distance), free_lengths=lengths)

@@ -75,7 +75,7 @@ def write_state(path: Path, trips: Recording, end: TripEnd, rope: RopePlant, sch
         plant=end.plant,
         controller=None,
         input=end.input,
-        memory=end.scheme_state,
+        scheme_state=end.scheme_state,
         rope=rope.to_bytes(rope.save()),
         recording=trips,
         data=schedule.data,
@@ -93,7 +93,7 @@ def read_state(path: Path, rope: RopePlant, schedule: Schedule) -> tuple[list[di
         changes = differences(last.data, schedule.data)
         raise ValueError(f"'{path}' must be of this schedule, but {changes}: give another --out")
     rope.restore(rope.from_bytes(last.rope))
-    end = TripEnd(last.t, schedule.landing(last.sample), last.plant, last.input, last.memory)
+    end = TripEnd(last.t, schedule.landing(last.sample), last.plant, last.input, last.scheme_state)
     return table_rows(last.recording), end
 
 

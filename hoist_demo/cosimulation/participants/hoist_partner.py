@@ -87,7 +87,7 @@ class HoistPartner:
 
     def work(self) -> float:
         """Work of one balance rope's forces on the hoist [J]."""
-        work_totals = self.state.works
+        work_totals = self.state.work_totals
         return (work_totals.item(_LEFT_WORK) + work_totals.item(_RIGHT_WORK)) / self.plant.hoist.tail_rope_number
 
     def ends(self, motion: InterfaceMotion) -> tuple[EndMotion, EndMotion]:
