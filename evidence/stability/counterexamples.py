@@ -28,7 +28,7 @@ def modified_element(frame_rate: FrameRate = smallest_rotation_rate, gauss_point
         return twin if frame_rate is smallest_rotation_rate else replace(twin, transport=_none(twin.transport))
 
     made_anew = {name: getattr(rope_kernels, name).__wrapped__ for name in ("rope_parts", "rope_functions")}
-    with patch.multiple(rope_kernels, element_functions=functions, **made_anew):
+    with patch.multiple(rope_kernels, **made_anew), patch.object(element, "element_functions", functions):
         yield
 
 
