@@ -102,6 +102,7 @@ def test_of_a_hundred_tracks_nine_in_ten_intervals_have_the_truth(monkeypatch: p
     assert_allclose(np.mean(inside, axis=0), CONFIDENCE, atol=3 * math.sqrt(CONFIDENCE * (1 - CONFIDENCE) / 100))
 
 
+@pytest.mark.slow
 def test_a_cable_is_led_into_the_swing_in_which_a_track_begins(tmp_path: Path) -> None:
     measured, asked = track_of(camera().write(tmp_path, markers(), 3, **example("track_coverage").KINDS["moving"]))
     predictor, middle = measured.problem.predictor(true_shares(measured.problem)), np.full(asked.starts, 0.5)

@@ -130,6 +130,7 @@ def test_the_rope_vibrates_in_and_out_of_plane_as_the_discrete_rod_does() -> Non
     assert len(judge(replace(UNCOUPLED, ours_on=(300, 600), rod_on=(100, 200)))) == 8
 
 
+@pytest.mark.slow
 def test_a_swivel_lets_the_rope_go_as_it_does_the_discrete_rod() -> None:
     times = np.linspace(0.0, 0.5, 51)
     ours, rod = (partial(release, times=times) for release in (cases.release_ours, cases.release_rod))
