@@ -47,7 +47,7 @@ class _Allocator(Structure):
 
 
 class _PointForces(Structure):
-    _fields_ = (("number", c_int), ("start", c_double), ("stop", c_double), ("places", c_void_p))
+    _fields_ = (("count", c_int), ("start", c_double), ("stop", c_double), ("places", c_void_p))
 
 
 @cache

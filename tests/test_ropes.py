@@ -282,7 +282,7 @@ def test_of_a_rope_that_breaks_what_was_before_is_told(tmp_path: Path, capsys: C
     path.write_text(ROPES.replace('name = "two"', 'name = "two"\nbreaks_at = 2.0\nbreaks_s = 30'), encoding="utf-8")
     assert main(["wind", str(path), "--out", str(tmp_path)]) == 0
     said = capsys.readouterr().out
-    assert "rope two broke by t = 2.02 s; of its loop, torques and clearances what was before is told" in said
+    assert "rope two broke by t = 2.02 s; its loop, torques and clearances are those before" in said
     swings = [line for line in said.splitlines() if line.startswith("sideways swing of the loop, two")]
     assert [float(line.split("t = ")[1].split()[0]) <= 2.0 for line in swings] == [True]
     # of bodies that are not there nothing is told

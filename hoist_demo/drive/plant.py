@@ -125,7 +125,7 @@ class HoistPlant:
     def advance(
         self, state: PlantState, h: float, path: Vector, added_mass: Vector, begin: float = 0.0, end: float = 1.0
     ) -> PlantStep:
-        """Advance with the path's three inputs, of INPUT_NAMES each, in one vector, from s = begin to its end."""
+        """Advance from s = begin to end of a step h [s]; `path` has u_0, u_1, u_2 of inputs u_0 + u_1 s + u_2 s^2."""
         old = state
         size = (state.step_next or h) / h
         for _ in range(MAX_SWITCHES):

@@ -15,9 +15,9 @@ import rainflow
 from hoist_demo.recording.time_series import Array, Recording
 from rope_model import SIGNALS
 
-PERIODS = 2.0  #: Periods in half the record from which on it is a vibration [assumed].
-#: How many times as high as the valleys about it a peak is at least: that of a trip alone has waves [assumed].
-STANDS_OUT = 2.0
+MIN_PERIODS = 2.0  #: Least periods in half the record; slower motion is the trip, no vibration [assumed].
+#: Least ratio of a spectral peak to the valleys beside it; a trip without vibration has lower ones [assumed].
+MIN_PEAK_RATIO = 2.0
 MIN_ROWS = 16  #: Rows of the shortest record that has a spectrum.
 
 
@@ -29,10 +29,10 @@ class Spectra(NamedTuple):
 
 
 def spectra(time: Array, values: Array) -> Spectra:
-    """Return spectra of `values` (rows, places) at even times [s]; empty for a short record, NaN where values are.
+    """Return spectra of `values` (rows, places) at even times [s]; empty for a short record, NaN where values have NaN.
 
     Welch's method (scipy.signal.welch): halves of the record that overlap by half, each without its linear trend and
-    under a Hann window. An amplitude is that of a sine that has the power of its line. What has fewer than PERIODS
+    under a Hann window. An amplitude is that of a sine that has the power of its line. What has fewer than MIN_PERIODS
     within such a half is the trip, no vibration.
     """
     rows, places = values.shape
@@ -45,12 +45,12 @@ def spectra(time: Array, values: Array) -> Spectra:
     frequency, power = welch(
         np.where(finite, values, 0.0), 1.0 / step, nperseg=rows // 2, detrend="linear", scaling="spectrum", axis=0
     )
-    vibrates = frequency * step * (rows // 2) >= PERIODS
+    vibrates = frequency * step * (rows // 2) >= MIN_PERIODS
     return Spectra(frequency[vibrates], np.where(finite, np.sqrt(2.0 * power[vibrates]), np.nan))
 
 
 def strongest(spectrum: Spectra) -> tuple[Array, Array]:
-    """Return frequency [Hz] and amplitude (places,) of the highest peak that STANDS_OUT; NaN and 0 without one."""
+    """Return frequency [Hz] and amplitude (places,) of the highest peak above MIN_PEAK_RATIO; NaN and 0 without one."""
     places = spectrum.amplitude.shape[1]
     frequency, amplitude = np.full(places, np.nan), np.zeros(places)
     if spectrum.frequency.size:
@@ -58,7 +58,7 @@ def strongest(spectrum: Spectra) -> tuple[Array, Array]:
 
         for k, column in enumerate(spectrum.amplitude.T):
             with np.errstate(divide="ignore"):  # nothing at all vibrates
-                peaks = find_peaks(np.log(column), prominence=np.log(STANDS_OUT))[0]
+                peaks = find_peaks(np.log(column), prominence=np.log(MIN_PEAK_RATIO))[0]
             if peaks.size:
                 best = peaks[np.argmax(column[peaks])]
                 frequency[k], amplitude[k] = spectrum.frequency[best], column[best]

@@ -144,8 +144,8 @@ def _broken(recording: Recording, name: str) -> str:
     if len(times) == len(recording.time):
         return ""
     return (
-        f"; rope {name} broke by t = {recording.time[len(times)]:.4g} s; of its loop, torques and clearances what was "
-        "before is told"
+        f"; rope {name} broke by t = {recording.time[len(times)]:.4g} s; its loop, torques and clearances are "
+        "those before"
     )
 
 

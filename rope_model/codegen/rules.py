@@ -115,7 +115,7 @@ def state_signals() -> str:
 
 
 def _warnings() -> str:
-    """Return the numbers of the warnings, and a function for those that are tables."""
+    """Return the enum of the warnings' indices, and a function for those that are tables."""
     names = ", ".join(name.upper() for name in WARNINGS | BY_NUMBERS)
     cases = "".join(
         f"    case {name.upper()}:\n        return tell_{name}(scene, state, message);\n" for name in BY_NUMBERS

@@ -73,7 +73,7 @@ void partition_transform(Pattern *pattern, int direction, const double *divider_
 int window_due(const Pattern *pattern, const double *divider_s); /* True if a divider has left its window. */
 
 /* mesh/transfer.c */
-/* Interpolate x (nodes x DOF) at arc lengths `places`: y (number x DOF). */
+/* Interpolate x (nodes x DOF) at arc lengths `places`: y (count x DOF). */
 void transfer_interpolate(int nodes, const double *x, const double *s, int count, const double *places, double *y);
 /* Transfer up to 8 fields x (nodes x DOF) between meshes; `work` has TRANSFER_WORK(fields) numbers a node. */
 #define TRANSFER_WORK(fields) (10 + 14 * (fields))

@@ -60,7 +60,7 @@ int rope_elements(const Simulator *sim);
 const char *rope_fidelity(const Simulator *sim); /* "torsional", "spatial", "planar" or "rigid" */
 const char *rope_fidelity_reason(const Simulator *sim);
 
-/* Write a warning about valid results into message (MESSAGE bytes), "" if it does not apply.  `number` is 0
+/* Write a warning about valid results into message (MESSAGE bytes), "" if it does not apply.  `index` is 0
    to ROPE_EXTRAPOLATION; the last one is only for hosts that extrapolate the ends' motions. */
 enum { ROPE_WARNINGS = 13, ROPE_EXTRAPOLATION = ROPE_WARNINGS };
 void rope_warning(Simulator *sim, int index, char *message);

@@ -29,8 +29,8 @@ from rope_model.physics.elementary import exp, floor, logical_and, logical_or, m
 from rope_model.physics.estimates import axial_frequency
 from rope_model.simulation.ends.paths import RESTS_BELOW, EndMotion, EndPath
 
-#: m/s^3, jerk that is allowed at any instant of a consistent motion; met within 20 ms it takes 5.8 h times it at most,
-#: 0.1 % of g
+#: m/s^3, jerk that a consistent motion may have at any instant.  To follow it within a step h the path needs at most
+#: 5.8 h times as much acceleration more: 0.1 % of g where h = 20 ms
 MIN_JERK = 0.1
 #: rad/s^3, the same for a yaw, which only twists the rope; FMI gives no yaw acceleration.  3 degrees at 2 Hz have it
 MIN_YAW_JERK = 100.0
