@@ -12,7 +12,7 @@ import test_contact
 import test_fidelity
 import test_guards
 import test_initial_curvature
-import test_rope_on_rope
+import test_rope_contact
 import test_wire_friction
 from numpy.testing import assert_allclose
 from scenes import Ends, going_aside, past_each_other, wound
@@ -38,7 +38,7 @@ class Case:
 
 
 def twisting(t: float) -> Ends:
-    return (test_rope_on_rope.end(t, 1.5, 2.0),) * 2
+    return (test_rope_contact.end(t, 1.5, 2.0),) * 2
 
 
 CROSS_WIND = {"density": 1.2, "vx": 10.0, "vy": -3.0, "vz": 12.0, "cross_y": -2.0, "cross_height": 2.0}
@@ -53,7 +53,7 @@ CASES = {
         test_contact.narrow(), test_contact.ends, 15, 21, lambda x: x.energy_balance.dissipated_contact > 0.01
     ),
     "legs that press each other": Case(
-        test_rope_on_rope.twisted(), twisting, 81, 84, lambda x: x.energy_balance.dissipated_contact > 1.0
+        test_rope_contact.twisted(), twisting, 81, 84, lambda x: x.energy_balance.dissipated_contact > 1.0
     ),
     "curved and twisted": Case(
         CURVED(installed_twist=1.0), past_each_other, 12, 16, lambda x: abs(x.loop_yaw) > 0.1, 1e-8

@@ -29,12 +29,12 @@ from rope_model.physics.elementary import exp, floor, logical_and, logical_or, m
 from rope_model.physics.estimates import axial_frequency
 from rope_model.simulation.ends.paths import RESTS_BELOW, EndMotion, EndPath
 
-#: m/s^3, jerk that a consistent motion may have at any instant.  To follow it within a step h the path needs at most
-#: 5.8 h times as much acceleration more: 0.1 % of g where h = 20 ms
-MIN_JERK = 0.1
+#: m/s^3, jerk that a consistent motion may have at any instant.  To follow it within a step h the path needs an
+#: additional acceleration of at most 5.8 h times the jerk: 0.1 % of g where h = 20 ms
+ALLOWED_JERK = 0.1
 #: rad/s^3, the same for a yaw, which only twists the rope; FMI gives no yaw acceleration.  3 degrees at 2 Hz have it
-MIN_YAW_JERK = 100.0
-JERKS = (*(MIN_JERK,) * 3, MIN_YAW_JERK)
+ALLOWED_YAW_JERK = 100.0
+JERKS = (*(ALLOWED_JERK,) * 3, ALLOWED_YAW_JERK)
 #: bandwidth of estimates over the frequency of the rope's slowest axial wave: 1/10 of a motion at that frequency passes
 #: (order 2), or 1/32 (order 3)
 ESTIMATE_FRACTION = 1.0 / 3.0
