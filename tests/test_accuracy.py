@@ -44,9 +44,9 @@ def test_errors_of_a_wave_add_up_to_its_phase() -> None:
 
 def test_errors_that_go_with_no_wave_do_not_add_up() -> None:
     leg, h = 300.0, 0.01
-    sums, rng = accuracy.ErrorSums(), np.random.default_rng(1)
+    scene, sums, rng = Scene(ROPE), accuracy.ErrorSums(), np.random.default_rng(1)
     for pace in 1e-9 / (CONSTANT * h * h) * rng.standard_normal(4000):
-        sums = accuracy.add_errors(Scene(ROPE), sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, ROPE.Qa)
+        sums = accuracy.add_errors(scene, sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, ROPE.Qa)
     assert accuracy.end_force_error(ROPE, sums) < accuracy.RATE_ERROR_FACTOR * 1e-9 * math.sqrt(4000)
 
 
@@ -74,9 +74,9 @@ def test_the_error_of_a_forced_wave_is_estimated_however_many_radians_a_step_tak
     rope, duration = Rope(length=leg / 0.7), 4.0
     omega = float(accuracy.axial_frequency(rope, leg))
     found, exact = swing(omega, rope.beta_K, h, duration), swing(omega, rope.beta_K, h / 40, duration)[39::40]
-    sums = accuracy.ErrorSums()
+    scene, sums = Scene(rope), accuracy.ErrorSums()
     for _, pace in found:
-        sums = accuracy.add_errors(Scene(rope), sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, rope.Qa)
+        sums = accuracy.add_errors(scene, sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, rope.Qa)
     off = np.sqrt(np.mean((found[:, 0] - exact[:, 0]) ** 2))
     assert 0.5 < accuracy.end_force_error(rope, sums) / off < 1.5
 
@@ -148,6 +148,7 @@ def test_even_steps_put_the_loop_off_by_what_the_flow_through_it_lets_expect() -
         assert_allclose(off, accuracy.flow_error(scene, 2 * peak, h), rtol=0.35)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not find_compiler(), reason="minutes without a C compiler")
 def test_an_emergency_stop_is_as_accurate_as_asked_and_says_how_accurate_it_is() -> None:
     """Of a rope on which no constant was found; even steps by the places of the nodes alone would miss it."""

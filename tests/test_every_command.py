@@ -27,7 +27,7 @@ from hoist_demo.recording.time_series import match_signals
 from hoist_demo.study.provenance import STATUSES, SourcedValue, host_provenance, rope_provenance, statuses
 from hoist_demo.study.run import build, contradictions
 
-pytestmark = pytest.mark.usefixtures("plain_figures")
+pytestmark = pytest.mark.usefixtures("plain_figures", "no_figures")
 
 SHORT = "[fixed]\nwinding.travel = 1.0\nwinding.settle = 1.0\nmodel.fidelity = 2\n"
 
@@ -197,7 +197,6 @@ def test_a_demo_winds_with_what_is_set_and_writes_the_signals_asked_for(tmp_path
     assert "Stopped" in (tmp_path / "stopped" / "report.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.usefixtures("no_figures")
 def test_a_run_is_gone_on_with_whose_hoist_is_a_file(tmp_path: Path, monkeypatch: Patch, capsys: Capture) -> None:
     file, asked, out = tmp_path / "own.toml", iter(range(99)), ["--out", str(tmp_path / "out")]
     file.write_text("name = 'own'\nlike = 'rope-120'\nhoist.payload_left = 4321.0\n", encoding="utf-8")
@@ -208,7 +207,6 @@ def test_a_run_is_gone_on_with_whose_hoist_is_a_file(tmp_path: Path, monkeypatch
     assert "| hoist.payload_left | 4321 |" in (tmp_path / "out" / "report.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.usefixtures("no_figures")
 def test_a_hoist_takes_no_other_s_fmu(tmp_path: Path, monkeypatch: Patch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "build").mkdir()

@@ -119,6 +119,7 @@ def test_a_controller_of_one_s_own_winds_and_ends_below_the_landing(folder: Path
     assert said["final position error"] == pytest.approx(140.0, abs=5.0)
 
 
+@pytest.mark.slow
 def test_a_hoist_of_one_s_own_winds_with_its_rope_and_leaves_a_table(folder: Path) -> None:
     said = summary(lines_of(EXAMPLES / "own_hoist.py", folder, FMU))
     assert said["travel reached, left conveyance"] == pytest.approx(150.0, abs=0.01)

@@ -110,8 +110,7 @@ def test_energies_of_the_rigid_rope_are_those_of_its_shape_and_flow_and_change_b
         assert_allclose(0.5 * rho * integral(rope, np.sum(m.v[:, :3] ** 2, axis=1)), rope.kinetic, rtol=1e-5)
         assert_allclose(rho * g * integral(rope, m.q[:, 1]), rope.gravity, rtol=1e-5)
         power = (after.kinetic + after.gravity - before.kinetic - before.gravity) / (2 * d)
-        work = rope.tensions[0] * m.v[0, 1] + rope.tensions[1] * m.v[-1, 1]
-        assert_allclose(power, work, rtol=1e-5)
+        assert_allclose(power, rope.tensions[0] * m.v[0, 1] + rope.tensions[1] * m.v[-1, 1], rtol=1e-5)
 
 
 def test_energy_balance_of_the_rigid_rope_closes_at_second_order_in_the_step() -> None:

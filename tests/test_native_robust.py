@@ -281,7 +281,7 @@ def test_any_calls_in_any_order_neither_crash_nor_hang_and_a_reset_helps(fmu: Fm
     run_state_machine_as_test(machine, settings=bounds)
 
 
-@pytest.mark.parametrize(("version", "every"), [(3, 7), *(pytest.param(v, 1, marks=pytest.mark.slow) for v in (2, 3))])
+@pytest.mark.parametrize(("version", "every"), [(3, 14), *(pytest.param(v, 1, marks=pytest.mark.slow) for v in (2, 3))])
 def test_absurd_parameters_are_refused_with_the_cure(unpacked: Callable[[str], Fmu], version: int, every: int) -> None:
     rope = Host(*unpacked(f"native-{version}"))
     refused = 0
@@ -307,7 +307,7 @@ def test_absurd_parameters_are_refused_with_the_cure(unpacked: Callable[[str], F
             assert ";" in message or ": " in message, (name, value, message)
     assert rope.hang() == OK
     rope.free()
-    assert refused > 100
+    assert refused > 50
 
 
 @pytest.mark.parametrize("start", [1e300, -1e11, math.nan])

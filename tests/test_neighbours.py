@@ -63,8 +63,7 @@ def test_what_ropes_that_strike_lose_is_what_their_contact_books(h: float) -> No
     # the ropes book by their own steps, which they may halve
     assert work == pytest.approx(account.work, rel=0.03 if h > 0.005 else 1e-4)
     assert account.missed < 2e-4
-    balance = account.work + account.energy + account.dissipated - account.made
-    assert balance == pytest.approx(0.0, abs=1e-9)
+    assert account.work + account.energy + account.dissipated - account.made == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.slow

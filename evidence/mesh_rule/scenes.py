@@ -5,6 +5,7 @@ The published case has none of them.  Lengths, EI and jerk are drawn evenly in t
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from evidence.sampling import ACCELERATION, BENDING, JERK, LENGTH, MASS, NEAR, SPACING, SPEED, STIFFNESS, Draws
 from hoist_demo.control.trajectory import s_curve
@@ -30,7 +31,7 @@ class Sample:
     smooth: Trip
     stopped: Trip
 
-    @property
+    @cached_property
     def w(self) -> float:
         """(EI / rho g)^(1/3), m."""
         return float(bending_length(self.scene(Mesh())))

@@ -5,7 +5,6 @@ platforms.  Others are cached under the hash of all that determines them.  The s
 the same bytes.
 """
 
-import hashlib
 import importlib.util
 import logging
 import subprocess
@@ -88,8 +87,7 @@ def _build(sources: Mapping[str, str], identifier: str, name: str, version: str,
         raise ValueError(f"the platform {name!r} cannot be built here; can be: {could}. {CURE}")
     compiler, flags = _compiler(), (*_flags(name), *more)
     objects = kernels.object_files(sources, compiler, flags, kernels.cache_folder())
-    parts = "\0".join([identifier, *(file.name for file in objects.values())])
-    key = hashlib.sha256(parts.encode()).hexdigest()[:20]
+    key = kernels.short_hash(identifier, *(file.name for file in objects.values()))
     target = kernels.cache_folder() / f"fmu-{name}-{key}{PLATFORMS[name].suffix}"
 
     def make() -> None:

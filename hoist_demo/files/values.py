@@ -141,12 +141,15 @@ def _factor(unit: str, to: str) -> Fraction | None:
     import pint  # loads slowly, and most files need it not
 
     powers = partial(re.sub, r"(?<=[A-Za-z])(-?\d)", r"**\1")
-    registry: Any = pint.UnitRegistry(non_int_type=Fraction)
+    registry = _exact_units(pint)
     try:
         one, other = (registry.parse_units(powers(text.replace(".", "*"))) for text in (unit, to))
         return Fraction(registry.Quantity(Fraction(1), one).to(other).magnitude)
     except (pint.PintError, TokenError, *_NO_UNIT):
         return None
+
+
+_exact_units = cache(lambda pint: pint.UnitRegistry(non_int_type=Fraction))  # made in half a second
 
 
 def value_schema(parameter: Parameter) -> dict[str, Any]:

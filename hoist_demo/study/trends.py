@@ -5,7 +5,7 @@ comes and goes; and metrics with an extremum inside, which stands out.
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from functools import partial
 from itertools import pairwise
 from typing import Any
@@ -54,14 +54,14 @@ def _lines(
 
 def _along(objective: Objective | None, key: str, runs: RunLine) -> Iterator[tuple[str, str]]:
     """Yield each result that is not monotonic, and the words on it."""
-    for what, happened in _events(objective):
+    counted = objective.counted if objective else {"completed"}
+    for what, happened in _events(objective, counted):
         happens = [happened(outcome) for _, outcome in runs]
         # an event at the lower end only counts, too: more is expected to be worse
         changes = sum(before != after for before, after in pairwise(happens))
         expected = 0 if happens[0] and not happens[-1] else 1
         if any(happens) and changes > expected:
             yield what, f"{what} at {key} = {_values(runs, happens, True)}, not at {_values(runs, happens, False)}"
-    counted = objective.counted if objective else {"completed"}
     for metric in objective.metrics if objective else _WATCHED:
         pairs = [(x, _metric(outcome, metric)) for x, outcome in runs if outcome["status"] in counted]
         if turn := _turn([pair for pair in pairs if math.isfinite(pair[1])]):
@@ -74,9 +74,8 @@ def _metric(outcome: OutcomeRecord, name: str) -> float:
     return float(outcome["metrics"].get(name, math.nan))
 
 
-def _events(objective: Objective | None) -> Iterator[tuple[str, Callable[[OutcomeRecord], bool]]]:
+def _events(objective: Objective | None, counted: Set[str]) -> Iterator[tuple[str, Callable[[OutcomeRecord], bool]]]:
     yield "The rope struck or passed through something", lambda outcome: bool(outcome["passed"])
-    counted = objective.counted if objective else {"completed"}
     yield "Runs stopped early", lambda outcome: outcome["status"] not in counted
     for bound in objective.constraints if objective else ():
         word = "above" if bound.sense > 0.0 else "below"

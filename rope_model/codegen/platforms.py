@@ -4,13 +4,14 @@ A library in the package has the hash of its sources in its name and is used for
 none.
 """
 
-import hashlib
 import platform
 import re
 import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
+
+from rope_model.numerics.kernels import short_hash
 
 
 class Platform(NamedTuple):
@@ -46,8 +47,7 @@ def prebuilt_file(package: Path, sources: Mapping[str, str], identifier: str, na
     The headers of FMI do not count: they come with FMPy, and versions of it may differ in their comments.
     """
     own = (item for item in sorted(sources.items()) if not re.fullmatch(r"fmi[23]\w+\.h", item[0]))
-    parts = (part for item in own for part in item)
-    key = hashlib.sha256("\0".join(parts).encode()).hexdigest()[:20]
+    key = short_hash(*(part for item in own for part in item))
     suffix = PLATFORMS[name].suffix if name in PLATFORMS else ""
     return package / "prebuilt" / f"{identifier}-{name}-{key}{suffix}"
 
@@ -60,7 +60,5 @@ def prebuilt_platforms(package: Path) -> set[str]:
 
 def text_hash(package: Path) -> str:
     """Return the hash of a package's Python text; generated files belong to one hash."""
-    digest = hashlib.sha256()
-    for path in sorted(package.rglob("*.py")):
-        digest.update(f"{path.relative_to(package).as_posix()}\0{path.read_text(encoding='utf-8')}\0".encode())
-    return digest.hexdigest()[:20]
+    files = sorted(package.rglob("*.py"))
+    return short_hash(*(x for f in files for x in (f.relative_to(package).as_posix(), f.read_text(encoding="utf-8"))))

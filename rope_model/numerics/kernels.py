@@ -40,7 +40,8 @@ FLAGS = ("-std=c99", "-O3", "-fPIC", "-shared", "-ffp-contract=off", "-fno-math-
 #: not the names of functions that contain "error"
 _AN_ERROR = re.compile(r"\berror:|undefined reference")
 _ANNOUNCED = "compiling %s with %s, once on this machine: up to a minute"
-_INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]+"([^"]+)"', re.MULTILINE)
+#: names that a C file includes, kept as it takes milliseconds in the longest, which fifty others include
+_names_included = lru_cache(maxsize=256)(re.compile(r'^[ \t]*#[ \t]*include[ \t]+"([^"]+)"', re.MULTILINE).findall)
 LIBRARY_SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 
 
@@ -178,7 +179,7 @@ def compile_library(
     command = [*compiler, *FLAGS]
     objects = object_files(sources, compiler, FLAGS, folder)
     files = [*objects.values(), *linked]
-    library = folder / f"{name}-{_key(*command, *(file.name for file in files))}{LIBRARY_SUFFIX}"
+    library = folder / f"{name}-{short_hash(*command, *(file.name for file in files))}{LIBRARY_SUFFIX}"
 
     def link() -> None:
         # announce long waits only; Python runs ziglang
@@ -232,9 +233,9 @@ def object_files(
     """
     # the path of Python does not count: the same ziglang compiles the same elsewhere
     made_by = (compiler_version(tuple(compiler)), *compiler[compiler[0] == sys.executable :], *flags)
-    digests = {file: hashlib.sha256(text.encode()).hexdigest() for file, text in sources.items()}
+    digests = {file: short_hash(file, text) for file, text in sources.items()}
     return {
-        file: folder / f"{Path(file).stem}-{_key(*made_by, *(f'{f} {digests[f]}' for f in _included(file, sources)))}.o"
+        file: folder / f"{Path(file).stem}-{short_hash(*made_by, *(digests[f] for f in _included(file, sources)))}.o"
         for file in sorted(sources)
         if file.endswith(".c")
     }
@@ -267,7 +268,7 @@ def _included(file: str, sources: Mapping[str, str]) -> list[str]:
     """Return the file and those of the ``sources`` that it includes, each once."""
     included = [file]
     for part in included:
-        included += (name for name in _INCLUDE.findall(sources[part]) if name in sources and name not in included)
+        included += (name for name in _names_included(sources[part]) if name in sources and name not in included)
     return list(dict.fromkeys(included))
 
 
@@ -280,8 +281,8 @@ def _run(command: Sequence[str], folder: Path) -> None:
         raise
 
 
-def _key(*parts: str) -> str:
-    """Return the key for a file's name, from everything that the file is made of."""
+def short_hash(*parts: str) -> str:
+    """Return the hash in a file's name of the texts that the file is made of."""
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:20]
 
 

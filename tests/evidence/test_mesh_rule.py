@@ -3,14 +3,14 @@
 import itertools
 import math
 from dataclasses import replace
+from functools import cache, partial
 from itertools import islice
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from evidence.mesh_rule import laws, statics
-from evidence.mesh_rule.rule import shares, slip
+from evidence.mesh_rule import laws, rule, statics
 from evidence.mesh_rule.scenes import JUDGE, KINDS, draw
 from evidence.promise.scenes import Sample
 from evidence.promise.scenes import draw as samples
@@ -26,27 +26,28 @@ from rope_model.simulation.mesh.partition import fit_mesh, partition
 
 TABLES = read(DOCS / "data" / "mesh_rule")
 FOUND = laws.fit(TABLES)
+shares = cache(partial(rule.shares, FOUND))
 
 
 @pytest.mark.parametrize("asked", [0.05, 5e-3, 1e-3, 2e-4])
 def test_the_loop_s_elements_take_their_share_of_what_is_asked_and_at_least_a_third_of_it(asked: float) -> None:
-    share = shares(FOUND, asked).loop / LOCKING_SHARE
+    share = shares(asked).loop / LOCKING_SHARE
     assert share.max() < 1.05  # the constants are the law's, rounded
     assert asked == 0.05 or np.median(share) > 1 / 3
 
 
 def test_the_longest_elements_are_the_longest_on_which_the_loop_does_not_slip_aside() -> None:
-    used, longer = slip(TABLES["loop"])
+    used, longer = rule.slip(TABLES["loop"])
     assert used < 0.4 < 0.6 < longer
 
 
 @pytest.mark.parametrize("asked", [0.05, 5e-3, 1e-3, 2e-4])
 def test_what_fades_out_above_takes_a_tenth_of_what_is_asked_give_or_take(asked: float) -> None:
-    assert 0.05 < shares(FOUND, asked).cover.max() < 0.25
+    assert 0.05 < shares(asked).cover.max() < 0.25
 
 
 def test_end_elements_keep_the_clamp_moment_to_a_percent_at_5_mm() -> None:
-    assert 0.005 < shares(FOUND, 5e-3).moment.max() < 0.015
+    assert 0.005 < shares(5e-3).moment.max() < 0.015
 
 
 def test_legs_take_a_quarter_of_what_is_asked_and_after_a_stop_some_times_what_steps_do() -> None:

@@ -12,6 +12,7 @@ from test_tracks import EXAMPLES, camera, markers
 from evidence import motion
 
 
+@pytest.mark.slow
 def test_a_folder_of_pickled_lists_is_fitted_and_judged(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

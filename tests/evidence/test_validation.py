@@ -52,7 +52,7 @@ def test_a_clamped_rod_buckles_at_the_torque_of_the_theory() -> None:
 
 
 #: of exact cases of contact that take seconds
-LONG = ("divider", "every kind", "falls", "legs", "rod", "swing")
+LONG = ("divider", "every kind", "falls", "flat", "legs", "rod", "swing")
 
 
 @pytest.mark.parametrize(
@@ -107,9 +107,9 @@ def test_linear_models_at_rest_answer_as_the_co_simulation_does(name: str, at: f
     assert_allclose(degrees, 0.0, atol=5.0)
 
 
-@pytest.mark.parametrize("part", [9, pytest.param(17, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("part", [5, pytest.param(17, marks=pytest.mark.slow)])
 def test_a_schedule_is_as_good_between_its_heights_as_promised_at_them(part: int) -> None:
-    """The lower half of the shaft, or all of it."""
+    """The lowest quarter of the shaft, or all of it."""
     models = [m.selected(TORQUE, DRIVE[:3]) for m in linearise(find_case("rope-120"), dense(17)[:part])]
     decibels, degrees = between(models, 17)
     assert decibels < 1.0
