@@ -73,7 +73,7 @@ def misfit(fidelity: FidelityChoice) -> Case:
     def motion(t: float) -> Ends:
         return unfit(t, fidelity) if t > 0 else EndMotion(), EndMotion()
 
-    return Case(scene, motion, 12, 18, lambda x: x.filters[0].repeats * x.filters[0].position > 1e-4)
+    return Case(scene, motion, 12, 18, lambda x: x.filters[0].repeats * x.filters[0].position_misfit > 1e-4)
 
 
 FIDELITIES: tuple[FidelityChoice, ...] = ("torsional", "spatial", "planar", "rigid")

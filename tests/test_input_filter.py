@@ -81,8 +81,8 @@ def test_a_motion_that_fits_is_met_exactly() -> None:
     end = Follower()
     for k in range(1, 400):
         found = end.step(k * H, exact(k * H))
-        assert max(*found.limits.position, *found.limits.speed) < 1e-14
-    assert end.filter.position < 1e-15
+        assert max(*found.measures.position_misfits, *found.measures.speed_misfits) < 1e-14
+    assert end.filter.position_misfit < 1e-15
 
 
 def test_a_position_that_does_not_fit_is_drawn_in_like_a_critically_damped_observer() -> None:

@@ -9,7 +9,7 @@ from typing import Any, get_args
 import numpy as np
 import pytest
 from conftest import Array
-from end_paths import NO_LIMITS, Follower, led
+from end_paths import NO_MEASURES, Follower, led
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from native_parts import compiled
@@ -25,7 +25,7 @@ from rope_model.engine import NativeRope
 from rope_model.parameters import Attachment
 from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT
 from rope_model.simulation.ends.ends import refusal, stale_input_error
-from rope_model.simulation.ends.input_filter import InputFilter, Limits
+from rope_model.simulation.ends.input_filter import InputFilter, PathMeasures
 from rope_model.simulation.ends.paths import SIDES, EndMotion, EndPath, ends_at
 from rope_model.simulation.fidelity import FIDELITIES, choose_fidelity, lowest_sufficient, unsupported_motion
 from rope_model.simulation.outputs.sensitivity import LOADS, load_derivative
@@ -83,9 +83,9 @@ def test_numbers_are_written_as_python_writes_them(native: Any, x: float, digits
     assert native.text_exact(room, ct.c_double(x)).decode() == repr(x)
 
 
-def assert_same_refusal(native: Any, target: EndMotion, limits: Limits = NO_LIMITS, side: int = 0) -> str:
-    scene, sizes = Scene(), (ct.c_double * 14)(*(x for row in limits for x in row))
-    said = refusal(scene, target, limits, SIDES[side])
+def assert_same_refusal(native: Any, target: EndMotion, measures: PathMeasures = NO_MEASURES, side: int = 0) -> str:
+    scene, sizes = Scene(), (ct.c_double * 14)(*(x for row in measures for x in row))
+    said = refusal(scene, target, measures, SIDES[side])
     assert text_of(native.ends_refusal, ct.byref(scene_structure(scene)), ct.byref(c_end(target)), sizes, side) == said
     return said
 
@@ -102,14 +102,14 @@ def test_end_that_is_out_of_bounds_has_the_same_message(native: Any, side: int, 
 def test_motion_that_does_not_fit_together_has_the_same_message(native: Any, name: str) -> None:
     for value in (0.001, 0.4321, 0.6, 50.0):
         target = EndMotion(**{name: value})
-        said = assert_same_refusal(native, target, Follower().step(0.02, target).limits, 1)
+        said = assert_same_refusal(native, target, Follower().step(0.02, target).measures, 1)
     # a yaw's acceleration is not given, but follows from its rate
     assert f"inputs.{'acceleration_max' if name == 'yaw_rate' else 'misfit_max'}" in said
 
 
 def test_acceleration_that_is_too_large_has_the_same_message(native: Any) -> None:
-    limits = NO_LIMITS._replace(peaks=(0.0, 1.0, 5.0, 5.0, 5.0, 100.1))
-    assert "left.lean_z and its derivatives" in assert_same_refusal(native, EndMotion(), limits)
+    measures = NO_MEASURES._replace(peaks=(0.0, 1.0, 5.0, 5.0, 5.0, 100.1))
+    assert "left.lean_z and its derivatives" in assert_same_refusal(native, EndMotion(), measures)
 
 
 def test_a_signal_that_stands_still_has_the_same_message(native: Any) -> None:

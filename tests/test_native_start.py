@@ -13,7 +13,7 @@ from pathlib import Path
 import fmpy
 import pytest
 from conftest import Capture, Patch
-from end_paths import NO_LIMITS
+from end_paths import NO_MEASURES
 from exports import export_stand_in
 from fmpy.build import build_platform_binary
 from lxml import etree
@@ -184,9 +184,9 @@ def test_bounds_of_the_inputs_are_those_of_the_rope() -> None:
         side, name = v.name.split(".")
         for bound in (v.minimum, v.maximum):
             assert bound is not None
-            assert refusal(clamped, EndMotion(**{name: bound}), NO_LIMITS, side) == ""
+            assert refusal(clamped, EndMotion(**{name: bound}), NO_MEASURES, side) == ""
             beyond = EndMotion(**{name: math.nextafter(bound, math.inf * bound)})
-            assert "beyond" in refusal(clamped, beyond, NO_LIMITS, side)
+            assert "beyond" in refusal(clamped, beyond, NO_MEASURES, side)
 
 
 def test_sources_rebuild_with_fmpy_compile(fmi: int, fmu_of: Callable[[str], Path], tmp_path: Path) -> None:

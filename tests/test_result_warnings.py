@@ -171,10 +171,10 @@ ROPES = {"coupled": rope_120().scene.rope, "twisted": replace(PLAIN, installed_t
 
 
 def following_of_misfits(chance: random.Random) -> InputFilter:
-    sizes = {"position": (0.0, 3e-4, 0.2), "acceleration": (0.0, 0.3), "repeats": (0.0, 0.0, 12.0)}
+    sizes = {"position_misfit": (0.0, 3e-4, 0.2), "acceleration_misfit": (0.0, 0.3), "repeats": (0.0, 0.0, 12.0)}
     sizes |= {"samples": (3.0, 300.0), "grid": (1.0, 0.0, 1e-3), "breaks": (0.0, 2.0, 9.0)}
     chosen = {name: chance.choice(of) for name, of in sizes.items()}
-    return InputFilter(**chosen, speed=chance.uniform(0.0, 0.3), sent_every=0.02, table_every=0.1)
+    return InputFilter(**chosen, speed_misfit=chance.uniform(0.0, 0.3), sent_every=0.02, table_every=0.1)
 
 
 def altered_states(state: RopeState, chance: random.Random) -> Iterator[RopeState]:

@@ -7,6 +7,7 @@ from importlib.resources import files
 
 from hoist_demo.cases.case import Case
 from hoist_demo.control.trajectory import Trajectory, s_curve
+from hoist_demo.drive.plant import MIN_ROPE
 from hoist_demo.drive_fmu.interface import START_PULLS, DriveRope, force_inputs, holding, plant_outputs, variables
 from hoist_demo.drive_fmu.kernels import Kernels, kernels
 from hoist_demo.drive_fmu.omissions import leave_out, obstacles
@@ -95,10 +96,10 @@ enum {{
 }};
 
 #define DRIVE_RADIUS {radius!r}
+#define DRIVE_MIN_ROPE {min_rope!r} /* m, of a head rope between sheave and conveyance */
 #define DRIVE_LOWEST_FORCE ({lowest!r})
 #define DRIVE_TORQUE_LIMIT {limit!r}
-/* m/s2: a rope refuses ends that accelerate more */
-#define DRIVE_HARDEST {hardest!r}
+#define DRIVE_HARDEST {hardest!r} /* m/s2: a rope refuses ends that accelerate more */
 static const int DRIVE_ACCELERATION[] = {{{accelerations}}}; /* places in the outputs */
 
 /* lowest and highest value of each parameter */
@@ -127,6 +128,7 @@ def _table(
     return _TABLE.format(
         sizes="\n".join(f"    DRIVE_{name} = {value}," for name, value in integers.items()),
         radius=case.hoist.sheave_radius,
+        min_rope=MIN_ROPE,
         lowest=generated.lowest_force,
         limit=case.hoist.torque_limit,
         hardest=Inputs().acceleration_max,

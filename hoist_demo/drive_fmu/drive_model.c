@@ -11,8 +11,6 @@
 
 #include "model.h"
 
-#define MIN_ROPE 0.1 /* m, of a head rope between sheave and conveyance */
-
 typedef struct {
     double t, start, hold, integral, left_start;
     double x[DRIVE_STATES], u[DRIVE_INPUTS], free_lengths[2];
@@ -168,11 +166,11 @@ static int sound(const State *s, char *message) {
                      OF_ALL);
             return 0;
         }
-    if (fmin(left, right) > MIN_ROPE) return 1;
+    if (fmin(left, right) > DRIVE_MIN_ROPE) return 1;
     snprintf(message, MESSAGE_BYTES,
              "head rope of %.3g m left at the sheave, not above %.3g m: overwind; check trip, "
              "gains and rope forces",
-             fmin(left, right), MIN_ROPE);
+             fmin(left, right), DRIVE_MIN_ROPE);
     return 0;
 }
 

@@ -60,7 +60,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "FilterSettings filter_settings(scene, trusted)": input_filter.filter_settings,
     "InputFilter filter_sample(InputFilter state, FilterSettings settings, given_at, h, EndMotion end)": filter_sample,
     "Path filter_path(path, InputFilter state, stop, bandwidth)": input_filter.filter_path,
-    "void filter_limits(path, InputFilter state, limits[14])": input_filter.filter_limits,
+    "void path_measures(path, InputFilter state, measures[14])": input_filter.path_measures,
     "InputFilter add_misfit(InputFilter state, path, FilterSettings settings, rope, leg)": misfit.add_misfit,
     "void lean_moves(h, ahead, lean, moved[3])": input_filter.lean_moves,
     "void sample_moves(FilterSettings settings, h, ahead, sample[3], fits[2], moved[3])": input_filter.sample_moves,

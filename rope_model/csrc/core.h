@@ -39,8 +39,8 @@ static inline double end_value(const EndMotion *motion, int index) {
    and is "" on success. */
 
 /* ends/ends.c */
-/* Refuse a target motion that is out of range, or whose `limits`, from filter_limits, exceed the scene's. */
-void ends_refusal(const Scene *scene, const EndMotion *target, const double limits[14], int side, char *message);
+/* Refuse a target motion that is out of range, or whose `measures`, from path_measures, exceed the scene's. */
+void ends_refusal(const Scene *scene, const EndMotion *target, const double measures[14], int side, char *message);
 /* Refuse a motion that has not changed for longer than hold_max. */
 void stale_input_error(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message);
 /* Return the moment about the tangent on the rope's end, N m, from the end's row of the reaction. */

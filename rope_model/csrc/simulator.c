@@ -76,9 +76,9 @@ static int hold_ends(Simulator *sim, State *state, const EndMotion ends[2], doub
         const EndMotion *end = &ends[side];
         const Path path = path_resting(state->t, end);
         state->filters[side] = filter_resting(state->t, end);
-        double limits[14];
-        filter_limits(&path, &state->filters[side], limits);
-        ends_refusal(&sim->scene, end, limits, side, sim->message);
+        double measures[14];
+        path_measures(&path, &state->filters[side], measures);
+        ends_refusal(&sim->scene, end, measures, side, sim->message);
         if (sim->message[0]) return 0;
         double fastest = fabs(end->yaw_rate);
         for (int k = 0; k < 3; k++) fastest = fmax(fastest, fabs((&end->vx)[k]));
@@ -164,9 +164,9 @@ static int move_ends(Simulator *sim, State *state, double t, const EndMotion end
     for (int side = LEFT; side <= RIGHT; side++) {
         const InputFilter now = follow_end(sim->state, &settings, side, t, &ends[side], given_at);
         const Path path = filter_path(&sim->state->paths[side], &now, t, settings.observer);
-        double limits[14];
-        filter_limits(&path, &now, limits);
-        ends_refusal(scene, &ends[side], limits, side, sim->message);
+        double measures[14];
+        path_measures(&path, &now, measures);
+        ends_refusal(scene, &ends[side], measures, side, sim->message);
         if (!sim->message[0]) stale_input_error(&scene->inputs, t, &now, side, sim->message);
         if (sim->message[0]) return 0;
         state->paths[side] = path;
@@ -204,8 +204,8 @@ static void cut_paths(const Simulator *sim, State *state, double t, const EndMot
         state->paths[side].stop = t;
         account_end(sim, state, &settings, side, &now);
         /* the path meets the given acceleration at its planned stop only */
-        state->filters[side].acceleration = now.acceleration;
-        state->filters[side].squares[2] = now.squares[2];
+        state->filters[side].acceleration_misfit = now.acceleration_misfit;
+        state->filters[side].misfit_squares[2] = now.misfit_squares[2];
     }
 }
 

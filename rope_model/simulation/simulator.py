@@ -24,7 +24,7 @@ from rope_model.simulation.contact.point_forces import PointForces, at_places, e
 from rope_model.simulation.contact.shaft import MONITOR_INTERVAL, update_passages
 from rope_model.simulation.ends.ends import HangingEnds, clamp_axis, refusal, right_offset, stale_input_error
 from rope_model.simulation.ends.filter_program import filter_program, filter_step
-from rope_model.simulation.ends.input_filter import InputFilter, filter_limits, settings_of
+from rope_model.simulation.ends.input_filter import InputFilter, path_measures, settings_of
 from rope_model.simulation.ends.paths import END_NODE, RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
 from rope_model.simulation.ends.swivel_phases import Phase, SwivelState
 from rope_model.simulation.fidelity import choose_fidelity, unsupported_motion
@@ -180,8 +180,8 @@ class RopeSimulator(BalanceRope):
         # a rigid rope needs no way to its position
         paths = paths_at_rest(scene, t, (left, right), float(scene.model.fidelity == "rigid"))
         for side, target in zip(SIDES, (left, right), strict=True):
-            limits = filter_limits(EndPath.at_rest(t, target), InputFilter.at_rest(t, target))
-            if message := refusal(scene, target, limits, side):
+            measures = path_measures(EndPath.at_rest(t, target), InputFilter.at_rest(t, target))
+            if message := refusal(scene, target, measures, side):
                 return Status(False, message)
             if max(map(abs, (*target.velocity, target.yaw_rate))) > RESTS_BELOW:
                 return Status(False, messages.moves_at_start(side))
@@ -238,7 +238,7 @@ class RopeSimulator(BalanceRope):
         legs = bottom_s, scene.rope.length - bottom_s
         for k, (side, end) in enumerate(zip(SIDES, (left, right), strict=True)):
             filtered = filter_step(self._filter, state.filters[k], state.paths[k], settings, at, t, end, legs[k])
-            refused = refusal(scene, end, filtered.limits, side)
+            refused = refusal(scene, end, filtered.measures, side)
             if message := refused or stale_input_error(scene.inputs, t, filtered.filter, side):
                 return Status(False, message)
             steps.append((filtered.path, filtered.filter))

@@ -13,7 +13,7 @@ static int largest(int axes, const double *sizes) {
     return worst;
 }
 
-void ends_refusal(const Scene *scene, const EndMotion *target, const double limits[14], int side, char *message) {
+void ends_refusal(const Scene *scene, const EndMotion *target, const double measures[14], int side, char *message) {
     const Inputs *inputs = &scene->inputs;
     static const char *const names[] = END_MOTION_NAMES;
     static const double bounds[] = END_MOTION_BOUNDS;
@@ -30,16 +30,16 @@ void ends_refusal(const Scene *scene, const EndMotion *target, const double limi
     }
     if (message[0]) return;
     for (int k = 0; k < 2; k++) {
-        const double *misfits = limits + PEAKS + k * AXES;
+        const double *misfits = measures + PEAKS + k * AXES;
         const int worst = largest(AXES, misfits);
         if (misfits[worst] <= inputs->misfit_max) continue;
         say_input_misfit(message, SIDE_NAMES[side], AXIS_NAMES[worst], misfits[worst], units[k][worst == YAW],
                          inputs->misfit_max);
         return;
     }
-    const int worst = largest(PEAKS, limits);
-    if (!(limits[worst] <= inputs->acceleration_max))
-        say_inputs_do_not_fit(message, SIDE_NAMES[side], AXIS_NAMES[worst], limits[worst],
+    const int worst = largest(PEAKS, measures);
+    if (!(measures[worst] <= inputs->acceleration_max))
+        say_inputs_do_not_fit(message, SIDE_NAMES[side], AXIS_NAMES[worst], measures[worst],
                               worst < YAW ? "m/s^2" : "rad/s^2", inputs->acceleration_max);
 }
 

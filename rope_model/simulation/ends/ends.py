@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from rope_model.parameters import Scene, Swivel
 from rope_model.physics.elementary import atan2, cos, hypot, maximum, minimum, sin, sqrt, where
 from rope_model.physics.swivel import friction_moment
-from rope_model.simulation.ends.input_filter import InputFilter, Limits
+from rope_model.simulation.ends.input_filter import InputFilter, PathMeasures
 from rope_model.simulation.ends.paths import END_NODE, LEANS, MOTION_BOUNDS, PATH, EndMotion, EndPath
 from rope_model.simulation.ends.swivel_phases import Phase, SwivelState, moment_of_swivel, swivel_friction
 from rope_model.simulation.messages import messages
@@ -150,8 +150,8 @@ def right_offset(left: Any, right: Any) -> Any:
     return 2.0 * atan2(right[2] - left[2], right[0] - left[0])
 
 
-def refusal(scene: Scene, target: EndMotion, limits: Limits, side: str) -> str:
-    """Return '' if an end can follow ``target`` on a path with these limits; else cause and cure."""
+def refusal(scene: Scene, target: EndMotion, measures: PathMeasures, side: str) -> str:
+    """Return '' if an end can follow ``target`` on a path with these measures; else cause and cure."""
     inputs, clamped = scene.inputs, getattr(scene, side).attachment == "clamped"
     for name, bound in MOTION_BOUNDS.items():
         if -bound <= (value := getattr(target, name)) <= bound:
@@ -162,15 +162,15 @@ def refusal(scene: Scene, target: EndMotion, limits: Limits, side: str) -> str:
             return messages.input_not_finite(side, name, value)
         return messages.input_out_of_range(side, name, value, bound)
     bounds = inputs.acceleration_max, inputs.misfit_max, inputs.misfit_max
-    if all(size <= bound for sizes, bound in zip(limits, bounds, strict=True) for size in sizes):
+    if all(size <= bound for sizes, bound in zip(measures, bounds, strict=True) for size in sizes):
         return ""
-    worst = [_largest(sizes) for sizes in limits]
-    for sizes, k, units in zip(limits[1:], worst[1:], (("m", "rad"), ("m/s", "rad/s")), strict=True):
+    worst = [_largest(sizes) for sizes in measures]
+    for sizes, k, units in zip(measures[1:], worst[1:], (("m", "rad"), ("m/s", "rad/s")), strict=True):
         if not sizes[k] <= inputs.misfit_max:
             return messages.input_misfit(side, PATH[k], sizes[k], units[k == 3], inputs.misfit_max)
-    if not limits.peaks[worst[0]] <= inputs.acceleration_max:
+    if not measures.peaks[worst[0]] <= inputs.acceleration_max:
         name, unit = (*PATH, *LEANS)[worst[0]], "m/s^2" if worst[0] < 3 else "rad/s^2"
-        return messages.inputs_do_not_fit(side, name, limits.peaks[worst[0]], unit, inputs.acceleration_max)
+        return messages.inputs_do_not_fit(side, name, measures.peaks[worst[0]], unit, inputs.acceleration_max)
     return ""
 
 

@@ -8,17 +8,17 @@ from typing import Any, NamedTuple
 from rope_model.numerics.program import Program
 from rope_model.parameters import Rope
 from rope_model.simulation.ends import input_filter
-from rope_model.simulation.ends.input_filter import FilterSettings, InputFilter, Limits
+from rope_model.simulation.ends.input_filter import FilterSettings, InputFilter, PathMeasures
 from rope_model.simulation.ends.misfit import add_misfit
 from rope_model.simulation.ends.paths import PATH, EndMotion, EndPath
 
 
 class FilterStep(NamedTuple):
-    """Next path of an end, the filter at its end, and the limits that decide whether the rope can follow the path."""
+    """Next path of an end, the filter at its end, and the measures that decide whether the rope can follow the path."""
 
     filter: InputFilter
     path: EndPath
-    limits: Limits
+    measures: PathMeasures
 
 
 def _flat(x: tuple[Any, ...]) -> list[Any]:
@@ -47,7 +47,7 @@ _NO_PATH = EndPath(0.0, 0.0, ((0.0,) * 6,) * len(PATH))  # type: ignore[arg-type
 _NOTHING = (0.0,) * len(PATH)
 _NO_SETTINGS, _NO_MOTION = FilterSettings(*(0.0,) * len(FilterSettings._fields)), tuple(vars(EndMotion()).values())
 _ARGUMENTS = InputFilter(), _NO_PATH, _NO_SETTINGS, 0.0, 0.0, _NO_MOTION, 0.0
-_RESULT = FilterStep(InputFilter(), _NO_PATH, Limits((0.0,) * 6, _NOTHING, _NOTHING))  # type: ignore[arg-type]
+_RESULT = FilterStep(InputFilter(), _NO_PATH, PathMeasures((0.0,) * 6, _NOTHING, _NOTHING))  # type: ignore[arg-type]
 _make_arguments, _make_result = _maker(_ARGUMENTS), _maker(_RESULT)
 
 
@@ -60,7 +60,7 @@ def _step_of(rope: Rope) -> Callable[[Sequence[Any]], list[Any]]:
         state = input_filter.filter_sample(state, settings, given_at, stop - path.stop, EndMotion(*end))
         path = input_filter.filter_path(path, state, stop, settings.observer)
         after = add_misfit(state, path, settings, rope, leg)
-        return _flat(FilterStep(after, path, input_filter.filter_limits(path, state)))
+        return _flat(FilterStep(after, path, input_filter.path_measures(path, state)))
 
     return step
 

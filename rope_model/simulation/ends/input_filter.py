@@ -75,22 +75,22 @@ class InputFilter(NamedTuple):
     recent_changes: Four = (0.0,) * 4  # largest recent changes of these between two steps
     explained: tuple[Fits, Fits, Fits, Fits] = ((1.0, 1.0),) * 4  # fractions of a sample's misfits, of SampleMisfit
     time: float = 0.0  # s
-    position: float = 0.0  # m, largest misfit
-    speed: float = 0.0  # m/s
-    acceleration: float = 0.0  # m/s^2
-    squares: Axis = (0.0, 0.0, 0.0)  # time integrals of the squares of the three
+    position_misfit: float = 0.0  # m, largest so far
+    speed_misfit: float = 0.0  # m/s, largest
+    acceleration_misfit: float = 0.0  # m/s^2, largest
+    misfit_squares: Axis = (0.0, 0.0, 0.0)  # time integrals of the squares of the three
     wave: tuple[float, float] = (0.0, 0.0)  # m/s^2, slowest axial wave of the leg, now and a quarter period later
     lag: float = 0.0  # m/s^2, lag of an estimated acceleration of y
-    force: float = 0.0  # N^2 s, time integral of the square of the end force's error
+    force_error_square: float = 0.0  # N^2 s, time integral of the square of the end force's error
     drift: float = 0.0  # m, slow part of the misfit of y
-    farthest: float = 0.0  # m, largest size of the drift
+    max_drift: float = 0.0  # m, largest size of the drift
     repeats: float = 0.0  # number of steps with the sample of an earlier one
     steps_held: float = 0.0  # number of steps since the latest sample
     sent_every: float = 0.0  # s, time between the latest samples with repetitions between them
     grid: float = 1.0  # m, coarsest of GRIDS with all positions; 1 before the first, 0: none
     samples: float = 0.0  # number of samples of an end that moves
     slope: float = 0.0  # m/s, slope of y between the latest two samples
-    straight: float = 0.0  # number of samples since the last break of y's line
+    straight_samples: float = 0.0  # number of samples since the last break of y's line
     broken_at: float = 0.0  # s, instant of that break
     breaks: float = 0.0  # number of breaks after straight pieces as long as the one before
     table_every: float = 0.0  # s, time between the latest two
@@ -108,10 +108,10 @@ class FilterSettings(NamedTuple):
 
     observer: float
     estimate: float
-    position: float  # 1 if it is trusted, else 0
-    speed: float
-    acceleration: float
-    hardest: float  # m/s^2, largest deceleration of a conveyance: beyond it head ropes of a rising one go slack
+    position_trust: float  # 1 if it is trusted, else 0
+    speed_trust: float
+    acceleration_trust: float
+    max_deceleration: float  # m/s^2, of a conveyance: beyond it head ropes of a rising one go slack
 
 
 def filter_settings(scene: Any, trusted: Any) -> FilterSettings:
@@ -181,19 +181,19 @@ def _repeated(state: Any, settings: Any, is_later: Any, since: Any, values: Any,
     up to 0.84 a / W.  A speed can be that of the latest sample.
     """
     moves = logical_or(*(abs(speed) > RESTS_BELOW for speed in speeds))
-    stops_below = settings.hardest * (since + 1.0 / settings.estimate)
+    stops_below = settings.max_deceleration * (since + 1.0 / settings.estimate)
     too_fast = logical_or(*(abs(axis[1]) > stops_below for axis in state.motion))
-    trusted = [getattr(settings, kind) for kind in ("position", "speed", "acceleration") for _ in range(3)]
-    trusted += settings.position, settings.speed, settings.position, settings.position
+    trusted = [getattr(settings, f"{kind}_trust") for kind in ("position", "speed", "acceleration") for _ in range(3)]
+    trusted += settings.position_trust, settings.speed_trust, settings.position_trust, settings.position_trust
     same = (logical_or(trust < 1, a == b) for trust, a, b in zip(trusted, values, state.given, strict=True))
-    cannot_stay = logical_and(settings.position > 0, where(settings.speed > 0, moves, too_fast))
+    cannot_stay = logical_and(settings.position_trust > 0, where(settings.speed_trust > 0, moves, too_fast))
     # the first sample is of the instant of the start
     return logical_and(where(is_later, cannot_stay, state.time > 0), *same)
 
 
 def _completed(old: Any, settings: Any, h: Any, sample: Any) -> tuple[Any, Any, Any]:
     """Return position, speed and acceleration ``h`` after ``old``, from the trusted part of a ``sample``."""
-    x, v, a = old
+    (x, v, a), knows_speed = old, settings.speed_trust > 0
     retained = exp(-settings.estimate * h)  # fraction of an old error: 1 - alpha = retained^2 or retained^3
     gain = 1.0 - retained
     x_ahead, v_ahead = quintic.extrapolate(x, v, a, h)
@@ -204,9 +204,9 @@ def _completed(old: Any, settings: Any, h: Any, sample: Any) -> tuple[Any, Any, 
     position_speed = v_ahead + 1.5 * gain * gain * (1.0 + retained) / h * position_gap
     position_acceleration = a + gain * gain * gain / (h * h) * position_gap
     return (
-        where(settings.position > 0, where(settings.speed > 0, sample[0], position), integrated),
-        where(settings.acceleration > 0, sample[1], where(settings.speed > 0, speed, position_speed)),
-        where(settings.acceleration > 0, sample[2], where(settings.speed > 0, acceleration, position_acceleration)),
+        where(settings.position_trust > 0, where(knows_speed, sample[0], position), integrated),
+        where(settings.acceleration_trust > 0, sample[1], where(knows_speed, speed, position_speed)),
+        where(settings.acceleration_trust > 0, sample[2], where(knows_speed, acceleration, position_acceleration)),
     )
 
 
@@ -238,14 +238,14 @@ def _signs(state: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: Any)
     visible = expected > MIN_CHANGE
     breaks = logical_and(visible, change > BROKEN * expected)
     straight = logical_and(visible, change < STRAIGHT * expected)
-    counts, piece = logical_and(breaks, state.straight > 0), given_at - state.broken_at
+    counts, piece = logical_and(breaks, state.straight_samples > 0), given_at - state.broken_at
     is_table = state.breaks >= MIN_BREAKS
     alike = logical_or(is_table, abs(piece - state.table_every) < ALIKE * piece)
     return {
         "grid": where(moves, minimum(state.grid, finest), state.grid),
         "samples": state.samples + where(moves, 1.0, 0.0),
         "slope": slope,
-        "straight": where(straight, state.straight + 1.0, 0.0),
+        "straight_samples": where(straight, state.straight_samples + 1.0, 0.0),
         "broken_at": where(breaks, given_at, state.broken_at),
         "breaks": where(counts, where(alike, state.breaks + 1.0, 1.0), state.breaks),
         "table_every": where(logical_and(counts, 1 - is_table), piece, state.table_every),
@@ -340,12 +340,12 @@ def _explained_fraction(misfit: Any, limit: Any) -> Any:
     return minimum(maximum(2.0 - abs(misfit) / limit, 0.0), 1.0)
 
 
-class Limits(NamedTuple):
+class PathMeasures(NamedTuple):
     """Measures of an end's path: largest sampled accelerations, by PATH and LEANS; misfits at its end, by PATH."""
 
     peaks: tuple[float, ...]
-    position: Four
-    speed: Four
+    position_misfits: Four
+    speed_misfits: Four
 
 
 def end_misfits(path: Any, state: Any) -> list[Axis]:
@@ -357,7 +357,7 @@ def end_misfits(path: Any, state: Any) -> list[Axis]:
     return misfits
 
 
-def filter_limits(path: Any, state: Any) -> Limits:
+def path_measures(path: Any, state: Any) -> PathMeasures:
     """Return the measures that decide whether the path can be followed; NaN where a coordinate is."""
     position, speed, _ = (tuple(map(abs, sizes)) for sizes in zip(*end_misfits(path, state), strict=True))
-    return Limits(path.peak_accelerations(), position, speed)
+    return PathMeasures(path.peak_accelerations(), position, speed)

@@ -38,7 +38,7 @@ def add_misfit(state: Any, path: Any, settings: Any, rope: Any, leg: Any) -> Inp
     c0, c1, c2, c3, c4, c5 = path.coefficients[1]
     # growth and lag of the acceleration, which is linear through the latest two samples
     grows = (state.motion[1][2] - state.end_accelerations[1]) / h
-    order = where(settings.acceleration > 0, 0.0, where(settings.speed > 0, 2.0, 3.0))
+    order = where(settings.acceleration_trust > 0, 0.0, where(settings.speed_trust > 0, 2.0, 3.0))
     lags = order * grows / settings.estimate
     lag = state.lag + (1.0 - exp(-settings.estimate * h)) * (lags - state.lag)
     # part of the sample's misfit that one change of the acceleration's rate within the step explains
@@ -65,15 +65,16 @@ def add_misfit(state: Any, path: Any, settings: Any, rope: Any, leg: Any) -> Inp
         end_accelerations=tuple(axis[2] for axis in state.motion),
         explained=tuple((sample.position_fits, sample.speed_fits) for sample in samples),
         time=state.time + h,
-        position=maximum(state.position, misfits[0]),
-        speed=maximum(state.speed, misfits[1]),
-        acceleration=maximum(state.acceleration, misfits[2]),
-        squares=tuple(sum_ + h * (size * size) for sum_, size in zip(state.squares, misfits, strict=True)),
+        position_misfit=maximum(state.position_misfit, misfits[0]),
+        speed_misfit=maximum(state.speed_misfit, misfits[1]),
+        acceleration_misfit=maximum(state.acceleration_misfit, misfits[2]),
+        misfit_squares=tuple(s + h * (x * x) for s, x in zip(state.misfit_squares, misfits, strict=True)),
         wave=wave,
         lag=lag,
-        force=state.force + h * (leg_force * leg_force + wave_force * wave_force + within_force * within_force),
+        force_error_square=state.force_error_square
+        + h * (leg_force * leg_force + wave_force * wave_force + within_force * within_force),
         drift=drift,
-        farthest=maximum(state.farthest, abs(drift)),
+        max_drift=maximum(state.max_drift, abs(drift)),
     )
     return result
 
@@ -100,11 +101,11 @@ def _leg_response(wave: Any, added: Any, rope: Any, leg: Any, h: Any) -> tuple[A
 
 def add_misfit_error(error: Any, sums: Any, left: Any, right: Any) -> Any:
     """Add the error by inconsistent motions to ``error`` of the end forces, root mean square over the largest."""
-    squares = maximum(left.force, right.force) / maximum(sums.time, TINY)
+    squares = maximum(left.force_error_square, right.force_error_square) / maximum(sums.time, TINY)
     return sqrt(error * error + squares / maximum(sums.force * sums.force, TINY))
 
 
 def add_drift_error(error: Any, left: Any, right: Any) -> Any:
     """Add the drift of the ends to ``error`` (m) of the loop's position."""
-    drift = 0.5 * (left.farthest + right.farthest)
+    drift = 0.5 * (left.max_drift + right.max_drift)
     return sqrt(error * error + drift * drift)

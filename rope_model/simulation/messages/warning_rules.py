@@ -110,13 +110,13 @@ def _bend_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
 def _positions_rounded(scene: Any, end_filter: Any, step: Any) -> tuple[Any, ...]:
     x = end_filter
     on_grid = logical_and(x.samples >= MIN_SAMPLES, x.grid >= COARSEST_ROUNDING, x.grid < 1)
-    return logical_and(scene.inputs.given != "speed", on_grid, x.position > 0.25 * x.grid), x.grid
+    return logical_and(scene.inputs.given != "speed", on_grid, x.position_misfit > 0.25 * x.grid), x.grid
 
 
 def _motion_misfits(scene: Any, end_filter: Any, step: Any) -> tuple[Any, ...]:
     x = end_filter
-    disturbs = x.acceleration > scene.accuracy.end_force * scene.layout.gravity
-    return logical_and(scene.inputs.given == "all", disturbs), x.position, x.speed, x.acceleration
+    disturbs = x.acceleration_misfit > scene.accuracy.end_force * scene.layout.gravity
+    return logical_and(scene.inputs.given == "all", disturbs), x.position_misfit, x.speed_misfit, x.acceleration_misfit
 
 
 def _loop_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:

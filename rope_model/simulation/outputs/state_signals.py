@@ -35,8 +35,8 @@ def remembered(state: Any) -> dict[str, Any]:
     values |= {"guard.cause": guard.cause, "guard.time": guard.time}
     values |= {f"count.{name}": getattr(state.counts, name) for name in Counts._fields}
     for k, name in enumerate(("position", "speed", "acceleration")):
-        values[f"inputs.misfit.{name}"] = maximum(getattr(left, name), getattr(right, name))
-        mean = maximum(left.squares[k], right.squares[k]) / maximum(left.time, TINY)
+        values[f"inputs.misfit.{name}"] = maximum(*(getattr(x, f"{name}_misfit") for x in (left, right)))
+        mean = maximum(left.misfit_squares[k], right.misfit_squares[k]) / maximum(left.time, TINY)
         values[f"inputs.misfit.{name}_rms"] = sqrt(mean)
     impulses = zip((*KINDS, "rope"), state.contact.impulses, strict=True)
     values |= {f"contact.{kind}.impulse": impulse for kind, impulse in impulses}
