@@ -52,8 +52,7 @@ def test_free_loop_has_the_bending_stress_and_the_tension_of_its_elastica() -> N
     scene = UNCOUPLED.with_(layout=Layout(spacing=natural_width(UNCOUPLED)), mesh=Mesh(kind="eem", elements=300))
     still = move(scene, 0)
     # kappa = 1.09661 / width: the root mean square over elements of 0.03 widths errs by 1e-3 at most
-    expected = 32 * rope.EI * 1.09661 / width / SECTION
-    assert_allclose(along(still, "bending")[BOTTOM], expected, rtol=2e-3)
+    assert_allclose(along(still, "bending")[BOTTOM], 32 * rope.EI * 1.09661 / width / SECTION, rtol=2e-3)
     # no side force at this width: no tension at the lowest point, of 900 N in the legs; 0.5 % of the width make 0.39 N
     assert abs(along(still, "tension")[BOTTOM]) < 0.3
 

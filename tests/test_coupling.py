@@ -325,8 +325,7 @@ def test_a_choice_that_will_be_unstable_is_warned_of_with_the_number(caplog: pyt
 def test_the_default_is_expected_to_be_stable_on_every_case(case: str, H: float) -> None:
     scene, plant = find_case(case), rope_in_process(case, level="draft")
     host = Host(plant, scene.hoist, scene.winding, Coupling(step=H), scene.gains)
-    result = host.run(lambda fraction, t: False)
-    assert result.warning == ""
+    assert host.run(lambda fraction, t: False).warning == ""
     assert host.stability is not None
     assert host.stability.growth_per_step < MARGIN
 
@@ -386,5 +385,4 @@ def test_at_40_ms_the_host_warns_where_the_rope_s_own_steps_do_not_damp_the_wave
     scene = find_case("rope-120")
     rope = InProcessRope(rope_scene(scene.rope).with_(solver=solver))
     host = Host(rope, scene.hoist, TRIP, Coupling(step=0.04, scheme="jacobi-2"))
-    result = host.run(lambda fraction, t: False)
-    assert bool(result.warning) == warned
+    assert bool(host.run(lambda fraction, t: False).warning) == warned

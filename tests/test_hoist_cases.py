@@ -70,8 +70,7 @@ def test_a_regulated_stop_from_full_speed_does_not_slip_and_the_full_torque_woul
     assert np.min(regulated["slip_safety"][after]) > 1.25
     assert np.min(sudden["slip_safety"][after]) < 1.0
     # 16 m/s and 2 m/s^2: v^2 / (2 a), and the dead time, lag and sampling before
-    distance = regulated["position"][-1] - regulated["position"][after][0]
-    assert_allclose(distance, 16.0**2 / 4.0, rtol=0.05)
+    assert_allclose(regulated["position"][-1] - regulated["position"][after][0], 16.0**2 / 4.0, rtol=0.05)
 
 
 @pytest.mark.parametrize("name", INSTALLED)

@@ -18,7 +18,7 @@ from hoist_demo.duty.schedule import read_schedule
 from hoist_demo.files.hoist_file import HoistFile, schema
 from hoist_demo.files.reading import FileError, read
 from hoist_demo.parameters import GRAVITY
-from hoist_demo.report.hoist import as_file, hoist_provenance
+from hoist_demo.report.hoist import as_file, drive_problems, hoist_provenance, slip_problems
 from hoist_demo.ropes.definition import ropes_of
 from hoist_demo.study.run import build, build_trip
 from rope_model.scene_names import named_parameters
@@ -241,12 +241,20 @@ def test_a_hoist_like_another_has_its_values_but_those_it_names(tmp_path: Path) 
     assert case.rope["rope.EI"] == own.rope["rope.EI"]
     # each file's status is that of its own values
     keys = ("hoist.payload_left", "rope.length", "winding.speed", "rope.diameter")
-    found = [case.status_by_name[key] for key in keys]
-    assert found == ["given", "given", "data sheet", "data sheet"]
+    assert [case.status_by_name[key] for key in keys] == ["given", "given", "data sheet", "data sheet"]
     case = find_case(str(written(tmp_path / "d.toml", text.replace("length = 930", 'construction = "18x7"'))))
     assert case.rope["rope.mass_per_length"] != own.rope["rope.mass_per_length"]
     with pytest.raises(FileError, match="break the circle"):
         find_case(str(written(tmp_path / "c.toml", 'name = "c"\nlike = "c.toml"\n')))
+
+
+def test_a_trip_that_slips_or_asks_too_much_of_the_motor_is_told() -> None:
+    case = find_case("kiruna-355")
+    stopped = replace(case.winding, emergency_at=10.0, emergency_deceleration=6.0)
+    assert [len(slip_problems(replace(case, winding=trip))) for trip in (case.winding, stopped)] == [0, 1]
+    # a short trip reaches less of its speed, and asks for less power
+    weak, short = replace(case.hoist, power_limit=5e5), replace(case.winding, travel=5.0)
+    assert [len(drive_problems(replace(case, hoist=weak, winding=trip))) for trip in (case.winding, short)] == [1, 0]
 
 
 @pytest.mark.parametrize("file", SHIPPED, ids=lambda path: path.stem)
@@ -284,5 +292,4 @@ def test_the_file_beside_the_results_winds_them_again(tmp_path: Path, capsys: py
     assert 'payload_left = { value = 1234.5, unit = "kg", status = "given" }' in text
     capsys.readouterr()
     assert main(["show", str(file)]) == 0
-    said = capsys.readouterr().out
-    assert tomllib.loads(said) == tomllib.loads(text)
+    assert tomllib.loads(capsys.readouterr().out) == tomllib.loads(text)

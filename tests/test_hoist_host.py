@@ -83,8 +83,7 @@ def test_the_default_winding_ends_within_a_millimetre(full: Result) -> None:
     np.testing.assert_allclose(recording["conveyance.left.y"][-1], 90.0, rtol=0, atol=1e-3)
     np.testing.assert_allclose(recording["conveyance.left.vy"][-1], 0.0, atol=1e-3)
     # the controller's own bound, not the model's: position error over 90 m at 7.67 m/s
-    error = recording["reference.position"] - recording["conveyance.left.y"]
-    assert np.max(np.abs(error)) < 0.025
+    assert np.max(np.abs(recording["reference.position"] - recording["conveyance.left.y"])) < 0.025
     assert np.max(np.abs(recording["drive.torque"])) < Hoist().torque_limit
 
 

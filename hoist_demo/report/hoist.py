@@ -95,8 +95,8 @@ def slip_problems(case: Case) -> list[str]:
         f"slip safety {one.when} is {one.safety:.3g} (tension ratio {one.ratio:.3g}, limit "
         f"{case.hoist.tension_ratio_limit:.3g}), and {one.required:g} is usually asked for: more weight on the light "
         "side, a better lining, or a gentler trip"
-        for one in static_slip_safeties(case.hoist, case.winding)
-        if one.safety < one.required and one.required > 1.0
+        for one in static_slip_safeties(case.hoist, case.winding)[: 3 if case.winding.emergency_at is None else 4]
+        if one.safety < one.required
     ]
 
 
