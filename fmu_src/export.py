@@ -80,8 +80,7 @@ def export_fmu(
         sys.path.remove(str(stage))  # the builder leaves it there
         files = {name: code for name, code in read_archive(draft).items() if not name.startswith("binaries/")}
     files |= binaries_with(Start(facts["guid"], start_values(table, 2)), library_sources(table), MODEL, 2, chosen)
-    described = profile.select(table).values()
-    write_archive(destination, files | attachments(described, data, fmi=2, native=False))
+    write_archive(destination, files | attachments(profile.select(table).values(), data, fmi=2, native=False))
     return destination
 
 

@@ -99,8 +99,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     def do_step(self, current_time: float, step_size: float) -> None:
         """Advance by ``step_size``, with the inputs read at the step's end or extrapolated to it."""
         stop = current_time + step_size
-        given_at = stop if self._at_step_end() else current_time
-        _require(self._rope.advance_to(stop, *self._motions(), given_at))
+        _require(self._rope.advance_to(stop, *self._motions(), stop if self._at_step_end() else current_time))
 
     @_report_failure
     def retune(self) -> None:

@@ -85,8 +85,7 @@ def test_a_plane_across_is_as_good_as_that_of_the_loop() -> None:
     ("attachment", "roots"), [("clamped", (4.7300408, 7.8532046)), ("hinged", (math.pi, 2 * math.pi))]
 )
 def test_a_straight_rope_without_weight_swings_as_a_beam(attachment: str, roots: tuple[float, float]) -> None:
-    straight = scene(attachment).with_(layout=Layout(spacing=CABLE.length, gravity=1e-9))
-    rope = balance_rope(straight, "python")
+    rope = balance_rope(scene(attachment).with_(layout=Layout(spacing=CABLE.length, gravity=1e-9)), "python")
     leans = (0.5 * math.pi, -0.5 * math.pi) if attachment == "clamped" else (0.0, 0.0)
     hung(rope, *(EndMotion(lean=lean) for lean in leans))
     assert isinstance(rope, RopeSimulator)
@@ -158,8 +157,7 @@ def _derivatives_agree(native: BalanceRope, python: BalanceRope) -> None:
 
 
 def test_loads_follow_a_lean_as_their_derivative_says(form: Any) -> None:
-    leaning = scene(elements=12).with_(solver=fixed_steps(0.01))
-    rope, size, found = balance_rope(leaning, form), 1e-4, []
+    rope, size, found = balance_rope(scene(elements=12).with_(solver=fixed_steps(0.01)), form), 1e-4, []
     hung(rope, *LEVEL)
     assert rope.advance_to(0.01, *LEVEL).valid
     start, derivative = rope.save(), load_derivative(cast(Any, rope), 0, "lean") if form == "python" else None
@@ -173,6 +171,13 @@ def test_loads_follow_a_lean_as_their_derivative_says(form: Any) -> None:
     change = np.subtract(*found) / (2 * size)
     # the rope is linearised about the start of the step
     assert_allclose(derivative, change, atol=0.02 * np.abs(change).max())
+
+
+def test_free_swivels_of_clamps_that_lean_in_space_begin_at_rest(form: Any) -> None:
+    free, mesh = Swivel("free", attachment="clamped"), Mesh("eem", elements=16)
+    ends = EndMotion(lean=0.3, lean_z=0.2), EndMotion(y=20.0, lean=-0.3, lean_z=0.2)
+    rope = hung(balance_rope(Scene(Rope(length=60.0), left=free, right=free, mesh=mesh), form), *ends)
+    assert_allclose([*rope.signals(["left.swivel.torque", "right.swivel.torque"]).values()], 0.0, atol=1e-6)
 
 
 def test_only_a_clamp_leans(form: Any) -> None:

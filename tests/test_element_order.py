@@ -115,8 +115,7 @@ def test_the_inertia_of_the_slope_is_that_of_the_torsional_wave_where_it_is_the_
 def curve(x: Array) -> tuple[Array, Array, Array]:
     """r, r' (n, 3) and theta (n,) of a smooth, bent and twisted rope."""
     r = np.column_stack((np.sin(1.3 * x), x + 0.2 * x**2, 0.5 * np.cos(2 * x)))
-    d = np.column_stack((1.3 * np.cos(1.3 * x), 1 + 0.4 * x, -np.sin(2 * x)))
-    return r, d, 0.8 * np.sin(2 * x)
+    return r, np.column_stack((1.3 * np.cos(1.3 * x), 1 + 0.4 * x, -np.sin(2 * x))), 0.8 * np.sin(2 * x)
 
 
 def on_curve(l: float) -> Array:

@@ -146,6 +146,5 @@ def test_c_says_what_python_says(spoken: ct.CDLL, name: str) -> None:
     say.argtypes = (ct.c_char_p, *(TYPES[kind][1] for kind in kinds(name)))
     for k in range(7):
         values = [SAMPLES[kind][k % len(SAMPLES[kind])] for kind in kinds(name)]
-        given = [value.encode() if isinstance(value, str) else value for value in values]
-        assert say(room, *given) == 0
+        assert say(room, *[value.encode() if isinstance(value, str) else value for value in values]) == 0
         assert room.value.decode() == TEXTS[name](*values)[:511]

@@ -48,8 +48,7 @@ def test_a_guard_waits_for_its_delay_without_a_break() -> None:
 
 
 def test_the_first_cause_stays() -> None:
-    guard = Guard(rise=1.0, torque=10.0)
-    tripped = after(guard, (1.0, "torque", 11.0), (2.0, "rise", 2.0), (3.0, "rise", 0.0))
+    tripped = after(Guard(rise=1.0, torque=10.0), (1.0, "torque", 11.0), (2.0, "rise", 2.0), (3.0, "rise", 0.0))
     assert tripped[1:3] == (5.0, 1.0)
     assert tripped.since == (NEVER,) * 5
 
@@ -105,8 +104,7 @@ def test_a_guard_that_the_model_leaves_nothing_to_see_is_named_at_the_start(form
         told[name] = rope.warnings().get("blind_guards", "")
     assert tuple(name for name, text in told.items() if text) == blind
     for name in blind:
-        threshold = getattr(EACH[name], name)
-        assert told[name].startswith(f"guard.{name} = {threshold:g} ")
+        assert told[name].startswith(f"guard.{name} = {getattr(EACH[name], name):g} ")
         assert f"the {fidelity} model" in told[name]
         assert "set model.fidelity = auto" in told[name]
 

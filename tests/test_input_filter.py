@@ -302,7 +302,6 @@ def test_estimates_keep_in_uneven_steps(trusted: Trusted) -> None:
     end, t, acceleration = Follower(settings=usual_manner(trusted)), 0.0, 0.5
     for k in range(400):
         h = 0.005 if k % 2 else 0.01
-        given = EndMotion(y=0.5 * acceleration * t * t, vy=acceleration * t)
-        end.step(t + h, given, t)
+        end.step(t + h, EndMotion(y=0.5 * acceleration * t * t, vy=acceleration * t), t)
         t += h
     assert end.path.motion(t)[0][1] == pytest.approx(0.5 * acceleration * t * t, abs=0.03)

@@ -78,8 +78,7 @@ def test_the_interval_of_a_bent_rope_is_where_the_squares_have_grown() -> None:
     # the squares that the second cannot lower are those of the cube
     found = fit(residuals := lambda u: np.array([8.0 * (u[0] ** 3 - 0.3), 5.0 * (u[0] + u[1] - 1.1)]), 2)
     low, high = intervals(residuals, found)[0]
-    exact = np.cbrt(0.3 + REACH / 8.0 * np.array([-1.0, 1.0]))
-    assert_allclose([low, high], exact, rtol=END_TOLERANCE)
+    assert_allclose([low, high], np.cbrt(0.3 + REACH / 8.0 * np.array([-1.0, 1.0])), rtol=END_TOLERANCE)
     assert found.norm_params[0] - low > 1.2 * (high - found.norm_params[0])
 
 
@@ -155,8 +154,7 @@ def test_what_a_width_alone_does_not_tell_is_named(tmp_path: Path, monkeypatch: 
 
 
 def test_what_is_found_is_a_file_for_every_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    source = written(tmp_path, ROPE + WIDTH)
-    assert main(["identify", str(source), "--out", str(tmp_path)]) == 0
+    assert main(["identify", str(written(tmp_path, ROPE + WIDTH)), "--out", str(tmp_path)]) == 0
     assert "Undetermined by the data" in capsys.readouterr().out
     report, made = (tmp_path / "report.html").read_text(encoding="utf-8"), tmp_path / "rope.toml"
     assert "loop width" in report

@@ -91,8 +91,7 @@ def test_a_rope_that_flows_pulls_by_its_momentum_and_keeps_its_shape(speed: floa
 
 
 def test_small_models_need_no_more_states_than_the_drive_feels() -> None:
-    models = [m.selected(TORQUE, SEEN[:3]) for m in linearise(find_case("rope-120"))]
-    small = reduced(models)
+    small = reduced([m.selected(TORQUE, SEEN[:3]) for m in linearise(find_case("rope-120"))])
     assert small.A.shape == (5, 17, 17)
     # promised for five heights of four hoists
     assert small.decibels.max() < 1.0

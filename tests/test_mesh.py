@@ -80,8 +80,7 @@ MESHES = st.builds(Mesh, coarse_length=st.floats(0.5, 4.0), **PARTS)
 @settings(max_examples=100, deadline=None)
 @given(mesh=MESHES, length=LENGTHS, place=PLACES)
 def test_the_pattern_adds_up_to_the_rope_and_is_centred_as_it_can_be(mesh: Mesh, length: float, place: float) -> None:
-    inner = inner_length(mesh.counts) * mesh.coarse_length
-    assume(length > inner + 3 * mesh.coarse_length)
+    assume(length > (inner_length(mesh.counts) + 3) * mesh.coarse_length)
     p = partition(mesh, length, place * length)
     assert_allclose(p.lengths.sum(), length, rtol=1e-12)  # a sum of some hundred lengths
     if mesh.grading_length == 0:
@@ -99,8 +98,7 @@ def test_the_pattern_adds_up_to_the_rope_and_is_centred_as_it_can_be(mesh: Mesh,
 @settings(max_examples=100, deadline=None)
 @given(mesh=MESHES, length=LENGTHS, place=PLACES, direction=st.sampled_from([-1, 1]))
 def test_a_transformation_moves_one_element_and_back(mesh: Mesh, length: float, place: float, direction: int) -> None:
-    inner = inner_length(mesh.counts) * mesh.coarse_length
-    assume(length > inner + 3 * mesh.coarse_length)
+    assume(length > (inner_length(mesh.counts) + 3) * mesh.coarse_length)
     p = partition(mesh, length, place * length)
     assume(p.counts[6 if direction > 0 else 0] > min_outer(mesh.counts))
     there = transform(p, direction)
@@ -262,8 +260,7 @@ def test_a_merge_errs_with_the_fourth_power_of_the_length() -> None:
         for i, (waves, phase) in enumerate(((1.0, 0.3), (2.0, 1.1), (1.5, 2.0))):
             v[:, i], v[:, 3 + i] = np.sin(waves * k * s + phase), waves * k * np.cos(waves * k * s + phase)
         v[:, ANGLE] = np.cos(k * s)
-        back = interpolate(carry(v, s, merged), merged, s)
-        lost.append(kinetic_energy(back - v, np.diff(s)) ** 0.5)
+        lost.append(kinetic_energy(interpolate(carry(v, s, merged), merged, s) - v, np.diff(s)) ** 0.5)
     assert_allclose(np.log2(np.array(lost[:-1]) / lost[1:]), 4.0, atol=0.3)
     # at the middle of an element Hermite interpolation misses the fourth derivative times l^4/384; waves of 4.5 to 9 m
     assert lost[-1] < 2 * 6.0**0.5 * (2 * np.pi / 4.5 * 6.0 / 32) ** 4 / 384

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from native_parts import compiled
 from numpy.testing import assert_allclose
 from scenes import CHOICES as WINDINGS
-from scenes import Choice, recorded, wound
+from scenes import Choice, hung, recorded, wound
 
 from fmu_src.interface import variables
 from rope_model import Rope, RopeCase, RopeSimulator, Scene, Solver, Swivel, scene_names
@@ -159,8 +159,7 @@ def test_parameter_out_of_range_is_refused_with_the_same_message(native: Any, na
     refused = 0
     for value in REALS if isinstance(PARAMETERS[name], float) else INTEGERS:
         message = message_of(PARAMETERS | {name: value})
-        structure = with_values(Scene(), {name: value})
-        assert text_of(native.check_scene, ct.byref(structure)) == message
+        assert text_of(native.check_scene, ct.byref(with_values(Scene(), {name: value}))) == message
         refused += bool(message)
     assert refused
     assert (WHOLE[0].kind, type(WHOLE[0].start)) == ("Real", float)
@@ -304,6 +303,18 @@ def test_derivatives_are_those_of_the_inputs_that_are_trusted(trusted: Trusted, 
         assert_allclose(found[places], differences, rtol=exactness, atol=allowed, err_msg=name)
         kind = "a" if name == "ay" else "v" if name in ("vy", "yaw_rate") else "x"
         assert found.any() == (kind in {"all": "xva", "position_speed": "xv", "position": "x", "speed": "v"}[trusted])
+
+
+def test_a_yaw_rate_acts_in_a_short_step_as_its_mean_acceleration_does() -> None:
+    exact, h, moments = Solver(tolerance=1e6, newton_tolerance=3e-10), 2e-4, []
+    native = hung(NativeRope(Scene(rope=Rope(length=60.0, installed_twist=1.0), solver=exact)))
+    assert native.advance_to(h, EndMotion(), EndMotion()).valid
+    derivative, state = native_derivative(native, 0, "yaw_rate")[4], native.save()
+    for rate in (1e-6, -1e-6):
+        native.restore(state)
+        assert native.advance_to(2 * h, EndMotion(yaw_rate=rate), EndMotion()).valid
+        moments.append(native.signals(["left.my"])["left.my"])
+    assert derivative == pytest.approx((moments[0] - moments[1]) / 2e-6, rel=0.02)
 
 
 @pytest.mark.parametrize(("fidelity", "held"), [("torsional", "plumb"), ("planar", "plumb"), ("rigid", "clamped")])

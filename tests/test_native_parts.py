@@ -206,8 +206,7 @@ def c_partition(
 
 
 def as_in_c(mesh: Partition) -> tuple[Any, Array]:
-    pattern = CPattern(mesh.coarse, mesh.grading_length, mesh.counts, mesh.end_levels, mesh.windows)
-    return pattern, mesh.lengths
+    return CPattern(mesh.coarse, mesh.grading_length, mesh.counts, mesh.end_levels, mesh.windows), mesh.lengths
 
 
 def outcome(make: Callable[[], tuple[Any, Array]]) -> tuple[bytes, bytes] | str:

@@ -333,8 +333,7 @@ def test_hostile_states_are_refused_or_step_without_harm(fmu: Fmu, kind: int, st
     """Each word of a state in turn becomes a hostile number, and the checksum fits."""
     rope, state = Host(*fmu), ctypes.c_void_p()
     assert rope.hang(SMALL | {"mesh.kind": kind, "left.swivel.mode": 2, "rope.installed_twist": 1.0}) == OK
-    lived_before = [rope.move(0.02 * k, 0.02) for k in range(5)]
-    assert lived_before == [OK] * 5
+    assert [rope.move(0.02 * k, 0.02) for k in range(5)] == [OK] * 5
     assert rope.save(state) == OK
     data, good = rope.write(state), ctypes.c_void_p(state.value)
     words = [struct.pack("<d", x) for x in (math.nan, math.inf, -1e300, 1e-300, 1e300)]

@@ -150,8 +150,7 @@ def test_a_library_of_the_package_is_taken_for_its_own_sources_only(no_compiler:
     path.parent.mkdir()
     path.write_bytes(b"MZ")
     for header in (sources["fmi2Functions.h"], "/* of another FMPy */"):
-        found = library(sources | {"fmi2Functions.h": header}, "rope", "x86_64-windows")
-        assert found.read_bytes() == b"MZ"
+        assert library(sources | {"fmi2Functions.h": header}, "rope", "x86_64-windows").read_bytes() == b"MZ"
     assert available_platforms() == ("x86_64-windows",)
     for other in ({"a.c": "int b;"}, {"b.c": "int a;"}):
         with pytest.raises(ValueError, match=r"'x86_64-windows' cannot be built here.*'balance-rope\[compiler\]'"):
@@ -172,8 +171,7 @@ def test_other_descriptions_follow_their_schemas(fmi: int, fmu_of: Callable[[str
 
 
 def test_same_sources_give_the_same_bytes(fmi: int, fmu_of: Callable[[str], Path], tmp_path: Path) -> None:
-    again = export_stand_in(tmp_path / "again.fmu", fmi)
-    assert again.read_bytes() == fmu_of(f"stand-in-{fmi}").read_bytes()
+    assert export_stand_in(tmp_path / "again.fmu", fmi).read_bytes() == fmu_of(f"stand-in-{fmi}").read_bytes()
 
 
 def test_bounds_of_the_inputs_are_those_of_the_rope() -> None:

@@ -190,8 +190,7 @@ def test_the_library_needs_of_libc_what_the_page_lists(
     # compilers write some of them in other words
     words = {"bcmp": ["memcmp"], "sincos": ["sin", "cos"], "strtol": ["atoi"]}
     names = [re.sub(r"^__isoc\d+_|@.*", "", name) for name in re.findall(r"\bU (\S+)", told)]
-    needed = {each for name in names for each in words.get(name, [name])}
-    assert needed - listed == memory
+    assert {each for name in names for each in words.get(name, [name])} - listed == memory
     text = "".join(path.read_text(encoding="utf-8") for path in (folder / "sources").glob("*.[chi]*"))
     assert [name for name in sorted(listed) if not re.search(rf"\b{name}\(", text)] == unused
 

@@ -136,8 +136,7 @@ def test_clearance_is_the_least_over_the_centre_line(elements: int, radius: floa
     apart = float(np.linalg.norm(np.diff(line), axis=0).max())
     for nearest, least in zip(found, expected, strict=True):
         assert least - 0.025 - 0.5 * apart <= nearest.clearance <= least - 0.025 + RESOLUTION + EXACT
-        place = interpolate(q, s, np.array([nearest.s]))[0]
-        assert_allclose(place[1], nearest.y, atol=1e-9)
+        assert_allclose(interpolate(q, s, np.array([nearest.s]))[0][1], nearest.y, atol=1e-9)
         assert nearest.time == 7.0
 
 

@@ -61,8 +61,7 @@ def test_transformation_happens_each_coarse_length_of_travel_and_on_the_way_back
     late = np.array(travelled) - (travelled[0] + rope.state.partition.coarse * np.arange(len(travelled)))
     assert np.ptp(late) < 1.05 * max(ends_at(t)[0].vy for t in instants) * H
     assert_allclose(np.round(np.array(instants) / H) * H, instants, rtol=0, atol=1e-9)
-    back = sum(t > there * H for t in instants)
-    assert back >= len(travelled) - 1
+    assert sum(t > there * H for t in instants) >= len(travelled) - 1
     # energy of about 500 J of kinetic energy, and of the work of one step
     assert np.abs(changes).max(axis=0)[0] < 1e-5 * kinetic
     assert np.abs(changes).max(axis=0)[1] < 0.05

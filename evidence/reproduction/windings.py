@@ -50,7 +50,7 @@ class Stresses:
         state, python = rope.state, self.python
         python.restore(state)
         nodes, row = arc_lengths(state.partition.lengths), [python.loop.s]
-        strains, torsional = python.system.strains(state.motion.q), float(state.fidelity == "torsional")
+        strains, torsional = python.system.strains(state.motion.q, state.motion.v), float(state.fidelity == "torsional")
         for norm in material_values(rope.scene.rope, torsional, strains.T)[:2]:
             largest = int(np.argmax(norm))
             above = np.diff(nodes)[norm > 0.5 * norm[largest]].sum()

@@ -38,8 +38,7 @@ def c_table(table: Sequence[Variable], fmi: int) -> str:
 
 def lengths(table: Sequence[Variable], fmi: int) -> list[int]:
     """Return the number of elements of the array under each value reference; 0 within an array."""
-    form = arrays if fmi == 3 else scalars
-    known = {array.reference: array.length for array in form(dict(enumerate(table)))}
+    known = {array.reference: array.length for array in (arrays if fmi == 3 else scalars)(dict(enumerate(table)))}
     return [known.get(i, 0) for i in range(len(table))]
 
 

@@ -138,9 +138,7 @@ def symbols_of(argument: Argument) -> Any:
 
 
 def _array(name: str, shape: tuple[int, ...]) -> Any:
-    if not shape:
-        return ca.SX.sym(name)
-    return tuple(_array(f"{name}[{k}]", shape[1:]) for k in range(shape[0]))
+    return ca.SX.sym(name) if not shape else tuple(_array(f"{name}[{k}]", shape[1:]) for k in range(shape[0]))
 
 
 def structure_at(kind: type[Any], prefix: str) -> Any:

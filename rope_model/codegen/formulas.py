@@ -129,7 +129,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "sideways(point[3], left[3], right[3])": guard.sideways,
     "off_plumb(height, a[3], b[3], end[3])": guard.off_plumb,
     "GuardState watch(guard, GuardState state, t, quantities[5])": guard.watch,
-    "void material_values(rope, torsional, strains[3], values[4])": stress.material_values,
+    "void material_values(rope, torsional, strains[5], values[4])": stress.material_values,
     f"void element_parameters(rope, gravity, P[{len(element.PARAMETERS)}])": element.parameters,
     "EnergyBalance with_energies(energy_balance, balance[7], double contact)": energy_balance.with_energies,
     "EnergyBalance account_of_step(energy_balance, h, before[2], after[2], losses[4], wires, double air)": (
@@ -205,6 +205,7 @@ _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
     ("", generalized_alpha, "MAX_GROWTH"),
     ("", guard, "NEVER"),
     ("", hang, "CURVATURE_STEPS PLACING_STEPS TWIST_STEP MIN_TWIST_STEP MAX_TURN MAX_CORRECTIONS"),
+    ("", input_filter, "MIN_AIM_TIME MIN_MEAN_TIME"),
     ("", mesh, "LEG_LENGTHS GRADING MAX_OVERSHOOT"),
     ("", mesh_fit, "FADE_ERROR MESH_SHARE DUE"),
     ("", mesh_pattern, "DUE_EARLY WINDOW WINDOW_PARTS WINDOW_DUE"),

@@ -160,6 +160,13 @@ double model_energies(Simulator *sim, State *state) {
     return energy_total(&state->energy_balance) - before;
 }
 
+double largest_end_force(const NodalArrays *nodal) {
+    double force = 0;
+    for (int side = LEFT; side <= RIGHT; side++)
+        for (int k = 0; k < 3; k++) force = fmax(force, fabs(end_row(nodal->reaction, nodal->nodes, side)[k]));
+    return force;
+}
+
 void model_commit(Simulator *sim, State *state, const StepResult *trial) {
     const NodalArrays nodal = state_arrays(state), *now = &sim->trial;
     System sys = rope_system(sim, state);
@@ -170,11 +177,11 @@ void model_commit(Simulator *sim, State *state, const StepResult *trial) {
     const double time_shift = recentring(&method, trial->h, state->h);
     EnergyBalance *energy = &state->energy_balance;
     const double bottom_s = model_bottom_s(sim, state, state->t), speed = relative_end_speed(&nodal);
-    double losses[2], contact[CONTACT_BALANCE], air[AIR_BALANCE], paces[2], force = 0;
-    for (int side = LEFT; side <= RIGHT; side++) {
-        const size_t slope = (side ? size - DOF : 0) + SLOPE + 1;
-        paces[side] = (now->v[slope] - nodal.v[slope]) / h;
-    }
+    double losses[2], contact[CONTACT_BALANCE], air[AIR_BALANCE], paces[2];
+    for (int side = LEFT; side <= RIGHT; side++)
+        paces[side] =
+            (end_strain(&sim->scene, now->nodes, now->v, side) - end_strain(&sim->scene, now->nodes, nodal.v, side)) /
+            h;
     /* Losses follow from the differences over the step: rates at its ends have the integrator's own oscillation, whose
        square does not average out.  Put the middle of the step into q, and the mean rate into v. */
     for (size_t i = 0; i < size; i++) {
@@ -192,10 +199,8 @@ void model_commit(Simulator *sim, State *state, const StepResult *trial) {
     memcpy(nodal.q, now->q, FIELDS * sizeof(double) * size);
     state->t = sys.time = trial->t;
     state->h = trial->h;
-    for (int side = LEFT; side <= RIGHT; side++)
-        for (int k = 0; k < 3; k++) force = fmax(force, fabs(end_row(nodal.reaction, nodal.nodes, side)[k]));
     state->errors = add_errors(&sim->scene, &state->errors, bottom_s, speed, h, local_error(&method, 1, 1), paces,
-                               trial->error, force);
+                               trial->error, largest_end_force(&nodal));
     model_powers(sim, state);
     if (!trial->near) sys.obstacles = NULL;
     set_energies(energy, trial->balance, &sys, nodal.q, nodal.v);

@@ -39,7 +39,7 @@ System rope_system(const Simulator *sim, State *state) {
 static void refer_material(Simulator *sim, State *state, const System *sys, const double *q) {
     curved_reference(sim, state, q);
     if (!state->rubs) return;
-    chain_of(sim, state)->strains(sys, q, sim->strains);
+    chain_of(sim, state)->strains(sys, q, state_arrays(state).v, sim->strains); /* the history takes no rates */
     wires_history(sim, state, q, sim->strains);
 }
 
@@ -51,7 +51,7 @@ void rope_system_refer(Simulator *sim, State *state, const double *q) {
 
 double rope_system_transport(Simulator *sim, State *state, double *q, double *v, double *a, double *b) {
     const System sys = rope_system(sim, state);
-    double (*gained)[3] = sim->strains, turn = 0;
+    double (*gained)[3] = (double (*)[3])sim->strains, turn = 0;
     chain_of(sim, state)->transport(&sys, q, v, a, gained);
     for (int k = 0; k < sys.elements; k++) {
         const size_t theta = (size_t)(k + 1) * DOF + ANGLE;
@@ -111,7 +111,8 @@ void external_sums(const System *sys, const double *q, const double *v, double s
 
 void rope_system_strains(Simulator *sim) {
     const System sys = rope_system(sim, sim->state);
-    chain_of(sim, sim->state)->strains(&sys, state_arrays(sim->state).q, sim->strains);
+    const NodalArrays nodal = state_arrays(sim->state);
+    chain_of(sim, sim->state)->strains(&sys, nodal.q, nodal.v, sim->strains);
 }
 
 void arc_lengths(int elements, const double *lengths, double *s) {

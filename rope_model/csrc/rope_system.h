@@ -117,7 +117,7 @@ typedef struct {
                      double *R, double balance[BALANCE]); /* R may be NULL */
     void (*losses)(const System *, const double *q, const double *v, double powers[2]);
     void (*air)(const System *, const double *q, const double *v, double sums[AIR_BALANCE]);
-    void (*strains)(const System *, const double *q, double (*strains)[STRAINS]);
+    void (*strains)(const System *, const double *q, const double *v, double (*strains)[STRAINS]);
     /* Momentum with the spin of the swivels; the frames must be referred to q. */
     void (*momentum)(const System *, const double *q, const double *v, double sums[MOMENTUM]);
     /* Refer the system's frames to q. */

@@ -83,6 +83,7 @@ int raise_fidelity(Simulator *sim, State *state, const char *why, char *message)
 /* model.c */
 StepResult model_trial(Simulator *sim, State *state, double h);
 void model_restart(Simulator *sim, State *state);
+double largest_end_force(const NodalArrays *nodal); /* Return the largest component, N. */
 void model_commit(Simulator *sim, State *state, const StepResult *trial);
 void model_powers(const Simulator *sim, State *state);
 double model_energies(Simulator *sim, State *state); /* Update energies; return the change of their total. */

@@ -66,7 +66,7 @@ class ChainFunctions(NamedTuple):
         Solve J x = -R on the free degrees of freedom, J = c[0] dR/dq + c[1] dR/dv + c[2] dR/da.
     evaluate:  (q, v, a, R, l, F, load, friction_load, node_mass, P) -> R, balance summed over the elements
     losses:    (q, v, l, F, P) -> powers of the balance, summed
-    strains:   (q, l, F) -> one column per element
+    strains:   (q, v, l, F) -> one column per element
     momentum:  (q, v, l, P) -> momentum, summed over the elements
     reference: (q, l) -> F
     transport: (q, v, a, l, F) -> one column per element
@@ -103,8 +103,7 @@ def chain_functions(n: int, parts: ChainParts, dof: int, rows: tuple[int, ...]) 
     factorize, substitute = _factorize(n, parts, m), _substitute(n, parts, m)
 
     def nodal(a: ca.MX, R: ca.MX) -> ca.MX:
-        pressed = ca.fmax(R[PRESSED, :], 0)
-        return node_mass * a - load - friction_load * ca.repmat(pressed, m, 1)
+        return node_mass * a - load - friction_load * ca.repmat(ca.fmax(R[PRESSED, :], 0), m, 1)
 
     residual_map, balance_map = parts.residual.map(n), parts.balance.map(n)
 
@@ -138,7 +137,7 @@ def chain_functions(n: int, parts: ChainParts, dof: int, rows: tuple[int, ...]) 
     R_a = residual(q, v, a, R)
     correction = substitute(*factorize(q, v, a, l, F, node_mass, free, P, c, q), free * R_a)
     losses = ca.sum2(parts.losses.map(n)(_both_ends(q), _both_ends(v), l, F, Ps))
-    strains = parts.strains.map(n)(_both_ends(q), l, F)
+    strains = parts.strains.map(n)(_both_ends(q), _both_ends(v), l, F)
     momentum = ca.sum2(parts.momentum.map(n)(_both_ends(q), _both_ends(v), l, Ps))
     reference = parts.reference.map(n)(_both_ends(q), l)
     transport = parts.transport.map(n)(*(_both_ends(x) for x in (q, v, a)), l, F)
@@ -159,7 +158,7 @@ def chain_functions(n: int, parts: ChainParts, dof: int, rows: tuple[int, ...]) 
         newton_step=function("newton_step", motion | system | method, {"q": correction, "R": R_a}),
         evaluate=function("evaluate", motion | system | {"P": P}, {"R": R_a, "balance": sums(q, v)}),
         losses=function("losses", {"q": q, "v": v, "l": l, "F": F, "P": P}, {"powers": losses}),
-        strains=function("strains", {"q": q, "l": l, "F": F}, {"strains": strains}),
+        strains=function("strains", {"q": q, "v": v, "l": l, "F": F}, {"strains": strains}),
         momentum=function("momentum", {"q": q, "v": v, "l": l, "P": P}, {"sums": momentum}),
         reference=function("reference", {"q": q, "l": l}, {"F": reference}),
         transport=function("transport", {"q": q, "v": v, "a": a, "l": l, "F": F}, {"transport": transport}),

@@ -21,7 +21,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from functools import cache, lru_cache
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import casadi as ca
 import numpy as np
@@ -125,9 +125,7 @@ def find_compiler() -> tuple[str, ...] | None:
     for command in (shlex.split(os.environ.get("CC", "")), ["cc"], ["gcc"], ["clang"]):
         if command and (path := shutil.which(command[0])):
             return (path, *command[1:])
-    if importlib.util.find_spec("ziglang") is not None:
-        return (sys.executable, "-m", "ziglang", "cc")
-    return None
+    return (sys.executable, "-m", "ziglang", "cc") if importlib.util.find_spec("ziglang") is not None else None
 
 
 def cache_folder() -> Path:
@@ -139,13 +137,6 @@ def cache_folder() -> Path:
         return Path(base or Path.home() / ".cache") / "balance-rope"
     except RuntimeError:  # no home directory
         return Path(tempfile.gettempdir()) / "balance-rope"
-
-
-class CompiledParts(NamedTuple):
-    """Compiled functions that others call: the library to load, and the object file to link callers with."""
-
-    library: Path
-    linked: Path
 
 
 def build_library(
@@ -162,11 +153,13 @@ def build_library(
     return compile_library({"kernels.c": generate_c(tuple(functions))}, compiler, folder, name, objects)
 
 
-def build_parts(functions: Sequence[ca.Function], compiler: Sequence[str], folder: Path, name: str) -> CompiledParts:
-    """Compile the functions once for all that call them."""
+def build_parts(
+    functions: Sequence[ca.Function], compiler: Sequence[str], folder: Path, name: str
+) -> tuple[Path, Path]:
+    """Compile functions once for all that call them; return library to load, and object file to link callers with."""
     sources = {f"{name}.c": generate_c(tuple(functions), "parts")}
     library, objects = compile_library(sources, compiler, folder, name), object_files(sources, compiler, FLAGS, folder)
-    return CompiledParts(library, objects[f"{name}.c"])
+    return library, objects[f"{name}.c"]
 
 
 def compile_library(
@@ -299,8 +292,7 @@ def generate_c(functions: tuple[ca.Function, ...], prefix: str = "kernels") -> s
     generator = ca.CodeGenerator(prefix, {"with_header": False})
     for function in functions:
         generator.add(function)
-    code: str = generator.dump()
-    return code
+    return str(generator.dump())
 
 
 def save_portable(functions: Sequence[ca.Function], path: Path) -> None:

@@ -90,8 +90,7 @@ class ErrorSums(NamedTuple):
 
 def wave_duration(rope: Any, omega: Any) -> Any:
     """Return the duration (s) of a wave of frequency ``omega`` (rad/s)."""
-    least = maximum(omega / MAX_PHASE, 1.0 / MAX_WAVE)
-    return 2.0 / maximum(rope.beta_K * (omega * omega), 2.0 * least)
+    return 2.0 / maximum(rope.beta_K * (omega * omega), 2.0 * maximum(omega / MAX_PHASE, 1.0 / MAX_WAVE))
 
 
 def step_limits(scene: Any, sums: Any, s: Any, end_speed: Any, error_constant: Any) -> StepLimits:
@@ -131,8 +130,7 @@ def add_errors(
         decay, phase = duration / (duration + h), omega * h
         cosine, sine = decay * cos(phase), decay * sin(phase)
         present, later = sums.waves[2 * side], sums.waves[2 * side + 1]
-        change = strain_tt[side] - sums.strain_tt[side]
-        local = constant * (h * h) / (1.0 + constant * (phase * phase)) * change
+        local = constant * (h * h) / (1.0 + constant * (phase * phase)) * (strain_tt[side] - sums.strain_tt[side])
         waves += [cosine * present + sine * later + local, cosine * later - sine * present]
         squares.append(sums.squares[side] + h * (waves[-2] * waves[-2]))
     largest = maximum(sums.position, position), maximum(sums.flow, flow_error(scene, end_speed, h))

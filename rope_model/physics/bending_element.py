@@ -32,6 +32,6 @@ def bending_element(base: ElementFunctions, size: int, force: Part, tangent: Par
         tangent=([q, v, a, l, F, P, cq, cv, c_a, q_prestress], [R + added, J + tangent(q, l, base_F, numbers, cq)]),
         balance=([q, v, l, F, P], [balance]),
         losses=([q, v, l, F, P], [base.losses(q, v, l, base_F, P)]),
-        strains=([q, l, F], [base.strains(q, l, base_F)]),
+        strains=([q, v, l, F], [base.strains(q, v, l, base_F)]),
         transport=([q, v, a, l, F], [base.transport(q, v, a, l, base_F)]),
     )

@@ -59,7 +59,7 @@ def contact_element(fidelity: ElementFidelity, base: ElementFunctions, kinds: tu
         tangent=([q, v, a, l, F, P, cq, cv, c_a, q_prestress], [R_base + added(R), J_base + added(J, cq, cv)]),
         balance=([q, v, l, F, P], [ca.vertcat(base.balance(q, v, l, *base_args), balance)]),
         losses=([q, v, l, F, P], [ca.vertcat(base.losses(q, v, l, *base_args), balance[1:3])]),
-        strains=([q, l, F], [base.strains(q, l, base_args[0])]),
+        strains=([q, v, l, F], [base.strains(q, v, l, base_args[0])]),
         momentum=([q, v, l, P], [base.momentum(q, v, l, base_args[1])]),
         transport=([q, v, a, l, F], [base.transport(q, v, a, l, base_args[0])]),
     )
@@ -128,8 +128,7 @@ def _body_function(stiff: bool) -> ca.Function:
     bracket = halve.fold(contact_points.HALVINGS)(ca.horzcat(*ends), rows, l, P)
     turn_xi = ca.if_else(ends[0][2] * ends[1][2] < 0, _turning_function()(bracket), stop)
     probes = ca.horzcat(ends[0], probe_at(turn_xi, rows, l, P), ends[1])
-    inside = ca.mmax(probes[1, :]) > 0
-    cell = _where_near(_cell_function(stiff))(inside, probes, rows, speeds, l, P, *c)
+    cell = _where_near(_cell_function(stiff))(ca.mmax(probes[1, :]) > 0, probes, rows, speeds, l, P, *c)
     cell_function = ca.Function("cell", [start, stop, rows, speeds, l, P, *c], list(cell) if not stiff else [cell])
     bounds = ca.DM([[(k + end) / contact_points.CELLS for k in range(contact_points.CELLS)] for end in (0, 1)])
     terms = [cell_function(bounds[0, k], bounds[1, k], rows, speeds, l, P, *c) for k in range(contact_points.CELLS)]

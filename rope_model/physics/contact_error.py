@@ -91,5 +91,4 @@ def add_contact_end_error(error: Any, sums: Any, time: Any, force: Any) -> Any:
 def add_contact_loop_error(scene: Any, error: Any, sums: Any) -> Any:
     """Add the error by contact to ``error`` (m) of the loop's position."""
     rope, g, w = scene.rope, scene.layout.gravity, bending_length(scene)
-    swing = 2.0 * math.pi * sqrt(w / g)
-    return hypot(error, TO_LOOP * sqrt(sums.square / swing) / (rope.mass_per_length * g))
+    return hypot(error, TO_LOOP * sqrt(sums.square / (2.0 * math.pi * sqrt(w / g))) / (rope.mass_per_length * g))

@@ -111,7 +111,7 @@ BALANCE = (
 #: entries of one element's momentum: linear, angular about the origin, and first moment of the mass
 MOMENTUM = ("px", "py", "pz", "Lx", "Ly", "Lz", "Sx", "Sy", "Sz")
 #: entries of one element's strains: means of e and tau over the element, root mean square of k
-STRAINS = ("e", "tau", "k_rms")
+STRAINS = ("e", "tau", "k_rms", "e_t", "tau_t")
 #: number of entries of the reference of an element's frame
 FRAME_SIZE = 21
 
@@ -133,7 +133,7 @@ class ElementFunctions:
                spin inertia.  The axial strains of ``q_prestress`` stiffen the element sideways
     balance:   (q, v, l, F, P) -> BALANCE (9,)
     losses:    (q, v, l, F, P) -> the two powers of the balance (2,)
-    strains:   (q, l, F) -> STRAINS (3,)
+    strains:   (q, v, l, F) -> STRAINS (5,)
     momentum:  (q, v, l, P) -> MOMENTUM (9,); the angles' rates count as spin, as if q was the reference
     reference: (q, l) -> F
     transport: (q, v, a, l, F) -> increase of the angles when q becomes the reference (3,): of theta from node to node,
@@ -214,7 +214,7 @@ def element_functions(
     def function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
         return ca.Function(name, inputs, ca.cse(outputs))
 
-    strains = ca.vertcat(means[0], tau, ca.sqrt(means[2]))
+    strains = ca.vertcat(means[0], tau, ca.sqrt(means[2]), means[3], tau_t)
     momentum = _momentum(q, v, mass, l, P)
     reference, transport = F, ca.SX.zeros(3)
     if torsional:
@@ -227,7 +227,7 @@ def element_functions(
         tangent=function("element_tangent", [q, v, a, l, F, P, cq, cv, c_a, q_prestress], [R, J]),
         balance=function("element_balance", [q, v, l, F, P], [balance]),
         losses=function("element_losses", [q, v, l, F, P], [balance[7:]]),
-        strains=function("element_strains", [q, l, F], [strains]),
+        strains=function("element_strains", [q, v, l, F], [strains]),
         momentum=function("element_momentum", [*symbols[:2], l, P], [momentum]),
         reference=function("element_reference", [q, l], [reference]),
         transport=function("element_transport", [q, v, a, l, F], [transport]),

@@ -33,8 +33,7 @@ def _integrals_to(bounds: tuple[float, ...]) -> tuple[tuple[float, ...], ...]:
     """Return weights of the values at POINTS in the integral from 0 to each of the ``bounds``, exact for a parabola."""
     powers = np.arange(3)
     coefficients = np.linalg.inv(np.array(POINTS)[:, None] ** powers)
-    rows = np.array(bounds)[:, None] ** (powers + 1) / (powers + 1) @ coefficients
-    return tuple(map(tuple, rows.tolist()))
+    return tuple(map(tuple, (np.array(bounds)[:, None] ** (powers + 1) / (powers + 1) @ coefficients).tolist()))
 
 
 #: hat functions of added curvature, by the end of the parameter's name: centre and half width in sixths of the length

@@ -91,8 +91,7 @@ def lining(lining: Any) -> Body:
 def conveyance(conveyance: Any, end: Any) -> Body:
     """Return the conveyance from which the rope's ``end`` (3,) hangs; it moves with that end."""
     half = 0.5 * conveyance.width, 0.5 * conveyance.height, 0.5 * conveyance.depth
-    centre = end[0], end[1] + conveyance.above + half[1], end[2]
-    return Body(centre, half, 0.0, 1.0, 0.0, 1.0)
+    return Body((end[0], end[1] + conveyance.above + half[1], end[2]), half, 0.0, 1.0, 0.0, 1.0)
 
 
 def head_ropes(head_ropes: Any, conveyance: Any, end: Any) -> Body:

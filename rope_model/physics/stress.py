@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 from rope_model.physics.costello import torque
+from rope_model.physics.elementary import sqrt
 
 
 def bending_stress(rope: Any, k: Any) -> Any:
@@ -16,8 +17,11 @@ def material_values(rope: Any, torsional: Any, strains: Any) -> tuple[Any, Any, 
 
     ``torsional`` is 1, or 0 for a fidelity that computes no torsion, and so no torque.
     """
-    e, tau, k = strains
-    moment = torque(rope.Qs, rope.Qk, rope.Qd, rope.Qe, e, tau)
+    e, tau, k, e_t, tau_t = strains
+    root = sqrt(rope.torsion_damping)
+    # without its damping the moment would contain the oscillation of the integrator in the rates
+    damping = rope.beta_K * root * torque(rope.Qs, 0.0, rope.Qd, 0.0, e_t, root * tau_t)
+    moment = torque(rope.Qs, rope.Qk, rope.Qd, rope.Qe, e, tau) + damping
     # the largest shear stress
     stress = 16 * abs(moment) / (math.pi * rope.diameter**3)
     # adding 0.0 turns -0 into +0

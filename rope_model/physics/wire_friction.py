@@ -57,8 +57,7 @@ def wire_stiffness(rope: Any) -> Any:
 def slip_curvature(rope: Any, stiffness: Any, e: Any, tau: Any) -> Any:
     """Return k0 (1/m) of a rope with friction at its axial and torsional strain; ``stiffness`` is C."""
     pull = tension(rope.Qa, rope.Qs, rope.Qk, rope.Qe, e, tau)
-    moment = rope.slip_moment + rope.slip_factor * rope.diameter * maximum(pull, 0.0)
-    return moment / stiffness
+    return (rope.slip_moment + rope.slip_factor * rope.diameter * maximum(pull, 0.0)) / stiffness
 
 
 def section_at(xi: Any, l: Any, nodes: Any) -> tuple[Any, ...]:

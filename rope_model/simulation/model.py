@@ -19,7 +19,7 @@ from rope_model.physics.shaft import KINDS
 from rope_model.simulation.contact.obstacles import find_obstacles
 from rope_model.simulation.contact.point_forces import NO_FORCES, PointForces, nodal_forces
 from rope_model.simulation.contact.self_contact import SelfContactSystem
-from rope_model.simulation.ends.ends import HangingEnds, nominal_points
+from rope_model.simulation.ends.ends import HangingEnds, end_strain, nominal_points
 from rope_model.simulation.ends.paths import END_NODE, EndPath
 from rope_model.simulation.ends.swivel_phases import Phase
 from rope_model.simulation.fidelity import flexible
@@ -96,7 +96,8 @@ class RopeModel:
         constant = alpha.local_error(self.method, 1.0, 1.0)
         limits = step_limits(self.scene, old.errors, s, relative_end_speed(old.motion), constant)
         assert result.a_rate is not None
-        strain = alpha.local_error(self.method, h, h * float(np.abs(result.a_rate[_END_STRAINS]).max()))
+        rates = (abs(end_strain(self.scene, result.a_rate, side)) for side in (0, 1))
+        strain = alpha.local_error(self.method, h, h * max(rates))
         return float(step_error(limits, h, result.error, strain))
 
     def trial(self, system: RopeSystem, old: alpha.Motion, h: float) -> alpha.StepResult[Evaluation]:
@@ -132,10 +133,10 @@ class RopeModel:
         assert motion is not None
         assert evaluation is not None
         after, before, h = powers(system, motion), old.powers, motion.t - old.motion.t
-        s, force = self.bottom_s(old.paths, old.motion.t), float(np.abs(motion.reaction[[0, -1], POSITION]).max())
-        strain_tt, constant = (motion.v - old.motion.v)[_END_STRAINS] / h, alpha.local_error(self.method, 1.0, 1.0)
-        speed = relative_end_speed(old.motion)
-        errors = add_errors(self.scene, old.errors, s, speed, h, constant, strain_tt.tolist(), result.error, force)
+        s, force = self.bottom_s(old.paths, old.motion.t), largest_end_force(motion)
+        strain_tt = [end_strain(self.scene, motion.v - old.motion.v, side) / h for side in (0, 1)]
+        constant, speed = alpha.local_error(self.method, 1.0, 1.0), relative_end_speed(old.motion)
+        errors = add_errors(self.scene, old.errors, s, speed, h, constant, strain_tt, result.error, force)
         # the material's dissipation follows from the strains' differences over the step: the rates at its ends contain
         # the integrator's own oscillation, whose square does not average out
         middle, rate = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
@@ -192,8 +193,9 @@ class RopeModel:
         return state._replace(audit=audit)
 
 
-#: index of the strains along the rope at its ends
-_END_STRAINS = ([0, -1], SLOPE.start + 1)
+def largest_end_force(motion: alpha.Motion) -> float:
+    """Return the largest component (N) of the forces at the ends."""
+    return float(np.abs(motion.reaction[[0, -1], POSITION]).max())
 
 
 def update_angles(system: RopeSystem, state: RopeState) -> RopeState:

@@ -108,9 +108,9 @@ def _build(elements: int, fidelity: ElementFidelity, features: Features, compile
     """Compile the library; the element's part, common to ropes of any length, is compiled only once."""
     kind = "-".join((fidelity, *(_WORDS[kind] for kind in features)))
     folder = compiling.cache_folder()
-    parts = compiling.build_parts(rope_parts(fidelity, features), compiler, folder, f"element-{kind}")
-    functions = _linked_functions(elements, fidelity, features, parts.library)
-    return compiling.build_library(functions, compiler, folder, f"kernels-{kind}-{elements}", [parts.linked])
+    library, linked = compiling.build_parts(rope_parts(fidelity, features), compiler, folder, f"element-{kind}")
+    functions = _linked_functions(elements, fidelity, features, library)
+    return compiling.build_library(functions, compiler, folder, f"kernels-{kind}-{elements}", [linked])
 
 
 @cache

@@ -132,7 +132,7 @@ class RopeSystem:
             self.frames = np.hstack((self.frames, curved_reference(self._rope, self.reference, self.lengths)))
         if self._rope is not None and self.z.size:
             self.frames = np.hstack((self.frames, np.zeros((self.lengths.size, HISTORY_SIZE + TANGENT_SIZE))))
-            strains = self.strains(self.reference)
+            strains = self.strains(self.reference, np.zeros_like(self.reference))
             self._history = history(self._rope, self._sections_of(self.reference), self.lengths, self.z, strains)
             self.frames[:, -HISTORY_SIZE - TANGENT_SIZE : -TANGENT_SIZE] = self._history
         self._constants = self.lengths, self.frames, *self._loads
@@ -355,9 +355,9 @@ class RopeSystem:
         """Return frames (elements, entries) and parameters of the element, away from all bodies."""
         return self.frames, self._air_parameters(q, v)
 
-    def strains(self, q: Array) -> Array:
-        """Return the strains (elements, 3) with the columns physics.element.STRAINS."""
-        return self.kernels.strains(q, self.lengths, self.frames)[0]
+    def strains(self, q: Array, v: Array) -> Array:
+        """Return the strains (elements, 5) with the columns physics.element.STRAINS."""
+        return self.kernels.strains(q, v, self.lengths, self.frames)[0]
 
     def momentum(self, q: Array, v: Array) -> Any:
         """Return physics.element.MOMENTUM (9,) with the spin of concentrated masses; ``q`` is the reference."""

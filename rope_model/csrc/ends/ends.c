@@ -13,6 +13,11 @@ static int largest(int axes, const double *sizes) {
     return worst;
 }
 
+double end_strain(const Scene *scene, int nodes, const double *x, int side) {
+    const int to_next = scene->swivels[side].attachment != CLAMPED ? 0 : side ? -DOF : DOF;
+    return (end_row(x, nodes, side) + to_next)[SLOPE + 1];
+}
+
 void ends_refusal(const Scene *scene, const EndMotion *target, const double measures[14], int side, char *message) {
     const Inputs *inputs = &scene->inputs;
     static const char *const names[] = END_MOTION_NAMES;

@@ -95,10 +95,10 @@ int rope_load_derivative(Simulator *sim, int input, int at_step_end, double deri
     const int side = input / OF_END, order = orders[input % OF_END], dof = dofs[input % OF_END];
     State *state = sim->state;
     const FilterSettings settings = filter_settings(&sim->scene, sim->scene.inputs.given);
-    const double h = state->last_interval;
+    const double h = fmax(state->last_interval, MIN_AIM_TIME);
     double sample[3] = {0}, d[3], c[3];
     sample[order] = sizes[order] * (dof == ANGLE && side == LEFT ? -1 : 1);
-    if (dof == ANGLE && order == 1) sample[2] = sample[1] / h; /* a path derives yaw acceleration from rates */
+    if (dof == ANGLE && order == 1) sample[2] = sample[1] / fmax(h, MIN_MEAN_TIME); /* a path derives it */
     if (dof > ANGLE)
         lean_moves(h, at_step_end ? 0 : h, sample[0], d);
     else

@@ -94,7 +94,8 @@ static int hang_while_it_turns(Simulator *sim, State *state, const Before *befor
     return let_curve(sim, state, message);
 }
 
-/* Let the swivels that start relaxed, and cannot hold, slip to equilibrium, the loosest first. */
+/* Let the swivels that start relaxed, and cannot hold, slip to equilibrium, the loosest first; from `before` or NULL.
+ */
 static int relax(Simulator *sim, State *state, const Before *before, char *message) {
     const NodalArrays nodal = state_arrays(state);
     double sign[2] = {0, 0}, relative[2];
@@ -111,7 +112,7 @@ static int relax(Simulator *sim, State *state, const Before *before, char *messa
             least = friction;
         }
         if (loosest < 0) return 1;
-        const int first = sign[LEFT] == 0 && sign[RIGHT] == 0;
+        const int first = before != NULL && sign[LEFT] == 0 && sign[RIGHT] == 0;
         sign[loosest] = copysign(1, -end_row(nodal.reaction, nodal.nodes, loosest)[ANGLE]);
         for (int side = LEFT; side <= RIGHT; side++)
             if (sign[side] != 0) state->swivels[side] = (SwivelState){.sign = sign[side], .phase = SLIP};
@@ -155,5 +156,5 @@ int hang(Simulator *sim, State *state, const EndMotion ends[2], char *message) {
         paths_at_rest(sim, state, ends, (k + 1.0) / PLACING_STEPS);
         found = equilibrium_in_frame(sim, state, INFINITY, message);
     }
-    return found;
+    return found && (steps == 0 || relax(sim, state, NULL, message));
 }

@@ -92,6 +92,9 @@ static int rigid_step(Simulator *sim, State *state, double t_end, char *message)
     if (!as_rigid(sim, state, t_end, message)) return 0;
     model_powers(sim, state);
     state->energy_balance.work_ends += 0.5 * h * (before + state->power_ends);
+    const NodalArrays nodal = state_arrays(state);
+    state->errors.time += h;
+    state->errors.force = fmax(state->errors.force, largest_end_force(&nodal));
     state->counts.steps += 1;
     return 1;
 }

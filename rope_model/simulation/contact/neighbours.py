@@ -303,8 +303,7 @@ def _union(tried: PairContact, law: PairContact) -> PairContact:
     """Return the forces ``tried`` at the points of both, at their latest s, with spring and tangent of the law."""
     point_id = np.union1d(tried.point_id[np.any(tried.force != 0.0, axis=1)], law.point_id)
     s = _spread(tried, point_id, tried.s.T)
-    here = np.isin(point_id, law.point_id)
-    s[here] = law.s.T
+    s[np.isin(point_id, law.point_id)] = law.s.T
     return law._replace(
         point_id=point_id,
         s=s.T,

@@ -188,5 +188,4 @@ def _probed(ends: Array, l: Array, points: Array) -> Array:
 def _distances(ends: Array, l: Array, points: Array, xi: Array) -> Array:
     """Return the distances (m,) of points from the points ``xi`` of elements with these ``ends``, m."""
     N = np.array(hermite.shape_functions(xi, l))
-    distances: Array = np.linalg.norm(np.einsum("kn,nki->ni", N, ends) - points, axis=1)
-    return distances
+    return np.asarray(np.linalg.norm(np.einsum("kn,nki->ni", N, ends) - points, axis=1))

@@ -73,6 +73,5 @@ def nodal_forces(forces: PointForces, lengths: Array, t: float) -> Array:
     elements: Any
     elements, N = elements_at(forces.s, lengths)
     for k, N_k in enumerate(N):
-        columns = (POSITION, SLOPE)[k % 2]
-        np.add.at(nodal[:, columns], elements + k // 2, N_k[:, None] * force)
+        np.add.at(nodal[:, (POSITION, SLOPE)[k % 2]], elements + k // 2, N_k[:, None] * force)
     return nodal

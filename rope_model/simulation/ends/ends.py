@@ -23,7 +23,7 @@ from rope_model.parameters import Scene, Swivel
 from rope_model.physics.elementary import atan2, cos, hypot, maximum, minimum, sin, sqrt, where
 from rope_model.physics.swivel import friction_moment
 from rope_model.simulation.ends.input_filter import InputFilter, PathMeasures
-from rope_model.simulation.ends.paths import END_NODE, LEANS, MOTION_BOUNDS, PATH, EndMotion, EndPath
+from rope_model.simulation.ends.paths import END_NODE, LEANS, MOTION_BOUNDS, PATH, SIDES, EndMotion, EndPath
 from rope_model.simulation.ends.swivel_phases import Phase, SwivelState, moment_of_swivel, swivel_friction
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import ANGLE, SLOPE, Array
@@ -148,6 +148,12 @@ def right_offset(left: Any, right: Any) -> Any:
     Turning that plane by psi about Y turns the frame by psi at the left end, by -psi at the right.
     """
     return 2.0 * atan2(right[2] - left[2], right[0] - left[0])
+
+
+def end_strain(scene: Scene, x: Array, side: int) -> float:
+    """Return the strain along the rope at an end, of an array like q; of the next node where a clamp gives this one."""
+    to_next = int(getattr(scene, SIDES[side]).attachment == "clamped")
+    return float(x[-1 - to_next if side else to_next, SLOPE.start + 1])
 
 
 def refusal(scene: Scene, target: EndMotion, measures: PathMeasures, side: str) -> str:

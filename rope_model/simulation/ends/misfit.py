@@ -39,8 +39,7 @@ def add_misfit(state: Any, path: Any, settings: Any, rope: Any, leg: Any) -> Inp
     # growth and lag of the acceleration, which is linear through the latest two samples
     grows = (state.motion[1][2] - state.end_accelerations[1]) / h
     order = where(settings.acceleration_trust > 0, 0.0, where(settings.speed_trust > 0, 2.0, 3.0))
-    lags = order * grows / settings.estimate
-    lag = state.lag + (1.0 - exp(-settings.estimate * h)) * (lags - state.lag)
+    lag = state.lag + (1.0 - exp(-settings.estimate * h)) * (order * grows / settings.estimate - state.lag)
     # part of the sample's misfit that one change of the acceleration's rate within the step explains
     axes = zip(path.coefficients, state.end_accelerations, state.motion, state.recent_changes, JERKS, strict=True)
     samples = [

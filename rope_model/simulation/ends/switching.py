@@ -84,8 +84,7 @@ def switching_step(
     at_start = excess(system, state.motion)
     if at_start >= 0:  # a slip that has just begun has no rate yet
         at_start = -1e-12
-    h = locate(at, 0.0, result.motion.t - state.motion.t, at_start, at_end, EVENT_WIDTH)
-    return float(h), iterations
+    return float(locate(at, 0.0, result.motion.t - state.motion.t, at_start, at_end, EVENT_WIDTH)), iterations
 
 
 def switch_swivels(model: RopeModel, state: RopeState) -> RopeState:

@@ -102,8 +102,7 @@ def loop_turns(q: Array, lengths: Array, bottom: LoopBottom) -> LoopTurns:
     nodes = arc_lengths(lengths)
     s = np.append((nodes[:-1, None] + lengths[:, None] * np.arange(PIECES) / PIECES).ravel(), nodes[-1])
     k, points = int(np.clip(np.searchsorted(s, bottom.s), 1, s.size - 1)), interpolate(q, nodes, s)[:, POSITION]
-    lowest = bottom.position[None, :]
-    legs = [_rising(np.vstack((lowest, leg))) for leg in (points[k - 1 :: -1], points[k:])]
+    legs = [_rising(np.vstack((bottom.position[None, :], leg))) for leg in (points[k - 1 :: -1], points[k:])]
     heights = np.union1d(legs[0][:, 1], legs[1][:, 1])
     left, right = (np.array([np.interp(heights[1:], leg[:, 1], leg[:, k]) for k in (0, 2)]) for leg in legs)
     across = np.hstack((np.array(centreline.heading(bottom.yaw))[:, None], right - left))
@@ -114,8 +113,7 @@ def loop_turns(q: Array, lengths: Array, bottom: LoopBottom) -> LoopTurns:
 
 def _rising(leg: Array) -> Array:
     """Return the points of a leg (points, 3), from the bottom upwards, that are higher than all before them."""
-    highest = np.maximum.accumulate(leg[:, 1])
-    return np.asarray(leg[np.append(True, leg[1:, 1] > highest[:-1])])
+    return np.asarray(leg[np.append(True, leg[1:, 1] > np.maximum.accumulate(leg[:, 1])[:-1])])
 
 
 def _distance(points: Array, line: Array) -> float:

@@ -105,8 +105,7 @@ def linear_rope(rope: SignalSource, speed: float = 0.0) -> LinearRope:
         for _ in range(_CORRECTIONS):
             missing = (R - (through @ q.ravel()).reshape(q.shape) - system.load).ravel()[free]
             change = np.zeros(q.size)
-            tangent = (K - speed * D @ along - through).tocsc()
-            change[free] = splu(tangent[free][:, free]).solve(missing)
+            change[free] = splu((K - speed * D @ along - through).tocsc()[free][:, free]).solve(missing)
             q = q - change.reshape(q.shape)
             R, (K, D, M) = evaluated(q)
             if np.abs(change).max() < _TOLERANCE:

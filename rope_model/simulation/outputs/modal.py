@@ -76,8 +76,7 @@ def assemble_matrix(system: RopeSystem, q: Array, c: tuple[float, float, float])
         frames = np.hstack((np.asarray(element_functions().reference.map(n)(sides, system.lengths[None, :])).T, frames))
     angles = np.column_stack((q[:, :ANGLE], q[:, ANGLE] + system.frame_turn(q)))
     q_e, v_e = (np.hstack((x[:-1], x[1:])).T for x in (angles, zeros))
-    element = rope_element("torsional", system.kernels.features)
-    J = element.tangent.map(n)(
+    J = rope_element("torsional", system.kernels.features).tangent.map(n)(
         q_e, v_e, v_e, system.lengths[None, :], frames.T, np.tile(P[:, None], n), *(np.full((1, n), x) for x in c), q_e
     )[1]
     return assembled(np.asarray(J), n) + sp.diags(c[2] * system.node_mass.ravel())

@@ -18,8 +18,7 @@ class Effect(NamedTuple):
 
     def has(self, name: str) -> bool:
         """Return whether the output ``name`` is one of them."""
-        parts = f".{name.partition('[')[0]}."
-        return any(f".{output}." in parts for output in self.outputs)
+        return any(f".{output}." in f".{name.partition('[')[0]}." for output in self.outputs)
 
 
 EFFECTS = (

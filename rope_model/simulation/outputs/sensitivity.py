@@ -11,7 +11,7 @@ import numpy as np
 from rope_model.parameters import Scene
 from rope_model.physics.frame import conveyance_load
 from rope_model.simulation.ends.ends import YAW_SENSE, HangingEnds
-from rope_model.simulation.ends.input_filter import lean_moves, sample_moves, settings_of
+from rope_model.simulation.ends.input_filter import MIN_AIM_TIME, MIN_MEAN_TIME, lean_moves, sample_moves, settings_of
 from rope_model.simulation.ends.paths import END_NODE, SIDES, ends_at
 from rope_model.simulation.ends.swivel_phases import Phase
 from rope_model.simulation.messages import messages
@@ -46,10 +46,10 @@ def load_derivative(rope: Linearised, side: int, name: str, at_step_end: bool = 
     They are 0 if inputs.given does not trust the field.
     """
     state, (order, dof) = rope.state, INPUTS[name]
-    h, size, sample = state.last_interval, _SIZES[order], [0.0, 0.0, 0.0]
+    h, size, sample = max(state.last_interval, MIN_AIM_TIME), _SIZES[order], [0.0, 0.0, 0.0]
     sample[order] = size * (YAW_SENSE[side] if dof == ANGLE else 1.0)
     if dof == ANGLE and order == 1:  # a path takes its yaw acceleration from the rates
-        sample[2] = sample[1] / h
+        sample[2] = sample[1] / max(h, MIN_MEAN_TIME)
     settings, ahead = settings_of(rope.scene), 0.0 if at_step_end else h
     explained = state.filters[side].explained[min(dof, 3)]
     change = np.array(

@@ -181,5 +181,5 @@ def _material(rope: SignalSource) -> tuple[Array, ...]:
 
     Stresses are those of a solid round bar; bending is root mean square along it.  Without torsion there is no torque.
     """
-    strains = rope.system.strains(rope.state.motion.q)
+    strains = rope.system.strains(rope.state.motion.q, rope.state.motion.v)
     return *material_values(rope.scene.rope, float(rope.state.fidelity == "torsional"), strains.T), strains[:, 1]

@@ -40,12 +40,12 @@ MAX_CORRECTIONS = 100_000
 
 
 def hang(model: RopeModel, state: RopeState, ends: tuple[EndMotion, EndMotion]) -> RopeState:
-    """Return ``state`` at rest: its rope is hung up in a loop, then its ends move and lean to ``ends``."""
+    """Return ``state`` at rest: its rope is hung up in a loop, its ends move and lean to ``ends``, and it relaxes."""
     state = _hang_in_loop(model, state)
     for k in range(PLACING_STEPS if not_plumb(model.scene) else 0):
         on_the_way = paths_at_rest(model.scene, state.motion.t, ends, (k + 1) / PLACING_STEPS)
         state, _ = equilibrium_in_frame(model, state._replace(paths=on_the_way))
-    return state
+    return _relax(model, None, state) if not_plumb(model.scene) else state
 
 
 def paths_at_rest(scene: Scene, t: float, ends: tuple[EndMotion, EndMotion], placed: float) -> tuple[EndPath, EndPath]:
@@ -116,16 +116,17 @@ def _turn_in(model: RopeModel, state: RopeState, total: int, twist: float) -> Ro
     return state
 
 
-def _relax(model: RopeModel, straight: list[RopeState], state: RopeState) -> RopeState:
+def _relax(model: RopeModel, straight: list[RopeState] | None, state: RopeState) -> RopeState:
     """Return ``state`` if its swivels hold, else with those that start relaxed where they have slid to.
 
-    ``straight`` are the rope hung up straight, untwisted as seen from the right end, and from the left one.
+    ``straight`` are the rope hung up straight, untwisted as seen from the right end, and from the left one: the one to
+    begin with, unless None.
     """
     slips: dict[int, SwivelState] = {}
     while loose := {side: friction for side, friction in _loose(model, state).items() if side not in slips}:
         side = min(loose, key=loose.__getitem__)
         slips[side] = SwivelState(Phase.SLIP, 0.0, math.copysign(1.0, -state.motion.reaction[END_NODE[side], ANGLE]))
-        if len(slips) == 1:
+        if straight and len(slips) == 1:
             state, _ = _let_curve(model, _with_swivels(straight[side], slips))
         else:
             state, _ = equilibrium_in_frame(model, _with_swivels(state, slips))

@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from rope_model.physics.accuracy import TINY
 from rope_model.physics.element import PARAMETERS
 from rope_model.physics.elementary import maximum
 from rope_model.physics.initial_shape import initial_shape, node_row
@@ -85,8 +86,7 @@ def find_equilibrium(
         if system.P[_QK] != 0 and tau > SETTLED and last > 0:
             relaxed = relaxation(error / last, relaxed)
         last = error
-        step = min(relaxed, largest_move / max(*move, 1e-300))
-        trial = q + step * x
+        trial = q + min(relaxed, largest_move / max(*move, 1e-300)) * x
         following = system.evaluate(trial, zeros, zeros, residual).reaction
         force = _imbalance(system, following)
         # larger forces are accepted on the way, but no gain of energy: a force that grows with the cube of the way,
@@ -117,7 +117,7 @@ def relaxation(change: Any, last: Any) -> Any:
 
     The part w of a correction that multiplies the error by i r changes its square by (1 - w)^2 + (w r)^2.
     """
-    return 1.0 / (1.0 + maximum((change - (1.0 - last) ** 2) / (last * last), 0.0))
+    return 1.0 / (1.0 + maximum((change - (1.0 - last) ** 2) / maximum(last * last, TINY), 0.0))
 
 
 def _imbalance(system: RopeSystem, reaction: Array) -> float:

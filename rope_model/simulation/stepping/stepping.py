@@ -13,7 +13,7 @@ from rope_model.simulation.mesh.adaptation import transform_if_due, update_loop_
 from rope_model.simulation.mesh.mesh_pattern import distance_past_limit
 from rope_model.simulation.mesh.partition import MAX_OVERSHOOT
 from rope_model.simulation.messages import messages
-from rope_model.simulation.model import RopeModel, powers
+from rope_model.simulation.model import RopeModel, largest_end_force, powers
 from rope_model.simulation.rigid import rigid_rope
 from rope_model.simulation.rope_system import Evaluation, RopeSystem
 from rope_model.simulation.state import RopeState
@@ -88,9 +88,11 @@ def _rigid_step(model: RopeModel, state: RopeState, t_end: float) -> RopeState |
         return str(error)
     powers_after, h = powers(model.system(after), after.motion), t_end - state.motion.t
     work = after.energy_balance.work_ends + 0.5 * h * (state.powers.ends + powers_after.ends)
+    force = max(after.errors.force, largest_end_force(after.motion))
     return after._replace(
         powers=powers_after,
         energy_balance=after.energy_balance._replace(work_ends=work),
+        errors=after.errors._replace(time=after.errors.time + h, force=force),
         counts=after.counts.plus(steps=1),
     )
 
