@@ -15,6 +15,7 @@ from test_native_data import native_derivative
 
 from rope_model import BalanceRope, EndMotion, Layout, Mesh, Rope, RopeSimulator, Scene, Solver, Swivel, balance_rope
 from rope_model.engine import NativeRope
+from rope_model.simulation.ends.ends import end_strain
 from rope_model.simulation.outputs.modal import natural_modes
 from rope_model.simulation.outputs.sensitivity import LOADS, load_derivative
 from rope_model.solver_parameters import Model
@@ -178,6 +179,14 @@ def test_free_swivels_of_clamps_that_lean_in_space_begin_at_rest(form: Any) -> N
     ends = EndMotion(lean=0.3, lean_z=0.2), EndMotion(y=20.0, lean=-0.3, lean_z=0.2)
     rope = hung(balance_rope(Scene(Rope(length=60.0), left=free, right=free, mesh=mesh), form), *ends)
     assert_allclose([*rope.signals(["left.swivel.torque", "right.swivel.torque"]).values()], 0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("attachment", ["hinged", "clamped"])
+def test_the_strain_of_an_end_does_not_feel_that_it_turns(attachment: Any) -> None:
+    q, turn, node = np.random.default_rng(3).random((4, 7)), np.zeros((4, 7)), 1 if attachment == "clamped" else 0
+    turn[:, 3:6] = np.cross([0.3, -0.2, 0.5], q[:, 3:6])
+    strain = end_strain(scene(attachment), q, turn + 2e-3 * q, 0)
+    assert strain == pytest.approx(2e-3 * float(np.linalg.norm(q[node, 3:6])), rel=1e-12)
 
 
 def test_only_a_clamp_leans(form: Any) -> None:

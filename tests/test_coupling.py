@@ -121,8 +121,7 @@ class Drive:
     def motion(self, load: Load, s: float) -> InterfaceMotion:
         d, (y, v) = self.data, self.state
         force = load.start[0] + s * (load.linear[0] + s * load.quadratic[0])
-        a = (d.f - d.k * y + force) / (d.m + load.added_mass[0])
-        return InterfaceMotion(both(y), both(v), both(a))
+        return InterfaceMotion(both(y), both(v), both((d.f - d.k * y + force) / (d.m + load.added_mass[0])))
 
     def ends(self, motion: InterfaceMotion) -> tuple[EndMotion, EndMotion]:
         return EndMotion(y=motion.position[0], vy=motion.speed[0], ay=motion.acceleration[0]), NOTHING

@@ -184,8 +184,7 @@ def test_measurements_that_contradict_each_other_are_told(tmp_path: Path, capsys
     assert "contradicted: " in told.out
     made = tmp_path / "rope.toml"
     assert "# the measurements contradict the model" in made.read_text(encoding="utf-8")
-    again = read(made, RopeFile).catalogue_rope
-    bending = again.data["bending_stiffness"]
+    bending = read(made, RopeFile).catalogue_rope.data["bending_stiffness"]
     assert bending.status == "contradicted"
     # no interval follows from them: the range of before stands
     before = rope("34x7", diameter=0.046).data["bending_stiffness"]

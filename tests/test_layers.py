@@ -40,8 +40,7 @@ def imports(name: str, path: Path) -> frozenset[str]:
 
 def room(name: str) -> str:
     """The package of layers.toml that a module belongs to; rope_model itself is what users import, and no more."""
-    rooms = (r for r in MAY_IMPORT if name == r or (r != "rope_model" and name.startswith(r + ".")))
-    return next(rooms, name)
+    return next((r for r in MAY_IMPORT if name == r or (r != "rope_model" and name.startswith(r + "."))), name)
 
 
 def within(name: str, places: set[str]) -> bool:
@@ -68,8 +67,7 @@ def test_third_party_library_stays_in_its_rooms(library: str) -> None:
 
 def test_no_other_third_party_library_is_imported() -> None:
     known = set(HOMES) | set(PACKAGES) | {"numpy", "balance_rope"} | set(sys.stdlib_module_names)
-    used = {i.split(".")[0] for name, path in modules().items() for i in imports(name, path)}
-    assert used <= known
+    assert {i.split(".")[0] for name, path in modules().items() for i in imports(name, path)} <= known
 
 
 def test_benchmarks_know_nothing_of_evidence_and_one_module_of_templates() -> None:

@@ -152,8 +152,7 @@ def test_native_rope_takes_the_same_steps_to_the_same_forces(case: str) -> None:
     allowed |= {n: max(allowed[n], 3 * abs(got[n] - elsewhere[n])) for n in slipping}
     # three times what a torque that changes by 2 N m/s gains between instants that lie 1e-5 s apart, as above
     assert max(allowed[n] for n in slipping) < 3 * 2.0 * 1e-5
-    wrong = {n: (expected[n], got[n]) for n in SIGNALS if not abs(expected[n] - got[n]) <= allowed[n]}
-    assert not wrong
+    assert not {n: (expected[n], got[n]) for n in SIGNALS if not abs(expected[n] - got[n]) <= allowed[n]}
 
 
 def test_states_go_from_one_to_the_other() -> None:

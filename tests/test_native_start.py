@@ -50,8 +50,7 @@ def small(start: Start, name: str = host_platform()) -> bytes:
 
 
 def fill(start: Start, name: str = host_platform()) -> bytes:
-    shared = without_start(SOURCES, len(start.values))
-    return with_start(library(shared, "start", name).read_bytes(), start)
+    return with_start(library(without_start(SOURCES, len(start.values)), "start", name).read_bytes(), start)
 
 
 START = Start("{0b0d8ab1-6e23-5ba9-8b62-1d3d6a1b8e05}", (1.5, -0.0, 1e300, 5e-324), arrays=False)

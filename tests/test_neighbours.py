@@ -77,8 +77,7 @@ def test_what_the_steps_make_falls_with_them() -> None:
 def test_two_that_swing_against_each_other_move_as_one_against_a_wall_midway() -> None:
     """But that the law begins softly within a part of the diameter, which the wall has twice."""
     h = 0.001
-    ropes = striking(h, friction=0.0)[1][0], against_a_wall(h, friction=0.0)
-    struck, z = (rope.rows()[:, 3] for rope in ropes)
+    struck, z = (rope.rows()[:, 3] for rope in (striking(h, friction=0.0)[1][0], against_a_wall(h, friction=0.0)))
     assert np.abs(z).max() > 0.1
     assert np.abs(struck - z).max() < 0.02 * np.abs(struck).max()
     free = swinging(SCENE.with_(shaft=Shaft()), 1.0)

@@ -75,8 +75,7 @@ def _row(v: Variable, fmi: int, length: int, rate: int) -> str:
 
 def _location(v: Variable) -> str:
     where, offset = _home(v)
-    derivative = LOADS.index(v.name) if v.name in LOADS else -1
-    return f"{{{where}, {offset}, {derivative}}}"
+    return f"{{{where}, {offset}, {LOADS.index(v.name) if v.name in LOADS else -1}}}"
 
 
 def _home(v: Variable) -> tuple[str, str]:

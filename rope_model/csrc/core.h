@@ -41,8 +41,8 @@ static inline double end_value(const EndMotion *motion, int index) {
 /* ends/ends.c */
 /* Refuse a target motion that is out of range, or whose `measures`, from path_measures, exceed the scene's. */
 void ends_refusal(const Scene *scene, const EndMotion *target, const double measures[14], int side, char *message);
-/* Return the strain along the rope at an end, of an array like q; of the next node where a clamp gives this one. */
-double end_strain(const Scene *scene, int nodes, const double *x, int side);
+/* Return the axial strain at an end, in an array x like q; of the next node where a clamp gives this one's. */
+double end_strain(const Scene *scene, int nodes, const double *q, const double *x, int side);
 /* Refuse a motion that has not changed for longer than hold_max. */
 void stale_input_error(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message);
 /* Return the moment about the tangent on the rope's end, N m, from the end's row of the reaction. */

@@ -179,9 +179,9 @@ void model_commit(Simulator *sim, State *state, const StepResult *trial) {
     const double bottom_s = model_bottom_s(sim, state, state->t), speed = relative_end_speed(&nodal);
     double losses[2], contact[CONTACT_BALANCE], air[AIR_BALANCE], paces[2];
     for (int side = LEFT; side <= RIGHT; side++)
-        paces[side] =
-            (end_strain(&sim->scene, now->nodes, now->v, side) - end_strain(&sim->scene, now->nodes, nodal.v, side)) /
-            h;
+        paces[side] = (end_strain(&sim->scene, now->nodes, now->q, now->v, side) -
+                       end_strain(&sim->scene, now->nodes, now->q, nodal.v, side)) /
+                      h;
     /* Losses follow from the differences over the step: rates at its ends have the integrator's own oscillation, whose
        square does not average out.  Put the middle of the step into q, and the mean rate into v. */
     for (size_t i = 0; i < size; i++) {

@@ -51,7 +51,7 @@ void rope_system_refer(Simulator *sim, State *state, const double *q) {
 
 double rope_system_transport(Simulator *sim, State *state, double *q, double *v, double *a, double *b) {
     const System sys = rope_system(sim, state);
-    double (*gained)[3] = (double (*)[3])sim->strains, turn = 0;
+    double (*gained)[3] = (double (*)[3])sim->strains, turn = 0; /* scratch in rows of 3 */
     chain_of(sim, state)->transport(&sys, q, v, a, gained);
     for (int k = 0; k < sys.elements; k++) {
         const size_t theta = (size_t)(k + 1) * DOF + ANGLE;

@@ -110,7 +110,7 @@ BALANCE = (
 )
 #: entries of one element's momentum: linear, angular about the origin, and first moment of the mass
 MOMENTUM = ("px", "py", "pz", "Lx", "Ly", "Lz", "Sx", "Sy", "Sz")
-#: entries of one element's strains: means of e and tau over the element, root mean square of k
+#: entries of one element's strains: means of e and tau over the element, root mean square of k, rates of the means
 STRAINS = ("e", "tau", "k_rms", "e_t", "tau_t")
 #: number of entries of the reference of an element's frame
 FRAME_SIZE = 21

@@ -96,7 +96,7 @@ class RopeModel:
         constant = alpha.local_error(self.method, 1.0, 1.0)
         limits = step_limits(self.scene, old.errors, s, relative_end_speed(old.motion), constant)
         assert result.a_rate is not None
-        rates = (abs(end_strain(self.scene, result.a_rate, side)) for side in (0, 1))
+        rates = (abs(end_strain(self.scene, result.motion.q, result.a_rate, side)) for side in (0, 1))
         strain = alpha.local_error(self.method, h, h * max(rates))
         return float(step_error(limits, h, result.error, strain))
 
@@ -134,7 +134,7 @@ class RopeModel:
         assert evaluation is not None
         after, before, h = powers(system, motion), old.powers, motion.t - old.motion.t
         s, force = self.bottom_s(old.paths, old.motion.t), largest_end_force(motion)
-        strain_tt = [end_strain(self.scene, motion.v - old.motion.v, side) / h for side in (0, 1)]
+        strain_tt = [end_strain(self.scene, motion.q, motion.v - old.motion.v, side) / h for side in (0, 1)]
         constant, speed = alpha.local_error(self.method, 1.0, 1.0), relative_end_speed(old.motion)
         errors = add_errors(self.scene, old.errors, s, speed, h, constant, strain_tt, result.error, force)
         # the material's dissipation follows from the strains' differences over the step: the rates at its ends contain

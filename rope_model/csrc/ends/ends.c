@@ -13,9 +13,10 @@ static int largest(int axes, const double *sizes) {
     return worst;
 }
 
-double end_strain(const Scene *scene, int nodes, const double *x, int side) {
-    const int to_next = scene->swivels[side].attachment != CLAMPED ? 0 : side ? -DOF : DOF;
-    return (end_row(x, nodes, side) + to_next)[SLOPE + 1];
+double end_strain(const Scene *scene, int nodes, const double *q, const double *x, int side) {
+    const int attachment = scene->swivels[side].attachment, to_next = attachment != CLAMPED ? 0 : side ? -DOF : DOF;
+    const double *t = end_row(q, nodes, side) + to_next + SLOPE, *y = end_row(x, nodes, side) + to_next + SLOPE;
+    return attachment == PLUMB ? y[1] : dot(y, t) / sqrt(dot(t, t));
 }
 
 void ends_refusal(const Scene *scene, const EndMotion *target, const double measures[14], int side, char *message) {

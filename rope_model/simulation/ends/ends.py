@@ -150,10 +150,13 @@ def right_offset(left: Any, right: Any) -> Any:
     return 2.0 * atan2(right[2] - left[2], right[0] - left[0])
 
 
-def end_strain(scene: Scene, x: Array, side: int) -> float:
-    """Return the strain along the rope at an end, of an array like q; of the next node where a clamp gives this one."""
-    to_next = int(getattr(scene, SIDES[side]).attachment == "clamped")
-    return float(x[-1 - to_next if side else to_next, SLOPE.start + 1])
+def end_strain(scene: Scene, q: Array, x: Array, side: int) -> float:
+    """Return the axial strain at an end, in an array ``x`` like q; of the next node where a clamp gives this one's."""
+    attachment, node = getattr(scene, SIDES[side]).attachment, END_NODE[side]
+    if attachment == "plumb":
+        return float(x[node, SLOPE.start + 1])
+    node += (1, -1)[side] if attachment == "clamped" else 0
+    return float(x[node, SLOPE] @ q[node, SLOPE] / np.linalg.norm(q[node, SLOPE]))
 
 
 def refusal(scene: Scene, target: EndMotion, measures: PathMeasures, side: str) -> str:

@@ -5,7 +5,7 @@ friction of its slip: neither coupling nor installed twist winds up its loop.  T
 it at rest.  A straight rope at rest carries the same torque all along, so only the swivel with the least friction
 turns.  On a curved rope the other may have to turn as well.
 
-A rope with an end that is not plumb first hangs with ends close together, which then move apart and lean step by step.
+A rope whose ends are not plumb hangs with ends close together; they move apart and lean step by step; it relaxes again.
 """
 
 import math
