@@ -13,6 +13,7 @@ from hoist_demo.control.controller import Gains
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
 from hoist_demo.cosimulation.schemes.interface import Load, Stopwatch
+from hoist_demo.design.statics import pulls
 from hoist_demo.drive.equations import LOSS_NAMES
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.drive_fmu.description import drive_model
@@ -187,6 +188,9 @@ def test_static_tensions_and_slip_safety_are_those_of_a_hand_calculation() -> No
     # e^(0.25 pi) = 2.19328: 1.19328 / 0.456204
     np.testing.assert_allclose(hoist.slip_safety(left / right), 2.61567, rtol=1e-5)
     assert hoist.slip_safety(1.0) == math.inf
+    uneven = replace(hoist, tail_rope_mass=3.0)
+    apart = [abs(one - other) for one, other in (pulls(uneven, y) for y in (0.0, 30.0, 60.0, 90.0))]
+    np.testing.assert_allclose([uneven.imbalance(), uneven.imbalance(30.0)], [max(apart), max(apart[1:3])])
 
 
 def test_the_motor_keeps_its_limits_of_torque_and_power() -> None:

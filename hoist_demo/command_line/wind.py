@@ -33,7 +33,7 @@ from hoist_demo.recording.time_series import match_signals
 from hoist_demo.report.rows import SummaryRow, render, render_verdict
 from hoist_demo.ropes.definition import OneRope, Ropes, ropes_of
 from hoist_demo.study.provenance import host_provenance
-from hoist_demo.study.run import Probe, RunData, build_trip, contradictions, fmu_part
+from hoist_demo.study.run import Probe, RunData, build, contradictions, fmu_part, from_landing
 
 LAST_GOOD = "last_good.npz"  #: File in the output folder with the last good state of a run that stopped.
 STOPPED = "stopped"  #: Folder in the output folder for a run that stopped, beside results of an earlier one.
@@ -112,7 +112,7 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
     identified = read(options.rope, RopeFile).values() if options.rope else {}
     overrides = {key: entry.value for key, entry in identified.items()} | own
     values = _winding(options, case) | overrides
-    run = build_trip(options.hoist, values)
+    run = from_landing(build(options.hoist, values))
     for remark in case.remarks:
         _tell(remark)
     statuses = {key: entry.status for key, entry in identified.items()} | dict.fromkeys(own, GIVEN)
@@ -136,7 +136,7 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
     result = replace(result, recording=computed(result.recording, {rope.name: rope.torque_free for rope in ropes}))
     run = replace(run, winding=result.winding)
     provenance = [*host_provenance(run, statuses), *rope_sources]
-    title = _title(case.name or options.hoist, run.winding)
+    title = _title(case.name or options.hoist, run.winding, run.coupling.start)
     pairs = hung.pairs(result.recording)
     wound = WoundRun(title, run, result, ropes, pairs, provenance, [*remarked, *warnings], values)
     # the report of an earlier run is worth more than that of one that failed
@@ -253,7 +253,7 @@ def _run(host: Host, save_to: Path | None, resume: Checkpoint | None) -> Result:
         return host.run(lambda fraction, t: progress(fraction, t) and not interrupted(), save_to, resume)
 
 
-def _title(name: str, trip: Winding) -> str:
+def _title(name: str, trip: Winding, start: float) -> str:
     trip_words = f"{abs(trip.travel):g} m {'up' if trip.travel > 0.0 else 'down'} at up to {trip.speed:g} m/s"
-    stop = "" if trip.emergency_at is None else f", emergency stop at {trip.emergency_at:g} s"
+    stop = "" if trip.emergency_at is None else f", emergency stop at {start + trip.emergency_at:g} s"
     return f"{name}: the left conveyance {trip_words}{stop}"

@@ -157,6 +157,11 @@ class Hoist(ValidatedData):
         """Change of the force that holds the hoist, per metre of travel of the left conveyance [N/m]."""
         return 2.0 * GRAVITY * (self.tail_mass - self.rope_mass)
 
+    def imbalance(self, travelled: float = 0.0) -> float:
+        """Return the largest difference of both sides' weights [N], `travelled` [m] from either landing."""
+        ropes = abs(self.imbalance_rate * (0.5 * self.shaft_travel - travelled))
+        return GRAVITY * abs(self.mass_left - self.mass_right) + ropes
+
     @property
     def tension_ratio_limit(self) -> float:
         """Tension ratio at which the ropes slip on the sheave, exp(mu alpha) (Euler-Eytelwein) [-]."""

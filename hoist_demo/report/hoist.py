@@ -18,7 +18,7 @@ from hoist_demo.parameters.quantity import Value
 from hoist_demo.report.rows import SummaryRow, render
 from hoist_demo.ropes.definition import OneRope, ropes_of
 from hoist_demo.study.provenance import SETTING, SourcedValue, host_provenance, statuses
-from hoist_demo.study.run import RunData, build_trip
+from hoist_demo.study.run import RunData, build, from_landing
 from rope_model import BalanceRope, EndMotion, RopeSimulator, balance_rope
 from rope_model.simulation.outputs.modal import natural_modes
 
@@ -83,7 +83,7 @@ def hoist_provenance(case: Case, name: str) -> list[SourcedValue]:
 
 def _wound(case: Case, name: str, values: Values) -> tuple[RunData, list[RopeData], list[SourcedValue]]:
     """Return the run that winds the hoist, its ropes and the sources of both."""
-    run = build_trip(name, values)
+    run = from_landing(build(name, values))
     ropes = ropes_of(case, run, {}, case.level)
     run = replace(run, hoist=ropes.hoist)
     return run, ropes.data(), [*host_provenance(run, {}), *ropes.provenance({})]
@@ -101,15 +101,25 @@ def slip_problems(case: Case) -> list[str]:
 
 
 def drive_problems(case: Case) -> list[str]:
-    """Return a line on each limit of the motor that is below what its trip asks for."""
-    hoist, trip = case.hoist, reached(case.winding)
-    torque = RuleInputs(hoist, trip, hoist).torque
-    rate = max(0.0, trip.speed - 0.5 * trip.acceleration**2 / trip.jerk) / hoist.sheave_radius  # at full acceleration
+    """Return a line on each limit of motor and brake that is below what its trip asks for."""
+    hoist, trip, brake = case.hoist, reached(case.winding), case.hoist.brake
+    inputs, radius = RuleInputs(hoist, trip, hoist), hoist.sheave_radius
+    speed = max(0.0, trip.speed - 0.5 * trip.acceleration**2 / trip.jerk)  # at full acceleration
+    power = inputs.torque(speed**2 / (2.0 * trip.acceleration)) * speed / radius
+    asks = "which speeding up with the payload asks for: raise it, or wind more gently "
+    asks += "(winding.acceleration, winding.speed)"
+    limits = [("torque_limit", hoist.torque_limit, inputs.torque(), "N m", asks)]
+    if hoist.power_limit is not None:
+        limits.append(("power_limit", hoist.power_limit, power, "W", asks))
+    if brake is not None:
+        part = brake.first_stage if trip.emergency_law == "two-stage" else 1.0
+        stage = f" with first_stage = {part:g}" if part < 1.0 else ""
+        asks = f"which holds the heavier side{stage}: fit a stronger brake"
+        limits.append(("brake.torque", brake.torque, radius * hoist.imbalance() / part, "N m", asks))
     return [
-        f"hoist.{name} = {limit:g} {unit} must be at least {asked:.3g} {unit}, which speeding up with the payload asks "
-        "for: raise it, or wind more gently (winding.acceleration, winding.speed)"
-        for name, asked, unit in (("torque_limit", torque, "N m"), ("power_limit", torque * rate, "W"))
-        if (limit := getattr(hoist, name)) is not None and limit < asked
+        f"hoist.{name} = {limit:g} {unit} must be at least {asked:.3g} {unit}, {asks}"
+        for name, limit, asked, unit, asks in limits
+        if limit < asked
     ]
 
 
@@ -127,7 +137,7 @@ def consequences(case: Case, name: str, values: Values = NOTHING) -> tuple[str, 
         rows.append(SummaryRow(_HOLD, heads, label))
     rows.append(SummaryRow(_HOLD, "all moving masses", hoist.moving_mass, "kg"))
     warned, yaws = [], dict[str, float]()
-    ropes = ropes_of(case, build_trip(name, values), {}, case.level).ropes
+    ropes = ropes_of(case, from_landing(build(name, values)), {}, case.level).ropes
     for rope in ropes:
         whose = f"{rope.name}: " if rope.name else ""
         plant = balance_rope(rope.scene)

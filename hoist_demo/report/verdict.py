@@ -14,7 +14,7 @@ from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import SIDES, Arrival, Hoist
 from hoist_demo.recording.fidelity import remark
-from hoist_demo.recording.incidents import GUARD_CODES, guard_trip, incidents, stops
+from hoist_demo.recording.incidents import GUARD_CODES, STILL, guard_trip, incidents, stops
 from hoist_demo.recording.nearness import RopePair
 from hoist_demo.recording.passages import PASSED, outcome_of, passages
 from hoist_demo.recording.ropes import rope_signals
@@ -151,7 +151,7 @@ def _broken(recording: Recording, name: str) -> str:
 
 def _warnings(result: Result, hoist: Hoist, ropes: Sequence[_Rope], window: float) -> list[str]:
     """List the warnings that readers of the numbers need: of coupling, head ropes' hold, ropes' fidelity and breaks."""
-    texts = [result.warning, *slip_warnings(result.recording, hoist, result.winding)]
+    texts = [result.warning, *slip_warnings(result, hoist)]
     if limited := result.recording.seconds("drive.torque_limited"):
         cure = "raise hoist.torque_limit and power_limit, or accelerate and stop more gently"
         texts.append(f"the motor was at its limit for {limited:.2f} s: {cure}")
@@ -195,9 +195,11 @@ def _rows(
     yield from _pulls(result.recording, hoist, ropes)
     yield from _head_ropes(result.recording, hoist)
     for stop in stops(result.recording, result.winding.emergency_at):
-        duration = f" in {stop.time:.2f} s" if stop.time is not None else ", and goes on"
-        distance = f"{stop.stopping_distance:.2f} m{duration}"
-        yield VerdictRow(f"way of the {stop.side} conveyance in the emergency stop", distance)
+        text = f"{stop.stopping_distance:.2f} m" + ("" if stop.time is None else f" in {stop.time:.2f} s")
+        text += f", then {abs(stop.then):.2f} m {'up' if stop.then > 0.0 else 'down'}" if abs(stop.then) >= 5e-3 else ""
+        text += f", at {number(abs(stop.speed), 2)} m/s in the end" if abs(stop.speed) > STILL else ""
+        quantity = f"way of the {stop.side} conveyance in the emergency stop"
+        yield VerdictRow(quantity, text, "held from then on", stop.held)
     if result.completed and result.recording.has("drive.torque", "reference.position", "conveyance.right.vy"):
         cycle = trip_metrics(result, arrival).get("cycle_time")
         text = f"{cycle:.2f} s" if cycle is not None and math.isfinite(cycle) else "not within the record"
@@ -207,7 +209,7 @@ def _rows(
     yield from _of_each(ropes, _clearances)
     for pair in pairs:
         yield from _between(pair, max(rope.loop_error for rope in ropes if rope.data.name in (pair.one, pair.other)))
-    for hold in slip_safeties(result.recording, hoist, result.winding):
+    for hold in slip_safeties(result, hoist):
         bound = f"at least {hold.required:g}: {hold.rule}"
         yield VerdictRow(f"slip safety {hold.when}", hold.text, bound, hold.enough, f"t = {hold.t:.2f} s")
     names = [rope.data.name or "struck" for rope in ropes if passages(rope.recording)]
