@@ -100,6 +100,9 @@ def _parameter_value(parameter: Parameter, table: ValueTable) -> ParameterValue:
         raise ValueError(f"{parameter.name} has no value: write {{ value = ..., unit = ... }}, or low and high")
     value = middle if table.value is None else read_value(parameter, table.value, table.unit)
     assert value is not None
+    least, most = -math.inf if low is None else low, math.inf if high is None else high
+    if not isinstance(value, str) and not least <= value <= most:
+        raise ValueError(f"{parameter.name} = {value:g} must be within low and high, {least:g} to {most:g}: correct it")
     return ParameterValue(value, table.status, table.source, low, high)
 
 
