@@ -72,7 +72,7 @@ def test_units_are_converted_to_the_last_bit_and_what_is_left_out_follows_by_rul
     assert [case.rope[f"{side}.swivel.mode"] for side in ("left", "right")] == [2, 0]
     wanted = {"hoist.payload_left": "data sheet", "hoist.conveyance_mass": "measured", "gains.speed": "derived"}
     assert {key: case.status_by_name[key] for key in wanted} == wanted
-    assert case.sources["hoist.conveyance_mass"] == "scale"
+    assert case.values["hoist.conveyance_mass"].source == "scale"
     assert case.remarks == ()
 
 
@@ -265,7 +265,7 @@ def test_a_trip_that_slips_or_asks_too_much_of_the_motor_is_told() -> None:
 @pytest.mark.parametrize("file", SHIPPED, ids=lambda path: path.stem)
 def test_the_complete_file_has_every_value_of_the_hoist_and_leads_back_to_it(file: Path, tmp_path: Path) -> None:
     name = file.stem if file.stem in BUILTIN_HOISTS else str(file)
-    text = as_file(find_case(name), name)
+    text = as_file(find_case(name), name, {})
     path = written(tmp_path / "hoist.toml", text)
     one, again = from_landing(build(name, {})), from_landing(build(str(path), {}))
     cases = [find_case(name), find_case(str(path))]

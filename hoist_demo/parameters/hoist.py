@@ -90,7 +90,8 @@ class Hoist(ValidatedData):
         for name in ("jam_left", "jam_right"):
             jam = getattr(self, name)
             if jam is not None:
-                jam.require_within(self.shaft_travel, name)
+                bound, cure = f"within 0 and shaft_travel = {self.shaft_travel:g} m", "give a place that it passes"
+                require(jam.height, jam.height <= self.shaft_travel, f"{name}.height", bound, cure)
         if self.slack_tension is not None:
             lightest = GRAVITY * min(self.mass_left, self.mass_right)
             tension, bound = self.slack_tension, f"below {lightest:.6g} N, the weight of the lighter conveyance"

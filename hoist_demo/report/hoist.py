@@ -4,7 +4,6 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
-from types import MappingProxyType
 
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.rules import RuleInputs
@@ -27,17 +26,16 @@ _AT_REST = "Rope at rest, left conveyance at"
 _HOLD = "Hold on the sheave"
 YAWS = 3.0  #: Most yaw of a loop in a trip over that at rest [assumed]: 2.1 in a trip of 870 m at 16 m/s.
 Values = Mapping[str, Value]
-NOTHING: Values = MappingProxyType({})
 
 
 def complete_file(case: Case, run: RunData, ropes: Sequence[RopeData], provenance: Iterable[SourcedValue]) -> str:
     """Return a hoist's file with every value of a run and its status; wound again, it gives the same bits."""
-    status = statuses(provenance)
+    status, stated = statuses(provenance), case.values
 
     def entry(name: str, value: Value, of: str = "") -> ParameterValue:
         source_status = status.get(f"{of}{name}", SETTING)
         file_status = source_status if source_status in STATUSES else "assumed" if source_status == SETTING else GIVEN
-        return ParameterValue(value, file_status, case.sources.get(name, ""))
+        return ParameterValue(value, file_status, stated[name].source if name in stated else "")
 
     level = ropes[0].level or case.level
     lines = {"controller": entry("controller", run.controller), "level": entry("level", level)}
@@ -70,7 +68,7 @@ def _spacing(rope: RopeData, run: RunData) -> float:
     return set_spacing if set_spacing + offset.x_right - offset.x_left == own else own - offset.x_right + offset.x_left
 
 
-def as_file(case: Case, name: str, values: Values = NOTHING) -> str:
+def as_file(case: Case, name: str, values: Values) -> str:
     """Return the complete file of a hoist; `name` is how it is found, `values` are set beside it."""
     run, ropes, sources = _wound(case, name, values)
     return complete_file(case, run, ropes, sources)
@@ -78,7 +76,7 @@ def as_file(case: Case, name: str, values: Values = NOTHING) -> str:
 
 def hoist_provenance(case: Case, name: str) -> list[SourcedValue]:
     """Return the provenance of all values; `name` is how the hoist is found."""
-    return _wound(case, name, NOTHING)[2]
+    return _wound(case, name, {})[2]
 
 
 def _wound(case: Case, name: str, values: Values) -> tuple[RunData, list[RopeData], list[SourcedValue]]:
@@ -106,11 +104,10 @@ def drive_problems(case: Case) -> list[str]:
     inputs, radius = RuleInputs(hoist, trip, hoist), hoist.sheave_radius
     speed = max(0.0, trip.speed - 0.5 * trip.acceleration**2 / trip.jerk)  # at full acceleration
     power = inputs.torque(speed**2 / (2.0 * trip.acceleration)) * speed / radius
-    asks = "which speeding up with the payload asks for: raise it, or wind more gently "
-    asks += "(winding.acceleration, winding.speed)"
+    gently = "wind more gently (winding.acceleration, winding.speed)"
+    asks = f"which speeding up with the payload asks for: raise it, or {gently}"
     limits = [("torque_limit", hoist.torque_limit, inputs.torque(), "N m", asks)]
-    if hoist.power_limit is not None:
-        limits.append(("power_limit", hoist.power_limit, power, "W", asks))
+    limits += [("power_limit", hoist.power_limit or math.inf, power, "W", asks)]
     if brake is not None:
         part = brake.first_stage if trip.emergency_law == "two-stage" else 1.0
         stage = f" with first_stage = {part:g}" if part < 1.0 else ""
@@ -123,7 +120,7 @@ def drive_problems(case: Case) -> list[str]:
     ]
 
 
-def consequences(case: Case, name: str, values: Values = NOTHING) -> tuple[str, list[str]]:
+def consequences(case: Case, name: str, values: Values) -> tuple[str, list[str]]:
     """Return the table of what follows, and the ropes' warnings at rest; RuntimeError where a rope cannot hang."""
     hoist = case.hoist
     rows = [

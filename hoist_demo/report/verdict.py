@@ -16,7 +16,7 @@ from hoist_demo.parameters import SIDES, Arrival, Hoist
 from hoist_demo.recording.fidelity import remark
 from hoist_demo.recording.incidents import GUARD_CODES, STILL, guard_trip, incidents, stops
 from hoist_demo.recording.nearness import RopePair
-from hoist_demo.recording.passages import PASSED, outcome_of, passages
+from hoist_demo.recording.passages import PASSED, passages
 from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.report.html.page import number
@@ -134,7 +134,8 @@ def judge(
 def outcome(completed: bool, recording: Recording, names: Sequence[str] = ("",)) -> str:
     """Return the outcome and the events of a run, in words; `names` are those of its ropes."""
     sentences = [passages(rope_signals(recording, name), f"rope {name}" if name else "the rope") for name in names]
-    ended = outcome_of(completed, ", and ".join(filter(None, sentences)))
+    passed = ", and ".join(filter(None, sentences))
+    ended = ("completed" if completed else "stopped") + (f", but {passed}" if passed else "")
     return ended + "".join(_broken(recording, name) for name in filter(None, names)) + incidents(recording)
 
 
@@ -200,11 +201,10 @@ def _rows(
         text += f", at {number(abs(stop.speed), 2)} m/s in the end" if abs(stop.speed) > STILL else ""
         quantity = f"way of the {stop.side} conveyance in the emergency stop"
         yield VerdictRow(quantity, text, "held from then on", stop.held)
-    if result.completed and result.recording.has("drive.torque", "reference.position", "conveyance.right.vy"):
-        cycle = trip_metrics(result, arrival).get("cycle_time")
-        text = f"{cycle:.2f} s" if cycle is not None and math.isfinite(cycle) else "not within the record"
-        if cycle is not None:
-            yield VerdictRow("cycle time, until the conveyances have arrived", text)
+    timed = result.completed and result.recording.has("drive.torque", "reference.position", "conveyance.right.vy")
+    if timed and (cycle := trip_metrics(result, arrival).get("cycle_time")) is not None:
+        text = f"{cycle:.2f} s" if math.isfinite(cycle) else "not within the record"
+        yield VerdictRow("cycle time, until the conveyances have arrived", text)
     yield from _of_each(ropes, _swings)
     yield from _of_each(ropes, _clearances)
     for pair in pairs:

@@ -22,7 +22,7 @@ from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.progress import warnings_of
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.interface import RopePlant
-from hoist_demo.design.controllers import Task
+from hoist_demo.design.controllers import Drive, Task
 from hoist_demo.files.registry import CONTROLLER, data_of, host_parameters
 from hoist_demo.files.values import GIVEN, ParameterValue, plain
 from hoist_demo.parameters import GRAVITY, Arrival, Coupling, Hoist, start_heights
@@ -171,16 +171,17 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
     status, cause, at = "completed" if result.completed else "stopped", result.cause, result.winding.emergency_at
     if result.completed and at is not None and at != run.winding.emergency_at:
         status, cause = CUT_SHORT, circuit_stop(result.recording, at) + incidents(result.recording)
-    warned = (*slip_warnings(result, run.hoist), contradicted)
-    sentences = tuple(filter(None, warned))
+    sentences = tuple(filter(None, (*slip_warnings(result, run.hoist), contradicted)))
     passed = passages(result.recording)
     return Outcome(status, cause, metrics, series, units, fidelity, sentences, missing, passed)
 
 
-def wind_run(run: RunData, rope: RopePlant, progress: Progress | None = None) -> Result:
-    """Return the co-simulation of a run with any rope; `progress` as of `Host.run`."""
-    design = run.design()
-    host = Host(rope, run.hoist, run.winding, run.coupling, design.gains, trajectory=design.trajectory)
+def wind_run(
+    run: RunData, rope: RopePlant, progress: Progress | None = None, made: Drive | None = None, **trips: Any
+) -> Result:
+    """Return the co-simulation of a run with any rope; `progress` as of `Host.run`, `trips` beside it as of `Host`."""
+    made = made or run.design()
+    host = Host(rope, run.hoist, run.winding, run.coupling, made.gains, trajectory=made.trajectory, **trips)
     return host.run(progress)
 
 
