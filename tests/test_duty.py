@@ -159,9 +159,8 @@ def test_the_command_leaves_a_table_and_goes_on(tmp_path: Path, capsys: pytest.C
     assert balance_rope.main(arguments) == 0
     assert balance_rope.main([*arguments, "--repeat", "2"]) == 0
     told = capsys.readouterr().out
-    assert "2 of 4 trips are there already" in told
-    assert "slip safety in normal winding is" in told
-    assert "the left conveyance ends its dwell" in told
+    warned = ("slip safety in normal winding is", "the left conveyance ends its dwell")
+    assert all(text in told for text in (*warned, "2 of 4 trips are there already"))
     assert "hoist.payload_left,varied,kg,varied" in (tmp_path / "out" / "data.csv").read_text(encoding="utf-8")
     units = {line.split()[0]: line.split()[2] for line in told.splitlines() if " in trip " in line}
     # angles in degrees, and no unit of pure numbers: "in trip" follows
@@ -172,6 +171,4 @@ def test_the_command_leaves_a_table_and_goes_on(tmp_path: Path, capsys: pytest.C
     assert (tmp_path / "out" / "duty.png").stat().st_size > 0
     file.write_text(hard.replace("[fixed]", "[fixed]\nhoist.slack_tension = 9e4"), encoding="utf-8")
     assert balance_rope.main([*arguments[:-1], str(tmp_path / "slack")]) == 1
-    said = capsys.readouterr().err
-    assert "ends with trip 1: emergency stop at t = 1" in said
-    assert said.endswith(": head ropes pulled less than hoist.slack_tension\n")
+    assert "1: emergency stop at t = 1.1 s: head ropes pulled less than hoist.slack_tension" in capsys.readouterr().err

@@ -53,9 +53,8 @@ def test_head_ropes_swing_as_a_rod_with_the_conveyance_at_its_end(modes: int) ->
     length = state.free_lengths[0]
     ratio = hoist.rope_mass * length / hoist.mass_left
     # k l tan(k l) = rope's mass over conveyance's, in each branch of the tangent
-    roots = [
-        brentq(lambda b: b * math.sin(b) - ratio * math.cos(b), n * math.pi, (n + 0.5) * math.pi) for n in range(modes)
-    ]
+    branches = [(n * math.pi, (n + 0.5) * math.pi) for n in range(modes)]
+    roots = [brentq(lambda b: b * math.sin(b) - ratio * math.cos(b), *ends) for ends in branches]
     exact = np.array(roots) * math.sqrt(hoist.rope_stiffness / hoist.rope_mass) / length
     found = _frequencies(plant, (250.0, 250.0))[::2][:modes]  # both sides are alike
     # a mode left out would add its participating mass 2 mu l / (j pi)^2, by the square of the ratio of the frequencies
