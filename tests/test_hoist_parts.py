@@ -218,6 +218,7 @@ def test_the_ends_of_the_balance_rope_follow_the_conveyances() -> None:
     assert ends(plain, *rest_at(plain, (0.0, 90.0)))[0] == EndMotion(y=0.0, ay=pytest.approx(0.0, abs=1e-10))
 
 
+REGULATED = Winding(emergency_at=5.0, emergency_law="deceleration")
 BAD = {
     "conveyance_mass": lambda: Hoist(conveyance_mass=0.0),
     "torque_limit": lambda: Hoist(torque_limit=math.nan),
@@ -228,9 +229,7 @@ BAD = {
     "lining": lambda: drive_model(replace(find_case("rope-120"), hoist=Hoist(lining=Lining()))),
     "jam_right": lambda: drive_model(find_case("jammed-conveyance")),
     "emergency_law": lambda: require_trip_fits(Hoist(), Winding(emergency_at=5.0, emergency_law="torque")),
-    "emergency_deceleration": lambda: require_trip_fits(
-        Hoist(brake=Brake(torque=5e4)), Winding(emergency_at=5.0, emergency_law="deceleration")
-    ),
+    "emergency_deceleration": lambda: require_trip_fits(Hoist(brake=Brake(torque=5e4)), REGULATED),
     "gain speed": lambda: Gains(speed=0.0),
     "gain feed_forward": lambda: Gains(feed_forward=1.1),
     "wrap_angle": lambda: Hoist(wrap_angle=180.0),
