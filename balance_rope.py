@@ -278,9 +278,9 @@ def _hoist(options: argparse.Namespace) -> tuple[Case, tuple[OneRope, ...], Traj
         raise ValueError(f"{options.hoist} has several ropes, and an FMU has one: add --ssp")
     # slow imports
     from hoist_demo.ropes.definition import ropes_of
-    from hoist_demo.study.run import build_trip
+    from hoist_demo.study.run import build, from_landing
 
-    run, trajectory = build_trip(options.hoist, {}), None
+    run, trajectory = from_landing(build(options.hoist, {})), None
     if not case.distinct_ropes:
         case = _with_rope(case, options.rope, options.set)
     if options.ssp and run.controller != CONTROLLER.start:

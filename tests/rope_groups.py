@@ -13,7 +13,7 @@ from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, r
 from hoist_demo.cosimulation.schemes.interface import Reader
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.ropes.definition import Ropes, ropes_of
-from hoist_demo.study.run import build_trip
+from hoist_demo.study.run import build, from_landing
 from rope_model import EndMotion, Level, Status
 
 CASE = find_case("rope-120")
@@ -37,7 +37,7 @@ def rope_in_process(
 def ropes_in(path: Path) -> Ropes:
     """Ropes of a hoist's file."""
     case = find_case(str(path))
-    return ropes_of(case, build_trip(str(path), {}), {}, case.level)
+    return ropes_of(case, from_landing(build(str(path), {})), {}, case.level)
 
 
 @dataclass

@@ -42,11 +42,8 @@ class Wound:
 
     def run(self, python: bool = False, **options: Any) -> Result:
         case = find_case(self.name)
-        rope: RopePlant = (
-            rope_in_process(self.name, level=self.level, parameters=self.rope)
-            if self.fmu is None
-            else FmuRope(self.fmu, {**case.rope, **self.rope})
-        )
+        own = {**case.rope, **self.rope}
+        rope: RopePlant = FmuRope(self.fmu, own) if self.fmu else rope_in_process(self.name, self.level, self.rope)
         hoist = replace(case.hoist, **self.hoist)
         host = Host(rope, hoist, self.winding, self.coupling, self.gains)
         if python:
@@ -117,9 +114,7 @@ def test_a_guard_of_the_rope_stops_the_hoist_as_in_python(in_c: list[int]) -> No
 @pytest.mark.parametrize("coupling", [Coupling(step=0.02, sample=0.01), Coupling(step=0.01, sample=0.02)])
 @pytest.mark.parametrize("kind", ["", "native-2", "native-3"])
 @pytest.mark.parametrize("part", ["rope", "drive"])
-def test_a_trip_that_fails_does_so_with_the_words_of_python(
-    part: str, kind: str, coupling: Coupling, fmu_of: Callable[[str], Path]
-) -> None:
+def test_a_trip_that_fails_does_so_with_the_words_of_python(part: str, kind: str, coupling: Coupling, fmu_of) -> None:
     wound = Wound(coupling=coupling, fmu=fmu_of(kind) if kind else None)
     if part == "rope":
         wound.rope = {"inputs.acceleration_max": 0.5}  # m/s^2, less than the trip's

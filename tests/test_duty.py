@@ -1,6 +1,7 @@
 """Trips of a duty: what is carried over, what a dwell changes, when they repeat, and how a duty goes on."""
 
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import pytest
@@ -37,13 +38,12 @@ winding.travel = -{travel}
 hoist.payload_left = 0
 hoist.payload_right = 5000
 """
+USUAL = {"repeat": 1, "fidelity": "torsional", "settle": 5.0, "travel": 90.0}
 
 
-def schedule_of(
-    folder: Path, repeat: int = 1, fidelity: str = "torsional", settle: float = 5.0, travel: float = 90.0
-) -> Schedule:
+def schedule_of(folder: Path, **chosen: Any) -> Schedule:
     path = folder / "duty.toml"
-    path.write_text(DUTY.format(repeat=repeat, fidelity=fidelity, settle=settle, travel=travel), encoding="utf-8")
+    path.write_text(DUTY.format(**USUAL | chosen), encoding="utf-8")
     return read_schedule(path)
 
 
@@ -120,7 +120,9 @@ def test_a_duty_goes_on_from_its_file_with_the_same_bits(tmp_path: Path) -> None
 def test_a_cycle_is_steady_once_what_is_left_of_the_transient_changes_by_a_hundredth() -> None:
     # yaw 1 + 2^-n, of 1.5 at most: trip n and n - 2 differ by 3/4 2^(2 - n) / 1.5 = 2^(1 - n), below 0.01 from n = 8 on
     zeros = dict.fromkeys(COLUMNS, 0.0)
-    trips = trip_table([zeros | {"trip": float(n), "loop_yaw": 1.0 + 0.5**n} for n in range(1, 13)], 2)
+    yaws = {float(n): {"loop_yaw": 1.0 + 0.5**n, "position_error": -(0.5**n)} for n in range(1, 13)}
+    trips = trip_table([zeros | {"trip": number, **columns} for number, columns in yaws.items()], 2)
+    assert (worst(trips, 2)[-1].name, worst(trips, 2)[-1].value) == ("position_error", 0.5)
     assert_allclose(trips["difference"][2:], [0.5 ** (n - 1) for n in range(3, 13)], rtol=1e-12)
     assert steady_from(trips, 2) == 8
     assert 0.5**7 <= STEADY < 0.5**6
@@ -137,7 +139,7 @@ def test_a_cycle_is_steady_once_what_is_left_of_the_transient_changes_by_a_hundr
 )
 def test_a_schedule_that_cannot_be_is_refused_with_the_cure(tmp_path: Path, wrong: str, right: str, told: str) -> None:
     path = tmp_path / "duty.toml"
-    text = DUTY.format(repeat=1, fidelity="torsional", settle=5.0, travel=90.0)
+    text = DUTY.format(**USUAL)
     assert wrong in text
     path.write_text(text.replace(wrong, right), encoding="utf-8")
     with pytest.raises(FileError, match=told):
@@ -159,8 +161,8 @@ def test_the_command_leaves_a_table_and_goes_on(tmp_path: Path, capsys: pytest.C
     assert balance_rope.main(arguments) == 0
     assert balance_rope.main([*arguments, "--repeat", "2"]) == 0
     told = capsys.readouterr().out
-    assert "2 of 4 trips are there already" in told
-    assert "slip safety in normal winding is" in told
+    warned = ("slip safety in normal winding is", "the left conveyance ends its dwell")
+    assert all(text in told for text in (*warned, "2 of 4 trips are there already"))
     assert "hoist.payload_left,varied,kg,varied" in (tmp_path / "out" / "data.csv").read_text(encoding="utf-8")
     units = {line.split()[0]: line.split()[2] for line in told.splitlines() if " in trip " in line}
     # angles in degrees, and no unit of pure numbers: "in trip" follows
@@ -169,3 +171,6 @@ def test_the_command_leaves_a_table_and_goes_on(tmp_path: Path, capsys: pytest.C
     assert_array_equal(trips["trip [1]"], [1.0, 2.0, 3.0, 4.0])
     assert "loop_yaw [rad]" in trips
     assert (tmp_path / "out" / "duty.png").stat().st_size > 0
+    file.write_text(hard.replace("[fixed]", "[fixed]\nhoist.slack_tension = 9e4"), encoding="utf-8")
+    assert balance_rope.main([*arguments[:-1], str(tmp_path / "slack")]) == 1
+    assert "1: emergency stop at t = 1.1 s: head ropes pulled less than hoist.slack_tension" in capsys.readouterr().err

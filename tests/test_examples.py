@@ -94,9 +94,7 @@ def test_a_released_swivel_ends_stuck_below_its_static_friction(tmp_path: Path) 
         ("iterated_steps.py", (FMU,), 1e-3),
     ],
 )
-def test_an_example_ends_with_one_times_what_it_compares_with(
-    script: str, arguments: tuple[str, ...], off: float, folder: Path
-) -> None:
+def test_an_example_ends_with_one_times_what_it_compares_with(script: str, arguments, off, folder: Path) -> None:
     assert float(lines_of(EXAMPLES / script, folder, *arguments)[-1].split()[-1]) == pytest.approx(1.0, abs=off)
 
 

@@ -253,9 +253,7 @@ def test_newton_returns_its_verdict(norms: list[float], status: NewtonStatus, it
     ("tolerance", "leaves", "corrections", "error"),
     [(0.05, UNKNOWN, 2, 0.04), (0.03, UNKNOWN, 3, 0.008), (0.1, 0.25, 2, 0.04), (0.3, 0.25, 1, 0.2)],
 )
-def test_the_error_left_by_a_wrong_derivative_is_estimated(
-    tolerance: float, leaves: float, corrections: int, error: float
-) -> None:
+def test_the_error_left_by_a_wrong_derivative_is_estimated(tolerance, leaves: float, corrections: int, error) -> None:
     z, factor, dx = ca.MX.sym("z", 1, 2), ca.MX.sym("factor"), ca.MX.sym("dx")  # x and its residual, x - 1
     moved = z[0] + dx
     iteration = newton(

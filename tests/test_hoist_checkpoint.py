@@ -70,12 +70,11 @@ def wind(controller: Made, stop_at: float = math.inf, coupling: Coupling | None 
     return host.run(lambda fraction, t: t < stop_at, **options)
 
 
-@pytest.mark.parametrize(
-    ("stop_at", "coupling"), [(0.3, Coupling()), (1.1, Coupling()), (0.5, Coupling(step=0.02, sample=0.01))]
-)
-def test_a_controller_with_a_memory_of_its_own_resumes_to_the_same_bits(
-    stop_at: float, coupling: Coupling, tmp_path: Path
-) -> None:
+STOPPED = [(0.3, Coupling()), (1.1, Coupling()), (0.5, Coupling(step=0.02, sample=0.01))]
+
+
+@pytest.mark.parametrize(("stop_at", "coupling"), STOPPED)
+def test_a_controller_with_a_memory_of_its_own_resumes_to_the_same_bits(stop_at, coupling, tmp_path: Path) -> None:
     whole = wind(Filtered, coupling=coupling)
     stopped = wind(Filtered, stop_at, save_to=tmp_path / "kept.npz", coupling=coupling)
     assert stopped.saved is not None
@@ -138,9 +137,10 @@ def test_plain_data_come_back_equal_and_of_the_same_kind(value: Any) -> None:
     assert repr(back) == repr(value)
 
 
-@pytest.mark.parametrize(
-    "value", [np.float64(0.1), np.float32(math.nan), np.arange(6).reshape(2, 3)[:, ::2], np.array([True]), np.array(1j)]
-)
+OF_NUMPY = (np.float64(0.1), np.float32(math.nan), np.arange(6).reshape(2, 3)[:, ::2], np.array([True]), np.array(1j))
+
+
+@pytest.mark.parametrize("value", OF_NUMPY)
 def test_numbers_and_arrays_of_numpy_come_back_with_their_type(value: Any) -> None:
     back = there_and_back(value)
     assert (type(back), back.dtype, back.shape) == (type(value), value.dtype, value.shape)

@@ -18,13 +18,14 @@ from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.interface import RopePlant, Scheme
 from hoist_demo.cosimulation.schemes.iterative import Iterative
-from hoist_demo.parameters import Coupling, Hoist, Winding
+from hoist_demo.parameters import Arrival, Coupling, Hoist, Winding
 from hoist_demo.parameters.components import Brake
 from hoist_demo.recording.incidents import stops
 from hoist_demo.recording.time_series import shape_rows, write_csv, write_shapes
 from hoist_demo.report.figures import write_figures
 from hoist_demo.report.summary import summarize
 from hoist_demo.report.verdict import judge
+from hoist_demo.study.metrics import measure
 from rope_model import EndMotion, Status
 
 RHO, G, LENGTH = 8.0, 9.81, 120.0
@@ -172,6 +173,10 @@ def test_a_stop_by_the_brake_is_judged_by_its_way_and_not_by_a_reference_it_does
     way = np.abs(recording["conveyance.left.y"][trip:] - recording["conveyance.left.y"][trip])
     np.testing.assert_allclose(stop.stopping_distance, way.max())
     assert 0.5 < stop.time < 20.0
+    # a brake too weak for the load has no stopping distance
+    weak = Hoist(brake=Brake(torque=3e4))
+    runs = (result, hoist), (Host(FakeRope(), weak, winding).run(), weak)
+    assert_allclose([measure(*run, Arrival()).metrics["stop_distance"] for run in runs], [way.max(), math.nan])
     # of the drive, until the trip: the controller's own bound
     assert float(rows["largest tracking error until then"]) < 25.0
     assert "final position error" not in rows

@@ -13,6 +13,7 @@ from hoist_demo.control.controller import Gains
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
 from hoist_demo.cosimulation.schemes.interface import Load, Stopwatch
+from hoist_demo.design.statics import pulls
 from hoist_demo.drive.equations import LOSS_NAMES
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.drive_fmu.description import drive_model
@@ -52,9 +53,8 @@ def test_head_ropes_swing_as_a_rod_with_the_conveyance_at_its_end(modes: int) ->
     length = state.free_lengths[0]
     ratio = hoist.rope_mass * length / hoist.mass_left
     # k l tan(k l) = rope's mass over conveyance's, in each branch of the tangent
-    roots = [
-        brentq(lambda b: b * math.sin(b) - ratio * math.cos(b), n * math.pi, (n + 0.5) * math.pi) for n in range(modes)
-    ]
+    branches = [(n * math.pi, (n + 0.5) * math.pi) for n in range(modes)]
+    roots = [brentq(lambda b: b * math.sin(b) - ratio * math.cos(b), *ends) for ends in branches]
     exact = np.array(roots) * math.sqrt(hoist.rope_stiffness / hoist.rope_mass) / length
     found = _frequencies(plant, (250.0, 250.0))[::2][:modes]  # both sides are alike
     # a mode left out would add its participating mass 2 mu l / (j pi)^2, by the square of the ratio of the frequencies
@@ -187,6 +187,9 @@ def test_static_tensions_and_slip_safety_are_those_of_a_hand_calculation() -> No
     # e^(0.25 pi) = 2.19328: 1.19328 / 0.456204
     np.testing.assert_allclose(hoist.slip_safety(left / right), 2.61567, rtol=1e-5)
     assert hoist.slip_safety(1.0) == math.inf
+    uneven = replace(hoist, tail_rope_mass=3.0)
+    apart = [abs(one - other) for one, other in (pulls(uneven, y) for y in (0.0, 30.0, 60.0, 90.0))]
+    np.testing.assert_allclose([uneven.imbalance(), uneven.imbalance(30.0)], [max(apart), max(apart[1:3])])
 
 
 def test_the_motor_keeps_its_limits_of_torque_and_power() -> None:
@@ -215,6 +218,7 @@ def test_the_ends_of_the_balance_rope_follow_the_conveyances() -> None:
     assert ends(plain, *rest_at(plain, (0.0, 90.0)))[0] == EndMotion(y=0.0, ay=pytest.approx(0.0, abs=1e-10))
 
 
+REGULATED = Winding(emergency_at=5.0, emergency_law="deceleration")
 BAD = {
     "conveyance_mass": lambda: Hoist(conveyance_mass=0.0),
     "torque_limit": lambda: Hoist(torque_limit=math.nan),
@@ -225,9 +229,7 @@ BAD = {
     "lining": lambda: drive_model(replace(find_case("rope-120"), hoist=Hoist(lining=Lining()))),
     "jam_right": lambda: drive_model(find_case("jammed-conveyance")),
     "emergency_law": lambda: require_trip_fits(Hoist(), Winding(emergency_at=5.0, emergency_law="torque")),
-    "emergency_deceleration": lambda: require_trip_fits(
-        Hoist(brake=Brake(torque=5e4)), Winding(emergency_at=5.0, emergency_law="deceleration")
-    ),
+    "emergency_deceleration": lambda: require_trip_fits(Hoist(brake=Brake(torque=5e4)), REGULATED),
     "gain speed": lambda: Gains(speed=0.0),
     "gain feed_forward": lambda: Gains(feed_forward=1.1),
     "wrap_angle": lambda: Hoist(wrap_angle=180.0),

@@ -78,8 +78,8 @@ VERDICTS = [
     ({"loop.sideways": [0.0, 1.2]}, {"guard.window": 1.5}, "sideways", "1.2 m", True),
     ({"nearest.divider.clearance": [1.0, 0.2]}, {"guard.clearance": 0.3}, "clearance from a divider", "0.2 m", False),
     ({"status.loop_error": [0, 5e-3]}, {"accuracy.loop": 0.01}, "estimated error of the loop", "5 mm", True),
-    # exp(0.25 pi) = 2.193: (2.193 - 1) / (1.5 - 1) at rest, 1.193 / 1.2 while it winds
-    ({"drive.tension_ratio": [1.5, 2.2]}, {}, "slip safety at rest", "2.39", True),
+    # exp(0.25 pi) = 2.193: (2.193 - 1) / (1.6 - 1) at rest after arrival, 1.193 / 1.2 while it winds
+    ({"drive.tension_ratio": [1.5, 1.6]}, {}, "slip safety at rest", "1.99", True),
     ({"drive.tension_ratio": [1.5, 2.2]}, {}, "slip safety in normal", "0.99", False),
     ({"drive.torque_limited": [1, 0]}, {}, "remark", "the motor was at its limit for 1.00 s", None),
     # the guard counts from a height of its own; a fall is no rise
@@ -105,12 +105,21 @@ def test_the_verdict_has_each_number_with_its_digits_beside_its_bound(signals, p
     assert (found.quantity in verdict.summary) == (kept is False)
 
 
-def test_an_emergency_stop_is_told_by_each_conveyance_s_own_way() -> None:
-    left = np.array([[0.0, 8.0, 12.0, 13.0], [8.0, 6.0, 2.0, -0.1]])
-    record = {f"conveyance.{side}.{name}": x for side in SIDES for name, x in zip(("y", "vy"), left, strict=True)}
-    assert stops(Recording({"time": np.arange(10.0, 14.0), **record}, {}), 1.0) == [Stop(s, 5.0, 2.0) for s in SIDES]
-    record["conveyance.right.vy"] = -np.ones(4)
-    assert stops(Recording({"time": np.arange(4.0), **record}, {}), 1.0)[1].time is None
+def test_a_stop_is_told_by_each_conveyance_s_own_way_and_by_what_holds_it_from_then_on() -> None:
+    y, vy = [0.0, 8.0, 12.0, 13.0, 12.0, 10.0, 4.0], [8.0, 6.0, 2.0, -0.1, -2.0, -3.0, -6.0]
+    signals = {f"conveyance.{side}.{name}": x for side in SIDES for name, x in (("y", y), ("vy", vy))}
+    # ropes that slid before the stop go on sliding, at the ratio of sliding friction
+    signals |= {"drive.tension_ratio": [1.5] + [1.9] * 6, "drive.slip": [0, 1, 3, 5, 7, 9, 9], "drive.slip_speed": y}
+    # on its way, at rest, and fallen back for 3 s, longer than anything swings
+    courses = {3: (4, None, 0, False, 2, 4), 4: (5, 2, 0, True, 0, 5), 7: (5, 2, -9, False, -6, 5)}
+    for n, course in courses.items():
+        record = Recording({"time": np.arange(10.0, 10.0 + n), **{k: np.array(x[:n]) for k, x in signals.items()}}, {})
+        assert stops(record, 1.0) == [Stop(side, *course) for side in SIDES]
+    ended = SimpleNamespace(recording=record, completed=True, cause="", warning="", winding=Winding(emergency_at=2.0))
+    rows = {row.quantity: row for row in judge(ended, Hoist(), [RopeData({}, {}, {})]).rows}
+    told = rows["way of the left conveyance in the emergency stop"]
+    assert (told.value, told.holds) == ("1.00 m in 1.00 s, then 9.00 m down, at 6 m/s in the end", False)
+    assert [rows[f"slip safety {part}"].holds for part in ("at rest", "from the emergency stop on")] == [True, False]
 
 
 @pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")
@@ -139,9 +148,7 @@ def test_a_demo_s_reports_state_rope_file_version_level_and_fidelity(fmi: str, t
 @pytest.mark.parametrize(
     "name", ["SIGINT", pytest.param("SIGHUP", marks=pytest.mark.skipif(os.name == "nt", reason="none"))]
 )
-def test_an_interrupt_and_a_closed_terminal_let_the_writing_finish(
-    name: str, capsys: Capture, monkeypatch: Patch
-) -> None:
+def test_an_interrupt_and_a_closed_terminal_let_the_writing_finish(name, capsys: Capture, monkeypatch: Patch) -> None:
     before = signal.getsignal(signal.SIGINT)
     monkeypatch.setattr(support, "silence", lambda: None)
     treat_hangup_as_interrupt()

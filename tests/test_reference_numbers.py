@@ -33,9 +33,7 @@ def material(**values: float) -> Array:
 
 @pytest.mark.parametrize(("Qb", "Qc"), [(2.336e5, 2.336e5), (2.371e5, 2.301e5)])
 @pytest.mark.parametrize(("length", "torque", "twist"), [(60.0, 4.58, 0.0242), (120.0, 9.17, 0.0967)])
-def test_a_hanging_rope_held_at_both_ends_has_the_torque_and_twist_of_its_weight(
-    length: float, torque: float, twist: float, Qb: float, Qc: float
-) -> None:
+def test_a_hanging_rope_held_at_both_ends_has_the_torque_and_twist_of_its_weight(length, torque, twist, Qb, Qc) -> None:
     rope = replace(ROPE, length=length, Qb=Qb, Qc=Qc)
     s = np.linspace(0.0, length, 61)
     q = np.zeros((s.size, 7))

@@ -245,9 +245,7 @@ def test_several_ropes_have_the_verdict_and_the_report_of_one(tmp_path: Path, ca
 
 
 @pytest.mark.parametrize(("option", "value"), [("--fmu", "rope.fmu"), ("--resume", "last_good.npz")])
-def test_options_for_one_rope_are_refused_with_several(
-    tmp_path: Path, capsys: Capture, option: str, value: str
-) -> None:
+def test_options_for_one_rope_are_refused_with_several(tmp_path: Path, capsys: Capture, option, value) -> None:
     (path := tmp_path / "ropes.toml").write_text(ROPES, encoding="utf-8")
     assert main(["wind", str(path), option, value]) == 2
     assert f"{option} {value} is for a hoist with one [[rope]]: leave it out" in capsys.readouterr().err

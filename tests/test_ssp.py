@@ -149,9 +149,7 @@ def test_structure_is_valid_ssp_and_connects_every_signal_of_both(ssp: Path) -> 
     assert '<ssd:DefaultExperiment startTime="0.0" stopTime="35.0">' in text
 
 
-def test_system_of_ssp_2_has_the_types_of_fmi_3_and_names_the_statuses_of_its_data(
-    tmp_path: Path, fmu_of: Callable[[str], Path]
-) -> None:
+def test_system_of_ssp_2_has_the_types_of_fmi_3_and_names_the_statuses_of_its_data(tmp_path: Path, fmu_of) -> None:
     """Against the schemas of SSP 2.0 and SSP Traceability 1.1, which pyssp-standard carries."""
     xmlschema = pytest.importorskip("xmlschema")
     schemas = Path(pytest.importorskip("pyssp_standard").__file__).parent / "resources"

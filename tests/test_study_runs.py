@@ -114,9 +114,11 @@ def test_cycle_time_waits_for_the_swing_and_for_the_creep_that_is_none(swing, cr
     assert (found["swing_right"] < 1e-12) == (swing == 0.0)
 
 
-def test_a_stop_never_arrives_and_a_trip_within_the_band_takes_no_time() -> None:
-    for trip, cycle in (({"emergency_at": 4.0}, math.nan), ({"emergency_at": 0.5}, math.nan), ({"travel": 1e-4}, 0.0)):
-        found = measure(*invent_trip(0.0, **trip), Arrival()).metrics
+def test_a_stop_never_arrives_and_a_trip_within_the_band_takes_that_of_its_reference() -> None:
+    # four equal jerks over 0.1 mm, which lies within the band: d = 2 j tau^3
+    brief = 4.0 * (1e-4 / (2.0 * Winding().jerk)) ** (1.0 / 3.0)
+    for name, value, cycle in (("emergency_at", 4, math.nan), ("emergency_at", 0.5, math.nan), ("travel", 1e-4, brief)):
+        found = measure(*invent_trip(0.0, **{name: value}), Arrival()).metrics
         assert_allclose(found["cycle_time"], cycle)
         assert [math.isnan(found[name]) for name in ARRIVALS] == [math.isnan(cycle)] * 3
 
@@ -214,8 +216,7 @@ def test_failed_run_is_recorded_with_its_cause_and_stops_no_other(read: Read, tm
 def test_table_holds_what_the_rope_did(read: Read, tmp_path: Path, client: Client) -> None:
     study = read(f"study.signals = ['left.fy', 'right.fy']\n{SHORT}")
     store = Store(tmp_path / "out")
-    result = run_study(study, store, partial(run_samples, client, study, store=store))
-    table = pd.read_parquet(result.table)
+    table = pd.read_parquet(run_study(study, store, partial(run_samples, client, study, store=store)).table)
     kept = read_results(tmp_path / "out" / "signals" / f"{table['key'][0]}.parquet")
     series = kept.table
     # 120 m of 8 kg/m, hung from ends 90 m apart: 105 m below the upper end, 15 m below the lower one
@@ -227,8 +228,8 @@ def test_table_holds_what_the_rope_did(read: Read, tmp_path: Path, client: Clien
     # a draft leaves torsion out, and its yaw is not zero but unknown
     assert math.isnan(table["loop_yaw"][0])
     assert table["fidelity"][0] == "planar"
-    record = json.loads((tmp_path / "out" / "runs" / f"{table['key'][0]}.json").read_text())
-    assert record["data"]["winding"]["travel"] == 0.2
+    record = tmp_path / "out" / "runs" / f"{table['key'][0]}.json"
+    assert json.loads(record.read_text())["data"]["winding"]["travel"] == 0.2
 
 
 @pytest.fixture
@@ -249,9 +250,8 @@ def test_grid_is_run_for_every_variant(read: Read) -> None:
     )
     assert len(study.samples) == 2 * 2 * 2
     assert {(s.variant, s.data.rope_values["rope.EI"]) for s in study.samples} == {("soft", 50.0), ("stiff", 500.0)}
-    assert {(s.data.controller, s.data.winding.jerk) for s in study.samples} == {
-        (c, j) for c in ("pi", "pi-feed-forward") for j in (0.5, 1.0)
-    }
+    both = {(c, j) for c in ("pi", "pi-feed-forward") for j in (0.5, 1.0)}
+    assert {(s.data.controller, s.data.winding.jerk) for s in study.samples} == both
 
 
 #: speed gain: costs of its runs without and with load, and their slip safety
@@ -278,8 +278,7 @@ def test_choices_are_compared_over_the_same_payloads_within_bounds(read: Read, t
         empty, full, safe_empty, safe_full = COSTS[sample.data.gains.speed]
         loaded = sample.data.hoist.payload_left > 0.0
         metrics = {"cycle_time": full if loaded else empty, "slip_safety": safe_full if loaded else safe_empty}
-        warned = (f"slip safety {metrics['slip_safety']}",)
-        outcome = Outcome("completed", "", metrics, {}, warnings=warned)
+        outcome = Outcome("completed", "", metrics, {}, warnings=(f"slip safety {metrics['slip_safety']}",))
         store.write(sample.data.key(study.fmu_hash), sample.data, outcome, "w")
     found = run_study(study, store, lambda samples: [s.data.key(study.fmu_hash) for s in samples])
     assert found.best is not None
@@ -295,9 +294,8 @@ def test_choices_are_compared_over_the_same_payloads_within_bounds(read: Read, t
 def test_a_strike_at_the_lowest_speed_only_is_remarked_on(read: Read) -> None:
     study = read("[vary]\nwinding.speed = [5, 6, 7, 8]")
     outcomes = [{"status": "completed", "passed": "struck" * (k == 0), "metrics": {}} for k in range(4)]
-    assert not_monotonic(study, study.samples, outcomes) == [
-        "The rope struck or passed through something at winding.speed = 5, not at 6 to 8"
-    ]
+    remark = "The rope struck or passed through something at winding.speed = 5, not at 6 to 8"
+    assert not_monotonic(study, study.samples, outcomes) == [remark]
     assert not_monotonic(study, study.samples, outcomes[::-1]) == []
 
 
@@ -342,9 +340,7 @@ BAD = {
 
 
 @pytest.mark.parametrize(("text", "value", "cure"), BAD.values(), ids=BAD.keys())
-def test_bad_file_is_refused_with_file_key_value_and_cure(
-    read: Read, tmp_path: Path, text: str, value: str, cure: str
-) -> None:
+def test_bad_file_is_refused_with_file_key_value_and_cure(read: Read, tmp_path: Path, text, value, cure) -> None:
     (tmp_path / "TWO.toml").write_text(TWO, encoding="utf-8")
     with pytest.raises(FileError) as refused:
         read(text)

@@ -40,9 +40,7 @@ def unbounded() -> NDArray[np.float64]:
     return wind(0)
 
 
-def test_the_bound_holds_through_a_release_and_an_emergency_stop_and_the_status_says_so(
-    unbounded: NDArray[np.float64],
-) -> None:
+def test_the_bound_holds_through_a_release_and_an_emergency_stop_and_the_status_says_so(unbounded) -> None:
     bounded = wind(BOUND)
     assert work(unbounded) > BOUND >= work(bounded)
     given_up, since = bounded[:, GIVEN_UP], bounded[:, SINCE]

@@ -71,11 +71,6 @@ class Case:
         """Status of each value by name."""
         return statuses(self.values)
 
-    @property
-    def sources(self) -> dict[str, str]:
-        """Source of each value that states one, by name."""
-        return {key: entry.source for key, entry in self.values.items() if entry.source}
-
     def alone(self, rope: BalanceRopeData) -> Case:
         """Return the hoist with one of its ropes."""
         return replace(self, balance_ropes=(BalanceRopeData(rope.name, rope.values),), rope=rope.parameters)

@@ -9,7 +9,7 @@ from hoist_demo.cases.case import BalanceRopeData, Case
 from hoist_demo.files.registry import data_of, host_parameters, rope_parameters
 from hoist_demo.files.rope_file import OF_CATALOGUE
 from hoist_demo.files.values import DERIVED, ParameterValue, plain
-from hoist_demo.parameters import GRAVITY, Hoist, Winding, hoist_with, require_trip_fits
+from hoist_demo.parameters import Hoist, Winding, hoist_with, require_trip_fits
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
 from rope_model import rope as catalogue_rope
@@ -27,13 +27,11 @@ class RuleInputs:
     winding: Winding
     rope: Hoist  # hoist with number, mass and length of the balance ropes alone
 
-    @property
-    def torque(self) -> float:
-        """Torque at the sheave that accelerates hoist and payload [N m]."""
+    def torque(self, travelled: float = 0.0) -> float:
+        """Return the torque at the sheave that accelerates hoist and payload [N m], `travelled` [m] from a landing."""
         hoist, (coulomb, viscous) = self.hoist, self.hoist.travel_loss
-        imbalance = GRAVITY * abs(hoist.mass_left - hoist.mass_right)
-        losses = coulomb + viscous * self.winding.speed
-        return hoist.sheave_radius * (hoist.moving_mass * self.winding.acceleration + imbalance + losses)
+        force = hoist.moving_mass * self.winding.acceleration + hoist.imbalance(travelled)
+        return hoist.sheave_radius * (force + (coulomb + viscous * self.winding.speed))
 
 
 class Rule(NamedTuple):
@@ -63,7 +61,7 @@ RULES = (
     Rule(
         "hoist.torque_limit",
         "1.5 times that of the acceleration with the payload: R (m a + g times the imbalance + losses)",
-        lambda k: 1.5 * k.torque,
+        lambda k: 1.5 * k.torque(),
     ),
     Rule("gains.speed", "3 1/s times all moving masses", lambda k: 3.0 * k.hoist.moving_mass),
     Rule("gains.integral_time", "2 s", lambda _: 2.0),

@@ -17,7 +17,7 @@ from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.exposure import STATION_SIGNALS, exposure, flatten, gather, together
 from hoist_demo.recording.fidelity import mask_neglected, remark
-from hoist_demo.recording.incidents import incidents
+from hoist_demo.recording.incidents import circuit_stop
 from hoist_demo.recording.time_series import TIME, Recording, write_csv
 from hoist_demo.report.html.page import number
 from hoist_demo.report.rows import OUTCOME, WARNING, SummaryRow, in_display_unit, render
@@ -26,6 +26,7 @@ from hoist_demo.report.verdict import outcome
 
 if TYPE_CHECKING:
     from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
+    from hoist_demo.cosimulation.run_state import Result
     from hoist_demo.duty.schedule import Schedule
     from hoist_demo.duty.wind import WoundTrip
 
@@ -76,7 +77,7 @@ def _duty(options: argparse.Namespace) -> int:
     rope = InProcessRope(rope_scene(schedule.pattern[0].rope_values, schedule.level), read)
     out = results_folder(options.out or Path("out") / "duty" / options.schedule.stem)
     with interruption() as interrupted:
-        trips, last, slips = _wind(schedule, rope, out / STATE, interrupted, options.exposure)
+        trips, last, of_trips = _wind(schedule, rope, out / STATE, interrupted, options.exposure)
     if trips is None:
         print("balance-rope: interrupted before the first trip's end", file=sys.stderr)
         return 130
@@ -87,8 +88,8 @@ def _duty(options: argparse.Namespace) -> int:
     print(f"{header.title}: hoist {header.hoist}, level {schedule.level}, {trips['trip'].size} trips\n")
     exposures = exposure_rows("", exposed) if exposed else ()
     recording = _as_it_is(rope) if last is None else last.result.recording
-    slipped = (f"{text} ({count} of {len(slips)} trips)" for text, count in remarks_of(slips).items())
-    warned = [*filter(None, (contradictions(run.hoist, rope.data().parameters), remark(recording), *slipped))]
+    counted = (f"{text} ({count} of {len(of_trips)} trips)" for text, count in remarks_of(of_trips).items())
+    warned = [*filter(None, (contradictions(run.hoist, rope.data().parameters), remark(recording), *counted))]
     print(render([*_summary(trips, last, len(schedule.pattern), warned), *exposures, *status_rows(data)]))
     print(f"\n{ASSUMED_DATA}\n")
     print("written: " + ", ".join(str(path) for path in written))
@@ -96,7 +97,7 @@ def _duty(options: argparse.Namespace) -> int:
         print("balance-rope: interrupted; the same command goes on", file=sys.stderr)
         return 130
     if trips["trip"].size < schedule.count or (last is not None and last.result.end is None):
-        cause = "" if last is None else last.result.cause or incidents(last.result.recording).removeprefix("; ")
+        cause = "" if last is None else last.result.cause or _ended(last.result).removeprefix("completed; ")
         print(f"balance-rope: the duty ends with trip {trips['trip'].size}: {cause}", file=sys.stderr)
         return 1
     return 0
@@ -105,14 +106,14 @@ def _duty(options: argparse.Namespace) -> int:
 def _wind(
     schedule: Schedule, rope: InProcessRope, state: Path, interrupted: Callable[[], bool], counted: bool
 ) -> tuple[Recording | None, WoundTrip | None, list[list[str]]]:
-    """Wind those left; return the table of all trips, None for none, the last wound here, and warnings of slip."""
-    from hoist_demo.duty.table import place_at_rest, trip_row, trip_table
+    """Wind those left; return the table of all trips, None for none, the last wound here, and warnings."""
+    from hoist_demo.duty.table import landing_warnings, place_at_rest, trip_row, trip_table
     from hoist_demo.duty.wind import read_state, wind_duty, write_state
     from hoist_demo.study.slip import slip_warnings
 
     cycle = len(schedule.pattern)
     rest = place_at_rest(schedule, rope)
-    rows, slips = list[dict[str, float]](), list[list[str]]()
+    rows, warned = list[dict[str, float]](), list[list[str]]()
     after = last = None
     if state.is_file():
         saved_rows, after = read_state(state, rope, schedule)
@@ -129,12 +130,12 @@ def _wind(
             if interrupted() and trip.result.end is None:
                 break
             last = trip
-            slips.append(slip_warnings(trip.result.recording, trip.data.hoist, trip.result.winding))
             exposed = exposure(trip.result.recording, rope.data().parameters)
             rows.append(trip_row(trip, rest) | (flatten(exposed) if exposed else {}))
+            warned.append([*slip_warnings(trip.result, trip.data.hoist), *landing_warnings(rows[-1], trip.data)])
             if trip.result.end is not None:
                 write_state(state, trip_table(rows, cycle), trip.result.end, rope, schedule)
-    return (trip_table(rows, cycle) if rows else None), last, slips
+    return (trip_table(rows, cycle) if rows else None), last, warned
 
 
 def _as_it_is(rope: InProcessRope) -> Recording:
@@ -144,6 +145,12 @@ def _as_it_is(rope: InProcessRope) -> Recording:
     return mask_neglected(Recording(signals, {}), rope.data().torque_free)
 
 
+def _ended(result: Result) -> str:
+    """Return how a trip has ended, in words."""
+    words, at = outcome(result.completed, result.recording), result.winding.emergency_at
+    return words if at is None else f"{words}; {circuit_stop(result.recording, at)}"
+
+
 def _summary(trips: Recording, last: WoundTrip | None, cycle: int, warned: Sequence[str]) -> list[SummaryRow]:
     from hoist_demo.duty.table import STEADY, UNITS, steady_from, worst
 
@@ -151,7 +158,7 @@ def _summary(trips: Recording, last: WoundTrip | None, cycle: int, warned: Seque
     if last is not None:
         recording = last.result.recording
         rows += [
-            SummaryRow(OUTCOME, "status of the last trip", outcome(last.result.completed, recording)),
+            SummaryRow(OUTCOME, "status of the last trip", _ended(last.result)),
             SummaryRow(OUTCOME, "simulated time", float(recording.time[-1]), "s"),
         ]
     rows += [SummaryRow(OUTCOME, WARNING, text) for text in warned]

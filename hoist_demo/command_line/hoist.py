@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import shlex
 import sys
 from functools import partial
 from pathlib import Path
@@ -60,17 +61,19 @@ def add_hoist_commands(commands: Commands) -> None:
 def _new(options: argparse.Namespace) -> int:
     texts = {p: getattr(options, p.name.replace("-", "_")) for p in WISHES}
     chosen = {p.name: read_value(p, text) for p, text in texts.items() if text is not None}
-    path = options.out or Path(f"{options.name}.toml")
+    name = options.name.removesuffix(".toml")
+    path = options.out or Path(f"{name}.toml")
     if path.exists() and not options.force:
         raise ValueError(f"{path} is there already: choose another name, or --force")
-    text = new_hoist(options.name, chosen)
+    text = new_hoist(name, chosen)
     path.parent.mkdir(parents=True, exist_ok=True)
     if options.schema:
         beside = path.with_name("hoist.schema.json")
         beside.write_text(json.dumps(schema()), encoding="utf-8", newline="\n")
         text = f"#:schema ./{beside.name}\n{text}"
     path.write_text(text, encoding="utf-8", newline="\n")
-    print(f"written: {path}\nnow: balance-rope show {path}; balance-rope wind {path}")
+    quoted = shlex.quote(str(path))
+    print(f"written: {path}\nnow: balance-rope show {quoted}; balance-rope wind {quoted}")
     return 0
 
 

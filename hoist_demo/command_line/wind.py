@@ -26,14 +26,14 @@ from hoist_demo.files.reading import read
 from hoist_demo.files.registry import parameters
 from hoist_demo.files.rope_file import RopeFile
 from hoist_demo.files.values import GIVEN
-from hoist_demo.parameters import ASSUMED_DATA, Winding
+from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.ropes import computed
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.report.rows import SummaryRow, render, render_verdict
 from hoist_demo.ropes.definition import OneRope, Ropes, ropes_of
 from hoist_demo.study.provenance import host_provenance
-from hoist_demo.study.run import Probe, RunData, build_trip, contradictions, fmu_part
+from hoist_demo.study.run import Probe, RunData, build, contradictions, fmu_part, from_landing
 
 LAST_GOOD = "last_good.npz"  #: File in the output folder with the last good state of a run that stopped.
 STOPPED = "stopped"  #: Folder in the output folder for a run that stopped, beside results of an earlier one.
@@ -100,8 +100,10 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
         if options.hoist is not None:
             raise ValueError(f"--case {options.case} and {options.hoist} are both a hoist: leave one out")
         options.hoist = options.case
-    if options.hoist is not None and find_case(options.hoist).distinct_ropes:
-        _refuse_for_several(options)
+    several = options.hoist is not None and find_case(options.hoist).distinct_ropes
+    for name, value in (("--fmu", options.fmu), ("--resume", options.resume)):
+        if several and value:
+            raise ValueError(f"{name} {value} is for a hoist with one [[rope]]: leave it out, several run in process")
     resume = Checkpoint.read(options.resume) if options.resume else None
     options.hoist = options.hoist or (resume.hoist if resume else "") or DEFAULT_HOIST
     if options.out is None:
@@ -112,9 +114,9 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
     identified = read(options.rope, RopeFile).values() if options.rope else {}
     overrides = {key: entry.value for key, entry in identified.items()} | own
     values = _winding(options, case) | overrides
-    run = build_trip(options.hoist, values)
+    run = from_landing(build(options.hoist, values))
     for remark in case.remarks:
-        _tell(remark)
+        print(f"balance-rope: {remark}", file=sys.stderr)
     statuses = {key: entry.status for key, entry in identified.items()} | dict.fromkeys(own, GIVEN)
     hung = _ropes(options, case, run, overrides)
     if options.check:
@@ -136,7 +138,10 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
     result = replace(result, recording=computed(result.recording, {rope.name: rope.torque_free for rope in ropes}))
     run = replace(run, winding=result.winding)
     provenance = [*host_provenance(run, statuses), *rope_sources]
-    title = _title(case.name or options.hoist, run.winding)
+    trip, at = run.winding, run.winding.emergency_at
+    title = f"{case.name or options.hoist}: the left conveyance {abs(trip.travel):g} m "
+    title += f"{'up' if trip.travel > 0.0 else 'down'} at up to {trip.speed:g} m/s"
+    title += "" if at is None else f", emergency stop at {run.coupling.start + at:g} s"
     pairs = hung.pairs(result.recording)
     wound = WoundRun(title, run, result, ropes, pairs, provenance, [*remarked, *warnings], values)
     # the report of an earlier run is worth more than that of one that failed
@@ -176,26 +181,14 @@ def _remarks(hung: Ropes) -> list[str]:
     return [*filter(None, (missing_outputs(hung.plant.units()), contradictions(hung.hoist, data.parameters), level))]
 
 
-def _refuse_for_several(options: argparse.Namespace) -> None:
-    for name, value in (("--fmu", options.fmu), ("--resume", options.resume)):
-        if value:
-            raise ValueError(f"{name} {value} is for a hoist with one [[rope]]: leave it out, several run in process")
-
-
 def _choose_rope(options: argparse.Namespace, default: Path | None) -> None:
     """Settle whether the rope is that of an FMU: one asked for, or the default where there is one."""
     if options.fmu is None and not options.in_process:
         options.fmu = default if default is not None and default.is_file() else None
         options.in_process = options.fmu is None
         if options.in_process and default is not None:
-            _tell(
-                f"{default} is not there: the rope runs in this process; `balance-rope export --outputs all` makes it"
-            )
-
-
-def _tell(warning: str) -> None:
-    if warning:
-        print(f"balance-rope: {warning}", file=sys.stderr)
+            cure = "`balance-rope export --outputs all` makes it"
+            print(f"balance-rope: {default} is not there: the rope runs in this process; {cure}", file=sys.stderr)
 
 
 def _winding(options: argparse.Namespace, case: Case) -> dict[str, Value]:
@@ -251,9 +244,3 @@ def _run(host: Host, save_to: Path | None, resume: Checkpoint | None) -> Result:
     """Run the host under a progress bar, until it is interrupted."""
     with interruption() as interrupted, progress_bar() as progress:
         return host.run(lambda fraction, t: progress(fraction, t) and not interrupted(), save_to, resume)
-
-
-def _title(name: str, trip: Winding) -> str:
-    trip_words = f"{abs(trip.travel):g} m {'up' if trip.travel > 0.0 else 'down'} at up to {trip.speed:g} m/s"
-    stop = "" if trip.emergency_at is None else f", emergency stop at {trip.emergency_at:g} s"
-    return f"{name}: the left conveyance {trip_words}{stop}"

@@ -18,7 +18,7 @@ from hoist_demo.control.kernel import ARGUMENTS, law_kernel
 from hoist_demo.control.trajectory import Trajectory
 from hoist_demo.cosimulation.drive_signals import ROW
 from hoist_demo.cosimulation.participants.fmi_versions import DISCARD, WARNING
-from hoist_demo.cosimulation.participants.library_calls import CALLS, HEARD, STANDARDS, Access, OutputTable, RopeLibrary
+from hoist_demo.cosimulation.participants.library_calls import CALLS, HEARD, STANDARDS, Access, RopeLibrary
 from hoist_demo.cosimulation.run_state import RunState
 from hoist_demo.cosimulation.schemes.interface import ENDS, HISTORY, ROPE_FORCES, Sample, Stopwatch
 from hoist_demo.drive import integrator, plant
@@ -113,7 +113,7 @@ class CompiledTrip:
             y=drive.y.ctypes.data,
             law_arguments=self._law_arguments.ctypes.data,
             **{name: getattr(rope, name) or Access() for name in ("step", "motions", "valid")},
-            **{name: _one(getattr(self, f"_{name}")) for name in ("forces", "sides", "guard")},
+            **{name: next(iter(getattr(self, f"_{name}").accesses), Access()) for name in ("forces", "sides", "guard")},
             recorded=addressof(self._recorded),
             records=len(self._recorded),
             **{name: cast(getattr(rope, name), c_void_p) for name in ("warning", "warned", "text")},
@@ -195,11 +195,6 @@ class CompiledTrip:
         self._drive.evaluations += trip.evaluations
         for clock, time in zip(self._clocks, (trip.drive_time, trip.rope_time), strict=True):
             clock.wall += time
-
-
-def _one(table: OutputTable) -> Access:
-    """Return the only access of a table, an empty one if it has none."""
-    return table.accesses[0] if table.accesses else Access()
 
 
 @cache

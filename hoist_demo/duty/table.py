@@ -15,6 +15,7 @@ from hoist_demo.duty.schedule import Schedule
 from hoist_demo.duty.wind import WoundTrip
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.study.metrics import METRICS, ROPE_SIGNALS, measure
+from hoist_demo.study.run import RunData
 from rope_model import EndMotion
 
 READ = ROPE_SIGNALS | {"loop.turns"}  #: Outputs of the rope that the table is made of.
@@ -44,7 +45,7 @@ _SMALLEST_IS_WORST = ("clearance", "slip_safety")
 #: Columns of which the worst trip is told.
 JUDGED = (
     *("rope_force_ripple", "rope_force_range", "sway", "sway_across", "loop_yaw", "turns", "clearance"),
-    *("left_swivel_torque", "right_swivel_torque", "slip_safety"),
+    *("left_swivel_torque", "right_swivel_torque", "slip_safety", "position_error"),
 )
 REPEATING = ("rope_force_ripple", "sway", "sway_across", "loop_yaw", "yaw_start", "left_swivel_torque")
 STEADY = 0.01
@@ -81,6 +82,15 @@ def trip_row(trip: WoundTrip, rest: tuple[float, float]) -> dict[str, float]:
         columns[name] = float(np.max(np.abs(recording[signal] - landing)))
     columns["turns"] = float(np.max(np.abs(recording["loop.turns"])))
     return columns | _yaw(recording, trip.result.trajectory.duration)
+
+
+def landing_warnings(row: Mapping[str, float], data: RunData) -> list[str]:
+    """Warn of a trip whose dwell ends far from the landing: the drive alone holds the hoist while it is loaded."""
+    error, band = abs(row["position_error"]), data.arrival.position_band
+    return [
+        f"the left conveyance ends its dwell {error:.3g} m from the landing, not within arrival.position_band = "
+        f"{band:g} m: the drive alone holds it while payloads change; lengthen winding.settle, or raise gains.position"
+    ] if error > band else []  # fmt: skip
 
 
 def _yaw(recording: Recording, arrived: float) -> dict[str, float]:
@@ -127,6 +137,7 @@ def worst(trips: Recording, cycle: int) -> list[Worst]:
         values = trips[name]
         if np.isfinite(values).all():
             sign = -1.0 if name in _SMALLEST_IS_WORST else 1.0
+            values = values if sign < 0.0 else np.abs(values)
             k = int(np.argmax(sign * values))
             first = sign * float(np.max(sign * values[:cycle]))
             worst_trips.append(Worst(name, float(values[k]), int(trips["trip"][k]), first))

@@ -11,14 +11,14 @@ from pathlib import Path
 import numpy as np
 
 from hoist_demo.cosimulation.checkpoint import Checkpoint, differences
-from hoist_demo.cosimulation.host import Host, Progress
+from hoist_demo.cosimulation.host import Progress
 from hoist_demo.cosimulation.run_state import Result, TripEnd
 from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.duty.schedule import Schedule
 from hoist_demo.recording.fidelity import mask_neglected
 from hoist_demo.recording.incidents import guard_trip, jams
 from hoist_demo.recording.time_series import Recording
-from hoist_demo.study.run import RunData
+from hoist_demo.study.run import RunData, wind_run
 
 
 @dataclass(frozen=True)
@@ -46,18 +46,8 @@ def wind_duty(
     drives = [run.design() for run in schedule.pattern]
     for number in range(done + 1, schedule.count + 1):
         run = schedule.trip(number)
-        design = drives[(number - 1) % len(drives)]
-        host = Host(
-            rope,
-            run.hoist,
-            run.winding,
-            run.coupling,
-            design.gains,
-            trajectory=design.trajectory,
-            after=after,
-            next_hoist=schedule.trip(number + 1).hoist,
-        )
-        result = host.run(None if progress is None else progress(number))
+        told, made = None if progress is None else progress(number), drives[(number - 1) % len(drives)]
+        result = wind_run(run, rope, told, made, after=after, next_hoist=schedule.trip(number + 1).hoist)
         if guard_trip(result.recording) is not None or jams(result.recording):
             # a hoist with an open safety circuit does not start again
             result = replace(result, end=None)

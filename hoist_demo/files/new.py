@@ -90,7 +90,7 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
     }
     parts = data_of(plain(values))
     whole = hoist_with(parts["hoist"], [(number * mass, depth + TAIL_SPARE)])
-    torque = _rounded(max(2.6 * payload * GRAVITY * radius, 1.5 * RuleInputs(whole, parts["winding"], whole).torque))
+    torque = _rounded(max(2.6 * payload * GRAVITY * radius, 1.5 * RuleInputs(whole, parts["winding"], whole).torque()))
     values["hoist.torque_limit"] = rule(torque, "2.6 times what lifts the payload, or 1.5 times what the trip asks for")
     stopping = radius * (whole.moving_mass * parts["winding"].emergency_deceleration + payload * GRAVITY)
     brake = _rounded(max(3.0 * payload * GRAVITY * radius, stopping))

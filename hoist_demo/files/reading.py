@@ -139,7 +139,7 @@ def beside(info: pydantic.ValidationInfo, name: str) -> Path:
 
 def _tables(path: Path) -> dict[str, Any]:
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")  # editors may begin a file with a mark
     except UnicodeDecodeError as error:
         raise FileError(path, [f"is not TOML: {error}: write it in UTF-8"]) from error
     except (OSError, ValueError) as error:

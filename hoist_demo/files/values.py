@@ -95,11 +95,14 @@ def _parameter_value(parameter: Parameter, table: ValueTable) -> ParameterValue:
     low, high = (None if x is None else float(read_value(parameter, x, table.unit)) for x in (table.low, table.high))
     if low is not None and high is not None and low > high:
         raise ValueError(f"{parameter.name}: low = {low:g} must be at most high = {high:g}: exchange them")
-    middle = None if low is None or high is None else 0.5 * (low + high)
-    if table.value is None and middle is None:
+    value = None if table.value is None else read_value(parameter, table.value, table.unit)
+    if value is None and low is not None and high is not None:
+        value = 0.5 * (low + high)
+    if value is None:
         raise ValueError(f"{parameter.name} has no value: write {{ value = ..., unit = ... }}, or low and high")
-    value = middle if table.value is None else read_value(parameter, table.value, table.unit)
-    assert value is not None
+    least, most = -math.inf if low is None else low, math.inf if high is None else high
+    if not isinstance(value, str) and not least <= value <= most:
+        raise ValueError(f"{parameter.name} = {value:g} must be within low and high, {least:g} to {most:g}: correct it")
     return ParameterValue(value, table.status, table.source, low, high)
 
 

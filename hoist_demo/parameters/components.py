@@ -93,9 +93,3 @@ class Jam(ValidatedData, of="jam."):
     force: float = parameter(8.0e5, "N", "that holds the conveyance at the place")
     travel: float = parameter(0.01, "m", "elastic deflection of the stuck conveyance at its full force")
     damping: float = parameter(5.0e-3, "s", "of the stuck conveyance: damping over stiffness", NONNEGATIVE)
-
-    def require_within(self, shaft_travel: float, name: str) -> None:
-        """Raise the ValueError of a place that is not there; ``name`` is the conveyance of the jam."""
-        bound = f"within 0 and shaft_travel = {shaft_travel:g} m"
-        cure = "give a place that the conveyance passes"
-        require(self.height, self.height <= shaft_travel, f"{name}.height", bound, cure)

@@ -90,7 +90,8 @@ class Hoist(ValidatedData):
         for name in ("jam_left", "jam_right"):
             jam = getattr(self, name)
             if jam is not None:
-                jam.require_within(self.shaft_travel, name)
+                bound, cure = f"within 0 and shaft_travel = {self.shaft_travel:g} m", "give a place that it passes"
+                require(jam.height, jam.height <= self.shaft_travel, f"{name}.height", bound, cure)
         if self.slack_tension is not None:
             lightest = GRAVITY * min(self.mass_left, self.mass_right)
             tension, bound = self.slack_tension, f"below {lightest:.6g} N, the weight of the lighter conveyance"
@@ -156,6 +157,11 @@ class Hoist(ValidatedData):
     def imbalance_rate(self) -> float:
         """Change of the force that holds the hoist, per metre of travel of the left conveyance [N/m]."""
         return 2.0 * GRAVITY * (self.tail_mass - self.rope_mass)
+
+    def imbalance(self, travelled: float = 0.0) -> float:
+        """Return the largest difference of both sides' weights [N], `travelled` [m] from either landing."""
+        ropes = abs(self.imbalance_rate * (0.5 * self.shaft_travel - travelled))
+        return GRAVITY * abs(self.mass_left - self.mass_right) + ropes
 
     @property
     def tension_ratio_limit(self) -> float:

@@ -1,5 +1,6 @@
 """Causes that stop a run or should have: guards, jams, slack head ropes and slip."""
 
+from itertools import pairwise
 from operator import attrgetter
 from typing import NamedTuple
 
@@ -22,11 +23,15 @@ class JamEvent(NamedTuple):
 
 
 class Stop(NamedTuple):
-    """An emergency stop of one conveyance, until it first stands still."""
+    """An emergency stop of one conveyance, and where it goes from there: it swings, or the brake does not hold it."""
 
     side: str
-    stopping_distance: float  # m, its own
-    time: float | None  # s; None: it still moves at the end of the record
+    stopping_distance: float  # m, its own, until it first stands still
+    time: float | None  # s, until then; None: it never does
+    then: float = 0.0  # m, farthest from there later, positive upwards
+    held: bool = True  # from there on
+    speed: float = 0.0  # m/s, at the end of the record; 0 if it was held
+    farthest: float = 0.0  # m, from where the stop began
 
 
 class SlackRopes(NamedTuple):
@@ -57,9 +62,13 @@ def jams(recording: Recording) -> list[JamEvent]:
     return sorted(events, key=attrgetter("t"))
 
 
+STILL = 0.05  #: Speed below which a conveyance that is stopped counts as standing still [m/s, assumed].
+SWING = 2.0  #: Time within which a conveyance that swings turns back [s, assumed].
+
+
 def _stands(speeds: Array) -> int | None:
     """Return the first sample at which what moved at first stands still; None where it goes on."""
-    turned = np.flatnonzero(speeds * speeds[0] <= 0.0)
+    turned = np.flatnonzero(speeds * speeds[0] <= STILL**2)
     return int(turned[0]) if turned.size else None
 
 
@@ -69,12 +78,24 @@ def stops(recording: Recording, begin: float | None) -> list[Stop]:
         return []
     conveyances = []
     k = int(np.searchsorted(recording.time - recording.time[0], begin))
-    for side in SIDES if k < len(recording.time) else ():
+    t = recording.time[k:]
+    for side in SIDES if t.size else ():
         y, vy = (recording[f"conveyance.{side}.{name}"][k:] for name in ("y", "vy"))
-        last = _stands(vy)
-        time = None if last is None else float(recording.time[k + last] - recording.time[k])
-        conveyances.append(Stop(side, float(np.max(np.abs(y[: None if last is None else last + 1] - y[0]))), time))
+        turned = _stands(vy)
+        last = t.size - 1 if turned is None else turned
+        way, then = np.abs(y - y[0]), max((y[last:] - y[last]).tolist(), key=abs)
+        time = None if turned is None else float(t[last] - t[0])
+        held = turned is not None and not _runs(t[last:], vy[last:])
+        speed = 0.0 if held else float(vy[-1])
+        conveyances.append(Stop(side, float(np.max(way[: last + 1])), time, then, held, speed, float(np.max(way))))
     return conveyances
+
+
+def _runs(time: Array, speeds: Array) -> bool:
+    """Return True if what swings or has run away moves in one direction for longer than a swing."""
+    sense = np.where(np.abs(speeds) > STILL, np.sign(speeds), 0.0)
+    turns = [0, *(np.flatnonzero(np.diff(sense)) + 1).tolist(), len(time)]
+    return any(sense[i] != 0.0 and time[j - 1] - time[i] > SWING for i, j in pairwise(turns))
 
 
 def slack_ropes(recording: Recording) -> list[SlackRopes]:
@@ -128,10 +149,13 @@ def slip(recording: Recording) -> Slip | None:
     )
 
 
-def largest_ratio(recording: Recording, limit: float) -> float:
-    """Return the largest ratio of the head ropes' tensions [-], at least the limit if they slid between two samples."""
-    largest = float(np.max(recording["drive.tension_ratio"]))
-    return largest if slip(recording) is None else max(largest, limit)
+def tension_ratios(recording: Recording, limit: float) -> Array:
+    """Return the ratios of the head ropes' tensions [-], just above the limit where they slid since the last sample."""
+    ratio = recording["drive.tension_ratio"].copy()
+    if recording.has(*SLIP_SIGNALS):
+        slid = np.flatnonzero(np.diff(recording["drive.slip"])) + 1
+        ratio[slid] = np.maximum(ratio[slid], limit * (1.0 + 1e-9))
+    return ratio
 
 
 GUARD_SIGNALS = frozenset({"guard.tripped", "guard.cause", "guard.time"})  #: Outputs of the rope's guards.
@@ -178,3 +202,10 @@ def incidents(recording: Recording) -> str:
             f"{slid.speed:.3g} m/s{still}"
         )
     return "".join(f"; {text}" for text in sentences)
+
+
+def circuit_stop(recording: Recording, at: float) -> str:
+    """Describe a stop that the safety circuit began `at` [s] after the start of the record."""
+    t, trip = float(recording.time[0]) + at, guard_trip(recording)
+    why = "" if trip is not None and trip.t <= t else ": head ropes pulled less than hoist.slack_tension"
+    return f"emergency stop at t = {t:.4g} s{why}"

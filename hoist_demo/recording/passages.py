@@ -92,10 +92,5 @@ def without_absent(recording: Recording) -> Recording:
     return replace(recording, signals=signals)
 
 
-def outcome_of(completed: bool, passed: str) -> str:
-    """Return the outcome of a run, in words."""
-    return ("completed" if completed else "stopped") + (f", but {passed}" if passed else "")
-
-
 def _last(recording: Recording, name: str, absent: float = 0.0) -> float:
     return float(recording[name][-1]) if name in recording else absent

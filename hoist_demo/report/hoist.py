@@ -4,7 +4,6 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
-from types import MappingProxyType
 
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.rules import RuleInputs
@@ -18,7 +17,7 @@ from hoist_demo.parameters.quantity import Value
 from hoist_demo.report.rows import SummaryRow, render
 from hoist_demo.ropes.definition import OneRope, ropes_of
 from hoist_demo.study.provenance import SETTING, SourcedValue, host_provenance, statuses
-from hoist_demo.study.run import RunData, build_trip
+from hoist_demo.study.run import RunData, build, from_landing
 from rope_model import BalanceRope, EndMotion, RopeSimulator, balance_rope
 from rope_model.simulation.outputs.modal import natural_modes
 
@@ -27,17 +26,16 @@ _AT_REST = "Rope at rest, left conveyance at"
 _HOLD = "Hold on the sheave"
 YAWS = 3.0  #: Most yaw of a loop in a trip over that at rest [assumed]: 2.1 in a trip of 870 m at 16 m/s.
 Values = Mapping[str, Value]
-NOTHING: Values = MappingProxyType({})
 
 
 def complete_file(case: Case, run: RunData, ropes: Sequence[RopeData], provenance: Iterable[SourcedValue]) -> str:
     """Return a hoist's file with every value of a run and its status; wound again, it gives the same bits."""
-    status = statuses(provenance)
+    status, stated = statuses(provenance), case.values
 
     def entry(name: str, value: Value, of: str = "") -> ParameterValue:
         source_status = status.get(f"{of}{name}", SETTING)
         file_status = source_status if source_status in STATUSES else "assumed" if source_status == SETTING else GIVEN
-        return ParameterValue(value, file_status, case.sources.get(name, ""))
+        return ParameterValue(value, file_status, stated[name].source if name in stated else "")
 
     level = ropes[0].level or case.level
     lines = {"controller": entry("controller", run.controller), "level": entry("level", level)}
@@ -70,7 +68,7 @@ def _spacing(rope: RopeData, run: RunData) -> float:
     return set_spacing if set_spacing + offset.x_right - offset.x_left == own else own - offset.x_right + offset.x_left
 
 
-def as_file(case: Case, name: str, values: Values = NOTHING) -> str:
+def as_file(case: Case, name: str, values: Values) -> str:
     """Return the complete file of a hoist; `name` is how it is found, `values` are set beside it."""
     run, ropes, sources = _wound(case, name, values)
     return complete_file(case, run, ropes, sources)
@@ -78,12 +76,12 @@ def as_file(case: Case, name: str, values: Values = NOTHING) -> str:
 
 def hoist_provenance(case: Case, name: str) -> list[SourcedValue]:
     """Return the provenance of all values; `name` is how the hoist is found."""
-    return _wound(case, name, NOTHING)[2]
+    return _wound(case, name, {})[2]
 
 
 def _wound(case: Case, name: str, values: Values) -> tuple[RunData, list[RopeData], list[SourcedValue]]:
     """Return the run that winds the hoist, its ropes and the sources of both."""
-    run = build_trip(name, values)
+    run = from_landing(build(name, values))
     ropes = ropes_of(case, run, {}, case.level)
     run = replace(run, hoist=ropes.hoist)
     return run, ropes.data(), [*host_provenance(run, {}), *ropes.provenance({})]
@@ -101,19 +99,28 @@ def slip_problems(case: Case) -> list[str]:
 
 
 def drive_problems(case: Case) -> list[str]:
-    """Return a line on each limit of the motor that is below what its trip asks for."""
-    hoist, trip = case.hoist, reached(case.winding)
-    torque = RuleInputs(hoist, trip, hoist).torque
-    rate = max(0.0, trip.speed - 0.5 * trip.acceleration**2 / trip.jerk) / hoist.sheave_radius  # at full acceleration
+    """Return a line on each limit of motor and brake that is below what its trip asks for."""
+    hoist, trip, brake = case.hoist, reached(case.winding), case.hoist.brake
+    inputs, radius = RuleInputs(hoist, trip, hoist), hoist.sheave_radius
+    speed = max(0.0, trip.speed - 0.5 * trip.acceleration**2 / trip.jerk)  # at full acceleration
+    power = inputs.torque(speed**2 / (2.0 * trip.acceleration)) * speed / radius
+    gently = "wind more gently (winding.acceleration, winding.speed)"
+    asks = f"which speeding up with the payload asks for: raise it, or {gently}"
+    limits = [("torque_limit", hoist.torque_limit, inputs.torque(), "N m", asks)]
+    limits += [("power_limit", hoist.power_limit or math.inf, power, "W", asks)]
+    if brake is not None:
+        part = brake.first_stage if trip.emergency_law == "two-stage" else 1.0
+        stage = f" with first_stage = {part:g}" if part < 1.0 else ""
+        asks = f"which holds the heavier side{stage}: fit a stronger brake"
+        limits.append(("brake.torque", brake.torque, radius * hoist.imbalance() / part, "N m", asks))
     return [
-        f"hoist.{name} = {limit:g} {unit} must be at least {asked:.3g} {unit}, which speeding up with the payload asks "
-        "for: raise it, or wind more gently (winding.acceleration, winding.speed)"
-        for name, asked, unit in (("torque_limit", torque, "N m"), ("power_limit", torque * rate, "W"))
-        if (limit := getattr(hoist, name)) is not None and limit < asked
+        f"hoist.{name} = {limit:g} {unit} must be at least {asked:.3g} {unit}, {asks}"
+        for name, limit, asked, unit, asks in limits
+        if limit < asked
     ]
 
 
-def consequences(case: Case, name: str, values: Values = NOTHING) -> tuple[str, list[str]]:
+def consequences(case: Case, name: str, values: Values) -> tuple[str, list[str]]:
     """Return the table of what follows, and the ropes' warnings at rest; RuntimeError where a rope cannot hang."""
     hoist = case.hoist
     rows = [
@@ -127,7 +134,7 @@ def consequences(case: Case, name: str, values: Values = NOTHING) -> tuple[str, 
         rows.append(SummaryRow(_HOLD, heads, label))
     rows.append(SummaryRow(_HOLD, "all moving masses", hoist.moving_mass, "kg"))
     warned, yaws = [], dict[str, float]()
-    ropes = ropes_of(case, build_trip(name, values), {}, case.level).ropes
+    ropes = ropes_of(case, from_landing(build(name, values)), {}, case.level).ropes
     for rope in ropes:
         whose = f"{rope.name}: " if rope.name else ""
         plant = balance_rope(rope.scene)

@@ -14,9 +14,9 @@ from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import SIDES, Arrival, Hoist
 from hoist_demo.recording.fidelity import remark
-from hoist_demo.recording.incidents import GUARD_CODES, guard_trip, incidents, stops
+from hoist_demo.recording.incidents import GUARD_CODES, STILL, guard_trip, incidents, stops
 from hoist_demo.recording.nearness import RopePair
-from hoist_demo.recording.passages import PASSED, outcome_of, passages
+from hoist_demo.recording.passages import PASSED, passages
 from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.report.html.page import number
@@ -134,7 +134,8 @@ def judge(
 def outcome(completed: bool, recording: Recording, names: Sequence[str] = ("",)) -> str:
     """Return the outcome and the events of a run, in words; `names` are those of its ropes."""
     sentences = [passages(rope_signals(recording, name), f"rope {name}" if name else "the rope") for name in names]
-    ended = outcome_of(completed, ", and ".join(filter(None, sentences)))
+    passed = ", and ".join(filter(None, sentences))
+    ended = ("completed" if completed else "stopped") + (f", but {passed}" if passed else "")
     return ended + "".join(_broken(recording, name) for name in filter(None, names)) + incidents(recording)
 
 
@@ -151,7 +152,7 @@ def _broken(recording: Recording, name: str) -> str:
 
 def _warnings(result: Result, hoist: Hoist, ropes: Sequence[_Rope], window: float) -> list[str]:
     """List the warnings that readers of the numbers need: of coupling, head ropes' hold, ropes' fidelity and breaks."""
-    texts = [result.warning, *slip_warnings(result.recording, hoist, result.winding)]
+    texts = [result.warning, *slip_warnings(result, hoist)]
     if limited := result.recording.seconds("drive.torque_limited"):
         cure = "raise hoist.torque_limit and power_limit, or accelerate and stop more gently"
         texts.append(f"the motor was at its limit for {limited:.2f} s: {cure}")
@@ -195,19 +196,20 @@ def _rows(
     yield from _pulls(result.recording, hoist, ropes)
     yield from _head_ropes(result.recording, hoist)
     for stop in stops(result.recording, result.winding.emergency_at):
-        duration = f" in {stop.time:.2f} s" if stop.time is not None else ", and goes on"
-        distance = f"{stop.stopping_distance:.2f} m{duration}"
-        yield VerdictRow(f"way of the {stop.side} conveyance in the emergency stop", distance)
-    if result.completed and result.recording.has("drive.torque", "reference.position", "conveyance.right.vy"):
-        cycle = trip_metrics(result, arrival).get("cycle_time")
-        text = f"{cycle:.2f} s" if cycle is not None and math.isfinite(cycle) else "not within the record"
-        if cycle is not None:
-            yield VerdictRow("cycle time, until the conveyances have arrived", text)
+        text = f"{stop.stopping_distance:.2f} m" + ("" if stop.time is None else f" in {stop.time:.2f} s")
+        text += f", then {abs(stop.then):.2f} m {'up' if stop.then > 0.0 else 'down'}" if abs(stop.then) >= 5e-3 else ""
+        text += f", at {number(abs(stop.speed), 2)} m/s in the end" if abs(stop.speed) > STILL else ""
+        quantity = f"way of the {stop.side} conveyance in the emergency stop"
+        yield VerdictRow(quantity, text, "held from then on", stop.held)
+    timed = result.completed and result.recording.has("drive.torque", "reference.position", "conveyance.right.vy")
+    if timed and (cycle := trip_metrics(result, arrival).get("cycle_time")) is not None:
+        text = f"{cycle:.2f} s" if math.isfinite(cycle) else "not within the record"
+        yield VerdictRow("cycle time, until the conveyances have arrived", text)
     yield from _of_each(ropes, _swings)
     yield from _of_each(ropes, _clearances)
     for pair in pairs:
         yield from _between(pair, max(rope.loop_error for rope in ropes if rope.data.name in (pair.one, pair.other)))
-    for hold in slip_safeties(result.recording, hoist, result.winding):
+    for hold in slip_safeties(result, hoist):
         bound = f"at least {hold.required:g}: {hold.rule}"
         yield VerdictRow(f"slip safety {hold.when}", hold.text, bound, hold.enough, f"t = {hold.t:.2f} s")
     names = [rope.data.name or "struck" for rope in ropes if passages(rope.recording)]

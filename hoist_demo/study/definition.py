@@ -25,7 +25,7 @@ from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.study.metrics import ARRIVALS, UNITS
 from hoist_demo.study.objective import Constraint, Judge, Objective, constraints_on, read_weights
-from hoist_demo.study.run import Probe, RunData, build_trip
+from hoist_demo.study.run import Probe, RunData, build, from_landing
 from hoist_demo.study.sampling import Range, grid, latin_hypercube, varied
 
 #: Disturbances over which a study without variants compares its choices.
@@ -223,7 +223,7 @@ class Study:
     def run(self, variant: str, values: Mapping[str, Value]) -> StudyRun:
         """Return the run of a variant at a point of [vary]."""
         fixed = self.variants[variant]
-        run = build_trip(self.hoist, fixed, self.signals, varied=values)
+        run = from_landing(build(self.hoist, fixed, self.signals, varied=values))
         asked = [name for name in ARRIVALS if self.objective and name in self.objective.metrics]
         if (at := run.winding.emergency_at) is not None and asked:
             raise ValueError(f"{asked[0]} must be left out, for winding.emergency_at = {at:g} s: judge stop_distance")

@@ -26,7 +26,7 @@ METRICS = {
     "cycle_time": ("s", "from the reference's start until the conveyances have arrived for good"),
     "trajectory_time": ("s", "duration of the reference's motion"),
     "stop_time": ("s", "from an emergency stop's beginning until the later conveyance first stands still"),
-    "stop_distance": ("m", "longer stopping distance of the two conveyances"),
+    "stop_distance": ("m", "largest of both conveyances, if they are held"),
     "position_error": ("m", "of the left conveyance at the record's end"),
     "tracking_error": ("m", "largest, of the left conveyance against the reference"),
     "torque_rms": ("N.m", "of the motor, from the reference's start to its arrival"),
@@ -142,9 +142,10 @@ def trip_metrics(result: Result, arrival: Arrival) -> dict[str, float]:
     for end in SIDES:
         outside |= np.abs(recording[f"conveyance.{end}.vy"]) > arrival.speed_band
     last = int(np.flatnonzero(outside)[-1]) if outside.any() else 0
+    least = result.trajectory.duration - winding.start_delay
     return followed | {
-        "trajectory_time": result.trajectory.duration - winding.start_delay,
-        "cycle_time": max(0.0, float(t[last + 1]) - winding.start_delay) if last + 1 < t.size else math.nan,
+        "trajectory_time": least,
+        "cycle_time": max(least, float(t[last + 1]) - winding.start_delay) if last + 1 < t.size else math.nan,
         "position_error": float(landing - travel[-1]),
     }
 
@@ -152,12 +153,13 @@ def trip_metrics(result: Result, arrival: Arrival) -> dict[str, float]:
 def _incidents(recording: Recording, hoist: Hoist, winding: Winding) -> dict[str, float]:
     metrics = {
         "slack_time": max((slack.duration for slack in incidents.slack_ropes(recording)), default=0.0),
-        "slip_safety": hoist.slip_safety(incidents.largest_ratio(recording, hoist.tension_ratio_limit)),
+        "slip_safety": hoist.slip_safety(np.max(incidents.tension_ratios(recording, hoist.tension_ratio_limit))),
         "head_rope_slip": 0.0 if (slid := incidents.slip(recording)) is None else slid.slid_distance,
     }
-    if (ended := incidents.stops(recording, winding.emergency_at)) and all(one.time is not None for one in ended):
+    ended = incidents.stops(recording, winding.emergency_at)
+    if ended and all(stop.held for stop in ended):
         metrics["stop_time"] = max(stop.time or 0.0 for stop in ended)
-        metrics["stop_distance"] = max(stop.stopping_distance for stop in ended)
+        metrics["stop_distance"] = max(stop.farthest for stop in ended)
     if recording.has(*incidents.GUARD_SIGNALS):
         trip = incidents.guard_trip(recording)
         metrics["guard_tripped"] = float(trip is not None)

@@ -62,7 +62,7 @@ def run_study(study: Study, store: Store, run: RunSamples) -> StudyResult:
 def write_what_is_there(study: Study, store: Store) -> Path | None:
     """Write the table of an interrupted study's runs, of a search return its folder; None without a run."""
     if study.plan is not None:
-        return store.directory if store.holds_runs else None
+        return store.directory if any((store.directory / "runs").glob("*.json")) else None
     pairs = [(s, s.data.key(study.fmu_hash)) for s in study.samples]
     there = [(s, key) for s, key in pairs if store.read(key)]
     return _write(study, store, [s for s, _ in there], [key for _, key in there]).table if there else None

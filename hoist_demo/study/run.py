@@ -22,7 +22,7 @@ from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.progress import warnings_of
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.interface import RopePlant
-from hoist_demo.design.controllers import Task
+from hoist_demo.design.controllers import Drive, Task
 from hoist_demo.files.registry import CONTROLLER, data_of, host_parameters
 from hoist_demo.files.values import GIVEN, ParameterValue, plain
 from hoist_demo.parameters import GRAVITY, Arrival, Coupling, Hoist, start_heights
@@ -30,7 +30,7 @@ from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.parameters.winding import require_jams_on_the_way, require_trip_fits
 from hoist_demo.recording.fidelity import fidelities_of, mask_neglected
-from hoist_demo.recording.incidents import incidents
+from hoist_demo.recording.incidents import circuit_stop, incidents
 from hoist_demo.recording.passages import passages
 from hoist_demo.recording.time_series import TIME
 from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, measure
@@ -130,14 +130,8 @@ def build(
     return run
 
 
-def build_trip(
-    case: str,
-    values: Mapping[str, Value | ParameterValue],
-    signals: tuple[str, ...] = (),
-    varied: Mapping[str, Value | ParameterValue] | None = None,
-) -> RunData:
-    """Build one trip from the landing, as `build`; refuse a jam that it does not reach."""
-    run = build(case, values, signals, varied)
+def from_landing(run: RunData) -> RunData:
+    """Return a run that begins at a landing; refuse a jam that it does not reach."""
     require_jams_on_the_way(run.hoist, run.winding)
     return run
 
@@ -175,18 +169,19 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
     series = {name: result.recording[name].tolist() for name in names if name in result.recording}
     units = {name: result.recording.units[name] for name in series}
     status, cause, at = "completed" if result.completed else "stopped", result.cause, result.winding.emergency_at
-    if result.completed and at != run.winding.emergency_at:
-        status, cause = CUT_SHORT, f"emergency stop at t = {at:g} s{incidents(result.recording)}"
-    warned = (*slip_warnings(result.recording, run.hoist, result.winding), contradicted)
-    sentences = tuple(filter(None, warned))
+    if result.completed and at is not None and at != run.winding.emergency_at:
+        status, cause = CUT_SHORT, circuit_stop(result.recording, at) + incidents(result.recording)
+    sentences = tuple(filter(None, (*slip_warnings(result, run.hoist), contradicted)))
     passed = passages(result.recording)
     return Outcome(status, cause, metrics, series, units, fidelity, sentences, missing, passed)
 
 
-def wind_run(run: RunData, rope: RopePlant, progress: Progress | None = None) -> Result:
-    """Return the co-simulation of a run with any rope; `progress` as of `Host.run`."""
-    design = run.design()
-    host = Host(rope, run.hoist, run.winding, run.coupling, design.gains, trajectory=design.trajectory)
+def wind_run(
+    run: RunData, rope: RopePlant, progress: Progress | None = None, made: Drive | None = None, **trips: Any
+) -> Result:
+    """Return the co-simulation of a run with any rope; `progress` as of `Host.run`, `trips` beside it as of `Host`."""
+    made = made or run.design()
+    host = Host(rope, run.hoist, run.winding, run.coupling, made.gains, trajectory=made.trajectory, **trips)
     return host.run(progress)
 
 

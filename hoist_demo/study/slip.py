@@ -4,9 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.design.statics import AT_REST, MOVING
 from hoist_demo.parameters import Hoist, Winding
-from hoist_demo.recording.incidents import ALIKE, IN_SPITE, jams, slack_ropes, slip
+from hoist_demo.recording.incidents import ALIKE, IN_SPITE, jams, slack_ropes, tension_ratios
 from hoist_demo.recording.time_series import Recording
 
 _GENTLER = f"accelerate more gently (winding.acceleration), or {ALIKE}"
@@ -35,23 +36,20 @@ class SlipSafety(NamedTuple):
         return self.safety >= self.required
 
 
-def slip_safeties(recording: Recording, hoist: Hoist, winding: Winding) -> list[SlipSafety]:
+def slip_safeties(result: Result, hoist: Hoist) -> list[SlipSafety]:
     """Judge the hold at rest, in normal winding, and from the first event that is no part of that; [] if not recorded.
 
-    Ropes that slid between two samples had the limit's ratio there; the first sample is at rest.
+    The first sample is at rest, and the last one of a trip that has come to its end without such an event.
     """
+    recording, winding = result.recording, result.winding
     if "drive.tension_ratio" not in recording:
         return []
-    time, ratio = recording.time, recording["drive.tension_ratio"].copy()
+    time, ratio = recording.time, tension_ratios(recording, hoist.tension_ratio_limit)
     until, event = _normal_until(recording, winding)
-    limit = hoist.tension_ratio_limit
-    slid = slip(recording)
-    if slid is not None:
-        first = int(np.searchsorted(time, slid.t))
-        ratio[first] = max(float(ratio[first]), limit * (1.0 + 1e-9))  # just beyond
     usual, softer = "usual [assumed]", ALIKE if winding.emergency_at is None else _SOFTER
+    arrived = (time == time[-1]) & (result.completed and not event)
     parts = [
-        ("at rest", time == time[0], AT_REST, usual, ALIKE),
+        ("at rest", (time == time[0]) | arrived, AT_REST, usual, ALIKE),
         ("in normal winding", time <= until, MOVING, usual, _GENTLER),
         (f"from {event} on", time > until, 1.0, "below it they slip", softer),
     ]
@@ -65,11 +63,11 @@ def slip_safeties(recording: Recording, hoist: Hoist, winding: Winding) -> list[
     return safeties
 
 
-def slip_warnings(recording: Recording, hoist: Hoist, winding: Winding) -> list[str]:
+def slip_warnings(result: Result, hoist: Hoist) -> list[str]:
     """List where the head ropes hold less well than is asked, and what cures that."""
     return [
         f"slip safety {one.when} is {one.text}, not {one.required:g}: {one.cure}"
-        for one in slip_safeties(recording, hoist, winding)
+        for one in slip_safeties(result, hoist)
         if not one.enough
     ]
 

@@ -56,11 +56,6 @@ class Store:
         """Return the keys that need no further run."""
         return {key for key in keys if (record := self.read(key)) and record["outcome"]["status"] in FINISHED}
 
-    @property
-    def holds_runs(self) -> bool:
-        """Return True if any run is recorded."""
-        return any((self.directory / "runs").glob("*.json"))
-
     def read(self, key: str) -> dict[str, Any] | None:
         """Read the record of a run, None if there is none."""
         path = self._path(key)

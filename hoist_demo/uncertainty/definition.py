@@ -16,7 +16,7 @@ from hoist_demo.parameters import SIDES
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.provenance import SourcedValue, host_provenance, rope_provenance
-from hoist_demo.study.run import RunData, build_trip
+from hoist_demo.study.run import RunData, build, from_landing
 from rope_model import BEARINGS, Datum, KnownRope
 
 MEASURES = ("clearance", "loop_yaw", "left_swivel_torque", "rope_force_ripple")
@@ -89,4 +89,4 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
             for side in SIDES:
                 drawn[f"{side}.swivel.mu_kinetic"] = values["running_friction"]
                 drawn[f"{side}.swivel.mu_static"] = values["running_friction"] * values["starting_ratio"]
-        return build_trip(self.header.hoist, {"model.fidelity": 1, **self.fixed}, varied=drawn)
+        return from_landing(build(self.header.hoist, {"model.fidelity": 1, **self.fixed}, varied=drawn))

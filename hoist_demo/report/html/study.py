@@ -58,7 +58,8 @@ def study_report(
     first = [*parameters, *by, *_FIRST]
     listed = [name for name in names if name not in {*fixed, *nowhere}]
     # parameters first: they are read before what follows from them; what does not differ comes last
-    listed.sort(key=lambda name: (name not in parameters, name not in varied, _position(name, first)))
+    place = {name: k for k, name in enumerate(dict.fromkeys(first))}
+    listed.sort(key=lambda name: (name not in parameters, name not in varied, place.get(name, len(first))))
     columns = [
         {
             "name": name,
@@ -82,7 +83,7 @@ def study_report(
     }
     title = str(meta.get("title", "Study"))
     rest = [(str(name), _text(value), "") for name, value in meta.items() if name not in _OWN]
-    sentences = [f"{len(causes)} runs, {sum(cause != '' for cause in causes)} failed. {_passed(table)}{_early(table)}"]
+    sentences = [f"{len(causes)} runs, {sum(cause != '' for cause in causes)} failed. {_passed(table)}"]
     sentences += [f"{best.text[:1].upper()}{best.text[1:]}."] if best else []
     body = page.fill(
         "study.html",
@@ -107,10 +108,6 @@ def _differ(values: Sequence[float | str | None]) -> bool:
     if len(numbers) < len(values):
         return len(set(values)) > 1
     return max(numbers) - min(numbers) > ROUNDING * max(map(abs, numbers))
-
-
-def _position(name: str, order: Sequence[str]) -> int:
-    return order.index(name) if name in order else len(order)
 
 
 def _list(title: str, lines: Sequence[str]) -> str:
@@ -150,20 +147,6 @@ def _listed(runs: Sequence[int]) -> str:
     """Return the numbers of the first eight runs, and how many more there are."""
     more = f" and {len(runs) - 8} more" if len(runs) > 8 else ""
     return ("run " if len(runs) == 1 else "runs ") + ", ".join(map(str, runs[:8])) + more
-
-
-def _early(table: pd.DataFrame) -> str:
-    """Return a sentence on conveyances that arrived before their reference; "" for none."""
-    if not {"cycle_time", "trajectory_time"} <= set(table.columns):
-        return ""
-    cycle, trajectory = (pd.to_numeric(table[name]) for name in ("cycle_time", "trajectory_time"))
-    early = [k + 1 for k, sooner in enumerate(cycle < trajectory) if sooner]
-    if not early:
-        return ""
-    return (
-        f" cycle_time is shorter than trajectory_time in {_listed(early)}: the conveyances were within the band of "
-        "arrival, and stayed there, before the reference was at rest."
-    )
 
 
 def _plain(value: Any) -> float | str | None:
