@@ -251,7 +251,7 @@ def test_a_hoist_like_another_has_its_values_but_those_it_names(tmp_path: Path) 
 def test_a_trip_that_slips_or_asks_too_much_of_the_motor_is_told() -> None:
     case = find_case("kiruna-355")
     stopped = replace(case.winding, emergency_at=10.0, emergency_deceleration=6.0)
-    assert [len(slip_problems(replace(case, winding=trip))) for trip in (case.winding, stopped)] == [0, 1]
+    assert [slip_problems(case), "gentler stop" in slip_problems(replace(case, winding=stopped))[0]] == [[], True]
     # a short trip reaches less of its speed, and asks for less power
     weak, short = replace(case.hoist, power_limit=5e5), replace(case.winding, travel=5.0)
     assert [len(drive_problems(replace(case, hoist=weak, winding=trip))) for trip in (case.winding, short)] == [1, 0]

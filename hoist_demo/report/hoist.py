@@ -91,8 +91,8 @@ def slip_problems(case: Case) -> list[str]:
     """Return a line on each bound that the hoist at rest or in its trip does not keep."""
     return [
         f"slip safety {one.when} is {one.safety:.3g} (tension ratio {one.ratio:.3g}, limit "
-        f"{case.hoist.tension_ratio_limit:.3g}), and {one.required:g} is usually asked for: more weight on the light "
-        "side, a better lining, or a gentler trip"
+        f"{case.hoist.tension_ratio_limit:.3g}), and {one.required:g} is asked for: more weight on the light side, "
+        f"a better lining, or a gentler {'stop' if 'stop' in one.when else 'trip'}"
         for one in static_slip_safeties(case.hoist, case.winding)[: 3 if case.winding.emergency_at is None else 4]
         if one.safety < one.required
     ]
