@@ -45,8 +45,7 @@ def optimise(hoist: Hoist, winding: Winding, gains: Gains, limits: TrajectoryOpt
     times = np.linspace(0.0, plain.duration, N + 1)
     jerks = np.diff(plain.sample(times)[:, 2]) / np.diff(times)  # means of the intervals
     N_hold = max(1, round(limits.hold * N / plain.duration))
-    substeps = max(1, math.ceil(plain.duration / N / _SUBSTEP))
-    swing = _swing(model, N, N_hold, substeps)
+    swing = _swing(model, N, N_hold, max(1, math.ceil(plain.duration / N / _SUBSTEP)))
 
     # the reference is a chain of integrators between nodes; the hoist follows it from the start to the hold's end
     opti = ca.Opti()

@@ -175,8 +175,7 @@ def swing_at_landing(case: Case) -> tuple[float, float]:
     left, _ = start_heights(hoist, case.winding)
     at = min(max((left + case.winding.travel) / hoist.shaft_travel, 0.0), 1.0)
     (model,) = linearise(case, [at])
-    outputs = ("rate", "y_left", "angle", "y_right")
-    small = reduced([model.selected(("torque_command", "torque"), outputs)], 9)
+    small = reduced([model.selected(("torque_command", "torque"), ("rate", "y_left", "angle", "y_right"))], 9)
     A, (by_command, by_torque), C = small.A[0], small.B[0].T, small.C[0]
     rim = hoist.sheave_radius
     error = -(gains.position * C[1] + rim * C[0])

@@ -28,8 +28,7 @@ def fit_swing(time: Array, x: Array) -> SwingMode | str:
     from scipy.optimize import OptimizeWarning, curve_fit  # as slow to load as all the rest of a demo
 
     t = time - time[0]
-    drift = np.polynomial.Polynomial.fit(t, x, 1)
-    rest = x - drift(t)
+    rest = x - np.polynomial.Polynomial.fit(t, x, 1)(t)
     if t.size < 16 or float(np.ptp(rest)) < 1e-9:
         return "the record is too short" if t.size < 16 else "nothing swings"
     spectrum = np.abs(np.fft.rfft(rest * np.hanning(t.size), 8 * t.size))

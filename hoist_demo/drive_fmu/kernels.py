@@ -74,8 +74,7 @@ def generate(case: Case, ropes: Sequence[DriveRope] = ()) -> Kernels:
     lowest = -2.0 * GRAVITY * case.hoist.tail_rope_mass * case.hoist.tail_rope_length
     rest = _rest(plant, case, lowest)
     functions = [rest, _input(plant, ropes), _step(plant), _outputs(plant, ropes), _control(case.hoist)]
-    options: dict[str, Any] = {"with_header": False, "casadi_int": "int", "indent": 4}
-    generator = ca.CodeGenerator("drive_kernels", options)
+    generator = ca.CodeGenerator("drive_kernels", {"with_header": False, "casadi_int": "int", "indent": 4})
     for function in functions:
         generator.add(function)
     work = tuple(max(getattr(f, size)() for f in functions) for size in ("sz_arg", "sz_res", "sz_iw", "sz_w"))

@@ -231,5 +231,4 @@ def _widen(ax: Axes, least: float, axis: str = "y") -> None:
     low, high = ax.get_ylim() if axis == "y" else ax.get_xlim()
     if high - low < 2.0 * least and math.isfinite(high - low):
         middle = (low + high) / 2.0
-        set_limits = ax.set_ylim if axis == "y" else ax.set_xlim
-        set_limits(middle - least, middle + least)
+        (ax.set_ylim if axis == "y" else ax.set_xlim)(middle - least, middle + least)

@@ -142,10 +142,9 @@ def trip_metrics(result: Result, arrival: Arrival) -> dict[str, float]:
     for end in SIDES:
         outside |= np.abs(recording[f"conveyance.{end}.vy"]) > arrival.speed_band
     last = int(np.flatnonzero(outside)[-1]) if outside.any() else 0
-    least = result.trajectory.duration - winding.start_delay
     return followed | {
-        "trajectory_time": least,
-        "cycle_time": max(least, float(t[last + 1]) - winding.start_delay) if last + 1 < t.size else math.nan,
+        "trajectory_time": result.trajectory.duration - winding.start_delay,
+        "cycle_time": max(0.0, float(t[last + 1]) - winding.start_delay) if last + 1 < t.size else math.nan,
         "position_error": float(landing - travel[-1]),
     }
 

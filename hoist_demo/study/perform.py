@@ -85,8 +85,7 @@ def _search(study: Study, plan: Plan, store: Store, run: RunSamples) -> tuple[li
         keys = iter(run([sample for samples in each for sample in samples]))
         return [objective.assess([_record(store, next(keys))["outcome"] for _ in samples]).score for samples in each]
 
-    result = search(judged, len(ranges), plan)
-    samples = [sample for samples in samples_of(result.points) for sample in samples]
+    samples = [sample for samples in samples_of(search(judged, len(ranges), plan).points) for sample in samples]
     return samples, [sample.data.key(study.fmu_hash) for sample in samples]
 
 

@@ -75,8 +75,7 @@ class RunData(Task):
         if not self.winding.creeps:
             for name in _CREEP:
                 del data["winding"][name]
-        text = json.dumps([data, fmu_hash], sort_keys=True)
-        return hashlib.sha256(text.encode()).hexdigest()[:24]
+        return hashlib.sha256(json.dumps([data, fmu_hash], sort_keys=True).encode()).hexdigest()[:24]
 
 
 @dataclass(frozen=True)

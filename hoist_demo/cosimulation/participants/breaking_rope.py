@@ -100,8 +100,7 @@ class BreakingRope:
         if self._pieces is None:
             return self._rope.step(t, h, left, right)
         before, now = self._shown, self._forces(t + h, (left, right))
-        means = {f"{end}.fy_mean": 0.5 * (before[f"{end}.fy"] + now[f"{end}.fy"]) for end in ENDS}
-        self._shown = now | means
+        self._shown = now | {f"{end}.fy_mean": 0.5 * (before[f"{end}.fy"] + now[f"{end}.fy"]) for end in ENDS}
         return Status(True)
 
     def _break(self, t: float) -> tuple[Piece, Piece]:

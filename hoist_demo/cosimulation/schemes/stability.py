@@ -121,5 +121,4 @@ def growth_per_step(scheme: Scheme, response: Vector, mass: float) -> float:
     if isinstance(scheme, SemiImplicit):
         past[: w.size] += w * response[0]
         mass += float(response[0])
-    roots = np.roots(np.concatenate([[1.0], -past / mass]))
-    return float(np.max(np.abs(roots), initial=0.0))
+    return float(np.max(np.abs(np.roots(np.concatenate([[1.0], -past / mass]))), initial=0.0))

@@ -83,7 +83,7 @@ def study_report(
     }
     title = str(meta.get("title", "Study"))
     rest = [(str(name), _text(value), "") for name, value in meta.items() if name not in _OWN]
-    sentences = [f"{len(causes)} runs, {sum(cause != '' for cause in causes)} failed. {_passed(table)}"]
+    sentences = [f"{len(causes)} runs, {sum(cause != '' for cause in causes)} failed. {_passed(table)}{_early(table)}"]
     sentences += [f"{best.text[:1].upper()}{best.text[1:]}."] if best else []
     body = page.fill(
         "study.html",
@@ -147,6 +147,16 @@ def _listed(runs: Sequence[int]) -> str:
     """Return the numbers of the first eight runs, and how many more there are."""
     more = f" and {len(runs) - 8} more" if len(runs) > 8 else ""
     return ("run " if len(runs) == 1 else "runs ") + ", ".join(map(str, runs[:8])) + more
+
+
+def _early(table: pd.DataFrame) -> str:
+    """Return a sentence on conveyances that arrived before their reference; "" for none."""
+    if not {"cycle_time", "trajectory_time"} <= set(table.columns):
+        return ""
+    cycle, trajectory = (pd.to_numeric(table[name]) for name in ("cycle_time", "trajectory_time"))
+    early = [k + 1 for k, sooner in enumerate(cycle < trajectory) if sooner]
+    words = "the conveyances were within the band of arrival, and stayed there, before the reference was at rest."
+    return f" cycle_time is shorter than trajectory_time in {_listed(early)}: {words}" if early else ""
 
 
 def _plain(value: Any) -> float | str | None:
