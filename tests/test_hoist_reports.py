@@ -111,7 +111,7 @@ def test_a_stop_is_told_by_each_conveyance_s_own_way_and_by_what_holds_it_from_t
     # ropes that slid before the stop go on sliding, at the ratio of sliding friction
     signals |= {"drive.tension_ratio": [1.5] + [1.9] * 6, "drive.slip": [0, 1, 3, 5, 7, 9, 9], "drive.slip_speed": y}
     # on its way, at rest, and fallen back for 3 s, longer than anything swings
-    courses = {3: (4, None, 0, False, 2, 4), 4: (5, 2, 0, True, 0, 5), 7: (5, 2, -9, False, -6, 5)}
+    courses = {3: (4, None, 0, False, 2, 4), 4: (5, 2, 0, True, -0.1, 5), 7: (5, 2, -9, False, -6, 5)}
     for n, course in courses.items():
         record = Recording({"time": np.arange(10.0, 10.0 + n), **{k: np.array(x[:n]) for k, x in signals.items()}}, {})
         assert stops(record, 1.0) == [Stop(side, *course) for side in SIDES]

@@ -60,7 +60,7 @@ RULES = (
     ),
     Rule(
         "hoist.torque_limit",
-        "1.5 times that of the acceleration with the payload: R (m a + g times the imbalance + losses)",
+        "1.5 times that of the acceleration with the payload: R (m a + weight difference with ropes + losses)",
         lambda k: 1.5 * k.torque(),
     ),
     Rule("gains.speed", "3 1/s times all moving masses", lambda k: 3.0 * k.hoist.moving_mass),

@@ -30,7 +30,7 @@ class Stop(NamedTuple):
     time: float | None  # s, until then; None: it never does
     then: float = 0.0  # m, farthest from there later, positive upwards
     held: bool = True  # from there on
-    speed: float = 0.0  # m/s, at the end of the record; 0 if it was held
+    speed: float = 0.0  # m/s, at the end of the record
     farthest: float = 0.0  # m, from where the stop began
 
 
@@ -66,9 +66,9 @@ STILL = 0.05  #: Speed below which a conveyance that is stopped counts as standi
 SWING = 2.0  #: Time within which a conveyance that swings turns back [s, assumed].
 
 
-def _stands(speeds: Array) -> int | None:
-    """Return the first sample at which what moved at first stands still; None where it goes on."""
-    turned = np.flatnonzero(speeds * speeds[0] <= STILL**2)
+def _stands(speeds: Array, still: float = 0.0) -> int | None:
+    """Return the first sample at which what moved at first has at most this speed [m/s]; None where it goes on."""
+    turned = np.flatnonzero(speeds * np.sign(speeds[0]) <= still)
     return int(turned[0]) if turned.size else None
 
 
@@ -81,12 +81,12 @@ def stops(recording: Recording, begin: float | None) -> list[Stop]:
     t = recording.time[k:]
     for side in SIDES if t.size else ():
         y, vy = (recording[f"conveyance.{side}.{name}"][k:] for name in ("y", "vy"))
-        turned = _stands(vy)
+        turned = _stands(vy, STILL)
         last = t.size - 1 if turned is None else turned
         way, then = np.abs(y - y[0]), max((y[last:] - y[last]).tolist(), key=abs)
         time = None if turned is None else float(t[last] - t[0])
         held = turned is not None and not _runs(t[last:], vy[last:])
-        speed = 0.0 if held else float(vy[-1])
+        speed = float(vy[-1])
         conveyances.append(Stop(side, float(np.max(way[: last + 1])), time, then, held, speed, float(np.max(way))))
     return conveyances
 
@@ -207,5 +207,5 @@ def incidents(recording: Recording) -> str:
 def circuit_stop(recording: Recording, at: float) -> str:
     """Describe a stop that the safety circuit began `at` [s] after the start of the record."""
     t, trip = float(recording.time[0]) + at, guard_trip(recording)
-    why = "" if trip is not None and trip.t <= t else ": head ropes pulled less than hoist.slack_tension"
+    why = "" if trip is not None and trip.t <= t + 1e-6 else ": head ropes pulled less than hoist.slack_tension"
     return f"emergency stop at t = {t:.4g} s{why}"

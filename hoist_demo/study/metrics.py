@@ -25,8 +25,8 @@ _STOPPED = "swing_frequency: the run stopped before it arrived"
 METRICS = {
     "cycle_time": ("s", "from the reference's start until the conveyances have arrived for good"),
     "trajectory_time": ("s", "duration of the reference's motion"),
-    "stop_time": ("s", "from an emergency stop's beginning until the later conveyance first stands still"),
-    "stop_distance": ("m", "largest of both conveyances, if they are held"),
+    "stop_time": ("s", "from an emergency stop's beginning until both conveyances stand, if both are held"),
+    "stop_distance": ("m", "farthest from there, if both are held"),
     "position_error": ("m", "of the left conveyance at the record's end"),
     "tracking_error": ("m", "largest, of the left conveyance against the reference"),
     "torque_rms": ("N.m", "of the motor, from the reference's start to its arrival"),
