@@ -19,7 +19,7 @@ def material_values(rope: Any, torsional: Any, strains: Any) -> tuple[Any, Any, 
     """
     e, tau, k, e_t, tau_t = strains
     root = sqrt(rope.torsion_damping)
-    # what the integrator leaves in the rates moves moment between both parts
+    # as the element has it: the damping belongs to the moment that is balanced
     damping = rope.beta_K * root * torque(rope.Qs, 0.0, rope.Qd, 0.0, e_t, root * tau_t)
     moment = torque(rope.Qs, rope.Qk, rope.Qd, rope.Qe, e, tau) + damping
     # the largest shear stress

@@ -119,8 +119,8 @@ def _turn_in(model: RopeModel, state: RopeState, total: int, twist: float) -> Ro
 def _relax(model: RopeModel, straight: list[RopeState] | None, state: RopeState) -> RopeState:
     """Return ``state`` if its swivels hold, else with those that start relaxed where they have slid to.
 
-    ``straight`` are the rope hung up straight, untwisted as seen from the right end, and from the left one: the one to
-    begin with, unless None.
+    ``straight`` are the rope hung up straight, untwisted as seen from the right end, and from the left one; from these
+    the first swivel slips, or else, without them, from ``state``.
     """
     slips: dict[int, SwivelState] = {}
     while loose := {side: friction for side, friction in _loose(model, state).items() if side not in slips}:
