@@ -5,6 +5,7 @@ from itertools import accumulate
 from types import ModuleType
 from typing import Any
 
+from rope_model.codegen.derivatives import path_change
 from rope_model.numerics import coupled_newton, generalized_alpha, newton
 from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics import (
@@ -178,6 +179,11 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "void audit_values(audit, values[6])": audit.signal_values,
     "Audit audit_after_step(audit, Coefficients method, h, shift, load[6], force, change, ratio)": audit.after_step,
     "Audit audit_after_interval(audit, h, mass, gravity, sums[9], about[3], residual, bend)": audit.after_interval,
+}
+#: derivatives of formulas, which Python does not evaluate, written as in ``FORMULAS``
+DERIVATIVES: dict[str, Callable[..., Any]] = {
+    "void path_change(path, InputFilter state, FilterSettings settings, given_at, stop, EndMotion end, change[13], "
+    "coefficients[6][6])": path_change,
 }
 #: structures of results, which are generated for C
 DEFINED_HERE: tuple[type[Any], ...] = (

@@ -118,6 +118,31 @@ void switch_swivels(Simulator *sim, State *state) {
     model_restart(sim, state);
 }
 
+Phases phases_of(const State *state) {
+    Phases phases;
+    for (int side = LEFT; side <= RIGHT; side++) {
+        phases.phase[side] = (signed char)state->swivels[side].phase;
+        phases.sign[side] = (signed char)state->swivels[side].sign;
+    }
+    return phases;
+}
+
+void set_phases(Simulator *sim, State *state, const Phases *phases) {
+    const NodalArrays nodal = state_arrays(state);
+    int changed = 0;
+    for (int side = LEFT; side <= RIGHT; side++) {
+        SwivelState *now = &state->swivels[side];
+        if (now->phase == phases->phase[side] && now->sign == phases->sign[side]) continue;
+        changed = 1;
+        double relative[2];
+        ends_relative(state, side, state->t, end_row(nodal.q, nodal.nodes, side)[ANGLE], 0, relative);
+        if (now->phase == SLIP && phases->phase[side] != SLIP) now->angle = relative[0];
+        now->phase = phases->phase[side];
+        now->sign = phases->sign[side];
+    }
+    if (changed) model_restart(sim, state);
+}
+
 int chatters(const State *state) {
     return state->switched == CHATTER_EVENTS &&
            state->switchings[0] - state->switchings[CHATTER_EVENTS - 1] < CHATTER_TIME;

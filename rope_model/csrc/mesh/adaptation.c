@@ -43,7 +43,7 @@ static int on_partition(Simulator *sim, State *state, int direction, const doubl
     memset(nodal.reaction + DOF, 0, sizeof(double) * DOF * (size_t)(nodal.nodes - 2));
     rope_system_refer(sim, state, nodal.q);
     const Solver *solver = &sim->scene.solver;
-    const double tolerance = effective_tolerance(solver->newton_tolerance, solver->work_max, BOUNDED_MESH_ERROR);
+    const double tolerance = newton_error(sim, BOUNDED_MESH_ERROR);
     double time = RELAXATION_TIME;
     Progress newton = dynamic_equilibrium(sim, state, time, tolerance);
     for (; newton.status != CONVERGED; newton = dynamic_equilibrium(sim, state, time, tolerance)) {
@@ -57,10 +57,12 @@ static int on_partition(Simulator *sim, State *state, int direction, const doubl
 }
 
 int transform_if_due(Simulator *sim, State *state) {
-    const double bottom_s = model_bottom_s(sim, state, state->t);
+    /* A step that is taken again transforms when the recorded one did. */
+    const Path *paths = sim->replay.repeating ? sim->replay.paths : state->paths;
+    const double bottom_s = model_bottom_s(sim, paths, state->t);
     double divider_s[DIVIDERS];
     int status = CONVERGED;
-    model_dividers(sim, state, state->t, divider_s);
+    model_dividers(sim, paths, state->t, divider_s);
     while (status == CONVERGED) {
         const int direction = (int)transformation_due(&state->pattern, bottom_s, DUE_EARLY);
         if (direction == 0 && !window_due(&state->pattern, divider_s)) break;

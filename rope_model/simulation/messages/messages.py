@@ -114,6 +114,10 @@ rope_goes_slack = Template(
 # use
 no_state = Template("the rope has no state yet; call initialize first")
 no_finite_derivative = Template("the equations of this state have no finite derivative; take a smaller step_max")
+no_derivative = Template("the derivatives of the last communication step cannot be computed: {why:.400}")
+too_many_to_differentiate = Template(
+    "it took {steps:d} internal steps, and derivatives are those of at most {most:d}; take shorter communication steps"
+)
 
 # use of the native form alone
 no_memory = Template("no memory for {elements:d} elements ({megabytes:.3g} MB); use fewer")
