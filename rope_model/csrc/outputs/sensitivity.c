@@ -9,13 +9,17 @@
 #include "rules.h"
 #include "simulator.h"
 
-enum { AXES = 4, PATHS = 6, POWERS = 6, OF_END = sizeof(EndMotion) / sizeof(double), LOADS = 12 };
+/* VECTORS: members of EndMotion before the yaw, three of each order */
+enum { UP = 1, VECTORS = 9, ANGLE_PATH = 3, AXES = 4, PATHS = 6, POWERS = 6, OF_END = sizeof(EndMotion) / sizeof(double), LOADS = 12 };
 
-/* Largest change of an end within the step, m or rad: 1e6 times what Newton's method leaves, and small against all
-   lengths on which a rope's stiffness changes. */
-#define LARGEST_CHANGE 1e-5
-/* Largest change of its speed, m/s or rad/s, for the same reason in short steps: a strain of some 1e-6. */
-#define LARGEST_SPEED 1e-2
+/* Largest changes of an end within the step, in m and in rad: 1e6 times what Newton's method leaves, and small against
+   all that a rope's stiffness changes with. */
+#define LARGEST_MOVE 1e-5
+#define LARGEST_TURN 1e-3
+/* Shortest time in which an end may move so, s: in less, the change of its speed is a strain of more than 1e-6. */
+#define SHORTEST_MOVE 1e-3
+/* Largest change of the acceleration of a rigid rope, m/s^2: its forces are exact, and must not go slack. */
+#define RIGID_ACCELERATION 1e-2
 
 /* Changes of the coefficients of the path of one end, x, y, z, yaw and leans. */
 typedef struct {
@@ -92,17 +96,21 @@ static double power_of(double x, int exponent) {
 }
 
 /* Return the factor that makes a change as large as a difference may be; 0 if nothing changes. */
-static double largest_factor(const Change *change, double duration) {
-    double size = 0; /* bound of the change itself, and of speed and acceleration times the duration and its square */
+static double largest_factor(const Replay *replay, const Change *change) {
+    const double duration = replay->duration;
+    double size = 0; /* bound of the change over the largest one */
     for (int k = 0; k < PATHS; k++)
         for (int power = 0; power < POWERS; power++)
-            size = fmax(size, fabs(change->coefficients[k][power]) * power_of(duration, power));
-    return size > 0 ? fmin(LARGEST_CHANGE, LARGEST_SPEED * duration) / size : 0;
+            size = fmax(size, fabs(change->coefficients[k][power]) * power_of(duration, power) /
+                                  (k < ANGLE_PATH ? LARGEST_MOVE : LARGEST_TURN));
+    if (size == 0) return 0;
+    if (replay->fidelity == RIGID) return RIGID_ACCELERATION * duration * duration / (LARGEST_MOVE * size);
+    return fmin(1, duration / SHORTEST_MOVE) / size;
 }
 
 /* Differentiate the loads at the end of the recorded step along a change. */
 static int derivative_along(Simulator *sim, const Change *change, double derivative[LOADS]) {
-    const double factor = largest_factor(change, sim->replay.duration);
+    const double factor = largest_factor(&sim->replay, change);
     double loads[2][LOADS];
     memset(derivative, 0, sizeof(double) * LOADS);
     if (factor == 0) return 1;
@@ -136,6 +144,7 @@ static Change change_with(const Simulator *sim, const HostStep *host, int side, 
 /* True if the rope can follow a change of an input as it is: a lower fidelity leaves motions out. */
 static int follows(const Simulator *sim, const HostStep *host, int side, int place) {
     EndMotion ends[2] = {host->ends[LEFT], host->ends[RIGHT]};
+    if (sim->replay.fidelity == RIGID) return place < VECTORS && place % 3 == UP;
     ((double *)&ends[side])[place] += 1;
     return sim->replay.fidelity == TORSIONAL ||
            unsupported_input(&sim->scene, sim->replay.fidelity, &ends[LEFT], &ends[RIGHT]) == 0;

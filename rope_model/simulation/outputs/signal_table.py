@@ -148,6 +148,8 @@ def _table() -> Iterator[tuple[str, Signal]]:
 SIGNALS: dict[str, Signal] = dict(_table())
 
 
+#: signals that can be differentiated with respect to the motions of the ends
+LOADS = tuple(f"{side}.{kind}{axis}" for side in SIDES for kind in "fm" for axis in "xyz")
 _CHEAP = tuple(name for name in SIGNALS if not name.endswith(".added_mass"))
 
 
