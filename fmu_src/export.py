@@ -29,7 +29,7 @@ from fmu_src.native.build import choose_platforms
 from fmu_src.native.export import shell
 from fmu_src.native.start import Start, binaries_with
 from fmu_src.native.table import c_table, start_values
-from fmu_src.profile import Profile
+from fmu_src.profile import Profile, of_python
 from rope_model.cases import Level
 from rope_model.scene_names import Value
 from rope_model.simulation.ends.paths import EndMotion
@@ -80,7 +80,9 @@ def export_fmu(
         sys.path.remove(str(stage))  # the builder leaves it there
         files = {name: code for name, code in read_archive(draft).items() if not name.startswith("binaries/")}
     files |= binaries_with(Start(facts["guid"], start_values(table, 2)), library_sources(table), MODEL, 2, chosen)
-    write_archive(destination, files | attachments(profile.select(table).values(), data, fmi=2, native=False))
+    write_archive(
+        destination, files | attachments(of_python(profile.select(table)).values(), data, fmi=2, native=False)
+    )
     return destination
 
 

@@ -70,6 +70,11 @@ class Profile:
 FULL = Profile(ALL)
 
 
+def of_python(described: Mapping[int, Variable]) -> dict[int, Variable]:
+    """Return the variables that the Python flavour has: all but the added masses."""
+    return {reference: v for reference, v in described.items() if not v.name.endswith(".added_mass")}
+
+
 def group_of(name: str) -> str:
     """Return the group of an output."""
     first, _, rest = name.partition(".")

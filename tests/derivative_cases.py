@@ -19,7 +19,7 @@ from scenes import Ends, Motion, ends_at
 
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
-from rope_model import EndMotion, Scene, Swivel, rope_120
+from rope_model import EndMotion, Scene, rope_120
 from rope_model.engine import NativeRope
 from rope_model.shaft_parameters import Air, Lining, Shaft
 from rope_model.simulation.ends.input_filter import ALLOWED_YAW_JERK, MIN_MEAN_TIME
@@ -29,8 +29,10 @@ from rope_model.solver_parameters import Inputs, Model
 INPUTS = tuple(EndMotion.__dataclass_fields__)
 #: m/s^2 and rad/s^2, change of the accelerations in the step that is differentiated
 BEND = {"x": 0.2, "y": 0.2, "z": 0.2, "yaw": 20.0}
-#: shares of the motion by BEND that differences may have
-SHARES = (3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2)
+#: share of the motion by BEND in the largest difference: a short step is not divided, and takes a larger one
+LARGEST_SHARE = 0.03
+#: differences over the largest
+SHARES = (1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)
 #: rad, change of a lean by which differences are shares
 LEANED = 1e-3
 TRAVEL = 90.0
@@ -93,7 +95,7 @@ def cases() -> dict[str, Case]:
         "free swivels": Case(with_swivels(mode="free")),
         "swivels that stick": Case(with_swivels(mode="coulomb", **gentle), turning),
         "swivels that slip": Case(with_swivels(mode="coulomb"), turning),
-        "extrapolated": Case(scene, late=True),
+        "extrapolated": Case(scene, late=True, bent=("x", "y", "z")),
         "position and speed given": Case(scene.with_(inputs=Inputs("position_speed"))),
         "position given": Case(scene.with_(inputs=Inputs("position"))),
         "speed given": Case(scene.with_(inputs=Inputs("speed"))),
@@ -136,8 +138,10 @@ class Differentiated:
         return np.asarray(0.5 * (loads[0] - loads[1]))
 
 
-def bent(end: EndMotion, names: Sequence[str], h: float) -> EndMotion:
-    """Return the motion with accelerations that grow by BEND over the step ``h``."""
+def bent(end: EndMotion, names: Sequence[str], h: float, late: bool) -> EndMotion:
+    """Return the motion with accelerations that grow by BEND over the step ``h``, or are larger from its start on."""
+    if late:
+        return replace(end, **{f"a{name}": getattr(end, f"a{name}") + BEND[name] for name in names})
     if h < MIN_MEAN_TIME:  # the input filter does not believe such an acceleration of a yaw
         names = [name for name in names if name != "yaw"]
     speeds = {name: "yaw_rate" if name == "yaw" else f"v{name}" for name in names}
@@ -160,7 +164,7 @@ def differentiated(case: Case, h: float, warm: float = 0.01) -> Differentiated:
         assert status.valid, status.message
     stop = rope.time + h
     given_at = rope.time if case.late else stop
-    left, right = (bent(end, case.bent, h) for end in case.motion(given_at))
+    left, right = (bent(end, case.bent, h, case.late) for end in case.motion(given_at))
     found = Differentiated(rope, case, rope.snapshot(), stop, given_at, (left, right))
     found.loads_with(found.ends)
     return found
@@ -176,20 +180,21 @@ def derivative(rope: NativeRope, side: int, name: str, at_step_end: bool = True)
     return np.array(found)
 
 
-def bend_of(name: str, h: float) -> float:
+def bend_of(case: Case, name: str, h: float) -> float:
     """Return the change of an input of which differences are shares."""
     if name.startswith("lean"):
         return LEANED
     axis = "yaw" if name.startswith("yaw") else name[-1]
     order = 2 if name.startswith("a") else 1 if name.startswith("v") or name == "yaw_rate" else 0
-    if axis == "yaw" and h < MIN_MEAN_TIME:
+    if axis == "yaw" and (h < MIN_MEAN_TIME or "yaw" not in case.bent):
         return ALLOWED_YAW_JERK * h ** (3 - order)
     return BEND[axis] * h ** (2 - order)
 
 
 def best_difference(step: Differentiated, name: str, h: float) -> NDArray[np.float64]:
     """Return the difference quotients of LOADS to an input of the left end."""
-    sizes = [share * bend_of(name, h) for share in SHARES]
+    most = 1.0 if h < MIN_MEAN_TIME else LARGEST_SHARE
+    sizes = [most * share * bend_of(step.case, name, h) for share in SHARES]
     quotients = [step.difference(({name: size}, {})) / size for size in sizes]
     apart = [float(np.abs(a - b).max()) for a, b in pairwise(quotients)]
     return quotients[apart.index(min(apart)) + 1]

@@ -44,7 +44,7 @@ from rope_model.simulation.ends.paths import EndMotion, EndPath
 from rope_model.simulation.mesh import adaptation, mesh_fit, mesh_pattern
 from rope_model.simulation.mesh import partition as mesh
 from rope_model.simulation.messages import warning_rules
-from rope_model.simulation.outputs import audit, diagnostics, sensitivity
+from rope_model.simulation.outputs import audit, diagnostics
 from rope_model.simulation.outputs.audit import Audit
 from rope_model.simulation.state import EnergyBalance
 from rope_model.simulation.stepping import events, hang, statics, stepping
@@ -54,6 +54,8 @@ from rope_model.solver_parameters import Solver
 #: last parameter of a void function receives the results
 FORMULAS: dict[str, Callable[..., Any]] = {
     "dot(a[3], b[3])": elementary.dot,
+    "nearest_whole(x)": elementary.nearest_whole,
+    "nearest_turn(angle, last)": adaptation.nearest_turn,
     "void conveyance_load(q[7], f[7], torque, load[6])": frame.conveyance_load,
     "right_offset(left[3], right[3])": ends.right_offset,
     "Path path_resting(t, EndMotion motion)": EndPath.at_rest,
@@ -63,8 +65,6 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "Path filter_path(path, InputFilter state, stop, bandwidth)": input_filter.filter_path,
     "void path_measures(path, InputFilter state, measures[14])": input_filter.path_measures,
     "InputFilter add_misfit(InputFilter state, path, FilterSettings settings, rope, leg)": misfit.add_misfit,
-    "void lean_moves(h, ahead, lean, moved[3])": input_filter.lean_moves,
-    "void sample_moves(FilterSettings settings, h, ahead, sample[3], fits[2], moved[3])": input_filter.sample_moves,
     "Path path_coasting(path, t)": EndPath.at_constant_acceleration,
     "EndMotion path_at(path, t)": EndPath.at,
     "path_height(path, t)": EndPath.height,
@@ -183,7 +183,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
 #: derivatives of formulas, which Python does not evaluate, written as in ``FORMULAS``
 DERIVATIVES: dict[str, Callable[..., Any]] = {
     "void path_change(path, InputFilter state, FilterSettings settings, given_at, stop, EndMotion end, change[13], "
-    "coefficients[6][6])": path_change,
+    "coefficients[6][6])": path_change
 }
 #: structures of results, which are generated for C
 DEFINED_HERE: tuple[type[Any], ...] = (
@@ -252,7 +252,5 @@ CONSTANTS: dict[str, float | tuple[Any, ...]] = {
     "WIRE_PLACES": element.POINTS,
     "WIRE_WEIGHTS": element.WEIGHTS,
     "NEWTON_TEXTS": tuple(status.text for status in newton.NewtonStatus),
-    "INPUT_ORDERS": tuple(order for order, _ in sensitivity.INPUTS.values()),
-    "INPUT_DOFS": tuple(dof for _, dof in sensitivity.INPUTS.values()),
     "CONTACT_POINTS": len(contact_points.PARTS),
 }

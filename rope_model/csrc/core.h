@@ -58,9 +58,6 @@ int choose_fidelity(const Scene *scene, const EndMotion ends[2], int forces, cha
 int lowest_sufficient(const Scene *scene, const EndMotion ends[2], int forces);
 void unsupported_motion(const Scene *scene, int fidelity, const EndMotion ends[2], int forces, char *cause);
 
-/* mesh/adaptation.c */
-double nearest_turn(double angle, double last); /* Return the angle plus full turns that is closest to last. */
-
 /* mesh/partition.c; `bottom_s` is the arc length of the loop's lowest point, `divider_s` has DIVIDERS entries */
 double partition_fine_length(const Pattern *pattern, const double *lengths); /* Of elements in the loop segment, m. */
 Mesh fit_mesh(const Scene *scene);
@@ -132,9 +129,6 @@ void rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes
 /* Tension (points), N, at arc lengths `places` with heights y. */
 void rigid_tension(const NodalArrays *arrays, double rho, double gravity, int points, const double *places,
                    const double *y, double *tension);
-/* Change of both end tensions, N, when one end's position, speed and acceleration along an axis change. */
-void tension_change(const Scene *scene, const EndMotion ends[2], int side, int axis, const double change[3],
-                    double gained[2]);
 
 /* rope_system.c */
 /* Arc lengths s (elements + 1) of the nodes from element lengths (elements). */

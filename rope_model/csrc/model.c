@@ -92,6 +92,7 @@ static double relative_error(const Simulator *sim, State *state, const StepResul
 
 StepResult model_trial(Simulator *sim, State *state, double h) {
     System sys = rope_system(sim, state);
+    sys.corrections = sim->replay.repeating ? sim->replay.corrections : 0;
     StepResult result = generalized_alpha_step(sim, state, &sys, h);
     result.near = sys.obstacles != NULL && sys.obstacles->any;
     result.error_ratio = result.converged ? relative_error(sim, state, &result) : INFINITY;

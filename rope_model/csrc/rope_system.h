@@ -99,6 +99,7 @@ typedef struct {
     double P[PARAMETERS], air[AIR_COEFFICIENTS]; /* air: AirCoefficients, whose first number is 0 without air */
     double load[2], friction_load[2]; /* moments on theta of the ends; friction per newton of upward reaction */
     double inertia[2], shortest;      /* inertia: of theta at the ends; shortest: element, m */
+    int corrections;                  /* Newton corrections of a step that is taken again; 0: until it converges */
 } System;
 
 /* Operations on a chain of elements at one fidelity. */
@@ -172,6 +173,8 @@ int clearance_exceeds(const System *sys, const ClearanceCache *cache, const doub
 /* numerics/newton.c */
 /* Judge a correction of this norm; `fresh` is true if its factorization is new. */
 Progress newton_judge(Progress before, double norm, double tolerance, int fresh, const NewtonLimits *limits);
+/* Let the iteration end after that number of corrections. */
+Progress newton_repeated(Progress progress, int corrections);
 
 /* physics/contact_element.c; contact forces on r and r' of both nodes; contact_sums adds to its sums */
 enum { CONTACT_DOF = 12 };

@@ -32,9 +32,10 @@ typedef struct {
     signed char phase[2], sign[2];
 } Phases;
 
-/* An internal step: its length and its end, s, and the phases in it and after it. */
+/* An internal step: its length and its end, s, Newton's corrections, and the phases in it and after it. */
 typedef struct {
     double h, t;
+    int corrections;
     Phases during, after;
 } TakenStep;
 enum { MAX_TAKEN = 4096 }; /* internal steps of a communication step that can be differentiated */
@@ -44,6 +45,7 @@ typedef struct {
     int recording, repeating; /* true while it is recorded, or taken again */
     int known;                /* true if the rest is that of the last step */
     int count;                /* number of internal steps */
+    int corrections;          /* of the step that is taken again */
     int fidelity;             /* at its end */
     Phases after;             /* at its end */
     double duration;          /* s */
@@ -89,16 +91,6 @@ struct Simulator {
 
 static inline const Chain *chain_of(const Simulator *sim, const State *state) {
     return sim->chains + (state->fidelity == RIGID ? PLANAR : state->fidelity) - TORSIONAL;
-}
-
-/* Error that Newton's method may leave in a step that is taken again, m and rad: its differences from others count. */
-#define REPEATED_ERROR 1e-11
-
-/* Return the error that Newton's method may leave; `bounded` is it where the number of iterations is bounded. */
-static inline double newton_error(const Simulator *sim, double bounded) {
-    const Solver *solver = &sim->scene.solver;
-    if (sim->replay.repeating) return REPEATED_ERROR;
-    return effective_tolerance(solver->newton_tolerance, solver->work_max, bounded);
 }
 
 /* Below, functions with a message return 0 on failure. */

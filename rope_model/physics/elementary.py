@@ -30,6 +30,11 @@ def floor(x: Any) -> Any:
     return float(math.floor(x)) if isinstance(x, _NUMBER) else _library(x).floor(x)
 
 
+def nearest_whole(x: Any) -> Any:
+    """Return the whole number nearest to ``x``, whatever the processor's rounding mode; the larger of two."""
+    return floor(x + 0.5)
+
+
 def exp(x: Any) -> Any:
     """Return the exponential."""
     return _library(x).exp(x)

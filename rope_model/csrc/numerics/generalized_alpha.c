@@ -50,8 +50,10 @@ StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, dou
     sys->time = result.t;
     memcpy(now->reaction, old.reaction, sizeof(double) * size);
     const Chain *chain = chain_of(sim, state);
+    const Solver *solver = &sim->scene.solver;
     result.newton = chain->solve(sys, sim->work, now->q, now->v, now->a, now->reaction, c,
-                                 newton_error(sim, BOUNDED_STEP_ERROR), old.q, result.balance);
+                                 effective_tolerance(solver->newton_tolerance, solver->work_max, BOUNDED_STEP_ERROR),
+                                 old.q, result.balance);
     for (size_t i = 0; i < size; i++) finite &= isfinite(now->reaction[i]) != 0;
     if (result.newton.status == CONVERGED && !finite) result.newton.status = NOT_FINITE;
     result.converged = result.newton.status == CONVERGED;

@@ -1,8 +1,8 @@
 /* Derivatives of the end loads with respect to the motions that the host gave for the last communication step.
 
    The step is taken again from its start, along paths of the ends that differ by a small multiple of the derivative of
-   the path: the same internal steps, transformations and phases of the swivels, with a smaller error of Newton's
-   method.  The central difference of the loads at its end is the derivative of what the step computes.  The path's own
+   the path: the same internal steps, with the same numbers of Newton's corrections, transformations and phases of the
+   swivels.  The central difference of the loads at its end is the derivative of what the step computes.  The path's own
    derivative is exact, as the input filter treats a small misfit otherwise than one that can be measured. */
 
 #include "messages.h"
@@ -12,8 +12,8 @@
 /* VECTORS: members of EndMotion before the yaw, three of each order */
 enum { UP = 1, VECTORS = 9, ANGLE_PATH = 3, AXES = 4, PATHS = 6, POWERS = 6, OF_END = sizeof(EndMotion) / sizeof(double), LOADS = 12 };
 
-/* Largest changes of an end within the step, in m and in rad: 1e6 times what Newton's method leaves, and small against
-   all that a rope's stiffness changes with. */
+/* Largest changes of an end within the step, in m and in rad: large against rounding, and small against all that a
+   rope's stiffness changes with. */
 #define LARGEST_MOVE 1e-5
 #define LARGEST_TURN 1e-3
 /* Shortest time in which an end may move so, s: in less, the change of its speed is a strain of more than 1e-6. */

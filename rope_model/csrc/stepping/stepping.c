@@ -88,10 +88,10 @@ int as_rigid(Simulator *sim, State *state, double t, char *message) {
 }
 
 /* Record an internal step that ends at the state's time. */
-static void record_step(Simulator *sim, const State *state, double h, Phases during) {
+static void record_step(Simulator *sim, const State *state, double h, int corrections, Phases during) {
     Replay *replay = &sim->replay;
     if (replay->recording && replay->count < MAX_TAKEN)
-        replay->steps[replay->count] = (TakenStep){h, state->t, during, phases_of(state)};
+        replay->steps[replay->count] = (TakenStep){h, state->t, corrections, during, phases_of(state)};
     if (replay->recording) replay->count++;
 }
 
@@ -104,7 +104,7 @@ static int rigid_step(Simulator *sim, State *state, double t_end, char *message)
     state->errors.time += h;
     state->errors.force = fmax(state->errors.force, largest_end_force(&nodal));
     state->counts.steps += 1;
-    record_step(sim, state, h, phases_of(state));
+    record_step(sim, state, h, 0, phases_of(state));
     return 1;
 }
 
@@ -138,7 +138,7 @@ int step_towards(Simulator *sim, State *state, double t_end, char *message) {
         switch_swivels(sim, state);
         if (chatters(state)) return say_swivel_chatters(message);
     }
-    record_step(sim, state, trial.h, during);
+    record_step(sim, state, trial.h, trial.newton.iterations, during);
     update_loop_yaw(state);
     return 1;
 }
@@ -149,6 +149,7 @@ int repeat_step(Simulator *sim, State *state, const TakenStep *step, char *messa
     if (transformed != CONVERGED)
         return say_transformation_fails(message, sim->scene.solver.step_min, NEWTON_MESSAGES[transformed]);
     set_phases(sim, state, &step->during);
+    sim->replay.corrections = step->corrections;
     const StepResult trial = model_trial(sim, state, step->h);
     if (!trial.converged)
         return say_step_fails(message, step->h, sim->scene.solver.step_min, NEWTON_MESSAGES[trial.newton.status]);

@@ -125,4 +125,8 @@ wrong_number_of_bytes = Template(
     "the saved state has {found:d} bytes, one of this rope {own:d}; restore it into a rope with the same parameters"
 )
 no_state_in_bytes = Template("these bytes are not a state of this rope; save one anew, or restore it into its own rope")
+native_alone = Template(
+    "the Python form of the rope does not compute {name:s}; take the native one, form='native' of balance_rope or an "
+    "FMU of the native flavour"
+)
 no_such_input = Template("an input's number is 0 to {last:d}")
