@@ -109,8 +109,8 @@ static int initialize(Simulator *sim, double t, const EndMotion ends[2]) {
     const NodalArrays nodal = state_arrays(state);
     double divider_s[DIVIDERS];
     model_dividers(sim, state->paths, t, divider_s);
-    partition(&sim->mesh, scene->rope.length, model_bottom_s(sim, state->paths, t), divider_s, nodal.elements, &state->pattern,
-              nodal.lengths);
+    partition(&sim->mesh, scene->rope.length, model_bottom_s(sim, state->paths, t), divider_s, nodal.elements,
+              &state->pattern, nodal.lengths);
     arc_lengths(nodal.elements, nodal.lengths, nodal.s);
     hanging_guess(nodal.nodes, nodal.s, points[LEFT], points[RIGHT], nodal.q, message);
     state->offsets[RIGHT] = right_offset(points[LEFT], points[RIGHT]);

@@ -10,7 +10,16 @@
 #include "simulator.h"
 
 /* VECTORS: members of EndMotion before the yaw, three of each order */
-enum { UP = 1, VECTORS = 9, ANGLE_PATH = 3, AXES = 4, PATHS = 6, POWERS = 6, OF_END = sizeof(EndMotion) / sizeof(double), LOADS = 12 };
+enum {
+    UP = 1,
+    VECTORS = 9,
+    ANGLE_PATH = 3,
+    AXES = 4,
+    PATHS = 6,
+    POWERS = 6,
+    OF_END = sizeof(EndMotion) / sizeof(double),
+    LOADS = 12
+};
 
 /* Largest changes of an end within the step, in m and in rad: large against rounding, and small against all that a
    rope's stiffness changes with. */
@@ -78,8 +87,7 @@ static int repeat(Simulator *sim, const Change *change, double times, double loa
     Path *path = &state->paths[change->side];
     for (int k = 0; k < PATHS; k++)
         for (int power = 0; power < POWERS; power++)
-            (k < AXES ? path->coefficients[k] : path->leans[k - AXES])[power] +=
-                times * change->coefficients[k][power];
+            (k < AXES ? path->coefficients[k] : path->leans[k - AXES])[power] += times * change->coefficients[k][power];
     rope_system_refer(sim, sim->state, state_arrays(sim->state).q);
     if (state->fidelity != replay->fidelity && !raise_fidelity(sim, state, "", sim->message)) return 0;
     for (int k = 0; k < replay->count; k++)

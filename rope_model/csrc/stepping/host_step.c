@@ -114,4 +114,3 @@ int take_host_step(Simulator *sim, const HostStep *host, int *event) {
     for (int side = LEFT; side <= RIGHT; side++) state->force_mean[side] = impulse[side] / (t - begin);
     return 1;
 }
-
