@@ -30,7 +30,7 @@ INPUTS = tuple(EndMotion.__dataclass_fields__)
 #: m/s^2 and rad/s^2, change of the accelerations in the step that is differentiated
 BEND = {"x": 0.2, "y": 0.2, "z": 0.2, "yaw": 20.0}
 #: shares of the motion by BEND in the largest difference: a short step is not divided, and takes a larger one
-LARGEST_SHARE = 0.01
+LARGEST_SHARE = 3e-3
 LARGEST_SHARE_SHORT = 0.3
 #: differences over the largest: smaller ones agree with each other, by rounding, on something else
 SHARES = (0.03, 0.1, 0.3, 1.0)

@@ -30,6 +30,7 @@ C_ONLY = {
     "rope_fidelity_reason", "rope_warning", "state_plausible", "state_copy", "record_event", "partition_elements",
     "middle_before", "fidelity_name", "bodies_group", "find_near_bodies", "add_near_bodies", "remember_configuration",
     "clearance_exceeds",
+    "phases_of", "set_phases", "repeat_step", "newton_repeated", "host_step_plausible",
     "point_forces_push", "chain_work_bytes", "chain_frames_bytes", "fastest_chains", "rope_advance_to_event",
 }  # fmt: skip
 
