@@ -104,15 +104,17 @@ def start(case: Case) -> Record:
     return record
 
 
-def wind(case: Case, before: Callable[[BalanceRope, int], BalanceRope] | None = None, work: float = WORK) -> Record:
-    """The case from its start to its end, to the step that is refused, or until it has taken its ``work``.
+#: does something to the rope before step k, and returns the rope that goes on
+Before = Callable[[BalanceRope, int], BalanceRope]
 
-    ``before`` may do something to the rope before step k, and returns the rope that goes on.
-    """
+
+def wind(case: Case, before: Before | None = None, work: float | None = None) -> Record:
+    """The case from its start to its end, to the step that is refused, or until it has taken ``work`` (WORK)."""
+    bound = WORK if work is None else work
     record = start(case)
     each = record.rope.elements * (PAIRS if case.scene.shaft.contact.rope_stiffness > 0 else 1)
     for k in range(1, len(case.times)):
-        if each * record.rows[-1][_STEPS] > work:
+        if each * record.rows[-1][_STEPS] > bound:
             record.case = case.with_(times=case.times[:k])
             break
         if before is not None:
