@@ -44,7 +44,7 @@ def main() -> int:
         if time.monotonic() - told > 60.0:
             told = time.monotonic()
             minutes = (told - begun) / 60.0
-            print(f"{minutes:.0f} min: {hunt.drawn} cases, {len(hunt.findings)} findings", flush=True)
+            print(f"{minutes:.0f} min: cases to {number - 1}, {len(hunt.findings)} findings", flush=True)
     print(hunt.table())
     for words, times in hunt.refusals.most_common(12):
         print(f"refused {times} times: {words}")
