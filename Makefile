@@ -15,7 +15,7 @@ DEV := $(VENV)/.dev
 PYTEST := OMP_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n logical --dist worksteal
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m evidence --measure
 
-.PHONY: help demo test test-slow lint docs evidence reproduce accuracy promise stability validate contact signals motion bench csources wheels release clean
+.PHONY: help demo test test-slow hunt lint docs evidence reproduce accuracy promise stability validate contact signals motion bench csources wheels release clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1: \2/p' $(MAKEFILE_LIST) | awk -F ': ' '{ printf "%-12s %s\n", $$1, $$2 }'
@@ -31,6 +31,13 @@ test: $(READY)  ## run the tests, on all cores
 
 test-slow: $(READY)  ## run the tests that are marked slow
 	$(PYTEST) -m slow
+
+# seed of the scenes, minutes for which they are drawn, or one case, one relation of it, and features that it goes without
+MINUTES ?= 60
+HUNT = --seed $(SEED) --minutes $(MINUTES) $(if $(CASE),--case $(CASE)) $(if $(RELATION),--relation $(RELATION))
+hunt: $(READY)  ## try relations that must hold on random scenes, as make hunt SEED=7 MINUTES=60
+	$(if $(SEED),,$(error SEED must be a number: make hunt SEED=7))
+	OMP_NUM_THREADS=1 PYTHONPATH=.:tests $(BIN)/python -m invariants $(HUNT) $(if $(WITHOUT),--without "$(WITHOUT)") $(if $(LOG),--log)
 
 lint: $(DEV)  ## run ruff, clang-format, mypy, codespell and proselint
 	$(BIN)/ruff check .
