@@ -1,6 +1,9 @@
 """What is known of a rope: the catalogue, what `balance-rope identify` finds, windings over ranges (`uncertain`)."""
 
 import math
+import os
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +26,7 @@ from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.files.reading import FileError, read
 from hoist_demo.files.rope_file import FOLLOWING, RopeFile
 from hoist_demo.files.run_values import Values
-from hoist_demo.files.values import plain, statuses
+from hoist_demo.files.values import ParameterValue, plain, statuses, unreached
 from hoist_demo.uncertainty.definition import UncertaintyFile
 from hoist_demo.uncertainty.page import too_few
 from hoist_demo.uncertainty.spread import UncertaintyResult, draw, remarks_of, wind_once
@@ -318,6 +321,11 @@ def test_a_trip_is_wound_once_for_all_that_is_measured_in_it(tmp_path: Path) -> 
         (ROPE + WIDTH + "[sought]\nair.drag = 1.0\n", "air.drag = 1.0 must be { low, high }, in order"),
         (ROPE + TRACK + "travel = 90.0\nleft_y = 0.0\nright_y = 130.0\n", "must be less than .* = 120 m apart"),
         (ROPE + WIDTH + "[want]\n", r"want = {} is not a key"),
+        (ROPE + WIDTH + '[fixed]\nmodel.fidelity = "planar"\n', r"\[fixed\] model.fidelity = 3 must be .torsional."),
+        (
+            ROPE + WIDTH + "[fixed]\nair.drag = 1.0\n[sought]\nair.drag = { low = 0.5, high = 2.0 }\n",
+            r"\[fixed\] air.drag = 1.0 is also in \[sought\]",
+        ),
     ],
 )
 def test_what_is_wrong_with_a_file_is_told(tmp_path: Path, text: str, problem: str) -> None:
@@ -409,11 +417,60 @@ def test_a_remark_of_many_windings_has_the_range_of_its_numbers() -> None:
         (("= 7.7", "= 7700.0"), r"mass_per_length = 7700 must be within 0\.755 and 77\.6 kg/m, .*: check its unit"),
         (("= 7.7", "= { low = 0.007, high = 7.7 }"), r"mass_per_length = .* must be within 0\.755 and 77\.6 kg/m"),
         (("[known]", "[known]\ntorque_factor = 0.01\nbending_stiffness = 180.0"), "nothing varies"),
+        (
+            ("[known]", "[fixed]\nhoist.tail_rope_mass = 9.0\n[known]"),
+            r"\[fixed\] hoist.tail_rope_mass = 9.0 follows from the rope's \[known\] mass_per_length",
+        ),
+        (("samples = 8", 'samples = 8\nbearing = "rolling"'), r"bearing = 'rolling' varies a friction that swivels"),
     ],
 )
 def test_what_is_wrong_with_ranges_is_told(tmp_path: Path, change: tuple[str, str], problem: str) -> None:
     with pytest.raises(FileError, match=problem):
         read(written(tmp_path, SCENE.replace(*change)), UncertaintyFile)
+
+
+def test_friction_that_is_given_beside_a_bearing_is_refused(tmp_path: Path) -> None:
+    swivels = '[fixed]\nswivels.mode = "coulomb"\n'
+    rolling = SCENE.replace("samples = 8", 'samples = 8\nbearing = "rolling"') + swivels
+    assert "running_friction" in read(written(tmp_path, rolling), UncertaintyFile).data
+    with pytest.raises(FileError, match=r"\[fixed\] left.swivel.mu_static = 0.3 follows from \[uncertain\] bearing"):
+        read(written(tmp_path, f"{rolling}left.swivel.mu_static = 0.3\n"), UncertaintyFile)
+
+
+def test_a_given_value_that_a_run_does_not_have_is_named() -> None:
+    given = {name: ParameterValue(1.0) for name in ("rope.EI", "air.drag", "hoist.payload_left")}
+    told = [*unreached(given, {"rope.EI": 1.0, "air.drag": 2.0})]
+    assert len(told) == 2
+    assert told[0].startswith("[fixed] air.drag = 1.0 does not reach the rope or the hoist, which has 2.0")
+    assert told[1].startswith("[fixed] hoist.payload_left = 1.0 is a value that this command does not take")
+
+
+@pytest.mark.parametrize("command", ["uncertain", "identify"])
+def test_check_hangs_the_rope(tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str) -> None:
+    where = (
+        '[[measured]]\nwhat = "at rest"\nsignal = "loop.yaw"\nleft_y = 0.0\nright_y = 40.0\nvalue = 0.1\nsigma = 1.0\n'
+    )
+    text = SCENE + "[fixed]\n" if command == "uncertain" else f"{ROPE}{where}[fixed]\n"
+    path = str(written(tmp_path, f"{text}layout.spacing = 2.0\n"))
+    assert main([command, path, "--check"]) == 0
+    path = str(written(tmp_path, f"{text}layout.spacing = 300.0\n"))
+    assert main([command, path, "--check"]) == 2
+    assert "the rope of 120 m cannot hang between ends 300 m apart" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("both", [False, True], ids=["output", "output and messages"])
+def test_a_reader_that_leaves_changes_no_exit_code(tmp_path: Path, both: bool) -> None:
+    source = written(tmp_path, ROPE + HEAVY)
+    command = [sys.executable, "-m", "balance_rope", "identify", str(source), "--out", str(tmp_path / "found")]
+    root = str(Path(__file__).parents[1])
+    receiver, sender = os.pipe()
+    os.close(receiver)  # the reader is gone before the first line
+    with os.fdopen(sender, "wb") as out:
+        messages = out if both else subprocess.PIPE
+        done = subprocess.run(command, stdout=out, stderr=messages, env=os.environ | {"PYTHONPATH": root}, check=False)
+    assert done.returncode == 1
+    assert both or b"warning: the measurements contradict the model" in done.stderr
+    assert (tmp_path / "found" / "report.html").is_file()
 
 
 @pytest.mark.parametrize("name", ["rope-120", "kiruna-355"])

@@ -44,6 +44,7 @@ def _identify(options: argparse.Namespace) -> int:
 
     file = read(options.measured, MeasurementFile)
     if options.check:
+        file.require_hangs()
         print(f"{options.measured}: {sum(len(m.values) for m in file.measurements)} values, nothing wrong")
         return 0
     out = results_folder(options.out or Path("out") / "identify" / options.measured.stem)
