@@ -25,7 +25,13 @@ try:  # Ctrl-C during the slow imports must not print a traceback
     from hoist_demo.command_line.linear import add_linear
     from hoist_demo.command_line.options import settings
     from hoist_demo.command_line.study import add_study
-    from hoist_demo.command_line.support import named, outlive_readers, results_folder, treat_hangup_as_interrupt
+    from hoist_demo.command_line.support import (
+        INTERRUPTED,
+        named,
+        outlive_readers,
+        results_folder,
+        treat_hangup_as_interrupt,
+    )
     from hoist_demo.command_line.uncertain import add_uncertain
     from hoist_demo.command_line.wind import add_wind
     from hoist_demo.files.reading import read
@@ -103,7 +109,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return code
     except KeyboardInterrupt:
         print("balance-rope: interrupted", file=sys.stderr)
-        return 130
+        return INTERRUPTED
     except (ValueError, RuntimeError, OSError) as error:
         print(f"balance-rope: {error}", file=sys.stderr)
         return 2

@@ -279,7 +279,8 @@ coupling.step = { value = 0.01, status = "published" }
 layout.spacing = 2.0
 """
     rope = (
-        '[[rope]]\nnumber = 1\nname = "{}"\ndiameter = 0.044\nconstruction = "34x7"\nEI = {{ value = 200.0, status = "derived" }}\n'
+        '[[rope]]\nnumber = 1\nname = "{}"\ndiameter = 0.044\nconstruction = "34x7"\n'
+        'EI = {{ value = 200.0, status = "derived" }}\n'
     )
     path = str(written(tmp_path / "own.toml", text + rope.format("a") + rope.format("b") + "z = 0.9\n"))
     case = find_case(path)

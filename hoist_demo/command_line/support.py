@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, TypeAlias
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
 
+INTERRUPTED = 130  #: Exit code of every command that an interrupt (Ctrl-C) has stopped: 128 + SIGINT.
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 RunCommand = Callable[[argparse.Namespace], int]
 
