@@ -28,7 +28,7 @@ from hoist_demo.files.rope_file import FOLLOWING, RopeFile
 from hoist_demo.files.run_values import Values
 from hoist_demo.files.values import ParameterValue, plain, statuses, unreached
 from hoist_demo.uncertainty.definition import UncertaintyFile
-from hoist_demo.uncertainty.page import too_few
+from hoist_demo.uncertainty.page import remarks, too_few
 from hoist_demo.uncertainty.spread import UncertaintyResult, draw, remarks_of, wind_once
 from rope_model import BEARINGS, CONSTRUCTIONS, Rope, Scene, rope
 from rope_model.catalogue import PROPERTIES, SHEAR, STEEL_MODULUS, Datum, properties_of, rope_of
@@ -397,6 +397,16 @@ def test_a_rope_that_passed_through_itself_sets_no_range(tmp_path: Path) -> None
     found, (told,) = wind_once(asked, values)
     assert np.isnan([*found.values()]).all()
     assert told.startswith("left out: the rope passed through its other leg")
+
+
+@pytest.mark.parametrize(
+    ("reason", "code"), [("", 0), ("warning: slack", 0), ("stopped: a cause", 1), ("left out: x", 1)]
+)
+def test_each_winding_that_does_not_count_decides_the_exit_code(tmp_path: Path, reason: str, code: int) -> None:
+    asked = read(written(tmp_path, SCENE), UncertaintyFile)
+    result = UncertaintyResult(asked, {}, {reason: 1} if reason else {})
+    assert (result.exit_code, result.completed) == (code, 8 - code)
+    assert remarks(result) == ([f"in 1 of 8 windings: {reason}"] if reason else [])
 
 
 def test_a_remark_of_many_windings_has_the_range_of_its_numbers() -> None:

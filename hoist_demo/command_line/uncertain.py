@@ -65,4 +65,4 @@ def _uncertain(options: argparse.Namespace) -> int:
         print(f"balance-rope: {text}", file=sys.stderr)
     if text := too_few(result):
         print(f"balance-rope: warning: {text}", file=sys.stderr)
-    return 0 if result.completed == file.header.samples else 1
+    return result.exit_code
