@@ -199,7 +199,7 @@ def _ends_reached(found: Fit) -> Signs:
     beyond = found.norm_params - slope / curvature
     above = (found.norm_params > 1.0 - AT_END) & (beyond > 1.0)
     below = (found.norm_params < AT_END) & (beyond < 0.0)
-    return above.astype(int) - below.astype(int)
+    return np.asarray(above.astype(int) - below.astype(int))
 
 
 def _all(residuals: Residuals, prior_rows: Array, norm_params: Array) -> Array:

@@ -56,8 +56,10 @@ class Trip:
 
     def reference(self) -> Trajectory:
         """Return the motion of the left end from its first height."""
-        limits = {"speed": self.speed, "acceleration": self.acceleration, "jerk": self.jerk}
-        return s_curve(Winding(travel=self.travel, start_delay=0.0, **limits))
+        winding = Winding(
+            travel=self.travel, speed=self.speed, acceleration=self.acceleration, jerk=self.jerk, start_delay=0.0
+        )
+        return s_curve(winding)
 
 
 @dataclass
@@ -82,7 +84,9 @@ class RopePredictor:
     def plan(self, measurements: Iterable["AnyRopeMeasurement"]) -> None:
         """Collect all that measurements read in each trip, so that it is wound once."""
         for m in measurements:
-            for trip, times in m.readings() if isinstance(m, Track) else ():
+            if not isinstance(m, Track):
+                continue
+            for trip, times in m.readings():
                 asked = self._asked.setdefault(trip, TripReadings())
                 asked.signals.add(m.signal)
                 asked.times.update(times)

@@ -66,7 +66,7 @@ def named(text: str) -> Path:
 class _Output(io.FileIO):
     """Output that goes nowhere once its reader is gone, as in `| head`: the command goes on to its exit code."""
 
-    def write(self, text: "ReadableBuffer") -> int | None:
+    def write(self, text: "ReadableBuffer") -> int | None:  # type: ignore[override]  # of IO, which is generic
         try:
             return super().write(text)
         except BrokenPipeError:
