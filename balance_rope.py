@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import logging
-import os
 import sys
 import tempfile
 from collections.abc import Sequence
@@ -26,7 +25,13 @@ try:  # Ctrl-C during the slow imports must not print a traceback
     from hoist_demo.command_line.linear import add_linear
     from hoist_demo.command_line.options import settings
     from hoist_demo.command_line.study import add_study
-    from hoist_demo.command_line.support import named, results_folder, treat_hangup_as_interrupt
+    from hoist_demo.command_line.support import (
+        INTERRUPTED,
+        named,
+        outlive_readers,
+        results_folder,
+        treat_hangup_as_interrupt,
+    )
     from hoist_demo.command_line.uncertain import add_uncertain
     from hoist_demo.command_line.wind import add_wind
     from hoist_demo.files.reading import read
@@ -75,6 +80,7 @@ first steps:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point; returns the exit code."""
+    outlive_readers()
     raw = argparse.RawDescriptionHelpFormatter
     parser = argparse.ArgumentParser("balance-rope", description=DESCRIPTION, epilog=EPILOG, formatter_class=raw)
     parser.add_argument("--version", action="version", version=f"balance-rope {__version__}")
@@ -101,12 +107,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         code: int = options.run(options)
         sys.stdout.flush()
         return code
-    except BrokenPipeError:  # the reader closed the pipe, e.g. `| head`
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
     except KeyboardInterrupt:
         print("balance-rope: interrupted", file=sys.stderr)
-        return 130
+        return INTERRUPTED
     except (ValueError, RuntimeError, OSError) as error:
         print(f"balance-rope: {error}", file=sys.stderr)
         return 2

@@ -1,5 +1,6 @@
 """Trips of a duty: what is carried over, what a dwell changes, when they repeat, and how a duty goes on."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -112,6 +113,14 @@ def test_a_duty_goes_on_from_its_file_with_the_same_bits(tmp_path: Path) -> None
     again = [trip_row(trip, rest) for trip in wind_duty(schedule, other, torque_free=False, after=end, done=2)]
     for name in COLUMNS:
         assert_array_equal([r[name] for r in kept + again], [r[name] for r in rows], err_msg=name)
+    whole = path.read_bytes()
+    for content in (b"", whole[:100], whole[: len(whole) // 2], b"no archive"):
+        path.write_bytes(content)
+        with pytest.raises(
+            ValueError, match=rf"last_trip\.npz' must be a checkpoint .* or delete {re.escape(str(path))}"
+        ):
+            read_state(path, other, schedule)
+    path.write_bytes(whole)
     longer = schedule.model_copy(update={"pattern": schedule_of(tmp_path, settle=3.0, travel=20.0).pattern})
     with pytest.raises(ValueError, match=r"but settle is 2\.0 there, settle is 3\.0 here: give"):
         read_state(path, other, longer)

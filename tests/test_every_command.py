@@ -191,7 +191,7 @@ def test_a_demo_winds_with_what_is_set_and_writes_the_signals_asked_for(tmp_path
     assert "| hoist.payload_left | 4000 | kg | 5000 |" in text
     # a run that stops keeps the report
     monkeypatch.setattr(wind, "interruption", lambda *_: nullcontext(lambda: True))
-    assert main([*DEMO, "--out", str(tmp_path)]) == 1
+    assert main([*DEMO, "--out", str(tmp_path)]) == 130
     assert (tmp_path / "report.md").read_text(encoding="utf-8") == text
     assert "Stopped" in (tmp_path / "stopped" / "report.md").read_text(encoding="utf-8")
 
@@ -201,9 +201,27 @@ def test_a_run_is_gone_on_with_whose_hoist_is_a_file(tmp_path: Path, monkeypatch
     file.write_text("name = 'own'\nlike = 'rope-120'\nhoist.payload_left = 4321.0\n", encoding="utf-8")
     with monkeypatch.context() as patch:
         patch.setattr(wind, "interruption", lambda *_: nullcontext(lambda: next(asked) > 60))
-        assert main([*DEMO, str(file), *out]) == 1
+        assert main([*DEMO, str(file), *out]) == 130
+    assert f"the same command with --resume {tmp_path / 'out' / 'last_good.npz'} goes on" in capsys.readouterr().err
     assert main([*DEMO, "--resume", str(tmp_path / "out" / "last_good.npz"), *out]) == 0
     assert "| hoist.payload_left | 4321 |" in (tmp_path / "out" / "report.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("heard", ["never", "in the run", "while writing"])
+def test_an_interrupt_is_130_whenever_it_comes_and_says_what_is_kept(
+    tmp_path: Path, monkeypatch: Patch, capsys: Capture, heard: str
+) -> None:
+    def interruption(doing: str = "") -> nullcontext[Callable[[], bool]]:
+        now = heard == ("while writing" if doing else "in the run")
+        return nullcontext(lambda: now)
+
+    monkeypatch.setattr(wind, "interruption", interruption)
+    code = main([*DEMO, "--out", str(tmp_path)])
+    told = capsys.readouterr().err
+    assert code == (0 if heard == "never" else 130)
+    assert ("balance-rope: interrupted: t = " in told) == (heard == "in the run")
+    words = f"interrupted when the run was over: all its results are in {tmp_path}"
+    assert (words in told) == (heard == "while writing")
 
 
 def test_a_hoist_takes_no_other_s_fmu(tmp_path: Path, monkeypatch: Patch) -> None:

@@ -102,18 +102,16 @@ def _rope(options: argparse.Namespace) -> int:
 
 
 def _show(options: argparse.Namespace, everything: bool) -> int:
-    from hoist_demo.report.hoist import as_file, consequences, drive_problems, slip_problems
+    from hoist_demo.report.hoist import as_file, examine
 
     values = settings(options.set, parameters())
     case = with_values(find_case(options.hoist), values)
     if everything:
         print(as_file(case, options.hoist, values))
-    text, warnings = consequences(case, options.hoist, values)
+    text, check = examine(case, options.hoist, values)
     if everything:
         print("\n".join(f"# {line}".rstrip() for line in text.splitlines()) + "\n")
-    remarks = [*case.remarks, *drive_problems(case), *slip_problems(case), *warnings]
-    for line in remarks:
+    for line in check.problems:
         print(f"balance-rope: {line}", file=sys.stderr)
-    if not remarks:
-        print(f"# {options.hoist}: nothing is remarkable")
-    return 1 if remarks and not everything else 0
+    print(f"# {options.hoist}: {check.summary}")
+    return 0 if everything else check.exit_code

@@ -76,19 +76,21 @@ class Checkpoint:
                 arrays = {name: file[name] for name in file.files}
             text = json.loads(arrays["text"].tobytes())
             there, controller = text.pop("version", "an earlier one"), text.pop("controller", None)
-            checkpoint = _checkpoint(text, arrays) if there == here else None
+            checkpoint = None
+            if there == here:
+                checkpoint = replace(_checkpoint(text, arrays), controller=decode(controller, arrays))
         except OSError as error:
             raise ValueError(
                 f"'{path}': {(error.strerror or str(error)).lower()}: give a run's last_good.npz"
             ) from error
-        except (KeyError, ValueError, TypeError, zipfile.BadZipFile) as error:
+        except (KeyError, ValueError, TypeError, AttributeError, EOFError, zipfile.BadZipFile) as error:
             raise ValueError(f"'{path}' must be a checkpoint of a run, but: {error}: give another file") from error
         if checkpoint is None:
             raise ValueError(
                 f"'{path}' must be of version {here}, it was written by {there}: go on with that version, or start "
                 "anew in another folder"
             )
-        return replace(checkpoint, controller=decode(controller, arrays))
+        return checkpoint
 
 
 def _checkpoint(text: dict[str, Any], arrays: dict[str, Array]) -> Checkpoint:

@@ -78,11 +78,20 @@ def write_state(path: Path, trips: Recording, end: TripEnd, rope: RopePlant, sch
 
 def read_state(path: Path, rope: RopePlant, schedule: Schedule) -> tuple[list[dict[str, float]], TripEnd]:
     """Read rows and the last trip's end, and put the rope into its state; raise ValueError for another duty's file."""
-    last = Checkpoint.read(path)
+    try:
+        last = Checkpoint.read(path)
+    except ValueError as error:
+        raise ValueError(f"{error}; or delete {path}: the trips are then wound again from the first") from error
     if last.data != schedule.data:
         changes = differences(last.data, schedule.data)
         raise ValueError(f"'{path}' must be of this schedule, but {changes}: give another --out")
-    rope.restore(rope.from_bytes(last.rope))
+    try:
+        rope.restore(rope.from_bytes(last.rope))
+    except ValueError as error:
+        raise ValueError(
+            f"'{path}' must have the rope's state, but: {error}; delete it: the trips are then wound again from the "
+            "first"
+        ) from error
     end = TripEnd(last.t, schedule.landing(last.sample), last.plant, last.input, last.scheme_state)
     return table_rows(last.recording), end
 

@@ -72,6 +72,18 @@ def stated(values: Iterable[tuple[str, object]], status: str = GIVEN) -> dict[st
     return {k: replace(v, status=v.status or status) for k, v in values if isinstance(v, ParameterValue)}
 
 
+def unreached(given: Mapping[str, ParameterValue], reached: Mapping[str, Value]) -> Iterable[str]:
+    """Yield a sentence for each value of [fixed] that is not the one which a run has in the end."""
+    for name, entry in given.items():
+        if name not in reached:
+            yield f"[fixed] {name} = {entry.value!r} is a value that this command does not take: leave it out"
+        elif reached[name] != entry.value:
+            yield (
+                f"[fixed] {name} = {entry.value!r} does not reach the rope or the hoist, which has {reached[name]!r}: "
+                "leave it out"
+            )
+
+
 class ValueTable(BaseModel):
     """A value's own table, before its parameter is asked."""
 

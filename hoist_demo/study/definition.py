@@ -138,6 +138,19 @@ class StudyFile(File):
         BeforeValidator(lambda table: {"method": "grid", **table} if isinstance(table, dict) else table),
     ] = Grid()
 
+    @model_validator(mode="after")
+    def _is_given_once(self) -> Self:
+        places = {"[fixed]": self.fixed} | {
+            f"variant {one.name or k}": one.values for k, one in enumerate(self.variant, 1)
+        }
+        Problems(
+            f"{place} {name} = {entry.value!r} is also in [vary], whose values would replace it: leave one of them out"
+            for place, values in places.items()
+            for name, entry in values.items()
+            if name in self.vary
+        ).refuse()
+        return self
+
     @property
     def variants(self) -> dict[str, dict[str, ParameterValue]]:
         """Fixed values of each variant, by its name."""

@@ -8,7 +8,7 @@ neither is the FMU's, ``exported`` with it.  A ``setting`` is no datum: it says 
 import csv
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
@@ -84,13 +84,9 @@ def _status_of(name: str, value: Value, case: Case, status_by_name: Mapping[str,
 
 def _leaves(run: RunData) -> Iterator[tuple[str, Value, str]]:
     """Yield name, value and unit of each single value of the host that the run uses, without parts that are None."""
-    for name, parameter in host_parameters().items():
+    for name, value in run.host_values().items():
         if CONTROLLER_OF.get(name.partition(".")[0], run.controller) == run.controller and name != CONTROLLER.name:
-            value: Any = run
-            for part in name.split("."):
-                value = getattr(value, part, None)
-            if value is not None:
-                yield name, value, parameter.unit
+            yield name, value, host_parameters()[name].unit
 
 
 def _is_number(value: Value) -> bool:

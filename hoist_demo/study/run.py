@@ -65,6 +65,17 @@ class RunData(Task):
         """Return the data by their keys in records."""
         return {_RECORD_KEYS.get(name, name): value for name, value in asdict(self).items()}
 
+    def host_values(self) -> dict[str, Value]:
+        """Return the host's values by their names in files, without parts that are None."""
+        values = dict[str, Value]()
+        for name in host_parameters():
+            value: Any = self
+            for part in name.split("."):
+                value = getattr(value, part, None)
+            if value is not None:
+                values[name] = value
+        return values
+
     def key(self, fmu_hash: str) -> str:
         """Return the name of the run, 24 hexadecimal digits."""
         data = self.record() | {"fmu": dict(sorted(self.rope_values.items())), "version": _VERSION}

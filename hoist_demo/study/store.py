@@ -12,11 +12,12 @@ are written or read: no worker does, and they took a quarter of the time in whic
 from __future__ import annotations
 
 import json
+import logging
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Units = Mapping[str, str]
+_log = logging.getLogger(__name__)
+_OUTCOME = {one.name for one in fields(Outcome)} - {"signals", "units"}  #: Keys of an outcome in a record.
 SEPARATOR = " | "  #: Between the warnings of a run in the table.
 _NUMBER = re.compile(r"\d[\d.e+-]*")
 
@@ -49,6 +52,7 @@ class Store:
 
     def __init__(self, directory: Path) -> None:
         self.directory = directory
+        self._broken = set[Path]()  # records of which was warned
         for name in ("runs", "signals"):
             (directory / name).mkdir(parents=True, exist_ok=True)
 
@@ -57,11 +61,26 @@ class Store:
         return {key for key in keys if (record := self.read(key)) and record["outcome"]["status"] in FINISHED}
 
     def read(self, key: str) -> dict[str, Any] | None:
-        """Read the record of a run, None if there is none."""
+        """Read the record of a run, None if there is none.
+
+        A broken record counts as none, with a warning: its run is wound again, and replaces it.
+        """
         path = self._path(key)
-        if not path.is_file():
+        if not path.exists():
             return None
-        record: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        try:
+            record: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+            if lacking := _OUTCOME - record["outcome"].keys():
+                raise KeyError(", ".join(sorted(lacking)))
+        except OSError as error:
+            raise ValueError(
+                f"{path} cannot be read ({error.strerror}): delete it, and its run is wound again"
+            ) from error
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+            if path not in self._broken:
+                self._broken.add(path)
+                _log.warning("%s is no whole record of a run (%s): its run is wound again", path, error)
+            return None
         return record
 
     def write(self, key: str, run: RunData, outcome: Outcome, worker: str) -> None:

@@ -1,6 +1,6 @@
 """A file that asks how uncertain a winding is: what is known of the rope varies within its ranges."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
 from typing import Literal, Self
@@ -8,16 +8,18 @@ from typing import Literal, Self
 from pydantic import Field, field_validator, model_validator
 
 from hoist_demo.cases.table import find_case
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_data_of, rope_scene
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data_of, rope_scene, values_by_name
+from hoist_demo.files.reading import FileError
 from hoist_demo.files.rope_file import FOLLOWING, following_statuses
 from hoist_demo.files.run_values import LevelHeader, RopeAnalysisFile, RunFile
-from hoist_demo.files.values import DERIVED, GIVEN, VARIED, ParameterValue, statuses
-from hoist_demo.parameters import SIDES
+from hoist_demo.files.values import DERIVED, GIVEN, VARIED, ParameterValue, statuses, unreached
+from hoist_demo.parameters import SIDES, start_heights
+from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.provenance import SourcedValue, host_provenance, rope_provenance
 from hoist_demo.study.run import RunData, build, from_landing
-from rope_model import BEARINGS, Datum, KnownRope
+from rope_model import BEARINGS, Datum, EndMotion, KnownRope, balance_rope
 
 MEASURES = ("clearance", "loop_yaw", "left_swivel_torque", "rope_force_ripple")
 
@@ -60,13 +62,36 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
     def _varies(self) -> Self:
         if not self.data:
             raise ValueError("nothing varies: give a property of [known] a range, { low, high }")
-        self.provenance()
+        Problems(self._given_twice()).refuse()
+        run = self.middle_run()
+        scene = rope_scene(run.rope_values, self.level)
+        modes = {side: getattr(scene, side).mode for side in SIDES}
+        if self.header.bearing and "coulomb" not in modes.values():
+            are = " and ".join(f'{side}.swivel.mode = "{mode}"' for side, mode in modes.items())
+            raise ValueError(
+                f"[uncertain] bearing = {self.header.bearing!r} varies a friction that swivels with {are} do not "
+                'have: set [fixed] swivels.mode = "coulomb", or leave bearing out'
+            )
+        Problems(unreached(self.fixed, {**run.host_values(), **values_by_name(scene)})).refuse()
         return self
+
+    def _given_twice(self) -> Iterator[str]:
+        """Yield a sentence for each value of [fixed] which follows from what varies."""
+        places = {
+            "hoist.tail_rope_mass": "the rope's [known] mass_per_length",
+            "hoist.tail_rope_length": "the rope's [rope] length",
+        }
+        if self.header.bearing:
+            friction = (f"{side}.swivel.{name}" for side in SIDES for name in ("mu_kinetic", "mu_static"))
+            places |= dict.fromkeys(friction, f"[uncertain] bearing = {self.header.bearing!r}")
+        for name, entry in self.fixed.items():
+            if name in places:
+                yield f"[fixed] {name} = {entry.value!r} follows from {places[name]}: leave it out, and set that"
 
     def provenance(self) -> list[SourcedValue]:
         """Return the provenance of the data; a property that varies has the status of its range."""
         data = self.data
-        run = self.run({name: datum.middle for name, datum in data.items()})
+        run = self.middle_run()
         status_of = {name: VARIED if name in data else datum.status for name, datum in self.known_rope.data.items()}
         status = {"rope.diameter": GIVEN, **statuses(self.fixed), **following_statuses(status_of)}
         if "length" in self.catalogue_arguments:
@@ -75,6 +100,20 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
             status |= {f"{side}.swivel.{name}": VARIED for side in SIDES for name in ("mu_kinetic", "mu_static")}
         rope = rope_data_of(rope_scene(run.rope_values, self.level))
         return [*host_provenance(run, status), *rope_provenance(find_case(self.header.hoist), rope, status)]
+
+    def middle_run(self) -> RunData:
+        """Return the data of a winding with the middle of each range."""
+        return self.run({name: datum.middle for name, datum in self.data.items()})
+
+    def require_hangs(self) -> None:
+        """Refuse a rope of the ranges' middle that cannot hang where the trip begins; FileError says why."""
+        run = self.middle_run()
+        rope = balance_rope(rope_scene(run.rope_values, self.level))
+        left, right = start_heights(run.hoist, run.winding)
+        status = rope.initialize(run.coupling.start, EndMotion(y=left), EndMotion(y=right))
+        if not status.valid:
+            where = f"at rest with its ends at {left:g} m and {right:g} m, in the middle of all ranges"
+            raise FileError(self.path, [f"{where}, the rope cannot hang: {status.message}"])
 
     def run(self, values: Mapping[str, float]) -> RunData:
         """Return the data of a winding with these values of what varies; the drive knows the rope as it is."""

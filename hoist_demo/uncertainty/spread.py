@@ -64,6 +64,11 @@ class UncertaintyResult:
         return self.file.header.samples - sum(count for text, count in self.remarks.items() if text.startswith(unfit))
 
     @property
+    def exit_code(self) -> int:
+        """Exit code of the command: 1 if a winding does not count."""
+        return 0 if self.completed == self.file.header.samples else 1
+
+    @property
     def needed(self) -> int:
         """Windings from which on a regression leaves a rest by which to judge it."""
         return len(self.file.data) + 2
