@@ -101,7 +101,7 @@ def export_hoist(
     trajectory
         The trip asked for, without the wait before it; None: the winding's S-curve.
     step
-        Communication step of the system [s], at most MAX_STEP; the controller samples at each. None: LIGHT_STEP, or
+        Communication step of the system and sample time of its controller [s], at most MAX_STEP. None: LIGHT_STEP, or
         HEAVY_STEP where the balance ropes weigh more than HEAVY_ROPE_RATIO of the lighter conveyance.
     version
         Of SSP.
@@ -120,7 +120,8 @@ def export_hoist(
     case = leave_out(case, without)
     Problems([*obstacles(case), *_obstacles(case, ropes, without)]).refuse()
     drive_ropes = [DriveRope(r.name, r.scene.rope.mass_per_length, r.scene.rope.length, r.suspension) for r in ropes]
-    drive = drive_model(case, drive_ropes, trajectory)
+    pace = step_of(case) if step is None else step
+    drive = drive_model(case, drive_ropes, trajectory, period=pace)
     fmus = {DRIVE: export_model(folder / f"{DRIVE}.fmu", platforms, fmi, **vars(drive))}
     for rope, parameters in _parameters(case, ropes).items():
         path = folder / f"{rope}.fmu"
@@ -128,7 +129,6 @@ def export_hoist(
     # drive and ropes step at the same time: the ropes extrapolate the motion
     components = [Component(one, path, {} if one == DRIVE else _TOGETHER) for one, path in fmus.items()]
     system = folder / f"{name}.ssp"
-    pace = step_of(case) if step is None else step
     export_ssp(system, "FrictionHoist", components, drive.duration, pace, drive.description, version, data)
     return HoistFiles(system, fmus)
 

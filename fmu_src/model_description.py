@@ -50,7 +50,7 @@ class Build(NamedTuple):
     ``token`` is the GUID; ``date`` is UTC as in 2026-01-31T12:00:00Z, or empty; ``sources`` are the C files that make a
     native FMU, none for the Python flavour; ``stop`` is the default experiment's, ``tolerance`` that of the model's own
     error control, where it has one. A model other than the rope gives its ``name`` and ``description``, and one without
-    directional derivatives says so; ``initial`` names the variables that some outputs follow during
+    directional derivatives or events says so; ``initial`` names the variables that some outputs follow during
     initialisation; the others follow all.
     """
 
@@ -64,6 +64,7 @@ class Build(NamedTuple):
     name: str = MODEL
     description: str = DESCRIPTION
     derivatives: bool = True
+    events: bool = True
     initial: Mapping[str, Sequence[str]] = ALL_FOLLOWED
 
 
@@ -105,10 +106,8 @@ def model_description(described: Mapping[int, Variable], build: Build) -> Elemen
     return _document(build, {"fmiVersion": "2.0", "guid": build.token}, interface, units, types, listed, structure)
 
 
-_SUPPORTED3 = (
-    *("canGetAndSetFMUState", "canSerializeFMUState", "canHandleVariableCommunicationStepSize"),
-    *("mightReturnEarlyFromDoStep", "hasEventMode"),
-)
+_SUPPORTED3 = ("canGetAndSetFMUState", "canSerializeFMUState", "canHandleVariableCommunicationStepSize")
+_EVENTS3 = ("mightReturnEarlyFromDoStep", "hasEventMode")
 _UNSUPPORTED3 = (
     *("needsExecutionTool", "canBeInstantiatedOnlyOncePerProcess", "providesAdjointDerivatives"),
     *("providesPerElementDependencies", "providesIntermediateUpdate", "canReturnEarlyAfterIntermediateUpdate"),
@@ -123,6 +122,7 @@ def model_description3(gathered: Sequence[Array], time: int, build: Build) -> El
         modelIdentifier=build.name,
         maxOutputDerivativeOrder=0,
         **dict.fromkeys(_SUPPORTED3, True),
+        **dict.fromkeys(_EVENTS3, build.events),
         providesDirectionalDerivatives=build.derivatives,
         **dict.fromkeys(_UNSUPPORTED3, False),
     )

@@ -98,29 +98,34 @@ def export_model(
     name: str,
     description: str,
     variables: Sequence[Variable],
+    described: Mapping[int, Variable],
     sources: Mapping[str, str],
+    data: Sequence[float],
     attachments: Mapping[str, bytes],
     duration: float,
     initial: Mapping[str, Sequence[str]],
 ) -> Path:
     """Write the FMU of a model without arrays, events and directional derivatives; ``platforms`` as for the rope.
 
-    Its outputs at an instant depend on no input of that instant (after initialisation).  ``sources`` are C files that
-    implement model.h, ``attachments`` further files by their paths in the archive, ``duration`` that of the default run
+    Its outputs at an instant depend on no input of that instant (after initialisation).  ``variables`` are those of the
+    compiled model, ``described`` those of them that the FMU shows, under names of its own.  ``sources`` are C files that
+    implement model.h, ``data`` numbers that they read by ``model_start`` from MODEL_SCALARS on, ``attachments`` further files by their paths in the archive, ``duration`` that of the default run
     [s], ``initial`` the outputs' dependencies during initialisation, see Build.
     """
     files = native_files(
         variables,
-        dict(enumerate(variables)),
+        described,
         model_sources(variables, sources, fmi),
-        f"{name}\0{start_values(variables, fmi)}",
+        f"{name}\0{start_values(variables, fmi)}\0{[*data]}\0{[v.name for v in described.values()]}",
         fmi,
         choose_platforms(platforms),
         stop=duration,
         name=name,
         description=description,
         derivatives=False,
+        events=False,
         initial=initial,
+        data=data,
     )
     write_archive(destination, {**files, **attachments, **licenses()})
     return destination
@@ -134,17 +139,19 @@ def native_files(
     fmi: int,
     platforms: Sequence[str],
     form: Form = arrays,
+    data: Sequence[float] = (),
     **facts: Any,
 ) -> dict[str, bytes]:
     """Return description, sources and libraries by path in the FMU.
 
-    ``sources`` lack start.c; ``what`` distinguishes exports of the same sources; ``facts`` are those of Build.
+    ``sources`` lack start.c; ``what`` distinguishes exports of the same sources; ``data`` are numbers behind the
+    start values; ``facts`` are those of Build.
     """
     digest = hashlib.sha256(what.encode())
     for name, text in sorted(sources.items()):
         digest.update(f"\0{name}\0{text}".encode())
     token = str(uuid.uuid5(uuid.NAMESPACE_OID, f"balance-rope native {digest.hexdigest()}"))
-    start = Start(token, start_values(table, fmi), form is arrays)
+    start = Start(token, (*start_values(table, fmi), *data), form is arrays)
     version = importlib.metadata.version("balance-rope")
     written = {**sources, "start.c": c_start(start)}
     compiled = tuple(sorted(name for name in written if name.endswith(".c")))

@@ -53,6 +53,8 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
         wrong = "the instantiation token is not that of this FMU; read it from the modelDescription.xml beside it";
     else if (nRequiredIntermediateVariables)
         wrong = "this FMU has no intermediate values (providesIntermediateUpdate is false); require none";
+    else if (eventModeUsed && !model_has_events())
+        wrong = "this FMU has no event mode (hasEventMode is false); instantiate it with eventModeUsed = false";
     else if (!model_open(resourcePath, reason))
         wrong = reason;
     if (!wrong) {

@@ -32,7 +32,7 @@ extern const size_t MODEL_SCALARS;
    instantiation: the GUID of FMI 2, the instantiation token of FMI 3. */
 enum { TOKEN_BYTES = 64 };
 void model_token(char token[TOKEN_BYTES]);
-double model_start(size_t scalar); /* start value of an entry */
+double model_start(size_t scalar); /* start value of an entry; from MODEL_SCALARS on further numbers of the model */
 int model_has_arrays(void);        /* true if an array is one variable, false if each of its scalars is one */
 
 /* The host's allocator, with the behaviour of calloc and free. */
@@ -40,6 +40,8 @@ typedef struct {
     void *(*allocate)(size_t count, size_t size);
     void (*deallocate)(void *);
 } Allocator;
+
+int model_has_events(void); /* true if a step may end at an event */
 
 typedef struct ModelInstance ModelInstance;
 
