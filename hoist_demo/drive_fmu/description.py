@@ -72,7 +72,9 @@ def drive_model(
     """
     Problems(obstacles(case)).refuse()
     if len(ropes) > MOST_ROPES:
-        raise ValueError(f"{len(ropes)} balance ropes must be at most {MOST_ROPES} in an exported drive: join equal ones")
+        raise ValueError(
+            f"{len(ropes)} balance ropes must be at most {MOST_ROPES} in an exported drive: join equal ones"
+        )
     case = leave_out(case, ())
     # the wait before the trip is a parameter of its own
     reference = s_curve(replace(case.winding, start_delay=0.0)) if trajectory is None else trajectory

@@ -156,7 +156,9 @@ def drive_table(case: Case, step: float, period: float, ropes: Sequence[DriveRop
             rows.append(_Row(variable, rope is not None, rope.name if rope else ""))
     rows += [_Row(_output(*texts)) for texts in _DRIVE.values()]
     rows += [_Row(_output(name, *texts)) for name, texts in _CONTROL.items()]
-    rows += [_Row(Variable(f"status.{name}", "output", "discrete", kind, "", None, text)) for name, kind, text in _STATUS]
+    rows += [
+        _Row(Variable(f"status.{name}", "output", "discrete", kind, "", None, text)) for name, kind, text in _STATUS
+    ]
     whole = tuple(row.variable for row in rows)
     return DriveTable(whole, {k: row.described() for k, row in enumerate(rows) if row.there})
 
