@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from stand_in import ROOT, RUNNERS
 
 from fmu_src.native.build import PLATFORMS, host_platform
-from fmu_src.native.export import export_model, header_folder
+from fmu_src.native.export import HEADERS, export_model
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.controller import ControllerState, Measurement, SpeedController
@@ -314,7 +314,7 @@ def _compile(folder: Path, platform: str) -> Path:
     compiler = [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[platform].target, "-std=c99", "-O1"]
     source = ROOT / "tests" / "native" / "foreign_host.c"
     libraries = [] if platform.endswith("windows") else ["-ldl"]
-    subprocess.run([*compiler, f"-I{header_folder()}", str(source), "-o", str(host), *libraries], check=True)
+    subprocess.run([*compiler, f"-I{HEADERS}", str(source), "-o", str(host), *libraries], check=True)
     return host
 
 

@@ -24,7 +24,7 @@ from lark import Lark
 
 from fmu_src.interface import variables
 from fmu_src.native.build import PLATFORMS, available_platforms, host_platform
-from fmu_src.native.export import header_folder
+from fmu_src.native.export import HEADERS
 from fmu_src.profile import ALL, ALWAYS, DEFAULT, group_of
 from hoist_demo.cases.table import find_case
 from hoist_demo.drive_fmu.description import drive_model
@@ -167,7 +167,7 @@ def test_outputs_are_listed_in_order_and_depend_on_nothing_at_their_instant(fmu:
 
 def test_variables_have_the_value_references_of_the_whole_table_whatever_is_described(fmu: Archive) -> None:
     if fmu.kind.startswith("drive"):
-        whole = [v.name for v in drive_model(find_case("rope-120")).variables]
+        whole = [v.name for v in drive_model(find_case("rope-120")).variables]  # equal names: one rope
     else:
         whole = [v.name for v in variables(rope_120())]
     for v in fmu.variables:
@@ -233,7 +233,7 @@ def test_binary_of_every_promised_platform_exports_every_function(fmu: Archive) 
     built = available_platforms() if fmu.everywhere else (host_platform(),)
     folders = {PLATFORMS[p].folder2 if fmu.fmi == 2 else p for p in built}
     assert {name.split("/")[1] for name in binaries} == folders
-    header = (header_folder() / f"fmi{fmu.fmi}Functions.h").read_text(encoding="utf-8")
+    header = (HEADERS / f"fmi{fmu.fmi}Functions.h").read_text(encoding="utf-8")
     promised = set(re.findall(rf"^#define (fmi{fmu.fmi}\w+)\s+fmi{fmu.fmi}FullName", header, re.MULTILINE))
     assert len(promised) > 30
     checked = [name for name in binaries if exported_symbols(fmu, name) is not None]
@@ -283,12 +283,19 @@ def test_sources_are_complete(fmu: Archive) -> None:
     if not fmu.native:
         pytest.skip("the Python FMU's code is in its resources")
     listed = ElementTree.fromstring(fmu.files["sources/buildDescription.xml"])
-    files = {str(node.get("name")) for node in listed.iter("SourceFile")}
+    shared, static = listed.findall("BuildConfiguration")
+    files = {str(node.get("name")) for node in shared.iter("SourceFile")}
+    assert files == {str(node.get("name")) for node in static.iter("SourceFile")}
     assert files == {name.removeprefix("sources/") for name in fmu.files if re.fullmatch(r"sources/.+\.c", name)}
     if fmu.fmi == 2:
         assert {node.get("name") for node in fmu.root.find("CoSimulation").iter("File")} == files
-    definitions = {node.get("name") for node in listed.iter("PreprocessorDefinition")}
-    assert definitions == ({"FMI3_OVERRIDE_FUNCTION_PREFIX"} if fmu.fmi == 3 else set())
+    identifier = fmu.root.find("CoSimulation").get("modelIdentifier")
+    for one, expected in (
+        (shared, (f"FMI{fmu.fmi}_OVERRIDE_FUNCTION_PREFIX", "1")),
+        (static, (f"FMI{fmu.fmi}_FUNCTION_PREFIX", f"{identifier}_")),
+    ):
+        assert one.get("modelIdentifier") == identifier
+        assert [(node.get("name"), node.get("value")) for node in one.iter("PreprocessorDefinition")] == [expected]
     for name, data in fmu.files.items():
         if name.startswith("sources/"):
             for header in re.findall(r'(?m)^#include "(.+)"', data.decode()):

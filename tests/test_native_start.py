@@ -144,14 +144,13 @@ def no_compiler(monkeypatch: Patch, tmp_path: Path) -> Path:
 
 
 def test_a_library_of_the_package_is_taken_for_its_own_sources_only(no_compiler: Path) -> None:
-    sources = {"a.c": "int a;", "fmi2Functions.h": "/* of one FMPy */"}
+    sources = {"a.c": "int a;", "fmi2Functions.h": "/* of FMI */"}
     path = prebuilt_file(no_compiler, sources, "rope", "x86_64-windows")
     path.parent.mkdir()
     path.write_bytes(b"MZ")
-    for header in (sources["fmi2Functions.h"], "/* of another FMPy */"):
-        assert library(sources | {"fmi2Functions.h": header}, "rope", "x86_64-windows").read_bytes() == b"MZ"
+    assert library(sources, "rope", "x86_64-windows").read_bytes() == b"MZ"
     assert available_platforms() == ("x86_64-windows",)
-    for other in ({"a.c": "int b;"}, {"b.c": "int a;"}):
+    for other in ({"a.c": "int b;"}, {"b.c": "int a;"}, sources | {"fmi2Functions.h": "/* of another FMI */"}):
         with pytest.raises(ValueError, match=r"'x86_64-windows' cannot be built here.*'balance-rope\[compiler\]'"):
             library(other, "rope", "x86_64-windows")
 

@@ -132,8 +132,8 @@ def _data(case: Case, ropes: Sequence[DriveRope], reference: Trajectory) -> dict
     hoist = case.hoist
     if len(reference.starts) > MOST_SEGMENTS:
         raise ValueError(
-            f"the trip has {len(reference.starts)} segments of constant jerk: it must have at most {MOST_SEGMENTS} in an "
-            "exported drive; shape it less"
+            f"the trip has {len(reference.starts)} segments of constant jerk: it must have at most {MOST_SEGMENTS} "
+            "in an exported drive; shape it less"
         )
     trip = [(start, *point[:4]) for start, point in zip(reference.starts, reference.points, strict=True)]
     trip += [(0.0,) * 5] * (MOST_SEGMENTS - len(trip))

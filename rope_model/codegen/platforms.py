@@ -5,7 +5,6 @@ none.
 """
 
 import platform
-import re
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -42,12 +41,8 @@ def host_platform() -> str:
 
 
 def prebuilt_file(package: Path, sources: Mapping[str, str], identifier: str, name: str) -> Path:
-    """Return the path in ``package`` of the library of these sources (text by file name) for the platform ``name``.
-
-    The headers of FMI do not count: they come with FMPy, and versions of it may differ in their comments.
-    """
-    own = (item for item in sorted(sources.items()) if not re.fullmatch(r"fmi[23]\w+\.h", item[0]))
-    key = short_hash(*(part for item in own for part in item))
+    """Return the path in ``package`` of the library of these sources (text by file name) for the platform ``name``."""
+    key = short_hash(*(part for item in sorted(sources.items()) for part in item))
     suffix = PLATFORMS[name].suffix if name in PLATFORMS else ""
     return package / "prebuilt" / f"{identifier}-{name}-{key}{suffix}"
 
