@@ -16,7 +16,7 @@ from stand_in import ROOT, stand_in
 
 from balance_rope import main
 from fmu_src.native.build import host_platform
-from fmu_src.native.export import HEADERS, export_native
+from fmu_src.native.export import HEADERS, HEADERS_IN_FMU, export_native
 from fmu_src.native.prefix import LONGEST_IDENTIFIER, checked_identifier, shared_names, with_prefix
 
 pytestmark = [
@@ -35,6 +35,7 @@ target_link_libraries(linked {names} m)
 LIBRARY = """\
 add_library({name} STATIC {files})
 target_compile_definitions({name} PRIVATE {definitions})
+target_include_directories({name} PRIVATE {headers})
 """
 
 
@@ -44,7 +45,12 @@ def static_library(folder: Path) -> str:
     (static,) = (one for one in built if str(one.get("description")).startswith("static"))
     files = [str(folder / "sources" / str(file.get("name"))) for file in static.iter("SourceFile")]
     definitions = [f"{one.get('name')}={one.get('value')}" for one in static.iter("PreprocessorDefinition")]
-    return LIBRARY.format(name=static.get("modelIdentifier"), files=" ".join(files), definitions=" ".join(definitions))
+    return LIBRARY.format(
+        name=static.get("modelIdentifier"),
+        files=" ".join(files),
+        definitions=" ".join(definitions),
+        headers=folder / "sources" / HEADERS_IN_FMU,
+    )
 
 
 def export(folder: Path, rope: Mapping[str, str] | None) -> dict[str, Path]:

@@ -26,6 +26,7 @@ from rope_model.cases import Level, RopeCase
 from rope_model.scene_names import Value
 
 _HERE = Path(__file__).resolve().parent
+HEADERS_IN_FMU = "fmi"  #: Folder of FMI's headers in the sources of an FMU.
 HEADERS = _HERE / "headers"  #: Headers of FMI 2.0.5 and 3.0.2, of the Modelica Association.
 _COMMON = ("component.c", "component.h", "model.h", "shell.inc", "snapshot.c", "snapshot.h")
 
@@ -168,10 +169,19 @@ def native_files(
     root = model_description(described, build) if fmi == 2 else model_description3(form(described), len(table), build)
     return {
         "modelDescription.xml": xml_bytes(root),
-        **{f"sources/{name}": text.encode() for name, text in written.items()},
+        **{f"sources/{_place(name)}": text.encode() for name, text in written.items()},
         "sources/buildDescription.xml": xml_bytes(build_description(build, fmi)),
         **binaries_with(start, sources, build.name, fmi, platforms, identifier),
     }
+
+
+def _place(name: str) -> str:
+    """Return the path of a source file below the folder of sources.
+
+    The standard has no headers of FMI beside the sources: an importer gives its own, such as one without prefixes for
+    shared libraries.  Who has none finds them in a folder.
+    """
+    return f"{HEADERS_IN_FMU}/{name}" if (HEADERS / name).exists() else name
 
 
 def model_sources(table: Sequence[Variable], model: Mapping[str, str], fmi: int) -> dict[str, str]:

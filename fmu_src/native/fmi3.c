@@ -72,11 +72,11 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
                                        fmi3Float64 startTime, fmi3Boolean stopTimeDefined, fmi3Float64 stopTime) {
     Instance *i = instance;
-    (void)toleranceDefined, (void)tolerance; /* the model has a parameter for it */
     if (!check_call(i, "fmi3EnterInitializationMode", INSTANTIATED) ||
         !component_setup(i->component, startTime, stopTimeDefined, stopTime))
         return fmi3Error;
     component_enter_initialization(i->component);
+    if (toleranceDefined) component_tolerance(i->component, tolerance);
     return fmi3OK;
 }
 

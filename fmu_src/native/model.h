@@ -7,6 +7,11 @@
 
 #include <stddef.h>
 
+/* infinity and NaN must be told from numbers: a NaN would look like a force */
+#if defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__
+#error "compile without -Ofast, -ffast-math and -ffinite-math-only: this code checks for NaN and infinity"
+#endif
+
 enum { MESSAGE_BYTES = 640 }; /* bytes for a message, with its terminating zero */
 typedef enum { KIND_REAL, KIND_INTEGER, KIND_BOOLEAN, KIND_STRING, KIND_ENUMERATION } Kind;
 typedef enum { CAUSALITY_PARAMETER, CAUSALITY_INPUT, CAUSALITY_OUTPUT, CAUSALITY_INDEPENDENT } Causality;
@@ -48,6 +53,13 @@ typedef struct ModelInstance ModelInstance;
 /* `values` has the entries by value reference (MODEL_SCALARS doubles; others are 0), finite, with choices in range and
    integers whole.  Functions that return int return 1 on success.  They return 0 on failure: `message`
    (MESSAGE_BYTES bytes) names value, bound and cure, and the model is unchanged. */
+
+/* Write a message as snprintf does, with a decimal point in every locale, and cut between characters of UTF-8.
+   Conversions: %s, %d, and %g with flags, width and precision as digits. */
+void write_message(char message[MESSAGE_BYTES], const char *format, ...);
+
+/* Return the name of the parameter that has the model's accuracy, in place of the tolerance of FMI; NULL for none. */
+const char *model_accuracy(void);
 
 /* Prepare this process for models; call it before model_create.  `resources` is the FMU's folder of that name, a URI in
    FMI 2.0, a path in 3.0. */

@@ -7,7 +7,6 @@
 #include "drive_table.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "model.h"
@@ -88,10 +87,10 @@ static int read_parameters(double *parameters, const double *values, char *messa
     for (int i = 0; i < DRIVE_PARAMETERS; i++) {
         const double lowest = DRIVE_BOUNDS[i][0], highest = i == DRIVE_STEP_MAX ? model_start(i) : DRIVE_BOUNDS[i][1];
         if (!(values[i] >= lowest && values[i] <= highest)) {
-            snprintf(message, MESSAGE_BYTES,
-                     "%s = %.9g is out of range: it must be at least %.9g and at most %.9g; "
-                     "give the value of the export, %.9g",
-                     MODEL_VARIABLES[i].name, values[i], lowest, highest, model_start(i));
+            write_message(message,
+                          "%s = %.9g is out of range: it must be at least %.9g and at most %.9g; "
+                          "give the value of the export, %.9g",
+                          MODEL_VARIABLES[i].name, values[i], lowest, highest, model_start(i));
             return 0;
         }
     }
@@ -103,6 +102,10 @@ int model_has_events(void) {
     return 0;
 }
 
+const char *model_accuracy(void) {
+    return NULL;
+}
+
 int model_open(const char *resources, char *message) {
     (void)resources, (void)message; /* all is in this library */
     return 1;
@@ -111,7 +114,7 @@ int model_open(const char *resources, char *message) {
 ModelInstance *model_create(const double *values, const Allocator *allocator, char *message) {
     ModelInstance *model = allocator->allocate(1, sizeof *model);
     if (!model) {
-        snprintf(message, MESSAGE_BYTES, "no memory for the drive; free other instances first");
+        write_message(message, "no memory for the drive; free other instances first");
         return NULL;
     }
     memset(model, 0, sizeof *model);
@@ -164,10 +167,11 @@ int model_initialize(ModelInstance *model, double t, const double *values, char 
         if (pull[i] == 0.0)
             pull[i] = model->parameters[DRIVE_FY_START + i]; /* containers initialise what they connect */
         if (!(pull[i] >= lowest && pull[i] <= 0.0)) {
-            snprintf(message, MESSAGE_BYTES,
-                     "%s%s = %.9g N at the start must be between %.9g N and 0: it is the balance rope's pull at rest, "
-                     "check the rope's mass and the sign",
-                     MODEL_VARIABLES[DRIVE_FORCE + i].name, of_all(model), pull[i], lowest);
+            write_message(
+                message,
+                "%s%s = %.9g N at the start must be between %.9g N and 0: it is the balance rope's pull at rest, "
+                "check the rope's mass and the sign",
+                MODEL_VARIABLES[DRIVE_FORCE + i].name, of_all(model), pull[i], lowest);
             return 0;
         }
     }
@@ -179,11 +183,11 @@ int model_initialize(ModelInstance *model, double t, const double *values, char 
     model->res[1] = s->free_lengths;
     drive_rest(model->arg, model->res, model->iw, model->w, 0);
     if (!(fabs(s->x[0]) <= limit)) {
-        snprintf(message, MESSAGE_BYTES,
-                 "holding torque = %.6g N m must be within +-%.6g N m, that of the motor: check "
-                 "the forces %s = %.9g N and %s = %.9g N%s at the start",
-                 s->x[0], limit, MODEL_VARIABLES[DRIVE_FORCE].name, pull[0], MODEL_VARIABLES[DRIVE_FORCE + 1].name,
-                 pull[1], of_all(model));
+        write_message(message,
+                      "holding torque = %.6g N m must be within +-%.6g N m, that of the motor: check "
+                      "the forces %s = %.9g N and %s = %.9g N%s at the start",
+                      s->x[0], limit, MODEL_VARIABLES[DRIVE_FORCE].name, pull[0], MODEL_VARIABLES[DRIVE_FORCE + 1].name,
+                      pull[1], of_all(model));
         return 0;
     }
     memset(s->u, 0, sizeof s->u);
@@ -243,18 +247,18 @@ static int sound(const ModelInstance *model, const State *s, char *message) {
     double left = s->free_lengths[0] - wound, right = s->free_lengths[1] + wound;
     for (int i = 0; i < DRIVE_STATES; i++)
         if (!isfinite(s->x[i])) {
-            snprintf(message, MESSAGE_BYTES,
-                     "the drive's state is not finite after t = %.9g s; check the forces "
-                     "%s = %.9g N and %s = %.9g N%s",
-                     s->t, MODEL_VARIABLES[DRIVE_FORCE].name, s->u[1], MODEL_VARIABLES[DRIVE_FORCE + 1].name, s->u[2],
-                     of_all(model));
+            write_message(message,
+                          "the drive's state is not finite after t = %.9g s; check the forces "
+                          "%s = %.9g N and %s = %.9g N%s",
+                          s->t, MODEL_VARIABLES[DRIVE_FORCE].name, s->u[1], MODEL_VARIABLES[DRIVE_FORCE + 1].name,
+                          s->u[2], of_all(model));
             return 0;
         }
     if (fmin(left, right) > DRIVE_MIN_ROPE) return 1;
-    snprintf(message, MESSAGE_BYTES,
-             "head rope of %.3g m left at the sheave, not above %.3g m: overwind; check trip, "
-             "gains and rope forces",
-             fmin(left, right), DRIVE_MIN_ROPE);
+    write_message(message,
+                  "head rope of %.3g m left at the sheave, not above %.3g m: overwind; check trip, "
+                  "gains and rope forces",
+                  fmin(left, right), DRIVE_MIN_ROPE);
     return 0;
 }
 
@@ -263,11 +267,12 @@ static int can_follow(const ModelInstance *model, const State *s, char *message)
     for (int i = 0; i < DRIVE_ACCELERATIONS; i++) {
         const int shown = DRIVE_ACCELERATION[i];
         if (fabs(s->outputs[shown]) <= DRIVE_HARDEST) continue;
-        snprintf(message, MESSAGE_BYTES,
-                 "%s = %.9g N and %s = %.9g N%s would make %s %.3g m/s2, not within +-%g m/s2: check units, signs and "
-                 "connections of the balance rope's forces",
-                 MODEL_VARIABLES[DRIVE_FORCE].name, s->u[1], MODEL_VARIABLES[DRIVE_FORCE + 1].name, s->u[2],
-                 of_all(model), MODEL_VARIABLES[DRIVE_FIRST_OUTPUT + shown].name, s->outputs[shown], DRIVE_HARDEST);
+        write_message(
+            message,
+            "%s = %.9g N and %s = %.9g N%s would make %s %.3g m/s2, not within +-%g m/s2: check units, signs and "
+            "connections of the balance rope's forces",
+            MODEL_VARIABLES[DRIVE_FORCE].name, s->u[1], MODEL_VARIABLES[DRIVE_FORCE + 1].name, s->u[2], of_all(model),
+            MODEL_VARIABLES[DRIVE_FIRST_OUTPUT + shown].name, s->outputs[shown], DRIVE_HARDEST);
         return 0;
     }
     return 1;
@@ -295,10 +300,10 @@ int model_step(ModelInstance *model, double t, double h, const double *values, i
     h += t - model->state.t; /* rests of rounding size included */
     const double steps = ceil(h / model->parameters[DRIVE_STEP_MAX] - 1e-9);
     if (!(steps <= DRIVE_MOST_STEPS)) {
-        snprintf(message, MESSAGE_BYTES,
-                 "communication step %.9g s needs %.3g internal steps of %.3g s, more than %d; "
-                 "take shorter ones",
-                 h, steps, model->parameters[DRIVE_STEP_MAX], DRIVE_MOST_STEPS);
+        write_message(message,
+                      "communication step %.9g s needs %.3g internal steps of %.3g s, more than %d; "
+                      "take shorter ones",
+                      h, steps, model->parameters[DRIVE_STEP_MAX], DRIVE_MOST_STEPS);
         return 0;
     }
     *s = model->state;
@@ -344,10 +349,11 @@ int model_warning(ModelInstance *model, int index, char *message) {
     message[0] = '\0';
     if (index) return 0;
     if (held > DRIVE_LONGEST_HOLD)
-        snprintf(message, MESSAGE_BYTES,
-                 "the rope forces, which change, are held over the communication step of %.4g s, longer than %g s: the "
-                 "motion depends on the step; take a shorter one",
-                 held, DRIVE_LONGEST_HOLD);
+        write_message(
+            message,
+            "the rope forces, which change, are held over the communication step of %.4g s, longer than %g s: the "
+            "motion depends on the step; take a shorter one",
+            held, DRIVE_LONGEST_HOLD);
     return 1;
 }
 
@@ -359,14 +365,14 @@ int model_text(ModelInstance *model, size_t scalar, const char **text, char *mes
 }
 
 void model_note(const ModelInstance *model, char *message) {
-    snprintf(message, MESSAGE_BYTES, "drive: %d states, internal steps of at most %.3g s", DRIVE_STATES,
-             model->parameters[DRIVE_STEP_MAX]);
+    write_message(message, "drive: %d states, internal steps of at most %.3g s", DRIVE_STATES,
+                  model->parameters[DRIVE_STEP_MAX]);
 }
 
 int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t count,
                      double *sum, char *message) {
     (void)model, (void)known, (void)seed, (void)unknown, (void)count, (void)sum;
-    snprintf(message, MESSAGE_BYTES, "the drive has no directional derivatives; take differences");
+    write_message(message, "the drive has no directional derivatives; take differences");
     return 0;
 }
 
@@ -380,8 +386,8 @@ void model_save(const ModelInstance *model, void *to) {
 
 int model_restore(ModelInstance *model, const void *from, size_t bytes, char *message) {
     if (bytes != sizeof model->state) {
-        snprintf(message, MESSAGE_BYTES, "a state of the drive has %lu bytes, not %lu; save it anew",
-                 (unsigned long)sizeof model->state, (unsigned long)bytes);
+        write_message(message, "a state of the drive has %d bytes, not %d; save it anew", (int)sizeof model->state,
+                      (int)bytes);
         return 0;
     }
     memcpy(&model->state, from, sizeof model->state);
