@@ -176,6 +176,18 @@ def test_variables_have_the_value_references_of_the_whole_table_whatever_is_desc
         assert int(v["valueReference"]) == expected, v["name"]
 
 
+def test_variables_are_listed_by_use(fmu: Archive) -> None:
+    """Inputs, outputs, parameters: a tool shows them in this order, and the forces are on its first page."""
+    causalities = [v["causality"] for v in fmu.variables if v["causality"] != "independent"]
+    assert causalities == sorted(causalities, key=["input", "output", "parameter"].index)
+    names = [v["name"] for v in fmu.variables]
+    assert names.index("left.y") < 30
+    if not fmu.kind.startswith("drive"):
+        parameters = [v["name"] for v in fmu.variables if v["causality"] == "parameter"]
+        assert parameters[0] == "rope.length"
+        assert max(map(parameters.index, ("left.swivel.mode", "inputs_at_step_end"))) < parameters.index("mesh.kind")
+
+
 def test_outputs_are_those_of_the_profile(fmu: Archive) -> None:
     if fmu.kind.startswith("drive"):
         pytest.skip("the drive has one profile")

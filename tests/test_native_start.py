@@ -84,6 +84,23 @@ def page_hashes(library: bytes) -> tuple[bytes, bytes]:
     return right, library[first : first + 32 * slots]
 
 
+def oldest_macos(library: bytes) -> tuple[int, int]:
+    """The version in the load command LC_BUILD_VERSION of a Mach-O library."""
+    at = 32
+    for _ in range(struct.unpack_from("<I", library, 16)[0]):
+        command, size = struct.unpack_from("<2I", library, at)
+        if command == 0x32:
+            version: int = struct.unpack_from("<I", library, at + 12)[0]
+            return version >> 16, version >> 8 & 255
+        at += size
+    raise AssertionError("the library states no version")
+
+
+@pytest.mark.parametrize("name", [x for x in EVERYWHERE if "darwin" in str(x.values[0])])
+def test_macos_libraries_load_from_version_11_on(name: str) -> None:
+    assert oldest_macos(small(START, name)) == (11, 0)
+
+
 needs_zig = pytest.mark.skipif("aarch64-darwin" not in available_platforms(), reason="needs ziglang")
 
 

@@ -20,7 +20,7 @@ from fmu_src.native.build import choose_platforms
 from fmu_src.native.prefix import checked_identifier, with_prefix
 from fmu_src.native.start import Start, binaries_with, c_start
 from fmu_src.native.table import c_places, c_table, start_values
-from fmu_src.profile import Form, Profile, arrays, scalars
+from fmu_src.profile import Form, Profile, arrays, in_reading_order, scalars
 from fmu_src.xml import xml_bytes
 from rope_model.cases import Level, RopeCase
 from rope_model.scene_names import Value
@@ -121,7 +121,7 @@ def export_model(
     """
     files = native_files(
         variables,
-        described,
+        in_reading_order(described),
         model_sources(variables, sources, fmi),
         f"{name}\0{start_values(variables, fmi)}\0{[*data]}\0{[v.name for v in described.values()]}",
         fmi,

@@ -21,14 +21,15 @@ class Platform(NamedTuple):
     suffix: str
 
 
+MACOS = "11.0"  #: Oldest version of macOS on which libraries load, the first for both processors.
 #: platforms by their names in FMI 3.0. FMI 2.0 has none for aarch64: on Linux it takes the name of FMI 3.0, on macOS
 #: both processors share one library
 PLATFORMS: dict[str, Platform] = {
     "x86_64-linux": Platform("x86_64-linux-gnu.2.17", "linux64", ".so"),
     "aarch64-linux": Platform("aarch64-linux-gnu.2.17", "aarch64-linux", ".so"),
     "x86_64-windows": Platform("x86_64-windows-gnu", "win64", ".dll"),
-    "x86_64-darwin": Platform("x86_64-macos", "darwin64", ".dylib"),
-    "aarch64-darwin": Platform("aarch64-macos", "darwin64", ".dylib"),
+    "x86_64-darwin": Platform(f"x86_64-macos.{MACOS}", "darwin64", ".dylib"),
+    "aarch64-darwin": Platform(f"aarch64-macos.{MACOS}", "darwin64", ".dylib"),
 }
 _PROCESSORS = {"amd64": "x86_64", "arm64": "aarch64"}
 _SYSTEMS = {"win32": "windows"}
