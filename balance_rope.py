@@ -13,6 +13,7 @@ from shutil import copyfile
 from typing import TYPE_CHECKING, Any, get_args
 
 try:  # Ctrl-C during the slow imports must not print a traceback
+    from fmu_src.model_description import MODEL
     from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, missing_platforms
     from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
     from fmu_src.ssp import Datum, Version
@@ -170,6 +171,13 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         "--scalar", action="store_true", help="FMI 3.0 without arrays: each element a variable, for tools without them"
     )
     export.add_argument(
+        "--model-identifier",
+        default=MODEL,
+        metavar="NAME",
+        help="model identifier of a native FMU: C functions of its sources and its libraries begin with it, and FMUs "
+        "that are linked into one program must differ in it (%(default)s)",
+    )
+    export.add_argument(
         "--ssp", action="store_true", help="also hoist drive and rope as one system, an .ssp beside the .fmu"
     )
     export.add_argument("--ssp-version", choices=get_args(Version), default="1.0", help="version of SSP (%(default)s)")
@@ -195,6 +203,11 @@ def _export(options: argparse.Namespace) -> int:
         raise ValueError("--scalar is for FMI 3.0, and FMI 2.0 has no arrays: add --native --fmi 3")
     if options.without and not options.ssp:
         raise ValueError(f"--without {options.without[0]} is for systems: add --ssp")
+    if options.model_identifier != MODEL and (options.ssp or ("Python", 2) in wanted):
+        raise ValueError(
+            f"--model-identifier {options.model_identifier} is for one native FMU: add --native, and leave out "
+            "--python and --ssp, whose FMUs have identifiers of their own"
+        )
     if options.out is not None and options.out.suffix.lower() == ".ssp" and not options.ssp:
         raise ValueError(f"--out {options.out} is a system: add --ssp, or give {options.out.with_suffix('.fmu')}")
     paths = _paths(options.out, options.hoist, wanted)
@@ -215,7 +228,7 @@ def _export(options: argparse.Namespace) -> int:
             what = f"{len(ropes)} {flavour} ropes, native drive" if ropes else f"{flavour} rope, native drive"
             rows.append((str(ssp), what, f"{fmi}.0", "", _size(ssp)))
         if not ropes:
-            export_rope(path, case, case.rope, *made)
+            export_rope(path, case, case.rope, *made, options.model_identifier)
             rows.append((str(path), flavour, f"{fmi}.0", ", ".join(platforms), _size(path)))
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:

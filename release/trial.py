@@ -82,6 +82,8 @@ class _Trial:
         self._command("export", "--native", "--fmi", "2", "3", "--ssp")
         self._command("export")
         self._python("README: the FMU from Python", _example("Use the FMU"))
+        for line in _commands("new", "show", "export"):
+            self._command(*line)
         self._command("demo", "--quick")
         for fmi, name in NAMES.items():
             self._command("demo", "--out", f"out/fmi{fmi}", "--fmu", f"build/{name}")
@@ -123,6 +125,16 @@ class _Trial:
             raise RuntimeError(f"{what} failed:\n{step.said[-3000:]}")
         self.steps.append(step)
         self.told(step)
+
+
+def _commands(*names: str) -> list[list[str]]:
+    """The README's lines that call these subcommands, a hoist of the user's own among them."""
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    lines = [line.partition("#")[0].split()[1:] for line in re.findall(r"(?m)^\.venv/bin/(balance-rope .*)$", readme)]
+    found = [line for line in lines if line[0] in names]
+    if not any(line[0] == "export" and line[1].endswith(".toml") for line in found):
+        raise RuntimeError("README.md exports no hoist of the user's own")
+    return found
 
 
 def _example(section: str) -> str:

@@ -236,6 +236,14 @@ static double as_number(PyObject *answer) {
 
 /* the functions of model.h */
 
+int model_has_events(void) {
+    return 0;
+}
+
+const char *model_accuracy(void) {
+    return "accuracy.end_force";
+}
+
 int model_open(const char *resources, char *message) {
     if (!have_python(message)) return 0;
     int gil = python.PyGILState_Ensure();
