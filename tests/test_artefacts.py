@@ -1,6 +1,7 @@
 """What is handed out, tried where it will live: ARTEFACTS by PLACES, in a Python with numpy, casadi and fmpy alone.
 
-The wheel is tried by release.trial, in a place with all of these at once; ``make wheels`` runs it.
+The wheel is tried by release.trial, without a checkout and a compiler, in a folder with blanks and umlauts;
+``make wheels`` and a slow test of test_public run that.
 """
 
 import importlib.metadata
@@ -24,6 +25,7 @@ from exports import FLAVOURS
 from packaging.requirements import Requirement
 from test_ssp import system
 
+from release.trial import readme_steps
 from rope_model.numerics.kernels import compile_library, find_compiler
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -236,6 +238,15 @@ def test_the_report_draws_the_rope_wherever_it_lies(place: str, tmp_path: Path) 
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
     assert 'data-bottom="' in done.stdout
     assert "CONSOLE" not in done.stderr
+
+
+def test_the_trial_of_the_wheel_runs_each_line_of_the_readme() -> None:
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    steps = [*readme_steps()]
+    commands = [step.text.split()[0] for step in steps if step.program == "balance-rope"]
+    assert commands == ["new", "show", "wind", "export", "export", "export"]
+    assert len(commands) == len(re.findall(r"(?m)^\.venv/bin/balance-rope ", readme))
+    assert len(steps) - len(commands) == readme.count("```python\n")
 
 
 _NATIVE = "from rope_model import balance_rope, rope_120; assert balance_rope(rope_120().scene).form == 'native'"
