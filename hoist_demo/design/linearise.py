@@ -29,6 +29,7 @@ from hoist_demo.drive.plant import HoistPlant
 from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.parameters.suspension import SuspensionOffset
 from rope_model import EndMotion, Level, RopeSimulator, Scene
+from rope_model.physics.elementary import sum_of
 from rope_model.simulation.outputs.linear import LinearRope, let_turn, linear_rope
 
 Swivels = Literal["as given", "locked", "free", "sticking"]
@@ -265,7 +266,7 @@ def _parts(
     hung = [(spec, _hung(spec.rope, EndMotion(y=left), EndMotion(y=right), speed)) for spec in specs]
     # the hoist takes its ropes for so many equal ones
     pulls = [
-        sum(spec.number * float(rope.rest[rope.outputs.index(f"{side}.fy")]) for spec, rope in hung)
+        sum_of(spec.number * float(rope.rest[rope.outputs.index(f"{side}.fy")]) for spec, rope in hung)
         / hoist.tail_rope_number
         for side in SIDES
     ]

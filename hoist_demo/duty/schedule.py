@@ -16,6 +16,7 @@ from hoist_demo.files.values import VARIED, plain, statuses
 from hoist_demo.parameters import start_heights
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.study.run import RunData, build
+from rope_model.physics.elementary import sum_of
 
 _PAYLOADS = ("hoist.payload_left", "hoist.payload_right")
 _ROUNDING = 1e-9  #: Of heights [m].
@@ -68,7 +69,7 @@ class Schedule(RunFile):
     def landing(self, number: int) -> float:
         """Height of the left conveyance after so many trips [m]; the first begins at an end of the shaft."""
         start, _ = start_heights(self.trip(1).hoist, self.trip(1).winding)
-        return start + sum(self.trip(k).winding.travel for k in range(1, number + 1))
+        return start + float(sum_of(self.trip(k).winding.travel for k in range(1, number + 1)))
 
     @property
     def data(self) -> str:

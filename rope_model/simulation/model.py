@@ -13,6 +13,7 @@ from rope_model.parameters import Scene
 from rope_model.physics.accuracy import BOUNDED_STEP_ERROR, add_errors, effective_tolerance, step_error, step_limits
 from rope_model.physics.contact_error import add_contact
 from rope_model.physics.element import parameters
+from rope_model.physics.elementary import sum_of
 from rope_model.physics.energy_balance import after_step as account_of_step
 from rope_model.physics.energy_balance import with_energies
 from rope_model.physics.shaft import KINDS
@@ -225,7 +226,7 @@ def load_on(ends: HangingEnds, motion: alpha.Motion, system: RopeSystem) -> Load
     for side, node in enumerate(END_NODE):
         q, R = motion.q[node].tolist(), motion.reaction[node].tolist()
         loads.append(end_load(q, R, ends.moment(side, motion.reaction)))
-    total = tuple(sum(parts) for parts in zip(*loads, strict=True))
+    total = tuple(sum_of(parts) for parts in zip(*loads, strict=True))
     if system.kernels.fidelity == "planar":  # a planar rope does not feel forces across its plane
         return total[0], total[1], 0.0, 0.0, 0.0, total[5]
     return total
