@@ -90,6 +90,8 @@ def apply_rules(host: Mapping[str, ParameterValue], ropes: Iterable[BalanceRopeD
             f"hoist.tail_rope_number = {host['hoist.tail_rope_number'].value} must be {drive.tail_rope_number}, as "
             "number of the [[rope]] says: leave it out"
         )
+    if any(map(_has_a_place, ropes)) or len(ropes) > 1:
+        _require_totals(host, drive)
     for rule in RULES:
         if rule.key not in host:
             value = rule.value(RuleInputs(sections["hoist"], sections["winding"], drive))
@@ -111,13 +113,29 @@ def _of_catalogue(rope: BalanceRopeData) -> dict[str, ParameterValue]:
     return {f"rope.{name}": ParameterValue(getattr(mean, name), DERIVED, source, follows=True) for name in OF_CATALOGUE}
 
 
+def _has_a_place(rope: BalanceRopeData) -> bool:
+    """Return True for a rope with a suspension or a break of its own."""
+    return bool(rope.suspension or rope.breaks)
+
+
+def _require_totals(host: Mapping[str, ParameterValue], drive: Hoist) -> None:
+    """Refuse mass or length of the balance ropes that are not those of several [[rope]]: the drive takes theirs."""
+    with Problems() as problems:
+        for key, own in (("tail_rope_mass", drive.tail_rope_mass), ("tail_rope_length", drive.tail_rope_length)):
+            entry = host.get(f"hoist.{key}")
+            if entry is not None and not math.isclose(float(entry.value), own, rel_tol=1e-3):
+                problems.append(
+                    f"hoist.{key} = {float(entry.value):g} must be {own:.6g}, as the [[rope]] say: leave it out"
+                )
+
+
 def rope_totals(ropes: tuple[BalanceRopeData, ...]) -> Hoist:
     """Return a hoist with number, mass and length of the balance ropes as the drive takes them."""
     mass = rope_parameters()["rope.mass_per_length"].start
     each = [(rope.parameters.get("rope.mass_per_length", mass), rope.parameters["rope.length"]) for rope in ropes]
     masses_and_lengths = [(float(m), float(length)) for m, length in each]
     number = sum(rope.number for rope in ropes)
-    if len(ropes) == 1 and not (ropes[0].suspension or ropes[0].breaks):
+    if len(ropes) == 1 and not _has_a_place(ropes[0]):
         ((own, length),) = masses_and_lengths
         return Hoist(tail_rope_number=number, tail_rope_mass=own, tail_rope_length=length)
     if number > len(ropes):

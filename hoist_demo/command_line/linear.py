@@ -25,7 +25,8 @@ examples:
   balance-rope {name} monopol-1000
   balance-rope {name} --at 0 0.1 0.2 --swivels free
 
-Coulomb friction, play and slip on the lining are left out; see docs/howto/control.md.
+Coulomb friction, play, slip on the lining, and the events of a trip (jams, a rope's break) are left out; see
+docs/howto/control.md.
 """
 
 
@@ -70,7 +71,8 @@ def _linearise(options: argparse.Namespace) -> int:
     from hoist_demo.design.linearise import linearise
     from hoist_demo.design.reduction import reduced
 
-    models = linearise(_hoist(options), options.at, options.swivels, options.held_by, speed=options.speed)
+    case = _hoist(options)
+    models = linearise(case, options.at, options.swivels, options.held_by, case.level, options.speed)
     selected = [model.selected(options.inputs, options.outputs) for model in models]
     small = reduced(selected, options.states, options.band)
     written = small.write(results_folder(options.out))
@@ -97,7 +99,7 @@ def _modes(options: argparse.Namespace) -> int:
     if options.count < 1:
         raise ValueError(f"--count {options.count} must be at least 1: give how many modes to print")
     case, band, out = _hoist(options), options.band, results_folder(options.out)
-    models = linearise(case, options.at, options.swivels)
+    models = linearise(case, options.at, options.swivels, level=case.level)
     head = ("at", "frequency [Hz]", "damping", "felt by the drive", *PARTS)
     rows, modes = list[list[float]](), list[Modes]()
     print("".join(f"{name:>18}" for name in head), flush=True)
@@ -110,7 +112,7 @@ def _modes(options: argparse.Namespace) -> int:
             print("".join(f"{x:18.4g}" if k < 4 else f"{x:18.2f}" for k, x in enumerate(table[j])), flush=True)
     with (out / "modes.csv").open("w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerows([head, *rows])
-    without = linearise_hoist(case, options.at[len(options.at) // 2])
+    without = linearise_hoist(case, options.at[len(options.at) // 2], level=case.level)
     figure = write_modes_figure(models, modes, without, band, out / "modes.png")
     print(f"\nwritten: {out / 'modes.csv'}, {figure}")
     return 0

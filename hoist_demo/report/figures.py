@@ -123,10 +123,7 @@ _OVER_TRIPS: tuple[tuple[str, str, float, Mapping[str, str]], ...] = (
 
 def write_duty_figure(trips: Recording, path: Path) -> Path:
     """Draw the table of `hoist_demo.duty` over the number of the trip; a panel without numbers is left out."""
-    panels = [
-        (title, unit, factor, {n: words for n, words in curves.items() if n in trips and np.isfinite(trips[n]).any()})
-        for title, unit, factor, curves in _OVER_TRIPS
-    ]
+    panels = [(title, unit, factor, _curves_over_trips(trips, curves)) for title, unit, factor, curves in _OVER_TRIPS]
     shown = [panel for panel in panels if panel[-1]]
     with matplotlib.rc_context(STYLE):
         figure, axes = stacked_panels([title for title, *_ in shown])
@@ -140,6 +137,16 @@ def write_duty_figure(trips: Recording, path: Path) -> Path:
                 ax.set_yscale("log")
         axes[-1].set_xlabel("trip")
         return save_figure(figure, path)
+
+
+def _curves_over_trips(trips: Recording, curves: Mapping[str, str]) -> dict[str, str]:
+    """Return the columns of a panel with their words, those of each of several ropes with its name."""
+    found = dict[str, str]()
+    for column, values in trips.signals.items():
+        rope, _, own = column.rpartition(".")
+        if own in curves and np.isfinite(values).any():
+            found[column] = ", ".join(filter(None, (rope, curves[own])))
+    return found
 
 
 def shapes(recording: Recording, ropes: Sequence[RopeData]) -> Figure | None:
