@@ -3,6 +3,7 @@
 import csv
 from collections.abc import Callable
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -19,13 +20,15 @@ from hoist_demo.command_line.options import settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data_of, rope_scene
-from hoist_demo.files.registry import parameters
+from hoist_demo.files.registry import parameters, rope_parameters
 from hoist_demo.files.run_values import Values
 from hoist_demo.files.values import statuses as file_statuses
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.time_series import match_signals
+from hoist_demo.study import run as study_run
 from hoist_demo.study.provenance import STATUSES, SourcedValue, host_provenance, rope_provenance, statuses
 from hoist_demo.study.run import build, contradictions
+from rope_model import Level
 
 pytestmark = pytest.mark.usefixtures("plain_figures", "no_figures")
 
@@ -235,3 +238,26 @@ def test_a_state_is_not_taken_up_by_a_rope_of_other_parameters(tmp_path: Path) -
     assert stopped.saved is not None
     with pytest.raises(ValueError, match=r"rope\.EI is 300\.0 there, 450\.0 here"):
         Host(ropes[1], Hoist(), trip).run(resume=Checkpoint.read(stopped.saved))
+
+
+@pytest.mark.parametrize(
+    ("name", "level"), [("rope-120", "standard"), ("rope-120", "draft"), ("kiruna-355", "reference")]
+)
+def test_a_hoist_is_not_wound_with_the_fmu_of_another(name: str, level: Level, monkeypatch: Patch) -> None:
+    run = build(name, {})
+    own = rope_data_of(rope_scene(find_case(name).rope, level)).parameters
+    exported = {key: replace(p, start=own[key]) for key, p in rope_parameters().items()}
+    kernels = {"solver.kernels": replace(exported["solver.kernels"], start=2)}
+    # what the hoist states is set in the FMU, and the level is the export's
+    stated = {"rope.length": replace(exported["rope.length"], start=77.0)}
+    monkeypatch.setattr(study_run, "read_parameters", lambda _: exported | kernels | stated)
+    study_run.Probe(Path("own.fmu")).require_hoist(run)
+    beside = {
+        "divider_1.size": replace(exported["divider_1.size"], start=0.2),
+        "model.fidelity": replace(exported["model.fidelity"], start=3),
+    }
+    monkeypatch.setattr(study_run, "read_parameters", lambda _: exported | beside)
+    with pytest.raises(ValueError, match=rf"'other.fmu' must be of this hoist, '{name}', but 2 of its values") as error:
+        study_run.Probe(Path("other.fmu")).require_hoist(run)
+    assert "divider_1.size is 0.2 there, 0.0 here" in str(error.value)
+    assert f"balance-rope export {name}" in str(error.value)

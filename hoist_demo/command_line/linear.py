@@ -1,15 +1,23 @@
 """The commands `balance-rope linearise` and `balance-rope modes`."""
 
+from __future__ import annotations
+
 import argparse
 import csv
 import math
+import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import NoReturn
+
+from tqdm import tqdm
 
 from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.support import Commands, RunCommand, add_command, named, results_folder
 
 _CHANNELS = ("torque_command",), ("rate", "pull_left", "pull_right")
+_BAR = "modes {desc} {percentage:3.0f}% |{bar}| [{elapsed} < {remaining}]"
 _HEIGHTS = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 _LINEARISE = """\
@@ -87,6 +95,15 @@ def _linearise(options: argparse.Namespace) -> int:
     return 0
 
 
+def _followed(bar: tqdm[NoReturn]) -> Callable[[float], None]:
+    """Return a function that moves the bar to a part of the whole."""
+
+    def move(part: float) -> None:
+        bar.update(part - bar.n)
+
+    return move
+
+
 def _modes(options: argparse.Namespace) -> int:
     """Write all modes of a hoist up to a frequency, and print those that the torque moves most."""
     import numpy as np
@@ -104,7 +121,10 @@ def _modes(options: argparse.Namespace) -> int:
     rows, modes = list[list[float]](), list[Modes]()
     print("".join(f"{name:>18}" for name in head), flush=True)
     for model in models:
-        modes.append(own := model.modes(band))
+        with tqdm(
+            total=1.0, desc=f"at {model.at:g}", bar_format=_BAR, file=sys.stderr, leave=False, disable=None
+        ) as bar:
+            modes.append(own := model.modes(band, _followed(bar)))
         felt = telling(model.selected(*_CHANNELS), own, band)
         table = np.column_stack((np.full(felt.size, model.at), own.frequencies, own.damping, felt, own.shares.T))
         rows += table.tolist()

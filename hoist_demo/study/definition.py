@@ -283,5 +283,6 @@ def read_study(path: Path, fmu: Path | None = None, progress: CheckProgress = li
                 with problems.at(f"variant {name}" if name else ""):
                     samples.append(study.run(name, values))
                     if not len(samples) % every:
+                        probe.require_hoist(samples[-1].data)
                         probe.require_start(samples[-1].data)
         return replace(study, samples=tuple(one for name in variants for one in samples if one.variant == name))
