@@ -7,7 +7,7 @@ import sys
 from functools import partial
 from pathlib import Path
 
-from hoist_demo.cases.case import BUILTIN_HOISTS
+from hoist_demo.cases.case import BUILTIN_HOISTS, Case
 from hoist_demo.cases.rules import with_values
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.options import SET, settings
@@ -74,6 +74,9 @@ def _new(options: argparse.Namespace) -> int:
     path.write_text(text, encoding="utf-8", newline="\n")
     quoted = shlex.quote(str(path))
     print(f"written: {path}\nnow: balance-rope show {quoted}; balance-rope wind {quoted}")
+    case = find_case(str(path))
+    for line in (*case.remarks, *_noted(case)):
+        print(f"balance-rope: {line}", file=sys.stderr)
     return 0
 
 
@@ -101,6 +104,11 @@ def _rope(options: argparse.Namespace) -> int:
     return 0
 
 
+def _noted(case: Case) -> list[str]:
+    """Return the notes on a hoist, marked as such: they do not count as remarks."""
+    return [f"note: {line}" for line in case.notes]
+
+
 def _show(options: argparse.Namespace, everything: bool) -> int:
     from hoist_demo.report.hoist import as_file, consequences, drive_problems, slip_problems
 
@@ -112,7 +120,7 @@ def _show(options: argparse.Namespace, everything: bool) -> int:
     if everything:
         print("\n".join(f"# {line}".rstrip() for line in text.splitlines()) + "\n")
     remarks = [*case.remarks, *drive_problems(case), *slip_problems(case), *warnings]
-    for line in remarks:
+    for line in (*remarks, *_noted(case)):
         print(f"balance-rope: {line}", file=sys.stderr)
     if not remarks:
         print(f"# {options.hoist}: nothing is remarkable")
