@@ -17,6 +17,7 @@ from hoist_demo.files.new import WISHES, new_hoist
 from hoist_demo.files.registry import parameters, rope_parameters
 from hoist_demo.files.rope_file import OF_CATALOGUE
 from hoist_demo.files.values import read_value
+from rope_model.files import write_text
 
 _NEW = """\
 Write a complete, commented file of a hoist from a few numbers. What you do not give follows by a rule, which the file
@@ -69,9 +70,9 @@ def _new(options: argparse.Namespace) -> int:
     path.parent.mkdir(parents=True, exist_ok=True)
     if options.schema:
         beside = path.with_name("hoist.schema.json")
-        beside.write_text(json.dumps(schema()), encoding="utf-8", newline="\n")
+        write_text(beside, json.dumps(schema()))
         text = f"#:schema ./{beside.name}\n{text}"
-    path.write_text(text, encoding="utf-8", newline="\n")
+    write_text(path, text)
     quoted = shlex.quote(str(path))
     print(f"written: {path}\nnow: balance-rope show {quoted}; balance-rope wind {quoted}")
     case = find_case(str(path))

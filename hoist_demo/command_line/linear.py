@@ -15,6 +15,7 @@ from tqdm import tqdm
 from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.support import Commands, RunCommand, add_command, named, results_folder
+from rope_model.files import whole_file
 
 _CHANNELS = ("torque_command",), ("rate", "pull_left", "pull_right")
 _BAR = "modes {desc} {percentage:3.0f}% |{bar}| [{elapsed} < {remaining}]"
@@ -130,7 +131,7 @@ def _modes(options: argparse.Namespace) -> int:
         rows += table.tolist()
         for j in np.sort(np.argsort(-felt)[: options.count]):
             print("".join(f"{x:18.4g}" if k < 4 else f"{x:18.2f}" for k, x in enumerate(table[j])), flush=True)
-    with (out / "modes.csv").open("w", newline="", encoding="utf-8") as file:
+    with whole_file(out / "modes.csv") as draft, draft.open("w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerows([head, *rows])
     without = linearise_hoist(case, options.at[len(options.at) // 2], level=case.level)
     figure = write_modes_figure(models, modes, without, band, out / "modes.png")

@@ -72,9 +72,7 @@ def write_state(path: Path, trips: Recording, end: TripEnd, rope: RopePlant, sch
         data=schedule.data,
         cause="",
     )
-    part = path.with_suffix(".part")
-    checkpoint.write(part)
-    part.replace(path)
+    checkpoint.write(path)
 
 
 def read_state(path: Path, rope: RopePlant, schedule: Schedule) -> tuple[list[dict[str, float]], TripEnd]:

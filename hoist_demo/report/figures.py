@@ -22,6 +22,7 @@ from hoist_demo.parameters import Hoist
 from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import Array, Recording, shape_rows
 from hoist_demo.report.panels import Mark, Panel, derived_signals, panels, quiet
+from rope_model.files import whole_file
 
 COLOURS = {"left": "#1f5fa8", "right": "#d9731a"}
 #: The right end's gaps show the left one where both coincide.
@@ -183,7 +184,8 @@ def shapes(recording: Recording, ropes: Sequence[RopeData]) -> Figure | None:
 def save_figure(figure: Figure, path: Path) -> Path:
     """Write the figure; savefig would draw it twice, the first time for the layout alone."""
     figure.set_dpi(150)
-    FigureCanvasAgg(figure).print_png(path, metadata={"Software": None})  # type: ignore[no-untyped-call]
+    with whole_file(path) as draft:
+        FigureCanvasAgg(figure).print_png(draft, metadata={"Software": None})  # type: ignore[no-untyped-call]
     return path
 
 

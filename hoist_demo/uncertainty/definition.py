@@ -125,6 +125,10 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
         ropes = ropes_of(replace(case, balance_ropes=tuple(each)), run, {}, self.level, ROPE_SIGNALS)
         return replace(ropes, run=replace(run, hoist=ropes.hoist))
 
+    def run(self, values: Mapping[str, float]) -> RunData:
+        """Return the data of a winding with these values of what varies."""
+        return self.ropes(values).run
+
     def _for_rope(
         self, rope: BalanceRopeData, first: BalanceRopeData, drawn: Mapping[str, Drawn]
     ) -> dict[str, ParameterValue]:
