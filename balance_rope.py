@@ -9,7 +9,6 @@ import tempfile
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from shutil import copyfile
 from typing import TYPE_CHECKING, Any, get_args
 
 try:  # Ctrl-C during the slow imports must not print a traceback
@@ -42,6 +41,7 @@ try:  # Ctrl-C during the slow imports must not print a traceback
     from hoist_export import WITHOUT, export_hoist, export_rope
     from rope_model import __version__
     from rope_model.cases import LEVELS
+    from rope_model.files import WriteError, write_bytes
 
     if TYPE_CHECKING:
         from hoist_demo.control.trajectory import Trajectory
@@ -111,6 +111,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("balance-rope: interrupted", file=sys.stderr)
         return INTERRUPTED
+    except WriteError as error:  # what was computed is not all kept: no wrong arguments
+        print(f"balance-rope: {error}", file=sys.stderr)
+        return 1
     except (ValueError, RuntimeError, OSError) as error:
         print(f"balance-rope: {error}", file=sys.stderr)
         return 2
@@ -224,7 +227,7 @@ def _export(options: argparse.Namespace) -> int:
             with tempfile.TemporaryDirectory() as folder:
                 more: dict[str, Any] = {"without": options.without, "trajectory": trajectory}
                 more |= {"version": options.ssp_version, "data": _data(case, options.hoist)}
-                copyfile(export_hoist(Path(folder), case, ropes, *made, **more).system, ssp)
+                write_bytes(ssp, export_hoist(Path(folder), case, ropes, *made, **more).system.read_bytes())
             what = f"{len(ropes)} {flavour} ropes, native drive" if ropes else f"{flavour} rope, native drive"
             rows.append((str(ssp), what, f"{fmi}.0", "", _size(ssp)))
         if not ropes:

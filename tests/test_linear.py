@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import Patch
 from numpy.testing import assert_allclose
 from scipy.io import loadmat
 
@@ -13,6 +14,7 @@ from balance_rope import main
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
+from hoist_demo.design import linear_model, sparse_modes
 from hoist_demo.design.linearise import linearise, linearise_hoist, linearise_rope
 from hoist_demo.design.reduction import reduced
 from hoist_demo.files.hoist_file import HoistFile
@@ -30,6 +32,30 @@ def smooth(case: Case) -> Case:
     """The case without what has no derivative."""
     guides = None if case.hoist.guides is None else replace(case.hoist.guides, coulomb=0.0)
     return replace(case, hoist=replace(case.hoist, loss_coulomb=0.0, guides=guides, brake=None, play=None))
+
+
+def test_sparse_modes_are_the_dense_ones_and_none_is_missed(tmp_path: Path, monkeypatch: Patch) -> None:
+    # equal ropes at equal distances: every mode that the hoist does not share is there twice
+    ropes = "[[rope]]\nname = 'a'\nz = 0.3\n[[rope]]\nname = 'b'\nz = -0.3\n"
+    path = tmp_path / "two.toml"
+    path.write_text(f"name = 'two'\nlike = 'rope-120'\nlevel = 'draft'\n{ropes}", encoding="utf-8")
+    case = find_case(str(path))
+    (model,) = linearise(smooth(case), [0.3], level=case.level)
+    dense = model.modes(2.0)
+    heard = list[float]()
+    monkeypatch.setattr(linear_model, "MOST_DENSE", 0)
+    found = model.modes(2.0, heard.append)
+    assert found.frequencies.size == dense.frequencies.size > sparse_modes.MOST_IN_PART
+    assert heard[-1] == 1.0
+    assert heard == sorted(heard)
+    # a motion without stiffness has the square of its frequency 0 but for rounding, 1e-6 1/s^2 here
+    assert_allclose(found.frequencies**2, dense.frequencies**2, rtol=1e-7, atol=1e-6)
+    # equal modes may be mixed: their damping is compared by its sum, that of each other mode alone
+    near = np.diff(dense.frequencies, prepend=-1.0) > 1e-4
+    firsts = np.flatnonzero(near)
+    sums = [np.add.reduceat(one.damping * one.frequencies, firsts) for one in (found, dense)]
+    assert_allclose(sums[0], sums[1], rtol=1e-5, atol=1e-8)
+    assert_allclose(found.shares.sum(axis=0), 1.0, rtol=0.0, atol=1e-9)
 
 
 BENT = pytest.param(0, {"air.density": 1.2, "rope.initial_curvature": 0.5}, marks=pytest.mark.slow)

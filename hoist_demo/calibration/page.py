@@ -11,6 +11,7 @@ from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.report.html.page import Bar, bars, engineering, number, paragraphs, plain_table, unit_text, write_sheet
 from hoist_demo.report.rows import SummaryRow, provenance_table, status_rows
 from rope_model import SIGNALS
+from rope_model.files import write_text
 from rope_model.texts import printable, toml_string
 
 SIDE = 4.0  #: Standard errors to either side in the picture of the residuals.
@@ -205,5 +206,4 @@ def write_rope_file(result: CalibrationResult, path: Path) -> Path:
     for name in result.measurement_file.problem.sought:
         status = toml_string(result.data[name].status)
         lines.append(f"{name} = {{ value = {result.value(name):.6g}, status = {status} }}")
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
-    return path
+    return write_text(path, "\n".join(lines) + "\n")

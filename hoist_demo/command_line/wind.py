@@ -241,8 +241,10 @@ def _ropes(options: argparse.Namespace, case: Case, run: RunData, overrides: Map
         )
     outputs = read_outputs(options.fmu)
     signals = match_signals(options.signals or case.signals, [*DRIVE_UNITS, *outputs])
+    probe = Probe(options.fmu)
+    probe.require_hoist(run)
     if fmu_part(overrides):
-        Probe(options.fmu).require_start(run)
+        probe.require_start(run)
     recorded = ({*outputs} - {*ADDED_MASSES}).union(signals)  # added masses are expensive
     load = partial(FmuRope, options.fmu, {**kernels, **run.rope_values}, recorded)
     return Ropes(case, run, (OneRope("", run.rope_values, case.level, case, fmu=load),))

@@ -20,6 +20,7 @@ from hoist_demo.cosimulation.plain_data import decode, encode
 from hoist_demo.cosimulation.schemes.interface import SchemeState, Vector
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.recording.time_series import Array, Recording
+from rope_model.files import whole_file
 
 _FIELD = re.compile(r"(\w+)=([^(),]+)[,)]")  #: A single value in the text of a dataclass.
 MAX_DIFFERENCES = 6  #: Differences between two runs' data at most that a message lists.
@@ -51,7 +52,7 @@ class Checkpoint:
             text[field.name] = encode(getattr(self, field.name), name, arrays)
         arrays["text"] = np.frombuffer(json.dumps(text).encode(), dtype=np.uint8)
         path.parent.mkdir(parents=True, exist_ok=True)
-        with path.open("wb") as file:
+        with whole_file(path) as draft, draft.open("wb") as file:
             np.savez(file, **arrays)  # type: ignore[arg-type]
 
     def require_fits(self, data: str) -> None:

@@ -84,9 +84,9 @@ def linearise(
     return tuple(_assembled(x, *_parts(hoist, specs, x, held_by, speed)) for x in at)
 
 
-def linearise_hoist(case: Case, at: float, held_by: HeldBy = "motor") -> LinearModel:
+def linearise_hoist(case: Case, at: float, held_by: HeldBy = "motor", level: Level = "standard") -> LinearModel:
     """Return the model of a hoist under the constant forces of ropes at rest: what a controller sees without them."""
-    _, drive = _parts(_smooth(case.hoist, held_by), _rope_specs(case), at, held_by)
+    _, drive = _parts(_smooth(case.hoist, held_by), _rope_specs(case, level=level), at, held_by)
     M, D, K = (sp.csc_matrix(A) for A in drive.matrices)
     C, C_v, C_a = (sp.csr_matrix(A) for A in drive.maps)
     return LinearModel(

@@ -36,6 +36,7 @@ from hoist_demo.cases.case import Case
 from hoist_demo.design.linear_model import Array, LinearModel, Modes
 from hoist_demo.design.linearise import linearise
 from hoist_demo.parameters.winding import start_heights
+from rope_model.files import whole_file, write_text
 
 SLOWEST = 0.02  #: Hz, lower end of the band in which errors are measured.
 BEYOND = 5.0  #: Modes up to so many times the band's upper end are looked at.
@@ -120,11 +121,13 @@ class ReducedModel:
         """Write plant.npz, plant.mat and plant.json; they hold the fields of this class by name."""
         data: dict[str, Any] = {name: np.asarray(value) for name, value in vars(self).items()}
         npz, mat, text = (folder / f"plant.{kind}" for kind in ("npz", "mat", "json"))
-        np.savez(npz, **data)
+        with whole_file(npz) as draft:
+            np.savez(draft, **data)
         named = {name: np.array(data[name], dtype=object) for name in ("inputs", "outputs")}
         # MATLAB has the heights last
-        savemat(mat, {name: np.moveaxis(x, 0, -1) if x.ndim == 3 else x for name, x in data.items()} | named)
-        text.write_text(json.dumps({name: x.tolist() for name, x in data.items()}), encoding="utf-8")
+        with whole_file(mat) as draft:
+            savemat(draft, {name: np.moveaxis(x, 0, -1) if x.ndim == 3 else x for name, x in data.items()} | named)
+        write_text(text, json.dumps({name: x.tolist() for name, x in data.items()}))
         return npz, mat, text
 
 

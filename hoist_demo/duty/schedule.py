@@ -4,17 +4,20 @@ A trip begins where the one before has ended: it waits for winding.start_delay, 
 while its payloads change evenly to those of the next.
 """
 
+from collections.abc import Collection
 from functools import cached_property
 from pathlib import Path
 from typing import Self
 
 from pydantic import Field, model_validator
 
+from hoist_demo.cases.table import find_case
 from hoist_demo.files.reading import read
 from hoist_demo.files.run_values import LevelHeader, RunFile, Values
 from hoist_demo.files.values import VARIED, plain, statuses
 from hoist_demo.parameters import start_heights
 from hoist_demo.parameters.problems import Problems
+from hoist_demo.ropes.definition import Ropes, require_unbroken, ropes_of
 from hoist_demo.study.run import RunData, build
 from rope_model.physics.elementary import sum_of
 
@@ -74,7 +77,21 @@ class Schedule(RunFile):
     @property
     def data(self) -> str:
         """Data that a duty and its continuation must share: all but the number of repetitions."""
-        return repr((self.header.hoist, self.level, self.pattern))
+        data = (self.header.hoist, self.level, self.pattern)
+        distinct = find_case(self.header.hoist).distinct_ropes
+        return repr((*data, distinct) if distinct else data)
+
+    def ropes(self, outputs: Collection[str] | None = None) -> Ropes:
+        """Return the balance ropes, of which these `outputs` are recorded, as of `OneRope`."""
+        return ropes_of(find_case(self.header.hoist), self.pattern[0], self.fixed, self.level, outputs)
+
+    @model_validator(mode="after")
+    def _ropes_hang(self) -> Self:
+        case = find_case(self.header.hoist)
+        require_unbroken(case, "a hoist with a broken rope does not go on")
+        if case.distinct_ropes:
+            self.ropes()  # checks them
+        return self
 
     @model_validator(mode="after")
     def _follow_one_another(self) -> Self:

@@ -15,8 +15,8 @@ from hoist_demo.cosimulation.host import Progress
 from hoist_demo.cosimulation.run_state import Result, TripEnd
 from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.duty.schedule import Schedule
-from hoist_demo.recording.fidelity import mask_neglected
 from hoist_demo.recording.incidents import guard_trip, jams
+from hoist_demo.recording.ropes import computed
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.study.run import RunData, wind_run
 
@@ -33,15 +33,16 @@ class WoundTrip:
 def wind_duty(
     schedule: Schedule,
     rope: RopePlant,
-    torque_free: bool,
+    torque_free: Mapping[str, bool],
     progress: Callable[[int], Progress] | None = None,
     after: TripEnd | None = None,
     done: int = 0,
 ) -> Iterator[WoundTrip]:
     """Wind the trips after the first `done`, from the drive and coupling in `after` and the rope as it is.
 
-    `torque_free` is whether the rope carries no torque; `progress` gives each trip whom to tell. The last trip is one
-    that does not end, or in which the safety circuit opens or a conveyance jams, where there is such a one.
+    `torque_free` says of each rope by its name whether it carries no torque; `progress` gives each trip whom to tell.
+    The last trip is one that does not end, or in which the safety circuit opens or a conveyance jams, where there is
+    such a one.
     """
     drives = [run.design() for run in schedule.pattern]
     for number in range(done + 1, schedule.count + 1):
@@ -51,7 +52,7 @@ def wind_duty(
         if guard_trip(result.recording) is not None or jams(result.recording):
             # a hoist with an open safety circuit does not start again
             result = replace(result, end=None)
-        yield WoundTrip(number, run, replace(result, recording=mask_neglected(result.recording, torque_free)))
+        yield WoundTrip(number, run, replace(result, recording=computed(result.recording, torque_free)))
         after = result.end
         if after is None:
             return
@@ -71,9 +72,7 @@ def write_state(path: Path, trips: Recording, end: TripEnd, rope: RopePlant, sch
         data=schedule.data,
         cause="",
     )
-    part = path.with_suffix(".part")
-    checkpoint.write(part)
-    part.replace(path)
+    checkpoint.write(path)
 
 
 def read_state(path: Path, rope: RopePlant, schedule: Schedule) -> tuple[list[dict[str, float]], TripEnd]:

@@ -252,6 +252,17 @@ class Study:
         return ("" if self.plan else sample.variant, *(sample.values[key] for key in self.design_keys))
 
 
+def _require_one_rope(hoist: str) -> None:
+    """Refuse a hoist whose ropes one FMU cannot be."""
+    if ropes := find_case(hoist).distinct_ropes:
+        names = ", ".join(rope.name for rope in ropes)
+        raise ValueError(
+            f"study.hoist = {hoist!r} must have equal ropes ([[rope]] with number = N), not the [[rope]] {names} with "
+            "places, data or breaks of their own, for a study winds one FMU: wind each variant with `balance-rope wind "
+            "--set NAME=VALUE`, trips with duty, and ranges with uncertain"
+        )
+
+
 #: Starts tried before a study winds, spread evenly over more runs; what another refuses is the cause in its row.
 MAX_TRIED = 200
 #: Passes the drawn values on one by one while they are checked, which takes a while.
@@ -263,10 +274,9 @@ def read_study(path: Path, fmu: Path | None = None, progress: CheckProgress = li
     file = read(path, StudyFile)
     with errors_of_file(path):
         header = file.study
+        _require_one_rope(header.hoist)
         rope = fmu or Path(header.fmu or f"build/{fmu_name(header.hoist, NATIVE)}")
         with Problems() as problems:
-            several = f"study.hoist = {header.hoist!r} must have one balance rope, at its middle: leave [[rope]]s out"
-            problems += [several] if find_case(header.hoist).distinct_ropes else []
             with problems.at("study"):
                 signals = match_signals(header.signals, [*DRIVE_UNITS, *read_outputs(rope, header.hoist)])
             with problems.at("study"):
@@ -286,5 +296,6 @@ def read_study(path: Path, fmu: Path | None = None, progress: CheckProgress = li
                 with problems.at(f"variant {name}" if name else ""):
                     samples.append(study.run(name, values))
                     if not len(samples) % every:
+                        probe.require_hoist(samples[-1].data)
                         probe.require_start(samples[-1].data)
         return replace(study, samples=tuple(one for name in variants for one in samples if one.variant == name))

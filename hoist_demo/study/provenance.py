@@ -19,6 +19,7 @@ from hoist_demo.files.values import DERIVED, GIVEN, VARIED
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.definition import Study
 from hoist_demo.study.run import CONTROLLER_OF, RunData
+from rope_model.files import whole_file
 from rope_model.texts import csv_cell
 
 SETTING = "setting"
@@ -100,7 +101,7 @@ def statuses(data: Iterable[SourcedValue]) -> dict[str, str]:
 
 def write_data(data: Sequence[SourcedValue], path: Path) -> Path:
     """Write the data as CSV, settings included, and return the path."""
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with whole_file(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(SourcedValue._fields)
         writer.writerows(map(csv_cell, one) for one in data)

@@ -12,13 +12,15 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from hoist_demo.cases.rules import with_values
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.host import Host, Progress
+from hoist_demo.cosimulation.participants.fmu_description import read_parameters
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data_of, rope_scene
 from hoist_demo.cosimulation.progress import warnings_of
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.interface import RopePlant
@@ -35,8 +37,10 @@ from hoist_demo.recording.passages import passages
 from hoist_demo.recording.time_series import TIME
 from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, measure
 from hoist_demo.study.slip import slip_warnings
-from rope_model import EndMotion
+from rope_model import EndMotion, Level
 
+KERNELS = "solver.kernels"  #: Parameter that changes no result.
+MAX_LISTED = 5  #: Differences between an FMU and a hoist that a message lists.
 CUT_SHORT = "cut short"  #: State of a run that the safety circuit stopped.
 #: States that a resumed study does not repeat: wound to the end, cut short, or ended by rope or drive with a cause.
 FINISHED = ("completed", "stopped", CUT_SHORT)
@@ -234,12 +238,46 @@ class Probe:
         differing = ", ".join(f"{key} = {value!r}" for key, value in set_here.items()) or "the FMU's own parameters"
         Problems(blamed or [f"{differing}: {together}"]).refuse()
 
+    def require_hoist(self, run: RunData) -> None:
+        """Refuse an FMU of another hoist: all that the run does not set must start with the value of its hoist.
+
+        The settings of accuracy may be those of any level.
+        """
+        there = {name: p.start for name, p in read_parameters(self._fmu).items() if name not in run.rope_values}
+        levels = sorted(get_args(Level), key=lambda level: level != find_case(run.case).level)
+        differing = [_differing(there, rope_data_of(rope_scene(run.rope_values, level)).parameters) for level in levels]
+        if fewest := min(differing, key=len):
+            listed = "; ".join(
+                f"{key} is {there[key]} there, {value} here" for key, value in [*fewest.items()][:MAX_LISTED]
+            )
+            more = f"; and {len(fewest) - MAX_LISTED} more" if len(fewest) > MAX_LISTED else ""
+            raise ValueError(
+                f"FMU '{self._fmu}' must be of this hoist, '{run.case}', but {len(fewest)} of its values that the "
+                f"hoist leaves out differ: {listed}{more}: export this hoist (`balance-rope export {run.case}`), wind "
+                "the FMU's own, or state them (a hoist's file, or --set NAME=VALUE)"
+            )
+
     def _ask(self, parameters: Mapping[str, Value], heights: tuple[float, float]) -> str:
         question = json.dumps([dict(parameters), heights], sort_keys=True)
         if question not in self._answers:
             left, right = (EndMotion(y=y) for y in heights)
             self._answers[question] = _answer(self._fmu, parameters, left, right)
         return self._answers[question]
+
+
+def _differing(there: Mapping[str, Value | None], here: Mapping[str, Value]) -> dict[str, Value]:
+    """Return the values of a scene that an FMU starts without, by name."""
+    return {
+        name: here[name]
+        for name, start in there.items()
+        if name in here and name != KERNELS and start is not None and not _same(start, here[name])
+    }
+
+
+def _same(one: Value, other: Value) -> bool:
+    if isinstance(one, float) and isinstance(other, int | float):
+        return math.isclose(one, other, rel_tol=1e-12)  # the text of a start value may be rounded
+    return one == other
 
 
 def _answer(fmu: Path, parameters: Mapping[str, Value], left: EndMotion, right: EndMotion) -> str:
