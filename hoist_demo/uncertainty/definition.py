@@ -77,7 +77,16 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
         return [*host_provenance(run, status), *rope_provenance(find_case(self.header.hoist), rope, status)]
 
     def run(self, values: Mapping[str, float]) -> RunData:
-        """Return the data of a winding with these values of what varies; the drive knows the rope as it is."""
+        """Return the data of a winding with these values of what varies.
+
+        The drive's feed-forward takes the rope as it is; its trip is designed for the middle of all ranges.
+        """
+        fixed = {"model.fidelity": 1, **self.fixed}
+        middle = self._drawn({name: datum.middle for name, datum in self.data.items()})
+        return from_landing(build(self.header.hoist, fixed, varied=self._drawn(values), nominal=middle))
+
+    def _drawn(self, values: Mapping[str, float]) -> dict[str, Value | ParameterValue]:
+        """Return the values of rope and drive that follow from these of what varies."""
         held = {name: datum.low for name, datum in self.known_rope.data.items() if name not in self.data}
         rope = self.known_rope.rope(**held, **{name: values[name] for name in self.known_rope.data if name in values})
         drawn: dict[str, Value | ParameterValue] = {
@@ -89,4 +98,4 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
             for side in SIDES:
                 drawn[f"{side}.swivel.mu_kinetic"] = values["running_friction"]
                 drawn[f"{side}.swivel.mu_static"] = values["running_friction"] * values["starting_ratio"]
-        return from_landing(build(self.header.hoist, {"model.fidelity": 1, **self.fixed}, varied=drawn))
+        return drawn
