@@ -46,7 +46,8 @@ def add_linear(commands: Commands) -> None:
     text = "of the left conveyance, upwards (%(default)s)"
     linearise.add_argument("--speed", type=float, default=0.0, metavar="M/S", help=text)
     linearise.add_argument("--held-by", choices=("motor", "brake"), default="motor", help="(%(default)s)")
-    linearise.add_argument("--states", type=int, default=17, metavar="N", help="of each model (%(default)s)")
+    text = "of each model (the fewest whose measured error is small enough to use them)"
+    linearise.add_argument("--states", type=int, metavar="N", help=text)
     for name, channels in zip(("--inputs", "--outputs"), _CHANNELS, strict=True):
         linearise.add_argument(name, nargs="+", default=channels, metavar="NAME", help=f"({' '.join(channels)})")
     modes.add_argument("--count", type=int, default=8, metavar="N", help="modes printed at each height (%(default)s)")

@@ -14,7 +14,7 @@ from hoist_demo.cosimulation.checkpoint import Checkpoint, differences
 from hoist_demo.cosimulation.host import Progress
 from hoist_demo.cosimulation.run_state import Result, TripEnd
 from hoist_demo.cosimulation.schemes.interface import RopePlant
-from hoist_demo.duty.schedule import Schedule
+from hoist_demo.duty.schedule import ROUNDING, Schedule
 from hoist_demo.recording.incidents import guard_trip, jams
 from hoist_demo.recording.ropes import computed
 from hoist_demo.recording.time_series import Recording
@@ -45,9 +45,11 @@ def wind_duty(
     such a one.
     """
     drives = [run.design() for run in schedule.pattern]
+    closed = abs(schedule.landing(len(drives)) - schedule.landing(0)) < ROUNDING
     for number in range(done + 1, schedule.count + 1):
         run = schedule.trip(number)
-        told, made = None if progress is None else progress(number), drives[(number - 1) % len(drives)]
+        told = None if progress is None else progress(number)
+        made = drives[(number - 1) % len(drives)] if closed or number <= len(drives) else run.design()
         result = wind_run(run, rope, told, made, after=after, next_hoist=schedule.trip(number + 1).hoist)
         if guard_trip(result.recording) is not None or jams(result.recording):
             # a hoist with an open safety circuit does not start again

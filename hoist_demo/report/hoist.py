@@ -80,9 +80,9 @@ def as_file(case: Case, name: str, values: Values) -> str:
     return complete_file(case, run, ropes, sources)
 
 
-def hoist_provenance(case: Case, name: str) -> list[SourcedValue]:
-    """Return the provenance of all values; `name` is how the hoist is found."""
-    return _wound(case, name, {})[2]
+def hoist_provenance(case: Case, name: str, values: Values | None = None) -> list[SourcedValue]:
+    """Return the provenance of all values; `name` is how the hoist is found, `values` are set beside its file."""
+    return _wound(case, name, values or {})[2]
 
 
 def _wound(case: Case, name: str, values: Values) -> tuple[RunData, list[RopeData], list[SourcedValue]]:
@@ -168,10 +168,17 @@ def _drive_checks(case: Case) -> Iterator[CheckRow]:
     limits = [("torque_limit", hoist.torque_limit, inputs.torque(), "N m", asks)]
     limits += [("power_limit", hoist.power_limit or math.inf, power, "W", asks)]
     if brake is not None:
-        part = brake.first_stage if trip.emergency_law == "two-stage" else 1.0
-        stage = f" with first_stage = {part:g}" if part < 1.0 else ""
-        asks = f"which holds the heavier side{stage}: fit a stronger brake"
-        limits.append(("brake.torque", brake.torque, radius * hoist.imbalance() / part, "N m", asks))
+        holding = radius * hoist.imbalance()
+        asks = "which holds the heavier side: fit a stronger brake"
+        limits.append(("brake.torque", brake.torque, holding, "N m", asks))
+        first = brake.first_stage * brake.torque
+        if trip.emergency_law == "two-stage" and brake.torque >= holding:
+            # the second stage holds what the first lets run
+            asks = (
+                f"of which the first stage gives {first:.3g} N m to hold the heavier side: until first_stage_time = "
+                f"{brake.first_stage_time:g} s it runs on; raise the first stage, or shorten it"
+            )
+            limits.append(("brake.first_stage", brake.first_stage, holding / brake.torque, "of brake.torque", asks))
     for name, limit, asked, unit, asks in limits:
         problem = f"hoist.{name} = {limit:g} {unit} must be at least {asked:.3g} {unit}, {asks}"
         yield CheckRow(_DRIVE, f"hoist.{name}", f"{limit:g} {unit}", f"{asked:.3g} {unit}", limit >= asked, problem)

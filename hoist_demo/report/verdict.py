@@ -204,7 +204,7 @@ def _rows(
 ) -> Iterator[VerdictRow]:
     yield from _pulls(result.recording, hoist, ropes)
     yield from _head_ropes(result.recording, hoist)
-    for stop in stops(result.recording, result.winding.emergency_at):
+    for stop in stops(result.recording, result.winding.emergency_at, hoist.sheave_radius):
         text = f"{stop.stopping_distance:.2f} m" + (", and goes on" if stop.time is None else f" in {stop.time:.2f} s")
         text += f", then {abs(stop.then):.2f} m {'up' if stop.then > 0.0 else 'down'}" if abs(stop.then) >= 5e-3 else ""
         text += f", at {number(abs(stop.speed), 2)} m/s in the end" if abs(stop.speed) > STILL else ""

@@ -236,7 +236,9 @@ class Study:
     def run(self, variant: str, values: Mapping[str, Value]) -> StudyRun:
         """Return the run of a variant at a point of [vary]."""
         fixed = self.variants[variant]
-        run = from_landing(build(self.hoist, fixed, self.signals, varied=values))
+        chosen = {key: value for key, value in values.items() if key in self.design_keys}
+        met = {key: value for key, value in values.items() if key not in chosen}
+        run = from_landing(build(self.hoist, {**fixed, **chosen}, self.signals, varied=met))
         asked = [name for name in ARRIVALS if self.objective and name in self.objective.metrics]
         if (at := run.winding.emergency_at) is not None and asked:
             raise ValueError(f"{asked[0]} must be left out, for winding.emergency_at = {at:g} s: judge stop_distance")

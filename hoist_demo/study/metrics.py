@@ -30,7 +30,7 @@ METRICS = {
     "trajectory_time": ("s", "duration of the reference's motion"),
     "stop_time": ("s", "from an emergency stop's beginning until both conveyances stand, if both are held"),
     "stop_distance": ("m", "farthest from there, if both are held"),
-    "position_error": ("m", "of the left conveyance at the record's end"),
+    "position_error": ("m", "of the left conveyance at the record's end, positive below the landing; bounded by size"),
     "tracking_error": ("m", "largest, of the left conveyance against the reference"),
     "torque_rms": ("N.m", "of the motor, from the reference's start to its arrival"),
     "torque_peak": ("N.m", "of the motor, magnitude"),
@@ -75,6 +75,7 @@ NEUTRAL = frozenset(
     {"position_error", "swing_frequency", "swing_damping", "guard_cause", "guard_time", "simulated_time"}
 )
 
+SIGNED = frozenset({"position_error"})  #: Errors with a direction: bounds and objectives count their magnitude.
 ARRIVALS = ("cycle_time", "trajectory_time", "position_error")  #: Metrics that only a trip to the landing has.
 STOPS = frozenset({"stop_time", "stop_distance", "guard_tripped", "guard_cause", "guard_time"})  #: Those of stops.
 
@@ -191,7 +192,7 @@ def _incidents(recording: Recording, hoist: Hoist, winding: Winding) -> dict[str
         "slip_safety": hoist.slip_safety(np.max(incidents.tension_ratios(recording, hoist.tension_ratio_limit))),
         "head_rope_slip": 0.0 if (slid := incidents.slip(recording)) is None else slid.slid_distance,
     }
-    ended = incidents.stops(recording, winding.emergency_at)
+    ended = incidents.stops(recording, winding.emergency_at, hoist.sheave_radius)
     if ended and all(stop.held for stop in ended):
         metrics["stop_time"] = max(stop.time or 0.0 for stop in ended)
         metrics["stop_distance"] = max(stop.farthest for stop in ended)

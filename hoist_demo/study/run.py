@@ -12,8 +12,9 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
+from hoist_demo.cases.case import Case
 from hoist_demo.cases.rules import with_values
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
@@ -41,6 +42,9 @@ from rope_model import EndMotion, Level
 
 KERNELS = "solver.kernels"  #: Parameter that changes no result.
 MAX_LISTED = 5  #: Differences between an FMU and a hoist that a message lists.
+if TYPE_CHECKING:
+    from hoist_demo.design.arrival_swing import ArrivalSwing
+
 CUT_SHORT = "cut short"  #: State of a run that the safety circuit stopped.
 #: States that a resumed study does not repeat: wound to the end, cut short, or ended by rope or drive with a cause.
 FINISHED = ("completed", "stopped", CUT_SHORT)
@@ -51,6 +55,7 @@ CONTROLLER_OF = {"shaper": "input-shaping", "trajectory": "optimised-trajectory"
 #: Data of the winding that is not part of the key of runs without creep.
 _CREEP = ("creep_speed", "creep_distance", "departure_creep_distance")
 
+_OF_DESIGN = ("nominal", "start")  #: Fields that say for what a trip was designed, where that is not what is wound.
 _RECORD_KEYS = {"rope_values": "fmu", "status_by_name": "given"}  #: Keys of fields in records, where they differ.
 
 
@@ -67,7 +72,8 @@ class RunData(Task):
 
     def record(self) -> dict[str, Any]:
         """Return the data by their keys in records."""
-        return {_RECORD_KEYS.get(name, name): value for name, value in asdict(self).items()}
+        data = {_RECORD_KEYS.get(name, name): value for name, value in asdict(self).items()}
+        return {name: value for name, value in data.items() if name not in _OF_DESIGN or value is not None}
 
     def host_values(self) -> dict[str, Value]:
         """Return the host's values by their names in files, without parts that are None."""
@@ -84,6 +90,9 @@ class RunData(Task):
         """Return the name of the run, 24 hexadecimal digits."""
         data = self.record() | {"fmu": dict(sorted(self.rope_values.items())), "version": _VERSION}
         del data["case"], data["given"]  # all that its file says is in the rest
+        if self.controller != "optimised-trajectory":  # of the others all that was designed is in the rest
+            for name in _OF_DESIGN:
+                data.pop(name, None)
         for tuning, controller in CONTROLLER_OF.items():
             if self.controller != controller:
                 del data[tuning]
@@ -113,11 +122,14 @@ def build(
     values: Mapping[str, Value | ParameterValue],
     signals: tuple[str, ...] = (),
     varied: Mapping[str, Value | ParameterValue] | None = None,
+    nominal: Mapping[str, Value | ParameterValue] | None = None,
+    start: float | None = None,
 ) -> RunData:
     """Return the data of a run; a `ValueError` names what does not fit together.
 
     `values` count as if they stood in the hoist's file; `varied` differ between runs of one hoist, and nothing follows
-    from them.
+    from them: rules and the design of the trip take the `nominal` values in their place, or else those of the file.
+    `start` is the height of the left conveyance before the trip [m]; None: at a landing.
     """
     hoist_case = with_values(find_case(case), values)
     varied = dict(varied or {})
@@ -129,19 +141,40 @@ def build(
         controller=str(host.get(CONTROLLER.name, CONTROLLER.start)),
         rope_values={**hoist_case.rope, **fmu_part(differing)},
         signals=signals,
+        start=start,
         status_by_name={**hoist_case.status_by_name, **varied_statuses},
         **data_of(host),
     )
+    designed = _designed(hoist_case, plain(nominal or {}))
+    if designed.hoist != run.hoist:
+        run = replace(run, nominal=designed.hoist)
     run.require_possible()
     if run.controller == "input-shaping" and run.shaper.frequency == 0.0:
-        from hoist_demo.design.reduction import swing_at_landing  # scipy is slow to load
-
-        wound = replace(hoist_case, rope=run.rope_values, hoist=run.hoist, winding=run.winding, gains=run.gains)
-        frequency, damping = swing_at_landing(wound)
-        run = replace(run, shaper=replace(run.shaper, frequency=frequency, damping=damping))
+        swing = _swing(replace(designed, winding=run.winding, gains=run.gains), run.start_height)
+        run = replace(run, shaper=replace(run.shaper, frequency=swing.frequency, damping=swing.damping))
     require_trip_fits(run.hoist, run.winding)
     s_curve(run.winding)
     return run
+
+
+def _designed(case: Case, nominal: Mapping[str, Value]) -> Case:
+    """Return the hoist with the values at which its trip is designed."""
+    hoist = data_of({**plain(case.host), **nominal})["hoist"]
+    return replace(case, hoist=hoist, rope={**case.rope, **fmu_part(nominal)})
+
+
+_SWINGS = dict[str, "ArrivalSwing"]()  #: Swings by all that decides them: many runs of a study share one design.
+
+
+def _swing(case: Case, start: float) -> "ArrivalSwing":
+    """Return the swing for which a trip is shaped that begins at this height [m]."""
+    from hoist_demo.design.arrival_swing import swing_at_arrival  # scipy is slow to load
+
+    ropes = [(rope.parameters, rope.number, rope.suspension) for rope in case.distinct_ropes]
+    key = repr((sorted(case.rope.items()), ropes, case.hoist, case.winding.travel, case.gains, start))
+    if key not in _SWINGS:
+        _SWINGS[key] = swing_at_arrival(case, start)
+    return _SWINGS[key]
 
 
 def from_landing(run: RunData) -> RunData:

@@ -192,11 +192,16 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
         return own
 
     def _run(self, drawn: Mapping[str, Drawn]) -> RunData:
-        """Return the data of a winding with these values."""
-        return from_landing(build(self.header.hoist, self._fixed, varied=drawn))
+        """Return the data of a winding with these values.
+
+        The drive's feed-forward takes the rope as it is; its trip is designed for the middle of all ranges.
+        """
+        middle = self._drawn({name: datum.middle for name, datum in self.data.items()})
+        nominal = {name: middle[name] for name in drawn}
+        return from_landing(build(self.header.hoist, self._fixed, varied=drawn, nominal=nominal))
 
     def _drawn(self, values: Mapping[str, float]) -> dict[str, Drawn]:
-        """Return the values by FMI name that follow from what varies."""
+        """Return the values of rope and drive that follow from these of what varies."""
         held = {name: datum.low for name, datum in self.known_rope.data.items() if name not in self.data}
         rope = self.known_rope.rope(**held, **{name: values[name] for name in self.known_rope.data if name in values})
         drawn: dict[str, Drawn] = {
