@@ -90,5 +90,5 @@ def _change_of_loads(rope: Linearised, side: int, dof: int, change: Array) -> Ar
 def _end_loads(ends: HangingEnds, q: Array, reaction: Array) -> Array:
     """Return LOADS (12,) for these coordinates and reactions."""
     nodes = enumerate(END_NODE)
-    rows = ((q[node].tolist(), reaction[node].tolist(), ends.moment(side, reaction)) for side, node in nodes)
+    rows = ((q[node].tolist(), reaction[node].tolist(), ends.moment(side, q, reaction)) for side, node in nodes)
     return np.ravel([conveyance_load(*row) for row in rows])
