@@ -29,7 +29,7 @@ C_ONLY = {
     "rope_create", "rope_message", "rope_is_initialized", "rope_state_bytes", "rope_save", "rope_time", "rope_fidelity",
     "rope_fidelity_reason", "rope_warning", "state_plausible", "state_copy", "record_event", "partition_elements",
     "middle_before", "fidelity_name", "bodies_group", "find_near_bodies", "add_near_bodies", "remember_configuration",
-    "clearance_exceeds",
+    "clearance_exceeds", "carry_director",
     "phases_of", "set_phases", "repeat_step", "newton_repeated", "host_step_plausible",
     "point_forces_push", "chain_work_bytes", "chain_frames_bytes", "fastest_chains", "rope_advance_to_event",
 }  # fmt: skip

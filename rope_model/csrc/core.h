@@ -45,6 +45,8 @@ void ends_refusal(const Scene *scene, const EndMotion *target, const double meas
 double end_strain(const Scene *scene, int nodes, const double *q, const double *x, int side);
 /* Refuse a motion that has not changed for longer than hold_max. */
 void stale_input_error(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message);
+/* Return the tension at an end, N, from its rows of q and of the reaction. */
+double ends_tension(const Scene *scene, int side, const double *q, const double *reaction);
 /* Return the moment about the tangent on the rope's end, N m, from the end's row of the reaction. */
 double ends_moment(const Scene *scene, const State *state, int side, const double *reaction);
 /* Angle and rate of the rope's end against the conveyance, from theta and its rate. */

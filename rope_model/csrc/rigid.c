@@ -62,6 +62,8 @@ int flexible_start(Simulator *sim, State *state, char *message) {
     /* b and a_rate are scratch until the restart. */
     double *q = nodal.b, *reaction = nodal.a_rate, *const all[3] = {nodal.q, nodal.v, nodal.a};
     const Path paths[2] = {state->paths[LEFT], state->paths[RIGHT]};
+    double director[3];
+    memcpy(director, state->director, sizeof director);
     state_copy(sim, sim->spare, state);
     const double *rigid = state_arrays(sim->spare).q;
     for (int side = LEFT; side <= RIGHT; side++) state->paths[side] = path_coasting(&paths[side], t);
@@ -82,6 +84,7 @@ int flexible_start(Simulator *sim, State *state, char *message) {
     memcpy(nodal.q, q, bytes);
     memcpy(nodal.reaction, reaction, bytes);
     for (int k = 0; k < 3 && found; k++) count_from_rigid(sim, state, rigid, all[k]);
+    memcpy(state->director, director, sizeof director);
     rope_system_refer(sim, state, rigid);
     for (size_t i = 0; i < size; i++) {
         const double before = nodal.v[i], after = nodal.a[i];

@@ -113,6 +113,7 @@ static int initialize(Simulator *sim, double t, const EndMotion ends[2]) {
               &state->pattern, nodal.lengths);
     arc_lengths(nodal.elements, nodal.lengths, nodal.s);
     hanging_guess(nodal.nodes, nodal.s, points[LEFT], points[RIGHT], nodal.q, message);
+    if (!message[0]) start_director(state, nodal.q);
     state->offsets[RIGHT] = right_offset(points[LEFT], points[RIGHT]);
     state->swivels[RIGHT].angle = scene->rope.installed_twist;
     state->step_next = state->last_interval = scene->solver.step_max;

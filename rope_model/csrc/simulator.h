@@ -74,6 +74,7 @@ struct Simulator {
     double *frames;             /* of the elements in the state, or during an advance in the state in progress */
     double *wires;              /* WIRE_HISTORY_SIZE numbers an element, of the same state as frames; or NULL */
     double *curved;             /* CURVATURE_SIZE numbers an element, of the same state as frames; or NULL */
+    double left_slope[3];       /* r' of the left end where frames and curved belong */
     double *latest;             /* friction of the wires at the last tangent, see System.latest; or NULL */
     void *work;                 /* scratch of the chain */
     Obstacles *obstacles;
@@ -102,6 +103,9 @@ void update_passages(const Simulator *sim, State *state);
 /* curvature.c */
 int is_curved(const Simulator *sim, const State *state);
 Rope partly_curved(const Rope *whole, double fraction); /* The rope with a fraction of its permanent curvature. */
+/* Carry e1 of the left end from r' = before to r' = after. */
+void carry_director(State *state, const double *before, const double *after);
+void start_director(State *state, const double *q); /* Set e1 of the left end of a rope q that is hung up. */
 void curved_reference(Simulator *sim, State *state, const double *q); /* Refer the permanent curvature to q. */
 
 /* ends/switching.c */

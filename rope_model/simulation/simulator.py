@@ -22,6 +22,7 @@ from rope_model.physics.centreline import suspension_points
 from rope_model.simulation.contact.bodies import NO_ROOM
 from rope_model.simulation.contact.point_forces import PointForces, at_places, elements_at, nodal_forces
 from rope_model.simulation.contact.shaft import MONITOR_INTERVAL, update_passages
+from rope_model.simulation.curvature import start_director
 from rope_model.simulation.ends.ends import HangingEnds, refusal, right_offset, stale_input_error
 from rope_model.simulation.ends.filter_program import filter_program, filter_step
 from rope_model.simulation.ends.input_filter import InputFilter, path_measures, settings_of
@@ -206,6 +207,7 @@ class RopeSimulator(BalanceRope):
                 loop_yaw=ends_yaw(guess),
                 fidelity=fidelity,
                 fidelity_reason=reason,
+                director=start_director(guess),
             )
             state = as_rigid(self.model, state, t) if fidelity == "rigid" else hang(self.model, state, (left, right))
         except (StaticsError, ValueError) as error:

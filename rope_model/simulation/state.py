@@ -16,6 +16,7 @@ from rope_model.physics.accuracy import ErrorSums
 from rope_model.physics.contact_error import ContactSums
 from rope_model.physics.energy_balance import residual, total
 from rope_model.physics.guard import GuardState
+from rope_model.physics.initial_curvature import START
 from rope_model.physics.shaft import KINDS
 from rope_model.shaft_parameters import FAR
 from rope_model.simulation.ends.input_filter import InputFilter
@@ -137,6 +138,7 @@ class RopeState(NamedTuple):
     crossing: Crossing = Crossing()
     monitored_at: float = 0.0  # s, instant of nearest, crossing and guard
     guard: GuardState = GuardState()
+    director: tuple[float, float, float] = START  # e1 of physics.initial_curvature at the left end
     hysteresis: Array = NO_HYSTERESIS  # 1/m, z of simulation.wires
 
     def to_bytes(self) -> bytes:

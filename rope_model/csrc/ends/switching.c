@@ -9,7 +9,8 @@ static double excess_of(const Simulator *sim, const State *state, int side, doub
     const double *R = end_row(nodal->reaction, nodal->nodes, side);
     double relative[2];
     ends_relative(state, side, t, q[ANGLE], v[ANGLE], relative);
-    return swivel_excess(&sim->scene.swivels[side], &state->swivels[side], R[1], R[ANGLE], relative[1]);
+    const double tension = ends_tension(&sim->scene, side, q, R);
+    return swivel_excess(&sim->scene.swivels[side], &state->swivels[side], tension, R[ANGLE], relative[1]);
 }
 
 static double excess(const Simulator *sim, const State *state, double t, const NodalArrays *nodal) {

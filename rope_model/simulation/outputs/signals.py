@@ -82,7 +82,7 @@ def end_signals(rope: SignalSource) -> dict[str, float]:
     m, ends, means = rope.state.motion, rope.ends, rope.state.force_mean
     out: dict[str, float] = {}
     for side, (name, node) in enumerate(zip(SIDES, END_NODE, strict=True)):
-        q, torque = m.q[node].tolist(), ends.moment(side, m.reaction)
+        q, torque = m.q[node].tolist(), ends.moment(side, m.q, m.reaction)
         load, slips = conveyance_load(q, m.reaction[node].tolist(), torque), ends.states[side].phase is Phase.SLIP
         values = *load, means[side], *ends.relative(side, m.t, q[ANGLE], m.v[node, ANGLE]), torque, slips
         out |= {f"{name}.{key}": float(value) for key, value in zip(_OF_AN_END, values, strict=True)}
