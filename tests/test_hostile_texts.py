@@ -11,6 +11,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from xml.etree import ElementTree
 
+import numpy as np
 import pandas as pd
 import pytest
 from browser import BROWSER, look, run
@@ -203,9 +204,9 @@ def test_a_rope_file_reads_back(tmp_path: Path) -> None:
         datum = Datum(1.0, 2.0, "1", text, text)  # type: ignore[arg-type]
         known = SimpleNamespace(construction=text, diameter=0.05, length=60.0, lay=text, data={"torque_factor": datum})
         problem = SimpleNamespace(rope=lambda norm_params: SimpleNamespace(**dict.fromkeys(FOLLOWING, 1.0)), sought={})
-        fit = SimpleNamespace(norm_params=None, contradicted=False)
+        fit = SimpleNamespace(norm_params=None, contradicted=False, held=np.zeros(0, dtype=int))
         measured = SimpleNamespace(problem=problem, path=SimpleNamespace(name=text))
-        found = SimpleNamespace(calibrated_rope=known, data={}, fit=fit, measurement_file=measured)
+        found = SimpleNamespace(calibrated_rope=known, data={}, fit=fit, measurement_file=measured, names=())
         path = write_rope_file(found, tmp_path / "rope.toml")  # type: ignore[arg-type]
         read = tomllib.loads(path.read_text(encoding="utf-8"))
         assert read["rope"]["construction"] == read["rope"]["lay"] == text
