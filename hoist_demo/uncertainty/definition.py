@@ -77,8 +77,12 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
         ropes = self.middle_ropes()
         if self.header.bearing:
             self._require_friction([rope.scene for rope in ropes.ropes])
+        given = dict(self.fixed)
+        if ropes.case.distinct_ropes:
+            # each rope has the distance of its own suspension points
+            given.pop("layout.spacing", None)
         for rope in ropes.ropes:
-            Problems(unreached(self.fixed, {**ropes.run.host_values(), **values_by_name(rope.scene)})).refuse()
+            Problems(unreached(given, {**ropes.run.host_values(), **values_by_name(rope.scene)})).refuse()
         return self
 
     def _require_friction(self, scenes: Sequence[Scene]) -> None:
