@@ -33,7 +33,7 @@ BEND = {"x": 0.2, "y": 0.2, "z": 0.2, "yaw": 20.0}
 LARGEST_SHARE = 3e-3
 LARGEST_SHARE_SHORT = 0.3
 #: differences over the largest: smaller ones agree with each other, by rounding, on something else
-SHARES = (0.03, 0.1, 0.3, 1.0)
+SHARES = (0.003, 0.01, 0.03, 0.1, 0.3, 1.0)
 #: rad, change of a lean by which differences are shares
 LEANED = 1e-3
 TRAVEL = 90.0
@@ -195,7 +195,8 @@ def bend_of(case: Case, name: str, h: float) -> float:
 def best_difference(step: Differentiated, name: str, h: float) -> NDArray[np.float64]:
     """Return the difference quotients of LOADS to an input of the left end."""
     most = LARGEST_SHARE_SHORT if h < MIN_MEAN_TIME else LARGEST_SHARE
-    sizes = [most * share * bend_of(step.case, name, h) for share in SHARES]
+    shares = SHARES[2:] if h < MIN_MEAN_TIME else SHARES
+    sizes = [most * share * bend_of(step.case, name, h) for share in shares]
     quotients = [step.difference(({name: size}, {})) / size for size in sizes]
     apart = [float(np.abs(a - b).max()) for a, b in pairwise(quotients)]
     return quotients[apart.index(min(apart)) + 1]
