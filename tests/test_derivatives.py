@@ -97,7 +97,7 @@ def test_bytes_with_a_step_that_led_elsewhere_are_refused() -> None:
     assert rope.restore_native(bytes(saved)).valid
 
 
-@pytest.mark.parametrize("name", ["torsional, locked swivels", "swivels that slip", "contact with a wall"])
+@pytest.mark.parametrize("name", ["torsional, locked swivels", "swivels that slip", "contact with a beam"])
 def test_derivatives_change_no_bit_of_the_run(name: str) -> None:
     case, states = cases()[name], []
     for looks in (False, True):

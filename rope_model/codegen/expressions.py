@@ -106,6 +106,11 @@ def _uses(f: ca.Function) -> Counter[int]:
     return uses
 
 
+def _opposite(one: str, other: str) -> bool:
+    """Return whether a condition is the negation of the other, as in elementary.where, or only added to it."""
+    return other in (f"!{one}", f"!({one})") or one in (f"!{other}", f"!({other})")
+
+
 def _expression(operation: int, operands: Sequence[_Text], kind: str) -> _Text:
     if operation == ca.OP_NEG:
         return _Text(f"-{operands[0].within(_ATOM)}", _SIGN)
@@ -123,7 +128,7 @@ def _expression(operation: int, operands: Sequence[_Text], kind: str) -> _Text:
     left, right = operands
     if operation in _LOGICAL:  # compilers warn without brackets where both meet
         return _Text(f"{left.within(_COMPARISON)} {_LOGICAL[operation]} {right.within(_COMPARISON)}", _LOGIC)
-    if left.value and right.value:
+    if left.value and right.value and _opposite(left.condition, right.condition):
         return _Text(f"{left.condition} ? {left.value} : {right.value}", _CHOICE)
     sign, binds = _OPERATORS[operation]
     # the right side binds tighter, as it is computed first
