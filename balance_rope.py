@@ -76,6 +76,9 @@ first steps:
   balance-rope modes                   frequencies and damping of hoist and rope along the trip
   balance-rope linearise               linear models for controller design
   balance-rope COMMAND --help          what a command can do
+
+Compiled code is kept in the user's cache folder; the environment variable BALANCE_ROPE_CACHE names another.
+Exit code 1 also means that a result could not be written; 2 means that nothing was run.
 """
 
 

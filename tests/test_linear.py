@@ -15,6 +15,7 @@ from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.design import arrival_swing, linear_model, reduction, sparse_modes
+from hoist_demo.design import linearise as linearise_module
 from hoist_demo.design.arrival_swing import INPUTS, OUTPUTS, SpeedLoop, pole_of_sparse, swing_at_arrival
 from hoist_demo.design.linearise import linearise, linearise_hoist, linearise_rope
 from hoist_demo.design.reduction import reduced
@@ -246,3 +247,17 @@ def test_commands_write_their_files(command: str, files: str, tmp_path: Path) ->
 def test_a_number_that_cannot_be_is_refused(asked: str, told: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(asked.split()) == 2
     assert told in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["modes", "linearise"])
+def test_linear_models_have_the_level_of_the_hoist(command: str, tmp_path: Path, monkeypatch: Patch) -> None:
+    path, seen = tmp_path / "draft.toml", list[str]()
+    path.write_text("name = 'd'\nlike = 'rope-120'\nlevel = 'draft'\n", encoding="utf-8")
+
+    def heard(case: Case, swivels: str, level: str) -> None:
+        seen.append(level)
+        raise ValueError("enough")
+
+    monkeypatch.setattr(linearise_module, "_rope_specs", heard)
+    assert main([command, str(path), "--at", "0", "--out", str(tmp_path / "out")]) == 2
+    assert seen == ["draft"]

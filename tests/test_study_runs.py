@@ -384,7 +384,7 @@ BAD = {
     "two best runs": (LOW + "study.maximise = 'slip_safety'", "cycle_time", "keep one"),
     "unknown signal": ("study.signals = ['loop.jaw']", "loop.jaw", "loop.yaw"),
     "a jam out of the way": (JAMMED + "winding.travel = 10", "jam_right.height = 45.0 must be within", "wind further"),
-    "several ropes": ("study.hoist = 'TWO.toml'", "TWO.toml' must have", "one balance rope"),
+    "several ropes": ("study.hoist = 'TWO.toml'", "TWO.toml' must have", "equal ropes"),
 }
 
 

@@ -148,7 +148,7 @@ class Host:
             try:
                 checkpoint.write(save_to)
                 saved = save_to
-            except ValueError as error:  # keep the record of the run all the same
+            except (ValueError, OSError) as error:  # keep the record of the run all the same
                 cause += f"; {save_to} is not written: {error}"
         if not cause and run.course == self._course:
             t = self.coupling.start + self.samples * self.coupling.period
