@@ -6,7 +6,9 @@ end forces and moments and the weight:
     p_1 - p_0 - int (F_l + F_r + W) dt = H f,      L_1 - L_0 - int (M_l + M_r + M_W) dt = H m
 
 about a point midway between the ends.  Shorter communication steps are taken together until they last MIN_INTERVAL:
-the small impulse by which a transformation of the mesh corrects the motion would be a large force over 10 ns.  f and m, mean missing force and moment, are zero for the exact motion.  The
+the small impulse by which a transformation of the mesh corrects the motion would be a large force over 10 ns.
+
+f and m, mean missing force and moment, are zero for the exact motion.  The
 trapezoidal rule of the end forces has the error h^2 F_tt / 12, 20 N in an emergency stop.  Forces need the same weights
 as accelerations: with an auxiliary value b as in numerics.generalized_alpha, p balances to rounding, and L, which is
 not linear in the motion, up to h^2.
