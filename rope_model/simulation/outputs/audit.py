@@ -34,7 +34,7 @@ NO_LOAD: Load = (0.0,) * 6
 MISSING_FORCE = 1e-3  #: missing force over the largest end force
 MISSING_MOMENT = 5e-3  #: missing moment over the largest end force times the spacing
 #: s, time over which an impulse that is missing counts as a force: below the usual steps of 5 ms and more, and with the
-#: correction of a transformation, 1e-4 N s, far below MISSING_FORCE
+#: correction of a transformation, some 1e-4 N m s, far below MISSING_MOMENT
 MIN_INTERVAL = 4e-3
 #: time steps in an axial period: in an emergency stop of the 120 m rope the error of end forces is 4 % with 3.1, 8 %
 #: with 2.1
