@@ -167,6 +167,10 @@ class Layout(ParameterGroup):
     gravity: float = parameter(9.81, "m/s2", "acceleration of free fall", at_least(TINY, "use 9.81"))
 
 
+#: s, a release before any run: MAX_START_TIME of the simulator before 0
+AT_START = -1e10
+
+
 @dataclass(frozen=True)
 class Swivel(ParameterGroup):
     """Balance rope suspension rotor: a bearing with Coulomb friction between the rope's end and the conveyance."""
@@ -215,7 +219,9 @@ class Swivel(ParameterGroup):
         "inertia that turns with the rope's {side} end [assumed]",
         at_least(TINY, "give the rotor's, 0.05 as a rule: without inertia a release is a jump in spin"),
     )
-    release_time: float = parameter(0.0, "s", "time until which the {side} swivel is locked")
+    release_time: float = parameter(
+        AT_START, "s", "time until which the {side} swivel is locked; -1e10: not locked, from the start of any run"
+    )
     start: SwivelStart = choice(
         "relaxed",
         SwivelStart,

@@ -142,7 +142,11 @@ class Solver(ParameterGroup):
         tunable=True,
     )
     newton_tolerance: float = parameter(
-        3e-6, "1", "error that Newton's method may leave, in m and rad", Bounds(TINY, 1e-3, "use 3e-6"), tunable=True
+        3e-6,
+        "1",
+        "error that Newton's method may leave, in m and rad, on a rope of any size",
+        Bounds(TINY, 1e-3, "use 3e-6"),
+        tunable=True,
     )
     rho_inf: float = parameter(
         0.6,
@@ -222,11 +226,14 @@ class Inputs(ParameterGroup):
     misfit_max: float = parameter(
         0.5,
         "m",
-        "largest misfit of a position (m, rad) and of a speed (m/s, rad/s)",
+        "largest misfit of a position (m, rad) and of a speed (m/s, rad/s); of estimated inputs, largest jump",
         Bounds(TINY, 1e4, "0.5 admits motions that a rope can follow"),
     )
     acceleration_max: float = parameter(
-        100.0, "m/s2", "largest acceleration of an end, m/s2 or rad/s2", Bounds(TINY, 1e6, "100 is beyond any hoist")
+        100.0,
+        "m/s2",
+        "largest acceleration of an end, m/s2 or rad/s2; absolute, as mine hoists brake with 5 m/s2 at most",
+        Bounds(TINY, 1e6, "100 is beyond any hoist"),
     )
     hold_max: float = parameter(
         1.0,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
-from scenes import Trip, ends_at, hung, recorded, wound
+from scenes import P120, TRIP, Trip, ends_at, hung, recorded, wound
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
@@ -272,3 +272,14 @@ def test_what_a_coarse_mesh_does_to_the_loop_is_told_before_anything_moves() -> 
     assert 0.5 < coarse["status.loop_error"] / off < 2.0
     assert turned > 0.5 * abs(fine["loop.yaw"])
     assert 0.5 < turned_by_mesh(scene, 2.0) / turned < 2.0
+
+
+def test_short_communication_steps_over_transformations_leave_no_load_missing() -> None:
+    """A transformation corrects the motion at an instant: over 10 ns that would be thousands of newtons."""
+    chance, rope, t = np.random.default_rng(1), hung(balance_rope(P120.scene, "native"), right=EndMotion(y=90.0)), 0.0
+    while t < 9.0:
+        t += float(10.0 ** chance.uniform(-8.0, math.log10(0.02)))
+        status = rope.advance_to(t, *ends_at(TRIP, 90.0, t))
+        assert status.valid, status.message
+    assert rope.state.counts.transformations > 5
+    assert "missing_loads" not in rope.warnings()

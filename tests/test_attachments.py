@@ -203,3 +203,19 @@ def test_a_swivel_on_which_the_rope_stands_has_no_friction_but_its_seal() -> Non
     # friction of the weight alone would hold 2e-3 N m
     assert found["left.fy"] < -0.5
     assert abs(found["left.swivel.torque"]) == pytest.approx(swivel.seal_moment, rel=1e-6)
+
+
+def test_a_rope_between_ends_apart_across_is_free_of_twist_where_both_conveyances_yaw_with_them() -> None:
+    """Without the yaw it is twisted by twice the direction of its ends; the installed twist can take that out."""
+    direction = -math.atan2(0.1, SPAN)
+    plumb = scene("plumb")
+    across, yawed = EndMotion(z=0.1), EndMotion(yaw=direction)
+
+    def torque(of: Scene, left: EndMotion, right: EndMotion) -> float:
+        return float(hung(balance_rope(of, "native"), left, right).signals()["left.swivel.torque"])
+
+    twisted = torque(plumb, EndMotion(), across)
+    assert abs(twisted) > 1e-4
+    assert abs(torque(plumb, yawed, replace(across, yaw=direction))) < 1e-6 * abs(twisted)
+    installed = plumb.with_(rope=replace(plumb.rope, installed_twist=2.0 * direction))
+    assert abs(torque(installed, EndMotion(), across)) < 1e-6 * abs(twisted)

@@ -11,9 +11,9 @@ from end_paths import Follower, usual_manner
 from numpy.testing import assert_allclose
 from scenes import Ends, hung, recorded
 
-from hoist_demo.control.trajectory import Trajectory, s_curve
+from hoist_demo.control.trajectory import Trajectory, emergency_stop, s_curve
 from hoist_demo.parameters import Winding
-from rope_model import BalanceRope, EndMotion, Inputs, Mesh, RopeSimulator, Scene, Status, balance_rope, rope_120
+from rope_model import BalanceRope, EndMotion, Inputs, Mesh, Model, RopeSimulator, Scene, Status, balance_rope, rope_120
 from rope_model.engine import NativeRope
 from rope_model.simulation.ends.input_filter import settings_of
 from rope_model.solver_parameters import FidelityChoice, Trusted
@@ -305,3 +305,40 @@ def test_estimates_keep_in_uneven_steps(trusted: Trusted) -> None:
         end.step(t + h, EndMotion(y=0.5 * acceleration * t * t, vy=acceleration * t), t)
         t += h
     assert end.path.motion(t)[0][1] == pytest.approx(0.5 * acceleration * t * t, abs=0.03)
+
+
+DEEP = (60.0, 240.0, 1000.0, 1500.0)
+
+
+def deep_trip(length: float, offset: float, scale: float, h: float = 0.02) -> Status:
+    """Return the status of a trip over half the shaft at 18 m/s with an emergency stop, by exact positions alone.
+
+    From 5 s on ``offset`` (m) is added; positions are multiplied by ``scale``.
+    """
+    travel = 0.5 * length
+    plan = s_curve(Winding(travel=travel, speed=18.0, acceleration=1.0))
+    stop = emergency_stop(plan, 0.45 * plan.duration, 5.0, 50.0)
+    rope = replace(SCENE.rope, length=length, Qb=0.0, Qc=0.0)
+    of = SCENE.with_(rope=rope, model=Model("rigid"), inputs=Inputs(given="position"))
+    following = hung(balance_rope(of, "native"), right=EndMotion(y=travel))
+    for k in range(1, round((stop.duration + 3.0) / h)):
+        y = scale * stop.at(k * h).position + (offset if k * h > 5.0 else 0.0)
+        status = following.advance_to(k * h, EndMotion(y=y), EndMotion(y=travel - y))
+        if not status.valid:
+            break
+    return status
+
+
+@pytest.mark.parametrize("length", DEEP)
+def test_exact_positions_of_a_trip_are_taken_on_a_rope_of_any_length(length: float) -> None:
+    status = deep_trip(length, offset=0.0, scale=1.0)
+    assert status.valid, status.message
+
+
+@pytest.mark.parametrize("length", DEEP)
+def test_positions_that_jump_or_have_a_wrong_unit_are_refused_on_a_rope_of_any_length(length: float) -> None:
+    jumped, in_mm = deep_trip(length, offset=1.0, scale=1.0), deep_trip(length, offset=0.0, scale=1000.0)
+    assert not jumped.valid
+    assert not in_mm.valid
+    assert "inputs.misfit_max = 0.5" in jumped.message
+    assert "inputs.estimate_bandwidth" in jumped.message

@@ -281,3 +281,10 @@ def test_a_rope_hung_anew_after_a_trip_rests_within_the_limits_band() -> None:
     band = 2 * min(limit(rope, dirty, side) for side in SIDES)
     assert abs(torque) <= band
     assert_allclose(torque, torsion * twist, rtol=0, atol=0.05 * band)
+
+
+def test_a_swivel_is_free_from_the_start_of_a_run_that_begins_before_zero() -> None:
+    free = Swivel("free")
+    rope = hung(balance_rope(PLAIN.with_(left=free, right=free), "native"), t=-5.0)
+    assert rope.advance_to(-4.99, EndMotion(), EndMotion()).valid
+    assert [x.phase for x in rope.state.swivels] == [Phase.SLIP, Phase.SLIP]

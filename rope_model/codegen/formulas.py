@@ -213,7 +213,7 @@ _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
     ("", generalized_alpha, "MAX_GROWTH"),
     ("", guard, "NEVER"),
     ("", hang, "CURVATURE_STEPS PLACING_STEPS TWIST_STEP MIN_TWIST_STEP MAX_TURN MAX_CORRECTIONS"),
-    ("", input_filter, "MIN_AIM_TIME MIN_MEAN_TIME"),
+    ("", input_filter, "MAX_LAG MIN_AIM_TIME MIN_MEAN_TIME"),
     ("", mesh, "LEG_LENGTHS GRADING MAX_OVERSHOOT"),
     ("", mesh_fit, "FADE_ERROR MESH_SHARE DUE"),
     ("", mesh_pattern, "DUE_EARLY WINDOW WINDOW_PARTS WINDOW_DUE"),

@@ -38,6 +38,7 @@ void begin_audit(const Simulator *sim, State *state) {
     restart_audit(sim, state, &sys);
     chain_of(sim, state)->momentum(&sys, nodal.q, nodal.v, state->audit.sums);
     memset(state->audit.impulse, 0, sizeof state->audit.impulse);
+    state->audit.interval = 0;
 }
 
 /* Audit a step; `before` has the vertical reactions of the ends at its start. */

@@ -83,7 +83,12 @@ class BalanceRope(ABC):
 
     @abstractmethod
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
-        """Hang the rope at rest, untwisted but for the installed twist.
+        """Hang the rope at rest, with its installed twist.
+
+        Without that, and without coupling and curvature, it has no torque where its ends are apart along X and the
+        conveyances have no yaw.  Held ends that are apart in the direction psi about Y twist it by 2 psi, yaws by their
+        sum: as if it had been hung in the nominal position and the ends had then moved.  To hang it free of twist
+        between such ends, yaw both by psi, or take 2 psi off the installed twist.
 
         Parameters
         ----------

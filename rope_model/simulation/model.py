@@ -175,7 +175,7 @@ class RopeModel:
             return state
         m, system = state.motion, self.system(state)
         audit = restart_audit(state.audit, load_on(ends_of(system), m, system))
-        return state._replace(audit=audit._replace(sums=system.momentum(m.q, m.v), impulse=NO_LOAD))
+        return state._replace(audit=audit._replace(sums=system.momentum(m.q, m.v), impulse=NO_LOAD, interval=0.0))
 
     def audit_interval(self, before: RopeState, state: RopeState) -> RopeState:
         """Return ``state`` with the audit of a communication step from ``before``: momentum against loads."""

@@ -40,8 +40,14 @@ void ends_refusal(const Scene *scene, const EndMotion *target, const double meas
         const double *misfits = measures + PEAKS + k * AXES;
         const int worst = largest(AXES, misfits);
         if (misfits[worst] <= inputs->misfit_max) continue;
-        say_input_misfit(message, SIDE_NAMES[side], AXIS_NAMES[worst], misfits[worst], units[k][worst == YAW],
-                         inputs->misfit_max);
+        const char *unit = units[k][worst == YAW];
+        if (inputs->given == ALL_GIVEN) {
+            say_input_misfit(message, SIDE_NAMES[side], AXIS_NAMES[worst], misfits[worst], unit, inputs->misfit_max);
+            return;
+        }
+        const double bandwidth = filter_settings(scene, inputs->given).estimate;
+        say_input_jump(message, SIDE_NAMES[side], AXIS_NAMES[worst], misfits[worst], unit, inputs->misfit_max,
+                       MAX_LAG / bandwidth, bandwidth);
         return;
     }
     const int worst = largest(PEAKS, measures);

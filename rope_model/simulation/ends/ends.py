@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from rope_model.parameters import Scene, Swivel
 from rope_model.physics.elementary import atan2, cos, hypot, maximum, minimum, sin, sqrt, where
 from rope_model.physics.swivel import friction_moment, tension_along
-from rope_model.simulation.ends.input_filter import InputFilter, PathMeasures
+from rope_model.simulation.ends.input_filter import MAX_LAG, InputFilter, PathMeasures, settings_of
 from rope_model.simulation.ends.paths import END_NODE, LEANS, MOTION_BOUNDS, PATH, SIDES, EndMotion, EndPath
 from rope_model.simulation.ends.swivel_phases import Phase, SwivelState, moment_of_swivel, swivel_friction
 from rope_model.simulation.messages import messages
@@ -195,6 +195,10 @@ def refusal(scene: Scene, target: EndMotion, measures: PathMeasures, side: str) 
     worst = [_largest(sizes) for sizes in measures]
     for sizes, k, units in zip(measures[1:], worst[1:], (("m", "rad"), ("m/s", "rad/s")), strict=True):
         if not sizes[k] <= inputs.misfit_max:
+            if inputs.given != "all":
+                bandwidth = float(settings_of(scene).estimate)
+                lag = MAX_LAG / bandwidth
+                return messages.input_jump(side, PATH[k], sizes[k], units[k == 3], inputs.misfit_max, lag, bandwidth)
             return messages.input_misfit(side, PATH[k], sizes[k], units[k == 3], inputs.misfit_max)
     if not measures.peaks[worst[0]] <= inputs.acceleration_max:
         name, unit = (*PATH, *LEANS)[worst[0]], "m/s^2" if worst[0] < 3 else "rad/s^2"

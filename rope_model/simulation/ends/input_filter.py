@@ -56,6 +56,11 @@ MIN_BREAKS = 8.0
 #: relative difference of such lengths: less than a step of a table of a hundred
 ALIKE = 0.01
 
+#: a jump where the acceleration is given: its sample is compared with the path instead
+NOT_ESTIMATED = -1.0
+#: largest lag of an estimate in times of its bandwidth: that of the highest order
+MAX_LAG = 3.0
+
 #: codes of the trusted inputs
 ALL, POSITION_SPEED, POSITION, SPEED = range(len(CHOICES["inputs.given"]))
 
@@ -92,6 +97,8 @@ class InputFilter(NamedTuple):
     broken_at: float = 0.0  # s, instant of that break
     breaks: float = 0.0  # number of breaks after straight pieces as long as the one before
     table_every: float = 0.0  # s, time between the latest two
+    position_jumps: Four = (NOT_ESTIMATED,) * 4  # m (yaw: rad), by which the latest sample is off any expected motion
+    speed_jumps: Four = (NOT_ESTIMATED,) * 4  # m/s (yaw: rad/s), the same of its speed
     lean_rates: tuple[float, float] = (0.0, 0.0)  # rad/s, mean rates of the leans between the latest two samples
 
     @staticmethod
@@ -157,8 +164,11 @@ def filter_sample(state: Any, settings: Any, given_at: Any, h: Any, end: Any) ->
     signs = {name: where(repeated, getattr(state, name), value) for name, value in new_signs.items()}
     keeps_rates = logical_or(repeated, since < MIN_AIM_TIME)
     means = ((x - old) / since for x, old in zip((end.lean, end.lean_z), state.given[-2:], strict=True))
+    position_jumps, speed_jumps = _jumps(state, settings, since, (*end.position, end.yaw), speeds)
     result: InputFilter = state._replace(
         given=values,
+        position_jumps=tuple(where(repeated, 0.0 * x, x) for x in position_jumps),
+        speed_jumps=tuple(where(repeated, 0.0 * x, x) for x in speed_jumps),
         given_at=where(repeated, state.given_at, given_at),
         motion=tuple(motion),
         recent_changes=recent_changes,
@@ -169,6 +179,31 @@ def filter_sample(state: Any, settings: Any, given_at: Any, h: Any, end: Any) ->
         **signs,
     )
     return result
+
+
+def _jumps(state: Any, settings: Any, since: Any, positions: Any, speeds: Any) -> tuple[Any, Any]:
+    """Return by how much a sample's positions and speeds are off any motion that the samples before let expect.
+
+    Estimated inputs follow a wrong sample so smoothly that no misfit is left, and a right one late: after a stop with
+    g by MAX_LAG g / W in speed.  So trusted positions and speeds are compared with the samples before, and what that
+    lag explains is no jump.  NOT_ESTIMATED where the acceleration is given.
+    """
+    hardest = settings.max_deceleration
+    positions_before = (*state.given[:3], state.given[9])
+    speeds_before = (*state.given[3:6], state.given[10])
+    position_jumps, speed_jumps = [], []
+    for axis, x, x_before, v, v_before in zip(
+        state.motion, positions, positions_before, speeds, speeds_before, strict=True
+    ):
+        known = settings.speed_trust > 0
+        mean = where(known, 0.5 * (v_before + v), axis[1])
+        slow = where(known, hardest * since, hardest * (since + MAX_LAG / settings.estimate))
+        position_jump = maximum(abs(x - x_before - since * mean) - slow * since, 0.0)
+        speed_jump = maximum(abs(v - v_before - since * axis[2]) - 2.0 * hardest * since, 0.0)
+        estimated = settings.acceleration_trust < 1
+        position_jumps.append(where(estimated, where(settings.position_trust > 0, position_jump, 0.0), NOT_ESTIMATED))
+        speed_jumps.append(where(estimated, where(known, speed_jump, 0.0), NOT_ESTIMATED))
+    return tuple(position_jumps), tuple(speed_jumps)
 
 
 def _repeated(state: Any, settings: Any, is_later: Any, since: Any, values: Any, speeds: Any) -> Any:
@@ -322,7 +357,10 @@ def _explained_fraction(misfit: Any, limit: Any) -> Any:
 
 
 class PathMeasures(NamedTuple):
-    """Measures of an end's path: largest sampled accelerations, by PATH and LEANS; misfits at its end, by PATH."""
+    """Measures of an end's path: largest sampled accelerations, by PATH and LEANS; misfits at its end, by PATH.
+
+    Where inputs are estimated, the misfits are the jumps of the sample instead.
+    """
 
     peaks: tuple[float, ...]
     position_misfits: Four
@@ -341,4 +379,9 @@ def end_misfits(path: Any, state: Any) -> list[Axis]:
 def path_measures(path: Any, state: Any) -> PathMeasures:
     """Return the measures that decide whether the path can be followed; NaN where a coordinate is."""
     position, speed, _ = (tuple(map(abs, sizes)) for sizes in zip(*end_misfits(path, state), strict=True))
-    return PathMeasures(path.peak_accelerations(), position, speed)
+    jumps = state.position_jumps, state.speed_jumps
+    x, v = (
+        tuple(where(jump < 0, size, jump) for size, jump in zip(sizes, of, strict=True))
+        for sizes, of in zip((position, speed), jumps, strict=True)
+    )
+    return PathMeasures(path.peak_accelerations(), x, v)

@@ -21,7 +21,7 @@ END_NODE = (0, -1)  #: rows of the ends in arrays of nodes
 PATH = ("x", "y", "z", "yaw")  #: coordinates of an end's path
 LEANS = ("lean", "lean_z")  #: leans of a clamp, which have paths of their own
 RESTS_BELOW = 1e-6  #: m/s and rad/s, speed below which an end is at rest
-# bounds of accepted motions
+# bounds of accepted motions: absolute, several times what mine hoists do (20 m/s, 5 m/s^2), to reveal wrong units
 MAX_POSITION = 1e4  #: m and rad
 MAX_SPEED = 60.0  #: m/s and rad/s
 MAX_ACCELERATION = 100.0  #: m/s^2 and rad/s^2

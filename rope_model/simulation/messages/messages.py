@@ -70,6 +70,11 @@ input_misfit = Template(
     "input {side:s}.{name:s} is {misfit:.3g} {unit:s} away from the motion of its derivatives (inputs.misfit_max = "
     "{bound:g}); give position, speed and acceleration of one motion, or name the trusted ones in inputs.given"
 )
+input_jump = Template(
+    "input {side:s}.{name:s} jumps by {misfit:.3g} {unit:s} more than the samples before let expect "
+    "(inputs.misfit_max = {bound:g}; estimates may lag by {lag:.2g} s, 3 / inputs.estimate_bandwidth, here "
+    "{bandwidth:.3g} rad/s); give one smooth motion, check its unit, or raise inputs.estimate_bandwidth"
+)
 motions_of_another_time = Template(
     "the ends' motions are of t = {given_at:.9g} s: they must be of {earliest:.9g} s (inputs.hold_max before the step) "
     "to {t:.9g} s, where it ends; give the instant at which they were read"
