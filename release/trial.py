@@ -71,7 +71,7 @@ class _Trial:
         self.folder, self.told, self.steps = folder, told, list[Step]()
         self.bin = folder / "venv" / "bin"
         self.cache = folder / "cache"
-        self.work = folder / "Förder maschine äß"
+        self.work = folder / "Förderung äß ö"
         self.work.mkdir()
 
     def install(self, wheel: Path) -> None:

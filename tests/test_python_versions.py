@@ -3,6 +3,7 @@
 import builtins
 from collections.abc import Iterable
 from dataclasses import fields, is_dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from hoist_demo.parameters.trip_design import Shaper
 from rope_model import Guard, Mesh, Rope, RopeSimulator, Scene, Shaft, Solver, Sump, Swivel
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.simulation.mesh.partition import Partition
+from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.state import RopeState
 
 #: a rope with all that its state can hold: guards, a floor that it presses, a swivel that slips, wires that rub
@@ -88,3 +90,11 @@ def test_a_hoist_adds_its_numbers_from_left_to_right() -> None:
     trip = shape(s_curve(Winding()), Shaper("ZVD", 1.3, 0.05))
     assert trip.points[-1].position == pytest.approx(Winding().travel)
     assert hoist_with(Hoist(), [(4.0, 120.0), (5.0, 120.0)]).tail_rope_mass == 9.0
+
+
+def test_kernels_that_this_casadi_cannot_read_are_built_anew(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    """An FMU brings them in the form of the exporting CasADi, which an older one refuses."""
+    (tmp_path / "planar-4.casadi").write_bytes(b"written by another CasADi")
+    kernels = RopeKernels(4, "portable", tmp_path, "planar")
+    assert "cannot read" in caplog.text
+    assert kernels.strains.function.name() == RopeKernels(4, "portable", None, "planar").strains.function.name()

@@ -351,9 +351,14 @@ def save_portable(functions: Sequence[ca.Function], path: Path) -> None:
 
 
 def load_portable(path: Path) -> list[ca.Function]:
-    """Load the functions from a file written by ``save_portable``."""
-    file = ca.FileDeserializer(str(path))
-    return [file.unpack() for _ in range(file.unpack())]
+    """Load the functions from a file written by ``save_portable``; none if this CasADi cannot read it."""
+    try:
+        file = ca.FileDeserializer(str(path))
+        return [file.unpack() for _ in range(file.unpack())]
+    except RuntimeError as error:  # an older CasADi refuses the file of a newer one
+        cause = str(error).strip().splitlines()[-1]
+        log.warning("kernels: CasADi %s cannot read %s, they are built anew (%s)", ca.__version__, path, cause)
+        return []
 
 
 def platform_tag() -> str:

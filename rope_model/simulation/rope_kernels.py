@@ -34,7 +34,8 @@ class RopeKernels:
     """Functions of a chain of ``elements`` elements of one fidelity, called on arrays of shape (nodes, 7).
 
     Omitted degrees of freedom stay zero.  ``bundle`` is a folder written by ``write_bundle``.  Without it, or if it has
-    no files for this size, fidelity and platform, the functions are built from the element and compiled if possible.
+    no files for this size, fidelity and platform, or those of a newer CasADi, the functions are built from the element
+    and compiled if possible.
     """
 
     def __init__(
@@ -47,10 +48,8 @@ class RopeKernels:
     ) -> None:
         library, portable = _bundle_files(bundle, elements, fidelity, features) if bundle else (None, None)
         with EXPRESSIONS:
-            if portable is not None and portable.exists():
-                functions = compiling.load_portable(portable)
-            else:
-                functions = [*rope_functions(elements, fidelity, features)]
+            bundled = compiling.load_portable(portable) if portable is not None and portable.exists() else []
+            functions = bundled or [*rope_functions(elements, fidelity, features)]
             kernels, self.form = compiling.prepare(
                 functions, partial(_build, elements, fidelity, features), form, library
             )
