@@ -81,7 +81,7 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
 
         The drive's feed-forward takes the rope as it is; its trip is designed for the middle of all ranges.
         """
-        fixed = {"model.fidelity": 1, **self.fixed}
+        fixed: dict[str, Value | ParameterValue] = {"model.fidelity": 1, **self.fixed}
         middle = self._drawn({name: datum.middle for name, datum in self.data.items()})
         return from_landing(build(self.header.hoist, fixed, varied=self._drawn(values), nominal=middle))
 
