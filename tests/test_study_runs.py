@@ -270,15 +270,15 @@ def test_a_design_meets_payloads_for_which_it_was_not_made(read: Read, monkeypat
     monkeypatch.setattr("hoist_demo.design.arrival_swing.swing_at_arrival", swing)
     controller = "controller = 'input-shaping'\nhoist.payload_left = 4000.0\nwinding.travel = 8.25\n"
     vary = "[vary]\nhoist.payload_left = [1000.0, 4000.0, 9000.0]\n"
-    met = read(f"[study]\n[fixed]\n{controller}{vary}").samples
+    met = read(f"[fixed]\n{controller}{vary}").samples
     assert [one.data.hoist.payload_left for one in met] == [1e3, 4e3, 9e3]
     assert {one.data.shaper.frequency for one in met} == {4.0}
     # the design is made once for all that it meets, and anew for each that is chosen
     assert designed == [4e3]
-    chosen = read(f"[study]\nover = []\n[fixed]\n{controller}{vary}").samples
+    chosen = read(f"over = []\n[fixed]\n{controller}{vary}").samples
     assert [one.data.shaper.frequency for one in chosen] == [1.0, 4.0, 9.0]
     # an optimised trip is for the nominal hoist, too, and a run's key says so
-    optimised = read(f"[study]\n[fixed]\n{controller.replace('input-shaping', 'optimised-trajectory')}{vary}").samples
+    optimised = read(f"[fixed]\n{controller.replace('input-shaping', 'optimised-trajectory')}{vary}").samples
     assert [None if (n := one.data.nominal) is None else n.payload_left for one in optimised] == [4e3, None, 4e3]
     assert "nominal" in optimised[0].data.record()
     assert "nominal" not in optimised[1].data.record()
