@@ -275,7 +275,7 @@ def test_a_design_meets_payloads_for_which_it_was_not_made(read: Read, monkeypat
     assert {one.data.shaper.frequency for one in met} == {4.0}
     # the design is made once for all that it meets, and anew for each that is chosen
     assert designed == [4e3]
-    chosen = read(f"over = []\n[fixed]\n{controller}{vary}").samples
+    chosen = read(f"study.over = []\n[fixed]\n{controller}{vary}").samples
     assert [one.data.shaper.frequency for one in chosen] == [1.0, 4.0, 9.0]
     # an optimised trip is for the nominal hoist, too, and a run's key says so
     optimised = read(f"[fixed]\n{controller.replace('input-shaping', 'optimised-trajectory')}{vary}").samples
