@@ -9,7 +9,9 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import balance_rope
+from hoist_demo.cases.case import Case
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
+from hoist_demo.design.arrival_swing import ArrivalSwing
 from hoist_demo.duty.schedule import Schedule, read_schedule
 from hoist_demo.duty.table import COLUMNS, READ, STEADY, place_at_rest, steady_from, trip_row, trip_table, worst
 from hoist_demo.duty.wind import WoundTrip, read_state, wind_duty, write_state
@@ -74,6 +76,29 @@ def test_a_trip_begins_with_what_the_one_before_has_left(trips_at_rest: Duty) ->
         assert after[name][0] == before[name][-1]
     # and that is no rest
     assert abs(after["loop.x"][0] - before["loop.x"][0]) > 0.05
+
+
+def test_each_trip_of_a_duty_is_designed_for_its_own_way_and_the_nominal_payload(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = list[tuple[float, float, float]]()
+
+    def swing(case: Case, start: float) -> ArrivalSwing:
+        asked.append((start, start + case.winding.travel, case.hoist.payload_left))
+        return ArrivalSwing(frequency=1.0 + 0.01 * (start + case.winding.travel), damping=0.1)
+
+    monkeypatch.setattr("hoist_demo.design.arrival_swing.swing_at_arrival", swing)
+    trips = "".join(f"[[trip]]\nwinding.travel = {x}\nhoist.payload_left = {m}\n" for x, m in ((20.0, 1e3), (5.0, 9e3)))
+    path = tmp_path / "duty.toml"
+    fixed = "controller = 'input-shaping'\nhoist.payload_left = 3000.0"
+    path.write_text(f"[duty]\nhoist = 'rope-120'\nrepeat = 3\n[fixed]\n{fixed}\n{trips}", encoding="utf-8")
+    schedule = read_schedule(path)
+    ends = [20.0, 25.0, 45.0, 50.0, 70.0, 75.0]
+    assert [schedule.landing(k) for k in range(7)] == [0.0, *ends]
+    runs = [schedule.trip(k) for k in range(1, 7)]
+    assert [run.shaper.frequency for run in runs] == pytest.approx([1.0 + 0.01 * end for end in ends])
+    assert [run.hoist.payload_left for run in runs] == [1e3, 9e3] * 3
+    assert sorted({*asked}) == [(a, b, 3e3) for a, b in zip([0.0, *ends], ends, strict=False)]
 
 
 def test_a_dwell_ends_with_the_payload_of_the_next_trip(tmp_path: Path) -> None:

@@ -305,11 +305,15 @@ def test_a_trip_that_slips_or_asks_too_much_of_the_motor_is_told() -> None:
     weak, short = replace(case.hoist, power_limit=5e5), replace(case.winding, travel=5.0)
     told = [problems(replace(case, hoist=weak, winding=trip)) for trip in (case.winding, short)]
     assert [sum("power_limit" in line for line in lines) for lines in told] == [1, 0]
-    # head ropes heavier than the balance rope ask for more, in a two-stage stop of half the brake
+    # head ropes heavier than the balance rope ask for more: of the second stage to hold, of the first not to run on
     uneven = {"hoist.torque_limit": 8e5, "hoist.brake.torque": 1.2e6, "winding.emergency_law": "two-stage"}
     cases = [with_values(case, uneven | {"hoist.head_rope_mass": m * case.hoist.head_rope_mass}) for m in (1, 2)]
     told = [" ".join(problems(one)) for one in cases]
-    assert [[x in text for x in ("torque_limit =", "first_stage = 0.5")] for text in told] == [[False] * 2, [True] * 2]
+    words = ("torque_limit =", "brake.torque =", "brake.first_stage = 0.5 of brake.torque must be at least 0.")
+    assert [[x in text for x in words] for text in told] == [[False] * 3, [True, False, True]]
+    heavy = {"hoist.head_rope_mass": 2 * case.hoist.head_rope_mass, "hoist.brake.torque": 5e5}
+    found = " ".join(problems(with_values(case, uneven | heavy)))
+    assert [x in found for x in words] == [True, True, False]
 
 
 @pytest.mark.parametrize("file", SHIPPED, ids=lambda path: path.stem)

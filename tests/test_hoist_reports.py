@@ -67,6 +67,7 @@ def test_a_run_that_goes_on_with_a_higher_fidelity_is_shown_from_there_on() -> N
 
 NAN = float("nan")
 #: what is recorded, parameters of the rope, and the row of the verdict: its value (; where), whether the bound is kept
+AT_REST = {"drive.static_tension_ratio": [1.5, 1.6]}
 VERDICTS = [
     # three ropes of 1 to 2 kN, known within 2 N each
     ({"left.fy": [-1e3, -2e3], "status.end_force_error": [0, 1e-3]}, {}, "pull of all 3", "3.00 to 6.00 kN", True),
@@ -80,8 +81,9 @@ VERDICTS = [
     ({"nearest.divider.clearance": [1.0, 0.2]}, {"guard.clearance": 0.3}, "clearance from a divider", "0.2 m", False),
     ({"status.loop_error": [0, 5e-3]}, {"accuracy.loop": 0.01}, "estimated error of the loop", "5 mm", True),
     # exp(0.25 pi) = 2.193: (2.193 - 1) / (1.6 - 1) at rest after arrival, 1.193 / 1.2 while it winds
-    ({"drive.tension_ratio": [1.5, 1.6]}, {}, "slip safety at rest", "1.99", True),
-    ({"drive.tension_ratio": [1.5, 2.2]}, {}, "slip safety in normal", "0.99", False),
+    # at rest counts what hangs there, not what swings at the last instant
+    ({"drive.tension_ratio": [1.5, 2.2], **AT_REST}, {}, "slip safety at rest", "1.99", True),
+    ({"drive.tension_ratio": [1.5, 2.2], **AT_REST}, {}, "slip safety in normal", "0.99", False),
     ({"drive.torque_limited": [1, 0]}, {}, "remark", "the motor was at its limit for 1.00 s", None),
     # the guard counts from a height of its own; a fall is no rise
     ({"loop.rise": [0.0, 0.3]}, {"guard.rise": 0.2}, "rise of the loop", "0.3 m", False),
@@ -123,16 +125,25 @@ def test_each_row_of_the_verdict_that_fails_is_named_and_is_not_good() -> None:
         assert one[k].cells[3] == "NO"
 
 
-def test_a_stop_is_told_by_each_conveyance_s_own_way_and_by_what_holds_it_from_then_on() -> None:
+def test_a_stop_is_told_by_each_conveyance_s_own_way_and_by_the_sheave_that_holds_it() -> None:
     y, vy = [0.0, 8.0, 12.0, 13.0, 12.0, 10.0, 4.0], [8.0, 6.0, 2.0, -0.1, -2.0, -3.0, -6.0]
     signals = {f"conveyance.{side}.{name}": x for side in SIDES for name, x in (("y", y), ("vy", vy))}
     # ropes that slid before the stop go on sliding, at the ratio of sliding friction
-    signals |= {"drive.tension_ratio": [1.5] + [1.9] * 6, "drive.slip": [0, 1, 3, 5, 7, 9, 9], "drive.slip_speed": y}
-    # on its way, at rest, and fallen back for 3 s, longer than anything swings
-    courses = {3: (4, None, 0, False, 2, 4), 4: (5, 2, 0, True, -0.1, 5), 7: (5, 2, -9, False, -6, 5)}
-    for n, course in courses.items():
+    signals |= {"drive.tension_ratio": [1.5] + [1.9] * 6, "drive.slip": [0, 1, 3, 5, 7, 9, 9]}
+    signals |= {"drive.static_tension_ratio": [1.5] * 7, "drive.slip_speed": [0.0] * 7}
+    # on its way, swinging back on a sheave that stands, and with one that runs back, for 3 s or as the record ends
+    standing, running, slipping = [2.0, 1.5, 0.5] + [0.0] * 4, [0.5 * v for v in vy], [0.0] * 5 + [-3.0, -6.0]
+    for n, rates, slip, course in (
+        (3, standing, None, (4, None, 0, False, 2, 4)),
+        (4, standing, None, (5, 2, 0, True, -0.1, 5)),
+        (7, standing, None, (5, 2, -9, True, -6, 5)),
+        (7, running, None, (5, 2, -9, False, -6, 5)),
+        (6, running, None, (5, 2, -3, False, -3, 5)),
+        (7, standing, slipping, (5, 2, -9, False, -6, 5)),
+    ):
+        signals |= {"drive.rate": rates} | ({} if slip is None else {"drive.slip_speed": slip})
         record = Recording({"time": np.arange(10.0, 10.0 + n), **{k: np.array(x[:n]) for k, x in signals.items()}}, {})
-        assert stops(record, 1.0) == [Stop(side, *course) for side in SIDES]
+        assert stops(record, 1.0, radius=2.0) == [Stop(side, *course) for side in SIDES]
     ended = SimpleNamespace(recording=record, completed=True, cause="", warning="", winding=Winding(emergency_at=2.0))
     rows = {row.quantity: row for row in judge(ended, Hoist(), [RopeData({}, {}, {})]).rows}
     told = rows["way of the left conveyance in the emergency stop"]

@@ -138,7 +138,7 @@ def test_the_number_of_states_follows_from_the_measured_error(
     found = reduced([model])
     assert 9 < found.A.shape[1] <= 15
     assert found.decibels.max() <= bound
-    assert not caplog.records
+    assert "errs by" not in caplog.text  # a compiler may have told of itself
     reduced([model], 9)
     assert "a model of 9 states errs by" in caplog.text
     monkeypatch.setattr(reduction, "MOST_STATES", 9)

@@ -7,8 +7,9 @@ import platform
 import shutil
 import struct
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import fmpy
 import pytest
@@ -28,6 +29,9 @@ from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, 
 from fmu_src.native.export import export_native
 from fmu_src.native.mach_o import parts, universal, with_page_hashes
 from fmu_src.native.start import MAGIC, Start, c_start, with_start, without_start
+from fmu_src.ssp import Datum
+from hoist_demo.cases.case import Case
+from hoist_export import HoistFiles
 from rope_model import EndMotion, Scene, Swivel, rope_120
 from rope_model.codegen.platforms import prebuilt_file
 from rope_model.engine import NativeRope
@@ -239,10 +243,29 @@ def test_start_values_are_set_on_the_command_line(tmp_path: Path, monkeypatch: P
     for wrong, told in (
         ("air.density=-1", "air.density = -1.0 must be within 0 and 100: give it in kg/m3"),
         ("rope.length=-1", "rope.length = -1.0 must be within 1e-15 and 10000: give it in m"),
-        ("hoist.payload_left=1", "--set hoist.payload_left: the FMU has the rope alone: give it to wind"),
+        ("hoist.payload_left=1", "--set hoist.payload_left: the FMU has the rope alone: add --ssp"),
     ):
         assert main([*options, "--set", wrong]) == 2
         assert told in capsys.readouterr().err
+    assert main([*options, "--ssp", "--set", "coupling.step=0.02"]) == 2
+    assert "--set coupling.step: a system leaves this to its master" in capsys.readouterr().err
+
+
+def test_a_system_takes_values_of_the_hoist_from_the_command_line(tmp_path: Path, monkeypatch: Patch) -> None:
+    exported = dict[str, Any]()
+
+    def keep(folder: Path, case: Case, *_: Any, data: Sequence[Datum], **others: Any) -> HoistFiles:
+        exported.update(case=case, data={one.name: one for one in data}, **others)
+        (folder / "hoist.ssp").write_text("")
+        return HoistFiles(folder / "hoist.ssp", {})
+
+    monkeypatch.setattr("balance_rope.export_hoist", keep)
+    monkeypatch.setattr("balance_rope.export_rope", lambda path, *_: path.write_text(""))
+    options = ["export", "--ssp", "--native", "--platform", "host", "--out", str(tmp_path)]
+    assert main([*options, "--set", "hoist.payload_left=1234", "--set", "rope.EI=250"]) == 0
+    assert exported["case"].hoist.payload_left == 1234.0
+    assert exported["case"].rope["rope.EI"] == 250.0
+    assert [exported["data"][name].value for name in ("hoist.payload_left", "rope.EI")] == [1234.0, 250.0]
 
 
 @pytest.mark.parametrize(

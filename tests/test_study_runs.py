@@ -16,9 +16,11 @@ import pytest
 from dask.distributed import Client
 from numpy.testing import assert_allclose
 
+from hoist_demo.cases.case import Case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.interface import Stopwatch
+from hoist_demo.design.arrival_swing import ArrivalSwing
 from hoist_demo.files.reading import FileError
 from hoist_demo.parameters import Arrival, Hoist, Winding
 from hoist_demo.recording.time_series import Recording
@@ -26,7 +28,7 @@ from hoist_demo.study import definition
 from hoist_demo.study.cluster import cluster, run_samples
 from hoist_demo.study.definition import Study, StudyRun, read_study
 from hoist_demo.study.metrics import ARRIVALS, measure
-from hoist_demo.study.objective import Objective
+from hoist_demo.study.objective import Constraint, Objective
 from hoist_demo.study.perform import run_study
 from hoist_demo.study.run import CUT_SHORT, ERROR, Outcome, build, execute
 from hoist_demo.study.sampling import Range, latin_hypercube
@@ -63,6 +65,7 @@ def invent_trip(swing: float, creep: float = 0.0, **trip: float) -> tuple[Result
         "drive.angle": left / hoist.sheave_radius,
         "drive.torque": np.full_like(t, -5e3),
         "drive.torque_limited": zero,
+        "drive.rate": np.gradient(left, t) / hoist.sheave_radius,
         "drive.tension_ratio": np.full_like(t, 1.5),
         "drive.work_motor": 1e3 * np.minimum(t, 5.0) - 500.0 * np.maximum(t - 5.0, 0.0),
         "loop.x": 1.0 - 0.2 * np.sin(t),
@@ -306,6 +309,39 @@ def test_grid_is_run_for_every_variant(read: Read) -> None:
 #: speed gain: costs of its runs without and with load, and their slip safety
 COSTS = {1e5: (1.0, 9.0, 1.5, 1.5), 2e5: (4.0, 5.0, 1.3, 1.5), 3e5: (5.5, 5.5, 2.0, 2.0), 4e5: (0.1, 0.1, 1.5, 1.1)}
 ABOVE, BETWEEN = (f"study.subject_to.slip_safety = {{ above = {b} }}\n" for b in ("1.2", "1.4, below = 1.8"))
+
+
+def test_a_design_meets_payloads_for_which_it_was_not_made(read: Read, monkeypatch: pytest.MonkeyPatch) -> None:
+    designed = list[float]()
+
+    def swing(case: Case, _: float) -> ArrivalSwing:
+        designed.append(case.hoist.payload_left)
+        return ArrivalSwing(frequency=1e-3 * case.hoist.payload_left, damping=0.1)
+
+    monkeypatch.setattr("hoist_demo.design.arrival_swing.swing_at_arrival", swing)
+    controller = "controller = 'input-shaping'\nhoist.payload_left = 4000.0\nwinding.travel = 8.25\n"
+    vary = "[vary]\nhoist.payload_left = [1000.0, 4000.0, 9000.0]\n"
+    met = read(f"[fixed]\n{controller}{vary}").samples
+    assert [one.data.hoist.payload_left for one in met] == [1e3, 4e3, 9e3]
+    assert {one.data.shaper.frequency for one in met} == {4.0}
+    # the design is made once for all that it meets, and anew for each that is chosen
+    assert designed == [4e3]
+    chosen = read(f"study.over = []\n[fixed]\n{controller}{vary}").samples
+    assert [one.data.shaper.frequency for one in chosen] == [1.0, 4.0, 9.0]
+    # an optimised trip is for the nominal hoist, too, and a run's key says so
+    optimised = read(f"[fixed]\n{controller.replace('input-shaping', 'optimised-trajectory')}{vary}").samples
+    assert [None if (n := one.data.nominal) is None else n.payload_left for one in optimised] == [4e3, None, 4e3]
+    assert "nominal" in optimised[0].data.record()
+    assert "nominal" not in optimised[1].data.record()
+
+
+def test_a_bound_on_an_error_holds_in_both_directions() -> None:
+    bound = Constraint("position_error", 0.01, 1.0)
+    broken = [bound.violation({"position_error": x}) > 0.0 for x in (-0.02, -0.005, 0.005, 0.02)]
+    assert broken == [True, False, False, True]
+    smallest = Objective({"position_error": 1.0}, 1.0)
+    costs = [smallest.of_run({"metrics": {"position_error": x}, "status": "completed"}).cost for x in (-0.5, 0.1)]
+    assert costs == [0.5, 0.1]
 
 
 @pytest.mark.parametrize(

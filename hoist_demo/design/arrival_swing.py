@@ -180,4 +180,5 @@ def _secant(model: LinearModel, loop: SpeedLoop, swing: int, start: complex) -> 
 def _residue(model: LinearModel, loop: SpeedLoop, swing: int, pole: complex) -> float:
     """Return the size of the swing's residue at a pole."""
     offset = _STEP * abs(pole) * np.exp(0.5j * np.pi * np.arange(4))
-    return float(abs(np.mean(offset * _closed(model, loop, pole + offset)[:, swing])))
+    around = np.asarray(pole + offset, dtype=np.complex128)
+    return float(abs(np.mean(offset * _closed(model, loop, around)[:, swing])))
