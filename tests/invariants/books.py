@@ -12,9 +12,13 @@ from invariants.runs import FORCES, MOMENTS, Compared, Record, Refused, start, w
 from rope_model import BalanceRope
 from rope_model.physics.hermite import GAUSS, interpolate
 
-#: of the largest end force: momentum balances to what Newton's method leaves of forces; a tenth of the bound from which
-#: the product warns
-MISSING_FORCE = 1e-4
+#: of the largest end force in a step: fy_mean is a trapezoidal rule, whose error h^2 F_tt / 12 is 20 N in an emergency
+#: stop of the 120 m rope (rope_model/simulation/outputs/audit.py), of 10 kN
+MISSING_FORCE = 2e-3
+#: of the largest end force in the mean over a run: these errors alternate
+MISSING_IN_THE_MEAN = 1e-4
+#: of the largest end force at rest: statics leaves 1e-6 N at each node
+MISSING_AT_REST = 1e-6
 #: of the largest end force times the longest arm: statics leaves 1e-6 N at each node
 MISSING_MOMENT = 1e-6
 #: of the energy that has gone through the ends: the product promises no number; trips at the defaults have 1e-4
@@ -66,6 +70,8 @@ def momentum(case: Case, draws: Draws) -> Iterator[Compared]:
     missing = rope.mass_per_length * np.diff(found[: last + 1]) / h + pulls + weight
     if last:
         yield Compared("largest force missing in a step", float(np.abs(missing).max()), MISSING_FORCE * record.force)
+        mean = abs(float((missing * h).sum())) / float(h.sum())
+        yield Compared("force missing in the mean of the run", mean, MISSING_IN_THE_MEAN * record.force)
 
 
 def rest(case: Case, draws: Draws) -> Iterator[Compared]:
@@ -81,7 +87,7 @@ def rest(case: Case, draws: Draws) -> Iterator[Compared]:
         moments = np.zeros((2, 3))
     ends = row[[0, -1], 1:4]
     missing_force = forces.sum(axis=0) + np.array([0.0, weight * float(length), 0.0])
-    yield Compared("force missing at rest", float(np.abs(missing_force).max()), MISSING_FORCE * record.force)
+    yield Compared("force missing at rest", float(np.abs(missing_force).max()), MISSING_AT_REST * record.force)
     if record.rope.fidelity == "torsional":
         down = np.cross(first, [0.0, -weight, 0.0])
         middle = ends.mean(axis=0)
