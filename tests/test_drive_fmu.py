@@ -23,7 +23,8 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from stand_in import ROOT, RUNNERS
 
-from fmu_src.native.build import PLATFORMS, host_platform
+from fmu_src.native import build
+from fmu_src.native.build import PLATFORMS, host_platform, library
 from fmu_src.native.export import HEADERS, export_model, export_native
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
@@ -34,11 +35,13 @@ from hoist_demo.drive.plant import SIDE_FORCES
 from hoist_demo.drive_fmu import interface
 from hoist_demo.drive_fmu.description import LONGEST_HOLD, DriveModel, drive_model
 from hoist_demo.drive_fmu.description import sources as drive_sources
-from hoist_demo.drive_fmu.kernels import complete, moment_function, point_function, structures
+from hoist_demo.drive_fmu.kernels import MOST_MODES, complete, moment_function, point_function, structures
 from hoist_demo.drive_fmu.omissions import OMISSIONS, leave_out, obstacles
 from hoist_demo.parameters import Hoist, start_heights
 from hoist_demo.parameters.components import DriveShaft, Guides, Play
 from hoist_demo.parameters.suspension import MOVED, SuspensionOffset, moment_at, motion_at
+from release.libraries import drive_library
+from rope_model.codegen.platforms import prebuilt_file
 
 pytestmark = pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")
 SETUP = find_case("rope-120")
@@ -279,6 +282,28 @@ def test_hoists_with_other_numbers_share_the_sources_of_their_drive() -> None:
     other, model = drive_model(case), drive_model(SETUP)
     assert other.sources == model.sources == drive_sources(complete(SETUP.hoist).equation_structure)
     assert other.data != model.data
+
+
+def test_library_of_the_package_serves_hoists_of_other_numbers_without_a_compiler(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here = host_platform()
+    brought = drive_library(complete(SETUP.hoist).equation_structure, 2)
+    compiled = library(brought.sources, brought.identifier, here).read_bytes()
+    monkeypatch.setattr(build, "_PACKAGE", tmp_path)
+    monkeypatch.setattr(build, "_compilable", lambda: set[str]())
+    path = prebuilt_file(tmp_path, brought.sources, brought.identifier, here)
+    path.parent.mkdir()
+    path.write_bytes(compiled)
+    hoist = replace(SETUP.hoist, payload_left=3e3, power_limit=8e5, guides=Guides(), play=Play())
+    own = exported(tmp_path, "own", drive_model(replace(SETUP, hoist=hoist)))
+    own.start()
+    assert own.step(0.0) == ""
+    assert own.get("left.y", "right.y") == [pytest.approx(0.0, abs=1e-6), pytest.approx(90.0, abs=1e-6)]
+    own.free()
+    many = replace(SETUP, hoist=replace(SETUP.hoist, head_rope_modes=MOST_MODES + 1))
+    with pytest.raises(ValueError, match="up to 4 head rope modes"):
+        exported(tmp_path, "many", drive_model(many))
 
 
 def test_parts_that_a_hoist_lacks_do_nothing() -> None:
