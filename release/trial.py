@@ -128,12 +128,12 @@ class _Trial:
 
 
 def _commands(*names: str) -> list[list[str]]:
-    """The README's lines that call these subcommands, a hoist of the user's own among them."""
+    """The README's lines that call these subcommands for a hoist of the user's own, in this order."""
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     lines = [line.partition("#")[0].split()[1:] for line in re.findall(r"(?m)^\.venv/bin/(balance-rope .*)$", readme)]
-    found = [line for line in lines if line[0] in names]
-    if not any(line[0] == "export" and line[1].endswith(".toml") for line in found):
-        raise RuntimeError("README.md exports no hoist of the user's own")
+    found = [line for line in lines if line[0] in names and line[1].startswith("mine")]
+    if [line[0] for line in found] != [*names]:
+        raise RuntimeError("README.md has no lines that make, show and export mine.toml")
     return found
 
 
