@@ -42,7 +42,7 @@ def libraries() -> Iterator[Library]:
     for fmi in (2, 3):
         yield _rope(fmi)
         for structure in structures():
-            yield _drive(structure, fmi)
+            yield drive_library(structure, fmi)
 
 
 def _rope(fmi: int) -> Library:
@@ -51,7 +51,7 @@ def _rope(fmi: int) -> Library:
     return Library(shared, MODEL)
 
 
-def _drive(structure: Hoist, fmi: int) -> Library:
+def drive_library(structure: Hoist, fmi: int) -> Library:
     """Return the library of all hoists' drives of a structure, whose tables and numbers are alike."""
     drive = drive_model(find_case("rope-120"))
     numbers = len(drive.data) - len(complete(find_case("rope-120").hoist).numbers) + len(structure.numbers)

@@ -3,6 +3,7 @@
 import importlib.util
 import os
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -22,8 +23,9 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from stand_in import ROOT, RUNNERS
 
-from fmu_src.native.build import PLATFORMS, host_platform
-from fmu_src.native.export import HEADERS, export_model
+from fmu_src.native import build
+from fmu_src.native.build import PLATFORMS, host_platform, library
+from fmu_src.native.export import HEADERS, export_model, export_native
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.controller import ControllerState, Measurement, SpeedController
@@ -33,11 +35,13 @@ from hoist_demo.drive.plant import SIDE_FORCES
 from hoist_demo.drive_fmu import interface
 from hoist_demo.drive_fmu.description import LONGEST_HOLD, DriveModel, drive_model
 from hoist_demo.drive_fmu.description import sources as drive_sources
-from hoist_demo.drive_fmu.kernels import complete, moment_function, point_function, structures
+from hoist_demo.drive_fmu.kernels import MOST_MODES, complete, moment_function, point_function, structures
 from hoist_demo.drive_fmu.omissions import OMISSIONS, leave_out, obstacles
 from hoist_demo.parameters import Hoist, start_heights
 from hoist_demo.parameters.components import DriveShaft, Guides, Play
 from hoist_demo.parameters.suspension import MOVED, SuspensionOffset, moment_at, motion_at
+from release.libraries import drive_library
+from rope_model.codegen.platforms import prebuilt_file
 
 pytestmark = pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")
 SETUP = find_case("rope-120")
@@ -256,6 +260,15 @@ def test_what_a_system_cannot_hold_is_told_and_can_be_left_out() -> None:
     assert drive_model(leave_out(case, OMISSIONS)).duration > 10.0
 
 
+def test_drive_of_fmi_3_claims_no_event_mode_and_refuses_it(unpacked: Callable[[str], tuple[Path, str]]) -> None:
+    fmu, folder = unpacked("drive-3")
+    with zipfile.ZipFile(fmu) as archive:
+        interface3 = ElementTree.fromstring(archive.read("modelDescription.xml")).find("CoSimulation")
+    assert {interface3.get(name) for name in ("hasEventMode", "mightReturnEarlyFromDoStep")} == {"false"}
+    with pytest.raises(AssertionError, match="has no event mode"):
+        Host(fmu, folder, events=1)
+
+
 def test_hoists_with_other_numbers_share_the_sources_of_their_drive() -> None:
     """Numbers are data.  What makes other sources is the count of head rope modes, and a shaft."""
     hoists = [
@@ -271,6 +284,28 @@ def test_hoists_with_other_numbers_share_the_sources_of_their_drive() -> None:
     assert other.data != model.data
 
 
+def test_library_of_the_package_serves_hoists_of_other_numbers_without_a_compiler(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here = host_platform()
+    brought = drive_library(complete(SETUP.hoist).equation_structure, 2)
+    compiled = library(brought.sources, brought.identifier, here).read_bytes()
+    monkeypatch.setattr(build, "_PACKAGE", tmp_path)
+    monkeypatch.setattr(build, "_compilable", lambda: set[str]())
+    path = prebuilt_file(tmp_path, brought.sources, brought.identifier, here)
+    path.parent.mkdir()
+    path.write_bytes(compiled)
+    hoist = replace(SETUP.hoist, payload_left=3e3, power_limit=8e5, guides=Guides(), play=Play())
+    own = exported(tmp_path, "own", drive_model(replace(SETUP, hoist=hoist)))
+    own.start()
+    assert own.step(0.0) == ""
+    assert own.get("left.y", "right.y") == [pytest.approx(0.0, abs=1e-6), pytest.approx(90.0, abs=1e-6)]
+    own.free()
+    many = replace(SETUP, hoist=replace(SETUP.hoist, head_rope_modes=MOST_MODES + 1))
+    with pytest.raises(ValueError, match="up to 4 head rope modes"):
+        exported(tmp_path, "many", drive_model(many))
+
+
 def test_parts_that_a_hoist_lacks_do_nothing() -> None:
     """A limit of power beyond all speeds gives the limit of torque to the bit, guides without friction nothing."""
     whole = complete(hoist := replace(Hoist(), torque_limit=2.1e5 / 3.0))
@@ -283,8 +318,8 @@ STEPS = 1000
 OUTPUTS = ("left.y", "left.vy", "left.ay", "drive.torque")
 
 
-def run(fmu: Path, platform: str) -> NDArray[np.float64]:
-    """Outputs (STEPS, outputs) of the library for ``platform`` in the first 10 s of the 120 m winding."""
+def run(fmu: Path, platform: str, commands: Callable[[ElementTree.Element], str]) -> NDArray[np.float64]:
+    """What the library for ``platform`` prints in a run by the ``commands``, of STEPS steps."""
     with tempfile.TemporaryDirectory() as name, zipfile.ZipFile(fmu) as archive:
         folder, target = Path(name), PLATFORMS[platform]
         described = ElementTree.fromstring(archive.read("modelDescription.xml"))
@@ -294,7 +329,7 @@ def run(fmu: Path, platform: str) -> NDArray[np.float64]:
         command = [*RUNNERS[platform], _compile(folder, platform), f"./{library.name}", described.get("guid")]
         # wine keeps its settings in the folder as well
         where = {**os.environ, "WINEPREFIX": str(folder / "wine"), "WINEDEBUG": "-all"}
-        options = {"input": script(described), "capture_output": True, "text": True, "check": False}
+        options = {"input": commands(described), "capture_output": True, "text": True, "check": False}
         done = subprocess.run(list(map(str, command)), cwd=folder, env=where, **options)
     assert done.returncode == 0, done.stderr[-500:]
     return np.array([float.fromhex(line) for line in done.stdout.split()]).reshape(STEPS, -1)
@@ -309,6 +344,27 @@ def script(described: ElementTree.Element) -> str:
     return "\n".join(lines) + "\n"
 
 
+ROPE_OUTPUTS = ("left.fy", "right.fy", "left.mz", "loop.yaw")
+
+
+def rope_script(described: ElementTree.Element) -> str:
+    """Commands for foreign_host: the left end of the rope rises by 10 m in 10 s, smoothly, the right one sinks."""
+    references = {str(v.get("name")): v.get("valueReference") for v in described.iter("ScalarVariable")}
+    lines = [f"b {references['inputs_at_step_end']} 1", "i"]
+    for k in range(STEPS):
+        s, duration, way = (k + 1) / STEPS, STEPS * H, 10.0
+        motion = {
+            "y": way * s**3 * (10.0 - 15.0 * s + 6.0 * s**2),
+            "vy": way / duration * 30.0 * s**2 * (1.0 - s) ** 2,
+            "ay": way / duration**2 * 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s),
+        }
+        for name, value in motion.items():
+            lines.append(f"r {references[f'left.{name}']} {value!r}")
+            lines.append(f"r {references[f'right.{name}']} {90.0 * (name == 'y') - value!r}")
+        lines += [f"s {k * H!r} {H!r}", *(f"g {references[name]}" for name in ROPE_OUTPUTS)]
+    return "\n".join(lines) + "\n"
+
+
 def _compile(folder: Path, platform: str) -> Path:
     host = folder / ("host.exe" if platform.endswith("windows") else "host")
     compiler = [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[platform].target, "-std=c99", "-O1"]
@@ -318,14 +374,56 @@ def _compile(folder: Path, platform: str) -> Path:
     return host
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("platform", ["aarch64-linux", "x86_64-windows"])
-def test_library_in_the_emulator_gives_the_values_of_this_platform(platform: str, tmp_path: Path) -> None:
+def require_emulator(platform: str) -> None:
     if importlib.util.find_spec("ziglang") is None:
         pytest.skip("ziglang is not installed: pip install ziglang")
     if shutil.which(RUNNERS[platform][0]) is None:
         pytest.skip(f"no emulator for {platform}: apt-get install qemu-user-static libc6-arm64-cross, or wine")
+
+
+def exported_by_dll(dll: bytes) -> set[str]:
+    """Names in the export table of a 64 bit Windows library (PE32+)."""
+    pe = struct.unpack_from("<I", dll, 0x3C)[0]
+    sections, optional = struct.unpack_from("<H", dll, pe + 6)[0], struct.unpack_from("<H", dll, pe + 20)[0]
+
+    def place(address: int) -> int:
+        for k in range(sections):
+            size, begin, _, at = struct.unpack_from("<4I", dll, pe + 24 + optional + 40 * k + 8)
+            if begin <= address < begin + max(size, 1):
+                return int(address - begin + at)
+        raise AssertionError("an address outside of all sections")
+
+    table = place(struct.unpack_from("<I", dll, pe + 24 + 112)[0])
+    count, _, names = struct.unpack_from("<3I", dll, table + 24)
+    addresses = struct.unpack_from(f"<{count}I", dll, place(names))
+    return {dll[place(x) : dll.index(b"\0", place(x))].decode() for x in addresses}
+
+
+@pytest.mark.slow
+def test_dll_of_the_drive_exports_the_functions_of_fmi_alone(tmp_path: Path) -> None:
+    if importlib.util.find_spec("ziglang") is None:
+        pytest.skip("ziglang is not installed: pip install ziglang")
+    with zipfile.ZipFile(export_drive(tmp_path / "drive.fmu", ("x86_64-windows",))) as archive:
+        names = exported_by_dll(archive.read("binaries/win64/HoistDrive.dll"))
+    assert len(names) > 30
+    assert [name for name in names if not name.startswith("fmi2")] == []
+
+
+@pytest.mark.slow
+def test_dll_of_the_rope_gives_under_wine_what_linux_gives(tmp_path: Path) -> None:
+    require_emulator("x86_64-windows")
+    here, windows = host_platform(), "x86_64-windows"
+    rope = export_native(tmp_path / "rope.fmu", platforms=(here, windows))
+    expected, found = run(rope, here, rope_script), run(rope, windows, rope_script)
+    # another C library rounds its functions otherwise, and steps to tolerances amplify that
+    assert_allclose(found, expected, rtol=0, atol=1e-8 * np.abs(expected).max(axis=0))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("platform", ["aarch64-linux", "x86_64-windows"])
+def test_library_in_the_emulator_gives_the_values_of_this_platform(platform: str, tmp_path: Path) -> None:
+    require_emulator(platform)
     drive = export_drive(tmp_path / "drive.fmu", (host_platform(), platform))
-    expected, found = run(drive, host_platform()), run(drive, platform)
+    expected, found = run(drive, host_platform(), script), run(drive, platform, script)
     # only tanh may round otherwise, in another C library
     assert_allclose(found, expected, rtol=0, atol=1e-14 * np.maximum(np.abs(expected).max(axis=0), 1e-12))

@@ -2,10 +2,20 @@
 
 import ctypes
 import math
+import shutil
+import subprocess
+import sys
+from pathlib import Path
 from typing import Any
 
 import pytest
+from conftest import Unpacked
+from fmpy.fmi2 import defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from native_host import ERROR, OK, H, Host
+
+from fmu_src.native.export import HEADERS
+
+NATIVE = HEADERS.parent
 
 
 def test_a_read_that_fails_is_said_once(host: Host) -> None:
@@ -167,3 +177,125 @@ def test_state_keeps_the_mode(host: Host) -> None:
     assert host.step(0.0) == ""
     for state in (before, running):
         host.forget(state)
+
+
+def test_tolerance_that_is_not_the_models_own_is_told_in_the_log(host: Host) -> None:
+    """The model's accuracy is a parameter; a host's tolerance, whatever it means there, does not change it."""
+    (own,) = host.get("accuracy.end_force")
+    for tolerance, told in ((own, False), (0.1 * own, True)):
+        before = len(host.log)
+        numbers = ctypes.c_double(tolerance), ctypes.c_double(0.0)
+        stop = 0, ctypes.c_double(0.0)
+        if host.fmi == 2:
+            assert host.call("SetupExperiment", 1, *numbers, *stop) == OK
+            assert host.call("EnterInitializationMode") == OK
+        else:
+            assert host.call("EnterInitializationMode", True, *numbers, *stop) == OK
+        said = [message for _, message in host.log[before:] if "tolerance" in message]
+        assert bool(said) == told
+        assert all(f"is not used: accuracy.end_force = {own:g}" in message for message in said)
+        host.call("Reset")
+
+
+def test_times_that_lose_digits_are_warned_of_once(host: Host) -> None:
+    """Numbers near 1.7e9 s, seconds of a calendar, are 2e-7 s apart."""
+    for start, told in ((0.0, 0), (4e6, 0), (1.7e9, 1)):
+        host.call("Reset")
+        before = len(host.log)
+        numbers = ctypes.c_double(0.0), ctypes.c_double(start), 0, ctypes.c_double(0.0)
+        if host.fmi == 2:
+            assert host.call("SetupExperiment", 0, *numbers) == OK
+        assert host.call("EnterInitializationMode", *((False, *numbers) if host.fmi == 3 else ())) == OK
+        assert host.call("ExitInitializationMode") == OK
+        for k in range(3):
+            assert host.step(start + k * H) == ""
+        said = [(status, message) for status, message in host.log[before:] if "lose digits" in message]
+        assert len(said) == told
+        assert all(status == 1 and "up to 4.5e+06 s" in message for status, message in said)
+    host.call("Reset")
+
+
+def test_accelerations_follow_where_only_first_derivatives_are_given(host: Host) -> None:
+    """The cubic through places and speeds of two steps has the acceleration of a motion of third degree."""
+    if host.fmi == 3:
+        pytest.skip("FMI 3.0 has no input derivatives")
+    host.start(inputs_at_step_end=0)
+    y = ctypes.c_uint(host.variables["right.y"].valueReference)
+    for k in range(4):
+        t = k * H
+        host.set(**{"right.y": 90.0 - t**3})
+        speed = ctypes.byref(ctypes.c_double(-3.0 * t**2))
+        arguments = ctypes.byref(y), ctypes.c_size_t(1), ctypes.byref(ctypes.c_int(1)), speed
+        assert host.call("SetRealInputDerivatives", *arguments) == OK
+        if k == 2:
+            data = host.write(state := host.state())
+            host.forget(state)
+        assert host.step(t) == ""
+        # differences of places of 90 m, rounded to 1e-14 m, over H^2
+        assert host.get("right.ay") == [pytest.approx(-6.0 * t if k else 0.0, abs=1e-8)]
+    host.go_on_from(data)
+    assert host.step(2 * H) == ""
+    assert host.get("right.ay") == [pytest.approx(-12.0 * H, abs=1e-8)]
+    host.set(**{"right.ay": -0.5})  # which the host gives itself
+    assert host.step(3 * H) == ""
+    assert host.get("right.ay") == [-0.5]
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
+def test_builds_that_take_no_notice_of_nan_are_refused() -> None:
+    path = NATIVE / "model.h"
+    for flags, words in (([], ""), (["-ffast-math"], "compile without -Ofast"), (["-ffinite-math-only"], "NaN")):
+        command = ["cc", "-std=c99", "-fsyntax-only", *flags, "-x", "c", str(path)]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert (done.returncode != 0) == bool(words)
+        assert words in done.stderr
+
+
+COMMA = """\
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+/* snprintf in a locale whose decimal separator has two bytes */
+int with_comma(char *to, size_t size, const char *format, ...) {
+    va_list arguments;
+    char text[2000], *point;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    if (strchr(format, 'g') && (point = strchr(text, '.')))
+        return snprintf(to, size, "%.*s\\xd9\\xab%s", (int)(point - text), text, point + 1);
+    return snprintf(to, size, "%s", text);
+}
+"""
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux") or shutil.which("cc") is None, reason="needs cc on Linux")
+def test_messages_have_a_decimal_point_in_every_locale_and_names_whole_characters(
+    unpacked: Unpacked, tmp_path: Path
+) -> None:
+    fmu, folder = unpacked("stand-in-2")
+    shutil.copytree(folder, tmp_path / "fmu")
+    binary = next((tmp_path / "fmu" / "binaries").rglob("*.so"))
+    (tmp_path / "comma.c").write_text(COMMA)
+    files = [str(path) for path in sorted((tmp_path / "fmu" / "sources").glob("*.c"))]
+    options = ["-std=gnu99", "-O0", "-fPIC", "-w", f"-I{HEADERS}", "-DFMI2_OVERRIDE_FUNCTION_PREFIX"]
+    objects = str(tmp_path / "comma.o")
+    subprocess.run(["cc", *options, "-c", str(tmp_path / "comma.c"), "-o", objects], check=True)
+    command = ["cc", *options, "-Dsnprintf=with_comma", "-shared", "-o", str(binary), *files, objects, "-lm"]
+    subprocess.run(command, check=True)
+    host = Host(fmu, str(tmp_path / "fmu"))
+    host.start()
+    assert "t = 7.5 s" in host.step(7.5)
+    assert host.said[-1].isascii()
+    host.free()
+    names: list[bytes] = []
+    heard = fmi2CallbackLoggerTYPE(lambda _, name, *told: names.append(name))
+    callbacks = fmi2CallbackFunctions()
+    callbacks.logger, callbacks.allocateMemory = heard, defaultCallbacks.allocateMemory
+    callbacks.freeMemory = defaultCallbacks.freeMemory
+    token = host.description.guid.encode()
+    instance = host.dll.fmi2Instantiate(("x" + "ü" * 100).encode(), 1, token, b"", ctypes.byref(callbacks), 0, 1)
+    assert host.dll.fmi2DoStep(ctypes.c_void_p(instance), ctypes.c_double(0.0), ctypes.c_double(1.0), 0) == ERROR
+    host.dll.fmi2FreeInstance(ctypes.c_void_p(instance))
+    assert names == [("x" + "ü" * 63).encode()]

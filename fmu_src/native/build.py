@@ -84,6 +84,11 @@ def open_library(sources: Mapping[str, str], identifier: str, name: str) -> Path
 
 
 def _build(sources: Mapping[str, str], identifier: str, name: str, version: str, *more: str) -> Path:
+    if name in prebuilt_platforms(_PACKAGE) and name not in _compilable():
+        raise ValueError(
+            f"the package has no compiled {identifier} for {name!r} of this structure (drives: up to 4 head rope "
+            f"modes), and nothing here compiles it. {CURE}"
+        )
     if name not in PLATFORMS or name not in _compilable():
         could = ", ".join(available_platforms()) or "none, without a C compiler"
         raise ValueError(f"the platform {name!r} cannot be built here; can be: {could}. {CURE}")
