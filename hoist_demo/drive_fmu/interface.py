@@ -10,7 +10,7 @@ their number, and a hoist's FMU describes those that it has, a rope's by the rop
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -51,7 +51,7 @@ _DRIVE = {
 #: OUTPUTS that the compiled drive computes, in the order of its table but for the ropes' places
 PLANT = (*MOTIONS.values(), *(f"yaw_acceleration_{side}" for side in SIDES), *_DRIVE)
 #: name, kind and description of an output of the shell
-_STATUS = (
+_STATUS: tuple[tuple[str, Literal["Boolean", "String"], str], ...] = (
     ("valid", "Boolean", "whether the last step succeeded"),
     ("message", "String", "cause and cure of a failure; else empty"),
     ("warning", "String", "warnings about valid results; else empty"),

@@ -46,7 +46,7 @@ class SuspensionOffset:
 
 
 def motion_at(
-    offset: tuple[float, float], centre: Sequence[Any], yaw: Any, yaw_rate: Any, yaw_acceleration: Any
+    offset: tuple[Any, Any], centre: Sequence[Any], yaw: Any, yaw_rate: Any, yaw_acceleration: Any
 ) -> tuple[Any, ...]:
     """Return MOVED of a conveyance's point, from its nominal place; ``centre`` is MOVED of the conveyance's centre."""
     cx, cz, cvx, cvz, cax, caz = centre
@@ -61,14 +61,14 @@ def motion_at(
     )
 
 
-def moment_at(offset: tuple[float, float], yaw: Any, force: Sequence[Any]) -> tuple[Any, Any, Any]:
+def moment_at(offset: tuple[Any, Any], yaw: Any, force: Sequence[Any]) -> tuple[Any, Any, Any]:
     """Return the moment of a force at a point of a conveyance, about its centre, p' x f."""
     x, z = _turned(offset, yaw)
     fx, fy, fz = force
     return -z * fy, z * fx - x * fz, x * fy
 
 
-def _turned(offset: tuple[float, float], yaw: Any) -> tuple[Any, Any]:
+def _turned(offset: tuple[Any, Any], yaw: Any) -> tuple[Any, Any]:
     """x and z of a point of the conveyance, from its centre, where it is turned about Y."""
     x, z = offset
     return x * cos(yaw) + z * sin(yaw), z * cos(yaw) - x * sin(yaw)
