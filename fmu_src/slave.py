@@ -78,7 +78,13 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         build = self._build
         tolerance = next(float(v.start or 0.0) for v in self._table if v.name == "accuracy.end_force")
         facts = Build(
-            *(build[name] for name in ("guid", "version", "tool", "date", "stop")), tolerance, derivatives=False
+            token=build["guid"],
+            version=build["version"],
+            tool=build["tool"],
+            date=build["date"],
+            stop=build["stop"],
+            tolerance=tolerance,
+            derivatives=False,
         )
         return model_description(of_python(Profile(tuple(build["outputs"])).select(self._table)), facts)
 

@@ -10,7 +10,7 @@ import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 INTERRUPTED = 130  #: Exit code of every command that an interrupt (Ctrl-C) has stopped: 128 + SIGINT.
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
@@ -63,7 +63,7 @@ def named(text: str) -> Path:
 class _Output(io.FileIO):
     """Output that goes nowhere once its reader is gone, as in `| head`: the command goes on to its exit code."""
 
-    def write(self, text: bytes | bytearray | memoryview) -> int:  # type: ignore[override]  # typeshed takes any buffer
+    def write(self, text: Any) -> int:
         try:
             return super().write(text)
         except BrokenPipeError:

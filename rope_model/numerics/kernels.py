@@ -357,7 +357,7 @@ def load_portable(path: Path) -> list[ca.Function]:
         return [file.unpack() for _ in range(file.unpack())]
     except RuntimeError as error:  # an older CasADi refuses the file of a newer one
         cause = str(error).strip().splitlines()[-1]
-        log.warning("kernels: CasADi %s cannot read %s, they are built anew (%s)", ca.__version__, path, cause)
+        log.warning("kernels: CasADi %s cannot read %s, they are built anew (%s)", ca.CasadiMeta.version(), path, cause)
         return []
 
 
