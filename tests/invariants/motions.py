@@ -174,10 +174,10 @@ def draw_motion(seed: int, number: int, drawn: Drawn, without: frozenset[str]) -
             name = f"{side}.swivel.attachment"
             leans = {axis: (draws.evenly(-0.3, 0.3), draws.evenly(-0.05, 0.05)) for axis in ("lean", "lean_z")}
             if drawn.values.get(name) == drawn.code(name, "clamped"):
-                in_plane = choices_of("model.fidelity")[code] in ("planar", "rigid")
+                model = choices_of("model.fidelity")[code]
                 names.append(f"{side} lean")
                 for axis, (at, by) in leans.items():
-                    if axis == "lean_z" and in_plane:
-                        continue
+                    if model == "rigid" or (axis == "lean_z" and model == "planar"):
+                        continue  # it cannot follow them
                     end[axis] = _move(at, by, 0.3 * duration, 1.0)
     return names, Motion(ends)
