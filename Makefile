@@ -12,10 +12,13 @@ SAID_native := the rope runs in C
 READY := $(VENV)/.ready
 DEV := $(VENV)/.dev
 # one process per core, each with one thread; idle ones take over tests; imported modules are compiled to bytecode once
-PYTEST := OMP_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n logical --dist worksteal
+TESTS := -m pytest -n logical --dist worksteal
+PYTEST := OMP_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE= $(BIN)/python $(TESTS)
+# an environment with the lowest versions that pyproject.toml allows and this Python has
+LOWEST ?= build/lowest
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m evidence --measure
 
-.PHONY: help demo test test-slow lint docs evidence reproduce accuracy promise stability validate contact signals motion bench csources wheels release clean
+.PHONY: help demo test test-slow test-lowest hunt lint docs evidence reproduce accuracy promise stability validate contact signals motion bench csources wheels release clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1: \2/p' $(MAKEFILE_LIST) | awk -F ': ' '{ printf "%-12s %s\n", $$1, $$2 }'
@@ -31,6 +34,22 @@ test: $(READY)  ## run the tests, on all cores
 
 test-slow: $(READY)  ## run the tests that are marked slow
 	$(PYTEST) -m slow
+
+# seed of the scenes, minutes for which they are drawn, or one case, one relation of it, and features that it goes without
+MINUTES ?= 60
+HUNT = --seed $(SEED) --minutes $(MINUTES) $(if $(CASE),--case $(CASE)) $(if $(RELATION),--relation $(RELATION))
+hunt: $(READY)  ## try relations that must hold on random scenes, as make hunt SEED=7 MINUTES=60
+	$(if $(SEED),,$(error SEED must be a number: make hunt SEED=7))
+	OMP_NUM_THREADS=1 PYTHONPATH=.:tests $(BIN)/python -m invariants $(HUNT) $(if $(WITHOUT),--without "$(WITHOUT)") $(if $(LOG),--log)
+
+test-lowest:  ## run the tests with the lowest versions of the packages that pyproject.toml allows
+	$(PYTHON) -m venv --clear $(LOWEST)
+	$(LOWEST)/bin/python -m pip install --quiet uv
+	$(LOWEST)/bin/uv pip compile --quiet --resolution lowest-direct --only-binary :all: --extra test \
+		--python $(LOWEST)/bin/python --output-file $(LOWEST)/requirements.txt pyproject.toml
+	$(LOWEST)/bin/python -m pip install --quiet --no-compile -r $(LOWEST)/requirements.txt
+	$(LOWEST)/bin/python -m pip install --quiet --no-deps -e .
+	OMP_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE= $(LOWEST)/bin/python $(TESTS)
 
 lint: $(DEV)  ## run ruff, clang-format, mypy, codespell and proselint
 	$(BIN)/ruff check .

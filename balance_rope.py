@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import argparse
 import logging
-import os
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from shutil import copyfile
 from typing import TYPE_CHECKING, Any, get_args
 
 try:  # Ctrl-C during the slow imports must not print a traceback
+    from fmu_src.model_description import MODEL
     from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, missing_platforms
     from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
     from fmu_src.ssp import Datum, Version
@@ -26,7 +25,13 @@ try:  # Ctrl-C during the slow imports must not print a traceback
     from hoist_demo.command_line.linear import add_linear
     from hoist_demo.command_line.options import settings
     from hoist_demo.command_line.study import add_study
-    from hoist_demo.command_line.support import named, results_folder, treat_hangup_as_interrupt
+    from hoist_demo.command_line.support import (
+        INTERRUPTED,
+        named,
+        outlive_readers,
+        results_folder,
+        treat_hangup_as_interrupt,
+    )
     from hoist_demo.command_line.uncertain import add_uncertain
     from hoist_demo.command_line.wind import add_wind
     from hoist_demo.files.reading import read
@@ -36,6 +41,7 @@ try:  # Ctrl-C during the slow imports must not print a traceback
     from hoist_export import WITHOUT, export_hoist, export_rope
     from rope_model import __version__
     from rope_model.cases import LEVELS
+    from rope_model.files import WriteError, write_bytes
 
     if TYPE_CHECKING:
         from hoist_demo.control.trajectory import Trajectory
@@ -75,6 +81,7 @@ first steps:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point; returns the exit code."""
+    outlive_readers()
     raw = argparse.RawDescriptionHelpFormatter
     parser = argparse.ArgumentParser("balance-rope", description=DESCRIPTION, epilog=EPILOG, formatter_class=raw)
     parser.add_argument("--version", action="version", version=f"balance-rope {__version__}")
@@ -101,12 +108,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         code: int = options.run(options)
         sys.stdout.flush()
         return code
-    except BrokenPipeError:  # the reader closed the pipe, e.g. `| head`
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
     except KeyboardInterrupt:
         print("balance-rope: interrupted", file=sys.stderr)
-        return 130
+        return INTERRUPTED
+    except WriteError as error:  # what was computed is not all kept: no wrong arguments
+        print(f"balance-rope: {error}", file=sys.stderr)
+        return 1
     except (ValueError, RuntimeError, OSError) as error:
         print(f"balance-rope: {error}", file=sys.stderr)
         return 2
@@ -148,8 +155,8 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         action="append",
         default=[],
         metavar="NAME=VALUE",
-        help="start value of a parameter by its name in docs/reference/variables.md, in SI units; may be repeated, and "
-        "overrides HOIST and --rope",
+        help="start value of a parameter by its name in docs/reference/variables.md, in SI units; with --ssp also of "
+        "the drive, as hoist.payload_left; may be repeated, and overrides HOIST and --rope",
     )
     export.add_argument(
         "--level", choices=tuple(LEVELS), help="accuracy against speed, see docs/howto/accuracy.md (that of the hoist)"
@@ -165,6 +172,13 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
     )
     export.add_argument(
         "--scalar", action="store_true", help="FMI 3.0 without arrays: each element a variable, for tools without them"
+    )
+    export.add_argument(
+        "--model-identifier",
+        default=MODEL,
+        metavar="NAME",
+        help="model identifier of a native FMU: C functions of its sources and its libraries begin with it, and FMUs "
+        "that are linked into one program must differ in it (%(default)s)",
     )
     export.add_argument(
         "--ssp", action="store_true", help="also hoist drive and rope as one system, an .ssp beside the .fmu"
@@ -192,10 +206,16 @@ def _export(options: argparse.Namespace) -> int:
         raise ValueError("--scalar is for FMI 3.0, and FMI 2.0 has no arrays: add --native --fmi 3")
     if options.without and not options.ssp:
         raise ValueError(f"--without {options.without[0]} is for systems: add --ssp")
+    if options.model_identifier != MODEL and (options.ssp or ("Python", 2) in wanted):
+        raise ValueError(
+            f"--model-identifier {options.model_identifier} is for one native FMU: add --native, and leave out "
+            "--python and --ssp, whose FMUs have identifiers of their own"
+        )
     if options.out is not None and options.out.suffix.lower() == ".ssp" and not options.ssp:
         raise ValueError(f"--out {options.out} is a system: add --ssp, or give {options.out.with_suffix('.fmu')}")
     paths = _paths(options.out, options.hoist, wanted)
-    case, ropes, trajectory = _hoist(options)
+    own = _set_values(find_case(options.hoist), options)
+    case, ropes, trajectory = _hoist(options, own)
     level = options.level or case.level
     groups = ALL if "all" in options.outputs else tuple(options.outputs)
     profile = Profile(groups, arrays=not options.scalar)
@@ -207,12 +227,12 @@ def _export(options: argparse.Namespace) -> int:
             ssp = path.with_suffix(".ssp")
             with tempfile.TemporaryDirectory() as folder:
                 more: dict[str, Any] = {"without": options.without, "trajectory": trajectory}
-                more |= {"version": options.ssp_version, "data": _data(case, options.hoist)}
-                copyfile(export_hoist(Path(folder), case, ropes, *made, **more).system, ssp)
+                more |= {"version": options.ssp_version, "data": _data(case, options.hoist, own)}
+                write_bytes(ssp, export_hoist(Path(folder), case, ropes, *made, **more).system.read_bytes())
             what = f"{len(ropes)} {flavour} ropes, native drive" if ropes else f"{flavour} rope, native drive"
             rows.append((str(ssp), what, f"{fmi}.0", "", _size(ssp)))
         if not ropes:
-            export_rope(path, case, case.rope, *made)
+            export_rope(path, case, case.rope, *made, options.model_identifier)
             rows.append((str(path), flavour, f"{fmi}.0", ", ".join(platforms), _size(path)))
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
@@ -222,31 +242,47 @@ def _export(options: argparse.Namespace) -> int:
     return 0
 
 
-def _data(case: Case, name: str) -> list[Datum]:
-    """Return the hoist's data with their statuses."""
+def _data(case: Case, name: str, own: Mapping[str, Any]) -> list[Datum]:
+    """Return the hoist's data with their statuses; `own` values are set beside its file."""
     from hoist_demo.report.hoist import hoist_provenance
     from hoist_demo.study.provenance import SETTING
 
-    return [Datum(*one) for one in hoist_provenance(case, name) if one.status != SETTING]
+    return [Datum(*one) for one in hoist_provenance(case, name, own) if one.status != SETTING]
 
 
 def _size(path: Path) -> str:
     return f"{path.stat().st_size / 1e6:.2f} MB"
 
 
-def _with_rope(case: Case, path: Path | None, texts: Sequence[str]) -> Case:
-    """Return the case with the rope parameters of --rope and --set."""
+#: Sections of a hoist's file that neither drive nor rope of a system takes.
+_OF_HOSTS = ("coupling.", "arrival.")
+
+
+def _set_values(case: Case, options: argparse.Namespace) -> dict[str, Any]:
+    """Return the values of --rope and --set; those of the hoist change the drive of a system."""
+    path, texts = options.rope, options.set
     if path is None and not texts:
-        return case
+        return {}
+    set_here = settings(texts, parameters())
+    of_host = [key for key in set_here if key not in rope_parameters()]
+    for key in of_host:
+        if not options.ssp:
+            raise ValueError(f"--set {key}: the FMU has the rope alone: add --ssp, which exports the drive, too")
+        if key.startswith(_OF_HOSTS):
+            raise ValueError(f"--set {key}: a system leaves this to its master: give it to wind, or to a study")
+    if case.distinct_ropes:
+        if path is not None or len(of_host) < len(set_here):
+            raise ValueError(
+                f"--rope and --set of a rope's value are for one rope: give them to a [[rope]] of {options.hoist}"
+            )
+        return set_here
     from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 
     identified = {} if path is None else read(path, RopeFile).values()
-    own: dict[str, Any] = {**identified, **settings(texts, parameters())}
-    if others := sorted(own.keys() - rope_parameters().keys()):
-        raise ValueError(f"--set {others[0]}: the FMU has the rope alone: give it to wind, or to a study or a duty")
+    own: dict[str, Any] = {**identified, **set_here}
     # report errors of the rope in its own names, not in the hoist's
-    rope_scene({**case.rope, **plain(identified), **settings(texts, parameters())})
-    return with_values(case, own)
+    rope_scene({**case.rope, **{key: value for key, value in plain(own).items() if key in rope_parameters()}})
+    return own
 
 
 def _paths(out: Path | None, hoist: str, wanted: Sequence[tuple[str, int]]) -> list[Path]:
@@ -267,22 +303,18 @@ def _paths(out: Path | None, hoist: str, wanted: Sequence[tuple[str, int]]) -> l
     return paths
 
 
-def _hoist(options: argparse.Namespace) -> tuple[Case, tuple[OneRope, ...], Trajectory | None]:
+def _hoist(options: argparse.Namespace, own: Mapping[str, Any]) -> tuple[Case, tuple[OneRope, ...], Trajectory | None]:
     """Return the hoist to export, its ropes where it has several, and the trip of a controller that makes its own."""
-    case = find_case(options.hoist)
+    case = with_values(find_case(options.hoist), own)
     for remark in case.remarks:
         print(f"balance-rope: {remark}", file=sys.stderr)
-    if case.distinct_ropes and (options.rope or options.set):
-        raise ValueError(f"--rope and --set are for one rope: give their values to a [[rope]] of {options.hoist}")
     if case.distinct_ropes and not options.ssp:
         raise ValueError(f"{options.hoist} has several ropes, and an FMU has one: add --ssp")
     # slow imports
     from hoist_demo.ropes.definition import ropes_of
     from hoist_demo.study.run import build, from_landing
 
-    run, trajectory = from_landing(build(options.hoist, {})), None
-    if not case.distinct_ropes:
-        case = _with_rope(case, options.rope, options.set)
+    run, trajectory = from_landing(build(options.hoist, own)), None
     if options.ssp and run.controller != CONTROLLER.start:
         followed = replace(run, winding=replace(run.winding, start_delay=0.0)).design()
         case, trajectory = replace(case, gains=followed.gains), followed.trajectory

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from fmu_src.export import export_fmu
+from fmu_src.model_description import MODEL
 from fmu_src.native.export import export_model, export_native
 from fmu_src.profile import Profile
 from fmu_src.ssp import Component, Datum, Version, export_ssp
@@ -55,16 +57,20 @@ def export_rope(
     level: Level = "standard",
     platforms: Sequence[str] | None = None,
     profile: Profile | None = None,
+    identifier: str = MODEL,
 ) -> Path:
     """Write the FMU of a rope of the hoist of ``case``, which starts where its conveyances wait.
 
-    ``parameters`` are the rope's by FMI name; the rest is the level's. ``flavour`` is "native" or "Python".
+    ``parameters`` are the rope's by FMI name; the rest is the level's. ``flavour`` is "native" or "Python"; the latter
+    has one model identifier.
     """
     left, right = start_heights(case.hoist, case.winding)
     start = {**parameters, "left.y": left, "right.y": right}
     shown = replace(profile or Profile(), stop=duration(case.winding))
     if flavour == "native":
-        return export_native(destination, level=level, fmi=fmi, platforms=platforms, start=start, profile=shown)
+        return export_native(
+            destination, level=level, fmi=fmi, platforms=platforms, start=start, profile=shown, identifier=identifier
+        )
     return export_fmu(destination, level=level, start=start, profile=shown, platforms=platforms)
 
 
@@ -101,7 +107,7 @@ def export_hoist(
     trajectory
         The trip asked for, without the wait before it; None: the winding's S-curve.
     step
-        Communication step of the system [s], at most MAX_STEP; the controller samples at each. None: LIGHT_STEP, or
+        Communication step of the system and sample time of its controller [s], at most MAX_STEP. None: LIGHT_STEP, or
         HEAVY_STEP where the balance ropes weigh more than HEAVY_ROPE_RATIO of the lighter conveyance.
     version
         Of SSP.
@@ -120,15 +126,17 @@ def export_hoist(
     case = leave_out(case, without)
     Problems([*obstacles(case), *_obstacles(case, ropes, without)]).refuse()
     drive_ropes = [DriveRope(r.name, r.scene.rope.mass_per_length, r.scene.rope.length, r.suspension) for r in ropes]
-    drive = drive_model(case, drive_ropes, trajectory)
+    pace = step_of(case) if step is None else step
+    drive = drive_model(case, drive_ropes, trajectory, period=pace)
     fmus = {DRIVE: export_model(folder / f"{DRIVE}.fmu", platforms, fmi, **vars(drive))}
     for rope, parameters in _parameters(case, ropes).items():
         path = folder / f"{rope}.fmu"
-        fmus[rope] = export_rope(path, case, parameters, flavour, fmi, level, platforms, profile)
+        # several ropes can be linked into one program
+        identifier = re.sub(r"\W", "_", f"{MODEL}_{rope}", flags=re.ASCII) if ropes else MODEL
+        fmus[rope] = export_rope(path, case, parameters, flavour, fmi, level, platforms, profile, identifier)
     # drive and ropes step at the same time: the ropes extrapolate the motion
     components = [Component(one, path, {} if one == DRIVE else _TOGETHER) for one, path in fmus.items()]
     system = folder / f"{name}.ssp"
-    pace = step_of(case) if step is None else step
     export_ssp(system, "FrictionHoist", components, drive.duration, pace, drive.description, version, data)
     return HoistFiles(system, fmus)
 

@@ -40,6 +40,9 @@ class StaticBoundary:
     def load(self, nodes: int) -> Array:
         return np.zeros_like(self.values)
 
+    def slanted_friction(self, q: Array, reaction: Array) -> None:
+        return None
+
     def friction_load(self, nodes: int) -> Array:
         return np.zeros_like(self.values)
 

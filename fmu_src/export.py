@@ -1,17 +1,16 @@
 """Export of the FMU of the Python flavour, as ``balance-rope export`` does.
 
 pythonfmu's builder makes the FMU: it gets the model description from the class in slave.py and packs the resources,
-which are copies of rope_model and fmu_src, and the kernels for the start values: interpreted for every platform,
-compiled for the exporting one.  Its library is replaced, because it answers all calls but doStep with OK even if they
-fail, and cannot do otherwise.  Ours is the native flavour's, with Python behind it (native/python_model.c).  The
-importing host needs Python with numpy and casadi.
+which are copies of what slave.py imports of rope_model and fmu_src (own_modules.py), and the kernels for the start
+values: interpreted for every platform, compiled for the exporting one.  Its library is replaced, because it answers all
+calls but doStep with OK even if they fail, and cannot do otherwise.  Ours is the native flavour's, with Python behind
+it (native/python_model.c).  The importing host needs Python with numpy and casadi, and nothing else.
 """
 
 import hashlib
 import importlib.metadata
 import json
 import os
-import re
 import sys
 import tempfile
 import time
@@ -21,6 +20,7 @@ from pathlib import Path
 
 from pythonfmu.builder import FmuBuilder
 
+from fmu_src import own_modules
 from fmu_src.archive import read_archive, write_archive
 from fmu_src.attachments import attachments
 from fmu_src.interface import NO_CHANGES, Variable, case_with, variables
@@ -29,7 +29,8 @@ from fmu_src.native.build import choose_platforms
 from fmu_src.native.export import shell
 from fmu_src.native.start import Start, binaries_with
 from fmu_src.native.table import c_table, start_values
-from fmu_src.profile import Profile
+from fmu_src.own_modules import ROOT, import_from, modules_needed
+from fmu_src.profile import Profile, of_python
 from rope_model.cases import Level
 from rope_model.scene_names import Value
 from rope_model.simulation.ends.paths import EndMotion
@@ -37,11 +38,9 @@ from rope_model.simulation.mesh.partition import mesh_elements
 from rope_model.simulation.rope_kernels import write_bundle
 from rope_model.simulation.scene_kernels import kernels_needed
 
-_ROOT = Path(__file__).resolve().parent.parent
-SOURCES = ("rope_model", "fmu_src")
-#: files that the FMU does not need: parts of the export, and of the native flavour
-_LEFT_OUT = {"export.py", "archive.py", "attachments.py", "documentation.py", "reference_run.py"}
-_LEFT_OUT |= {"modal.py", "public.py", "engine.py", "native", "codegen"}
+_SLAVE = ROOT / "fmu_src" / "slave.py"
+#: package of the builder, which adds a copy of it to the FMU
+_BUILDER = "pythonfmu"
 
 
 def export_fmu(
@@ -66,21 +65,23 @@ def export_fmu(
         kernels = stage / "kernels"
         write_bundle(elements, kernels, kernels_needed(scene, (EndMotion(y=data.start), EndMotion(y=data.travel))))
         key = _build_key(f"{case} {level} {sorted(start.items())} {profile}", kernels, library_sources(table))
-        package, script = stage / f"balance_rope_{key}", stage / f"balance_rope_slave_{key}.py"
-        _copy_package(package)
-        slave = (_ROOT / "fmu_src" / "slave.py").read_text(encoding="utf-8")
-        slave = re.sub(r"(?m)^from (rope_model|fmu_src)", rf"from {package.name}.\1", slave)
-        script.write_text(slave, encoding="utf-8")
+        package = stage / f"balance_rope_{key}"
+        script = stage / f"balance_rope_slave_{key}.py"
+        _copy_modules(package)
+        script.write_text(import_from(package.name, _SLAVE.read_text(encoding="utf-8")), encoding="utf-8")
         facts = _build_facts(case, level, key)
         settings = {"start": dict(start), "outputs": profile.outputs, "stop": profile.stop}
         (stage / "build.json").write_text(json.dumps(facts | settings, indent=1), encoding="utf-8")
         draft = stage / "out" / "draft.fmu"
         draft.parent.mkdir()
         FmuBuilder.build_FMU(script, draft, [package, kernels, stage / "build.json"], documentation_folder=None)
-        sys.path.remove(str(stage))  # the builder leaves it there
+        _forget(stage, package.name, script.stem)
         files = {name: code for name, code in read_archive(draft).items() if not name.startswith("binaries/")}
+    files = _with_own_builder(files, package.name, f"resources/{script.name}")
     files |= binaries_with(Start(facts["guid"], start_values(table, 2)), library_sources(table), MODEL, 2, chosen)
-    write_archive(destination, files | attachments(profile.select(table).values(), data, fmi=2, native=False))
+    write_archive(
+        destination, files | attachments(of_python(profile.select(table)).values(), data, fmi=2, native=False)
+    )
     return destination
 
 
@@ -95,9 +96,8 @@ def _build_facts(case: str, level: Level, key: str) -> dict[str, str]:
         "case": case,
         "level": level,
         "guid": str(uuid.uuid5(uuid.NAMESPACE_OID, f"balance-rope {key}")),
-        "version": importlib.metadata.version("balance-rope"),
-        "tool": f"balance-rope {importlib.metadata.version('balance-rope')}, "
-        f"PythonFMU {importlib.metadata.version('pythonfmu')}",
+        "version": _version(),
+        "tool": f"balance-rope {_version()}, PythonFMU {importlib.metadata.version('pythonfmu')}",
         "date": time.strftime("%Y-%m-%dT%H:%M:%SZ", stamp),
     }
 
@@ -105,7 +105,7 @@ def _build_facts(case: str, level: Level, key: str) -> dict[str, str]:
 def _build_key(start_values: str, kernels: Path, library: Mapping[str, str]) -> str:
     """Return the hash of everything that determines the behaviour of the FMU."""
     digest = hashlib.sha256(start_values.encode())
-    for name in ("casadi", "numpy", "pythonfmu"):
+    for name in ("balance-rope", "casadi", "numpy", _BUILDER):
         digest.update(f"{name} {importlib.metadata.version(name)}\n".encode())
     for path in sorted([*_sources(), *kernels.iterdir()]):
         digest.update(path.name.encode() + path.read_bytes())
@@ -115,17 +115,35 @@ def _build_key(start_values: str, kernels: Path, library: Mapping[str, str]) -> 
 
 
 def _sources() -> list[Path]:
-    files = [path for package in SOURCES for path in sorted((_ROOT / package).rglob("*.py"))]
-    return [path for path in files if not _LEFT_OUT.intersection(path.relative_to(_ROOT).parts)]
+    """Return the files that determine the Python code of the FMU; this one and own_modules.py copy the others."""
+    return [*modules_needed(_SLAVE), _SLAVE, Path(__file__), Path(own_modules.__file__)]
 
 
-def _copy_package(package: Path) -> None:
-    """Copy rope_model and fmu_src as subpackages of ``package``, with their absolute imports made relative."""
-    for path in _sources():
-        copy = package / path.relative_to(_ROOT)
+def _version() -> str:
+    return importlib.metadata.version("balance-rope")
+
+
+def _copy_modules(package: Path) -> None:
+    """Copy what the slave imports into ``package``, which holds rope_model and fmu_src of this version."""
+    for path in modules_needed(_SLAVE):
+        copy = package / path.relative_to(ROOT)
         copy.parent.mkdir(parents=True, exist_ok=True)
-        text = path.read_text(encoding="utf-8")
-        if path.is_relative_to(_ROOT / "fmu_src"):
-            text = re.sub(r"(?m)^from rope_model", "from ..rope_model", text)
-        copy.write_text(text, encoding="utf-8")
+        copy.write_text(import_from(package.name, path.read_text(encoding="utf-8")), encoding="utf-8")
     (package / "__init__.py").write_text("", encoding="utf-8")
+    # the metadata where the FMU runs are those of another version, or there are none
+    version = f'"""Version of the project that exported this FMU."""\n\n__version__ = {_version()!r}\n'
+    (package / "rope_model" / "version.py").write_text(version, encoding="utf-8")
+
+
+def _forget(stage: Path, *modules: str) -> None:
+    """Remove what the builder leaves in this process: the folder on the path, and modules of files that go away."""
+    sys.path.remove(str(stage))
+    for name in [name for name in sys.modules if name.partition(".")[0] in modules]:
+        del sys.modules[name]
+
+
+def _with_own_builder(files: Mapping[str, bytes], package: str, script: str) -> dict[str, bytes]:
+    """Return the files of the FMU with the copy of pythonfmu in ``package``, from which the ``script`` imports it."""
+    shared, own = f"resources/{_BUILDER}/", f"resources/{package}/{_BUILDER}/"
+    moved = {own + name.removeprefix(shared) if name.startswith(shared) else name: files[name] for name in files}
+    return moved | {script: import_from(package, files[script].decode(), (_BUILDER,)).encode()}

@@ -49,9 +49,9 @@ class Build(NamedTuple):
 
     ``token`` is the GUID; ``date`` is UTC as in 2026-01-31T12:00:00Z, or empty; ``sources`` are the C files that make a
     native FMU, none for the Python flavour; ``stop`` is the default experiment's, ``tolerance`` that of the model's own
-    error control, where it has one. A model other than the rope gives its ``name`` and ``description``, and one without
-    directional derivatives says so; ``initial`` names the variables that some outputs follow during
-    initialisation; the others follow all.
+    error control, where it has one. A model other than the rope gives its ``name``, ``description`` and
+    ``identifier``, and one without directional derivatives or events says so; ``initial`` names the variables that
+    some outputs follow during initialisation; the others follow all.
     """
 
     token: str
@@ -64,7 +64,9 @@ class Build(NamedTuple):
     name: str = MODEL
     description: str = DESCRIPTION
     derivatives: bool = True
+    events: bool = True
     initial: Mapping[str, Sequence[str]] = ALL_FOLLOWED
+    identifier: str = MODEL
 
 
 def model_description(described: Mapping[int, Variable], build: Build) -> Element:
@@ -73,7 +75,7 @@ def model_description(described: Mapping[int, Variable], build: Build) -> Elemen
     interface = node(
         "CoSimulation",
         *([node("SourceFiles", *(node("File", name=name) for name in build.sources))] if build.sources else ()),
-        modelIdentifier=build.name,
+        modelIdentifier=build.identifier,
         needsExecutionTool=False,
         **dict.fromkeys(
             ("canHandleVariableCommunicationStepSize", "canGetAndSetFMUstate", "canSerializeFMUstate"), True
@@ -105,10 +107,8 @@ def model_description(described: Mapping[int, Variable], build: Build) -> Elemen
     return _document(build, {"fmiVersion": "2.0", "guid": build.token}, interface, units, types, listed, structure)
 
 
-_SUPPORTED3 = (
-    *("canGetAndSetFMUState", "canSerializeFMUState", "canHandleVariableCommunicationStepSize"),
-    *("mightReturnEarlyFromDoStep", "hasEventMode"),
-)
+_SUPPORTED3 = ("canGetAndSetFMUState", "canSerializeFMUState", "canHandleVariableCommunicationStepSize")
+_EVENTS3 = ("mightReturnEarlyFromDoStep", "hasEventMode")
 _UNSUPPORTED3 = (
     *("needsExecutionTool", "canBeInstantiatedOnlyOncePerProcess", "providesAdjointDerivatives"),
     *("providesPerElementDependencies", "providesIntermediateUpdate", "canReturnEarlyAfterIntermediateUpdate"),
@@ -120,9 +120,10 @@ def model_description3(gathered: Sequence[Array], time: int, build: Build) -> El
     """Return the root element of FMI 3.0; ``time`` is the value reference of the independent variable."""
     interface = node(
         "CoSimulation",
-        modelIdentifier=build.name,
+        modelIdentifier=build.identifier,
         maxOutputDerivativeOrder=0,
         **dict.fromkeys(_SUPPORTED3, True),
+        **dict.fromkeys(_EVENTS3, build.events),
         providesDirectionalDerivatives=build.derivatives,
         **dict.fromkeys(_UNSUPPORTED3, False),
     )
@@ -145,12 +146,23 @@ def model_description3(gathered: Sequence[Array], time: int, build: Build) -> El
 
 
 def build_description(build: Build, fmi: int) -> Element:
-    """Return sources/buildDescription.xml, which ``fmpy compile`` and other tools need."""
+    """Return sources/buildDescription.xml: how to build a shared library, which comes first, and a static one.
+
+    In a shared library the functions of FMI have their own names, in a static one the model identifier before them.
+    """
+    override = node("PreprocessorDefinition", name=f"FMI{fmi}_OVERRIDE_FUNCTION_PREFIX", value=1)
+    prefix = node("PreprocessorDefinition", name=f"FMI{fmi}_FUNCTION_PREFIX", value=f"{build.identifier}_")
+    configurations = (
+        _configuration(build, "shared library: the functions of FMI have no prefix", override),
+        _configuration(build, "static linking: the functions of FMI begin with the model identifier", prefix),
+    )
+    return node("fmiBuildDescription", *configurations, fmiVersion="3.0")
+
+
+def _configuration(build: Build, description: str, definition: Element) -> Element:
     files = [node("SourceFile", name=name) for name in build.sources]
-    if fmi == 3:  # the binary's functions have no prefix; those of FMI 2.0 have none anyway
-        files.append(node("PreprocessorDefinition", name="FMI3_OVERRIDE_FUNCTION_PREFIX", value=1))
-    config = node("BuildConfiguration", node("SourceFileSet", *files, language="C99"), modelIdentifier=build.name)
-    return node("fmiBuildDescription", config, fmiVersion="3.0")
+    sources = node("SourceFileSet", *files, definition, language="C99")
+    return node("BuildConfiguration", sources, modelIdentifier=build.identifier, description=description)
 
 
 def _document(

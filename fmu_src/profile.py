@@ -62,12 +62,37 @@ class Profile:
             raise ValueError(f"stop = {self.stop!r} s is out of range: it must be above 0; give the run's length")
 
     def select(self, table: Sequence[Variable]) -> dict[int, Variable]:
-        """Return the variables that the description shows, by value reference."""
+        """Return the variables that the description shows, by value reference, in ``in_reading_order``."""
         shown = {*self.outputs, *ALWAYS}
-        return {i: v for i, v in enumerate(table) if v.causality != "output" or group_of(v.name) in shown}
+        listed = {i: v for i, v in enumerate(table) if v.causality != "output" or group_of(v.name) in shown}
+        return in_reading_order(listed)
 
 
 FULL = Profile(ALL)
+#: groups of parameters in the order in which a user comes to set them; others follow
+_PARAMETERS = (
+    *("trip", "controller", "rope", "layout", "left", "right", "inputs_at_step_end", "inputs", "model", "accuracy"),
+    *("air", "guard", "contact", "lining", "conveyance", "head_ropes", "divider_1", "divider_2", "divider_3"),
+    *("divider_4", "sump", "station", "mesh", "solver"),
+)
+
+
+def in_reading_order(described: Mapping[int, Variable]) -> dict[int, Variable]:
+    """Return the variables with inputs first, then outputs, then parameters by use; value references stay."""
+
+    def place(item: tuple[int, Variable]) -> tuple[int, int]:
+        reference, v = item
+        if v.causality != "parameter":
+            return (0 if v.causality == "input" else 1), reference
+        group = v.name.partition(".")[0]
+        return 2 + (_PARAMETERS.index(group) if group in _PARAMETERS else len(_PARAMETERS)), reference
+
+    return dict(sorted(described.items(), key=place))
+
+
+def of_python(described: Mapping[int, Variable]) -> dict[int, Variable]:
+    """Return the variables that the Python flavour has: all but the added masses."""
+    return {reference: v for reference, v in described.items() if not v.name.endswith(".added_mass")}
 
 
 def group_of(name: str) -> str:

@@ -20,15 +20,14 @@ from pythonfmu import Fmi2Slave
 
 from fmu_src.interface import MOTION, case_with, variables
 from fmu_src.model_description import MODEL, Build, model_description
-from fmu_src.profile import Profile
+from fmu_src.profile import Profile, of_python
 from rope_model.parameters import Scene
 from rope_model.scene_names import Value, with_values
-from rope_model.simulation.ends.paths import SIDES, EndMotion
+from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.interface import Status
 from rope_model.simulation.messages.result_warnings import WARNINGS
 from rope_model.simulation.messages.rules import first_text
 from rope_model.simulation.messages.warning_rules import LONG_EXTRAPOLATION
-from rope_model.simulation.outputs.sensitivity import LOADS, load_derivative
 from rope_model.simulation.outputs.signals import group_of
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.simulation.state import RopeState
@@ -78,15 +77,17 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         """Return the model description from our own table: pythonfmu's has no units and no initial unknowns."""
         build = self._build
         tolerance = next(float(v.start or 0.0) for v in self._table if v.name == "accuracy.end_force")
-        facts = Build(build["guid"], build["version"], build["tool"], build["date"], build["stop"], tolerance)
-        return model_description(Profile(tuple(build["outputs"])).select(self._table), facts)
+        facts = Build(
+            *(build[name] for name in ("guid", "version", "tool", "date", "stop")), tolerance, derivatives=False
+        )
+        return model_description(of_python(Profile(tuple(build["outputs"])).select(self._table)), facts)
 
     # life
 
     @_report_failure
-    def create(self, values: memoryview, outputs: memoryview, known: memoryview, derivatives: memoryview) -> None:
+    def create(self, values: memoryview, outputs: memoryview, known: memoryview) -> None:
         """Create a rope with the parameters in ``values``; the arrays belong to the library and outlive this object."""
-        self._values, self._outputs, self._derivatives = (x.cast("d") for x in (values, outputs, derivatives))
+        self._values, self._outputs = values.cast("d"), outputs.cast("d")
         self._known = known
         self._rope = RopeSimulator(self._scene(), self._resources / "kernels")
 
@@ -142,14 +143,6 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         if number < len(WARNINGS):
             return [*WARNINGS.values()][number](*facts)
         return "" if self._at_step_end() else first_text(LONG_EXTRAPOLATION, *facts)
-
-    @_report_failure
-    def derive(self, scalar: int, seed: float) -> None:
-        """Write ``seed`` times the derivatives of the end loads to this input into the library's array."""
-        side, _, name = self._table[scalar].name.partition(".")
-        loads = seed * load_derivative(self._rope, SIDES.index(side), name, self._at_step_end())
-        for load, value in zip(LOADS, loads.tolist(), strict=True):
-            self._derivatives[self._indices[load]] = value
 
     # states
 

@@ -16,7 +16,7 @@ from fmu_src.native.build import PLATFORMS
 
 ROOT = Path(__file__).resolve().parent.parent
 
-_FMI = ("2.0", "3.0")
+_FMI = ("2.0.5", "3.0.2")
 
 
 def bill_of_materials(files: Sequence[Path]) -> str:

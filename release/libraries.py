@@ -11,18 +11,18 @@ from pathlib import Path
 from typing import NamedTuple
 
 from fmu_src.export import library_sources
-from fmu_src.interface import Variable, variables
+from fmu_src.interface import variables
 from fmu_src.model_description import MODEL
 from fmu_src.native.build import PLATFORMS, library, open_library
 from fmu_src.native.export import model_sources, native_table, rope_sources, shell_sources
 from fmu_src.native.start import without_start
 from fmu_src.native.table import start_values
-from hoist_demo.cases.case import HOISTS, Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.drive_fmu.description import drive_model
+from hoist_demo.drive_fmu.description import sources as drive_sources
+from hoist_demo.drive_fmu.kernels import complete, kernels_file, structures
 from hoist_demo.drive_fmu.kernels import generate as drive_kernels
-from hoist_demo.drive_fmu.kernels import kernels_file
-from hoist_demo.drive_fmu.omissions import leave_out
+from hoist_demo.parameters import Hoist
 from rope_model.cases import rope_120
 from rope_model.codegen.build import NAME, generate, generated_file, sources
 from rope_model.codegen.platforms import prebuilt_file
@@ -41,8 +41,8 @@ def libraries() -> Iterator[Library]:
     yield Library(without_start(library_sources(table), len(start_values(table, 2))), MODEL)
     for fmi in (2, 3):
         yield _rope(fmi)
-        for case in map(find_case, HOISTS):
-            yield _drive(case, fmi)
+        for structure in structures():
+            yield _drive(structure, fmi)
 
 
 def _rope(fmi: int) -> Library:
@@ -51,18 +51,19 @@ def _rope(fmi: int) -> Library:
     return Library(shared, MODEL)
 
 
-def _drive(case: Case, fmi: int) -> Library:
-    drive = drive_model(case)
-    table = [Variable(*variable) for variable in drive.variables]
-    shared = without_start(model_sources(table, drive.sources, fmi), len(start_values(table, fmi)))
-    return Library(shared, drive.name)
+def _drive(structure: Hoist, fmi: int) -> Library:
+    """Return the library of all hoists' drives of a structure, whose tables and numbers are alike."""
+    drive = drive_model(find_case("rope-120"))
+    numbers = len(drive.data) - len(complete(find_case("rope-120").hoist).numbers) + len(structure.numbers)
+    sources = model_sources(drive.variables, drive_sources(structure), fmi)
+    return Library(without_start(sources, len(start_values(drive.variables, fmi)) + numbers), drive.name)
 
 
 def add_prebuilt(root: Path) -> None:
     """Write what the packages below ``root``, copies of ours, are to bring."""
     _write(generated_file(root / "rope_model"), generate())
-    for case in (leave_out(case, ()) for case in map(find_case, HOISTS)):
-        _write(kernels_file(root / "hoist_demo", case), asdict(drive_kernels(case)))
+    for structure in structures():
+        _write(kernels_file(root / "hoist_demo", structure), asdict(drive_kernels(structure)))
     for name in PLATFORMS:
         rope = prebuilt_file(root / "rope_model" / "csrc", sources(), NAME, name)
         shutil.copyfile(open_library(sources(), NAME, name), rope)

@@ -1,18 +1,20 @@
 """The wheel as a user meets it: python -m release.trial WHEEL.
 
 A fresh virtual environment with nothing but the wheel and what it needs, no C compiler on the PATH, no ziglang, an
-empty cache, another folder.  Each step is done and timed; nothing may be compiled, and the FMUs must be those of this
+empty cache, another folder, whose path has blanks and umlauts.  All commands and all Python of the README are run in
+their order, then more.  Each step is done and timed; nothing may be compiled, and the FMUs must be those of this
 checkout, byte by byte.
 """
 
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -67,7 +69,9 @@ def try_wheel(wheel: Path, told: Callable[[Step], None] = lambda step: None) -> 
 class _Trial:
     def __init__(self, folder: Path, told: Callable[[Step], None]) -> None:
         self.folder, self.told, self.steps = folder, told, list[Step]()
-        self.bin, self.work, self.cache = folder / "venv" / "bin", folder / "work", folder / "cache"
+        self.bin = folder / "venv" / "bin"
+        self.cache = folder / "cache"
+        self.work = folder / "Förder maschine äß"
         self.work.mkdir()
 
     def install(self, wheel: Path) -> None:
@@ -77,11 +81,14 @@ class _Trial:
             raise RuntimeError(f"the environment has a compiler: {', '.join(found)}")
 
     def use(self) -> None:
-        for what, code in (("README: the rope in Python", _example("Use the rope in Python")), ("is native", NATIVE)):
-            self._python(what, code)
+        for step in readme_steps():
+            if step.program == "python":
+                self._python(f"README: {step.text.splitlines()[0]} ...", step.text)
+            else:
+                self._command(*shlex.split(step.text, comments=True))
+        self._python("is native", NATIVE)
         self._command("export", "--native", "--fmi", "2", "3", "--ssp")
         self._command("export")
-        self._python("README: the FMU from Python", _example("Use the FMU"))
         self._command("demo", "--quick")
         for fmi, name in NAMES.items():
             self._command("demo", "--out", f"out/fmi{fmi}", "--fmu", f"build/{name}")
@@ -125,13 +132,23 @@ class _Trial:
         self.told(step)
 
 
-def _example(section: str) -> str:
-    """The first Python block of a section of the README."""
+class ReadmeStep(NamedTuple):
+    """Code of the README: a program of the environment, "balance-rope" or "python", and its command line or code."""
+
+    program: str
+    text: str
+
+
+def readme_steps() -> Iterator[ReadmeStep]:
+    """Yield all commands of this project and all Python of the README, in its order."""
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    found = re.search(rf"\n## {section}\n.*?```python\n(.*?)```", readme, re.DOTALL)
-    if found is None:
-        raise RuntimeError(f"README.md has no Python code under '{section}'")
-    return found[1]
+    command = ".venv/bin/balance-rope "
+    for language, block in re.findall(r"^```(\w*)\n(.*?)^```", readme, re.DOTALL | re.MULTILINE):
+        if language == "python":
+            yield ReadmeStep("python", block)
+        else:
+            lines = [line for line in block.splitlines() if line.startswith(command)]
+            yield from (ReadmeStep("balance-rope", line.removeprefix(command)) for line in lines)
 
 
 if __name__ == "__main__":

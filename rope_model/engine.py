@@ -302,7 +302,9 @@ def _unpack(data: bytes) -> RopeState:
         fidelity_reason=s.fidelity_reason.decode(),
         events=tuple(_event(event) for event in s.events[: s.event_count]),
         powers=Powers(s.power_ends, s.power_swivel),
-        hysteresis=values[6 * size + 2 * n + 1 :].reshape(n, -1).copy() if s.rubs else NO_HYSTERESIS,
+        hysteresis=values[6 * size + 2 * n + 1 :][: n * NO_HYSTERESIS.shape[1]].reshape(n, -1).copy()
+        if s.rubs
+        else NO_HYSTERESIS,
     )
 
 

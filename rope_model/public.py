@@ -7,6 +7,7 @@ from typing import Literal
 from rope_model.cases import ROPE_CASES, Level, RopeCase, at_level, rope_120, rope_240
 from rope_model.catalogue import BEARINGS, CONSTRUCTIONS, Datum, DatumStatus, KnownRope, rope
 from rope_model.engine import NativeRope
+from rope_model.files import WriteError
 from rope_model.numerics.kernels import last_words
 from rope_model.parameters import CHOICES, Layout, Rope, Scene, Swivel
 from rope_model.shaft_parameters import FAR, Air, Contact, Conveyance, Divider, Guard, HeadRopes, Lining, Shaft, Sump
@@ -82,6 +83,8 @@ def _rope(scene: Scene, form: Form) -> BalanceRope:
             return NativeRope(scene)
         except RuntimeError as error:  # no compiler
             log.info("the native rope cannot be had: %s", error)
+        except WriteError as error:
+            log.warning("the native rope cannot be had: %s; the Python form takes some ten times as long", error)
         except (OSError, subprocess.CalledProcessError) as error:
             log.warning(
                 "the native rope cannot be had: %s; the Python form takes some ten times as long. Repair the compiler, "

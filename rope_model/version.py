@@ -4,5 +4,5 @@ from importlib.metadata import PackageNotFoundError, version
 
 try:
     __version__ = version("balance-rope")
-except PackageNotFoundError:  # a copy in an FMU, whose description has the version
+except PackageNotFoundError:  # a checkout that is not installed
     __version__ = "unknown"

@@ -135,6 +135,9 @@ class Chain:
     def load(self, nodes: int) -> Array:
         return self.loads
 
+    def slanted_friction(self, q: Array, reaction: Array) -> None:
+        return None
+
     def friction_load(self, nodes: int) -> Array:
         return np.zeros((nodes, 7))
 

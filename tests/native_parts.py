@@ -90,7 +90,6 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
         "arc_lengths": (None, n, p, p),
         "transfer_interpolate": (None, n, p, p, n, p, p),
         "transfer_fields": (None, n, p, p, n, p, p),
-        "nearest_turn": (x, x, x),
         "loop_bottom": (CLoopBottom, n, p, p),
         "leg_clearance": (x, n, p, p, p, x, x, x, p),
         "legs_apart": (n, p, p, x, x),

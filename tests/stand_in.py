@@ -10,6 +10,7 @@ import fmpy
 import pytest
 
 from fmu_src.native.build import PLATFORMS, host_platform
+from fmu_src.native.export import HEADERS
 from rope_model.codegen.tables import parameter_structures, signal_numbers
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -51,12 +52,21 @@ def live(fmu: Path, folder: Path, way: str) -> list[int]:
     unzipped, program = Path(fmpy.extract(str(fmu), str(folder))), folder / "life.exe"
     source = str(ROOT / "tests" / "native" / "life_cycle.c")
     libraries = ["-lm"] if name.endswith("windows") else ["-ldl", "-lm"]
-    command = [*compiler, "-std=gnu99", f"-I{unzipped / 'sources'}", source, "-o", str(program), *libraries]
+    command = [*compiler, "-std=gnu99", f"-I{HEADERS}", source, "-o", str(program), *libraries]
     subprocess.run(command, check=True)
     binary = unzipped / "binaries" / PLATFORMS[name].folder2 / f"BalanceRope{PLATFORMS[name].suffix}"
     if way == "sanitizers":
         files = map(str, sorted((unzipped / "sources").glob("*.c")))
-        shared = ["-DHAS_WIDE_FORMS=0", "-fPIC", "-shared", "-fvisibility=hidden", "-o", str(binary)]
+        shared = [
+            f"-I{HEADERS}",
+            "-DFMI2_OVERRIDE_FUNCTION_PREFIX",
+            "-DHAS_WIDE_FORMS=0",
+            "-fPIC",
+            "-shared",
+            "-fvisibility=hidden",
+            "-o",
+            str(binary),
+        ]
         subprocess.run([*compiler, "-std=gnu99", *shared, *files, "-lm"], check=True)
     description = fmpy.read_model_description(str(fmu))
     references = {v.name: str(v.valueReference) for v in description.modelVariables}

@@ -12,29 +12,32 @@ from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
+import fmpy
 import numpy as np
 import pytest
 from drives import Plant, PlantInput
 from exports import FLAVOURS, export_drive
-from native_host import OK, H, Host
+from native_host import OK, WARNING, H, Host
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from stand_in import ROOT, RUNNERS
 
 from fmu_src.native.build import PLATFORMS, host_platform
-from fmu_src.native.export import header_folder
+from fmu_src.native.export import HEADERS, export_model
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.controller import ControllerState, Measurement, SpeedController
 from hoist_demo.control.trajectory import s_curve
-from hoist_demo.drive.equations import INPUT_NAMES, SIDES
-from hoist_demo.drive.plant import HoistPlant
+from hoist_demo.drive.equations import SIDES
+from hoist_demo.drive.plant import SIDE_FORCES
 from hoist_demo.drive_fmu import interface
-from hoist_demo.drive_fmu.description import drive_model
-from hoist_demo.drive_fmu.kernels import _input, _outputs
+from hoist_demo.drive_fmu.description import LONGEST_HOLD, DriveModel, drive_model
+from hoist_demo.drive_fmu.description import sources as drive_sources
+from hoist_demo.drive_fmu.kernels import complete, moment_function, point_function, structures
 from hoist_demo.drive_fmu.omissions import OMISSIONS, leave_out, obstacles
-from hoist_demo.parameters import start_heights
-from hoist_demo.parameters.suspension import SuspensionOffset
+from hoist_demo.parameters import Hoist, start_heights
+from hoist_demo.parameters.components import DriveShaft, Guides, Play
+from hoist_demo.parameters.suspension import MOVED, SuspensionOffset, moment_at, motion_at
 
 pytestmark = pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")
 SETUP = find_case("rope-120")
@@ -82,6 +85,49 @@ def test_trip_under_swaying_forces_is_that_of_the_drive_in_process(drive: Host) 
     assert scale[0] > 89.0
     # 1e-7 of the fastest oscillation per step against an integrator that errs by 1e-8 at most
     assert_allclose(np.array(found) / scale, np.array(expected) / scale, rtol=0.0, atol=2e-6)
+
+
+def test_motion_under_constant_forces_is_the_same_at_every_communication_step(drive: Host) -> None:
+    """10 s of the trip."""
+    found = {}
+    for step in (0.001, 0.01, 0.1, 1.0, 2.0):
+        drive.start()
+        for k in range(round(10.0 / step)):
+            assert drive.step(k * step, step) == ""
+        found[step] = drive.get(*MOTIONS)
+        assert drive.get("status.warning") == [""]
+        drive.call("Reset")
+    assert found[H][0] == pytest.approx(25.607, abs=1e-3)
+    # internal steps of 1 ms at most err by 1e-7 of the fastest oscillation, which is millimetres
+    for values in found.values():
+        assert_allclose(values, found[H], rtol=0.0, atol=1e-9)
+
+
+def test_controller_samples_at_its_own_period_within_and_across_steps(drive: Host) -> None:
+    """Commands change at multiples of the period alone, whether it is longer than the steps or shorter."""
+    drive.start(controller__period=0.02)
+    commands = []
+    for k in range(400):
+        assert drive.step(k * 0.005, 0.005) == ""
+        commands += drive.get("drive.torque_command")
+    moving = np.array(commands)[-100:].reshape(-1, 4)
+    assert np.all(moving == moving[:, :1])
+    assert np.unique(moving[:, 0]).size == moving.shape[0]
+    drive.call("Reset")
+
+
+def test_changing_forces_held_over_a_long_step_are_warned_of_and_constant_ones_not(drive: Host) -> None:
+    weights = dict(zip(interface.INPUTS, interface.rest_forces(SETUP), strict=True))
+    for step, factor, told in ((0.02, 1.01, False), (0.05, 1.0, False), (0.05, 1.01, True)):
+        drive.start()
+        drive.set(**{name: factor * value for name, value in weights.items()})
+        before = len(drive.log)
+        assert drive.step(0.0, step) == ""
+        (said,) = drive.get("status.warning")
+        assert (f"longer than {LONGEST_HOLD:g} s" in said) == told
+        assert ([status for status, _ in drive.log[before:]] == [WARNING]) == told
+        drive.call("Reset")
+        drive.set(**weights)
 
 
 def test_internal_steps_converge_with_order_five(drive: Host) -> None:
@@ -136,33 +182,68 @@ def test_overwind_is_refused_and_leaves_the_drive_where_it_was(drive: Host) -> N
     assert drive.get("left.y") == before
 
 
+PLACES = {"a": SuspensionOffset(0.2, -0.1, -0.5), "b": SuspensionOffset(z=0.4), "c": SuspensionOffset()}
+
+
+def exported(folder: Path, name: str, model: DriveModel) -> Host:
+    """An instance of a drive that only one test needs; no more is compiled than for others of its structure."""
+    fmu = export_model(folder / f"{name}.fmu", (host_platform(),), 2, **vars(model))
+    return Host(fmu, fmpy.extract(str(fmu), str(folder / name)))
+
+
 def test_ropes_beside_the_centres_do_the_work_that_the_drive_gets() -> None:
-    """At random motions: forces and moments times the speeds of the ropes' ends, and of the conveyances."""
-    case, rng = find_case("kiruna-355"), np.random.default_rng(1)
-    places = {"a": SuspensionOffset(0.2, -0.1, -0.5), "b": SuspensionOffset(z=0.4), "c": SuspensionOffset()}
-    ropes = [interface.DriveRope(name, 8.0, 400.0, place) for name, place in places.items()]
-    plant = HoistPlant(case.hoist)
-    x = plant.hanging_state(*start_heights(case.hoist, case.winding), -1e4, -1e5).x
-    x += 0.01 * rng.normal(size=x.size)
-    names = [*interface.force_inputs(ropes), *interface.side_forces(case.hoist, ropes)]
-    forces = dict(zip(names, rng.normal(size=len(names)), strict=True))
-    u = np.concatenate([[0.0], _input(plant, ropes)(x, list(forces.values())).full().ravel()])
-    values = _outputs(plant, ropes)(x, u, [40.0, 395.0]).full().ravel()
-    shown = dict(zip(interface.plant_outputs(case.hoist, ropes), values, strict=True))
-    pairs = (("fx", "vx"), ("fy_mean", "vy"), ("fz", "vz"), ("my", "yaw_rate"))
-    at_ends = sum(
-        forces[f"{one.name}.{side}.{force}"] * shown.get(f"{one.name}.{side}.{rate}", shown[f"{side}.{rate}"])
-        for one in ropes
-        for side in SIDES
-        for force, rate in pairs
-    )
-    total = dict(zip(INPUT_NAMES, u, strict=True))
-    at_centres = sum(
-        total[f"{'force' if force == 'fy_mean' else force}_{side}"] * shown[f"{side}.{rate}"]
-        for side in SIDES
-        for force, rate in pairs
-    )
-    assert at_ends == pytest.approx(at_centres, rel=1e-9)
+    """At random places: forces and moments times the speeds of the ropes' ends, and of the conveyances."""
+    rng, moment, point = np.random.default_rng(1), moment_function(), point_function()
+    for place in PLACES.values():
+        for side in SIDES:
+            offset, force, centre, turn = place.at(side), rng.normal(size=3), rng.normal(size=6), rng.normal(size=3)
+            my = float(moment(offset, turn[0], force))
+            _, _, vx, vz, _, _ = point(offset, centre, turn).full().ravel()
+            at_centre = force[0] * centre[2] + force[2] * centre[3] + my * turn[1]
+            assert force[0] * vx + force[2] * vz == pytest.approx(at_centre, rel=1e-12)
+
+
+def test_drive_of_several_ropes_moves_as_one_rope_with_their_sum_would_move_it(tmp_path: Path) -> None:
+    case = leave_out(find_case("kiruna-355"), ("lining",))
+    mass, length = case.hoist.tail_rope_mass / 3.0, case.hoist.tail_rope_length
+    ropes = [interface.DriveRope(name, mass, length, place) for name, place in PLACES.items()]
+    several, one = exported(tmp_path, "several", drive_model(case, ropes)), exported(tmp_path, "one", drive_model(case))
+    for drive in (several, one):
+        drive.start()
+    rng = np.random.default_rng(1)
+    pulls = np.array([interface.rest_forces(case, rope) for rope in ropes])
+    for k in range(100):
+        forces = {
+            f"{rope.name}.{side}": (300.0 * rng.normal(), pull[i] * (1.0 + 0.1 * rng.normal()), 300.0 * rng.normal())
+            for rope, pull in zip(ropes, pulls, strict=True)
+            for i, side in enumerate(SIDES)
+        }
+        total = dict.fromkeys((*interface.INPUTS, *SIDE_FORCES), 0.0)
+        for rope in ropes:
+            for side in SIDES:
+                fx, fy, fz = forces[f"{rope.name}.{side}"]
+                my = moment_at(rope.suspension.at(side), several.get(f"{side}.yaw")[0], (fx, fy, fz))[1]
+                for name, value in (("fx", fx), ("fy_mean", fy), ("fz", fz), ("my", my)):
+                    total[f"{side}.{name}"] += value
+                names = (f"{rope.name}.{side}.{name}" for name in ("fx", "fy_mean", "fz"))
+                several.set(**dict(zip(names, (fx, fy, fz), strict=True)))
+        one.set(**total)
+        for drive in (several, one):
+            assert drive.step(k * H) == ""
+    # the same kernels: sums of three numbers, rounded in another order, over 100 steps
+    motions = interface.MOTIONS
+    assert_allclose(several.get(*motions), one.get(*motions), rtol=1e-9, atol=1e-12)
+    for rope in ropes:
+        for side in SIDES:
+            if rope.suspension == SuspensionOffset():
+                continue
+            centre = one.get(*(f"{side}.{name}" for name in MOVED))
+            # no output has the yaw's second derivative, which the places and speeds do not need
+            moved = motion_at(rope.suspension.at(side), centre, *one.get(f"{side}.yaw", f"{side}.yaw_rate"), 0.0)[:4]
+            shown = several.get(*(f"{rope.name}.{side}.{name}" for name in MOVED[:4]))
+            assert_allclose(shown, moved, rtol=1e-9, atol=1e-12)
+    for drive in (several, one):
+        drive.free()
 
 
 def test_what_a_system_cannot_hold_is_told_and_can_be_left_out() -> None:
@@ -173,6 +254,29 @@ def test_what_a_system_cannot_hold_is_told_and_can_be_left_out() -> None:
         assert len(told) == 1
         assert not {*told} & {*obstacles(leave_out(case, [name]))}
     assert drive_model(leave_out(case, OMISSIONS)).duration > 10.0
+
+
+def test_hoists_with_other_numbers_share_the_sources_of_their_drive() -> None:
+    """Numbers are data.  What makes other sources is the count of head rope modes, and a shaft."""
+    hoists = [
+        replace(Hoist(), payload_left=7e3, shaft_travel=400.0),
+        replace(Hoist(), power_limit=1e6, guides=Guides(), play=Play(), conveyance_mass_right=9e3),
+    ]
+    assert {complete(hoist).equation_structure for hoist in hoists} == {complete(Hoist()).equation_structure}
+    for hoist in (*hoists, replace(Hoist(), head_rope_modes=4, drive_shaft=DriveShaft())):
+        assert complete(hoist).equation_structure in structures()
+    case = replace(SETUP, hoist=replace(SETUP.hoist, payload_left=4e3), winding=replace(SETUP.winding, speed=9.0))
+    other, model = drive_model(case), drive_model(SETUP)
+    assert other.sources == model.sources == drive_sources(complete(SETUP.hoist).equation_structure)
+    assert other.data != model.data
+
+
+def test_parts_that_a_hoist_lacks_do_nothing() -> None:
+    """A limit of power beyond all speeds gives the limit of torque to the bit, guides without friction nothing."""
+    whole = complete(hoist := replace(Hoist(), torque_limit=2.1e5 / 3.0))
+    assert [whole.torque_available(rate) for rate in (0.0, 1e-3, 7.3, 1e3)] == [hoist.torque_limit] * 4
+    assert whole.travel_loss == hoist.travel_loss
+    assert (whole.mass_left, whole.mass_right) == (hoist.mass_left, hoist.mass_right)
 
 
 STEPS = 1000
@@ -210,7 +314,7 @@ def _compile(folder: Path, platform: str) -> Path:
     compiler = [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[platform].target, "-std=c99", "-O1"]
     source = ROOT / "tests" / "native" / "foreign_host.c"
     libraries = [] if platform.endswith("windows") else ["-ldl"]
-    subprocess.run([*compiler, f"-I{header_folder()}", str(source), "-o", str(host), *libraries], check=True)
+    subprocess.run([*compiler, f"-I{HEADERS}", str(source), "-o", str(host), *libraries], check=True)
     return host
 
 

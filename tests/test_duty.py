@@ -1,5 +1,6 @@
 """Trips of a duty: what is carried over, what a dwell changes, when they repeat, and how a duty goes on."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -52,7 +53,7 @@ def rope_of(schedule: Schedule) -> InProcessRope:
 
 
 def wound(schedule: Schedule) -> list[WoundTrip]:
-    return list(wind_duty(schedule, rope_of(schedule), torque_free=False))
+    return list(wind_duty(schedule, rope_of(schedule), torque_free={"": False}))
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +62,7 @@ def trips_at_rest(tmp_path_factory: pytest.TempPathFactory) -> Duty:
     schedule = schedule_of(tmp_path_factory.mktemp("duty"), repeat=2, settle=15.0)
     rope = rope_of(schedule)
     rest = place_at_rest(schedule, rope)
-    return list(wind_duty(schedule, rope, torque_free=False)), rest, rope
+    return list(wind_duty(schedule, rope, torque_free={"": False})), rest, rope
 
 
 def test_a_trip_begins_with_what_the_one_before_has_left(trips_at_rest: Duty) -> None:
@@ -101,7 +102,7 @@ def test_a_duty_goes_on_from_its_file_with_the_same_bits(tmp_path: Path) -> None
     rope, path = rope_of(schedule), tmp_path / "last_trip.npz"
     rest = place_at_rest(schedule, rope)
     rows = []
-    for trip in wind_duty(schedule, rope, torque_free=False):
+    for trip in wind_duty(schedule, rope, torque_free={"": False}):
         rows.append(trip_row(trip, rest))
         if trip.number == 2:
             assert trip.result.end is not None
@@ -109,12 +110,47 @@ def test_a_duty_goes_on_from_its_file_with_the_same_bits(tmp_path: Path) -> None
     other = rope_of(schedule)
     place_at_rest(schedule, other)
     kept, end = read_state(path, other, schedule)
-    again = [trip_row(trip, rest) for trip in wind_duty(schedule, other, torque_free=False, after=end, done=2)]
+    again = [trip_row(trip, rest) for trip in wind_duty(schedule, other, torque_free={"": False}, after=end, done=2)]
     for name in COLUMNS:
         assert_array_equal([r[name] for r in kept + again], [r[name] for r in rows], err_msg=name)
+    whole = path.read_bytes()
+    for content in (b"", whole[:100], whole[: len(whole) // 2], b"no archive"):
+        path.write_bytes(content)
+        with pytest.raises(
+            ValueError, match=rf"last_trip\.npz' must be a checkpoint .* or delete {re.escape(str(path))}"
+        ):
+            read_state(path, other, schedule)
+    path.write_bytes(whole)
     longer = schedule.model_copy(update={"pattern": schedule_of(tmp_path, settle=3.0, travel=20.0).pattern})
     with pytest.raises(ValueError, match=r"but settle is 2\.0 there, settle is 3\.0 here: give"):
         read_state(path, other, longer)
+
+
+def test_a_duty_of_several_ropes_winds_them_all_and_goes_on_with_the_same_bits(tmp_path: Path) -> None:
+    ropes = "[[rope]]\nname = 'a'\nz = 0.3\n[[rope]]\nname = 'b'\nz = -0.3\nQb = 0\nQc = 0\n"
+    hoist = f"name = 'two'\nlike = 'rope-120'\n{ropes}"
+    (tmp_path / "two.toml").write_text(hoist, encoding="utf-8")
+    text = DUTY.format(**USUAL | {"settle": 2.0, "travel": 5.0}).replace("rope-120", str(tmp_path / "two.toml"))
+    (tmp_path / "duty.toml").write_text(text, encoding="utf-8")
+    schedule = read_schedule(tmp_path / "duty.toml")
+    both, path = schedule.ropes(READ), tmp_path / "last_trip.npz"
+    names = {rope.name: rope.torque_free for rope in both.data()}
+    rest = place_at_rest(schedule, both.plant, [*names])
+    rows = []
+    for trip in wind_duty(schedule, both.plant, names):
+        rows.append(trip_row(trip, rest))
+        if trip.number == 1:
+            assert trip.result.end is not None
+            write_state(path, trip_table(rows, 2), trip.result.end, both.plant, schedule)
+    # the drive carries both, and each rope has its own yaw: none without coupling
+    assert schedule.pattern[0].hoist.tail_rope_mass == 16.0
+    assert rows[0]["a.loop_yaw"] > 1e-3 > rows[0]["b.loop_yaw"]
+    other = schedule.ropes(READ)
+    place_at_rest(schedule, other.plant, [*names])
+    kept, end = read_state(path, other.plant, schedule)
+    again = [trip_row(trip, rest) for trip in wind_duty(schedule, other.plant, names, after=end, done=1)]
+    for name in rows[0]:
+        assert_array_equal([r[name] for r in kept + again], [r[name] for r in rows], err_msg=name)
 
 
 def test_a_cycle_is_steady_once_what_is_left_of_the_transient_changes_by_a_hundredth() -> None:

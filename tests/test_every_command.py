@@ -3,6 +3,7 @@
 import csv
 from collections.abc import Callable
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -19,13 +20,16 @@ from hoist_demo.command_line.options import settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data_of, rope_scene
-from hoist_demo.files.registry import parameters
+from hoist_demo.files.registry import parameters, rope_parameters
 from hoist_demo.files.run_values import Values
+from hoist_demo.files.values import read_value
 from hoist_demo.files.values import statuses as file_statuses
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.time_series import match_signals
+from hoist_demo.study import run as study_run
 from hoist_demo.study.provenance import STATUSES, SourcedValue, host_provenance, rope_provenance, statuses
 from hoist_demo.study.run import build, contradictions
+from rope_model import Level
 
 pytestmark = pytest.mark.usefixtures("plain_figures", "no_figures")
 
@@ -191,7 +195,7 @@ def test_a_demo_winds_with_what_is_set_and_writes_the_signals_asked_for(tmp_path
     assert "| hoist.payload_left | 4000 | kg | 5000 |" in text
     # a run that stops keeps the report
     monkeypatch.setattr(wind, "interruption", lambda *_: nullcontext(lambda: True))
-    assert main([*DEMO, "--out", str(tmp_path)]) == 1
+    assert main([*DEMO, "--out", str(tmp_path)]) == 130
     assert (tmp_path / "report.md").read_text(encoding="utf-8") == text
     assert "Stopped" in (tmp_path / "stopped" / "report.md").read_text(encoding="utf-8")
 
@@ -201,9 +205,27 @@ def test_a_run_is_gone_on_with_whose_hoist_is_a_file(tmp_path: Path, monkeypatch
     file.write_text("name = 'own'\nlike = 'rope-120'\nhoist.payload_left = 4321.0\n", encoding="utf-8")
     with monkeypatch.context() as patch:
         patch.setattr(wind, "interruption", lambda *_: nullcontext(lambda: next(asked) > 60))
-        assert main([*DEMO, str(file), *out]) == 1
+        assert main([*DEMO, str(file), *out]) == 130
+    assert f"the same command with --resume {tmp_path / 'out' / 'last_good.npz'} goes on" in capsys.readouterr().err
     assert main([*DEMO, "--resume", str(tmp_path / "out" / "last_good.npz"), *out]) == 0
     assert "| hoist.payload_left | 4321 |" in (tmp_path / "out" / "report.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("heard", ["never", "in the run", "while writing"])
+def test_an_interrupt_is_130_whenever_it_comes_and_says_what_is_kept(
+    tmp_path: Path, monkeypatch: Patch, capsys: Capture, heard: str
+) -> None:
+    def interruption(doing: str = "") -> nullcontext[Callable[[], bool]]:
+        now = heard == ("while writing" if doing else "in the run")
+        return nullcontext(lambda: now)
+
+    monkeypatch.setattr(wind, "interruption", interruption)
+    code = main([*DEMO, "--out", str(tmp_path)])
+    told = capsys.readouterr().err
+    assert code == (0 if heard == "never" else 130)
+    assert ("balance-rope: interrupted: t = " in told) == (heard == "in the run")
+    words = f"interrupted when the run was over: all its results are in {tmp_path}"
+    assert (words in told) == (heard == "while writing")
 
 
 def test_a_hoist_takes_no_other_s_fmu(tmp_path: Path, monkeypatch: Patch) -> None:
@@ -235,3 +257,50 @@ def test_a_state_is_not_taken_up_by_a_rope_of_other_parameters(tmp_path: Path) -
     assert stopped.saved is not None
     with pytest.raises(ValueError, match=r"rope\.EI is 300\.0 there, 450\.0 here"):
         Host(ropes[1], Hoist(), trip).run(resume=Checkpoint.read(stopped.saved))
+
+
+@pytest.mark.parametrize(
+    ("name", "level"), [("rope-120", "standard"), ("rope-120", "draft"), ("kiruna-355", "reference")]
+)
+def test_a_hoist_is_not_wound_with_the_fmu_of_another(name: str, level: Level, monkeypatch: Patch) -> None:
+    run = build(name, {})
+    own = rope_data_of(rope_scene(find_case(name).rope, level)).parameters
+    exported = {key: replace(p, start=own[key]) for key, p in rope_parameters().items()}
+    kernels = {"solver.kernels": replace(exported["solver.kernels"], start=2)}
+    # what the hoist states is set in the FMU, and the level is the export's
+    stated = {"rope.length": replace(exported["rope.length"], start=77.0)}
+    monkeypatch.setattr(study_run, "read_parameters", lambda _: exported | kernels | stated)
+    study_run.Probe(Path("own.fmu")).require_hoist(run)
+    beside = {
+        "divider_1.size": replace(exported["divider_1.size"], start=0.2),
+        "model.fidelity": replace(exported["model.fidelity"], start=3),
+    }
+    monkeypatch.setattr(study_run, "read_parameters", lambda _: exported | beside)
+    with pytest.raises(ValueError, match=rf"'other.fmu' must be of this hoist, '{name}', but 2 of its values") as error:
+        study_run.Probe(Path("other.fmu")).require_hoist(run)
+    assert "divider_1.size is 0.2 there, 0.0 here" in str(error.value)
+    assert f"balance-rope export {name}" in str(error.value)
+
+
+def test_new_remarks_on_values_that_no_hoist_has(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    asked = ["new", "x", "--out", str(tmp_path / "x.toml"), "--depth", "1040"]
+    assert main([*asked, "--payload", "32", "--speed", "18 m/min"]) == 0
+    said = capsys.readouterr().err
+    assert "winding.speed = 0.3 m/s is far from what hoists have, 1 to 25 m/s [assumed]: check its unit" in said
+    assert "hoist.payload_left = 32 kg is far from what hoists have" in said
+    file = tmp_path / "wide.toml"
+    file.write_text("name = 'w'\nlike = 'rope-120'\nhoist.sheave_radius = 2.75\nlayout.spacing = 2.4\n")
+    assert main(["show", str(file)]) == 0
+    said = capsys.readouterr().err
+    assert "2.4 m apart beside a sheave of 5.5 m diameter; 2.75 m or more is usual without deflection sheaves" in said
+    # 2.543 (300 / (8 9.81))^(1/3)
+    assert "less than the width of its free loop, 2.543 (EI/(rho g))^(1/3) = 3.976 m" in said
+
+
+def test_numbers_as_they_are_written_elsewhere_are_taken_or_explained() -> None:
+    by_name = parameters()
+    assert read_value(by_name["hoist.torque_limit"], "2000 kNm") == 2e6
+    assert read_value(by_name["hoist.drive_shaft.stiffness"], "53 MNm/rad") == 5.3e7
+    assert read_value(by_name["rope.rhoJ"], "2 kgm") == 2.0
+    with pytest.raises(ValueError, match=r"'1040,5' has a comma within its number: write a point .* 1040\.5 or 10405"):
+        read_value(by_name["hoist.shaft_travel"], "1040,5")

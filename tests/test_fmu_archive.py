@@ -24,7 +24,7 @@ from lark import Lark
 
 from fmu_src.interface import variables
 from fmu_src.native.build import PLATFORMS, available_platforms, host_platform
-from fmu_src.native.export import header_folder
+from fmu_src.native.export import HEADERS, HEADERS_IN_FMU
 from fmu_src.profile import ALL, ALWAYS, DEFAULT, group_of
 from hoist_demo.cases.table import find_case
 from hoist_demo.drive_fmu.description import drive_model
@@ -32,7 +32,7 @@ from rope_model.cases import rope_120
 
 #: what may lie in an archive, FMI 2.0.4 section 2.3 and FMI 3.0 section 2.5
 LAYOUT = re.compile(
-    r"modelDescription\.xml|model\.png|binaries/[^/]+/[^/]+\.(so|dll|dylib)|sources/[^/]+\.(c|h|inc|xml)|"
+    r"modelDescription\.xml|model\.png|binaries/[^/]+/[^/]+\.(so|dll|dylib)|sources/(fmi/fmi\w+\.h|[^/]+\.(c|h|inc|xml))|"
     r"documentation/(index\.html|externalDependencies\.txt|licenses/[^/]+\.txt)|extra/[^/]+\.[^/]+/.+|resources/.+|"
     r"terminalsAndIcons/(terminalsAndIcons\.xml|[^/]+\.(png|svg))"
 )
@@ -167,13 +167,25 @@ def test_outputs_are_listed_in_order_and_depend_on_nothing_at_their_instant(fmu:
 
 def test_variables_have_the_value_references_of_the_whole_table_whatever_is_described(fmu: Archive) -> None:
     if fmu.kind.startswith("drive"):
-        whole = [v.name for v in drive_model(find_case("rope-120")).variables]
+        whole = [v.name for v in drive_model(find_case("rope-120")).variables]  # equal names: one rope
     else:
         whole = [v.name for v in variables(rope_120())]
     for v in fmu.variables:
         name = v["name"] if v["name"] in whole else f"{v['name']}[1]"
         expected = len(whole) if v["causality"] == "independent" else whole.index(name)
         assert int(v["valueReference"]) == expected, v["name"]
+
+
+def test_variables_are_listed_by_use(fmu: Archive) -> None:
+    """Inputs, outputs, parameters: a tool shows them in this order, and the forces are on its first page."""
+    causalities = [v["causality"] for v in fmu.variables if v["causality"] != "independent"]
+    assert causalities == sorted(causalities, key=["input", "output", "parameter"].index)
+    names = [v["name"] for v in fmu.variables]
+    assert names.index("left.y") < 30
+    if not fmu.kind.startswith("drive"):
+        parameters = [v["name"] for v in fmu.variables if v["causality"] == "parameter"]
+        assert parameters[0] == "rope.length"
+        assert max(map(parameters.index, ("left.swivel.mode", "inputs_at_step_end"))) < parameters.index("mesh.kind")
 
 
 def test_outputs_are_those_of_the_profile(fmu: Archive) -> None:
@@ -233,7 +245,7 @@ def test_binary_of_every_promised_platform_exports_every_function(fmu: Archive) 
     built = available_platforms() if fmu.everywhere else (host_platform(),)
     folders = {PLATFORMS[p].folder2 if fmu.fmi == 2 else p for p in built}
     assert {name.split("/")[1] for name in binaries} == folders
-    header = (header_folder() / f"fmi{fmu.fmi}Functions.h").read_text(encoding="utf-8")
+    header = (HEADERS / f"fmi{fmu.fmi}Functions.h").read_text(encoding="utf-8")
     promised = set(re.findall(rf"^#define (fmi{fmu.fmi}\w+)\s+fmi{fmu.fmi}FullName", header, re.MULTILINE))
     assert len(promised) > 30
     checked = [name for name in binaries if exported_symbols(fmu, name) is not None]
@@ -283,16 +295,25 @@ def test_sources_are_complete(fmu: Archive) -> None:
     if not fmu.native:
         pytest.skip("the Python FMU's code is in its resources")
     listed = ElementTree.fromstring(fmu.files["sources/buildDescription.xml"])
-    files = {str(node.get("name")) for node in listed.iter("SourceFile")}
+    shared, static = listed.findall("BuildConfiguration")
+    files = {str(node.get("name")) for node in shared.iter("SourceFile")}
+    assert files == {str(node.get("name")) for node in static.iter("SourceFile")}
     assert files == {name.removeprefix("sources/") for name in fmu.files if re.fullmatch(r"sources/.+\.c", name)}
     if fmu.fmi == 2:
         assert {node.get("name") for node in fmu.root.find("CoSimulation").iter("File")} == files
-    definitions = {node.get("name") for node in listed.iter("PreprocessorDefinition")}
-    assert definitions == ({"FMI3_OVERRIDE_FUNCTION_PREFIX"} if fmu.fmi == 3 else set())
+    identifier = fmu.root.find("CoSimulation").get("modelIdentifier")
+    for one, expected in (
+        (shared, (f"FMI{fmu.fmi}_OVERRIDE_FUNCTION_PREFIX", "1")),
+        (static, (f"FMI{fmu.fmi}_FUNCTION_PREFIX", f"{identifier}_")),
+    ):
+        assert one.get("modelIdentifier") == identifier
+        assert [(node.get("name"), node.get("value")) for node in one.iter("PreprocessorDefinition")] == [expected]
     for name, data in fmu.files.items():
         if name.startswith("sources/"):
             for header in re.findall(r'(?m)^#include "(.+)"', data.decode()):
-                assert f"sources/{header}" in fmu.files, (name, header)
+                # the standard has no headers of FMI beside the sources
+                folder = f"sources/{HEADERS_IN_FMU}" if (HEADERS / header).exists() else "sources"
+                assert f"{folder}/{header}" in fmu.files, (name, header)
 
 
 @pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="ziglang is not installed")
@@ -303,7 +324,7 @@ def test_sources_compile_for_other_systems(platform: str, fmu: Archive, tmp_path
         pytest.skip("the drive has the sources of FMI 2.0, the rope of FMI 3.0 all others")
     sources = {name.removeprefix("sources/"): data for name, data in fmu.files.items() if name.startswith("sources/")}
     for name, data in sources.items():
-        (tmp_path / name).write_bytes(data)
+        (tmp_path / Path(name).name).write_bytes(data)
     headers = Path(importlib.import_module("ziglang").__file__ or "").parent / "lib"
     folders = [headers / "include", headers / "libc" / "include" / f"any-{platform.partition('-')[2]}-any"]
     clang = [sys.executable, "-m", "ziglang", "clang", f"--target={PLATFORMS[platform].target}", "-std=c99"]

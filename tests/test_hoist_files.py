@@ -11,14 +11,15 @@ import pytest
 from numpy.testing import assert_allclose
 
 from balance_rope import main
-from hoist_demo.cases.case import BUILTIN_HOISTS, FOLDER
+from hoist_demo.cases.case import BUILTIN_HOISTS, FOLDER, Case
 from hoist_demo.cases.rules import TAIL_SPARE, with_values
 from hoist_demo.cases.table import find_case
 from hoist_demo.duty.schedule import read_schedule
 from hoist_demo.files.hoist_file import HoistFile, schema
 from hoist_demo.files.reading import FileError, read
+from hoist_demo.files.values import statuses as file_statuses
 from hoist_demo.parameters import GRAVITY
-from hoist_demo.report.hoist import as_file, drive_problems, hoist_provenance, slip_problems
+from hoist_demo.report.hoist import HoistCheck, as_file, checks, hoist_provenance
 from hoist_demo.ropes.definition import ropes_of
 from hoist_demo.study.run import build, from_landing
 from rope_model.scene_names import named_parameters
@@ -248,17 +249,66 @@ def test_a_hoist_like_another_has_its_values_but_those_it_names(tmp_path: Path) 
         find_case(str(written(tmp_path / "c.toml", 'name = "c"\nlike = "c.toml"\n')))
 
 
+def problems(case: Case) -> list[str]:
+    return HoistCheck(tuple(checks(case))).problems
+
+
+def test_each_broken_bound_of_a_hoist_is_named_and_decides_the_exit_code() -> None:
+    case = find_case("kiruna-355")
+    kept = [replace(row, holds=True) for row in checks(case)]
+    assert len(kept) == 8  # five of slip, motor twice, brake
+    assert (HoistCheck(tuple(kept)).summary, HoistCheck(tuple(kept)).exit_code) == ("no problems found", 0)
+    for k, row in enumerate(kept):
+        broken = [*kept[:k], replace(row, holds=False), *kept[k + 1 :]]
+        check = HoistCheck(tuple(broken))
+        assert (check.problems, check.summary, check.exit_code) == ([row.problem], "1 problem found", 1)
+        assert broken[k].summary.text.endswith("NOT KEPT")
+    assert (HoistCheck(tuple(kept), ("a remark",)).problems, HoistCheck(tuple(kept), ("a remark",)).exit_code) == (
+        ["a remark"],
+        1,
+    )
+
+
+def test_the_complete_file_has_the_statuses_of_the_hoist(tmp_path: Path) -> None:
+    # of settings, of words and of the spacing of several ropes too
+    text = """name = "x"
+like = "kiruna-355"
+status = "measured"
+winding.emergency_law = { value = "drive", status = "derived" }
+coupling.step = { value = 0.01, status = "published" }
+layout.spacing = 2.0
+"""
+    rope = (
+        '[[rope]]\nnumber = 1\nname = "{}"\ndiameter = 0.044\nconstruction = "34x7"\n'
+        'EI = {{ value = 200.0, status = "derived" }}\n'
+    )
+    path = str(written(tmp_path / "own.toml", text + rope.format("a") + rope.format("b") + "z = 0.9\n"))
+    case = find_case(path)
+    shown = find_case(str(written(tmp_path / "shown.toml", as_file(case, path, {}))))
+    assert case.status_by_name.items() <= shown.status_by_name.items()
+    assert shown.status_by_name["winding.emergency_law"] == "derived"
+    for one, again in zip(case.balance_ropes, shown.balance_ropes, strict=True):
+        assert file_statuses(one.values).items() <= file_statuses(again.values).items()
+
+
 def test_a_trip_that_slips_or_asks_too_much_of_the_motor_is_told() -> None:
     case = find_case("kiruna-355")
     stopped = replace(case.winding, emergency_at=10.0, emergency_deceleration=6.0)
-    assert [slip_problems(case), "gentler stop" in slip_problems(replace(case, winding=stopped))[0]] == [[], True]
+    in_stop = "slip safety in an emergency stop of this trip (drive)"
+    assert [any(in_stop in line for line in problems(one)) for one in (case, replace(case, winding=stopped))] == [
+        False,
+        True,
+    ]
+    # what the table prints below its bound is told, whether or not this trip has a stop
+    assert any(line.startswith("slip safety in one of the trip back (drive)") for line in problems(case))
     # a short trip reaches less of its speed, and asks for less power
     weak, short = replace(case.hoist, power_limit=5e5), replace(case.winding, travel=5.0)
-    assert [len(drive_problems(replace(case, hoist=weak, winding=trip))) for trip in (case.winding, short)] == [1, 0]
+    told = [problems(replace(case, hoist=weak, winding=trip)) for trip in (case.winding, short)]
+    assert [sum("power_limit" in line for line in lines) for lines in told] == [1, 0]
     # head ropes heavier than the balance rope ask for more, in a two-stage stop of half the brake
     uneven = {"hoist.torque_limit": 8e5, "hoist.brake.torque": 1.2e6, "winding.emergency_law": "two-stage"}
     cases = [with_values(case, uneven | {"hoist.head_rope_mass": m * case.hoist.head_rope_mass}) for m in (1, 2)]
-    told = [" ".join(drive_problems(one)) for one in cases]
+    told = [" ".join(problems(one)) for one in cases]
     assert [[x in text for x in ("torque_limit =", "first_stage = 0.5")] for text in told] == [[False] * 2, [True] * 2]
 
 

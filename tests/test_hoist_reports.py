@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
@@ -28,7 +29,7 @@ from hoist_demo.recording import fidelity as masks
 from hoist_demo.recording.incidents import SIDES, Stop, stops
 from hoist_demo.recording.time_series import TIME, Recording
 from hoist_demo.report.html import packing
-from hoist_demo.report.verdict import VerdictRow, judge
+from hoist_demo.report.verdict import VerdictRow, bounds_in_words, broken, judge
 from hoist_demo.study.run import build
 from rope_model import neglected_text
 
@@ -103,6 +104,23 @@ def test_the_verdict_has_each_number_with_its_digits_beside_its_bound(signals, p
     shown = f"{found.value}; {found.where}" if ";" in value else found.value
     assert (shown, found.holds) == (value, kept)
     assert (found.quantity in verdict.summary) == (kept is False)
+
+
+def test_each_row_of_the_verdict_that_fails_is_named_and_is_not_good() -> None:
+    rows = list[VerdictRow]()
+    for signals, parameters, *_ in VERDICTS:
+        record = Recording({"time": np.array([0.0, 1.0])} | {name: np.array(x) for name, x in signals.items()}, {})
+        ended = SimpleNamespace(recording=record, completed=True, cause="", warning="", winding=Winding())
+        rows += judge(ended, Hoist(tail_rope_number=3), [RopeData({}, parameters, {})]).rows
+    kept = [replace(row, holds=True) for row in {row.quantity: row for row in rows}.values()]
+    assert len(kept) > 12
+    assert "strikes" in {row.quantity for row in kept}
+    assert bounds_in_words(kept, completed=True) == f"All {len(kept)} bounds are kept."
+    for k, row in enumerate(kept):
+        one = [*kept[:k], replace(row, holds=False), *kept[k + 1 :]]
+        assert [failing.quantity for failing in broken(one)] == [row.quantity]
+        assert bounds_in_words(one, completed=True) == f"Not kept: {row.quantity}."
+        assert one[k].cells[3] == "NO"
 
 
 def test_a_stop_is_told_by_each_conveyance_s_own_way_and_by_what_holds_it_from_then_on() -> None:

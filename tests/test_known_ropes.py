@@ -1,6 +1,9 @@
 """What is known of a rope: the catalogue, what `balance-rope identify` finds, windings over ranges (`uncertain`)."""
 
 import math
+import os
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +17,7 @@ from pydantic import TypeAdapter
 from balance_rope import _with_rope, main
 from hoist_demo.calibration import measurements
 from hoist_demo.calibration.definition import MeasurementFile
+from hoist_demo.calibration.findings import OPEN, Finding, findings_of
 from hoist_demo.calibration.fit import CONFIDENCE, END_TOLERANCE, RANGE_VARIANCE, REACH, fit, intervals, sensitivities
 from hoist_demo.calibration.identify import identify, residuals_of, stacked
 from hoist_demo.calibration.measurements import CalibrationProblem
@@ -22,9 +26,9 @@ from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.files.reading import FileError, read
 from hoist_demo.files.rope_file import FOLLOWING, RopeFile
 from hoist_demo.files.run_values import Values
-from hoist_demo.files.values import plain, statuses
+from hoist_demo.files.values import ParameterValue, plain, statuses, unreached
 from hoist_demo.uncertainty.definition import UncertaintyFile
-from hoist_demo.uncertainty.page import too_few
+from hoist_demo.uncertainty.page import remarks, too_few
 from hoist_demo.uncertainty.spread import UncertaintyResult, draw, remarks_of, wind_once
 from rope_model import BEARINGS, CONSTRUCTIONS, Rope, Scene, rope
 from rope_model.catalogue import PROPERTIES, SHEAR, STEEL_MODULUS, Datum, properties_of, rope_of
@@ -191,6 +195,119 @@ def test_measurements_that_contradict_each_other_are_told(tmp_path: Path, capsys
     assert_allclose([bending.low, bending.high], [before.low, before.high], rtol=1e-5)
 
 
+MASS = '[[measured]]\nwhat = "mass"\nvalue = 8.368\nsigma = 0.02\n'
+PULL = (
+    '[[measured]]\nwhat = "at rest"\nsignal = "left.fy"\nleft_y = 0.0\nright_y = 40.0\nvalue = 3000.0\nsigma = 20.0\n'
+)
+STRETCH = '[[measured]]\nwhat = "sample extension"\nload = 50e3\nlength = 10.0\nvalue = 5.29e-2\nsigma = 1e-4\n'
+HEAVY = MASS.replace("8.368", "18.45")
+
+
+@pytest.mark.parametrize(
+    ("measured", "compromises"),
+    [
+        (HEAVY, {"mass_per_length"}),
+        # the rope hangs, whatever it is like: a force upwards has the wrong sign
+        (PULL, {"mass_per_length"}),
+        (HEAVY + WIDTH.replace("3.05", "30.0") + STRETCH, {"mass_per_length", "bending_stiffness", "axial_stiffness"}),
+    ],
+    ids=["a mass outside of its range", "a force with the wrong sign", "one value for each property"],
+)
+def test_a_measurement_that_no_rope_of_the_ranges_meets_calibrates_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], measured: str, compromises: set[str]
+) -> None:
+    source = written(tmp_path, ROPE + measured)
+    assert main(["identify", str(source), "--out", str(tmp_path)]) == 1
+    told = capsys.readouterr()
+    assert "the measurements contradict the model or one another" in told.err
+    for name in compromises:
+        assert f"{name} = " in told.err
+    assert "end of its range, and the measurements ask for" in told.err
+    assert "calibrated" not in told.out
+    made = tmp_path / "rope.toml"
+    assert "calibrated" not in made.read_text(encoding="utf-8")
+    statuses_found = {name: datum.status for name, datum in read(made, RopeFile).catalogue_rope.data.items()}
+    assert compromises <= {name for name, status in statuses_found.items() if status == "contradicted"}
+
+
+def test_a_value_at_an_end_of_its_range_is_named_and_keeps_the_range(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    # 8.49 kg/m is a quarter of a sigma beyond the catalogue's 8.485: no contradiction
+    source = written(tmp_path, ROPE + MASS.replace("8.368", "8.49") + WIDTH)
+    assert main(["identify", str(source), "--out", str(tmp_path)]) == 0
+    told = capsys.readouterr()
+    assert "mass_per_length = 8.4852 kg/m is the upper end of its range, and the measurements ask for more" in told.err
+    assert "widen the range of mass_per_length in [known]" in told.err
+    data = read(tmp_path / "rope.toml", RopeFile).catalogue_rope.data
+    before = rope("34x7", diameter=0.046).data["mass_per_length"]
+    assert data["mass_per_length"].status == before.status
+    assert_allclose([data["mass_per_length"].low, data["mass_per_length"].high], [before.low, before.high], rtol=1e-5)
+    assert data["bending_stiffness"].status == "calibrated"
+
+
+def test_a_share_held_at_its_end_is_no_degree_of_freedom() -> None:
+    # two shares and three values: the first asks for 3, beyond its range; the second is found of the two others
+    values = np.array([3.0, 0.4, 0.4 + 2 / 50.0])
+    matrix = np.array([[50.0, 0.0], [0.0, 50.0], [0.0, 50.0]])
+    found = fit(residuals := lambda u: matrix @ u - 50.0 * values, 2)
+    assert found.held.tolist() == [1, 0]
+    assert_allclose(found.norm_params, [1.0, 0.42], atol=1e-6)
+    # two degrees of freedom: exp(-chi^2 / 2)
+    chi2 = (50.0 * 2.0) ** 2 + 2 * 1.0**2
+    assert_allclose(found.p_value, np.exp(-0.5 * chi2), rtol=1e-3, atol=1e-300)
+    assert_allclose(intervals(residuals, found)[0], [0.0, 1.0])
+    assert_allclose(intervals(residuals, found)[1], 0.42 + REACH / np.hypot(50.0, 50.0) * np.array([-1, 1]), rtol=1e-6)
+    # a share whose best value is within its range is free, however near to its end
+    assert fit(lambda u: np.array([50.0 * (u[0] - 0.9999)]), 1).held.tolist() == [0]
+
+
+def test_a_profile_lets_a_share_at_its_end_come_back() -> None:
+    # only the sum is told well, and it asks for the second share beyond its range: where the first grows, the second
+    # leaves its end, so that the first is uncertain by what the second may give way
+    matrix, values = np.array([[60.0, 60.0], [0.0, 4.0]]), np.array([60.0 * 1.5, 4.0 * 1.1])
+    found = fit(residuals := lambda u: matrix @ u - values, 2)
+    assert found.held.tolist() == [0, 1]
+    low, high = intervals(residuals, found)[0]
+    assert_allclose(found.norm_params[0] - low, REACH / 60.0, rtol=0.05)
+    least = float(np.sum(np.square(residuals(found.norm_params))))
+    grown = [float(np.sum(np.square(residuals(np.array([high, v]))))) for v in np.linspace(0.0, 1.0, 2001)]
+    assert_allclose(np.sqrt(min(grown) - least), REACH, rtol=2 * END_TOLERANCE)
+
+
+def test_an_interval_as_wide_as_the_range_is_not_called_calibrated() -> None:
+    # steep where it is found, but the squares never grow by REACH^2: the interval decides, not the linear reach
+    def residuals(u: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.array([1.6 * np.tanh(20.0 * (u[0] - 0.5))])
+
+    found = fit(residuals, 1)
+    ends = intervals(residuals, found)
+    assert found.reaches[0] < OPEN
+    assert_allclose(ends, [[0.0, 1.0]])
+    assert findings_of(found, ends) == [Finding.UNDETERMINED]
+
+
+def test_a_trip_is_wound_once_for_all_that_is_measured_in_it(tmp_path: Path) -> None:
+    short = ROPE.replace("120.0", "30.0") + "[known]\n"
+    short += "mass_per_length = 8.37\naxial_stiffness = 9e7\ntorque_factor = 0.01\ntorsional_stiffness = 900.0\n"
+    where = "t = [1.0, 1.5]\nleft_y = 0.0\nright_y = 8.0\ntravel = 2.0\nspeed = 4.0\n"
+    signals = {"loop.x": (0.0, 0.01), "loop.yaw": (0.0, 0.01), "left.fy": (-1000.0, 1e4)}
+    for name, (value, sigma) in signals.items():
+        short += f'[[measured]]\nwhat = "track"\nsignal = "{name}"\nvalue = {[value] * 2}\nsigma = {sigma}\n{where}'
+    short += '[[measured]]\nwhat = "swept"\nsignal = "loop.y"\nvalue = 2.0\nsigma = 9.0\nuntil = 1.5\n'
+    short += where.replace("[1.0, 1.5]", "0.5")
+    file = read(written(tmp_path, short), MeasurementFile)
+    windings = list[int]()
+    identify(file, windings.append)
+    assert len(windings) > 2  # one unknown: some ropes are tried
+    assert set(windings) == {1}
+    # another trip is another winding
+    predictor = file.problem.predictor(np.full(1, 0.5))
+    other = read(written(tmp_path, short.replace("travel = 2.0", "travel = 1.0", 1)), MeasurementFile)
+    file.problem.predict(np.full(1, 0.5), other.measurements, predictor)
+    assert predictor.windings == 2
+
+
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
@@ -204,6 +321,11 @@ def test_measurements_that_contradict_each_other_are_told(tmp_path: Path, capsys
         (ROPE + WIDTH + "[sought]\nair.drag = 1.0\n", "air.drag = 1.0 must be { low, high }, in order"),
         (ROPE + TRACK + "travel = 90.0\nleft_y = 0.0\nright_y = 130.0\n", "must be less than .* = 120 m apart"),
         (ROPE + WIDTH + "[want]\n", r"want = {} is not a key"),
+        (ROPE + WIDTH + '[fixed]\nmodel.fidelity = "planar"\n', r"\[fixed\] model.fidelity = 3 must be .torsional."),
+        (
+            ROPE + WIDTH + "[fixed]\nair.drag = 1.0\n[sought]\nair.drag = { low = 0.5, high = 2.0 }\n",
+            r"\[fixed\] air.drag = 1.0 is also in \[sought\]",
+        ),
     ],
 )
 def test_what_is_wrong_with_a_file_is_told(tmp_path: Path, text: str, problem: str) -> None:
@@ -277,6 +399,16 @@ def test_a_rope_that_passed_through_itself_sets_no_range(tmp_path: Path) -> None
     assert told.startswith("left out: the rope passed through its other leg")
 
 
+@pytest.mark.parametrize(
+    ("reason", "code"), [("", 0), ("warning: slack", 0), ("stopped: a cause", 1), ("left out: x", 1)]
+)
+def test_each_winding_that_does_not_count_decides_the_exit_code(tmp_path: Path, reason: str, code: int) -> None:
+    asked = read(written(tmp_path, SCENE), UncertaintyFile)
+    result = UncertaintyResult(asked, {}, {reason: 1} if reason else {})
+    assert (result.exit_code, result.completed) == (code, 8 - code)
+    assert remarks(result) == ([f"in 1 of 8 windings: {reason}"] if reason else [])
+
+
 def test_a_remark_of_many_windings_has_the_range_of_its_numbers() -> None:
     texts = [[f"yawed by {yaw} rad (bound 0.5 rad)"] for yaw in ("9.5e-01", "0.61", "10")]
     assert remarks_of([*texts, [], ["struck"]]) == {"yawed by 0.61 to 10 rad (bound 0.5 rad)": 3, "struck": 1}
@@ -295,11 +427,60 @@ def test_a_remark_of_many_windings_has_the_range_of_its_numbers() -> None:
         (("= 7.7", "= 7700.0"), r"mass_per_length = 7700 must be within 0\.755 and 77\.6 kg/m, .*: check its unit"),
         (("= 7.7", "= { low = 0.007, high = 7.7 }"), r"mass_per_length = .* must be within 0\.755 and 77\.6 kg/m"),
         (("[known]", "[known]\ntorque_factor = 0.01\nbending_stiffness = 180.0"), "nothing varies"),
+        (
+            ("[known]", "[fixed]\nhoist.tail_rope_mass = 9.0\n[known]"),
+            r"\[fixed\] hoist.tail_rope_mass = 9.0 follows from the rope's \[known\] mass_per_length",
+        ),
+        (("samples = 8", 'samples = 8\nbearing = "rolling"'), r"bearing = 'rolling' varies a friction that swivels"),
     ],
 )
 def test_what_is_wrong_with_ranges_is_told(tmp_path: Path, change: tuple[str, str], problem: str) -> None:
     with pytest.raises(FileError, match=problem):
         read(written(tmp_path, SCENE.replace(*change)), UncertaintyFile)
+
+
+def test_friction_that_is_given_beside_a_bearing_is_refused(tmp_path: Path) -> None:
+    swivels = '[fixed]\nswivels.mode = "coulomb"\n'
+    rolling = SCENE.replace("samples = 8", 'samples = 8\nbearing = "rolling"') + swivels
+    assert "running_friction" in read(written(tmp_path, rolling), UncertaintyFile).data
+    with pytest.raises(FileError, match=r"\[fixed\] left.swivel.mu_static = 0.3 follows from \[uncertain\] bearing"):
+        read(written(tmp_path, f"{rolling}left.swivel.mu_static = 0.3\n"), UncertaintyFile)
+
+
+def test_a_given_value_that_a_run_does_not_have_is_named() -> None:
+    given = {name: ParameterValue(1.0) for name in ("rope.EI", "air.drag", "hoist.payload_left")}
+    told = [*unreached(given, {"rope.EI": 1.0, "air.drag": 2.0})]
+    assert len(told) == 2
+    assert told[0].startswith("[fixed] air.drag = 1.0 does not reach the rope or the hoist, which has 2.0")
+    assert told[1].startswith("[fixed] hoist.payload_left = 1.0 is a value that this command does not take")
+
+
+@pytest.mark.parametrize("command", ["uncertain", "identify"])
+def test_check_hangs_the_rope(tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str) -> None:
+    where = (
+        '[[measured]]\nwhat = "at rest"\nsignal = "loop.yaw"\nleft_y = 0.0\nright_y = 40.0\nvalue = 0.1\nsigma = 1.0\n'
+    )
+    text = SCENE + "[fixed]\n" if command == "uncertain" else f"{ROPE}{where}[fixed]\n"
+    path = str(written(tmp_path, f"{text}layout.spacing = 2.0\n"))
+    assert main([command, path, "--check"]) == 0
+    path = str(written(tmp_path, f"{text}layout.spacing = 300.0\n"))
+    assert main([command, path, "--check"]) == 2
+    assert "the rope of 120 m cannot hang between ends 300 m apart" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("both", [False, True], ids=["output", "output and messages"])
+def test_a_reader_that_leaves_changes_no_exit_code(tmp_path: Path, both: bool) -> None:
+    source = written(tmp_path, ROPE + HEAVY)
+    command = [sys.executable, "-m", "balance_rope", "identify", str(source), "--out", str(tmp_path / "found")]
+    root = str(Path(__file__).parents[1])
+    receiver, sender = os.pipe()
+    os.close(receiver)  # the reader is gone before the first line
+    with os.fdopen(sender, "wb") as out:
+        messages = out if both else subprocess.PIPE
+        done = subprocess.run(command, stdout=out, stderr=messages, env=os.environ | {"PYTHONPATH": root}, check=False)
+    assert done.returncode == 1
+    assert both or b"warning: the measurements contradict the model" in done.stderr
+    assert (tmp_path / "found" / "report.html").is_file()
 
 
 @pytest.mark.parametrize("name", ["rope-120", "kiruna-355"])

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import Patch
 from numpy.testing import assert_allclose
 from scipy.io import loadmat
 
@@ -13,6 +14,8 @@ from balance_rope import main
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
+from hoist_demo.design import arrival_swing, linear_model, reduction, sparse_modes
+from hoist_demo.design.arrival_swing import INPUTS, OUTPUTS, SpeedLoop, pole_of_sparse, swing_at_arrival
 from hoist_demo.design.linearise import linearise, linearise_hoist, linearise_rope
 from hoist_demo.design.reduction import reduced
 from hoist_demo.files.hoist_file import HoistFile
@@ -30,6 +33,30 @@ def smooth(case: Case) -> Case:
     """The case without what has no derivative."""
     guides = None if case.hoist.guides is None else replace(case.hoist.guides, coulomb=0.0)
     return replace(case, hoist=replace(case.hoist, loss_coulomb=0.0, guides=guides, brake=None, play=None))
+
+
+def test_sparse_modes_are_the_dense_ones_and_none_is_missed(tmp_path: Path, monkeypatch: Patch) -> None:
+    # equal ropes at equal distances: every mode that the hoist does not share is there twice
+    ropes = "[[rope]]\nname = 'a'\nz = 0.3\n[[rope]]\nname = 'b'\nz = -0.3\n"
+    path = tmp_path / "two.toml"
+    path.write_text(f"name = 'two'\nlike = 'rope-120'\nlevel = 'draft'\n{ropes}", encoding="utf-8")
+    case = find_case(str(path))
+    (model,) = linearise(smooth(case), [0.3], level=case.level)
+    dense = model.modes(2.0)
+    heard = list[float]()
+    monkeypatch.setattr(linear_model, "MOST_DENSE", 0)
+    found = model.modes(2.0, heard.append)
+    assert found.frequencies.size == dense.frequencies.size > sparse_modes.MOST_IN_PART
+    assert heard[-1] == 1.0
+    assert heard == sorted(heard)
+    # a motion without stiffness has the square of its frequency 0 but for rounding, 1e-6 1/s^2 here
+    assert_allclose(found.frequencies**2, dense.frequencies**2, rtol=1e-7, atol=1e-6)
+    # equal modes may be mixed: their damping is compared by its sum, that of each other mode alone
+    near = np.diff(dense.frequencies, prepend=-1.0) > 1e-4
+    firsts = np.flatnonzero(near)
+    sums = [np.add.reduceat(one.damping * one.frequencies, firsts) for one in (found, dense)]
+    assert_allclose(sums[0], sums[1], rtol=1e-5, atol=1e-8)
+    assert_allclose(found.shares.sum(axis=0), 1.0, rtol=0.0, atol=1e-9)
 
 
 BENT = pytest.param(0, {"air.density": 1.2, "rope.initial_curvature": 0.5}, marks=pytest.mark.slow)
@@ -91,12 +118,67 @@ def test_a_rope_that_flows_pulls_by_its_momentum_and_keeps_its_shape(speed: floa
 
 
 def test_small_models_need_no_more_states_than_the_drive_feels() -> None:
-    small = reduced([m.selected(TORQUE, SEEN[:3]) for m in linearise(find_case("rope-120"))])
+    small = reduced([m.selected(TORQUE, SEEN[:3]) for m in linearise(find_case("rope-120"))], 17)
     assert small.A.shape == (5, 17, 17)
     # promised for five heights of four hoists
     assert small.decibels.max() < 1.0
     assert small.degrees.max() < 5.0
     assert np.linalg.eigvals(small.A).real.max() < 1e-6  # modes of a stable model; the hoist itself rests anywhere
+
+
+def test_the_number_of_states_follows_from_the_measured_error(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    (model,) = (m.selected(TORQUE, SEEN[:3]) for m in linearise(find_case("rope-120"), [0.3], level="draft"))
+    few, more = (reduced([model], states) for states in (9, 15))
+    bound = float(np.sqrt(few.decibels.max() * more.decibels.max()))
+    assert more.decibels.max() < bound < few.decibels.max()
+    monkeypatch.setattr(reduction, "MAX_DECIBELS", bound)
+    found = reduced([model])
+    assert 9 < found.A.shape[1] <= 15
+    assert found.decibels.max() <= bound
+    assert not caplog.records
+    reduced([model], 9)
+    assert "a model of 9 states errs by" in caplog.text
+    monkeypatch.setattr(reduction, "MOST_STATES", 9)
+    with pytest.raises(ValueError, match=rf"9 states errs by {few.decibels.max():.2g} dB"):
+        reduced([model])
+
+
+@pytest.mark.parametrize(
+    ("hoist", "at"), [pytest.param("rope-120", 1.0), pytest.param("robert-1096", 0.5, marks=pytest.mark.slow)]
+)
+def test_an_arrival_swings_as_the_complete_model(hoist: str, at: float) -> None:
+    case = find_case(hoist)
+    case = replace(case, winding=replace(case.winding, travel=at * case.hoist.shaft_travel))
+    swing = swing_at_arrival(case, 0.0)
+    (model,) = linearise(case, [at])
+    exact = pole_of_sparse(model.selected(INPUTS, OUTPUTS), SpeedLoop.of(case))
+    assert exact is not None
+    # a small model errs by 6 % in gain at most, and by less in a pole
+    assert swing.frequency == pytest.approx(exact.imag / (2 * np.pi), rel=0.01)
+    assert swing.damping == pytest.approx(-exact.real / abs(exact), rel=0.03)
+
+
+def test_a_trip_of_half_a_deep_shaft_is_shaped_for_its_own_end() -> None:
+    case = find_case("rope-120")
+    half = replace(case, winding=replace(case.winding, travel=45.0))
+    below, above = (swing_at_arrival(half, start) for start in (0.0, 45.0))
+    assert below.frequency == pytest.approx(1.858, rel=1e-3)
+    assert above == swing_at_arrival(case, 0.0)
+
+
+def test_where_no_small_model_serves_the_complete_one_does_or_the_error_is_told(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    case = find_case("rope-120")
+    swing = swing_at_arrival(case, 0.0)
+    monkeypatch.setattr(reduction, "MOST_STATES", 9)
+    monkeypatch.setattr(reduction, "MAX_DECIBELS", 1e-6)
+    assert swing_at_arrival(case, 0.0).frequency == pytest.approx(swing.frequency, rel=1e-3)
+    monkeypatch.setattr(arrival_swing, "pole_of_sparse", lambda *_: None)
+    with pytest.raises(ValueError, match=r"9 states errs by .* dB .*; nor has the complete model .* shaper.frequency"):
+        swing_at_arrival(case, 0.0)
 
 
 def test_small_models_are_written_and_scheduled(tmp_path: Path) -> None:

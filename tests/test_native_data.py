@@ -15,24 +15,21 @@ from hypothesis import strategies as st
 from native_parts import compiled
 from numpy.testing import assert_allclose
 from scenes import CHOICES as WINDINGS
-from scenes import Choice, hung, recorded, wound
+from scenes import Choice
 
 from fmu_src.interface import variables
-from rope_model import Rope, RopeCase, RopeSimulator, Scene, Solver, Swivel, scene_names
+from rope_model import Rope, RopeCase, Scene, Swivel, scene_names
 from rope_model.codegen.state_structures import PARTS
 from rope_model.codegen.structures import EndMotionStructure, SceneStructure, scene_structure
-from rope_model.engine import NativeRope
-from rope_model.parameters import Attachment
 from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT
 from rope_model.simulation.ends.ends import refusal, stale_input_error
 from rope_model.simulation.ends.input_filter import InputFilter, PathMeasures
 from rope_model.simulation.ends.paths import SIDES, EndMotion, EndPath, ends_at
 from rope_model.simulation.fidelity import FIDELITIES, choose_fidelity, lowest_sufficient, unsupported_motion
-from rope_model.simulation.outputs.sensitivity import LOADS, load_derivative
 from rope_model.simulation.rigid import rigid_rope
 from rope_model.simulation.rope_system import arc_lengths
 from rope_model.simulation.stepping.statics import StaticsError
-from rope_model.solver_parameters import FidelityChoice, Inputs, Model, Trusted
+from rope_model.solver_parameters import FidelityChoice, Inputs, Model
 
 Ends = tuple[EndMotion, EndMotion]
 
@@ -257,94 +254,3 @@ def test_rigid_rope_is_the_same(native: Any, first: Ends, then: Ends, t: float, 
     for ours, python in ((q, theirs.motion.q), (v, theirs.motion.v), (a, theirs.motion.a)):
         same(ours, python, length)
     same(reaction, theirs.motion.reaction, weight)
-
-
-def native_derivative(rope: NativeRope, side: int, name: str, at_step_end: bool = True) -> list[float]:
-    """Derivatives of LOADS to an input of one side, as an FMU gives them."""
-    lib, handle, *_ = rope.library
-    found, fields = (ct.c_double * len(LOADS))(), list(EndMotion.__dataclass_fields__)
-    assert lib.rope_load_derivative(handle, len(fields) * side + fields.index(name), at_step_end, found)
-    return list(found)
-
-
-@pytest.mark.parametrize("at_step_end", [True, False])
-@pytest.mark.parametrize("trusted", ["all", "position_speed", "position", "speed"])
-@pytest.mark.parametrize("g", [0.0, -2.0])
-def test_derivatives_are_those_of_the_inputs_that_are_trusted(trusted: Trusted, at_step_end: bool, g: float) -> None:
-    """Of an ideal step at rest, or in a fall that estimates lag behind, which ends with the input changed."""
-
-    def falling(t: float) -> Ends:
-        return EndMotion(y=0.5 * g * t * t, vy=g * t, ay=g), EndMotion()
-
-    exact = Solver(tolerance=1e6, newton_tolerance=3e-10)
-    scene = Scene(rope=Rope(length=60.0, installed_twist=1.0), inputs=Inputs(trusted), solver=exact)
-    h, steps, loads = 0.01, 20 if g else 1, ("left.fx", "left.fy", "left.my", "right.fy")
-    places, given_at = [LOADS.index(load) for load in loads], h * (steps + at_step_end)
-    (left, right), native, python = falling(given_at), NativeRope(scene), RopeSimulator(scene)
-    for rope in (native, python):
-        recorded(rope, falling, steps, loads, h, late=not at_step_end)
-    state = native.save()
-    for name in ("x", "y", "vy", "ay", "yaw", "yaw_rate"):
-        found = np.array(native_derivative(native, 0, name, at_step_end))
-        # both take differences, of the sizes there
-        of_python = load_derivative(python, 0, name, at_step_end)
-        assert_allclose(found, of_python, rtol=1e-3, atol=1e-3 * np.abs(found).max(), err_msg=name)
-        size = {"x": 5e-9, "y": 5e-9, "vy": 1e-6, "ay": 1e-2, "yaw": 1e-5, "yaw_rate": 1e-3}[name]
-        forces = []
-        for sign in (1, -1):
-            native.restore(state)
-            moved = dataclasses.replace(left, **{name: getattr(left, name) + sign * size})
-            assert native.advance_to(h * (steps + 1), moved, right, given_at).valid
-            forces.append([*native.signals(loads).values()])
-        native.restore(state)
-        differences = (np.array(forces[0]) - np.array(forces[1])) / (2 * size)
-        exactness = 2e-2 if g else 2e-3  # in motion the rope is linearised a step before
-        allowed = exactness * np.abs(differences).max() + 1e-7 / size
-        assert_allclose(found[places], differences, rtol=exactness, atol=allowed, err_msg=name)
-        kind = "a" if name == "ay" else "v" if name in ("vy", "yaw_rate") else "x"
-        assert found.any() == (kind in {"all": "xva", "position_speed": "xv", "position": "x", "speed": "v"}[trusted])
-
-
-def test_a_yaw_rate_acts_in_a_short_step_as_its_mean_acceleration_does() -> None:
-    exact, h, moments = Solver(tolerance=1e6, newton_tolerance=3e-10), 2e-4, []
-    native = hung(NativeRope(Scene(rope=Rope(length=60.0, installed_twist=1.0), solver=exact)))
-    assert native.advance_to(h, EndMotion(), EndMotion()).valid
-    derivative, state = native_derivative(native, 0, "yaw_rate")[4], native.save()
-    for rate in (1e-6, -1e-6):
-        native.restore(state)
-        assert native.advance_to(2 * h, EndMotion(yaw_rate=rate), EndMotion()).valid
-        moments.append(native.signals(["left.my"])["left.my"])
-    assert derivative == pytest.approx((moments[0] - moments[1]) / 2e-6, rel=0.02)
-
-
-@pytest.mark.parametrize(("fidelity", "held"), [("torsional", "plumb"), ("planar", "plumb"), ("rigid", "clamped")])
-@pytest.mark.parametrize("side", [0, 1])
-def test_derivatives_are_those_of_the_python_rope(side: int, fidelity: FidelityChoice, held: Attachment) -> None:
-    twist = 1.0 if fidelity == "torsional" else 0.0
-    # derivatives are those of a whole step, and what Newton's method leaves would show in the differences
-    exact = Solver(tolerance=1e6, newton_tolerance=1e-9)
-    scene = Scene(rope=Rope(length=60.0, installed_twist=twist), model=Model(fidelity), solver=exact)
-    scene = scene.with_(left=Swivel(attachment=held), right=Swivel(attachment=held))
-
-    def lowered(t: float) -> Ends:
-        return EndMotion(), EndMotion(y=10.0 - 0.5 * t**3, vy=-1.5 * t**2, ay=-3.0 * t)
-
-    ropes = [wound(form(scene), lowered, 3) for form in (RopeSimulator, NativeRope)]
-    for name in EndMotion.__dataclass_fields__:
-        found, expected = load_derivative(ropes[0], side, name), np.array(native_derivative(ropes[1], side, name))
-        # forces are rounded to some EA / l times the rounding of places, 1e-6 N; a difference over 1e-7 m, 1e-5 m/s ...
-        rounding = 1e-6 / (1e-3 if name[0] == "a" else 1e-5 if name[0] == "v" or name == "yaw_rate" else 1e-7)
-        assert_allclose(found, expected, rtol=1e-3, atol=1e-3 * np.abs(expected).max() + rounding, err_msg=name)
-    assert_allclose(ropes[1].added_mass(), ropes[0].added_mass(), rtol=1e-9 if fidelity == "rigid" else 1e-3)
-    # the longer leg, and half of the bend with the height, of the rope below the end with its acceleration
-    assert fidelity != "rigid" or native_derivative(ropes[1], side, "ay")[6 * side + 1] < -100.0
-
-
-def test_added_mass_is_the_derivative_along_an_acceleration_held_over_the_last_step() -> None:
-    # of y, vy and ay together, as docs/reference/variables.md says
-    h = 0.01
-    rope = wound(NativeRope(Scene(rope=Rope(length=60.0))), lambda _: (EndMotion(), EndMotion()), 1, h)
-    for side, mass in enumerate(rope.added_mass()):
-        by_y, by_vy, by_ay = (native_derivative(rope, side, name)[6 * side + 1] for name in ("y", "vy", "ay"))
-        assert_allclose(-(by_ay + h * by_vy + 0.5 * h**2 * by_y), mass, rtol=1e-4)
-        assert abs(by_ay) < 0.1 * mass

@@ -26,12 +26,6 @@ from rope_model.simulation.outputs.diagnostics import LoopBottom, ends_yaw, leg_
 from rope_model.simulation.rope_system import arc_lengths
 from rope_model.simulation.stepping.statics import hanging_guess
 
-
-@given(angle=st.floats(-4.0, 4.0), last=st.floats(-100.0, 100.0))
-def test_angle_counted_on_is_the_same(parts: SimpleNamespace, angle: float, last: float) -> None:
-    assert parts.nearest_turn(angle, last) == nearest_turn(angle, last)
-
-
 hangings = st.tuples(*(st.floats(*bounds) for bounds in ((0.3, 6.0), (-30, 30), (-2, 2), (0.2, 4.0), (40, 200))))
 
 

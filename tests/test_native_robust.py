@@ -22,7 +22,7 @@ from hypothesis.stateful import RuleBasedStateMachine, rule, run_state_machine_a
 from native_host import ERROR, OK, SMALL, Host, reseal
 
 from fmu_src.native.build import available_platforms
-from fmu_src.native.export import header_folder
+from fmu_src.native.export import HEADERS
 
 if not available_platforms():
     pytest.skip("no compiler builds the native FMU here", allow_module_level=True)
@@ -110,7 +110,7 @@ def run_threads(program: Path, fmu: Path, unzipped: Path, threads: int = THREADS
 @pytest.mark.parametrize(("flavour", "count", "runs"), [("python", 4, 1), ("native-2", 16, 5)])
 def test_many_threads_have_the_bits_of_one(flavour: str, count: int, runs: int, fmu_of: Any, tmp_path: Path) -> None:
     program, fmu, text = tmp_path / "threads", fmu_of(flavour), ROOT / "tests" / "native" / "threads.c"
-    command = ["cc", "-std=gnu99", "-O1", f"-I{header_folder()}", text, "-o", program, "-ldl", "-lm", "-lpthread"]
+    command = ["cc", "-std=gnu99", "-O1", f"-I{HEADERS}", text, "-o", program, "-ldl", "-lm", "-lpthread"]
     subprocess.run(command, check=True)
     unzipped = Path(fmpy.extract(str(fmu), str(tmp_path / "unzipped")))
     for _ in range(runs):

@@ -103,11 +103,12 @@ def test_signals_are_read_by_name_in_the_order_asked_for(form: public.Form) -> N
     assert (rope.time, rope.fidelity) == (2.0, "torsional")
     every = rope.signals()
     assert [*every] == [name for name in public.SIGNALS if not name.endswith("added_mass")]
-    names = ("right.fy", "left.added_mass", "count.steps")
+    names = ("right.fy", "left.mx", "count.steps")
     some = rope.signals(names)
     assert [*some] == [*names]
     assert some["right.fy"] == every["right.fy"]
-    assert some["left.added_mass"] == rope.added_mass()[0]
+    if form == "native":
+        assert rope.signals(["left.added_mass"])["left.added_mass"] == rope.added_mass()[0]
     with pytest.raises(ValueError, match=r"'left\.force' is no signal"):
         rope.signals(["left.fy", "left.force"])
     assert rope.advance_to(2.1, EndMotion(), EndMotion(y=10.0)).valid

@@ -25,8 +25,7 @@ from fmu_src.export import export_fmu
 from fmu_src.native.build import PLATFORMS, available_platforms, host_platform
 from fmu_src.native.export import export_native
 from rope_model import RopeSimulator, Swivel, balance_rope, rope_120
-from rope_model.simulation.outputs.sensitivity import LOADS
-from rope_model.simulation.outputs.signal_table import SHAPE_POINTS
+from rope_model.simulation.outputs.signal_table import LOADS, SHAPE_POINTS
 
 H, LAST, HERE = 0.01, 160, (host_platform(),)
 #: steps as long as the host's
@@ -142,12 +141,14 @@ def test_states_go_on_to_the_bit_after_half_steps_and_in_another_process(
     assert in_another_process(f"elsewhere({path!r}, {folder!r}, {str(saved)!r}, 40, 110)") == repr(here)
 
 
+@pytest.mark.parametrize("host", ["native-2", "native-3"], indirect=True)
 @pytest.mark.parametrize("at_step_end", [True, False])
 def test_directional_derivatives_are_those_of_a_step(host: Host, at_step_end: bool) -> None:
-    host.start(inputs_at_step_end=at_step_end, solver__tolerance=1e6)
+    host.start(inputs_at_step_end=at_step_end)
     run(host, 0, 30)
     state = host.state()
-    for name, size in {"left.y": 1e-7, "right.vy": 1e-5, "left.ay": 1e-3, "right.ax": 1e-3}.items():
+    # a position alone is a misfit beyond 1e-7 m, which is not followed as a smaller one
+    for name, size in {"left.y": 1e-9, "right.vy": 1e-7, "left.ay": 1e-3, "right.ax": 1e-3}.items():
         forces = []
         for change in (-size, size, 0.0):
             host.restore(state)
@@ -156,9 +157,19 @@ def test_directional_derivatives_are_those_of_a_step(host: Host, at_step_end: bo
             assert host.step(30 * H) == ""
             forces.append(host.get(*LOADS))
         difference = (np.array(forces[1]) - forces[0]) / (2 * size)
-        analytic = [host.derivative(force, name) for force in LOADS]
-        # the step is one of Newton's method; the derivative is of one, linearised
-        assert_allclose(analytic, difference, atol=0.05 * np.abs(difference).max(), err_msg=name)
+        derivatives = [host.derivative(force, name) for force in LOADS]
+        # the rest is the rounding of the differences
+        assert_allclose(derivatives, difference, atol=0.01 * np.abs(difference).max(), err_msg=name)
+
+
+@python_only
+def test_the_python_flavour_has_no_derivatives_and_no_added_masses(host: Host, unpacked: Unpacked) -> None:
+    description = fmpy.read_model_description(str(unpacked("python")[1]))
+    assert not description.coSimulation.providesDirectionalDerivative
+    assert not [v.name for v in description.modelVariables if "added_mass" in v.name]
+    host.start()
+    with pytest.raises(AssertionError, match="export the native flavour"):
+        host.derivative("left.fy", "left.y")
 
 
 @pytest.mark.parametrize(

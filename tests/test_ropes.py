@@ -1,8 +1,9 @@
 """Several ropes in one hoist: sums, neighbours, a rope that breaks; and the results of `balance-rope wind`."""
 
 import math
+from contextlib import nullcontext
 from dataclasses import astuple, replace
-from itertools import pairwise
+from itertools import count, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from rope_groups import CASE, KNOWN, Weight, rope, ropes_in
 
 from balance_rope import main
+from hoist_demo.command_line import wind
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope, Piece
 from hoist_demo.cosimulation.participants.rope_group import Member, RopeGroup, WholeRope
@@ -244,11 +246,41 @@ def test_several_ropes_have_the_verdict_and_the_report_of_one(tmp_path: Path, ca
         assert (tmp_path / name).is_file(), name
 
 
-@pytest.mark.parametrize(("option", "value"), [("--fmu", "rope.fmu"), ("--resume", "last_good.npz")])
-def test_options_for_one_rope_are_refused_with_several(tmp_path: Path, capsys: Capture, option, value) -> None:
+def test_an_fmu_is_refused_with_several_ropes(tmp_path: Path, capsys: Capture) -> None:
     (path := tmp_path / "ropes.toml").write_text(ROPES, encoding="utf-8")
-    assert main(["wind", str(path), option, value]) == 2
-    assert f"{option} {value} is for a hoist with one [[rope]]: leave it out" in capsys.readouterr().err
+    assert main(["wind", str(path), "--fmu", "rope.fmu"]) == 2
+    assert "--fmu rope.fmu is for a hoist with one [[rope]]: leave it out" in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("no_figures")
+def test_several_ropes_go_on_from_an_interrupt_with_the_same_bits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    # the second has broken before the interrupt at 0.6 s
+    text = ROPES.replace('name = "two"', 'name = "two"\nbreaks_at = 0.3\nbreaks_s = 30')
+    (path := tmp_path / "ropes.toml").write_text(text, encoding="utf-8")
+    command = [
+        "wind",
+        str(path),
+        "--quick",
+        "--travel",
+        "0.5",
+        "--level",
+        "draft",
+        "--signals",
+        "left.fy",
+        "one.loop.y",
+    ]
+    assert main([*command, "--out", str(tmp_path / "whole")]) == 0
+    asked = count()
+    with monkeypatch.context() as patch:
+        patch.setattr(wind, "interruption", lambda *_: nullcontext(lambda: next(asked) >= 59))
+        assert main([*command, "--out", str(tmp_path / "parts")]) == 130
+    kept = tmp_path / "parts" / "last_good.npz"
+    assert f"the same command with --resume {kept} goes on" in capsys.readouterr().err
+    assert main([*command, "--out", str(tmp_path / "parts"), "--resume", str(kept)]) == 0
+    whole, parts = (pd.read_csv(tmp_path / name / "signals.csv") for name in ("whole", "parts"))
+    pd.testing.assert_frame_equal(whole, parts, check_exact=True)
 
 
 @pytest.mark.usefixtures("no_figures")

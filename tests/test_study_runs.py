@@ -5,6 +5,7 @@ import math
 import os
 import signal
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -27,7 +28,7 @@ from hoist_demo.study.definition import Study, StudyRun, read_study
 from hoist_demo.study.metrics import ARRIVALS, measure
 from hoist_demo.study.objective import Objective
 from hoist_demo.study.perform import run_study
-from hoist_demo.study.run import CUT_SHORT, Outcome, build, execute
+from hoist_demo.study.run import CUT_SHORT, ERROR, Outcome, build, execute
 from hoist_demo.study.sampling import Range, latin_hypercube
 from hoist_demo.study.store import Store, read_results
 from hoist_demo.study.trends import not_monotonic
@@ -143,6 +144,56 @@ def counting(study: Study, store: Store, ran: list[str]) -> Callable[[Sequence[S
         return keys
 
     return run
+
+
+@pytest.mark.parametrize("status", ["completed", "stopped", CUT_SHORT, ERROR, "passed", "warned"])
+def test_each_run_that_is_not_whole_is_named_and_decides_the_exit_code(read: Read, tmp_path: Path, status: str) -> None:
+    study = read("[vary]\ngains.speed = [1e5, 2e5, 3e5]")
+    store, keys = Store(tmp_path), [sample.data.key(study.fmu_hash) for sample in study.samples]
+    fine = Outcome("completed", "", {}, {})
+    odd = {
+        "completed": fine,
+        "passed": replace(fine, passed="the rope passed through its other leg"),
+        "warned": replace(fine, warnings=("the motor was at its limit",)),
+    }.get(status, replace(fine, status=status, cause="a cause"))
+
+    def run(samples: Sequence[StudyRun]) -> list[str]:
+        for key, sample, outcome in zip(keys, samples, [fine, odd, fine], strict=True):
+            store.write(key, sample.data, outcome, "w")
+        return keys
+
+    result = run_study(study, store, run)
+    name = "run 2 (gains.speed = 2e+05)"
+    failed = status in ("stopped", CUT_SHORT, ERROR)
+    assert result.exit_code == (1 if failed else 0)
+    assert result.causes == ({name: "a cause"} if failed else {})
+    assert result.passages == ({name: odd.passed} if odd.passed else {})
+    assert result.warnings == ({odd.warnings[0]: [name]} if odd.warnings else {})
+    assert result.summary.startswith(f"{2 if failed else 3} of 3 runs wound to the end")
+    assert ("in 1 the rope struck or passed through something" in result.summary) == bool(odd.passed)
+
+
+@pytest.mark.parametrize("content", ["", "{", "[]", '{"outcome": {}}', "null"])
+def test_a_broken_record_is_named_and_its_run_alone_is_wound_again(
+    read: Read, tmp_path: Path, caplog: pytest.LogCaptureFixture, content: str
+) -> None:
+    study = read("[vary]\ngains.speed = [1e5, 2e5, 3e5]")
+    store, ran = Store(tmp_path), list[str]()
+    first = run_study(study, store, counting(study, store, ran))
+    table = first.table.read_bytes()
+    path = tmp_path / "runs" / f"{ran[1]}.json"
+    path.write_text(content, encoding="utf-8")
+    again = list[str]()
+    store = Store(tmp_path)
+    run_study(study, store, counting(study, store, again))
+    assert again == [ran[1]]
+    assert [f"{path} is no whole record of a run" in text for text in caplog.messages] == [True]
+    assert first.table.read_bytes() == table
+
+
+def test_a_value_that_vary_would_replace_is_refused(read: Read) -> None:
+    with pytest.raises(FileError, match=r"\[fixed\] gains.speed = 100000.0 is also in \[vary\]"):
+        read("[fixed]\ngains.speed = 1e5\n[vary]\ngains.speed = [1e5, 2e5]")
 
 
 def test_table_opens_in_pandas_with_units_and_the_same_bytes(read: Read, tmp_path: Path) -> None:

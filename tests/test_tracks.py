@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from balance_rope import main
+from hoist_demo.calibration import tracks
 from hoist_demo.calibration.definition import MeasurementFile
 from hoist_demo.calibration.fit import CONFIDENCE
 from hoist_demo.calibration.tracks import Markers
@@ -153,3 +154,17 @@ def test_a_track_is_checked_by_the_command(tmp_path: Path, capsys: pytest.Captur
     path = camera().write(tmp_path, markers(), 0)
     assert main(["identify", str(path), "--check"]) == 0
     assert "nothing wrong" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("t;left.x\n0,01;1,5\n", "has semicolons between its columns, and '0,01;1,5' may have decimal commas: give"),
+        ("t\tleft.x\n0.01\t1.5\n", "has tabs between its columns: give a CSV file with commas"),
+        ("t,left.x\n0,01,1,5\n", "has 4 fields in line 2 and 2 names in line 1, as with decimal commas: give"),
+    ],
+)
+def test_a_table_with_other_separators_is_refused(text: str, said: str, tmp_path: Path) -> None:
+    (tmp_path / "swing.csv").write_text(text, encoding="utf-8")
+    with pytest.raises(ValueError, match=re.escape(f"swing.csv {said}")):
+        tracks._require_commas(tmp_path / "swing.csv", "swing.csv")

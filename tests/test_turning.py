@@ -28,8 +28,8 @@ def test_loop_yaws_through_90_degrees_and_on_to_a_full_turn() -> None:
     first = hung(RopeSimulator(SCENE))
     motion = rope.state.motion
     rest = find_equilibrium(rope.system, motion.q, motion.t)
-    before = first.ends.moment(0, first.state.motion.reaction)
-    assert_allclose(rope.ends.moment(0, rest.reaction), before, rtol=1e-4)
+    before = first.ends.moment(0, first.state.motion.q, first.state.motion.reaction)
+    assert_allclose(rope.ends.moment(0, rest.q, rest.reaction), before, rtol=1e-4)
     assert_allclose(rest.q[:, :3], first.state.motion.q[:, :3], rtol=0, atol=1e-6)
 
 

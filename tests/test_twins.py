@@ -16,9 +16,11 @@ from rope_model.numerics.kernels import find_compiler
 PACKAGE = Path(rope_model.__file__).parent
 CSRC = PACKAGE / "csrc"
 FILES = {path.name: path for path in sorted(CSRC.rglob("*")) if path.suffix in (".c", ".h", ".inc")}
-#: files without a Python module: what the files declare to each other and to hosts, memory that is taken before the
+#: files without a Python module: a communication step and its derivatives,
+#: what the files declare to each other and to hosts, memory that is taken before the
 #: first step, numbers written as Python does, vectors of several elements and the processor's
 ENGINE = {
+    "host_step.c", "sensitivity.c",
     "core.h", "rope.h", "memory.c", "text.c", "text.h", "lanes.h", "processor.c", "processor.h",
     "rope_kernels_form.inc", "rope_kernels_plain.c", "rope_kernels_wide.c", "rope_kernels_widest.c",
 }  # fmt: skip
@@ -27,7 +29,8 @@ C_ONLY = {
     "rope_create", "rope_message", "rope_is_initialized", "rope_state_bytes", "rope_save", "rope_time", "rope_fidelity",
     "rope_fidelity_reason", "rope_warning", "state_plausible", "state_copy", "record_event", "partition_elements",
     "middle_before", "fidelity_name", "bodies_group", "find_near_bodies", "add_near_bodies", "remember_configuration",
-    "clearance_exceeds",
+    "clearance_exceeds", "carry_director",
+    "phases_of", "set_phases", "repeat_step", "newton_repeated", "host_step_plausible",
     "point_forces_push", "chain_work_bytes", "chain_frames_bytes", "fastest_chains", "rope_advance_to_event",
 }  # fmt: skip
 

@@ -16,8 +16,9 @@ from tqdm import tqdm
 from evidence.rendering import DOCS
 from evidence.tables import Measures, Tables, table
 from hoist_demo.calibration.definition import MeasurementFile
+from hoist_demo.calibration.findings import OPEN
 from hoist_demo.calibration.fit import REACH, Array, fit, intervals, sensitivities
-from hoist_demo.calibration.identify import OPEN, residuals_of, stacked
+from hoist_demo.calibration.identify import residuals_of, stacked
 from hoist_demo.files.reading import read
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.uncertainty.definition import UncertaintyFile

@@ -94,7 +94,7 @@ def measure_chattering() -> Finding:
     rates, events = locate(rope)
     times: Array = H * np.arange(rates.size, dtype=float)
     standing = times > TURNED
-    kinetic = rope.ends.friction(0, rope.state.motion.reaction, kinetic=True)
+    kinetic = rope.ends.friction(0, rope.state.motion.q, rope.state.motion.reaction, kinetic=True)
     changes = float(np.count_nonzero(np.diff(np.sign(chattering[standing]))))
     shown = (times > 0.8) & (times < 2.0)
     return Finding(

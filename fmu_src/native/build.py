@@ -24,8 +24,8 @@ _PACKAGE = Path(__file__).resolve().parent
 CURE = "ziglang builds for all: pip install 'balance-rope[compiler]'"
 
 FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-shared", "-s")
-#: an FMU exports only the functions of FMI
-_HIDDEN = "-fvisibility=hidden"
+#: an FMU exports only the functions of FMI; CasADi marks its own
+_HIDDEN = ("-fvisibility=hidden", "-DCASADI_SYMBOL_EXPORT=")
 
 
 def available_platforms() -> tuple[str, ...]:
@@ -56,9 +56,11 @@ def missing_platforms() -> str:
     return f"{', '.join(missing)}: {why}; {CURE}"
 
 
-def binaries(sources: Mapping[str, str], identifier: str, fmi: int, platforms: Sequence[str]) -> dict[str, bytes]:
-    """Return libraries by path in the FMU, made of the C files and headers in ``sources``."""
-    built = {name: library(sources, identifier, name, f", FMI {fmi}.0").read_bytes() for name in platforms}
+def binaries(
+    sources: Mapping[str, str], model: str, fmi: int, platforms: Sequence[str], identifier: str
+) -> dict[str, bytes]:
+    """Return libraries by path in the FMU, made of the C files and headers in ``sources`` of the model."""
+    built = {name: library(sources, model, name, f", FMI {fmi}.0").read_bytes() for name in platforms}
     paths: dict[str, bytes] = {}
     for name, code in built.items():
         folder = PLATFORMS[name].folder2 if fmi == 2 else name
@@ -73,7 +75,7 @@ def library(sources: Mapping[str, str], identifier: str, name: str, version: str
     ``version`` is added to the message about the compilation.  ValueError if the library is not available here.
     """
     brought = prebuilt_file(_PACKAGE, sources, identifier, name)
-    return brought if brought.exists() else _build(sources, identifier, name, version, _HIDDEN)
+    return brought if brought.exists() else _build(sources, identifier, name, version, *_HIDDEN)
 
 
 def open_library(sources: Mapping[str, str], identifier: str, name: str) -> Path:

@@ -10,10 +10,14 @@
 #include <string.h>
 
 #define TIME_SLACK(t) (1e-9 + 4 * DBL_EPSILON * fabs(t)) /* s, difference allowed between times of host and model */
+#define TOLERANCE_DIGITS 1e-5 /* relative, to which a model description writes its tolerance */
 #define MIN_STEP 1e-9 /* s; shorter steps, which rounding of the host's times leaves, do not advance the model */
+/* flags of entered(): the host has set the value; it is a derivative that the host has given of another input */
+#define GIVEN 1.0
+#define DERIVED 2.0
 /* entries that changed since the model was set up */
 enum { NOTHING = 0, INPUTS = 1, PARAMETERS = 2 };
-enum { DECIMAL_SIZE = 32, STATE_VERSION = 5 };
+enum { DECIMAL_SIZE = 32, STATE_VERSION = 6 };
 
 struct Component {
     Allocator allocator;
@@ -22,6 +26,8 @@ struct Component {
     ModelInstance *model;
     double start, stop; /* stop: infinite if not announced */
     double time;        /* host's time, s; the model differs by less than MIN_STEP */
+    double last_step;   /* s, length of the last step; 0 before the first */
+    int coarse;         /* the log has said that times are coarse */
     int mode, changed, retune;
     int started;     /* initialised, and not reset since */
     int valid;       /* the last initialisation or step succeeded */
@@ -37,17 +43,70 @@ typedef struct {
     uint64_t bytes, checksum; /* checksum: of the bytes behind it */
     uint32_t version;
     int32_t mode, valid, started, at_event;
-    double start, stop, time;
+    double start, stop, time, last_step;
     char token[TOKEN_BYTES], status[MESSAGE_BYTES];
 } StateHeader;
 
 static const char MAGIC[8] = "FMUSTATE";
 
+void copy_text(char *to, size_t room, const char *from) {
+    size_t length = strlen(from);
+    if (length >= room) {
+        length = room - 1;
+        while (length && ((unsigned char)from[length] & 0xC0) == 0x80) length--; /* a character's later bytes */
+    }
+    memcpy(to, from, length);
+    to[length] = '\0';
+}
+
+/* Put a point for the decimal separator, of one or more bytes, of the host's locale. */
+static char *with_point(char *number) {
+    char *at = number + strspn(number, "+-0123456789eE.infa"), *rest; /* letters of inf and nan too */
+    if (!*at) return number;
+    rest = at + 1 + strcspn(at + 1, "0123456789eE");
+    *at = '.';
+    memmove(at + 1, rest, strlen(rest) + 1);
+    return number;
+}
+
+static void write_arguments(char message[MESSAGE_BYTES], const char *format, va_list arguments) {
+    enum { WHOLE = 2 * MESSAGE_BYTES, SPEC = 16 };
+    char whole[WHOLE], spec[SPEC], number[64], *end = whole, *stop = whole + WHOLE - 1;
+    while (*format && end < stop) {
+        if (*format != '%') {
+            *end++ = *format++;
+            continue;
+        }
+        const size_t length = strcspn(format, "sdg") + 1;
+        const char kind = format[length - 1], *text = number;
+        memcpy(spec, format, length);
+        spec[length] = '\0';
+        format += length;
+        if (kind == 's') text = va_arg(arguments, const char *);
+        if (kind == 'd') snprintf(number, sizeof number, spec, va_arg(arguments, int));
+        if (kind == 'g') {
+            snprintf(number, sizeof number, spec, va_arg(arguments, double));
+            with_point(number);
+        }
+        copy_text(end, (size_t)(stop - end) + 1, text);
+        end += strlen(end);
+    }
+    *end = '\0';
+    copy_text(message, MESSAGE_BYTES, whole);
+}
+
+void write_message(char message[MESSAGE_BYTES], const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    write_arguments(message, format, arguments);
+    va_end(arguments);
+}
+
 static int log_error(Component *c, const char *format, ...) {
     char message[MESSAGE_BYTES]; /* the arguments may point into c->message */
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(message, sizeof message, format, arguments);
+    write_arguments(message, format, arguments);
     va_end(arguments);
     memcpy(c->message, message, sizeof message);
     c->log(c->context, LOG_ERROR, c->message);
@@ -78,7 +137,7 @@ static const char *shortest(double x, char text[DECIMAL_SIZE]) {
         snprintf(text, DECIMAL_SIZE, "%.*g", digits, x);
         if (sscanf(text, "%lf", &back) == 1 && back == x) break;
     }
-    return text;
+    return with_point(text);
 }
 
 static const char *value_text(const Variable *variable, double value, char text[DECIMAL_SIZE]) {
@@ -167,10 +226,45 @@ int component_setup(Component *c, double start, int stop_defined, double stop) {
     return 1;
 }
 
+static size_t index_of(const char *name) {
+    size_t i = 0;
+    while (i < MODEL_SCALARS && strcmp(MODEL_VARIABLES[i].name, name)) i++;
+    return i;
+}
+
+void component_tolerance(Component *c, double tolerance) {
+    const char *name = model_accuracy();
+    const size_t scalar = name ? index_of(name) : MODEL_SCALARS;
+    const double own = scalar < MODEL_SCALARS ? c->values[scalar] : 0.0;
+    char message[MESSAGE_BYTES], text[DECIMAL_SIZE], other[DECIMAL_SIZE];
+    if (scalar < MODEL_SCALARS && fabs(tolerance - own) <= TOLERANCE_DIGITS * fabs(own)) return;
+    shortest(tolerance, text);
+    if (scalar < MODEL_SCALARS)
+        write_message(message, "the tolerance %s is not used: %s = %s is the accuracy; set that parameter", text, name,
+                      shortest(own, other));
+    else
+        write_message(message, "the tolerance %s is not used: this model has no error control", text);
+    c->log(c->context, LOG_WARNING, message);
+}
+
+/* Say once that the host's times are too large to tell apart what lies MIN_STEP apart. */
+static void warn_of_coarse_times(Component *c) {
+    char message[MESSAGE_BYTES], text[DECIMAL_SIZE];
+    if (c->coarse || DBL_EPSILON * fabs(c->time) <= MIN_STEP) return;
+    c->coarse = 1;
+    write_message(message,
+                  "at t = %s s numbers are %.1g s apart, more than %g s: steps and motions lose digits; count the time "
+                  "from the run's beginning, up to %.2g s",
+                  shortest(c->time, text), DBL_EPSILON * fabs(c->time), MIN_STEP, MIN_STEP / DBL_EPSILON);
+    c->log(c->context, LOG_WARNING, message);
+}
+
 void component_enter_initialization(Component *c) {
     c->mode = INITIALIZATION;
     c->changed = INPUTS | PARAMETERS;
     c->warned = 0;
+    c->coarse = 0;
+    warn_of_coarse_times(c);
 }
 
 static void warn(Component *c) {
@@ -229,6 +323,23 @@ int component_exit_initialization(Component *c) {
     return 1;
 }
 
+/* Give each acceleration whose speed the host gives as a derivative, and which it does not give itself, the second
+   derivative of the cubic through places and speeds of this step and the last one, at this step's:
+
+       a = [6 (y_0 - y) / H + 2 v_0 + 4 v] / H .
+
+   H is the time between them: the step's, where inputs are those at its end, else the last one's; a = 0 before. */
+static void infer_accelerations(Component *c, double h) {
+    const size_t at_end = index_of("inputs_at_step_end");
+    const double H = at_end < MODEL_SCALARS && c->values[at_end] != 0.0 ? h : c->last_step;
+    const double *now = c->values, *before = c->values + MODEL_SCALARS;
+    for (size_t y = 0; y < MODEL_SCALARS; y++) {
+        const size_t v = MODEL_VARIABLES[y].rate, a = v ? MODEL_VARIABLES[v].rate : 0;
+        if (!a || entered(c)[v] != DERIVED || entered(c)[a] != 0.0) continue;
+        c->values[a] = H > 0.0 ? (6.0 * (before[y] - now[y]) / H + 2.0 * before[v] + 4.0 * now[v]) / H : 0.0;
+    }
+}
+
 static int step(Component *c, double t, double h, int *event) {
     char text[DECIMAL_SIZE], other[DECIMAL_SIZE], reason[MESSAGE_BYTES];
     double now = c->time;
@@ -245,6 +356,7 @@ static int step(Component *c, double t, double h, int *event) {
         return 1;
     }
     if (c->retune && !model_retune(c->model, c->values, reason)) return log_error(c, "%s", reason);
+    infer_accelerations(c, h);
     mark_as_used(c);
     if (!model_step(c->model, t, h, c->values, event, reason)) return log_error(c, "%s", reason);
     return 1;
@@ -258,10 +370,13 @@ int component_step(Component *c, double t, double h, int to_event) {
         return 0;
     }
     c->at_event = to_event && event;
-    c->time = c->at_event ? model_time(c->model) : t + h;
+    const double reached = c->at_event ? model_time(c->model) : t + h;
+    c->last_step = reached - c->time;
+    c->time = reached;
     c->valid = 1;
     c->status[0] = '\0';
     warn(c);
+    warn_of_coarse_times(c);
     return 1;
 }
 
@@ -286,7 +401,7 @@ void component_reset(Component *c) {
     c->model = NULL;
     c->mode = INSTANTIATED;
     c->changed = c->retune = c->started = c->at_event = 0;
-    c->start = c->time = 0.0;
+    c->start = c->time = c->last_step = 0.0;
     c->stop = INFINITY;
     c->valid = 1;
     c->status[0] = c->message[0] = '\0';
@@ -303,8 +418,9 @@ static size_t length_of(unsigned reference) {
 
 int component_find(Component *c, unsigned reference, Kind kind, size_t *first, size_t *length) {
     static const char *const names[] = {"Real", "Integer", "Boolean", "String", "Enumeration"};
+    char text[DECIMAL_SIZE];
     if (reference >= MODEL_SCALARS || MODEL_VARIABLES[reference].kind != kind || !length_of(reference))
-        return log_error(c, "there is no %s variable with value reference %u", names[kind], reference);
+        return log_error(c, "there is no %s variable with value reference %s", names[kind], shortest(reference, text));
     *first = reference;
     *length = length_of(reference);
     return 1;
@@ -344,18 +460,17 @@ static void check_entry(const Variable *variable, double value, char reason[MESS
     char text[DECIMAL_SIZE];
     reason[0] = '\0';
     if (!isfinite(value) && variable->causality == CAUSALITY_INPUT)
-        snprintf(reason, MESSAGE_BYTES, "input %s = %s is not finite; check the signal connected to it", variable->name,
-                 shortest(value, text));
+        write_message(reason, "input %s = %s is not finite; check the signal connected to it", variable->name,
+                      shortest(value, text));
     else if (!isfinite(value))
-        snprintf(reason, MESSAGE_BYTES, "%s = %s is out of range: it must be finite; give a number", variable->name,
-                 shortest(value, text));
+        write_message(reason, "%s = %s is out of range: it must be finite; give a number", variable->name,
+                      shortest(value, text));
     else if (variable->choices && !(value >= 0.0 && value < variable->count))
-        snprintf(reason, MESSAGE_BYTES, "%s = %s is none of the choices: %s", variable->name, shortest(value, text),
-                 variable->choices);
+        write_message(reason, "%s = %s is none of the choices: %s", variable->name, shortest(value, text),
+                      variable->choices);
     else if (variable->kind != KIND_REAL && !(fabs(value) <= 2147483648.0 && value == floor(value)))
-        snprintf(reason, MESSAGE_BYTES,
-                 "%s = %s is out of range: it must be a whole number of 32 bits; give a smaller one", variable->name,
-                 shortest(value, text));
+        write_message(reason, "%s = %s is out of range: it must be a whole number of 32 bits; give a smaller one",
+                      variable->name, shortest(value, text));
 }
 
 static int enter(Component *c, size_t scalar, double value) {
@@ -381,7 +496,7 @@ static int enter(Component *c, size_t scalar, double value) {
 
 int component_set(Component *c, size_t scalar, double value) {
     if (!enter(c, scalar, value)) return 0;
-    if (c->started) entered(c)[scalar] = 1.0; /* earlier ones are start values */
+    if (c->started) entered(c)[scalar] = GIVEN; /* earlier ones are start values */
     return 1;
 }
 
@@ -394,7 +509,10 @@ int component_set_rate(Component *c, size_t scalar, int order, double value) {
         return log_error(c, "derivative %d of %s = %s must be of order 1 or higher, and finite", order, variable->name,
                          shortest(value, text));
     for (; order > 0 && scalar; order--) scalar = MODEL_VARIABLES[scalar].rate;
-    return !scalar || entered(c)[scalar] != 0.0 || enter(c, scalar, value);
+    if (!scalar || entered(c)[scalar] == GIVEN) return 1;
+    if (!enter(c, scalar, value)) return 0;
+    if (c->started) entered(c)[scalar] = DERIVED;
+    return 1;
 }
 
 int component_derivative(Component *c, const unsigned *unknown, size_t unknowns, const unsigned *known, size_t knowns,
@@ -463,6 +581,7 @@ void component_save(const Component *c, void *to) {
     header.start = c->start;
     header.stop = c->stop;
     header.time = c->time;
+    header.last_step = c->last_step;
     model_token(header.token);
     strcpy(header.status, c->status);
     memcpy(values, c->values, values_bytes());
@@ -485,21 +604,22 @@ int component_is_state(Component *c, const void *from, size_t bytes) {
     const StateHeader *header = from;
     const double *values = (const double *)(header + 1);
     size_t least = sizeof *header + values_bytes(), i;
-    char reason[MESSAGE_BYTES], expected[TOKEN_BYTES];
+    char reason[MESSAGE_BYTES], expected[TOKEN_BYTES], text[DECIMAL_SIZE];
     model_token(expected);
     if (bytes < sizeof *header || memcmp(header->magic, MAGIC, sizeof MAGIC))
-        return log_error(c, "these %lu bytes are not a state of this FMU", (unsigned long)bytes);
+        return log_error(c, "these %s bytes are not a state of this FMU", shortest((double)bytes, text));
     if (header->version != STATE_VERSION || memcmp(header->token, expected, TOKEN_BYTES))
         return log_error(c, "the state is none of this FMU's: it is another build's; restore it there");
     if (bytes < least || header->bytes != bytes || header->checksum != state_checksum(from, bytes))
-        return log_error(c, "these %lu bytes are a damaged state: length or checksum do not fit; save it anew",
-                         (unsigned long)bytes);
+        return log_error(c, "these %s bytes are a damaged state: length or checksum do not fit; save it anew",
+                         shortest((double)bytes, text));
     if ((header->mode != INSTANTIATED && header->mode != INITIALIZATION && header->mode != STEPPING &&
          header->mode != TERMINATED && header->mode != FAILED) ||
         ((header->mode == STEPPING || header->mode == TERMINATED) && !header->started) ||
         ((header->mode == INSTANTIATED || header->mode == INITIALIZATION) && header->started) ||
-        !isfinite(header->start) || !isfinite(header->time) || !(header->stop >= header->start) ||
-        !is_message(header->status) || (!header->valid && header->status[0] == '\0'))
+        !isfinite(header->start) || !isfinite(header->time) || !isfinite(header->last_step) ||
+        !(header->stop >= header->start) || !is_message(header->status) ||
+        (!header->valid && header->status[0] == '\0'))
         return log_error(c, "the state contradicts itself; save it anew");
     for (i = 0; i < 2 * MODEL_SCALARS; i++) {
         const Variable *variable = &MODEL_VARIABLES[i % MODEL_SCALARS];
@@ -544,6 +664,7 @@ int component_restore(Component *c, const void *from, size_t bytes) {
     c->start = header->start;
     c->stop = header->stop;
     c->time = header->time;
+    c->last_step = header->last_step;
     c->mode = header->mode;
     c->valid = header->valid;
     c->started = header->started;

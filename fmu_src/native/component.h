@@ -28,6 +28,9 @@ int component_error(Component *c, const char *message);
 /* Enter FAILED after a refusal, with its reason in status.message. */
 void component_fail(Component *c);
 
+/* Copy a text of UTF-8 as far as there is room, and no part of a character. */
+void copy_text(char *to, size_t room, const char *from);
+
 int component_nonnull(Component *c, const void *pointer); /* Refuse NULL. */
 /* Check names of log categories; *all is true if they select all, also for an empty list. */
 int component_categories(Component *c, size_t count, const char *const names[], int *all);
@@ -37,6 +40,8 @@ int component_check_mode(Component *c, const char *function, int modes);
 
 /* life cycle: each enters the next mode, or FAILED */
 int component_setup(Component *c, double start, int stop_defined, double stop);
+/* Say in the log that a tolerance of the host is not used, unless the model has it already. */
+void component_tolerance(Component *c, double tolerance);
 void component_enter_initialization(Component *c);
 int component_exit_initialization(Component *c);
 /* Step to t + h; with to_event only to the first event before it. */
@@ -53,7 +58,8 @@ int component_has_token(const char *token); /* NULL is no token */
 int component_find(Component *c, unsigned reference, Kind kind, size_t *first, size_t *length);
 int component_get(Component *c, size_t scalar, double *value);
 int component_get_text(Component *c, size_t scalar, const char **text);
-/* Set a time derivative of an input: the value of the input that is this derivative, unless the host has set that. */
+/* Set a time derivative of an input: the value of the input that is this derivative, unless the host has set that.
+   Where it gives speeds so, and neither accelerations nor their derivatives, those of the end follow by differences. */
 int component_set_rate(Component *c, size_t scalar, int order, double value);
 /* Set an entry; refuse values that are not finite or no choice, and fixed entries after initialisation. */
 int component_set(Component *c, size_t scalar, double value);

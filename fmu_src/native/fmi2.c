@@ -12,7 +12,8 @@ typedef struct {
     Allocator allocator;
     fmi2CallbackLogger logger;
     fmi2ComponentEnvironment environment;
-    int logging; /* true if notes are logged */
+    int logging;      /* true if notes are logged */
+    double tolerance; /* of the experiment; 0 if the host gives none */
     char name[NAME];
 } Instance;
 
@@ -78,7 +79,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
                            .logger = functions->logger,
                            .environment = functions->componentEnvironment,
                            .logging = loggingOn != fmi2False};
-        strncpy(fields.name, instanceName, NAME - 1);
+        copy_text(fields.name, NAME, instanceName);
         Instance *i = create_instance(fields);
         if (i) return i;
         wrong = NO_MEMORY;
@@ -92,15 +93,18 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real startTime,
                                fmi2Boolean stopTimeDefined, fmi2Real stopTime) {
     Instance *i = c;
-    (void)toleranceDefined, (void)tolerance; /* the model has a parameter for it */
-    return status(check_call(i, "fmi2SetupExperiment", INSTANTIATED) &&
-                  component_setup(i->component, startTime, stopTimeDefined, stopTime));
+    if (!check_call(i, "fmi2SetupExperiment", INSTANTIATED) ||
+        !component_setup(i->component, startTime, stopTimeDefined, stopTime))
+        return fmi2Error;
+    i->tolerance = toleranceDefined ? tolerance : 0.0;
+    return fmi2OK;
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
     Instance *i = c;
     if (!check_call(i, "fmi2EnterInitializationMode", INSTANTIATED)) return fmi2Error;
     component_enter_initialization(i->component);
+    if (i->tolerance != 0.0) component_tolerance(i->component, i->tolerance);
     return fmi2OK;
 }
 

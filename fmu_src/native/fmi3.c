@@ -53,6 +53,8 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
         wrong = "the instantiation token is not that of this FMU; read it from the modelDescription.xml beside it";
     else if (nRequiredIntermediateVariables)
         wrong = "this FMU has no intermediate values (providesIntermediateUpdate is false); require none";
+    else if (eventModeUsed && !model_has_events())
+        wrong = "this FMU has no event mode (hasEventMode is false); instantiate it with eventModeUsed = false";
     else if (!model_open(resourcePath, reason))
         wrong = reason;
     if (!wrong) {
@@ -70,11 +72,11 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
                                        fmi3Float64 startTime, fmi3Boolean stopTimeDefined, fmi3Float64 stopTime) {
     Instance *i = instance;
-    (void)toleranceDefined, (void)tolerance; /* the model has a parameter for it */
     if (!check_call(i, "fmi3EnterInitializationMode", INSTANTIATED) ||
         !component_setup(i->component, startTime, stopTimeDefined, stopTime))
         return fmi3Error;
     component_enter_initialization(i->component);
+    if (toleranceDefined) component_tolerance(i->component, tolerance);
     return fmi3OK;
 }
 

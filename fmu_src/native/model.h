@@ -7,6 +7,11 @@
 
 #include <stddef.h>
 
+/* infinity and NaN must be told from numbers: a NaN would look like a force */
+#if defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__
+#error "compile without -Ofast, -ffast-math and -ffinite-math-only: this code checks for NaN and infinity"
+#endif
+
 enum { MESSAGE_BYTES = 640 }; /* bytes for a message, with its terminating zero */
 typedef enum { KIND_REAL, KIND_INTEGER, KIND_BOOLEAN, KIND_STRING, KIND_ENUMERATION } Kind;
 typedef enum { CAUSALITY_PARAMETER, CAUSALITY_INPUT, CAUSALITY_OUTPUT, CAUSALITY_INDEPENDENT } Causality;
@@ -32,7 +37,7 @@ extern const size_t MODEL_SCALARS;
    instantiation: the GUID of FMI 2, the instantiation token of FMI 3. */
 enum { TOKEN_BYTES = 64 };
 void model_token(char token[TOKEN_BYTES]);
-double model_start(size_t scalar); /* start value of an entry */
+double model_start(size_t scalar); /* start value of an entry; from MODEL_SCALARS on further numbers of the model */
 int model_has_arrays(void);        /* true if an array is one variable, false if each of its scalars is one */
 
 /* The host's allocator, with the behaviour of calloc and free. */
@@ -41,11 +46,20 @@ typedef struct {
     void (*deallocate)(void *);
 } Allocator;
 
+int model_has_events(void); /* true if a step may end at an event */
+
 typedef struct ModelInstance ModelInstance;
 
 /* `values` has the entries by value reference (MODEL_SCALARS doubles; others are 0), finite, with choices in range and
    integers whole.  Functions that return int return 1 on success.  They return 0 on failure: `message`
    (MESSAGE_BYTES bytes) names value, bound and cure, and the model is unchanged. */
+
+/* Write a message as snprintf does, with a decimal point in every locale, and cut between characters of UTF-8.
+   Conversions: %s, %d, and %g with flags, width and precision as digits. */
+void write_message(char message[MESSAGE_BYTES], const char *format, ...);
+
+/* Return the name of the parameter that has the model's accuracy, in place of the tolerance of FMI; NULL for none. */
+const char *model_accuracy(void);
 
 /* Prepare this process for models; call it before model_create.  `resources` is the FMU's folder of that name, a URI in
    FMI 2.0, a path in 3.0. */

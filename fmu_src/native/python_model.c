@@ -4,8 +4,8 @@
    because numpy cannot be loaded twice.  Functions of Python's stable ABI are loaded by name, so that one library
    serves every Python from 3.11 on, without its headers.
 
-   Object and library share arrays by scalar: entries of the last call, outputs, flags of the outputs known since the
-   last change, and derivatives.  Python computes an unknown output together with its group. */
+   Object and library share arrays by scalar: entries of the last call, outputs, and flags of the outputs known since
+   the last change.  Python computes an unknown output together with its group. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -56,7 +56,7 @@ struct ModelInstance {
     PyObject *object;
     void (*deallocate)(void *);
     /* MODEL_SCALARS each */
-    double *values, *outputs, *derivatives;
+    double *values, *outputs;
     unsigned char *known;
 };
 
@@ -236,6 +236,14 @@ static double as_number(PyObject *answer) {
 
 /* the functions of model.h */
 
+int model_has_events(void) {
+    return 0;
+}
+
+const char *model_accuracy(void) {
+    return "accuracy.end_force";
+}
+
 int model_open(const char *resources, char *message) {
     if (!have_python(message)) return 0;
     int gil = python.PyGILState_Ensure();
@@ -260,7 +268,7 @@ int model_open(const char *resources, char *message) {
 
 ModelInstance *model_create(const double *values, const Allocator *allocator, char *message) {
     size_t bytes = MODEL_SCALARS * sizeof(double);
-    ModelInstance *model = allocator->allocate(1, sizeof *model + 3 * bytes + MODEL_SCALARS);
+    ModelInstance *model = allocator->allocate(1, sizeof *model + 2 * bytes + MODEL_SCALARS);
     if (!model) {
         snprintf(message, MESSAGE_BYTES, "no memory for the model; free other instances first");
         return NULL;
@@ -268,20 +276,18 @@ ModelInstance *model_create(const double *values, const Allocator *allocator, ch
     model->deallocate = allocator->deallocate;
     model->values = (double *)(model + 1);
     model->outputs = model->values + MODEL_SCALARS;
-    model->derivatives = model->outputs + MODEL_SCALARS;
-    model->known = (unsigned char *)(model->derivatives + MODEL_SCALARS);
+    model->known = (unsigned char *)(model->outputs + MODEL_SCALARS);
     memcpy(model->values, values, bytes);
-    memset(model->outputs, 0, 2 * bytes + MODEL_SCALARS);
+    memset(model->outputs, 0, bytes + MODEL_SCALARS);
     int gil = python.PyGILState_Ensure();
     PyObject *answer = NULL;
     model->object = python.PyObject_CallFunction(make, NULL);
     if (model->object)
         answer = python.PyObject_CallMethod(
-            model->object, "create", "NNNN",
+            model->object, "create", "NNN",
             python.PyMemoryView_FromMemory((char *)model->values, (ptrdiff_t)bytes, READ),
             python.PyMemoryView_FromMemory((char *)model->outputs, (ptrdiff_t)bytes, WRITE),
-            python.PyMemoryView_FromMemory((char *)model->known, (ptrdiff_t)MODEL_SCALARS, WRITE),
-            python.PyMemoryView_FromMemory((char *)model->derivatives, (ptrdiff_t)bytes, WRITE));
+            python.PyMemoryView_FromMemory((char *)model->known, (ptrdiff_t)MODEL_SCALARS, WRITE));
     const int ok = check_answer(model->object, answer, message);
     python.PyGILState_Release(gil);
     if (ok) return model;
@@ -371,21 +377,9 @@ int model_warning(ModelInstance *model, int index, char *message) {
 
 int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t count,
                      double *sum, char *message) {
-    int gil = python.PyGILState_Ensure(), ok;
-    for (size_t i = 0; i < MODEL_SCALARS; i++) model->derivatives[i] = NAN;
-    ok = check_answer(model->object, python.PyObject_CallMethod(model->object, "derive", "nd", (ptrdiff_t)known, seed),
-                      message);
-    python.PyGILState_Release(gil);
-    for (size_t i = 0; ok && i < count; i++) {
-        if (isnan(model->derivatives[unknown[i]])) {
-            snprintf(message, MESSAGE_BYTES,
-                     "there is no derivative of %s; ask for those of left.fx ... left.mz, right.fx ... right.mz",
-                     MODEL_VARIABLES[unknown[i]].name);
-            return 0;
-        }
-        sum[i] += model->derivatives[unknown[i]];
-    }
-    return ok;
+    (void)model, (void)known, (void)seed, (void)unknown, (void)count, (void)sum;
+    snprintf(message, MESSAGE_BYTES, "this FMU has no directional derivatives; export the native flavour");
+    return 0;
 }
 
 size_t model_state_bytes(const ModelInstance *model) {

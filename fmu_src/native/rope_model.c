@@ -40,6 +40,14 @@ static int copy_message(const ModelInstance *model, int ok, char *message) {
     return ok;
 }
 
+int model_has_events(void) {
+    return 1;
+}
+
+const char *model_accuracy(void) {
+    return "accuracy.end_force";
+}
+
 int model_open(const char *resources, char *message) {
     (void)resources, (void)message; /* nothing to load */
     return 1;

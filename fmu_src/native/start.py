@@ -85,10 +85,13 @@ def without_start(sources: Mapping[str, str], scalars: int) -> dict[str, str]:
 
 
 def binaries_with(
-    start: Start, sources: Mapping[str, str], identifier: str, fmi: int, platforms: Sequence[str]
+    start: Start, sources: Mapping[str, str], name: str, fmi: int, platforms: Sequence[str], identifier: str = ""
 ) -> dict[str, bytes]:
-    """Return libraries with ``start`` by path in the FMU, made of ``sources`` and start.c."""
-    libraries = binaries(without_start(sources, len(start.values)), identifier, fmi, platforms)
+    """Return libraries with ``start`` by path in the FMU, made of ``sources`` and start.c.
+
+    ``name`` is that of the library, ``identifier`` that of the FMU, where it differs.
+    """
+    libraries = binaries(without_start(sources, len(start.values)), name, fmi, platforms, identifier or name)
     return {path: with_start(library, start) for path, library in libraries.items()}
 
 

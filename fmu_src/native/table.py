@@ -9,8 +9,7 @@ from fmu_src.profile import arrays, scalars
 from rope_model.scene_names import choices_of
 from rope_model.shaft_parameters import PARTS
 from rope_model.simulation.ends.paths import EndMotion
-from rope_model.simulation.outputs.sensitivity import LOADS
-from rope_model.simulation.outputs.signal_table import SIGNALS
+from rope_model.simulation.outputs.signal_table import LOADS, SIGNALS
 from rope_model.texts import c_string
 
 _SOURCES = {"status.valid": "FROM_STATUS_VALID", "status.message": "FROM_STATUS_MESSAGE"}

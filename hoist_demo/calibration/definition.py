@@ -3,20 +3,23 @@
 from functools import cached_property
 from typing import Annotated, Any, Self
 
+import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
-from hoist_demo.calibration.measurements import CalibrationProblem, InShaft, MeasurementEntry, Signal
+from hoist_demo.calibration.fit import MIDDLE
+from hoist_demo.calibration.measurements import FIDELITY, CalibrationProblem, InShaft, MeasurementEntry, Signal
 from hoist_demo.calibration.tracks import Markers
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
-from hoist_demo.files.reading import EMPTY, Table, flat
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene, values_by_name
+from hoist_demo.files.reading import EMPTY, FileError, Table, flat
 from hoist_demo.files.registry import group_table, rope_parameters
 from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.files.run_values import RopeAnalysisFile
-from hoist_demo.files.values import ParameterValue, plain, statuses, value_type
+from hoist_demo.files.values import ParameterValue, plain, statuses, unreached, value_type
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter
 from rope_model import Datum
 
+_FIDELITY = "model.fidelity"
 SOUGHT = ("rope", "air")  #: Groups of parameters that may be sought beside the properties.
 
 
@@ -65,6 +68,36 @@ class MeasurementFile(RopeAnalysisFile):
     def status_by_name(self) -> dict[str, str]:
         """Status of each value of [fixed] by name."""
         return statuses(self.fixed)
+
+    @model_validator(mode="after")
+    def _reaches_the_rope(self) -> Self:
+        twice = sorted(self.fixed.keys() & self.sought.keys())
+        problems = Problems(
+            f"[fixed] {name} = {self.fixed[name].value!r} is also in [sought], with a range: leave one of them out"
+            for name in twice
+        )
+        fidelity = self.fixed.get(_FIDELITY)
+        if fidelity is not None and fidelity.value != rope_parameters()[_FIDELITY].read(FIDELITY):
+            problems.append(
+                f'[fixed] {_FIDELITY} = {fidelity.value!r} must be "{FIDELITY}", the fidelity at which [[measured]] is '
+                "predicted, as torsion is among the properties: leave it out"
+            )
+        others = {name: entry for name, entry in self.fixed.items() if name not in (*twice, _FIDELITY)}
+        names = self.problem.names
+        rope = self.problem.predictor(np.full(len(names), MIDDLE)).scene
+        problems += unreached(others, values_by_name(rope))
+        problems.refuse()
+        return self
+
+    def require_hangs(self) -> None:
+        """Refuse a rope of the ranges' middle that cannot hang where it is measured; FileError says why."""
+        predictor = self.problem.predictor(np.full(len(self.problem.names), MIDDLE))
+        for k, one in enumerate(self.measurements, 1):
+            for left, right, _ in one.apart if isinstance(one, InShaft) else ():
+                try:
+                    predictor.signal("left.fy", left, right)
+                except RuntimeError as error:
+                    raise FileError(self.path, [f"measured {k}: the rope cannot hang {error}"]) from error
 
     @model_validator(mode="after")
     def _is_within_reach(self) -> Self:

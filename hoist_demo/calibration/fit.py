@@ -11,6 +11,9 @@ grown by 1.645^2 (profile likelihood; D. J. Venzon and S. H. Moolgavkar, Applied
 end of the range: for a linear model u +- 1.645 sqrt(covariance_ii).  sigma is stated and not estimated, so that the
 quantile is the normal one.
 
+A share whose best value lies beyond its range is held at that end: it is no degree of freedom of the fit, the data
+give it no interval, and its range stands.
+
 A further measurement with the sensitivity j (in its standard errors) leaves (covariance^-1 + j j^T)^-1.
 """
 
@@ -22,10 +25,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
+from scipy.optimize import least_squares, lsq_linear
 from scipy.special import chdtrc, ndtri  # scipy.stats is slow to load
 
 Array = NDArray[np.float64]
+Signs = NDArray[np.int_]
 Residuals = Callable[[Array], Array]  #: (norm_params (n,)) -> prediction less measurement in standard errors (m,).
 MIDDLE = 0.5  #: Value of all shares before anything is measured.
 RANGE_VARIANCE = 1 / 12  #: Variance of a share of which only the range is known.
@@ -36,6 +40,9 @@ END_TOLERANCE = 0.02  #: Tolerance of an interval's ends, in parts of its half w
 END_TRIALS = 6  #: Most trials for each end of an interval.
 CORRECTIONS = 2  #: Corrections of the other shares in each trial.
 PULL = 0.1  #: Standard errors per share by which the first fit holds all shares at the middle of their ranges.
+#: Distance of a share from an end of its range within which it is held there, if its next step leads beyond that end;
+#: the search stays within the ranges and comes this near and nearer.
+AT_END = 0.01
 SIGNIFICANCE = 0.01  #: p-value below which the measurements contradict the model.
 
 
@@ -44,40 +51,51 @@ class Fit:
     """Least-squares fit: norm_params (n,), residuals (m,) in standard errors and their sensitivities (m, n).
 
     ``prior_rows`` (k, n) hold the shares at the middle of their ranges in directions that the data do not tell.
+    ``held`` (n,) is 1 for a share at the upper end of its range, beyond which the data ask for more, -1 at the lower
+    end, and 0 for a free one.
     """
 
     norm_params: Array
     residuals: Array
     sensitivities: Array
     prior_rows: Array
+    held: Signs
     nuisance: int = 0  # other unknowns, each found by the residuals
 
     def of_first_params(self, count: int) -> "Fit":
         """Return the fit of the first ``count`` shares, the others refitted for each value of them."""
         first, others = np.hsplit(self.sensitivities, [count])
+        others = others[:, self.held[count:] == 0]
         first = first - others @ np.linalg.lstsq(others, first, rcond=None)[0]
         params, prior_rows = self.norm_params[:count], self.prior_rows[:, :count]
-        return replace(self, norm_params=params, sensitivities=first, prior_rows=prior_rows)
+        held = self.held[:count]
+        return replace(self, norm_params=params, sensitivities=first, prior_rows=prior_rows, held=held)
 
     @property
     def covariance(self) -> Array:
-        """Covariance of the shares, no larger than that of the ranges."""
+        """Covariance of the shares, no larger than that of the ranges, which stand for those that are held."""
         s, directions = self._directions()
         variances = np.full(s.size, RANGE_VARIANCE)
         determined = s * s > 1 / RANGE_VARIANCE
         variances[determined] = 1 / s[determined] ** 2
-        return np.asarray((directions * variances) @ directions.T)
+        of_held = np.where(self.held == 0, 0.0, RANGE_VARIANCE)
+        return np.asarray((directions * variances) @ directions.T + np.diag(of_held))
 
     def untold(self) -> list[Array]:
-        """Directions in the shares about which the data say less than the ranges."""
+        """Directions in the free shares about which the data say less than the ranges."""
         s, directions = self._directions()
         return [directions[:, k] for k in np.flatnonzero(s * s <= 1 / RANGE_VARIANCE)]
 
     def _directions(self) -> tuple[Array, Array]:
-        """Information along each direction, as standard errors per share, and the directions in columns."""
-        n = self.norm_params.size
-        _, s, rows = np.linalg.svd(np.vstack((self.sensitivities, np.zeros((n, n)))), full_matrices=False)
-        return s, rows.T
+        """Information along each direction of the free shares, in standard errors per share; directions in columns."""
+        free = np.flatnonzero(self.held == 0)
+        directions = np.zeros((self.held.size, free.size))
+        if not free.size:
+            return np.zeros(0), directions
+        rows_of_free = np.vstack((self.sensitivities[:, free], np.zeros((free.size, free.size))))
+        _, s, rows = np.linalg.svd(rows_of_free, full_matrices=False)
+        directions[free] = rows.T
+        return s, directions
 
     @property
     def reaches(self) -> Array:
@@ -92,9 +110,14 @@ class Fit:
 
     @property
     def p_value(self) -> float:
-        """Probability of residuals at least this large by chance; 1 without more values than what was found."""
-        spare = self.residuals.size - self.nuisance - (self.norm_params.size - len(self.untold()))
-        return float(chdtrc(spare, self.residuals @ self.residuals)) if spare > 0 else 1.0
+        """Probability of residuals at least this large by chance.
+
+        As many values as were found leave no residual; one that is left, where no rope could be computed, counts as of
+        one degree of freedom.
+        """
+        found = np.count_nonzero(self.held == 0) - len(self.untold())
+        spare = max(1, self.residuals.size - self.nuisance - found)
+        return float(chdtrc(spare, self.residuals @ self.residuals))
 
     @property
     def contradicted(self) -> bool:
@@ -106,11 +129,11 @@ def fit(residuals: Residuals, count: int, ftol: float = 1e-8) -> Fit:
     """Return the ``count`` shares with the least squares, undetermined ones at the middle, to the part ``ftol``."""
     start = np.full(count, MIDDLE)
     residuals = _where_computed(residuals, residuals(start).size)
-    first = _solve(residuals, start, PULL * np.eye(count), ftol)
+    first = _solve(residuals, start, np.zeros(count, dtype=int), PULL * np.eye(count), ftol)
     if not (untold := first.untold()):
         return first
     start = np.clip(first.norm_params, 1e-3, 1 - 1e-3)
-    return _solve(residuals, start, np.array(untold) / np.sqrt(RANGE_VARIANCE), ftol)
+    return _solve(residuals, start, first.held, np.array(untold) / np.sqrt(RANGE_VARIANCE), ftol)
 
 
 def _where_computed(residuals: Residuals, size: int) -> Residuals:
@@ -125,15 +148,58 @@ def _where_computed(residuals: Residuals, size: int) -> Residuals:
     return tried
 
 
-def _solve(residuals: Residuals, start: Array, prior_rows: Array, ftol: float) -> Fit:
-    """Solve from ``start``, with the shares held at the middle as far as ``prior_rows`` say."""
+def _solve(residuals: Residuals, start: Array, held: Signs, prior_rows: Array, ftol: float) -> Fit:
+    """Solve from ``start``, with the shares held at the middle as far as ``prior_rows`` say, and at ends reached."""
+    while True:
+        found = _solve_free(residuals, start, held, prior_rows, ftol)
+        reached = np.where(held == 0, _ends_reached(found), held)
+        if (reached == held).all():
+            break
+        start, held = found.norm_params, reached
+    if held.any():  # a profile lets a held share come back from its end
+        found = replace(found, sensitivities=sensitivities(residuals, found.norm_params))
+    return found
 
-    def slopes(u: Array) -> Array:
-        return np.vstack((sensitivities(residuals, u), prior_rows))
 
-    solution = least_squares(lambda u: _all(residuals, prior_rows, u), start, slopes, (0.0, 1.0), xtol=1e-6, ftol=ftol)
-    values = solution.fun.size - len(prior_rows)
-    return Fit(solution.x, solution.fun[:values], solution.jac[:values], prior_rows)
+def _solve_free(residuals: Residuals, start: Array, held: Signs, prior_rows: Array, ftol: float) -> Fit:
+    """Solve for the shares that are not held; sensitivities to the others are 0."""
+    free = np.flatnonzero(held == 0)
+    norm_params = np.where(held > 0, 1.0, 0.0)
+
+    def with_free(of_free: Array) -> Array:
+        whole = norm_params.copy()
+        whole[free] = of_free
+        return whole
+
+    def remaining(of_free: Array) -> Array:
+        return _all(residuals, prior_rows, with_free(of_free))
+
+    def slopes(of_free: Array) -> Array:
+        of_data = sensitivities(lambda u: residuals(with_free(u)), of_free)
+        return np.vstack((of_data, prior_rows[:, free]))
+
+    if not free.size:
+        values = residuals(norm_params)
+        return Fit(norm_params, values, np.zeros((values.size, held.size)), prior_rows, held)
+    solution = least_squares(remaining, start[free], slopes, (0.0, 1.0), xtol=1e-6, ftol=ftol)
+    if not solution.success:
+        raise RuntimeError(f"the fit does not converge ({solution.message}): narrow the ranges, or fix some values")
+    count = solution.fun.size - len(prior_rows)
+    jacobian = np.zeros((count, held.size))
+    jacobian[:, free] = solution.jac[:count]
+    return Fit(with_free(solution.x), solution.fun[:count], jacobian, prior_rows, held)
+
+
+def _ends_reached(found: Fit) -> Signs:
+    """Return 1 for a share at the upper end of its range whose next step leads beyond it, -1 at the lower, else 0."""
+    jacobian = np.vstack((found.sensitivities, found.prior_rows))
+    prior = found.prior_rows @ (found.norm_params - MIDDLE)
+    slope = jacobian.T @ np.concatenate((found.residuals, prior))
+    curvature = np.maximum((jacobian**2).sum(axis=0), np.finfo(float).tiny)
+    beyond = found.norm_params - slope / curvature
+    above = (found.norm_params > 1.0 - AT_END) & (beyond > 1.0)
+    below = (found.norm_params < AT_END) & (beyond < 0.0)
+    return np.asarray(above.astype(int) - below.astype(int))
 
 
 def _all(residuals: Residuals, prior_rows: Array, norm_params: Array) -> Array:
@@ -142,27 +208,38 @@ def _all(residuals: Residuals, prior_rows: Array, norm_params: Array) -> Array:
 
 
 def intervals(residuals: Residuals, best_fit: Fit) -> Array:
-    """Return the lower and upper end of each share's interval, (n, 2)."""
+    """Return the lower and upper end of each share's interval, (n, 2): the whole range for a share that is held."""
     residuals = _where_computed(residuals, best_fit.residuals.size)
-    return np.array([[_end(residuals, best_fit, k, s) for s in (-1.0, 1.0)] for k in range(best_fit.norm_params.size)])
+    free = np.flatnonzero(best_fit.held == 0)
+    ends = np.tile([0.0, 1.0], (best_fit.held.size, 1))
+    sides = [(int(k), side) for k in free for side in (-1.0, 1.0)]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:  # the native rope computes outside of Python's lock
+        found = list(pool.map(lambda one: _end(residuals, best_fit, *one), sides))
+    ends[free] = np.reshape(found, (-1, 2))
+    return ends
 
 
 def _end(residuals: Residuals, best_fit: Fit, k: int, side: float) -> float:
-    """Return the value of share ``k`` at which the least squares have grown by REACH^2, within its range."""
+    """Return the value of share ``k`` at which the least squares have grown by REACH^2, within its range.
+
+    After END_TRIALS it is the last value tried if they have grown by more there, else the range's end.
+    """
     column = best_fit.covariance[:, k]
     along = side * column / np.sqrt(column[k])  # a standard error of share k, and how the others follow
     limit = float(0.5 * (1 + side) - best_fit.norm_params[k]) / along[k]  # standard errors to the end of the range
     reach = REACH
     for _ in range(END_TRIALS):
-        reach = min(reach, limit)
+        tried = reach = min(reach, limit)
         increase = _root_of_increase(residuals, best_fit, k, reach * along)
         if reach == limit and increase <= REACH:
             return 0.5 * (1 + side)
         if abs(increase - REACH) < END_TOLERANCE * REACH:
-            break
+            return float(best_fit.norm_params[k] + reach * along[k])
         # the root of the growth is close to linear; a fit that creeps on has none
         reach *= float(np.clip(REACH / max(increase, 1e-9), 0.5, 2.0))
-    return float(best_fit.norm_params[k] + reach * along[k])
+    if increase < REACH:  # the squares hardly grow: no end was found within the range
+        return 0.5 * (1 + side)
+    return float(best_fit.norm_params[k] + tried * along[k])
 
 
 def _root_of_increase(residuals: Residuals, best_fit: Fit, k: int, step: Array) -> float:
@@ -178,9 +255,12 @@ def _root_of_increase(residuals: Residuals, best_fit: Fit, k: int, step: Array) 
         squares.append(float(r @ r))
         if not math.isfinite(squares[-1]):
             break
-        correction = np.linalg.lstsq(jacobian[:, others], r, rcond=None)[0]
+        if not others.any():
+            break
+        bounds = (-norm_params[others], 1.0 - norm_params[others])
+        correction = lsq_linear(jacobian[:, others], -r, bounds, method="bvls").x
         norm_params = norm_params.copy()
-        norm_params[others] = np.clip(norm_params[others] - correction, 0.0, 1.0)
+        norm_params[others] = np.clip(norm_params[others] + correction, 0.0, 1.0)
     return math.sqrt(max(min(squares) - least, 0.0))
 
 

@@ -1,13 +1,15 @@
 """A rope's properties from a file of measurements: values with intervals, what stays open, what to measure next."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from threading import Lock
 from typing import Any
 
 import numpy as np
 
 from hoist_demo.calibration import measurements as kinds
 from hoist_demo.calibration.definition import MeasurementFile
+from hoist_demo.calibration.findings import Finding, findings_of
 from hoist_demo.calibration.fit import Array, Fit, Residuals, error_of, fit, intervals, sensitivities, with_measurement
 from hoist_demo.calibration.measurements import CalibrationProblem, Measurements, RopeMeasurement
 from hoist_demo.calibration.tracks import Markers
@@ -18,7 +20,7 @@ from hoist_demo.files.values import GIVEN
 from hoist_demo.study.provenance import SourcedValue, rope_provenance
 from rope_model import Datum, KnownRope
 
-OPEN = 0.25  #: Half width of an interval in shares from which on a property is undetermined: half that of a range.
+Computed = Callable[[int], None]  #: Is told of each rope that was computed, with the number of its windings.
 MIN_COMPONENT = 0.3  #: Least part of a property in a direction that names it.
 STRONG = 0.7  #: Least correlation that is reported.
 
@@ -40,6 +42,7 @@ class CalibrationResult:
     intervals: Array  # intervals of the shares, (n, 2)
     data: Mapping[str, Datum]
     predicted: Array
+    findings: Mapping[str, Finding]  # what was found of each property and parameter sought
     wanted: float
     wanted_error: float
     candidates: tuple[Candidate, ...]  # best first
@@ -51,8 +54,8 @@ class CalibrationResult:
         return self.measurement_file.problem.names
 
     def is_determined(self, name: str) -> bool:
-        """Return True if the data say more about a property than its range does."""
-        return bool(self.fit.reaches[self.names.index(name)] < OPEN)
+        """Return True if the data give a property an interval that is narrower than its range."""
+        return self.findings[name] == Finding.CALIBRATED
 
     def value(self, name: str) -> float:
         """Return the identified value of a property in its SI unit."""
@@ -89,17 +92,24 @@ class CalibrationResult:
         return [(self.names[j], self.names[i], float(matrix[i, j])) for i, j in pairs]
 
 
-def identify(file: MeasurementFile) -> CalibrationResult:
+def identify(file: MeasurementFile, computed: Computed = lambda windings: None) -> CalibrationResult:
     """Fit the properties, find their intervals, and rank candidates for the next measurement."""
     problem = file.problem
-    residuals = residuals_of(problem, file.measurements, *stacked(file.measurements))
+    residuals = residuals_of(problem, file.measurements, *stacked(file.measurements), computed)
     tracks = [m for m in file.measurements if isinstance(m, Markers)]
     count = len(problem.names)
     whole = replace(fit(residuals, count + sum(m.starts for m in tracks)), nuisance=sum(m.unknowns for m in tracks))
     properties_fit = whole.of_first_params(count)
-    ends = np.clip(properties_fit.norm_params[:, None] + np.outer(properties_fit.reaches, [-1.0, 1.0]), 0.0, 1.0)
-    if whole.norm_params.size == count:  # with a start, residuals are too nonlinear for a profile's few corrections
+    ends = np.tile([0.0, 1.0], (count, 1))
+    if properties_fit.contradicted:  # no interval follows from such measurements
+        pass
+    elif whole.norm_params.size == count:
         ends = intervals(residuals, properties_fit)
+    else:  # with a start, residuals are too nonlinear for a profile's few corrections
+        reaches = np.outer(properties_fit.reaches, [-1.0, 1.0])
+        linear = np.clip(properties_fit.norm_params[:, None] + reaches, 0.0, 1.0)
+        ends = np.where(properties_fit.held[:, None] == 0, linear, ends)
+    findings = dict(zip(problem.names, findings_of(properties_fit, ends), strict=True))
     where: Any = dict(file.wanted)
     wanted = kinds.AtRest(value=(0.0,), sigma=1.0, **where)
     possible = candidates(problem, properties_fit.norm_params)
@@ -115,8 +125,9 @@ def identify(file: MeasurementFile) -> CalibrationResult:
         file,
         properties_fit,
         ends,
-        calibrated(file, properties_fit, ends),
+        calibrated(file, findings, ends),
         predicted[:-1],
+        findings,
         float(predicted[-1]),
         error_of(covariance, gradient),
         tuple(sorted(left, key=lambda c: c.error)),
@@ -130,19 +141,35 @@ def stacked(measurements: Measurements) -> tuple[Array, Array]:
     return np.array(values), np.array([m.sigma for m in measurements for _ in m.values])
 
 
-def residuals_of(problem: CalibrationProblem, measurements: Measurements, values: Array, sigmas: Array) -> Residuals:
-    """Return the function (norm_params) -> (predictions - values) / sigmas, (m,)."""
-    return lambda norm_params: np.asarray((problem.predict(norm_params, measurements) - values) / sigmas)
+def residuals_of(
+    problem: CalibrationProblem,
+    measurements: Measurements,
+    values: Array,
+    sigmas: Array,
+    computed: Computed = lambda windings: None,
+) -> Residuals:
+    """Return the function (norm_params) -> (predictions - values) / sigmas, (m,); ``computed`` hears of each rope."""
+    lock = Lock()  # several ropes are computed at once
+
+    def residuals(norm_params: Array) -> Array:
+        predictor = problem.predictor(norm_params)
+        try:
+            return np.asarray((problem.predict(norm_params, measurements, predictor) - values) / sigmas)
+        finally:
+            with lock:
+                computed(predictor.windings)
+
+    return residuals
 
 
-def calibrated(file: MeasurementFile, properties_fit: Fit, ends: Array) -> dict[str, Datum]:
-    """Replace ranges by narrower calibrated intervals; if the model is contradicted, they stand with that status."""
+def calibrated(file: MeasurementFile, findings: Mapping[str, Finding], ends: Array) -> dict[str, Datum]:
+    """Replace ranges by calibrated intervals; if the model is contradicted, ranges stand with that status."""
     data = file.problem.data
     source = file.path.name
-    for name, reach, interval in zip(file.problem.names, properties_fit.reaches, ends, strict=True):
-        if reach < OPEN and properties_fit.contradicted:
+    for (name, finding), interval in zip(findings.items(), ends, strict=True):
+        if finding == Finding.CONTRADICTED:
             data[name] = replace(data[name], status="contradicted", source=source)
-        elif reach < OPEN:
+        elif finding == Finding.CALIBRATED:
             low, high = (data[name].at(float(share)) for share in interval)
             data[name] = Datum(low, high, data[name].unit, "calibrated", source)
     return data

@@ -11,7 +11,7 @@ Torque and rotation of a sample are positive in the sense of the lay, whichever 
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import islice
@@ -23,7 +23,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 import rope_model
 from hoist_demo.calibration.tracks import Markers
-from hoist_demo.control.trajectory import s_curve
+from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.files.reading import Table
 from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.files.values import Text
@@ -32,21 +32,65 @@ from rope_model import SIGNALS, Datum, EndMotion, Scene
 from rope_model.catalogue import properties_of
 from rope_model.physics.estimates import natural_width
 from rope_model.scene_names import with_values
-from rope_model.simulation.outputs.modal import natural_modes
+from rope_model.simulation.outputs.modal import Modes, natural_modes
 
 Array = NDArray[np.float64]
 MAX_TIME = 3600.0  #: Latest time of a value after a trip's start [s]: no swing lasts longer, and tracks are slow.
 COMMUNICATION = 0.02  #: Communication step of a track [s].
 SAMPLE = 0.1  #: Time between two values of which a largest and a smallest are taken [s].
+#: Fidelity at which all is predicted: torsion and its coupling to tension are among the properties.
+FIDELITY: Literal["torsional"] = "torsional"
 MODES = 14  #: Modes among which those of one plane are looked for.
 
 
+@dataclass(frozen=True)
+class Trip:
+    """Trip in which the left end rises from rest; the right end falls."""
+
+    left_y: float  # m, at the start
+    right_y: float  # m, at the start
+    travel: float  # m
+    speed: float  # m/s
+    acceleration: float  # m/s^2
+    jerk: float  # m/s^3
+
+    def reference(self) -> Trajectory:
+        """Return the motion of the left end from its first height."""
+        winding = Winding(
+            travel=self.travel, speed=self.speed, acceleration=self.acceleration, jerk=self.jerk, start_delay=0.0
+        )
+        return s_curve(winding)
+
+
+@dataclass
+class TripReadings:
+    """Outputs and times [s] to be read in one winding of a trip."""
+
+    signals: set[str] = field(default_factory=set)
+    times: set[float] = field(default_factory=set)
+
+
 class RopePredictor:
-    """One rope under measurement; each position in the shaft is computed once."""
+    """One rope under measurement; each position in the shaft and each trip is computed once."""
 
     def __init__(self, scene: Scene) -> None:
-        self.scene = scene.with_(model=rope_model.Model("torsional"))
+        self.scene = scene.with_(model=replace(scene.model, fidelity=FIDELITY))
         self._at_rest: dict[tuple[float, float], rope_model.BalanceRope] = {}
+        self._modes: dict[tuple[float, float], Modes] = {}
+        self._asked: dict[Trip, TripReadings] = {}
+        self._wound: dict[Trip, dict[float, dict[str, float]]] = {}
+        self.windings = 0  #: number of trips wound and of files of motion followed
+
+    def plan(self, measurements: Iterable["AnyRopeMeasurement"]) -> None:
+        """Collect all that measurements read in each trip, so that it is wound once."""
+        for m in measurements:
+            if not isinstance(m, Track):
+                continue
+            for trip, times in m.readings():
+                asked = self._asked.setdefault(trip, TripReadings())
+                asked.signals.add(m.signal)
+                asked.times.update(times)
+                self._wound.pop(trip, None)
 
     @cached_property
     def properties(self) -> dict[str, float]:
@@ -61,34 +105,35 @@ class RopePredictor:
             self._at_rest[left, right] = rope
         return self._at_rest[left, right].signals([name])[name]
 
-    def track(
-        self, name: str, times: Sequence[float], left: float, right: float, trip: Sequence[float]
-    ) -> dict[float, float]:
-        """Return an output by time [s, in order] after the left end has begun to rise from rest at these heights [m].
+    def along(self, trip: Trip, signal: str, times: Iterable[float]) -> list[float]:
+        """Return an output at these times [s] of a trip that was planned, which is wound at the first question."""
+        if trip not in self._wound:
+            self._wound[trip] = self._wind(trip, self._asked[trip])
+        return [self._wound[trip][t][signal] for t in times]
 
-        ``trip``: its travel, and limits of speed, acceleration and jerk.
-        """
-        travel, speed, acceleration, jerk = trip
-        winding = Winding(travel=travel, speed=speed, acceleration=acceleration, jerk=jerk, start_delay=0.0)
-        motion = s_curve(winding)
+    def _wind(self, trip: Trip, asked: TripReadings) -> dict[float, dict[str, float]]:
+        """Return all outputs that are asked for by time [s]."""
+        self.windings += 1
+        names, times = sorted(asked.signals), sorted(asked.times)
+        motion = trip.reference()
         rope = rope_model.balance_rope(self.scene)
 
         def ends(t: float) -> tuple[EndMotion, EndMotion]:
             p = motion.at(t)
-            rising = EndMotion(y=left + p.position, vy=p.speed, ay=p.acceleration)
-            return rising, EndMotion(y=right - p.position, vy=-p.speed, ay=-p.acceleration)
+            rising = EndMotion(y=trip.left_y + p.position, vy=p.speed, ay=p.acceleration)
+            return rising, EndMotion(y=trip.right_y - p.position, vy=-p.speed, ay=-p.acceleration)
 
-        _require_rest(rope.initialize(0.0, *ends(0.0)), left, right)
-        read = rope.reader((name,))
-        values = {0.0: rope.signals([name])[name]}
+        _require_rest(rope.initialize(0.0, *ends(0.0)), trip.left_y, trip.right_y)
+        read = rope.reader(names)
+        values = {0.0: rope.signals(names)}
         now = 0.0
         for target in times if times[0] > now else times[1:]:
             for t in np.linspace(now, target, math.ceil((target - now) / COMMUNICATION) + 1)[1:].tolist():
                 status = rope.advance_to(t, *ends(t))
                 if not status.valid:
-                    raise RuntimeError(f"track of {name} at t = {t:g} s: {status.message}")
+                    raise RuntimeError(f"track of {', '.join(names)} at t = {t:g} s: {status.message}")
             now = target
-            values[now] = float(read()[0])
+            values[now] = dict(zip(names, read().tolist(), strict=True))
         return values
 
     @property
@@ -107,10 +152,12 @@ class RopePredictor:
 
     def frequencies(self, plane: str, left: float, right: float) -> Array:
         """Return the frequencies of the lowest modes in or out of plane [Hz]."""
-        # the mesh differs from rope to rope, and to compile for each takes longer than to interpret
-        rope = rope_model.RopeSimulator(self.scene.with_(solver=replace(self.scene.solver, kernels="portable")))
-        _require_rest(rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right)), left, right)
-        modes = natural_modes(rope.system, rope.state.motion.q, MODES)
+        if (left, right) not in self._modes:
+            # the mesh differs from rope to rope, and to compile for each takes longer than to interpret
+            rope = rope_model.RopeSimulator(self.scene.with_(solver=replace(self.scene.solver, kernels="portable")))
+            _require_rest(rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right)), left, right)
+            self._modes[left, right] = natural_modes(rope.system, rope.state.motion.q, MODES)
+        modes = self._modes[left, right]
         return np.asarray(modes.frequencies[(modes.out_of_plane > 0.5) == (plane == "out of plane")])
 
 
@@ -285,18 +332,16 @@ class Track(InShaft):
         trips = zip(super().apart, self.each("travel"), strict=True)
         return [*super().apart, *((left, right, gap + 2 * travel) for (left, right, gap), (travel,) in trips)]
 
-    def predict(self, predictor: RopePredictor) -> Sequence[float]:
-        return [values[0] for values in self._over_trips(predictor, self.each("t"))]
+    def readings(self) -> list[tuple[Trip, tuple[float, ...]]]:
+        """Return trip and times [s], to the millisecond, of each value."""
+        trips = self._trips()
+        return [(trip, (round(t, 3),)) for trip, (t,) in zip(trips, self.each("t"), strict=True)]
 
-    def _over_trips(self, predictor: RopePredictor, times: Sequence[Sequence[float]]) -> list[list[float]]:
-        """Return the signal at the times [s] of each value, to the millisecond; each trip is wound once."""
-        trips = self.each("left_y", "right_y", "travel", "speed", "acceleration", "jerk")
-        rounded = [[round(t, 3) for t in some] for some in times]
-        by_trip: dict[tuple[float, ...], set[float]] = {}
-        for trip, some in zip(trips, rounded, strict=True):
-            by_trip.setdefault(trip, set()).update(some)
-        runs = {p: predictor.track(self.signal, sorted(t), p[0], p[1], p[2:]) for p, t in by_trip.items()}
-        return [[runs[trip][t] for t in some] for trip, some in zip(trips, rounded, strict=True)]
+    def predict(self, predictor: RopePredictor) -> Sequence[float]:
+        return [predictor.along(trip, self.signal, times)[0] for trip, times in self.readings()]
+
+    def _trips(self) -> list[Trip]:
+        return [Trip(*one) for one in self.each("left_y", "right_y", "travel", "speed", "acceleration", "jerk")]
 
     @model_validator(mode="after")
     def _travels(self) -> Self:
@@ -312,9 +357,14 @@ class Swept(Track):
     values: Series[Annotated[float, Field(ge=0.0, allow_inf_nan=False)]] = Field(alias="value")
     until: Series[Time]  # s
 
-    def predict(self, predictor: RopePredictor) -> Sequence[float]:
+    def readings(self) -> list[tuple[Trip, tuple[float, ...]]]:
         windows = [np.linspace(t, until, math.ceil((until - t) / SAMPLE) + 1) for t, until in self.each("t", "until")]
-        return [max(values) - min(values) for values in self._over_trips(predictor, [w.tolist() for w in windows])]
+        times = [tuple(round(t, 3) for t in window.tolist()) for window in windows]
+        return list(zip(self._trips(), times, strict=True))
+
+    def predict(self, predictor: RopePredictor) -> Sequence[float]:
+        swept = [predictor.along(trip, self.signal, times) for trip, times in self.readings()]
+        return [max(values) - min(values) for values in swept]
 
     @model_validator(mode="after")
     def _ends_later(self) -> Self:
@@ -373,6 +423,8 @@ class CalibrationProblem:
     def predict(self, norm_params: Array, measurements: Measurements, predictor: RopePredictor | None = None) -> Array:
         """Predict all values of the measurements in turn; ``norm_params`` are the rope's, then those of starts."""
         predictor = predictor or self.predictor(norm_params)
+        predictor.plan(measurements)
         starts = iter(norm_params[len(self.names) :].tolist())
         predictions = [m.predict(predictor, *islice(starts, getattr(m, "starts", 0))) for m in measurements]
+        predictor.windings += sum(isinstance(m, Markers) for m in measurements)
         return np.array([value for values in predictions for value in values])

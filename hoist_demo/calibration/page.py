@@ -3,6 +3,7 @@
 import textwrap
 from pathlib import Path
 
+from hoist_demo.calibration.findings import Finding
 from hoist_demo.calibration.fit import CONFIDENCE, SIGNIFICANCE
 from hoist_demo.calibration.identify import CalibrationResult
 from hoist_demo.calibration.tracks import Markers
@@ -10,6 +11,7 @@ from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.report.html.page import Bar, bars, engineering, number, paragraphs, plain_table, unit_text, write_sheet
 from hoist_demo.report.rows import SummaryRow, provenance_table, status_rows
 from rope_model import SIGNALS
+from rope_model.files import write_text
 from rope_model.texts import printable, toml_string
 
 SIDE = 4.0  #: Standard errors to either side in the picture of the residuals.
@@ -19,6 +21,7 @@ def summary(result: CalibrationResult) -> list[SummaryRow]:
     """Return the rows of the terminal's summary: properties, open directions, correlations, next measurements."""
     group = f"Properties, with the interval of {100 * CONFIDENCE:.0f} %"
     rows = [SummaryRow(group, *row[:2], row[2]) for row in _properties(result)]
+    rows += [SummaryRow("At an end of its range", *row) for row in at_ends(result)]
     rows += [SummaryRow("Undetermined by the data", text, "") for text in _open(result)]
     rows += [SummaryRow("Determined only together", *row) for row in _pairs(result)]
     group = "Best next measurement, and its remaining error"
@@ -36,11 +39,41 @@ def misfit(result: CalibrationResult) -> str:
         return ""
     worst, value = max(_residuals(result), key=lambda row: abs(row[1]))
     return (
-        f"the measurements contradict the model or one another: it misses them by more than sigma allows (probability "
-        f"{result.fit.p_value:.1g}, usual is {SIGNIFICANCE:g} or more). Worst is {worst}, by {value:.3g} sigma: "
-        "look at it, at its sigma and at the ranges. What was found is a compromise: no interval is stated, the "
-        "ranges stand, and its status is contradicted"
+        "the measurements contradict the model or one another: the best fit misses them by more than sigma allows "
+        f"(probability {result.fit.p_value:.1g}, usual is {SIGNIFICANCE:g} or more). Worst is {worst}, by "
+        f"{value:.3g} sigma: look at it, at its sigma and at the ranges. What was found is a compromise: no interval "
+        "is stated, the ranges stand, and its status is contradicted"
     )
+
+
+def at_ends(result: CalibrationResult) -> list[tuple[str, str]]:
+    """Return name and sentence for each property whose best value lies beyond an end of its range."""
+    rows = []
+    for name, held in zip(result.names, result.fit.held.tolist(), strict=True):
+        if not held:
+            continue
+        datum = result.measurement_file.problem.data[name]
+        factor, unit = engineering(datum.high, datum.unit)
+        end = datum.high if held > 0 else datum.low
+        text = f"{number(factor * end)} {unit_text(unit)}".rstrip()
+        text += f" is the {'upper' if held > 0 else 'lower'} end of its range, and the measurements ask for "
+        text += "more: " if held > 0 else "less: "
+        table = "[sought]" if name in result.measurement_file.problem.sought else "[known]"
+        # a range that begins at 0 ends there by nature
+        widen = f"widen the range of {name} in {table}, if the rope may lie beyond it, or " if end else ""
+        rows.append((name, f"{text}{widen}check the measured values, their units, signs and sigma"))
+    return rows
+
+
+def complaints(result: CalibrationResult) -> list[str]:
+    """Return the warnings on a fit: measurements that it cannot meet, and ends of ranges that it reaches."""
+    reached = [f"{name} = {text}; no interval is stated, the range stands" for name, text in at_ends(result)]
+    return [*filter(None, [misfit(result)]), *reached]
+
+
+def exit_code(result: CalibrationResult) -> int:
+    """Return the command's exit code: 1 if the measurements contradict the model or one another."""
+    return 1 if result.fit.contradicted else 0
 
 
 def write_page(result: CalibrationResult, path: Path) -> Path:
@@ -68,7 +101,7 @@ def write_page(result: CalibrationResult, path: Path) -> Path:
     title, data = provenance_table(result.provenance())
     pairs = _pairs(result)
     none = paragraphs(["None."])
-    notes = [text for text in (misfit(result), *result.warnings) if text]
+    notes = [*complaints(result), *result.warnings]
     parts = [
         ("", paragraphs(notes) + plain_table(head, properties)),
         (
@@ -100,10 +133,13 @@ def _properties(result: CalibrationResult) -> list[tuple[str, str, str]]:
         datum = result.data[name]
         factor, unit = engineering(datum.high, datum.unit)
         value, low, high = (number(factor * x) for x in (result.value(name), datum.low, datum.high))
-        if not result.is_determined(name):
+        finding = result.findings[name]
+        if finding == Finding.UNDETERMINED:
             text = f"undetermined: {low} to {high} as before"
-        elif result.fit.contradicted:
+        elif finding == Finding.CONTRADICTED:
             text = f"{value} as a compromise, contradicted: {low} to {high} as before"
+        elif finding.at_end:
+            text = f"{value}, {finding.value}: {low} to {high} as before"
         else:
             text = f"{value} ({low} to {high})"
         rows.append((name, text, unit_text(unit)))
@@ -154,7 +190,7 @@ def write_rope_file(result: CalibrationResult, path: Path) -> Path:
     lines = [
         f"# Found by balance-rope identify from {printable(file.path.name)}. wind and export take it as",
         '# --rope FILE, studies, duties and ropes as [fixed] from = "FILE".',
-        *(f"# {printable(line)}" for line in textwrap.wrap(misfit(result), 110)),
+        *(f"# {printable(line)}" for text in complaints(result) for line in textwrap.wrap(text, 110)),
         "[rope]",
         f"construction = {toml_string(calibrated_rope.construction)}",
         f"diameter = {calibrated_rope.diameter!r}",
@@ -170,5 +206,4 @@ def write_rope_file(result: CalibrationResult, path: Path) -> Path:
     for name in result.measurement_file.problem.sought:
         status = toml_string(result.data[name].status)
         lines.append(f"{name} = {{ value = {result.value(name):.6g}, status = {status} }}")
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
-    return path
+    return write_text(path, "\n".join(lines) + "\n")

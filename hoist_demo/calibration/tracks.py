@@ -202,6 +202,7 @@ def _nearest(curve: CubicHermiteSpline, points: Array) -> Array:
 
 def _read(path: Path, track: Markers) -> _Frames:
     """Read the columns of a CSV file; a ValueError names one that is missing."""
+    _require_commas(path, track.file)
     try:
         columns = np.genfromtxt(path, delimiter=",", names=True, deletechars="", loose=False, encoding="utf-8-sig")
     except (OSError, ValueError) as error:
@@ -224,6 +225,27 @@ def _read(path: Path, track: Markers) -> _Frames:
     unit = {"m": 1.0, "cm": 0.01, "mm": 1e-3}[track.unit]
     directions = vectors(SIDES, "d") if leaning else np.zeros((t.size, 0, 3))
     return _Frames(t, vectors(SIDES, unit=unit), directions, vectors([*track.places, *track.unlabelled], unit=unit))
+
+
+def _require_commas(path: Path, name: str) -> None:
+    """Refuse a table with semicolons or tabs between its columns, and so perhaps with decimal commas."""
+    try:
+        with path.open(encoding="utf-8-sig") as file:
+            head, row = file.readline().strip(), file.readline().strip()
+    except (OSError, ValueError):
+        return  # the reader says it
+    for separator, word in ((";", "semicolons"), ("\t", "tabs")):
+        if separator in head:
+            comma = f", and {row!r} may have decimal commas" if "," in row else ""
+            raise ValueError(
+                f"{name} has {word} between its columns{comma}: give a CSV file with commas between columns and "
+                "decimal points"
+            )
+    if row.count(",") == 2 * head.count(",") + 1 and head.count(","):
+        raise ValueError(
+            f"{name} has {row.count(',') + 1} fields in line 2 and {head.count(',') + 1} names in line 1, as with "
+            "decimal commas: give decimal points"
+        )
 
 
 def _checked(frames: _Frames, track: Markers) -> _Frames:

@@ -54,6 +54,7 @@ class Case:
     level: Level = "standard"
     signals: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()  # sentences on values that are far from what hoists have
+    notes: tuple[str, ...] = ()  # sentences on values that are right for some hoists only
 
     @property
     def distinct_ropes(self) -> tuple[BalanceRopeData, ...]:

@@ -12,7 +12,9 @@ from hoist_demo.files.values import DERIVED, ParameterValue, plain
 from hoist_demo.parameters import Hoist, Winding, hoist_with, require_trip_fits
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
+from hoist_demo.parameters.suspension import SuspensionOffset
 from rope_model import rope as catalogue_rope
+from rope_model.physics.estimates import NATURAL_WIDTH
 
 TAIL_SPARE = 40.0  #: Length of a balance rope beyond the travel [m, assumed]: loop, and sump below the lower landing.
 #: EA of a head rope over its mass per length [m^2/s^2, assumed], a modulus of 110 GPa of the steel.
@@ -90,6 +92,8 @@ def apply_rules(host: Mapping[str, ParameterValue], ropes: Iterable[BalanceRopeD
             f"hoist.tail_rope_number = {host['hoist.tail_rope_number'].value} must be {drive.tail_rope_number}, as "
             "number of the [[rope]] says: leave it out"
         )
+    if any(map(_has_a_place, ropes)) or len(ropes) > 1:
+        _require_totals(host, drive)
     for rule in RULES:
         if rule.key not in host:
             value = rule.value(RuleInputs(sections["hoist"], sections["winding"], drive))
@@ -97,8 +101,10 @@ def apply_rules(host: Mapping[str, ParameterValue], ropes: Iterable[BalanceRopeD
             sections = data_of(plain(host))
     require_trip_fits(sections["hoist"], sections["winding"])
     far = dict.fromkeys(line for one in ropes for line in remarks(plain({**host, **one.values})))
+    worth = dict.fromkeys(line for one in ropes for line in notes(sections["hoist"], one))
     data = {name: sections[name] for name in ("hoist", "winding", "gains")}
-    return Case(**header, **data, host=host, balance_ropes=ropes, rope=ropes[0].parameters, remarks=tuple(far))
+    first = ropes[0].parameters
+    return Case(**header, **data, host=host, balance_ropes=ropes, rope=first, remarks=tuple(far), notes=tuple(worth))
 
 
 def _of_catalogue(rope: BalanceRopeData) -> dict[str, ParameterValue]:
@@ -111,13 +117,29 @@ def _of_catalogue(rope: BalanceRopeData) -> dict[str, ParameterValue]:
     return {f"rope.{name}": ParameterValue(getattr(mean, name), DERIVED, source, follows=True) for name in OF_CATALOGUE}
 
 
+def _has_a_place(rope: BalanceRopeData) -> bool:
+    """Return True for a rope with a suspension or a break of its own."""
+    return bool(rope.suspension or rope.breaks)
+
+
+def _require_totals(host: Mapping[str, ParameterValue], drive: Hoist) -> None:
+    """Refuse mass or length of the balance ropes that are not those of several [[rope]]: the drive takes theirs."""
+    with Problems() as problems:
+        for key, own in (("tail_rope_mass", drive.tail_rope_mass), ("tail_rope_length", drive.tail_rope_length)):
+            entry = host.get(f"hoist.{key}")
+            if entry is not None and not math.isclose(float(entry.value), own, rel_tol=1e-3):
+                problems.append(
+                    f"hoist.{key} = {float(entry.value):g} must be {own:.6g}, as the [[rope]] say: leave it out"
+                )
+
+
 def rope_totals(ropes: tuple[BalanceRopeData, ...]) -> Hoist:
     """Return a hoist with number, mass and length of the balance ropes as the drive takes them."""
     mass = rope_parameters()["rope.mass_per_length"].start
     each = [(rope.parameters.get("rope.mass_per_length", mass), rope.parameters["rope.length"]) for rope in ropes]
     masses_and_lengths = [(float(m), float(length)) for m, length in each]
     number = sum(rope.number for rope in ropes)
-    if len(ropes) == 1 and not (ropes[0].suspension or ropes[0].breaks):
+    if len(ropes) == 1 and not _has_a_place(ropes[0]):
         ((own, length),) = masses_and_lengths
         return Hoist(tail_rope_number=number, tail_rope_mass=own, tail_rope_length=length)
     if number > len(ropes):
@@ -141,7 +163,7 @@ def _stated(values: Mapping[str, ParameterValue]) -> dict[str, ParameterValue]:
     return {key: entry for key, entry in values.items() if not entry.follows}
 
 
-#: Usual ranges: a value beyond draws a remark that its unit may be wrong.
+#: Usual ranges [assumed]: a value beyond draws a remark that its unit may be wrong.
 USUAL = {
     "hoist.payload_left": (200.0, 6e4),
     "hoist.payload_right": (200.0, 6e4),
@@ -155,7 +177,7 @@ USUAL = {
     "hoist.head_rope_stiffness": (3e6, 5e8),
     "hoist.head_rope_length_up": (2.0, 200.0),
     "hoist.shaft_travel": (20.0, 3500.0),
-    "winding.speed": (0.2, 25.0),
+    "winding.speed": (1.0, 25.0),
     "winding.acceleration": (0.05, 2.0),
     "winding.jerk": (0.05, 5.0),
     "winding.emergency_deceleration": (0.5, 10.0),
@@ -174,4 +196,35 @@ def remarks(values: Mapping[str, Value]) -> Iterable[str]:
         value = values.get(key)
         if isinstance(value, float) and value != 0.0 and math.isfinite(value) and not low <= abs(value) <= high:
             unit = units[key].unit
-            yield f"{key} = {value:g} {unit} is far from what hoists have, {low:g} to {high:g} {unit}: check its unit"
+            yield (
+                f"{key} = {value:g} {unit} is far from what hoists have, {low:g} to {high:g} {unit} [assumed]: check "
+                "its unit"
+            )
+
+
+#: Least spacing of the balance rope's ends over the sheave's diameter without deflection sheaves [assumed].
+LEAST_SPACING = 0.5
+
+
+def notes(hoist: Hoist, rope: BalanceRopeData) -> Iterable[str]:
+    """Yield a line on a place of the rope that is right for some hoists only."""
+
+    def value(name: str) -> float:
+        return float(rope.parameters.get(name, rope_parameters()[name].start))
+
+    spacing = SuspensionOffset(**rope.suspension).apart(value("layout.spacing"))
+    diameter = 2.0 * hoist.sheave_radius
+    if spacing < LEAST_SPACING * diameter:
+        yield (
+            f"layout.spacing: the rope's ends are {spacing:.4g} m apart beside a sheave of {diameter:.4g} m diameter; "
+            f"{LEAST_SPACING * diameter:.4g} m or more is usual without deflection sheaves [assumed]: check both, and "
+            "that there are deflection sheaves"
+        )
+    weight = value("rope.mass_per_length") * value("layout.gravity")
+    width = NATURAL_WIDTH * (value("rope.EI") / weight) ** (1.0 / 3.0)
+    if spacing < width:
+        yield (
+            f"layout.spacing: the rope's ends are {spacing:.4g} m apart, less than the width of its free loop, "
+            f"2.543 (EI/(rho g))^(1/3) = {width:.4g} m: the loop bulges beyond its legs; give the distance of the "
+            "rope's ends, or check rope.EI"
+        )

@@ -5,19 +5,19 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.support import Commands, add_command, add_results, interruption, results_folder
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.exposure import STATION_SIGNALS, exposure, flatten, gather, together
-from hoist_demo.recording.fidelity import mask_neglected, remark
+from hoist_demo.recording.fidelity import remark
 from hoist_demo.recording.incidents import circuit_stop
+from hoist_demo.recording.ropes import computed, rope_signals
 from hoist_demo.recording.time_series import TIME, Recording, write_csv
 from hoist_demo.report.html.page import number
 from hoist_demo.report.rows import OUTCOME, WARNING, SummaryRow, in_display_unit, render
@@ -25,11 +25,12 @@ from hoist_demo.report.summary import exposure_rows
 from hoist_demo.report.verdict import outcome
 
 if TYPE_CHECKING:
-    from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
     from hoist_demo.cosimulation.run_state import Result
     from hoist_demo.duty.schedule import Schedule
     from hoist_demo.duty.wind import WoundTrip
+    from hoist_demo.ropes.definition import Ropes
 
+_STATION = "station.s[1]"  #: Column of a duty's state that shows that exposure was counted.
 STATE = "last_trip.npz"  #: File in the output folder with the state after the last trip that is wound.
 
 _DESCRIPTION = """\
@@ -60,12 +61,10 @@ def add_duty(commands: Commands) -> None:
 
 
 def _duty(options: argparse.Namespace) -> int:
-    from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
     from hoist_demo.duty.schedule import read_schedule
     from hoist_demo.duty.table import READ
-    from hoist_demo.duty.wind import table_rows
     from hoist_demo.report.rows import status_rows
-    from hoist_demo.study.provenance import host_provenance, rope_provenance, write_data
+    from hoist_demo.study.provenance import host_provenance, write_data
     from hoist_demo.study.run import contradictions
     from hoist_demo.uncertainty.spread import remarks_of
 
@@ -74,22 +73,24 @@ def _duty(options: argparse.Namespace) -> int:
         print(f"{options.schedule}: {schedule.count} trips, nothing wrong")
         return 0
     read = READ.union(STATION_SIGNALS if options.exposure else ())
-    rope = InProcessRope(rope_scene(schedule.pattern[0].rope_values, schedule.level), read)
+    ropes = schedule.ropes(read)
     out = results_folder(options.out or Path("out") / "duty" / options.schedule.stem)
     with interruption() as interrupted:
-        trips, last, of_trips = _wind(schedule, rope, out / STATE, interrupted, options.exposure)
+        trips, last, of_trips = _wind(schedule, ropes, out / STATE, interrupted, options.exposure)
     if trips is None:
         print("balance-rope: interrupted before the first trip's end", file=sys.stderr)
         return 130
-    exposed = together([gather(row) for row in table_rows(trips)]) if "station.s[1]" in trips else None
+    exposed = {rope.prefix: table for rope in ropes.data() if (table := _exposed(trips, rope.prefix)) is not None}
     run, status, header = schedule.pattern[0], schedule.status_by_name, schedule.header
-    data = host_provenance(run, status) + rope_provenance(find_case(run.case), rope.data(), status)
+    data = [*host_provenance(run, status), *ropes.provenance(status)]
     written = [*_write(trips, exposed, out), write_data(data, out / "data.csv")]
     print(f"{header.title}: hoist {header.hoist}, level {schedule.level}, {trips['trip'].size} trips\n")
-    exposures = exposure_rows("", exposed) if exposed else ()
-    recording = _as_it_is(rope) if last is None else last.result.recording
+    exposures = [row for prefix, table in exposed.items() for row in exposure_rows(prefix.rstrip("."), table)]
+    recording = _as_it_is(ropes) if last is None else last.result.recording
+    remarks = [remark(rope_signals(recording, rope.name)) for rope in ropes.data()]
     counted = (f"{text} ({count} of {len(of_trips)} trips)" for text, count in remarks_of(of_trips).items())
-    warned = [*filter(None, (contradictions(run.hoist, rope.data().parameters), remark(recording), *counted))]
+    drives = () if ropes.case.distinct_ropes else (contradictions(run.hoist, ropes.data()[0].parameters),)
+    warned = [*filter(None, dict.fromkeys((*drives, *remarks, *counted)))]
     print(render([*_summary(trips, last, len(schedule.pattern), warned), *exposures, *status_rows(data)]))
     print(f"\n{ASSUMED_DATA}\n")
     print("written: " + ", ".join(str(path) for path in written))
@@ -104,7 +105,7 @@ def _duty(options: argparse.Namespace) -> int:
 
 
 def _wind(
-    schedule: Schedule, rope: InProcessRope, state: Path, interrupted: Callable[[], bool], counted: bool
+    schedule: Schedule, ropes: Ropes, state: Path, interrupted: Callable[[], bool], counted: bool
 ) -> tuple[Recording | None, WoundTrip | None, list[list[str]]]:
     """Wind those left; return the table of all trips, None for none, the last wound here, and warnings."""
     from hoist_demo.duty.table import landing_warnings, place_at_rest, trip_row, trip_table
@@ -112,13 +113,15 @@ def _wind(
     from hoist_demo.study.slip import slip_warnings
 
     cycle = len(schedule.pattern)
-    rest = place_at_rest(schedule, rope)
+    rope, identities = ropes.plant, ropes.data()
+    rest = place_at_rest(schedule, rope, [one.name for one in identities])
+    station = f"{identities[0].prefix}{_STATION}"
     rows, warned = list[dict[str, float]](), list[list[str]]()
     after = last = None
     if state.is_file():
         saved_rows, after = read_state(state, rope, schedule)
         rows = saved_rows[: schedule.count]
-        if counted != ("station.s[1]" in rows[0]):
+        if counted != (station in rows[0]):
             raise ValueError(f"'{state}' was begun {'without' if counted else 'with'} --exposure: go on so")
         print(f"{len(rows)} of {schedule.count} trips are there already")
     with progress_bar() as bar:
@@ -126,23 +129,40 @@ def _wind(
         def progress(number: int) -> Callable[[float, float], bool]:
             return lambda part, t: bar((number - 1 + part) / schedule.count, t) and not interrupted()
 
-        for trip in wind_duty(schedule, rope, rope.data().torque_free, progress, after, len(rows)):
+        torque_free = {one.name: one.torque_free for one in identities}
+        for trip in wind_duty(schedule, rope, torque_free, progress, after, len(rows)):
             if interrupted() and trip.result.end is None:
                 break
             last = trip
-            exposed = exposure(trip.result.recording, rope.data().parameters)
-            rows.append(trip_row(trip, rest) | (flatten(exposed) if exposed else {}))
+            row = trip_row(trip, rest)
+            for one in identities:
+                if (exposed := exposure(rope_signals(trip.result.recording, one.name), one.parameters)) is not None:
+                    row |= {f"{one.prefix}{name}": value for name, value in flatten(exposed).items()}
+            rows.append(row)
             warned.append([*slip_warnings(trip.result, trip.data.hoist), *landing_warnings(rows[-1], trip.data)])
             if trip.result.end is not None:
                 write_state(state, trip_table(rows, cycle), trip.result.end, rope, schedule)
     return (trip_table(rows, cycle) if rows else None), last, warned
 
 
-def _as_it_is(rope: InProcessRope) -> Recording:
-    """Return a recording of one row: the rope's present signals, masked by its fidelity."""
-    names = [*rope.units()]
-    signals = {TIME: np.zeros(1), **dict(zip(names, rope.reader(names)()[:, None], strict=True))}
-    return mask_neglected(Recording(signals, {}), rope.data().torque_free)
+def _exposed(trips: Recording, prefix: str) -> Recording | None:
+    """Return what each place in a rope went through in all trips; None if it was not counted."""
+    from hoist_demo.duty.wind import table_rows
+
+    if f"{prefix}{_STATION}" not in trips:
+        return None
+    own = [
+        {key.removeprefix(prefix): value for key, value in row.items() if key.startswith(f"{prefix}station.")}
+        for row in table_rows(trips)
+    ]
+    return together([gather(row) for row in own])
+
+
+def _as_it_is(ropes: Ropes) -> Recording:
+    """Return a recording of one row: the ropes' present signals, masked by their fidelities."""
+    names = [*ropes.plant.units()]
+    signals = {TIME: np.zeros(1), **dict(zip(names, ropes.plant.reader(names)()[:, None], strict=True))}
+    return computed(Recording(signals, {}), {rope.name: rope.torque_free for rope in ropes.data()})
 
 
 def _ended(result: Result) -> str:
@@ -152,7 +172,7 @@ def _ended(result: Result) -> str:
 
 
 def _summary(trips: Recording, last: WoundTrip | None, cycle: int, warned: Sequence[str]) -> list[SummaryRow]:
-    from hoist_demo.duty.table import STEADY, UNITS, steady_from, worst
+    from hoist_demo.duty.table import STEADY, steady_from, unit_of, worst
 
     rows = []
     if last is not None:
@@ -168,18 +188,19 @@ def _summary(trips: Recording, last: WoundTrip | None, cycle: int, warned: Seque
     if math.isfinite(change := float(trips["difference"][-1])):
         rows.append(SummaryRow(group, "last trip's change", 100.0 * change, "%"))
     for one in worst(trips, cycle):
-        (value, unit), (first, _) = (in_display_unit(x, UNITS[one.name]) for x in (one.value, one.first_cycle))
+        (value, unit), (first, _) = (in_display_unit(x, unit_of(one.name)) for x in (one.value, one.first_cycle))
         text = f"{number(value)} {unit}".rstrip() + f" in trip {one.trip} ({number(first)})"
         rows.append(SummaryRow("Worst trip (in the first cycle, from rest)", one.name, text))
     return rows
 
 
-def _write(trips: Recording, exposed: Recording | None, out: Path) -> list[Path]:
+def _write(trips: Recording, exposed: Mapping[str, Recording], out: Path) -> list[Path]:
+    """Write the tables and the figure; `exposed` has the table of each rope by the prefix of its names."""
     from hoist_demo.report.figures import write_duty_figure
 
     write_csv(trips, out / "trips.csv")
     written = [out / "trips.csv", write_duty_figure(trips, out / "duty.png")]
-    if exposed is not None:
-        write_csv(exposed, out / "exposure.csv")
-        written.append(out / "exposure.csv")
+    for prefix, table in exposed.items():
+        written.append(out / f"{prefix}exposure.csv")
+        write_csv(table, written[-1])
     return written

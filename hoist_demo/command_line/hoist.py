@@ -7,7 +7,7 @@ import sys
 from functools import partial
 from pathlib import Path
 
-from hoist_demo.cases.case import BUILTIN_HOISTS
+from hoist_demo.cases.case import BUILTIN_HOISTS, Case
 from hoist_demo.cases.rules import with_values
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.options import SET, settings
@@ -17,6 +17,7 @@ from hoist_demo.files.new import WISHES, new_hoist
 from hoist_demo.files.registry import parameters, rope_parameters
 from hoist_demo.files.rope_file import OF_CATALOGUE
 from hoist_demo.files.values import read_value
+from rope_model.files import write_text
 
 _NEW = """\
 Write a complete, commented file of a hoist from a few numbers. What you do not give follows by a rule, which the file
@@ -69,11 +70,14 @@ def _new(options: argparse.Namespace) -> int:
     path.parent.mkdir(parents=True, exist_ok=True)
     if options.schema:
         beside = path.with_name("hoist.schema.json")
-        beside.write_text(json.dumps(schema()), encoding="utf-8", newline="\n")
+        write_text(beside, json.dumps(schema()))
         text = f"#:schema ./{beside.name}\n{text}"
-    path.write_text(text, encoding="utf-8", newline="\n")
+    write_text(path, text)
     quoted = shlex.quote(str(path))
     print(f"written: {path}\nnow: balance-rope show {quoted}; balance-rope wind {quoted}")
+    case = find_case(str(path))
+    for line in (*case.remarks, *_noted(case)):
+        print(f"balance-rope: {line}", file=sys.stderr)
     return 0
 
 
@@ -101,19 +105,22 @@ def _rope(options: argparse.Namespace) -> int:
     return 0
 
 
+def _noted(case: Case) -> list[str]:
+    """Return the notes on a hoist, marked as such: they do not count as remarks."""
+    return [f"note: {line}" for line in case.notes]
+
+
 def _show(options: argparse.Namespace, everything: bool) -> int:
-    from hoist_demo.report.hoist import as_file, consequences, drive_problems, slip_problems
+    from hoist_demo.report.hoist import as_file, examine
 
     values = settings(options.set, parameters())
     case = with_values(find_case(options.hoist), values)
     if everything:
         print(as_file(case, options.hoist, values))
-    text, warnings = consequences(case, options.hoist, values)
+    text, check = examine(case, options.hoist, values)
     if everything:
         print("\n".join(f"# {line}".rstrip() for line in text.splitlines()) + "\n")
-    remarks = [*case.remarks, *drive_problems(case), *slip_problems(case), *warnings]
-    for line in remarks:
+    for line in (*check.problems, *_noted(case)):
         print(f"balance-rope: {line}", file=sys.stderr)
-    if not remarks:
-        print(f"# {options.hoist}: nothing is remarkable")
-    return 1 if remarks and not everything else 0
+    print(f"# {options.hoist}: {check.summary}")
+    return 0 if everything else check.exit_code

@@ -4,6 +4,8 @@ import argparse
 import sys
 from pathlib import Path
 
+from tqdm import tqdm
+
 from hoist_demo.command_line.support import Commands, add_command, add_results, results_folder
 from hoist_demo.report.rows import render
 
@@ -18,8 +20,9 @@ examples:
 
 Results in --out: rope.toml, the parameters for other commands, data.csv, where each number comes from, and report.html.
 The file is explained in docs/reference/files.md.
-exit code: 0 found, 1 a compromise between measurements that contradict the model, 2 wrong file or arguments, 130
-interrupted.
+exit code: 0 found (what stays undetermined, or lies at an end of its range, is named), 1 a compromise between
+measurements that contradict the model or one another: nothing is calibrated, 2 wrong file or arguments, 130
+interrupted, with nothing written.
 """
 
 
@@ -35,16 +38,26 @@ def add_identify(commands: Commands) -> None:
 def _identify(options: argparse.Namespace) -> int:
     from hoist_demo.calibration.definition import MeasurementFile
     from hoist_demo.calibration.identify import identify
-    from hoist_demo.calibration.page import misfit, summary, write_page, write_rope_file
+    from hoist_demo.calibration.page import complaints, exit_code, summary, write_page, write_rope_file
     from hoist_demo.files.reading import read
     from hoist_demo.study.provenance import write_data
 
     file = read(options.measured, MeasurementFile)
     if options.check:
+        file.require_hangs()
         print(f"{options.measured}: {sum(len(m.values) for m in file.measurements)} values, nothing wrong")
         return 0
     out = results_folder(options.out or Path("out") / "identify" / options.measured.stem)
-    result = identify(file)
+    windings = 0
+    with tqdm(desc="fitting", unit=" ropes", file=sys.stderr, leave=False, disable=None) as bar:
+
+        def computed(of_rope: int) -> None:
+            nonlocal windings
+            windings += of_rope
+            bar.set_postfix_str(f"{windings} windings", refresh=False)
+            bar.update()
+
+        result = identify(file, computed)
     print(render(summary(result)))
     written = (
         write_rope_file(result, out / "rope.toml"),
@@ -52,7 +65,6 @@ def _identify(options: argparse.Namespace) -> int:
         write_page(result, out / "report.html"),
     )
     print("\nwritten: " + ", ".join(map(str, written)))
-    if warning := misfit(result):
-        print(f"balance-rope: warning: {warning}", file=sys.stderr)
-        return 1
-    return 0
+    for text in complaints(result):
+        print(f"balance-rope: warning: {text}", file=sys.stderr)
+    return exit_code(result)

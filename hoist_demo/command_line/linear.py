@@ -1,15 +1,24 @@
 """The commands `balance-rope linearise` and `balance-rope modes`."""
 
+from __future__ import annotations
+
 import argparse
 import csv
 import math
+import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import NoReturn
+
+from tqdm import tqdm
 
 from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.support import Commands, RunCommand, add_command, named, results_folder
+from rope_model.files import whole_file
 
 _CHANNELS = ("torque_command",), ("rate", "pull_left", "pull_right")
+_BAR = "modes {desc} {percentage:3.0f}% |{bar}| [{elapsed} < {remaining}]"
 _HEIGHTS = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 _LINEARISE = """\
@@ -25,7 +34,8 @@ examples:
   balance-rope {name} monopol-1000
   balance-rope {name} --at 0 0.1 0.2 --swivels free
 
-Coulomb friction, play and slip on the lining are left out; see docs/howto/control.md.
+Coulomb friction, play, slip on the lining, and the events of a trip (jams, a rope's break) are left out; see
+docs/howto/control.md.
 """
 
 
@@ -36,7 +46,8 @@ def add_linear(commands: Commands) -> None:
     text = "of the left conveyance, upwards (%(default)s)"
     linearise.add_argument("--speed", type=float, default=0.0, metavar="M/S", help=text)
     linearise.add_argument("--held-by", choices=("motor", "brake"), default="motor", help="(%(default)s)")
-    linearise.add_argument("--states", type=int, default=17, metavar="N", help="of each model (%(default)s)")
+    text = "of each model (the fewest whose measured error is small enough to use them)"
+    linearise.add_argument("--states", type=int, metavar="N", help=text)
     for name, channels in zip(("--inputs", "--outputs"), _CHANNELS, strict=True):
         linearise.add_argument(name, nargs="+", default=channels, metavar="NAME", help=f"({' '.join(channels)})")
     modes.add_argument("--count", type=int, default=8, metavar="N", help="modes printed at each height (%(default)s)")
@@ -70,7 +81,8 @@ def _linearise(options: argparse.Namespace) -> int:
     from hoist_demo.design.linearise import linearise
     from hoist_demo.design.reduction import reduced
 
-    models = linearise(_hoist(options), options.at, options.swivels, options.held_by, speed=options.speed)
+    case = _hoist(options)
+    models = linearise(case, options.at, options.swivels, options.held_by, case.level, options.speed)
     selected = [model.selected(options.inputs, options.outputs) for model in models]
     small = reduced(selected, options.states, options.band)
     written = small.write(results_folder(options.out))
@@ -85,6 +97,15 @@ def _linearise(options: argparse.Namespace) -> int:
     return 0
 
 
+def _followed(bar: tqdm[NoReturn]) -> Callable[[float], None]:
+    """Return a function that moves the bar to a part of the whole."""
+
+    def move(part: float) -> None:
+        bar.update(part - bar.n)
+
+    return move
+
+
 def _modes(options: argparse.Namespace) -> int:
     """Write all modes of a hoist up to a frequency, and print those that the torque moves most."""
     import numpy as np
@@ -97,20 +118,23 @@ def _modes(options: argparse.Namespace) -> int:
     if options.count < 1:
         raise ValueError(f"--count {options.count} must be at least 1: give how many modes to print")
     case, band, out = _hoist(options), options.band, results_folder(options.out)
-    models = linearise(case, options.at, options.swivels)
+    models = linearise(case, options.at, options.swivels, level=case.level)
     head = ("at", "frequency [Hz]", "damping", "felt by the drive", *PARTS)
     rows, modes = list[list[float]](), list[Modes]()
     print("".join(f"{name:>18}" for name in head), flush=True)
     for model in models:
-        modes.append(own := model.modes(band))
+        with tqdm(
+            total=1.0, desc=f"at {model.at:g}", bar_format=_BAR, file=sys.stderr, leave=False, disable=None
+        ) as bar:
+            modes.append(own := model.modes(band, _followed(bar)))
         felt = telling(model.selected(*_CHANNELS), own, band)
         table = np.column_stack((np.full(felt.size, model.at), own.frequencies, own.damping, felt, own.shares.T))
         rows += table.tolist()
         for j in np.sort(np.argsort(-felt)[: options.count]):
             print("".join(f"{x:18.4g}" if k < 4 else f"{x:18.2f}" for k, x in enumerate(table[j])), flush=True)
-    with (out / "modes.csv").open("w", newline="", encoding="utf-8") as file:
+    with whole_file(out / "modes.csv") as draft, draft.open("w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerows([head, *rows])
-    without = linearise_hoist(case, options.at[len(options.at) // 2])
+    without = linearise_hoist(case, options.at[len(options.at) // 2], level=case.level)
     figure = write_modes_figure(models, modes, without, band, out / "modes.png")
     print(f"\nwritten: {out / 'modes.csv'}, {figure}")
     return 0

@@ -22,6 +22,7 @@ from hoist_demo.report.summary import exposure_rows, summarize
 from hoist_demo.report.verdict import judge
 from hoist_demo.study.provenance import SourcedValue, host_provenance, statuses, write_data
 from hoist_demo.study.run import RunData, build
+from rope_model.files import write_text
 
 #: Outputs that an FMU may have been exported without, and what the reports then lack.
 _DRAWN = {
@@ -140,8 +141,8 @@ def write_results(wound: WoundRun, directory: Path, signals: Sequence[str]) -> l
                 write_csv(spectra, add("spectra.csv", rope))
     hoist_file = directory / "hoist.toml"
     text = complete_file(find_case(wound.run.case), wound.run, wound.ropes, wound.provenance)
-    hoist_file.write_text(text, encoding="utf-8")
+    write_text(hoist_file, text)
     report = directory / "report.md"
-    report.write_text(render_markdown(wound.report, pictures), encoding="utf-8")
+    write_text(report, render_markdown(wound.report, pictures))
     page = run_report(result, hoist, wound.report, directory / REPORT, wound.ropes)
     return [*written, data, hoist_file, *pictures, report, page]

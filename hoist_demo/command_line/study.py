@@ -86,8 +86,7 @@ def _study(options: argparse.Namespace) -> int:
         print(f"{runs[0]}{more}: warning: {text}", file=sys.stderr)
     for run, cause in result.causes.items():
         print(f"{run}: {cause}", file=sys.stderr)
-    passed = f", in {len(result.passages)} the rope struck or passed through something" if result.passages else ""
-    print(f"{result.runs - len(result.causes)} of {result.runs} runs wound to the end{passed}: {result.table}")
+    print(f"{result.summary}: {result.table}")
     for remark in result.remarks:
         print(f"not monotonic: {remark}")
     if result.best is not None:
@@ -109,4 +108,4 @@ def _study(options: argparse.Namespace) -> int:
     data = [provenance_table(provenance)]
     report = study_report(results.table, results.units, meta, page, data, result, study.objective)
     print(f"open in a browser: {report}")
-    return 1 if result.causes else 0
+    return result.exit_code

@@ -1,6 +1,7 @@
 """Folders of results, and interrupts while a command computes or writes."""
 
 import argparse
+import io
 import os
 import signal
 import stat
@@ -9,8 +10,12 @@ import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
+if TYPE_CHECKING:
+    from _typeshed import ReadableBuffer
+
+INTERRUPTED = 130  #: Exit code of every command that an interrupt (Ctrl-C) has stopped: 128 + SIGINT.
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 RunCommand = Callable[[argparse.Namespace], int]
 
@@ -56,6 +61,38 @@ def named(text: str) -> Path:
     if not text:
         raise argparse.ArgumentTypeError("'' names nothing: give a name, or leave --out away")
     return Path(text)
+
+
+class _Output(io.FileIO):
+    """Output that goes nowhere once its reader is gone, as in `| head`: the command goes on to its exit code."""
+
+    def write(self, text: "ReadableBuffer") -> int | None:  # type: ignore[override]  # of IO, which is generic
+        try:
+            return super().write(text)
+        except BrokenPipeError:
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, self.fileno())
+            os.close(nowhere)
+            return super().write(text)
+
+
+def outlive_readers() -> None:
+    """Let a command go on when the reader of its output or of its messages closes the pipe."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        # a test's or a notebook's stream is its own affair, and a terminal is no pipe
+        if stream is None or stream is not getattr(sys, f"__{name}__") or stream.isatty():
+            continue
+        raw = _Output(stream.fileno(), "wb", closefd=False)
+        stream.flush()
+        outlives = io.TextIOWrapper(
+            io.BufferedWriter(raw),
+            encoding=stream.encoding,
+            errors=stream.errors,
+            line_buffering=stream.line_buffering,
+            write_through=stream.write_through,
+        )
+        setattr(sys, name, outlives)
 
 
 def treat_hangup_as_interrupt() -> None:

@@ -47,6 +47,7 @@ def _uncertain(options: argparse.Namespace) -> int:
     if workers < 1:
         raise ValueError(f"--workers {workers} must be at least 1: leave it out for one per core")
     file = read(options.scene, UncertaintyFile)
+    file.require_hangs()
     if options.check:
         print(f"{options.scene}: {file.header.samples} windings over {', '.join(file.data)}, nothing wrong")
         return 0
@@ -64,4 +65,4 @@ def _uncertain(options: argparse.Namespace) -> int:
         print(f"balance-rope: {text}", file=sys.stderr)
     if text := too_few(result):
         print(f"balance-rope: warning: {text}", file=sys.stderr)
-    return 0 if result.completed == file.header.samples else 1
+    return result.exit_code

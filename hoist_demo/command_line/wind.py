@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -12,7 +12,7 @@ from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, SCENARIOS, Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.options import KERNELS, TRIP, add_data, add_trip, settings
 from hoist_demo.command_line.run_results import REPORT, WoundRun, missing_outputs, write_results
-from hoist_demo.command_line.support import Commands, add_command, interruption, named, results_folder
+from hoist_demo.command_line.support import INTERRUPTED, Commands, add_command, interruption, named, results_folder
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.host import Host
@@ -62,7 +62,7 @@ examples:
   balance-rope wind --resume out/wind/rope-120/last_good.npz  go on with a run that was interrupted or stopped
 
 exit code: 0 wound to the end, 1 the rope or the drive stopped the run (the cause is printed and what was recorded
-is written all the same), 2 wrong arguments, 130 interrupted while the results were written.
+is written all the same), 2 wrong arguments, 130 interrupted (what is kept is said, and how to go on).
 """
 
 
@@ -100,15 +100,13 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
         if options.hoist is not None:
             raise ValueError(f"--case {options.case} and {options.hoist} are both a hoist: leave one out")
         options.hoist = options.case
-    several = options.hoist is not None and find_case(options.hoist).distinct_ropes
-    for name, value in (("--fmu", options.fmu), ("--resume", options.resume)):
-        if several and value:
-            raise ValueError(f"{name} {value} is for a hoist with one [[rope]]: leave it out, several run in process")
     resume = Checkpoint.read(options.resume) if options.resume else None
     options.hoist = options.hoist or (resume.hoist if resume else "") or DEFAULT_HOIST
     if options.out is None:
         options.out = Path("out") / "wind" / Path(options.hoist).stem
     case = find_case(options.hoist)
+    if case.distinct_ropes and options.fmu:
+        raise ValueError(f"--fmu {options.fmu} is for a hoist with one [[rope]]: leave it out, several run in process")
     _choose_rope(options, default if options.hoist == DEFAULT_HOIST else None)
     own = settings(options.set, parameters(_parameters(options)))
     identified = read(options.rope, RopeFile).values() if options.rope else {}
@@ -130,7 +128,8 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
             made = run.design()
             host = Host(hung.plant, run.hoist, run.winding, run.coupling, made.gains, trajectory=made.trajectory)
             host.name = options.hoist if options.hoist in BUILTIN_HOISTS else str(Path(options.hoist).resolve())
-            result = _run(host, None if case.distinct_ropes else options.out / LAST_GOOD, resume)
+            with interruption() as stopped_by_user:
+                result = _run(host, options.out / LAST_GOOD, resume, stopped_by_user)
         ropes, remarked = hung.data(), _remarks(hung)
         rope_sources = hung.provenance(statuses)
     finally:
@@ -157,12 +156,21 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
         print(f"balance-rope: {text}", file=sys.stderr)
     print("written: " + ", ".join(str(path) for path in written))
     print(f"open in a browser: {written[-1]}")
+    by_user = stopped_by_user() or interrupted()
     if not result.completed:
-        print(f"balance-rope: stopped: {result.cause}", file=sys.stderr)
-        if result.saved is not None:
-            print(f"balance-rope: the last good state is in {result.saved}; see --resume", file=sys.stderr)
-        return 1
-    return 130 if interrupted() else 0
+        print(f"balance-rope: {_stop(result, out, by_user=by_user)}", file=sys.stderr)
+    elif by_user:
+        print(f"balance-rope: interrupted when the run was over: all its results are in {out}", file=sys.stderr)
+    return INTERRUPTED if by_user else 0 if result.completed else 1
+
+
+def _stop(result: Result, out: Path, *, by_user: bool) -> str:
+    """Return why a run stopped, what is kept of it, and how it goes on."""
+    words = f"{'interrupted' if by_user else 'stopped'}: {result.cause}; what was wound is in {out}"
+    if result.saved is None:
+        return f"{words}, no state is kept to go on from"
+    go_on = f"the same command with --resume {result.saved} goes on"
+    return f"{words}; {go_on}" if by_user else f"{words}; the last good state is in {result.saved}: {go_on} from it"
 
 
 def _remarks(hung: Ropes) -> list[str]:
@@ -233,14 +241,16 @@ def _ropes(options: argparse.Namespace, case: Case, run: RunData, overrides: Map
         )
     outputs = read_outputs(options.fmu)
     signals = match_signals(options.signals or case.signals, [*DRIVE_UNITS, *outputs])
+    probe = Probe(options.fmu)
+    probe.require_hoist(run)
     if fmu_part(overrides):
-        Probe(options.fmu).require_start(run)
+        probe.require_start(run)
     recorded = ({*outputs} - {*ADDED_MASSES}).union(signals)  # added masses are expensive
     load = partial(FmuRope, options.fmu, {**kernels, **run.rope_values}, recorded)
     return Ropes(case, run, (OneRope("", run.rope_values, case.level, case, fmu=load),))
 
 
-def _run(host: Host, save_to: Path | None, resume: Checkpoint | None) -> Result:
+def _run(host: Host, save_to: Path, resume: Checkpoint | None, interrupted: Callable[[], bool]) -> Result:
     """Run the host under a progress bar, until it is interrupted."""
-    with interruption() as interrupted, progress_bar() as progress:
+    with progress_bar() as progress:
         return host.run(lambda fraction, t: progress(fraction, t) and not interrupted(), save_to, resume)

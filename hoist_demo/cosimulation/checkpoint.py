@@ -20,6 +20,7 @@ from hoist_demo.cosimulation.plain_data import decode, encode
 from hoist_demo.cosimulation.schemes.interface import SchemeState, Vector
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.recording.time_series import Array, Recording
+from rope_model.files import whole_file
 
 _FIELD = re.compile(r"(\w+)=([^(),]+)[,)]")  #: A single value in the text of a dataclass.
 MAX_DIFFERENCES = 6  #: Differences between two runs' data at most that a message lists.
@@ -51,7 +52,7 @@ class Checkpoint:
             text[field.name] = encode(getattr(self, field.name), name, arrays)
         arrays["text"] = np.frombuffer(json.dumps(text).encode(), dtype=np.uint8)
         path.parent.mkdir(parents=True, exist_ok=True)
-        with path.open("wb") as file:
+        with whole_file(path) as draft, draft.open("wb") as file:
             np.savez(file, **arrays)  # type: ignore[arg-type]
 
     def require_fits(self, data: str) -> None:
@@ -76,19 +77,21 @@ class Checkpoint:
                 arrays = {name: file[name] for name in file.files}
             text = json.loads(arrays["text"].tobytes())
             there, controller = text.pop("version", "an earlier one"), text.pop("controller", None)
-            checkpoint = _checkpoint(text, arrays) if there == here else None
+            checkpoint = None
+            if there == here:
+                checkpoint = replace(_checkpoint(text, arrays), controller=decode(controller, arrays))
         except OSError as error:
             raise ValueError(
                 f"'{path}': {(error.strerror or str(error)).lower()}: give a run's last_good.npz"
             ) from error
-        except (KeyError, ValueError, TypeError, zipfile.BadZipFile) as error:
+        except (KeyError, ValueError, TypeError, AttributeError, EOFError, zipfile.BadZipFile) as error:
             raise ValueError(f"'{path}' must be a checkpoint of a run, but: {error}: give another file") from error
         if checkpoint is None:
             raise ValueError(
                 f"'{path}' must be of version {here}, it was written by {there}: go on with that version, or start "
                 "anew in another folder"
             )
-        return replace(checkpoint, controller=decode(controller, arrays))
+        return checkpoint
 
 
 def _checkpoint(text: dict[str, Any], arrays: dict[str, Array]) -> Checkpoint:

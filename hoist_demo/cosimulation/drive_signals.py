@@ -26,6 +26,7 @@ DRIVE_UNITS = {
     "drive.brake_torque": "N.m",
     **{f"drive.tension_{side}": "N" for side in SIDES},
     "drive.tension_ratio": "1",
+    "drive.static_tension_ratio": "1",
     "drive.slip_safety": "1",
     "drive.slip": "m",
     "drive.slip_speed": "m/s",
@@ -75,6 +76,9 @@ def with_drive_signals(rows: Recording, hoist: Hoist) -> Recording:
     computed = {
         "drive.motor_power": recorded["drive.torque"] * recorded[f"{_BESIDE}motor_rate"],
         "drive.tension_ratio": ratio,
+        "drive.static_tension_ratio": tension_ratio(
+            recorded[f"{_BESIDE}static_tension_left"], recorded[f"{_BESIDE}static_tension_right"]
+        ),
         "drive.slip_safety": hoist.slip_safety(ratio),
         "drive.work_motor": motor,
         "drive.work_losses": losses,

@@ -5,9 +5,12 @@ of all these. Of a class only its name is written: it must be known by name wher
 nothing but NumPy's own code.
 """
 
+import json
 import sys
+import zipfile
 from collections.abc import Callable
 from dataclasses import fields, is_dataclass
+from io import BytesIO
 from typing import Any
 
 import numpy as np
@@ -42,6 +45,25 @@ def encode(value: Any, name: str, arrays: Arrays) -> Any:
         f"{name} is of type {kind.__qualname__}, which no checkpoint can keep: it must be plain data "
         f"({KINDS}){at_top}; keep such data in the controller's state, and what never changes in the controller itself"
     )
+
+
+def to_bytes(value: Any) -> bytes:
+    """Return plain data as bytes; ValueError for others."""
+    arrays: Arrays = {}
+    text = json.dumps(encode(value, "state", arrays))
+    file = BytesIO()
+    np.savez(file, text=np.frombuffer(text.encode(), np.uint8), **{f"array {k}": x for k, x in arrays.items()})  # type: ignore[arg-type]
+    return file.getvalue()
+
+
+def from_bytes(data: bytes) -> Any:
+    """Return the plain data that `to_bytes` was given; ValueError for other bytes."""
+    try:
+        with np.load(BytesIO(data), allow_pickle=False) as file:
+            arrays = {name.removeprefix("array "): file[name] for name in file.files}
+        return decode(json.loads(arrays.pop("text").tobytes()), arrays)
+    except (KeyError, TypeError, ValueError, EOFError, zipfile.BadZipFile) as error:
+        raise ValueError(f"the state must be plain data of this version, but: {error}: start anew") from error
 
 
 def _store_array(array: NDArray[Any], name: str, arrays: Arrays) -> str:

@@ -9,13 +9,13 @@ optimised-trajectory  with feed-forward, the fastest trip that leaves the ropes 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from hoist_demo.control.controller import Gains
 from hoist_demo.control.trajectory import Trajectory, s_curve
 from hoist_demo.design.optimal_trajectory import optimise, require_no_creep
 from hoist_demo.design.shaping import shape
-from hoist_demo.parameters import Hoist, Winding
+from hoist_demo.parameters import Hoist, Winding, start_heights
 from hoist_demo.parameters.trip_design import CONTROLLERS, Shaper, TrajectoryOptions
 
 
@@ -37,6 +37,14 @@ class Task:
     gains: Gains
     shaper: Shaper
     trajectory: TrajectoryOptions
+    nominal: Hoist | None = field(default=None, kw_only=True)  # hoist of the design; None: the one that is wound
+    start: float | None = field(default=None, kw_only=True)  # m, left conveyance before the trip; None: at a landing
+
+    @property
+    def start_height(self) -> float:
+        """Height of the left conveyance before the trip [m]."""
+        left, _ = start_heights(self.hoist, self.winding)
+        return left if self.start is None else self.start
 
     def require_possible(self) -> None:
         """Reject an unknown controller, a designed trip with an emergency stop, and an optimised one with creep."""
@@ -59,7 +67,14 @@ DESIGNS: dict[str, Callable[[Task], Drive]] = {
     "pi": lambda t: Drive(replace(t.gains, feed_forward=0.0), s_curve(t.winding)),
     "pi-feed-forward": lambda t: Drive(t.gains, s_curve(t.winding)),
     "input-shaping": lambda t: Drive(t.gains, shape(s_curve(t.winding), t.shaper)),
-    "optimised-trajectory": lambda t: Drive(t.gains, optimise(t.hoist, t.winding, t.gains, t.trajectory)),
+    "optimised-trajectory": lambda t: Drive(t.gains, _optimised(t)),
 }
+
+
+def _optimised(task: Task) -> Trajectory:
+    hoist = task.hoist if task.nominal is None else task.nominal
+    return optimise(hoist, task.winding, task.gains, task.trajectory, task.start_height)
+
+
 _OWN_TRIP = ("input-shaping", "optimised-trajectory")
 assert tuple(DESIGNS) == CONTROLLERS

@@ -14,9 +14,12 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 from scipy.sparse.linalg import splu
 
+from hoist_demo.design.sparse_modes import Progress, sparse_modes
+
 Array = NDArray[np.float64]
 #: What moves in a mode: the hoist, or the rope along its legs, in the loop's plane, out of it, or about itself.
 PARTS = ("hoist", "vertical", "in plane", "out of plane", "twist")
+MOST_DENSE = 600  #: Coordinates up to which all modes at once take less time than those of a band.
 _SLOWEST = 2 * np.pi * 1e-3  #: rad/s, below which a motion is none of vibration.
 _DIRECTION = (1, 0, 2, 1, 0, 2, 3)  #: Of a node's coordinates, by PARTS behind the first.
 
@@ -73,11 +76,18 @@ class LinearModel:
             responses.append((C + z * C_v + z * z * C_a) @ x + self.through)
         return np.array(responses)
 
-    def modes(self, highest: float) -> Modes:
-        """Return the modes up to a frequency [Hz], held coordinates at rest and without what lags."""
+    def modes(self, highest: float, progress: Progress = lambda part: None) -> Modes:
+        """Return the modes up to a frequency [Hz], held coordinates at rest and without what lags.
+
+        `progress` hears which part of the band is done.
+        """
         n = self.free
-        K, M = (0.5 * (A + A.T).toarray() for A in (self.stiffness[:n, :n], self.mass[:n, :n]))
-        squares, shapes = eigh(K, M, subset_by_value=(-np.inf, (2 * np.pi * highest) ** 2))
+        K, M = (0.5 * (A + A.T)[:n, :n].tocsc() for A in (self.stiffness, self.mass))
+        largest = (2 * np.pi * highest) ** 2
+        if n <= MOST_DENSE:
+            squares, shapes = eigh(K.toarray(), M.toarray(), subset_by_value=(-np.inf, largest))
+        else:
+            squares, shapes = sparse_modes(K, M, largest, progress)
         omega = np.sqrt(np.maximum(squares, 0.0))
         damping = np.einsum("ij,ij->j", shapes, self.damping[:n, :n] @ shapes) / (2 * np.maximum(omega, _SLOWEST))
         # kinetic energy by the coordinates' first part: the hoist, or a direction of the rope

@@ -29,6 +29,7 @@ from hoist_demo.drive.plant import HoistPlant
 from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.parameters.suspension import SuspensionOffset
 from rope_model import EndMotion, Level, RopeSimulator, Scene
+from rope_model.physics.elementary import sum_of
 from rope_model.simulation.outputs.linear import LinearRope, let_turn, linear_rope
 
 Swivels = Literal["as given", "locked", "free", "sticking"]
@@ -83,9 +84,9 @@ def linearise(
     return tuple(_assembled(x, *_parts(hoist, specs, x, held_by, speed)) for x in at)
 
 
-def linearise_hoist(case: Case, at: float, held_by: HeldBy = "motor") -> LinearModel:
+def linearise_hoist(case: Case, at: float, held_by: HeldBy = "motor", level: Level = "standard") -> LinearModel:
     """Return the model of a hoist under the constant forces of ropes at rest: what a controller sees without them."""
-    _, drive = _parts(_smooth(case.hoist, held_by), _rope_specs(case), at, held_by)
+    _, drive = _parts(_smooth(case.hoist, held_by), _rope_specs(case, level=level), at, held_by)
     M, D, K = (sp.csc_matrix(A) for A in drive.matrices)
     C, C_v, C_a = (sp.csr_matrix(A) for A in drive.maps)
     return LinearModel(
@@ -265,7 +266,7 @@ def _parts(
     hung = [(spec, _hung(spec.rope, EndMotion(y=left), EndMotion(y=right), speed)) for spec in specs]
     # the hoist takes its ropes for so many equal ones
     pulls = [
-        sum(spec.number * float(rope.rest[rope.outputs.index(f"{side}.fy")]) for spec, rope in hung)
+        sum_of(spec.number * float(rope.rest[rope.outputs.index(f"{side}.fy")]) for spec, rope in hung)
         / hoist.tail_rope_number
         for side in SIDES
     ]

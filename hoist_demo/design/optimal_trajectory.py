@@ -34,10 +34,16 @@ _IPOPT: dict[str, Any] = {
 _SMOOTHNESS = 1e-2  # s, price of a jerk that jumps by j_max at every interval's end, over all of them
 
 
-def optimise(hoist: Hoist, winding: Winding, gains: Gains, limits: TrajectoryOptions) -> Trajectory:
-    """Return the optimised trip; a solver that does not converge is an error with its status."""
+def optimise(
+    hoist: Hoist, winding: Winding, gains: Gains, limits: TrajectoryOptions, start: float | None = None
+) -> Trajectory:
+    """Return the optimised trip; a solver that does not converge is an error with its status.
+
+    `start` is the height of the left conveyance before the trip [m]; None: at the landing.
+    """
     require_no_creep(winding)
-    model = low_fidelity(hoist, gains, *start_heights(hoist, winding))
+    left = start_heights(hoist, winding)[0] if start is None else start
+    model = low_fidelity(hoist, gains, left, hoist.shaft_travel - left)
     N = limits.intervals
     # start from an S-curve that keeps off the limits, as an interior-point method likes it
     gentle = {name: _INSIDE * getattr(winding, name) for name in ("speed", "acceleration", "jerk")}

@@ -20,8 +20,10 @@ within some 1/alpha: notches and peaks of sideways modes, narrower than that, ar
 """
 
 import json
+import logging
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -32,15 +34,17 @@ from numpy.typing import NDArray
 from scipy.io import savemat
 from scipy.sparse.linalg import splu
 
-from hoist_demo.cases.case import Case
 from hoist_demo.design.linear_model import Array, LinearModel, Modes
-from hoist_demo.design.linearise import linearise
-from hoist_demo.parameters.winding import start_heights
+from rope_model.files import whole_file, write_text
 
 SLOWEST = 0.02  #: Hz, lower end of the band in which errors are measured.
 BEYOND = 5.0  #: Modes up to so many times the band's upper end are looked at.
 ALPHA = 2 * np.pi * SLOWEST  #: 1/s.
-LASTING = 0.3  #: Damping ratio of a mode that swings after an arrival, at most.
+MAX_DECIBELS = 0.5  #: Error of a channel's gain up to which a small model stands for the sparse one: 6 %.
+MAX_DEGREES = 5.0  #: Error of a channel's phase likewise.
+FEWEST_STATES = 8  #: States beside those of lags and moved ends from which a sufficient number is looked for.
+MOST_STATES = 41  #: States up to which it is looked for.
+_log = logging.getLogger(__name__)
 _FIT = 1e-2  #: Price of a change of C and D by the fit, over that of an error.
 _SHIFT = 0.3  #: Re s / 2 pi of the basis [Hz].
 _FIRST_SHIFT = 0.5  #: Im s of the first shift, over the band.
@@ -72,6 +76,20 @@ class ReducedModel:
     decibels: Array
     degrees: Array
     share: Array
+
+    @property
+    def excess(self) -> str:
+        """Return the channel whose error is farthest above the bounds, as a sentence; "" if all are within."""
+        excess = np.maximum(self.decibels / MAX_DECIBELS, self.degrees / MAX_DEGREES)
+        if float(excess.max(initial=0.0)) <= 1.0:
+            return ""
+        height, i, k = np.unravel_index(int(np.argmax(excess)), excess.shape)
+        return (
+            f"at = {self.at[height]:.3g}: a model of {self.A.shape[1]} states errs by "
+            f"{self.decibels[height, i, k]:.2g} dB and {self.degrees[height, i, k]:.2g} degrees from "
+            f"{self.inputs[k]} to {self.outputs[i]}, up to {self.band:g} Hz; at most {MAX_DECIBELS:g} dB and "
+            f"{MAX_DEGREES:g} degrees are usable"
+        )
 
     def response(self, height: int, s: Iterable[complex]) -> NDArray[np.complex128]:
         """Transfer functions (len(s), outputs, inputs) at a height, by its place in `at`."""
@@ -120,74 +138,109 @@ class ReducedModel:
         """Write plant.npz, plant.mat and plant.json; they hold the fields of this class by name."""
         data: dict[str, Any] = {name: np.asarray(value) for name, value in vars(self).items()}
         npz, mat, text = (folder / f"plant.{kind}" for kind in ("npz", "mat", "json"))
-        np.savez(npz, **data)
+        with whole_file(npz) as draft:
+            np.savez(draft, **data)
         named = {name: np.array(data[name], dtype=object) for name in ("inputs", "outputs")}
         # MATLAB has the heights last
-        savemat(mat, {name: np.moveaxis(x, 0, -1) if x.ndim == 3 else x for name, x in data.items()} | named)
-        text.write_text(json.dumps({name: x.tolist() for name, x in data.items()}), encoding="utf-8")
+        with whole_file(mat) as draft:
+            savemat(draft, {name: np.moveaxis(x, 0, -1) if x.ndim == 3 else x for name, x in data.items()} | named)
+        write_text(text, json.dumps({name: x.tolist() for name, x in data.items()}))
         return npz, mat, text
 
 
-def reduced(models: Sequence[LinearModel], states: int = 17, band: float = 2.0) -> ReducedModel:
+def reduced(models: Sequence[LinearModel], states: int | None = None, band: float = 2.0) -> ReducedModel:
     """Return small models of all heights.
 
     Parameters
     ----------
     models : sequence of LinearModel
         Of `linearise`, in the order of their heights, with the inputs and outputs that count (`selected`).
-    states : int
-        Largest number of states, or one more: a mode takes two, a lag one, an end that is moved two.
+    states : int, optional
+        Largest number of states, or one more: a mode takes two, a lag one, an end that is moved two. Left out: the
+        fewest with which every channel errs by at most MAX_DECIBELS and MAX_DEGREES at every height.
     band : float
         Upper end [Hz] of the frequencies that count.
 
     Raises
     ------
     ValueError
-        If there are not so many states, or the models do not share their inputs and outputs.
+        If there are not so many states, or the models do not share their inputs and outputs; without `states`, if
+        MOST_STATES leave a larger error.
     """
     first = models[0]
     if any((m.inputs, m.outputs) != (first.inputs, first.outputs) for m in models):
         raise ValueError("the models must share inputs and outputs: select the same of each")
-    grid = _line(band)
-    systems, errors = list[_System](), []
-    for model, basis in zip(models, _bases(models, band, states), strict=True):
-        exact = model.response(grid)
-        A, B, C, D = _projected(model, basis)
-        C, D = _fitted(A, B, C, D, grid[::2], exact[::2])
-        systems.append((A, B, C, D))
-        errors.append(_errors(_response(A, B, C, D, grid), exact))
-    A, B, C, D = (np.array(parts) for parts in zip(*systems, strict=True))
-    decibels, degrees, share = (np.array(parts) for parts in zip(*errors, strict=True))
-    rest_inputs, rest_outputs = np.array([m.rest_inputs for m in models]), np.array([m.rest_outputs for m in models])
-    return ReducedModel(
-        tuple(m.at for m in models), first.inputs, first.outputs, A, B, C, D, rest_inputs, rest_outputs, band,
-        decibels, degrees, share,
-    )  # fmt: skip
+    reduction = _Reduction(models, band)
+    if states is None:
+        return reduction.smallest()
+    small = reduction.of(states)
+    if text := small.excess:
+        _log.warning("%s: take more states", text)
+    return small
 
 
-def swing_at_landing(case: Case) -> tuple[float, float]:
-    """Return damped frequency [Hz] and damping ratio of the swing that an arrival leaves most of.
+class _Reduction:
+    """Models of several heights and what all their small models are made of and measured by."""
 
-    The speed loop is closed, and friction at the rim is viscous, as tanh is at rest. Of a trip of constant jerks a mode
-    takes up what it takes of a torque, over the square of its frequency.
-    """
-    hoist, gains = case.hoist, case.gains
-    left, _ = start_heights(hoist, case.winding)
-    at = min(max((left + case.winding.travel) / hoist.shaft_travel, 0.0), 1.0)
-    (model,) = linearise(case, [at])
-    small = reduced([model.selected(("torque_command", "torque"), ("rate", "y_left", "angle", "y_right"))], 9)
-    A, (by_command, by_torque), C = small.A[0], small.B[0].T, small.C[0]
-    rim = hoist.sheave_radius
-    error = -(gains.position * C[1] + rim * C[0])
-    rubbing = hoist.travel_loss[0] / hoist.loss_speed * rim**2
-    closed = A + np.outer(by_command, rim * gains.speed * error) - np.outer(by_torque, rubbing * C[0])
-    rates = np.append(gains.speed / gains.integral_time * error, 0.0)
-    poles, shapes = np.linalg.eig(np.vstack((np.column_stack((closed, rim * by_command)), rates)))
-    excited = np.linalg.solve(shapes, np.append(by_command, 0.0).astype(complex))
-    moved = np.abs(np.array([C[1] - rim * C[2], C[3] + rim * C[2]]) @ shapes[:-1]).max(axis=0)
-    swings = moved * np.abs(excited / poles**2)
-    swing = poles[np.argmax(np.where((poles.imag > 0.0) & (-poles.real < LASTING * np.abs(poles)), swings, -1.0))]
-    return float(swing.imag) / (2 * np.pi), float(-swing.real / abs(swing))
+    def __init__(self, models: Sequence[LinearModel], band: float) -> None:
+        self._models = models
+        self._band = band
+        self._grid = _line(band)
+        self._exact = [model.response(self._grid) for model in models]
+
+    def smallest(self) -> ReducedModel:
+        """Return the model of the fewest states whose error is within the bounds; ValueError without one."""
+        first = self._models[0]
+        others = first.lags + 2 * len(driven_coordinates(first))
+        small = None
+        for states in range(others + FEWEST_STATES, MOST_STATES + 1, 2):
+            try:
+                small = self.of(states)
+            except ValueError:  # there are no more motions
+                if small is None:
+                    raise
+                break
+            if not small.excess:
+                return small
+        if small is None:
+            raise ValueError(f"inputs that take {others} states must take fewer than {MOST_STATES}: select fewer")
+        raise ValueError(f"{small.excess}: state the number of states to take such a model, or select other channels")
+
+    def of(self, states: int) -> ReducedModel:
+        """Return the models of so many states, with their errors."""
+        first, band, grid = self._models[0], self._band, self._grid
+        systems, errors = list[_System](), []
+        for model, basis, exact in zip(self._models, self._bases(states), self._exact, strict=True):
+            A, B, C, D = _projected(model, basis)
+            C, D = _fitted(A, B, C, D, grid[::2], exact[::2])
+            systems.append((A, B, C, D))
+            errors.append(_errors(_response(A, B, C, D, grid), exact))
+        A, B, C, D = (np.array(parts) for parts in zip(*systems, strict=True))
+        decibels, degrees, share = (np.array(parts) for parts in zip(*errors, strict=True))
+        rest_inputs = np.array([m.rest_inputs for m in self._models])
+        rest_outputs = np.array([m.rest_outputs for m in self._models])
+        return ReducedModel(
+            tuple(m.at for m in self._models), first.inputs, first.outputs, A, B, C, D, rest_inputs, rest_outputs,
+            band, decibels, degrees, share,
+        )  # fmt: skip
+
+    def _bases(self, states: int) -> list[Array]:
+        """Return motions (free, count) of each height, orthonormal by M, with the same meaning at all heights."""
+        first = self._models[0]
+        driven = len(driven_coordinates(first))
+        count, least = (states - first.lags) // 2 - driven, first.lags + 2 * driven
+        if len(self._models) > 1:
+            return _krylov_bases(self._models, self._band, states, count, least)
+        shapes = self._shapes
+        _require_states(states, count, 1, shapes.shape[1], least)
+        return [shapes[:, :count]]
+
+    @cached_property
+    def _shapes(self) -> Array:
+        """Shapes (free, modes) of the only height, the most telling mode first."""
+        (model,) = self._models
+        modes = model.modes(BEYOND * self._band)
+        return modes.shapes[:, np.argsort(-telling(model, modes, self._band))]
 
 
 _System = tuple[Array, Array, Array, Array]
@@ -223,18 +276,6 @@ def _errors(response: Complex, exact: Complex) -> tuple[Array, Array, Array]:
 def driven_coordinates(model: LinearModel) -> list[int]:
     """Return the held coordinates that an input moves."""
     return [k for k in range(model.free, model.free + model.held) if model.B[k].any()]
-
-
-def _bases(models: Sequence[LinearModel], band: float, states: int) -> list[Array]:
-    """Motions (free, count) of each height, orthonormal by M, with the same meaning at all heights."""
-    first = models[0]
-    driven = len(driven_coordinates(first))
-    count, least = (states - first.lags) // 2 - driven, first.lags + 2 * driven
-    if len(models) > 1:
-        return _krylov_bases(models, band, states, count, least)
-    modes = first.modes(BEYOND * band)
-    _require_states(states, count, 1, modes.frequencies.size, least)
-    return [modes.shapes[:, np.argsort(-telling(first, modes, band))[:count]]]
 
 
 def _require_states(states: int, count: int, fewest: int, most: int, others: int) -> None:

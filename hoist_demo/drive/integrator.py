@@ -52,7 +52,7 @@ WORK_COUNT = len(drive.WORK_NAMES) + len(drive.LOSS_NAMES)
 PATH = 3 * len(drive.INPUT_NAMES)  #: Numbers of a path: u_0, u_1 and u_2.
 ORDER = 5
 _B = (35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84)  #: Weights b of the result, the last stage.
-_A = (
+WEIGHTS = (  #: Weights a of the stages; the last ones are b.
     (1 / 5,),
     (3 / 40, 9 / 40),
     (44 / 45, -56 / 15, 32 / 9),
@@ -74,7 +74,7 @@ def runge_kutta_step(f: Callable[[Any, Any], Any], t: Any, y: Any, k: Any, h: An
     """
     stages = [k]
     new = y
-    for a, c in zip(_A, _C, strict=True):
+    for a, c in zip(WEIGHTS, _C, strict=True):
         new = y + h * _sum(a, stages)
         stages.append(f(t + c * h, new))
     return new, stages[-1], h * _sum(_ERROR, stages)

@@ -15,9 +15,10 @@ have the same equations before and after, and the same as in a hoist without a l
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from hoist_demo.drive.integrator import MIN_STEP, WORK_COUNT, Integrator, Vector
 from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.parameters import GRAVITY, SIDES, Hoist
 from rope_model.numerics.kernels import KernelForm
+from rope_model.physics.elementary import sqrt
 
 #: The rope's signals that act on conveyances with play.
 SIDE_FORCES = tuple(f"{side}.{name}" for side in SIDES for name in ("fx", "fz", "my"))
@@ -104,22 +106,16 @@ class HoistPlant:
 
     def hanging_state(self, y_left: float, y_right: float, force_left: float, force_right: float) -> PlantState:
         """Return the equilibrium, with whatever torque it takes."""
-        hoist = self.hoist
-        lengths = (
-            self._free_length("y_left", y_left, hoist.mass_left, force_left),
-            self._free_length("y_right", y_right, hoist.mass_right, force_right),
-        )
+        heights, forces = (y_left, y_right), (force_left, force_right)
+        for side, y, force in zip(SIDES, heights, forces, strict=True):
+            self._require_taut(f"y_{side}", y, force)
+        lengths = free_lengths(self.hoist, heights, forces)
         x = np.zeros(len(self.state_names))
-        x[2:4] = y_left, y_right
-        # own weight moves the inner points of the head ropes off the straight line: dV/d eta = 0
-        for j in range(1, hoist.head_rope_modes + 1):
-            k = j * math.pi
-            sag = 2.0 * hoist.rope_mass * GRAVITY * (1.0 - (-1.0) ** j) / (hoist.rope_stiffness * k**3)
-            for side, length in zip(SIDES, lengths, strict=True):
-                x[self.state_names.index(f"eta{j}_{side}")] = -sag * length**2
+        for name, value in hanging_places(self.hoist, heights, lengths).items():
+            x[self.state_names.index(name)] = value
         x[0] = self.stick_integrator.holding_torque(x, lengths)
-        if hoist.drive_shaft is not None:
-            x[self.state_names.index("twist")] = x[0] / hoist.drive_shaft.stiffness
+        if self.hoist.drive_shaft is not None:
+            x[self.state_names.index("twist")] = x[0] / self.hoist.drive_shaft.stiffness
         return PlantState(x, np.zeros(WORK_COUNT), lengths)
 
     def advance(
@@ -192,16 +188,38 @@ class HoistPlant:
         y, result = integrator.evaluate(s), integrator.result
         return y[result["applied_input"]], y[result["outputs"]]
 
-    def _free_length(self, name: str, y: float, mass: float, force: float) -> float:
-        """Positive root of s = l (1 + (m g - n F + mu g l / 2) / EA) [m]."""
-        s = self.hoist.sheave_height - y
-        if not s > 0.0:
+    def _require_taut(self, name: str, y: float, force: float) -> None:
+        """Refuse a height [m] at or above the sheave, and a force [N] that leaves the head ropes slack."""
+        if not self.hoist.sheave_height - y > 0.0:
             raise ValueError(f"{name} = {y!r} m must be below the sheave at {self.hoist.sheave_height:g} m: lower it")
-        b = 1.0 + (mass * GRAVITY - self.hoist.tail_rope_number * force) / self.hoist.rope_stiffness
-        c = self.hoist.rope_mass * GRAVITY / (2.0 * self.hoist.rope_stiffness)
-        if not (math.isfinite(force) and b > 1.0):
+        mass = self.hoist.mass_left if name == "y_left" else self.hoist.mass_right
+        if not (math.isfinite(force) and mass * GRAVITY - self.hoist.tail_rope_number * force > 0.0):
             raise ValueError(f"rope force {force!r} N at {name} must leave the head ropes taut: check its sign")
-        return 2.0 * s / (b + math.sqrt(b * b + 4.0 * c * s))
+
+
+def free_lengths(hoist: Hoist, heights: Sequence[Any], forces: Sequence[Any]) -> tuple[Any, Any]:
+    """Return the lengths of the unloaded head ropes [m] at rest, also of symbols.
+
+    Each is the positive root of s = l (1 + (m g - n F + mu g l / 2) / EA).
+    """
+    c = hoist.rope_mass * GRAVITY / (2.0 * hoist.rope_stiffness)
+    lengths = []
+    for y, mass, force in zip(heights, (hoist.mass_left, hoist.mass_right), forces, strict=True):
+        s = hoist.sheave_height - y
+        b = 1.0 + (mass * GRAVITY - hoist.tail_rope_number * force) / hoist.rope_stiffness
+        lengths.append(2.0 * s / (b + sqrt(b * b + 4.0 * c * s)))
+    return lengths[0], lengths[1]
+
+
+def hanging_places(hoist: Hoist, heights: Sequence[Any], lengths: Sequence[Any]) -> dict[str, Any]:
+    """Return the coordinates of a hoist at rest that are not 0 by name, but for the twist; also of symbols."""
+    places = {f"y_{side}": y for side, y in zip(SIDES, heights, strict=True)}
+    # own weight moves the inner points of the head ropes off the straight line: dV/d eta = 0
+    for j in range(1, hoist.head_rope_modes + 1):
+        k = j * math.pi
+        sag = 2.0 * hoist.rope_mass * GRAVITY * (1.0 - (-1.0) ** j) / (hoist.rope_stiffness * k**3)
+        places |= {f"eta{j}_{side}": -sag * length**2 for side, length in zip(SIDES, lengths, strict=True)}
+    return places
 
 
 def _not_finite(path: Vector, h: float, added_mass: Vector) -> str:

@@ -1,24 +1,43 @@
-"""The drive put together for a builder of FMUs: table, words and C sources."""
+"""The drive put together for a builder of FMUs: table, words, C sources, and the hoist's numbers for them."""
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from importlib.resources import files
 
 from hoist_demo.cases.case import Case
+from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import Trajectory, s_curve
-from hoist_demo.drive.plant import MIN_ROPE
-from hoist_demo.drive_fmu.interface import START_PULLS, DriveRope, force_inputs, holding, plant_outputs, variables
-from hoist_demo.drive_fmu.kernels import Kernels, kernels
+from hoist_demo.drive import integrator
+from hoist_demo.drive.equations import INPUT_NAMES
+from hoist_demo.drive.plant import MIN_ROPE, SIDE_FORCES
+from hoist_demo.drive_fmu.interface import (
+    INPUTS,
+    MOST_ROPES,
+    MOTIONS,
+    PERIOD,
+    PLANT,
+    START_PULLS,
+    DriveRope,
+    drive_table,
+    holding,
+)
+from hoist_demo.drive_fmu.kernels import KERNELS, Kernels, complete, kernels, largest_step, places_of_yaw
 from hoist_demo.drive_fmu.omissions import leave_out, obstacles
-from hoist_demo.parameters import ASSUMED_DATA, Winding, require_trip_fits
+from hoist_demo.parameters import ASSUMED_DATA, GRAVITY, SIDES, Hoist, Winding, require_trip_fits, start_heights
 from hoist_demo.parameters.problems import Problems
+from hoist_demo.parameters.suspension import MOVED
 from rope_model import Inputs
 from rope_model.scene_names import Variable
 from rope_model.texts import html_text
 
 NAME = "HoistDrive"
 MOST_STEPS = 100_000  #: Internal steps that one communication step may take.
+MOST_SEGMENTS = 256  #: Segments of a trip: an S-curve has 8, one with creep 14, a shaped one several times as many.
+SAMPLE_PERIOD = 0.01  #: Sample time of the controller where an export gives none [s].
+#: Communication step [s] beyond which a force that changes is warned of: the rope extrapolates no longer ones.
+LONGEST_HOLD = 0.02
 
 
 @dataclass(frozen=True)
@@ -27,8 +46,10 @@ class DriveModel:
 
     name: str
     description: str
-    variables: tuple[Variable, ...]
+    variables: tuple[Variable, ...]  # of the compiled drive, by value reference
+    described: dict[int, Variable]  # those that this hoist has
     sources: dict[str, str]  # file name -> text; those that end in .c are compiled
+    data: tuple[float, ...]  # numbers of hoist and trip, which the sources read behind the start values
     attachments: dict[str, bytes]  # path in the FMU -> documentation and picture
     duration: float  # s, of the trip with what waits before and after it
     initial: dict[str, tuple[str, ...]]  # output -> what it follows while the drive is initialised
@@ -40,41 +61,61 @@ def duration(winding: Winding, trajectory: Trajectory | None = None) -> float:
     return float(math.ceil(reached + winding.settle))
 
 
-def drive_model(case: Case, ropes: Sequence[DriveRope] = (), trajectory: Trajectory | None = None) -> DriveModel:
-    """Hoist and trip of ``case`` as C; the trip is part of the export.
+def drive_model(
+    case: Case, ropes: Sequence[DriveRope] = (), trajectory: Trajectory | None = None, period: float = SAMPLE_PERIOD
+) -> DriveModel:
+    """Hoist and trip of ``case`` in C; the trip is part of the export.
 
     ``ropes`` are its balance ropes where they differ; the hoist of the case has them as one.  ``trajectory`` as for
-    duration.  The brake is left out: it is for emergency stops, which an exported trip lacks; ValueError names
-    what else an exported drive cannot hold.
+    duration; ``period`` is the controller's sample time [s].  The brake is left out: it is for emergency stops, which
+    an exported trip lacks; ValueError names what else an exported drive cannot hold.
     """
     Problems(obstacles(case)).refuse()
+    if len(ropes) > MOST_ROPES:
+        raise ValueError(
+            f"{len(ropes)} balance ropes must be at most {MOST_ROPES} in an exported drive: join equal ones"
+        )
     case = leave_out(case, ())
     # the wait before the trip is a parameter of its own
     reference = s_curve(replace(case.winding, start_delay=0.0)) if trajectory is None else trajectory
     require_trip_fits(case.hoist, case.winding)
-    generated = kernels(case, ropes)
-    table = variables(case, generated.step, ropes)
+    table = drive_table(case, largest_step(case), period, ropes)
     trip = f"{abs(case.winding.travel):g} m {'up' if case.winding.travel > 0.0 else 'down'} at up to"
     text = (
         "Drive of a friction hoist with motor, sheave, head ropes and two conveyances, S-curve reference and speed "
         f"controller; left conveyance {trip} {case.winding.speed:g} m/s{_creep(case.winding)}"
     )
-    sources = {
+    shown = list(table.described.values())
+    return DriveModel(
+        name=NAME,
+        description=text,
+        variables=table.whole,
+        described=table.described,
+        sources=sources(complete(case.hoist).equation_structure),
+        data=_packed(_data(case, ropes, reference)),
+        attachments=attachments(text, shown),
+        duration=duration(case.winding, trajectory),
+        initial=initial(shown, ropes),
+    )
+
+
+def sources(structure: Hoist) -> dict[str, str]:
+    """Return the C files of all hoists of this structure, see ``kernels.complete``."""
+    generated = kernels(structure)
+    return {
         "drive_model.c": files(__package__).joinpath("drive_model.c").read_text(encoding="utf-8"),
         "drive_kernels.c": generated.c,
-        "drive_table.h": _table(case, table, generated, ropes, reference),
+        "drive_table.h": _table(structure, generated),
     }
-    lasts = duration(case.winding, trajectory)
-    return DriveModel(NAME, text, table, sources, attachments(text, table), lasts, initial(case, ropes))
 
 
-def initial(case: Case, ropes: Sequence[DriveRope] = ()) -> dict[str, tuple[str, ...]]:
+def initial(described: Sequence[Variable], ropes: Sequence[DriveRope] = ()) -> dict[str, tuple[str, ...]]:
     """Return the inputs, and the parameters in their place, that the outputs follow during initialisation.
 
     Conveyances and sheave rest at the landings whatever the forces, and the reference waits there.  What holds the
     balance rope follows its vertical forces; those of the sides come with the first step.
     """
-    numbers = (v.name for v in variables(case, 1.0, ropes) if v.causality == "output" and v.kind == "Real")
+    numbers = (v.name for v in described if v.causality == "output" and v.kind == "Real")
     held = holding(ropes)
     return {name: held.get(name, ()) for name in numbers}
 
@@ -86,8 +127,37 @@ def _creep(winding: Winding) -> str:
     return f", {where} at {winding.creep_speed:g} m/s" if where else ""
 
 
+def _data(case: Case, ropes: Sequence[DriveRope], reference: Trajectory) -> dict[str, list[float]]:
+    """Return the numbers of hoist and trip that the C code reads, by what it calls them."""
+    hoist = case.hoist
+    if len(reference.starts) > MOST_SEGMENTS:
+        raise ValueError(
+            f"the trip has {len(reference.starts)} segments of constant jerk: it must have at most {MOST_SEGMENTS} "
+            "in an exported drive; shape it less"
+        )
+    trip = [(start, *point[:4]) for start, point in zip(reference.starts, reference.points, strict=True)]
+    trip += [(0.0,) * 5] * (MOST_SEGMENTS - len(trip))
+    places = [rope.suspension.at(side) for rope in ropes for side in SIDES]
+    places += [(0.0, 0.0)] * (2 * MOST_ROPES - len(places))
+    return {
+        "RADIUS": [hoist.sheave_radius],
+        "TORQUE_LIMIT": [hoist.torque_limit],
+        "LOWEST_FORCE": [-2.0 * GRAVITY * hoist.tail_rope_mass * hoist.tail_rope_length],
+        "HEIGHTS": list(start_heights(hoist, case.winding)),
+        "ROPES": [float(max(1, len(ropes)))],
+        "PLACES": [x for place in places for x in place],
+        "SEGMENTS": [float(len(reference.starts))],
+        "TRIP": [x for row in trip for x in row],
+        "NUMBERS": complete(hoist).numbers,
+    }
+
+
+def _packed(data: dict[str, list[float]]) -> tuple[float, ...]:
+    return tuple(x for values in data.values() for x in values)
+
+
 _TABLE = """\
-/* Generated: the drive's sizes, its places in the table of variables, and the trip. */
+/* Generated: the drive's sizes, its places in the table of variables, and those of a hoist's numbers. */
 #ifndef DRIVE_TABLE_H
 #define DRIVE_TABLE_H
 
@@ -95,18 +165,19 @@ enum {{
 {sizes}
 }};
 
-#define DRIVE_RADIUS {radius!r}
 #define DRIVE_MIN_ROPE {min_rope!r} /* m, of a head rope between sheave and conveyance */
-#define DRIVE_LOWEST_FORCE ({lowest!r})
-#define DRIVE_TORQUE_LIMIT {limit!r}
 #define DRIVE_HARDEST {hardest!r} /* m/s2: a rope refuses ends that accelerate more */
-static const int DRIVE_ACCELERATION[] = {{{accelerations}}}; /* places in the outputs */
+#define DRIVE_LONGEST_HOLD {hold!r} /* s: a step beyond which changing forces are warned of */
+static const int DRIVE_ACCELERATION[] = {{{accelerations}}}; /* places in the outputs of all ropes' ends */
+static const int DRIVE_YAW[] = {{{yaw}}}; /* of both conveyances, in the state */
+static const int DRIVE_CENTRE[2][{moved}] = {centre}; /* motion of a centre in the outputs, as drive_point takes it */
+static const int DRIVE_TURN[2][3] = {turn}; /* yaw, rate, acceleration in what drive_outputs gives */
 
-/* lowest and highest value of each parameter */
+/* lowest and highest value of each parameter; that of solver.step_max is its start value */
 static const double DRIVE_BOUNDS[][2] = {bounds};
 
-/* s: begin of each segment; m, m/s, m/s2, m/s3: its first position, speed, acceleration, and its jerk */
-static const double DRIVE_TRIP[][5] = {trip};
+/* weights of the Runge-Kutta method's stages, the last row those of the result */
+static const double DRIVE_WEIGHTS[DRIVE_STAGES][DRIVE_STAGES] = {weights};
 
 /* drive_kernels.c */
 {kernels}
@@ -115,57 +186,86 @@ static const double DRIVE_TRIP[][5] = {trip};
 """
 
 
-def _table(
-    case: Case, table: Sequence[Variable], generated: Kernels, ropes: Sequence[DriveRope], reference: Trajectory
-) -> str:
-    """Return the text of drive_table.h: sizes, places in the table and the trip."""
-    trip = [(start, *point[:4]) for start, point in zip(reference.starts, reference.points, strict=True)]
-    hardest = [i for i, name in enumerate(plant_outputs(case.hoist, ropes)) if name.endswith((".ax", ".ay", ".az"))]
-    integers = _sizes(case, table, generated, ropes) | {"SEGMENTS": len(trip), "ACCELERATIONS": len(hardest)}
-    parameters = (v for v in table if v.causality == "parameter")
-    bounds = [(v.minimum, v.maximum) for v in parameters if v.minimum is not None and v.maximum is not None]
+def _table(structure: Hoist, generated: Kernels) -> str:
+    """Return the text of drive_table.h."""
     kernel = "int drive_{}(const double **arg, double **res, int *iw, double *w, int mem);"
+    table = drive_table(_any_case(), 1.0, SAMPLE_PERIOD).whole
+    motions = list(MOTIONS)
+    bounds = [(v.minimum, v.maximum) for v in table if v.causality == "parameter"]
+    centre = [[motions.index(f"{side}.{name}") for name in MOVED] for side in SIDES]
+    turn = [[PLANT.index(f"{name}_{side}") for name in ("yaw", "yaw_rate", "yaw_acceleration")] for side in SIDES]
+    stages = len(integrator.WEIGHTS)
     return _TABLE.format(
-        sizes="\n".join(f"    DRIVE_{name} = {value}," for name, value in integers.items()),
-        radius=case.hoist.sheave_radius,
+        sizes="\n".join(f"    DRIVE_{name} = {value}," for name, value in _sizes(structure, generated).items()),
         min_rope=MIN_ROPE,
-        lowest=generated.lowest_force,
-        limit=case.hoist.torque_limit,
         hardest=Inputs().acceleration_max,
-        accelerations=", ".join(map(str, hardest)),
-        bounds=_rows(bounds),
-        trip=_rows(trip),
-        kernels="\n".join(map(kernel.format, ("rest", "input", "step", "outputs", "control"))),
+        hold=LONGEST_HOLD,
+        accelerations=", ".join(map(str, _accelerations(table))),
+        yaw=", ".join(map(str, places_of_yaw(structure))),
+        moved=len(MOVED),
+        centre=_rows(centre),
+        turn=_rows(turn),
+        bounds=_rows([(float(low or 0.0), float(high or 0.0)) for low, high in bounds]),
+        weights=_rows([[*row, *[0.0] * (stages - len(row))] for row in integrator.WEIGHTS]),
+        kernels="\n".join(map(kernel.format, KERNELS)),
     )
 
 
-def _sizes(case: Case, table: Sequence[Variable], generated: Kernels, ropes: Sequence[DriveRope]) -> dict[str, int]:
-    """Sizes of kernels and trip, and places in the table of variables."""
-    names, shown = [v.name for v in table], plant_outputs(case.hoist, ropes)
-    forces = force_inputs(ropes)
-    controls = sum(v.causality == "output" and v.kind == "Real" for v in table) - len(shown)
+def _accelerations(table: Sequence[Variable]) -> list[int]:
+    """Return the places of the ropes' ends' accelerations in the outputs."""
+    outputs = [v.name for v in table if v.causality == "output"]
+    return [k for k, name in enumerate(outputs) if name.endswith((".ax", ".ay", ".az"))]
+
+
+def _sizes(structure: Hoist, generated: Kernels) -> dict[str, int]:
+    """Sizes of kernels and data, places in the table of variables, in the outputs and in the data."""
+    case = _any_case()
+    table = drive_table(case, 1.0, SAMPLE_PERIOD).whole
+    names = [v.name for v in table]
+    outputs = [v.name for v in table if v.causality == "output" and v.kind == "Real"]
+    data = _data(case, (), s_curve(case.winding)) | {"NUMBERS": structure.numbers}
+    places = {f"DATA_{name}": sum(map(len, list(data.values())[:k])) for k, name in enumerate(data)}
     return {
         "STATES": generated.states,
-        "INPUTS": generated.inputs,
+        "INPUTS": len(INPUT_NAMES),
+        "STAGES": len(integrator.WEIGHTS),
         "PARAMETERS": sum(v.causality == "parameter" for v in table),
-        "FORCE": names.index(forces[0]),
-        "FORCES": len(forces),
-        "FIRST_OUTPUT": names.index(next(v.name for v in table if v.causality == "output")),
-        "PLANT_OUTPUTS": len(shown),
-        "OUTPUTS": len(shown) + controls,
-        "LEFT_Y": shown.index("left.y"),
-        "RATE": shown.index("drive.rate"),
+        "FORCE": names.index(INPUTS[0]),
+        "FORCES_OF_ROPE": len(INPUTS) + len(SIDE_FORCES),
+        "MOST_ROPES": MOST_ROPES,
+        "FIRST_OUTPUT": names.index(outputs[0]),
+        "OUTPUTS": len(outputs),
+        "PLANT_OUTPUTS": len(PLANT),
+        "MOTIONS": len(MOTIONS),
+        "MOVED": len(MOVED),
+        "DRIVE_OUTPUTS": outputs.index("drive.angle"),
+        "DRIVE_SIGNALS": outputs.index("reference.position") - outputs.index("drive.angle"),
+        "DRIVE_IN_PLANT": PLANT.index("angle"),
+        "CONTROL": outputs.index("reference.position"),
+        "LEFT_Y": outputs.index("left.y"),
+        "RATE": outputs.index("drive.rate"),
+        "ACCELERATIONS": len(_accelerations(table)),
+        "WARNING": names.index("status.warning"),
         "TRIP_START": names.index("trip.start"),
         "FY_START": names.index(START_PULLS[0]),
         "STEP_MAX": names.index("solver.step_max"),
+        "PERIOD": names.index(PERIOD),
         "GAINS": names.index("controller.speed"),
         "MOST_STEPS": MOST_STEPS,
+        **places,
+        "DATA": sum(map(len, data.values())),
         **dict(zip(("ARG", "RES", "IW", "W"), generated.work, strict=True)),
     }
 
 
+@cache
+def _any_case() -> Case:
+    """Return a case for what does not depend on its numbers."""
+    return find_case("rope-120")
+
+
 def _rows(rows: Sequence[Sequence[float]]) -> str:
-    return "{" + ", ".join("{" + ", ".join(repr(float(x)) for x in row) + "}" for row in rows) + "}"
+    return "{" + ", ".join("{" + ", ".join(map(repr, row)) + "}" for row in rows) + "}"
 
 
 def attachments(description: str, table: Sequence[Variable]) -> dict[str, bytes]:

@@ -4,6 +4,9 @@ Names are those of the balance rope's FMU, so that equal names are connected. A 
 value reference: parameters, inputs, outputs, status. A hoist whose conveyances have play between their guides also
 takes the rope's horizontal forces and its moment about the vertical, and gives the motions that follow. Of several
 ropes each has forces of its own, behind its name; the drive adds them up, and gives each the motions of its own place.
+
+One compiled drive serves all hoists. So its table has the variables of a hoist with play and of MOST_ROPES ropes, by
+their number, and a hoist's FMU describes those that it has, a rope's by the rope's name.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -13,7 +16,6 @@ import numpy as np
 
 from hoist_demo.cases.case import Case
 from hoist_demo.control.controller import Gains
-from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.drive.plant import SIDE_FORCES
 from hoist_demo.parameters import GRAVITY, SIDES, Hoist, start_heights
 from hoist_demo.parameters.quantity import leaves
@@ -28,6 +30,13 @@ _UPRIGHT = {"y": "y", "vy": "v", "ay": "a"}
 #: Inputs of the rope's ends, and what they are called in OUTPUTS, but for the side.
 _LATERAL = ("x", "vx", "ax", "z", "vz", "az", "yaw", "yaw_rate")
 _MOST = 1e9  #: Largest value of a parameter that has no other bound.
+MOST_ROPES = 8  #: Balance ropes that one drive takes.
+PERIOD = "controller.period"
+LONGEST_PERIOD = 0.1  #: Longest sample time of the controller [s], that of `Coupling.step`.
+#: outputs of the drive that a rope at the centre of a conveyance without play takes in, and their names in OUTPUTS
+UPRIGHT = {f"{side}.{name}": f"{field}_{side}" for side in SIDES for name, field in _UPRIGHT.items()}
+#: the same with play
+MOTIONS = UPRIGHT | {f"{side}.{name}": f"{name}_{side}" for side in SIDES for name in _LATERAL}
 
 #: one of OUTPUTS -> name, unit and description of an output
 _DRIVE = {
@@ -39,6 +48,14 @@ _DRIVE = {
     "energy_kinetic": ("drive.energy_kinetic", "J", "kinetic energy of drive, head ropes and conveyances"),
     "energy_potential": ("drive.energy_potential", "J", "potential energy of head ropes and conveyances"),
 }
+#: OUTPUTS that the compiled drive computes, in the order of its table but for the ropes' places
+PLANT = (*MOTIONS.values(), *(f"yaw_acceleration_{side}" for side in SIDES), *_DRIVE)
+#: name, kind and description of an output of the shell
+_STATUS = (
+    ("valid", "Boolean", "whether the last step succeeded"),
+    ("message", "String", "cause and cure of a failure; else empty"),
+    ("warning", "String", "warnings about valid results; else empty"),
+)
 #: description of a gain; Gains has the units
 _GAINS = {
     "speed": "gain of the speed loop [assumed]",
@@ -50,7 +67,7 @@ _CONTROL = {
     "reference.position": ("m", "travel of the left conveyance that is asked for"),
     "reference.speed": ("m/s", "its rate"),
     "reference.acceleration": ("m/s2", "its second derivative"),
-    "drive.torque_command": ("N.m", "torque that the controller asked for in the last step"),
+    "drive.torque_command": ("N.m", "torque that the controller asked for at its last sample"),
 }
 #: units and descriptions of forces, "{side}" stands for the side
 _MOTIONS = {name: (p.unit, p.description) for name, p in parameters_of(EndMotion).items()}
@@ -99,22 +116,7 @@ def rest_forces(case: Case, rope: DriveRope | None = None) -> tuple[float, float
 
 def motions(hoist: Hoist) -> dict[str, str]:
     """Outputs that a balance rope at the conveyances' centres takes in, and their names in OUTPUTS."""
-    names = {f"{side}.{name}": f"{field}_{side}" for side in SIDES for name, field in _UPRIGHT.items()}
-    if hoist.play is not None:
-        names |= {f"{side}.{name}": f"{name}_{side}" for side in SIDES for name in _LATERAL}
-    return names
-
-
-def side_forces(hoist: Hoist, ropes: Sequence[DriveRope]) -> tuple[str, ...]:
-    """Inputs beyond the vertical forces: of each rope, in the order of the plant's."""
-    if hoist.play is None:
-        return ()
-    return tuple(f"{rope.name}.{force}" for rope in ropes for force in SIDE_FORCES) or SIDE_FORCES
-
-
-def offset_motions(hoist: Hoist, ropes: Sequence[DriveRope]) -> list[str]:
-    """Outputs that the ropes beside the centres take in, by rope and end MOVED: there a conveyance's yaw counts."""
-    return [f"{rope.name}.{side}.{name}" for rope in offset_ropes(hoist, ropes) for side in SIDES for name in MOVED]
+    return MOTIONS if hoist.play is not None else UPRIGHT
 
 
 def offset_ropes(hoist: Hoist, ropes: Sequence[DriveRope]) -> list[DriveRope]:
@@ -122,31 +124,66 @@ def offset_ropes(hoist: Hoist, ropes: Sequence[DriveRope]) -> list[DriveRope]:
     return [rope for rope in ropes if hoist.play is not None and rope.suspension != SuspensionOffset()]
 
 
-def plant_outputs(hoist: Hoist, ropes: Sequence[DriveRope]) -> tuple[str, ...]:
-    """Names of the plant's outputs, in the order of the table."""
-    return (*motions(hoist), *offset_motions(hoist, ropes), *(name for name, _, _ in _DRIVE.values()))
+class DriveTable(NamedTuple):
+    """Variables of the compiled drive by value reference, and those of them that a hoist's FMU describes."""
+
+    whole: tuple[Variable, ...]
+    described: dict[int, Variable]
 
 
-def output_names(hoist: Hoist) -> dict[str, str]:
-    """Outputs of the plant that are OUTPUTS, and their names there."""
-    return motions(hoist) | {name: output for output, (name, _, _) in _DRIVE.items()}
+def drive_table(case: Case, step: float, period: float, ropes: Sequence[DriveRope] = ()) -> DriveTable:
+    """Return the FMI variables; ``step`` is the largest internal step, ``period`` the controller's [s]."""
+    parameters = list(_parameters(case, step, period, ropes))
+    rows = [_Row(variable) for variable in parameters]
+    attached = ropes or (None,)
+    for k in range(MOST_ROPES):
+        rope = attached[k] if k < len(attached) else None
+        prefix = f"rope[{k + 1}]." if k else ""
+        pulls = dict(zip(INPUTS, rest_forces(case, rope), strict=True))
+        for name in (*INPUTS, *SIDE_FORCES):
+            there = k < len(attached) and (name in INPUTS or case.hoist.play is not None)
+            unit, text = _texts(_FORCES, name)
+            start = pulls.get(name, 0.0) if there else 0.0
+            variable = Variable(f"{prefix}{name}", "input", "continuous", "Real", unit, start, text)
+            rows.append(_Row(variable, there, rope.name if rope and there else ""))
+    beside = offset_ropes(case.hoist, ropes)
+    shown = motions(case.hoist)
+    rows += [_Row(_output(name, *_texts(_MOTIONS, name)), name in shown) for name in MOTIONS]
+    for k in range(MOST_ROPES):
+        rope = ropes[k] if k < len(ropes) and ropes[k] in beside else None
+        for name in (f"{side}.{moved}" for side in SIDES for moved in MOVED):
+            variable = _output(f"rope[{k + 1}].{name}", *_texts(_MOTIONS, name))
+            rows.append(_Row(variable, rope is not None, rope.name if rope else ""))
+    rows += [_Row(_output(*texts)) for texts in _DRIVE.values()]
+    rows += [_Row(_output(name, *texts)) for name, texts in _CONTROL.items()]
+    rows += [
+        _Row(Variable(f"status.{name}", "output", "discrete", kind, "", None, text)) for name, kind, text in _STATUS
+    ]
+    whole = tuple(row.variable for row in rows)
+    return DriveTable(whole, {k: row.described() for k, row in enumerate(rows) if row.there})
 
 
-def variables(case: Case, step: float, ropes: Sequence[DriveRope] = ()) -> tuple[Variable, ...]:
-    """Return the table of FMI variables; ``step`` is the largest internal step [s], ``ropes`` are several."""
-    outputs = [(name, *_texts(_MOTIONS, name)) for name in (*motions(case.hoist), *offset_motions(case.hoist, ropes))]
-    outputs += [*_DRIVE.values(), *((name, *texts) for name, texts in _CONTROL.items())]
-    assert {*output_names(case.hoist).values()} <= OUTPUT_INDEX.keys()
-    return (
-        *_parameters(case, step, ropes),
-        *_inputs(case, ropes),
-        *(Variable(name, "output", "continuous", "Real", unit, None, text) for name, unit, text in outputs),
-        Variable("status.valid", "output", "discrete", "Boolean", "", None, "whether the last step succeeded"),
-        Variable("status.message", "output", "discrete", "String", "", None, "cause and cure of a failure; else empty"),
-    )
+class _Row(NamedTuple):
+    """A variable of the compiled drive, and what a hoist's FMU shows of it."""
+
+    variable: Variable
+    there: bool = True  # False: the hoist lacks it
+    rope: str = ""  # name of one of several ropes whose variable it is
+
+    def described(self) -> Variable:
+        """Return the variable as the FMU describes it."""
+        if not self.rope:
+            return self.variable
+        *_, side, last = self.variable.name.split(".")
+        text = f"{self.variable.description}, rope {self.rope}"
+        return self.variable._replace(name=f"{self.rope}.{side}.{last}", description=text)
 
 
-def _parameters(case: Case, step: float, ropes: Sequence[DriveRope]) -> Iterator[Variable]:
+def _output(name: str, unit: str, description: str) -> Variable:
+    return Variable(name, "output", "continuous", "Real", unit, None, description)
+
+
+def _parameters(case: Case, step: float, period: float, ropes: Sequence[DriveRope]) -> Iterator[Variable]:
     text = "wait before the trip begins"
     yield Variable("trip.start", "parameter", "fixed", "Real", "s", case.winding.start_delay, text, 0.0, _MOST)
     pulls = np.sum([rest_forces(case, rope) for rope in ropes or (None,)], axis=0)
@@ -155,22 +192,16 @@ def _parameters(case: Case, step: float, ropes: Sequence[DriveRope]) -> Iterator
         yield Variable(name, "parameter", "fixed", "Real", "N", float(pull), text, -_MOST, 0.0)
     text = "largest internal step, no longer than that of the export"
     yield Variable("solver.step_max", "parameter", "tunable", "Real", "s", step, text, 1e-6, step)
+    text = "sample time of the controller, whatever the communication step"
+    yield Variable(PERIOD, "parameter", "fixed", "Real", "s", period, text, 1e-4, LONGEST_PERIOD)
     for p in leaves(Gains):
         low, high = 1e-6 if p.bounds.opens else p.bounds.low, p.bounds.high or _MOST
         value, description = getattr(case.gains, p.name), _GAINS[p.name]
         yield Variable(f"controller.{p.name}", "parameter", "tunable", "Real", p.unit, value, description, low, high)
 
 
-def _inputs(case: Case, ropes: Sequence[DriveRope]) -> Iterator[Variable]:
-    upright, sides = force_inputs(ropes), side_forces(case.hoist, ropes)
-    forces = [force for rope in ropes or (None,) for force in rest_forces(case, rope)] + [0.0] * len(sides)
-    for name, force in zip((*upright, *sides), forces, strict=True):
-        unit, text = _texts(_FORCES, name)
-        yield Variable(name, "input", "continuous", "Real", unit, force, text)
-
-
 def _texts(table: Mapping[str, tuple[str, str]], name: str) -> tuple[str, str]:
-    """Unit and description of an end's variable, that of one of several ropes or of all."""
-    *rope, side, last = name.split(".")
+    """Unit and description of an end's variable."""
+    side, last = name.split(".")
     unit, text = table[last]
-    return unit, text.format(side=side) + "".join(f", rope {one}" for one in rope)
+    return unit, text.format(side=side)

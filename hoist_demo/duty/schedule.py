@@ -4,21 +4,24 @@ A trip begins where the one before has ended: it waits for winding.start_delay, 
 while its payloads change evenly to those of the next.
 """
 
+from collections.abc import Collection
 from functools import cached_property
 from pathlib import Path
 from typing import Self
 
 from pydantic import Field, model_validator
 
+from hoist_demo.cases.table import find_case
 from hoist_demo.files.reading import read
 from hoist_demo.files.run_values import LevelHeader, RunFile, Values
 from hoist_demo.files.values import VARIED, plain, statuses
-from hoist_demo.parameters import start_heights
 from hoist_demo.parameters.problems import Problems
+from hoist_demo.ropes.definition import Ropes, require_unbroken, ropes_of
 from hoist_demo.study.run import RunData, build
+from rope_model.physics.elementary import sum_of
 
 _PAYLOADS = ("hoist.payload_left", "hoist.payload_right")
-_ROUNDING = 1e-9  #: Of heights [m].
+ROUNDING = 1e-9  #: Of heights [m].
 
 
 class Duty(LevelHeader):
@@ -42,8 +45,8 @@ class Schedule(RunFile):
 
     @cached_property
     def pattern(self) -> tuple[RunData, ...]:
-        """Data of the listed trips, once each."""
-        runs = []
+        """Data of the listed trips, once each, from where the first of their cycles begins."""
+        runs = list[RunData]()
         with Problems() as problems:
             for k, trip in enumerate(self.trips, 1):
                 problems += [
@@ -53,8 +56,18 @@ class Schedule(RunFile):
                     if key not in _PAYLOADS and not key.startswith("winding.")
                 ]
                 with problems.at(f"trip {k}"):
-                    runs.append(build(self.header.hoist, self.fixed, varied=trip))
+                    start = runs[-1].start_height + runs[-1].winding.travel if runs else None
+                    runs.append(self._built(trip, start))
         return tuple(runs)
+
+    def _built(self, trip: Values, start: float | None) -> RunData:
+        """Return the data of a trip, designed for its own way and the payloads of the hoist's file and [fixed]."""
+        return build(self.header.hoist, self.fixed, varied=trip, start=start)
+
+    @cached_property
+    def _later(self) -> dict[int, RunData]:
+        """Data of trips that begin elsewhere than their pattern, by number, as they are asked for."""
+        return {}
 
     @property
     def count(self) -> int:
@@ -63,17 +76,40 @@ class Schedule(RunFile):
 
     def trip(self, number: int) -> RunData:
         """Return the data of a trip, the first being 1; beyond the last one the pattern goes on."""
-        return self.pattern[(number - 1) % len(self.pattern)]
+        cycle, place = divmod(number - 1, len(self.pattern))
+        run = self.pattern[place]
+        moved = cycle * sum(one.winding.travel for one in self.pattern)
+        if abs(moved) < ROUNDING:
+            return run
+        if number not in self._later:
+            self._later[number] = self._built(self.trips[place], run.start_height + moved)
+        return self._later[number]
 
     def landing(self, number: int) -> float:
         """Height of the left conveyance after so many trips [m]; the first begins at an end of the shaft."""
-        start, _ = start_heights(self.trip(1).hoist, self.trip(1).winding)
-        return start + sum(self.trip(k).winding.travel for k in range(1, number + 1))
+        cycles, places = divmod(number, len(self.pattern))
+        travels = [run.winding.travel for run in self.pattern]
+        whole = cycles * float(sum_of(travels))
+        return self.pattern[0].start_height + whole + float(sum_of(travels[:places]))
 
     @property
     def data(self) -> str:
         """Data that a duty and its continuation must share: all but the number of repetitions."""
-        return repr((self.header.hoist, self.level, self.pattern))
+        data = (self.header.hoist, self.level, self.pattern)
+        distinct = find_case(self.header.hoist).distinct_ropes
+        return repr((*data, distinct) if distinct else data)
+
+    def ropes(self, outputs: Collection[str] | None = None) -> Ropes:
+        """Return the balance ropes, of which these `outputs` are recorded, as of `OneRope`."""
+        return ropes_of(find_case(self.header.hoist), self.pattern[0], self.fixed, self.level, outputs)
+
+    @model_validator(mode="after")
+    def _ropes_hang(self) -> Self:
+        case = find_case(self.header.hoist)
+        require_unbroken(case, "a hoist with a broken rope does not go on")
+        if case.distinct_ropes:
+            self.ropes()  # checks them
+        return self
 
     @model_validator(mode="after")
     def _follow_one_another(self) -> Self:
@@ -81,7 +117,7 @@ class Schedule(RunFile):
         for k in range(1, self.count + 1):
             winding = self.trip(k).winding
             end = self.landing(k)
-            if not -_ROUNDING <= end <= top + _ROUNDING:
+            if not -ROUNDING <= end <= top + ROUNDING:
                 raise ValueError(
                     f"trip {k}: winding.travel = {winding.travel:g} m leads to {end:g} m, which must be within 0 and "
                     f"hoist.shaft_travel = {top:g} m: shorten it, or let the trips lead back"

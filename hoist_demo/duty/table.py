@@ -5,7 +5,7 @@ duty; what is below its unit's NEGLIGIBLE counts as nothing. The cycle is as man
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,8 +13,9 @@ import numpy as np
 from hoist_demo.cosimulation.schemes.interface import RopePlant
 from hoist_demo.duty.schedule import Schedule
 from hoist_demo.duty.wind import WoundTrip
+from hoist_demo.recording.ropes import as_only_rope
 from hoist_demo.recording.time_series import Array, Recording
-from hoist_demo.study.metrics import METRICS, ROPE_SIGNALS, measure
+from hoist_demo.study.metrics import METRICS, ROPE_METRICS, ROPE_SIGNALS, measure_ropes, own_name
 from hoist_demo.study.run import RunData
 from rope_model import EndMotion
 
@@ -40,7 +41,9 @@ COLUMNS = {
     **{name: METRICS[name] for name in _MEASURED},
 }
 
-UNITS = {name: unit for name, (unit, _) in COLUMNS.items()} | {"difference": "1"}
+#: Columns that each of several ropes has of its own, under its name.
+_OF_ROPES = ROPE_METRICS | {"yaw_start", "yaw_end", "yaw_dwelling", "yaw_dwelling_at", "turns"}
+_UNITS = {name: unit for name, (unit, _) in COLUMNS.items()} | {"difference": "1"}
 _SMALLEST_IS_WORST = ("clearance", "slip_safety")
 #: Columns of which the worst trip is told.
 JUDGED = (
@@ -62,26 +65,57 @@ class Worst:
     first_cycle: float
 
 
-def place_at_rest(schedule: Schedule, rope: RopePlant) -> tuple[float, float]:
-    """Return x and z of the loop's lowest point at rest before the first trip [m]; NaN if it does not hang."""
+@dataclass(frozen=True)
+class RestPlace:
+    """Place of a loop's lowest point at rest [m]."""
+
+    x: float
+    z: float
+
+
+def unit_of(column: str) -> str:
+    """Return the unit of a column, of a rope's own too; "" for one that the table does not state."""
+    return _UNITS.get(own_name(column), "")
+
+
+def place_at_rest(schedule: Schedule, rope: RopePlant, names: Sequence[str] = ("",)) -> dict[str, RestPlace]:
+    """Return the place of each rope's loop at rest before the first trip, by its name; NaN if it does not hang."""
     left = schedule.landing(0)
     rope.initialize(0.0, EndMotion(y=left), EndMotion(y=schedule.trip(1).hoist.shaft_travel - left))
-    x, z = rope.reader(["loop.x", "loop.z"])().tolist()
-    return x, z
+    prefixes = {name: f"{name}." if name else "" for name in names}
+    places = [rope.reader([f"{prefix}loop.x", f"{prefix}loop.z"])().tolist() for prefix in prefixes.values()]
+    return {name: RestPlace(*place) for name, place in zip(names, places, strict=True)}
 
 
-def trip_row(trip: WoundTrip, rest: tuple[float, float]) -> dict[str, float]:
-    """Return the row of a trip; `rest` is x and z of the loop's lowest point at rest [m]."""
+def trip_row(trip: WoundTrip, rest: Mapping[str, RestPlace]) -> dict[str, float]:
+    """Return the row of a trip; `rest` has the place of each rope's loop at rest, by the rope's name."""
     recording, data = trip.result.recording, trip.data
-    measured = measure(trip.result, data.hoist, data.arrival).metrics
-    columns = dict.fromkeys(COLUMNS, math.nan) | {name: measured[name] for name in _MEASURED}
-    columns |= {"trip": float(trip.number), "start": float(recording.time[0])}
+    measured = measure_ropes(trip.result, data.hoist, data.arrival, [*rest])
+    measured |= {"trip": float(trip.number), "start": float(recording.time[0])}
     if trip.result.end is not None:
-        columns["landing"] = trip.result.end.landing
-    for name, signal, landing in (("sway", "loop.x", rest[0]), ("sway_across", "loop.z", rest[1])):
-        columns[name] = float(np.max(np.abs(recording[signal] - landing)))
-    columns["turns"] = float(np.max(np.abs(recording["loop.turns"])))
-    return columns | _yaw(recording, trip.result.trajectory.duration)
+        measured["landing"] = trip.result.end.landing
+    for name, place in rest.items():
+        prefix = f"{name}." if name else ""
+        own = _of_rope(as_only_rope(recording, name), place, trip.result.trajectory.duration)
+        measured |= {f"{prefix}{key}": value for key, value in own.items()}
+    return {column: measured.get(column, math.nan) for column in _columns([*rest])}
+
+
+def _columns(ropes: Sequence[str]) -> Iterator[str]:
+    """Yield the names of the columns, those of each of several ropes with its name."""
+    for column in COLUMNS:
+        named = column in _OF_ROPES and tuple(ropes) != ("",)
+        yield from (f"{rope}.{column}" for rope in ropes) if named else (column,)
+
+
+def _of_rope(recording: Recording, rest: RestPlace, arrived: float) -> dict[str, float]:
+    """Return what a trip shows of one rope beside its metrics."""
+    columns = {
+        "sway": float(np.max(np.abs(recording["loop.x"] - rest.x))),
+        "sway_across": float(np.max(np.abs(recording["loop.z"] - rest.z))),
+        "turns": float(np.max(np.abs(recording["loop.turns"]))),
+    }
+    return columns | _yaw(recording, arrived)
 
 
 def landing_warnings(row: Mapping[str, float], data: RunData) -> list[str]:
@@ -106,7 +140,8 @@ def _yaw(recording: Recording, arrived: float) -> dict[str, float]:
 def trip_table(rows: Sequence[Mapping[str, float]], cycle: int) -> Recording:
     """Return all rows as columns, with the change from the trip a cycle before."""
     columns = {name: np.array([row[name] for row in rows]) for name in rows[-1]}
-    return Recording(columns | {"difference": differences(columns, cycle)}, UNITS)
+    columns["difference"] = differences(columns, cycle)
+    return Recording(columns, {name: unit_of(name) for name in columns})
 
 
 def differences(columns: Mapping[str, Array], cycle: int) -> Array:
@@ -115,10 +150,9 @@ def differences(columns: Mapping[str, Array], cycle: int) -> Array:
     if changes.size <= cycle:
         return changes
     changes[cycle:] = 0.0
-    for name in REPEATING:
-        values = columns[name]
-        if np.isfinite(values).all():
-            largest = max(float(np.max(np.abs(values))), NEGLIGIBLE[UNITS[name]] / STEADY)
+    for name, values in columns.items():
+        if own_name(name) in REPEATING and np.isfinite(values).all():
+            largest = max(float(np.max(np.abs(values))), NEGLIGIBLE[unit_of(name)] / STEADY)
             changes[cycle:] = np.maximum(changes[cycle:], np.abs(values[cycle:] - values[:-cycle]) / largest)
     return changes
 
@@ -133,10 +167,10 @@ def steady_from(trips: Recording, cycle: int) -> int | None:
 def worst(trips: Recording, cycle: int) -> list[Worst]:
     """Return the worst trip by each column of JUDGED that the rope's fidelity shows."""
     worst_trips = []
-    for name in JUDGED:
+    for name in (column for judged in JUDGED for column in trips.signals if own_name(column) == judged):
         values = trips[name]
         if np.isfinite(values).all():
-            sign = -1.0 if name in _SMALLEST_IS_WORST else 1.0
+            sign = -1.0 if own_name(name) in _SMALLEST_IS_WORST else 1.0
             values = values if sign < 0.0 else np.abs(values)
             k = int(np.argmax(sign * values))
             first = sign * float(np.max(sign * values[:cycle]))

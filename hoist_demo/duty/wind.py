@@ -14,9 +14,9 @@ from hoist_demo.cosimulation.checkpoint import Checkpoint, differences
 from hoist_demo.cosimulation.host import Progress
 from hoist_demo.cosimulation.run_state import Result, TripEnd
 from hoist_demo.cosimulation.schemes.interface import RopePlant
-from hoist_demo.duty.schedule import Schedule
-from hoist_demo.recording.fidelity import mask_neglected
+from hoist_demo.duty.schedule import ROUNDING, Schedule
 from hoist_demo.recording.incidents import guard_trip, jams
+from hoist_demo.recording.ropes import computed
 from hoist_demo.recording.time_series import Recording
 from hoist_demo.study.run import RunData, wind_run
 
@@ -33,25 +33,28 @@ class WoundTrip:
 def wind_duty(
     schedule: Schedule,
     rope: RopePlant,
-    torque_free: bool,
+    torque_free: Mapping[str, bool],
     progress: Callable[[int], Progress] | None = None,
     after: TripEnd | None = None,
     done: int = 0,
 ) -> Iterator[WoundTrip]:
     """Wind the trips after the first `done`, from the drive and coupling in `after` and the rope as it is.
 
-    `torque_free` is whether the rope carries no torque; `progress` gives each trip whom to tell. The last trip is one
-    that does not end, or in which the safety circuit opens or a conveyance jams, where there is such a one.
+    `torque_free` says of each rope by its name whether it carries no torque; `progress` gives each trip whom to tell.
+    The last trip is one that does not end, or in which the safety circuit opens or a conveyance jams, where there is
+    such a one.
     """
     drives = [run.design() for run in schedule.pattern]
+    closed = abs(schedule.landing(len(drives)) - schedule.landing(0)) < ROUNDING
     for number in range(done + 1, schedule.count + 1):
         run = schedule.trip(number)
-        told, made = None if progress is None else progress(number), drives[(number - 1) % len(drives)]
+        told = None if progress is None else progress(number)
+        made = drives[(number - 1) % len(drives)] if closed or number <= len(drives) else run.design()
         result = wind_run(run, rope, told, made, after=after, next_hoist=schedule.trip(number + 1).hoist)
         if guard_trip(result.recording) is not None or jams(result.recording):
             # a hoist with an open safety circuit does not start again
             result = replace(result, end=None)
-        yield WoundTrip(number, run, replace(result, recording=mask_neglected(result.recording, torque_free)))
+        yield WoundTrip(number, run, replace(result, recording=computed(result.recording, torque_free)))
         after = result.end
         if after is None:
             return
@@ -71,18 +74,25 @@ def write_state(path: Path, trips: Recording, end: TripEnd, rope: RopePlant, sch
         data=schedule.data,
         cause="",
     )
-    part = path.with_suffix(".part")
-    checkpoint.write(part)
-    part.replace(path)
+    checkpoint.write(path)
 
 
 def read_state(path: Path, rope: RopePlant, schedule: Schedule) -> tuple[list[dict[str, float]], TripEnd]:
     """Read rows and the last trip's end, and put the rope into its state; raise ValueError for another duty's file."""
-    last = Checkpoint.read(path)
+    try:
+        last = Checkpoint.read(path)
+    except ValueError as error:
+        raise ValueError(f"{error}; or delete {path}: the trips are then wound again from the first") from error
     if last.data != schedule.data:
         changes = differences(last.data, schedule.data)
         raise ValueError(f"'{path}' must be of this schedule, but {changes}: give another --out")
-    rope.restore(rope.from_bytes(last.rope))
+    try:
+        rope.restore(rope.from_bytes(last.rope))
+    except ValueError as error:
+        raise ValueError(
+            f"'{path}' must have the rope's state, but: {error}; delete it: the trips are then wound again from the "
+            "first"
+        ) from error
     end = TripEnd(last.t, schedule.landing(last.sample), last.plant, last.input, last.scheme_state)
     return table_rows(last.recording), end
 

@@ -27,6 +27,8 @@ _SHARES = {"%": Fraction(1, 100)}  #: Units of pure numbers.
 _UNCLEAR = ("ton", "tons")  #: Units that are refused: a US ton is no tonne.
 _WITH_UNIT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
 #: raised by pint and by the tokenizer that it takes
+_COMMA = re.compile(r"\s*([-+]?\d+),(\d+)")  #: A number with a comma in it, for decimals or thousands.
+_JOINED = re.compile(r"\b([kMG]?N|kg)m(?=$|[0-9./^])")  #: Products without a sign: kNm, Nm/rad, kgm2.
 _NO_UNIT = (ArithmeticError, AssertionError, AttributeError, LookupError, SyntaxError, TypeError, ValueError)
 
 
@@ -72,6 +74,18 @@ def stated(values: Iterable[tuple[str, object]], status: str = GIVEN) -> dict[st
     return {k: replace(v, status=v.status or status) for k, v in values if isinstance(v, ParameterValue)}
 
 
+def unreached(given: Mapping[str, ParameterValue], reached: Mapping[str, Value]) -> Iterable[str]:
+    """Yield a sentence for each value of [fixed] that is not the one which a run has in the end."""
+    for name, entry in given.items():
+        if name not in reached:
+            yield f"[fixed] {name} = {entry.value!r} is a value that this command does not take: leave it out"
+        elif reached[name] != entry.value:
+            yield (
+                f"[fixed] {name} = {entry.value!r} does not reach the rope or the hoist, which has {reached[name]!r}: "
+                "leave it out"
+            )
+
+
 class ValueTable(BaseModel):
     """A value's own table, before its parameter is asked."""
 
@@ -110,6 +124,11 @@ def read_value(parameter: Parameter, content: Any, unit: str = "") -> Value:
     """Return a plain value in the parameter's unit, which may stand behind the number: "22 t"."""
     if isinstance(content, str) and not parameter.choices and parameter.numeric:
         match = _WITH_UNIT.fullmatch(content)
+        if comma := _COMMA.match(content):
+            raise ValueError(
+                f"{parameter.name} = {content[:MAX_TEXT]!r} has a comma within its number: write a point for decimals "
+                f"and nothing between thousands, {comma[1]}.{comma[2]} or {comma[1]}{comma[2]}"
+            )
         if match is None:
             raise ValueError(
                 f"{parameter.name} = {content[:MAX_TEXT]!r} must be a finite number, with a unit behind it or in "
@@ -123,7 +142,7 @@ def read_value(parameter: Parameter, content: Any, unit: str = "") -> Value:
 
 def _converted(parameter: Parameter, number: str | float, unit: str) -> float:
     """Return a number with this unit in the parameter's, rounded once: 52 mm are 0.052 m, to the last bit."""
-    factor = _factor(fmi_unit(unit), parameter.unit) if unit else Fraction(1)
+    factor = _factor(_JOINED.sub(r"\1.m", fmi_unit(unit)), parameter.unit) if unit else Fraction(1)
     if factor is None:
         raise ValueError(
             f"{parameter.name} has unit = {unit[:MAX_TEXT]!r}, which must measure the same as "

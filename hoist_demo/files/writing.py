@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 from hoist_demo.files.hoist_file import SUSPENSION_PARAMETERS
 from hoist_demo.files.registry import host_parameters, rope_parameters
-from hoist_demo.files.values import ParameterValue, ParameterValues
+from hoist_demo.files.values import GIVEN, ParameterValue, ParameterValues
 from hoist_demo.parameters.quantity import Parameter
 from rope_model.texts import printable, toml_string
 
@@ -39,7 +39,9 @@ def _line(name: str, key: str, entry: ParameterValue) -> str:
 def _value(parameter: Parameter, entry: ParameterValue) -> str:
     value = parameter.choices[entry.value] if parameter.choices and type(entry.value) is int else entry.value
     if isinstance(value, str | bool):
-        return toml_string(value) if isinstance(value, str) else str(value).lower()
+        text = toml_string(value) if isinstance(value, str) else str(value).lower()
+        with_status = parameter.name in _PARAMETERS and entry.status != GIVEN
+        return f"{{ value = {text}, status = {toml_string(entry.status)} }}" if with_status else text
     if parameter.kind == "String":  # a count, and no datum
         return repr(value)
     unit = "" if parameter.unit == "1" else f", unit = {toml_string(parameter.unit)}"

@@ -17,7 +17,7 @@ import numpy as np
 
 from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lining, Play, require
 from hoist_demo.parameters.quantity import NONNEGATIVE, Bounds, ValidatedData, parameter
-from rope_model.physics.elementary import maximum
+from rope_model.physics.elementary import maximum, sum_of
 
 GRAVITY = 9.81  #: Acceleration of free fall [m/s^2].
 SIDES = ("left", "right")  #: Sides of a hoist: its conveyances, and the ends of its balance ropes.
@@ -207,6 +207,6 @@ def _items(data: Any) -> list[tuple[str, Any]]:
 
 def hoist_with(hoist: Hoist, ropes: Sequence[tuple[float, float]]) -> Hoist:
     """Return the hoist with its balance ropes, each (mass per length [kg/m], length [m]), as one of their mass."""
-    mass = sum(m for m, _ in ropes)
-    length = sum(m * x for m, x in ropes) / mass
+    mass = sum_of(m for m, _ in ropes)
+    length = sum_of(m * x for m, x in ropes) / mass
     return replace(hoist, tail_rope_number=1, tail_rope_mass=mass, tail_rope_length=length)

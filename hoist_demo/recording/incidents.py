@@ -23,13 +23,13 @@ class JamEvent(NamedTuple):
 
 
 class Stop(NamedTuple):
-    """An emergency stop of one conveyance, and where it goes from there: it swings, or the brake does not hold it."""
+    """An emergency stop of one conveyance, and where it goes from there: it swings, or the sheave does not hold it."""
 
     side: str
     stopping_distance: float  # m, its own, until it first stands still
     time: float | None  # s, until then; None: it never does
     then: float = 0.0  # m, farthest from there later, positive upwards
-    held: bool = True  # from there on
+    held: bool = True  # by the head ropes on the sheave, from where these first stand to the end of the record
     speed: float = 0.0  # m/s, at the end of the record
     farthest: float = 0.0  # m, from where the stop began
 
@@ -62,8 +62,8 @@ def jams(recording: Recording) -> list[JamEvent]:
     return sorted(events, key=attrgetter("t"))
 
 
-STILL = 0.05  #: Speed below which a conveyance that is stopped counts as standing still [m/s, assumed].
-SWING = 2.0  #: Time within which a conveyance that swings turns back [s, assumed].
+STILL = 0.05  #: Speed below which a conveyance or a sheave that is stopped counts as standing still [m/s, assumed].
+RECOIL = 2.0  #: Time within which a sheave that brake or motor holds turns back [s, assumed]; conveyances may swing on.
 
 
 def _stands(speeds: Array, still: float = 0.0) -> int | None:
@@ -72,30 +72,45 @@ def _stands(speeds: Array, still: float = 0.0) -> int | None:
     return int(turned[0]) if turned.size else None
 
 
-def stops(recording: Recording, begin: float | None) -> list[Stop]:
-    """Return the emergency stop of each conveyance, `begin` [s] after the start of the record."""
-    if begin is None or not recording.has(*(f"conveyance.{side}.vy" for side in SIDES)):
+def stops(recording: Recording, begin: float | None, radius: float) -> list[Stop]:
+    """Return the emergency stop of each conveyance, `begin` [s] after the start of the record.
+
+    Whether it is held is judged by the head ropes on the sheave of this radius [m]: a conveyance swings on them, in a
+    deep shaft for longer than any brake lets them run.
+    """
+    if begin is None or not recording.has("drive.rate", *(f"conveyance.{side}.vy" for side in SIDES)):
         return []
     conveyances = []
     k = int(np.searchsorted(recording.time - recording.time[0], begin))
     t = recording.time[k:]
+    held = bool(t.size) and _holds(t, _rope_speed(recording, radius)[k:])
     for side in SIDES if t.size else ():
         y, vy = (recording[f"conveyance.{side}.{name}"][k:] for name in ("y", "vy"))
         turned = _stands(vy, STILL)
         last = t.size - 1 if turned is None else turned
         way, then = np.abs(y - y[0]), max((y[last:] - y[last]).tolist(), key=abs)
         time = None if turned is None else float(t[last] - t[0])
-        held = turned is not None and not _runs(t[last:], vy[last:])
-        speed = float(vy[-1])
-        conveyances.append(Stop(side, float(np.max(way[: last + 1])), time, then, held, speed, float(np.max(way))))
+        way_stopped, farthest, speed = float(np.max(way[: last + 1])), float(np.max(way)), float(vy[-1])
+        conveyances.append(Stop(side, way_stopped, time, then, held and turned is not None, speed, farthest))
     return conveyances
 
 
-def _runs(time: Array, speeds: Array) -> bool:
-    """Return True if what swings or has run away moves in one direction for longer than a swing."""
-    sense = np.where(np.abs(speeds) > STILL, np.sign(speeds), 0.0)
-    turns = [0, *(np.flatnonzero(np.diff(sense)) + 1).tolist(), len(time)]
-    return any(sense[i] != 0.0 and time[j - 1] - time[i] > SWING for i, j in pairwise(turns))
+def _rope_speed(recording: Recording, radius: float) -> Array:
+    """Return the speed of the head ropes on the sheave [m/s]: of its rim, and of their slip."""
+    rim = radius * recording["drive.rate"]
+    return np.asarray(rim + recording["drive.slip_speed"] if "drive.slip_speed" in recording else rim)
+
+
+def _holds(time: Array, speeds: Array) -> bool:
+    """Return True if ropes that are stopped come to stand, and then neither run for long nor as the record ends."""
+    stood = _stands(speeds, STILL)
+    if stood is None:
+        return False
+    sense = np.where(np.abs(speeds[stood:]) > STILL, np.sign(speeds[stood:]), 0.0)
+    if sense[-1] != 0.0:
+        return False
+    turns = [0, *(np.flatnonzero(np.diff(sense)) + 1).tolist(), len(sense)]
+    return not any(sense[i] != 0.0 and time[stood + j] - time[stood + i] > RECOIL for i, j in pairwise(turns[:-1]))
 
 
 def slack_ropes(recording: Recording) -> list[SlackRopes]:

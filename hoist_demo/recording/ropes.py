@@ -19,6 +19,12 @@ def rope_signals(recording: Recording, name: str) -> Recording:
     return replace(own, signals={key: values[hangs] for key, values in own.signals.items()})
 
 
+def as_only_rope(recording: Recording, name: str) -> Recording:
+    """Return the record as if the hoist had this rope alone: its signals under their own names, beside the hoist's."""
+    own = _own(recording, name)
+    return replace(recording, signals={**recording.signals, **own.signals}, units={**recording.units, **own.units})
+
+
 def computed(recording: Recording, torque_free: Mapping[str, bool]) -> Recording:
     """Return the record with NaN for what was not computed or is absent, and for its sums; `torque_free` by rope."""
     signals = dict(recording.signals)

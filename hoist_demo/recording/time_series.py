@@ -14,6 +14,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from rope_model.files import whole_file
+
 Array = NDArray[np.float64]
 TIME = "time"
 _ALONG = ("s", "tension", "bending", "torsion")
@@ -112,7 +114,7 @@ def write_csv(recording: Recording, path: Path, names: Sequence[str] = ()) -> No
     """Write signals with their time, header `name [unit]`; without names all but those of `is_along`."""
     chosen = [name for name in names if name in recording and name != TIME]
     names = [TIME, *chosen] if names else [name for name in recording.signals if not is_along(name)]
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with whole_file(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([_header(name, recording.units.get(name, "")) for name in names])
         columns = [recording[name] for name in names]
@@ -123,7 +125,7 @@ def write_shapes(recording: Recording, rows: Sequence[int], path: Path) -> None:
     """Write rope points at the given rows: time, point number from the left end, x, y, z, tension and stresses."""
     along = {name: values for name in _ALONG if (values := recording.along(name)) is not None}
     more = [_header(name, recording.units.get(f"shape.{name}[1]", "")) for name in along]
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with whole_file(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["time [s]", "point", "x [m]", "y [m]", "z [m]", *more])
         for row in rows:

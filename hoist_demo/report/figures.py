@@ -22,6 +22,7 @@ from hoist_demo.parameters import Hoist
 from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import Array, Recording, shape_rows
 from hoist_demo.report.panels import Mark, Panel, derived_signals, panels, quiet
+from rope_model.files import whole_file
 
 COLOURS = {"left": "#1f5fa8", "right": "#d9731a"}
 #: The right end's gaps show the left one where both coincide.
@@ -123,10 +124,7 @@ _OVER_TRIPS: tuple[tuple[str, str, float, Mapping[str, str]], ...] = (
 
 def write_duty_figure(trips: Recording, path: Path) -> Path:
     """Draw the table of `hoist_demo.duty` over the number of the trip; a panel without numbers is left out."""
-    panels = [
-        (title, unit, factor, {n: words for n, words in curves.items() if n in trips and np.isfinite(trips[n]).any()})
-        for title, unit, factor, curves in _OVER_TRIPS
-    ]
+    panels = [(title, unit, factor, _curves_over_trips(trips, curves)) for title, unit, factor, curves in _OVER_TRIPS]
     shown = [panel for panel in panels if panel[-1]]
     with matplotlib.rc_context(STYLE):
         figure, axes = stacked_panels([title for title, *_ in shown])
@@ -140,6 +138,16 @@ def write_duty_figure(trips: Recording, path: Path) -> Path:
                 ax.set_yscale("log")
         axes[-1].set_xlabel("trip")
         return save_figure(figure, path)
+
+
+def _curves_over_trips(trips: Recording, curves: Mapping[str, str]) -> dict[str, str]:
+    """Return the columns of a panel with their words, those of each of several ropes with its name."""
+    found = dict[str, str]()
+    for column, values in trips.signals.items():
+        rope, _, own = column.rpartition(".")
+        if own in curves and np.isfinite(values).any():
+            found[column] = ", ".join(filter(None, (rope, curves[own])))
+    return found
 
 
 def shapes(recording: Recording, ropes: Sequence[RopeData]) -> Figure | None:
@@ -176,7 +184,8 @@ def shapes(recording: Recording, ropes: Sequence[RopeData]) -> Figure | None:
 def save_figure(figure: Figure, path: Path) -> Path:
     """Write the figure; savefig would draw it twice, the first time for the layout alone."""
     figure.set_dpi(150)
-    FigureCanvasAgg(figure).print_png(path, metadata={"Software": None})  # type: ignore[no-untyped-call]
+    with whole_file(path) as draft:
+        FigureCanvasAgg(figure).print_png(draft, metadata={"Software": None})  # type: ignore[no-untyped-call]
     return path
 
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 from hoist_demo.cases.case import Case
@@ -24,6 +24,7 @@ from rope_model.simulation.outputs.modal import natural_modes
 MODES = 4  #: Number of the rope's lowest modes in the table.
 _AT_REST = "Rope at rest, left conveyance at"
 _HOLD = "Hold on the sheave"
+_DRIVE = "Motor and brake"
 YAWS = 3.0  #: Most yaw of a loop in a trip over that at rest [assumed]: 2.1 in a trip of 870 m at 16 m/s.
 Values = Mapping[str, Value]
 
@@ -31,11 +32,16 @@ Values = Mapping[str, Value]
 def complete_file(case: Case, run: RunData, ropes: Sequence[RopeData], provenance: Iterable[SourcedValue]) -> str:
     """Return a hoist's file with every value of a run and its status; wound again, it gives the same bits."""
     status, stated = statuses(provenance), case.values
+    stated_of = {"": stated} | {f"{one.name}.": one.values for one in case.distinct_ropes}
 
     def entry(name: str, value: Value, of: str = "") -> ParameterValue:
         source_status = status.get(f"{of}{name}", SETTING)
-        file_status = source_status if source_status in STATUSES else "assumed" if source_status == SETTING else GIVEN
-        return ParameterValue(value, file_status, stated[name].source if name in stated else "")
+        file_status = source_status if source_status in STATUSES else GIVEN
+        own = stated_of.get(of, {}).get(name) or stated.get(name)
+        if source_status == SETTING or name == _SPACING:  # that of several ropes has their places in it
+            file_status = GIVEN if isinstance(value, str | bool) else "assumed"
+            file_status = own.status if own is not None and own.value == value else file_status
+        return ParameterValue(value, file_status, own.source if own is not None and name in stated else "")
 
     level = ropes[0].level or case.level
     lines = {"controller": entry("controller", run.controller), "level": entry("level", level)}
@@ -74,9 +80,9 @@ def as_file(case: Case, name: str, values: Values) -> str:
     return complete_file(case, run, ropes, sources)
 
 
-def hoist_provenance(case: Case, name: str) -> list[SourcedValue]:
-    """Return the provenance of all values; `name` is how the hoist is found."""
-    return _wound(case, name, {})[2]
+def hoist_provenance(case: Case, name: str, values: Values | None = None) -> list[SourcedValue]:
+    """Return the provenance of all values; `name` is how the hoist is found, `values` are set beside its file."""
+    return _wound(case, name, values or {})[2]
 
 
 def _wound(case: Case, name: str, values: Values) -> tuple[RunData, list[RopeData], list[SourcedValue]]:
@@ -87,19 +93,72 @@ def _wound(case: Case, name: str, values: Values) -> tuple[RunData, list[RopeDat
     return run, ropes.data(), [*host_provenance(run, {}), *ropes.provenance({})]
 
 
-def slip_problems(case: Case) -> list[str]:
-    """Return a line on each bound that the hoist at rest or in its trip does not keep."""
-    return [
-        f"slip safety {one.when} is {one.safety:.3g} (tension ratio {one.ratio:.3g}, limit "
-        f"{case.hoist.tension_ratio_limit:.3g}), and {one.required:g} is asked for: more weight on the light side, "
-        f"a better lining, or a gentler {'stop' if 'stop' in one.when else 'trip'}"
-        for one in static_slip_safeties(case.hoist, case.winding)[: 3 if case.winding.emergency_at is None else 4]
-        if one.safety < one.required
-    ]
+@dataclass(frozen=True)
+class CheckRow:
+    """Bound that a hoist keeps or breaks before it is wound, with the sentence on a broken one."""
+
+    group: str
+    quantity: str
+    value: str
+    bound: str
+    holds: bool
+    problem: str  # told where it does not hold
+
+    @property
+    def summary(self) -> SummaryRow:
+        """Row of the table of what follows."""
+        kept = "kept" if self.holds else "NOT KEPT"
+        return SummaryRow(self.group, self.quantity, f"{self.value}, at least {self.bound}: {kept}")
 
 
-def drive_problems(case: Case) -> list[str]:
-    """Return a line on each limit of motor and brake that is below what its trip asks for."""
+@dataclass(frozen=True)
+class HoistCheck:
+    """All that is judged of a hoist before it is wound: its bounds, and remarks on its values and ropes.
+
+    Sentences and exit code follow from the rows that the table prints.
+    """
+
+    rows: tuple[CheckRow, ...]
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def problems(self) -> list[str]:
+        """Sentences on broken bounds, then the remarks."""
+        return [*(row.problem for row in self.rows if not row.holds), *self.remarks]
+
+    @property
+    def summary(self) -> str:
+        """The check in words."""
+        count = len(self.problems)
+        return f"{count} problem{'s' if count > 1 else ''} found" if count else "no problems found"
+
+    @property
+    def exit_code(self) -> int:
+        """Exit code of `check`."""
+        return 1 if self.problems else 0
+
+
+def checks(case: Case) -> list[CheckRow]:
+    """Return a row for each bound of a hoist at rest, in its trip and in emergency stops."""
+    return [*_slip_checks(case), *_drive_checks(case)]
+
+
+def _slip_checks(case: Case) -> Iterator[CheckRow]:
+    """Yield a row for each instant at which the head ropes must hold on the sheave."""
+    limit = case.hoist.tension_ratio_limit
+    for one in static_slip_safeties(case.hoist, case.winding):
+        problem = (
+            f"slip safety {one.when} is {one.safety:.3g} (tension ratio {one.ratio:.3g}, limit {limit:.3g}), and "
+            f"{one.required:g} is asked for: more weight on the light side, a better lining, or a gentler "
+            f"{'stop' if 'stop' in one.when else 'trip'}"
+        )
+        holds = one.safety >= one.required
+        quantity = f"slip safety {one.when}, without swing"
+        yield CheckRow(_HOLD, quantity, f"{one.safety:.3g}", f"{one.required:g}", holds, problem)
+
+
+def _drive_checks(case: Case) -> Iterator[CheckRow]:
+    """Yield a row for each limit of motor and brake."""
     hoist, trip, brake = case.hoist, reached(case.winding), case.hoist.brake
     inputs, radius = RuleInputs(hoist, trip, hoist), hoist.sheave_radius
     speed = max(0.0, trip.speed - 0.5 * trip.acceleration**2 / trip.jerk)  # at full acceleration
@@ -109,30 +168,40 @@ def drive_problems(case: Case) -> list[str]:
     limits = [("torque_limit", hoist.torque_limit, inputs.torque(), "N m", asks)]
     limits += [("power_limit", hoist.power_limit or math.inf, power, "W", asks)]
     if brake is not None:
-        part = brake.first_stage if trip.emergency_law == "two-stage" else 1.0
-        stage = f" with first_stage = {part:g}" if part < 1.0 else ""
-        asks = f"which holds the heavier side{stage}: fit a stronger brake"
-        limits.append(("brake.torque", brake.torque, radius * hoist.imbalance() / part, "N m", asks))
-    return [
-        f"hoist.{name} = {limit:g} {unit} must be at least {asked:.3g} {unit}, {asks}"
-        for name, limit, asked, unit, asks in limits
-        if limit < asked
-    ]
+        holding = radius * hoist.imbalance()
+        asks = "which holds the heavier side: fit a stronger brake"
+        limits.append(("brake.torque", brake.torque, holding, "N m", asks))
+        first = brake.first_stage * brake.torque
+        if trip.emergency_law == "two-stage" and brake.torque >= holding:
+            # the second stage holds what the first lets run
+            asks = (
+                f"of which the first stage gives {first:.3g} N m to hold the heavier side: until first_stage_time = "
+                f"{brake.first_stage_time:g} s it runs on; raise the first stage, or shorten it"
+            )
+            limits.append(("brake.first_stage", brake.first_stage, holding / brake.torque, "of brake.torque", asks))
+    for name, limit, asked, unit, asks in limits:
+        problem = f"hoist.{name} = {limit:g} {unit} must be at least {asked:.3g} {unit}, {asks}"
+        yield CheckRow(_DRIVE, f"hoist.{name}", f"{limit:g} {unit}", f"{asked:.3g} {unit}", limit >= asked, problem)
 
 
-def consequences(case: Case, name: str, values: Values) -> tuple[str, list[str]]:
+def examine(case: Case, name: str, values: Values) -> tuple[str, HoistCheck]:
+    """Return the table of what follows from a hoist, and its check; RuntimeError where a rope cannot hang."""
+    checked = checks(case)
+    text, warned = _consequences(case, name, values, checked)
+    return text, HoistCheck(tuple(checked), (*case.remarks, *warned))
+
+
+def _consequences(case: Case, name: str, values: Values, checked: Sequence[CheckRow]) -> tuple[str, list[str]]:
     """Return the table of what follows, and the ropes' warnings at rest; RuntimeError where a rope cannot hang."""
     hoist = case.hoist
-    rows = [
-        SummaryRow(_HOLD, f"slip safety {one.when}, without swing", f"{one.safety:.3g}, asked {one.required:g}")
-        for one in static_slip_safeties(hoist, case.winding)
-    ]
+    rows = [row.summary for row in checked if row.group == _HOLD]
     for height in (0.0, hoist.shaft_travel):
         left, right = pulls(hoist, height)
         label = f"{left / 1e3:.4g} and {right / 1e3:.4g} kN"
         heads = f"pull of all head ropes, left and right, left conveyance at {height:g} m"
         rows.append(SummaryRow(_HOLD, heads, label))
     rows.append(SummaryRow(_HOLD, "all moving masses", hoist.moving_mass, "kg"))
+    rows += [row.summary for row in checked if row.group != _HOLD]
     warned, yaws = [], dict[str, float]()
     ropes = ropes_of(case, from_landing(build(name, values)), {}, case.level).ropes
     for rope in ropes:

@@ -114,21 +114,30 @@ def judge(
     recording, arrival = result.recording, arrival or Arrival()
     ropes = [_Rope(rope_signals(recording, one.name), one) for one in data] if recording.signals else []
     rows = tuple(_rows(result, hoist, ropes, pairs, arrival)) if ropes else ()
-    broken = [row for row in rows if row.holds is False]
-    # the outcome already reports strikes, and so do clearances
-    quantities = [row.quantity for row in broken if row.quantity != _STRIKES] or [row.quantity for row in broken]
     words = outcome(result.completed, recording, [one.name for one in data])
     words += f": {result.cause}" if result.cause else ""
     words = f"{words[0].upper()}{words[1:]}. "
     through = any(PASSED in passages(rope.recording) for rope in ropes)
     words += "Results after it passed describe no real rope. " if through else ""
-    if broken:
-        words += f"Not kept: {', '.join(quantities)}."
-    elif rows:
-        until = "" if result.completed else " until then"
-        words += f"All {sum(row.holds is True for row in rows)} bounds are kept{until}."
+    words += bounds_in_words(rows, completed=result.completed)
     remarks = (*_warnings(result, hoist, ropes, arrival.window), *warnings)
-    return Verdict(words, rows, remarks, _what_matters(ropes, pairs), result.completed and not broken and not remarks)
+    good = result.completed and not broken(rows) and not remarks
+    return Verdict(words, rows, remarks, _what_matters(ropes, pairs), good)
+
+
+def broken(rows: Sequence[VerdictRow]) -> list[VerdictRow]:
+    """Return the rows whose bound does not hold."""
+    return [row for row in rows if row.holds is False]
+
+
+def bounds_in_words(rows: Sequence[VerdictRow], *, completed: bool) -> str:
+    """Return a sentence that names every row whose bound does not hold, or says that all hold; "" without rows."""
+    if names := [row.quantity for row in broken(rows)]:
+        return f"Not kept: {', '.join(names)}."
+    if not rows:
+        return ""
+    until = "" if completed else " until then"
+    return f"All {sum(row.holds is True for row in rows)} bounds are kept{until}."
 
 
 def outcome(completed: bool, recording: Recording, names: Sequence[str] = ("",)) -> str:
@@ -195,7 +204,7 @@ def _rows(
 ) -> Iterator[VerdictRow]:
     yield from _pulls(result.recording, hoist, ropes)
     yield from _head_ropes(result.recording, hoist)
-    for stop in stops(result.recording, result.winding.emergency_at):
+    for stop in stops(result.recording, result.winding.emergency_at, hoist.sheave_radius):
         text = f"{stop.stopping_distance:.2f} m" + (", and goes on" if stop.time is None else f" in {stop.time:.2f} s")
         text += f", then {abs(stop.then):.2f} m {'up' if stop.then > 0.0 else 'down'}" if abs(stop.then) >= 5e-3 else ""
         text += f", at {number(abs(stop.speed), 2)} m/s in the end" if abs(stop.speed) > STILL else ""

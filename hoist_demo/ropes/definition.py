@@ -1,12 +1,13 @@
 """The balance ropes of one hoist, checked before anything is wound: its file has a [[rope]] for each."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations
 
 from hoist_demo.cases.case import BalanceRopeData, Case
+from hoist_demo.cases.rules import with_values
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
@@ -15,7 +16,7 @@ from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.participants.rope_group import CONTACT_ENERGIES, SUMS, Member, RopeGroup, WholeRope
 from hoist_demo.cosimulation.schemes.interface import ENDS, RopePlant
 from hoist_demo.files.registry import rope_parameters
-from hoist_demo.files.values import DERIVED, ParameterValue
+from hoist_demo.files.values import DERIVED, ParameterValue, plain
 from hoist_demo.parameters import Hoist, hoist_with
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
@@ -41,6 +42,7 @@ class OneRope:
     case: Case  # the hoist with this rope alone
     suspension: SuspensionOffset = field(default_factory=SuspensionOffset)
     breaks: Break | None = None
+    outputs: Collection[str] | None = None  # recorded outputs; None: all but the expensive added masses
     fmu: Callable[[], FmuRope] | None = None  # loads the one that is wound instead
 
     @cached_property
@@ -53,7 +55,7 @@ class OneRope:
         """Rope to be wound, with its break."""
         if self.fmu is not None:
             return self.fmu()
-        rope = InProcessRope(self.scene, name=self.name)
+        rope = InProcessRope(self.scene, self.outputs, self.name)
         data = self.scene.rope
         if self.breaks is None:
             return rope
@@ -118,10 +120,21 @@ class Ropes:
         ]
 
 
-def ropes_of(case: Case, run: RunData, overrides: Mapping[str, Value], level: Level) -> Ropes:
-    """Return the ropes of a hoist with `chosen` values set beside its file; a ValueError lists all problems."""
+def ropes_of(
+    case: Case,
+    run: RunData,
+    overrides: Mapping[str, Value | ParameterValue],
+    level: Level,
+    outputs: Collection[str] | None = None,
+) -> Ropes:
+    """Return the ropes of a hoist with `overrides` as if they stood in its file; a ValueError lists all problems.
+
+    `outputs` are those that are recorded of each rope, as of `OneRope`.
+    """
     if not case.distinct_ropes:
-        return Ropes(case, run, (OneRope("", {**run.rope_values, **fmu_part(overrides)}, level, case),))
+        own = {**run.rope_values, **fmu_part(plain(overrides))}
+        return Ropes(case, run, (OneRope("", own, level, case, outputs=outputs),))
+    case = with_values(case, overrides)
     values = [*run.rope_values.items(), *(item for rope in case.distinct_ropes for item in rope.parameters.items())]
     defaults = rope_parameters()
     ropes = []
@@ -133,11 +146,21 @@ def ropes_of(case: Case, run: RunData, overrides: Mapping[str, Value], level: Le
                 taken = f"signals of the rope begin with it, and {', '.join(_TAKEN)} are taken"
                 problems.append(f"rope name = {rope.name!r} must be another: {taken}")
             with problems.at(f"rope {rope.name}"):
-                ropes.append(_rope(rope, {**rope.parameters, **fmu_part(overrides)}, level, case))
+                ropes.append(replace(_rope(rope, rope.parameters, level, case), outputs=outputs))
     group = Ropes(case, run, tuple(ropes))
     if group.touching:
         _require_apart(ropes)
     return group
+
+
+def require_unbroken(case: Case, what: str) -> None:
+    """Refuse a rope that breaks, where `what` has no place for it."""
+    for rope in case.distinct_ropes:
+        if rope.breaks:
+            raise ValueError(
+                f"rope {rope.name}: breaks_at = {rope.breaks['breaks_at']:g} s must be left out, for {what}: "
+                "`balance-rope wind` computes the break"
+            )
 
 
 def _require_apart(ropes: Sequence[OneRope]) -> None:

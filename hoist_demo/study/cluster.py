@@ -20,6 +20,7 @@ from hoist_demo.study.definition import Study, StudyRun
 from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.run import ERROR, Outcome, RunData, execute
 from hoist_demo.study.store import Store
+from rope_model.files import write_bytes
 
 _log = logging.getLogger(__name__)
 Finished = Callable[[str, Outcome], None]  #: Called with the key and the outcome of every run as it is recorded.
@@ -49,10 +50,7 @@ class FmuOnWorkers(WorkerPlugin):  # type: ignore[misc]  # distributed has no ty
 
     def setup(self, worker: Worker) -> None:
         """Write the FMU; the worker calls this when it joins."""
-        path = _fmu_of(Path(worker.local_directory), self._hash)
-        draft = path.with_suffix(f".{os.getpid()}")
-        draft.write_bytes(self._content)
-        draft.replace(path)
+        write_bytes(_fmu_of(Path(worker.local_directory), self._hash), self._content)
 
 
 @contextmanager

@@ -138,6 +138,19 @@ class StudyFile(File):
         BeforeValidator(lambda table: {"method": "grid", **table} if isinstance(table, dict) else table),
     ] = Grid()
 
+    @model_validator(mode="after")
+    def _is_given_once(self) -> Self:
+        places = {"[fixed]": self.fixed} | {
+            f"variant {one.name or k}": one.values for k, one in enumerate(self.variant, 1)
+        }
+        Problems(
+            f"{place} {name} = {entry.value!r} is also in [vary], whose values would replace it: leave one of them out"
+            for place, values in places.items()
+            for name, entry in values.items()
+            if name in self.vary
+        ).refuse()
+        return self
+
     @property
     def variants(self) -> dict[str, dict[str, ParameterValue]]:
         """Fixed values of each variant, by its name."""
@@ -223,7 +236,9 @@ class Study:
     def run(self, variant: str, values: Mapping[str, Value]) -> StudyRun:
         """Return the run of a variant at a point of [vary]."""
         fixed = self.variants[variant]
-        run = from_landing(build(self.hoist, fixed, self.signals, varied=values))
+        chosen = {key: value for key, value in values.items() if key in self.design_keys}
+        met = {key: value for key, value in values.items() if key not in chosen}
+        run = from_landing(build(self.hoist, {**fixed, **chosen}, self.signals, varied=met))
         asked = [name for name in ARRIVALS if self.objective and name in self.objective.metrics]
         if (at := run.winding.emergency_at) is not None and asked:
             raise ValueError(f"{asked[0]} must be left out, for winding.emergency_at = {at:g} s: judge stop_distance")
@@ -239,6 +254,17 @@ class Study:
         return ("" if self.plan else sample.variant, *(sample.values[key] for key in self.design_keys))
 
 
+def _require_one_rope(hoist: str) -> None:
+    """Refuse a hoist whose ropes one FMU cannot be."""
+    if ropes := find_case(hoist).distinct_ropes:
+        names = ", ".join(rope.name for rope in ropes)
+        raise ValueError(
+            f"study.hoist = {hoist!r} must have equal ropes ([[rope]] with number = N), not the [[rope]] {names} with "
+            "places, data or breaks of their own, for a study winds one FMU: wind each variant with `balance-rope wind "
+            "--set NAME=VALUE`, trips with duty, and ranges with uncertain"
+        )
+
+
 #: Starts tried before a study winds, spread evenly over more runs; what another refuses is the cause in its row.
 MAX_TRIED = 200
 #: Passes the drawn values on one by one while they are checked, which takes a while.
@@ -250,10 +276,9 @@ def read_study(path: Path, fmu: Path | None = None, progress: CheckProgress = li
     file = read(path, StudyFile)
     with errors_of_file(path):
         header = file.study
+        _require_one_rope(header.hoist)
         rope = fmu or Path(header.fmu or f"build/{fmu_name(header.hoist, NATIVE)}")
         with Problems() as problems:
-            several = f"study.hoist = {header.hoist!r} must have one balance rope, at its middle: leave [[rope]]s out"
-            problems += [several] if find_case(header.hoist).distinct_ropes else []
             with problems.at("study"):
                 signals = match_signals(header.signals, [*DRIVE_UNITS, *read_outputs(rope, header.hoist)])
             with problems.at("study"):
@@ -273,5 +298,6 @@ def read_study(path: Path, fmu: Path | None = None, progress: CheckProgress = li
                 with problems.at(f"variant {name}" if name else ""):
                     samples.append(study.run(name, values))
                     if not len(samples) % every:
+                        probe.require_hoist(samples[-1].data)
                         probe.require_start(samples[-1].data)
         return replace(study, samples=tuple(one for name in variants for one in samples if one.variant == name))

@@ -6,6 +6,8 @@ the drive is not counted as swing; it is counted as time.
 """
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +18,7 @@ from hoist_demo.parameters import SIDES, Arrival, Hoist, Winding
 from hoist_demo.recording import incidents
 from hoist_demo.recording.fidelity import FIDELITY
 from hoist_demo.recording.passages import PASSAGE_SIGNALS
+from hoist_demo.recording.ropes import as_only_rope
 from hoist_demo.recording.time_series import Array, Recording
 from rope_model import BODIES, FAR
 
@@ -27,7 +30,7 @@ METRICS = {
     "trajectory_time": ("s", "duration of the reference's motion"),
     "stop_time": ("s", "from an emergency stop's beginning until both conveyances stand, if both are held"),
     "stop_distance": ("m", "farthest from there, if both are held"),
-    "position_error": ("m", "of the left conveyance at the record's end"),
+    "position_error": ("m", "of the left conveyance at the record's end, positive below the landing; bounded by size"),
     "tracking_error": ("m", "largest, of the left conveyance against the reference"),
     "torque_rms": ("N.m", "of the motor, from the reference's start to its arrival"),
     "torque_peak": ("N.m", "of the motor, magnitude"),
@@ -72,10 +75,32 @@ NEUTRAL = frozenset(
     {"position_error", "swing_frequency", "swing_damping", "guard_cause", "guard_time", "simulated_time"}
 )
 
+SIGNED = frozenset({"position_error"})  #: Errors with a direction: bounds and objectives count their magnitude.
 ARRIVALS = ("cycle_time", "trajectory_time", "position_error")  #: Metrics that only a trip to the landing has.
 STOPS = frozenset({"stop_time", "stop_distance", "guard_tripped", "guard_cause", "guard_time"})  #: Those of stops.
 
 UNITS = {name: unit for name, (unit, _) in METRICS.items()}
+
+#: Metrics that each of several ropes has of its own; the others are the hoist's.
+ROPE_METRICS = frozenset(
+    {"rope_force_ripple", "rope_force_peak", "rope_force_range", "bending_stress", "sway", "sway_across"}
+    | {f"loop_{name}" for name in ("swing", "yaw", "sideways", "rise", "turns")}
+    | {"clearance", *(f"clearance_{name}" for name in BODIES)}
+    | {f"{end}_{name}" for end in SIDES for name in ("slip", "slip_time", "starting_torque", "swivel_torque")}
+)
+
+
+def names_of(metric: str, ropes: Sequence[str]) -> list[str]:
+    """Return a metric's names, `ROPE.metric` for each of several ropes; the only rope's name is ""."""
+    if tuple(ropes) == ("",) or metric not in ROPE_METRICS:
+        return [metric]
+    return [f"{rope}.{metric}" for rope in ropes]
+
+
+def own_name(name: str) -> str:
+    """Return a metric's name without the rope's."""
+    return name.rpartition(".")[2]
+
 
 #: Outputs of the rope that the host and the metrics use; a study reads no others unless it keeps them.
 ROPE_SIGNALS = frozenset(
@@ -114,6 +139,18 @@ def measure(result: Result, hoist: Hoist, arrival: Arrival) -> Measures:
     metrics |= trip_metrics(result, arrival)
     swing, missing = _swing(recording, hoist, result.trajectory.duration, arrival)
     return Measures(metrics | swing, missing)
+
+
+def measure_ropes(result: Result, hoist: Hoist, arrival: Arrival, ropes: Sequence[str]) -> dict[str, float]:
+    """Return all metrics of a run by their `names_of` for these ropes."""
+    if tuple(ropes) == ("",):
+        return measure(result, hoist, arrival).metrics
+    metrics = {key: x for key, x in measure(result, hoist, arrival).metrics.items() if key not in ROPE_METRICS}
+    for rope in ropes:
+        alone = replace(result, recording=as_only_rope(result.recording, rope))
+        own = measure(alone, hoist, arrival).metrics
+        metrics |= {f"{rope}.{key}": own[key] for key in ROPE_METRICS}
+    return metrics
 
 
 def exchange_energy(recording: Recording, hoist: Hoist) -> Array:
@@ -155,7 +192,7 @@ def _incidents(recording: Recording, hoist: Hoist, winding: Winding) -> dict[str
         "slip_safety": hoist.slip_safety(np.max(incidents.tension_ratios(recording, hoist.tension_ratio_limit))),
         "head_rope_slip": 0.0 if (slid := incidents.slip(recording)) is None else slid.slid_distance,
     }
-    ended = incidents.stops(recording, winding.emergency_at)
+    ended = incidents.stops(recording, winding.emergency_at, hoist.sheave_radius)
     if ended and all(stop.held for stop in ended):
         metrics["stop_time"] = max(stop.time or 0.0 for stop in ended)
         metrics["stop_distance"] = max(stop.farthest for stop in ended)

@@ -15,8 +15,9 @@ from pydantic import PlainValidator, WithJsonSchema
 from hoist_demo.design.tuning import Score
 from hoist_demo.files.values import read_value
 from hoist_demo.parameters.quantity import Parameter
-from hoist_demo.study.metrics import STOPS, UNITS
+from hoist_demo.study.metrics import SIGNED, STOPS, UNITS
 from hoist_demo.study.run import CUT_SHORT
+from rope_model.physics.elementary import sum_of
 
 Judge = Literal["worst", "mean", "share"]
 _SENSES = {"below": 1.0, "above": -1.0}
@@ -32,7 +33,13 @@ class Constraint:
 
     def violation(self, metrics: Mapping[str, float]) -> float:
         """Return the violation of the bound, as a fraction of it unless it is 0; 0 or less if it is kept."""
-        return self.sense * (metrics[self.metric] - self.value) / (abs(self.value) or 1.0)
+        return self.sense * (size_of(self.metric, metrics) - self.value) / (abs(self.value) or 1.0)
+
+
+def size_of(metric: str, metrics: Mapping[str, float]) -> float:
+    """Return a metric as bounds and objectives count it: an error by its magnitude, whatever its direction."""
+    value = float(metrics[metric])
+    return abs(value) if metric in SIGNED else value
 
 
 def constraints_on(parameter: Parameter) -> Any:
@@ -101,7 +108,8 @@ class Objective:
     def of_run(self, outcome: Mapping[str, Any]) -> Score:
         """Return cost and violations of a run's recorded outcome; infinite where it failed or a metric is missing."""
         metrics = outcome["metrics"]
-        cost = self.sense * sum(weight * float(metrics[name]) for name, weight in self.weights.items())
+        sizes = [weight * size_of(name, metrics) for name, weight in self.weights.items()]
+        cost = self.sense * sum_of(sizes)
         score = Score(cost, tuple(bound.violation(metrics) for bound in self.constraints))
         failed = Score(math.inf, (math.inf,) * len(self.constraints))
         return score if score.finite and outcome["status"] in self.counted else failed
@@ -111,7 +119,7 @@ class Objective:
         runs = [self.of_run(outcome) for outcome in outcomes]
         feasible = [run for run in runs if run.feasible]
         costs = [run.cost for run in (feasible or runs if self.judge == "share" else runs)]
-        cost = max(costs) if self.judge == "worst" else sum(costs) / len(costs)
+        cost = max(costs) if self.judge == "worst" else sum_of(costs) / len(costs)
         violation = tuple(max(violations) for violations in zip(*(run.violations for run in runs), strict=True))
         return ChoiceScore(Score(cost, violation), len(feasible) / len(runs), self.judge == "share")
 

@@ -50,6 +50,18 @@ class StudyResult:
     choices: Sequence[int]  # number of each run's choice
     best: Best | None  # None where nothing says what is best, or no run can be compared
 
+    @property
+    def summary(self) -> str:
+        """How many runs wound to the end, and in how many the rope struck or passed through something."""
+        count = len(self.passages)
+        passed = f", in {count} the rope struck or passed through something" if count else ""
+        return f"{self.runs - len(self.causes)} of {self.runs} runs wound to the end{passed}"
+
+    @property
+    def exit_code(self) -> int:
+        """Exit code of the command: 1 if a run did not wind to the end."""
+        return 1 if self.causes else 0
+
 
 def run_study(study: Study, store: Store, run: RunSamples) -> StudyResult:
     """Run the study's samples, or its search, and write the table."""

@@ -8,7 +8,7 @@ neither is the FMU's, ``exported`` with it.  A ``setting`` is no datum: it says 
 import csv
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
@@ -19,6 +19,7 @@ from hoist_demo.files.values import DERIVED, GIVEN, VARIED
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.definition import Study
 from hoist_demo.study.run import CONTROLLER_OF, RunData
+from rope_model.files import whole_file
 from rope_model.texts import csv_cell
 
 SETTING = "setting"
@@ -84,13 +85,9 @@ def _status_of(name: str, value: Value, case: Case, status_by_name: Mapping[str,
 
 def _leaves(run: RunData) -> Iterator[tuple[str, Value, str]]:
     """Yield name, value and unit of each single value of the host that the run uses, without parts that are None."""
-    for name, parameter in host_parameters().items():
+    for name, value in run.host_values().items():
         if CONTROLLER_OF.get(name.partition(".")[0], run.controller) == run.controller and name != CONTROLLER.name:
-            value: Any = run
-            for part in name.split("."):
-                value = getattr(value, part, None)
-            if value is not None:
-                yield name, value, parameter.unit
+            yield name, value, host_parameters()[name].unit
 
 
 def _is_number(value: Value) -> bool:
@@ -104,7 +101,7 @@ def statuses(data: Iterable[SourcedValue]) -> dict[str, str]:
 
 def write_data(data: Sequence[SourcedValue], path: Path) -> Path:
     """Write the data as CSV, settings included, and return the path."""
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with whole_file(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(SourcedValue._fields)
         writer.writerows(map(csv_cell, one) for one in data)

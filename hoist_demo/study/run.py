@@ -12,13 +12,16 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, get_args
 
+from hoist_demo.cases.case import Case
 from hoist_demo.cases.rules import with_values
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.host import Host, Progress
+from hoist_demo.cosimulation.participants.fmu_description import read_parameters
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data_of, rope_scene
 from hoist_demo.cosimulation.progress import warnings_of
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.cosimulation.schemes.interface import RopePlant
@@ -35,7 +38,12 @@ from hoist_demo.recording.passages import passages
 from hoist_demo.recording.time_series import TIME
 from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, measure
 from hoist_demo.study.slip import slip_warnings
-from rope_model import EndMotion
+from rope_model import EndMotion, Level
+
+KERNELS = "solver.kernels"  #: Parameter that changes no result.
+MAX_LISTED = 5  #: Differences between an FMU and a hoist that a message lists.
+if TYPE_CHECKING:
+    from hoist_demo.design.arrival_swing import ArrivalSwing
 
 CUT_SHORT = "cut short"  #: State of a run that the safety circuit stopped.
 #: States that a resumed study does not repeat: wound to the end, cut short, or ended by rope or drive with a cause.
@@ -47,6 +55,7 @@ CONTROLLER_OF = {"shaper": "input-shaping", "trajectory": "optimised-trajectory"
 #: Data of the winding that is not part of the key of runs without creep.
 _CREEP = ("creep_speed", "creep_distance", "departure_creep_distance")
 
+_OF_DESIGN = ("nominal", "start")  #: Fields that say for what a trip was designed, where that is not what is wound.
 _RECORD_KEYS = {"rope_values": "fmu", "status_by_name": "given"}  #: Keys of fields in records, where they differ.
 
 
@@ -63,12 +72,27 @@ class RunData(Task):
 
     def record(self) -> dict[str, Any]:
         """Return the data by their keys in records."""
-        return {_RECORD_KEYS.get(name, name): value for name, value in asdict(self).items()}
+        data = {_RECORD_KEYS.get(name, name): value for name, value in asdict(self).items()}
+        return {name: value for name, value in data.items() if name not in _OF_DESIGN or value is not None}
+
+    def host_values(self) -> dict[str, Value]:
+        """Return the host's values by their names in files, without parts that are None."""
+        values = dict[str, Value]()
+        for name in host_parameters():
+            value: Any = self
+            for part in name.split("."):
+                value = getattr(value, part, None)
+            if value is not None:
+                values[name] = value
+        return values
 
     def key(self, fmu_hash: str) -> str:
         """Return the name of the run, 24 hexadecimal digits."""
         data = self.record() | {"fmu": dict(sorted(self.rope_values.items())), "version": _VERSION}
         del data["case"], data["given"]  # all that its file says is in the rest
+        if self.controller != "optimised-trajectory":  # of the others all that was designed is in the rest
+            for name in _OF_DESIGN:
+                data.pop(name, None)
         for tuning, controller in CONTROLLER_OF.items():
             if self.controller != controller:
                 del data[tuning]
@@ -98,11 +122,14 @@ def build(
     values: Mapping[str, Value | ParameterValue],
     signals: tuple[str, ...] = (),
     varied: Mapping[str, Value | ParameterValue] | None = None,
+    nominal: Mapping[str, Value | ParameterValue] | None = None,
+    start: float | None = None,
 ) -> RunData:
     """Return the data of a run; a `ValueError` names what does not fit together.
 
     `values` count as if they stood in the hoist's file; `varied` differ between runs of one hoist, and nothing follows
-    from them.
+    from them: rules and the design of the trip take the `nominal` values in their place, or else those of the file.
+    `start` is the height of the left conveyance before the trip [m]; None: at a landing.
     """
     hoist_case = with_values(find_case(case), values)
     varied = dict(varied or {})
@@ -114,19 +141,40 @@ def build(
         controller=str(host.get(CONTROLLER.name, CONTROLLER.start)),
         rope_values={**hoist_case.rope, **fmu_part(differing)},
         signals=signals,
+        start=start,
         status_by_name={**hoist_case.status_by_name, **varied_statuses},
         **data_of(host),
     )
+    designed = _designed(hoist_case, plain(nominal or {}))
+    if designed.hoist != run.hoist:
+        run = replace(run, nominal=designed.hoist)
     run.require_possible()
     if run.controller == "input-shaping" and run.shaper.frequency == 0.0:
-        from hoist_demo.design.reduction import swing_at_landing  # scipy is slow to load
-
-        wound = replace(hoist_case, rope=run.rope_values, hoist=run.hoist, winding=run.winding, gains=run.gains)
-        frequency, damping = swing_at_landing(wound)
-        run = replace(run, shaper=replace(run.shaper, frequency=frequency, damping=damping))
+        swing = _swing(replace(designed, winding=run.winding, gains=run.gains), run.start_height)
+        run = replace(run, shaper=replace(run.shaper, frequency=swing.frequency, damping=swing.damping))
     require_trip_fits(run.hoist, run.winding)
     s_curve(run.winding)
     return run
+
+
+def _designed(case: Case, nominal: Mapping[str, Value]) -> Case:
+    """Return the hoist with the values at which its trip is designed."""
+    hoist = data_of({**plain(case.host), **nominal})["hoist"]
+    return replace(case, hoist=hoist, rope={**case.rope, **fmu_part(nominal)})
+
+
+_SWINGS = dict[str, "ArrivalSwing"]()  #: Swings by all that decides them: many runs of a study share one design.
+
+
+def _swing(case: Case, start: float) -> "ArrivalSwing":
+    """Return the swing for which a trip is shaped that begins at this height [m]."""
+    from hoist_demo.design.arrival_swing import swing_at_arrival  # scipy is slow to load
+
+    ropes = [(rope.parameters, rope.number, rope.suspension) for rope in case.distinct_ropes]
+    key = repr((sorted(case.rope.items()), ropes, case.hoist, case.winding.travel, case.gains, start))
+    if key not in _SWINGS:
+        _SWINGS[key] = swing_at_arrival(case, start)
+    return _SWINGS[key]
 
 
 def from_landing(run: RunData) -> RunData:
@@ -223,12 +271,46 @@ class Probe:
         differing = ", ".join(f"{key} = {value!r}" for key, value in set_here.items()) or "the FMU's own parameters"
         Problems(blamed or [f"{differing}: {together}"]).refuse()
 
+    def require_hoist(self, run: RunData) -> None:
+        """Refuse an FMU of another hoist: all that the run does not set must start with the value of its hoist.
+
+        The settings of accuracy may be those of any level.
+        """
+        there = {name: p.start for name, p in read_parameters(self._fmu).items() if name not in run.rope_values}
+        levels = sorted(get_args(Level), key=lambda level: level != find_case(run.case).level)
+        differing = [_differing(there, rope_data_of(rope_scene(run.rope_values, level)).parameters) for level in levels]
+        if fewest := min(differing, key=len):
+            listed = "; ".join(
+                f"{key} is {there[key]} there, {value} here" for key, value in [*fewest.items()][:MAX_LISTED]
+            )
+            more = f"; and {len(fewest) - MAX_LISTED} more" if len(fewest) > MAX_LISTED else ""
+            raise ValueError(
+                f"FMU '{self._fmu}' must be of this hoist, '{run.case}', but {len(fewest)} of its values that the "
+                f"hoist leaves out differ: {listed}{more}: export this hoist (`balance-rope export {run.case}`), wind "
+                "the FMU's own, or state them (a hoist's file, or --set NAME=VALUE)"
+            )
+
     def _ask(self, parameters: Mapping[str, Value], heights: tuple[float, float]) -> str:
         question = json.dumps([dict(parameters), heights], sort_keys=True)
         if question not in self._answers:
             left, right = (EndMotion(y=y) for y in heights)
             self._answers[question] = _answer(self._fmu, parameters, left, right)
         return self._answers[question]
+
+
+def _differing(there: Mapping[str, Value | None], here: Mapping[str, Value]) -> dict[str, Value]:
+    """Return the values of a scene that an FMU starts without, by name."""
+    return {
+        name: here[name]
+        for name, start in there.items()
+        if name in here and name != KERNELS and start is not None and not _same(start, here[name])
+    }
+
+
+def _same(one: Value, other: Value) -> bool:
+    if isinstance(one, float) and isinstance(other, int | float):
+        return math.isclose(one, other, rel_tol=1e-12)  # the text of a start value may be rounded
+    return one == other
 
 
 def _answer(fmu: Path, parameters: Mapping[str, Value], left: EndMotion, right: EndMotion) -> str:

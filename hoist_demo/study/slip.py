@@ -39,25 +39,26 @@ class SlipSafety(NamedTuple):
 def slip_safeties(result: Result, hoist: Hoist) -> list[SlipSafety]:
     """Judge the hold at rest, in normal winding, and from the first event that is no part of that; [] if not recorded.
 
-    The first sample is at rest, and the last one of a trip that has come to its end without such an event.
+    At rest counts the static ratio, without swing: where the trip begins, and where it ends without such an event.
     """
     recording, winding = result.recording, result.winding
-    if "drive.tension_ratio" not in recording:
+    if not recording.has("drive.tension_ratio", "drive.static_tension_ratio"):
         return []
     time, ratio = recording.time, tension_ratios(recording, hoist.tension_ratio_limit)
+    static = recording["drive.static_tension_ratio"]
     until, event = _normal_until(recording, winding)
     usual, softer = "usual [assumed]", ALIKE if winding.emergency_at is None else _SOFTER
     arrived = (time == time[-1]) & (result.completed and not event)
     parts = [
-        ("at rest", (time == time[0]) | arrived, AT_REST, usual, ALIKE),
-        ("in normal winding", time <= until, MOVING, usual, _GENTLER),
-        (f"from {event} on", time > until, 1.0, "below it they slip", softer),
+        ("at rest", static, (time == time[0]) | arrived, AT_REST, usual, ALIKE),
+        ("in normal winding", ratio, time <= until, MOVING, usual, _GENTLER),
+        (f"from {event} on", ratio, time > until, 1.0, "below it they slip", softer),
     ]
     safeties = []
-    for when, rows, required, rule, remedy in parts:
+    for when, ratios, rows, required, rule, remedy in parts:
         if bool(rows.any()):
-            k = int(np.argmax(np.where(rows, ratio, 0.0)))
-            safety = hoist.slip_safety(float(ratio[k]))
+            k = int(np.argmax(np.where(rows, ratios, 0.0)))
+            safety = hoist.slip_safety(float(ratios[k]))
             cure = IN_SPITE if safety < 1.0 and hoist.lining is None else remedy
             safeties.append(SlipSafety(when, safety, float(time[k]), required, rule, cure))
     return safeties

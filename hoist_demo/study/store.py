@@ -12,21 +12,23 @@ are written or read: no worker does, and they took a quarter of the time in whic
 from __future__ import annotations
 
 import json
-import os
+import logging
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hoist_demo.study.run import FINISHED, Outcome, RunData
+from rope_model.files import whole_file, write_text
 from rope_model.texts import csv_cell
 
 if TYPE_CHECKING:
     import pandas as pd
 
 Units = Mapping[str, str]
+_log = logging.getLogger(__name__)
+_OUTCOME = {one.name for one in fields(Outcome)} - {"signals", "units"}  #: Keys of an outcome in a record.
 SEPARATOR = " | "  #: Between the warnings of a run in the table.
 _NUMBER = re.compile(r"\d[\d.e+-]*")
 
@@ -49,6 +51,7 @@ class Store:
 
     def __init__(self, directory: Path) -> None:
         self.directory = directory
+        self._broken = set[Path]()  # records of which was warned
         for name in ("runs", "signals"):
             (directory / name).mkdir(parents=True, exist_ok=True)
 
@@ -57,11 +60,26 @@ class Store:
         return {key for key in keys if (record := self.read(key)) and record["outcome"]["status"] in FINISHED}
 
     def read(self, key: str) -> dict[str, Any] | None:
-        """Read the record of a run, None if there is none."""
+        """Read the record of a run, None if there is none.
+
+        A broken record counts as none, with a warning: its run is wound again, and replaces it.
+        """
         path = self._path(key)
-        if not path.is_file():
+        if not path.exists():
             return None
-        record: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        try:
+            record: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+            if lacking := _OUTCOME - record["outcome"].keys():
+                raise KeyError(", ".join(sorted(lacking)))
+        except OSError as error:
+            raise ValueError(
+                f"{path} cannot be read ({error.strerror}): delete it, and its run is wound again"
+            ) from error
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+            if path not in self._broken:
+                self._broken.add(path)
+                _log.warning("%s is no whole record of a run (%s): its run is wound again", path, error)
+            return None
         return record
 
     def write(self, key: str, run: RunData, outcome: Outcome, worker: str) -> None:
@@ -72,12 +90,11 @@ class Store:
 
             fields = [pa.field(n, pa.float64(), metadata={"unit": outcome.units.get(n, "")}) for n in outcome.signals]
             table = pa.table([pa.array(values) for values in outcome.signals.values()], schema=pa.schema(fields))
-            with _whole(self.directory / "signals" / f"{key}.parquet") as path:
+            with whole_file(self.directory / "signals" / f"{key}.parquet") as path:
                 pq.write_table(table, path)
         plain_outcome = {name: value for name, value in vars(outcome).items() if name not in ("signals", "units")}
         record = {"key": key, "data": run.record(), "outcome": plain_outcome, "worker": worker}
-        with _whole(self._path(key)) as path:
-            path.write_text(json.dumps(record, indent=1), encoding="utf-8")
+        write_text(self._path(key), json.dumps(record, indent=1))
 
     def write_table(self, rows: Sequence[Mapping[str, object]], units: Units, title: str) -> Path:
         """Write results.parquet and results.csv; return the path of the first."""
@@ -89,10 +106,10 @@ class Store:
         table = pa.Table.from_pandas(frame, preserve_index=False)
         fields = [field.with_metadata({"unit": units.get(field.name, "")}) for field in table.schema]
         schema = pa.schema(fields, metadata={**(table.schema.metadata or {}), "title": title})
-        with _whole(self.directory / "results.parquet") as path:
+        with whole_file(self.directory / "results.parquet") as path:
             pq.write_table(table.cast(schema), path)
         header = [csv_cell(f"{name} [{unit}]" if (unit := units.get(name)) else str(name)) for name in frame.columns]
-        with _whole(self.directory / "results.csv") as path:
+        with whole_file(self.directory / "results.csv") as path:
             frame.map(csv_cell).to_csv(path, index=False, header=header, float_format="%.9g", lineterminator="\n")
         return self.directory / "results.parquet"
 
@@ -107,16 +124,3 @@ def read_results(path: Path) -> Results:
     table = pq.read_table(path)
     units = {field.name: (field.metadata or {}).get(b"unit", b"").decode() for field in table.schema}
     return Results(table.to_pandas(), units)
-
-
-@contextmanager
-def _whole(path: Path) -> Iterator[Path]:
-    """Yield a draft that appears under its name complete or not at all, even when the process is killed."""
-    draft = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        yield draft
-        with draft.open("rb+") as file:
-            os.fsync(file.fileno())
-        draft.replace(path)
-    finally:
-        draft.unlink(missing_ok=True)

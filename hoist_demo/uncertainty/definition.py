@@ -1,25 +1,37 @@
 """A file that asks how uncertain a winding is: what is known of the rope varies within its ranges."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
+from hoist_demo.cases.case import BalanceRopeData, Case
+from hoist_demo.cases.rules import with_values
 from hoist_demo.cases.table import find_case
-from hoist_demo.cosimulation.participants.inprocess_rope import rope_data_of, rope_scene
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_data_of, values_by_name
+from hoist_demo.files.reading import FileError
+from hoist_demo.files.registry import rope_parameters
 from hoist_demo.files.rope_file import FOLLOWING, following_statuses
 from hoist_demo.files.run_values import LevelHeader, RopeAnalysisFile, RunFile
-from hoist_demo.files.values import DERIVED, GIVEN, VARIED, ParameterValue, statuses
-from hoist_demo.parameters import SIDES
+from hoist_demo.files.values import DERIVED, GIVEN, VARIED, ParameterValue, statuses, unreached
+from hoist_demo.parameters import SIDES, start_heights
+from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
-from hoist_demo.study.metrics import UNITS
+from hoist_demo.ropes.definition import Ropes, require_unbroken, ropes_of
+from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, names_of
 from hoist_demo.study.provenance import SourcedValue, host_provenance, rope_provenance
 from hoist_demo.study.run import RunData, build, from_landing
-from rope_model import BEARINGS, Datum, KnownRope
+from rope_model import BEARINGS, Datum, EndMotion, KnownRope, Scene, balance_rope
+from rope_model.scene_names import choices_of
 
 MEASURES = ("clearance", "loop_yaw", "left_swivel_torque", "rope_force_ripple")
+
+
+TORSIONAL = choices_of("model.fidelity").index("torsional")  #: Code of the model that yaw and torques need.
+_COUPLING = ("rope.Qb", "rope.Qc")  #: Parameters whose sign is that of the lay.
+Drawn = Value | ParameterValue
 
 
 class UncertaintyHeader(LevelHeader):
@@ -58,29 +70,141 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
 
     @model_validator(mode="after")
     def _varies(self) -> Self:
+        require_unbroken(find_case(self.header.hoist), "a rope in pieces has no such results")
         if not self.data:
             raise ValueError("nothing varies: give a property of [known] a range, { low, high }")
-        self.provenance()
+        Problems(self._given_twice()).refuse()
+        ropes = self.middle_ropes()
+        if self.header.bearing:
+            self._require_friction([rope.scene for rope in ropes.ropes])
+        for rope in ropes.ropes:
+            Problems(unreached(self.fixed, {**ropes.run.host_values(), **values_by_name(rope.scene)})).refuse()
         return self
+
+    def _require_friction(self, scenes: Sequence[Scene]) -> None:
+        """Refuse a bearing whose friction no swivel has."""
+        modes = {side: getattr(scene, side).mode for scene in scenes for side in SIDES}
+        if "coulomb" in modes.values():
+            return
+        are = " and ".join(f'{side}.swivel.mode = "{mode}"' for side, mode in modes.items())
+        raise ValueError(
+            f"[uncertain] bearing = {self.header.bearing!r} varies a friction that swivels with {are} do not "
+            'have: set [fixed] swivels.mode = "coulomb", or leave bearing out'
+        )
+
+    def _given_twice(self) -> Iterator[str]:
+        """Yield a sentence for each value of [fixed] which follows from what varies."""
+        places = {
+            "hoist.tail_rope_mass": "the rope's [known] mass_per_length",
+            "hoist.tail_rope_length": "the rope's [rope] length",
+        }
+        if self.header.bearing:
+            friction = (f"{side}.swivel.{name}" for side in SIDES for name in ("mu_kinetic", "mu_static"))
+            places |= dict.fromkeys(friction, f"[uncertain] bearing = {self.header.bearing!r}")
+        for name, entry in self.fixed.items():
+            if name in places:
+                yield f"[fixed] {name} = {entry.value!r} follows from {places[name]}: leave it out, and set that"
+
+    @cached_property
+    def measured(self) -> tuple[str, ...]:
+        """Names of the results, of several ropes those of each with its name."""
+        ropes = [rope.name for rope in self._case.distinct_ropes] or [""]
+        return tuple(name for metric in self.header.measures for name in names_of(metric, ropes))
+
+    @cached_property
+    def _case(self) -> Case:
+        """Hoist with the values of the file, as far as they are not drawn."""
+        return with_values(find_case(self.header.hoist), self._fixed)
+
+    @property
+    def _fixed(self) -> Mapping[str, ParameterValue]:
+        """Values of [fixed]; the rope is torsional where neither it nor the hoist says another."""
+        stated = any("model.fidelity" in rope.values for rope in find_case(self.header.hoist).balance_ropes)
+        return self.fixed if stated else {"model.fidelity": ParameterValue(TORSIONAL), **self.fixed}
 
     def provenance(self) -> list[SourcedValue]:
         """Return the provenance of the data; a property that varies has the status of its range."""
         data = self.data
-        run = self.run({name: datum.middle for name, datum in data.items()})
+        ropes = self.middle_ropes()
         status_of = {name: VARIED if name in data else datum.status for name, datum in self.known_rope.data.items()}
         status = {"rope.diameter": GIVEN, **statuses(self.fixed), **following_statuses(status_of)}
         if "length" in self.catalogue_arguments:
             status |= dict.fromkeys(("rope.length", "hoist.tail_rope_length"), GIVEN)
         if self.header.bearing:
             status |= {f"{side}.swivel.{name}": VARIED for side in SIDES for name in ("mu_kinetic", "mu_static")}
-        rope = rope_data_of(rope_scene(run.rope_values, self.level))
-        return [*host_provenance(run, status), *rope_provenance(find_case(self.header.hoist), rope, status)]
+        if not ropes.case.distinct_ropes:
+            rope = rope_data_of(ropes.ropes[0].scene)
+            return [*host_provenance(ropes.run, status), *rope_provenance(find_case(self.header.hoist), rope, status)]
+        return [*host_provenance(ropes.run, status), *ropes.provenance(status)]
+
+    def ropes(self, values: Mapping[str, float]) -> Ropes:
+        """Return the balance ropes and their run with these values of what varies; the drive knows them as they are.
+
+        All of several ropes are of the drawn kind: each keeps its place, its length unless the file states one, and
+        its sense of lay relative to the first rope's.
+        """
+        drawn = self._drawn(values)
+        case = self._case
+        if not case.distinct_ropes:
+            return ropes_of(case, self._run(drawn), {}, self.level, ROPE_SIGNALS)
+        first = case.distinct_ropes[0]
+        each = [
+            replace(rope, values={**rope.values, **self._for_rope(rope, first, drawn)}) for rope in case.distinct_ropes
+        ]
+        of_ropes = {name: value for name, value in drawn.items() if name.startswith("hoist.tail_rope")}
+        run = self._run({name: value for name, value in drawn.items() if name not in of_ropes})
+        ropes = ropes_of(replace(case, balance_ropes=tuple(each)), run, {}, self.level, ROPE_SIGNALS)
+        return replace(ropes, run=replace(run, hoist=ropes.hoist))
+
+    def middle_ropes(self) -> Ropes:
+        """Return the balance ropes of a winding with the middle of each range."""
+        return self.ropes({name: datum.middle for name, datum in self.data.items()})
+
+    def require_hangs(self) -> None:
+        """Refuse a rope of the ranges' middle that cannot hang where the trip begins; FileError says why."""
+        ropes = self.middle_ropes()
+        run = ropes.run
+        left, right = start_heights(run.hoist, run.winding)
+        for each in ropes.ropes:
+            rope = balance_rope(each.scene)
+            status = rope.initialize(run.coupling.start, EndMotion(y=left), EndMotion(y=right))
+            if not status.valid:
+                name = each.name or "the rope"
+                where = f"at rest with its ends at {left:g} m and {right:g} m, in the middle of all ranges"
+                raise FileError(self.path, [f"{where}, {name} cannot hang: {status.message}"])
 
     def run(self, values: Mapping[str, float]) -> RunData:
-        """Return the data of a winding with these values of what varies; the drive knows the rope as it is."""
+        """Return the data of a winding with these values of what varies."""
+        return self.ropes(values).run
+
+    def _for_rope(
+        self, rope: BalanceRopeData, first: BalanceRopeData, drawn: Mapping[str, Drawn]
+    ) -> dict[str, ParameterValue]:
+        """Return the drawn values of one of several ropes."""
+        kept = () if "length" in self.catalogue_arguments else ("rope.length",)
+        own = {
+            name: value if isinstance(value, ParameterValue) else ParameterValue(value)
+            for name, value in drawn.items()
+            if not name.startswith("hoist.") and name not in kept
+        }
+        if _lay(rope) * _lay(first) < 0.0:
+            own |= {name: ParameterValue(-float(own[name].value)) for name in _COUPLING}
+        return own
+
+    def _run(self, drawn: Mapping[str, Drawn]) -> RunData:
+        """Return the data of a winding with these values.
+
+        The drive's feed-forward takes the rope as it is; its trip is designed for the middle of all ranges.
+        """
+        middle = self._drawn({name: datum.middle for name, datum in self.data.items()})
+        nominal = {name: middle[name] for name in drawn}
+        return from_landing(build(self.header.hoist, self._fixed, varied=drawn, nominal=nominal))
+
+    def _drawn(self, values: Mapping[str, float]) -> dict[str, Drawn]:
+        """Return the values of rope and drive that follow from these of what varies."""
         held = {name: datum.low for name, datum in self.known_rope.data.items() if name not in self.data}
         rope = self.known_rope.rope(**held, **{name: values[name] for name in self.known_rope.data if name in values})
-        drawn: dict[str, Value | ParameterValue] = {
+        drawn: dict[str, Drawn] = {
             **{f"rope.{name}": float(getattr(rope, name)) for name in FOLLOWING},
             "hoist.tail_rope_mass": rope.mass_per_length,
             "hoist.tail_rope_length": ParameterValue(rope.length, DERIVED),
@@ -89,4 +213,9 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
             for side in SIDES:
                 drawn[f"{side}.swivel.mu_kinetic"] = values["running_friction"]
                 drawn[f"{side}.swivel.mu_static"] = values["running_friction"] * values["starting_ratio"]
-        return from_landing(build(self.header.hoist, {"model.fidelity": 1, **self.fixed}, varied=drawn))
+        return drawn
+
+
+def _lay(rope: BalanceRopeData) -> float:
+    """Return a number with the sign of the coupling of tension and torsion, which is that of the lay."""
+    return float(rope.parameters.get(_COUPLING[0], rope_parameters()[_COUPLING[0]].start))

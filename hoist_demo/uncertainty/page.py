@@ -6,7 +6,7 @@ from pathlib import Path
 from hoist_demo.recording.time_series import Recording, write_csv
 from hoist_demo.report.html.page import Bar, bars, number, paragraphs, plain_table, write_sheet
 from hoist_demo.report.rows import SummaryRow, in_display_unit, provenance_table, status_rows
-from hoist_demo.study.metrics import METRICS, UNITS
+from hoist_demo.study.metrics import METRICS, UNITS, own_name
 from hoist_demo.uncertainty.spread import QUANTILES, UncertaintyResult
 
 MIN_LISTED_SHARE = 0.05  #: Share of a spread from which on a datum is named in the terminal.
@@ -16,8 +16,8 @@ def summary(result: UncertaintyResult) -> list[SummaryRow]:
     """Return the rows of the terminal's summary."""
     rows = [SummaryRow("Windings", "that count", f"{result.completed} of {result.file.header.samples}")]
     for name in _measured(result):
-        (low, middle, high), unit = _in_display_unit(result.quantiles(name), UNITS[name])
-        group = f"{name}, {METRICS[name][1]}"
+        (low, middle, high), unit = _in_display_unit(result.quantiles(name), UNITS[own_name(name)])
+        group = f"{name}, {METRICS[own_name(name)][1]}"
         rows.append(SummaryRow(group, "half of the ropes below", middle, unit))
         rows.append(SummaryRow(group, "nine in ten within", f"{low} to {high}", unit))
         rows += [
@@ -34,7 +34,7 @@ def too_few(result: UncertaintyResult) -> str:
 
 
 def _too_few(result: UncertaintyResult) -> Iterator[str]:
-    measures = result.file.header.measures
+    measures = result.file.measured
     if none := [name for name in measures if result.completed and not result.has(name).any()]:
         yield (
             f"no winding shows {', '.join(none)}: the rope's model does not compute it (set model.fidelity = "
@@ -66,7 +66,8 @@ def remarks(result: UncertaintyResult) -> list[str]:
 
 def write_table(result: UncertaintyResult, path: Path) -> Path:
     """Write a CSV file with a row per winding, and return its path."""
-    units = {name: datum.unit for name, datum in result.file.data.items()} | UNITS
+    units = {name: datum.unit for name, datum in result.file.data.items()}
+    units |= {name: UNITS[own_name(name)] for name in result.file.measured}
     write_csv(Recording(result.columns, units), path)
     return path
 
@@ -77,12 +78,12 @@ def write_page(result: UncertaintyResult, path: Path) -> Path:
     head = ("result", "", *(f"{100 * q:.0f} % below" for q in QUANTILES), "unit")
     results = []
     for name in _measured(result):
-        quantiles, unit = _in_display_unit(result.quantiles(name), UNITS[name])
-        results.append((name, METRICS[name][1], *quantiles, unit))
+        quantiles, unit = _in_display_unit(result.quantiles(name), UNITS[own_name(name)])
+        results.append((name, METRICS[own_name(name)][1], *quantiles, unit))
     causes = "".join(
         paragraphs([name])
         + bars([Bar(key.replace("_", " "), 0.0, x, x, key != "unexplained") for key, x in shares], _TICKS, name)
-        for name in file.header.measures
+        for name in file.measured
         if (shares := _sorted(result, name))
     )
     data = []
@@ -116,7 +117,7 @@ _TICKS = [(x / 4, f"{25 * x} %") for x in range(5)]
 
 def _measured(result: UncertaintyResult) -> list[str]:
     """Return the measures that at least one winding has."""
-    return [name for name in result.file.header.measures if result.has(name).any()]
+    return [name for name in result.file.measured if result.has(name).any()]
 
 
 def _sorted(result: UncertaintyResult, name: str) -> list[tuple[str, float]]:

@@ -18,12 +18,11 @@ from multiprocessing import get_context
 import numpy as np
 import scipy  # loads stats, slowly, when they are used
 
-from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.cosimulation.progress import warnings_of
-from hoist_demo.recording.fidelity import mask_neglected
 from hoist_demo.recording.passages import PASSED, passages
+from hoist_demo.recording.ropes import computed, rope_signals
 from hoist_demo.recording.time_series import Array
-from hoist_demo.study.metrics import ROPE_SIGNALS, measure
+from hoist_demo.study.metrics import measure_ropes
 from hoist_demo.study.run import wind_run
 from hoist_demo.uncertainty.definition import UncertaintyFile
 
@@ -64,6 +63,11 @@ class UncertaintyResult:
         return self.file.header.samples - sum(count for text, count in self.remarks.items() if text.startswith(unfit))
 
     @property
+    def exit_code(self) -> int:
+        """Exit code of the command: 1 if a winding does not count."""
+        return 0 if self.completed == self.file.header.samples else 1
+
+    @property
     def needed(self) -> int:
         """Windings from which on a regression leaves a rest by which to judge it."""
         return len(self.file.data) + 2
@@ -102,7 +106,7 @@ def run_windings(
         with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
             results = list(progress(pool.map(wind_once, [file] * len(samples), samples)))
     columns = {name: np.array([values[name] for values in samples]) for name in file.data}
-    columns |= {name: np.array([measures[name] for measures, _ in results]) for name in file.header.measures}
+    columns |= {name: np.array([measures[name] for measures, _ in results]) for name in file.measured}
     return UncertaintyResult(file, columns, remarks_of([texts for _, texts in results]))
 
 
@@ -115,17 +119,19 @@ def draw(file: UncertaintyFile) -> list[dict[str, float]]:
 
 def wind_once(file: UncertaintyFile, values: Mapping[str, float]) -> WindingResult:
     """Return the measures of one winding with its warnings; NaN, with the reason, if it shows no real rope."""
-    run = file.run(values)
+    ropes = file.ropes(values)
+    run = ropes.run
     with warnings_of("hoist_demo") as warnings:
-        rope = InProcessRope(rope_scene(run.rope_values, file.level), ROPE_SIGNALS)
-        result = wind_run(run, rope)
-    result = replace(result, recording=mask_neglected(result.recording, rope.data().torque_free))
-    passed = passages(result.recording)
+        result = wind_run(run, ropes.plant)
+    identities = ropes.data()
+    result = replace(result, recording=computed(result.recording, {rope.name: rope.torque_free for rope in identities}))
+    of_ropes = {rope.prefix: passages(rope_signals(result.recording, rope.name)) for rope in identities}
+    passed = "; ".join(f"{prefix.replace('.', ' ')}{text}" for prefix, text in of_ropes.items() if text)
     if result.completed and PASSED not in passed:
-        metrics = measure(result, run.hoist, run.arrival).metrics
-        return {name: metrics[name] for name in file.header.measures}, tuple(f"warning: {text}" for text in warnings)
+        metrics = measure_ropes(result, run.hoist, run.arrival, [rope.name for rope in identities])
+        return {name: metrics[name] for name in file.measured}, tuple(f"warning: {text}" for text in warnings)
     reason = f"{LEFT_OUT}{passed}" if result.completed else f"{STOPPED}{result.cause}"
-    return dict.fromkeys(file.header.measures, math.nan), (reason,)
+    return dict.fromkeys(file.measured, math.nan), (reason,)
 
 
 def remarks_of(remarks: Sequence[Iterable[str]]) -> dict[str, int]:

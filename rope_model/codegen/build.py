@@ -18,6 +18,7 @@ from rope_model.codegen.platforms import host_platform, prebuilt_file, text_hash
 from rope_model.codegen.rules import rules_code, state_signals
 from rope_model.codegen.state_structures import state_structures
 from rope_model.codegen.tables import parameter_bounds, parameter_structures, signal_numbers
+from rope_model.files import write_text
 from rope_model.numerics.kernels import cache_folder, compile_library, find_compiler, make_once
 
 _FOLDER = Path(__file__).resolve().parent.parent / "csrc"
@@ -42,9 +43,7 @@ def _generated() -> dict[str, str]:
     cached = cache_folder() / f"{packaged.stem}-casadi-{importlib.metadata.version('casadi')}.json"
 
     def make() -> None:
-        new = cached.with_suffix(".new")
-        new.write_text(json.dumps(generate()), encoding="utf-8")
-        new.replace(cached)
+        write_text(cached, json.dumps(generate()))
 
     file = packaged if packaged.exists() else make_once(cached, make)
     texts: dict[str, str] = json.loads(file.read_text(encoding="utf-8"))

@@ -15,7 +15,7 @@ _OPERATORS |= {ca.OP_LT: ("<", _COMPARISON), ca.OP_LE: ("<=", _COMPARISON)}
 _OPERATORS |= {ca.OP_EQ: ("==", _COMPARISON), ca.OP_NE: ("!=", _COMPARISON)}
 _LIBM = ("sqrt", "ceil", "floor", "exp", "log", "sin", "cos", "atan2", "hypot", "fabs", "pow", "copysign")
 _CALLS = {getattr(ca, f"OP_{name.upper()}"): name for name in _LIBM}
-_CALLS |= {ca.OP_CONSTPOW: "pow", ca.OP_FMAX: "maximum", ca.OP_FMIN: "minimum"}
+_CALLS |= {ca.OP_CONSTPOW: "pow", ca.OP_FMAX: "maximum", ca.OP_FMIN: "minimum", ca.OP_SIGN: "sign_of"}
 _INFINITE = {math.inf: "INFINITY", -math.inf: "-INFINITY"}
 #: length above which an expression gets a name
 _LONG = 80

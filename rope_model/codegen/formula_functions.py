@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, get_args, get_origin, get_type_hints
 import casadi as ca
 
 from rope_model.codegen.expressions import statements
-from rope_model.codegen.formulas import CONSTANTS, DEFINED_HERE, FORMULAS, STRUCTURES
+from rope_model.codegen.formulas import CONSTANTS, DEFINED_HERE, DERIVATIVES, FORMULAS, STRUCTURES
 from rope_model.numerics.program import no_simplification
 from rope_model.parameters import Layout, Rope
 from rope_model.shaft_parameters import PARTS, Shaft
@@ -38,6 +38,11 @@ static inline double maximum(double x, double y) {
 static inline double minimum(double x, double y) {
     return y < x ? y : x;
 }
+
+/* -1, 0 or 1; the derivative of fabs */
+static inline double sign_of(double x) {
+    return (x > 0) - (x < 0);
+}
 """
 
 
@@ -52,14 +57,15 @@ class Argument(NamedTuple):
 
 @cache
 def formulas() -> dict[str, Callable[..., Any]]:
-    """Return the formulas by their prototypes in C."""
+    """Return the formulas that Python evaluates too, by their prototypes in C."""
     return {_prototype(written): formula for written, formula in FORMULAS.items()}
 
 
 def formulas_code() -> str:
     """Return the text of formulas.h."""
     structures = map(_definition, DEFINED_HERE)
-    functions = (function_code(prototype, formula) for prototype, formula in formulas().items())
+    written = formulas() | {_prototype(text): derivative for text, derivative in DERIVATIVES.items()}
+    functions = (function_code(prototype, formula) for prototype, formula in written.items())
     constants = "".join(f"#define {name} {_value(value)}\n" for name, value in CONSTANTS.items())
     return "\n".join((_HEAD, constants, *structures, *functions, "#endif\n"))
 

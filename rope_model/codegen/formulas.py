@@ -5,6 +5,7 @@ from itertools import accumulate
 from types import ModuleType
 from typing import Any
 
+from rope_model.codegen.derivatives import path_change
 from rope_model.numerics import coupled_newton, generalized_alpha, newton
 from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics import (
@@ -43,7 +44,7 @@ from rope_model.simulation.ends.paths import EndMotion, EndPath
 from rope_model.simulation.mesh import adaptation, mesh_fit, mesh_pattern
 from rope_model.simulation.mesh import partition as mesh
 from rope_model.simulation.messages import warning_rules
-from rope_model.simulation.outputs import audit, diagnostics, sensitivity
+from rope_model.simulation.outputs import audit, diagnostics
 from rope_model.simulation.outputs.audit import Audit
 from rope_model.simulation.state import EnergyBalance
 from rope_model.simulation.stepping import events, hang, statics, stepping
@@ -53,6 +54,8 @@ from rope_model.solver_parameters import Solver
 #: last parameter of a void function receives the results
 FORMULAS: dict[str, Callable[..., Any]] = {
     "dot(a[3], b[3])": elementary.dot,
+    "nearest_whole(x)": elementary.nearest_whole,
+    "nearest_turn(angle, last)": adaptation.nearest_turn,
     "void conveyance_load(q[7], f[7], torque, load[6])": frame.conveyance_load,
     "right_offset(left[3], right[3])": ends.right_offset,
     "Path path_resting(t, EndMotion motion)": EndPath.at_rest,
@@ -62,8 +65,6 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "Path filter_path(path, InputFilter state, stop, bandwidth)": input_filter.filter_path,
     "void path_measures(path, InputFilter state, measures[14])": input_filter.path_measures,
     "InputFilter add_misfit(InputFilter state, path, FilterSettings settings, rope, leg)": misfit.add_misfit,
-    "void lean_moves(h, ahead, lean, moved[3])": input_filter.lean_moves,
-    "void sample_moves(FilterSettings settings, h, ahead, sample[3], fits[2], moved[3])": input_filter.sample_moves,
     "Path path_coasting(path, t)": EndPath.at_constant_acceleration,
     "EndMotion path_at(path, t)": EndPath.at,
     "path_height(path, t)": EndPath.height,
@@ -117,6 +118,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "void section_at(xi, l, nodes[14], section[7])": wire_friction.section_at,
     "BoucWenStep bouc_wen_step(before[10], after[7], k0)": wire_friction.bouc_wen_step,
     "max_curvature(rope)": initial_curvature.max_curvature,
+    "void carried_director(e1[3], before[3], after[3], carried[3])": initial_curvature.carried_director,
     "void curvature_components(rope, s, l, components[6])": initial_curvature.curvature_components,
     "void curvature_vectors(components[6], l, nodes[14], start[3], vectors[12])": initial_curvature.curvature_vectors,
     "Body lining_body(lining)": shaft.lining,
@@ -172,12 +174,18 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "add_misfit_error(error, ErrorSums sums, InputFilter left, InputFilter right)": misfit.add_misfit_error,
     "add_drift_error(error, InputFilter left, InputFilter right)": misfit.add_drift_error,
     "loop_error(scene, ErrorSums sums, l, grading_length)": accuracy.loop_error,
+    "tension_along(sense, d[3], force[3])": swivel.tension_along,
     "friction_moment(mu, mean_diameter, seal_moment, tension)": swivel.friction_moment,
     "void end_load(q[7], f[7], torque, load[6])": audit.end_load,
     "axial_share(rope, bottom_s, h)": audit.axial_share,
     "void audit_values(audit, values[6])": audit.signal_values,
     "Audit audit_after_step(audit, Coefficients method, h, shift, load[6], force, change, ratio)": audit.after_step,
     "Audit audit_after_interval(audit, h, mass, gravity, sums[9], about[3], residual, bend)": audit.after_interval,
+}
+#: derivatives of formulas, which Python does not evaluate, written as in ``FORMULAS``
+DERIVATIVES: dict[str, Callable[..., Any]] = {
+    "void path_change(path, InputFilter state, FilterSettings settings, given_at, stop, EndMotion end, change[13], "
+    "coefficients[6][6])": path_change
 }
 #: structures of results, which are generated for C
 DEFINED_HERE: tuple[type[Any], ...] = (
@@ -242,11 +250,10 @@ CONSTANTS: dict[str, float | tuple[Any, ...]] = {
     "PROBES": len(rope_contact.PROBES),
     "PROBE_PLACES": rope_contact.PROBES,
     "DIRECTOR_START": initial_curvature.START,
+    "DIRECTOR_PLUMB": initial_curvature.PLUMB,
     "WIRE_POINTS": len(element.POINTS),
     "WIRE_PLACES": element.POINTS,
     "WIRE_WEIGHTS": element.WEIGHTS,
     "NEWTON_TEXTS": tuple(status.text for status in newton.NewtonStatus),
-    "INPUT_ORDERS": tuple(order for order, _ in sensitivity.INPUTS.values()),
-    "INPUT_DOFS": tuple(dof for _, dof in sensitivity.INPUTS.values()),
     "CONTACT_POINTS": len(contact_points.PARTS),
 }

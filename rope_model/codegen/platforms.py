@@ -5,7 +5,6 @@ none.
 """
 
 import platform
-import re
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -22,14 +21,15 @@ class Platform(NamedTuple):
     suffix: str
 
 
+MACOS = "11.0"  #: Oldest version of macOS on which libraries load, the first for both processors.
 #: platforms by their names in FMI 3.0. FMI 2.0 has none for aarch64: on Linux it takes the name of FMI 3.0, on macOS
 #: both processors share one library
 PLATFORMS: dict[str, Platform] = {
     "x86_64-linux": Platform("x86_64-linux-gnu.2.17", "linux64", ".so"),
     "aarch64-linux": Platform("aarch64-linux-gnu.2.17", "aarch64-linux", ".so"),
     "x86_64-windows": Platform("x86_64-windows-gnu", "win64", ".dll"),
-    "x86_64-darwin": Platform("x86_64-macos", "darwin64", ".dylib"),
-    "aarch64-darwin": Platform("aarch64-macos", "darwin64", ".dylib"),
+    "x86_64-darwin": Platform(f"x86_64-macos.{MACOS}", "darwin64", ".dylib"),
+    "aarch64-darwin": Platform(f"aarch64-macos.{MACOS}", "darwin64", ".dylib"),
 }
 _PROCESSORS = {"amd64": "x86_64", "arm64": "aarch64"}
 _SYSTEMS = {"win32": "windows"}
@@ -42,12 +42,8 @@ def host_platform() -> str:
 
 
 def prebuilt_file(package: Path, sources: Mapping[str, str], identifier: str, name: str) -> Path:
-    """Return the path in ``package`` of the library of these sources (text by file name) for the platform ``name``.
-
-    The headers of FMI do not count: they come with FMPy, and versions of it may differ in their comments.
-    """
-    own = (item for item in sorted(sources.items()) if not re.fullmatch(r"fmi[23]\w+\.h", item[0]))
-    key = short_hash(*(part for item in own for part in item))
+    """Return the path in ``package`` of the library of these sources (text by file name) for the platform ``name``."""
+    key = short_hash(*(part for item in sorted(sources.items()) for part in item))
     suffix = PLATFORMS[name].suffix if name in PLATFORMS else ""
     return package / "prebuilt" / f"{identifier}-{name}-{key}{suffix}"
 

@@ -45,6 +45,8 @@ void ends_refusal(const Scene *scene, const EndMotion *target, const double meas
 double end_strain(const Scene *scene, int nodes, const double *q, const double *x, int side);
 /* Refuse a motion that has not changed for longer than hold_max. */
 void stale_input_error(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message);
+/* Return the tension at an end, N, from its rows of q and of the reaction. */
+double ends_tension(const Scene *scene, int side, const double *q, const double *reaction);
 /* Return the moment about the tangent on the rope's end, N m, from the end's row of the reaction. */
 double ends_moment(const Scene *scene, const State *state, int side, const double *reaction);
 /* Angle and rate of the rope's end against the conveyance, from theta and its rate. */
@@ -57,9 +59,6 @@ const char *fidelity_name(int fidelity);
 int choose_fidelity(const Scene *scene, const EndMotion ends[2], int forces, char *reason);
 int lowest_sufficient(const Scene *scene, const EndMotion ends[2], int forces);
 void unsupported_motion(const Scene *scene, int fidelity, const EndMotion ends[2], int forces, char *cause);
-
-/* mesh/adaptation.c */
-double nearest_turn(double angle, double last); /* Return the angle plus full turns that is closest to last. */
 
 /* mesh/partition.c; `bottom_s` is the arc length of the loop's lowest point, `divider_s` has DIVIDERS entries */
 double partition_fine_length(const Pattern *pattern, const double *lengths); /* Of elements in the loop segment, m. */
@@ -132,9 +131,6 @@ void rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes
 /* Tension (points), N, at arc lengths `places` with heights y. */
 void rigid_tension(const NodalArrays *arrays, double rho, double gravity, int points, const double *places,
                    const double *y, double *tension);
-/* Change of both end tensions, N, when one end's position, speed and acceleration along an axis change. */
-void tension_change(const Scene *scene, const EndMotion ends[2], int side, int axis, const double change[3],
-                    double gained[2]);
 
 /* rope_system.c */
 /* Arc lengths s (elements + 1) of the nodes from element lengths (elements). */

@@ -13,11 +13,24 @@ Rope partly_curved(const Rope *whole, double fraction) {
     return rope;
 }
 
+void carry_director(State *state, const double *before, const double *after) {
+    double carried[3];
+    carried_director(state->director, before, after, carried);
+    memcpy(state->director, carried, sizeof carried);
+}
+
+void start_director(State *state, const double *q) {
+    static const double plumb[3] = DIRECTOR_PLUMB, start[3] = DIRECTOR_START;
+    memcpy(state->director, start, sizeof start);
+    carry_director(state, plumb, q + SLOPE);
+}
+
 void curved_reference(Simulator *sim, State *state, const double *q) {
     const Rope *data = &sim->scene.rope;
     const NodalArrays nodal = state_arrays(state);
-    double e1[3] = DIRECTOR_START, components[6], found[12], *to = sim->curved, s = 0;
+    double e1[3], components[6], found[12], *to = sim->curved, s = 0;
     const int elements = is_curved(sim, state) ? nodal.elements : 0;
+    memcpy(e1, state->director, sizeof e1);
     for (int e = 0; e < elements; e++, q += DOF, to += CURVATURE_SIZE) {
         const double material[] = {q[ANGLE], q[DOF + ANGLE], data->EI};
         curvature_components(data, s, nodal.lengths[e], components);

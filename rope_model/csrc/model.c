@@ -53,7 +53,7 @@ static void audit_step(const Simulator *sim, State *state, const System *sys, do
         change = fmax(change, fabs(now - before[side]));
     }
     state->audit = audit_after_step(&state->audit, &method, h, time_shift, load, force, change,
-                                    axial_share(&sim->scene.rope, model_bottom_s(sim, state, state->t), h));
+                                    axial_share(&sim->scene.rope, model_bottom_s(sim, state->paths, state->t), h));
 }
 
 /* Return the largest square of the change of r' over an element. */
@@ -84,7 +84,7 @@ void audit_interval(const Simulator *sim, State *state, double h, double residua
 static double relative_error(const Simulator *sim, State *state, const StepResult *result) {
     const NodalArrays old = state_arrays(state);
     const Coefficients method = {sim->scene.solver.rho_inf};
-    const StepLimits limits = step_limits(&sim->scene, &state->errors, model_bottom_s(sim, state, state->t),
+    const StepLimits limits = step_limits(&sim->scene, &state->errors, model_bottom_s(sim, state->paths, state->t),
                                           relative_end_speed(&old), local_error(&method, 1, 1));
     const double strain = fmax(fabs(result->strains[LEFT]), fabs(result->strains[RIGHT]));
     return step_error(&limits, result->h, result->error, strain);
@@ -92,6 +92,7 @@ static double relative_error(const Simulator *sim, State *state, const StepResul
 
 StepResult model_trial(Simulator *sim, State *state, double h) {
     System sys = rope_system(sim, state);
+    sys.corrections = sim->replay.repeating ? sim->replay.corrections : 0;
     StepResult result = generalized_alpha_step(sim, state, &sys, h);
     result.near = sys.obstacles != NULL && sys.obstacles->any;
     result.error_ratio = result.converged ? relative_error(sim, state, &result) : INFINITY;
@@ -109,13 +110,13 @@ void update_angles(Simulator *sim, State *state, double *q, double *v, double *a
     state->offsets[RIGHT] += rope_system_transport(sim, state, q, v, a, b);
 }
 
-double model_bottom_s(const Simulator *sim, const State *state, double t) {
-    const double left = path_height(&state->paths[LEFT], t), right = path_height(&state->paths[RIGHT], t);
+double model_bottom_s(const Simulator *sim, const Path paths[2], double t) {
+    const double left = path_height(&paths[LEFT], t), right = path_height(&paths[RIGHT], t);
     return 0.5 * (sim->scene.rope.length + left - right);
 }
 
-void model_dividers(const Simulator *sim, const State *state, double t, double *divider_s) {
-    mesh_dividers(&sim->scene, path_height(&state->paths[LEFT], t), path_height(&state->paths[RIGHT], t), divider_s);
+void model_dividers(const Simulator *sim, const Path paths[2], double t, double *divider_s) {
+    mesh_dividers(&sim->scene, path_height(&paths[LEFT], t), path_height(&paths[RIGHT], t), divider_s);
 }
 
 void model_powers(const Simulator *sim, State *state) {
@@ -176,7 +177,7 @@ void model_commit(Simulator *sim, State *state, const StepResult *trial) {
     const Coefficients method = {sim->scene.solver.rho_inf};
     const double time_shift = recentring(&method, trial->h, state->h);
     EnergyBalance *energy = &state->energy_balance;
-    const double bottom_s = model_bottom_s(sim, state, state->t), speed = relative_end_speed(&nodal);
+    const double bottom_s = model_bottom_s(sim, state->paths, state->t), speed = relative_end_speed(&nodal);
     double losses[2], contact[CONTACT_BALANCE], air[AIR_BALANCE], paces[2];
     for (int side = LEFT; side <= RIGHT; side++)
         paces[side] = (end_strain(&sim->scene, now->nodes, now->q, now->v, side) -

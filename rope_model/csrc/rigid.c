@@ -44,15 +44,6 @@ void rigid_tension(const NodalArrays *arrays, double rho, double gravity, int po
         tension[k] = rigid_tension_at(rho, gravity, &rate, arrays->reaction[1], y[k] - arrays->q[1], places[k]);
 }
 
-void tension_change(const Scene *scene, const EndMotion ends[2], int side, int axis, const double change[3],
-                    double gained[2]) {
-    EndMotion moved[2] = {ends[LEFT], ends[RIGHT]};
-    for (int k = 0; k < 3; k++) ((double *)&moved[side])[3 * k + axis] += change[k];
-    const RigidTensions before = rigid_tensions(&scene->rope, &scene->layout, &ends[LEFT], &ends[RIGHT]);
-    const RigidTensions after = rigid_tensions(&scene->rope, &scene->layout, &moved[LEFT], &moved[RIGHT]);
-    for (int end = LEFT; end <= RIGHT; end++) gained[end] = after.at_ends[end] - before.at_ends[end];
-}
-
 /* Refer theta of an equilibrium q, which is referred to q, to the rigid rope. */
 static void count_from_rigid(Simulator *sim, State *state, const double *rigid, double *q) {
     const size_t size = (size_t)(state->elements + 1) * DOF;
@@ -71,6 +62,8 @@ int flexible_start(Simulator *sim, State *state, char *message) {
     /* b and a_rate are scratch until the restart. */
     double *q = nodal.b, *reaction = nodal.a_rate, *const all[3] = {nodal.q, nodal.v, nodal.a};
     const Path paths[2] = {state->paths[LEFT], state->paths[RIGHT]};
+    double director[3];
+    memcpy(director, state->director, sizeof director);
     state_copy(sim, sim->spare, state);
     const double *rigid = state_arrays(sim->spare).q;
     for (int side = LEFT; side <= RIGHT; side++) state->paths[side] = path_coasting(&paths[side], t);
@@ -91,6 +84,7 @@ int flexible_start(Simulator *sim, State *state, char *message) {
     memcpy(nodal.q, q, bytes);
     memcpy(nodal.reaction, reaction, bytes);
     for (int k = 0; k < 3 && found; k++) count_from_rigid(sim, state, rigid, all[k]);
+    memcpy(state->director, director, sizeof director);
     rope_system_refer(sim, state, rigid);
     for (size_t i = 0; i < size; i++) {
         const double before = nodal.v[i], after = nodal.a[i];

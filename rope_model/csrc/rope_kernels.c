@@ -14,7 +14,9 @@ size_t chain_frames_bytes(int elements) {
     return sizeof(double) * FRAME_SIZE * ((size_t)elements + MAX_LANES - 1);
 }
 
-extern const Chain chains_plain[3], chains_wide[3], chains_widest[3];
+extern const Chain chains_plain[3];
+extern const Chain chains_wide[3];
+extern const Chain chains_widest[3];
 
 const Chain *fastest_chains(void) {
 #if HAS_WIDE_FORMS

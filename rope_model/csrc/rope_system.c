@@ -27,6 +27,7 @@ System rope_system(const Simulator *sim, State *state) {
         sys.free[side][SLOPE + 1] = swivel->attachment != CLAMPED;
         sys.free[side][ANGLE] = now->phase == SLIP;
         sys.inertia[side] = swivel->inertia;
+        sys.plumb[side] = swivel->attachment == PLUMB;
         if (now->phase == SLIP && swivel->mode != FREE_MODE) {
             sys.load[side] = -now->sign * swivel->seal_moment;
             sys.friction_load[side] = -now->sign * friction_moment(swivel->mu_kinetic, swivel->mean_diameter, 0, 1);
@@ -37,6 +38,7 @@ System rope_system(const Simulator *sim, State *state) {
 
 /* Refer permanent curvature and friction between wires to q. */
 static void refer_material(Simulator *sim, State *state, const System *sys, const double *q) {
+    memcpy(sim->left_slope, q + SLOPE, sizeof sim->left_slope);
     curved_reference(sim, state, q);
     if (!state->rubs) return;
     chain_of(sim, state)->strains(sys, q, state_arrays(state).v, sim->strains); /* the history takes no rates */
@@ -61,6 +63,7 @@ double rope_system_transport(Simulator *sim, State *state, double *q, double *v,
         a[theta] += gained[k][2];
         b[theta] += gained[k][2];
     }
+    carry_director(state, sim->left_slope, q + SLOPE);
     refer_material(sim, state, &sys, q);
     return turn;
 }

@@ -97,9 +97,16 @@ typedef struct {
     double time;                    /* time at which point forces are evaluated, s */
     double *latest; /* WIRE_TANGENT_SIZE numbers an element, of the latest tangent; scratch, aligned as frames */
     double P[PARAMETERS], air[AIR_COEFFICIENTS]; /* air: AirCoefficients, whose first number is 0 without air */
-    double load[2], friction_load[2]; /* moments on theta of the ends; friction per newton of upward reaction */
+    double load[2], friction_load[2]; /* moments on theta of the ends; friction per newton of tension */
+    int plumb[2];                     /* ends whose tension is their vertical reaction */
     double inertia[2], shortest;      /* inertia: of theta at the ends; shortest: element, m */
+    int corrections;                  /* Newton corrections of a step that is taken again; 0: until it converges */
 } System;
+
+/* Return the tension at an end, which is plumb or not, from its rows of q and of the reaction. */
+static inline double tension_at_end(int plumb, int side, const double *q, const double *reaction) {
+    return plumb ? reaction[1] : tension_along(side ? 1 : -1, q + SLOPE, reaction);
+}
 
 /* Operations on a chain of elements at one fidelity. */
 typedef struct {
@@ -172,6 +179,8 @@ int clearance_exceeds(const System *sys, const ClearanceCache *cache, const doub
 /* numerics/newton.c */
 /* Judge a correction of this norm; `fresh` is true if its factorization is new. */
 Progress newton_judge(Progress before, double norm, double tolerance, int fresh, const NewtonLimits *limits);
+/* Let the iteration end after that number of corrections. */
+Progress newton_repeated(Progress progress, int corrections);
 
 /* physics/contact_element.c; contact forces on r and r' of both nodes; contact_sums adds to its sums */
 enum { CONTACT_DOF = 12 };

@@ -54,6 +54,7 @@ static int accept(Simulator *sim) {
     sim->state = sim->next;
     sim->next = before;
     sim->computed_groups = 0;
+    sim->replay.known = 0;
     sim->bottom_known = 0;
     sim->initialized = 1;
     sim->message[0] = '\0';
@@ -67,6 +68,7 @@ int rope_retune(Simulator *sim, const Scene *scene) {
     memcpy(sim->scene.swivels, scene->swivels, sizeof scene->swivels);
     sim->scene.shaft.air = scene->shaft.air;
     sim->computed_groups = 0;
+    sim->replay.known = 0;
     return 1;
 }
 
@@ -106,11 +108,12 @@ static int initialize(Simulator *sim, double t, const EndMotion ends[2]) {
     if (why[0]) return say_fixed_model_cannot_follow(message, fidelity_name(state->fidelity), why);
     const NodalArrays nodal = state_arrays(state);
     double divider_s[DIVIDERS];
-    model_dividers(sim, state, t, divider_s);
-    partition(&sim->mesh, scene->rope.length, model_bottom_s(sim, state, t), divider_s, nodal.elements, &state->pattern,
-              nodal.lengths);
+    model_dividers(sim, state->paths, t, divider_s);
+    partition(&sim->mesh, scene->rope.length, model_bottom_s(sim, state->paths, t), divider_s, nodal.elements,
+              &state->pattern, nodal.lengths);
     arc_lengths(nodal.elements, nodal.lengths, nodal.s);
     hanging_guess(nodal.nodes, nodal.s, points[LEFT], points[RIGHT], nodal.q, message);
+    if (!message[0]) start_director(state, nodal.q);
     state->offsets[RIGHT] = right_offset(points[LEFT], points[RIGHT]);
     state->swivels[RIGHT].angle = scene->rope.installed_twist;
     state->step_next = state->last_interval = scene->solver.step_max;
@@ -130,6 +133,7 @@ static int initialize(Simulator *sim, double t, const EndMotion ends[2]) {
     set_rise_reference(scene, state);
     update_passages(sim, state);
     update_guards(scene, state);
+    sim->last.taken = 0;
     return accept(sim);
 }
 
@@ -143,156 +147,82 @@ int rope_initialize(Simulator *sim, double t, const EndMotion ends[2]) {
     return refer_after_failure(sim, initialize(sim, t, ends));
 }
 
-/* Return the filter of an end with the host's sample, for a step to t. */
-static InputFilter follow_end(const State *before, const FilterSettings *settings, int side, double t,
-                              const EndMotion *end, double given_at) {
-    return filter_sample(&before->filters[side], settings, given_at, t - before->paths[side].stop, end);
-}
-
-/* Update the misfit of an end up to the stop of its path. */
-static void account_end(const Simulator *sim, State *state, const FilterSettings *settings, int side,
-                        const InputFilter *now) {
-    const double bottom_s = model_bottom_s(sim, sim->state, sim->state->t);
-    const double leg = side == LEFT ? bottom_s : sim->scene.rope.length - bottom_s;
-    state->filters[side] = add_misfit(now, &state->paths[side], settings, &sim->scene.rope, leg);
-}
-
-/* Set the next paths of the ends, and raise the fidelity if they need it; return 0 with a message on failure. */
-static int move_ends(Simulator *sim, State *state, double t, const EndMotion ends[2], double given_at) {
-    const Scene *scene = &sim->scene;
-    const FilterSettings settings = filter_settings(scene, scene->inputs.given);
-    for (int side = LEFT; side <= RIGHT; side++) {
-        const InputFilter now = follow_end(sim->state, &settings, side, t, &ends[side], given_at);
-        const Path path = filter_path(&sim->state->paths[side], &now, t, settings.observer);
-        double measures[14];
-        path_measures(&path, &now, measures);
-        ends_refusal(scene, &ends[side], measures, side, sim->message);
-        if (!sim->message[0]) stale_input_error(&scene->inputs, t, &now, side, sim->message);
-        if (sim->message[0]) return 0;
-        state->paths[side] = path;
-        account_end(sim, state, &settings, side, &now);
-    }
-    char why[MESSAGE];
-    EndMotion filtered[2] = {ends[LEFT], ends[RIGHT]};
-    for (int side = LEFT; side <= RIGHT && scene->inputs.given != ALL_GIVEN; side++)
-        filtered[side] = path_at(&state->paths[side], t);
-    unsupported_motion(&sim->scene, state->fidelity, filtered, sim->forces.count, why);
-    if (!why[0]) return 1;
-    if (sim->scene.model.fidelity != AUTO_FIDELITY)
-        return say_fixed_model_cannot_follow(sim->message, fidelity_name(state->fidelity), why);
-    if (!raise_fidelity(sim, state, why, sim->message)) return 0;
-    begin_audit(sim, state);
-    return 1;
-}
-
-/* True if an event has happened since the communication step began, or is due now. */
-static int has_event(const Simulator *sim, const State *state) {
-    const State *before = sim->state;
-    int found = state->event_count > 0 && state->events[state->event_count - 1].t > before->t;
-    found |= state->guard.cause != before->guard.cause;
-    found |= state->fidelity != RIGID && next_release(sim, state) <= state->t;
-    for (int kind = 0; kind < KINDS; kind++)
-        found |= state->nearest[kind].touched_at != before->nearest[kind].touched_at;
-    return found;
-}
-
-/* End the paths of the ends, and their misfits, at t. */
-static void cut_paths(const Simulator *sim, State *state, double t, const EndMotion ends[2], double given_at) {
-    const FilterSettings settings = filter_settings(&sim->scene, sim->scene.inputs.given);
-    for (int side = LEFT; side <= RIGHT; side++) {
-        const InputFilter now = follow_end(sim->state, &settings, side, t, &ends[side], given_at);
-        state->paths[side].stop = t;
-        account_end(sim, state, &settings, side, &now);
-        /* the path meets the given acceleration at its planned stop only */
-        state->filters[side].acceleration_misfit = now.acceleration_misfit;
-        state->filters[side].misfit_squares[2] = now.misfit_squares[2];
-    }
-}
-
-/* Advance to t, or to an event unless `event` is NULL.  An event may end it after CHATTER_TIME, to detect chatter. */
-static int advance_to(Simulator *sim, double t, const EndMotion ends[2], double given_at, int *event) {
-    State *state = sim->next;
-    const double begin = sim->state->t, step_max = sim->scene.solver.step_max;
+/* Advance to the host's stop, or to an event; *event tells which.  Keep the state before as the start. */
+static int advance_to(Simulator *sim, const HostStep *host, int *event) {
+    const double t = host->stop, begin = sim->state->t, step_max = sim->scene.solver.step_max;
     const double earliest = begin - sim->scene.inputs.hold_max;
-    const int64_t steps_before = sim->state->counts.steps + sim->state->counts.rejections;
+    *event = 0;
     if (!sim->initialized) return say_no_state(sim->message);
     if (fabs(t - begin) < ROPE_MIN_INTERVAL) return 1;
     if (!(isfinite(t) && t > begin)) return say_time_goes_back(sim->message, begin, t);
     if (t - begin > MAX_STEPS * step_max)
         return say_too_far_at_once(sim->message, begin, t, MAX_STEPS, step_max, MAX_STEPS * step_max);
-    if (!(earliest <= given_at && given_at <= t + ROPE_MIN_INTERVAL))
-        return say_motions_of_another_time(sim->message, given_at, earliest, t);
-    state_copy(sim, state, sim->state);
-    state->switched = state->event_count = 0;
-    sim->newton_limit =
-        state->counts.newton + (sim->scene.solver.work_max > 0 ? sim->scene.solver.work_max : INT32_MAX);
-    if (!move_ends(sim, state, t, ends, given_at)) return 0;
-    const NodalArrays nodal = state_arrays(state);
-    double impulse[2] = {0, 0};
-    const double most = max_iterations(t - begin, step_max);
-    const int64_t newton_before = sim->state->counts.newton;
-    while (state->t < t) {
-        const double t_before = state->t,
-                     before[2] = {nodal.reaction[1], end_row(nodal.reaction, nodal.nodes, RIGHT)[1]};
-        char why[MESSAGE];
-        const int64_t newton = state->counts.newton - newton_before;
-        if ((double)newton >= most) return say_too_much_work(sim->message, t_before, (int)newton, begin, t);
-        if (state->counts.steps + state->counts.rejections - steps_before >= MAX_STEPS)
-            return say_too_many_steps(sim->message, t_before, MAX_STEPS, begin, t);
-        if (!step_towards(sim, state, t, why)) return say_fails_at(sim->message, t_before, why);
-        if (state->t >= t || state->t - state->monitored_at >= MONITOR_INTERVAL) {
-            update_passages(sim, state);
-            update_guards(&sim->scene, state);
-        }
-        if (event != NULL) *event |= has_event(sim, state);
-        if (event != NULL && *event && state->t < t && state->t - begin >= CHATTER_TIME) {
-            t = state->t; /* last round */
-            cut_paths(sim, state, t, ends, given_at);
-        }
-        for (int side = LEFT; side <= RIGHT; side++)
-            impulse[side] -=
-                0.5 * (state->t - t_before) * (before[side] + end_row(nodal.reaction, nodal.nodes, side)[1]);
-    }
-    if (event != NULL && *event && state->fidelity != RIGID) release_swivels(sim, state);
-    audit_interval(sim, state, t - begin, energy_residual(&sim->state->energy_balance));
-    state->last_interval = t - begin;
-    if (state->counts.given_up > 0 && sim->state->counts.given_up == 0) state->given_up_since = begin;
-    for (int side = LEFT; side <= RIGHT; side++) state->force_mean[side] = impulse[side] / (t - begin);
+    if (!(earliest <= host->given_at && host->given_at <= t + ROPE_MIN_INTERVAL))
+        return say_motions_of_another_time(sim->message, host->given_at, earliest, t);
+    if (!take_host_step(sim, host, event)) return 0;
+    State *unused = sim->start;
+    sim->start = sim->state;
+    sim->state = unused; /* becomes next */
+    sim->last = *host;
     return accept(sim);
 }
 
+/* Describe a step that the host asks for. */
+static HostStep asked(double t, const EndMotion ends[2], double given_at, int to_event) {
+    HostStep host = {.stop = t, .given_at = given_at, .asked_at = given_at, .to_event = to_event, .taken = 1};
+    memcpy(host.ends, ends, sizeof host.ends);
+    return host;
+}
+
 int rope_advance_to(Simulator *sim, double t, const EndMotion ends[2], double given_at) {
-    return refer_after_failure(sim, advance_to(sim, t, ends, given_at, NULL));
+    const HostStep host = asked(t, ends, given_at, 0);
+    int event;
+    return refer_after_failure(sim, advance_to(sim, &host, &event));
 }
 
 int rope_advance_to_event(Simulator *sim, double t, const EndMotion ends[2], double given_at, int *event) {
     const InputFilter *filters = sim->state->filters;
+    HostStep host = asked(t, ends, given_at, 1);
     int same = *event != 0;
     for (int side = LEFT; side <= RIGHT; side++) same &= !memcmp(&ends[side], filters[side].given, sizeof ends[side]);
-    if (same) given_at = fmin(filters[LEFT].given_at, filters[RIGHT].given_at);
-    *event = 0;
-    return refer_after_failure(sim, advance_to(sim, t, ends, given_at, event));
+    if (same) host.given_at = fmin(filters[LEFT].given_at, filters[RIGHT].given_at);
+    return refer_after_failure(sim, advance_to(sim, &host, event));
 }
 
+/* A saved state: the state, the state before the step that led to it, and what the host asked for in that step. */
 size_t rope_state_bytes(const Simulator *sim) {
-    return sim->state_bytes;
+    return 2 * sim->state_bytes + sizeof sim->last;
 }
 
 void rope_save(const Simulator *sim, void *to) {
-    memcpy(to, sim->state, sim->state_bytes);
+    char *bytes = to;
+    memcpy(bytes, sim->state, sim->state_bytes);
+    memcpy(bytes + sim->state_bytes, sim->last.taken ? sim->start : sim->state, sim->state_bytes);
+    memcpy(bytes + 2 * sim->state_bytes, &sim->last, sizeof sim->last);
 }
 
 int rope_restore(Simulator *sim, const void *from, size_t bytes) {
-    State *state = sim->next;
-    if (bytes != sim->state_bytes) return say_wrong_number_of_bytes(sim->message, (int)bytes, (int)sim->state_bytes);
-    memcpy(state, from, bytes);
-    if (!state_plausible(sim, state)) return say_no_state_in_bytes(sim->message);
+    const char *saved = from;
+    State *state = sim->next, *start = sim->spare;
+    HostStep last;
+    if (bytes != rope_state_bytes(sim))
+        return say_wrong_number_of_bytes(sim->message, (int)bytes, (int)rope_state_bytes(sim));
+    memcpy(state, saved, sim->state_bytes);
+    memcpy(start, saved + sim->state_bytes, sim->state_bytes);
+    memcpy(&last, saved + 2 * sim->state_bytes, sizeof last);
+    if (!state_plausible(sim, state) ||
+        (last.taken && !(state_plausible(sim, start) && host_step_plausible(&last, start, state))))
+        return say_no_state_in_bytes(sim->message);
+    sim->spare = sim->start;
+    sim->start = start;
+    sim->last = last;
     rope_system_refer(sim, state, state_arrays(state).q);
     return accept(sim);
 }
 
 void rope_apply(Simulator *sim, const PointForces *forces) {
     sim->forces = *forces;
+    sim->replay.known = 0;
 }
 
 void rope_rows(const Simulator *sim, double (*rows)[13]) {

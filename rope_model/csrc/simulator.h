@@ -17,6 +17,45 @@ typedef struct {
     Progress newton;
 } StepResult;
 
+/* What the host asked for in a communication step.  All members have eight bytes: none is padding. */
+typedef struct {
+    double stop;       /* time to advance to, s */
+    double given_at;   /* instant of the motions, s */
+    double asked_at;   /* the same, as the host gave it: motions held through an event keep their first instant */
+    EndMotion ends[2]; /* motions */
+    int64_t to_event;  /* true if an event ends it */
+    int64_t taken;     /* true if it led from Simulator.start to Simulator.state */
+} HostStep;
+
+/* Phases of both swivels, and the senses of their slips. */
+typedef struct {
+    signed char phase[2], sign[2];
+} Phases;
+
+/* An internal step: its length and its end, s, Newton's corrections, and the phases in it and after it. */
+typedef struct {
+    double h, t;
+    int corrections;
+    Phases during, after;
+} TakenStep;
+enum { MAX_TAKEN = 4096 }; /* internal steps of a communication step that can be differentiated */
+
+/* The last communication step, to be taken again with other motions of the ends: outputs/sensitivity.c. */
+typedef struct {
+    int recording, repeating; /* true while it is recorded, or taken again */
+    int known;                /* true if the rest is that of the last step */
+    int count;                /* number of internal steps */
+    int corrections;          /* of the step that is taken again */
+    int fidelity;             /* at its end */
+    Phases after;             /* at its end */
+    double duration;          /* s */
+    TakenStep *steps;         /* (MAX_TAKEN) */
+    Path paths[2];
+    int at_step_end;  /* true if the derivatives are those to inputs of the step's end */
+    unsigned derived; /* bit i: the derivatives to input i are known */
+    double derivatives[2 * sizeof(EndMotion) / sizeof(double)][2 * 6];
+} Replay;
+
 struct Simulator {
     Scene scene;
     Memory memory;
@@ -24,14 +63,18 @@ struct Simulator {
     const Chain *chains; /* one for each fidelity from TORSIONAL to PLANAR */
     int elements, initialized;
     size_t state_bytes;
-    State *state, *next;        /* an advance works on next; both swap when it succeeds */
-    State *spare;               /* scratch, as for the trial whether a swivel sticks */
+    State *state, *next; /* an advance works on next; both swap when it succeeds */
+    State *spare;        /* scratch, as for the trial whether a swivel sticks */
+    State *start;        /* state before the last communication step, if last.taken */
+    HostStep last;       /* that step */
+    Replay replay;
     NodalArrays trial;          /* arrays of the latest trial step; scratch otherwise */
     double *x;                  /* scratch (nodes x DOF) */
     double (*strains)[STRAINS]; /* scratch */
     double *frames;             /* of the elements in the state, or during an advance in the state in progress */
     double *wires;              /* WIRE_HISTORY_SIZE numbers an element, of the same state as frames; or NULL */
     double *curved;             /* CURVATURE_SIZE numbers an element, of the same state as frames; or NULL */
+    double left_slope[3];       /* r' of the left end where frames and curved belong */
     double *latest;             /* friction of the wires at the last tangent, see System.latest; or NULL */
     void *work;                 /* scratch of the chain */
     Obstacles *obstacles;
@@ -60,6 +103,9 @@ void update_passages(const Simulator *sim, State *state);
 /* curvature.c */
 int is_curved(const Simulator *sim, const State *state);
 Rope partly_curved(const Rope *whole, double fraction); /* The rope with a fraction of its permanent curvature. */
+/* Carry e1 of the left end from r' = before to r' = after. */
+void carry_director(State *state, const double *before, const double *after);
+void start_director(State *state, const double *q); /* Set e1 of the left end of a rope q that is hung up. */
 void curved_reference(Simulator *sim, State *state, const double *q); /* Refer the permanent curvature to q. */
 
 /* ends/switching.c */
@@ -68,6 +114,9 @@ double next_release(const Simulator *sim, const State *state);
 /* Shorten the trial to end where a swivel must switch.  Return 1 if it was shortened, 0 if not, -1 on failure. */
 int switching_step(Simulator *sim, State *state, StepResult *trial);
 void switch_swivels(Simulator *sim, State *state);
+Phases phases_of(const State *state);
+/* Set the phases of swivels, which hold where they are, and restart unless nothing changes. */
+void set_phases(Simulator *sim, State *state, const Phases *phases);
 int chatters(const State *state);
 
 /* memory.c */
@@ -88,9 +137,9 @@ void model_commit(Simulator *sim, State *state, const StepResult *trial);
 void model_powers(const Simulator *sim, State *state);
 double model_energies(Simulator *sim, State *state); /* Update energies; return the change of their total. */
 /* Return the arc length of the loop's lowest point from the heights of the ends at t. */
-double model_bottom_s(const Simulator *sim, const State *state, double t);
+double model_bottom_s(const Simulator *sim, const Path paths[2], double t);
 /* Call mesh_dividers with the heights of the ends at t. */
-void model_dividers(const Simulator *sim, const State *state, double t, double *divider_s);
+void model_dividers(const Simulator *sim, const Path paths[2], double t, double *divider_s);
 /* Refer frames and angles of q, v, a, b to q. */
 void update_angles(Simulator *sim, State *state, double *q, double *v, double *a, double *b);
 void begin_audit(const Simulator *sim, State *state);
@@ -127,7 +176,13 @@ void rope_system_prescribed_motion(const Simulator *sim, const State *state, con
                                    double *const x[]);
 void rope_system_strains(Simulator *sim); /* Strains of the present state, into sim->strains. */
 
+/* stepping/host_step.c */
+/* Take the host's step from sim->state to sim->next.  *event becomes true if an event has ended it. */
+int take_host_step(Simulator *sim, const HostStep *host, int *event);
+
 /* state.c */
+/* True if the step can have led from `start` to `state`. */
+int host_step_plausible(const HostStep *host, const State *start, const State *state);
 /* True if restored bytes can be a state of this rope.  Overwrites sim->trial. */
 int state_plausible(const Simulator *sim, State *state);
 void state_copy(const Simulator *sim, State *to, const State *from);
@@ -151,6 +206,8 @@ int find_equilibrium(Simulator *sim, State *state, double max_turn, char *messag
 /* stepping/stepping.c */
 int as_rigid(Simulator *sim, State *state, double t, char *message);         /* Move the rigid model to t. */
 int step_towards(Simulator *sim, State *state, double t_end, char *message); /* Take one accepted step. */
+/* Take the recorded step of the replay again, from a state nearby. */
+int repeat_step(Simulator *sim, State *state, const TakenStep *step, char *message);
 
 /* wires.c; nothing changes unless wires rub */
 /* Start friction between wires, with z = 0, if the rope has it and is not rigid; return true if it started. */

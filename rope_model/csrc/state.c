@@ -98,3 +98,12 @@ int state_plausible(const Simulator *sim, State *state) {
     }
     return partition_plausible(sim, state, &nodal) && happenings_plausible(state);
 }
+
+int host_step_plausible(const HostStep *host, const State *start, const State *state) {
+    static const double bounds[] = END_MOTION_BOUNDS;
+    enum { OF_END = sizeof(EndMotion) / sizeof(double) };
+    for (int k = 0; k < 2 * OF_END; k++)
+        if (!(fabs(end_value(&host->ends[k / OF_END], k % OF_END)) <= bounds[k % OF_END])) return 0;
+    return start->t < state->t && state->t <= host->stop && host->stop < INFINITY && host->given_at <= host->stop &&
+           host->given_at > -INFINITY && host->asked_at <= host->stop && host->asked_at > -INFINITY;
+}

@@ -12,10 +12,13 @@ static int not_finite(char *buffer, double x) {
     return 1;
 }
 
-/* Replace the comma of some locales. */
+/* Put a point for the decimal separator, of one or more bytes, of the host's locale. */
 static const char *with_point(char *buffer) {
-    char *comma = strchr(buffer, ',');
-    if (comma) *comma = '.';
+    char *at = buffer + strspn(buffer, "+-0123456789eE."), *rest;
+    if (!*at) return buffer;
+    rest = at + 1 + strcspn(at + 1, "0123456789eE");
+    *at = '.';
+    memmove(at + 1, rest, strlen(rest) + 1);
     return buffer;
 }
 

@@ -5,6 +5,7 @@ functions.  It is cached on disk under the hash of the generated C, the compiler
 these compiles anew.
 """
 
+import getpass
 import hashlib
 import importlib.util
 import logging
@@ -13,6 +14,7 @@ import platform
 import re
 import shlex
 import shutil
+import stat
 import subprocess
 import sys
 import tempfile
@@ -26,6 +28,8 @@ from typing import Any, Literal
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
+
+from rope_model.files import whole_file, write_error
 
 Array = NDArray[np.float64]
 KernelForm = Literal["auto", "compiled", "portable"]
@@ -129,14 +133,51 @@ def find_compiler() -> tuple[str, ...] | None:
 
 
 def cache_folder() -> Path:
-    """Return the folder for compiled kernels: BALANCE_ROPE_CACHE, or balance-rope in the user's cache folder."""
+    """Return the folder for compiled code: BALANCE_ROPE_CACHE, or balance-rope in the user's cache folder.
+
+    Where that cannot be written it is a folder of the user's own in the temporary one.
+    """
     if chosen := os.environ.get("BALANCE_ROPE_CACHE"):
         return Path(chosen)
     base = os.environ.get("LOCALAPPDATA") or os.environ.get("XDG_CACHE_HOME")
     try:
-        return Path(base or Path.home() / ".cache") / "balance-rope"
+        usual = Path(base or Path.home() / ".cache") / "balance-rope"
     except RuntimeError:  # no home directory
-        return Path(tempfile.gettempdir()) / "balance-rope"
+        return _temporary_cache(Path(tempfile.gettempdir()))
+    return _writable_cache(usual, Path(tempfile.gettempdir()))
+
+
+@cache
+def _writable_cache(usual: Path, temporary: Path) -> Path:
+    """Return the usual folder, or that in the temporary one if nothing can be written there."""
+    try:
+        usual.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=usual):
+            return usual
+    except OSError as error:
+        other = _temporary_cache(temporary)
+        log.warning(
+            "%s cannot be written (%s): compiled code is kept in %s; name another folder in BALANCE_ROPE_CACHE",
+            usual,
+            error.strerror,
+            other,
+        )
+        return other
+
+
+@cache
+def _temporary_cache(temporary: Path) -> Path:
+    """Return a folder that this user alone can write: libraries are loaded from it."""
+    user = os.getuid() if sys.platform != "win32" else getpass.getuser()
+    folder = temporary / f"balance-rope-{user}"
+    with suppress(FileExistsError):
+        folder.mkdir(mode=0o700)
+    if sys.platform == "win32":
+        return folder
+    seen = folder.lstat()
+    if stat.S_ISDIR(seen.st_mode) and seen.st_uid == user and not seen.st_mode & 0o022:
+        return folder
+    return Path(tempfile.mkdtemp(prefix="balance-rope-", dir=temporary))  # somebody else has taken the name
 
 
 def build_library(
@@ -192,7 +233,8 @@ def link_library(
         # relative names in a scratch folder keep paths of this machine out of the library
         files = [os.path.relpath(file, folder) for file in objects]
         _run([*command, *files, "-o", name, "-lm", *more], Path(folder))
-        (Path(folder) / name).replace(library)
+        with whole_file(library) as draft:
+            (Path(folder) / name).replace(draft)
 
 
 def make_once(file: Path, make: Callable[[], None]) -> Path:
@@ -202,9 +244,13 @@ def make_once(file: Path, make: Callable[[], None]) -> Path:
     """
     if file.exists():
         return file
-    file.parent.mkdir(parents=True, exist_ok=True)
     lock = file.with_name(f"{file.name}.lock")
-    with lock.open("w") as handle:
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        handle = lock.open("w")
+    except OSError as error:
+        raise write_error(file, error) from error
+    with handle:
         if sys.platform != "win32":
             import fcntl
 
@@ -252,7 +298,8 @@ def compile_objects(sources: Mapping[str, str], command: Sequence[str], objects:
             # relative names in the folder keep paths of this machine out of the code
             new = Path(scratch) / objects[file].name
             _run([*command, "-c", file, "-o", new.name], Path(scratch))
-            new.replace(objects[file])  # atomic, as several processes may build it at once
+            with whole_file(objects[file]) as draft:  # several processes may build it at once
+                new.replace(draft)
 
         list(threads.map(compile_one, missing))
 

@@ -18,7 +18,7 @@ position are proportional to it.  Works on numbers and CasADi expressions.
 import math
 from typing import Any, NamedTuple
 
-from rope_model.physics.elementary import hypot, less, maximum, sqrt, where
+from rope_model.physics.elementary import hypot, less, maximum, sqrt, sum_of, where
 from rope_model.physics.estimates import bending_length
 from rope_model.physics.shaft import KINDS
 
@@ -45,7 +45,7 @@ def add_contact(scene: Any, sums: Any, h: Any, pressures: Any, longest: Any) -> 
     ``longest`` (m) is the length of the longest element near a body, 0 for none.
     """
     fraction = h / (h + hypot(delay(scene, longest), 0.5 * h))
-    pressure = sum(pressures[: len(KINDS)], start=0.0)
+    pressure = sum_of(pressures[: len(KINDS)])
     first, second = sums.followed
     first = first + fraction * (pressure - first)
     second = second + fraction * (pressure - first - second)

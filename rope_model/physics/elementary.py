@@ -5,7 +5,9 @@ A formula written with these has one text: Python evaluates it, and C is printed
 """
 
 import math
+from collections.abc import Iterable
 from functools import reduce
+from operator import add
 from typing import Any
 
 import casadi as ca
@@ -28,6 +30,11 @@ def ceil(x: Any) -> Any:
 def floor(x: Any) -> Any:
     """Return the largest whole number that is not above ``x``."""
     return float(math.floor(x)) if isinstance(x, _NUMBER) else _library(x).floor(x)
+
+
+def nearest_whole(x: Any) -> Any:
+    """Return the whole number nearest to ``x``, whatever the processor's rounding mode; the larger of two."""
+    return floor(x + 0.5)
 
 
 def exp(x: Any) -> Any:
@@ -104,6 +111,14 @@ def unit_sign(x: Any) -> Any:
     if isinstance(x, float):
         return math.copysign(1.0, x)
     return np.copysign(1.0, x) if isinstance(x, np.ndarray) else ca.copysign(1.0, x)
+
+
+def sum_of(terms: Iterable[Any], start: Any = 0.0) -> Any:
+    """Return the sum of ``start`` and the terms, added from left to right and rounded each time, as in C.
+
+    The builtin ``sum`` of floats compensates for the rounding since Python 3.12: its bits depend on the version.
+    """
+    return reduce(add, terms, start)
 
 
 def dot(a: Any, b: Any) -> Any:

@@ -22,7 +22,7 @@ with the constant of the loop at rest.
 
 from typing import Any, NamedTuple
 
-from rope_model.physics.elementary import hypot, less, minimum, where
+from rope_model.physics.elementary import hypot, less, minimum, sum_of, where
 
 #: guards; the code of a cause is its index, counted from 1
 CAUSES = ("rise", "window", "clearance", "turns", "torque")
@@ -46,7 +46,7 @@ def thresholds(guard: Any) -> tuple[Any, ...]:
 
 def has_guards(guard: Any) -> Any:
     """Return a number above 0 if there is any guard, else 0."""
-    return sum(thresholds(guard)[1:], guard.rise)
+    return sum_of(thresholds(guard)[1:], guard.rise)
 
 
 def loop_height(rope: Any, layout: Any, lowest: Any, left: Any, right: Any) -> Any:

@@ -9,8 +9,11 @@ tangent, it is turned by theta and its angle a at the left end:
 
     k0 = x (cos(a + theta) e1 + sin(a + theta) e2) + y (cos(a + theta) e2 - sin(a + theta) e1)
 
-with e1 = Z, e2 = -X at the left end, where the tangent is -Y.  So a = 0 bends the rope as the loop between two
-conveyances is bent.  x is the uniform curvature plus additions in its direction, y the sum of additions across it.
+with e1 = Z, e2 = -X at the left end where its tangent is -Y.  So a = 0 bends the rope as the loop between two
+conveyances is bent.  A left end that leans, a clamp or a hinge, carries e1 with its tangent without turning about it,
+as its section follows the tangent: physics.frame.
+
+x is the uniform curvature plus additions in its direction, y the sum of additions across it.
 
 Within an element the smallest rotation from the left node's tangent p to t carries e1, which is then turned back by the
 frame's turning about the tangent (physics.frame), integrated over the three Gauss points.
@@ -25,8 +28,15 @@ from rope_model.physics.element import POINTS, WEIGHTS
 from rope_model.physics.elementary import cos, dot, hypot, maximum, sin, sqrt
 from rope_model.physics.frame import parallel_transport, rotate_about_tangent, smallest_rotation_rate
 
-#: e1 at the left end, where the tangent is -Y
+#: the left end's tangent where it is plumb, and e1 there
+PLUMB = (0.0, -1.0, 0.0)
 START = (0.0, 0.0, 1.0)
+
+
+def carried_director(e1: Any, before: Any, after: Any) -> tuple[Any, Any, Any]:
+    """Return ``e1`` (3,) of the left end after its r' has turned from ``before`` to ``after`` (3,)."""
+    x, y, z = parallel_transport(_unit(before), _unit(after), e1)
+    return x, y, z
 
 
 def _integrals_to(bounds: tuple[float, ...]) -> tuple[tuple[float, ...], ...]:

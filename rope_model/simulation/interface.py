@@ -175,7 +175,8 @@ class BalanceRope(ABC):
     def added_mass(self) -> tuple[float, float]:
         """Return the added masses of the left and right end [kg]: downward force per upward acceleration of the end.
 
-        The acceleration is held over an interval as long as the last, from the present state on.
+        Both are those at the end of the last interval. The acceleration grows over it from 0, in proportion to the
+        time. The native rope alone computes them.
         """
         left, right = self.signals(("left.added_mass", "right.added_mass")).values()
         return left, right

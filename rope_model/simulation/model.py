@@ -13,6 +13,7 @@ from rope_model.parameters import Scene
 from rope_model.physics.accuracy import BOUNDED_STEP_ERROR, add_errors, effective_tolerance, step_error, step_limits
 from rope_model.physics.contact_error import add_contact
 from rope_model.physics.element import parameters
+from rope_model.physics.elementary import sum_of
 from rope_model.physics.energy_balance import after_step as account_of_step
 from rope_model.physics.energy_balance import with_energies
 from rope_model.physics.shaft import KINDS
@@ -49,7 +50,7 @@ class RopeModel:
             ends = ends_of(latest)
             alike = ends.paths is state.paths and ends.offsets is state.offsets
             system = (latest if alike else latest.with_boundary(self.ends(state))).with_reference(
-                state.motion.q, state.hysteresis
+                state.motion.q, state.hysteresis, state.director
             )
         else:
             node_mass = np.zeros((state.partition.lengths.size + 1, 7))
@@ -69,6 +70,7 @@ class RopeModel:
                 partial(self.kernels.of, fidelity, (*along, *obstacles.kinds) if obstacles else along),
                 scene.rope,
                 state.hysteresis,
+                state.director,
             )
         self._latest[:] = [(key, system)]
         return self.with_host_forces(system, state.motion.t)
@@ -209,7 +211,8 @@ def update_angles(system: RopeSystem, state: RopeState) -> RopeState:
     for x, more in zip(fields, (*gained, gained[2]), strict=True):
         x[:, ANGLE] += more
     offsets = state.offsets[0], state.offsets[1] + float(gained[0, -1])
-    return state._replace(motion=alpha.Motion(m.t, q, v, a, b, m.a_rate, m.h, m.reaction), offsets=offsets)
+    motion = alpha.Motion(m.t, q, v, a, b, m.a_rate, m.h, m.reaction)
+    return state._replace(motion=motion, offsets=offsets, director=system.carried_director(m.q))
 
 
 def ends_of(system: RopeSystem) -> HangingEnds:
@@ -224,8 +227,8 @@ def load_on(ends: HangingEnds, motion: alpha.Motion, system: RopeSystem) -> Load
     loads = [tuple(external[name] for name in names) for names in (_CONTACT_LOAD, _AIR_LOAD)]
     for side, node in enumerate(END_NODE):
         q, R = motion.q[node].tolist(), motion.reaction[node].tolist()
-        loads.append(end_load(q, R, ends.moment(side, motion.reaction)))
-    total = tuple(sum(parts) for parts in zip(*loads, strict=True))
+        loads.append(end_load(q, R, ends.moment(side, motion.q, motion.reaction)))
+    total = tuple(sum_of(parts) for parts in zip(*loads, strict=True))
     if system.kernels.fidelity == "planar":  # a planar rope does not feel forces across its plane
         return total[0], total[1], 0.0, 0.0, 0.0, total[5]
     return total
@@ -252,7 +255,7 @@ def powers(system: RopeSystem, motion: alpha.Motion) -> Powers:
     ends, at_ends, at_swivels = ends_of(system), 0.0, 0.0
     for side, node in enumerate(END_NODE):
         force, velocity = motion.reaction[node, POSITION], motion.v[node, POSITION]
-        moment = ends.moment(side, motion.reaction)
+        moment = ends.moment(side, motion.q, motion.reaction)
         at_ends += float(force @ velocity)
         if ends.swivels[side].attachment == "clamped":
             at_ends += float(motion.reaction[node, SLOPE] @ motion.v[node, SLOPE])

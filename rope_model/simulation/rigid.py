@@ -62,17 +62,6 @@ def rigid_tension(motion: Motion, s: Array, y: Array, rho: float, gravity: float
     return np.asarray(tension(rho, gravity, rate, float(motion.reaction[0, 1]), rise, s))
 
 
-def tension_change(scene: Scene, ends: Ends, side: int, axis: int, change: Array) -> Array:
-    """Return the change of the end tensions (2,), N, by a ``change`` (3,) of one end's coordinate and its rates."""
-    names = (kind + "xyz"[axis] for kind in ("", "v", "a"))
-    moved = [*ends]
-    moved[side] = replace(
-        ends[side], **{name: getattr(ends[side], name) + d for name, d in zip(names, change, strict=True)}
-    )
-    before, after = (np.array(rigid_tensions(scene.rope, scene.layout, *motions).at_ends) for motions in (ends, moved))
-    return np.asarray(after - before)
-
-
 def flexible_start(system: RopeSystem, ends: HangingEnds, rigid: Motion) -> Motion:
     """Return a flexible rope in place of the rigid one, moving as the equilibria between the moving ``ends`` do.
 

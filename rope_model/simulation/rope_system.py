@@ -22,9 +22,10 @@ from rope_model.physics.air_element import AIR_BALANCE, AIR_SIZE, COEFFICIENTS_S
 from rope_model.physics.contact import CONTACT_MARGIN, largest_motion
 from rope_model.physics.contact_element import CONTACT_BALANCE
 from rope_model.physics.element import BALANCE, NODE_DOF, PARAMETERS
+from rope_model.physics.initial_curvature import START, carried_director
 from rope_model.physics.point_forces import point_load
 from rope_model.physics.wire_element import HISTORY_SIZE, TANGENT_SIZE
-from rope_model.simulation.curvature import curved_reference, is_curved
+from rope_model.simulation.curvature import Director, curved_reference, is_curved
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.wires import NO_HYSTERESIS, HysteresisUpdate, history, latest_tangent, update_hysteresis
 
@@ -60,6 +61,11 @@ class Obstacles(Protocol):
         """Return the least distance (m) of each element from each body (elements, bodies)."""
 
 
+#: rounds in which the friction of a swivel whose end may lean settles, and its relative error then
+FRICTION_ITERATIONS = 20
+FRICTION_ERROR = 1e-9
+
+
 class Boundary(Protocol):
     """Boundary conditions and loads of the ends; arrays of shape (nodes, 7)."""
 
@@ -74,6 +80,9 @@ class Boundary(Protocol):
 
     def friction_load(self, nodes: int) -> Array:
         """Return the loads per newton of the node's own vertical reaction, where it pulls upwards: friction."""
+
+    def slanted_friction(self, q: Array, reaction: Array) -> Array | None:
+        """Return the friction at these tensions of swivels whose ends may lean (nodes, 7); None if none slips."""
 
 
 class Losses(NamedTuple):
@@ -105,6 +114,7 @@ class RopeSystem:
         self, kernels: RopeKernels, lengths: Array, P: Array, boundary: Boundary, reference: Array,
         node_mass: Array | None = None, obstacles: Obstacles | None = None,
         contact_kernels: Callable[[], RopeKernels] | None = None, rope: Rope | None = None, z: Array = NO_HYSTERESIS,
+        director: Director = START,
     ) -> None:  # fmt: skip
         nodes = lengths.size + 1
         self.obstacles, self._contact_kernels = obstacles, contact_kernels
@@ -116,6 +126,7 @@ class RopeSystem:
         self._motion = np.array([largest_motion(longest, unit, np.zeros_like(unit)) for unit in units]).T
         self.kernels, self.lengths, self.P, self.boundary = kernels, lengths, P, boundary
         self.reference, self.z, self._rope = reference, z, rope
+        self.director = director
         self.free = boundary.free(nodes)
         self.load = self._dead_load = boundary.load(nodes)
         self.host_forces: Array | None = None
@@ -129,7 +140,9 @@ class RopeSystem:
     def _refer(self) -> None:
         self.frames = self.kernels.reference(self.reference, self.lengths)[0]
         if self._rope is not None and is_curved(self._rope, self.kernels.fidelity):
-            self.frames = np.hstack((self.frames, curved_reference(self._rope, self.reference, self.lengths)))
+            self.frames = np.hstack(
+                (self.frames, curved_reference(self._rope, self.reference, self.lengths, self.director))
+            )
         if self._rope is not None and self.z.size:
             self.frames = np.hstack((self.frames, np.zeros((self.lengths.size, HISTORY_SIZE + TANGENT_SIZE))))
             strains = self.strains(self.reference, np.zeros_like(self.reference))
@@ -151,11 +164,19 @@ class RopeSystem:
         other._constants = self.lengths, self.frames, *other._loads
         return other
 
-    def with_reference(self, q: Array, z: Array = NO_HYSTERESIS) -> RopeSystem:
-        """Return this system with the frame counted from ``q``, where its wires have ``z``."""
-        if q is self.reference and z is self.z:
+    def carried_director(self, q: Array) -> Director:
+        """Return e1 of the permanent curvature at the left end as the rope moves from the reference to ``q``."""
+        return carried_director(self.director, self.reference[0, SLOPE].tolist(), q[0, SLOPE].tolist())
+
+    def with_reference(self, q: Array, z: Array = NO_HYSTERESIS, director: Director | None = None) -> RopeSystem:
+        """Return this system with the frame counted from ``q``, where its wires have ``z``.
+
+        ``director`` is e1 of the permanent curvature at the left end; None if the rope moves there from the reference.
+        """
+        if q is self.reference and z is self.z and director in (None, self.director):
             return self
         other = self._alike()
+        other.director = self.carried_director(q) if director is None else director
         other.reference, other.z = q, z
         other._refer()
         return other
@@ -217,11 +238,35 @@ class RopeSystem:
         if self.z.size:
             return self._iterate(near, x, c, tolerance)
         kernels, constants, P = self._with_bodies(near, x.q, x.v)
+        friction = self.boundary.slanted_friction(x.q, x.R)
+        if friction is not None:
+            return self._rubbed(near, x, c, tolerance, friction)
         # the friction of a swivel depends on the reaction, which the tangent leaves out
         good = before is not None and tolerance <= SMALL and not near.any() and not self._constants[3].any()
         method = self._free, P, c, self._scale, tolerance, x.q if before is None else before, GOOD if good else UNKNOWN
         q, v, a, reaction, sums, progress = kernels.solve(*x, *constants, *method)
         return Solution(q, v, a, self._evaluation(v, reaction, kernels.balance, sums), report(progress.tolist()))
+
+    def _rubbed(self, near: Near, x: Iterate, c: Array, tolerance: float, friction: Array) -> Solution[Evaluation]:
+        """Solve with the ``friction`` of swivels whose ends may lean, until it is that of the solution's tensions."""
+        kernels, constants, P = self._with_bodies(near, x.q, x.v)
+        method = self._free, P, c, self._scale, tolerance, x.q, UNKNOWN
+        for _ in range(FRICTION_ITERATIONS):
+            loaded = self._with_friction(constants, friction)
+            q, v, a, reaction, sums, progress = kernels.solve(*x, *loaded, *method)
+            newton_report = report(progress.tolist())
+            after = self.boundary.slanted_friction(q, reaction)
+            assert after is not None
+            if not newton_report.converged or np.abs(after - friction).max() <= FRICTION_ERROR * np.abs(after).max():
+                break
+            x, friction = Iterate(q, v, a, reaction), after
+        return Solution(q, v, a, self._evaluation(v, reaction, kernels.balance, sums), newton_report)
+
+    @staticmethod
+    def _with_friction(constants: tuple[Array, ...], friction: Array | None) -> tuple[Array, ...]:
+        """Return ``constants`` with this ``friction`` in the load."""
+        lengths, frames, load, *others = constants
+        return constants if friction is None else (lengths, frames, load + friction, *others)
 
     def _iterate(self, near: Near, x: Iterate, c: Array, tolerance: float) -> Solution[Evaluation]:
         """Solve where a tangent depends on the previous one (wires), or where elements far apart are coupled."""
@@ -230,7 +275,8 @@ class RopeSystem:
         solve: _Solver
 
         def evaluated(q: Array, v: Array, a: Array, known: Array) -> Evaluation:
-            R, sums = kernels.evaluate(q, v, a, known, *constants, P)
+            loaded = self._with_friction(constants, self.boundary.slanted_friction(q, known))
+            R, sums = kernels.evaluate(q, v, a, known, *loaded, P)
             return self._with_touches(self._evaluation(v, R, kernels.balance, sums), q, v)
 
         def factorized(at: Iterate) -> _Solver:
@@ -284,13 +330,15 @@ class RopeSystem:
 
     def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
-        x, R = kernels.newton_step(q, v, a, reaction, *constants, self._free, P, c)
+        loaded = self._with_friction(constants, self.boundary.slanted_friction(q, reaction))
+        x, R = kernels.newton_step(q, v, a, reaction, *loaded, self._free, P, c)
         return x, R
 
     def evaluate(self, q: Array, v: Array, a: Array, reaction: Array) -> Evaluation:
         """Evaluate residual and balance; the kinetic energy includes concentrated masses."""
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
-        R, sums = kernels.evaluate(q, v, a, reaction, *constants, P)
+        loaded = self._with_friction(constants, self.boundary.slanted_friction(q, reaction))
+        R, sums = kernels.evaluate(q, v, a, reaction, *loaded, P)
         return self._evaluation(v, R, kernels.balance, sums)
 
     def _evaluation(self, v: Array, R: Array, names: tuple[str, ...], sums: Array) -> Evaluation:

@@ -22,10 +22,11 @@ from rope_model.physics.centreline import suspension_points
 from rope_model.simulation.contact.bodies import NO_ROOM
 from rope_model.simulation.contact.point_forces import PointForces, at_places, elements_at, nodal_forces
 from rope_model.simulation.contact.shaft import MONITOR_INTERVAL, update_passages
-from rope_model.simulation.ends.ends import HangingEnds, clamp_axis, refusal, right_offset, stale_input_error
+from rope_model.simulation.curvature import start_director
+from rope_model.simulation.ends.ends import HangingEnds, refusal, right_offset, stale_input_error
 from rope_model.simulation.ends.filter_program import filter_program, filter_step
 from rope_model.simulation.ends.input_filter import InputFilter, path_measures, settings_of
-from rope_model.simulation.ends.paths import END_NODE, RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
+from rope_model.simulation.ends.paths import RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
 from rope_model.simulation.ends.swivel_phases import Phase, SwivelState
 from rope_model.simulation.fidelity import choose_fidelity, unsupported_motion
 from rope_model.simulation.interface import BalanceRope, Snapshot, Status, state_in
@@ -40,7 +41,7 @@ from rope_model.simulation.outputs.guards import set_rise_reference, update_guar
 from rope_model.simulation.outputs.signal_table import checked_names
 from rope_model.simulation.outputs.signals import group_of
 from rope_model.simulation.rope_kernels import KernelCache
-from rope_model.simulation.rope_system import ANGLE, SLOPE, Array, RopeSystem
+from rope_model.simulation.rope_system import ANGLE, Array, RopeSystem
 from rope_model.simulation.state import RopeState
 from rope_model.simulation.stepping.hang import hang, paths_at_rest
 from rope_model.simulation.stepping.statics import StaticsError, hanging_guess
@@ -91,7 +92,6 @@ class RopeSimulator(BalanceRope):
         self._system: RopeSystem | None = None
         self._loop: LoopBottom | None = None
         self._signals: dict[str, float] = {}  # cache for the present state
-        self._unmoved: tuple[RopeSystem, Array, Array] | None = None  # reference of `answer`
 
     @property
     def scene(self) -> Scene:
@@ -207,6 +207,7 @@ class RopeSimulator(BalanceRope):
                 loop_yaw=ends_yaw(guess),
                 fidelity=fidelity,
                 fidelity_reason=reason,
+                director=start_director(guess),
             )
             state = as_rigid(self.model, state, t) if fidelity == "rigid" else hang(self.model, state, (left, right))
         except (StaticsError, ValueError) as error:
@@ -294,30 +295,6 @@ class RopeSimulator(BalanceRope):
             system.with_forces(fraction * nodal).newton_step(m.q, m.v, m.a, m.reaction, c)[0] for fraction in (0.0, 1.0)
         )
         return at_places(moved - alone, *elements_at(forces.s, system.lengths))
-
-    def answer(self, side: int, dof: int, change: Array) -> tuple[Array, Array]:
-        """Return q and reactions after a ``change`` of an end's coordinate in q, q_t, q_tt at the last step's end.
-
-        The rest of the rope responds by the linearised equations of that step.  Degrees of freedom beyond q are the
-        leans of a clamp.
-        """
-        m, system, c = self.state.motion, self.system, self.model.method.newton(self.state.last_interval)
-        if self._unmoved is None or self._unmoved[0] is not system:
-            self._unmoved = system, *system.newton_step(m.q, m.v, m.a, m.reaction, c)
-        _, unperturbed, reaction = self._unmoved
-        if not change.any():
-            return m.q, reaction
-        node, q, v, a = END_NODE[side], m.q.copy(), m.v.copy(), m.a.copy()
-        if dof > ANGLE:
-            leans = np.array(self.state.paths[side].lean_motion(m.t))
-            leans[dof - ANGLE - 1] += change
-            q[node, SLOPE], v[node, SLOPE], a[node, SLOPE] = (1 - 2 * side) * np.array(clamp_axis(*leans))
-        else:
-            for x, dx in zip((q, v, a), change, strict=True):
-                x[node, dof] += dx
-        y = system.newton_step(q, v, a, m.reaction, c)[0] - unperturbed
-        q += y
-        return q, system.evaluate(q, v + c[1] * y, a + c[2] * y, m.reaction).reaction
 
     def _accept(self, state: RopeState) -> None:
         self._state, self._system, self._loop, self._signals = state, None, None, {}

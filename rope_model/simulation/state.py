@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import fields, is_dataclass
 from enum import Enum
-from itertools import repeat
-from typing import Any, NamedTuple, get_args, get_origin, get_type_hints
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,11 +16,12 @@ from rope_model.physics.accuracy import ErrorSums
 from rope_model.physics.contact_error import ContactSums
 from rope_model.physics.energy_balance import residual, total
 from rope_model.physics.guard import GuardState
+from rope_model.physics.initial_curvature import START
 from rope_model.physics.shaft import KINDS
 from rope_model.shaft_parameters import FAR
 from rope_model.simulation.ends.input_filter import InputFilter
 from rope_model.simulation.ends.paths import EndPath
-from rope_model.simulation.ends.swivel_phases import SwivelState
+from rope_model.simulation.ends.swivel_phases import Phase, SwivelState
 from rope_model.simulation.fidelity import Fidelity
 from rope_model.simulation.mesh.partition import Partition
 from rope_model.simulation.outputs.audit import Audit
@@ -137,6 +138,7 @@ class RopeState(NamedTuple):
     crossing: Crossing = Crossing()
     monitored_at: float = 0.0  # s, instant of nearest, crossing and guard
     guard: GuardState = GuardState()
+    director: tuple[float, float, float] = START  # e1 of physics.initial_curvature at the left end
     hysteresis: Array = NO_HYSTERESIS  # 1/m, z of simulation.wires
 
     def to_bytes(self) -> bytes:
@@ -152,7 +154,7 @@ class RopeState(NamedTuple):
         try:
             start = 8 + int.from_bytes(data[:8], "little")
             rest = np.frombuffer(data[start:], "<f8").astype(np.float64).tolist()
-            state: RopeState = _rebuild(RopeState, json.loads(data[8:start]), rest)
+            state: RopeState = _rebuild("state", json.loads(data[8:start]), rest)
             if rest:
                 raise ValueError(f"{8 * len(rest)} of them too many")
             return state
@@ -160,29 +162,63 @@ class RopeState(NamedTuple):
             raise ValueError(f"these {len(data)} bytes are not a rope state ({error})") from error
 
 
+#: kinds of records and of choices, by the field that holds one or a tuple of them
+_KINDS: dict[str, type[Any]] = {
+    "state": RopeState,
+    "motion": Motion,
+    "partition": Partition,
+    "swivels": SwivelState,
+    "phase": Phase,
+    "paths": EndPath,
+    "filters": InputFilter,
+    "events": Event,
+    "energy_balance": EnergyBalance,
+    "errors": ErrorSums,
+    "contact": ContactSums,
+    "powers": Powers,
+    "counts": Counts,
+    "audit": Audit,
+    "nearest": Nearest,
+    "crossing": Crossing,
+    "guard": GuardState,
+}
+#: members of the JSON objects of a record (its values in the order of its fields), an array and a choice
+_RECORD = "of"
+_ARRAY = "shape"
+_CHOICE = "is"
+
+
+def _names(record: Any) -> Sequence[str]:
+    """Return the names of the fields of a data class or a named tuple, or () for anything else."""
+    if is_dataclass(record):
+        return [field.name for field in fields(record)]
+    return getattr(record, "_fields", ())
+
+
 def _plain(x: Any, arrays: list[Array]) -> Any:
-    """Return ``x`` for JSON: structures as lists, arrays as their shapes; the arrays are appended to ``arrays``."""
+    """Return ``x`` for JSON: records, arrays and choices as objects; the arrays are appended to ``arrays``."""
     if isinstance(x, np.ndarray):
         arrays.append(x)
-        return x.shape
-    if is_dataclass(x):
-        x = tuple(getattr(x, field.name) for field in fields(x))
+        return {_ARRAY: x.shape}
+    if names := _names(x):
+        return {_RECORD: [_plain(getattr(x, name), arrays) for name in names]}
     if isinstance(x, tuple):
         return [_plain(part, arrays) for part in x]
-    return x.value if isinstance(x, Enum) else x
+    return {_CHOICE: x.value} if isinstance(x, Enum) else x
 
 
-def _rebuild(kind: Any, plain: Any, rest: list[float]) -> Any:
-    """Return the value of type ``kind`` that became ``plain``; arrays are taken from the numbers ``rest``."""
-    if get_origin(kind) is np.ndarray:
-        array = np.array(rest[: math.prod(plain)]).reshape(plain)
-        del rest[: math.prod(plain)]
+def _rebuild(field: str, plain: Any, rest: list[float]) -> Any:
+    """Return the value of the ``field`` that became ``plain``; arrays are taken from the numbers ``rest``."""
+    if isinstance(plain, list):
+        return tuple(_rebuild(field, part, rest) for part in plain)
+    if not isinstance(plain, dict):
+        return plain
+    if _CHOICE in plain:
+        return _KINDS[field](plain[_CHOICE])
+    if _ARRAY in plain:
+        count = math.prod(plain[_ARRAY])
+        array = np.array(rest[:count]).reshape(plain[_ARRAY])
+        del rest[:count]
         return array
-    if get_origin(kind) is tuple:
-        parts = get_args(kind)
-        kinds = repeat(parts[0]) if Ellipsis in parts else parts
-        return tuple(_rebuild(part, x, rest) for part, x in zip(kinds, plain, strict=Ellipsis not in parts))
-    if is_dataclass(kind) or hasattr(kind, "_fields"):
-        hints = get_type_hints(kind).values()
-        return kind(*(_rebuild(part, x, rest) for part, x in zip(hints, plain, strict=True)))
-    return kind(plain) if isinstance(kind, type) and issubclass(kind, Enum) else plain
+    kind, values = _KINDS[field], plain[_RECORD]
+    return kind(*(_rebuild(name, x, rest) for name, x in zip(_names(kind), values, strict=True)))

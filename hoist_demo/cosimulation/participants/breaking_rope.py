@@ -22,10 +22,12 @@ from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.participants.rope_group import WholeRope
+from hoist_demo.cosimulation.plain_data import from_bytes, to_bytes
 from hoist_demo.cosimulation.schemes.interface import ENDS, Reader
 from hoist_demo.parameters import GRAVITY
 from rope_model import BalanceRope, EndMotion, Status
 
+_TAG = "rope that breaks"
 _NOTHING = tuple(f"{end}.{name}" for end in ENDS for name in ("fx", "fz", "mx", "my", "mz"))
 
 
@@ -139,10 +141,19 @@ class BreakingRope:
         self._rope.restore(rope_snapshot)
 
     def to_bytes(self, snapshot: Any) -> bytes:
-        raise RuntimeError("the state of a rope that breaks cannot be written: wind it in one run")
+        """Return a snapshot as bytes, with the break that it is bound to."""
+        rope_snapshot, ends, pieces, shown = snapshot
+        return to_bytes((_TAG, self._at, self._rope.to_bytes(rope_snapshot), ends, pieces, shown))
 
     def from_bytes(self, data: bytes) -> Any:
-        raise ValueError("the state of a rope that breaks cannot be read: wind it in one run")
+        """Return the snapshot that `to_bytes` was given; ValueError for the state of another rope or break."""
+        tag, at, rope, ends, pieces, shown = from_bytes(data)
+        if (tag, at) != (_TAG, self._at):
+            raise ValueError(
+                f"the state must be that of a rope with breaks_at = {self._at.t:g} s and breaks_s = {self._at.s:g} m: "
+                "give the hoist of that run"
+            )
+        return self._rope.from_bytes(rope), ends, pieces, shown
 
     def units(self) -> dict[str, str]:
         return self._rope.units()

@@ -143,6 +143,11 @@ def rope_data_of(scene: rope_model.Scene) -> RopeData:
     return RopeData({}, {p.name: p.value for p in named}, {p.name: p.facts.unit or "1" for p in named})
 
 
+def values_by_name(scene: rope_model.Scene) -> dict[str, Value]:
+    """Return all parameters of a scene by FMI name, choices by code."""
+    return {p.name: p.value for p in named_parameters(scene)}
+
+
 def rope_scene(
     parameters: Mapping[str, Value], level: rope_model.Level = "standard", suspension: SuspensionOffset | None = None
 ) -> rope_model.Scene:

@@ -17,10 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.participants.rope_data import RopeData
+from hoist_demo.cosimulation.plain_data import from_bytes, to_bytes
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, ENDS, Reader, RopePlant
 from hoist_demo.parameters.suspension import MOVED, SuspensionOffset, moment_at, motion_at
 from rope_model import Account, BalanceRope, EndMotion, Neighbours, Status
 
+_TAG = "ropes of one hoist"
 MEANS = tuple(f"{end}.fy_mean" for end in ENDS)
 _ACTIONS = tuple(f"{end}.{name}" for end in ENDS for name in ("fx", "fy", "fz", "mx", "my", "mz"))
 _PLAIN = tuple(f"{end}.{name}" for end in ENDS for name in ("fy_mean", "added_mass"))  #: What is added up as it is.
@@ -131,10 +133,18 @@ class RopeGroup:
             member.rope.restore(one)
 
     def to_bytes(self, snapshot: Any) -> bytes:
-        raise RuntimeError("the state of several ropes cannot be written: wind them in one run")
+        """Return a snapshot of all ropes as bytes; RuntimeError for a rope whose state cannot be written."""
+        snapshots, own = snapshot
+        ropes = [m.rope.to_bytes(one) for m, one in zip(self.members, snapshots, strict=True)]
+        return to_bytes((_TAG, [m.name for m in self.members], ropes, own))
 
     def from_bytes(self, data: bytes) -> Any:
-        raise ValueError("the state of several ropes cannot be read: wind them in one run")
+        """Return the snapshot that `to_bytes` was given; ValueError for the state of other ropes."""
+        tag, names, ropes, own = from_bytes(data)
+        here = [m.name for m in self.members]
+        if (tag, names) != (_TAG, here):
+            raise ValueError(f"the state must be that of the ropes {', '.join(here)}: give one of this hoist")
+        return [m.rope.from_bytes(one) for m, one in zip(self.members, ropes, strict=True)], own
 
     def close(self) -> None:
         for member in self.members:

@@ -208,7 +208,7 @@ class CoupledSystem:
         return self._forces[: len(ENDS)], self._forces[len(ENDS) :]
 
     def added_mass(self) -> Vector:
-        """Return the fall of the forces per acceleration held over a step, (n,) [kg]; ValueError if it is unknown."""
+        """Return the fall of the forces per acceleration that grows over a step, (n,) [kg]; ValueError if unknown."""
         with self._clock:
             added = self._read_added_masses()
         if not np.isfinite(added).all():

@@ -14,6 +14,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from hoist_demo.parameters import ASSUMED_DATA
+from rope_model.files import write_text
 from rope_model.texts import html_text
 
 LONG = 24  #: Characters from which a value may break anywhere, such as a hash.
@@ -55,8 +56,7 @@ def running(files: Sequence[str], data: Mapping[str, object]) -> str:
 
 def write_html(path: Path, text: str) -> Path:
     """Write a page; the same text gives the same bytes on every system."""
-    path.write_text(text, encoding="utf-8", errors="replace", newline="\n")
-    return path
+    return write_text(path, text, errors="replace")
 
 
 def titled_table(title: str, rows: Sequence[Row]) -> str:

@@ -122,7 +122,7 @@ void update_passages(const Simulator *sim, State *state) {
     if (!near && crossing->net == 0 && fabs(state->loop_yaw - line) <= TURNED_FAR) return;
     const LoopBottom bottom = loop_bottom(nodal.nodes, nodal.q, nodal.s);
     const LoopTurns turns = loop_turns(&nodal, &bottom);
-    const double net = rint(turns_of(nearest_turn(bottom.yaw, state->loop_yaw), line, turns.number));
+    const double net = nearest_whole(turns_of(nearest_turn(bottom.yaw, state->loop_yaw), line, turns.number));
     const int first = net != crossing->net && crossing->number == 0;
     if (first) crossing->since = state->t;
     if (first) crossing->y = turns.sharpest_y;

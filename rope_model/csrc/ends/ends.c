@@ -1,5 +1,6 @@
 /* Checks of the host's motions, and moments of the swivels.  C version of rope_model/simulation/ends/ends.py. */
 
+#include "rope_system.h"
 #include "rules.h"
 
 enum { YAW = 3, AXES = 4, PEAKS = 6, LEAN = 11 };
@@ -55,8 +56,14 @@ void stale_input_error(const Inputs *inputs, double t, const InputFilter *end_fi
         say_inputs_frozen(message, SIDE_NAMES[side], t - end_filter->given_at, inputs->hold_max);
 }
 
+double ends_tension(const Scene *scene, int side, const double *q, const double *reaction) {
+    return tension_at_end(scene->swivels[side].attachment == PLUMB, side, q, reaction);
+}
+
 double ends_moment(const Scene *scene, const State *state, int side, const double *reaction) {
-    return moment_of_swivel(&scene->swivels[side], &state->swivels[side], reaction[1], reaction[ANGLE]);
+    const double *q = (const double *)(const void *)(state + 1); /* the first of the arrays behind a state */
+    const double tension = ends_tension(scene, side, end_row(q, state->elements + 1, side), reaction);
+    return moment_of_swivel(&scene->swivels[side], &state->swivels[side], tension, reaction[ANGLE]);
 }
 
 void ends_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2]) {

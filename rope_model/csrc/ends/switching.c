@@ -9,7 +9,8 @@ static double excess_of(const Simulator *sim, const State *state, int side, doub
     const double *R = end_row(nodal->reaction, nodal->nodes, side);
     double relative[2];
     ends_relative(state, side, t, q[ANGLE], v[ANGLE], relative);
-    return swivel_excess(&sim->scene.swivels[side], &state->swivels[side], R[1], R[ANGLE], relative[1]);
+    const double tension = ends_tension(&sim->scene, side, q, R);
+    return swivel_excess(&sim->scene.swivels[side], &state->swivels[side], tension, R[ANGLE], relative[1]);
 }
 
 static double excess(const Simulator *sim, const State *state, double t, const NodalArrays *nodal) {
@@ -116,6 +117,31 @@ void switch_swivels(Simulator *sim, State *state) {
     if (restarted) return;
     memcpy(state->swivels, swivels, sizeof swivels);
     model_restart(sim, state);
+}
+
+Phases phases_of(const State *state) {
+    Phases phases;
+    for (int side = LEFT; side <= RIGHT; side++) {
+        phases.phase[side] = (signed char)state->swivels[side].phase;
+        phases.sign[side] = (signed char)state->swivels[side].sign;
+    }
+    return phases;
+}
+
+void set_phases(Simulator *sim, State *state, const Phases *phases) {
+    const NodalArrays nodal = state_arrays(state);
+    int changed = 0;
+    for (int side = LEFT; side <= RIGHT; side++) {
+        SwivelState *now = &state->swivels[side];
+        if (now->phase == phases->phase[side] && now->sign == phases->sign[side]) continue;
+        changed = 1;
+        double relative[2];
+        ends_relative(state, side, state->t, end_row(nodal.q, nodal.nodes, side)[ANGLE], 0, relative);
+        if (now->phase == SLIP && phases->phase[side] != SLIP) now->angle = relative[0];
+        now->phase = phases->phase[side];
+        now->sign = phases->sign[side];
+    }
+    if (changed) model_restart(sim, state);
 }
 
 int chatters(const State *state) {

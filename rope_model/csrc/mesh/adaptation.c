@@ -3,6 +3,9 @@
 #include "rules.h"
 #include "simulator.h"
 
+/* Error that Newton's method may leave in a transformation that is made again, m and rad: it shows in differences. */
+#define REPEATED_ERROR 1e-11
+
 /* Enter the energy change of a transformation into the energy balance. */
 static void add_energy_change(Simulator *sim, State *state) {
     const double before = state->energy_balance.kinetic, change = model_energies(sim, state);
@@ -43,7 +46,9 @@ static int on_partition(Simulator *sim, State *state, int direction, const doubl
     memset(nodal.reaction + DOF, 0, sizeof(double) * DOF * (size_t)(nodal.nodes - 2));
     rope_system_refer(sim, state, nodal.q);
     const Solver *solver = &sim->scene.solver;
-    const double tolerance = effective_tolerance(solver->newton_tolerance, solver->work_max, BOUNDED_MESH_ERROR);
+    const double tolerance = sim->replay.repeating
+                                 ? REPEATED_ERROR
+                                 : effective_tolerance(solver->newton_tolerance, solver->work_max, BOUNDED_MESH_ERROR);
     double time = RELAXATION_TIME;
     Progress newton = dynamic_equilibrium(sim, state, time, tolerance);
     for (; newton.status != CONVERGED; newton = dynamic_equilibrium(sim, state, time, tolerance)) {
@@ -57,10 +62,12 @@ static int on_partition(Simulator *sim, State *state, int direction, const doubl
 }
 
 int transform_if_due(Simulator *sim, State *state) {
-    const double bottom_s = model_bottom_s(sim, state, state->t);
+    /* A step that is taken again transforms when the recorded one did. */
+    const Path *paths = sim->replay.repeating ? sim->replay.paths : state->paths;
+    const double bottom_s = model_bottom_s(sim, paths, state->t);
     double divider_s[DIVIDERS];
     int status = CONVERGED;
-    model_dividers(sim, state, state->t, divider_s);
+    model_dividers(sim, paths, state->t, divider_s);
     while (status == CONVERGED) {
         const int direction = (int)transformation_due(&state->pattern, bottom_s, DUE_EARLY);
         if (direction == 0 && !window_due(&state->pattern, divider_s)) break;
@@ -98,8 +105,4 @@ int raise_fidelity(Simulator *sim, State *state, const char *why, char *message)
     state->energy_balance.transformations += model_energies(sim, state);
     if (start_hysteresis(sim, state)) rope_system_refer(sim, state, nodal.q);
     return 1;
-}
-
-double nearest_turn(double angle, double last) {
-    return angle + 2 * PI * rint((last - angle) / (2 * PI));
 }

@@ -105,7 +105,7 @@ static int legs(int first, int last, double growth, int elements, const int *win
 
 /* Return the number of elements in segments I and VII together, for l near coarse_length. */
 static double outer_of(const Mesh *mesh, double length) {
-    return rint(length / mesh->coarse_length - inner_length(mesh->counts));
+    return nearest_whole(length / mesh->coarse_length - inner_length(mesh->counts));
 }
 
 int partition_elements(const Mesh *mesh, double length, const double *divider_s, char *message) {
@@ -185,7 +185,7 @@ void mesh_dividers(const Scene *scene, double left, double right, double *divide
 }
 
 static void place_windows(Pattern *pattern, const double *divider_s) {
-    for (int i = 0; i < DIVIDERS; i++) pattern->windows[i] = (int)rint(window_place(pattern, divider_s[i]));
+    for (int i = 0; i < DIVIDERS; i++) pattern->windows[i] = (int)nearest_whole(window_place(pattern, divider_s[i]));
 }
 
 int window_due(const Pattern *pattern, const double *divider_s) {
@@ -203,7 +203,7 @@ void partition(const Mesh *mesh, double length, double bottom_s, const double *d
     }
     double inner = inner_length(mesh->counts), outer = outer_of(mesh, length);
     double coarse = length / (outer + inner);
-    double first = rint(bottom_s / coarse - 0.5 * inner), least = min_outer(mesh->counts);
+    double first = nearest_whole(bottom_s / coarse - 0.5 * inner), least = min_outer(mesh->counts);
     first = first > least ? fmin(first, outer - least) : least;
     pattern->coarse = coarse;
     pattern->end_levels = mesh->end_levels;

@@ -24,3 +24,10 @@ Progress newton_judge(Progress before, double norm, double tolerance, int fresh,
     }
     return after;
 }
+
+Progress newton_repeated(Progress progress, int corrections) {
+    if (progress.status == NOT_FINITE) return progress;
+    progress.status = progress.iterations < corrections ? TOO_MANY : CONVERGED;
+    progress.applies = 1;
+    return progress;
+}

@@ -1,120 +1,218 @@
-/* Derivatives of the end loads.  C version of rope_model/simulation/outputs/sensitivity.py and RopeSimulator.answer. */
+/* Derivatives of the end loads with respect to the motions that the host gave for the last communication step.
+
+   The step is taken again from its start, along paths of the ends that differ by a small multiple of the derivative of
+   the path: the same internal steps, with the same numbers of Newton's corrections, transformations and phases of the
+   swivels.  The central difference of the loads at its end is the derivative of what the step computes.  The path's own
+   derivative is exact, as the input filter treats a small misfit otherwise than one that can be measured. */
 
 #include "messages.h"
+#include "rules.h"
 #include "simulator.h"
 
-/* Unperturbed step as long as the last: correction to trial.q, residual to trial.v, coefficients to c. */
-static void unperturbed_step(Simulator *sim, double c[3]) {
-    State *state = sim->state;
-    if (state->fidelity == RIGID) return;
-    const NodalArrays nodal = state_arrays(state);
-    const System sys = rope_system(sim, state);
-    const Coefficients method = {sim->scene.solver.rho_inf};
-    newton_coefficients(&method, state->last_interval, c);
-    chain_of(sim, state)
-        ->newton_step(&sys, sim->work, nodal.q, nodal.v, nodal.a, nodal.reaction, c, 0, sim->trial.q, sim->trial.v);
-}
+/* VECTORS: members of EndMotion before the yaw, three of each order */
+enum {
+    UP = 1,
+    VECTORS = 9,
+    ANGLE_PATH = 3,
+    AXES = 4,
+    PATHS = 6,
+    POWERS = 6,
+    OF_END = sizeof(EndMotion) / sizeof(double),
+    LOADS = 12
+};
 
-/* Linear response of the rope to a move of one degree of freedom of an end by d[0], d[1], d[2] in q, v, a at the end of
-   that step: state to `spare`, residual to trial.a. */
-static void answer(Simulator *sim, int side, int dof, const double d[3], const double c[3]) {
-    State *moved = sim->spare;
-    state_copy(sim, moved, sim->state);
-    const NodalArrays nodal = state_arrays(moved);
-    const System sys = rope_system(sim, moved);
-    const size_t size = (size_t)nodal.nodes * DOF, row = side ? size - DOF : 0, moving = row + (size_t)dof;
-    if (dof < DOF) {
-        nodal.q[moving] += d[0];
-        nodal.v[moving] += d[1];
-        nodal.a[moving] += d[2];
-    } else { /* the leans of a clamp follow the DOF */
-        double leans[2][3], n[3][3], *const end[3] = {nodal.q + row, nodal.v + row, nodal.a + row};
-        path_lean_motion(&moved->paths[side], moved->t, leans);
-        for (int k = 0; k < 3; k++) leans[dof - DOF][k] += d[k];
-        clamp_axis(leans[0], leans[1], n);
-        for (int k = 0; k < 9; k++) end[k / 3][SLOPE + k % 3] = (side ? -1 : 1) * n[k / 3][k % 3];
-    }
-    double *R = sim->trial.a, balance[BALANCE];
-    chain_of(sim, moved)->newton_step(&sys, sim->work, nodal.q, nodal.v, nodal.a, nodal.reaction, c, 0, sim->x, R);
-    for (size_t i = 0; i < size; i++) {
-        const double y = sim->x[i] - sim->trial.q[i];
-        nodal.q[i] += y;
-        nodal.v[i] += c[1] * y;
-        nodal.a[i] += c[2] * y;
-    }
-    chain_of(sim, moved)->evaluate(&sys, nodal.q, nodal.v, nodal.a, nodal.reaction, R, balance);
-}
+/* Largest changes of an end within the step, in m and in rad: large against rounding, and small against all that a
+   rope's stiffness changes with. */
+#define LARGEST_MOVE 1e-5
+#define LARGEST_TURN 1e-3
+/* Shortest time in which an end may move so, s: in less, the change of its speed is a strain of more than 1e-6. */
+#define SHORTEST_MOVE 1e-3
+/* Largest change of the acceleration of a rigid rope, m/s^2: its forces are exact, and must not go slack. */
+#define RIGID_ACCELERATION 1e-2
+
+/* Changes of the coefficients of the path of one end, x, y, z, yaw and leans. */
+typedef struct {
+    int side;
+    double coefficients[PATHS][POWERS];
+} Change;
 
 /* Forces and moments of the rope on both conveyances. */
-static void end_loads(const Simulator *sim, const State *state, const double *q, const double *R, double loads[12]) {
-    const int nodes = sim->trial.nodes;
+static void end_loads(const Simulator *sim, State *state, double loads[LOADS]) {
+    const NodalArrays nodal = state_arrays(state);
     for (int side = LEFT; side <= RIGHT; side++) {
-        const double *r = end_row(R, nodes, side);
-        conveyance_load(end_row(q, nodes, side), r, ends_moment(&sim->scene, state, side, r), loads + 6 * side);
+        const double *q = end_row(nodal.q, nodal.nodes, side), *R = end_row(nodal.reaction, nodal.nodes, side);
+        conveyance_load(q, R, ends_moment(&sim->scene, state, side, R), loads + 6 * side);
     }
 }
 
-/* Change of the end loads when an end moves by d as in `answer`; c is from unperturbed_step. */
-static void change_of_loads(Simulator *sim, int side, int dof, const double d[3], const double c[3],
-                            double change[12]) {
+/* Describe a step that has not been taken: as long as the last, with accelerations held. */
+static HostStep coming_step(const Simulator *sim, int at_step_end) {
     const State *state = sim->state;
-    memset(change, 0, sizeof(double) * 12);
-    if (state->fidelity == RIGID) { /* has no side forces and no moments */
-        const EndMotion ends[2] = {path_at(&state->paths[LEFT], state->t), path_at(&state->paths[RIGHT], state->t)};
-        double gained[2];
-        tension_change(&sim->scene, ends, side, dof, d, gained);
-        for (int end = LEFT; end <= RIGHT; end++) change[6 * end + 1] -= gained[end];
-        return;
-    }
-    double before[12];
-    end_loads(sim, state, state_arrays(sim->state).q, sim->trial.v, before);
-    answer(sim, side, dof, d, c);
-    end_loads(sim, sim->spare, state_arrays(sim->spare).q, sim->trial.a, change);
-    for (int k = 0; k < 12; k++) change[k] -= before[k];
-}
-
-/* Growth of each end's downward force per upward acceleration held over the last interval, kg. */
-void added_mass_signals(Simulator *sim, double *values) {
-    const double h = sim->state->last_interval, size = 1e-3;
-    const double d[3] = {0.5 * h * h * size, h * size, size};
-    double c[3], change[12];
-    unperturbed_step(sim, c);
+    HostStep host = {.stop = state->t + state->last_interval};
+    host.given_at = host.asked_at = at_step_end ? host.stop : state->t;
     for (int side = LEFT; side <= RIGHT; side++) {
-        change_of_loads(sim, side, 1, d, c, change);
-        values[side == LEFT ? SIGNAL_LEFT_ADDED_MASS : SIGNAL_RIGHT_ADDED_MASS] = -change[6 * side + 1] / size;
+        const Path held = path_coasting(&state->paths[side], state->t);
+        host.ends[side] = path_at(&held, host.given_at);
     }
+    return host;
 }
 
-int rope_load_derivative(Simulator *sim, int input, int at_step_end, double derivative[12]) {
-    /* perturbations in m, m/s, m/s^2 or rad, rad/s, rad/s^2: far above rounding, too small to bend the rope */
-    static const double sizes[3] = {1e-7, 1e-5, 1e-3};
-    enum { OF_END = sizeof(EndMotion) / sizeof(double) };
-    if (input < 0 || input >= 2 * OF_END) return say_no_such_input(sim->message, 2 * OF_END - 1);
-    if (!sim->initialized) return say_no_state(sim->message);
-    static const int orders[OF_END] = INPUT_ORDERS, dofs[OF_END] = INPUT_DOFS;
-    const int side = input / OF_END, order = orders[input % OF_END], dof = dofs[input % OF_END];
-    State *state = sim->state;
-    const FilterSettings settings = filter_settings(&sim->scene, sim->scene.inputs.given);
-    const double h = fmax(state->last_interval, MIN_AIM_TIME);
-    double sample[3] = {0}, d[3], c[3];
-    sample[order] = sizes[order] * (dof == ANGLE && side == LEFT ? -1 : 1);
-    if (dof == ANGLE && order == 1) sample[2] = sample[1] / fmax(h, MIN_MEAN_TIME); /* a path derives it */
-    if (dof > ANGLE)
-        lean_moves(h, at_step_end ? 0 : h, sample[0], d);
-    else
-        sample_moves(&settings, h, at_step_end ? 0 : h, sample, state->filters[side].explained[dof < ANGLE ? dof : 3],
-                     d);
-    memset(derivative, 0, sizeof(double) * 12);
-    /* The rigid rope does not depend on yaw and leans, friction not on the yaw. */
-    if (dof >= ANGLE && state->fidelity == RIGID) return 1;
-    if (dof == ANGLE && state->swivels[side].phase == SLIP) return 1;
-    if (dof > ANGLE && sim->scene.swivels[side].attachment != CLAMPED) return 1;
-    if (d[0] == 0 && d[1] == 0 && d[2] == 0) return 1; /* the input is not used */
-    unperturbed_step(sim, c);
-    change_of_loads(sim, side, dof, d, c, derivative);
-    for (int k = 0; k < 12; k++) {
-        derivative[k] /= sizes[order];
+/* Take the host's step from sim->state on, and record it. */
+static int record(Simulator *sim, const HostStep *host) {
+    Replay *replay = &sim->replay;
+    int event;
+    replay->count = 0;
+    replay->derived = 0;
+    rope_system_refer(sim, sim->state, state_arrays(sim->state).q);
+    replay->recording = 1;
+    const int done = take_host_step(sim, host, &event);
+    replay->recording = 0;
+    if (!done) return 0;
+    if (replay->count > MAX_TAKEN) return say_too_many_to_differentiate(sim->message, replay->count, MAX_TAKEN);
+    const State *end = sim->next;
+    memcpy(replay->paths, end->paths, sizeof replay->paths);
+    replay->fidelity = end->fidelity;
+    replay->after = phases_of(end);
+    replay->duration = end->t - sim->state->t;
+    replay->known = 1;
+    return 1;
+}
+
+/* Take the recorded step again, with `times` the change added to the paths. */
+static int repeat(Simulator *sim, const Change *change, double times, double loads[LOADS]) {
+    const Replay *replay = &sim->replay;
+    State *state = sim->next;
+    state_copy(sim, state, sim->state);
+    memcpy(state->paths, replay->paths, sizeof replay->paths);
+    Path *path = &state->paths[change->side];
+    for (int k = 0; k < PATHS; k++)
+        for (int power = 0; power < POWERS; power++)
+            (k < AXES ? path->coefficients[k] : path->leans[k - AXES])[power] += times * change->coefficients[k][power];
+    rope_system_refer(sim, sim->state, state_arrays(sim->state).q);
+    if (state->fidelity != replay->fidelity && !raise_fidelity(sim, state, "", sim->message)) return 0;
+    for (int k = 0; k < replay->count; k++)
+        if (!repeat_step(sim, state, &replay->steps[k], sim->message)) return 0;
+    set_phases(sim, state, &replay->after);
+    end_loads(sim, state, loads);
+    return 1;
+}
+
+static double power_of(double x, int exponent) {
+    double y = 1;
+    for (int k = 0; k < exponent; k++) y *= x;
+    return y;
+}
+
+/* Return the factor that makes a change as large as a difference may be; 0 if nothing changes. */
+static double largest_factor(const Replay *replay, const Change *change) {
+    const double duration = replay->duration;
+    double size = 0; /* bound of the change over the largest one */
+    for (int k = 0; k < PATHS; k++)
+        for (int power = 0; power < POWERS; power++)
+            size = fmax(size, fabs(change->coefficients[k][power]) * power_of(duration, power) /
+                                  (k < ANGLE_PATH ? LARGEST_MOVE : LARGEST_TURN));
+    if (size == 0) return 0;
+    if (replay->fidelity == RIGID) return RIGID_ACCELERATION * duration * duration / (LARGEST_MOVE * size);
+    return fmin(1, duration / SHORTEST_MOVE) / size;
+}
+
+/* Differentiate the loads at the end of the recorded step along a change. */
+static int derivative_along(Simulator *sim, const Change *change, double derivative[LOADS]) {
+    const double factor = largest_factor(&sim->replay, change);
+    double loads[2][LOADS];
+    memset(derivative, 0, sizeof(double) * LOADS);
+    if (factor == 0) return 1;
+    sim->replay.repeating = 1;
+    const int done = repeat(sim, change, factor, loads[0]) && repeat(sim, change, -factor, loads[1]);
+    sim->replay.repeating = 0;
+    if (!done) return 0;
+    for (int k = 0; k < LOADS; k++) {
+        derivative[k] = 0.5 * (loads[0][k] - loads[1][k]) / factor;
         if (!isfinite(derivative[k])) return say_no_finite_derivative(sim->message);
     }
     return 1;
+}
+
+/* Return the change of an end's path with an input. */
+static Change change_with(const Simulator *sim, const HostStep *host, int side, int place) {
+    const State *start = sim->state;
+    const FilterSettings settings = filter_settings(&sim->scene, sim->scene.inputs.given);
+    const double *latest = start->filters[side].given;
+    EndMotion end = host->ends[side];
+    double *value = (double *)&end + place, direction[OF_END] = {0};
+    Change change = {.side = side};
+    direction[place] = 1;
+    /* A motion with a change is no repetition of the latest sample. */
+    if (*value == latest[place]) *value += 4e-16 * fmax(1, fabs(*value));
+    path_change(&start->paths[side], &start->filters[side], &settings, host->asked_at, host->stop, &end, direction,
+                change.coefficients);
+    return change;
+}
+
+/* True if the rope can follow a change of an input as it is: a lower fidelity leaves motions out. */
+static int follows(const Simulator *sim, const HostStep *host, int side, int place) {
+    EndMotion ends[2] = {host->ends[LEFT], host->ends[RIGHT]};
+    if (sim->replay.fidelity == RIGID) return place < VECTORS && place % 3 == UP;
+    ((double *)&ends[side])[place] += 1;
+    return sim->replay.fidelity == TORSIONAL ||
+           unsupported_input(&sim->scene, sim->replay.fidelity, &ends[LEFT], &ends[RIGHT]) == 0;
+}
+
+/* Where the derivatives are taken: the present state, and the step. */
+typedef struct {
+    State *now;
+    HostStep host;
+} Place;
+
+/* Go back to the start of the last step, and record it unless that has been done. */
+static int go_back(Simulator *sim, int at_step_end, Place *place) {
+    place->now = sim->state;
+    place->host = sim->last.taken ? sim->last : coming_step(sim, at_step_end);
+    if (sim->last.taken) sim->state = sim->start;
+    if (!sim->last.taken && sim->replay.at_step_end != at_step_end) sim->replay.known = 0;
+    sim->replay.at_step_end = at_step_end;
+    return sim->replay.known || record(sim, &place->host);
+}
+
+/* Return to the present state; complete the message of a failure. */
+static int return_from(Simulator *sim, const Place *place, int succeeded) {
+    sim->state = place->now;
+    rope_system_refer(sim, sim->state, state_arrays(sim->state).q);
+    if (succeeded) return 1;
+    char why[MESSAGE];
+    memcpy(why, sim->message, sizeof why);
+    return say_no_derivative(sim->message, why);
+}
+
+/* Decrease of each end's upward force per upward acceleration that grows over the step from 0 on, kg. */
+void added_mass_signals(Simulator *sim, double *values) {
+    double derivatives[2][LOADS] = {{0}};
+    Place place;
+    int done = go_back(sim, 1, &place);
+    for (int side = LEFT; side <= RIGHT && done; side++) {
+        Change change = {.side = side};
+        change.coefficients[1][3] = 1 / (6 * sim->replay.duration);
+        done = derivative_along(sim, &change, derivatives[side]);
+    }
+    for (int side = LEFT; side <= RIGHT; side++)
+        values[side == LEFT ? SIGNAL_LEFT_ADDED_MASS : SIGNAL_RIGHT_ADDED_MASS] =
+            done ? -derivatives[side][6 * side + 1] : NAN;
+    return_from(sim, &place, done);
+}
+
+int rope_load_derivative(Simulator *sim, int input, int at_step_end, double derivative[LOADS]) {
+    if (input < 0 || input >= 2 * OF_END) return say_no_such_input(sim->message, 2 * OF_END - 1);
+    if (!sim->initialized) return say_no_state(sim->message);
+    const int side = input / OF_END, field = input % OF_END;
+    Replay *replay = &sim->replay;
+    Place place;
+    int done = go_back(sim, at_step_end, &place);
+    if (done && !(replay->derived & 1u << input)) {
+        Change change = {.side = side};
+        if (follows(sim, &place.host, side, field)) change = change_with(sim, &place.host, side, field);
+        done = derivative_along(sim, &change, replay->derivatives[input]);
+        if (done) replay->derived |= 1u << input;
+    }
+    if (done) memcpy(derivative, replay->derivatives[input], sizeof(double) * LOADS);
+    return return_from(sim, &place, done);
 }

@@ -87,6 +87,7 @@ static void untwist(const NodalArrays *nodal, double angle) {
 static int hang_while_it_turns(Simulator *sim, State *state, const Before *before, int side, char *message) {
     const NodalArrays nodal = state_arrays(state);
     hanging_guess(nodal.nodes, nodal.s, before->ends[LEFT][0], before->ends[RIGHT][0], nodal.q, message);
+    start_director(state, nodal.q);
     untwist(&nodal, before->ends[side == LEFT ? RIGHT : LEFT][0][ANGLE]);
     state->offsets[RIGHT] = before->offset;
     state->loop_yaw = before->yaw;
@@ -105,9 +106,10 @@ static int relax(Simulator *sim, State *state, const Before *before, char *messa
         for (int side = LEFT; side <= RIGHT; side++) {
             const Swivel *swivel = &sim->scene.swivels[side];
             const double *R = end_row(nodal.reaction, nodal.nodes, side);
+            const double tension = ends_tension(&sim->scene, side, end_row(nodal.q, nodal.nodes, side), R);
             if (sign[side] != 0 || !relaxes(swivel, &state->swivels[side], state->t)) continue;
-            const double friction = swivel_friction(swivel, swivel->mu_kinetic, R[1]);
-            if (!(beyond_rest(swivel, R[1], R[ANGLE]) >= 0 && friction < least)) continue;
+            const double friction = swivel_friction(swivel, swivel->mu_kinetic, tension);
+            if (!(beyond_rest(swivel, tension, R[ANGLE]) >= 0 && friction < least)) continue;
             loosest = side;
             least = friction;
         }

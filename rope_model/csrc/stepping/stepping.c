@@ -12,7 +12,7 @@ typedef struct {
 
 static double due_at(void *data, double time) {
     const DueContext *context = data;
-    return distance_past_limit(&context->state->pattern, model_bottom_s(context->sim, context->state, time));
+    return distance_past_limit(&context->state->pattern, model_bottom_s(context->sim, context->state->paths, time));
 }
 
 /* Return the end of the coming steps: the host's, a release, or a transformation that a step would pass too far. */
@@ -87,6 +87,14 @@ int as_rigid(Simulator *sim, State *state, double t, char *message) {
     return !message[0];
 }
 
+/* Record an internal step that ends at the state's time. */
+static void record_step(Simulator *sim, const State *state, double h, int corrections, Phases during) {
+    Replay *replay = &sim->replay;
+    if (replay->recording && replay->count < MAX_TAKEN)
+        replay->steps[replay->count] = (TakenStep){h, state->t, corrections, during, phases_of(state)};
+    if (replay->recording) replay->count++;
+}
+
 static int rigid_step(Simulator *sim, State *state, double t_end, char *message) {
     const double h = t_end - state->t, before = state->power_ends;
     if (!as_rigid(sim, state, t_end, message)) return 0;
@@ -96,6 +104,7 @@ static int rigid_step(Simulator *sim, State *state, double t_end, char *message)
     state->errors.time += h;
     state->errors.force = fmax(state->errors.force, largest_end_force(&nodal));
     state->counts.steps += 1;
+    record_step(sim, state, h, 0, phases_of(state));
     return 1;
 }
 
@@ -105,6 +114,7 @@ int step_towards(Simulator *sim, State *state, double t_end, char *message) {
     if (transformed != CONVERGED)
         return say_transformation_fails(message, sim->scene.solver.step_min, NEWTON_MESSAGES[transformed]);
     release_swivels(sim, state);
+    const Phases during = phases_of(state);
     const double stop = next_stop(sim, state, t_end);
     double step_next, end;
     int reaches, switching;
@@ -128,6 +138,23 @@ int step_towards(Simulator *sim, State *state, double t_end, char *message) {
         switch_swivels(sim, state);
         if (chatters(state)) return say_swivel_chatters(message);
     }
+    record_step(sim, state, trial.h, trial.newton.iterations, during);
     update_loop_yaw(state);
+    return 1;
+}
+
+int repeat_step(Simulator *sim, State *state, const TakenStep *step, char *message) {
+    if (state->fidelity == RIGID) return as_rigid(sim, state, step->t, message);
+    const int transformed = transform_if_due(sim, state);
+    if (transformed != CONVERGED)
+        return say_transformation_fails(message, sim->scene.solver.step_min, NEWTON_MESSAGES[transformed]);
+    set_phases(sim, state, &step->during);
+    sim->replay.corrections = step->corrections;
+    const StepResult trial = model_trial(sim, state, step->h);
+    if (!trial.converged)
+        return say_step_fails(message, step->h, sim->scene.solver.step_min, NEWTON_MESSAGES[trial.newton.status]);
+    model_commit(sim, state, &trial);
+    state->t = step->t;
+    set_phases(sim, state, &step->after);
     return 1;
 }

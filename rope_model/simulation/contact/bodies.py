@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 from rope_model.physics import shaft as physics
 from rope_model.physics.centreline import suspension_points
-from rope_model.physics.elementary import logical_and, logical_or, minimum
+from rope_model.physics.elementary import logical_and, logical_or, minimum, sum_of
 from rope_model.physics.shaft import KINDS, Body
 from rope_model.shaft_parameters import FAR, Shaft
 from rope_model.simulation.messages import messages
@@ -43,7 +43,7 @@ def placed_bodies(shaft: Shaft, ends: Sequence[Any]) -> Iterator[Placed]:
 def may_touch(shaft: Any) -> Any:
     """Return whether there are bodies that hold the rope."""
     dividers = shaft.divider_1, shaft.divider_2, shaft.divider_3, shaft.divider_4
-    sizes = sum((divider.size for divider in dividers), shaft.lining.width)
+    sizes = sum_of((divider.size for divider in dividers), shaft.lining.width)
     sizes += shaft.conveyance.width + shaft.head_ropes.diameter
     return logical_and(shaft.contact.stiffness > 0, logical_or(sizes > 0, shaft.sump.level > -FAR))
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from rope_model.parameters import Scene
 from rope_model.physics.centreline import enclosing_box, middle, turns
+from rope_model.physics.elementary import nearest_whole
 from rope_model.physics.shaft import KINDS, distance, least_distance
 from rope_model.simulation.contact.bodies import Placed, placed_bodies
 from rope_model.simulation.contact.self_contact import overlap_of
@@ -140,7 +141,7 @@ def update_passages(scene: Scene, state: RopeState) -> RopeState:
     if near or crossing.net != 0 or abs(state.loop_yaw - ends_yaw(q)) > TURNED_FAR:
         bottom = loop_bottom(q, lengths)
         sides, yaw = loop_turns(q, lengths, bottom), nearest_turn(bottom.yaw, state.loop_yaw)
-        net = float(np.rint(turns(yaw, ends_yaw(q), sides.number)))
+        net = float(nearest_whole(turns(yaw, ends_yaw(q), sides.number)))
         if net != crossing.net:
             since, y = (crossing.since, crossing.y) if crossing.number else (t, sides.sharpest_y)
             crossing = crossing._replace(net=net, number=crossing.number + abs(net - crossing.net), since=since, y=y)

@@ -21,12 +21,12 @@ from numpy.typing import NDArray
 
 from rope_model.parameters import Scene, Swivel
 from rope_model.physics.elementary import atan2, cos, hypot, maximum, minimum, sin, sqrt, where
-from rope_model.physics.swivel import friction_moment
+from rope_model.physics.swivel import friction_moment, tension_along
 from rope_model.simulation.ends.input_filter import InputFilter, PathMeasures
 from rope_model.simulation.ends.paths import END_NODE, LEANS, MOTION_BOUNDS, PATH, SIDES, EndMotion, EndPath
 from rope_model.simulation.ends.swivel_phases import Phase, SwivelState, moment_of_swivel, swivel_friction
 from rope_model.simulation.messages import messages
-from rope_model.simulation.rope_system import ANGLE, SLOPE, Array
+from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, Array
 from rope_model.solver_parameters import Inputs
 
 YAW_SENSE = (-1.0, 1.0)  #: sense of the conveyance's yaw in theta, left and right
@@ -70,9 +70,28 @@ class HangingEnds:
         return self._slip_moments(nodes, [x.seal_moment for x in self.swivels])
 
     def friction_load(self, nodes: int) -> Array:
-        return self._slip_moments(
-            nodes, [friction_moment(x.mu_kinetic, x.mean_diameter, 0.0, 1.0) for x in self.swivels]
-        )
+        """Return the friction per newton of vertical reaction, which is the tension at plumb ends; zero at others."""
+        moments = (friction_moment(x.mu_kinetic, x.mean_diameter, 0.0, 1.0) for x in self.swivels)
+        plumb = (x.attachment == "plumb" for x in self.swivels)
+        return self._slip_moments(nodes, [x if is_plumb else 0.0 for x, is_plumb in zip(moments, plumb, strict=True)])
+
+    def slanted_friction(self, q: Array, reaction: Array) -> Array | None:
+        pairs = zip(self.swivels, self.states, strict=True)
+        if not any(x.attachment != "plumb" and s.phase is Phase.SLIP for x, s in pairs):
+            return None
+        moments = [
+            0.0 if x.attachment == "plumb"
+            else friction_moment(x.mu_kinetic, x.mean_diameter, 0.0, self.tension(side, q, reaction))
+            for side, x in enumerate(self.swivels)
+        ]  # fmt: skip
+        return self._slip_moments(q.shape[0], moments)
+
+    def tension(self, side: int, q: Array, reaction: Array) -> float:
+        """Return the tension (N) at an end."""
+        force = reaction[END_NODE[side], POSITION].tolist()
+        if self.swivels[side].attachment == "plumb":
+            return float(force[1])
+        return float(tension_along(YAW_SENSE[side], q[END_NODE[side], SLOPE].tolist(), force))
 
     def _slip_moments(self, nodes: int, moments: Sequence[float]) -> Array:
         """Return ``moments`` against the slip at the ends that slip (nodes, 7)."""
@@ -82,16 +101,16 @@ class HangingEnds:
                 load[node, ANGLE] = -state.sign * moment
         return load
 
-    def friction(self, side: int, reaction: Array, kinetic: bool) -> float:
+    def friction(self, side: int, q: Array, reaction: Array, kinetic: bool) -> float:
         """Return the kinetic friction moment, or the largest static one, at the end's present tension (N m)."""
         swivel = self.swivels[side]
         mu = swivel.mu_kinetic if kinetic else swivel.mu_static
-        return float(swivel_friction(swivel, mu, float(reaction[END_NODE[side], 1])))
+        return float(swivel_friction(swivel, mu, self.tension(side, q, reaction)))
 
-    def moment(self, side: int, reaction: Array) -> float:
+    def moment(self, side: int, q: Array, reaction: Array) -> float:
         """Return the moment (N m, about the tangent) of the conveyance on the rope's end."""
-        R = reaction[END_NODE[side]]
-        return float(moment_of_swivel(self.swivels[side], self.states[side], float(R[1]), float(R[ANGLE])))
+        held, tension = float(reaction[END_NODE[side], ANGLE]), self.tension(side, q, reaction)
+        return float(moment_of_swivel(self.swivels[side], self.states[side], tension, held))
 
     def relative(self, side: int, t: float, theta: float, theta_t: float) -> tuple[float, float]:
         """Return the swivel's angle b (rad) and rate b_t (rad/s)."""

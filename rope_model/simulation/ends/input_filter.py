@@ -61,7 +61,6 @@ ALL, POSITION_SPEED, POSITION, SPEED = range(len(CHOICES["inputs.given"]))
 
 Four = tuple[float, float, float, float]
 Axis = tuple[float, float, float]
-Fits = tuple[float, float]
 Sample = tuple[float, float, float, float, float, float, float, float, float, float, float, float, float]
 
 
@@ -73,7 +72,6 @@ class InputFilter(NamedTuple):
     motion: tuple[Axis, Axis, Axis, Axis] = ((0.0, 0.0, 0.0),) * 4  # PATH at that instant, with estimates
     end_accelerations: Four = (0.0,) * 4  # accelerations of the samples at the path's end
     recent_changes: Four = (0.0,) * 4  # largest recent changes of these between two steps
-    explained: tuple[Fits, Fits, Fits, Fits] = ((1.0, 1.0),) * 4  # fractions of a sample's misfits, of SampleMisfit
     time: float = 0.0  # s
     position_misfit: float = 0.0  # m, largest so far
     speed_misfit: float = 0.0  # m/s, largest
@@ -208,23 +206,6 @@ def _completed(old: Any, settings: Any, h: Any, sample: Any) -> tuple[Any, Any, 
         where(settings.acceleration_trust > 0, sample[1], where(knows_speed, speed, position_speed)),
         where(settings.acceleration_trust > 0, sample[2], where(knows_speed, acceleration, position_acceleration)),
     )
-
-
-def sample_moves(settings: Any, h: Any, ahead: Any, sample: Any, fits: Any) -> tuple[Any, Any, Any]:
-    """Return the change of position, speed and acceleration at the end of a step by a small change of the ``sample``.
-
-    ``h`` is the time since the sample before, ``ahead`` that to the end of the step.  ``fits`` are the fractions of the
-    misfits of position and speed that a consistent motion explains.
-    """
-    x, v, a = _completed((0.0, 0.0, 0.0), settings, h, sample)
-    position, speed = quintic.extrapolate(x, v, a, ahead)
-    rest = (position - h * h / 6.0 * a) * (1.0 - fits[0]), (speed - 0.5 * h * a) * (1.0 - fits[1])
-    return _observed(settings.observer, h, rest, (position, speed, a))
-
-
-def lean_moves(h: Any, ahead: Any, lean: Any) -> tuple[Any, Any, Any]:
-    """Return the change of a lean and its rates at the end of a step ``h`` by a small change of the sample ``lean``."""
-    return quintic.rates(_lean_quintic(h, ahead, (0.0, 0.0, 0.0), lean, lean / h), h)
 
 
 def _signs(state: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: Any) -> dict[str, Any]:

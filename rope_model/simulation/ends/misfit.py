@@ -62,7 +62,6 @@ def add_misfit(state: Any, path: Any, settings: Any, rope: Any, leg: Any) -> Inp
     drift = state.drift + (1.0 - exp(-settings.observer * h)) * (misfit[1][0] - state.drift)
     result: InputFilter = state._replace(
         end_accelerations=tuple(axis[2] for axis in state.motion),
-        explained=tuple((sample.position_fits, sample.speed_fits) for sample in samples),
         time=state.time + h,
         position_misfit=maximum(state.position_misfit, misfits[0]),
         speed_misfit=maximum(state.speed_misfit, misfits[1]),

@@ -55,7 +55,8 @@ def _excess_of(side: int, system: RopeSystem, motion: Motion) -> float:
     R = motion.reaction[node]
     if swivel_state.phase is Phase.SLIP:
         rate = ends.relative(side, motion.t, float(motion.q[node, ANGLE]), float(motion.v[node, ANGLE]))[1]
-    return float(swivel_excess(ends.swivels[side], swivel_state, float(R[1]), float(R[ANGLE]), rate))
+    tension = ends.tension(side, motion.q, motion.reaction)
+    return float(swivel_excess(ends.swivels[side], swivel_state, tension, float(R[ANGLE]), rate))
 
 
 def switching_step(

@@ -9,6 +9,7 @@ import numpy as np
 
 from rope_model.numerics.generalized_alpha import Solution
 from rope_model.physics.accuracy import BOUNDED_MESH_ERROR, effective_tolerance
+from rope_model.physics.elementary import nearest_whole
 from rope_model.simulation.ends.ends import right_offset
 from rope_model.simulation.ends.paths import ends_at
 from rope_model.simulation.fidelity import lowest_sufficient
@@ -120,9 +121,9 @@ def update_loop_yaw(state: RopeState) -> RopeState:
     return state._replace(loop_yaw=nearest_turn(math.atan2(-d[2], d[0]), state.loop_yaw))
 
 
-def nearest_turn(angle: float, last: float) -> float:
+def nearest_turn(angle: Any, last: Any) -> Any:
     """Unwrap ``angle`` (rad): add the full turns that bring it closest to ``last``."""
-    return angle + 2 * math.pi * round((last - angle) / (2 * math.pi))
+    return angle + 2 * math.pi * nearest_whole((last - angle) / (2 * math.pi))
 
 
 def _with_energy_change(model: RopeModel, state: RopeState) -> RopeState:

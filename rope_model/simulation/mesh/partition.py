@@ -31,6 +31,7 @@ from functools import lru_cache
 import numpy as np
 
 from rope_model.parameters import Scene
+from rope_model.physics.elementary import nearest_whole
 from rope_model.simulation.mesh import mesh_pattern as tmn
 from rope_model.simulation.mesh.mesh_fit import FADE_ERROR, MESH_SHARE, divider_positions, fit_elements
 from rope_model.simulation.messages import messages
@@ -117,7 +118,7 @@ def partition(mesh: Mesh, length: float, bottom_s: float, divider_s: Sequence[fl
     if mesh.kind == "eem":
         return Partition(np.full(mesh.elements, length / mesh.elements))
     inner = float(tmn.inner_length(mesh.counts))
-    outer = float(np.rint(length / mesh.coarse_length - inner))
+    outer = float(nearest_whole(length / mesh.coarse_length - inner))
     if outer > MAX_ELEMENTS:
         raise ValueError(messages.too_many_lengths(mesh.coarse_length, length, outer, MAX_ELEMENTS))
     if outer < 2:
@@ -128,7 +129,7 @@ def partition(mesh: Mesh, length: float, bottom_s: float, divider_s: Sequence[fl
     if elements > MAX_ELEMENTS:
         raise ValueError(messages.too_many_elements(elements, MAX_ELEMENTS))
     least = tmn.min_outer(mesh.counts)
-    first = int(np.clip(round(bottom_s / coarse - 0.5 * inner), least, outer - least))
+    first = int(np.clip(nearest_whole(bottom_s / coarse - 0.5 * inner), least, outer - least))
     counts = (first, *mesh.counts, int(outer) - first)
     return _tmn(Partition(np.empty(elements), counts, coarse, mesh.end_levels, mesh.grading_length), divider_s)
 
@@ -165,7 +166,7 @@ def _tmn(pattern: Partition, divider_s: Sequence[float]) -> Partition:
         elements = pattern.lengths.size - inner_lengths.size - sum(end.size - 1 for end in ends)
         if elements >= len(_leg(first, growth)) + len(_leg(last, growth)):
             break
-    windows = tuple(round(tmn.window_place(pattern, s)) for s in divider_s)
+    windows = tuple(int(nearest_whole(tmn.window_place(pattern, s))) for s in divider_s)
     left, right = _legs(first, last, elements, growth, windows)
     lengths = np.concatenate((ends[0], left[1:], inner_lengths, right[:0:-1], ends[1][::-1]))
     return replace(pattern, lengths=coarse * lengths, windows=windows)

@@ -114,6 +114,10 @@ rope_goes_slack = Template(
 # use
 no_state = Template("the rope has no state yet; call initialize first")
 no_finite_derivative = Template("the equations of this state have no finite derivative; take a smaller step_max")
+no_derivative = Template("the derivatives of the last communication step cannot be computed: {why:.400}")
+too_many_to_differentiate = Template(
+    "it took {steps:d} internal steps, and derivatives are those of at most {most:d}; take shorter communication steps"
+)
 
 # use of the native form alone
 no_memory = Template("no memory for {elements:d} elements ({megabytes:.3g} MB); use fewer")
@@ -121,4 +125,8 @@ wrong_number_of_bytes = Template(
     "the saved state has {found:d} bytes, one of this rope {own:d}; restore it into a rope with the same parameters"
 )
 no_state_in_bytes = Template("these bytes are not a state of this rope; save one anew, or restore it into its own rope")
+native_alone = Template(
+    "the Python form of the rope does not compute {name:s}; take the native one, form='native' of balance_rope or an "
+    "FMU of the native flavour"
+)
 no_such_input = Template("an input's number is 0 to {last:d}")

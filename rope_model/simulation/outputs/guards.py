@@ -40,7 +40,7 @@ def update_guards(scene: Scene, state: RopeState, ends: HangingEnds) -> RopeStat
         _sideways(q[:, POSITION], guard.window_y, bottom),
         min(nearest.clearance for nearest in nearer(scene, state, known)),
         abs(turns(nearest_turn(bottom.yaw, state.loop_yaw), ends_yaw(q), state.crossing.net)),
-        max(abs(ends.moment(side, state.motion.reaction)) for side in (0, 1)),
+        max(abs(ends.moment(side, state.motion.q, state.motion.reaction)) for side in (0, 1)),
     )
     return state._replace(guard=watch(guard, state.guard, state.motion.t, values))
 

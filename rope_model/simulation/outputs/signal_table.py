@@ -37,7 +37,7 @@ def _table() -> Iterator[tuple[str, Signal]]:
         yield f"{side}.swivel.rate", Signal("rad/s", f"rate of {side}.swivel.angle")
         yield f"{side}.swivel.torque", Signal("N.m", f"moment of the {side} swivel on the rope, about the tangent")
         yield f"{side}.swivel.slipping", Signal("1", f"whether the {side} swivel turns", "boolean")
-        text = f"derivative of {side}.fy to {side}.ay held over a communication step, times -1"
+        text = f"fall of {side}.fy per acceleration of the end that grows from 0 over the communication step"
         yield f"{side}.added_mass", Signal("kg", text)
     for axis in "xyz":
         yield f"loop.{axis}", Signal("m", f"{axis.upper()} of the rope's lowest point")
@@ -148,6 +148,8 @@ def _table() -> Iterator[tuple[str, Signal]]:
 SIGNALS: dict[str, Signal] = dict(_table())
 
 
+#: signals that can be differentiated with respect to the motions of the ends
+LOADS = tuple(f"{side}.{kind}{axis}" for side in SIDES for kind in "fm" for axis in "xyz")
 _CHEAP = tuple(name for name in SIGNALS if not name.endswith(".added_mass"))
 
 

@@ -144,8 +144,11 @@ def _loose(model: RopeModel, state: RopeState) -> dict[int, float]:
     ends, m, loose = ends_of(model.system(state)), state.motion, dict[int, float]()
     for side, node in enumerate(END_NODE):
         swivel, R = ends.swivels[side], m.reaction[node]
-        if relaxes(swivel, state.swivels[side], m.t) and beyond_rest(swivel, float(R[1]), float(R[ANGLE])) >= 0:
-            loose[side] = ends.friction(side, m.reaction, kinetic=True)
+        if (
+            relaxes(swivel, state.swivels[side], m.t)
+            and beyond_rest(swivel, ends.tension(side, m.q, m.reaction), float(R[ANGLE])) >= 0
+        ):
+            loose[side] = ends.friction(side, m.q, m.reaction, kinetic=True)
     return loose
 
 
@@ -167,7 +170,7 @@ def equilibrium_in_frame(model: RopeModel, state: RopeState, max_turn: float = m
     m, zeros = state.motion, np.zeros_like(state.motion.q)
     equilibrium = find_equilibrium(model.system(state), m.q, m.t, max_turn=max_turn)
     motion = Motion(m.t, equilibrium.q, zeros, zeros, zeros, zeros, 0.0, equilibrium.reaction)
-    state = _turn_right_end(state._replace(motion=motion), equilibrium.end_rotation)
+    state = _turn_right_end(state._replace(motion=motion, director=equilibrium.director), equilibrium.end_rotation)
     balance = model.system(state).evaluate(equilibrium.q, zeros, zeros, equilibrium.reaction).balance
     # a loop that yaws by psi turns the frame of the right end by -2 psi: this shows full turns
     yaw = state.loop_yaw - 0.5 * equilibrium.end_rotation

@@ -25,6 +25,7 @@ from rope_model.physics.accuracy import TINY
 from rope_model.physics.element import PARAMETERS
 from rope_model.physics.elementary import maximum
 from rope_model.physics.initial_shape import initial_shape, node_row
+from rope_model.simulation.curvature import Director
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
 
@@ -51,12 +52,14 @@ class Equilibrium:
     """Configuration, reactions (zero where free, up to rounding) and number of corrections.
 
     Angles count along it; ``end_rotation`` (rad) is the increase of the angle at the right end against the guess.
+    ``director`` is e1 of the permanent curvature at the left end.
     """
 
     q: Array
     reaction: Array
     iterations: int
     end_rotation: float
+    director: Director
 
 
 def find_equilibrium(
@@ -107,7 +110,7 @@ def find_equilibrium(
         system, q, reaction = system.with_reference(trial), trial, following
         balanced += force <= rounding
         if balanced > BALANCED or (tau > 1e8 and system.norm(x) < REST_TOLERANCE * scale):
-            return Equilibrium(q, reaction, k, end_rotation)
+            return Equilibrium(q, reaction, k, end_rotation, system.director)
         tau = min(tau * min(10.0, max(1.5, previous / max(force, 1e-300))), 1e12)
     raise StaticsError(messages.no_equilibrium(k, previous), k, abs(end_rotation) > max_turn)
 

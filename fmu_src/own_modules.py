@@ -1,0 +1,65 @@
+"""Modules of this project as they travel in the Python FMU: what a script needs of them, under a name of its own.
+
+A host's process has one module of a name.  So the copies are in a package whose name has the build's hash, and import
+each other from there: neither an installed version of the project nor another FMU can take their place.
+"""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+#: packages of the project whose modules travel
+PACKAGES = ("rope_model", "fmu_src")
+
+
+def modules_needed(script: Path) -> list[Path]:
+    """Return the files of PACKAGES that ``script`` imports, at once or later, in a row of imports or a function."""
+    found: dict[Path, None] = {}
+    waiting = [script]
+    while waiting:
+        for name in _imported(ast.parse(waiting.pop().read_text(encoding="utf-8"))):
+            new = [path for path in _files(name) if path not in found]
+            found |= dict.fromkeys(new)
+            waiting += new
+    return sorted(found)
+
+
+def import_from(package: str, text: str, roots: tuple[str, ...] = PACKAGES) -> str:
+    """Return the Python ``text`` with all that it imports from ``roots`` imported from below ``package``.
+
+    Raises ValueError for ``import rope_model.x``, which binds the name ``rope_model``.
+    """
+    lines = text.split("\n")
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import) and any(_root(alias.name) in roots for alias in node.names):
+            raise ValueError(f"line {node.lineno}, '{ast.unparse(node)}', cannot be moved: write 'from ... import ...'")
+        if isinstance(node, ast.ImportFrom) and node.level == 0 and _root(node.module) in roots:
+            line = lines[node.lineno - 1]
+            moved = line[node.col_offset :].replace(f"from {node.module}", f"from {package}.{node.module}", 1)
+            lines[node.lineno - 1] = line[: node.col_offset] + moved
+    return "\n".join(lines)
+
+
+def _root(module: str | None) -> str:
+    return (module or "").partition(".")[0]
+
+
+def _imported(node: ast.AST) -> Iterator[str]:
+    """Yield the names of modules, and of what is imported from them, but for those of type checkers."""
+    if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+        inner: list[ast.AST] = [*node.orelse]
+    else:
+        inner = [*ast.iter_child_nodes(node)]
+    if isinstance(node, ast.ImportFrom) and node.level == 0:
+        yield from (f"{node.module}.{alias.name}" for alias in node.names)
+    for child in inner:
+        yield from _imported(child)
+
+
+def _files(name: str) -> Iterator[Path]:
+    """Yield the files that Python runs to import ``name``, a module of PACKAGES or a name in one: packages first."""
+    parts = name.split(".")
+    for count in range(1, len(parts) + 1 if parts[0] in PACKAGES else 0):
+        at = ROOT.joinpath(*parts[:count])
+        yield from (path for path in (at / "__init__.py", at.with_suffix(".py")) if path.exists())

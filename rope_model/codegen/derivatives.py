@@ -1,0 +1,25 @@
+"""Derivatives of formulas, by CasADi, for C alone."""
+
+from typing import Any
+
+import casadi as ca
+
+from rope_model.simulation.ends.input_filter import filter_path, filter_sample
+
+
+def path_change(
+    path: Any, state: Any, settings: Any, given_at: Any, stop: Any, end: Any, change: Any
+) -> tuple[tuple[Any, ...], ...]:
+    """Return the derivatives of the coefficients of an end's next path, by PATH and LEANS.
+
+    The path leads from the end of ``path``, with the filter's ``state`` there, to ``stop``.  The host's motion ``end``
+    of the instant ``given_at`` changes along ``change``.
+    """
+    sample = filter_sample(state, settings, given_at, stop - path.stop, end)
+    following = filter_path(path, sample, stop, settings.observer)
+    quintics = [*following.coefficients, *following.leans]
+    ca.GlobalOptions.setSimplificationOnTheFly(True)  # else most of the derivative's terms are products with 0
+    inputs, direction = ca.vertcat(*vars(end).values()), ca.vertcat(*change)
+    moved = iter(ca.vertsplit(ca.jtimes(ca.vertcat(*(c for row in quintics for c in row)), inputs, direction)))
+    ca.GlobalOptions.setSimplificationOnTheFly(False)
+    return tuple(tuple(next(moved) for _ in row) for row in quintics)

@@ -1,0 +1,116 @@
+/* One communication step: motions of the ends, and steps to its end or to an event. */
+
+#include "rules.h"
+#include "simulator.h"
+
+/* Return the filter of an end with the host's sample, for a step to t. */
+static InputFilter follow_end(const State *before, const FilterSettings *settings, int side, double t,
+                              const EndMotion *end, double given_at) {
+    return filter_sample(&before->filters[side], settings, given_at, t - before->paths[side].stop, end);
+}
+
+/* Update the misfit of an end up to the stop of its path. */
+static void account_end(const Simulator *sim, State *state, const FilterSettings *settings, int side,
+                        const InputFilter *now) {
+    const double bottom_s = model_bottom_s(sim, sim->state->paths, sim->state->t);
+    const double leg = side == LEFT ? bottom_s : sim->scene.rope.length - bottom_s;
+    state->filters[side] = add_misfit(now, &state->paths[side], settings, &sim->scene.rope, leg);
+}
+
+/* Set the next paths of the ends, and raise the fidelity if they need it; return 0 with a message on failure. */
+static int move_ends(Simulator *sim, State *state, double t, const EndMotion ends[2], double given_at) {
+    const Scene *scene = &sim->scene;
+    const FilterSettings settings = filter_settings(scene, scene->inputs.given);
+    for (int side = LEFT; side <= RIGHT; side++) {
+        const InputFilter now = follow_end(sim->state, &settings, side, t, &ends[side], given_at);
+        const Path path = filter_path(&sim->state->paths[side], &now, t, settings.observer);
+        double measures[14];
+        path_measures(&path, &now, measures);
+        ends_refusal(scene, &ends[side], measures, side, sim->message);
+        if (!sim->message[0]) stale_input_error(&scene->inputs, t, &now, side, sim->message);
+        if (sim->message[0]) return 0;
+        state->paths[side] = path;
+        account_end(sim, state, &settings, side, &now);
+    }
+    char why[MESSAGE];
+    EndMotion filtered[2] = {ends[LEFT], ends[RIGHT]};
+    for (int side = LEFT; side <= RIGHT && scene->inputs.given != ALL_GIVEN; side++)
+        filtered[side] = path_at(&state->paths[side], t);
+    unsupported_motion(&sim->scene, state->fidelity, filtered, sim->forces.count, why);
+    if (!why[0]) return 1;
+    if (sim->scene.model.fidelity != AUTO_FIDELITY)
+        return say_fixed_model_cannot_follow(sim->message, fidelity_name(state->fidelity), why);
+    if (!raise_fidelity(sim, state, why, sim->message)) return 0;
+    begin_audit(sim, state);
+    return 1;
+}
+
+/* True if an event has happened since the communication step began, or is due now. */
+static int has_event(const Simulator *sim, const State *state) {
+    const State *before = sim->state;
+    int found = state->event_count > 0 && state->events[state->event_count - 1].t > before->t;
+    found |= state->guard.cause != before->guard.cause;
+    found |= state->fidelity != RIGID && next_release(sim, state) <= state->t;
+    for (int kind = 0; kind < KINDS; kind++)
+        found |= state->nearest[kind].touched_at != before->nearest[kind].touched_at;
+    return found;
+}
+
+/* End the paths of the ends, and their misfits, at t. */
+static void cut_paths(const Simulator *sim, State *state, double t, const EndMotion ends[2], double given_at) {
+    const FilterSettings settings = filter_settings(&sim->scene, sim->scene.inputs.given);
+    for (int side = LEFT; side <= RIGHT; side++) {
+        const InputFilter now = follow_end(sim->state, &settings, side, t, &ends[side], given_at);
+        state->paths[side].stop = t;
+        account_end(sim, state, &settings, side, &now);
+        /* the path meets the given acceleration at its planned stop only */
+        state->filters[side].acceleration_misfit = now.acceleration_misfit;
+        state->filters[side].misfit_squares[2] = now.misfit_squares[2];
+    }
+}
+
+int take_host_step(Simulator *sim, const HostStep *host, int *event) {
+    State *state = sim->next;
+    const EndMotion *ends = host->ends;
+    const double begin = sim->state->t, step_max = sim->scene.solver.step_max;
+    const int64_t steps_before = sim->state->counts.steps + sim->state->counts.rejections;
+    double t = host->stop;
+    *event = 0;
+    state_copy(sim, state, sim->state);
+    state->switched = state->event_count = 0;
+    sim->newton_limit =
+        state->counts.newton + (sim->scene.solver.work_max > 0 ? sim->scene.solver.work_max : INT32_MAX);
+    if (!move_ends(sim, state, t, ends, host->given_at)) return 0;
+    const NodalArrays nodal = state_arrays(state);
+    double impulse[2] = {0, 0};
+    const double most = max_iterations(t - begin, step_max);
+    const int64_t newton_before = sim->state->counts.newton;
+    while (state->t < t) {
+        const double t_before = state->t,
+                     before[2] = {nodal.reaction[1], end_row(nodal.reaction, nodal.nodes, RIGHT)[1]};
+        char why[MESSAGE];
+        const int64_t newton = state->counts.newton - newton_before;
+        if ((double)newton >= most) return say_too_much_work(sim->message, t_before, (int)newton, begin, t);
+        if (state->counts.steps + state->counts.rejections - steps_before >= MAX_STEPS)
+            return say_too_many_steps(sim->message, t_before, MAX_STEPS, begin, t);
+        if (!step_towards(sim, state, t, why)) return say_fails_at(sim->message, t_before, why);
+        if (state->t >= t || state->t - state->monitored_at >= MONITOR_INTERVAL) {
+            update_passages(sim, state);
+            update_guards(&sim->scene, state);
+        }
+        if (host->to_event) *event |= has_event(sim, state);
+        if (*event && state->t < t && state->t - begin >= CHATTER_TIME) {
+            t = state->t; /* last round */
+            cut_paths(sim, state, t, ends, host->given_at);
+        }
+        for (int side = LEFT; side <= RIGHT; side++)
+            impulse[side] -=
+                0.5 * (state->t - t_before) * (before[side] + end_row(nodal.reaction, nodal.nodes, side)[1]);
+    }
+    if (*event && state->fidelity != RIGID) release_swivels(sim, state);
+    audit_interval(sim, state, t - begin, energy_residual(&sim->state->energy_balance));
+    state->last_interval = t - begin;
+    if (state->counts.given_up > 0 && sim->state->counts.given_up == 0) state->given_up_since = begin;
+    for (int side = LEFT; side <= RIGHT; side++) state->force_mean[side] = impulse[side] / (t - begin);
+    return 1;
+}
