@@ -113,6 +113,7 @@ def test_derivatives_change_no_bit_of_the_run(name: str) -> None:
 
 
 def test_the_python_form_refuses_added_masses() -> None:
+    # the rigid rope compiles nothing
     rope = RopeSimulator(rope_120().scene.with_(model=Model("rigid")))
     assert rope.initialize(0.0, *winding(0.0)).valid
     with pytest.raises(ValueError, match=r"does not compute left\.added_mass and right\.added_mass; take the native"):

@@ -26,7 +26,7 @@ WRITERS = frozenset(
 )
 #: Writers of scratch files in temporary folders, and of a lock: nobody reads a part of them.
 SCRATCH = {
-    "fmu_src/export.py": 4,  # the stage of the Python FMU
+    "fmu_src/export.py": 5,  # the stage of the Python FMU
     "rope_model/numerics/kernels.py": 3,  # C files to compile, kernels of the stage, the lock
     "rope_model/simulation/rope_kernels.py": 1,  # a library, into the stage
     "hoist_demo/cosimulation/plain_data.py": 1,  # bytes in memory

@@ -169,7 +169,7 @@ def test_a_stop_by_the_brake_is_judged_by_its_way_and_not_by_a_reference_it_does
     recording = result.recording
     trip = int(np.argmin(np.abs(recording.time - 9.0)))
     # the conveyance first stands still where its ropes let it go furthest
-    stop, _ = stops(recording, winding.emergency_at)
+    stop, _ = stops(recording, winding.emergency_at, hoist.sheave_radius)
     way = np.abs(recording["conveyance.left.y"][trip:] - recording["conveyance.left.y"][trip])
     np.testing.assert_allclose(stop.stopping_distance, way.max())
     assert 0.5 < stop.time < 20.0

@@ -4,6 +4,7 @@ import math
 import os
 import subprocess
 import sys
+from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
@@ -14,13 +15,14 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
-from balance_rope import _with_rope, main
+from balance_rope import _set_values, main
 from hoist_demo.calibration import measurements
 from hoist_demo.calibration.definition import MeasurementFile
 from hoist_demo.calibration.findings import OPEN, Finding, findings_of
 from hoist_demo.calibration.fit import CONFIDENCE, END_TOLERANCE, RANGE_VARIANCE, REACH, fit, intervals, sensitivities
 from hoist_demo.calibration.identify import identify, residuals_of, stacked
 from hoist_demo.calibration.measurements import CalibrationProblem
+from hoist_demo.cases.rules import with_values
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.files.reading import FileError, read
@@ -171,7 +173,8 @@ def test_what_is_found_is_a_file_for_every_command(tmp_path: Path, capsys: pytes
     assert plain(given) == values | {"rope.EI": 99.0}
     wanted = {"rope.EI": "calibrated", "rope.mass_per_length": "published", "rope.length": "given"}
     assert wanted.items() <= statuses(found).items()
-    exported = _with_rope(find_case("rope-120"), made, [])
+    options = Namespace(rope=made, set=[], hoist="rope-120", ssp=False)
+    exported = with_values(find_case("rope-120"), _set_values(find_case("rope-120"), options))
     assert values.items() <= exported.rope.items()
     assert exported.hoist.tail_rope_mass == values["rope.mass_per_length"]
     again = read(made, RopeFile).catalogue_rope

@@ -319,18 +319,18 @@ def test_a_design_meets_payloads_for_which_it_was_not_made(read: Read, monkeypat
         return ArrivalSwing(frequency=1e-3 * case.hoist.payload_left, damping=0.1)
 
     monkeypatch.setattr("hoist_demo.design.arrival_swing.swing_at_arrival", swing)
-    controller = "controller = 'input-shaping'\nhoist.payload_left = 4000.0\nwinding.travel = 8.25\n"
-    vary = "[vary]\nhoist.payload_left = [1000.0, 4000.0, 9000.0]\n"
+    controller = "controller = 'input-shaping'\nwinding.travel = 8.25\n"
+    vary = "[vary]\nhoist.payload_left = [1000.0, 5000.0, 9000.0]\n"
     met = read(f"[fixed]\n{controller}{vary}").samples
-    assert [one.data.hoist.payload_left for one in met] == [1e3, 4e3, 9e3]
-    assert {one.data.shaper.frequency for one in met} == {4.0}
+    assert [one.data.hoist.payload_left for one in met] == [1e3, 5e3, 9e3]
+    assert {one.data.shaper.frequency for one in met} == {5.0}
     # the design is made once for all that it meets, and anew for each that is chosen
-    assert designed == [4e3]
+    assert designed == [5e3]
     chosen = read(f"study.over = []\n[fixed]\n{controller}{vary}").samples
-    assert [one.data.shaper.frequency for one in chosen] == [1.0, 4.0, 9.0]
+    assert [one.data.shaper.frequency for one in chosen] == [1.0, 5.0, 9.0]
     # an optimised trip is for the nominal hoist, too, and a run's key says so
     optimised = read(f"[fixed]\n{controller.replace('input-shaping', 'optimised-trajectory')}{vary}").samples
-    assert [None if (n := one.data.nominal) is None else n.payload_left for one in optimised] == [4e3, None, 4e3]
+    assert [None if (n := one.data.nominal) is None else n.payload_left for one in optimised] == [5e3, None, 5e3]
     assert "nominal" in optimised[0].data.record()
     assert "nominal" not in optimised[1].data.record()
 

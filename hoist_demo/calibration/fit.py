@@ -222,24 +222,36 @@ def intervals(residuals: Residuals, best_fit: Fit) -> Array:
 def _end(residuals: Residuals, best_fit: Fit, k: int, side: float) -> float:
     """Return the value of share ``k`` at which the least squares have grown by REACH^2, within its range.
 
-    After END_TRIALS it is the last value tried if they have grown by more there, else the range's end.
+    After END_TRIALS it is the nearest value at which they have grown by more, or, if no rope could be computed there,
+    the farthest at which one could; where they never grew by as much, it is the range's end.
     """
     column = best_fit.covariance[:, k]
     along = side * column / np.sqrt(column[k])  # a standard error of share k, and how the others follow
     limit = float(0.5 * (1 + side) - best_fit.norm_params[k]) / along[k]  # standard errors to the end of the range
     reach = REACH
+    inside = 0.0  # the farthest at which the squares have grown by less
+    outside = math.inf  # the nearest at which they have grown by more
+    computed = True  # a rope could be computed there
     for _ in range(END_TRIALS):
-        tried = reach = min(reach, limit)
+        reach = min(reach, limit)
         increase = _root_of_increase(residuals, best_fit, k, reach * along)
         if reach == limit and increase <= REACH:
             return 0.5 * (1 + side)
         if abs(increase - REACH) < END_TOLERANCE * REACH:
             return float(best_fit.norm_params[k] + reach * along[k])
+        if increase < REACH:
+            inside = reach
+        else:
+            outside = reach
+            computed = math.isfinite(increase)
         # the root of the growth is close to linear; a fit that creeps on has none
         reach *= float(np.clip(REACH / max(increase, 1e-9), 0.5, 2.0))
-    if increase < REACH:  # the squares hardly grow: no end was found within the range
+        if not inside < reach < outside:
+            reach = 0.5 * (inside + outside)
+    if math.isinf(outside):  # the squares hardly grow: no end was found within the range
         return 0.5 * (1 + side)
-    return float(best_fit.norm_params[k] + tried * along[k])
+    end = outside if computed else inside
+    return float(best_fit.norm_params[k] + end * along[k])
 
 
 def _root_of_increase(residuals: Residuals, best_fit: Fit, k: int, step: Array) -> float:

@@ -9,6 +9,7 @@ import json
 import math
 import traceback
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from importlib.metadata import version
 from pathlib import Path
@@ -278,8 +279,12 @@ class Probe:
         """
         there = {name: p.start for name, p in read_parameters(self._fmu).items() if name not in run.rope_values}
         levels = sorted(get_args(Level), key=lambda level: level != find_case(run.case).level)
-        differing = [_differing(there, rope_data_of(rope_scene(run.rope_values, level)).parameters) for level in levels]
-        if fewest := min(differing, key=len):
+        differing = list[dict[str, Value]]()
+        for level in levels:
+            with suppress(ValueError):  # the hoist's own settings do not fit this level
+                here = rope_data_of(rope_scene(run.rope_values, level)).parameters
+                differing.append(_differing(there, here))
+        if fewest := min(differing, key=len, default={}):  # settings that fit no level are told when the rope starts
             listed = "; ".join(
                 f"{key} is {there[key]} there, {value} here" for key, value in [*fewest.items()][:MAX_LISTED]
             )

@@ -118,7 +118,10 @@ ROPES: dict[str, tuple[str, ...]] = {
 
 #: What the product refuses in one sentence: (factor, choices), (factor, choices) that exclude each other.
 REFUSALS: tuple[tuple[Choices, Choices], ...] = (
-    (("stop", ("drive", "deceleration", "torque", "two-stage")), ("controller", ("input-shaping", "optimised-trajectory"))),
+    (
+        ("stop", ("drive", "deceleration", "torque", "two-stage")),
+        ("controller", ("input-shaping", "optimised-trajectory")),
+    ),
     (("stop", ("deceleration", "torque", "two-stage")), ("brake", ("none",))),
     (("stop", ("deceleration",)), ("brake", ("weak",))),
     (("scheme", ("energy-controlled",)), ("steps", ("20 ms, sampled at 10 ms",))),
@@ -421,9 +424,7 @@ def _study(bench: Bench, row: Mapping[str, str], wound: Wound) -> str:
     if (fmu := _export(bench, row, wound)) is None:
         return "refused"
     file = bench.folder / "study.toml"
-    file.write_text(
-        f'[study]\nhoist = "{wound.file.name}"\n[vary]\ngains.position = [1.0]\n', encoding="utf-8"
-    )
+    file.write_text(f'[study]\nhoist = "{wound.file.name}"\n[vary]\ngains.position = [1.0]\n', encoding="utf-8")
     runs = _table(bench, row, ("study", str(file), "--fmu", str(fmu), "--workers", "1"), "results.csv")
     if runs is None or row["ropes"] == "two":
         return "refused" if runs is None else "right"
