@@ -41,7 +41,7 @@ BEND = {"x": 0.2, "y": 0.2, "z": 0.2, "yaw": 20.0}
 #: shares of the motion by BEND in the largest difference: a short step is not divided, and takes a larger one
 LARGEST_SHARE = 3e-2
 LARGEST_SHARE_SHORT = 0.3
-LARGEST_SHARE_UNBENT = 0.3
+LARGEST_SHARE_UNBENT = 0.5
 #: differences over the largest
 SHARES = (1.0, 0.3, 0.1, 0.03, 0.01, 0.003)
 #: N and N m, change of a load by a difference of which rounding and the last corrections of Newton's method are 1 %
@@ -54,6 +54,8 @@ LEANED = 1e-3
 TRAVEL = 90.0
 #: s, instant of a transformation of the winding
 TRANSFORMED = 3.43
+#: s, when swivels are released: an instant that no input moves
+RELEASED = 3.52
 REFERENCE = s_curve(Winding(travel=TRAVEL))
 #: ms, steps that are differentiated
 STEPS = (0.001, 0.01, 0.1, 1.0, 5.0, 10.0, 20.0, 50.0, 100.0)
@@ -123,7 +125,7 @@ def cases() -> dict[str, Case]:
         "air": Case(scene.with_(shaft=wind)),
         "the first step": Case(scene, begin=0.0),
         "a step that raises the fidelity": Case(scene.with_(rope=replace(scene.rope, Qb=0.0, Qc=0.0))),
-        "at an event": Case(with_swivels(mode="coulomb"), turning, begin=2.74, to_event=True, shortest=0.02),
+        "at an event": Case(with_swivels(mode="coulomb", release_time=RELEASED), turning, to_event=True, shortest=0.05),
         "a transformation": Case(scene, begin=TRANSFORMED - 0.0005),
         "Qb not Qc": Case(scene.with_(rope=published), turning),
         "hinged": Case(with_swivels(attachment="hinged")),
@@ -239,7 +241,7 @@ def derivative(rope: NativeRope, side: int, name: str, at_step_end: bool = True)
 def largest_difference(case: Case, name: str, h: float) -> float:
     """Return the largest change of an input of which differences are shares."""
     if name.startswith("lean"):
-        return LARGEST_SHARE * LEANED
+        return 0.1 * LARGEST_SHARE * LEANED
     axis = "yaw" if name.startswith("yaw") else name[-1]
     order = 2 if name.startswith("a") else 1 if name.startswith("v") or name == "yaw_rate" else 0
     share, aim = (LARGEST_SHARE, h) if h >= MIN_MEAN_TIME else (LARGEST_SHARE_SHORT, max(h, MIN_AIM_TIME))
