@@ -1,7 +1,7 @@
 """Prediction of the stability of an exchange.
 
 The rope's forces at the ends of steps after a pulse of the end's acceleration, held over one step, are measured on the
-rope itself, F_k = -sum_j m_j a_(k-j); m_0 is up to twice the added mass m_a, that of an acceleration that grows. The
+rope itself, F_k = -sum_j m_j a_(k-j); m_0 is larger than the added mass m_a, that of an acceleration that grows. The
 scheme drives the mass M of the next step with forces of past ones, weighted by w,
 
     M a_(k+1) = sum_i w_i F_(k-i) ,     semi-implicit:  (M + m_a) a_(k+1) = sum_i w_i (F_(k-i) + m_a a_(k-i)) .
