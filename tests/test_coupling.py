@@ -289,6 +289,18 @@ def test_the_growth_is_one_at_the_limit_of_theory(degree: int, impedance: np.nda
     assert_allclose(growth_per_step(GaussSeidel(degree), impedance, 1.0 / limit, 0.0), 1.0, rtol=1e-9)
 
 
+def test_a_semi_implicit_exchange_with_a_mere_mass_leaves_nothing_of_a_disturbance() -> None:
+    assert growth_per_step(SemiImplicit(0), np.eye(21)[0], 0.1, 1.0) == 0.0
+    assert growth_per_step(SemiImplicit(0), np.eye(21)[0], 0.1, 0.2) > 1.0  # the added mass of another step
+
+
+def test_the_jacobian_of_the_held_mean_is_exact_for_a_mere_mass() -> None:
+    coupled, scheme_state = start(Data(m_e=20.0, k=0.1, k_2=0.0, c_2=0.0), 0.5, 0.01)
+    advance = Iterative("jacobian", 1e-9, hold_mean=True).advance(coupled, scheme_state, 0.5, 0.01)
+    assert not advance.cause
+    assert advance.scheme_state.exchanges == 2
+
+
 def wind(scheme: str, **options: Any) -> Result:
     return Host(rope_in_process("rope-120", "draft"), Hoist(), TRIP, Coupling(scheme=scheme)).run(**options)
 

@@ -47,8 +47,8 @@ class StabilityEstimate:
             return ""
         return (
             f"coupling {name} with H = {H:g} s: disturbances are expected to grow {self.growth_per_step:.3g} times per "
-            f"step (the rope resists like {self.resistance:.4g} kg, the conveyance has {self.mass:.4g} kg, and waves run "
-            "in the rope): the run will be unstable. Take a shorter step, semi-implicit-0 or implicit-impulse"
+            f"step (the rope resists like {self.resistance:.4g} kg, the conveyance has {self.mass:.4g} kg, and waves "
+            "run in the rope): the run will be unstable. Take a shorter step, semi-implicit-0 or implicit-impulse"
         )
 
 
