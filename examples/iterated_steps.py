@@ -63,7 +63,8 @@ for k in range(STEPS):
         change = read("right.fy") - force
         if abs(change) < TOLERANCE:
             break
-        force += change / contraction  # Newton's method: the rope answers with its added mass
+        # Newton's method: by the trapezoidal rule too the acceleration grows over the step, as for the added mass
+        force += change / contraction
         fmu.setFMUState(start)
     fmu.freeFMUState(start)
     motion = tried

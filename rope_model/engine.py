@@ -72,6 +72,7 @@ def declare(lib: ctypes.CDLL) -> ctypes.CDLL:
         "rope_warning": (None, (rope, c_int, c_char_p)),
         "rope_signals": (None, (rope, c_size_t, POINTER(c_int), POINTER(c_double))),
         "rope_load_derivative": (c_int, (rope, c_int, c_int, POINTER(c_double))),
+        "rope_repeated_steps": (c_size_t, (rope,)),
         "rope_state_bytes": (c_size_t, (rope,)),
         "rope_restore": (c_int, (rope, c_char_p, c_size_t)),
     }

@@ -169,9 +169,9 @@ class Follower:
         return -d.m_e * a - d.k_2 * (y - x) - d.c_2 * (v - w)
 
     def added_mass(self) -> float:
-        """Answer to an acceleration held over the last step."""
-        still = Follower(self.data, np.zeros(2), np.array([0.0, 0.0, 1.0]), 0.0, self.h)
-        still.step(0.0, self.h, EndMotion(y=self.h**2 / 2, vy=self.h, ay=1.0), NOTHING)
+        """Answer to an acceleration that grows over the last step."""
+        still = Follower(self.data, np.zeros(2), np.zeros(3), 0.0, self.h)
+        still.step(0.0, self.h, EndMotion(y=self.h**2 / 6, vy=self.h / 2, ay=1.0), NOTHING)
         return -still.force()
 
     def save(self) -> tuple:
@@ -286,7 +286,19 @@ def test_energy_control_keeps_the_residual_below_its_bound(inner: Scheme, bound:
     ],
 )
 def test_the_growth_is_one_at_the_limit_of_theory(degree: int, impedance: np.ndarray, limit: float) -> None:
-    assert_allclose(growth_per_step(GaussSeidel(degree), impedance, 1.0 / limit), 1.0, rtol=1e-9)
+    assert_allclose(growth_per_step(GaussSeidel(degree), impedance, 1.0 / limit, 0.0), 1.0, rtol=1e-9)
+
+
+def test_a_semi_implicit_exchange_with_a_mere_mass_leaves_nothing_of_a_disturbance() -> None:
+    assert growth_per_step(SemiImplicit(0), np.eye(21)[0], 0.1, 1.0) == 0.0
+    assert growth_per_step(SemiImplicit(0), np.eye(21)[0], 0.1, 0.2) > 1.0  # the added mass of another step
+
+
+def test_the_jacobian_of_the_held_mean_is_exact_for_a_mere_mass() -> None:
+    coupled, scheme_state = start(Data(m_e=20.0, k=0.1, k_2=0.0, c_2=0.0), 0.5, 0.01)
+    advance = Iterative("jacobian", 1e-9, hold_mean=True).advance(coupled, scheme_state, 0.5, 0.01)
+    assert not advance.cause
+    assert advance.scheme_state.exchanges == 2
 
 
 def wind(scheme: str, **options: Any) -> Result:

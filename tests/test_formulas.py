@@ -11,11 +11,13 @@ import pytest
 from native_parts import compiled
 from numpy.testing import assert_allclose
 
+from rope_model.codegen.expressions import texts_of
 from rope_model.codegen.formula_functions import argument_of, formulas, function_code, shape_of, symbols_of
 from rope_model.codegen.formulas import STRUCTURES
 from rope_model.codegen.messages import texts
 from rope_model.codegen.structures import GROUPS, SceneStructure
 from rope_model.parameters import Scene
+from rope_model.physics.elementary import where
 
 #: where a formula asks for more than a number between 0.5 and 1
 VALUES = {"number": 800.0}
@@ -35,6 +37,13 @@ def library(tmp_path_factory: pytest.TempPathFactory) -> Any:
         returned = "" if result == "void" else "return "
         code += [f"{result} {name}_({arguments});", f"{result} {name}_({arguments}) {{ {returned}{name}({passed}); }}"]
     return compiled(tmp_path_factory.mktemp("formulas"), {"all.c": "\n".join(code) + "\n"})
+
+
+def test_a_sum_of_two_conditional_terms_keeps_both_conditions() -> None:
+    x, y, z = (ca.SX.sym(name) for name in "xyz")
+    _, (alternative, total) = texts_of([where(x < 1, y, z), where(x < 1, y, 0.0) + where(x < 1, z, 0.0)])
+    assert alternative == "x < 1.0 ? y : z"
+    assert total == "(x < 1.0 ? y : 0.0) + (x < 1.0 ? z : 0.0)"
 
 
 def c_structure(kind: type[Any]) -> type[ct.Structure]:

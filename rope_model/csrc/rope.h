@@ -70,8 +70,12 @@ void rope_warning(Simulator *sim, int index, char *message);
 void rope_signals(Simulator *sim, size_t count, const int *signals, double *values);
 
 /* Differentiate the forces and moments left.fx ... left.mz, right.fx ... right.mz with respect to one of the 26 inputs,
-   EndMotion on the left and on the right.  The input is given at the start or the end of a step as long as the last. */
+   EndMotion on the left and on the right.  The loads are those at the end of the last communication step, the input is
+   that of this step; before the first step it is given at the start or the end of a step of step_max. */
 int rope_load_derivative(Simulator *sim, int input, int at_step_end, double derivative[12]);
+/* Number of communication steps that derivatives and added masses have taken again: 1 after each step of the rope, and
+   2 for each input and each added mass. */
+size_t rope_repeated_steps(const Simulator *sim);
 
 /* The complete state is a block of bytes without addresses, valid in every process. */
 size_t rope_state_bytes(const Simulator *sim);

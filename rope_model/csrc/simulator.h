@@ -53,6 +53,7 @@ typedef struct {
     Path paths[2];
     int at_step_end;  /* true if the derivatives are those to inputs of the step's end */
     unsigned derived; /* bit i: the derivatives to input i are known */
+    size_t repeats;   /* number of communication steps that were recorded or taken again, since the rope was created */
     double derivatives[2 * sizeof(EndMotion) / sizeof(double)][2 * 6];
 } Replay;
 

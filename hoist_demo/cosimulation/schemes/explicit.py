@@ -92,7 +92,8 @@ class SemiImplicit(Extrapolated):
 
         F(s) = F_e(s) - m_a (a - a_e(s))
 
-    with extrapolated F_e and a_e and the rope's added mass m_a. The drive solves for its own acceleration under this
+    with extrapolated F_e and a_e and the rope's added mass m_a. The difference a - a_e is 0 at the
+    step's start and grows, as in the definition of the added mass. The drive solves for its own acceleration under this
     load, so that no step is taken twice. Source: the idea of B. Schweizer and D. Lu, Predictor/corrector co-simulation
     approaches for solver coupling with algebraic constraints, ZAMM 95 (2015), with the added mass in place of the
     coupling Jacobian.

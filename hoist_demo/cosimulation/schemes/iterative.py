@@ -4,12 +4,12 @@ Over the step the drive's load is the parabola through the rope's force at its s
 end: unknown are x = (mean, end). Or the mean is held: unknown is x = mean. With the rope's added mass m_a and the
 drive's accelerance B = da/dF
 
-    d end / d mean = -m_a B ,   d mean / d mean = -3/4 m_a B ,
+    d mean / d mean = -m_a B ,   d end / d mean = -m_a B ,   d end / d end = -m_a B / 2 ,
 
-because the speed at the end follows the mean. The last is m_a B for an end that is a mass and half of it for one that
-is an impedance; in the middle either converges by 1/3 per exchange at worst. The parabola is of high order, but its
-force is continuous from step to step and damps nothing: with a drive lighter than the rope's added mass the solution
-itself alternates. The held mean is of first order and stable with any mass.
+and the mean hardly follows the end. The first is exact for an end that is a mass and for one that is an impedance,
+whose speed the mean determines. The other two are the middle between both: 0 and 2 m_a B, m_a B and 0. The parabola is
+of high order, but its force is continuous from step to step and damps nothing: with a drive lighter than the rope's
+added mass the solution itself alternates. The held mean is of first order and stable with any mass.
 
 An accelerator gives the next x to try from those tried and the responses g(x) of the rope, r = g(x) - x.
 """
@@ -139,6 +139,5 @@ class Iterative:
             return Aitken() if self.accelerator == "aitken" else Secant()
         response: Vector = -coupled.added_mass()[:, None] * coupled.drive.accelerance()
         if self.hold_mean:
-            return InterfaceJacobian(0.75 * response)
-        none = np.zeros_like(response)
-        return InterfaceJacobian(np.block([[0.75 * response, none], [response, none]]))
+            return InterfaceJacobian(response)
+        return InterfaceJacobian(np.block([[response, np.zeros_like(response)], [response, 0.5 * response]]))

@@ -1,10 +1,10 @@
 """Prediction of the stability of an exchange.
 
 The rope's forces at the ends of steps after a pulse of the end's acceleration, held over one step, are measured on the
-rope itself, F_k = -sum_j m_j a_(k-j); m_0 is the added mass. The scheme drives the mass M of the next step with
-forces of past ones, weighted by w,
+rope itself, F_k = -sum_j m_j a_(k-j); m_0 is larger than the added mass m_a, that of an acceleration that grows. The
+scheme drives the mass M of the next step with forces of past ones, weighted by w,
 
-    M a_(k+1) = sum_i w_i F_(k-i) ,     semi-implicit:  (M + m_0) a_(k+1) = sum_i w_i (F_(k-i) + m_0 a_(k-i)) .
+    M a_(k+1) = sum_i w_i F_(k-i) ,     semi-implicit:  (M + m_a) a_(k+1) = sum_i w_i (F_(k-i) + m_a a_(k-i)) .
 
 The largest root of this recursion is the growth per step. For a held force and a rope that is only a mass it is
 m_0 / M; for one that is only an impedance Z the bound is H < 2 M / Z; and where steps are as long as the period of an
@@ -33,7 +33,7 @@ class StabilityEstimate:
     """Predicted stability of a scheme."""
 
     growth_per_step: float  # factor of a disturbance in one communication step
-    added_mass: float  # kg, of the rope's end over one step
+    resistance: float  # kg, m_0 of the rope's end
     mass: float  # kg, that it acts on
 
     @property
@@ -47,8 +47,8 @@ class StabilityEstimate:
             return ""
         return (
             f"coupling {name} with H = {H:g} s: disturbances are expected to grow {self.growth_per_step:.3g} times per "
-            f"step (the rope's added mass {self.added_mass:.4g} kg, the conveyance's {self.mass:.4g} kg, and waves in "
-            "the rope): the run will be unstable. Take a shorter step, semi-implicit-0 or implicit-impulse"
+            f"step (the rope resists like {self.resistance:.4g} kg, the conveyance has {self.mass:.4g} kg, and waves "
+            "run in the rope): the run will be unstable. Take a shorter step, semi-implicit-0 or implicit-impulse"
         )
 
 
@@ -71,7 +71,9 @@ def predict_stability(
         return None
     # the worst end and the smallest mass: either end of the rope may become the long leg in the course of a trip
     mass = 1.0 / float(np.max(np.diag(coupled.drive.accelerance())))
-    worst = max((growth_per_step(scheme, end, mass) for end in response.T), default=math.nan)
+    added = added_mass_of_step(coupled, t, H) if isinstance(scheme, SemiImplicit) else np.zeros(response.shape[1])
+    ends = zip(response.T, added.tolist(), strict=True)
+    worst = max((growth_per_step(scheme, end, mass, added_mass) for end, added_mass in ends), default=math.nan)
     seen = StabilityEstimate(worst, float(np.max(response[0])), mass)
     if warning := seen.warning(name, H):
         _log.warning("%s", warning)
@@ -112,13 +114,24 @@ def _pushed(coupled: CoupledSystem, t: float, H: float, at_rest: Vector, pulse: 
         coupled.restore_rope(snapshot)
 
 
-def growth_per_step(scheme: Scheme, response: Vector, mass: float) -> float:
-    """Largest root of the recursion for one end, `response` (RESPONSE_STEPS,) in kg; 0 if no past forces are used."""
+def added_mass_of_step(coupled: CoupledSystem, t: float, H: float) -> Vector:
+    """Return the added masses over a trial step of held ends that is as long as the run's, (n,) [kg]."""
+    snapshot, still = coupled.rope.save(), np.zeros_like(coupled.drive.position())
+    try:
+        coupled.step_rope(t, H, InterfaceMotion(coupled.drive.position(), still, still))
+        return coupled.added_mass()
+    finally:
+        coupled.restore_rope(snapshot)
+
+
+def growth_per_step(scheme: Scheme, response: Vector, mass: float, added_mass: float) -> float:
+    """Largest root of the recursion for one end, `response` (RESPONSE_STEPS,) in kg; 0 if no past forces are used.
+
+    `added_mass` [kg] is what the scheme adds to `mass`.
+    """
     w = np.array(scheme.weights)
     if not w.size:
         return 0.0
     past = -np.convolve(w, response)  # F_(k-i) by the accelerations a_k, a_(k-1), ...
-    if isinstance(scheme, SemiImplicit):
-        past[: w.size] += w * response[0]
-        mass += float(response[0])
-    return float(np.max(np.abs(np.roots(np.concatenate([[1.0], -past / mass]))), initial=0.0))
+    past[: w.size] += w * added_mass
+    return float(np.max(np.abs(np.roots(np.concatenate([[1.0], -past / (mass + added_mass)]))), initial=0.0))

@@ -61,6 +61,7 @@ static HostStep coming_step(const Simulator *sim, int at_step_end) {
 static int record(Simulator *sim, const HostStep *host) {
     Replay *replay = &sim->replay;
     int event;
+    replay->repeats++;
     replay->count = 0;
     replay->derived = 0;
     rope_system_refer(sim, sim->state, state_arrays(sim->state).q);
@@ -80,8 +81,9 @@ static int record(Simulator *sim, const HostStep *host) {
 
 /* Take the recorded step again, with `times` the change added to the paths. */
 static int repeat(Simulator *sim, const Change *change, double times, double loads[LOADS]) {
-    const Replay *replay = &sim->replay;
+    Replay *replay = &sim->replay;
     State *state = sim->next;
+    replay->repeats++;
     state_copy(sim, state, sim->state);
     memcpy(state->paths, replay->paths, sizeof replay->paths);
     Path *path = &state->paths[change->side];
@@ -198,6 +200,10 @@ void added_mass_signals(Simulator *sim, double *values) {
         values[side == LEFT ? SIGNAL_LEFT_ADDED_MASS : SIGNAL_RIGHT_ADDED_MASS] =
             done ? -derivatives[side][6 * side + 1] : NAN;
     return_from(sim, &place, done);
+}
+
+size_t rope_repeated_steps(const Simulator *sim) {
+    return sim->replay.repeats;
 }
 
 int rope_load_derivative(Simulator *sim, int input, int at_step_end, double derivative[LOADS]) {

@@ -37,7 +37,7 @@ def _table() -> Iterator[tuple[str, Signal]]:
         yield f"{side}.swivel.rate", Signal("rad/s", f"rate of {side}.swivel.angle")
         yield f"{side}.swivel.torque", Signal("N.m", f"moment of the {side} swivel on the rope, about the tangent")
         yield f"{side}.swivel.slipping", Signal("1", f"whether the {side} swivel turns", "boolean")
-        text = f"fall of {side}.fy per acceleration of the end that grows from 0 over the communication step"
+        text = f"fall of {side}.fy per acceleration of the end that grows from 0 over the last communication step"
         yield f"{side}.added_mass", Signal("kg", text)
     for axis in "xyz":
         yield f"loop.{axis}", Signal("m", f"{axis.upper()} of the rope's lowest point")
