@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator
 from ctypes import c_double
 
 import numpy as np
-from rope_model.simulation.outputs.sensitivity import LOADS
 
 from invariants.books import require
 from invariants.case import Array, Case
@@ -16,6 +15,7 @@ from invariants.runs import FORCES, MEANS, PLACE, Compared, Record, Refused, rms
 from invariants.symmetries import ALL, SHARE, both, compared, values_of, with_changes
 from rope_model import EndMotion
 from rope_model.engine import NativeRope
+from rope_model.simulation.outputs.signal_table import LOADS
 
 #: relative rounding of a motion that went through 14 decimals
 ROUNDED = 1e-14

@@ -1,8 +1,9 @@
 """The same rope elsewhere: mirrored, turned, seen from behind, shifted in space and time, in other units.
 
 Equations without a preferred side, direction, place or instant give the same numbers, up to rounding.  Rounding may
-change a decision (whether a step is halved, when a mesh is transformed); then both runs are still within what each says
-of its own error.  So the bound is ROUNDING of the largest value, and SHARE of both estimates where decisions differ.
+change a decision (whether a step is halved or takes another of Newton's corrections, when a mesh is transformed); then
+both runs are still within what each says of its own error.  So the bound is ROUNDING of the largest value, and SHARE of
+both estimates where decisions differ.
 """
 
 from __future__ import annotations
@@ -84,15 +85,18 @@ def compared(
     alike = exact and decisions_agree(one, other)
     estimate = 0.0 if alike else SHARE
     force = one.force
+    loop_errors = estimate * (one.loop_error + other.loop_error)
+    # a leg that hangs between an end and a loop beside its place leans: it pulls aside with its weight by that angle
+    leaning = force * loop_errors / one.case.scene.rope.length
     moment = max(float(np.abs(one.several(MOMENTS)).max()), 1.0)
     bounds = {
-        FORCES: ROUNDING * force + estimate * (one.force_error + other.force_error),
+        FORCES: ROUNDING * force + estimate * (one.force_error + other.force_error) + leaning,
         MEANS: ROUNDING * force + estimate * (one.force_error + other.force_error),
         # moments follow the loop and the forces: no better known than the worse of both
         MOMENTS: 10 * ROUNDING * moment
         + estimate * moment * (one.force_error + other.force_error) / force
-        + estimate * (one.loop_error + other.loop_error) / one.case.scene.layout.spacing * moment,
-        PLACE: 1e-6 + estimate * (one.loop_error + other.loop_error),
+        + loop_errors / one.case.scene.layout.spacing * moment,
+        PLACE: 1e-6 + loop_errors,
     }
     for group, tolerance in bounds.items():
         chosen = [name for name in group if name in names]
