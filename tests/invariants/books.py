@@ -70,7 +70,7 @@ def momentum(case: Case, draws: Draws) -> Iterator[Compared]:
     missing = rope.mass_per_length * np.diff(found[: last + 1]) / h + pulls + weight
     if last:
         # fy_mean is the audited impulse; the audit takes short steps together
-        audited = record.rope.signals(["audit.momentum"])["audit.momentum"]
+        audited = record.unbalanced
         joined = np.maximum(1.0, MIN_INTERVAL / h)
         told = "missing_loads" in record.rope.warnings()
         yield Compared(

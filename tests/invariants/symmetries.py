@@ -37,8 +37,8 @@ from rope_model import FAR, SIGNALS, EndMotion, Scene
 from rope_model.parameter_table import parameters_of
 from rope_model.scene_names import named_parameters, with_values
 
-#: of the largest value: Newton's method leaves far less than newton_tolerance, for its last increment converges
-#: quadratically; forces of stiff elements amplify the rounding of positions of 1000 m, 1e-13 m x EA / l = 1e-5 N
+#: of the largest value: forces of stiff elements amplify the rounding of positions of 1000 m, 1e-13 m x EA / l = 1e-5 N;
+#: beside what one of Newton's corrections a step leaves, which the next steps take over and the audit sees
 ROUNDING = 1e-6
 #: of the sum of both runs' estimates; an estimate is within a factor of 2 in 85 of 100 scenes (docs/promise.md)
 SHARE = 3.0
@@ -86,16 +86,20 @@ def compared(
     estimate = 0.0 if alike else SHARE
     force = one.force
     loop_errors = estimate * (one.loop_error + other.loop_error)
-    # a leg that hangs between an end and a loop beside its place leans: it pulls aside with its weight by that angle
-    leaning = force * loop_errors / one.case.scene.rope.length
+    # a leg between its end and a loop that is beside its place leans: it pulls aside, and bends at a clamp
+    rope = one.case.scene.rope
+    lean = loop_errors / (0.5 * rope.length)
+    bend = lean * math.sqrt(max(rope.EI, rope.EI_stick) * force)
+    least = ROUNDING * force + one.unbalanced + other.unbalanced
     moment = max(float(np.abs(one.several(MOMENTS)).max()), 1.0)
     bounds = {
-        FORCES: ROUNDING * force + estimate * (one.force_error + other.force_error) + leaning,
-        MEANS: ROUNDING * force + estimate * (one.force_error + other.force_error),
+        FORCES: least + estimate * (one.force_error + other.force_error) + lean * force,
+        MEANS: least + estimate * (one.force_error + other.force_error),
         # moments follow the loop and the forces: no better known than the worse of both
         MOMENTS: 10 * ROUNDING * moment
         + estimate * moment * (one.force_error + other.force_error) / force
-        + loop_errors / one.case.scene.layout.spacing * moment,
+        + loop_errors / one.case.scene.layout.spacing * moment
+        + bend,
         PLACE: 1e-6 + loop_errors,
     }
     for group, tolerance in bounds.items():
