@@ -113,9 +113,12 @@ def derivatives(case: Case, draws: Draws) -> Iterator[Compared]:
             raise Refused(said)
     kept = rope.native_state()
     fields = [*EndMotion.__dataclass_fields__]
-    names = ("x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az")
-    side, name = int(draws.chance(0.5)), draws.one_of("y", "vy", "ay", "ay", *names)
-    size = SIZES[(name[0] == "v") + 2 * (name[0] == "a")]
+    names = ("x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az", "yaw", "yaw_rate")
+    side = int(draws.chance(0.5))
+    end = (case.scene.left, case.scene.right)[side]
+    leans = ("lean", "lean_z") if end.attachment == "clamped" else ()
+    name = draws.one_of("y", "vy", "ay", "ay", *names, *leans)
+    size = SIZES[(name[0] == "v" or name == "yaw_rate") + 2 * (name[0] == "a")]
 
     def loads(change: float) -> tuple[Array, int]:
         rope.restore_native(kept)
