@@ -9,13 +9,26 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
+from invariants.books import integrals
 from scenes import P120, TRIP, Trip, ends_at, hung, recorded, wound
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.parameters import Winding
-from rope_model import Accuracy, EndMotion, Layout, Mesh, Rope, RopeSimulator, Scene, Solver, Swivel, balance_rope
+from rope_model import (
+    Accuracy,
+    EndMotion,
+    Layout,
+    Mesh,
+    Model,
+    Rope,
+    RopeSimulator,
+    Scene,
+    Solver,
+    Swivel,
+    balance_rope,
+)
 from rope_model.engine import NativeRope
 from rope_model.numerics.generalized_alpha import Coefficients, local_error
 from rope_model.numerics.kernels import find_compiler
@@ -210,6 +223,51 @@ def test_the_audit_is_silent_in_windings_releases_emergency_stops_and_transforma
     # a tenth of what is told
     assert audit.missing_force < 1e-4 * audit.force
     assert audit.missing_moment < 5e-4 * audit.force * rope.scene.layout.spacing
+
+
+def up_and_stopped(t: float) -> tuple[EndMotion, EndMotion]:
+    """The left end rises with an acceleration that grows for 0.1 s, and then falls as fast."""
+    jerk, grown = 40.0, min(t, 0.1)
+    late = t - grown
+    a = jerk * (grown - late)
+    v = 0.5 * jerk * grown**2 + jerk * (grown * late - 0.5 * late**2)
+    y = jerk * grown**3 / 6.0 + 0.5 * jerk * grown**2 * late + jerk * (0.5 * grown * late**2 - late**3 / 6.0)
+    return EndMotion(y=y, vy=v, ay=a), EndMotion()
+
+
+def test_the_mean_end_forces_of_each_step_are_the_momentum_that_the_rope_gets() -> None:
+    """In unequal steps; a trapezoidal rule of the end forces misses 20 N of them in an emergency stop."""
+    rope, scene = hung(balance_rope(SHORT)), SHORT
+    weight = scene.rope.mass_per_length * scene.rope.length * scene.layout.gravity
+    before, missing = 0.0, []
+    for h in (0.02, 0.02, 0.005, 0.01, 0.02, 0.02, 0.04, 0.01, 0.02, 0.02):
+        t = rope.time + h
+        status = rope.advance_to(t, *up_and_stopped(t))
+        assert status.valid, status.message
+        now = scene.rope.mass_per_length * float(integrals(rope)[0][1])
+        pulls = sum(rope.signals(["left.fy_mean", "right.fy_mean"]).values())
+        missing.append((now - before) / h + pulls + weight)
+        before = now
+    audited = rope.signals(["audit.momentum"])["audit.momentum"]
+    assert_allclose(missing, 0.0, atol=audited + 1e-7 * weight)
+    assert audited < 1e-4 * weight  # a tenth of what is told
+
+
+def test_the_mean_end_forces_of_a_rigid_rope_are_the_momentum_that_it_gets() -> None:
+    scene = SHORT.with_(model=Model("rigid"))
+    rope, data = hung(balance_rope(scene)), scene.rope
+    arc = 0.5 * math.pi * scene.layout.spacing
+    before, impulse = 0.0, 0.0
+    for t in (0.02, 0.1, 0.11, 0.15):
+        h = t - rope.time
+        assert rope.advance_to(t, *up_and_stopped(t)).valid
+        left, _ = up_and_stopped(t)
+        leg = 0.5 * (data.length - arc + left.y)
+        now = data.mass_per_length * (leg * left.vy + 0.5 * arc * left.vy)
+        pulls = sum(rope.signals(["left.fy_mean", "right.fy_mean"]).values())
+        impulse = (now - before) / h + pulls + data.mass_per_length * data.length * scene.layout.gravity
+        assert abs(impulse) < 1e-6 * abs(pulls)
+        before = now
 
 
 def test_a_smooth_trip_may_take_long_steps_but_an_emergency_stop_in_them_is_told() -> None:

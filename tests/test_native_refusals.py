@@ -8,7 +8,7 @@ from typing import Literal
 import pytest
 from scenes import hung
 
-from rope_model import EndMotion, Layout, Lining, Mesh, Model, Rope, RopeSimulator, Scene, Shaft, Solver
+from rope_model import Contact, EndMotion, Layout, Lining, Mesh, Model, Rope, RopeSimulator, Scene, Shaft, Solver
 from rope_model.engine import NativeRope
 
 
@@ -159,3 +159,25 @@ def test_a_communication_step_of_too_much_work_is_refused(most: float, monkeypat
 def test_an_accuracy_that_a_kind_of_mesh_does_not_read_is_refused(kind: Literal["tmn", "eem"]) -> None:
     with pytest.raises(ValueError, match=r"loop_error = 0\.01 .* unless mesh\.kind = auto; .* set kind = auto"):
         Mesh(kind, loop_error=0.01)
+
+
+@pytest.mark.slow
+def test_a_long_rope_that_goes_on_winding_about_itself_is_refused_with_the_cure() -> None:
+    """Without contact of the rope with itself it hangs."""
+    rope = Rope(
+        length=900.0,
+        mass_per_length=4.67,
+        Qa=5e7,
+        Qb=-1.83e5,
+        Qc=-1.83e5,
+        Qd=1380.0,
+        EI=364.0,
+        EI_stick=1557.0,
+        slip_moment=9.2,
+        diameter=0.0356,
+    )
+    scene = Scene(rope, Layout(spacing=2.0), shaft=Shaft(contact=Contact(rope_stiffness=4.6e6)))
+    said = NativeRope(scene).initialize(0.0, EndMotion(), EndMotion()).message
+    assert "winding about itself" in said
+    assert "contact.rope_stiffness = 0" in said
+    assert hung(NativeRope(scene.with_(shaft=Shaft()))).state.motion.t == 0.0

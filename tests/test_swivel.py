@@ -14,7 +14,7 @@ from rope_model import BalanceRope, EndMotion, Mesh, Model, Rope, RopeSimulator,
 from rope_model.numerics.generalized_alpha import Motion, StepResult
 from rope_model.physics.swivel import friction_moment
 from rope_model.simulation.ends.ends import HangingEnds
-from rope_model.simulation.ends.swivel_phases import Phase, SwivelState
+from rope_model.simulation.ends.swivel_phases import Phase, SwivelState, swivel_excess
 from rope_model.simulation.model import RopeModel
 from rope_model.simulation.rope_system import Evaluation, RopeSystem
 from rope_model.simulation.state import Event
@@ -288,3 +288,13 @@ def test_a_swivel_is_free_from_the_start_of_a_run_that_begins_before_zero() -> N
     rope = hung(balance_rope(PLAIN.with_(left=free, right=free), "native"), t=-5.0)
     assert rope.advance_to(-4.99, EndMotion(), EndMotion()).valid
     assert [x.phase for x in rope.state.swivels] == [Phase.SLIP, Phase.SLIP]
+
+
+@pytest.mark.parametrize("phase", [Phase.STICK, Phase.SLIP])
+@pytest.mark.parametrize("moment", [0.0, 3.0, 80.0])
+def test_events_are_at_the_same_instants_in_any_unit_of_mass(phase: Phase, moment: float) -> None:
+    """The function whose root they are does not change by a bit, whatever the other swivel's is compared with."""
+    state = SwivelState(phase, 0.0, 1.0)
+    one, heavy = (swivel_excess(STIFF_BEARING, state, unit * 5e3, unit * moment, 0.1) for unit in (1.0, 8.0))
+    assert one == heavy
+    assert (one < 0) == (phase is Phase.SLIP or moment < 80.0)

@@ -179,7 +179,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "void end_load(q[7], f[7], torque, load[6])": audit.end_load,
     "axial_share(rope, bottom_s, h)": audit.axial_share,
     "void audit_values(audit, values[6])": audit.signal_values,
-    "Audit audit_after_step(audit, Coefficients method, h, shift, load[6], force, change, ratio)": audit.after_step,
+    "Audit audit_after_step(audit, Coefficients method, h, shift, load[8], force, change, ratio)": audit.after_step,
     "Audit audit_after_interval(audit, h, mass, gravity, sums[9], about[3], residual, bend)": audit.after_interval,
 }
 #: derivatives of formulas, which Python does not evaluate, written as in ``FORMULAS``
@@ -211,6 +211,7 @@ _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
     ("", diagnostics, "PIECES FINE OUTLINE"),
     ("", element, "FRAME_SIZE"),
     ("", generalized_alpha, "MAX_GROWTH"),
+    ("AUDIT_", audit, "LOADS END_LOADS"),
     ("", guard, "NEVER"),
     ("", hang, "CURVATURE_STEPS PLACING_STEPS TWIST_STEP MIN_TWIST_STEP MAX_TURN MAX_CORRECTIONS"),
     ("", input_filter, "MAX_LAG MIN_AIM_TIME MIN_MEAN_TIME"),

@@ -7,8 +7,8 @@ static double relative_end_speed(const NodalArrays *nodal) {
     return nodal->v[1] - end_row(nodal->v, nodal->nodes, RIGHT)[1];
 }
 
-/* Load of conveyances, bodies and air on the rope: force and moment about the origin. */
-static void load_on(const Simulator *sim, State *state, const System *sys, double load[6]) {
+/* Load of conveyances, bodies and air on the rope: force and moment about the origin, vertical forces of the ends. */
+static void load_on(const Simulator *sim, State *state, const System *sys, double load[AUDIT_LOADS]) {
     const NodalArrays nodal = state_arrays(state);
     double contact[CONTACT_BALANCE], air[AIR_BALANCE];
     external_sums(sys, nodal.q, nodal.v, contact);
@@ -19,6 +19,7 @@ static void load_on(const Simulator *sim, State *state, const System *sys, doubl
         double one[6];
         end_load(q, R, ends_moment(&sim->scene, state, side, R), one);
         for (int k = 0; k < 6; k++) load[k] += one[k];
+        load[AUDIT_END_LOADS + side] = R[1];
     }
     /* A planar rope has no load across its plane. */
     if (state->fidelity == PLANAR) load[2] = load[3] = load[4] = 0;
@@ -46,7 +47,7 @@ static void audit_step(const Simulator *sim, State *state, const System *sys, do
                        const double before[2]) {
     const NodalArrays nodal = state_arrays(state);
     const Coefficients method = {sim->scene.solver.rho_inf};
-    double load[6], force = 0, change = 0;
+    double load[AUDIT_LOADS], force = 0, change = 0;
     load_on(sim, state, sys, load);
     for (int side = LEFT; side <= RIGHT; side++) {
         const double now = end_row(nodal.reaction, nodal.nodes, side)[1];

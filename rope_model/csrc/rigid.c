@@ -67,6 +67,7 @@ int flexible_start(Simulator *sim, State *state, char *message) {
     state_copy(sim, sim->spare, state);
     const double *rigid = state_arrays(sim->spare).q;
     for (int side = LEFT; side <= RIGHT; side++) state->paths[side] = path_coasting(&paths[side], t);
+    sim->corrections = sim->solutions = 0;
     int found = find_equilibrium(sim, state, INFINITY, message);
     const double turned = state->offsets[RIGHT];
     memcpy(q, nodal.q, bytes);

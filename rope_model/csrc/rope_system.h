@@ -73,6 +73,7 @@ typedef struct {
     double *xi;         /* element coordinate of the nearest place in each of them */
     double *scratch;    /* CG_ARRAYS arrays of the size of q, for conjugate gradients */
     ClearanceCache cache;
+    int64_t solutions; /* of the chain's equations by conjugate gradients so far */
 } SelfContactState;
 enum { CG_ARRAYS = 4 };
 
@@ -97,10 +98,10 @@ typedef struct {
     double time;                    /* time at which point forces are evaluated, s */
     double *latest; /* WIRE_TANGENT_SIZE numbers an element, of the latest tangent; scratch, aligned as frames */
     double P[PARAMETERS], air[AIR_COEFFICIENTS]; /* air: AirCoefficients, whose first number is 0 without air */
-    double load[2], friction_load[2]; /* moments on theta of the ends; friction per newton of tension */
-    int plumb[2];                     /* ends whose tension is their vertical reaction */
-    double inertia[2], shortest;      /* inertia: of theta at the ends; shortest: element, m */
-    int corrections;                  /* Newton corrections of a step that is taken again; 0: until it converges */
+    double load[2], friction_load[2];            /* moments on theta of the ends; friction per newton of tension */
+    int plumb[2];                                /* ends whose tension is their vertical reaction */
+    double inertia[2], shortest;                 /* inertia: of theta at the ends; shortest: element, m */
+    int corrections; /* Newton corrections of a step that is taken again; 0: until it converges */
 } System;
 
 /* Return the tension at an end, which is plumb or not, from its rows of q and of the reaction. */

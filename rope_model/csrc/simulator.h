@@ -87,7 +87,8 @@ struct Simulator {
     int bottom_known, nearest_blocks[2]; /* nearest_blocks: `pair` of leg_clearance */
     int64_t newton_limit;                /* Newton iterations after which the present advance gives up accuracy */
     int64_t corrections;                 /* Newton corrections of all equilibria of the present start */
-    int turned;                          /* true if the latest equilibrium turned more than allowed */
+    int64_t solutions; /* and solutions of the chain's equations for contact of the rope with itself */
+    int turned;        /* true if the latest equilibrium turned more than allowed */
     char message[MESSAGE];
 };
 

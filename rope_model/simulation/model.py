@@ -222,16 +222,16 @@ def ends_of(system: RopeSystem) -> HangingEnds:
 
 
 def load_on(ends: HangingEnds, motion: alpha.Motion, system: RopeSystem) -> Load:
-    """Return the loads on the rope by the conveyances at its ends, by touched bodies, and by the air."""
-    external = system.external_sums(motion.q, motion.v)
+    """Return the loads on the rope by the conveyances at its ends, by touched bodies, and by the air; audit.Load."""
+    external, pulls = system.external_sums(motion.q, motion.v), motion.reaction[[0, -1], 1].tolist()
     loads = [tuple(external[name] for name in names) for names in (_CONTACT_LOAD, _AIR_LOAD)]
     for side, node in enumerate(END_NODE):
         q, R = motion.q[node].tolist(), motion.reaction[node].tolist()
         loads.append(end_load(q, R, ends.moment(side, motion.q, motion.reaction)))
     total = tuple(sum_of(parts) for parts in zip(*loads, strict=True))
     if system.kernels.fidelity == "planar":  # a planar rope does not feel forces across its plane
-        return total[0], total[1], 0.0, 0.0, 0.0, total[5]
-    return total
+        return total[0], total[1], 0.0, 0.0, 0.0, total[5], *pulls
+    return *total, *pulls
 
 
 _CONTACT_LOAD, _AIR_LOAD = (

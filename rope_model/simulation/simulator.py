@@ -19,6 +19,7 @@ import numpy as np
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.parameters import Scene
 from rope_model.physics.centreline import suspension_points
+from rope_model.physics.inextensible import rigid_tensions
 from rope_model.simulation.contact.bodies import NO_ROOM
 from rope_model.simulation.contact.point_forces import PointForces, at_places, elements_at, nodal_forces
 from rope_model.simulation.contact.shaft import MONITOR_INTERVAL, update_passages
@@ -36,6 +37,7 @@ from rope_model.simulation.messages import fidelity_messages, messages
 from rope_model.simulation.messages.result_warnings import WARNINGS
 from rope_model.simulation.messages.rules import first_text
 from rope_model.simulation.model import RopeModel, ends_of
+from rope_model.simulation.outputs.audit import END_LOADS
 from rope_model.simulation.outputs.diagnostics import LoopBottom, ends_yaw, loop_bottom
 from rope_model.simulation.outputs.guards import set_rise_reference, update_guards
 from rope_model.simulation.outputs.signal_table import checked_names
@@ -254,7 +256,7 @@ class RopeSimulator(BalanceRope):
                 state = self.model.begin_audit(raise_fidelity(self.model, state, why))
             except StaticsError as error:
                 return Status(False, str(error))
-        impulse = [0.0, 0.0]
+        audited, impulse = state.audit.impulse[END_LOADS:], [0.0, 0.0]
         newton_limit = state.counts.newton + (self.scene.solver.work_max or UNBOUNDED)
         newton, most = state.counts.newton, max_iterations(t - start, step_max)
         while state.motion.t < t:
@@ -270,13 +272,18 @@ class RopeSimulator(BalanceRope):
             if after.t >= t or after.t - state.monitored_at >= MONITOR_INTERVAL:
                 state = update_passages(self.scene, state)
                 state = update_guards(self.scene, state, self.model.ends(state))
-            for node in (0, -1):
-                impulse[node] -= 0.5 * (after.t - before.t) * float(before.reaction[node, 1] + after.reaction[node, 1])
-        mean = impulse[0] / (t - start), impulse[1] / (t - start)
+            if state.fidelity == "rigid":
+                middle = ends_at(state.paths, 0.5 * (before.t + after.t))
+                between = rigid_tensions(scene.rope, scene.layout, *middle).at_ends
+                for node in (0, -1):
+                    forces = float(before.reaction[node, 1] + after.reaction[node, 1]) + 4.0 * between[node]
+                    impulse[node] += (after.t - before.t) / 6.0 * forces
+        sums = zip(audited, state.audit.impulse[END_LOADS:], impulse, strict=True)
+        left_mean, right_mean = (-(now - before_it + rigid) / (t - start) for before_it, now, rigid in sums)
         if state.counts.given_up and not self.state.counts.given_up:
             state = state._replace(given_up_since=start)
         state = self.model.audit_interval(self.state, state)
-        self._accept(state._replace(last_interval=t - start, force_mean=mean))
+        self._accept(state._replace(last_interval=t - start, force_mean=(left_mean, right_mean)))
         return Status(True)
 
     def apply(self, forces: PointForces) -> None:

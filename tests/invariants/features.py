@@ -26,7 +26,6 @@ LENGTH = (20.0, 1500.0)  # m
 DIAMETER = (0.02, 0.06)  # m
 SPACING = (1.2, 4.0)  # m
 DURATION = (0.4, 2.0)  # s, of a run
-LONGEST_PRESSED = 300.0  # m, of ropes with contact of the rope with itself
 #: parameters that no feature draws, and why
 NOT_DRAWN = {
     "layout.gravity": "symmetries.other_units draws units in which it is another number",
@@ -276,9 +275,7 @@ def contact(drawn: Drawn) -> None:
 
 
 def self_contact(drawn: Drawn) -> None:
-    """Of ropes up to LONGEST_PRESSED: a long leg that winds about the other takes minutes to hang."""
-    if drawn.length < LONGEST_PRESSED:
-        drawn.values["contact.rope_stiffness"] = drawn.draws.in_logarithms(1e5, 1e7)
+    drawn.values["contact.rope_stiffness"] = drawn.draws.in_logarithms(1e5, 1e7)
 
 
 def guards(drawn: Drawn) -> None:

@@ -79,11 +79,13 @@ def bodies_far_away(case: Case, draws: Draws) -> Iterator[Compared]:
     far: Values = draws.one_of(
         {"lining.width": 5e3, "lining.depth": 5e3, "lining.rounding": 0.0},
         {"sump.level": -9e3},
+        {"divider_2.size": 0.2, "divider_2.y": -7.0, "divider_2.offset": 9e3},
         {"divider_2.size": 0.2, "divider_2.y": 9e3},
     )
     one, two = both(case, case.with_(scene=with_changes(case.scene, {**values_of(case.scene), **far})))
-    # the element with bodies is other code, which rounds otherwise, and the fitted mesh is finer where a divider stands
-    yield from compared(one, two, {name: one[name] for name in ALL}, exact="divider_2.size" not in far)
+    # the mesh is fitted before the ends have heights: a divider between the legs has finer elements, however high it is
+    same_mesh = one.rope.elements == two.rope.elements
+    yield from compared(one, two, {name: one[name] for name in ALL}, exact=same_mesh)
 
 
 def legs_that_do_not_meet(case: Case, draws: Draws) -> Iterator[Compared]:

@@ -17,10 +17,10 @@ MEANS = tuple(f"{side}.fy_mean" for side in SIDES)
 PLACE = ("loop.x", "loop.y", "loop.z")
 SWIVELS = tuple(f"{side}.swivel.{name}" for side in SIDES for name in ("angle", "rate", "torque"))
 ENERGIES = ("energy.kinetic", "energy.strain", "energy.work_ends", "energy.residual")
-COUNTS = ("count.steps", "count.rejections", "count.transformations", "count.swivel_events")
+COUNTS = ("count.steps", "count.rejections", "count.newton", "count.transformations", "count.swivel_events")
 BODIES = tuple(f"contact.{kind}" for kind in ("lining", "conveyance", "head_ropes", "divider", "floor", "rope"))
 GUARDS = ("guard.tripped", "guard.cause", "guard.time")
-ESTIMATES = ("status.end_force_error", "status.loop_error")
+ESTIMATES = ("status.end_force_error", "status.loop_error", "audit.momentum")
 #: elements times steps of a run, some 0.2 s of a processor; a longer run is cut to the communication steps so far
 WORK = 40_000
 #: work of an element in contact with the rope's others, over that without
@@ -75,6 +75,11 @@ class Record:
     def force_error(self) -> float:
         """Estimated RMS error of the end forces, N."""
         return float(self["status.end_force_error"][-1]) * self.force
+
+    @property
+    def unbalanced(self) -> float:
+        """Force that Newton's method left without balance, N."""
+        return float(self["audit.momentum"][-1])
 
     @property
     def loop_error(self) -> float:

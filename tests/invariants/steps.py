@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator
 from ctypes import c_double
 
 import numpy as np
-from rope_model.simulation.outputs.sensitivity import LOADS
 
 from invariants.books import require
 from invariants.case import Array, Case
@@ -16,6 +15,7 @@ from invariants.runs import FORCES, MEANS, PLACE, Compared, Record, Refused, rms
 from invariants.symmetries import ALL, SHARE, both, compared, values_of, with_changes
 from rope_model import EndMotion
 from rope_model.engine import NativeRope
+from rope_model.simulation.outputs.signal_table import LOADS
 
 #: relative rounding of a motion that went through 14 decimals
 ROUNDED = 1e-14
@@ -113,9 +113,12 @@ def derivatives(case: Case, draws: Draws) -> Iterator[Compared]:
             raise Refused(said)
     kept = rope.native_state()
     fields = [*EndMotion.__dataclass_fields__]
-    names = ("x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az")
-    side, name = int(draws.chance(0.5)), draws.one_of("y", "vy", "ay", "ay", *names)
-    size = SIZES[(name[0] == "v") + 2 * (name[0] == "a")]
+    names = ("x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az", "yaw", "yaw_rate")
+    side = int(draws.chance(0.5))
+    end = (case.scene.left, case.scene.right)[side]
+    leans = ("lean", "lean_z") if end.attachment == "clamped" else ()
+    name = draws.one_of("y", "vy", "ay", "ay", *names, *leans)
+    size = SIZES[(name[0] == "v" or name == "yaw_rate") + 2 * (name[0] == "a")]
 
     def loads(change: float) -> tuple[Array, int]:
         rope.restore_native(kept)

@@ -139,7 +139,7 @@ static int hang_in_loop(Simulator *sim, State *state, char *message) {
     const double first = before.ends[LEFT][0][ANGLE], twist = before.ends[RIGHT][0][ANGLE] - first;
     untwist(&nodal, first);
     state->offsets[RIGHT] -= twist;
-    sim->corrections = 0;
+    sim->corrections = sim->solutions = 0;
     return let_curve(sim, state, message) && turn_in(sim, state, twist, message) && relax(sim, state, &before, message);
 }
 

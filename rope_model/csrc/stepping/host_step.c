@@ -69,6 +69,28 @@ static void cut_paths(const Simulator *sim, State *state, double t, const EndMot
     }
 }
 
+/* Add the impulse of each end's vertical force on a rigid rope from `begin` to the state's time, by Simpson's rule,
+   which is exact where an acceleration is a cubic: that of a path.  `before` has the forces at its start. */
+static void add_rigid_impulse(const Simulator *sim, State *state, double begin, const double before[2],
+                              double impulse[2]) {
+    const NodalArrays nodal = state_arrays(state);
+    const double h = state->t - begin, middle = begin + 0.5 * h;
+    const EndMotion left = path_at(&state->paths[LEFT], middle), right = path_at(&state->paths[RIGHT], middle);
+    const RigidTensions between = rigid_tensions(&sim->scene.rope, &sim->scene.layout, &left, &right);
+    for (int side = LEFT; side <= RIGHT; side++) {
+        const double now = end_row(nodal.reaction, nodal.nodes, side)[1];
+        impulse[side] += h / 6 * (before[side] + 4 * between.at_ends[side] + now);
+    }
+}
+
+/* Set the mean of each end's vertical force on its conveyance over h.  A flexible rope's has the weights of the
+   accelerations, which the audit sums from `before` on: the momentum that the rope loses, to rounding. */
+static void set_mean_forces(State *state, double h, const double before[2], const double rigid[2]) {
+    const double *now = state->audit.impulse + AUDIT_END_LOADS;
+    for (int side = LEFT; side <= RIGHT; side++)
+        state->force_mean[side] = -(now[side] - before[side] + rigid[side]) / h;
+}
+
 int take_host_step(Simulator *sim, const HostStep *host, int *event) {
     State *state = sim->next;
     const EndMotion *ends = host->ends;
@@ -82,7 +104,8 @@ int take_host_step(Simulator *sim, const HostStep *host, int *event) {
         state->counts.newton + (sim->scene.solver.work_max > 0 ? sim->scene.solver.work_max : INT32_MAX);
     if (!move_ends(sim, state, t, ends, host->given_at)) return 0;
     const NodalArrays nodal = state_arrays(state);
-    double impulse[2] = {0, 0};
+    const double *audited = state->audit.impulse + AUDIT_END_LOADS, already[2] = {audited[LEFT], audited[RIGHT]};
+    double rigid_impulse[2] = {0, 0};
     const double most = max_iterations(t - begin, step_max);
     const int64_t newton_before = sim->state->counts.newton;
     while (state->t < t) {
@@ -103,14 +126,12 @@ int take_host_step(Simulator *sim, const HostStep *host, int *event) {
             t = state->t; /* last round */
             cut_paths(sim, state, t, ends, host->given_at);
         }
-        for (int side = LEFT; side <= RIGHT; side++)
-            impulse[side] -=
-                0.5 * (state->t - t_before) * (before[side] + end_row(nodal.reaction, nodal.nodes, side)[1]);
+        if (state->fidelity == RIGID) add_rigid_impulse(sim, state, t_before, before, rigid_impulse);
     }
+    set_mean_forces(state, t - begin, already, rigid_impulse);
     if (*event && state->fidelity != RIGID) release_swivels(sim, state);
     audit_interval(sim, state, t - begin, energy_residual(&sim->state->energy_balance));
     state->last_interval = t - begin;
     if (state->counts.given_up > 0 && sim->state->counts.given_up == 0) state->given_up_since = begin;
-    for (int side = LEFT; side <= RIGHT; side++) state->force_mean[side] = impulse[side] / (t - begin);
     return 1;
 }

@@ -8,11 +8,13 @@ import math
 from enum import Enum
 from typing import Any, NamedTuple
 
-from rope_model.physics.elementary import logical_and, logical_or, where
+from rope_model.physics.accuracy import TINY
+from rope_model.physics.elementary import logical_and, logical_or, maximum, where
 from rope_model.physics.swivel import friction_moment
 
-#: N m, excess of a moment over the static limit that is rounding
-MOMENT_RESOLUTION = 1e-9
+#: of the tension times the mean diameter, excess of a moment over the static limit that is rounding: 1e-9 N m at 5 kN
+#: and 0.1 m.  An absolute value would put the events of a light rope and a heavy one at different instants.
+MOMENT_RESOLUTION = 2e-12
 
 
 class Phase(Enum):
@@ -53,9 +55,10 @@ def swivel_friction(swivel: Any, mu: Any, tension: Any) -> Any:
 
 
 def beyond_rest(swivel: Any, tension: Any, constraint_moment: Any) -> Any:
-    """Return by how much ``constraint_moment`` exceeds the static friction (N m); negative while the swivel holds."""
+    """Return the excess of ``constraint_moment`` over the static friction, as a share of it; negative while it holds."""
     holds = where(frictionless(swivel), 0.0, swivel_friction(swivel, swivel.mu_static, tension))
-    return abs(constraint_moment) - (holds + MOMENT_RESOLUTION)
+    limit = holds + MOMENT_RESOLUTION * swivel.mean_diameter * abs(tension)
+    return abs(constraint_moment) / maximum(limit, TINY) - 1.0
 
 
 def moment_of_swivel(swivel: Any, swivel_state: Any, tension: Any, constraint_moment: Any) -> Any:

@@ -11,7 +11,8 @@ the small impulse by which a transformation of the mesh corrects the motion woul
 f and m, mean missing force and moment, are zero for the exact motion.  The
 trapezoidal rule of the end forces has the error h^2 F_tt / 12, 20 N in an emergency stop.  Forces need the same weights
 as accelerations: with an auxiliary value b as in numerics.generalized_alpha, p balances to rounding, and L, which is
-not linear in the motion, up to h^2.
+not linear in the motion, up to h^2.  The mean force of each end is its impulse in this sense, so that a conveyance that
+takes it gets the momentum that the rope loses.
 
 The audit also has the change of the energy balance, the fraction of the longer leg's axial period that a step takes,
 and the turn of the tangent in an element.
@@ -25,10 +26,13 @@ from rope_model.physics.elementary import atan2, cross, dot, maximum, sqrt, wher
 from rope_model.physics.estimates import axial_frequency
 from rope_model.physics.frame import end_moment
 
-Load = tuple[float, float, float, float, float, float]
+#: force and moment of all loads, then the vertical forces of the left and of the right end alone
+Load = tuple[float, float, float, float, float, float, float, float]
 #: momentum, angular momentum about the origin, first moment of the mass: physics.element.MOMENTUM
 Sums = tuple[float, float, float, float, float, float, float, float, float]
-NO_LOAD: Load = (0.0,) * 6
+END_LOADS = 6  #: index of the left end's vertical force in a load
+LOADS = END_LOADS + 2  #: numbers of a load
+NO_LOAD: Load = (0.0,) * LOADS
 
 # bounds, ten times and more the values of windings, releases and emergency stops at the levels draft and standard
 MISSING_FORCE = 1e-3  #: missing force over the largest end force
@@ -48,7 +52,7 @@ MIN_ELEMENTS = 4.0
 class Audit(NamedTuple):
     """Reference of the next communication step's audit, and the worst values so far.
 
-    Loads are forces and moments about the origin, of both ends together.
+    Loads are forces and moments about the origin, of both ends together, and the vertical force of each end.
     """
 
     sums: Sums = (0.0,) * 9
@@ -100,14 +104,14 @@ def after_step(audit: Any, method: Any, h: Any, recentring: Any, load: Any, forc
     """Return ``audit`` after a time step to ``load``, with the largest end force and ``change`` of one (N)."""
     load_weight, auxiliary_weight, _, next_weight = auxiliary_weights(method, 0.0)
     gamma, impulse, auxiliary, rate = method.gamma, [], [], []
-    for k in range(6):
+    for k in range(LOADS):
         before = audit.auxiliary[k] + recentring * audit.rate[k]
         after = load_weight * audit.load[k] + auxiliary_weight * before + next_weight * load[k]
         impulse.append(audit.impulse[k] + h * ((1.0 - gamma) * before + gamma * after))
         auxiliary.append(after)
         rate.append((load[k] - audit.load[k]) / h)
     return audit._replace(
-        load=tuple(load[k] for k in range(6)),
+        load=tuple(load[k] for k in range(LOADS)),
         auxiliary=tuple(auxiliary),
         rate=tuple(rate),
         impulse=tuple(impulse),
