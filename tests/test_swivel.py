@@ -10,7 +10,19 @@ from numpy.testing import assert_allclose
 from scenes import Ends, followed, hung, smooth_step, smooth_trip, wound
 from scipy.integrate import solve_ivp
 
-from rope_model import BalanceRope, EndMotion, Mesh, Model, Rope, RopeSimulator, Scene, Solver, Swivel, balance_rope
+from rope_model import (
+    BalanceRope,
+    EndMotion,
+    Mesh,
+    Model,
+    PointForces,
+    Rope,
+    RopeSimulator,
+    Scene,
+    Solver,
+    Swivel,
+    balance_rope,
+)
 from rope_model.numerics.generalized_alpha import Motion, StepResult
 from rope_model.physics.swivel import friction_moment
 from rope_model.simulation.ends.ends import HangingEnds
@@ -18,6 +30,7 @@ from rope_model.simulation.ends.swivel_phases import Phase, SwivelState
 from rope_model.simulation.model import RopeModel
 from rope_model.simulation.rope_system import Evaluation, RopeSystem
 from rope_model.simulation.state import Event
+from rope_model.simulation.stepping.statics import lacks_symmetry
 
 # a short soft rope whose axial waves an explicit reference integrator can follow
 SOFT = Rope(length=8.0, Qa=2e4, Qb=0.0, Qc=0.0, Qd=10.0, EI=60.0, rhoJ=0.02, beta_K=2e-3)
@@ -288,3 +301,19 @@ def test_a_swivel_is_free_from_the_start_of_a_run_that_begins_before_zero() -> N
     rope = hung(balance_rope(PLAIN.with_(left=free, right=free), "native"), t=-5.0)
     assert rope.advance_to(-4.99, EndMotion(), EndMotion()).valid
     assert [x.phase for x in rope.state.swivels] == [Phase.SLIP, Phase.SLIP]
+
+
+@pytest.mark.parametrize("rounding", [1e-15, 1e-12, 1e-9])
+def test_a_rounding_of_the_coupling_leaves_the_rest_as_it_is(rounding: float) -> None:
+    """The search takes full corrections, as of a symmetric coupling: shortened by noise they need not converge."""
+    air = replace(PLAIN.shaft.air, density=1.2, vz=5.0)
+    blown = PLAIN.with_(shaft=replace(PLAIN.shaft, air=air), left=HEALTHY, right=HEALTHY)
+    pushed = PointForces(np.array([20.0]), np.array([[10.0, 0.0, 40.0]]), np.array([[10.0, 0.0, 40.0]]), -1.0, 10.0)
+    rests = []
+    for excess in (0.0, rounding):
+        rope = balance_rope(blown.with_(rope=replace(blown.rope, Qb=1e5, Qc=1e5 * (1.0 + excess))), "native")
+        rope.apply(pushed)
+        rests.append([*hung(rope).signals(["left.fy", "left.my", "right.my", "loop.yaw"]).values()])
+    assert lacks_symmetry(1e5, 0.5e5 * rounding) == 0
+    assert lacks_symmetry(1e5, 10.0) == 1
+    assert_allclose(rests[1], rests[0], rtol=1e-7, atol=1e-6)
