@@ -84,7 +84,7 @@ def unsupported_input(scene: Any, fidelity: Any, left: Any, right: Any) -> Any:
 
 
 def _turns_freely(scene: Any) -> Any:
-    """Return whether both swivels turn from the start of any run: one that waits for 0 is held in a run from -5 s on."""
+    """Return whether both swivels turn from the start of any run; one that waits for 0 is held before."""
     free = (logical_and(x.mode == "free", x.release_time <= AT_START) for x in (scene.left, scene.right))
     return logical_and(*free)
 
