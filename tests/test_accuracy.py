@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from invariants.books import integrals
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
-from invariants.books import integrals
 from scenes import P120, TRIP, Trip, ends_at, hung, recorded, wound
 
 from hoist_demo.cases.table import find_case
@@ -281,9 +281,8 @@ def test_a_smooth_trip_may_take_long_steps_but_an_emergency_stop_in_them_is_told
     assert "lower step_max to 0.01 s" in told["unresolved_waves"]
 
 
-def test_a_force_of_100_newtons_that_acts_inside_for_one_step_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The ends' forces then do not answer for all of the accelerations."""
-    rope = wound(RopeSimulator(SHORT.with_(solver=Solver(tolerance=NO_CONTROL))), lambda _: AT_REST, 1)
+def struck(rope: RopeSimulator, t: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Advance to ``t`` (s) while 100 N act on the rope's middle, of which the balance of momentum does not know."""
     loads = HangingEnds.load
 
     def with_blow(self: HangingEnds, nodes: int) -> Array:
@@ -294,8 +293,25 @@ def test_a_force_of_100_newtons_that_acts_inside_for_one_step_is_told(monkeypatc
     with monkeypatch.context() as patched:
         patched.setattr(HangingEnds, "load", with_blow)
         rope.model._latest.clear()
-        assert rope.advance_to(2 * H, *AT_REST).valid
+        assert rope.advance_to(t, *AT_REST).valid
     rope.model._latest.clear()
+
+
+def test_a_blow_between_short_communication_steps_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its impulse over the least time of a judgement is a force above the bound."""
+    short = 1e-3
+    rope = hung(RopeSimulator(SHORT.with_(solver=Solver(tolerance=NO_CONTROL))), *AT_REST)
+    for k in range(1, 10):
+        if k == 2:
+            struck(rope, k * short, monkeypatch)
+        assert k == 2 or rope.advance_to(k * short, *AT_REST).valid
+    assert "are missing between the end forces, the weight" in rope.warnings()["missing_loads"]
+
+
+def test_a_force_of_100_newtons_that_acts_inside_for_one_step_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The ends' forces then do not answer for all of the accelerations."""
+    rope = wound(RopeSimulator(SHORT.with_(solver=Solver(tolerance=NO_CONTROL))), lambda _: AT_REST, 1)
+    struck(rope, 2 * H, monkeypatch)
     # what the method makes in its first step of a force that has just come
     method = Coefficients(SHORT.solver.rho_inf)
     part = method.gamma * (1 - method.alpha_f) / (1 - method.alpha_m)

@@ -205,3 +205,17 @@ def test_auto_takes_the_fidelity_that_the_scene_needs(case: Choice) -> None:
     needed = [FIDELITIES.index(lowest_sufficient(case.scene, case.ends(t))) for t in times]
     if choice.fidelity != "torsional":
         assert FIDELITIES[max(max(needed), FIDELITIES.index(choice.fidelity))] == (case.last or case.fidelity)
+
+
+@pytest.mark.parametrize("start_time", [-5.0, -0.5])
+def test_a_free_swivel_that_waits_for_the_instant_0_holds_in_a_run_that_starts_before(start_time: float) -> None:
+    """It twists the rope out of plane until then, so that the model without torsion does not serve."""
+    waits = Swivel(mode="free", release_time=0.0)
+    aside = EndMotion(z=1e-6, vz=2e-4, az=0.02)
+    found = []
+    for swivel in (waits, FREE):
+        rope = balance_rope(EVEN.with_(left=swivel, right=swivel, model=Model("auto")), "native")
+        assert rope.initialize(start_time, EndMotion(), EndMotion()).valid
+        assert rope.advance_to(start_time + H, aside, EndMotion()).valid
+        found.append(rope.state.fidelity)
+    assert found == ["torsional", "spatial"]

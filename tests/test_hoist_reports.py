@@ -29,7 +29,7 @@ from hoist_demo.recording import fidelity as masks
 from hoist_demo.recording.incidents import SIDES, Stop, stops
 from hoist_demo.recording.time_series import TIME, Recording
 from hoist_demo.report.html import packing
-from hoist_demo.report.verdict import VerdictRow, bounds_in_words, broken, judge
+from hoist_demo.report.verdict import VerdictRow, _Rope, _what_matters, bounds_in_words, broken, judge
 from hoist_demo.study.run import build
 from rope_model import neglected_text
 
@@ -313,3 +313,17 @@ def test_ranges_at_a_place_are_those_counted_by_hand(station: int) -> None:
     assert_allclose(found["bent"][k], 0.01 * np.count_nonzero(curvature > 0.5 * sharpest), rtol=1e-9)
     # the bend, of some 2.4 m above half its curvature, passes at the speed of the conveyances: more than half of 8 m/s
     assert 2.0 / 8.0 < found["bent"][k] < 3.0 / 4.0 + 0.2
+
+
+@pytest.mark.parametrize("touched_at", [-0.5, 0.0, 0.5])
+def test_a_touch_before_or_at_the_instant_0_matters_like_a_later_one(touched_at: float) -> None:
+    """Of the time alone 0 could mean none: the clearance says whether there was a touch."""
+    signals = {
+        TIME: np.array([-1.0, 0.0, 1.0]),
+        "loop.sideways": np.array([0.0, 0.0, 1.0]),
+        "nearest.lining.clearance": np.array([0.3, -0.1, -0.1]),
+        "nearest.lining.touched_at": np.array([0.0, touched_at, touched_at]),
+        "nearest.floor.clearance": np.array([0.2, 0.1, 0.1]),
+        "nearest.floor.touched_at": np.zeros(3),
+    }
+    assert _what_matters([_Rope(Recording(signals, {}), RopeData({}, {}, {}))], []) == touched_at

@@ -342,3 +342,34 @@ def test_positions_that_jump_or_have_a_wrong_unit_are_refused_on_a_rope_of_any_l
     assert not in_mm.valid
     assert "inputs.misfit_max = 0.5" in jumped.message
     assert "inputs.estimate_bandwidth" in jumped.message
+
+
+def test_a_followed_motion_that_is_metres_off_is_said_in_a_deep_shaft_and_not_in_a_short_one() -> None:
+    """The estimated acceleration of a stop lags behind the given motion, by more the longer the rope is."""
+    deep, short = stopped_rope(1000.0), stopped_rope(60.0)
+    assert deep.signals()["inputs.misfit.position"] > 1.0
+    assert "inputs.estimate_bandwidth" in deep.warnings()["unfit_inputs"]
+    assert short.signals()["inputs.misfit.position"] < SCENE.inputs.misfit_max
+    assert "unfit_inputs" not in short.warnings()
+
+
+@pytest.mark.parametrize("trusted", ["position", "speed", "position_speed"])
+@pytest.mark.parametrize("h", [0.01, 0.02])
+def test_an_exact_stop_is_taken_whatever_is_given_of_it(trusted: Trusted, h: float) -> None:
+    assert stopped_rope(430.0, trusted, h).signals()["left.fy"] != 0.0
+
+
+def stopped_rope(length: float, trusted: Trusted = "position", h: float = 0.02) -> BalanceRope:
+    """Return a rope after an emergency stop from 8 m/s, of which only the ``trusted`` part is given."""
+    travel = 0.5 * length
+    plan = s_curve(Winding(travel=travel, speed=8.0, acceleration=1.0))
+    stop = emergency_stop(plan, 0.45 * plan.duration, 5.0, 50.0)
+    rope = replace(SCENE.rope, length=length, Qb=0.0, Qc=0.0)
+    of = SCENE.with_(rope=rope, model=Model("rigid"), inputs=Inputs(given=trusted))
+    following = hung(balance_rope(of, "native"), right=EndMotion(y=travel))
+    for k in range(1, round((stop.duration + 3.0) / h)):
+        point = stop.at(k * h)
+        left = EndMotion(y=point.position, vy=point.speed)
+        status = following.advance_to(k * h, left, EndMotion(y=travel - left.y, vy=-left.vy))
+        assert status.valid, status.message
+    return following

@@ -190,7 +190,12 @@ def _still_swinging(recordings: Sequence[Recording], window: float) -> str:
 
 def _what_matters(ropes: Sequence[_Rope], pairs: Sequence[RopePair]) -> float | None:
     """Return the time of the first touch, else of the largest swing [s]."""
-    touched = [t for rope in ropes for kind in BODIES if (t := rope.last(f"nearest.{kind}.touched_at")) > 0.0]
+    touched = [
+        rope.last(f"nearest.{kind}.touched_at")
+        for rope in ropes
+        for kind in BODIES
+        if rope.last(f"nearest.{kind}.clearance") <= 0.0
+    ]
     touched += [pair.nearest.t for pair in pairs if pair.nearest is not None and pair.nearest.clearance <= 0.0]
     if touched:
         return min(touched)

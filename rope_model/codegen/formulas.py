@@ -156,6 +156,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "local_error(Coefficients method, h, change)": generalized_alpha.local_error,
     "trial_x(bracket, width)": events.trial_x,
     "Bracket narrowed(bracket, x, value)": events.narrowed,
+    "lacks_symmetry(Qs, Qk)": statics.lacks_symmetry,
     "relaxation(change, last)": statics.relaxation,
     "StepLimits step_limits(scene, ErrorSums sums, s, end_speed, error_constant)": accuracy.step_limits,
     "ErrorSums add_errors(scene, ErrorSums sums, s, end_speed, h, constant, strain_tt[2], position, force)": (

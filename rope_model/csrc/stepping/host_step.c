@@ -52,7 +52,7 @@ static int has_event(const Simulator *sim, const State *state) {
     found |= state->guard.cause != before->guard.cause;
     found |= state->fidelity != RIGID && next_release(sim, state) <= state->t;
     for (int kind = 0; kind < KINDS; kind++)
-        found |= state->nearest[kind].touched_at != before->nearest[kind].touched_at;
+        found |= state->nearest[kind].clearance <= 0 && before->nearest[kind].clearance > 0;
     return found;
 }
 

@@ -30,6 +30,7 @@ int find_equilibrium(Simulator *sim, State *state, double max_turn, char *messag
     const size_t size = (size_t)nodal.nodes * DOF, bytes = sizeof(double) * size;
     double *trial = scratch->q, *zeros = scratch->v, *R = scratch->a, *now = scratch->b, *x = sim->x;
     double balance[BALANCE], tau = 0.1, previous = 0, turned = 0, relaxed = 1, last = 0;
+    const int shortened = lacks_symmetry(sys.P[P_QS], sys.P[P_QK]) > 0;
     int balanced = 0, k;
     sim->turned = 0;
     const double rounding = 10 * DBL_EPSILON * sim->scene.rope.Qa * nodal.s[nodal.elements] / sys.shortest;
@@ -54,7 +55,7 @@ int find_equilibrium(Simulator *sim, State *state, double max_turn, char *messag
         }
         const double error = -work_along(&sys, now, x);
         /* The tangent lacks the part of the law without energy; relaxation makes up for it. */
-        if (sys.P[P_QK] != 0 && tau > SETTLED && last > 0) relaxed = relaxation(error / last, relaxed);
+        if (shortened && tau > SETTLED && last > 0) relaxed = relaxation(error / last, relaxed);
         last = error;
         const double step = fmin(relaxed, MAX_MOVE / fmax(move, 1e-300));
         for (size_t i = 0; i < size; i++) trial[i] = nodal.q[i] + step * x[i];

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
 
+from rope_model.parameters import AT_START
 from rope_model.physics import estimates
 from rope_model.physics.elementary import logical_and, logical_or, maximum, where
 from rope_model.physics.guard import has_guards
@@ -83,8 +84,9 @@ def unsupported_input(scene: Any, fidelity: Any, left: Any, right: Any) -> Any:
 
 
 def _turns_freely(scene: Any) -> Any:
-    left, right = scene.left, scene.right
-    return logical_and(left.mode == "free", left.release_time <= 0, right.mode == "free", right.release_time <= 0)
+    """Return whether both swivels turn from the start of any run; one that waits for 0 is held before."""
+    free = (logical_and(x.mode == "free", x.release_time <= AT_START) for x in (scene.left, scene.right))
+    return logical_and(*free)
 
 
 def _coupled(scene: Any) -> tuple[Any, ...]:

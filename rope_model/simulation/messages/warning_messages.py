@@ -118,6 +118,11 @@ motion_misfits = Template(
     "{speed:.3g} m/s, and has up to {acceleration:.3g} m/s^2 more than given (inputs.misfit); check time stamps, units "
     "and signs, or name the trusted ones in inputs.given"
 )
+estimates_lag = Template(
+    "the end is followed with a misfit of up to {place:.3g} m in position and {speed:.3g} m/s in speed, because its "
+    "acceleration is estimated (inputs.misfit); give the acceleration (inputs.given = all, 0), or raise "
+    "inputs.estimate_bandwidth, here {bandwidth:.3g} rad/s"
+)
 accuracy_given_up = Template(
     "accuracy was given up in {steps:d} steps since t = {since:.6g} s: they needed more Newton iterations than "
     "work_max = {bound:d} allows a communication step; raise it, or communicate more often"

@@ -8,7 +8,7 @@ from rope_model.physics.elementary import floor, logical_and, logical_or, minimu
 from rope_model.physics.estimates import bending_length, coupling_torque, curvature_torque, twist_torque
 from rope_model.physics.initial_curvature import max_curvature
 from rope_model.shaft_parameters import FAR
-from rope_model.simulation.ends.input_filter import MIN_BREAKS
+from rope_model.simulation.ends.input_filter import MIN_BREAKS, POSITION, filter_settings
 from rope_model.simulation.mesh.mesh_fit import MAX_LENGTH, NATURAL_RADIUS
 from rope_model.simulation.mesh.mesh_pattern import fine_share
 from rope_model.simulation.messages import warning_messages as texts
@@ -117,6 +117,13 @@ def _motion_misfits(scene: Any, end_filter: Any, step: Any) -> tuple[Any, ...]:
     x = end_filter
     disturbs = x.acceleration_misfit > scene.accuracy.end_force * scene.layout.gravity
     return logical_and(scene.inputs.given == "all", disturbs), x.position_misfit, x.speed_misfit, x.acceleration_misfit
+
+
+def _estimates_lag(scene: Any, end_filter: Any, step: Any) -> tuple[Any, ...]:
+    """Return whether an estimated motion was further from the given one than inputs.misfit_max admits given ones."""
+    x, bandwidth = end_filter, filter_settings(scene, POSITION).estimate
+    lags = logical_and(scene.inputs.given != "all", x.position_misfit > scene.inputs.misfit_max)
+    return lags, x.position_misfit, x.speed_misfit, bandwidth
 
 
 def _loop_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
@@ -230,4 +237,5 @@ INPUTS: Rules = {
         step,
     ),
     texts.motion_misfits: _motion_misfits,
+    texts.estimates_lag: _estimates_lag,
 }

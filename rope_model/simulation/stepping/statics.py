@@ -23,7 +23,7 @@ import numpy as np
 
 from rope_model.physics.accuracy import TINY
 from rope_model.physics.element import PARAMETERS
-from rope_model.physics.elementary import maximum
+from rope_model.physics.elementary import less, maximum
 from rope_model.physics.initial_shape import initial_shape, node_row
 from rope_model.simulation.curvature import Director
 from rope_model.simulation.messages import messages
@@ -36,7 +36,10 @@ SETTLED = 1e3
 #: corrections with forces balanced to rounding, after which remaining motion costs no energy; tau takes at most 51 from
 #: its first value to its last
 BALANCED = 200
-_QA, _QK = PARAMETERS.index("Qa"), PARAMETERS.index("Qk")
+#: Qk over Qs below which the coupling is symmetric for the search: what its tangent then lacks leaves this part of the
+#: error, and a correction is as good as full; rounding of Qb or Qc is no reason for shorter ones
+SYMMETRIC = 1e-6
+_QA, _QS, _QK = (PARAMETERS.index(name) for name in ("Qa", "Qs", "Qk"))
 
 
 class StaticsError(RuntimeError):
@@ -86,7 +89,7 @@ def find_equilibrium(
             continue
         error = -float(np.sum(residual * x))
         # the tangent, and so the correction, misses the part without energy
-        if system.P[_QK] != 0 and tau > SETTLED and last > 0:
+        if lacks_symmetry(system.P[_QS], system.P[_QK]) and tau > SETTLED and last > 0:
             relaxed = relaxation(error / last, relaxed)
         last = error
         trial = q + min(relaxed, largest_move / max(*move, 1e-300)) * x
@@ -113,6 +116,11 @@ def find_equilibrium(
             return Equilibrium(q, reaction, k, end_rotation, system.director)
         tau = min(tau * min(10.0, max(1.5, previous / max(force, 1e-300))), 1e12)
     raise StaticsError(messages.no_equilibrium(k, previous), k, abs(end_rotation) > max_turn)
+
+
+def lacks_symmetry(Qs: Any, Qk: Any) -> Any:
+    """Return whether the part Qk of the coupling without energy is large enough to shorten corrections."""
+    return less(SYMMETRIC * abs(Qs), abs(Qk))
 
 
 def relaxation(change: Any, last: Any) -> Any:
