@@ -1,7 +1,12 @@
 """A trip in C has the numbers, the words and the states of the host in Python, and leaves to it what it cannot wind."""
 
+import json
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -157,3 +162,60 @@ def test_other_schemes_slipping_ropes_and_brakes_are_wound_in_python(in_c: list[
     ):
         assert wound.run().completed
     assert sum(in_c) == 0
+
+
+#: A call through a type whose result is an int for an enumeration: what the check below must find.
+_OTHER_TYPE = """\
+typedef enum { WELL } Status;
+static Status called(void *x) { return x ? WELL : WELL; }
+int main(void) {
+    int (*volatile other)(void *) = (int (*)(void *))(void (*)(void))called;
+    return other(0);
+}
+"""
+#: Winds the FMUs and the rope in process in C, compiled with checks of each call through a pointer, and prints the
+#: samples done in C.  -O1, and without optimisation of all in one: no number is looked at.
+_CHECKED = """\
+import json, sys
+from dataclasses import replace
+from pathlib import Path
+from fmu_src.native import build
+from rope_model.numerics import kernels
+for module in (build, kernels):
+    module.FLAGS = (*(flag for flag in module.FLAGS if flag != "-O3"), "-O1", *json.loads(sys.argv[1]))
+from exports import EXPORTS
+from hoist_demo.cosimulation.compiled_trip import CompiledTrip
+from test_compiled_trip import TRIP, Wound
+samples, done = CompiledTrip.samples, []
+def counted(self, first, last):
+    reached = samples(self, first, last)
+    done[-1] += reached.sample - first
+    return reached
+CompiledTrip.samples = counted
+fmus = [EXPORTS[kind](Path(f"{kind}.fmu").absolute()) for kind in ("native-2", "native-3")]
+for fmu in (None, *fmus):
+    done.append(0)
+    run = Wound("monopol-1000", fmu=fmu, winding=replace(TRIP, travel=0.2, settle=0.1)).run()
+    assert run.completed, run.cause
+print(json.dumps(done))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux" or not find_spec("ziglang"), reason="needs Linux and ziglang's clang")
+def test_trip_in_c_calls_each_function_by_its_own_type(tmp_path: Path) -> None:
+    checks = ["-fsanitize=function", "-fsanitize-trap=function"]
+    zig = [sys.executable, "-m", "ziglang", "cc"]
+    (tmp_path / "other.c").write_text(_OTHER_TYPE)
+    subprocess.run([*zig, "-O1", *checks, "other.c", "-o", "other"], cwd=tmp_path, check=True)
+    if subprocess.run([tmp_path / "other"], check=False).returncode == 0:
+        pytest.skip("this ziglang does not check types of functions in C: needs clang 17")
+    # not the copies that the quick tests compile with less optimisation
+    quick = str(Path(__file__).with_name("quick"))
+    path = [part for part in os.environ["PYTHONPATH"].split(os.pathsep) if part != quick]
+    environment = {**os.environ, "CC": " ".join(zig), "BALANCE_ROPE_CACHE": str(tmp_path / "cache")}
+    environment["PYTHONPATH"] = os.pathsep.join([*path, str(Path(__file__).parent)])
+    command = [sys.executable, "-c", _CHECKED, json.dumps(checks)]
+    wound = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert wound.returncode == 0, wound.stderr[-3000:]
+    assert all(done > 10 for done in json.loads(wound.stdout.splitlines()[-1])), wound.stdout

@@ -18,7 +18,7 @@ from hoist_demo.control.kernel import ARGUMENTS, law_kernel
 from hoist_demo.control.trajectory import Trajectory
 from hoist_demo.cosimulation.drive_signals import ROW
 from hoist_demo.cosimulation.participants.fmi_versions import DISCARD, WARNING
-from hoist_demo.cosimulation.participants.library_calls import CALLS, HEARD, STANDARDS, Access, RopeLibrary
+from hoist_demo.cosimulation.participants.library_calls import CALLS, FUNCTIONS, HEARD, Access, RopeLibrary
 from hoist_demo.cosimulation.run_state import RunState
 from hoist_demo.cosimulation.schemes.interface import ENDS, HISTORY, ROPE_FORCES, Sample, Stopwatch
 from hoist_demo.drive import integrator, plant
@@ -34,6 +34,7 @@ _SIDES = slice(INPUT_NAMES.index("fx_left"), len(INPUT_NAMES))
 _SPELT = {"y": "y", "vy": "v", "ay": "a"}  #: Names in OUTPUTS, where they are others.
 #: -1: a hoist has nothing that leans
 _ENDS = [OUTPUT_INDEX.get(f"{_SPELT.get(name, name)}_{s}", -1) for s in ENDS for name in EndMotion.__dataclass_fields__]
+_MOTIONS = " ".join(f"double {name};" for name in EndMotion.__dataclass_fields__)  #: Members of it in rope.h.
 _MEMORY = ("arg", "res", "iw", "w")  #: Of a function of CasADi.
 #: What trip.c takes from here for all hoists, by name.
 _NUMBERS: dict[str, float] = {
@@ -52,7 +53,8 @@ _NUMBERS: dict[str, float] = {
     "OUTPUTS": len(OUTPUTS),
     **{name.upper(): OUTPUT_INDEX[name] for name in ("y_left", "a_left", "pull_left", "rate")},
     **{name.upper(): ARGUMENTS.index(name) for name in ("travel", "speed", "integral")},
-    **{name: k for names in (STANDARDS, _STOPS) for k, name in enumerate(names)},
+    **{name: k for k, name in enumerate(_STOPS)},
+    **{f"AS_{name}": k for k, name in enumerate(FUNCTIONS)},
 }
 
 
@@ -213,6 +215,7 @@ def _library(structure: Hoist, kernels: integrator.DriveKernels) -> CDLL:
     sources = {
         "trip.c": files(__package__).joinpath("trip.c").read_text(encoding="utf-8"),
         "numbers.h": "".join(f"#define {name} {value!r}\n" for name, value in numbers.items())
+        + f"typedef struct {{ {_MOTIONS} }} EndMotion;\n"
         + f"static const int ENDS_OUTPUTS[] = {{{', '.join(map(str, _ENDS))}}};\n",
         "law.c": generate_c((law,), "law"),
     }

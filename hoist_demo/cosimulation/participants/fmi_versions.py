@@ -66,7 +66,6 @@ class Instance(ABC):
     _fmpy_class: Callable[..., Any]  #: FMPy's, of the version.
     _fmpy_module: Any
     _prefix: str  #: Of the names in C.
-    _standard: str  #: One of STANDARDS.
     _enumeration: str  #: Type whose functions get and set enumerations.
     _tells_lengths: bool  #: Whether getters and setters are told the number of the values.
     _do_step: Callable[[], None]
@@ -116,16 +115,17 @@ class Instance(ABC):
         dtype = TEXT if type_ == "String" else np.dtype(getattr(self._fmpy_module, f"{self._prefix}{type_}"))
         values = np.zeros((rows, len(names)), dtype)
         references = (c_uint32 * len(variables))(*(v.reference for v in variables))
-        function = self._function(f"{what}{type_}")
+        name = f"{what}{type_}"
+        function = self._function(name)
         rope = self.fmpy.component
-        call = self._access(f"{what}{type_}", references, values.ctypes.data_as(c_void_p), len(names))
+        call = self._access(name, references, values.ctypes.data_as(c_void_p), len(names))
         if type_ == "String":
             text = self.text(variables[0])
 
             def call() -> None:
                 values[0, 0] = text()
 
-        return Buffer(names, call, values, access(self._standard, function, rope, references, values))
+        return Buffer(names, call, values, access(self.name_in_c(name), function, rope, references, values))
 
     def text(self, variable: Variable) -> Callable[[], str]:
         """Return a function that reads a String variable."""
@@ -141,7 +141,8 @@ class Instance(ABC):
     @property
     def stepping(self) -> Access:
         """Access to the function DoStep."""
-        return access(self._standard, self._function("DoStep"), self.fmpy.component, (c_uint32 * 0)(), np.zeros((0, 0)))
+        function, rope = self._function("DoStep"), self.fmpy.component
+        return access(self.name_in_c("DoStep"), function, rope, (c_uint32 * 0)(), np.zeros((0, 0)))
 
     def name_in_c(self, name: str) -> str:
         """Return the name of a function in the FMU's library."""
@@ -214,7 +215,6 @@ class Instance(ABC):
 
 class _Instance2(Instance):
     _fmpy_class, _fmpy_module, _prefix, _enumeration = fmpy.fmi2.FMU2Slave, fmpy.fmi2, "fmi2", "Integer"
-    _standard = "FMI2"
     _tells_lengths = False
 
     def _instantiate(self) -> None:
@@ -238,7 +238,6 @@ class _Instance2(Instance):
 
 class _Instance3(Instance):
     _fmpy_class, _fmpy_module, _prefix, _enumeration = fmpy.fmi3.FMU3Slave, fmpy.fmi3, "fmi3", "Int64"
-    _standard = "FMI3"
     _tells_lengths = True
 
     def _instantiate(self) -> None:

@@ -93,8 +93,8 @@ class InProcessRope:
             fidelities = [k for k, name in enumerate(names) if name == FIDELITY]
             numbers = (c_int * len(indices))(*([*rope_model.SIGNALS].index(names[k]) for k in indices))
             values, texts = np.zeros((rows, len(indices))), np.zeros((rows, len(fidelities)), TEXT)
-            accesses = [access("NATIVE", lib.rope_signals, rope, numbers, values)] if indices else []
-            accesses += [access("NATIVE", lib.rope_fidelity, rope, numbers, texts)] if fidelities else []
+            accesses = [access("rope_signals", lib.rope_signals, rope, numbers, values)] if indices else []
+            accesses += [access("rope_fidelity", lib.rope_fidelity, rope, numbers, texts)] if fidelities else []
 
             def read(count: int) -> NDArray[np.float64]:
                 outputs = np.full((count, len(names)), np.nan)
@@ -105,8 +105,8 @@ class InProcessRope:
 
         none = (c_int * 0)()
         return RopeLibrary(
-            access("NATIVE", lib.rope_advance_to, rope, none, ends),
-            access("NATIVE", lib.rope_advance_to, rope, none, ends),
+            access("rope_advance_to", lib.rope_advance_to, rope, none, ends),
+            access("rope_advance_to", lib.rope_advance_to, rope, none, ends),
             table,
             lambda call, _: native.status_of(call != "STEP"),
             warning=lib.rope_warning,

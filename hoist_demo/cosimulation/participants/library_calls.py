@@ -11,7 +11,19 @@ from numpy.typing import NDArray
 from hoist_demo.recording.fidelity import code_of
 from rope_model import Status
 
-STANDARDS = ("NATIVE", "FMI2", "FMI3")  #: Whose functions they are; trip.c knows them by their places here.
+_FMI3_NUMBERS = ("Float32", "Float64", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
+#: Functions that trip.c calls, each by its own type in C; trip.c knows them by their places here.
+FUNCTIONS = (
+    "rope_signals",
+    "rope_fidelity",
+    "rope_advance_to",
+    *(f"fmi2Get{type_}" for type_ in ("Real", "Integer", "Boolean", "String")),
+    "fmi2SetReal",
+    "fmi2DoStep",
+    *(f"fmi3Get{type_}" for type_ in (*_FMI3_NUMBERS, "Boolean", "String")),
+    *(f"fmi3Set{type_}" for type_ in ("Float32", "Float64")),
+    "fmi3DoStep",
+)
 CALLS = ("MOTIONS", "STEP", "VALID", "FORCES")  #: What a step of the rope calls, in turn.
 TEXT = np.dtype("S24")  #: What is kept of a text.
 
@@ -20,16 +32,15 @@ class Access(Structure):
     """A function that gets or sets values, row by row of an array."""
 
     _fields_ = (
-        *(("standard", c_int), ("text", c_int), ("function", c_void_p), ("rope", c_void_p), ("numbers", c_void_p)),
+        *(("called_as", c_int), ("function", c_void_p), ("rope", c_void_p), ("numbers", c_void_p)),
         *(("count", c_size_t), ("length", c_size_t), ("bytes", c_size_t), ("values", c_void_p)),
     )
 
 
-def access(standard: str, function: Any, rope: int, numbers: Any, values: NDArray[Any]) -> Access:
-    """Return a C getter or setter of one row of ``values`` for the variables ``numbers``."""
+def access(name: str, function: Any, rope: int, numbers: Any, values: NDArray[Any]) -> Access:
+    """Return a C getter or setter, a function of the type of ``name``, of a row of ``values`` of ``numbers``."""
     shape = len(numbers), values.shape[1], values.strides[0], values.ctypes.data
-    code = STANDARDS.index(standard)
-    made = Access(code, values.dtype == TEXT, cast(function, c_void_p), rope, addressof(numbers), *shape)
+    made = Access(FUNCTIONS.index(name), cast(function, c_void_p), rope, addressof(numbers), *shape)
     made.kept = numbers, values  # it has their addresses alone
     return made
 
