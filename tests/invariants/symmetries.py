@@ -37,7 +37,8 @@ from rope_model import FAR, SIGNALS, EndMotion, Scene
 from rope_model.parameter_table import parameters_of
 from rope_model.scene_names import named_parameters, with_values
 
-#: of the largest value: forces of stiff elements amplify the rounding of positions of 1000 m, 1e-13 m x EA / l = 1e-5 N;
+#: of the largest value: forces of stiff elements amplify the rounding of positions of 1000 m,
+#: 1e-13 m x EA / l = 1e-5 N;
 #: beside what one of Newton's corrections a step leaves, which the next steps take over and the audit sees
 ROUNDING = 1e-6
 #: of the sum of both runs' estimates; an estimate is within a factor of 2 in 85 of 100 scenes (docs/promise.md)
