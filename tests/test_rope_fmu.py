@@ -147,8 +147,9 @@ def test_directional_derivatives_are_those_of_a_step(host: Host, at_step_end: bo
     host.start(inputs_at_step_end=at_step_end)
     run(host, 0, 30)
     state = host.state()
-    # a position alone is a misfit beyond 1e-7 m, which is not followed as a smaller one
-    for name, size in {"left.y": 1e-9, "right.vy": 1e-7, "left.ay": 1e-3, "right.ax": 1e-3}.items():
+    # a position alone is a misfit beyond 1e-7 m, which is not followed as a smaller one; larger changes of the
+    # acceleration are followed by other internal steps
+    for name, size in {"left.y": 1e-9, "right.vy": 1e-7, "left.ay": 1e-5, "right.ax": 1e-3}.items():
         forces = []
         for change in (-size, size, 0.0):
             host.restore(state)
@@ -187,9 +188,7 @@ def test_a_whole_life_with_failed_calls_is_clean_and_takes_no_memory_while_stepp
 
 
 @pytest.mark.skipif(sys.platform != "linux" or shutil.which("nm") is None, reason="needs Linux and nm")
-@pytest.mark.parametrize(
-    ("kind", "memory", "unused"), [("native-2", set(), []), ("native-3", {"calloc", "free"}, ["strncpy"])]
-)
+@pytest.mark.parametrize(("kind", "memory", "unused"), [("native-2", set(), []), ("native-3", {"calloc", "free"}, [])])
 def test_the_library_needs_of_libc_what_the_page_lists(
     kind: str, memory: set[str], unused: list[str], unpacked: Unpacked
 ) -> None:

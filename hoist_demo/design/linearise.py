@@ -116,10 +116,14 @@ def _rope_specs(case: Case, swivels: Swivels = "as given", level: Level = "stand
         scene = rope_scene({**case.rope, **_swivels(swivels)}, level)
         return [LinearRopeSpec(_rope(scene), case.hoist.tail_rope_number)]
     specs = []
+    # ropes that differ in their places alone hang alike: they are hung, and have their derivatives, once
+    known = dict[Scene, RopeSimulator]()
     for rope in case.distinct_ropes:
         suspension = SuspensionOffset(**rope.suspension)
         scene = rope_scene({**rope.parameters, **_swivels(swivels)}, level, suspension)
-        specs.append(LinearRopeSpec(_rope(scene), rope.number, rope.name, suspension))
+        if scene not in known:
+            known[scene] = _rope(scene)
+        specs.append(LinearRopeSpec(known[scene], rope.number, rope.name, suspension))
     return specs
 
 
@@ -263,7 +267,10 @@ def _parts(
     if not 0.0 <= at <= 1.0:
         raise ValueError(f"at = {at:g} must be within 0 and 1: it is a part of the travel")
     left, right = at * hoist.shaft_travel, (1.0 - at) * hoist.shaft_travel
-    hung = [(spec, _hung(spec.rope, EndMotion(y=left), EndMotion(y=right), speed)) for spec in specs]
+    specs = list(specs)
+    ends = EndMotion(y=left), EndMotion(y=right)
+    ropes = {id(rope): _hung(rope, *ends, speed) for rope in {id(spec.rope): spec.rope for spec in specs}.values()}
+    hung = [(spec, ropes[id(spec.rope)]) for spec in specs]
     # the hoist takes its ropes for so many equal ones
     pulls = [
         sum_of(spec.number * float(rope.rest[rope.outputs.index(f"{side}.fy")]) for spec, rope in hung)

@@ -362,7 +362,11 @@ def telling(model: LinearModel, modes: Modes, band: float) -> Array:
     s = _line(band)[:, None]
     omega = 2 * np.pi * modes.frequencies
     # inputs by way of what lags, or by held ends, act on the modes, too
-    b = modes.shapes.T @ _pushes(model, s[:, 0])
+    pushes = _pushes(model, s[:, 0])
+    # one product of matrices: one for each frequency reads all shapes each time
+    b = modes.shapes.T @ np.hstack([part for one in pushes for part in (one.real, one.imag)])
+    b = b.reshape(omega.size, len(pushes), 2, -1).transpose(1, 2, 0, 3)
+    b = b[:, 0] + 1j * b[:, 1]
     b = b / (s**2 + 2 * s * modes.damping * omega + omega**2)[:, :, None]
     c = [np.asarray(A[:, : model.free] @ modes.shapes) for A in model.maps]
     share = np.zeros(omega.size)

@@ -17,6 +17,8 @@ _SHOWN = (
     ("rate", "Torque to sheave speed", "[rad/s per N m]"),
     ("pull_left", "Torque to head-rope pull, left", "[N per N m]"),
 )
+_EVEN_STEPS = 70  #: Frequencies at equal distances: 0.03 Hz in a band of 2 Hz, where alpha / 2 pi is 0.02 Hz.
+_EVEN_RATIOS = 30  #: Frequencies at equal ratios.
 _COLOURS = "viridis"  #: Of heights, and of the hoist's share.
 
 
@@ -29,18 +31,21 @@ def write_modes_figure(
         axes = figure.subplots(3, 2)
         _frequencies(figure, axes[0, 0], models, modes, band)
         _poles(axes[0, 1], models, modes)
-        omega = 2 * np.pi * np.geomspace(SLOWEST, band, 300)
-        for (name, title, unit), (gain, phase) in zip(_SHOWN, axes[1:].T, strict=True):
-            some = [models[k] for k in sorted({0, len(models) // 2, len(models) - 1})]
-            curves: list[tuple[LinearModel, str, dict[str, Any]]] = [
-                (m, f"at {m.at:g}", {"color": _colour(m.at)}) for m in some
-            ]
-            curves.append((without, f"no balance rope, at {without.at:g}", {"color": REFERENCE, "ls": "--"}))
-            for model, label, style in curves:
-                # narrow peaks as a record of some 1/alpha shows them
-                G = model.selected(("torque_command",), (name,)).response(ALPHA + 1j * omega)[:, 0, 0]
-                gain.loglog(omega / (2 * np.pi), np.abs(G), label=label, lw=1.2, **style)
-                phase.semilogx(omega / (2 * np.pi), np.degrees(np.unwrap(np.angle(G))), lw=1.2, **style)
+        # even steps show each peak that is as wide as alpha, even ratios the slopes below
+        frequencies = np.union1d(np.linspace(SLOWEST, band, _EVEN_STEPS), np.geomspace(SLOWEST, band, _EVEN_RATIOS))
+        names = [name for name, _, _ in _SHOWN]
+        some = [models[k] for k in sorted({0, len(models) // 2, len(models) - 1})]
+        curves: list[tuple[LinearModel, str, dict[str, Any]]] = [
+            (m, f"at {m.at:g}", {"color": _colour(m.at)}) for m in some
+        ]
+        curves.append((without, f"no balance rope, at {without.at:g}", {"color": REFERENCE, "ls": "--"}))
+        for model, label, style in curves:
+            # narrow peaks as a record of some 1/alpha shows them
+            G = model.selected(("torque_command",), names).response(ALPHA + 2j * np.pi * frequencies)[:, :, 0]
+            for one, (gain, phase) in zip(G.T, axes[1:].T, strict=True):
+                gain.loglog(frequencies, np.abs(one), label=label, lw=1.2, **style)
+                phase.semilogx(frequencies, np.degrees(np.unwrap(np.angle(one))), lw=1.2, **style)
+        for (_, title, unit), (gain, phase) in zip(_SHOWN, axes[1:].T, strict=True):
             gain.set_title(title)
             gain.set_ylabel(unit)
             phase.set_ylabel("[degrees]")

@@ -126,7 +126,7 @@ def linear_rope(rope: SignalSource, speed: float = 0.0) -> LinearRope:
     for node in (0, n):
         mine = slice(NODE_DOF * node, NODE_DOF * (node + 1))
         by_q, by_f, at_rest = (np.asarray(part) for part in _end_load()(q[node], reaction[node]))
-        here = sp.csr_matrix(np.eye(NODE_DOF * (n + 1))[mine])
+        here = sp.eye(NODE_DOF * (n + 1), format="csr")[mine]
         rows.append([by_q @ here + by_f @ K[mine], by_f @ D[mine], by_f @ M[mine]])
         values.append(at_rest.ravel())
     i = min(int(np.searchsorted(nodes_s, rope.loop.s, side="right")) - 1, n - 1)
