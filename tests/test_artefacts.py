@@ -253,7 +253,6 @@ _NATIVE = "from rope_model import balance_rope, rope_120; assert balance_rope(ro
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(strict=False, reason="the cache folder is in the home, whether that can be written or not")
 def test_a_rope_is_native_where_the_home_cannot_be_written(tmp_path: Path) -> None:
     home = tmp_path / "home"
     home.mkdir()
