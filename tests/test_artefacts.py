@@ -203,8 +203,10 @@ def test_the_library_built_from_the_sources_of_an_fmu_computes_the_same(
     folder = Path(fmpy.extract(str(fmu_of("native-2-lean")), str(tmp_path / STRANGE)))
     compiler = find_compiler()
     assert compiler is not None
-    sources = {path.name: path.read_text(encoding="utf-8") for path in (folder / "sources").iterdir()}
-    shutil.copy(compile_library(sources, compiler, folder, "built"), next((folder / "binaries").rglob("BalanceRope.*")))
+    files = [path for path in (folder / "sources").rglob("*") if path.is_file()]  # headers of FMI in a folder
+    sources = {path.name: path.read_text(encoding="utf-8") for path in files}
+    shared = (*compiler, "-DFMI2_OVERRIDE_FUNCTION_PREFIX")
+    shutil.copy(compile_library(sources, shared, folder, "built"), next((folder / "binaries").rglob("BalanceRope.*")))
     said = _said([sys.executable, str(HOST)], {"built": folder}, {**os.environ}, tmp_path)
     assert said["results"]["built"] == tried("")["results"]["native FMU of FMI 2.0"]
 
