@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from invariants.books import integrals
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
-from invariants.books import integrals
 from scenes import P120, TRIP, Trip, ends_at, hung, recorded, wound
 
 from hoist_demo.cases.table import find_case

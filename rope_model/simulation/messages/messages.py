@@ -23,8 +23,8 @@ no_equilibrium = Template(
     "room between bodies, or take elements that are shorter for EI"
 )
 winds_about_itself = Template(
-    "no equilibrium: the rope goes on winding about itself, with {force:.3g} N left unbalanced after {most:d} solutions "
-    "for its contact; lower the coupling, the installed twist or the length, or hang it without this contact: "
+    "no equilibrium: the rope goes on winding about itself, with {force:.3g} N left unbalanced after {most:d} "
+    "solutions for its contact; lower the coupling, the installed twist or the length, or hang it without this contact: "
     "contact.rope_stiffness = 0"
 )
 end_in_lining = Template(
