@@ -11,7 +11,7 @@ from invariants.books import require
 from invariants.case import Array, Case
 from invariants.features import Draws
 from invariants.motions import Ends
-from invariants.runs import FORCES, MEANS, PLACE, Compared, Record, Refused, rms, start, step, wind
+from invariants.runs import COUNTS, FORCES, MEANS, PLACE, Compared, Record, Refused, rms, start, step, wind
 from invariants.symmetries import ALL, SHARE, both, compared, values_of, with_changes
 from rope_model import EndMotion
 from rope_model.engine import NativeRope
@@ -120,7 +120,7 @@ def derivatives(case: Case, draws: Draws) -> Iterator[Compared]:
     name = draws.one_of("y", "vy", "ay", "ay", *names, *leans)
     size = SIZES[(name[0] == "v" or name == "yaw_rate") + 2 * (name[0] == "a")]
 
-    def loads(change: float) -> tuple[Array, int]:
+    def loads(change: float) -> tuple[Array, list[float]]:
         rope.restore_native(kept)
 
         def motion(t: float) -> Ends:
@@ -130,11 +130,11 @@ def derivatives(case: Case, draws: Draws) -> Iterator[Compared]:
 
         if said := step(case.with_(motion=motion), rope, last):
             raise Refused(said)
-        found = rope.signals((*LOADS, "count.steps"))
-        return np.array([found[x] for x in LOADS]), int(found["count.steps"])
+        found = rope.signals((*LOADS, *COUNTS))
+        return np.array([found[x] for x in LOADS]), [found[x] for x in COUNTS]
 
     (more, n), (less, m), (_, p) = loads(size), loads(-size), loads(0.0)
-    require(n == m == p, "steps of other lengths")
+    require(n == m == p, "steps of other lengths or with other corrections")
     lib, handle = rope.library.lib, rope.library.rope
     found = (c_double * 12)()
     number = len(fields) * side + fields.index(name)

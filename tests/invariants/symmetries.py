@@ -164,7 +164,10 @@ def seen_from_behind(case: Case, draws: Draws) -> Iterator[Compared]:
         opposite = SIDES[1 - SIDES.index(side)]
         expected[name] = (1.0 if rest[1] == "y" else -1.0) * one[f"{opposite}.{rest}"]
     expected |= {"loop.x": -one["loop.x"], "loop.y": one["loop.y"], "loop.z": -one["loop.z"]}
-    yield from compared(one, two, expected)
+    # where an odd number of elements is left for the windows of dividers, the left leg has one more
+    lengths, others = (np.diff(record.rope.rows()[:, 0]) for record in (one, two))
+    same_mesh = bool(np.allclose(lengths, others[::-1], rtol=1e-9))
+    yield from compared(one, two, expected, exact=same_mesh)
 
 
 def is_bent(case: Case) -> bool:

@@ -55,7 +55,7 @@ def swivel_friction(swivel: Any, mu: Any, tension: Any) -> Any:
 
 
 def beyond_rest(swivel: Any, tension: Any, constraint_moment: Any) -> Any:
-    """Return the excess of ``constraint_moment`` over the static friction, as a share of it; below 0 it holds."""
+    """Return the share by which ``constraint_moment`` exceeds the static friction; negative while the swivel holds."""
     holds = where(frictionless(swivel), 0.0, swivel_friction(swivel, swivel.mu_static, tension))
     limit = holds + MOMENT_RESOLUTION * swivel.mean_diameter * abs(tension)
     return abs(constraint_moment) / maximum(limit, TINY) - 1.0

@@ -32,7 +32,7 @@ Load = tuple[float, float, float, float, float, float, float, float]
 Sums = tuple[float, float, float, float, float, float, float, float, float]
 END_LOADS = 6  #: index of the left end's vertical force in a load
 LOADS = END_LOADS + 2  #: numbers of a load
-NO_LOAD: Load = (0.0,) * LOADS
+NO_LOAD: Load = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 # bounds, ten times and more the values of windings, releases and emergency stops at the levels draft and standard
 MISSING_FORCE = 1e-3  #: missing force over the largest end force
