@@ -254,6 +254,7 @@ def test_the_mean_end_forces_of_each_step_are_the_momentum_that_the_rope_gets() 
 
 
 def test_the_mean_end_forces_of_a_rigid_rope_are_the_momentum_that_it_gets() -> None:
+    # the rigid rope has a rule of its own
     scene = SHORT.with_(model=Model("rigid"))
     rope, data = hung(balance_rope(scene)), scene.rope
     arc = 0.5 * math.pi * scene.layout.spacing

@@ -28,6 +28,7 @@ from hoist_demo.parameters.trip_design import CONTROLLERS
 GRAVITY = 9.81
 REFUSED = 2  # exit code
 STOPPED = 1  # exit code
+INTERRUPTED = 130  # exit code
 #: Beginnings of the names of signals that every run computes.
 COMPUTED = ("time", "conveyance.", "drive.", "reference.")
 
@@ -116,8 +117,11 @@ ROPES: dict[str, tuple[str, ...]] = {
     "two": ('name = "front"\nz = 0.3', 'name = "back"\nz = -0.3\nlength = 119.5'),
 }
 
-#: What the product refuses in one sentence: (factor, choices), (factor, choices) that exclude each other.
-REFUSALS: tuple[tuple[Choices, Choices], ...] = (
+#: Choices of the factor "fidelity" in which ropes cannot press each other.
+FLAT = ("auto", "planar", "rigid")
+
+#: What the product refuses in one sentence: choices of two factors or more that exclude each other.
+REFUSALS: tuple[tuple[Choices, ...], ...] = (
     (
         ("stop", ("drive", "deceleration", "torque", "two-stage")),
         ("controller", ("input-shaping", "optimised-trajectory")),
@@ -128,7 +132,8 @@ REFUSALS: tuple[tuple[Choices, Choices], ...] = (
     (("ropes", ("two equal",)), ("break", ("breaks",))),
     (("ropes", ("two",)), ("guard", ("far", "near"))),
     (("break", ("breaks",)), ("guard", ("far", "near"))),
-    (("fidelity", ("auto", "planar", "rigid")), ("contact", ("of the rope with itself",))),
+    (("fidelity", FLAT), ("contact", ("of the rope with itself",)), ("ropes", ("two",))),
+    (("fidelity", FLAT), ("contact", ("of the rope with itself",)), ("break", ("breaks",))),
 )
 
 #: Beginnings of the names of a rope's values: one rope, one of a group, those of `ROPES`.
@@ -194,7 +199,7 @@ class Bench:
         attempt = Attempt(code, out, err)
         if code == REFUSED and not _is_refusal(err):
             raise Finding(row, f"{words[0]} refused without a sentence", err)
-        if code not in (0, STOPPED, REFUSED):
+        if code not in (0, STOPPED, REFUSED, INTERRUPTED):
             raise Finding(row, f"{words[0]} left with {code}", err)
         return attempt
 
@@ -225,8 +230,8 @@ def rows(seed: int | None = None) -> list[dict[str, str]]:
 
 
 def _may_be(row: Mapping[str, str]) -> bool:
-    """Return whether no two choices of a row, or of a part of it, exclude each other."""
-    return not any(row.get(a) in choices_a and row.get(b) in choices_b for (a, choices_a), (b, choices_b) in REFUSALS)
+    """Return whether no choices of a row, or of a part of it, exclude each other."""
+    return not any(all(row.get(name) in choices for name, choices in refusal) for refusal in REFUSALS)
 
 
 def default_row() -> dict[str, str]:
@@ -304,18 +309,21 @@ def _data(out: Path) -> dict[str, float]:
     return dict(zip(data["name"], values, strict=True))
 
 
-def _metrics(wound: Wound) -> dict[str, float]:
-    """Return metrics that every table of runs has, from the record of the trip."""
+def _metrics(wound: Wound, rope: str) -> dict[str, float]:
+    """Return metrics that every table of runs has, from the record of the trip; `rope` begins the names of a rope."""
     signals = wound.signals
-    pulls = [-signals[f"{side}.fy [N]"] for side in ("left", "right")]
+    pulls = [-signals[f"{rope}{side}.fy [N]"] for side in ("left", "right")]
     return {
-        "rope_force_peak": max(float(pull.max()) for pull in pulls),
-        "rope_force_range": max(float(pull.max() - pull.min()) for pull in pulls),
+        f"{rope}rope_force_peak": max(float(pull.max()) for pull in pulls),
+        f"{rope}rope_force_range": max(float(pull.max() - pull.min()) for pull in pulls),
     }
 
 
 def _require_equal(row: Mapping[str, str], found: Mapping[str, float], wound: Wound, tolerance: float) -> None:
-    for name, value in _metrics(wound).items():
+    values = dict[str, float]()
+    for rope in ("front.", "back.") if row["ropes"] == "two" else ("",):
+        values |= _metrics(wound, rope)
+    for name, value in values.items():
         if not math.isclose(found[name], value, rel_tol=tolerance):
             _refuse(row, f"{row['command']}: {name} = {found[name]}, and {value} in wind")
 
@@ -370,9 +378,7 @@ def _resume(bench: Bench, row: Mapping[str, str], wound: Wound) -> str:
     kept = bench.folder / "cut" / "last_good.npz"
     if cut.code == REFUSED:
         _refuse(row, "an interrupted run is refused", cut.err)
-    if not kept.exists():
-        if "last good state" not in cut.err and row["ropes"] == "two":
-            return "refused"  # several ropes keep no state yet, and say nothing of one
+    if cut.code != INTERRUPTED:
         return "right"  # it ended before it was interrupted
     resumed = bench.wind(row, wound.file, "resumed", "--resume", str(kept))
     if resumed is None:
@@ -413,8 +419,8 @@ def _duty(bench: Bench, row: Mapping[str, str], wound: Wound) -> str:
     file = bench.folder / "duty.toml"
     file.write_text(f'[duty]\nhoist = "{wound.file.name}"\n[[trip]]\n', encoding="utf-8")
     trips = _table(bench, row, ("duty", str(file)), "trips.csv")
-    if trips is None or row["ropes"] == "two":
-        return "refused" if trips is None else "right"
+    if trips is None:
+        return "refused"
     _require_equal(row, {name.partition(" ")[0]: float(trips[name][0]) for name in trips}, wound, 1e-8)
     return "right"
 
@@ -426,8 +432,8 @@ def _study(bench: Bench, row: Mapping[str, str], wound: Wound) -> str:
     file = bench.folder / "study.toml"
     file.write_text(f'[study]\nhoist = "{wound.file.name}"\n[vary]\ngains.position = [1.0]\n', encoding="utf-8")
     runs = _table(bench, row, ("study", str(file), "--fmu", str(fmu), "--workers", "1"), "results.csv")
-    if runs is None or row["ropes"] == "two":
-        return "refused" if runs is None else "right"
+    if runs is None:
+        return "refused"
     _require_equal(row, {name.partition(" ")[0]: runs[name][0] for name in runs}, wound, 1e-6)
     return "right"
 
