@@ -61,6 +61,9 @@ PLACES = {
     "read-only folder": Place(writable=False),
     "path with spaces and umlauts": Place(folder=STRANGE),
 }
+#: places of `make test`; all are tried by `make test-slow`
+QUICK = ("bare", "beside another version", "path with spaces and umlauts")
+EVERYWHERE = [pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICK)) for name in PLACES]
 #: kinds of exports.EXPORTS, which a place has unpacked; the system of two of them
 ARTEFACTS = {
     "Python FMU": "python-lean",
@@ -186,7 +189,7 @@ def _said(command: list[str], paths: dict[str, Path], environment: dict[str, str
     return json.loads(done.stdout.splitlines()[-1])
 
 
-@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("place", EVERYWHERE)
 @pytest.mark.parametrize("artefact", ARTEFACTS)
 def test_artefact_computes_the_same_wherever_it_lives(artefact: str, place: str, tried: Callable[[str], Any]) -> None:
     expected = tried("")["results"][artefact]
@@ -211,7 +214,7 @@ def test_the_library_built_from_the_sources_of_an_fmu_computes_the_same(
     assert said["results"]["built"] == tried("")["results"]["native FMU of FMI 2.0"]
 
 
-@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("place", EVERYWHERE)
 def test_the_python_fmu_runs_its_own_code_alone(place: str, tried: Callable[[str], Any]) -> None:
     modules = tried(place)["modules"]
     packages = {name.partition(".")[0] for name in modules}
@@ -222,13 +225,13 @@ def test_the_python_fmu_runs_its_own_code_alone(place: str, tried: Callable[[str
     assert version == importlib.metadata.version("balance-rope")
 
 
-@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("place", EVERYWHERE)
 def test_an_artefact_leaves_nothing_behind(place: str, tried: Callable[[str], Any]) -> None:
     assert tried(place)["left behind"] == []
 
 
 @pytest.mark.skipif(BROWSER is None, reason="no Chromium found: apt-get install chromium")
-@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("place", [pytest.param(name, marks=[pytest.mark.slow] * (name != "bare")) for name in PLACES])
 def test_the_report_draws_the_rope_wherever_it_lies(place: str, tmp_path: Path) -> None:
     folder = tmp_path / PLACES[place].folder
     folder.mkdir()
