@@ -33,6 +33,11 @@ def test_commands_agree_on_a_trip_of_two_ropes(command: str, stop: str, bench: B
     assert judge_row(bench, {**default_row(), **choices, "command": command}) == "right"
 
 
+def test_a_rope_that_breaks_alone_presses_itself_and_no_neighbour(bench: Bench) -> None:
+    choices = {"break": "breaks", "contact": "of the rope with itself", "fidelity": "torsional", "level": "draft"}
+    assert judge_row(bench, {**default_row(), **choices}) == "right"
+
+
 @pytest.mark.parametrize("refusal", REFUSALS, ids=lambda refusal: " with ".join(name for name, _ in refusal))
 def test_choices_that_exclude_each_other_are_refused_in_a_sentence(refusal: tuple[Choices, ...], bench: Bench) -> None:
     row = {**default_row(), "level": "draft", **{factor: choices[-1] for factor, choices in refusal}}

@@ -90,7 +90,7 @@ class Ropes:
     @property
     def touching(self) -> bool:
         """True if the ropes press each other."""
-        return self.ropes[0].scene.shaft.contact.rope_stiffness > 0.0
+        return len(self.ropes) > 1 and self.ropes[0].scene.shaft.contact.rope_stiffness > 0.0
 
     @property
     def hoist(self) -> Hoist:

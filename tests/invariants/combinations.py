@@ -133,7 +133,6 @@ REFUSALS: tuple[tuple[Choices, ...], ...] = (
     (("ropes", ("two",)), ("guard", ("far", "near"))),
     (("break", ("breaks",)), ("guard", ("far", "near"))),
     (("fidelity", FLAT), ("contact", ("of the rope with itself",)), ("ropes", ("two",))),
-    (("fidelity", FLAT), ("contact", ("of the rope with itself",)), ("break", ("breaks",))),
 )
 
 #: Beginnings of the names of a rope's values: one rope, one of a group, those of `ROPES`.
