@@ -22,8 +22,8 @@ SEED = 47
 CASES = 1
 #: elements times steps of a run
 QUICK = 8_000
-#: relations that are broken today: 6 of the first 24 cases of SEED, where a lower fidelity does not take the input, or
-#: the input filter takes a difference of 1e-6 m for rounding; derivative_cases.py has differences that it sees
+#: relations that are broken today: 6 of the first 24 cases of SEED, for reasons not yet found; derivative_cases.py
+#: compares with finer differences, and test_derivatives.py holds them
 BROKEN = ("derivatives",)
 #: those that wind whole hoists, or take an FMU that other tests share
 WITH_FMU = ("fmu",)

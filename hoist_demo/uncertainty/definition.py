@@ -160,9 +160,14 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
         ropes = ropes_of(replace(case, balance_ropes=tuple(each)), run, {}, self.level, ROPE_SIGNALS)
         return replace(ropes, run=replace(run, hoist=ropes.hoist))
 
+    @property
+    def _middles(self) -> dict[str, float]:
+        """Middles of the ranges of what varies, by name."""
+        return {name: datum.middle for name, datum in self.data.items()}
+
     def middle_ropes(self) -> Ropes:
         """Return the balance ropes of a winding with the middle of each range."""
-        return self.ropes({name: datum.middle for name, datum in self.data.items()})
+        return self.ropes(self._middles)
 
     def require_hangs(self) -> None:
         """Refuse a rope of the ranges' middle that cannot hang where the trip begins; FileError says why."""
@@ -200,7 +205,7 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
 
         The drive's feed-forward takes the rope as it is; its trip is designed for the middle of all ranges.
         """
-        middle = self._drawn({name: datum.middle for name, datum in self.data.items()})
+        middle = self._drawn(self._middles)
         nominal = {name: middle[name] for name in drawn}
         return from_landing(build(self.header.hoist, self._fixed, varied=drawn, nominal=nominal))
 
