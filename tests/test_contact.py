@@ -12,7 +12,7 @@ from conftest import difference
 from hypothesis import example, given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
-from scenes import smooth_step, wound
+from scenes import hung, smooth_step, wound
 
 from rope_model import EndMotion, Mesh, Rope, Scene, Solver, balance_rope
 from rope_model.physics import hermite
@@ -283,6 +283,20 @@ def ends(t: float) -> tuple[EndMotion, EndMotion]:
     """Both go down at a growing speed, the right one less."""
     left, right = (EndMotion(y=-y * t**3, vy=-3 * y * t**2, ay=-6 * y * t) for y in (2.0, 1.0))
     return left, right
+
+
+#: no coupling, coupling: a straight leg, and one that turns, in the way of a floor 5 m above the free loop
+@pytest.mark.parametrize("coupling", [0.0, 1.0])
+def test_a_rope_whose_floor_is_high_lies_on_it_and_hangs_from_its_ends(form: Any, coupling: float) -> None:
+    plain = Rope(length=60.0)
+    rope = Rope(length=60.0, Qb=coupling * plain.Qb, Qc=coupling * plain.Qc)
+    scene = Scene(rope, mesh=Mesh("eem", elements=60), shaft=Shaft(sump=Sump(level=-24.0)))
+    seen = hung(balance_rope(scene, form)).signals(("left.fy", "right.fy", "contact.floor"))
+    weight = rope.mass_per_length * rope.length * scene.layout.gravity
+    legs = 2 * 24.0 * rope.mass_per_length * scene.layout.gravity
+    # the legs hang freely, and what lies on the floor does not pull at them
+    assert_allclose(-seen["left.fy"] - seen["right.fy"], legs, rtol=0.1)
+    assert_allclose(seen["contact.floor"], weight - legs, rtol=0.3)
 
 
 def test_a_mesh_that_is_transformed_on_a_floor_keeps_the_energy_balance() -> None:

@@ -269,6 +269,13 @@ def test_a_body_that_leaves_the_ends_no_room_is_named(shaft: Shaft, told: str) -
     assert first_text(NO_ROOM, scene, "rigid", *LEAST_ARC) == ""
 
 
+@pytest.mark.parametrize("shaft", [Shaft(lining=Lining(1.0, 3.0)), Shaft(sump=Sump(0.1))])
+def test_a_rope_without_room_is_refused_before_it_is_hung_up(form: Any, shaft: Shaft) -> None:
+    rope = balance_rope(rope_120().scene.with_(shaft=shaft), form)
+    status = rope.initialize(0.0, *LEAST_ARC)
+    assert status.message == first_text(NO_ROOM, rope.scene, "torsional", *LEAST_ARC) != ""
+
+
 def scene_of(length: float, EI: float, coupling: float, spacing: float, shaft: Shaft) -> Scene:
     rope = Rope(length=length, EI=EI, Qb=coupling, Qc=coupling)
     return Scene(rope, Layout(spacing), model=Model("torsional"), shaft=shaft)

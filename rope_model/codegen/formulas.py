@@ -214,7 +214,11 @@ _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
     ("", generalized_alpha, "MAX_GROWTH"),
     ("AUDIT_", audit, "LOADS END_LOADS"),
     ("", guard, "NEVER"),
-    ("", hang, "CURVATURE_STEPS PLACING_STEPS TWIST_STEP MIN_TWIST_STEP MAX_TURN MAX_CORRECTIONS"),
+    (
+        "",
+        hang,
+        "FLOOR_STEP MAX_FLOOR_STEPS CURVATURE_STEPS PLACING_STEPS TWIST_STEP MIN_TWIST_STEP MAX_TURN MAX_CORRECTIONS",
+    ),
     ("", input_filter, "MAX_LAG MIN_AIM_TIME MIN_MEAN_TIME"),
     ("", mesh, "LEG_LENGTHS GRADING MAX_OVERSHOOT"),
     ("", mesh_fit, "FADE_ERROR MESH_SHARE DUE"),

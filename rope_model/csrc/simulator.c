@@ -106,6 +106,8 @@ static int initialize(Simulator *sim, double t, const EndMotion ends[2]) {
     state->fidelity = choose_fidelity(scene, ends, sim->forces.count, state->fidelity_reason);
     unsupported_motion(scene, state->fidelity, ends, sim->forces.count, why);
     if (why[0]) return say_fixed_model_cannot_follow(message, fidelity_name(state->fidelity), why);
+    tell_no_room(scene, state->fidelity, &ends[LEFT], &ends[RIGHT], message);
+    if (message[0]) return 0;
     const NodalArrays nodal = state_arrays(state);
     double divider_s[DIVIDERS];
     model_dividers(sim, state->paths, t, divider_s);
@@ -113,16 +115,13 @@ static int initialize(Simulator *sim, double t, const EndMotion ends[2]) {
               &state->pattern, nodal.lengths);
     arc_lengths(nodal.elements, nodal.lengths, nodal.s);
     hanging_guess(nodal.nodes, nodal.s, points[LEFT], points[RIGHT], nodal.q, message);
-    if (!message[0]) start_director(state, nodal.q);
+    if (message[0]) return 0;
+    start_director(state, nodal.q);
     state->offsets[RIGHT] = right_offset(points[LEFT], points[RIGHT]);
     state->swivels[RIGHT].angle = scene->rope.installed_twist;
     state->step_next = state->last_interval = scene->solver.step_max;
     state->loop_yaw = ends_yaw(&nodal);
-    if (message[0] ||
-        !(state->fidelity == RIGID ? as_rigid(sim, state, t, message) : hang(sim, state, ends, message))) {
-        tell_no_room(scene, state->fidelity, &ends[LEFT], &ends[RIGHT], message);
-        return 0;
-    }
+    if (!(state->fidelity == RIGID ? as_rigid(sim, state, t, message) : hang(sim, state, ends, message))) return 0;
     if (start_hysteresis(sim, state)) rope_system_refer(sim, state, nodal.q);
     for (int side = LEFT; side <= RIGHT; side++)
         state->force_mean[side] = -end_row(nodal.reaction, nodal.nodes, side)[1];

@@ -192,6 +192,8 @@ class RopeSimulator(BalanceRope):
         try:
             if why := unsupported_motion(scene, fidelity, (left, right), self.model.forces.s.size):
                 return Status(False, fidelity_messages.fixed_model_cannot_follow(fidelity, why))
+            if no_room := first_text(NO_ROOM, scene, fidelity, left, right):
+                return Status(False, no_room)
             cells = partition(self._mesh, rope.length, self.model.bottom_s(paths, t), self.model.dividers(paths, t))
             guess = hanging_guess(cells.nodes_s, *ends)
             zeros = np.zeros_like(guess)
@@ -213,7 +215,7 @@ class RopeSimulator(BalanceRope):
             )
             state = as_rigid(self.model, state, t) if fidelity == "rigid" else hang(self.model, state, (left, right))
         except (StaticsError, ValueError) as error:
-            return Status(False, first_text(NO_ROOM, scene, fidelity, left, right) or str(error))
+            return Status(False, str(error))
         if fidelity != "rigid":
             state = state._replace(hysteresis=start_hysteresis(scene, cells.lengths.size))
         force_mean = -float(state.motion.reaction[0, 1]), -float(state.motion.reaction[-1, 1])

@@ -16,6 +16,7 @@ import numpy as np
 
 from rope_model import CONSTRUCTIONS, Rope, rope
 from rope_model.catalogue import BEARINGS, rope_of
+from rope_model.parameters import AT_START
 from rope_model.scene_names import choices_of
 
 T = TypeVar("T")
@@ -151,9 +152,16 @@ def swivels(drawn: Drawn) -> None:
             f"{name}.mu_static": running * starting,
             f"{name}.seal_moment": draws.evenly(0.0, 3.0) if draws.chance(0.3) else 0.0,
             f"{name}.inertia": draws.in_logarithms(0.01, 0.3),
-            f"{name}.release_time": draws.evenly(0.1, 0.9) * drawn.duration if draws.chance(0.3) else 0.0,
+            f"{name}.release_time": _release_time(draws, drawn.duration),
             f"{name}.start": draws.word(f"{name}.start"),
         }
+
+
+def _release_time(draws: Draws, duration: float) -> float:
+    """From the start of any run, from the start of this one, or on the way."""
+    if draws.chance(0.3):
+        return draws.evenly(0.1, 0.9) * duration
+    return draws.one_of(AT_START, 0.0)
 
 
 def attachments(drawn: Drawn) -> None:

@@ -55,6 +55,28 @@ static int turn_in(Simulator *sim, State *state, double twist, char *message) {
     return 1;
 }
 
+static void put_floor(Simulator *sim, double level) {
+    sim->scene.shaft.sump.level = level;
+    sim->obstacles->cache.free = 0; /* distances to the floor are others now */
+}
+
+/* Let the rope hang freely, and raise the floor to its level in steps, so that the rope is laid down on it.  In the way
+   of a rope that hangs freely, the floor would push it up by its legs, to an equilibrium of two compressed bars. */
+static int lay_down(Simulator *sim, State *state, char *message) {
+    const Shaft shaft = sim->scene.shaft;
+    const NodalArrays nodal = state_arrays(state);
+    const double lowest = nodal.q[(size_t)lowest_node(nodal.nodes, nodal.q) * DOF + 1];
+    const double below = shaft.contact.stiffness > 0 ? shaft.sump.level - lowest : 0;
+    const int parts = below > 0 ? (int)fmin(ceil(below / FLOOR_STEP), MAX_FLOOR_STEPS) : 0;
+    int found = 1;
+    for (int k = 0; k < parts && found; k++) {
+        put_floor(sim, lowest + below * k / parts);
+        found = equilibrium_in_frame(sim, state, INFINITY, message);
+    }
+    put_floor(sim, shaft.sump.level);
+    return found && equilibrium_in_frame(sim, state, INFINITY, message);
+}
+
 /* Find the equilibrium of the straight rope first, then add its permanent curvature in steps. */
 static int let_curve(Simulator *sim, State *state, char *message) {
     const Rope whole = sim->scene.rope;
@@ -62,7 +84,7 @@ static int let_curve(Simulator *sim, State *state, char *message) {
     int found = 1;
     for (int k = 0; k <= parts && found; k++) {
         if (parts > 0) sim->scene.rope = partly_curved(&whole, (double)k / parts);
-        found = equilibrium_in_frame(sim, state, INFINITY, message);
+        found = k == 0 ? lay_down(sim, state, message) : equilibrium_in_frame(sim, state, INFINITY, message);
     }
     const double reached = max_curvature(&sim->scene.rope);
     sim->scene.rope = whole;

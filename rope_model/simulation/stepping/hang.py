@@ -1,5 +1,7 @@
 """Equilibrium at the start: the rope is hung up straight, takes its permanent curvature, then its twist.
 
+Where the sump's floor is higher than the loop of a rope that hangs freely, the straight rope is laid down on it first.
+
 Its swivels hold.  If one that starts relaxed cannot, the rope is hung up again while that one turns against the
 friction of its slip: neither coupling nor installed twist winds up its loop.  That friction is below the one that holds
 it at rest.  A straight rope at rest carries the same torque all along, so only the swivel with the least friction
@@ -29,6 +31,8 @@ from rope_model.simulation.rope_system import ANGLE
 from rope_model.simulation.state import RopeState
 from rope_model.simulation.stepping.statics import StaticsError, find_equilibrium
 
+FLOOR_STEP = 0.25  #: m, by which the floor rises beneath a rope that is laid down on it
+MAX_FLOOR_STEPS = 40
 CURVATURE_STEPS = 8  #: increments of the permanent curvature
 PLACING_STEPS = 32  #: increments of the position and lean of ends that are not plumb: 0.1 rad each at most
 TWIST_STEP = 1.0  #: rad, largest increment of twist
@@ -63,18 +67,34 @@ def _hang_in_loop(model: RopeModel, state: RopeState) -> RopeState:
     return _relax(model, [_untwisted(state, other) for other in reversed(end_angles)], hung)
 
 
+def _lay_down(model: RopeModel, state: RopeState) -> tuple[RopeState, int]:
+    """Return ``state`` at rest, laid down on the floor, and the number of corrections.
+
+    It hangs freely first, and the floor rises to its level in steps.  In the way of a rope that hangs freely, the floor
+    would push it up by its legs, to an equilibrium of two compressed bars.
+    """
+    total, shaft, lowest = 0, model.scene.shaft, float(state.motion.q[:, 1].min())
+    below = shaft.sump.level - lowest if shaft.contact.stiffness > 0 else 0.0
+    parts = min(math.ceil(below / FLOOR_STEP), MAX_FLOOR_STEPS) if below > 0 else 0
+    for k in range(parts):
+        raised = replace(shaft, sump=replace(shaft.sump, level=lowest + below * k / parts))
+        state, corrections = equilibrium_in_frame(replace(model, scene=model.scene.with_(shaft=raised)), state)
+        total += corrections
+    state, corrections = equilibrium_in_frame(model, state)
+    return state, total + corrections
+
+
 def _let_curve(model: RopeModel, state: RopeState) -> tuple[RopeState, int]:
     """Return ``state`` at rest, its rope first straight and then curved step by step, and the number of corrections."""
-    rope, total = model.scene.rope, 0
+    rope = model.scene.rope
     if not is_curved(rope, flexible(state.fidelity)):
-        return equilibrium_in_frame(model, state)
-    for k in range(CURVATURE_STEPS + 1):
+        return _lay_down(model, state)
+    state, total = _lay_down(replace(model, scene=model.scene.with_(rope=partly_curved(rope, 0.0))), state)
+    for k in range(1, CURVATURE_STEPS + 1):
         part = replace(model, scene=model.scene.with_(rope=partly_curved(rope, k / CURVATURE_STEPS)))
         try:
             state, corrections = equilibrium_in_frame(part, state)
         except StaticsError as error:
-            if k == 0:
-                raise
             reached, whole = max_curvature(part.scene.rope), max_curvature(rope)
             raise StaticsError(messages.fails_at_curvature(reached, whole, str(error))) from error
         total += corrections
