@@ -16,6 +16,7 @@ number of inputs whose differences can be seen.
 """
 
 import ctypes as ct
+import math
 import struct
 import sys
 from collections.abc import Sequence
@@ -86,8 +87,10 @@ class Case:
     late: bool = False
     to_event: bool = False
     shortest: float = 0.0  # s, of its steps
+    longest: float = math.inf  # s
     bent: tuple[str, ...] = ("x", "y", "z", "yaw")
     apart: tuple[str, ...] = ()  # inputs that are left out
+    scale: float = 1.0  # of the differences; wires begin to slide, or stick again, after a small bend
 
 
 def with_swivels(**values: Any) -> Scene:
@@ -103,6 +106,7 @@ def cases() -> dict[str, Case]:
     turns = ("yaw", "yaw_rate", *leans)
     out_of_plane = ("z", "vz", "az", *turns)
     rigid = tuple(name for name in INPUTS if name not in ("y", "vy", "ay"))
+    rubbing = replace(scene.rope, EI_stick=5.0 * scene.rope.EI, slip_moment=2.0, slip_factor=0.01)
     published = replace(scene.rope, Qb=1.5 * scene.rope.Qc)
     # a beam pushes the right leg 5 mm aside
     beam = Shaft(divider_1=Divider(size=0.2, y=40.0, offset=1.117))
@@ -130,6 +134,9 @@ def cases() -> dict[str, Case]:
         "Qb not Qc": Case(scene.with_(rope=published), turning),
         "hinged": Case(with_swivels(attachment="hinged")),
         "clamps that lean": Case(with_swivels(attachment="clamped"), leaning, apart=()),
+        "wires that rub": Case(
+            with_swivels(attachment="clamped").with_(rope=rubbing), leaning, scale=1e-3, longest=0.01
+        ),
     }
 
 
@@ -253,7 +260,7 @@ def largest_difference(case: Case, name: str, h: float) -> float:
 
 def expected_derivative(step: Differentiated, name: str, h: float) -> NDArray[np.float64] | None:
     """Return the difference quotients of LOADS to an input of the left end; None where no difference shows them."""
-    largest = largest_difference(step.case, name, h)
+    largest = step.case.scale * largest_difference(step.case, name, h)
     for share in SHARES:
         size = share * largest
         difference = step.difference(({name: size}, {}))
@@ -286,7 +293,7 @@ def main() -> None:
             continue
         print(f"{name:<36}", end=" ")
         for h in STEPS:
-            of_inputs = errors(case, 1e-3 * h) if 1e-3 * h >= case.shortest else {}
+            of_inputs = errors(case, 1e-3 * h) if case.shortest <= 1e-3 * h <= case.longest else {}
             which = max(of_inputs, key=lambda x: of_inputs[x], default="")
             worst = f"{100.0 * of_inputs[which]:>6.3f} {which[:4]:<4}" if which else f"{'-':>6}     "
             print(f"{worst} {len(of_inputs):>2}", end="  ", flush=True)

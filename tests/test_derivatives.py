@@ -17,7 +17,12 @@ from rope_model.simulation.outputs.signal_table import LOADS
 #: of the largest entry: differences of steps at the default tolerance of Newton's method are no better
 ALLOWED = 0.01
 #: internal steps keep their lengths, which the error estimate of long divided steps would change: case and step, ms
-LARGEST_ERRORS = {("Qb not Qc", 100.0): 0.02}
+LARGEST_ERRORS = {
+    ("Qb not Qc", 100.0): 0.02,
+    # of so small differences Newton's last corrections are more than 1 %
+    ("wires that rub", 0.001): 0.03,
+    ("wires that rub", 10.0): 0.03,
+}
 DEFAULT = Case(rope_120().scene)
 
 
@@ -40,6 +45,12 @@ def test_derivatives_are_differences_of_the_step(name: str) -> None:
     assert max(found.values()) < ALLOWED, found
 
 
+def test_derivatives_where_wires_rub_are_those_of_wires_that_go_on_as_they_do() -> None:
+    found = errors(cases()["wires that rub"], 0.005)
+    assert len(found) >= 9, found
+    assert max(found.values()) < ALLOWED, found
+
+
 def test_derivatives_are_differences_of_a_step_that_ends_at_an_event() -> None:
     found = errors(cases()["at an event"], 0.05)
     assert len(found) == 11
@@ -51,7 +62,7 @@ def test_derivatives_are_differences_of_a_step_that_ends_at_an_event() -> None:
 def test_derivatives_are_differences_of_steps_of_any_length(name: str) -> None:
     case, shown = cases()[name], 0
     for h in STEPS:
-        if 1e-3 * h < case.shortest:
+        if not case.shortest <= 1e-3 * h <= case.longest:
             continue
         found = errors(case, 1e-3 * h)
         shown += len(found)

@@ -22,14 +22,11 @@ SEED = 47
 CASES = 1
 #: elements times steps of a run
 QUICK = 8_000
-#: relations that are broken today: 6 of the first 24 cases of SEED, for reasons not yet found; derivative_cases.py
-#: compares with finer differences, and test_derivatives.py holds them
-BROKEN = ("derivatives",)
 #: those that wind whole hoists, or take an FMU that other tests share
 WITH_FMU = ("fmu",)
 
 
-@pytest.mark.parametrize("relation", [name for name in RELATIONS if name not in (*BROKEN, *WITH_FMU)])
+@pytest.mark.parametrize("relation", [name for name in RELATIONS if name not in WITH_FMU])
 def test_a_relation_holds_on_random_scenes(relation: str) -> None:
     _hold(relation)
 

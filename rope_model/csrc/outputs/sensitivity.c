@@ -27,6 +27,9 @@ enum {
 #define LARGEST_TURN 1e-3
 /* Shortest time in which an end may move so, s: in less, the change of its speed is a strain of more than 1e-6. */
 #define SHORTEST_MOVE 1e-3
+/* Share of the largest changes where wires rub: they begin to slide, or stick again, after a bend that a larger change
+   of an end makes. */
+#define SHARE_OF_RUBBING 1e-3
 /* Largest change of the acceleration of a rigid rope, m/s^2: its forces are exact, and must not go slack. */
 #define RIGID_ACCELERATION 1e-2
 
@@ -106,8 +109,9 @@ static double power_of(double x, int exponent) {
 }
 
 /* Return the factor that makes a change as large as a difference may be; 0 if nothing changes. */
-static double largest_factor(const Replay *replay, const Change *change) {
-    const double duration = replay->duration;
+static double largest_factor(const Simulator *sim, const Change *change) {
+    const Replay *replay = &sim->replay;
+    const double duration = replay->duration, share = sim->state->rubs ? SHARE_OF_RUBBING : 1;
     double size = 0; /* bound of the change over the largest one */
     for (int k = 0; k < PATHS; k++)
         for (int power = 0; power < POWERS; power++)
@@ -115,12 +119,12 @@ static double largest_factor(const Replay *replay, const Change *change) {
                                   (k < ANGLE_PATH ? LARGEST_MOVE : LARGEST_TURN));
     if (size == 0) return 0;
     if (replay->fidelity == RIGID) return RIGID_ACCELERATION * duration * duration / (LARGEST_MOVE * size);
-    return fmin(1, duration / SHORTEST_MOVE) / size;
+    return share * fmin(1, duration / SHORTEST_MOVE) / size;
 }
 
 /* Differentiate the loads at the end of the recorded step along a change. */
 static int derivative_along(Simulator *sim, const Change *change, double derivative[LOADS]) {
-    const double factor = largest_factor(&sim->replay, change);
+    const double factor = largest_factor(sim, change);
     double loads[2][LOADS];
     memset(derivative, 0, sizeof(double) * LOADS);
     if (factor == 0) return 1;
