@@ -299,6 +299,18 @@ def test_a_rope_whose_floor_is_high_lies_on_it_and_hangs_from_its_ends(form: Any
     assert_allclose(seen["contact.floor"], weight - legs, rtol=0.3)
 
 
+def test_a_rope_on_its_way_to_rest_jumps_over_no_thin_beam(form: Any) -> None:
+    """Its right leg, which coupling moves by .48 m where the beam is, comes to rest against it."""
+    beam = Divider(size=0.05, y=-45.0, offset=1.34, rounding=1.0)
+    scene = Scene(Rope(length=110.0), mesh=Mesh("auto"), shaft=Shaft(divider_1=beam))
+    rope = hung(balance_rope(scene, form))
+    nodes = rope.rows()
+    right = nodes[np.argmin(nodes[:, 2]) :]
+    at_beam = right[np.argmin(np.abs(right[:, 2] - beam.y)), 1]
+    assert at_beam < beam.offset
+    assert rope.signals(("contact.divider",))["contact.divider"] > 10.0
+
+
 def test_a_mesh_that_is_transformed_on_a_floor_keeps_the_energy_balance() -> None:
     """TMN-ETM on 30 m of rope, whose loop drags over the floor through several transformations."""
     mesh, shaft = Mesh("tmn", coarse_length=1.0, counts=(2, 4, 40, 4, 2)), Shaft(sump=Sump(level=-13.6))

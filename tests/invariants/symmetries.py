@@ -92,6 +92,10 @@ def meshes_agree(one: Record, other: Record, from_behind: bool = False) -> bool:
     return len(lengths) == len(others) and bool(np.allclose(lengths, others, rtol=1e-9))
 
 
+def is_clamped(case: Case) -> bool:
+    return "clamped" in (case.scene.left.attachment, case.scene.right.attachment)
+
+
 def decisions_agree(one: Record, other: Record) -> bool:
     return bool(np.array_equal(one.several(COUNTS), other.several(COUNTS)))
 
@@ -121,6 +125,8 @@ def compared(
         + bend,
         PLACE: 1e-6 + loop_errors,
     }
+    if is_clamped(one.case) and one.rope.elements != other.rope.elements:
+        del bounds[MOMENTS]  # no estimate knows how well a mesh follows the bend at a clamp
     for group, tolerance in bounds.items():
         chosen = [name for name in group if name in names]
         if not chosen:
@@ -183,7 +189,10 @@ def seen_from_behind(case: Case, draws: Draws) -> Iterator[Compared]:
         expected[name] = (1.0 if rest[1] == "y" else -1.0) * one[f"{opposite}.{rest}"]
     expected |= {"loop.x": -one["loop.x"], "loop.y": one["loop.y"], "loop.z": -one["loop.z"]}
     # where an odd number of elements is left for the windows of dividers, the left leg has one more
-    yield from compared(one, two, expected, exact=meshes_agree(one, two, from_behind=True))
+    exact = meshes_agree(one, two, from_behind=True)
+    # the direction of a curvature is carried along from the left end: the ends' frames agree to the order of the mesh
+    exact &= not (is_bent(case) and any(end.lean_z for end in case.at(case.start)))
+    yield from compared(one, two, expected, exact=exact)
 
 
 def is_bent(case: Case) -> bool:

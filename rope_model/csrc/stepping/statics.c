@@ -4,12 +4,12 @@
 
 #include "simulator.h"
 #include "messages.h"
+#include "rules.h"
 
 /* MAX_SOLUTIONS: of all equilibria of a start, some seconds.  A rope that goes on winding about itself takes ever more,
    as each correction has more contacts to solve for: 900 m with strong coupling had 50,000 in 3000 corrections, and as
    large an imbalance as before. */
 enum { MAX_ITERATIONS = 10000, MAX_SOLUTIONS = 20000 };
-#define MAX_MOVE 0.3 /* m or rad, of one step */
 
 /* Return the work of the residual R along x, which is zero where the rope is held. */
 static double work_along(const System *sys, const double *R, const double *x) {
@@ -31,6 +31,7 @@ int find_equilibrium(Simulator *sim, State *state, double max_turn, char *messag
     double *trial = scratch->q, *zeros = scratch->v, *R = scratch->a, *now = scratch->b, *x = sim->x;
     double balance[BALANCE], tau = 0.1, previous = 0, turned = 0, relaxed = 1, last = 0;
     const int shortened = lacks_symmetry(sys.P[P_QS], sys.P[P_QK]) > 0;
+    const double largest = largest_move(&sim->scene);
     int balanced = 0, k;
     sim->turned = 0;
     const double rounding = 10 * DBL_EPSILON * sim->scene.rope.Qa * nodal.s[nodal.elements] / sys.shortest;
@@ -57,7 +58,7 @@ int find_equilibrium(Simulator *sim, State *state, double max_turn, char *messag
         /* The tangent lacks the part of the law without energy; relaxation makes up for it. */
         if (shortened && tau > SETTLED && last > 0) relaxed = relaxation(error / last, relaxed);
         last = error;
-        const double step = fmin(relaxed, MAX_MOVE / fmax(move, 1e-300));
+        const double step = fmin(relaxed, largest / fmax(move, 1e-300));
         for (size_t i = 0; i < size; i++) trial[i] = nodal.q[i] + step * x[i];
         chain->evaluate(&sys, trial, zeros, zeros, now, R, balance);
         const double force = imbalance(&sys, R);

@@ -1,11 +1,13 @@
 """Bodies of a scene at their present positions, and the check that they leave room for the rope's ends."""
 
+import math
 from collections.abc import Iterator, Sequence
+from functools import reduce
 from typing import Any, NamedTuple
 
 from rope_model.physics import shaft as physics
 from rope_model.physics.centreline import suspension_points
-from rope_model.physics.elementary import logical_and, logical_or, minimum, sum_of
+from rope_model.physics.elementary import logical_and, logical_or, minimum, sum_of, where
 from rope_model.physics.shaft import KINDS, Body
 from rope_model.shaft_parameters import FAR, Shaft
 from rope_model.simulation.messages import messages
@@ -14,6 +16,8 @@ from rope_model.simulation.messages.rules import Rules
 LINING, CONVEYANCE, HEAD_ROPES, DIVIDER, FLOOR = range(len(KINDS))
 #: motion of bodies at rest
 FIXED = -1
+#: m or rad, largest move of a rope between two shapes on its way to rest
+MAX_MOVE = 0.3
 
 
 class Placed(NamedTuple):
@@ -46,6 +50,15 @@ def may_touch(shaft: Any) -> Any:
     sizes = sum_of((divider.size for divider in dividers), shaft.lining.width)
     sizes += shaft.conveyance.width + shaft.head_ropes.diameter
     return logical_and(shaft.contact.stiffness > 0, logical_or(sizes > 0, shaft.sump.level > -FAR))
+
+
+def largest_move(scene: Any) -> Any:
+    """Return the largest move (m) of a rope between two shapes on its way to rest: no part jumps over a body."""
+    shaft, diameter = scene.shaft, scene.rope.diameter
+    dividers = shaft.divider_1, shaft.divider_2, shaft.divider_3, shaft.divider_4
+    thin = [where(body > 0, body, math.inf) for body in (*(x.size for x in dividers), shaft.head_ropes.diameter)]
+    thinnest = where(shaft.contact.stiffness > 0, reduce(minimum, thin), math.inf)
+    return minimum(0.5 * (thinnest + diameter), MAX_MOVE)
 
 
 def _in_lining(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, ...]:

@@ -25,6 +25,7 @@ from rope_model.physics.accuracy import TINY
 from rope_model.physics.element import PARAMETERS
 from rope_model.physics.elementary import less, maximum
 from rope_model.physics.initial_shape import initial_shape, node_row
+from rope_model.simulation.contact.bodies import MAX_MOVE, largest_move
 from rope_model.simulation.curvature import Director
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
@@ -77,7 +78,8 @@ def find_equilibrium(
     scale = float(np.sum(system.lengths))
     rounding = 10.0 * float(np.finfo(float).eps * system.P[_QA] * scale / system.lengths.min())
     system, reaction, end_rotation, previous = system.with_reference(q), zeros, 0.0, 0.0
-    tau, largest_move, relaxed, last, balanced = 0.1, 0.3, 1.0, 0.0, 0
+    largest = MAX_MOVE if system.obstacles is None else largest_move(system.obstacles.scene)
+    tau, relaxed, last, balanced = 0.1, 1.0, 0.0, 0
     for k in range(1, max_iterations + 1):
         x, residual = system.newton_step(q, zeros, zeros, reaction, np.array([1.0, 0.0, tau**-2]))
         move = float(np.max(np.abs(x[:, POSITION]))), float(np.max(np.abs(x[:, [3, 4, 5, 6]])))
@@ -92,7 +94,7 @@ def find_equilibrium(
         if lacks_symmetry(system.P[_QS], system.P[_QK]) and tau > SETTLED and last > 0:
             relaxed = relaxation(error / last, relaxed)
         last = error
-        trial = q + min(relaxed, largest_move / max(*move, 1e-300)) * x
+        trial = q + min(relaxed, largest / max(*move, 1e-300)) * x
         following = system.evaluate(trial, zeros, zeros, residual).reaction
         force = _imbalance(system, following)
         # larger forces are accepted on the way, but no gain of energy: a force that grows with the cube of the way,
