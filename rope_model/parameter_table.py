@@ -8,6 +8,7 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import field, fields
+from functools import cache
 from typing import Any, NamedTuple, TypeVar, get_args
 
 T = TypeVar("T")
@@ -87,17 +88,13 @@ def choice(default: T, words: Any, meanings: tuple[str, ...], description: str, 
     return field(default=default, metadata=Parameter("", description, cure=cure, choices=choices)._asdict())
 
 
-#: cache of the tables by data class
-_KNOWN: dict[Any, dict[str, Parameter]] = {}
-
-
+@cache
 def parameters_of(kind: type[Any]) -> dict[str, Parameter]:
     """Return the parameters of a data class by name."""
-    if kind not in _KNOWN:
-        _KNOWN[kind] = {f.name: Parameter(**f.metadata) for f in fields(kind)}
-    return _KNOWN[kind]
+    return {f.name: Parameter(**f.metadata) for f in fields(kind)}
 
 
+@cache
 def check_order(kind: type[Any]) -> tuple[tuple[str, Parameter], ...]:
     """Return the parameters in the order of the checks: choices first, those bounded by another field last."""
     return tuple(sorted(parameters_of(kind).items(), key=lambda item: (not item[1].choices, bool(item[1].other))))
@@ -133,15 +130,17 @@ class ParameterGroup:
         order = check_order(type(self))
         for name, p in order:
             value = getattr(self, name)
-            text = isinstance(value, str) and not p.choices
-            require(not text, name, value, "a number", "give it without quotation marks")
-            require(not isinstance(value, float) or math.isfinite(value), name, value, "finite", "give a number")
+            if isinstance(value, float):
+                require(math.isfinite(value), name, value, "finite", "give a number")
+            elif isinstance(value, str) and not p.choices:
+                require(False, name, value, "a number", "give it without quotation marks")
         for name, p in order:
             value = getattr(self, name)
             if p.choices:
                 ok = value in p.choices
             else:
-                lower, upper = (getattr(self, b) if isinstance(b, str) else b for b in (p.lower, p.upper))
+                lower = getattr(self, p.lower) if isinstance(p.lower, str) else p.lower
+                upper = getattr(self, p.upper) if isinstance(p.upper, str) else p.upper
                 ok = (lower is None or lower <= value) and (upper is None or value <= upper)
             if not ok:
                 bound = p.bound.format(repr(getattr(self, p.other))) if p.other else p.bound
