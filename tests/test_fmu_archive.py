@@ -332,6 +332,8 @@ def test_sources_compile_for_other_systems(platform: str, fmu: Archive, tmp_path
     quiet = "unused-parameter", "unused-function", "unused-variable", "unterminated-string-initialization"
     clang += ["-Wall", "-Wextra", "-Werror", *(f"-Wno-{kind}" for kind in quiet)]
     command = [*clang, "-fsyntax-only", "-nostdlibinc", *(f"-isystem{folder}" for folder in folders)]
-    command += [name for name in sources if name.endswith(".c") and "kernels_wide." not in name]  # as the widest
+    # the narrower forms are the same text as the widest
+    narrower = ("rope_kernels_plain.c", "rope_kernels_wide.c")
+    command += [name for name in sources if name.endswith(".c") and name not in narrower]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

@@ -206,6 +206,7 @@ def test_bounds_of_the_inputs_are_those_of_the_rope() -> None:
             assert "beyond" in refusal(clamped, beyond, NO_MEASURES, side)
 
 
+@pytest.mark.parametrize("fmi", [pytest.param(2, marks=pytest.mark.slow), 3])
 def test_sources_rebuild_with_fmpy_compile(fmi: int, fmu_of: Callable[[str], Path], tmp_path: Path) -> None:
     if shutil.which("cmake") is None:
         pytest.skip("needs cmake")

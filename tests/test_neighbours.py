@@ -54,7 +54,7 @@ def test_a_rope_feels_both_strands_of_the_other() -> None:
     assert_allclose(force, [0.0, -each, -each], atol=D * each)
 
 
-@pytest.mark.parametrize("h", [0.01, 0.002])
+@pytest.mark.parametrize("h", [0.01, pytest.param(0.002, marks=pytest.mark.slow)])
 def test_what_ropes_that_strike_lose_is_what_their_contact_books(h: float) -> None:
     neighbours, ropes = striking(h)
     account = neighbours.contacts.accounts[0, 1]

@@ -40,6 +40,10 @@ PACKAGES = {"fmpy": "fmpy", "libcosim": "libcosimpy", "ecos": "ecospy"}
 IMPORTS = {"fmpy": {2, 3}, "libcosim": {2}, "ecos": {2, 3}}
 
 
+#: the rope in Python takes ten times as long; test_rope_fmu compares it with the rope in process
+WITH_PYTHON_SLOW = [pytest.param(x, marks=[pytest.mark.slow] * (x == "python")) for x in sorted(FLAVOURS)]
+
+
 def environment() -> dict[str, str]:
     """Ecos finds libtbb in the environment's lib, where the package tbb puts it."""
     return {**os.environ, "LD_LIBRARY_PATH": str(Path(sysconfig.get_path("data")) / "lib")}
@@ -76,6 +80,7 @@ def in_process(native: bool, steps: int, lift: float = 0.0) -> np.ndarray:
     return np.array(rows)
 
 
+@pytest.mark.parametrize("exported", WITH_PYTHON_SLOW, indirect=True)
 @pytest.mark.parametrize("steps", [PART, pytest.param(WINDING, marks=pytest.mark.slow)])
 def test_forces_in_fmpy_are_those_of_the_rope_in_process(exported: tuple[Flavour, Path], steps: int) -> None:
     """simulate_fmu sets the inputs of t_k and steps to t_k + H: it has no inputs of a step's end."""
@@ -105,6 +110,7 @@ MANIFEST = """<xs:schema xmlns:xs="http://www.w3.org/2001/XMLSchema" xmlns:ls="h
 LAYER = "org.fmi-standard.fmi-ls-ref"
 
 
+@pytest.mark.parametrize("exported", WITH_PYTHON_SLOW, indirect=True)
 def test_fmpy_meets_the_reference_experiment_inside(exported: tuple[Flavour, Path], tmp_path: Path) -> None:
     with zipfile.ZipFile(exported[1]) as archive:
         archive.extractall(tmp_path)

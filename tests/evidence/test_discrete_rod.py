@@ -120,6 +120,7 @@ def judge(case: Case) -> dict[str, Comparison]:
 REST_120, UNCOUPLED, COUPLED, WINDING, RELEASE = cases.cases()
 
 
+@pytest.mark.slow
 def test_the_rope_at_rest_yaws_as_the_discrete_rod_does() -> None:
     compared = judge(replace(REST_120, ours_on=(400, 800), rod_on=(100, 200, 400)))
     # second order in every quantity: the limit is one
