@@ -95,6 +95,7 @@ def test_fast_ropes_do_not_pass_through_each_other() -> None:
     assert ropes[0].rows()[8, 3] - ropes[1].rows()[8, 3] < GAP
 
 
+@pytest.mark.slow
 def test_a_wind_that_presses_one_rope_on_the_other_pulls_at_both() -> None:
     h, steps, mass = 0.02, 150, Rope().mass_per_length
     holding = Shaft(contact=Contact(rope_stiffness=K))

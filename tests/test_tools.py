@@ -26,7 +26,7 @@ from balance_rope import main
 from fmu_src.interface import case_with
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
-from rope_model import EndMotion, RopeSimulator, rope_120
+from rope_model import EndMotion, RopeSimulator, balance_rope, rope_120
 from rope_model.engine import NativeRope
 from rope_model.numerics.kernels import find_compiler
 
@@ -174,7 +174,7 @@ def test_event_mode_returns_at_each_event_and_takes_motions_that_are_held_throug
         return returned, found
 
     happened = {EVENTS["left.swivel.release_time"]}
-    rope = RopeSimulator(case_with("rope-120", "standard", EVENTS).scene)
+    rope = balance_rope(case_with("rope-120", "standard", EVENTS).scene)
     assert rope.initialize(0.0, EndMotion(ay=-2.0), EndMotion(y=90.0, ay=-2.0)).valid
     for t in STARTS:
         left, right = (EndMotion(**{key: falling(t)[f"{side}.{key}"] for key in ("y", "vy", "ay")}) for side in SIDES)
