@@ -8,7 +8,6 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import field, fields
-from functools import cache
 from typing import Any, NamedTuple, TypeVar, get_args
 
 T = TypeVar("T")
@@ -88,16 +87,24 @@ def choice(default: T, words: Any, meanings: tuple[str, ...], description: str, 
     return field(default=default, metadata=Parameter("", description, cure=cure, choices=choices)._asdict())
 
 
-@cache
+#: caches by data class: its table, and the table in the order of the checks
+_KNOWN: dict[Any, dict[str, Parameter]] = {}
+_CHECKED: dict[Any, tuple[tuple[str, Parameter], ...]] = {}
+
+
 def parameters_of(kind: type[Any]) -> dict[str, Parameter]:
     """Return the parameters of a data class by name."""
-    return {f.name: Parameter(**f.metadata) for f in fields(kind)}
+    if kind not in _KNOWN:
+        _KNOWN[kind] = {f.name: Parameter(**f.metadata) for f in fields(kind)}
+    return _KNOWN[kind]
 
 
-@cache
 def check_order(kind: type[Any]) -> tuple[tuple[str, Parameter], ...]:
     """Return the parameters in the order of the checks: choices first, those bounded by another field last."""
-    return tuple(sorted(parameters_of(kind).items(), key=lambda item: (not item[1].choices, bool(item[1].other))))
+    if kind not in _CHECKED:
+        table = parameters_of(kind).items()
+        _CHECKED[kind] = tuple(sorted(table, key=lambda item: (not item[1].choices, bool(item[1].other))))
+    return _CHECKED[kind]
 
 
 def numeric_bounds(kind: type[Any], name: str) -> tuple[float | None, float | None]:
