@@ -139,7 +139,8 @@ def test_a_library_is_signed_anew_over_all_its_pages_and_one_of_another_kind_ref
 
 
 @pytest.mark.usefixtures("no_reference_run")
-@pytest.mark.parametrize("fmi", [pytest.param(2, marks=pytest.mark.slow), 3])
+@pytest.mark.slow
+@pytest.mark.parametrize("fmi", [2, 3])
 def test_exports_with_other_values_compile_once(fmi: int, tmp_path: Path, monkeypatch: Patch) -> None:
     monkeypatch.setattr(build.kernels, "cache_folder", lambda: tmp_path / "cache")
     tokens = set()

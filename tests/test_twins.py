@@ -87,7 +87,7 @@ def test_neither_calls_nor_includes_go_round() -> None:
 def test_laid_out_for_an_editor_files_compile_by_their_entries_without_a_warning(
     files: int | None, tmp_path: Path
 ) -> None:
-    """The first two here; `test_sources_compile_for_other_systems` reads all that go into an FMU."""
+    """The first two of them, or all."""
     if (compiler := find_compiler()) is None:
         pytest.skip("no C compiler")
     lay_out(tmp_path)
