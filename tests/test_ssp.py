@@ -84,6 +84,7 @@ def wound_in_process() -> NDArray[np.float64]:
     return np.array([recording[name] for name in NAMES]).T[1 : STEPS + 1]
 
 
+@pytest.mark.parametrize("ssp", [pytest.param("native-2", marks=pytest.mark.slow), "native-3"], indirect=True)
 def test_system_moves_as_the_host_loop_in_process(ssp: Path) -> None:
     found, expected = wind("fmpy_adding", ssp), wound_in_process()
     assert found[-1, 0] == pytest.approx(90.0, abs=0.01)
@@ -94,6 +95,7 @@ def test_system_moves_as_the_host_loop_in_process(ssp: Path) -> None:
     assert_allclose(found[:, 4:] / scale[4:], expected[:, 4:] / scale[4:], rtol=0.0, atol=5e-4)
 
 
+@pytest.mark.parametrize("ssp", [pytest.param("native-2", marks=pytest.mark.slow), "native-3"], indirect=True)
 def test_fixed_step_master_reaches_the_stop_time_of_the_file(ssp: Path) -> None:
     found, expected = wind("master", ssp), wind("fmpy_adding", ssp)
     assert abs(len(found) - STOP / ssp_driver.H) <= 1

@@ -127,6 +127,7 @@ def test_the_rope_at_rest_yaws_as_the_discrete_rod_does() -> None:
     assert [c.order for c in compared.values()] == pytest.approx([2.0] * len(compared), abs=0.1)
 
 
+@pytest.mark.slow
 def test_the_rope_vibrates_in_and_out_of_plane_as_the_discrete_rod_does() -> None:
     assert len(judge(replace(UNCOUPLED, ours_on=(300, 600), rod_on=(100, 200)))) == 8
 
