@@ -6,7 +6,9 @@ each other from there: neither an installed version of the project nor another F
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parent.parent
 #: packages of the project whose modules travel
@@ -18,7 +20,7 @@ def modules_needed(script: Path) -> list[Path]:
     found: dict[Path, None] = {}
     waiting = [script]
     while waiting:
-        for name in _imported(ast.parse(waiting.pop().read_text(encoding="utf-8"))):
+        for name in _imported(waiting.pop().read_text(encoding="utf-8")):
             new = [path for path in _files(name) if path not in found]
             found |= dict.fromkeys(new)
             waiting += new
@@ -31,7 +33,7 @@ def import_from(package: str, text: str, roots: tuple[str, ...] = PACKAGES) -> s
     Raises ValueError for ``import rope_model.x``, which binds the name ``rope_model``.
     """
     lines = text.split("\n")
-    for node in ast.walk(ast.parse(text)):
+    for node, _ in _import_statements(text):
         if isinstance(node, ast.Import) and any(_root(alias.name) in roots for alias in node.names):
             raise ValueError(f"line {node.lineno}, '{ast.unparse(node)}', cannot be moved: write 'from ... import ...'")
         if isinstance(node, ast.ImportFrom) and node.level == 0 and _root(node.module) in roots:
@@ -45,16 +47,34 @@ def _root(module: str | None) -> str:
     return (module or "").partition(".")[0]
 
 
-def _imported(node: ast.AST) -> Iterator[str]:
+class _ImportStatement(NamedTuple):
+    node: ast.Import | ast.ImportFrom
+    runs: bool  # False for one of type checkers
+
+
+@cache
+def _import_statements(text: str) -> tuple[_ImportStatement, ...]:
+    """Return all imports of a Python text, those inside of functions, too."""
+    return tuple(_imports_in(ast.parse(text), runs=True))
+
+
+def _imports_in(node: ast.AST, runs: bool) -> Iterator[_ImportStatement]:
+    checked = isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+    for_checkers = node.body if isinstance(node, ast.If) and checked else []
+    for child in ast.iter_child_nodes(node):
+        child_runs = runs and child not in for_checkers
+        if isinstance(child, ast.Import | ast.ImportFrom):
+            yield _ImportStatement(child, child_runs)
+        # expressions import nothing
+        elif isinstance(child, ast.stmt | ast.ExceptHandler | ast.match_case):
+            yield from _imports_in(child, child_runs)
+
+
+def _imported(text: str) -> Iterator[str]:
     """Yield the names of modules, and of what is imported from them, but for those of type checkers."""
-    if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
-        inner: list[ast.AST] = [*node.orelse]
-    else:
-        inner = [*ast.iter_child_nodes(node)]
-    if isinstance(node, ast.ImportFrom) and node.level == 0:
-        yield from (f"{node.module}.{alias.name}" for alias in node.names)
-    for child in inner:
-        yield from _imported(child)
+    for node, runs in _import_statements(text):
+        if runs and isinstance(node, ast.ImportFrom) and node.level == 0:
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
 
 def _files(name: str) -> Iterator[Path]:

@@ -87,8 +87,9 @@ def choice(default: T, words: Any, meanings: tuple[str, ...], description: str, 
     return field(default=default, metadata=Parameter("", description, cure=cure, choices=choices)._asdict())
 
 
-#: cache of the tables by data class
+#: caches by data class: its table, and the table in the order of the checks
 _KNOWN: dict[Any, dict[str, Parameter]] = {}
+_CHECKED: dict[Any, tuple[tuple[str, Parameter], ...]] = {}
 
 
 def parameters_of(kind: type[Any]) -> dict[str, Parameter]:
@@ -100,7 +101,10 @@ def parameters_of(kind: type[Any]) -> dict[str, Parameter]:
 
 def check_order(kind: type[Any]) -> tuple[tuple[str, Parameter], ...]:
     """Return the parameters in the order of the checks: choices first, those bounded by another field last."""
-    return tuple(sorted(parameters_of(kind).items(), key=lambda item: (not item[1].choices, bool(item[1].other))))
+    if kind not in _CHECKED:
+        table = parameters_of(kind).items()
+        _CHECKED[kind] = tuple(sorted(table, key=lambda item: (not item[1].choices, bool(item[1].other))))
+    return _CHECKED[kind]
 
 
 def numeric_bounds(kind: type[Any], name: str) -> tuple[float | None, float | None]:
@@ -133,15 +137,17 @@ class ParameterGroup:
         order = check_order(type(self))
         for name, p in order:
             value = getattr(self, name)
-            text = isinstance(value, str) and not p.choices
-            require(not text, name, value, "a number", "give it without quotation marks")
-            require(not isinstance(value, float) or math.isfinite(value), name, value, "finite", "give a number")
+            if isinstance(value, float):
+                require(math.isfinite(value), name, value, "finite", "give a number")
+            elif isinstance(value, str) and not p.choices:
+                require(False, name, value, "a number", "give it without quotation marks")
         for name, p in order:
             value = getattr(self, name)
             if p.choices:
                 ok = value in p.choices
             else:
-                lower, upper = (getattr(self, b) if isinstance(b, str) else b for b in (p.lower, p.upper))
+                lower = getattr(self, p.lower) if isinstance(p.lower, str) else p.lower
+                upper = getattr(self, p.upper) if isinstance(p.upper, str) else p.upper
                 ok = (lower is None or lower <= value) and (upper is None or value <= upper)
             if not ok:
                 bound = p.bound.format(repr(getattr(self, p.other))) if p.other else p.bound

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import cache
 from typing import Any, Literal, NamedTuple
 
 from rope_model.parameter_table import Parameter, numeric_bounds, parameters_of
@@ -46,26 +47,66 @@ def choices_of(name: str) -> tuple[str, ...]:
     return tuple(CHOICES.get(".".join(name.split(".")[-2:]), ()))
 
 
+class _Field(NamedTuple):
+    """Place of a parameter in the data classes, and what is the same in all scenes."""
+
+    name: str
+    group: str
+    field: str
+    facts: Parameter
+    words: tuple[str, ...]  # choices
+    kind: type[float | int]  # a number may be given as one of the other type
+    minimum: float | None
+    maximum: float | None
+
+
+@cache
+def _fields() -> tuple[_Field, ...]:
+    """Return the fields of all groups but the mesh's counts, in the order of the interface."""
+    found = list[_Field]()
+    for group, data in GROUPS.items():
+        for field, p in parameters_of(data).items():
+            name, words = f"{group}.{field}", tuple(p.choices)
+            if words:
+                found.append(_Field(name, group, field, p, words, int, 0, len(words) - 1))
+            elif field != "counts":
+                kind = type(getattr(data, field))
+                found.append(_Field(name, group, field, p, (), kind, *numeric_bounds(data, field)))
+    return tuple(found)
+
+
+@cache
+def _counts() -> tuple[tuple[str, Parameter, int], ...]:
+    """Return name, facts and least value of the number of elements of each segment of the mesh."""
+    p = parameters_of(Mesh)["counts"]
+    found = list[tuple[str, Parameter, int]]()
+    for i, (segment, least) in enumerate(SEGMENTS.items(), 1):
+        facts = p._replace(description=p.description.format(segment=segment))
+        found.append((f"mesh.counts[{i}]", facts, least))
+    return tuple(found)
+
+
+@cache
+def _kinds() -> dict[str, str]:
+    """Return FMI's word for the type of each parameter by name."""
+    return {p.name: p.kind for p in named_parameters(Scene())}
+
+
 def named_parameters(scene: Scene) -> Iterator[NamedParameter]:
     """Yield the parameters in the order of the interface."""
-    for group, kind in GROUPS.items():
-        data = _part(scene, group)
-        for field, p in parameters_of(kind).items():
-            name, value, words = f"{group}.{field}", getattr(data, field), tuple(p.choices)
-            if words:
-                yield NamedParameter(name, words.index(value), p, 0, len(words) - 1)
-            elif field != "counts":  # a number may be given as one of the other type
-                yield NamedParameter(name, type(getattr(kind, field))(value), p, *numeric_bounds(kind, field))
-    counts = parameters_of(Mesh)["counts"]
-    for i, (segment, least) in enumerate(SEGMENTS.items()):
-        facts = counts._replace(description=counts.description.format(segment=segment))
-        yield NamedParameter(f"mesh.counts[{i + 1}]", scene.mesh.counts[i], facts, least, None)
+    parts = {group: _part(scene, group) for group in GROUPS}
+    for name, group, field, facts, words, kind, minimum, maximum in _fields():
+        value = getattr(parts[group], field)
+        code = words.index(value) if words else kind(value)
+        yield NamedParameter(name, code, facts, minimum, maximum)
+    for value, (name, facts, least) in zip(scene.mesh.counts, _counts(), strict=True):
+        yield NamedParameter(name, value, facts, least, None)
 
 
 def with_values(scene: Scene, values: Mapping[str, Value]) -> Scene:
     """Return the scene with other parameters by name; ValueError for unknown ones and values out of range."""
     chosen, counts = dict[str, dict[str, Any]](), [*scene.mesh.counts]
-    known = {p.name: p.kind for p in named_parameters(scene)}
+    known = _kinds()
     value: Any
     for name, value in values.items():
         if name not in known:

@@ -94,6 +94,12 @@ def no_figures(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(import_module("hoist_demo.report.figures"), "write_figures", lambda *_: [])
 
 
+@pytest.fixture
+def no_reference_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    """FMUs without the reference run, which takes most of the time of an export whose sources are compiled."""
+    monkeypatch.setattr("fmu_src.attachments.reference_files", lambda *_: {})
+
+
 @pytest.fixture(params=["native", "python"])
 def form(request: pytest.FixtureRequest) -> Any:
     """Either form of the rope."""

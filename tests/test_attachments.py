@@ -175,7 +175,7 @@ def test_only_a_clamp_leans(form: Any) -> None:
 RUBS = Swivel(mode="coulomb", attachment="hinged", mu_static=0.1, mu_kinetic=0.08, release_time=0.01, start="locked")
 
 
-@pytest.mark.parametrize("form", ["native", "python"])
+@pytest.mark.parametrize("form", ["native", pytest.param("python", marks=pytest.mark.slow)])
 def test_the_friction_of_a_swivel_grows_with_the_tension_along_a_rope_that_leans(form: Form) -> None:
     """A rope of 30 m between hinges 29 m apart pulls mostly sideways."""
     held, rope = replace(RUBS, mode="locked"), Rope(length=30.0)

@@ -117,7 +117,7 @@ def test_a_guard_of_the_rope_stops_the_hoist_as_in_python(in_c: list[int]) -> No
 
 
 @pytest.mark.parametrize("coupling", [Coupling(step=0.02, sample=0.01), Coupling(step=0.01, sample=0.02)])
-@pytest.mark.parametrize("kind", ["", "native-2", "native-3"])
+@pytest.mark.parametrize("kind", ["", pytest.param("native-2", marks=pytest.mark.slow), "native-3"])
 @pytest.mark.parametrize("part", ["rope", "drive"])
 def test_a_trip_that_fails_does_so_with_the_words_of_python(part: str, kind: str, coupling: Coupling, fmu_of) -> None:
     wound = Wound(coupling=coupling, fmu=fmu_of(kind) if kind else None)

@@ -331,6 +331,7 @@ def test_a_mesh_that_is_transformed_on_a_floor_keeps_the_energy_balance() -> Non
     assert abs(energy.transformations) < 1e-3 * energy.work_ends
 
 
+@pytest.mark.slow
 def test_the_windows_of_both_forms_follow_a_rope_that_is_lifted_past_a_divider() -> None:
     """The loop stays where it is on the rope: only windows move."""
     leans = Shaft(divider_1=Divider(size=0.1, y=-12.0, offset=-0.95))

@@ -11,6 +11,7 @@ import tokenize
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -58,8 +59,13 @@ def named(node: ast.AST) -> Iterator[tuple[int, str]]:
                 yield key.lineno, str(key.value).partition(".")[0]
 
 
-def places(path: Path) -> Iterator[Place]:
+@cache
+def places(path: Path) -> tuple[Place, ...]:
     """All places of a file."""
+    return tuple(_places(path))
+
+
+def _places(path: Path) -> Iterator[Place]:
     text = path.read_text(encoding="utf-8")
     with path.open("rb") as file:
         comments = {token.start[0] for token in tokenize.tokenize(file.readline) if token.type == tokenize.COMMENT}

@@ -8,7 +8,8 @@ import pytest
 from exports import FLAVOURS
 from native_host import H, Host
 
-KINDS = [*sorted(FLAVOURS), "drive-2", "drive-3"]
+KINDS = [pytest.param(kind, marks=[pytest.mark.slow] * (kind == "python")) for kind in sorted(FLAVOURS)]
+KINDS += ["drive-2", "drive-3"]
 
 
 @pytest.fixture(scope="module", params=KINDS)

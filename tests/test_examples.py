@@ -110,6 +110,7 @@ def test_readme_s_fmu_code_ends_with_the_weights_of_the_legs(folder: Path, tmp_p
     assert abs(yaw) < 0.2
 
 
+@pytest.mark.slow
 def test_a_controller_of_one_s_own_winds_and_ends_below_the_landing(folder: Path) -> None:
     said = summary(lines_of(EXAMPLES / "own_controller.py", folder, FMU))
     assert said["travel reached, left conveyance"] == pytest.approx(90.0, abs=0.2)

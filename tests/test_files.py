@@ -24,6 +24,7 @@ WRITERS = frozenset(
     | {"ZipFile", "copyfile", "copy2", "copytree", "move", "FileSerializer", "tofile"}
     | {"json.dump", "pickle.dump", "np.save", "pq.write_table", "shutil.copy"}
 )
+_LAST_NAMES = frozenset(name.rpartition(".")[2] for name in WRITERS)
 #: Writers of scratch files in temporary folders, and of a lock: nobody reads a part of them.
 SCRATCH = {
     "fmu_src/export.py": 5,  # the stage of the Python FMU
@@ -41,7 +42,7 @@ def writes(call: ast.Call) -> bool:
         return any(text and set(text) <= set("wxab+") for text in texts)
     if name == "ZipFile":
         return any(isinstance(one, ast.Constant) and one.value in ("w", "a", "x") for one in call.args)
-    return name in WRITERS or ast.unparse(call.func) in WRITERS
+    return name in WRITERS or (name in _LAST_NAMES and ast.unparse(call.func) in WRITERS)
 
 
 def names_of_drafts(tree: ast.AST) -> set[str]:

@@ -108,7 +108,7 @@ def test_c_computes_the_formula_to_the_bit(library: Any, prototype: str) -> None
         taker = arguments.pop()
     own_hypot = "hypot" in function_code(prototype, formula)
     symbols = [symbols_of(argument) for argument in arguments]
-    for _ in range(200):
+    for _ in range(100):
         values = [with_numbers(symbol, chance) for symbol in symbols]
         expected = flat(formula(*values))
         given = [in_c(value, argument.kind) for value, argument in zip(values, arguments, strict=True)]

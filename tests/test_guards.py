@@ -64,6 +64,7 @@ def test_the_rise_is_nothing_wherever_the_ends_are_at_rest(form: str) -> None:
     assert_allclose(rests, rests[0], atol=0.01)
 
 
+@pytest.mark.slow
 def test_both_forms_trip_alike() -> None:
     cases = {"window": Guard(window=0.01, window_delay=0.05), "clearance": Guard(clearance=1.0, rise=5.0)}
     cases |= {"rise": Guard(rise=0.5, rise_y=-14.0), "torque": Guard(torque=0.5)}

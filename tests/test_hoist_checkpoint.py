@@ -130,7 +130,7 @@ plain = st.recursive(
 
 
 @given(plain)
-@settings(max_examples=40)  # each of some eight leaves
+@settings(max_examples=15)  # each of some eight leaves
 def test_plain_data_come_back_equal_and_of_the_same_kind(value: Any) -> None:
     back = there_and_back(value)
     assert back == value

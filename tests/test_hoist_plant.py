@@ -66,7 +66,7 @@ PATH = PlantInputPath(
 )
 
 
-@pytest.mark.parametrize("added_mass", [(0.0, 0.0), (900.0, 300.0)])
+@pytest.mark.parametrize("added_mass", [pytest.param((0.0, 0.0), marks=pytest.mark.slow), (900.0, 300.0)])
 @pytest.mark.parametrize("name", HOISTS)
 def test_steps_of_any_length_agree_with_an_integrator_of_order_eight(name, added_mass):
     plant, state = _swinging(name)

@@ -132,6 +132,7 @@ def test_a_bent_rod_that_is_turned_about_itself_stores_the_closed_form(part: flo
     assert R[:, 6].sum() == pytest.approx(ROD.EI * k * k0 * math.sin(turn) * L, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_a_straight_rod_that_is_let_go_closes_to_a_ring() -> None:
     rope = replace(ROD, length=math.pi, initial_curvature=2.0)
     q, held = arc(12, 0.0, rope.length), np.zeros((13, 7), dtype=bool)
@@ -220,7 +221,7 @@ def rod_tip(load: float, shear: float = 0.0) -> Array:
 PUBLISHED = {300.0: ((22.5, 59.2, 39.5), (22.33, 58.84, 40.08)), 600.0: ((15.9, 47.2, 53.4), (15.79, 47.23, 53.37))}
 
 
-@pytest.mark.parametrize("load", [300.0, 600.0])
+@pytest.mark.parametrize("load", [pytest.param(300.0, marks=pytest.mark.slow), 600.0])
 def test_the_45_degree_bend(load: float) -> None:
     """Published by elements of straight beams; the curved element converges to the rod's equations."""
     exact = rod_tip(load)
@@ -330,6 +331,7 @@ def test_a_curved_rope_turned_about_the_vertical_loads_its_ends_alike(
     assert_allclose(loads[1], loads[0], rtol=0, atol=within * float(np.abs(loads[0]).max()))
 
 
+@pytest.mark.slow
 def test_a_hung_rope_keeps_the_direction_of_its_curvature_in_both_forms() -> None:
     held = Swivel(attachment="clamped")
     of, lean = LEANING.with_(left=held, right=held), EndMotion(lean=0.3, lean_z=0.4)

@@ -239,7 +239,8 @@ def test_a_sample_that_comes_again_is_counted_where_the_end_must_have_moved(trus
 @pytest.mark.parametrize(
     ("trusted", "given", "at_end"),
     [
-        *(("all", given, at_end) for given in (tabled, repeated, late) for at_end in (True, False)),
+        *(("all", given, True) for given in (tabled, repeated, late)),
+        *(pytest.param("all", given, False, marks=pytest.mark.slow) for given in (tabled, repeated, late)),
         *((trusted, rounded, True) for trusted in get_args(Trusted)),
         ("all", rounded, False),
     ],

@@ -471,7 +471,9 @@ def test_check_hangs_the_rope(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert "the rope of 120 m cannot hang between ends 300 m apart" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("both", [False, True], ids=["output", "output and messages"])
+@pytest.mark.parametrize(
+    "both", [pytest.param(False, marks=pytest.mark.slow), True], ids=["output", "output and messages"]
+)
 def test_a_reader_that_leaves_changes_no_exit_code(tmp_path: Path, both: bool) -> None:
     source = written(tmp_path, ROPE + HEAVY)
     command = [sys.executable, "-m", "balance_rope", "identify", str(source), "--out", str(tmp_path / "found")]

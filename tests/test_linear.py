@@ -118,6 +118,7 @@ def test_a_rope_that_flows_pulls_by_its_momentum_and_keeps_its_shape(speed: floa
     assert_allclose(more["torque"], case.hoist.loss_viscous * case.hoist.sheave_radius * speed, rtol=2e-3)
 
 
+@pytest.mark.slow
 def test_small_models_need_no_more_states_than_the_drive_feels() -> None:
     small = reduced([m.selected(TORQUE, SEEN[:3]) for m in linearise(find_case("rope-120"))], 17)
     assert small.A.shape == (5, 17, 17)

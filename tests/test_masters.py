@@ -59,7 +59,7 @@ def run(host: Host, steps: Steps, T: float) -> None:
 
 
 @pytest.mark.parametrize("loop", LOOPS)
-@pytest.mark.parametrize(("H", "T"), [(0.02, 5.0), (0.005, 2.0), (0.02, 9.0)])
+@pytest.mark.parametrize(("H", "T"), [(0.02, 5.0), (0.005, 2.0), pytest.param(0.02, 9.0, marks=pytest.mark.slow)])
 def test_loop_of_a_master_ends_where_it_should(host: Host, loop: str, H: float, T: float) -> None:
     host.start(**({"model.fidelity": 4} if is_rope(host) else {}))  # rigid: the clock is what counts
     run(host, LOOPS[loop](H, T), T)
@@ -136,7 +136,7 @@ def test_trials_of_a_position_alone_are_taken_back_without_a_trace(host: Host) -
     def wind(trials: list[float]) -> list[list[float]]:
         host.start(**{"mesh.kind": 1, "mesh.elements": 16})
         rows = []
-        for t, h in LOOPS["counting"](H, 20 * H):
+        for t, h in LOOPS["counting"](H, 10 * H):
             give(host, t)
             (y,), before = host.get("left.y"), host.state()
             for trial in trials:

@@ -107,7 +107,9 @@ def run_threads(program: Path, fmu: Path, unzipped: Path, threads: int = THREADS
 
 
 @pytest.mark.skipif(why_no_threads() != "", reason=why_no_threads())
-@pytest.mark.parametrize(("flavour", "count", "runs"), [("python", 4, 1), ("native-2", 16, 5)])
+@pytest.mark.parametrize(
+    ("flavour", "count", "runs"), [pytest.param("python", 4, 1, marks=pytest.mark.slow), ("native-2", 16, 2)]
+)
 def test_many_threads_have_the_bits_of_one(flavour: str, count: int, runs: int, fmu_of: Any, tmp_path: Path) -> None:
     program, fmu, text = tmp_path / "threads", fmu_of(flavour), ROOT / "tests" / "native" / "threads.c"
     command = ["cc", "-std=gnu99", "-O1", f"-I{HEADERS}", text, "-o", program, "-ldl", "-lm", "-lpthread"]
@@ -272,6 +274,7 @@ def as_new(rope: Host) -> tuple[float, ...]:
     return rope.forces()
 
 
+@pytest.mark.parametrize("fmi", [pytest.param(2, marks=pytest.mark.slow), 3])
 def test_any_calls_in_any_order_neither_crash_nor_hang_and_a_reset_helps(fmu: Fmu) -> None:
     rope = Host(*fmu)
     expected = as_new(rope)
@@ -328,7 +331,8 @@ def test_a_run_that_starts_late_goes_on_though_time_is_coarse(fmu: Fmu) -> None:
     rope.free()
 
 
-@pytest.mark.parametrize(("kind", "stride"), [(1, 8), (0, 34), pytest.param(0, 1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("fmi", [pytest.param(2, marks=pytest.mark.slow), 3])
+@pytest.mark.parametrize(("kind", "stride"), [(1, 16), (0, 34), pytest.param(0, 1, marks=pytest.mark.slow)])
 def test_hostile_states_are_refused_or_step_without_harm(fmu: Fmu, kind: int, stride: int) -> None:
     """Each word of a state in turn becomes a hostile number, and the checksum fits."""
     rope, state = Host(*fmu), ctypes.c_void_p()

@@ -138,7 +138,9 @@ def test_a_library_is_signed_anew_over_all_its_pages_and_one_of_another_kind_ref
         with_page_hashes(signed(b"", kind=1))
 
 
-@pytest.mark.parametrize("fmi", [pytest.param(2, marks=pytest.mark.slow), 3])
+@pytest.mark.usefixtures("no_reference_run")
+@pytest.mark.slow
+@pytest.mark.parametrize("fmi", [2, 3])
 def test_exports_with_other_values_compile_once(fmi: int, tmp_path: Path, monkeypatch: Patch) -> None:
     monkeypatch.setattr(build.kernels, "cache_folder", lambda: tmp_path / "cache")
     tokens = set()
@@ -206,6 +208,7 @@ def test_bounds_of_the_inputs_are_those_of_the_rope() -> None:
             assert "beyond" in refusal(clamped, beyond, NO_MEASURES, side)
 
 
+@pytest.mark.parametrize("fmi", [pytest.param(2, marks=pytest.mark.slow), 3])
 def test_sources_rebuild_with_fmpy_compile(fmi: int, fmu_of: Callable[[str], Path], tmp_path: Path) -> None:
     if shutil.which("cmake") is None:
         pytest.skip("needs cmake")
@@ -233,6 +236,7 @@ def test_the_widest_form_that_the_processor_has_is_taken() -> None:
         assert made.processor_lanes() == (8 if widest else 4 if "avx2" in has else 2)
 
 
+@pytest.mark.usefixtures("no_reference_run")
 def test_start_values_are_set_on_the_command_line(tmp_path: Path, monkeypatch: Patch, capsys: Capture) -> None:
     monkeypatch.setattr("fmu_src.native.export.rope_sources", stand_in)
     path = tmp_path / "rope.fmu"

@@ -54,7 +54,7 @@ def test_a_rope_feels_both_strands_of_the_other() -> None:
     assert_allclose(force, [0.0, -each, -each], atol=D * each)
 
 
-@pytest.mark.parametrize("h", [0.01, 0.002])
+@pytest.mark.parametrize("h", [0.01, pytest.param(0.002, marks=pytest.mark.slow)])
 def test_what_ropes_that_strike_lose_is_what_their_contact_books(h: float) -> None:
     neighbours, ropes = striking(h)
     account = neighbours.contacts.accounts[0, 1]
@@ -95,6 +95,7 @@ def test_fast_ropes_do_not_pass_through_each_other() -> None:
     assert ropes[0].rows()[8, 3] - ropes[1].rows()[8, 3] < GAP
 
 
+@pytest.mark.slow
 def test_a_wind_that_presses_one_rope_on_the_other_pulls_at_both() -> None:
     h, steps, mass = 0.02, 150, Rope().mass_per_length
     holding = Shaft(contact=Contact(rope_stiffness=K))

@@ -187,7 +187,7 @@ def test_the_bill_lies_in_the_wheel_and_in_its_record(tmp_path: Path) -> None:
     assert record == f"some.py,,\n{name},sha256={digest},{len(data)}\n"
 
 
-@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("fmi", [pytest.param(2, marks=pytest.mark.slow), 3])
 def test_a_library_of_the_wheel_serves_an_export_of_any_level(fmi: int) -> None:
     table = native_table(rope_120("draft"))
     wanted = without_start({**rope_sources(), **shell_sources(table, fmi)}, len(start_values(table, fmi)))

@@ -232,7 +232,10 @@ def test_a_step_of_the_bound_is_not_too_long_at_any_time(start: float) -> None:
     assert first_text(LONG_EXTRAPOLATION, rope.scene, rope.state)
 
 
-@pytest.mark.parametrize(("stop", "missed"), [(None, {0.02: 0.0008, 0.05: 0.0205}), (8.0, {0.02: 0.044, 0.05: 0.197})])
+@pytest.mark.parametrize(
+    ("stop", "missed"),
+    [pytest.param(None, {0.02: 0.0008, 0.05: 0.0205}, marks=pytest.mark.slow), (8.0, {0.02: 0.044, 0.05: 0.197})],
+)
 def test_forces_of_extrapolated_motions_are_off_as_is_said(stop: float | None, missed: dict[float, float]) -> None:
     trip = Winding(travel=90.0, start_delay=0.0, emergency_at=stop)
     exact = end_forces(trip, 0.0025, extrapolated=False)

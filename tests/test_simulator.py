@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from scenes import followed, hung, recorded, smooth_step, smooth_trip, wound
 
-from rope_model import BalanceRope, EndMotion, RopeSimulator, at_level, balance_rope, rope_120, rope_240
+from rope_model import BalanceRope, EndMotion, at_level, balance_rope, rope_120, rope_240
 from rope_model.engine import NativeRope
 from rope_model.parameters import Rope, Scene, Swivel
 from rope_model.solver_parameters import Mesh, Model, Solver
@@ -95,7 +95,7 @@ def test_work_is_bounded() -> None:
 def test_a_loop_near_an_end_hangs_on_the_fitted_mesh_as_on_short_equal_elements(EI: float, height: float) -> None:
     scene, found = Scene(rope=Rope(EI=EI)), []
     for mesh in (scene.mesh, Mesh("eem", elements=480)):
-        found.append(hung(RopeSimulator(scene.with_(mesh=mesh)), right=EndMotion(y=height)).signals())
+        found.append(hung(balance_rope(scene.with_(mesh=mesh)), right=EndMotion(y=height)).signals())
     # what is asked of the loop, to which the mesh is fitted, and of the end forces over the rope's weight
     assert_allclose(found[0]["loop.y"], found[1]["loop.y"], rtol=0, atol=scene.accuracy.loop)
     weight = scene.rope.mass_per_length * 9.81 * scene.rope.length
@@ -105,7 +105,7 @@ def test_a_loop_near_an_end_hangs_on_the_fitted_mesh_as_on_short_equal_elements(
 @pytest.mark.parametrize("EI", [3e4, 1e5, 1e6])
 def test_a_stiff_rope_hangs_without_being_told_how(EI: float) -> None:
     for height in (0.0, 60.0, 91.0):  # down to 0.12 of its length from an end
-        hung(RopeSimulator(Scene(rope=Rope(EI=EI))), right=EndMotion(y=height))
+        hung(balance_rope(Scene(rope=Rope(EI=EI))), right=EndMotion(y=height))
 
 
 def test_swivel_without_any_friction_turns_freely_and_does_not_chatter() -> None:

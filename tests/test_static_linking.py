@@ -68,6 +68,7 @@ def export(folder: Path, rope: Mapping[str, str] | None) -> dict[str, Path]:
     return fmus
 
 
+@pytest.mark.usefixtures("no_reference_run")
 @pytest.mark.parametrize("whole", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_drive_two_ropes_and_a_host_link_into_one_program_that_gives_what_the_libraries_give(
     whole: bool, tmp_path: Path
@@ -125,6 +126,7 @@ def test_model_identifier_that_c_cannot_have_is_refused(identifier: str) -> None
         checked_identifier(identifier)
 
 
+@pytest.mark.usefixtures("no_reference_run")
 def test_command_line_gives_the_model_identifier(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fmu_src.native.export.rope_sources", stand_in)
     options = ["export", "--platform", "host", "--out", str(tmp_path / "x.fmu"), "--model-identifier", "RopeA"]

@@ -26,7 +26,7 @@ from balance_rope import main
 from fmu_src.interface import case_with
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
-from rope_model import EndMotion, RopeSimulator, rope_120
+from rope_model import EndMotion, RopeSimulator, balance_rope, rope_120
 from rope_model.engine import NativeRope
 from rope_model.numerics.kernels import find_compiler
 
@@ -38,6 +38,10 @@ INPUTS = [f"{side}.{key}" for side in ("left", "right") for key in ("y", "vy", "
 PACKAGES = {"fmpy": "fmpy", "libcosim": "libcosimpy", "ecos": "ecospy"}
 #: versions of FMI that the tool imports
 IMPORTS = {"fmpy": {2, 3}, "libcosim": {2}, "ecos": {2, 3}}
+
+
+#: the rope in Python takes ten times as long; test_rope_fmu compares it with the rope in process
+WITH_PYTHON_SLOW = [pytest.param(x, marks=[pytest.mark.slow] * (x == "python")) for x in sorted(FLAVOURS)]
 
 
 def environment() -> dict[str, str]:
@@ -76,6 +80,7 @@ def in_process(native: bool, steps: int, lift: float = 0.0) -> np.ndarray:
     return np.array(rows)
 
 
+@pytest.mark.parametrize("exported", WITH_PYTHON_SLOW, indirect=True)
 @pytest.mark.parametrize("steps", [PART, pytest.param(WINDING, marks=pytest.mark.slow)])
 def test_forces_in_fmpy_are_those_of_the_rope_in_process(exported: tuple[Flavour, Path], steps: int) -> None:
     """simulate_fmu sets the inputs of t_k and steps to t_k + H: it has no inputs of a step's end."""
@@ -105,6 +110,7 @@ MANIFEST = """<xs:schema xmlns:xs="http://www.w3.org/2001/XMLSchema" xmlns:ls="h
 LAYER = "org.fmi-standard.fmi-ls-ref"
 
 
+@pytest.mark.parametrize("exported", WITH_PYTHON_SLOW, indirect=True)
 def test_fmpy_meets_the_reference_experiment_inside(exported: tuple[Flavour, Path], tmp_path: Path) -> None:
     with zipfile.ZipFile(exported[1]) as archive:
         archive.extractall(tmp_path)
@@ -168,7 +174,7 @@ def test_event_mode_returns_at_each_event_and_takes_motions_that_are_held_throug
         return returned, found
 
     happened = {EVENTS["left.swivel.release_time"]}
-    rope = RopeSimulator(case_with("rope-120", "standard", EVENTS).scene)
+    rope = balance_rope(case_with("rope-120", "standard", EVENTS).scene)
     assert rope.initialize(0.0, EndMotion(ay=-2.0), EndMotion(y=90.0, ay=-2.0)).valid
     for t in STARTS:
         left, right = (EndMotion(**{key: falling(t)[f"{side}.{key}"] for key in ("y", "vy", "ay")}) for side in SIDES)

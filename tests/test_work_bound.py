@@ -95,7 +95,7 @@ def test_a_bound_below_one_step_does_not_stop_the_rope(unbounded: NDArray[np.flo
     assert last == pytest.approx(right, rel=0.01)
 
 
-@pytest.mark.parametrize("form", [RopeSimulator, NativeRope])
+@pytest.mark.parametrize("form", [pytest.param(RopeSimulator, marks=pytest.mark.slow), NativeRope])
 @pytest.mark.parametrize(
     ("step", "host", "expected"),
     [

@@ -124,4 +124,4 @@ def measure_chattering() -> Finding:
     )
 
 
-ENTRIES = (Entry("swivel-chattering", "Friction of the last rate's sign chatters", measure_chattering),)
+ENTRIES = (Entry("swivel-chattering", "Friction of the last rate's sign chatters", measure_chattering, slow=True),)

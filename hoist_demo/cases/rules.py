@@ -98,7 +98,11 @@ def apply_rules(host: Mapping[str, ParameterValue], ropes: Iterable[BalanceRopeD
         if rule.key not in host:
             value = rule.value(RuleInputs(sections["hoist"], sections["winding"], drive))
             host[rule.key] = ParameterValue(value, DERIVED, rule.expression, follows=True)
-            sections = data_of(plain(host))
+            section, _, field = rule.key.partition(".")
+            try:
+                sections[section] = replace(sections[section], **{field: value})
+            except ValueError as error:
+                raise ValueError(f"{section}: {error}") from error
     require_trip_fits(sections["hoist"], sections["winding"])
     far = dict.fromkeys(line for one in ropes for line in remarks(plain({**host, **one.values})))
     worth = dict.fromkeys(line for one in ropes for line in notes(sections["hoist"], one))

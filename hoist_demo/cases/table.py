@@ -3,8 +3,8 @@
 from functools import cache
 from pathlib import Path
 
-from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, FOLDER, Case
-from hoist_demo.files.hoist_file import HoistFile
+from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, Case
+from hoist_demo.files.hoist_file import HoistFile, read_builtin
 from hoist_demo.files.reading import read
 
 NATIVE = "_native"  #: End of the name of a native FMU of FMI 2.0.
@@ -18,12 +18,12 @@ def fmu_name(hoist: str, end: str = "") -> str:
 def find_case(name: str) -> Case:
     """Return the hoist of a file, or of this name; ValueError with all names when there is none."""
     if name in BUILTIN_HOISTS:
-        return _read(FOLDER / f"{name}.toml")
+        return read_builtin(name).case
     if name.endswith(".toml"):
         return _read(path := Path(name), path.stat().st_mtime_ns if path.is_file() else 0)
     raise ValueError(f"hoist = {name!r} must be a file, NAME.toml, or one of {', '.join(BUILTIN_HOISTS)}: choose one")
 
 
 @cache
-def _read(path: Path, _changed: int = 0) -> Case:
+def _read(path: Path, _changed: int) -> Case:
     return read(path, HoistFile).case

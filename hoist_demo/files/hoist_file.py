@@ -8,7 +8,7 @@ the hoist that `like` names, or follows by a rule, or is a default.
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, create_model, model_validator
@@ -65,8 +65,13 @@ def _stated_values(table: RopeTable) -> dict[str, Any]:
 def _base(content: Any, info: ValidationInfo) -> HoistFile:
     """Return the hoist that `like` names."""
     name = read_text(content)
-    path = FOLDER / f"{name}.toml" if name in BUILTIN_HOISTS else beside(info, name)
-    return read(path, HoistFile, opened_by(info))
+    return read_builtin(name) if name in BUILTIN_HOISTS else read(beside(info, name), HoistFile, opened_by(info))
+
+
+@cache
+def read_builtin(name: str) -> HoistFile:
+    """Return the file of a hoist that comes with the project, read once."""
+    return read(FOLDER / f"{name}.toml", HoistFile)
 
 
 _OF_ALL = {name: field for name, field in run_fields(value_type).items() if name not in ("rope", *SIDES)}

@@ -91,6 +91,7 @@ def pairs(
 def _shapes(recording: Recording, name: str, origin: tuple[float, float, float], every: int) -> Array:
     """Return shapes of a rope (instants, points, 3) [m] until it breaks; x from between the conveyances' centres."""
     own = rope_signals(recording, name)
-    shapes = np.array([own.shape_at(row) for row in range(0, len(own.time), every)], dtype=np.float64)
+    shapes = own.shapes_at(range(0, len(own.time), every))
+    assert shapes is not None
     # a rope that its model keeps in a plane has no place out of it
     return np.asarray(shapes + origin + 0.0 * own["loop.z"][::every, None, None])

@@ -49,11 +49,16 @@ class Recording:
 
     def shape_at(self, row: int) -> Array | None:
         """Return the rope's points at a row from left to right, shape (n, 3) [m]; None if not recorded."""
+        shapes = self.shapes_at([row])
+        return None if shapes is None else shapes[0]
+
+    def shapes_at(self, rows: Sequence[int]) -> Array | None:
+        """Return the rope's points at several rows, shape (rows, n, 3) [m]; None if not recorded."""
         count = sum(1 for name in self.signals if name.startswith("shape.x["))
         if count == 0:
             return None
-        columns = [[self.signals[f"shape.{axis}[{i + 1}]"][row] for i in range(count)] for axis in "xyz"]
-        return np.array(columns, dtype=np.float64).T
+        columns = [[self.signals[f"shape.{axis}[{i + 1}]"][rows] for i in range(count)] for axis in "xyz"]
+        return np.ascontiguousarray(np.array(columns, dtype=np.float64).T)
 
     def along(self, name: str) -> Array | None:
         """Return `tension` or its like at the rope's points, shape (rows, n); None if not recorded."""

@@ -120,12 +120,14 @@ def judge(case: Case) -> dict[str, Comparison]:
 REST_120, UNCOUPLED, COUPLED, WINDING, RELEASE = cases.cases()
 
 
+@pytest.mark.slow
 def test_the_rope_at_rest_yaws_as_the_discrete_rod_does() -> None:
     compared = judge(replace(REST_120, ours_on=(400, 800), rod_on=(100, 200, 400)))
     # second order in every quantity: the limit is one
     assert [c.order for c in compared.values()] == pytest.approx([2.0] * len(compared), abs=0.1)
 
 
+@pytest.mark.slow
 def test_the_rope_vibrates_in_and_out_of_plane_as_the_discrete_rod_does() -> None:
     assert len(judge(replace(UNCOUPLED, ours_on=(300, 600), rod_on=(100, 200)))) == 8
 

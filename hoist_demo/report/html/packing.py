@@ -92,7 +92,8 @@ MISSING = "The rope has no outputs {}, so these are not shown along it; export i
 def along(recording: Recording, name: str) -> dict[str, object]:
     """Return pictures of what was recorded along a rope, one `name` of several, and a note of what was not."""
     rows = frames(len(recording.time), MAX_COLUMNS)
-    curves = [curve for row in rows if (curve := recording.shape_at(row)) is not None]
+    curves = recording.shapes_at(rows)
+    assert curves is not None
     # arc lengths of the points [m]
     positions = [np.append(0.0, np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))) for curve in curves]
     length = max(float(position[-1]) for position in positions)

@@ -96,14 +96,16 @@ def _signal(values: Array, unit: str) -> dict[str, object]:
 
 def _drawn(own: Recording) -> bool:
     """Return True if the rope's curve was recorded and computed."""
-    shapes = [shape for row in (0, -1) if (shape := own.shape_at(row)) is not None]
-    return bool(shapes) and bool(np.isfinite(shapes).all())
+    shapes = own.shapes_at([0, -1])
+    return shapes is not None and bool(np.isfinite(shapes).all())
 
 
 def _curve(own: Recording, rope: RopeData) -> Mapping[str, object]:
     """Return the rope's curve at its frames in the shaft, and the places of its ends on the conveyances."""
     rows = packing.frames(len(own.time), MAX_FRAMES)
-    curves = np.array([own.shape_at(row) for row in rows], dtype=np.float64) + rope.suspension.origin
+    shapes = own.shapes_at(rows)
+    assert shapes is not None
+    curves = shapes + rope.suspension.origin
     return {
         "name": rope.name,
         "places": [rope.suspension.at(end) for end in SIDES],

@@ -21,15 +21,17 @@ class FilterStep(NamedTuple):
     measures: PathMeasures
 
 
-def _flat(x: tuple[Any, ...]) -> list[Any]:
-    """Return the numbers of nested tuples in a row."""
-    numbers: list[Any] = []
-    for part in x:
-        if isinstance(part, tuple):
-            numbers += _flat(part)
-        else:
-            numbers.append(part)
-    return numbers
+def _gatherer(example: Any) -> Callable[[list[Any], Any], None]:
+    """Return the function that appends the numbers of tuples nested like the ``example`` to a list."""
+    if not any(isinstance(part, tuple) for part in example):
+        return list.extend
+    parts = [_gatherer(part) if isinstance(part, tuple) else list.append for part in example]
+
+    def gather(numbers: list[Any], x: Any) -> None:
+        for add, part in zip(parts, x, strict=True):
+            add(numbers, part)
+
+    return gather
 
 
 def _maker(example: Any) -> Callable[[Iterator[Any]], Any]:
@@ -49,6 +51,7 @@ _NO_SETTINGS, _NO_MOTION = FilterSettings(*(0.0,) * len(FilterSettings._fields))
 _ARGUMENTS = InputFilter(), _NO_PATH, _NO_SETTINGS, 0.0, 0.0, _NO_MOTION, 0.0
 _RESULT = FilterStep(InputFilter(), _NO_PATH, PathMeasures((0.0,) * 6, _NOTHING, _NOTHING))  # type: ignore[arg-type]
 _make_arguments, _make_result = _maker(_ARGUMENTS), _maker(_RESULT)
+_gather_arguments, _gather_result = _gatherer(_ARGUMENTS), _gatherer(_RESULT)
 
 
 @lru_cache(maxsize=64)
@@ -60,14 +63,22 @@ def _step_of(rope: Rope) -> Callable[[Sequence[Any]], list[Any]]:
         state = input_filter.filter_sample(state, settings, given_at, stop - path.stop, EndMotion(*end))
         path = input_filter.filter_path(path, state, stop, settings.observer)
         after = add_misfit(state, path, settings, rope, leg)
-        return _flat(FilterStep(after, path, input_filter.path_measures(path, state)))
+        numbers: list[Any] = []
+        _gather_result(numbers, FilterStep(after, path, input_filter.path_measures(path, state)))
+        return numbers
 
     return step
 
 
+def _row(arguments: tuple[Any, ...]) -> list[Any]:
+    numbers: list[Any] = []
+    _gather_arguments(numbers, arguments)
+    return numbers
+
+
 def filter_program(rope: Rope) -> Program:
     """Return the program of ``filter_step`` for an end of the ``rope``."""
-    return Program(_step_of(rope), len(_flat(_ARGUMENTS)))
+    return Program(_step_of(rope), len(_row(_ARGUMENTS)))
 
 
 def filter_step(
@@ -79,5 +90,5 @@ def filter_step(
     ``leg`` is the length (m) of the rope from this end to the loop.
     """
     arguments = state, path, settings, given_at, stop, tuple(vars(end).values()), leg
-    result: FilterStep = _make_result(iter(program(*_flat(arguments))))
+    result: FilterStep = _make_result(iter(program(*_row(arguments))))
     return result
