@@ -21,8 +21,11 @@ from rope_model.simulation.outputs.signal_table import LOADS
 ROUNDED = 1e-14
 #: of the largest derivative: Newton's method leaves some of a step's force, and differences as much of theirs
 DERIVATIVE = 0.05
-#: largest changes by the order of the time derivative, m, m/s, m/s^2, and the shares of them that are tried
-SIZES = (1e-6, 1e-4, 1e-2)
+#: m/s^3 (rad/s^3), jerk of the largest change of an input: the input filter follows no larger one at once
+JERK = 0.05
+#: rad, largest change of a lean
+LEAN = 1e-6
+#: shares of the largest change that are tried
 SHARES = (1.0, 0.1, 0.01)
 #: of the largest load: what Newton's corrections leave in a difference
 LEFT_BY_NEWTON = 1e-9
@@ -121,7 +124,8 @@ def derivatives(case: Case, draws: Draws) -> Iterator[Compared]:
     end = (case.scene.left, case.scene.right)[side]
     leans = ("lean", "lean_z") if end.attachment == "clamped" else ()
     name = draws.one_of("y", "vy", "ay", "ay", *names, *leans)
-    size = SIZES[(name[0] == "v" or name == "yaw_rate") + 2 * (name[0] == "a")]
+    order = (name[0] == "v" or name == "yaw_rate") + 2 * (name[0] == "a")
+    size = LEAN if name in leans else JERK * float(case.times[last] - case.times[last - 1]) ** (3 - order)
 
     def loads(change: float) -> tuple[Array, list[float]]:
         rope.restore_native(kept)

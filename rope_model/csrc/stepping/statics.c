@@ -57,8 +57,8 @@ int find_equilibrium(Simulator *sim, State *state, double max_turn, char *messag
         const double error = -work_along(&sys, now, x);
         /* The tangent lacks the part of the law without energy; relaxation makes up for it. */
         if (shortened && tau > SETTLED && last > 0) relaxed = relaxation(error / last, relaxed);
-        last = error;
         const double step = fmin(relaxed, largest / fmax(move, 1e-300));
+        last = step < relaxed ? 0 : error; /* how a step that is cut changes the error tells nothing of the tangent */
         for (size_t i = 0; i < size; i++) trial[i] = nodal.q[i] + step * x[i];
         chain->evaluate(&sys, trial, zeros, zeros, now, R, balance);
         const double force = imbalance(&sys, R);

@@ -93,8 +93,10 @@ def find_equilibrium(
         # the tangent, and so the correction, misses the part without energy
         if lacks_symmetry(system.P[_QS], system.P[_QK]) and tau > SETTLED and last > 0:
             relaxed = relaxation(error / last, relaxed)
-        last = error
-        trial = q + min(relaxed, largest / max(*move, 1e-300)) * x
+        step = min(relaxed, largest / max(*move, 1e-300))
+        # how a step that is cut changes the error tells nothing of the tangent
+        last = 0.0 if step < relaxed else error
+        trial = q + step * x
         following = system.evaluate(trial, zeros, zeros, residual).reaction
         force = _imbalance(system, following)
         # larger forces are accepted on the way, but no gain of energy: a force that grows with the cube of the way,
