@@ -18,7 +18,7 @@ _POSITIONS = {"left": (60.0, 104.0), "right": (140.0, 144.0)}
 _FORCE = ("fx", "fy", "fz", "mx", "my", "mz")
 _DEPENDENCIES = """\
 This FMU runs Python code: the importing process must be, or be able to load, a CPython 3.11 or newer in which the
-packages numpy and casadi (3.8.0 or newer) can be imported.  In a process that is not Python the FMU's library loads
+packages numpy and casadi (3.8.2 or newer) can be imported.  In a process that is not Python the FMU's library loads
 libpython3.x (python3.dll on Windows), which the dynamic linker must find, and PYTHONPATH must name the folder of the
 two packages; of several Pythons, preload the right one.
 

@@ -6,7 +6,8 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -179,16 +180,30 @@ def test_a_demo_s_reports_state_rope_file_version_level_and_fidelity(
     assert dict(zip(header.split(","), first.split(","), strict=True))["loop.yaw [rad]"] == "nan"
 
 
+@contextmanager
+def default_hangup() -> Iterator[None]:
+    """A closed terminal ends the process, also where nohup runs these tests; later tests find what was there before."""
+    if not hasattr(signal, "SIGHUP"):
+        yield
+        return
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
 @pytest.mark.parametrize(
     "name", ["SIGINT", pytest.param("SIGHUP", marks=pytest.mark.skipif(os.name == "nt", reason="none"))]
 )
 def test_an_interrupt_and_a_closed_terminal_let_the_writing_finish(name, capsys: Capture, monkeypatch: Patch) -> None:
     before = signal.getsignal(signal.SIGINT)
     monkeypatch.setattr(support, "silence", lambda: None)
-    treat_hangup_as_interrupt()
-    with interruption("writing") as interrupted:
-        os.kill(os.getpid(), getattr(signal, name))
-        finished = True
+    with default_hangup():
+        treat_hangup_as_interrupt()
+        with interruption("writing") as interrupted:
+            os.kill(os.getpid(), getattr(signal, name))
+            finished = True
     assert finished
     assert interrupted()
     assert "writing" in capsys.readouterr().err
