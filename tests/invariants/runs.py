@@ -82,6 +82,11 @@ class Record:
         return float(self["audit.momentum"][-1])
 
     @property
+    def largest_unbalanced(self) -> float:
+        """Largest force that Newton's method left without balance in any step, N."""
+        return float(self["audit.momentum"].max())
+
+    @property
     def loop_error(self) -> float:
         """Estimated largest error of the loop's place, m."""
         return float(self["status.loop_error"][-1])
