@@ -25,7 +25,7 @@ from rope_model.cases import rope_120, rope_240
 from rope_model.codegen.build import library_of
 from rope_model.engine import NativeRope, declare
 from rope_model.numerics.kernels import find_compiler
-from rope_model.parameters import Rope, Scene, Swivel
+from rope_model.parameters import Layout, Rope, Scene, Swivel
 from rope_model.shaft_parameters import Air, Contact, Lining, Shaft
 from rope_model.simulation import rope_system
 from rope_model.simulation.rope_system import RopeSystem
@@ -281,3 +281,12 @@ def test_all_forms_have_the_same_bits(narrower: type[NativeRope], name: str) -> 
     ropes = NativeRope(WIDE[name]), narrower(WIDE[name])
     wide, narrow = ([rope.signals() for _ in followed(rope, parting, 20)] for rope in ropes)
     assert wide == narrow
+
+
+def test_a_deep_rope_with_unequal_and_strong_coupling_comes_to_rest() -> None:
+    """Corrections went to and fro between two shapes, and 10,000 of them ended in a refusal."""
+    rope = Rope(length=931.0, Qa=1.29e8, Qb=-501292.0, Qc=-796307.0, Qd=10837.0, EI=1194.0, mass_per_length=12.4)
+    scene = Scene(rope, mesh=Mesh("auto"), layout=Layout(spacing=1.27))
+    seen = hung(NativeRope(scene), right=EndMotion(y=-228.0)).signals(("left.fy", "right.fy"))
+    weight = rope.mass_per_length * rope.length * scene.layout.gravity
+    assert_allclose(-sum(seen.values()), weight, rtol=1e-6)

@@ -65,7 +65,8 @@ int find_equilibrium(Simulator *sim, State *state, double max_turn, char *messag
         /* A step may raise the residual's norm, as stretch by moving sideways grows with the cube of the step, but not
            the energy.  Where the tangent is indefinite the correction climbs: a smaller tau adds inertia. */
         const int climbs = error < 0 && previous > rounding;
-        const int ends_low = work_along(&sys, R, x) <= 3 * error || force <= previous + rounding;
+        const double uphill = k < PATIENCE ? 3 : 1;
+        const int ends_low = work_along(&sys, R, x) <= uphill * error || force <= previous + rounding;
         if (climbs || !isfinite(force) || !ends_low) {
             tau *= 0.3;
             last = 0;

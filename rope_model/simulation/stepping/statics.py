@@ -37,6 +37,8 @@ SETTLED = 1e3
 #: corrections with forces balanced to rounding, after which remaining motion costs no energy; tau takes at most 51 from
 #: its first value to its last
 BALANCED = 200
+#: corrections after which none may end higher than it began: they may go to and fro between two shapes
+PATIENCE = 300
 #: Qk over Qs below which the coupling is symmetric for the search: what its tangent then lacks leaves this part of the
 #: error, and a correction is as good as full; rounding of Qb or Qc is no reason for shorter ones
 SYMMETRIC = 1e-6
@@ -103,7 +105,8 @@ def find_equilibrium(
         # such as that of stretch by sideways motion, may take up the work of the first force.  Where the tangent is
         # indefinite for lack of inertia, the correction itself goes uphill
         climbs = error < 0 and previous > rounding
-        ends_low = np.sum(following * x) <= 3.0 * error or force <= previous + rounding
+        uphill = 3.0 if k <= PATIENCE else 1.0
+        ends_low = np.sum(following * x) <= uphill * error or force <= previous + rounding
         if climbs or not np.isfinite(force) or not ends_low:
             tau, last = 0.3 * tau, 0.0
             if tau < 1e-7:
