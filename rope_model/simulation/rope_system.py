@@ -54,6 +54,10 @@ def arc_lengths(lengths: Array) -> Array:
 class Obstacles(Protocol):
     """Bodies that a rope may touch: simulation.contact.obstacles."""
 
+    @property
+    def scene(self) -> Scene:
+        """Return the scene with the bodies."""
+
     def numbers(self, q: Array, v: Array) -> Array:
         """Return the entries of P beyond element.PARAMETERS, for physics.contact_element."""
 
