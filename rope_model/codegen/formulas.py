@@ -228,7 +228,7 @@ _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
     ("", rope_contact, "MIN_ARC MAX_STRANDS CORRECTIONS"),
     ("", shaft_search, "RESOLUTION TURNED_FAR MONITOR_INTERVAL"),
     ("", simulator, "MAX_START_TIME MAX_STEPS"),
-    ("", statics, "SETTLED BALANCED PATIENCE REST_TOLERANCE"),
+    ("", statics, "SETTLED BALANCED MAX_MOVE PATIENCE REST_TOLERANCE"),
     ("", switching, "EVENT_WIDTH CHATTER_TIME"),
     ("", warning_rules, "YAWED_FAR"),
     ("CONTACT_", contact_points, "CELLS HALVINGS STEPS LEVELS PARTS WEIGHTS"),

@@ -23,7 +23,7 @@ from rope_model.codegen.tables import Word, constant
 from rope_model.numerics.program import no_simplification
 from rope_model.parameters import Scene, Swivel
 from rope_model.shaft_parameters import Shaft
-from rope_model.simulation.contact.bodies import NO_ROOM, largest_move, may_touch
+from rope_model.simulation.contact.bodies import NO_ROOM, least_passage, may_touch
 from rope_model.simulation.ends import swivel_phases
 from rope_model.simulation.ends.input_filter import InputFilter
 from rope_model.simulation.ends.paths import EndMotion
@@ -52,7 +52,7 @@ TABLES: dict[str, Rules] = BY_NUMBERS | {
 }
 #: conditions and numbers
 NUMBERS: tuple[Callable[..., Any], ...] = (
-    *(may_touch, largest_move),
+    *(may_touch, least_passage),
     *(fidelity_rules.carries_torque, fidelity_rules.out_of_plane, fidelity_rules.held_input),
     *(fidelity_rules.not_plumb, fidelity_rules.unsupported_input),
     *(warning_rules.leaves_out, warning_rules.yawed_far_at_rest),

@@ -76,7 +76,11 @@ def negated(motion: EndMotion, names: tuple[str, ...]) -> EndMotion:
 
 def both(case: Case, changed: Case) -> tuple[Record, Record]:
     """Both wound to the same step; a changed case that is refused alone breaks the relation."""
-    first = wind(case)
+    return both_of(wind(case), changed)
+
+
+def both_of(first: Record, changed: Case) -> tuple[Record, Record]:
+    """As ``both``, of a case that has been wound."""
     try:
         second = wind(changed.with_(times=changed.times[: len(first.case.times)]), work=math.inf)
     except Refused as refusal:

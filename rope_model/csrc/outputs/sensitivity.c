@@ -111,7 +111,9 @@ static double power_of(double x, int exponent) {
 /* Return the factor that makes a change as large as a difference may be; 0 if nothing changes. */
 static double largest_factor(const Simulator *sim, const Change *change) {
     const Replay *replay = &sim->replay;
-    const double duration = replay->duration, share = sim->state->rubs ? SHARE_OF_RUBBING : 1;
+    const double duration = replay->duration;
+    /* of the scene: a rigid rope, whose wires do not rub yet, may become flexible within the step */
+    const double share = sim->wires != NULL ? SHARE_OF_RUBBING : 1;
     double size = 0; /* bound of the change over the largest one */
     for (int k = 0; k < PATHS; k++)
         for (int power = 0; power < POWERS; power++)

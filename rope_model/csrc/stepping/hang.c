@@ -73,7 +73,7 @@ static int lay_down(Simulator *sim, State *state, char *message) {
         put_floor(sim, lowest + below * k / parts);
         found = equilibrium_in_frame(sim, state, INFINITY, message);
     }
-    put_floor(sim, shaft.sump.level);
+    if (parts > 0) put_floor(sim, shaft.sump.level);
     return found && equilibrium_in_frame(sim, state, INFINITY, message);
 }
 

@@ -16,8 +16,6 @@ from rope_model.simulation.messages.rules import Rules
 LINING, CONVEYANCE, HEAD_ROPES, DIVIDER, FLOOR = range(len(KINDS))
 #: motion of bodies at rest
 FIXED = -1
-#: m or rad, largest move of a rope between two shapes on its way to rest
-MAX_MOVE = 0.3
 
 
 class Placed(NamedTuple):
@@ -52,13 +50,15 @@ def may_touch(shaft: Any) -> Any:
     return logical_and(shaft.contact.stiffness > 0, logical_or(sizes > 0, shaft.sump.level > -FAR))
 
 
-def largest_move(scene: Any) -> Any:
-    """Return the largest move (m) of a rope between two shapes on its way to rest: no part jumps over a body."""
+def least_passage(scene: Any) -> Any:
+    """Return the least way (m) of the rope's centre line through a body that holds it; infinite without one.
+
+    Linings, conveyances and the ground are thick.
+    """
     shaft, diameter = scene.shaft, scene.rope.diameter
     dividers = shaft.divider_1, shaft.divider_2, shaft.divider_3, shaft.divider_4
     thin = [where(body > 0, body, math.inf) for body in (*(x.size for x in dividers), shaft.head_ropes.diameter)]
-    thinnest = where(shaft.contact.stiffness > 0, reduce(minimum, thin), math.inf)
-    return minimum(0.5 * (thinnest + diameter), MAX_MOVE)
+    return where(shaft.contact.stiffness > 0, reduce(minimum, thin), math.inf) + diameter
 
 
 def _in_lining(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, ...]:

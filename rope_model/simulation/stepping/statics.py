@@ -25,7 +25,7 @@ from rope_model.physics.accuracy import TINY
 from rope_model.physics.element import PARAMETERS
 from rope_model.physics.elementary import less, maximum
 from rope_model.physics.initial_shape import initial_shape, node_row
-from rope_model.simulation.contact.bodies import MAX_MOVE, largest_move
+from rope_model.simulation.contact.bodies import least_passage
 from rope_model.simulation.curvature import Director
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
@@ -37,6 +37,8 @@ SETTLED = 1e3
 #: corrections with forces balanced to rounding, after which remaining motion costs no energy; tau takes at most 51 from
 #: its first value to its last
 BALANCED = 200
+#: m or rad, largest move by a correction; beside a thin body no more than half of the way through it
+MAX_MOVE = 0.3
 #: corrections after which none may end higher than it began: they may go to and fro between two shapes
 PATIENCE = 300
 #: Qk over Qs below which the coupling is symmetric for the search: what its tangent then lacks leaves this part of the
@@ -80,7 +82,9 @@ def find_equilibrium(
     scale = float(np.sum(system.lengths))
     rounding = 10.0 * float(np.finfo(float).eps * system.P[_QA] * scale / system.lengths.min())
     system, reaction, end_rotation, previous = system.with_reference(q), zeros, 0.0, 0.0
-    largest = MAX_MOVE if system.obstacles is None else largest_move(system.obstacles.scene)
+    largest = MAX_MOVE
+    if system.obstacles is not None:
+        largest = min(MAX_MOVE, 0.5 * least_passage(system.obstacles.scene))
     tau, relaxed, last, balanced = 0.1, 1.0, 0.0, 0
     for k in range(1, max_iterations + 1):
         x, residual = system.newton_step(q, zeros, zeros, reaction, np.array([1.0, 0.0, tau**-2]))
