@@ -13,7 +13,12 @@ from typing import TYPE_CHECKING, Any, get_args
 
 try:  # Ctrl-C during the slow imports must not print a traceback
     from fmu_src.model_description import MODEL
-    from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, missing_platforms
+    from fmu_src.native.build import (
+        PLATFORMS,
+        available_platforms,
+        host_platform,
+        missing_platforms,
+    )
     from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
     from fmu_src.ssp import Datum, Version
     from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, Case
@@ -86,7 +91,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point; returns the exit code."""
     outlive_readers()
     raw = argparse.RawDescriptionHelpFormatter
-    parser = argparse.ArgumentParser("balance-rope", description=DESCRIPTION, epilog=EPILOG, formatter_class=raw)
+    parser = argparse.ArgumentParser(
+        "balance-rope", description=DESCRIPTION, epilog=EPILOG, formatter_class=raw
+    )
     parser.add_argument("--version", action="version", version=f"balance-rope {__version__}")
     parser.add_argument("-v", "--verbose", action="store_true", help="log what the solver does")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
@@ -101,12 +108,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # accept -v after the command too; `wind` and `demo` share one parser
     for command in dict.fromkeys(commands.choices.values()):
         command.add_argument(
-            "-v", "--verbose", action="store_true", default=argparse.SUPPRESS, help="log what the solver does"
+            "-v",
+            "--verbose",
+            action="store_true",
+            default=argparse.SUPPRESS,
+            help="log what the solver does",
         )
     options = parser.parse_args(arguments)
     treat_hangup_as_interrupt()
     level = logging.INFO if options.verbose else logging.WARNING
-    logging.basicConfig(level=level, format=f"{'%(name)s' if options.verbose else 'balance-rope'}: %(message)s")
+    logging.basicConfig(
+        level=level, format=f"{'%(name)s' if options.verbose else 'balance-rope'}: %(message)s"
+    )
     try:
         code: int = options.run(options)
         sys.stdout.flush()
@@ -135,7 +148,9 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
     )
     export.add_argument("--python", action="store_true", help="the Python flavour (the default)")
     export.add_argument("--native", action="store_true", help="the native flavour")
-    export.add_argument("--fmi", type=int, nargs="+", choices=(2, 3), default=[2], help="version of FMI (2)")
+    export.add_argument(
+        "--fmi", type=int, nargs="+", choices=(2, 3), default=[2], help="version of FMI (2)"
+    )
     export.add_argument(
         "--platform",
         nargs="+",
@@ -151,7 +166,10 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         help=f"start values: the rope of a hoist's file, or of {', '.join(BUILTIN_HOISTS)} (%(default)s)",
     )
     export.add_argument(
-        "--rope", type=Path, metavar="FILE", help="start values of the rope, as balance-rope identify writes them"
+        "--rope",
+        type=Path,
+        metavar="FILE",
+        help="start values of the rope, as balance-rope identify writes them",
     )
     export.add_argument(
         "--set",
@@ -162,7 +180,9 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         "the drive, as hoist.payload_left; may be repeated, and overrides HOIST and --rope",
     )
     export.add_argument(
-        "--level", choices=tuple(LEVELS), help="accuracy against speed, see docs/howto/accuracy.md (that of the hoist)"
+        "--level",
+        choices=tuple(LEVELS),
+        help="accuracy against speed, see docs/howto/accuracy.md (that of the hoist)",
     )
     export.add_argument(
         "--outputs",
@@ -174,7 +194,9 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         "station, points along the rope and places in it, which the demo's report draws)",
     )
     export.add_argument(
-        "--scalar", action="store_true", help="FMI 3.0 without arrays: each element a variable, for tools without them"
+        "--scalar",
+        action="store_true",
+        help="FMI 3.0 without arrays: each element a variable, for tools without them",
     )
     export.add_argument(
         "--model-identifier",
@@ -184,9 +206,16 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         "that are linked into one program must differ in it (%(default)s)",
     )
     export.add_argument(
-        "--ssp", action="store_true", help="also hoist drive and rope as one system, an .ssp beside the .fmu"
+        "--ssp",
+        action="store_true",
+        help="also hoist drive and rope as one system, an .ssp beside the .fmu",
     )
-    export.add_argument("--ssp-version", choices=get_args(Version), default="1.0", help="version of SSP (%(default)s)")
+    export.add_argument(
+        "--ssp-version",
+        choices=get_args(Version),
+        default="1.0",
+        help="version of SSP (%(default)s)",
+    )
     export.add_argument(
         "--without",
         nargs="+",
@@ -215,14 +244,19 @@ def _export(options: argparse.Namespace) -> int:
             "--python and --ssp, whose FMUs have identifiers of their own"
         )
     if options.out is not None and options.out.suffix.lower() == ".ssp" and not options.ssp:
-        raise ValueError(f"--out {options.out} is a system: add --ssp, or give {options.out.with_suffix('.fmu')}")
+        raise ValueError(
+            f"--out {options.out} is a system: add --ssp, or give {options.out.with_suffix('.fmu')}"
+        )
     paths = _paths(options.out, options.hoist, wanted)
     own = _set_values(find_case(options.hoist), options)
     case, ropes, trajectory = _hoist(options, own)
     level = options.level or case.level
     groups = ALL if "all" in options.outputs else tuple(options.outputs)
     profile = Profile(groups, arrays=not options.scalar)
-    platforms = [host_platform() if name == "host" else name for name in options.platform or available_platforms()]
+    platforms = [
+        host_platform() if name == "host" else name
+        for name in options.platform or available_platforms()
+    ]
     rows = [("file", "flavour", "FMI", "platforms", "size")]
     for (flavour, fmi), path in zip(wanted, paths, strict=True):
         made = flavour, fmi, level, platforms, profile
@@ -231,16 +265,28 @@ def _export(options: argparse.Namespace) -> int:
             with tempfile.TemporaryDirectory() as folder:
                 more: dict[str, Any] = {"without": options.without, "trajectory": trajectory}
                 more |= {"version": options.ssp_version, "data": _data(case, options.hoist, own)}
-                write_bytes(ssp, export_hoist(Path(folder), case, ropes, *made, **more).system.read_bytes())
-            what = f"{len(ropes)} {flavour} ropes, native drive" if ropes else f"{flavour} rope, native drive"
+                write_bytes(
+                    ssp, export_hoist(Path(folder), case, ropes, *made, **more).system.read_bytes()
+                )
+            what = (
+                f"{len(ropes)} {flavour} ropes, native drive"
+                if ropes
+                else f"{flavour} rope, native drive"
+            )
             rows.append((str(ssp), what, f"{fmi}.0", "", _size(ssp)))
         if not ropes:
             export_rope(path, case, case.rope, *made, options.model_identifier)
             rows.append((str(path), flavour, f"{fmi}.0", ", ".join(platforms), _size(path)))
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
-        print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
-    if (options.native or options.ssp) and not options.platform and (missing := missing_platforms()):
+        print(
+            "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        )
+    if (
+        (options.native or options.ssp)
+        and not options.platform
+        and (missing := missing_platforms())
+    ):
         print(f"left out: {missing}")
     return 0
 
@@ -270,9 +316,13 @@ def _set_values(case: Case, options: argparse.Namespace) -> dict[str, Any]:
     of_host = [key for key in set_here if key not in rope_parameters()]
     for key in of_host:
         if not options.ssp:
-            raise ValueError(f"--set {key}: the FMU has the rope alone: add --ssp, which exports the drive, too")
+            raise ValueError(
+                f"--set {key}: the FMU has the rope alone: add --ssp, which exports the drive, too"
+            )
         if key.startswith(_OF_HOSTS):
-            raise ValueError(f"--set {key}: a system leaves this to its master: give it to wind, or to a study")
+            raise ValueError(
+                f"--set {key}: a system leaves this to its master: give it to wind, or to a study"
+            )
     if case.distinct_ropes:
         if path is not None or len(of_host) < len(set_here):
             raise ValueError(
@@ -284,7 +334,12 @@ def _set_values(case: Case, options: argparse.Namespace) -> dict[str, Any]:
     identified = {} if path is None else read(path, RopeFile).values()
     own: dict[str, Any] = {**identified, **set_here}
     # report errors of the rope in its own names, not in the hoist's
-    rope_scene({**case.rope, **{key: value for key, value in plain(own).items() if key in rope_parameters()}})
+    rope_scene(
+        {
+            **case.rope,
+            **{key: value for key, value in plain(own).items() if key in rope_parameters()},
+        }
+    )
     return own
 
 
@@ -296,17 +351,23 @@ def _paths(out: Path | None, hoist: str, wanted: Sequence[tuple[str, int]]) -> l
     ending = "" if out is None else out.suffix.lower()
     if out is not None and len(wanted) == 1 and ending and not out.is_dir():
         if ending not in (".fmu", ".ssp"):
-            raise ValueError(f"--out {out} must end in .fmu or name a folder: give {out.with_suffix('.fmu')}")
+            raise ValueError(
+                f"--out {out} must end in .fmu or name a folder: give {out.with_suffix('.fmu')}"
+            )
         paths = [out.with_suffix(".fmu")] if ending == ".ssp" else [out]
     elif ending in (".fmu", ".ssp"):
-        raise ValueError(f"--out {out} names one file, and {len(wanted)} are written: give a folder")
+        raise ValueError(
+            f"--out {out} names one file, and {len(wanted)} are written: give a folder"
+        )
     else:
         paths = [(out or BUILD) / fmu_name(hoist, NAMES[one]) for one in wanted]
     results_folder(paths[0].parent)
     return paths
 
 
-def _hoist(options: argparse.Namespace, own: Mapping[str, Any]) -> tuple[Case, tuple[OneRope, ...], Trajectory | None]:
+def _hoist(
+    options: argparse.Namespace, own: Mapping[str, Any]
+) -> tuple[Case, tuple[OneRope, ...], Trajectory | None]:
     """Return the hoist to export, its ropes where it has several, and the trip of a controller that makes its own."""
     case = with_values(find_case(options.hoist), own)
     for remark in case.remarks:

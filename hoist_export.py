@@ -33,7 +33,9 @@ WITHOUT = (*OMISSIONS, "break", "guard", "touching")
 # Where drive and ropes step at the same time, each hears of the other a step late, and that feeds the axial waves of a
 # rope in proportion to its mass over the conveyance's. Measured over whole trips: steps of 10 ms let them grow at
 # installed sizes, with ropes of 0.36 and more of the conveyance, to a quarter of the end force; 6.7 ms do not.
-HEAVY_ROPE_RATIO = 0.25  #: Mass of the balance ropes over the lighter conveyance's, above which they are heavy.
+HEAVY_ROPE_RATIO = (
+    0.25  #: Mass of the balance ropes over the lighter conveyance's, above which they are heavy.
+)
 LIGHT_STEP = 0.01  #: Communication step with light ropes [s].
 HEAVY_STEP = 0.005  #: Communication step with heavy ropes [s].
 MAX_STEP = 0.02  #: Largest communication step [s].
@@ -69,7 +71,13 @@ def export_rope(
     shown = replace(profile or Profile(), stop=duration(case.winding))
     if flavour == "native":
         return export_native(
-            destination, level=level, fmi=fmi, platforms=platforms, start=start, profile=shown, identifier=identifier
+            destination,
+            level=level,
+            fmi=fmi,
+            platforms=platforms,
+            start=start,
+            profile=shown,
+            identifier=identifier,
         )
     return export_fmu(destination, level=level, start=start, profile=shown, platforms=platforms)
 
@@ -120,12 +128,19 @@ def export_hoist(
         For what a system cannot hold; the message says how to leave it out.
     """
     if unknown := sorted({*without} - {*WITHOUT}):
-        raise ValueError(f"without = {unknown[0]!r} must be one of {', '.join(WITHOUT)}: choose one")
+        raise ValueError(
+            f"without = {unknown[0]!r} must be one of {', '.join(WITHOUT)}: choose one"
+        )
     if step is not None and not 0.0 < step <= MAX_STEP:
-        raise ValueError(f"step = {step:g} s must be above 0 and at most {MAX_STEP:g} s: shorten it")
+        raise ValueError(
+            f"step = {step:g} s must be above 0 and at most {MAX_STEP:g} s: shorten it"
+        )
     case = leave_out(case, without)
     Problems([*obstacles(case), *_obstacles(case, ropes, without)]).refuse()
-    drive_ropes = [DriveRope(r.name, r.scene.rope.mass_per_length, r.scene.rope.length, r.suspension) for r in ropes]
+    drive_ropes = [
+        DriveRope(r.name, r.scene.rope.mass_per_length, r.scene.rope.length, r.suspension)
+        for r in ropes
+    ]
     pace = step_of(case) if step is None else step
     drive = drive_model(case, drive_ropes, trajectory, period=pace)
     fmus = {DRIVE: export_model(folder / f"{DRIVE}.fmu", platforms, fmi, **vars(drive))}
@@ -133,18 +148,26 @@ def export_hoist(
         path = folder / f"{rope}.fmu"
         # several ropes can be linked into one program
         identifier = re.sub(r"\W", "_", f"{MODEL}_{rope}", flags=re.ASCII) if ropes else MODEL
-        fmus[rope] = export_rope(path, case, parameters, flavour, fmi, level, platforms, profile, identifier)
+        fmus[rope] = export_rope(
+            path, case, parameters, flavour, fmi, level, platforms, profile, identifier
+        )
     # drive and ropes step at the same time: the ropes extrapolate the motion
-    components = [Component(one, path, {} if one == DRIVE else _TOGETHER) for one, path in fmus.items()]
+    components = [
+        Component(one, path, {} if one == DRIVE else _TOGETHER) for one, path in fmus.items()
+    ]
     system = folder / f"{name}.ssp"
-    export_ssp(system, "FrictionHoist", components, drive.duration, pace, drive.description, version, data)
+    export_ssp(
+        system, "FrictionHoist", components, drive.duration, pace, drive.description, version, data
+    )
     return HoistFiles(system, fmus)
 
 
 def step_of(case: Case) -> float:
     """Return a communication step at which drive and ropes may step at the same time [s]."""
     hoist = case.hoist
-    heavy = hoist.tail_mass * hoist.tail_rope_length > HEAVY_ROPE_RATIO * min(hoist.mass_left, hoist.mass_right)
+    heavy = hoist.tail_mass * hoist.tail_rope_length > HEAVY_ROPE_RATIO * min(
+        hoist.mass_left, hoist.mass_right
+    )
     return HEAVY_STEP if heavy else LIGHT_STEP
 
 
@@ -157,7 +180,12 @@ def _obstacles(case: Case, ropes: Sequence[OneRope], without: Collection[str]) -
                 yield not_held(f"{name}: {guard} = {value}", "0", reason, "guard")
     for one in ropes:
         if "break" not in without and one.breaks is not None:
-            yield not_held(f"{one.name}: breaks_at = {one.breaks.t:g} s", "None", "the rope of an FMU holds", "break")
+            yield not_held(
+                f"{one.name}: breaks_at = {one.breaks.t:g} s",
+                "None",
+                "the rope of an FMU holds",
+                "break",
+            )
     pressed = ropes[0].scene.shaft.contact.rope_stiffness if len(ropes) > 1 else 0.0
     if "touching" not in without and pressed > 0.0:
         reason = "each rope of a system presses itself alone, it knows no neighbours"

@@ -27,8 +27,14 @@ ROOT = Path(__file__).resolve().parent.parent
 TARGETS = ROOT / "tests" / "native"
 #: the sources' own calls of calloc and free go to the target
 FLAGS = (
-    "-std=gnu99", "-g", "-O1", "-ffp-contract=off", "-fno-math-errno", "-Dcalloc=fuzz_take", "-Dfree=fuzz_give_back",
-)  # fmt: skip
+    "-std=gnu99",
+    "-g",
+    "-O1",
+    "-ffp-contract=off",
+    "-fno-math-errno",
+    "-Dcalloc=fuzz_take",
+    "-Dfree=fuzz_give_back",
+)
 SANITIZED = ("-fsanitize=address,undefined,float-cast-overflow", "-fno-sanitize-recover=all")
 MEASURED = ("-fprofile-instr-generate", "-fcoverage-mapping")
 #: what the fuzzer follows; the elements' arithmetic has no branches of interest and would be slow
@@ -56,7 +62,10 @@ def build(fmi: int, folder: Path, name: str, flags: Sequence[str]) -> None:
     table = native_table(rope_120())
     files = rope_sources() | shell_sources(table, fmi)
     files["start.c"] = c_start(Start("fuzz", start_values(table, fmi)))
-    files |= {path: (TARGETS / path).read_text(encoding="utf-8") for path in ("fuzz.h", f"fuzz_fmi{fmi}.c")}
+    files |= {
+        path: (TARGETS / path).read_text(encoding="utf-8")
+        for path in ("fuzz.h", f"fuzz_fmi{fmi}.c")
+    }
     folder.mkdir(parents=True, exist_ok=True)
     for path, text in files.items():
         (folder / path).write_text(text, encoding="utf-8")
@@ -73,13 +82,21 @@ def run(fmi: int, folder: Path, minutes: float) -> Outcome:
     build(fmi, folder, "fuzz", SANITIZED)
     (folder / "corpus").mkdir(exist_ok=True)
     command = [
-        "./fuzz", "corpus", f"-max_total_time={round(60 * minutes)}", "-max_len=1024", "-timeout=600",
-        "-rss_limit_mb=2048", "-len_control=0", "-seed=2",
-    ]  # fmt: skip
+        "./fuzz",
+        "corpus",
+        f"-max_total_time={round(60 * minutes)}",
+        "-max_len=1024",
+        "-timeout=600",
+        "-rss_limit_mb=2048",
+        "-len_control=0",
+        "-seed=2",
+    ]
     log = folder / "log.txt"
     with log.open("w", encoding="utf-8") as told:
         subprocess.run(command, cwd=folder, stdout=subprocess.DEVNULL, stderr=told, check=False)
-    found = [path for kind in ("crash", "timeout", "oom", "leak") for path in folder.glob(f"{kind}-*")]
+    found = [
+        path for kind in ("crash", "timeout", "oom", "leak") for path in folder.glob(f"{kind}-*")
+    ]
     last = re.findall(r"Done (\d+) runs in (\d+) second", log.read_text(encoding="utf-8"))
     executions, seconds = map(int, last[-1]) if last else (0, 0)
     inputs = len(list((folder / "corpus").iterdir()))
@@ -90,7 +107,11 @@ def run(fmi: int, folder: Path, minutes: float) -> Outcome:
 def commit() -> str:
     """The commit of the sources, with a + where files differ from it; "" outside of a checkout."""
     told = subprocess.run(
-        ["git", "describe", "--always", "--dirty=+"], cwd=ROOT, capture_output=True, text=True, check=False
+        ["git", "describe", "--always", "--dirty=+"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
     )
     return told.stdout.strip()
 
@@ -101,9 +122,16 @@ def coverage(fmi: int, folder: Path) -> tuple[int, int]:
     environment = {**os.environ, "LLVM_PROFILE_FILE": "raw"}
     _done(["./measured", "corpus", "-runs=0", "-rss_limit_mb=2048"], folder, env=environment)
     _done([_tool("llvm-profdata"), "merge", "raw", "-o", "profile"], folder)
-    told = _done([_tool("llvm-cov"), "export", "-summary-only", "-instr-profile=profile", "./measured"], folder)
+    told = _done(
+        [_tool("llvm-cov"), "export", "-summary-only", "-instr-profile=profile", "./measured"],
+        folder,
+    )
     files = json.loads(told)["data"][0]["files"]
-    ours = [f["summary"]["lines"] for f in files if not re.search(r"(rope_kernels|fuzz)[^/]*$|\.inc$", f["filename"])]
+    ours = [
+        f["summary"]["lines"]
+        for f in files
+        if not re.search(r"(rope_kernels|fuzz)[^/]*$|\.inc$", f["filename"])
+    ]
     return sum(lines["covered"] for lines in ours), sum(lines["count"] for lines in ours)
 
 
@@ -128,7 +156,9 @@ def main() -> None:
     options = parser.parse_args()
     folder = ROOT / "build" / "fuzz"  # of build, corpus and findings
     with ThreadPoolExecutor() as pool:
-        outcomes = list(pool.map(lambda fmi: run(fmi, folder / f"fmi{fmi}", options.minutes), (2, 3)))
+        outcomes = list(
+            pool.map(lambda fmi: run(fmi, folder / f"fmi{fmi}", options.minutes), (2, 3))
+        )
     for outcome in outcomes:
         print(
             f"FMI {outcome.fmi}, {outcome.commit}: {outcome.minutes:.1f} min, {outcome.executions} executions, "

@@ -35,7 +35,9 @@ class Winding:
     t: list[float] = field(default_factory=list)
     force: list[Array] = field(default_factory=list)  # N, left and right
     bottom: list[Array] = field(default_factory=list)  # m
-    observed: list[Array] = field(default_factory=list)  # (2, 7) r, r', theta at the observation points
+    observed: list[Array] = field(
+        default_factory=list
+    )  # (2, 7) r, r', theta at the observation points
     kinetic: list[float] = field(default_factory=list)  # J
     events: list[Event] = field(default_factory=list)
     simulated: float = 0.0  # s
@@ -51,7 +53,10 @@ class Winding:
 def scene_of(rope: str, coupling: str) -> Scene:
     """The rope of a case between locked ends; uncoupled it is planar, which then leaves nothing out."""
     scene = rope_scene(find_case(rope).rope)
-    held = {"left": replace(scene.left, mode="locked"), "right": replace(scene.right, mode="locked")}
+    held = {
+        "left": replace(scene.left, mode="locked"),
+        "right": replace(scene.right, mode="locked"),
+    }
     scene = scene.with_(solver=fixed_steps(H), model=Model("torsional"), **held)
     if coupling == "coupled":
         return scene

@@ -53,7 +53,11 @@ def in_process(form: str, name: str) -> Stepper:
     ends, scene = motions(name), rope_scene(find_case(name).rope)
     solver = Solver(kernels="portable" if "portable" in form else "compiled")
     native = form == "native"
-    rope = balance_rope(scene, "native") if native else balance_rope(scene.with_(solver=solver), "python")
+    rope = (
+        balance_rope(scene, "native")
+        if native
+        else balance_rope(scene.with_(solver=solver), "python")
+    )
 
     def step(t: float) -> bool:
         valid = rope.advance_to(t, *ends(t)).valid
@@ -65,7 +69,10 @@ def in_process(form: str, name: str) -> Stepper:
 
 def through_fmu(form: str, name: str, path: Path) -> Stepper:
     """Return the rope in an FMU, stepped by FMPy."""
-    ends, fmu = motions(name), FmuRope(path, {**find_case(name).rope, "solver.kernels": KERNELS[form]})
+    ends, fmu = (
+        motions(name),
+        FmuRope(path, {**find_case(name).rope, "solver.kernels": KERNELS[form]}),
+    )
     read = fmu.reader(READ)
 
     def moved(t: float) -> list[EndMotion]:
@@ -106,8 +113,12 @@ def main() -> None:
         for _ in tqdm(range(ROUNDS), desc="rounds", leave=False):
             for form, window in forms.items():
                 fmu = native if form == "native" else python
-                found.setdefault(f"{form}, in process", []).append(measure(in_process(form, scene), window))
-                found.setdefault(f"{form}, FMU", []).append(measure(through_fmu(form, scene, fmu), window))
+                found.setdefault(f"{form}, in process", []).append(
+                    measure(in_process(form, scene), window)
+                )
+                found.setdefault(f"{form}, FMU", []).append(
+                    measure(through_fmu(form, scene, fmu), window)
+                )
     print(f"winding of {scene}, TMN-ETM, H = {H:g} s, medians of {ROUNDS} rounds")
     for name, runs in found.items():
         factor, step, initialised = np.median(runs, axis=0)

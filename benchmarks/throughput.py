@@ -25,12 +25,18 @@ ROUNDS = (1, 2, 2, 1)
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser("python -m benchmarks.throughput", description=__doc__)
-    parser.add_argument("--runs", type=int, default=200, metavar="N", help="runs of the study (%(default)s)")
-    parser.add_argument("--python", action="store_true", help="in turns with the host in Python, too")
+    parser.add_argument(
+        "--runs", type=int, default=200, metavar="N", help="runs of the study (%(default)s)"
+    )
+    parser.add_argument(
+        "--python", action="store_true", help="in turns with the host in Python, too"
+    )
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "throughput.toml"
-        text = re.sub(r"(?m)^runs = .*$", f"runs = {options.runs}", STUDY.read_text(encoding="utf-8"))
+        text = re.sub(
+            r"(?m)^runs = .*$", f"runs = {options.runs}", STUDY.read_text(encoding="utf-8")
+        )
         file.write_text(text, encoding="utf-8")
         for fmu in FMUS:
             study, hosts = read_study(file, fmu), ("C", "Python")[: 1 + options.python]
@@ -41,7 +47,10 @@ def main() -> None:
             for host, rates in found.items():
                 one, two = (sum(each) / len(each) for each in rates.values())
                 efficiency = f"{two:.0f} with two, efficiency {two / one / 2:.2f}"
-                print(f"{fmu.stem} in {host}: {one:.0f} windings a minute with one worker, {efficiency}", flush=True)
+                print(
+                    f"{fmu.stem} in {host}: {one:.0f} windings a minute with one worker, {efficiency}",
+                    flush=True,
+                )
 
 
 def wind(study: Study, folder: Path, workers: int, in_python: bool) -> float:

@@ -13,7 +13,13 @@ project = PROJECT["name"]
 author = project_copyright = "the balance-rope authors"
 release = version = PROJECT["version"]
 highlight_language = "none"
-extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc", "sphinx.ext.mathjax", "sphinx.ext.viewcode"]
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "numpydoc",
+    "sphinx.ext.mathjax",
+    "sphinx.ext.viewcode",
+]
 exclude_patterns = ["data/**", "drawings/**", "duties/**", "studies/**"]
 
 # links between pages and to headings are those of GitHub, and checked
@@ -29,9 +35,15 @@ mathjax3_config = {"options": {"enableMenu": False}}
 
 #: types in annotations that have no page
 nitpick_ignore_regex = [
-    ("py:.*", r"(pathlib|collections|numpy|np|scipy|typing|casadi|ca|abc|enum|fmu_src|hoist_demo)\b.*"),
+    (
+        "py:.*",
+        r"(pathlib|collections|numpy|np|scipy|typing|casadi|ca|abc|enum|fmu_src|hoist_demo)\b.*",
+    ),
     ("py:.*", r"[A-Z]\w*"),
-    ("py:.*", r"rope_model\.(simulation|codegen|numerics|physics|parameters|solver_parameters|parameter_table)\..*"),
+    (
+        "py:.*",
+        r"rope_model\.(simulation|codegen|numerics|physics|parameters|solver_parameters|parameter_table)\..*",
+    ),
 ]
 
 # docstrings follow numpydoc
@@ -41,7 +53,10 @@ autodoc_typehints = "signature"
 autodoc_default_options = {"members": True, "show-inheritance": True}
 
 html_theme = "furo"
-html_static_path = ["_static", str(MATHJAX.locate_file(f"sphinx-mathjax-offline/static/mathjax/{mathjax_path}"))]
+html_static_path = [
+    "_static",
+    str(MATHJAX.locate_file(f"sphinx-mathjax-offline/static/mathjax/{mathjax_path}")),
+]
 html_css_files = ["site.css"]
 html_title = f"{project} {release}"
 html_copy_source = False

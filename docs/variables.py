@@ -13,11 +13,27 @@ from rope_model.cases import rope_120
 _SHARED = (
     (re.compile(r"(?<=`)(left|right)(?=\.)"), re.compile(r"\b(left|right)[. ]"), ""),
     (re.compile(r"(?<=`divider_)\d"), re.compile(r"(?!)"), ""),
-    (re.compile(r"(?<=`inputs\.misfit\.)\w+"), re.compile(r"^(largest|RMS)(?= misfit)"), "largest and RMS"),
+    (
+        re.compile(r"(?<=`inputs\.misfit\.)\w+"),
+        re.compile(r"^(largest|RMS)(?= misfit)"),
+        "largest and RMS",
+    ),
     (re.compile(r"(?<=`mesh\.counts)\[\d\]"), re.compile(r"segment \w+"), "segments II to VI"),
-    (re.compile(r"(?<=`nearest\.)\w+"), re.compile(r"nearest\.\w+\.clearance|clearance\.\w+"), "that clearance"),
-    (re.compile(r"(?<=`contact\.)\w+(?=\.impulse)"), re.compile(r"contact\.\w+(?= since)"), "that pressure"),
-    (re.compile(r"(?<=`contact\.)\w+(?=`)"), re.compile(r"(?<=between rope and )\w+( ropes)?"), "such bodies"),
+    (
+        re.compile(r"(?<=`nearest\.)\w+"),
+        re.compile(r"nearest\.\w+\.clearance|clearance\.\w+"),
+        "that clearance",
+    ),
+    (
+        re.compile(r"(?<=`contact\.)\w+(?=\.impulse)"),
+        re.compile(r"contact\.\w+(?= since)"),
+        "that pressure",
+    ),
+    (
+        re.compile(r"(?<=`contact\.)\w+(?=`)"),
+        re.compile(r"(?<=between rope and )\w+( ropes)?"),
+        "such bodies",
+    ),
     (re.compile(r"(?:shape|loop|station)\.[xyz](?=\[|`)"), re.compile(r"^[XYZ]\b"), "X, Y and Z"),
     (
         re.compile(r"(?<=`rope\.curvature_)\w+?(?=_across`|`)"),
@@ -39,7 +55,9 @@ def interface_page() -> str:
     without_start = [[*row[:2], *row[3:]] for row in tables["output"]]
     return TEXT.format(
         fidelities=_table(("outputs", "fidelities "), COMPUTED_BY),
-        groups=_table(("group", "holds "), [(f"`{group}`", holds) for group, holds in GROUPS.items()]),
+        groups=_table(
+            ("group", "holds "), [(f"`{group}`", holds) for group, holds in GROUPS.items()]
+        ),
         always=" and ".join(f"`{group}`" for group in ALWAYS),
         left_out=" and ".join(f"`{group}`" for group in GROUPS if group not in DEFAULT),
         parameters=_table(HEADS, tables["parameter"]),
@@ -49,7 +67,11 @@ def interface_page() -> str:
 
 
 def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    lines = [f"| {' | '.join(heads)}|", "|---" * len(heads) + "|", *(f"| {' | '.join(row)} |" for row in rows)]
+    lines = [
+        f"| {' | '.join(heads)}|",
+        "|---" * len(heads) + "|",
+        *(f"| {' | '.join(row)} |" for row in rows),
+    ]
     return "\n".join(lines)
 
 

@@ -43,7 +43,9 @@ def main() -> int:
         parser.error(f"there is no {', '.join(sorted(unknown))}; choose one of {', '.join(known)}")
     asked = [x.partition(":")[::2] for x in options.measure]
     if unknown := {package for package, _ in asked} - set(PACKAGES):
-        parser.error(f"there is no package {', '.join(sorted(unknown))}; choose one of {', '.join(PACKAGES)}")
+        parser.error(
+            f"there is no package {', '.join(sorted(unknown))}; choose one of {', '.join(PACKAGES)}"
+        )
     told = [claim for package, part in asked for claim in measure(package, part)]
     for name in options.names or known:
         for path in publish(PAGES[name]) if name in PAGES else [fill(BLOCKS[name])]:

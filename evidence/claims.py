@@ -55,4 +55,6 @@ def recorded(t: Table) -> list[tuple[tuple[str, ...], Measurement]]:
 def missed(tables: Tables) -> Iterator[str]:
     """Yield the claims that do not hold, of the tables that have claims."""
     for t in (t for t in tables.values() if "relation" in t):
-        yield from (f"{', '.join(about)}: {m.what} {text(m)}" for about, m in recorded(t) if not m.holds)
+        yield from (
+            f"{', '.join(about)}: {m.what} {text(m)}" for about, m in recorded(t) if not m.holds
+        )

@@ -21,7 +21,12 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.cosimulation.schemes.catalogue import find_scheme
-from hoist_demo.cosimulation.schemes.interface import ROPE_FORCES, CoupledSystem, SchemeState, Stopwatch
+from hoist_demo.cosimulation.schemes.interface import (
+    ROPE_FORCES,
+    CoupledSystem,
+    SchemeState,
+    Stopwatch,
+)
 from hoist_demo.design.linear_model import LinearModel
 from hoist_demo.design.linearise import linearise
 from hoist_demo.design.reduction import ALPHA, reduced
@@ -37,19 +42,27 @@ DRIVE = ("rate", "pull_left", "pull_right", "tension_left")
 SEEN = (*DRIVE, "left.fy", "right.fy", "loop.x", "loop.y", "loop.yaw")
 SIGMA = 0.6  #: 1/s
 GRID: Complex = np.asarray(SIGMA + 2j * np.pi * np.linspace(0.05, 2.0, 60), dtype=np.complex128)
-LINE: Complex = np.asarray(ALPHA + 1j * GRID.imag, dtype=np.complex128)  #: on which schedules are compared
+LINE: Complex = np.asarray(
+    ALPHA + 1j * GRID.imag, dtype=np.complex128
+)  #: on which schedules are compared
 STATES = (8, 12, 17, 24)
 HEIGHTS = (0.1, 0.3, 0.5, 0.7, 0.9)
 HOISTS = ("rope-120", "rope-240", "kiruna-355", "monopol-1000")
 PULSE = 0.005  #: Of the torque limit.
-_BEFORE, _LASTS, _SETTLES = 1.2, 9.0, 3.0  #: s to the pulse's middle; 1 / SIGMA of a record; s at speed before it.
+_BEFORE, _LASTS, _SETTLES = (
+    1.2,
+    9.0,
+    3.0,
+)  #: s to the pulse's middle; 1 / SIGMA of a record; s at speed before it.
 _HARD = 1.0  #: m/s^2, mean acceleration to a speed.
 
 
 def smooth(case: Case) -> Case:
     """Return the case without what has no derivative."""
     guides = None if case.hoist.guides is None else replace(case.hoist.guides, coulomb=0.0)
-    return replace(case, hoist=replace(case.hoist, loss_coulomb=0.0, guides=guides, brake=None, play=None))
+    return replace(
+        case, hoist=replace(case.hoist, loss_coulomb=0.0, guides=guides, brake=None, play=None)
+    )
 
 
 def wavelet(t: float) -> float:
@@ -69,7 +82,9 @@ class Shaken:
     def __post_init__(self) -> None:
         scene = rope_scene(self.case.rope)
         solver = replace(scene.solver, step_max=min(self.H / 2, scene.solver.step_max))
-        self.rope = InProcessRope(scene.with_(solver=solver, model=replace(scene.model, fidelity="torsional")))
+        self.rope = InProcessRope(
+            scene.with_(solver=solver, model=replace(scene.model, fidelity="torsional"))
+        )
         plant, travel = HoistPlant(self.case.hoist), self.case.hoist.shaft_travel
         heights = self.start, travel - self.start
         require(self.rope.initialize(0.0, *(EndMotion(y=y) for y in heights)))
@@ -78,7 +93,10 @@ class Shaken:
         u[0], u[1:3] = state.x[0], forces
         self.held = float(u[0])
         self.drive = HoistPartner(plant, state, u, Stopwatch())
-        self.pair, self.scheme = CoupledSystem(self.drive, self.rope), find_scheme("iterative-secant")
+        self.pair, self.scheme = (
+            CoupledSystem(self.drive, self.rope),
+            find_scheme("iterative-secant"),
+        )
         self.read, self.k = self.rope.reader(SEEN[len(DRIVE) :]), 0
         self.memory: SchemeState = self.pair.start(0.0)
 
@@ -95,7 +113,9 @@ class Shaken:
     def followed(self, speed: float, rise: float) -> float:
         """Torque that takes the hoist to the speed [m/s] within so many seconds and keeps it there."""
         hoist, (_, wanted, push, _) = self.case.hoist, smooth_step(self.k * self.H / rise)
-        error = speed * wanted - hoist.sheave_radius * float(self.drive.outputs[OUTPUT_INDEX["rate"]])
+        error = speed * wanted - hoist.sheave_radius * float(
+            self.drive.outputs[OUTPUT_INDEX["rate"]]
+        )
         return self.held + hoist.sheave_radius * hoist.moving_mass * (speed / rise * push + error)
 
 
@@ -111,7 +131,9 @@ def shaken(case: Case, at: float, s: Complex, H: float, speed: float = 0.0) -> C
     for k in range(steps if speed else 0):
         torques[k] = run.followed(speed, rise)
         run.step(float(torques[k]))
-    given = PULSE * case.hoist.torque_limit * np.array([wavelet((k + 0.5) * H) for k in range(steps)])
+    given = (
+        PULSE * case.hoist.torque_limit * np.array([wavelet((k + 0.5) * H) for k in range(steps)])
+    )
     both = []
     for torque in (torques + given, torques - given):
         run.drive.restore(saved[0])
@@ -127,7 +149,9 @@ def shaken(case: Case, at: float, s: Complex, H: float, speed: float = 0.0) -> C
 def errors(found: Complex, exact: Complex) -> tuple[Array, Array]:
     """Largest errors (outputs,) over the grid: dB and degrees."""
     ratio = found / exact
-    return np.abs(20 * np.log10(np.abs(ratio))).max(axis=0), np.abs(np.angle(ratio, deg=True)).max(axis=0)
+    return np.abs(20 * np.log10(np.abs(ratio))).max(axis=0), np.abs(np.angle(ratio, deg=True)).max(
+        axis=0
+    )
 
 
 def dense(count: int) -> Array:
@@ -151,7 +175,9 @@ def between(models: Sequence[LinearModel], states: int) -> tuple[float, float]:
 def print_between(hoists: Sequence[str]) -> None:
     """Print the errors of schedules of 17 dense heights between these."""
     for name in hoists:
-        models = [m.selected(TORQUE, DRIVE[:3]) for m in linearise(smooth(find_case(name)), dense(33))]
+        models = [
+            m.selected(TORQUE, DRIVE[:3]) for m in linearise(smooth(find_case(name)), dense(33))
+        ]
         for states in STATES:
             try:
                 told = "{:.2f} dB, {:.1f} degrees".format(*between(models, states))
@@ -167,14 +193,18 @@ def main() -> None:
     parser.add_argument("--at", type=float, nargs="+", default=HEIGHTS)
     parser.add_argument("--speed", type=float, default=0.0)
     parser.add_argument("--sigma", type=float, default=SIGMA)
-    parser.add_argument("--between", action="store_true", help="schedules between their heights instead")
+    parser.add_argument(
+        "--between", action="store_true", help="schedules between their heights instead"
+    )
     options = parser.parse_args()
     if options.between:
         print_between(options.hoists)
         return
     grid: Complex = np.asarray(options.sigma + 1j * GRID.imag, dtype=np.complex128)
     print(
-        f"{'hoist':>14}{'at':>5}{'s':>6}" + "".join(f"{name:>16}" for name in (*SEEN, "small, drive")) + "  dB/degrees"
+        f"{'hoist':>14}{'at':>5}{'s':>6}"
+        + "".join(f"{name:>16}" for name in (*SEEN, "small, drive"))
+        + "  dB/degrees"
     )
     for name in options.hoists:
         case = smooth(find_case(name))
@@ -188,7 +218,9 @@ def main() -> None:
             decibels, degrees = errors(small, truth[:, :3])
             found = [*zip(*errors(exact, truth), strict=True), (decibels.max(), degrees.max())]
             print(
-                f"{name:>14}{at:5.2f}{took:6.2f}" + "".join(f"{f'{a:.3f}/{b:.2f}':>16}" for a, b in found), flush=True
+                f"{name:>14}{at:5.2f}{took:6.2f}"
+                + "".join(f"{f'{a:.3f}/{b:.2f}':>16}" for a, b in found),
+                flush=True,
             )
 
 

@@ -37,14 +37,18 @@ from rope_model.simulation.contact.point_forces import NO_FORCES, at_places, ele
 Array = NDArray[np.float64]
 RATE, FITTED, JUDGED = 100.0, 5, 10  #: Hz, and runs
 LEAD, START = 30, 10  #: frames
-FOUND = 1e-4  #: part of the squares that a further step must save: many curvatures lie in a long valley
+FOUND = (
+    1e-4  #: part of the squares that a further step must save: many curvatures lie in a long valley
+)
 HARDEST = 50.0  #: m/s^2, beyond the grippers
 SPRING = 20.0  #: 1/s, of a marker's share of the mass on its spring, critically damped: slow against a frame
 
 
 class _Lists(pickle.Unpickler):
     def find_class(self, module: str, name: str) -> Any:
-        raise pickle.UnpicklingError(f"asks for {module}.{name}: give pickled lists of numbers alone")
+        raise pickle.UnpicklingError(
+            f"asks for {module}.{name}: give pickled lists of numbers alone"
+        )
 
 
 def vertices(path: Path) -> Array:
@@ -52,14 +56,18 @@ def vertices(path: Path) -> Array:
     with path.open("rb") as file:
         frames = np.array(_Lists(file).load(), dtype=float)
     if frames.ndim != 3 or frames.shape[1] != 3 or frames.shape[2] < 5:
-        raise ValueError(f"{path} has the shape {frames.shape}: it must be frames x 3 axes x 5 or more vertices")
+        raise ValueError(
+            f"{path} has the shape {frames.shape}: it must be frames x 3 axes x 5 or more vertices"
+        )
     return frames.transpose(2, 0, 1)
 
 
 def run_up(last: Array, speed: Array, k: Array) -> tuple[Array, Array]:
     """Return places and speeds ``k`` frames after a start at rest, on the way to ``last`` and ``speed`` (per frame)."""
     u = (k / LEAD).reshape(-1, *(1,) * np.ndim(last))
-    return last - speed * LEAD * (0.5 - u**4 * (2.5 - 3 * u + u * u)), speed * u**3 * (10 - 15 * u + 6 * u * u)
+    return last - speed * LEAD * (0.5 - u**4 * (2.5 - 3 * u + u * u)), speed * u**3 * (
+        10 - 15 * u + 6 * u * u
+    )
 
 
 def started(places: Array) -> tuple[Array, Array]:
@@ -83,9 +91,18 @@ def track(path: Path) -> tuple[str, Array]:
     v = vertices(path)
     ends = {"left.": v[1], "left.d": v[1] - v[0], "right.": v[-2], "right.d": v[-2] - v[-1]}
     ends = {name: smooth(end) for name, end in ends.items()}
-    columns = [np.vstack((run_up(*started(end), np.arange(float(LEAD)))[0], end)) for end in ends.values()]
+    columns = [
+        np.vstack((run_up(*started(end), np.arange(float(LEAD)))[0], end)) for end in ends.values()
+    ]
     columns += [np.vstack((np.full((LEAD, 3), np.nan), marker)) for marker in v[2:-2]]
-    names = ["t", *(f"{name}{axis}" for name in (*ends, *(f"v{k}." for k in range(2, len(v) - 2))) for axis in "xyz")]
+    names = [
+        "t",
+        *(
+            f"{name}{axis}"
+            for name in (*ends, *(f"v{k}." for k in range(2, len(v) - 2)))
+            for axis in "xyz"
+        ),
+    ]
     return ",".join(names), np.column_stack((np.arange(LEAD + v.shape[1]) / RATE, *columns))
 
 
@@ -97,7 +114,9 @@ def arc_lengths(paths: Sequence[Path]) -> Array:
             chords = np.linalg.norm(np.diff(frame, axis=0), axis=1)
             ways = [(1, (frame[k + 1] - frame[k]) / chords[k]) for k in (0, -2)]
             at = np.concatenate(([0.0], np.cumsum(chords[1:-1])))
-            curve = CubicSpline(at, frame[1:-1], bc_type=tuple(ways))(at[:-1, None] + xi * chords[1:-1, None])
+            curve = CubicSpline(at, frame[1:-1], bc_type=tuple(ways))(
+                at[:-1, None] + xi * chords[1:-1, None]
+            )
             found.append(np.linalg.norm(np.diff(curve, axis=1), axis=2).sum(axis=1))
     return np.concatenate(([0.0], np.cumsum(np.median(found, axis=0))))
 
@@ -117,13 +136,20 @@ class Started(Markers):
 
     def wound(self, scene: Scene) -> Array:
         """Return the places of the markers on the rope in the frames of the run; springs draw them there before it."""
-        left, right = (replace(swivel, attachment="clamped") for swivel in (scene.left, scene.right))
+        left, right = (
+            replace(swivel, attachment="clamped") for swivel in (scene.left, scene.right)
+        )
         layout = replace(scene.layout, spacing=self._spacing)
         rope, found = balance_rope(scene.with_(left=left, right=right, layout=layout)), []
         s = np.array([*self.places.values()])
         share = scene.rope.mass_per_length * scene.rope.length / (s.size + 1)
-        targets, before = run_up(*started(self.seen), np.arange(LEAD + 1.0)), len(self._places) - len(self._t)
-        for k, (t, ends) in enumerate(zip(self._t.tolist(), self.motions(np.zeros((2, 2, 3))), strict=True), before):
+        targets, before = (
+            run_up(*started(self.seen), np.arange(LEAD + 1.0)),
+            len(self._places) - len(self._t),
+        )
+        for k, (t, ends) in enumerate(
+            zip(self._t.tolist(), self.motions(np.zeros((2, 2, 3))), strict=True), before
+        ):
             if 0 < k <= LEAD:
                 rows, h = rope.rows(), t - rope.time
                 at = elements_at(s, np.diff(rows[:, 0]))
@@ -157,7 +183,11 @@ class Started(Markers):
 
     def hung(self, length: float) -> Array:
         """Return the places of the markers on a chain, without stiffness and inertia, between the same ends."""
-        s, across, found = np.array([*self.places.values()]), np.array([0.5 * self._spacing, 0.0, 0.0]), []
+        s, across, found = (
+            np.array([*self.places.values()]),
+            np.array([0.5 * self._spacing, 0.0, 0.0]),
+            [],
+        )
         for left, right in self.moved:
             start, end = np.array(left.position) - across, np.array(right.position) + across
             found.append(start + chain(end - start, s, length))
@@ -219,7 +249,9 @@ class Judged:
         each, chain = ([1e3 * rms(m) for m in of] for of in (self.misses, self.chain))
         largest = 1e3 * max(np.linalg.norm(m, axis=2).max() for m in self.misses)
         # the data set's own metric: of all coordinates, and those of the vertices in the grippers are right
-        absolute = 1e3 * np.mean([np.abs(m).mean() * m.shape[1] / (m.shape[1] + 4) for m in self.misses])
+        absolute = 1e3 * np.mean(
+            [np.abs(m).mean() * m.shape[1] / (m.shape[1] + 4) for m in self.misses]
+        )
         numbers = (
             np.median(each),
             np.mean(each),
@@ -229,7 +261,11 @@ class Judged:
             1e3 * np.mean(self.scatter),
             self.seconds,
         )
-        return f"| {cable} | " + " | ".join(f"{x:.0f}" if x >= 100 else f"{x:.1f}" for x in numbers) + " |"
+        return (
+            f"| {cable} | "
+            + " | ".join(f"{x:.0f}" if x >= 100 else f"{x:.1f}" for x in numbers)
+            + " |"
+        )
 
 
 def rms(misses: Array) -> float:
@@ -247,14 +283,18 @@ def judged(folder: Path, cable: Path, out: Path) -> Judged:
     problem, measured = fitted.problem, fitted.measurements
     found = fit(residuals_of(problem, measured, *stacked(measured)), len(problem.names), FOUND)
     for name, share, reach in zip(problem.names, found.norm_params, found.reaches, strict=True):
-        low, value, high = (problem.data[name].at(float(np.clip(share + k * reach, 0.0, 1.0))) for k in (-1, 0, 1))
+        low, value, high = (
+            problem.data[name].at(float(np.clip(share + k * reach, 0.0, 1.0))) for k in (-1, 0, 1)
+        )
         print(f"{name} = {value:.4g} ({low:.4g} to {high:.4g})")
     scene, misses, chains = problem.predictor(found.norm_params).scene, list[Array](), list[Array]()
     for one in judges.measurements:
         misses.append(one.misses(one.wound(scene)))
         chains.append(one.misses(one.hung(scene.rope.length)))
         print(f"{one.file}: {1e3 * rms(misses[-1]):.1f} mm")
-    return Judged(misses, chains, [one.scatter for one in judges.measurements], time.process_time() - began)
+    return Judged(
+        misses, chains, [one.scatter for one in judges.measurements], time.process_time() - began
+    )
 
 
 def main(folder: str, cable: str, out: str = "out/motion") -> None:

@@ -53,10 +53,14 @@ class Page:
 
 PAGES: dict[str, Page] = {
     "reproduction": Page("reproduction.md", "reproduction", reproduction_page, REPRODUCTION),
-    "accuracy": Page("accuracy.md", "accuracy", accuracy_page, CHART, ("latency", "exudyn", "promise")),
+    "accuracy": Page(
+        "accuracy.md", "accuracy", accuracy_page, CHART, ("latency", "exudyn", "promise")
+    ),
     "promise": Page("promise.md", "promise", promise_page, PROMISE, orphan=True),
     "stability": Page("stability.md", "stability", stability_page, STABILITY, ("coupling",)),
-    "validation": Page("validation.md", "validation", validation_page, {}, ("contact", "discrete_rod", "exudyn")),
+    "validation": Page(
+        "validation.md", "validation", validation_page, {}, ("contact", "discrete_rod", "exudyn")
+    ),
     "contact": Page("contact.md", "contact", contact_page, orphan=True),
     "assumed_data": Page("assumed_data.md", "assumed_data", data_page),
 }
@@ -83,7 +87,12 @@ def _both(rows: Iterable[tuple[str, ...]]) -> list[tuple[str, ...]]:
 
 def metrics(tables: Tables) -> str:
     """Return the table of metrics; no data are needed."""
-    return markdown(_both((f"`{name}`", unit, text) for name, (unit, text) in METRICS.items()), "name", "unit", "")
+    return markdown(
+        _both((f"`{name}`", unit, text) for name, (unit, text) in METRICS.items()),
+        "name",
+        "unit",
+        "",
+    )
 
 
 RULED = {rule.key: rule.expression for rule in (LENGTH, *RULES)}
@@ -91,15 +100,27 @@ RULED = {rule.key: rule.expression for rule in (LENGTH, *RULES)}
 
 def rules(tables: Tables) -> str:
     """Return the table of what follows by rules."""
-    return markdown([(f"`{key}`", words) for key, words in RULED.items()], "key", "what it is where nobody gives it")
+    return markdown(
+        [(f"`{key}`", words) for key, words in RULED.items()],
+        "key",
+        "what it is where nobody gives it",
+    )
 
 
 def host(tables: Tables) -> str:
     """Return the table of the host's keys, with "none" of a part that a hoist need not have."""
     rows = []
     for p in host_parameters().values():
-        value = "none" if p.start is None else f"{p.start:.6g}" if isinstance(p.start, float) else str(p.start)
-        start = "by rule" if p.name in RULED else f"none; {value}" if p.name.count(".") > 1 else value
+        value = (
+            "none"
+            if p.start is None
+            else f"{p.start:.6g}"
+            if isinstance(p.start, float)
+            else str(p.start)
+        )
+        start = (
+            "by rule" if p.name in RULED else f"none; {value}" if p.name.count(".") > 1 else value
+        )
         meaning = ", ".join(filter(None, (p.meaning, " or ".join(p.choices))))
         bounds = "" if p.bounds == UNBOUNDED else p.bounds.description
         rows.append((f"`{p.name}`", "" if p.unit == "1" else p.unit, start, bounds, meaning))
@@ -112,13 +133,17 @@ BLOCKS = {
     "rules": Block("docs/reference/files.md", "rules", "assumed_data", rules),
     "host": Block("docs/reference/files.md", "host", "assumed_data", host),
     "signals": Block("docs/howto/motion.md", "signals", "signals", signals),
-    "catalogue": Block("docs/howto/rope_data.md", "catalogue", "assumed_data", lambda tables: catalogue()),
+    "catalogue": Block(
+        "docs/howto/rope_data.md", "catalogue", "assumed_data", lambda tables: catalogue()
+    ),
 }
 
 
 def tables(written: Page | Block, docs: Path = DOCS) -> Tables:
     """Read the data of a page or a block in ``docs``."""
-    others = {f"{x}/{name}": t for x in written.further for name, t in read(docs / "data" / x).items()}
+    others = {
+        f"{x}/{name}": t for x in written.further for name, t in read(docs / "data" / x).items()
+    }
     return {**read(docs / "data" / written.data), **others}
 
 

@@ -19,7 +19,25 @@ SCALES = {
     "mm": 1e3,
     "ms": 1e3,
     "mrad": 1e3,
-    **dict.fromkeys(("m", "s", "N", "J", "W", "N m", "rad", "rad/s", "m/s", "m/s^2", "m/s^3", "kg", "Hz", "deg"), 1.0),
+    **dict.fromkeys(
+        (
+            "m",
+            "s",
+            "N",
+            "J",
+            "W",
+            "N m",
+            "rad",
+            "rad/s",
+            "m/s",
+            "m/s^2",
+            "m/s^3",
+            "kg",
+            "Hz",
+            "deg",
+        ),
+        1.0,
+    ),
 }
 #: numbers from here on are printed with a power of ten
 LARGE = 1e6
@@ -72,7 +90,9 @@ def _environment() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    made.filters.update(number=number, quantity=quantity, table=markdown, folded=folded, listed=listed, links=links)
+    made.filters.update(
+        number=number, quantity=quantity, table=markdown, folded=folded, listed=listed, links=links
+    )
     return made
 
 
@@ -85,6 +105,8 @@ def fill_block(text: str, mark: str, block: str) -> str:
     """A hand-written text with a new ``block`` between its marks <!-- mark --> and <!-- /mark -->."""
     begin, end = f"<!-- {mark} -->\n", f"<!-- /{mark} -->"
     if text.count(begin) != 1 or text.count(end) != 1:
-        raise ValueError(f"the text must have one place for {mark}, between lines {begin.strip()} and {end}")
+        raise ValueError(
+            f"the text must have one place for {mark}, between lines {begin.strip()} and {end}"
+        )
     before, _, rest = text.partition(begin)
     return f"{before}{begin}{block.strip()}\n{end}{rest.partition(end)[2]}"

@@ -52,4 +52,6 @@ def moving(way: float, t: float, time: float, **axes: float) -> EndMotion:
     """Return an end that moves by ``way`` (m) within ``time`` (s), along the axes times their factors."""
     _, value, rate, second = smooth_step(t / time)
     motion = {"": way * value, "v": way * rate / time, "a": way * second / time**2}
-    return EndMotion(**{name + axis: part * x for axis, part in axes.items() for name, x in motion.items()})
+    return EndMotion(
+        **{name + axis: part * x for axis, part in axes.items() for name, x in motion.items()}
+    )

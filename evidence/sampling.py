@@ -2,7 +2,12 @@
 
 import numpy as np
 
-LENGTH, MASS, BENDING, SPACING = (60.0, 1200.0), (3.0, 15.0), (50.0, 3000.0), (1.2, 3.0)  # m, kg/m, N m^2, m
+LENGTH, MASS, BENDING, SPACING = (
+    (60.0, 1200.0),
+    (3.0, 15.0),
+    (50.0, 3000.0),
+    (1.2, 3.0),
+)  # m, kg/m, N m^2, m
 #: EA (N) per mass per length (kg/m) of steel wire ropes, that of the published case's assumed data in the middle
 STIFFNESS = (1.1e7, 2.0e7)
 SPEED, ACCELERATION, JERK = (4.0, 20.0), (0.5, 1.5), (0.3, 3.0)  # m/s, m/s^2, m/s^3

@@ -62,7 +62,9 @@ def rod(rope: Rope, gravity: float, q: Array, boundary: StaticBoundary) -> RopeS
     """``rope`` on equal elements, near the shape ``q`` (nodes, 7)."""
     elements = len(q) - 1
     lengths = np.full(elements, rope.length / elements)
-    return RopeSystem(RopeKernels(elements), lengths, np.array(parameters(rope, gravity)), boundary, q)
+    return RopeSystem(
+        RopeKernels(elements), lengths, np.array(parameters(rope, gravity)), boundary, q
+    )
 
 
 def turned(system: RopeSystem, q: Array, angle: float) -> Equilibrium:

@@ -19,7 +19,9 @@ Measures = Mapping[str, Callable[[], Tables]]
 
 def table(names: Sequence[str], rows: Sequence[Sequence[Any]]) -> Table:
     """Columns from rows."""
-    return {name: np.array(column) for name, column in zip(names, zip(*rows, strict=True), strict=True)}
+    return {
+        name: np.array(column) for name, column in zip(names, zip(*rows, strict=True), strict=True)
+    }
 
 
 def rows(t: Table, **wanted: str | float | tuple[str, ...] | tuple[float, ...]) -> Table:
@@ -37,7 +39,10 @@ def where(t: Table, kept: NDArray[np.bool_]) -> Table:
 
 def records(t: Table) -> list[dict[str, Any]]:
     """Return the rows as dictionaries."""
-    return [dict(zip(t, row, strict=True)) for row in zip(*(column.tolist() for column in t.values()), strict=True)]
+    return [
+        dict(zip(t, row, strict=True))
+        for row in zip(*(column.tolist() for column in t.values()), strict=True)
+    ]
 
 
 def write(tables: Tables, folder: Path) -> None:
@@ -56,7 +61,9 @@ def read(folder: Path) -> Tables:
     for path in sorted(folder.glob("*.csv")):
         with path.open(newline="", encoding="utf-8") as file:
             names, *rows = csv.reader(file)
-        tables[path.stem] = {name: _column(cells) for name, cells in zip(names, zip(*rows, strict=True), strict=True)}
+        tables[path.stem] = {
+            name: _column(cells) for name, cells in zip(names, zip(*rows, strict=True), strict=True)
+        }
     return tables
 
 
@@ -66,6 +73,10 @@ def _cell(value: Any) -> str:
 
 def _column(cells: Sequence[str]) -> NDArray[Any]:
     try:
-        return np.array([float(cell) if cell else np.nan for cell in cells]) if any(cells) else np.array(cells)
+        return (
+            np.array([float(cell) if cell else np.nan for cell in cells])
+            if any(cells)
+            else np.array(cells)
+        )
     except ValueError:
         return np.array(cells)

@@ -38,7 +38,9 @@ def swung(folder: Path, part: float, seed: int) -> str:
 def fitted(folder: Path, swings: str, law: str) -> tuple[MeasurementFile, Fit]:
     """Fit one law to the swings."""
     head = (folder / "swing.toml").read_text(encoding="utf-8").partition("[[measured]]")[0]
-    head = head.replace("high = 3e-2 }\n\n[sought]", "high = 1.2e-2 }\n\n[sought]").replace("low = 0.01", "low = 0.001")
+    head = head.replace("high = 3e-2 }\n\n[sought]", "high = 1.2e-2 }\n\n[sought]").replace(
+        "low = 0.01", "low = 0.001"
+    )
     path = folder / f"{law}.toml"
     head = head.replace("[fixed]", f"{LAWS[law]}[fixed]\nrope.slip_factor = 0.0")
     path.write_text(head + swings, encoding="utf-8")
@@ -55,7 +57,10 @@ def main() -> None:
         for what, swings in (("one swing", far), ("two amplitudes", far + near)):
             for law in LAWS:
                 file, found = fitted(folder, swings, law)
-                told = [f"{name} = {file.problem.value(name, found.norm_params):.3g}" for name in file.problem.names]
+                told = [
+                    f"{name} = {file.problem.value(name, found.norm_params):.3g}"
+                    for name in file.problem.names
+                ]
                 misfit = np.sqrt(np.mean(np.square(found.residuals)))
                 print(f"{what}, {law}: {misfit:.2f} standard errors off (RMS); {', '.join(told)}")
 

@@ -70,5 +70,7 @@ for k in range(STEPS):
     motion = tried
 fmu.terminate()
 fmu.freeInstance()
-print(f"{exchanges / STEPS:.1f} exchanges per step; {1e3 * motion[0]:.3f} mm up, over what the head rope gives:")
+print(
+    f"{exchanges / STEPS:.1f} exchanges per step; {1e3 * motion[0]:.3f} mm up, over what the head rope gives:"
+)
 print(motion[0] * STIFFNESS / PAYLOAD)

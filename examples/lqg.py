@@ -39,7 +39,9 @@ class Lqg:
         # state and torque along a trip by its derivatives: sum of x_k p^(k), u_k p^(k), where the left height is p
         x, self.along = np.zeros(n), []
         for k in range(4):
-            found = solve(np.block([[A, B], [C[4:], np.zeros((1, 1))]]), np.append(x, float(k == 0)))
+            found = solve(
+                np.block([[A, B], [C[4:], np.zeros((1, 1))]]), np.append(x, float(k == 0))
+            )
             x = found[:n]
             self.along.append(found)
         seen = np.vstack((C[4], R * C[1]))
@@ -52,9 +54,15 @@ class Lqg:
         self.Ce = np.hstack((seen, np.zeros((2, 1))))
         noise, drive = np.diag([1e-3, 5e-3]) ** 2, np.append(B * scale, 0.0)
         grown = np.outer(drive, drive) + np.diag(np.append(np.zeros(n), scale[0] ** 2))
-        self.L = solve_continuous_are(self.Ae.T, self.Ce.T, grown, noise) @ self.Ce.T @ np.linalg.inv(noise)
+        self.L = (
+            solve_continuous_are(self.Ae.T, self.Ce.T, grown, noise)
+            @ self.Ce.T
+            @ np.linalg.inv(noise)
+        )
 
-    def command(self, reference: TrajectoryPoint, measured: Measurement, state: Any, h: float) -> Command:
+    def command(
+        self, reference: TrajectoryPoint, measured: Measurement, state: Any, h: float
+    ) -> Command:
         """Torque of the step that begins now; the state is the estimate and the last torque of the feedback."""
         z = np.zeros(len(self.Ae) + 1) if state is None else np.array(state)
         p, n, hoist = [0.0, *reference[1:4]], len(self.A), self.hoist
@@ -66,10 +74,14 @@ class Lqg:
         feedback = float(-(self.K @ z[:n])[0] - z[n])
         coulomb = hoist.travel_loss[0] * np.tanh(reference.speed / hoist.loss_speed)
         ahead = self.holding + R * (hoist.imbalance_rate * reference.position + coulomb)
-        torque = ahead + sum(found[-1] * x for found, x in zip(self.along, p, strict=True)) + feedback
+        torque = (
+            ahead + sum(found[-1] * x for found, x in zip(self.along, p, strict=True)) + feedback
+        )
         limit = hoist.torque_available(measured.speed / R)
         z[-1] = feedback + min(max(torque, -limit), limit) - torque
-        return Command(float(min(max(torque, -limit), limit)), bool(abs(torque) > limit), z.tolist())
+        return Command(
+            float(min(max(torque, -limit), limit)), bool(abs(torque) > limit), z.tolist()
+        )
 
 
 def wound(run: RunData, controller: Any) -> dict[str, float]:

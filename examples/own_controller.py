@@ -23,7 +23,9 @@ class Proportional:
     def __init__(self, hoist: Hoist, holding_torque: float) -> None:
         self.hoist, self.holding_torque = hoist, holding_torque
 
-    def command(self, reference: TrajectoryPoint, measured: Measurement, state: Any, h: float) -> Command:
+    def command(
+        self, reference: TrajectoryPoint, measured: Measurement, state: Any, h: float
+    ) -> Command:
         """Torque of the step that begins now; this law remembers nothing, so its state stays as it is."""
         error = reference.speed - measured.speed  # m/s
         force = self.hoist.moving_mass * reference.acceleration + 4e5 * error  # N

@@ -25,14 +25,19 @@ def wind(rope: BalanceRope, seconds: int) -> dict[str, float]:
 
 
 scene = rope_120().scene
-scene = scene.with_(rope=replace(scene.rope, EI=500.0), right=Swivel(mode="coulomb", release_time=1.0))
+scene = scene.with_(
+    rope=replace(scene.rope, EI=500.0), right=Swivel(mode="coulomb", release_time=1.0)
+)
 rope = balance_rope(scene)
 print(
-    rope.initialize(0.0, *ends(0.0)), f"{rope.elements} elements, {rope.form}, {rope.fidelity}: {rope.fidelity_reason}"
+    rope.initialize(0.0, *ends(0.0)),
+    f"{rope.elements} elements, {rope.form}, {rope.fidelity}: {rope.fidelity_reason}",
 )
 for second in range(1, 10):
     saved = rope.save()
     first = wind(rope, second)
     rope.restore(saved)  # one second back
-    print(second, "s", first, SIGNALS["left.fy"].unit, "again the same:", wind(rope, second) == first)
+    print(
+        second, "s", first, SIGNALS["left.fy"].unit, "again the same:", wind(rope, second) == first
+    )
 print(len(rope.signals()), "signals;", rope.added_mass(), "kg;", rope.warnings() or "no warnings")

@@ -30,7 +30,9 @@ def largest_pull(case: tuple[float, FidelityChoice]) -> float:
     pulls = []
     for k in range(1, round(DURATION / H) + 1):
         y, v, a = rise(H * k, acceleration)
-        status = rope.advance_to(H * k, EndMotion(y=LOW - y, vy=-v, ay=-a), EndMotion(y=LOW + y, vy=v, ay=a))
+        status = rope.advance_to(
+            H * k, EndMotion(y=LOW - y, vy=-v, ay=-a), EndMotion(y=LOW + y, vy=v, ay=a)
+        )
         if not status.valid:
             raise RuntimeError(status.message)
         pulls.append(-rope.signals(("right.fy",))["right.fy"])
@@ -43,4 +45,6 @@ if __name__ == "__main__":
         pulls = dict(zip(cases, pool.map(largest_pull, cases), strict=True))
     for a in ACCELERATIONS:
         elastic, rigid = (pulls[a, model] for model in MODELS)
-        print(f"{a} m/s^2: {elastic:.1f} N, a rigid rope {rigid:.1f} N, over the elastic one's {rigid / elastic:.6f}")
+        print(
+            f"{a} m/s^2: {elastic:.1f} N, a rigid rope {rigid:.1f} N, over the elastic one's {rigid / elastic:.6f}"
+        )

@@ -41,7 +41,9 @@ cases = {
     "wires that rub": swings(Air(), stuck),
 }
 for name, (first, last) in cases.items():
-    print(f"{name:15} the loop swings by {first:.3f} m after the winding, {END - DURATION:.0f} s later by {last:.3f} m")
+    print(
+        f"{name:15} the loop swings by {first:.3f} m after the winding, {END - DURATION:.0f} s later by {last:.3f} m"
+    )
 print("parts of the swing that wires and air have taken by then:")
 least = cases["without losses"][1]
 print(1 - cases["wires that rub"][1] / least, 1 - cases["in air"][1] / least)

@@ -26,13 +26,20 @@ KINDS: dict[str, dict[str, Any]] = {
 }
 
 
-def tried(markers: np.ndarray, seeds: range, kind: str = "labelled") -> Iterator[tuple[list[bool], list[float]]]:
+def tried(
+    markers: np.ndarray, seeds: range, kind: str = "labelled"
+) -> Iterator[tuple[list[bool], list[float]]]:
     """Yield for each set whether the intervals have the truth, and the errors over the values."""
     for seed in seeds:
         with TemporaryDirectory() as folder:
-            found = identify(read(camera.write(Path(folder), markers, seed, **KINDS[kind]), MeasurementFile))
+            found = identify(
+                read(camera.write(Path(folder), markers, seed, **KINDS[kind]), MeasurementFile)
+            )
         told = [(found.data[name], found.value(name), true) for name, true in camera.TRUTH.items()]
-        yield [one.low <= true <= one.high for one, _, true in told], [value / true - 1 for _, value, true in told]
+        yield (
+            [one.low <= true <= one.high for one, _, true in told],
+            [value / true - 1 for _, value, true in told],
+        )
 
 
 def main(sets: str = "100", seed: str = "100", kind: str = "labelled") -> None:
@@ -47,8 +54,13 @@ def main(sets: str = "100", seed: str = "100", kind: str = "labelled") -> None:
         shares = ", ".join(f"{100 * x:.0f} %" for x in np.mean(inside, axis=0))
         rms = ", ".join(f"{100 * x:.2f} %" for x in np.sqrt(np.mean(np.square(errors), axis=0)))
         chance = 100 * math.sqrt(CONFIDENCE * (1 - CONFIDENCE) / np.size(inside))
-        share = f"{100 * np.mean(inside):.1f} of {100 * CONFIDENCE:.0f} % (standard error {chance:.1f})"
-        print(f"{len(inside)} sets: {share}, of {', '.join(camera.TRUTH)} {shares}; errors {rms}", flush=True)
+        share = (
+            f"{100 * np.mean(inside):.1f} of {100 * CONFIDENCE:.0f} % (standard error {chance:.1f})"
+        )
+        print(
+            f"{len(inside)} sets: {share}, of {', '.join(camera.TRUTH)} {shares}; errors {rms}",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

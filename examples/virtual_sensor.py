@@ -27,7 +27,9 @@ H = 0.01  # s
 INPUTS = ("torque", "force_left", "force_right")
 MEASURED = {"y_left": ("conveyance.left.y", 1e-3), "rate": ("drive.rate", 2e-3)}
 MEASURED |= {f"tension_{side}": (f"drive.tension_{side}", 300.0) for side in ("left", "right")}
-TOLD = {name: name for name in ("left.fy", "right.fy", "loop.x", "loop.yaw")} | {"y_right": "conveyance.right.y"}
+TOLD = {name: name for name in ("left.fy", "right.fy", "loop.x", "loop.yaw")} | {
+    "y_right": "conveyance.right.y"
+}
 WALK = np.array([2e4, 1e4, 1e4])  # N m and N per root of a second, of what the model does not have
 TRIPS: dict[str, dict[str, Any]] = {
     "as designed": {},
@@ -51,7 +53,9 @@ def tables() -> Iterator[CubicSpline]:
     for A, B, C, D in zip(MODEL.A, MODEL.B, MODEL.C, MODEL.D, strict=True):
         whole = np.block([[A, B, B[:, :1]], [np.zeros((4, STATES + 4))]])
         seen = np.hstack((C, D))
-        above = solve(np.block([[A, B[:, :1]], [C[:1], np.zeros((1, 1))]]), np.append(np.zeros(STATES), 1.0))
+        above = solve(
+            np.block([[A, B[:, :1]], [C[:1], np.zeros((1, 1))]]), np.append(np.zeros(STATES), 1.0)
+        )
         rows.append((expm(H * whole)[: STATES + 3], seen, above, seen[:, : STATES + 1] @ above))
     for parts in zip(*rows, strict=True):
         yield CubicSpline(MODEL.at, np.array(parts))
@@ -88,13 +92,21 @@ def estimates(measured: Array, torque: Array) -> Array:
 print(f"{'RMS error / size':>24}" + "".join(f"{name:>20}" for name in TOLD))
 for trip in sys.argv[1:] or TRIPS:
     r = build("rope-120", TRIPS[trip])
-    record = Host(InProcessRope(rope_scene(r.rope_values)), r.hoist, r.winding, r.coupling, r.gains).run().recording
+    record = (
+        Host(InProcessRope(rope_scene(r.rope_values)), r.hoist, r.winding, r.coupling, r.gains)
+        .run()
+        .recording
+    )
     noise = np.random.default_rng(1).normal(size=(SEEN, record.time.size))
-    measured = np.array([record[name] + s * n for (name, s), n in zip(MEASURED.values(), noise, strict=True)]).T
+    measured = np.array(
+        [record[name] + s * n for (name, s), n in zip(MEASURED.values(), noise, strict=True)]
+    ).T
     told = estimates(measured, record["drive.torque"])
     still = AT_REST(np.clip(measured[:, 0] / TRAVEL, 0.0, 1.0))[:, SEEN:]
     true = np.array([record[name] for name in TOLD.values()]).T
     errors, sizes = (np.sqrt(((true - part) ** 2).mean(axis=0)) for part in (told, still))
     print(
-        f"{trip:>24}" + "".join(f"{f'{e:.2g} / {s:.2g}':>20}" for e, s in zip(errors, sizes, strict=True)), flush=True
+        f"{trip:>24}"
+        + "".join(f"{f'{e:.2g} / {s:.2g}':>20}" for e, s in zip(errors, sizes, strict=True)),
+        flush=True,
     )

@@ -10,7 +10,10 @@ from rope_model.files import whole_file
 def write_archive(destination: Path, files: Mapping[str, bytes]) -> None:
     """Write ``files``, contents by path with forward slashes, to an archive that replaces ``destination`` at once."""
     destination.parent.mkdir(parents=True, exist_ok=True)
-    with whole_file(destination) as draft, zipfile.ZipFile(draft, "w", zipfile.ZIP_DEFLATED) as archive:
+    with (
+        whole_file(destination) as draft,
+        zipfile.ZipFile(draft, "w", zipfile.ZIP_DEFLATED) as archive,
+    ):
         for name in sorted(files):
             entry = zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0))
             entry.compress_type = zipfile.ZIP_DEFLATED

@@ -28,7 +28,9 @@ of this FMU has no such needs: balance-rope export --native.
 """
 
 
-def attachments(described: Collection[Variable], case: RopeCase, fmi: int, native: bool) -> dict[str, bytes]:
+def attachments(
+    described: Collection[Variable], case: RopeCase, fmi: int, native: bool
+) -> dict[str, bytes]:
     """Return the contents of the files by path in the FMU."""
     files = {"documentation/index.html": index_html(described, native).encode(), **licenses()}
     if fmi == 3:
@@ -55,9 +57,13 @@ def licenses() -> dict[str, bytes]:
 def license_text(package: str = "balance-rope") -> str:
     """Return a package's licence, as installed; a checkout's egg-info has no copy, the distribution beside it has."""
     distributions = importlib.metadata.distributions(name=package)
-    text = next((text for one in distributions if (text := one.read_text("licenses/LICENSE"))), None)
+    text = next(
+        (text for one in distributions if (text := one.read_text("licenses/LICENSE"))), None
+    )
     if text is None:
-        raise RuntimeError(f"the licence is missing from the installed package {package}; install it anew")
+        raise RuntimeError(
+            f"the licence is missing from the installed package {package}; install it anew"
+        )
     return text
 
 
@@ -80,7 +86,12 @@ def _terminal(side: str, described: Collection[Variable]) -> Element:
     x, y = _POSITIONS[side]
     parted = ((*v.name.rpartition("."), v.causality) for v in described)
     members = (
-        node("TerminalMemberVariable", variableName=f"{side}.{member}", memberName=member, variableKind="signal")
+        node(
+            "TerminalMemberVariable",
+            variableName=f"{side}.{member}",
+            memberName=member,
+            variableKind="signal",
+        )
         for group, _, member, causality in parted
         if group == side and (causality == "input" or member in _FORCE)
     )
@@ -94,5 +105,7 @@ def _terminal(side: str, described: Collection[Variable]) -> Element:
         y2=f"{y + 8:g}",
         iconBaseName="end",
     )
-    what = f"the {side} suspension point: motion of the conveyance, force and moment of the rope on it"
+    what = (
+        f"the {side} suspension point: motion of the conveyance, force and moment of the rope on it"
+    )
     return node("Terminal", *members, look, name=side, matchingRule="plug", description=what)

@@ -19,7 +19,10 @@ _COMPUTED = {
     "spatial": "spatial: by motion out of plane; torsional: by torque, too",
     "torsional": "torsional",
 }
-_EFFECTS = [(", ".join(f"`{name}`" for name in effect.outputs), _COMPUTED[effect.lowest]) for effect in EFFECTS]
+_EFFECTS = [
+    (", ".join(f"`{name}`" for name in effect.outputs), _COMPUTED[effect.lowest])
+    for effect in EFFECTS
+]
 #: outputs, and the fidelities that compute them
 COMPUTED_BY = (
     ("`fy`, `fy_mean`, `added_mass`, `energy.kinetic`, `energy.gravity`", "all"),
@@ -44,20 +47,41 @@ def index_html(described: Collection[Variable], native: bool) -> str:
     arrays, _, along = sections["Along the rope"].partition("\n\n")
     if not any(v.name.startswith("shape.") for v in described):
         arrays = along = ""
-    parts = [sections["The FMU's variables"].replace(", with the start values of the 120 m rope", "")]
-    parts += [sections["Errors and derivatives"], arrays if native else "", along, sections["Added mass"]]
+    parts = [
+        sections["The FMU's variables"].replace(", with the start values of the 120 m rope", "")
+    ]
+    parts += [
+        sections["Errors and derivatives"],
+        arrays if native else "",
+        along,
+        sections["Added mass"],
+    ]
     parts += [sections["Warnings"], sections["Fidelities"].removesuffix("{fidelities}\n")]
-    paragraphs = "\n".join(_paragraph(text) for part in parts for text in part.split("\n\n") if text.strip())
-    fidelities = "".join(f"<tr><td>{_to_html(outputs)}</td><td>{which}</td></tr>" for outputs, which in COMPUTED_BY)
-    body = [f"<h1>Balance rope of a friction hoist</h1>\n{paragraphs}\n<table>{fidelities}</table>", _MODEL]
+    paragraphs = "\n".join(
+        _paragraph(text) for part in parts for text in part.split("\n\n") if text.strip()
+    )
+    fidelities = "".join(
+        f"<tr><td>{_to_html(outputs)}</td><td>{which}</td></tr>" for outputs, which in COMPUTED_BY
+    )
+    body = [
+        f"<h1>Balance rope of a friction hoist</h1>\n{paragraphs}\n<table>{fidelities}</table>",
+        _MODEL,
+    ]
     for causality, title in TITLES:
         table = rows(v for v in described if v.causality == causality)
         cells = ["".join(f"<td>{_to_html(cell)}</td>" for cell in row) for row in table]
         head = "".join(f"<th>{text}</th>" for text in HEADS)
-        body.append(f"<h2>{title}</h2>\n<table><tr>{head}</tr>\n" + "\n".join(f"<tr>{row}</tr>" for row in cells))
+        body.append(
+            f"<h2>{title}</h2>\n<table><tr>{head}</tr>\n"
+            + "\n".join(f"<tr>{row}</tr>" for row in cells)
+        )
         body.append("</table>")
     head = f'<meta charset="utf-8"><title>Balance rope</title><style>{_STYLE}</style>'
-    return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head><body>\n' + "\n".join(body) + "\n</body></html>\n"
+    return (
+        f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head><body>\n'
+        + "\n".join(body)
+        + "\n</body></html>\n"
+    )
 
 
 def _paragraph(text: str) -> str:
@@ -79,6 +103,12 @@ def rows(table: Iterable[Variable]) -> Iterator[tuple[str, str, str, str]]:
             if match[2] == "1":
                 yield f"`{match[1]}[1...81]`", v.unit, "", DESCRIPTIONS[match[1]]
             continue
-        start = "" if v.start is None else str(v.start).lower() if isinstance(v.start, bool) else f"{v.start:g}"
+        start = (
+            ""
+            if v.start is None
+            else str(v.start).lower()
+            if isinstance(v.start, bool)
+            else f"{v.start:g}"
+        )
         tunable = "*tunable*; " if v.variability == "tunable" else ""
         yield f"`{v.name}`", v.unit or v.kind, start, f"{tunable}{v.description}"

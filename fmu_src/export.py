@@ -63,24 +63,41 @@ def export_fmu(
     with tempfile.TemporaryDirectory(prefix="balance_rope_") as folder:
         stage = Path(folder)
         kernels = stage / "kernels"
-        write_bundle(elements, kernels, kernels_needed(scene, (EndMotion(y=data.start), EndMotion(y=data.travel))))
-        key = _build_key(f"{case} {level} {sorted(start.items())} {profile}", kernels, library_sources(table))
+        write_bundle(
+            elements,
+            kernels,
+            kernels_needed(scene, (EndMotion(y=data.start), EndMotion(y=data.travel))),
+        )
+        key = _build_key(
+            f"{case} {level} {sorted(start.items())} {profile}", kernels, library_sources(table)
+        )
         package = stage / f"balance_rope_{key}"
         script = stage / f"balance_rope_slave_{key}.py"
         _copy_modules(package)
-        script.write_text(import_from(package.name, _SLAVE.read_text(encoding="utf-8")), encoding="utf-8")
+        script.write_text(
+            import_from(package.name, _SLAVE.read_text(encoding="utf-8")), encoding="utf-8"
+        )
         facts = _build_facts(case, level, key)
         settings = {"start": dict(start), "outputs": profile.outputs, "stop": profile.stop}
         (stage / "build.json").write_text(json.dumps(facts | settings, indent=1), encoding="utf-8")
         draft = stage / "out" / "draft.fmu"
         draft.parent.mkdir()
-        FmuBuilder.build_FMU(script, draft, [package, kernels, stage / "build.json"], documentation_folder=None)
+        FmuBuilder.build_FMU(
+            script, draft, [package, kernels, stage / "build.json"], documentation_folder=None
+        )
         _forget(stage, package.name, script.stem)
-        files = {name: code for name, code in read_archive(draft).items() if not name.startswith("binaries/")}
+        files = {
+            name: code
+            for name, code in read_archive(draft).items()
+            if not name.startswith("binaries/")
+        }
     files = _with_own_builder(files, package.name, f"resources/{script.name}")
-    files |= binaries_with(Start(facts["guid"], start_values(table, 2)), library_sources(table), MODEL, 2, chosen)
+    files |= binaries_with(
+        Start(facts["guid"], start_values(table, 2)), library_sources(table), MODEL, 2, chosen
+    )
     write_archive(
-        destination, files | attachments(of_python(profile.select(table)).values(), data, fmi=2, native=False)
+        destination,
+        files | attachments(of_python(profile.select(table)).values(), data, fmi=2, native=False),
     )
     return destination
 
@@ -128,10 +145,14 @@ def _copy_modules(package: Path) -> None:
     for path in modules_needed(_SLAVE):
         copy = package / path.relative_to(ROOT)
         copy.parent.mkdir(parents=True, exist_ok=True)
-        copy.write_text(import_from(package.name, path.read_text(encoding="utf-8")), encoding="utf-8")
+        copy.write_text(
+            import_from(package.name, path.read_text(encoding="utf-8")), encoding="utf-8"
+        )
     (package / "__init__.py").write_text("", encoding="utf-8")
     # the metadata where the FMU runs are those of another version, or there are none
-    version = f'"""Version of the project that exported this FMU."""\n\n__version__ = {_version()!r}\n'
+    version = (
+        f'"""Version of the project that exported this FMU."""\n\n__version__ = {_version()!r}\n'
+    )
     (package / "rope_model" / "version.py").write_text(version, encoding="utf-8")
 
 
@@ -145,5 +166,8 @@ def _forget(stage: Path, *modules: str) -> None:
 def _with_own_builder(files: Mapping[str, bytes], package: str, script: str) -> dict[str, bytes]:
     """Return the files of the FMU with the copy of pythonfmu in ``package``, from which the ``script`` imports it."""
     shared, own = f"resources/{_BUILDER}/", f"resources/{package}/{_BUILDER}/"
-    moved = {own + name.removeprefix(shared) if name.startswith(shared) else name: files[name] for name in files}
+    moved = {
+        own + name.removeprefix(shared) if name.startswith(shared) else name: files[name]
+        for name in files
+    }
     return moved | {script: import_from(package, files[script].decode(), (_BUILDER,)).encode()}

@@ -40,14 +40,20 @@ _STATUS: dict[str, tuple[Kind, str]] = {
     "warning": ("String", "warnings about valid results; else empty"),
 }
 #: names of the inputs of each side in the order of EndMotion
-MOTION = {side: tuple(f"{side}.{field.name}" for field in dataclasses.fields(EndMotion)) for side in SIDES}
+MOTION = {
+    side: tuple(f"{side}.{field.name}" for field in dataclasses.fields(EndMotion)) for side in SIDES
+}
 
 
 #: input that is the time derivative of an input
 RATES = {
     f"{side}.{of}": f"{side}.{rate}"
     for side in SIDES
-    for of, rate in (("yaw", "yaw_rate"), *((x, f"v{x}") for x in "xyz"), *((f"v{x}", f"a{x}") for x in "xyz"))
+    for of, rate in (
+        ("yaw", "yaw_rate"),
+        *((x, f"v{x}") for x in "xyz"),
+        *((f"v{x}", f"a{x}") for x in "xyz"),
+    )
 }
 
 
@@ -61,8 +67,13 @@ def case_with(name: str, level: Level, start: Mapping[str, Value]) -> RopeCase:
     if name not in ROPE_CASES:
         raise ValueError(f"there is no case {name!r}; choose one of {', '.join(ROPE_CASES)}")
     case = ROPE_CASES[name](level)
-    scene = with_values(case.scene, {key: value for key, value in start.items() if key not in ("left.y", "right.y")})
-    heights = {"start": float(start.get("left.y", case.start)), "travel": float(start.get("right.y", case.travel))}
+    scene = with_values(
+        case.scene, {key: value for key, value in start.items() if key not in ("left.y", "right.y")}
+    )
+    heights = {
+        "start": float(start.get("left.y", case.start)),
+        "travel": float(start.get("right.y", case.travel)),
+    }
     return dataclasses.replace(case, scene=scene, **heights)
 
 
@@ -71,7 +82,9 @@ def _parameters(scene: Scene) -> Iterator[Variable]:
         text = p.facts.description.format(side=p.name.partition(".")[0])
         variability: Literal["fixed", "tunable"] = "tunable" if p.facts.tunable else "fixed"
         bounds = p.minimum, p.maximum
-        yield Variable(p.name, "parameter", variability, p.kind, p.facts.unit, p.value, text, *bounds)
+        yield Variable(
+            p.name, "parameter", variability, p.kind, p.facts.unit, p.value, text, *bounds
+        )
     text = (
         "false: inputs are the motion at the start of a step, extrapolated (steps up to 20 ms); "
         "true: at its end, for hosts that step the drive first (recommended, any step)"
@@ -85,13 +98,17 @@ def _inputs(case: RopeCase) -> Iterator[Variable]:
             start = height if name == "y" else 0.0
             text = p.description.format(side=side)
             bounds = numeric_bounds(EndMotion, name)
-            yield Variable(f"{side}.{name}", "input", "continuous", "Real", p.unit, start, text, *bounds)
+            yield Variable(
+                f"{side}.{name}", "input", "continuous", "Real", p.unit, start, text, *bounds
+            )
 
 
 def _outputs() -> Iterator[Variable]:
     for name, signal in SIGNALS.items():
         kind = _KINDS[signal.kind]
-        variability: Literal["continuous", "discrete"] = "continuous" if kind == "Real" else "discrete"
+        variability: Literal["continuous", "discrete"] = (
+            "continuous" if kind == "Real" else "discrete"
+        )
         unit = signal.unit if kind == "Real" else ""
         least = 0 if name.startswith(_NOT_NEGATIVE) else None
         yield Variable(name, "output", variability, kind, unit, None, signal.description, least)

@@ -74,11 +74,20 @@ def model_description(described: Mapping[int, Variable], build: Build) -> Elemen
     variables = described.values()
     interface = node(
         "CoSimulation",
-        *([node("SourceFiles", *(node("File", name=name) for name in build.sources))] if build.sources else ()),
+        *(
+            [node("SourceFiles", *(node("File", name=name) for name in build.sources))]
+            if build.sources
+            else ()
+        ),
         modelIdentifier=build.identifier,
         needsExecutionTool=False,
         **dict.fromkeys(
-            ("canHandleVariableCommunicationStepSize", "canGetAndSetFMUstate", "canSerializeFMUstate"), True
+            (
+                "canHandleVariableCommunicationStepSize",
+                "canGetAndSetFMUstate",
+                "canSerializeFMUstate",
+            ),
+            True,
         ),
         canInterpolateInputs=any(v.causality == "input" and v.name in RATES for v in variables),
         maxOutputDerivativeOrder=0,
@@ -88,7 +97,10 @@ def model_description(described: Mapping[int, Variable], build: Build) -> Elemen
         providesDirectionalDerivative=build.derivatives,
     )
     units = units_of(variables)
-    types = [node("SimpleType", node("Real", **quantity_attributes(u)), name=DECLARED_TYPES[u].name) for u in units]
+    types = [
+        node("SimpleType", node("Real", **quantity_attributes(u)), name=DECLARED_TYPES[u].name)
+        for u in units
+    ]
     listed = [
         node(
             "ScalarVariable",
@@ -101,17 +113,38 @@ def model_description(described: Mapping[int, Variable], build: Build) -> Elemen
     ]
     indices = {v.name: index for index, v in enumerate(variables, start=1)}
     outputs = {v.name: indices[v.name] for v in variables if v.causality == "output"}
-    at_start = (node("Unknown", dependencies=_dependencies(build, x, indices), index=k) for x, k in outputs.items())
-    later = (node("Unknown", dependencies=_dependencies_later(x), index=k) for x, k in outputs.items())
+    at_start = (
+        node("Unknown", dependencies=_dependencies(build, x, indices), index=k)
+        for x, k in outputs.items()
+    )
+    later = (
+        node("Unknown", dependencies=_dependencies_later(x), index=k) for x, k in outputs.items()
+    )
     structure = [node("Outputs", *later), node("InitialUnknowns", *at_start)]
-    return _document(build, {"fmiVersion": "2.0", "guid": build.token}, interface, units, types, listed, structure)
+    return _document(
+        build,
+        {"fmiVersion": "2.0", "guid": build.token},
+        interface,
+        units,
+        types,
+        listed,
+        structure,
+    )
 
 
-_SUPPORTED3 = ("canGetAndSetFMUState", "canSerializeFMUState", "canHandleVariableCommunicationStepSize")
+_SUPPORTED3 = (
+    "canGetAndSetFMUState",
+    "canSerializeFMUState",
+    "canHandleVariableCommunicationStepSize",
+)
 _EVENTS3 = ("mightReturnEarlyFromDoStep", "hasEventMode")
 _UNSUPPORTED3 = (
     *("needsExecutionTool", "canBeInstantiatedOnlyOncePerProcess", "providesAdjointDerivatives"),
-    *("providesPerElementDependencies", "providesIntermediateUpdate", "canReturnEarlyAfterIntermediateUpdate"),
+    *(
+        "providesPerElementDependencies",
+        "providesIntermediateUpdate",
+        "canReturnEarlyAfterIntermediateUpdate",
+    ),
     "providesEvaluateDiscreteStates",
 )
 
@@ -129,16 +162,30 @@ def model_description3(gathered: Sequence[Array], time: int, build: Build) -> El
     )
     variables = [array.variable for array in gathered]
     units = units_of(variables)
-    types = [node("Float64Type", name=DECLARED_TYPES[unit].name, **quantity_attributes(unit)) for unit in units]
-    types += map(_enumeration, dict.fromkeys(_choice(v.name) for v in variables if choices_of(v.name)))
+    types = [
+        node("Float64Type", name=DECLARED_TYPES[unit].name, **quantity_attributes(unit))
+        for unit in units
+    ]
+    types += map(
+        _enumeration, dict.fromkeys(_choice(v.name) for v in variables if choices_of(v.name))
+    )
     independent = {"causality": "independent", "variability": "continuous", "description": "time"}
     listed = [node("Float64", name="time", valueReference=time, **independent, declaredType="Time")]
     listed += map(_variable3, gathered)
     numbers = {array.name: array.reference for array in gathered}
-    outputs = {array.name: array.reference for array in gathered if array.variable.causality == "output"}
-    structure = [node("Output", valueReference=k, dependencies=_dependencies_later(x)) for x, k in outputs.items()]
+    outputs = {
+        array.name: array.reference for array in gathered if array.variable.causality == "output"
+    }
+    structure = [
+        node("Output", valueReference=k, dependencies=_dependencies_later(x))
+        for x, k in outputs.items()
+    ]
     structure += [
-        node("InitialUnknown", dependencies=_dependencies(build, name, numbers), valueReference=number)
+        node(
+            "InitialUnknown",
+            dependencies=_dependencies(build, name, numbers),
+            valueReference=number,
+        )
         for name, number in outputs.items()
     ]
     head = {"fmiVersion": "3.0", "instantiationToken": build.token}
@@ -151,10 +198,14 @@ def build_description(build: Build, fmi: int) -> Element:
     In a shared library the functions of FMI have their own names, in a static one the model identifier before them.
     """
     override = node("PreprocessorDefinition", name=f"FMI{fmi}_OVERRIDE_FUNCTION_PREFIX", value=1)
-    prefix = node("PreprocessorDefinition", name=f"FMI{fmi}_FUNCTION_PREFIX", value=f"{build.identifier}_")
+    prefix = node(
+        "PreprocessorDefinition", name=f"FMI{fmi}_FUNCTION_PREFIX", value=f"{build.identifier}_"
+    )
     configurations = (
         _configuration(build, "shared library: the functions of FMI have no prefix", override),
-        _configuration(build, "static linking: the functions of FMI begin with the model identifier", prefix),
+        _configuration(
+            build, "static linking: the functions of FMI begin with the model identifier", prefix
+        ),
     )
     return node("fmiBuildDescription", *configurations, fmiVersion="3.0")
 
@@ -162,7 +213,9 @@ def build_description(build: Build, fmi: int) -> Element:
 def _configuration(build: Build, description: str, definition: Element) -> Element:
     files = [node("SourceFile", name=name) for name in build.sources]
     sources = node("SourceFileSet", *files, definition, language="C99")
-    return node("BuildConfiguration", sources, modelIdentifier=build.identifier, description=description)
+    return node(
+        "BuildConfiguration", sources, modelIdentifier=build.identifier, description=description
+    )
 
 
 def _document(
@@ -175,7 +228,9 @@ def _document(
     structure: Sequence[Element],
 ) -> Element:
     """Return the root element of either version."""
-    categories = (node("Category", name=name, description=text) for name, text in LOG_CATEGORIES.items())
+    categories = (
+        node("Category", name=name, description=text) for name, text in LOG_CATEGORIES.items()
+    )
     tolerance = None if build.tolerance is None else f"{build.tolerance:g}"
     return node(
         "fmiModelDescription",
@@ -183,7 +238,13 @@ def _document(
         node("UnitDefinitions", *map(unit_definition, units)),
         node("TypeDefinitions", *types),
         node("LogCategories", *categories),
-        node("DefaultExperiment", startTime=0, stopTime=f"{build.stop:g}", stepSize=f"{STEP:g}", tolerance=tolerance),
+        node(
+            "DefaultExperiment",
+            startTime=0,
+            stopTime=f"{build.stop:g}",
+            stepSize=f"{STEP:g}",
+            tolerance=tolerance,
+        ),
         node("ModelVariables", *variables),
         node("ModelStructure", *structure),
         **head,
@@ -213,13 +274,19 @@ def _dependencies_later(name: str) -> str | None:
 def _common_attributes(v: Variable) -> dict[str, str]:
     """Return the attributes of a variable that FMI 2.0 and 3.0 share."""
     out = {"description": v.description, "causality": v.causality, "variability": v.variability}
-    return out if v.causality == "input" else out | {"initial": "calculated" if v.causality == "output" else "exact"}
+    return (
+        out
+        if v.causality == "input"
+        else out | {"initial": "calculated" if v.causality == "output" else "exact"}
+    )
 
 
 def _type_attributes(v: Variable) -> dict[str, Any]:
     """Return declared type, unit and bounds."""
     out = {"declaredType": DECLARED_TYPES[v.unit].name, "unit": v.unit} if v.unit else {}
-    return out | {key: f"{x:g}" for key, x in (("min", v.minimum), ("max", v.maximum)) if x is not None}
+    return out | {
+        key: f"{x:g}" for key, x in (("min", v.minimum), ("max", v.maximum)) if x is not None
+    }
 
 
 def _choice(name: str) -> str:
@@ -229,7 +296,9 @@ def _choice(name: str) -> str:
 
 def _enumeration(key: str) -> Element:
     items = enumerate(CHOICES[key].items())
-    nodes = (node("Item", name=word, value=code, description=meaning) for code, (word, meaning) in items)
+    nodes = (
+        node("Item", name=word, value=code, description=meaning) for code, (word, meaning) in items
+    )
     return node("EnumerationType", *nodes, name=_ENUMERATIONS[key])
 
 

@@ -35,10 +35,14 @@ def import_from(package: str, text: str, roots: tuple[str, ...] = PACKAGES) -> s
     lines = text.split("\n")
     for node, _ in _import_statements(text):
         if isinstance(node, ast.Import) and any(_root(alias.name) in roots for alias in node.names):
-            raise ValueError(f"line {node.lineno}, '{ast.unparse(node)}', cannot be moved: write 'from ... import ...'")
+            raise ValueError(
+                f"line {node.lineno}, '{ast.unparse(node)}', cannot be moved: write 'from ... import ...'"
+            )
         if isinstance(node, ast.ImportFrom) and node.level == 0 and _root(node.module) in roots:
             line = lines[node.lineno - 1]
-            moved = line[node.col_offset :].replace(f"from {node.module}", f"from {package}.{node.module}", 1)
+            moved = line[node.col_offset :].replace(
+                f"from {node.module}", f"from {package}.{node.module}", 1
+            )
             lines[node.lineno - 1] = line[: node.col_offset] + moved
     return "\n".join(lines)
 

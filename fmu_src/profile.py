@@ -35,7 +35,10 @@ DEFAULT = tuple(group for group in GROUPS if group not in ("shape", "station"))
 ALL = tuple(GROUPS)
 #: descriptions of the arrays as a whole
 DESCRIPTIONS = {
-    **{f"shape.{axis}": f"{axis.upper()} of points along the rope, denser around the loop" for axis in "xyz"},
+    **{
+        f"shape.{axis}": f"{axis.upper()} of points along the rope, denser around the loop"
+        for axis in "xyz"
+    },
     "shape.s": "places of these points along the rope, from its left end",
     "shape.tension": "tension at these points",
     "shape.bending": "nominal bending stress at these points",
@@ -57,22 +60,51 @@ class Profile:
 
     def __post_init__(self) -> None:
         if unknown := sorted(set(self.outputs) - set(GROUPS)):
-            raise ValueError(f"there is no group of outputs {', '.join(unknown)}; choose one of {', '.join(GROUPS)}")
+            raise ValueError(
+                f"there is no group of outputs {', '.join(unknown)}; choose one of {', '.join(GROUPS)}"
+            )
         if not (math.isfinite(self.stop) and self.stop > 0.0):
-            raise ValueError(f"stop = {self.stop!r} s is out of range: it must be above 0; give the run's length")
+            raise ValueError(
+                f"stop = {self.stop!r} s is out of range: it must be above 0; give the run's length"
+            )
 
     def select(self, table: Sequence[Variable]) -> dict[int, Variable]:
         """Return the variables that the description shows, by value reference, in ``in_reading_order``."""
         shown = {*self.outputs, *ALWAYS}
-        listed = {i: v for i, v in enumerate(table) if v.causality != "output" or group_of(v.name) in shown}
+        listed = {
+            i: v
+            for i, v in enumerate(table)
+            if v.causality != "output" or group_of(v.name) in shown
+        }
         return in_reading_order(listed)
 
 
 FULL = Profile(ALL)
 #: groups of parameters in the order in which a user comes to set them; others follow
 _PARAMETERS = (
-    *("trip", "controller", "rope", "layout", "left", "right", "inputs_at_step_end", "inputs", "model", "accuracy"),
-    *("air", "guard", "contact", "lining", "conveyance", "head_ropes", "divider_1", "divider_2", "divider_3"),
+    *(
+        "trip",
+        "controller",
+        "rope",
+        "layout",
+        "left",
+        "right",
+        "inputs_at_step_end",
+        "inputs",
+        "model",
+        "accuracy",
+    ),
+    *(
+        "air",
+        "guard",
+        "contact",
+        "lining",
+        "conveyance",
+        "head_ropes",
+        "divider_1",
+        "divider_2",
+        "divider_3",
+    ),
     *("divider_4", "sump", "station", "mesh", "solver"),
 )
 
@@ -85,14 +117,18 @@ def in_reading_order(described: Mapping[int, Variable]) -> dict[int, Variable]:
         if v.causality != "parameter":
             return (0 if v.causality == "input" else 1), reference
         group = v.name.partition(".")[0]
-        return 2 + (_PARAMETERS.index(group) if group in _PARAMETERS else len(_PARAMETERS)), reference
+        return 2 + (
+            _PARAMETERS.index(group) if group in _PARAMETERS else len(_PARAMETERS)
+        ), reference
 
     return dict(sorted(described.items(), key=place))
 
 
 def of_python(described: Mapping[int, Variable]) -> dict[int, Variable]:
     """Return the variables that the Python flavour has: all but the added masses."""
-    return {reference: v for reference, v in described.items() if not v.name.endswith(".added_mass")}
+    return {
+        reference: v for reference, v in described.items() if not v.name.endswith(".added_mass")
+    }
 
 
 def group_of(name: str) -> str:

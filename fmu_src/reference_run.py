@@ -16,7 +16,11 @@ H = 0.01  #: s, communication step
 STEPS = 100
 TRAVEL = 2.0  #: m, length of the whole trip
 DURATION = 4.0  #: s, its duration
-_OUTPUTS = [f"{side}.{key}" for side in ("left", "right") for key in ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean")]
+_OUTPUTS = [
+    f"{side}.{key}"
+    for side in ("left", "right")
+    for key in ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean")
+]
 _OUTPUTS += ["loop.x", "loop.y", "loop.z", "energy.total"]
 _TABLES = {"Stimuli": "in", "References": "ref"}
 _LAYER = "org.fmi-standard.fmi-ls-ref"
@@ -29,10 +33,21 @@ def reference_files(case: RopeCase, name: str, described: Collection[str]) -> di
     """Return manifest, experiment, inputs and ``described`` outputs by path; RuntimeError if the run fails."""
     inputs, results = _run(case)
     outputs = ["time", *(key for key in _OUTPUTS if key in described)]
-    times = {"startTime": 0, "stopTime": _text(H * STEPS), "stepSize": _text(H), "tolerance": "1e-6"}
+    times = {
+        "startTime": 0,
+        "stopTime": _text(H * STEPS),
+        "stepSize": _text(H),
+        "tolerance": "1e-6",
+    }
     stimuli, expected = (node(tag, source=f"{name}_{end}.csv") for tag, end in _TABLES.items())
-    experiment = node("Experiment", stimuli, expected, name="slow trip", description=_MEETS, **times)
-    related = {"type": "application/x-ma-ls-experiments", "role": "experiment/smoke-test", "source": f"{name}.exp"}
+    experiment = node(
+        "Experiment", stimuli, expected, name="slow trip", description=_MEETS, **times
+    )
+    related = {
+        "type": "application/x-ma-ls-experiments",
+        "role": "experiment/smoke-test",
+        "source": f"{name}.exp",
+    }
     head = {
         "xmlns:fmi-ls": "http://fmi-standard.org/fmi-ls-manifest",
         "fmi-ls:fmi-ls-name": _LAYER,
@@ -53,7 +68,9 @@ def reference_files(case: RopeCase, name: str, described: Collection[str]) -> di
 def _run(case: RopeCase) -> tuple[Rows, Rows]:
     """Return inputs and outputs at each instant."""
     rope, table = RopeSimulator(case.scene), variables(case)
-    start = {v.name: v.start for v in table if v.causality == "input" and isinstance(v.start, float)}
+    start = {
+        v.name: v.start for v in table if v.causality == "input" and isinstance(v.start, float)
+    }
     inputs, results = [], []
     motion, status = start, rope.initialize(0.0, *_ends(start))
     for k in range(STEPS + 1):

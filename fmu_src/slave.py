@@ -37,7 +37,9 @@ log = logging.getLogger(__name__)
 P = ParamSpec("P")
 
 
-def _report_failure(call: Callable[Concatenate[Any, P], None]) -> Callable[Concatenate[Any, P], bool]:
+def _report_failure(
+    call: Callable[Concatenate[Any, P], None],
+) -> Callable[Concatenate[Any, P], bool]:
     """Make ``call`` a method that returns whether it succeeded, and keeps the text of its exception as ``message``."""
 
     def method(self: Any, /, *arguments: P.args, **named: P.kwargs) -> bool:
@@ -67,7 +69,9 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         self.modelName = MODEL
         self._resources = Path(kwargs["resources"])
         self._build = json.loads((self._resources / "build.json").read_text(encoding="utf-8"))
-        self._table = variables(case_with(self._build["case"], self._build["level"], self._build["start"]))
+        self._table = variables(
+            case_with(self._build["case"], self._build["level"], self._build["start"])
+        )
         self._indices = {v.name: i for i, v in enumerate(self._table)}
         self._texts: dict[int, str] = {}  # texts by scalar, whose addresses the library hands out
         self._packed: tuple[RopeState | None, bytes] = (None, b"")
@@ -76,7 +80,9 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
         """Return the model description from our own table: pythonfmu's has no units and no initial unknowns."""
         build = self._build
-        tolerance = next(float(v.start or 0.0) for v in self._table if v.name == "accuracy.end_force")
+        tolerance = next(
+            float(v.start or 0.0) for v in self._table if v.name == "accuracy.end_force"
+        )
         facts = Build(
             token=build["guid"],
             version=build["version"],
@@ -86,7 +92,9 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
             tolerance=tolerance,
             derivatives=False,
         )
-        return model_description(of_python(Profile(tuple(build["outputs"])).select(self._table)), facts)
+        return model_description(
+            of_python(Profile(tuple(build["outputs"])).select(self._table)), facts
+        )
 
     # life
 
@@ -106,7 +114,11 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     def do_step(self, current_time: float, step_size: float) -> None:
         """Advance by ``step_size``, with the inputs read at the step's end or extrapolated to it."""
         stop = current_time + step_size
-        _require(self._rope.advance_to(stop, *self._motions(), stop if self._at_step_end() else current_time))
+        _require(
+            self._rope.advance_to(
+                stop, *self._motions(), stop if self._at_step_end() else current_time
+            )
+        )
 
     @_report_failure
     def retune(self) -> None:
@@ -139,9 +151,8 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     def note(self) -> str:
         """Return notes about the set-up, for the log."""
         state, kernels = self._rope.state, self._rope.model.kernels
-        return (
-            f"model: {state.fidelity}, {kernels.elements} elements, {state.fidelity_reason}; kernels: {self._rope.form}"
-        )
+        model = f"{state.fidelity}, {kernels.elements} elements, {state.fidelity_reason}"
+        return f"model: {model}; kernels: {self._rope.form}"
 
     def warning(self, number: int) -> str:
         """Return the warning ``number``, or '' if it does not apply now."""
@@ -178,7 +189,9 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
 
     def _motions(self) -> tuple[EndMotion, EndMotion]:
         values, indices = self._values, self._indices
-        left, right = (EndMotion(*(values[indices[name]] for name in names)) for names in MOTION.values())
+        left, right = (
+            EndMotion(*(values[indices[name]] for name in names)) for names in MOTION.values()
+        )
         return left, right
 
     def _at_step_end(self) -> bool:

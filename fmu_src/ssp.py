@@ -85,7 +85,10 @@ def export_ssp(
     ports = [port for c in components for port in _ports(c.name, described[c.name], types)]
     pairs = _pairs(ports)
     connected = {port for pair in pairs for port in pair}
-    nodes = (_component(c, [p for p in ports if p.component == c.name and p in connected], version) for c in components)
+    nodes = (
+        _component(c, [p for p in ports if p.component == c.name and p in connected], version)
+        for c in components
+    )
     connections = (
         node(
             "ssd:Connection",
@@ -108,7 +111,9 @@ def export_ssp(
         "ssd:System",
         node("ssd:Elements", *nodes),
         node("ssd:Connections", *connections),
-        _annotations("org.openmodelica", node("oms:Annotations", node("oms:SimulationInformation", master))),
+        _annotations(
+            "org.openmodelica", node("oms:Annotations", node("oms:SimulationInformation", master))
+        ),
         name=name,
         description=description,
     )
@@ -161,10 +166,16 @@ def _read(component: Component) -> Element:
         root = ElementTree.fromstring(archive.read("modelDescription.xml"))
     fmi = root.get("fmiVersion")
     if fmi not in ("2.0", "3.0"):
-        raise ValueError(f"FMU '{component.fmu}' has fmiVersion = {fmi}, but must have 2.0 or 3.0: export one of these")
-    known = {v.get("name") for v in _variables(root) if v.get("causality") in ("parameter", "input")}
+        raise ValueError(
+            f"FMU '{component.fmu}' has fmiVersion = {fmi}, but must have 2.0 or 3.0: export one of these"
+        )
+    known = {
+        v.get("name") for v in _variables(root) if v.get("causality") in ("parameter", "input")
+    }
     if unknown := sorted(set(component.parameters) - known):
-        raise ValueError(f"{component.name} has no parameter {', '.join(unknown)}: see its documentation for the names")
+        raise ValueError(
+            f"{component.name} has no parameter {', '.join(unknown)}: see its documentation for the names"
+        )
     return root
 
 
@@ -178,7 +189,11 @@ def _ports(component: str, description: Element, types: Mapping[str, str]) -> li
         name, causality = str(variable.get("name")), str(variable.get("causality"))
         kind = variable[0] if variable.tag == "ScalarVariable" else variable
         if causality in ("input", "output"):
-            ports.append(_Port(component, name, types.get(kind.tag, kind.tag), causality, kind.get("unit", "")))
+            ports.append(
+                _Port(
+                    component, name, types.get(kind.tag, kind.tag), causality, kind.get("unit", "")
+                )
+            )
     return ports
 
 
@@ -187,7 +202,11 @@ def _pairs(ports: Sequence[_Port]) -> list[tuple[_Port, _Port]]:
     pairs = []
     for end in (port for port in ports if port.causality == "input"):
         others = [p for p in ports if p.causality == "output" and p.component != end.component]
-        own = [p for p in others if f"{p.component}.{p.name}" == end.name or f"{end.component}.{end.name}" == p.name]
+        own = [
+            p
+            for p in others
+            if f"{p.component}.{p.name}" == end.name or f"{end.component}.{end.name}" == p.name
+        ]
         pairs += [(start, end) for start in own or others if own or start.name == end.name]
     for start, end in pairs:
         if (start.kind, start.unit) != (end.kind, end.unit):
@@ -200,7 +219,12 @@ def _pairs(ports: Sequence[_Port]) -> list[tuple[_Port, _Port]]:
 
 def _component(component: Component, ports: Sequence[_Port], version: Version) -> Element:
     connectors = (
-        node("ssd:Connector", node(f"ssc:{port.kind}", unit=port.unit or None), name=port.name, kind=port.causality)
+        node(
+            "ssd:Connector",
+            node(f"ssc:{port.kind}", unit=port.unit or None),
+            name=port.name,
+            kind=port.causality,
+        )
         for port in ports
     )
     values = [
@@ -208,8 +232,12 @@ def _component(component: Component, ports: Sequence[_Port], version: Version) -
         for name, value in component.parameters.items()
     ]
     # ecos and libcosim apply a set by this name
-    bound = node("ssv:ParameterSet", node("ssv:Parameters", *values), version=version, name="initialValues")
-    binding = node("ssd:ParameterBindings", node("ssd:ParameterBinding", node("ssd:ParameterValues", bound)))
+    bound = node(
+        "ssv:ParameterSet", node("ssv:Parameters", *values), version=version, name="initialValues"
+    )
+    binding = node(
+        "ssd:ParameterBindings", node("ssd:ParameterBinding", node("ssd:ParameterValues", bound))
+    )
     return node(
         "ssd:Component",
         node("ssd:Connectors", *connectors),
@@ -223,7 +251,11 @@ def _component(component: Component, ports: Sequence[_Port], version: Version) -
 
 def _units(descriptions: Iterable[Element], used: set[str]) -> Iterator[Element]:
     """Yield definitions of the connectors' units, from the model descriptions."""
-    units = {str(unit.get("name")): unit.find("BaseUnit") for root in descriptions for unit in root.iter("Unit")}
+    units = {
+        str(unit.get("name")): unit.find("BaseUnit")
+        for root in descriptions
+        for unit in root.iter("Unit")
+    }
     for name in sorted(used):
         if (base := units.get(name)) is not None:
             yield node("ssc:Unit", node("ssc:BaseUnit", **base.attrib), name=name)

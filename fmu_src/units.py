@@ -66,4 +66,9 @@ def quantity_attributes(unit: str) -> dict[str, str | None]:
     """Return the attributes of the declared type of ``unit``."""
     quantity = DECLARED_TYPES[unit]
     display = quantity.display[0] if quantity.display and quantity.preferred else None
-    return {"quantity": quantity.name, "unit": unit, "nominal": f"{quantity.nominal:g}", "displayUnit": display}
+    return {
+        "quantity": quantity.name,
+        "unit": unit,
+        "nominal": f"{quantity.nominal:g}",
+        "displayUnit": display,
+    }

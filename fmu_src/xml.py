@@ -8,7 +8,9 @@ from rope_model.texts import xml_text
 
 def node(tag: str, /, *children: Element, **attributes: object) -> Element:
     """Return an element; attributes that are None are left out, truth values are spelled as in XML."""
-    element = Element(tag, {name: plain(value) for name, value in attributes.items() if value is not None})
+    element = Element(
+        tag, {name: plain(value) for name, value in attributes.items() if value is not None}
+    )
     element.extend(children)
     return element
 

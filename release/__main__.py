@@ -18,13 +18,17 @@ def release(out: Path) -> list[Path]:
     if out.exists() and any(out.iterdir()):
         raise ValueError(f"{out} is not empty: remove it, or name another folder")
     files = build(out)
-    if balance_rope(["export", "--python", "--native", "--fmi", "2", "3", "--ssp", "--out", str(out)]):
+    if balance_rope(
+        ["export", "--python", "--native", "--fmi", "2", "3", "--ssp", "--out", str(out)]
+    ):
         raise RuntimeError("the FMUs cannot be exported")
     files += sorted([*out.glob("*.fmu"), *out.glob("*.ssp")])
     bill = out / f"balance_rope-{__version__}.cdx.json"
     bill.write_text(bill_of_materials(files), encoding="utf-8")
     sums = out / "SHA256SUMS"
-    sums.write_text("".join(f"{sha256(path)}  {path.name}\n" for path in (*files, bill)), encoding="utf-8")
+    sums.write_text(
+        "".join(f"{sha256(path)}  {path.name}\n" for path in (*files, bill)), encoding="utf-8"
+    )
     return [*files, bill, sums]
 
 

@@ -31,8 +31,13 @@ def bill_of_materials(files: Sequence[Path]) -> str:
         "licenses": _license(project["license"]),
         "purl": f"pkg:pypi/{project['name']}@{project['version']}",
     }
-    inside, needed = [*_headers(), _compiler()], [_name_of(text) for text in project["dependencies"]]
-    optional = [_name_of(text) | {"scope": "optional"} for text in project["optional-dependencies"]["study"]]
+    inside, needed = (
+        [*_headers(), _compiler()],
+        [_name_of(text) for text in project["dependencies"]],
+    )
+    optional = [
+        _name_of(text) | {"scope": "optional"} for text in project["optional-dependencies"]["study"]
+    ]
     parts = [*map(_file, sorted(files)), *inside, *needed, *optional]
     references = [str(part["bom-ref"]) for part in (*inside, *needed, *optional)]
     whole = {

@@ -20,7 +20,9 @@ def lay_out(folder: Path) -> None:
         else:
             (folder / name).write_text(text, encoding="utf-8")
         if name.endswith(".c"):
-            commands.append({"directory": str(folder), "file": name, "arguments": ["cc", *FLAGS, "-c", name]})
+            commands.append(
+                {"directory": str(folder), "file": name, "arguments": ["cc", *FLAGS, "-c", name]}
+            )
     (folder / "compile_commands.json").write_text(json.dumps(commands, indent=1), encoding="utf-8")
 
 

@@ -47,16 +47,24 @@ def libraries() -> Iterator[Library]:
 
 def _rope(fmi: int) -> Library:
     table = native_table(rope_120())
-    shared = without_start({**rope_sources(), **shell_sources(table, fmi)}, len(start_values(table, fmi)))
+    shared = without_start(
+        {**rope_sources(), **shell_sources(table, fmi)}, len(start_values(table, fmi))
+    )
     return Library(shared, MODEL)
 
 
 def drive_library(structure: Hoist, fmi: int) -> Library:
     """Return the library of all hoists' drives of a structure, whose tables and numbers are alike."""
     drive = drive_model(find_case("rope-120"))
-    numbers = len(drive.data) - len(complete(find_case("rope-120").hoist).numbers) + len(structure.numbers)
+    numbers = (
+        len(drive.data)
+        - len(complete(find_case("rope-120").hoist).numbers)
+        + len(structure.numbers)
+    )
     sources = model_sources(drive.variables, drive_sources(structure), fmi)
-    return Library(without_start(sources, len(start_values(drive.variables, fmi)) + numbers), drive.name)
+    return Library(
+        without_start(sources, len(start_values(drive.variables, fmi)) + numbers), drive.name
+    )
 
 
 def add_prebuilt(root: Path) -> None:

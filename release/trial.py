@@ -76,8 +76,18 @@ class _Trial:
 
     def install(self, wheel: Path) -> None:
         subprocess.run([sys.executable, "-m", "venv", str(self.folder / "venv")], check=True)
-        self._do("pip install 'balance_rope-*.whl[study]'", "python", "-m", "pip", "install", "-q", f"{wheel}[study]")
-        if found := [name for name in ("cc", "gcc", "clang", "zig") if shutil.which(name, path=str(self.bin))]:
+        self._do(
+            "pip install 'balance_rope-*.whl[study]'",
+            "python",
+            "-m",
+            "pip",
+            "install",
+            "-q",
+            f"{wheel}[study]",
+        )
+        if found := [
+            name for name in ("cc", "gcc", "clang", "zig") if shutil.which(name, path=str(self.bin))
+        ]:
             raise RuntimeError(f"the environment has a compiler: {', '.join(found)}")
 
     def use(self) -> None:
@@ -96,7 +106,9 @@ class _Trial:
         (self.work / "study.toml").write_text(STUDY, encoding="utf-8")
         self._command("study", "study.toml", "--workers", "2")
         if self.cache.exists():
-            raise RuntimeError(f"compiled at first use: {', '.join(path.name for path in self.cache.iterdir())}")
+            raise RuntimeError(
+                f"compiled at first use: {', '.join(path.name for path in self.cache.iterdir())}"
+            )
 
     def compare(self) -> None:
         """Windings with FMI 2 and 3, which have the same bits, and exports from this checkout, which compiles them."""
@@ -118,12 +130,24 @@ class _Trial:
 
     def _do(self, what: str, program: str, *arguments: str) -> None:
         # by which numpy's linear algebra rounds
-        environment = {name: value for name, value in os.environ.items() if name.startswith("OPENBLAS_")}
-        environment |= {"PATH": str(self.bin), "HOME": str(self.folder), "BALANCE_ROPE_CACHE": str(self.cache)}
+        environment = {
+            name: value for name, value in os.environ.items() if name.startswith("OPENBLAS_")
+        }
+        environment |= {
+            "PATH": str(self.bin),
+            "HOME": str(self.folder),
+            "BALANCE_ROPE_CACHE": str(self.cache),
+        }
         begin = time.monotonic()
         command = [str(self.bin / program), *arguments]
         done = subprocess.run(
-            command, cwd=self.work, env=environment, capture_output=True, text=True, timeout=1800, check=False
+            command,
+            cwd=self.work,
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=1800,
+            check=False,
         )
         step = Step(what, time.monotonic() - begin, done.stdout + done.stderr)
         if done.returncode:
@@ -154,5 +178,7 @@ def readme_steps() -> Iterator[ReadmeStep]:
 if __name__ == "__main__":
     (path,) = sys.argv[1:]
     print(f"{path}: {Path(path).stat().st_size / 1e6:.2f} MB")
-    try_wheel(Path(path).resolve(), lambda step: print(f"{step.seconds:7.1f} s  {step.what}", flush=True))
+    try_wheel(
+        Path(path).resolve(), lambda step: print(f"{step.seconds:7.1f} s  {step.what}", flush=True)
+    )
     print("nothing was compiled; native FMUs and system are those of this checkout, byte by byte")

@@ -21,7 +21,15 @@ from release.bill import ROOT, bill_of_materials
 from release.libraries import add_prebuilt
 
 PACKAGES = ("rope_model", "fmu_src", "hoist_demo")
-FILES = ("balance_rope.py", "hoist_export.py", "pyproject.toml", "README.md", "LICENSE", "CHANGELOG.md", "CITATION.cff")
+FILES = (
+    "balance_rope.py",
+    "hoist_export.py",
+    "pyproject.toml",
+    "README.md",
+    "LICENSE",
+    "CHANGELOG.md",
+    "CITATION.cff",
+)
 
 
 def build(out: Path) -> list[Path]:
@@ -32,7 +40,11 @@ def build(out: Path) -> list[Path]:
     with tempfile.TemporaryDirectory() as folder:
         stage, made = Path(folder) / "stage", Path(folder) / "made"
         for package in PACKAGES:
-            shutil.copytree(ROOT / package, stage / package, ignore=shutil.ignore_patterns("__pycache__", "prebuilt"))
+            shutil.copytree(
+                ROOT / package,
+                stage / package,
+                ignore=shutil.ignore_patterns("__pycache__", "prebuilt"),
+            )
         for name in FILES:
             shutil.copyfile(ROOT / name, stage / name)
         _build("sdist", stage, made)
@@ -46,9 +58,13 @@ def build(out: Path) -> list[Path]:
 def _build(kind: str, stage: Path, out: Path) -> None:
     command = [sys.executable, "-m", "build", f"--{kind}", "--outdir", str(out), str(stage)]
     # not in this folder: its build/ would be taken for the module
-    done = subprocess.run(command, cwd=stage, env=_commit_time(), capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        command, cwd=stage, env=_commit_time(), capture_output=True, text=True, check=False
+    )
     if done.returncode:
-        raise RuntimeError(f"the {kind} cannot be built:\n{done.stdout[-3000:]}{done.stderr[-3000:]}")
+        raise RuntimeError(
+            f"the {kind} cannot be built:\n{done.stdout[-3000:]}{done.stderr[-3000:]}"
+        )
 
 
 def add_bill(wheel: Path) -> None:
@@ -69,7 +85,9 @@ def add_bill(wheel: Path) -> None:
 
 def _commit_time() -> dict[str, str]:
     command = ["git", "log", "-1", "--format=%ct"]
-    committed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
+    committed = subprocess.run(
+        command, cwd=ROOT, capture_output=True, text=True, check=False
+    ).stdout.strip()
     return ({"SOURCE_DATE_EPOCH": committed} if committed else {}) | os.environ
 
 

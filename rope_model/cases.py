@@ -45,7 +45,9 @@ def at_level(scene: Scene, level: Level) -> Scene:
         If there is no such level.
     """
     if level not in LEVELS:
-        raise ValueError(f"level = {level!r} must be one of {', '.join(LEVELS)}; standard suits most uses")
+        raise ValueError(
+            f"level = {level!r} must be one of {', '.join(LEVELS)}; standard suits most uses"
+        )
     return scene.with_(mesh=Mesh("auto"), **LEVELS[level])
 
 

@@ -78,8 +78,12 @@ class Property:
 PROPERTIES = {
     "mass_per_length": Property(2, "kg/m", "mass per length"),
     "axial_stiffness": Property(2, "N", "tension over strain while nothing turns, Qa"),
-    "torque_factor": Property(0, "1", "torque over tension and diameter while nothing turns, Qc / (Qa d)"),
-    "torsional_stiffness": Property(4, "N.m2", "torque over twist at constant tension, Qd - Qb Qc / Qa"),
+    "torque_factor": Property(
+        0, "1", "torque over tension and diameter while nothing turns, Qc / (Qa d)"
+    ),
+    "torsional_stiffness": Property(
+        4, "N.m2", "torque over twist at constant tension, Qd - Qb Qc / Qa"
+    ),
     "bending_stiffness": Property(4, "N.m2", "bending moment over curvature, EI"),
 }
 
@@ -88,7 +92,9 @@ _EN = (
     "http://what-when-how.com/Tutorial/topic-1297r4j9i2h/Wire-Ropes-Tension-Endurance-Reliability-51.html"
 )
 _STEEL_AREA = "area of EN 12385-4 and the steel's modulus, see rope_model/catalogue.py"
-_SIX_STRANDS = "EA of 6x19 in moorwire.py of https://github.com/ddjokic/Mooring-Line-Properties, over its area"
+_SIX_STRANDS = (
+    "EA of 6x19 in moorwire.py of https://github.com/ddjokic/Mooring-Line-Properties, over its area"
+)
 _SETTLED = f"lower end: {_SIX_STRANDS}; upper end: ours, for a rope that has settled"
 _LAY = "ours: strands at d / 3, lays of 6 to 8 d, less up to a third by wires in ordinary lay"
 _TWO_LAYERS = "ours: two layers of opposite lay, the outer one prevails"
@@ -114,17 +120,26 @@ class Construction:
         solid = STEEL_MODULUS * thick / 16
         return {
             # kg per 100 m and mm^2 is 1e4 kg/m^3
-            "mass_per_length": Datum(1e4 * self.mass[0], 1e4 * self.mass[1], "kg/m3", "published", _EN),
+            "mass_per_length": Datum(
+                1e4 * self.mass[0], 1e4 * self.mass[1], "kg/m3", "published", _EN
+            ),
             "axial_stiffness": Datum(
-                self.modulus.low * thin, self.modulus.high * thick, "N/m2", self.modulus.status, self.modulus.source
+                self.modulus.low * thin,
+                self.modulus.high * thick,
+                "N/m2",
+                self.modulus.status,
+                self.modulus.source,
             ),
             "torque_factor": self.torque_factor,
             "torsional_stiffness": Datum(
-                2 * SHEAR * sliding[0], 2 * SHEAR * solid, "N/m2", "derived", f"between all wires alone and none that "
-                f"slips: {_STEEL_AREA}"
+                2 * SHEAR * sliding[0],
+                2 * SHEAR * solid,
+                "N/m2",
+                "derived",
+                f"between all wires alone and none that slips: {_STEEL_AREA}",
             ),
             "bending_stiffness": Datum(sliding[0], 16 * sliding[1], "N/m2", "assumed", _BENT),
-        }  # fmt: skip
+        }
 
 
 _SINGLE_LAYER = Datum(0.07, 0.12, "1", "assumed", _LAY)
@@ -132,7 +147,9 @@ _OF_SIX_STRANDS = Datum(9.0e10, 9.6e10, "N/m2", "derived", _SIX_STRANDS)
 _OF_MORE_LAYERS = Datum(9.0e10, 1.3e11, "N/m2", "assumed", _SETTLED)
 
 
-def _head_rope(description: str, mass: tuple[float, float], area: tuple[float, float], wires: int) -> Construction:
+def _head_rope(
+    description: str, mass: tuple[float, float], area: tuple[float, float], wires: int
+) -> Construction:
     return Construction(description, mass, area, wires, _OF_SIX_STRANDS, _SINGLE_LAYER)
 
 
@@ -155,10 +172,17 @@ CONSTRUCTIONS = {
         Datum(0.02, 0.05, "1", "assumed", _TWO_LAYERS),
     ),
     "6x19": _head_rope(
-        "one layer of strands, a head rope; as a balance rope it turns its loop", (0.359, 0.400), (0.384, 0.449), 6 * 19
+        "one layer of strands, a head rope; as a balance rope it turns its loop",
+        (0.359, 0.400),
+        (0.384, 0.449),
+        6 * 19,
     ),
-    "6x36": _head_rope("one layer of strands, a head rope, as 6x19", (0.367, 0.409), (0.393, 0.460), 6 * 36),
-    "8x36": _head_rope("one layer of eight strands, a head rope, as 6x19", (0.348, 0.417), (0.357, 0.468), 8 * 36),
+    "6x36": _head_rope(
+        "one layer of strands, a head rope, as 6x19", (0.367, 0.409), (0.393, 0.460), 6 * 36
+    ),
+    "8x36": _head_rope(
+        "one layer of eight strands, a head rope, as 6x19", (0.348, 0.417), (0.357, 0.468), 8 * 36
+    ),
 }
 
 _KOYO = "https://koyo.jtekt.co.jp/en/support/bearing-knowledge/8-4000.html"
@@ -212,12 +236,16 @@ class KnownRope:
             If a name is no property.
         """
         for name in properties:
-            require(name in self.data, "property", name, f"one of {', '.join(self.data)}", "choose one")
+            require(
+                name in self.data, "property", name, f"one of {', '.join(self.data)}", "choose one"
+            )
         known = {name: datum.middle for name, datum in self.data.items()} | properties
         return rope_of(self.diameter, self.length, self.lay, **known)
 
 
-def rope(construction: str, diameter: float, length: float = Rope.length, lay: Lay = "right-hand") -> KnownRope:
+def rope(
+    construction: str, diameter: float, length: float = Rope.length, lay: Lay = "right-hand"
+) -> KnownRope:
     """Return the catalogue's ranges for a rope, as in ``rope("34x7", diameter=0.046)``.
 
     Parameters
@@ -241,15 +269,31 @@ def rope(construction: str, diameter: float, length: float = Rope.length, lay: L
     ValueError
         If an argument is out of its range; the message names the cure.
     """
-    require(construction in CONSTRUCTIONS, "construction", construction, f"one of {', '.join(CONSTRUCTIONS)}", _OTHER)
-    require(lay in get_args(Lay), "lay", lay, f"one of {', '.join(get_args(Lay))}", "see the rope's data sheet")
-    require(0.0 < diameter <= 1.0, "diameter", diameter, "above 0 and at most 1 m", "give it in metres")
+    require(
+        construction in CONSTRUCTIONS,
+        "construction",
+        construction,
+        f"one of {', '.join(CONSTRUCTIONS)}",
+        _OTHER,
+    )
+    require(
+        lay in get_args(Lay),
+        "lay",
+        lay,
+        f"one of {', '.join(get_args(Lay))}",
+        "see the rope's data sheet",
+    )
+    require(
+        0.0 < diameter <= 1.0, "diameter", diameter, "above 0 and at most 1 m", "give it in metres"
+    )
     require(0.0 < length < math.inf, "length", length, "above 0 and finite", "give it in metres")
     data = {}
     for name, factor in CONSTRUCTIONS[construction].factors().items():
         kind = PROPERTIES[name]
         scale = diameter**kind.power
-        data[name] = Datum(scale * factor.low, scale * factor.high, kind.unit, factor.status, factor.source)
+        data[name] = Datum(
+            scale * factor.low, scale * factor.high, kind.unit, factor.status, factor.source
+        )
     return KnownRope(construction, diameter, length, lay, data)
 
 
@@ -268,7 +312,9 @@ def rope_of(
     bending_stiffness: float,
 ) -> Rope:
     """Return the rope with these values of PROPERTIES."""
-    coupling = {"right-hand": 1.0, "left-hand": -1.0}[lay] * torque_factor * axial_stiffness * diameter
+    coupling = (
+        {"right-hand": 1.0, "left-hand": -1.0}[lay] * torque_factor * axial_stiffness * diameter
+    )
     return Rope(
         length=length,
         mass_per_length=mass_per_length,

@@ -38,7 +38,11 @@ _FIDELITY_NAMES = get_args(FidelityChoice)
 def _event(event: layout.EventStructure) -> Event:
     """Return the event with the words of RopeSimulator."""
     side, fidelity = SIDES[event.which % 2], _FIDELITY_NAMES[event.which]
-    words = ("transformation", *(f"{side} swivel {does}" for does in _SWITCHES), f"model {fidelity}")
+    words = (
+        "transformation",
+        *(f"{side} swivel {does}" for does in _SWITCHES),
+        f"model {fidelity}",
+    )
     return Event(event.t, words[event.what], event.kinetic, event.potential)
 
 
@@ -66,7 +70,10 @@ def declare(lib: ctypes.CDLL) -> ctypes.CDLL:
         "rope_retune": (c_int, (rope, c_void_p)),
         **{f"rope_{name}": (None, (rope, c_void_p)) for name in ("apply", "rows", "save")},
         "rope_displacement": (None, (rope, c_void_p, c_void_p)),
-        **{f"rope_{name}": (c_char_p, (rope,)) for name in ("message", "fidelity", "fidelity_reason")},
+        **{
+            f"rope_{name}": (c_char_p, (rope,))
+            for name in ("message", "fidelity", "fidelity_reason")
+        },
         **{f"rope_{name}": (c_int, (rope,)) for name in ("is_initialized", "elements")},
         "rope_time": (c_double, (rope,)),
         "rope_warning": (None, (rope, c_int, c_char_p)),
@@ -110,12 +117,20 @@ class NativeRope(BalanceRope):
             raise ValueError(self._text.value.decode())
         self._scene = scene
         self._state: RopeState | None = None  # cache of `state`
-        self._applied, self._forces = NO_FORCES, _forces(NO_FORCES)  # the library keeps a pointer to the forces
+        self._applied, self._forces = (
+            NO_FORCES,
+            _forces(NO_FORCES),
+        )  # the library keeps a pointer to the forces
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copy and pickle a rope as its scene, state and forces."""
         initialized = self._lib.rope_is_initialized(self._rope)
-        return _rebuild, (type(self), self._scene, self.native_state() if initialized else b"", self._applied)
+        return _rebuild, (
+            type(self),
+            self._scene,
+            self.native_state() if initialized else b"",
+            self._applied,
+        )
 
     def __del__(self) -> None:
         if rope := self.__dict__.pop("_rope", None):
@@ -162,7 +177,9 @@ class NativeRope(BalanceRope):
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
         return self.status_of(self._lib.rope_initialize(self._rope, t, _ends(left, right)))
 
-    def advance_to(self, t: float, left: EndMotion, right: EndMotion, given_at: float | None = None) -> Status:
+    def advance_to(
+        self, t: float, left: EndMotion, right: EndMotion, given_at: float | None = None
+    ) -> Status:
         self._require_state()
         at = t if given_at is None else given_at
         return self.status_of(self._lib.rope_advance_to(self._rope, t, _ends(left, right), at))
@@ -178,7 +195,10 @@ class NativeRope(BalanceRope):
         wanted = checked_names(names)
         values = (c_double * len(wanted))()
         view: NDArray[np.float64] = np.ctypeslib.as_array(values)
-        read, arguments = self._lib.rope_signals, (self._rope, len(wanted), _numbers(wanted), values)
+        read, arguments = (
+            self._lib.rope_signals,
+            (self._rope, len(wanted), _numbers(wanted), values),
+        )
 
         def read_now() -> NDArray[np.float64]:
             self._require_state()
@@ -226,7 +246,11 @@ class NativeRope(BalanceRope):
             raise ValueError(status.message)
 
     def _retune(self, scene: Scene) -> None:
-        if not (status := self.status_of(self._lib.rope_retune(self._rope, byref(scene_structure(scene))))).valid:
+        if not (
+            status := self.status_of(
+                self._lib.rope_retune(self._rope, byref(scene_structure(scene)))
+            )
+        ).valid:
             raise ValueError(status.message)
         self._scene = scene
 
@@ -258,7 +282,9 @@ def _forces(forces: PointForces) -> tuple[Structure, Any]:
     return _PointForces(forces.s.size, forces.start, forces.stop, rows.ctypes.data), rows
 
 
-def _rebuild(kind: type[NativeRope], scene: Scene, state: bytes, applied: PointForces) -> NativeRope:
+def _rebuild(
+    kind: type[NativeRope], scene: Scene, state: bytes, applied: PointForces
+) -> NativeRope:
     rope = kind(scene)
     rope.apply(applied)
     if state and not (status := rope.restore_native(state)).valid:
@@ -287,7 +313,10 @@ def _unpack(data: bytes) -> RopeState:
     n = s.elements
     values = np.frombuffer(data, dtype=np.float64, offset=ctypes.sizeof(layout.StateStructure))
     size = 7 * (n + 1)
-    x = {name: values[i * size : (i + 1) * size].reshape(n + 1, 7).copy() for i, name in enumerate(layout.ARRAYS)}
+    x = {
+        name: values[i * size : (i + 1) * size].reshape(n + 1, 7).copy()
+        for i, name in enumerate(layout.ARRAYS)
+    }
     return RopeState(
         **{name: read(getattr(s, name)) for name, read in _READERS.items()},
         motion=Motion(s.t, x["q"], x["v"], x["a"], x["b"], x["a_rate"], s.h, x["reaction"]),
@@ -303,7 +332,9 @@ def _unpack(data: bytes) -> RopeState:
         fidelity_reason=s.fidelity_reason.decode(),
         events=tuple(_event(event) for event in s.events[: s.event_count]),
         powers=Powers(s.power_ends, s.power_swivel),
-        hysteresis=values[6 * size + 2 * n + 1 :][: n * NO_HYSTERESIS.shape[1]].reshape(n, -1).copy()
+        hysteresis=values[6 * size + 2 * n + 1 :][: n * NO_HYSTERESIS.shape[1]]
+        .reshape(n, -1)
+        .copy()
         if s.rubs
         else NO_HYSTERESIS,
     )
@@ -317,14 +348,18 @@ def _pack(state: RopeState) -> bytes:
         h=m.h,
         power_ends=state.powers.ends,
         power_swivel=state.powers.swivel,
-        pattern=layout.PatternStructure(p.coarse, p.grading_length, p.counts, p.end_levels, p.windows),
+        pattern=layout.PatternStructure(
+            p.coarse, p.grading_length, p.counts, p.end_levels, p.windows
+        ),
         elements=p.lengths.size,
         fidelity=_FIDELITY_NAMES.index(state.fidelity),
         fidelity_reason=state.fidelity_reason.encode()[: layout.MESSAGE - 1],
         rubs=state.hysteresis.size > 0,
     )
     arrays = [getattr(m, name).tobytes() for name in layout.ARRAYS]
-    return b"".join([bytes(s), *arrays, p.lengths.tobytes(), p.nodes_s.tobytes(), state.hysteresis.tobytes()])
+    return b"".join(
+        [bytes(s), *arrays, p.lengths.tobytes(), p.nodes_s.tobytes(), state.hysteresis.tobytes()]
+    )
 
 
 @cache
@@ -339,7 +374,9 @@ def _reader(hint: Any) -> Callable[[Any], Any]:
     return Phase if hint is Phase else lambda x: x
 
 
-_READERS = {name: _reader(hint) for name, hint in get_type_hints(RopeState).items() if name in layout.ALIKE}
+_READERS = {
+    name: _reader(hint) for name, hint in get_type_hints(RopeState).items() if name in layout.ALIKE
+}
 
 
 def _to_ctypes(x: Any) -> Any:

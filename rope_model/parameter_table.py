@@ -42,7 +42,9 @@ class Parameter(NamedTuple):
             return ""
         lower, upper = _words(self.lower), _words(self.upper)
         unit = re.sub(r"(?<=[a-z])(\d)", r"^\1", self.unit).replace(".", " ")
-        return (f"in [{lower}, {upper}]" if upper else f">= {lower}") + (f" {unit}" if unit not in ("", "1") else "")
+        return (f"in [{lower}, {upper}]" if upper else f">= {lower}") + (
+            f" {unit}" if unit not in ("", "1") else ""
+        )
 
 
 class CrossCheck(NamedTuple):
@@ -51,7 +53,9 @@ class CrossCheck(NamedTuple):
     what: str
     bound: str  # with {} or {:.4g} for a number
     cure: str
-    formula: Callable[[Any], tuple[Any, ...]]  # x -> conditions, the value, and the number in the bound, if any
+    formula: Callable[
+        [Any], tuple[Any, ...]
+    ]  # x -> conditions, the value, and the number in the bound, if any
 
 
 class Bounds(NamedTuple):
@@ -70,7 +74,9 @@ def at_least(lower: float | str, cure: str) -> Bounds:
     return Bounds(lower, None, cure)
 
 
-def parameter(default: T, unit: str, description: str, bounds: Bounds = _ANY, tunable: bool = False) -> T:
+def parameter(
+    default: T, unit: str, description: str, bounds: Bounds = _ANY, tunable: bool = False
+) -> T:
     """Return a field that is a number, with the facts of Parameter."""
     return field(default=default, metadata=Parameter(unit, description, *bounds, tunable)._asdict())
 
@@ -84,7 +90,9 @@ def angle_parameter(description: str) -> float:
 def choice(default: T, words: Any, meanings: tuple[str, ...], description: str, cure: str) -> T:
     """Return a field that is one of the words of a Literal, each with its meaning."""
     choices = dict(zip(get_args(words), meanings, strict=True))
-    return field(default=default, metadata=Parameter("", description, cure=cure, choices=choices)._asdict())
+    return field(
+        default=default, metadata=Parameter("", description, cure=cure, choices=choices)._asdict()
+    )
 
 
 #: caches by data class: its table, and the table in the order of the checks
@@ -103,7 +111,9 @@ def check_order(kind: type[Any]) -> tuple[tuple[str, Parameter], ...]:
     """Return the parameters in the order of the checks: choices first, those bounded by another field last."""
     if kind not in _CHECKED:
         table = parameters_of(kind).items()
-        _CHECKED[kind] = tuple(sorted(table, key=lambda item: (not item[1].choices, bool(item[1].other))))
+        _CHECKED[kind] = tuple(
+            sorted(table, key=lambda item: (not item[1].choices, bool(item[1].other)))
+        )
     return _CHECKED[kind]
 
 

@@ -53,11 +53,18 @@ class Rope(ParameterGroup):
     )
     mass_per_length: float = parameter(8.0, "kg/m", "mass per length [assumed]", _POSITIVE)
     Qa: float = parameter(1.2e8, "N", "axial stiffness, T = Qa e + Qb tau [assumed]", _POSITIVE)
-    Qb: float = parameter(2.336e5, "N.m", "tension per twist; default is the symmetric mean of the published pair")
-    Qc: float = parameter(2.336e5, "N.m", "torque per axial strain, M = Qc e + Qd tau; default as Qb")
+    Qb: float = parameter(
+        2.336e5, "N.m", "tension per twist; default is the symmetric mean of the published pair"
+    )
+    Qc: float = parameter(
+        2.336e5, "N.m", "torque per axial strain, M = Qc e + Qd tau; default as Qb"
+    )
     Qd: float = parameter(3.3e3, "N.m2", "torsional stiffness [assumed]", _POSITIVE)
     EI: float = parameter(
-        300.0, "N.m2", "bending stiffness [assumed]; 74 with full slip of the wires, 2.4e4 with none", _POSITIVE
+        300.0,
+        "N.m2",
+        "bending stiffness [assumed]; 74 with full slip of the wires, 2.4e4 with none",
+        _POSITIVE,
     )
     EI_stick: float = parameter(
         0.0,
@@ -77,7 +84,9 @@ class Rope(ParameterGroup):
         "growth of that moment with the tension, over the diameter [assumed]",
         Bounds(0.0, 1.0, "use 0 for a moment that does not depend on the tension"),
     )
-    rhoJ: float = parameter(1.94e-3, "kg.m", "polar mass moment per length [assumed]", _POSITIVE)  # rho d^2/8
+    rhoJ: float = parameter(
+        1.94e-3, "kg.m", "polar mass moment per length [assumed]", _POSITIVE
+    )  # rho d^2/8
     c2: float = parameter(
         0.0,
         "1",
@@ -90,9 +99,15 @@ class Rope(ParameterGroup):
         "material damping proportional to stiffness [assumed]",
         at_least(0.0, "use 0 for no material damping"),
     )
-    torsion_damping: float = parameter(1.0, "1", "damping of torsion as a multiple of beta_K [assumed]", _TIMES_BETA_K)
-    bending_damping: float = parameter(1.0, "1", "damping of bending as a multiple of beta_K [assumed]", _TIMES_BETA_K)
-    diameter: float = parameter(0.044, "m", "rope diameter [assumed]", Bounds(TINY, 1.0, "give it in metres"))
+    torsion_damping: float = parameter(
+        1.0, "1", "damping of torsion as a multiple of beta_K [assumed]", _TIMES_BETA_K
+    )
+    bending_damping: float = parameter(
+        1.0, "1", "damping of bending as a multiple of beta_K [assumed]", _TIMES_BETA_K
+    )
+    diameter: float = parameter(
+        0.044, "m", "rope diameter [assumed]", Bounds(TINY, 1.0, "give it in metres")
+    )
     installed_twist: float = parameter(
         0.0,
         "rad",
@@ -103,7 +118,11 @@ class Rope(ParameterGroup):
         0.0,
         "1/m",
         "permanent curvature, as a reel leaves it; 0: straight",
-        Bounds(0.0, 10.0, "take a part of 1/R of the reel of radius R, and turn its direction for the other sense"),
+        Bounds(
+            0.0,
+            10.0,
+            "take a part of 1/R of the reel of radius R, and turn its direction for the other sense",
+        ),
     )
     initial_curvature_angle: float = angle_parameter(
         "direction of that curvature at the left end, about the tangent; 0: as the loop bends"
@@ -134,7 +153,11 @@ class Rope(ParameterGroup):
             "EI_stick",
             "0 or above EI = {!r} N m2",
             "use 0 for no friction between the wires; EI is that of wires that slide",
-            lambda rope: (((rope.EI_stick == 0) + (rope.EI_stick > rope.EI) > 0,), rope.EI_stick, rope.EI),
+            lambda rope: (
+                ((rope.EI_stick == 0) + (rope.EI_stick > rope.EI) > 0,),
+                rope.EI_stick,
+                rope.EI,
+            ),
         ),
     )
 
@@ -146,7 +169,9 @@ class Rope(ParameterGroup):
     @property
     def Qe(self) -> float:
         """Growth of the torsional stiffness per axial strain, N m^2."""
-        return self.c2 * (self.diameter * self.diameter) * self.Qa  # as C: libm's square may differ in the last bit
+        return (
+            self.c2 * (self.diameter * self.diameter) * self.Qa
+        )  # as C: libm's square may differ in the last bit
 
     @property
     def Qk(self) -> float:
@@ -164,7 +189,9 @@ class Layout(ParameterGroup):
         "horizontal distance of the two suspension points [assumed]",
         at_least(TINY, "give the distance between the conveyances"),
     )
-    gravity: float = parameter(9.81, "m/s2", "acceleration of free fall", at_least(TINY, "use 9.81"))
+    gravity: float = parameter(
+        9.81, "m/s2", "acceleration of free fall", at_least(TINY, "use 9.81")
+    )
 
 
 #: s, a release before any run: MAX_START_TIME of the simulator before 0
@@ -185,12 +212,19 @@ class Swivel(ParameterGroup):
     attachment: Attachment = choice(
         "plumb",
         Attachment,
-        ("the rope leaves it plumb", "it leaves a clamp as that leans, an input", "it leaves it as it likes"),
+        (
+            "the rope leaves it plumb",
+            "it leaves a clamp as that leans, an input",
+            "it leaves it as it likes",
+        ),
         "how the rope leaves the {side} end: 0 plumb, 1 clamped as {side}.lean says, 2 hinged",
         "choose how the rope leaves it",
     )
     mean_diameter: float = parameter(
-        0.090, "m", "mean diameter of the {side} swivel's bearing [assumed]", at_least(TINY, "take the bearing's d_m")
+        0.090,
+        "m",
+        "mean diameter of the {side} swivel's bearing [assumed]",
+        at_least(TINY, "take the bearing's d_m"),
     )
     mu_static: float = parameter(
         0.0018,  # a healthy rolling bearing
@@ -217,10 +251,14 @@ class Swivel(ParameterGroup):
         0.05,
         "kg.m2",
         "inertia that turns with the rope's {side} end [assumed]",
-        at_least(TINY, "give the rotor's, 0.05 as a rule: without inertia a release is a jump in spin"),
+        at_least(
+            TINY, "give the rotor's, 0.05 as a rule: without inertia a release is a jump in spin"
+        ),
     )
     release_time: float = parameter(
-        AT_START, "s", "time until which the {side} swivel is locked; -1e10: not locked, from the start of any run"
+        AT_START,
+        "s",
+        "time until which the {side} swivel is locked; -1e10: not locked, from the start of any run",
     )
     start: SwivelStart = choice(
         "relaxed",

@@ -10,14 +10,29 @@ from rope_model.engine import NativeRope
 from rope_model.files import WriteError
 from rope_model.numerics.kernels import last_words
 from rope_model.parameters import CHOICES, Layout, Rope, Scene, Swivel
-from rope_model.shaft_parameters import FAR, Air, Contact, Conveyance, Divider, Guard, HeadRopes, Lining, Shaft, Sump
+from rope_model.shaft_parameters import (
+    FAR,
+    Air,
+    Contact,
+    Conveyance,
+    Divider,
+    Guard,
+    HeadRopes,
+    Lining,
+    Shaft,
+    Sump,
+)
 from rope_model.simulation.contact.neighbours import Account, Contacts, Neighbours
 from rope_model.simulation.contact.point_forces import PointForces
 from rope_model.simulation.contact.shaft import BODIES
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.fidelity import FIDELITIES
 from rope_model.simulation.interface import BalanceRope, Snapshot, Status
-from rope_model.simulation.outputs.neglected_effects import Effect, neglected_effects, neglected_text
+from rope_model.simulation.outputs.neglected_effects import (
+    Effect,
+    neglected_effects,
+    neglected_text,
+)
 from rope_model.simulation.outputs.signal_table import CAUSES as GUARD_CAUSES
 from rope_model.simulation.outputs.signal_table import SIGNALS, Signal
 from rope_model.simulation.simulator import RopeSimulator
@@ -25,13 +40,60 @@ from rope_model.simulation.state import RopeState
 from rope_model.solver_parameters import Accuracy, Inputs, Mesh, Model, Solver, Stations
 
 __all__ = [
-    "BEARINGS", "BODIES", "CHOICES", "CONSTRUCTIONS", "FAR", "FIDELITIES", "GUARD_CAUSES", "ROPE_CASES", "SIGNALS",
-    "Account", "Accuracy", "Air", "BalanceRope", "Contact", "Contacts", "Conveyance", "Datum", "DatumStatus",
-    "Divider", "Effect", "EndMotion", "Form", "Guard", "HeadRopes", "Inputs", "KnownRope", "Layout", "Level",
-    "Lining", "Mesh", "Model", "Neighbours", "PointForces", "Rope", "RopeCase", "RopeSimulator", "RopeState",
-    "Scene", "Shaft", "Signal", "Snapshot", "Solver", "Stations", "Status", "Sump", "Swivel", "at_level",
-    "balance_rope", "neglected_effects", "neglected_text", "rope", "rope_120", "rope_240",
-]  # fmt: skip
+    "BEARINGS",
+    "BODIES",
+    "CHOICES",
+    "CONSTRUCTIONS",
+    "FAR",
+    "FIDELITIES",
+    "GUARD_CAUSES",
+    "ROPE_CASES",
+    "SIGNALS",
+    "Account",
+    "Accuracy",
+    "Air",
+    "BalanceRope",
+    "Contact",
+    "Contacts",
+    "Conveyance",
+    "Datum",
+    "DatumStatus",
+    "Divider",
+    "Effect",
+    "EndMotion",
+    "Form",
+    "Guard",
+    "HeadRopes",
+    "Inputs",
+    "KnownRope",
+    "Layout",
+    "Level",
+    "Lining",
+    "Mesh",
+    "Model",
+    "Neighbours",
+    "PointForces",
+    "Rope",
+    "RopeCase",
+    "RopeSimulator",
+    "RopeState",
+    "Scene",
+    "Shaft",
+    "Signal",
+    "Snapshot",
+    "Solver",
+    "Stations",
+    "Status",
+    "Sump",
+    "Swivel",
+    "at_level",
+    "balance_rope",
+    "neglected_effects",
+    "neglected_text",
+    "rope",
+    "rope_120",
+    "rope_240",
+]
 
 log = logging.getLogger(__name__)
 
@@ -67,11 +129,17 @@ def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
     """
     if not isinstance(scene, Scene):
         kind = type(scene).__name__
-        raise TypeError(f"scene is a {kind} and must be a Scene; that of a case is rope_120().scene")
+        raise TypeError(
+            f"scene is a {kind} and must be a Scene; that of a case is rope_120().scene"
+        )
     if form not in ("auto", "native", "python"):
-        raise ValueError(f"form = {form!r} must be 'auto', 'native' or 'python'; 'auto' takes the fastest to be had")
+        raise ValueError(
+            f"form = {form!r} must be 'auto', 'native' or 'python'; 'auto' takes the fastest to be had"
+        )
     rope = _rope(scene, form)
-    log.info("the rope runs in its %s form", "Python" if isinstance(rope, RopeSimulator) else "native")
+    log.info(
+        "the rope runs in its %s form", "Python" if isinstance(rope, RopeSimulator) else "native"
+    )
     return rope
 
 
@@ -84,7 +152,10 @@ def _rope(scene: Scene, form: Form) -> BalanceRope:
         except RuntimeError as error:  # no compiler
             log.info("the native rope cannot be had: %s", error)
         except WriteError as error:
-            log.warning("the native rope cannot be had: %s; the Python form takes some ten times as long", error)
+            log.warning(
+                "the native rope cannot be had: %s; the Python form takes some ten times as long",
+                error,
+            )
         except (OSError, subprocess.CalledProcessError) as error:
             log.warning(
                 "the native rope cannot be had: %s; the Python form takes some ten times as long. Repair the compiler, "

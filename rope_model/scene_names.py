@@ -110,8 +110,14 @@ def with_values(scene: Scene, values: Mapping[str, Value]) -> Scene:
     value: Any
     for name, value in values.items():
         if name not in known:
-            raise ValueError(f"{name} = {value!r} must be a parameter of the rope: see docs/reference/variables.md")
-        if known[name] == "Integer" and isinstance(value, float) and not (value.is_integer() or choices_of(name)):
+            raise ValueError(
+                f"{name} = {value!r} must be a parameter of the rope: see docs/reference/variables.md"
+            )
+        if (
+            known[name] == "Integer"
+            and isinstance(value, float)
+            and not (value.is_integer() or choices_of(name))
+        ):
             raise ValueError(f"{name} = {value!r} must be a whole number: leave out the fraction")
         group, _, field = name.rpartition(".")
         if field.startswith("counts["):
@@ -125,7 +131,9 @@ def with_values(scene: Scene, values: Mapping[str, Value]) -> Scene:
         except ValueError as error:
             raise ValueError(f"{group}: {error}") from error
     shaft = replace(scene.shaft, **{name: parts.pop(name) for name in PARTS if name in parts})
-    return scene.with_(**{group.removesuffix(".swivel"): part for group, part in parts.items()}, shaft=shaft)
+    return scene.with_(
+        **{group.removesuffix(".swivel"): part for group, part in parts.items()}, shaft=shaft
+    )
 
 
 def _part(scene: Scene, group: str) -> Any:

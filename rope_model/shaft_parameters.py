@@ -99,7 +99,10 @@ class Contact(ParameterGroup):
         Bounds(0.0, 100.0, "use 0 for a perfect rebound"),
     )
     friction: float = parameter(
-        0.2, "1", "coefficient of friction of rope and body [assumed]", Bounds(0.0, 10.0, "use 0 for none")
+        0.2,
+        "1",
+        "coefficient of friction of rope and body [assumed]",
+        Bounds(0.0, 10.0, "use 0 for none"),
     )
     slip_speed: float = parameter(
         0.01,
@@ -120,11 +123,15 @@ def _threshold(unit: str, description: str, cure: str) -> float:
 
 
 def _delay() -> float:
-    return parameter(0.0, "s", "delay before this guard trips", Bounds(0.0, REACH, "use 0 to trip at once"))
+    return parameter(
+        0.0, "s", "delay before this guard trips", Bounds(0.0, REACH, "use 0 to trip at once")
+    )
 
 
 def _switch(description: str) -> float:
-    return parameter(-FAR, "m", description, Bounds(-FAR, REACH, "give it in metres, or -1e6 to follow the loop"))
+    return parameter(
+        -FAR, "m", description, Bounds(-FAR, REACH, "give it in metres, or -1e6 to follow the loop")
+    )
 
 
 _OFF = "use 0 for no such guard"
@@ -136,15 +143,21 @@ class Guard(ParameterGroup):
 
     rise: float = _threshold("m", "rise of the loop that trips a guard", _OFF)
     rise_delay: float = _delay()
-    rise_y: float = _switch("height from which the rise counts; -1e6: the loop's quasi-static place")
+    rise_y: float = _switch(
+        "height from which the rise counts; -1e6: the loop's quasi-static place"
+    )
     window: float = _threshold(
         "m", "horizontal distance of the loop from midway between the ends that trips a guard", _OFF
     )
     window_delay: float = _delay()
-    window_y: float = _switch("height at which the window watches the legs instead; -1e6: the loop's lowest point")
+    window_y: float = _switch(
+        "height at which the window watches the legs instead; -1e6: the loop's lowest point"
+    )
     clearance: float = _threshold("m", "distance from a body of the shaft that trips a guard", _OFF)
     clearance_delay: float = _delay()
-    turns: float = _threshold("1", "turns of one side of the rope about the other that trip a guard", _OFF)
+    turns: float = _threshold(
+        "1", "turns of one side of the rope about the other that trip a guard", _OFF
+    )
     turns_delay: float = _delay()
     torque: float = _threshold("N.m", "moment of a swivel that trips a guard", _OFF)
     torque_delay: float = _delay()
@@ -177,18 +190,26 @@ class Air(ParameterGroup):
     vx: float = _velocity("X", _ACROSS)
     vy: float = _velocity("Y, upwards", "")
     vz: float = _velocity("Z", _ACROSS)
-    cross_y: float = _position("height of the middle of a gallery that blows, from the origin of left.y and right.y")
+    cross_y: float = _position(
+        "height of the middle of a gallery that blows, from the origin of left.y and right.y"
+    )
     cross_height: float = parameter(
         FAR,
         "m",
         "height of that gallery, from floor to roof; 1e6: air blows everywhere",
-        Bounds(0.1, FAR, "give the height of the gallery's mouth, or 1e6 for air that moves as one"),
+        Bounds(
+            0.1, FAR, "give the height of the gallery's mouth, or 1e6 for air that moves as one"
+        ),
     )
     buffet: float = parameter(
         0.0,
         "1",
         "speed of the air that a passing conveyance pushes at the leg beside it, over its own; 0: none [assumed]",
-        Bounds(0.0, 10.0, "0.06 suits a conveyance of 3 m2 in the open, 2 m away; in a shaft it is more"),
+        Bounds(
+            0.0,
+            10.0,
+            "0.06 suits a conveyance of 3 m2 in the open, 2 m away; in a shaft it is more",
+        ),
     )
     buffet_length: float = parameter(
         4.0,

@@ -6,7 +6,16 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal
 
-from rope_model.parameter_table import TINY, Bounds, CrossCheck, ParameterGroup, at_least, choice, parameter, require
+from rope_model.parameter_table import (
+    TINY,
+    Bounds,
+    CrossCheck,
+    ParameterGroup,
+    at_least,
+    choice,
+    parameter,
+    require,
+)
 
 MeshKind = Literal["tmn", "eem", "auto"]
 KernelForm = Literal["auto", "compiled", "portable"]
@@ -51,7 +60,9 @@ class Mesh(ParameterGroup):
         "0 TMN-ETM, segments that follow the loop; 1 EEM, equal lengths; 2 auto, fitted to the rope",
         "choose one",
     )
-    elements: int = parameter(600, "", "number of elements, kind 1", Bounds(2, MAX_ELEMENTS, "use fewer or more"))
+    elements: int = parameter(
+        600, "", "number of elements, kind 1", Bounds(2, MAX_ELEMENTS, "use fewer or more")
+    )
     coarse_length: float = parameter(
         2.0,
         "m",
@@ -62,7 +73,10 @@ class Mesh(ParameterGroup):
         (2, 4, 40, 4, 2), "", "number of elements of segment {segment}, kind 0"
     )
     end_levels: int = parameter(
-        2, "", "how often the outermost elements are halved, kind 0", Bounds(0, 8, "2 resolves the clamped ends")
+        2,
+        "",
+        "how often the outermost elements are halved, kind 0",
+        Bounds(0, 8, "2 resolves the clamped ends"),
     )
     grading_length: float = parameter(
         0.0,
@@ -102,7 +116,13 @@ class Mesh(ParameterGroup):
     )
 
     def __post_init__(self) -> None:
-        require(len(self.counts) == 5, "counts", self.counts, "five numbers", "give those of segments II to VI")
+        require(
+            len(self.counts) == 5,
+            "counts",
+            self.counts,
+            "five numbers",
+            "give those of segments II to VI",
+        )
         self.require_in_bounds()
 
 
@@ -117,7 +137,10 @@ class Accuracy(ParameterGroup):
         Bounds(1e-6, 1.0, "1e-3 suits most studies"),
     )
     loop: float = parameter(
-        0.01, "m", "largest error of the loop's place", Bounds(1e-5, 1.0, "0.01 m suits most studies")
+        0.01,
+        "m",
+        "largest error of the loop's place",
+        Bounds(1e-5, 1.0, "0.01 m suits most studies"),
     )
 
 
@@ -132,7 +155,11 @@ class Solver(ParameterGroup):
         0.02, "s", "largest time step", Bounds(TINY, 1.0, "10 ms suits most ropes"), tunable=True
     )
     step_min: float = parameter(
-        1.0e-5, "s", "smallest time step; below it a step fails", Bounds(TINY, "step_max", "use 1e-5 s"), tunable=True
+        1.0e-5,
+        "s",
+        "smallest time step; below it a step fails",
+        Bounds(TINY, "step_max", "use 1e-5 s"),
+        tunable=True,
     )
     tolerance: float = parameter(
         1.0,
@@ -164,7 +191,11 @@ class Solver(ParameterGroup):
     kernels: KernelForm = choice(
         "auto",
         KernelForm,
-        ("compiled where there is a compiler", "compiled, else an error", "interpreted, everywhere the same"),
+        (
+            "compiled where there is a compiler",
+            "compiled, else an error",
+            "interpreted, everywhere the same",
+        ),
         "0 compiled when possible, 1 compiled, 2 portable",
         "'auto' compiles when it can",
     )
@@ -251,6 +282,11 @@ class Stations(ParameterGroup):
     """Points of the rope with the outputs station.*; they stay in the rope while it flows through the loop."""
 
     first: float = parameter(
-        0.0, "1", "place of the first station over the rope's length, from its left end", Bounds(0.0, "last", _WHERE)
+        0.0,
+        "1",
+        "place of the first station over the rope's length, from its left end",
+        Bounds(0.0, "last", _WHERE),
     )
-    last: float = parameter(1.0, "1", "place of the last station, likewise", Bounds(0.0, 1.0, _WHERE))
+    last: float = parameter(
+        1.0, "1", "place of the last station, likewise", Bounds(0.0, 1.0, _WHERE)
+    )

@@ -20,7 +20,10 @@ REPLACEMENT = "\ufffd"
 def c_string(text: str) -> str:
     """Return a C literal, quotation marks included, that holds the text in UTF-8."""
     # three octal digits end by themselves, whatever follows
-    coded = (c if c in _PLAIN_C else r"\?" if c == "?" else "".join(f"\\{b:03o}" for b in _utf8(c)) for c in text)
+    coded = (
+        c if c in _PLAIN_C else r"\?" if c == "?" else "".join(f"\\{b:03o}" for b in _utf8(c))
+        for c in text
+    )
     return '"' + "".join(coded) + '"'
 
 
@@ -50,7 +53,9 @@ def toml_string(text: str) -> str:
 
 def printable(text: str) -> str:
     """Return the text on one line, for a terminal, a title or a comment."""
-    return "".join(c if c.isprintable() or unicodedata.category(c) == "Zs" else REPLACEMENT for c in text)
+    return "".join(
+        c if c.isprintable() or unicodedata.category(c) == "Zs" else REPLACEMENT for c in text
+    )
 
 
 def _utf8(text: str) -> bytes:

@@ -23,9 +23,15 @@ STOP, STEP = 0.03, 0.01  #: s
 def simulated(path: str) -> list[float]:
     """Return time and outputs at the end of a short simulation with the start values."""
     description = fmpy.read_model_description(path)
-    outputs = [v for v in description.modelVariables if v.causality == "output" and v.type in ("Real", "Float64")]
+    outputs = [
+        v
+        for v in description.modelVariables
+        if v.causality == "output" and v.type in ("Real", "Float64")
+    ]
     names = [v.name for v in outputs if not v.dimensions][:OUTPUTS]
-    result = fmpy.simulate_fmu(path, stop_time=STOP, step_size=STEP, output_interval=STEP, output=names)
+    result = fmpy.simulate_fmu(
+        path, stop_time=STOP, step_size=STEP, output_interval=STEP, output=names
+    )
     return [float(value) for value in result[-1]]
 
 
@@ -47,7 +53,11 @@ def result(path: str) -> object:
 def main() -> None:
     given = sys.argv[1:]
     results = {name: result(path) for name, path in zip(given[::2], given[1::2], strict=True)}
-    own = {name: getattr(module, "__version__", "") for name, module in sys.modules.items() if name.startswith(OURS)}
+    own = {
+        name: getattr(module, "__version__", "")
+        for name, module in sys.modules.items()
+        if name.startswith(OURS)
+    }
     print(json.dumps({"results": results, "modules": own}))
 
 

@@ -55,10 +55,23 @@ def look(page: Path, touches: str, width: int, fragment: str = "") -> SimpleName
     folder.mkdir()
     probed = page.read_text(encoding="utf-8").replace("</body>", _PROBE.format(touches=touches))
     (folder / "page.html").write_text(probed, encoding="utf-8")
-    (folder / "frame.html").write_text(_FRAME.format(page=f"page.html#{fragment}", width=width), encoding="utf-8")
+    (folder / "frame.html").write_text(
+        _FRAME.format(page=f"page.html#{fragment}", width=width), encoding="utf-8"
+    )
     assert BROWSER is not None
-    command = [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={folder / 'profile'}"]
-    command += ["--enable-logging=stderr", "--virtual-time-budget=8000", "--dump-dom", f"{folder / 'frame.html'}"]
+    command = [
+        BROWSER,
+        "--headless",
+        "--no-sandbox",
+        "--disable-gpu",
+        f"--user-data-dir={folder / 'profile'}",
+    ]
+    command += [
+        "--enable-logging=stderr",
+        "--virtual-time-budget=8000",
+        "--dump-dom",
+        f"{folder / 'frame.html'}",
+    ]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     found = re.search(r'<pre id="seen">(.+?)</pre>', done.stdout, re.DOTALL)
     console = [line for line in done.stderr.splitlines() if "CONSOLE" in line]
@@ -80,7 +93,9 @@ def curve(t: float) -> np.ndarray:
 
 
 def shaped(shapes: np.ndarray) -> dict[str, np.ndarray]:
-    return {f"shape.{c}[{i + 1}]": shapes[:, i, k] for k, c in enumerate("xyz") for i in range(POINTS)}
+    return {
+        f"shape.{c}[{i + 1}]": shapes[:, i, k] for k, c in enumerate("xyz") for i in range(POINTS)
+    }
 
 
 def result(signals: dict[str, np.ndarray], cause: str = "", **units: str) -> SimpleNamespace:
@@ -102,13 +117,21 @@ def run(tmp_path: Path, **more: np.ndarray) -> Path:
     shapes = np.array([curve(float(s)) for s in t])
     still = np.full(STEPS, 1.0)
     signals = {
-        "time": t, "reference.position": 7.0 * t, "reference.speed": 7.0 * still, "conveyance.left.y": 7.0 * t,
-        "conveyance.right.y": 90.0 - 7.0 * t, "conveyance.left.vy": 7.0 + np.sin(t),
-        "drive.tension_ratio": 1.2 + 0.1 * np.sin(t), "left.fy": -1e3 * (5.0 + t),
-        "left.swivel.slipping": ((t > 2.0) & (t < 3.0)).astype(float), "right.swivel.slipping": 0.0 * t,
-        "count.transformations": np.floor(t / 2.0), "stress.bending_max": 3.6e7 + 1e5 * np.sin(t),
-        "loop.clearance": 2.0 * still, "loop.broken": math.nan * still,
-    }  # fmt: skip
+        "time": t,
+        "reference.position": 7.0 * t,
+        "reference.speed": 7.0 * still,
+        "conveyance.left.y": 7.0 * t,
+        "conveyance.right.y": 90.0 - 7.0 * t,
+        "conveyance.left.vy": 7.0 + np.sin(t),
+        "drive.tension_ratio": 1.2 + 0.1 * np.sin(t),
+        "left.fy": -1e3 * (5.0 + t),
+        "left.swivel.slipping": ((t > 2.0) & (t < 3.0)).astype(float),
+        "right.swivel.slipping": 0.0 * t,
+        "count.transformations": np.floor(t / 2.0),
+        "stress.bending_max": 3.6e7 + 1e5 * np.sin(t),
+        "loop.clearance": 2.0 * still,
+        "loop.broken": math.nan * still,
+    }
     for i in range(POINTS):
         signals[f"shape.bending[{i + 1}]"] = (4e7 if i == POINTS // 2 else 1e5) * still
         signals[f"shape.torsion[{i + 1}]"] = 0.0 * t

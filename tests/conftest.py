@@ -32,21 +32,34 @@ Capture, Patch = pytest.CaptureFixture[str], pytest.MonkeyPatch
 Unpacked = Callable[[str], tuple[Path, str]]
 
 # processes that tests start run this checkout, too
-os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH"))))
+os.environ["PYTHONPATH"] = os.pathsep.join(
+    filter(None, (str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH")))
+)
 # what Python compiles for one of them serves the others
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 # what is compiled on this machine, in this process or another, serves a test and not a year of windings
-if os.name == "posix" and "OPTIMISING_CC" not in os.environ and len(compiler := find_compiler() or ()) == 1:
-    os.environ |= {"OPTIMISING_CC": compiler[0], "CC": str(Path(__file__).with_name("quick") / "cc")}
+if (
+    os.name == "posix"
+    and "OPTIMISING_CC" not in os.environ
+    and len(compiler := find_compiler() or ()) == 1
+):
+    os.environ |= {
+        "OPTIMISING_CC": compiler[0],
+        "CC": str(Path(__file__).with_name("quick") / "cc"),
+    }
 # examples are bounded by their number: a busy machine is no failure
-settings.register_profile("seeded", deadline=None, derandomize=True, max_examples=50)  # the same every time
+settings.register_profile(
+    "seeded", deadline=None, derandomize=True, max_examples=50
+)  # the same every time
 settings.load_profile("seeded")
 
 
 def pytest_collection_modifyitems(config: pytest.Config) -> None:
     """FMUs are compiled quickly in the tests of ``make test``; ``make test-slow`` compiles them as they are shipped."""
     if os.name == "posix" and find_spec("ziglang") and config.option.markexpr == "not slow":
-        os.environ["PYTHONPATH"] = os.pathsep.join((str(Path(__file__).with_name("quick")), os.environ["PYTHONPATH"]))
+        os.environ["PYTHONPATH"] = os.pathsep.join(
+            (str(Path(__file__).with_name("quick")), os.environ["PYTHONPATH"])
+        )
 
 
 @pytest.hookimpl(wrapper=True)
@@ -85,7 +98,9 @@ def unpacked(tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], P
 @pytest.fixture
 def plain_figures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Figures whose layout is not optimised, which takes half of their time."""
-    monkeypatch.setitem(import_module("hoist_demo.report.figures").STYLE, "figure.constrained_layout.use", False)
+    monkeypatch.setitem(
+        import_module("hoist_demo.report.figures").STYLE, "figure.constrained_layout.use", False
+    )
 
 
 @pytest.fixture
@@ -163,7 +178,9 @@ def straight(s: Array) -> Array:
 def difference(f: Callable[[Array], Any], x: Any, step: float = 1e-5) -> Array:
     """Columns df/dx_i by central differences, which err by the square of the step and by rounding over it."""
     at = np.array(x)
-    columns = [(np.asarray(f(at + d)) - np.asarray(f(at - d))) / (2 * step) for d in step * np.eye(at.size)]
+    columns = [
+        (np.asarray(f(at + d)) - np.asarray(f(at - d))) / (2 * step) for d in step * np.eye(at.size)
+    ]
     return np.stack(columns, axis=-1)
 
 

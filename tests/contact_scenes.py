@@ -6,7 +6,17 @@ from dataclasses import replace
 import numpy as np
 from scenes import hung
 
-from rope_model import BalanceRope, EndMotion, Layout, Mesh, Neighbours, Rope, Scene, Solver, balance_rope
+from rope_model import (
+    BalanceRope,
+    EndMotion,
+    Layout,
+    Mesh,
+    Neighbours,
+    Rope,
+    Scene,
+    Solver,
+    balance_rope,
+)
 from rope_model.physics.contact import ONSET
 from rope_model.shaft_parameters import Contact, Lining, Shaft
 from rope_model.simulation.contact.self_contact import find_self_contacts
@@ -14,7 +24,9 @@ from rope_model.simulation.contact.self_contact import find_self_contacts
 #: m, N/m^2, and m by which the planes of two ropes are apart
 DIAMETER, STIFFNESS, GAP = Rope().diameter, 1e6, 0.3
 SHORT = Scene(Rope(length=6.0, EI=100.0), Layout(0.6), solver=Solver(step_max=0.01, tolerance=1e5))
-SCENE = SHORT.with_(mesh=Mesh("eem", elements=16), shaft=Shaft(contact=Contact(rope_stiffness=STIFFNESS)))
+SCENE = SHORT.with_(
+    mesh=Mesh("eem", elements=16), shaft=Shaft(contact=Contact(rope_stiffness=STIFFNESS))
+)
 #: m, where two hang that swing against each other
 FACING = [(0.0, 0.0, -0.5 * GAP), (0.0, 0.0, 0.5 * GAP)]
 #: s that two swing against each other, the middle of each at 1 m/s
@@ -24,7 +36,9 @@ TIME = 0.3
 def crossing(gap: float, angle: float, along: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
     """A rope in which two straight strings of 2 m cross, the second above the first: rows (nodes, 7), lengths."""
     q = np.zeros((6, 7))
-    for k, (nodes, turn, z) in enumerate(((range(3), 0.0, 0.0), (range(3, 6), math.pi + angle, gap))):
+    for k, (nodes, turn, z) in enumerate(
+        ((range(3), 0.0, 0.0), (range(3, 6), math.pi + angle, gap))
+    ):
         tangent = np.array([math.cos(turn), math.sin(turn), 0.0])
         for node, s in zip(nodes, (-1.0, along + 0.013 * k, 1.0), strict=True):
             q[node, :3], q[node, 3:6] = s * tangent + [0.0, 0.0, z], tangent
@@ -90,7 +104,9 @@ def swinging(scene: Scene, speed: float) -> BalanceRope:
     return rope
 
 
-def begun(scenes: list[Scene], speeds: tuple[float, ...], places: list[tuple[float, float, float]]) -> Group:
+def begun(
+    scenes: list[Scene], speeds: tuple[float, ...], places: list[tuple[float, float, float]]
+) -> Group:
     """Ropes at these places, whose middles move out of plane, and themselves as partners."""
     ropes = [swinging(scene, speed) for scene, speed in zip(scenes, speeds, strict=True)]
     neighbours = Neighbours(scenes, places)
@@ -111,7 +127,10 @@ def against_a_wall(h: float, **law: float) -> BalanceRope:
 
     With twice the stiffness and twice the damping it does to one of them what the other does.
     """
-    wall, contact = Lining(width=40.0, depth=40.0, z=0.5 * GAP - 20.0), Contact(stiffness=2.0 * STIFFNESS, **law)
+    wall, contact = (
+        Lining(width=40.0, depth=40.0, z=0.5 * GAP - 20.0),
+        Contact(stiffness=2.0 * STIFFNESS, **law),
+    )
     contact = replace(contact, damping=2.0 * contact.damping)
     rope = swinging(SCENE.with_(shaft=Shaft(contact=contact, lining=wall)), 1.0)
     for k in range(1, round(TIME / h) + 1):

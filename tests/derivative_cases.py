@@ -32,7 +32,12 @@ from hoist_demo.parameters import Winding
 from rope_model import EndMotion, Scene, rope_120
 from rope_model.engine import NativeRope
 from rope_model.shaft_parameters import Air, Divider, Shaft
-from rope_model.simulation.ends.input_filter import ALLOWED_JERK, ALLOWED_YAW_JERK, MIN_AIM_TIME, MIN_MEAN_TIME
+from rope_model.simulation.ends.input_filter import (
+    ALLOWED_JERK,
+    ALLOWED_YAW_JERK,
+    MIN_AIM_TIME,
+    MIN_MEAN_TIME,
+)
 from rope_model.simulation.outputs.signal_table import LOADS, SIGNALS
 from rope_model.solver_parameters import Inputs, Model
 
@@ -69,7 +74,9 @@ def winding(t: float) -> Ends:
 def turning(t: float) -> Ends:
     """The winding with conveyances that yaw, faster and faster."""
     left, right = winding(t)
-    return replace(left, yaw=0.05 * t**3, yaw_rate=0.15 * t**2), replace(right, yaw=-0.04 * t**3, yaw_rate=-0.12 * t**2)
+    return replace(left, yaw=0.05 * t**3, yaw_rate=0.15 * t**2), replace(
+        right, yaw=-0.04 * t**3, yaw_rate=-0.12 * t**2
+    )
 
 
 def leaning(t: float) -> Ends:
@@ -90,7 +97,9 @@ class Case:
     longest: float = math.inf  # s
     bent: tuple[str, ...] = ("x", "y", "z", "yaw")
     apart: tuple[str, ...] = ()  # inputs that are left out
-    scale: float = 1.0  # of the differences; wires begin to slide, or stick again, after a small bend
+    scale: float = (
+        1.0  # of the differences; wires begin to slide, or stick again, after a small bend
+    )
 
 
 def with_swivels(**values: Any) -> Scene:
@@ -128,14 +137,24 @@ def cases() -> dict[str, Case]:
         "contact with a beam": Case(scene.with_(shaft=beam)),
         "air": Case(scene.with_(shaft=wind)),
         "the first step": Case(scene, begin=0.0),
-        "a step that raises the fidelity": Case(scene.with_(rope=replace(scene.rope, Qb=0.0, Qc=0.0))),
-        "at an event": Case(with_swivels(mode="coulomb", release_time=RELEASED), turning, to_event=True, shortest=0.05),
+        "a step that raises the fidelity": Case(
+            scene.with_(rope=replace(scene.rope, Qb=0.0, Qc=0.0))
+        ),
+        "at an event": Case(
+            with_swivels(mode="coulomb", release_time=RELEASED),
+            turning,
+            to_event=True,
+            shortest=0.05,
+        ),
         "a transformation": Case(scene, begin=TRANSFORMED - 0.0005),
         "Qb not Qc": Case(scene.with_(rope=published), turning),
         "hinged": Case(with_swivels(attachment="hinged")),
         "clamps that lean": Case(with_swivels(attachment="clamped"), leaning, apart=()),
         "wires that rub": Case(
-            with_swivels(attachment="clamped").with_(rope=rubbing), leaning, scale=1e-3, longest=0.01
+            with_swivels(attachment="clamped").with_(rope=rubbing),
+            leaning,
+            scale=1e-3,
+            longest=0.01,
         ),
     }
 
@@ -195,9 +214,14 @@ def advance_to_event(rope: NativeRope, stop: float, ends: Ends) -> None:
     lib, handle, *_ = rope.library
     event = ct.c_int(0)
     step = lib.rope_advance_to_event
-    step.restype, step.argtypes = ct.c_int, (ct.c_void_p, ct.c_double, ct.c_char_p, ct.c_double, ct.POINTER(ct.c_int))
+    step.restype, step.argtypes = (
+        ct.c_int,
+        (ct.c_void_p, ct.c_double, ct.c_char_p, ct.c_double, ct.POINTER(ct.c_int)),
+    )
     values = [x for end in ends for x in vars(end).values()]
-    status = rope.status_of(step(handle, stop, struct.pack(f"{len(values)}d", *values), stop, ct.byref(event)))
+    status = rope.status_of(
+        step(handle, stop, struct.pack(f"{len(values)}d", *values), stop, ct.byref(event))
+    )
     assert status.valid, status.message
     assert event.value
     assert rope.time < stop
@@ -235,13 +259,15 @@ def differentiated(case: Case, h: float, warm: float = 0.01) -> Differentiated:
     return found
 
 
-def derivative(rope: NativeRope, side: int, name: str, at_step_end: bool = True) -> NDArray[np.float64]:
+def derivative(
+    rope: NativeRope, side: int, name: str, at_step_end: bool = True
+) -> NDArray[np.float64]:
     """Return the derivatives of LOADS to an input, as an FMU gives them."""
     lib, handle, *_ = rope.library
     found = (ct.c_double * len(LOADS))()
-    assert lib.rope_load_derivative(handle, len(INPUTS) * side + INPUTS.index(name), at_step_end, found), (
-        lib.rope_message(handle).decode()
-    )
+    assert lib.rope_load_derivative(
+        handle, len(INPUTS) * side + INPUTS.index(name), at_step_end, found
+    ), lib.rope_message(handle).decode()
     return np.array(found)
 
 
@@ -251,7 +277,9 @@ def largest_difference(case: Case, name: str, h: float) -> float:
         return 0.1 * LARGEST_SHARE * LEANED
     axis = "yaw" if name.startswith("yaw") else name[-1]
     order = 2 if name.startswith("a") else 1 if name.startswith("v") or name == "yaw_rate" else 0
-    share, aim = (LARGEST_SHARE, h) if h >= MIN_MEAN_TIME else (LARGEST_SHARE_SHORT, max(h, MIN_AIM_TIME))
+    share, aim = (
+        (LARGEST_SHARE, h) if h >= MIN_MEAN_TIME else (LARGEST_SHARE_SHORT, max(h, MIN_AIM_TIME))
+    )
     if axis in case.bent and not (axis == "yaw" and h < MIN_MEAN_TIME):
         return share * BEND[axis] * aim ** (2 - order)
     jerk = ALLOWED_YAW_JERK if axis == "yaw" else ALLOWED_JERK
@@ -274,7 +302,9 @@ def errors(case: Case, h: float) -> dict[str, float]:
     step, found = differentiated(case, h), {}
     derivatives = {name: derivative(step.rope, 0, name, not case.late) for name in INPUTS}
     for name in INPUTS:
-        if name in case.apart or (name.startswith("lean") and case.scene.left.attachment != "clamped"):
+        if name in case.apart or (
+            name.startswith("lean") and case.scene.left.attachment != "clamped"
+        ):
             assert not derivatives[name].any(), name
             continue
         expected = expected_derivative(step, name, h)
@@ -295,7 +325,9 @@ def main() -> None:
         for h in STEPS:
             of_inputs = errors(case, 1e-3 * h) if case.shortest <= 1e-3 * h <= case.longest else {}
             which = max(of_inputs, key=lambda x: of_inputs[x], default="")
-            worst = f"{100.0 * of_inputs[which]:>6.3f} {which[:4]:<4}" if which else f"{'-':>6}     "
+            worst = (
+                f"{100.0 * of_inputs[which]:>6.3f} {which[:4]:<4}" if which else f"{'-':>6}     "
+            )
             print(f"{worst} {len(of_inputs):>2}", end="  ", flush=True)
         print(flush=True)
 

@@ -19,7 +19,9 @@ class PlantInput(namedtuple("PlantInput", INPUT_NAMES, defaults=(0.0,) * (len(IN
     """Held over one communication step; forces are those of one balance rope."""
 
 
-class PlantInputPath(namedtuple("Path", ("start", "rise", "bend", "added_mass"), defaults=((0.0, 0.0),))):
+class PlantInputPath(
+    namedtuple("Path", ("start", "rise", "bend", "added_mass"), defaults=((0.0, 0.0),))
+):
     """Input over one communication step, s = 0 .. 1: start + rise s + bend s^2, and forces less m_a times a."""
 
 
@@ -55,14 +57,18 @@ class Plant(HoistPlant):
     def rates(self, state: PlantState, u: PlantInput) -> np.ndarray:
         """dx/dt of head ropes that hold."""
         hoist = replace(self.hoist, lining=None)
-        found = equations(hoist.equation_structure).rates(state.x, np.array(u), state.free_lengths, hoist.numbers)
+        found = equations(hoist.equation_structure).rates(
+            state.x, np.array(u), state.free_lengths, hoist.numbers
+        )
         return np.asarray(found).ravel()
 
 
 def energy_residual(start: PlantOutput, now: PlantOutput, work: Sequence[float]) -> float:
     """Motor and balance rope work minus losses minus the hoist's energy gained [J]; 0 for an exact integration."""
     motor, losses, ropes, left, right = work
-    gained = now.energy_kinetic + now.energy_potential - start.energy_kinetic - start.energy_potential
+    gained = (
+        now.energy_kinetic + now.energy_potential - start.energy_kinetic - start.energy_potential
+    )
     return float(motor + left + right - losses - ropes - gained)
 
 
@@ -72,10 +78,14 @@ def _packed(u: PlantInput | PlantInputPath) -> tuple[np.ndarray, np.ndarray]:
     return np.array([*u.start, *u.rise, *u.bend]), np.array(u.added_mass)
 
 
-def dead_weights(hoist: Hoist, y_left: float, y_right: float, acceleration: float) -> tuple[float, float]:
+def dead_weights(
+    hoist: Hoist, y_left: float, y_right: float, acceleration: float
+) -> tuple[float, float]:
     """Forces of one balance rope on the conveyances [N]: weight and inertia of its legs."""
     half, high, mass = hoist.tail_rope_length / 2.0, (y_left - y_right) / 2.0, hoist.tail_rope_mass
-    return -mass * (half + high) * (GRAVITY + acceleration), -mass * (half - high) * (GRAVITY - acceleration)
+    return -mass * (half + high) * (GRAVITY + acceleration), -mass * (half - high) * (
+        GRAVITY - acceleration
+    )
 
 
 def rest_at(plant: Plant, heights: tuple[float, float]) -> tuple[PlantState, PlantInput]:
@@ -107,11 +117,18 @@ def wind(hoist: Hoist, winding: Winding, gains: Gains, step: float = 0.02) -> di
         moved = plant.step(state, step, u)
         assert moved.valid, moved.message
         state, memory, shown = moved.state, command.state, plant.outputs(moved.state, u)
-        rows.append({
-            "time": (k + 1) * step, "position": shown.y_left - heights[0], "speed": hoist.sheave_radius * shown.rate,
-            "torque": shown.torque, "power": shown.power, "slip_safety": hoist.slip_safety(shown.tension_ratio),
-            "static_slip_safety": hoist.slip_safety(
-                tension_ratio(shown.static_tension_left, shown.static_tension_right)),
-            "energy_residual": energy_residual(at_rest, shown, state.work_totals[:5]),
-        })  # fmt: skip
+        rows.append(
+            {
+                "time": (k + 1) * step,
+                "position": shown.y_left - heights[0],
+                "speed": hoist.sheave_radius * shown.rate,
+                "torque": shown.torque,
+                "power": shown.power,
+                "slip_safety": hoist.slip_safety(shown.tension_ratio),
+                "static_slip_safety": hoist.slip_safety(
+                    tension_ratio(shown.static_tension_left, shown.static_tension_right)
+                ),
+                "energy_residual": energy_residual(at_rest, shown, state.work_totals[:5]),
+            }
+        )
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}

@@ -11,7 +11,16 @@ from rope_model.physics.element import BALANCE, PARAMETERS, element_functions
 ELEMENT = element_functions()
 STRAIN = ("axial", "coupling", "torsion", "bending")
 seeds = pytest.mark.parametrize("seed", range(6))
-MATERIAL = {"rho": 1.3, "g": 9.8, "Qa": 5.0, "Qs": 0.8, "Qk": 0.3, "Qd": 2.0, "EI": 1.5, "rhoJ": 0.4}
+MATERIAL = {
+    "rho": 1.3,
+    "g": 9.8,
+    "Qa": 5.0,
+    "Qs": 0.8,
+    "Qk": 0.3,
+    "Qd": 2.0,
+    "EI": 1.5,
+    "rhoJ": 0.4,
+}
 MATERIAL |= {"beta_K": 0.3, "root_a": 1.3, "root_b": 0.7, "Qe": 0.6, "rhoJ_x": 0.2}
 #: a central difference with this step errs by its square, and by rounding over it: both below 1e-9
 STEP = 1e-5
@@ -54,7 +63,9 @@ def residual(q: Array, v: Array, a: Array, l: float, F: Array, P: Array) -> Arra
 
 
 def balance(q: Array, v: Array, l: float, F: Array, P: Array) -> dict[str, float]:
-    return dict(zip(BALANCE, np.asarray(ELEMENT.balance(q, v, l, F, P)).ravel().tolist(), strict=True))
+    return dict(
+        zip(BALANCE, np.asarray(ELEMENT.balance(q, v, l, F, P)).ravel().tolist(), strict=True)
+    )
 
 
 def energy(q: Array, v: Array, l: float, F: Array, P: Array, names: tuple[str, ...]) -> float:

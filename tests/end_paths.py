@@ -7,7 +7,12 @@ from rope_model import Rope, Scene
 from rope_model.numerics import quintic
 from rope_model.numerics.program import Program
 from rope_model.simulation.ends.filter_program import FilterStep, filter_program, filter_step
-from rope_model.simulation.ends.input_filter import FilterSettings, InputFilter, PathMeasures, settings_of
+from rope_model.simulation.ends.input_filter import (
+    FilterSettings,
+    InputFilter,
+    PathMeasures,
+    settings_of,
+)
 from rope_model.simulation.ends.paths import EndMotion, EndPath
 from rope_model.solver_parameters import Inputs, Trusted
 
@@ -20,7 +25,9 @@ def led(path: EndPath, stop: float, target: EndMotion) -> EndPath:
     now = path.motion(path.stop)
     then = (*target.position, target.yaw), (*target.velocity, target.yaw_rate)
     accelerations = (*target.acceleration, (target.yaw_rate - now[1][3]) / h)
-    x, y, z, yaw = (quintic.coefficients(h, *axis) for axis in zip(*now, *then, accelerations, strict=True))
+    x, y, z, yaw = (
+        quintic.coefficients(h, *axis) for axis in zip(*now, *then, accelerations, strict=True)
+    )
     return EndPath(path.stop, stop, (x, y, z, yaw))
 
 
@@ -29,7 +36,9 @@ def program() -> Program:
     return filter_program(Rope())
 
 
-def usual_manner(trusted: Trusted = "all", bandwidth: float = 1.0, estimate: float = 17.0) -> FilterSettings:
+def usual_manner(
+    trusted: Trusted = "all", bandwidth: float = 1.0, estimate: float = 17.0
+) -> FilterSettings:
     """By default with the bandwidths (rad/s) of the 120 m rope at the standard level."""
     return settings_of(Scene(inputs=Inputs(trusted, bandwidth, estimate)))
 

@@ -34,7 +34,10 @@ def python(profile: Profile = FULL) -> Callable[[Path], Path]:
 
 
 def native(
-    fmi: int, platforms: Sequence[str] | None = None, profile: Profile = FULL, level: Level = "standard"
+    fmi: int,
+    platforms: Sequence[str] | None = None,
+    profile: Profile = FULL,
+    level: Level = "standard",
 ) -> Callable[[Path], Path]:
     return partial(export_native, fmi=fmi, platforms=platforms, profile=profile, level=level)
 
@@ -42,19 +45,25 @@ def native(
 if host_platform() in available_platforms():
     FLAVOURS["python"] = Flavour(python(), fmi=2, native=False, tolerance=1e-12)
     FLAVOURS |= {
-        f"native-{fmi}": Flavour(native(fmi, (host_platform(),)), fmi=fmi, native=True, tolerance=1e-9)
+        f"native-{fmi}": Flavour(
+            native(fmi, (host_platform(),)), fmi=fmi, native=True, tolerance=1e-9
+        )
         for fmi in (2, 3)
     }
 
 
-def export_drive(destination: Path, platforms: Sequence[str] = (host_platform(),), fmi: int = 2) -> Path:
+def export_drive(
+    destination: Path, platforms: Sequence[str] = (host_platform(),), fmi: int = 2
+) -> Path:
     """The hoist drive of the 120 m scene."""
     return export_model(destination, platforms, fmi, **vars(drive_model(find_case("rope-120"))))
 
 
 def export_stand_in(destination: Path, fmi: int) -> Path:
     """The native FMU with the stand-in for the rope."""
-    return export_native(destination, fmi=fmi, platforms=(host_platform(),), rope=stand_in(), profile=FULL)
+    return export_native(
+        destination, fmi=fmi, platforms=(host_platform(),), rope=stand_in(), profile=FULL
+    )
 
 
 #: every kind of archive that is exported, for this platform

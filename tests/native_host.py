@@ -20,13 +20,25 @@ OK, WARNING, DISCARD, ERROR = 0, 1, 2, 3
 #: s of processor time that one call may take
 LONGEST_CALL = 20.0
 _DOUBLE, _POINTER, _ONE = ctypes.c_double, ctypes.c_void_p, ctypes.c_size_t(1)
-_C = {"Real": _DOUBLE, "Float64": _DOUBLE, "Integer": ctypes.c_int, "Int32": ctypes.c_int32, "Int64": ctypes.c_int64}
+_C = {
+    "Real": _DOUBLE,
+    "Float64": _DOUBLE,
+    "Integer": ctypes.c_int,
+    "Int32": ctypes.c_int32,
+    "Int64": ctypes.c_int64,
+}
 _C["String"] = ctypes.c_char_p
 #: a rope of nine equal elements, or of TMN-ETM's fewest
 SMALL: dict[str, float] = {
-    "mesh.kind": 1, "mesh.elements": 9, "mesh.coarse_length": 1.5, "mesh.counts[3]": 8, "mesh.end_levels": 0,
-    "rope.length": 30.0, "right.y": 0.0, "inputs_at_step_end": 1,
-}  # fmt: skip
+    "mesh.kind": 1,
+    "mesh.elements": 9,
+    "mesh.coarse_length": 1.5,
+    "mesh.counts[3]": 8,
+    "mesh.end_levels": 0,
+    "rope.length": 30.0,
+    "right.y": 0.0,
+    "inputs_at_step_end": 1,
+}
 
 
 @cache
@@ -39,7 +51,13 @@ class Host:
     """``log`` (status, message) is all that the FMU said, ``said`` its errors; what returns an int returns a status."""
 
     def __init__(
-        self, path: Path, folder: str, token: Any = None, memory: Any = None, resources: Any = None, events: int = 0
+        self,
+        path: Path,
+        folder: str,
+        token: Any = None,
+        memory: Any = None,
+        resources: Any = None,
+        events: int = 0,
     ) -> None:
         self.description = _description(path, path.stat().st_mtime_ns)
         self.variables = {v.name: v for v in self.description.modelVariables}
@@ -47,7 +65,10 @@ class Host:
         self.log: list[tuple[int, str]] = []
         self.said: list[str] = []
         self.reached = _DOUBLE()  # s, by the last step, in FMI 3.0
-        identifier, place = self.description.coSimulation.modelIdentifier, Path(folder).resolve() / "resources"
+        identifier, place = (
+            self.description.coSimulation.modelIdentifier,
+            Path(folder).resolve() / "resources",
+        )
         self.binary = next((Path(folder) / "binaries").rglob(f"{identifier}.*"))
         self.dll = ctypes.CDLL(str(self.binary))
         code = (self.description.guid if token is None else token).encode()
@@ -60,9 +81,22 @@ class Host:
             self._callbacks.allocateMemory, self._callbacks.freeMemory = functions
             arguments: Any = b"rope", 1, code, resources, ctypes.byref(self._callbacks), 0, 1
         else:
-            make, self._logger = self.dll.fmi3InstantiateCoSimulation, fmi3LogMessageCallback(self._heard)
+            make, self._logger = (
+                self.dll.fmi3InstantiateCoSimulation,
+                fmi3LogMessageCallback(self._heard),
+            )
             flags = False, True, events, events
-            arguments = b"rope", code, resources, *flags, None, ctypes.c_size_t(0), None, self._logger, None
+            arguments = (
+                b"rope",
+                code,
+                resources,
+                *flags,
+                None,
+                ctypes.c_size_t(0),
+                None,
+                self._logger,
+                None,
+            )
         make.restype = _POINTER
         self.instance = make(*arguments)
         assert self.instance, self.said[-1]
@@ -93,15 +127,22 @@ class Host:
 
     # variables
 
-    def _room(self, variable: ModelVariable, kind: str, reference: int | None, values: list[Any]) -> tuple[Any, ...]:
+    def _room(
+        self, variable: ModelVariable, kind: str, reference: int | None, values: list[Any]
+    ) -> tuple[Any, ...]:
         """Type of the function, its arguments, and the array among them."""
         kind = "Int64" if kind == "Enumeration" else kind
         c = _C.get(kind, ctypes.c_bool if self.fmi == 3 else ctypes.c_int)
         which = ctypes.c_uint(variable.valueReference if reference is None else reference)
-        room, number = (c * len(values))(*values), (ctypes.c_size_t(len(values)),) if self.fmi == 3 else ()
+        room, number = (
+            (c * len(values))(*values),
+            (ctypes.c_size_t(len(values)),) if self.fmi == 3 else (),
+        )
         return kind, (ctypes.byref(which), _ONE, room, *number), room
 
-    def put(self, name: str, value: Any, reference: int | None = None, kind: str | None = None) -> int:
+    def put(
+        self, name: str, value: Any, reference: int | None = None, kind: str | None = None
+    ) -> int:
         """One variable, as ``kind`` if not as what it is."""
         variable = self.variables[name]
         kind = kind or variable.type
@@ -112,7 +153,14 @@ class Host:
 
     def give(self, values: Mapping[str, float]) -> int:
         """The first status that is not OK; elements of FMI 3's arrays are left alone."""
-        return next((s for name, x in values.items() if name in self.variables and (s := self.put(name, x))), OK)
+        return next(
+            (
+                s
+                for name, x in values.items()
+                if name in self.variables and (s := self.put(name, x))
+            ),
+            OK,
+        )
 
     def set(self, **values: Any) -> None:
         for name, value in values.items():
@@ -141,27 +189,48 @@ class Host:
         return value if status == OK else math.nan
 
     def forces(self) -> tuple[float, ...]:
-        return tuple(self.real(f"{side}.{kind}") for side in ("left", "right") for kind in ("fx", "fy", "fz", "my"))
+        return tuple(
+            self.real(f"{side}.{kind}")
+            for side in ("left", "right")
+            for kind in ("fx", "fy", "fz", "my")
+        )
 
     def derive(self, unknown: int, known: int, seed: float = 1.0) -> tuple[int, float]:
         """Status and value of the directional derivative between two references."""
         (u, k), s, value = map(ctypes.c_uint, (unknown, known)), _DOUBLE(seed), _DOUBLE()
         sizes = (_ONE,) if self.fmi == 3 else ()
-        arguments = [ctypes.byref(u), _ONE, ctypes.byref(k), _ONE, ctypes.byref(s), *sizes, ctypes.byref(value), *sizes]
+        arguments = [
+            ctypes.byref(u),
+            _ONE,
+            ctypes.byref(k),
+            _ONE,
+            ctypes.byref(s),
+            *sizes,
+            ctypes.byref(value),
+            *sizes,
+        ]
         return self.call("GetDirectionalDerivative", *arguments), value.value
 
     def derivative(self, unknown: str, known: str) -> float:
-        status, value = self.derive(*(self.variables[name].valueReference for name in (unknown, known)))
+        status, value = self.derive(
+            *(self.variables[name].valueReference for name in (unknown, known))
+        )
         assert status == OK, self.said[-1]
         return value
 
     # a run
 
     def enter(self, start: float = 0.0, stop: float | None = None) -> int:
-        times = (_DOUBLE(start), ctypes.c_int(stop is not None), _DOUBLE(0.0 if stop is None else stop))
+        times = (
+            _DOUBLE(start),
+            ctypes.c_int(stop is not None),
+            _DOUBLE(0.0 if stop is None else stop),
+        )
         if self.fmi == 3:
             return self.call("EnterInitializationMode", False, _DOUBLE(0.0), *times)
-        return self.call("SetupExperiment", 0, _DOUBLE(0.0), *times) or self.call("EnterInitializationMode")
+        return self.call("SetupExperiment", 0, _DOUBLE(0.0), *times) or self.call(
+            "EnterInitializationMode"
+        )
 
     def start(self, **parameters: Any) -> None:
         self.set(**parameters)
@@ -177,7 +246,9 @@ class Host:
         if self.fmi == 2:
             return self.call("DoStep", _DOUBLE(t), _DOUBLE(h), 1)
         flags = [ctypes.c_bool() for _ in range(3)]
-        return self.call("DoStep", _DOUBLE(t), _DOUBLE(h), True, *map(ctypes.byref, [*flags, self.reached]))
+        return self.call(
+            "DoStep", _DOUBLE(t), _DOUBLE(h), True, *map(ctypes.byref, [*flags, self.reached])
+        )
 
     def step(self, t: float, h: float = H) -> str:
         """'' or what the FMU says when the step fails."""
@@ -186,9 +257,14 @@ class Host:
     def move(self, t: float, h: float, amplitude: float = 0.5, since: float = 0.0) -> int:
         """A step with the ends swinging against each other and the left one turning; t is counted from ``since``."""
         w, at = 2.0, t + h
-        y, v, a = (amplitude * x for x in (1 - math.cos(w * at), w * math.sin(w * at), w * w * math.cos(w * at)))
+        y, v, a = (
+            amplitude * x
+            for x in (1 - math.cos(w * at), w * math.sin(w * at), w * w * math.cos(w * at))
+        )
         left = {"left.y": y, "left.vy": v, "left.ay": a, "left.yaw": y, "left.yaw_rate": v}
-        return self.give(left | {"right.y": -y, "right.vy": -v, "right.ay": -a}) or self.do_step(since + t, h)
+        return self.give(left | {"right.y": -y, "right.vy": -v, "right.ay": -a}) or self.do_step(
+            since + t, h
+        )
 
     # states
 

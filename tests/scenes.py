@@ -11,7 +11,18 @@ import numpy as np
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import Trajectory, emergency_stop, s_curve
 from hoist_demo.parameters import Winding
-from rope_model import BalanceRope, EndMotion, Level, Model, Scene, Solver, Swivel, balance_rope, rope_120, rope_240
+from rope_model import (
+    BalanceRope,
+    EndMotion,
+    Level,
+    Model,
+    Scene,
+    Solver,
+    Swivel,
+    balance_rope,
+    rope_120,
+    rope_240,
+)
 from rope_model.simulation.fidelity import Fidelity
 
 Ends = tuple[EndMotion, EndMotion]
@@ -41,7 +52,10 @@ def smooth_trip(t: float, travel: float, duration: float, height: float) -> Ends
 def past_each_other(t: float) -> Ends:
     """Both ends pass each other in 1 s, the left one also moves aside."""
     y, v, a = smooth_step(t, 0.0, 1.0)
-    up, aside = {"y": 0.5 * y, "vy": 0.5 * v, "ay": 0.5 * a}, {"z": 0.2 * y, "vz": 0.2 * v, "az": 0.2 * a}
+    up, aside = (
+        {"y": 0.5 * y, "vy": 0.5 * v, "ay": 0.5 * a},
+        {"z": 0.2 * y, "vz": 0.2 * v, "az": 0.2 * a},
+    )
     return EndMotion(**up, **aside), EndMotion(**{name: -x for name, x in up.items()})
 
 
@@ -58,11 +72,17 @@ def turn(angle: float, duration: float, t: float) -> Ends:
     c, s = math.cos(a), math.sin(a)
     left, right = (
         EndMotion(
-            x=r * c - r, z=-r * s, vx=-r * s * w, vz=-r * c * w, yaw=a, yaw_rate=w,
-            ax=-r * (c * w * w + s * e), az=-r * (c * e - s * w * w),
+            x=r * c - r,
+            z=-r * s,
+            vx=-r * s * w,
+            vz=-r * c * w,
+            yaw=a,
+            yaw_rate=w,
+            ax=-r * (c * w * w + s * e),
+            az=-r * (c * e - s * w * w),
         )
         for r in (-1.0, 1.0)
-    )  # fmt: skip
+    )
     return left, right
 
 
@@ -73,7 +93,9 @@ def hung(rope: AnyRope, left: EndMotion = REST, right: EndMotion = REST, t: floa
     return rope
 
 
-def followed(rope: BalanceRope, motion: Motion, steps: int, step: float = 0.01, first: int = 0) -> Iterator[int]:
+def followed(
+    rope: BalanceRope, motion: Motion, steps: int, step: float = 0.01, first: int = 0
+) -> Iterator[int]:
     """Numbers of the steps to which the rope has followed ``motion(t)``; at 0, where that begins, it is hung up."""
     if first == 0:
         hung(rope, *motion(0.0))
@@ -92,7 +114,12 @@ def wound(rope: AnyRope, motion: Motion, steps: int, step: float = 0.01, first: 
 
 
 def recorded(
-    rope: BalanceRope, motion: Motion, steps: int, names: Sequence[str], step: float = 0.01, late: int = 0
+    rope: BalanceRope,
+    motion: Motion,
+    steps: int,
+    names: Sequence[str],
+    step: float = 0.01,
+    late: int = 0,
 ) -> np.ndarray:
     """(steps, names): signals after each step from rest; motions are those of ``late`` steps before its end."""
     hung(rope, *motion(0.0))
@@ -168,7 +195,14 @@ class Choice:
     def ends(self, t: float) -> Ends:
         left, right = ends_at(self.trip, self.travel, t)
         x, v, a = smooth_step(t)
-        return replace(left, z=self.z * x, vz=self.z * v, az=self.z * a, yaw=self.yaw * x, yaw_rate=self.yaw * v), right
+        return replace(
+            left,
+            z=self.z * x,
+            vz=self.z * v,
+            az=self.z * a,
+            yaw=self.yaw * x,
+            yaw_rate=self.yaw * v,
+        ), right
 
 
 CHOICES = (
@@ -180,6 +214,21 @@ CHOICES = (
     Choice("free, turned", LOOSE, "planar", yaw=0.1),
     Choice("tolerance 0.1 %", tolerant(COUPLED, 1e-3), "planar"),
     Choice("tolerance 0.5 %", tolerant(COUPLED, 5e-3), "rigid"),
-    Choice("emergency stop", tolerant(COUPLED, 5e-3), "rigid", "planar", trip=STOP, until=STOP.duration + 5.0),
-    Choice("released", tolerant(P240.scene, 1e-2), "planar", "torsional", LONG_TRIP, P240.travel, until=25.0),
+    Choice(
+        "emergency stop",
+        tolerant(COUPLED, 5e-3),
+        "rigid",
+        "planar",
+        trip=STOP,
+        until=STOP.duration + 5.0,
+    ),
+    Choice(
+        "released",
+        tolerant(P240.scene, 1e-2),
+        "planar",
+        "torsional",
+        LONG_TRIP,
+        P240.travel,
+        until=25.0,
+    ),
 )

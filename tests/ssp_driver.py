@@ -31,7 +31,11 @@ SIGNALS = tuple(("drive", name) for name in ("left.y", "right.y", "left.vy", "dr
 SIGNALS += ("rope", "left.fy"), ("rope", "right.fy")
 Rows = list[list[float]]
 #: values of a parameter set by their type
-READ: dict[str, Callable[[str], float | bool]] = {"Real": float, "Integer": int, "Boolean": "true".__eq__}
+READ: dict[str, Callable[[str], float | bool]] = {
+    "Real": float,
+    "Integer": int,
+    "Boolean": "true".__eq__,
+}
 
 
 def adding_steps(steps: int, h: float = H) -> Iterator[tuple[float, float]]:
@@ -53,7 +57,9 @@ def to_the_end(ssp: str) -> Iterator[tuple[float, float]]:
     """The clock of a fixed-step master, by the annotation and the stop time of the file."""
     with zipfile.ZipFile(ssp) as archive:
         root = ElementTree.fromstring(archive.read("SystemStructure.ssd"))
-    master, experiment = (root.find(f".//{{*}}{name}") for name in ("FixedStepMaster", "DefaultExperiment"))
+    master, experiment = (
+        root.find(f".//{{*}}{name}") for name in ("FixedStepMaster", "DefaultExperiment")
+    )
     return remainder_steps(float(master.get("stepSize", "")), float(experiment.get("stopTime", "")))
 
 
@@ -66,7 +72,9 @@ def fmpy_rows(ssp: str, clock: Iterable[tuple[float, float]]) -> Rows:
         path = Path(folder) / component.source
         folders.append(fmpy.extract(str(path)))
         parts[component.name] = part = Host(path, folders[-1])
-        for parameter in (p for b in component.parameterBindings for p in b.parameterValues[0].parameters):
+        for parameter in (
+            p for b in component.parameterBindings for p in b.parameterValues[0].parameters
+        ):
             part.set(**{parameter.name: READ[parameter.type](parameter.value)})
         assert part.enter() == OK, part.said
 
@@ -115,11 +123,16 @@ def libcosim_rows(ssp: str, steps: int) -> Rows:
 
     execution, observer = CosimExecution.from_ssp_file(ssp), CosimObserver.create_time_series()
     execution.add_observer(observer)
-    index = {name: execution.slave_index_from_instance_name(name) for name in {component for component, _ in SIGNALS}}
+    index = {
+        name: execution.slave_index_from_instance_name(name)
+        for name in {component for component, _ in SIGNALS}
+    }
     places = []
     for component, name in SIGNALS:
         variables = execution.slave_variables(index[component])
-        places.append((index[component], next(v.reference for v in variables if v.name == name.encode())))
+        places.append(
+            (index[component], next(v.reference for v in variables if v.name == name.encode()))
+        )
     for place in places:
         observer.start_time_series(*place, CosimVariableType.REAL)
     if not all(execution.step() for _ in range(steps)):

@@ -16,7 +16,11 @@ from rope_model.codegen.tables import parameter_structures, signal_numbers
 ROOT = Path(__file__).resolve().parent.parent
 VERSIONS = (2, 3)
 #: what is freed is filled, and what is written beside a block aborts when that is freed
-CHECKED_HEAP = {"MALLOC_PERTURB_": "165", "MALLOC_CHECK_": "3", "LD_PRELOAD": "libc_malloc_debug.so.0"}
+CHECKED_HEAP = {
+    "MALLOC_PERTURB_": "165",
+    "MALLOC_CHECK_": "3",
+    "LD_PRELOAD": "libc_malloc_debug.so.0",
+}
 #: platform -> what runs its programs here
 RUNNERS = {
     host_platform(): (),
@@ -46,7 +50,14 @@ def live(fmu: Path, folder: Path, way: str) -> list[int]:
     name = way if way in PLATFORMS else host_platform()
     compiler = ["cc", *(SANITIZED if way == "sanitizers" else ())]
     if name != host_platform():
-        compiler = [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[name].target.replace("2.17", "2.31")]
+        compiler = [
+            sys.executable,
+            "-m",
+            "ziglang",
+            "cc",
+            "-target",
+            PLATFORMS[name].target.replace("2.17", "2.31"),
+        ]
     elif not name.endswith("linux") or shutil.which("cc") is None:
         pytest.skip("needs Linux and a C compiler")
     unzipped, program = Path(fmpy.extract(str(fmu), str(folder))), folder / "life.exe"
@@ -54,7 +65,9 @@ def live(fmu: Path, folder: Path, way: str) -> list[int]:
     libraries = ["-lm"] if name.endswith("windows") else ["-ldl", "-lm"]
     command = [*compiler, "-std=gnu99", f"-I{HEADERS}", source, "-o", str(program), *libraries]
     subprocess.run(command, check=True)
-    binary = unzipped / "binaries" / PLATFORMS[name].folder2 / f"BalanceRope{PLATFORMS[name].suffix}"
+    binary = (
+        unzipped / "binaries" / PLATFORMS[name].folder2 / f"BalanceRope{PLATFORMS[name].suffix}"
+    )
     if way == "sanitizers":
         files = map(str, sorted((unzipped / "sources").glob("*.c")))
         shared = [
@@ -70,15 +83,28 @@ def live(fmu: Path, folder: Path, way: str) -> list[int]:
         subprocess.run([*compiler, "-std=gnu99", *shared, *files, "-lm"], check=True)
     description = fmpy.read_model_description(str(fmu))
     references = {v.name: str(v.valueReference) for v in description.modelVariables}
-    given = [references[f"{side}.{name}"] for side in ("left", "right") for name in ("y", "vy", "ay")]
-    command = [*runner, str(program), str(binary), description.guid, *given, references["status.warning"]]
+    given = [
+        references[f"{side}.{name}"] for side in ("left", "right") for name in ("y", "vy", "ay")
+    ]
+    command = [
+        *runner,
+        str(program),
+        str(binary),
+        description.guid,
+        *given,
+        references["status.warning"],
+    ]
     environment = {**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(folder / "wine")}
     environment |= CHECKED_HEAP if way == host_platform() else {}
     if way == "counted":
         counted = folder / "counted.so"
         source = ROOT / "tests" / "native" / "counted.c"
-        subprocess.run(["cc", "-shared", "-fPIC", "-O1", str(source), "-o", str(counted)], check=True)
+        subprocess.run(
+            ["cc", "-shared", "-fPIC", "-O1", str(source), "-o", str(counted)], check=True
+        )
         environment["LD_PRELOAD"] = str(counted)
-    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False, env=environment)
+    done = subprocess.run(
+        command, capture_output=True, text=True, timeout=600, check=False, env=environment
+    )
     assert done.returncode == 0, done.stderr[-3000:]
     return [int(line) for line in done.stdout.split()]

@@ -48,7 +48,9 @@ def test_errors_of_a_wave_add_up_to_its_phase() -> None:
     turn, sums = CONSTANT * (omega * h) ** 3, accuracy.ErrorSums()
     rates = omega * np.sin(omega * h * np.arange(n + 1))
     for pace in np.diff(rates) / h:
-        sums = accuracy.add_errors(Scene(ROPE), sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, ROPE.Qa)
+        sums = accuracy.add_errors(
+            Scene(ROPE), sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, ROPE.Qa
+        )
     t, lasts = h * np.arange(n), accuracy.wave_duration(ROPE, omega)
     off = turn * lasts / h * (1 - np.exp(-t / lasts)) * np.sin(omega * t)
     # of each turn half is seen, and doubled: what goes with twice the wave's frequency is of one step's size
@@ -59,8 +61,12 @@ def test_errors_that_go_with_no_wave_do_not_add_up() -> None:
     leg, h = 300.0, 0.01
     scene, sums, rng = Scene(ROPE), accuracy.ErrorSums(), np.random.default_rng(1)
     for pace in 1e-9 / (CONSTANT * h * h) * rng.standard_normal(4000):
-        sums = accuracy.add_errors(scene, sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, ROPE.Qa)
-    assert accuracy.end_force_error(ROPE, sums) < accuracy.RATE_ERROR_FACTOR * 1e-9 * math.sqrt(4000)
+        sums = accuracy.add_errors(
+            scene, sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, ROPE.Qa
+        )
+    assert accuracy.end_force_error(ROPE, sums) < accuracy.RATE_ERROR_FACTOR * 1e-9 * math.sqrt(
+        4000
+    )
 
 
 def swing(omega: float, damping: float, h: float, duration: float) -> NDArray[np.float64]:
@@ -71,7 +77,9 @@ def swing(omega: float, damping: float, h: float, duration: float) -> NDArray[np
     q = v = a = b = 0.0
     for k in range(round(duration / h)):
         q, v, before = q + h * v + h * h * (0.5 - beta) * b, v + h * (1 - gamma) * b, v
-        force = np.interp((k + 1) * h, (0.0, 0.3, 0.8, 1.1, 2.0, 2.3, 2.8, 3.1), (0, 1, 1, 0, 0, -1, -1, 0))
+        force = np.interp(
+            (k + 1) * h, (0.0, 0.3, 0.8, 1.1, 2.0, 2.3, 2.8, 3.1), (0, 1, 1, 0, 0, -1, -1, 0)
+        )
         answered = 1 + (1 - f) * (d * gamma * h + w2 * beta * h * h) / (1 - m)
         b = ((1 - f) * (force - d * v - w2 * q) + f * a - m * b) / (1 - m) / answered
         q, v = q + beta * h * h * b, v + gamma * h * b
@@ -82,14 +90,21 @@ def swing(omega: float, damping: float, h: float, duration: float) -> NDArray[np
 
 @pytest.mark.parametrize("leg", [700.0, 210.0, 84.0, 42.0, 31.5])
 @pytest.mark.parametrize("h", [0.005, 0.02])
-def test_the_error_of_a_forced_wave_is_estimated_however_many_radians_a_step_takes_of_it(leg: float, h: float) -> None:
+def test_the_error_of_a_forced_wave_is_estimated_however_many_radians_a_step_takes_of_it(
+    leg: float, h: float
+) -> None:
     """From .04 to 3.9 radians; were the wave not stiff the estimate would be 2.3 times too large."""
     rope, duration = Rope(length=leg / 0.7), 4.0
     omega = float(accuracy.axial_frequency(rope, leg))
-    found, exact = swing(omega, rope.beta_K, h, duration), swing(omega, rope.beta_K, h / 40, duration)[39::40]
+    found, exact = (
+        swing(omega, rope.beta_K, h, duration),
+        swing(omega, rope.beta_K, h / 40, duration)[39::40],
+    )
     scene, sums = Scene(rope), accuracy.ErrorSums()
     for _, pace in found:
-        sums = accuracy.add_errors(scene, sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, rope.Qa)
+        sums = accuracy.add_errors(
+            scene, sums, leg, 0.0, h, CONSTANT, (float(pace), 0.0), 0.0, rope.Qa
+        )
     off = np.sqrt(np.mean((found[:, 0] - exact[:, 0]) ** 2))
     assert 0.5 < accuracy.end_force_error(rope, sums) / off < 1.5
 
@@ -103,9 +118,16 @@ def test_a_wave_lasts_as_its_damping_lets_it_and_without_for_so_many_radians() -
 @pytest.mark.parametrize("asked", [1e-2, 1e-3, 1e-4])
 def test_ten_times_the_accuracy_takes_a_tenth_of_what_a_step_may_leave(asked: float) -> None:
     scenes = (Scene(ROPE, accuracy=Accuracy(a, 10 * a)) for a in (asked / 10, asked))
-    strict, loose = (accuracy.step_limits(scene, accuracy.ErrorSums(), 200.0, 10.0, CONSTANT) for scene in scenes)
+    strict, loose = (
+        accuracy.step_limits(scene, accuracy.ErrorSums(), 200.0, 10.0, CONSTANT) for scene in scenes
+    )
     # errors are of second order in the step
-    for name, factor in {"strain_rate": 10, "position": 10, "shortest": 10**0.5, "longest": 10**0.5}.items():
+    for name, factor in {
+        "strain_rate": 10,
+        "position": 10,
+        "shortest": 10**0.5,
+        "longest": 10**0.5,
+    }.items():
         assert_allclose(factor * getattr(strict, name), getattr(loose, name), rtol=1e-12)
 
 
@@ -113,30 +135,54 @@ def test_ten_times_the_accuracy_takes_a_tenth_of_what_a_step_may_leave(asked: fl
 @pytest.mark.parametrize("error", [0.05, 5e-3, 5e-4, 5e-5])
 def test_elements_for_an_error_have_half_of_it_to_all_of_it(EI: float, error: float) -> None:
     scene = Scene(Rope(EI=EI))
-    assert 0.5 * error <= accuracy.locking_error(scene, accuracy.length_for(scene, error)) <= error * (1 + 1e-12)
+    assert (
+        0.5 * error
+        <= accuracy.locking_error(scene, accuracy.length_for(scene, error))
+        <= error * (1 + 1e-12)
+    )
 
 
 #: drawn at random, as everything of evidence.promise is
 STOPPED = (
     Scene(
         Rope(
-            length=374.23, mass_per_length=11.925, EI=577.42, Qa=1.776e8, Qb=65708.5, Qc=65708.5, Qd=9208.3,
-            rhoJ=4.3016e-3, diameter=0.05372,
+            length=374.23,
+            mass_per_length=11.925,
+            EI=577.42,
+            Qa=1.776e8,
+            Qb=65708.5,
+            Qc=65708.5,
+            Qd=9208.3,
+            rhoJ=4.3016e-3,
+            diameter=0.05372,
         ),
         Layout(1.3698),
     ),
     Winding(
-        travel=221.66, speed=5.9435, acceleration=1.4023, jerk=2.5468, start_delay=0.0, emergency_at=13.0389,
+        travel=221.66,
+        speed=5.9435,
+        acceleration=1.4023,
+        jerk=2.5468,
+        start_delay=0.0,
+        emergency_at=13.0389,
         emergency_deceleration=3.17,
     ),
-)  # fmt: skip
+)
 
 
 def wind(scene: Scene, trip: Winding, **changes: Any) -> tuple[np.ndarray, list[float]]:
     """End forces and place of the loop every 20 ms, until 3 s behind the trip; the errors that the run estimates."""
     reference, rope = s_curve(trip), balance_rope(scene.with_(**changes))
-    motion, steps = partial(ends_at, reference, trip.travel), round((reference.duration + 3.0) / 0.02)
-    names = [*(f"{side}.f{axis}" for side in ("left", "right") for axis in "xyz"), "loop.x", "loop.y", "loop.z"]
+    motion, steps = (
+        partial(ends_at, reference, trip.travel),
+        round((reference.duration + 3.0) / 0.02),
+    )
+    names = [
+        *(f"{side}.f{axis}" for side in ("left", "right") for axis in "xyz"),
+        "loop.x",
+        "loop.y",
+        "loop.z",
+    ]
     return recorded(rope, motion, steps, names, 0.02), [
         *rope.signals(("status.end_force_error", "status.loop_error")).values()
     ]
@@ -146,7 +192,9 @@ def errors(found: np.ndarray, exact: np.ndarray) -> tuple[float, float]:
     """Of the end force, RMS of the worse end over the largest; of the loop's place, m, the largest."""
     off, force = found - exact, exact[:, :6].reshape(-1, 2, 3)
     worse = np.sqrt(np.mean(np.square(off[:, :6]).reshape(-1, 2, 3).sum(axis=2), axis=0)).max()
-    return worse / np.linalg.norm(force, axis=2).max(), float(np.linalg.norm(off[:, 6:], axis=1).max())
+    return worse / np.linalg.norm(force, axis=2).max(), float(
+        np.linalg.norm(off[:, 6:], axis=1).max()
+    )
 
 
 @pytest.mark.skipif(not find_compiler(), reason="minutes without a C compiler")
@@ -154,17 +202,23 @@ def test_even_steps_put_the_loop_off_by_what_the_flow_through_it_lets_expect() -
     """Of the fourth power of the speed and the second of the step: not a scene that any constant was found on."""
     trip = Winding(travel=90.0, speed=12.0, acceleration=1.5, jerk=2.0, start_delay=0.0)
     scene = Scene(Rope(length=130.0, EI=800.0))
-    long, short, fine = (wind(scene, trip, solver=Solver(step_max=h, tolerance=1e6))[0] for h in (0.02, 0.01, 0.004))
+    long, short, fine = (
+        wind(scene, trip, solver=Solver(step_max=h, tolerance=1e6))[0] for h in (0.02, 0.01, 0.004)
+    )
     peak = max(point.speed for point in s_curve(trip).points)
     for h, run in ((0.02, long), (0.01, short)):
         off = np.linalg.norm(run[:, 6:] - fine[:, 6:], axis=1).max()
         assert_allclose(off, accuracy.flow_error(scene, 2 * peak, h), rtol=0.35)
 
 
-def test_clamps_which_hold_the_strain_of_their_node_do_not_hide_the_error_of_the_end_forces() -> None:
+def test_clamps_which_hold_the_strain_of_their_node_do_not_hide_the_error_of_the_end_forces() -> (
+    None
+):
     trip = Winding(travel=4.0, speed=3.0, acceleration=4.0, jerk=8.0, start_delay=0.0)
     ends = (Swivel(attachment=kind) for kind in ("plumb", "clamped"))
-    plumb, clamped = (wind(Scene(Rope(length=60.0), left=end, right=end), trip)[1][0] for end in ends)
+    plumb, clamped = (
+        wind(Scene(Rope(length=60.0), left=end, right=end), trip)[1][0] for end in ends
+    )
     assert 0.5 < clamped / plumb < 2.0
 
 
@@ -174,8 +228,12 @@ def test_an_emergency_stop_is_as_accurate_as_asked_and_says_how_accurate_it_is()
     """Of a rope on which no constant was found; even steps by the places of the nodes alone would miss it."""
     asked = Accuracy()
     # found out: a mesh and steps finer still move both errors by a thirtieth
-    fine, _ = wind(*STOPPED, accuracy=Accuracy(end_force=1e-4, loop=1e-3), mesh=Mesh("auto", loop_error=5e-4))
-    loose, _ = wind(*STOPPED, accuracy=Accuracy(end_force=1.0, loop=1.0), solver=Solver(tolerance=0.1))
+    fine, _ = wind(
+        *STOPPED, accuracy=Accuracy(end_force=1e-4, loop=1e-3), mesh=Mesh("auto", loop_error=5e-4)
+    )
+    loose, _ = wind(
+        *STOPPED, accuracy=Accuracy(end_force=1.0, loop=1.0), solver=Solver(tolerance=0.1)
+    )
     found, told = wind(*STOPPED, accuracy=asked)
     force, loop = errors(found, fine)
     assert force < asked.end_force < 10 * asked.end_force < errors(loose, fine)[0]
@@ -214,7 +272,9 @@ def whole_trip(case: Trip) -> NativeRope:
     ],
     ids=str,
 )
-def test_the_audit_is_silent_in_windings_releases_emergency_stops_and_transformations(case: Trip) -> None:
+def test_the_audit_is_silent_in_windings_releases_emergency_stops_and_transformations(
+    case: Trip,
+) -> None:
     rope = whole_trip(case)
     state, audit = rope.state, rope.state.audit
     assert state.counts.transformations > 20
@@ -231,7 +291,11 @@ def up_and_stopped(t: float) -> tuple[EndMotion, EndMotion]:
     late = t - grown
     a = jerk * (grown - late)
     v = 0.5 * jerk * grown**2 + jerk * (grown * late - 0.5 * late**2)
-    y = jerk * grown**3 / 6.0 + 0.5 * jerk * grown**2 * late + jerk * (0.5 * grown * late**2 - late**3 / 6.0)
+    y = (
+        jerk * grown**3 / 6.0
+        + 0.5 * jerk * grown**2 * late
+        + jerk * (0.5 * grown * late**2 - late**3 / 6.0)
+    )
     return EndMotion(y=y, vy=v, ay=a), EndMotion()
 
 
@@ -266,7 +330,9 @@ def test_the_mean_end_forces_of_a_rigid_rope_are_the_momentum_that_it_gets() -> 
         leg = 0.5 * (data.length - arc + left.y)
         now = data.mass_per_length * (leg * left.vy + 0.5 * arc * left.vy)
         pulls = sum(rope.signals(["left.fy_mean", "right.fy_mean"]).values())
-        impulse = (now - before) / h + pulls + data.mass_per_length * data.length * scene.layout.gravity
+        impulse = (
+            (now - before) / h + pulls + data.mass_per_length * data.length * scene.layout.gravity
+        )
         assert abs(impulse) < 1e-6 * abs(pulls)
         before = now
 
@@ -309,9 +375,13 @@ def test_a_blow_between_short_communication_steps_is_told(monkeypatch: pytest.Mo
     assert "are missing between the end forces, the weight" in rope.warnings()["missing_loads"]
 
 
-def test_a_force_of_100_newtons_that_acts_inside_for_one_step_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_force_of_100_newtons_that_acts_inside_for_one_step_is_told(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """The ends' forces then do not answer for all of the accelerations."""
-    rope = wound(RopeSimulator(SHORT.with_(solver=Solver(tolerance=NO_CONTROL))), lambda _: AT_REST, 1)
+    rope = wound(
+        RopeSimulator(SHORT.with_(solver=Solver(tolerance=NO_CONTROL))), lambda _: AT_REST, 1
+    )
     struck(rope, 2 * H, monkeypatch)
     # what the method makes in its first step of a force that has just come
     method = Coefficients(SHORT.solver.rho_inf)
@@ -328,7 +398,9 @@ def test_a_force_of_100_newtons_that_acts_inside_for_one_step_is_told(monkeypatc
         *((mesh, None) for mesh in (Mesh("eem", elements=80), Mesh(), Mesh("auto"))),
     ],
 )
-def test_elements_too_long_for_the_bend_are_told_and_no_others(mesh: Mesh, told: str | None) -> None:
+def test_elements_too_long_for_the_bend_are_told_and_no_others(
+    mesh: Mesh, told: str | None
+) -> None:
     rope = wound(NativeRope(SHORT.with_(mesh=mesh)), lambda t: AT_REST, 1)
     assert ("unresolved_bend" in rope.warnings()) == (told is not None)
     assert (told or "") in rope.warnings().get("unresolved_bend", "")
@@ -341,7 +413,9 @@ def test_what_a_coarse_mesh_does_to_the_loop_is_told_before_anything_moves() -> 
     for mesh in (Mesh("eem", elements=60), Mesh("auto", loop_error=5e-4)):
         rope = hung(NativeRope(scene.with_(mesh=mesh)), *ends)
         found.append(rope.signals(("loop.y", "loop.yaw", "status.loop_error")))
-        assert ("elements of 2 m" in rope.warnings().get("unresolved_bend", "")) == (mesh.kind == "eem")
+        assert ("elements of 2 m" in rope.warnings().get("unresolved_bend", "")) == (
+            mesh.kind == "eem"
+        )
     coarse, fine = found
     off, turned = coarse["loop.y"] - fine["loop.y"], abs(coarse["loop.yaw"] - fine["loop.yaw"])
     assert 0.5 < coarse["status.loop_error"] / off < 2.0
@@ -351,7 +425,11 @@ def test_what_a_coarse_mesh_does_to_the_loop_is_told_before_anything_moves() -> 
 
 def test_short_communication_steps_over_transformations_leave_no_load_missing() -> None:
     """A transformation corrects the motion at an instant: over 10 ns that would be thousands of newtons."""
-    chance, rope, t = np.random.default_rng(1), hung(balance_rope(P120.scene, "native"), right=EndMotion(y=90.0)), 0.0
+    chance, rope, t = (
+        np.random.default_rng(1),
+        hung(balance_rope(P120.scene, "native"), right=EndMotion(y=90.0)),
+        0.0,
+    )
     while t < 9.0:
         t += float(10.0 ** chance.uniform(-8.0, math.log10(0.02)))
         status = rope.advance_to(t, *ends_at(TRIP, 90.0, t))

@@ -10,7 +10,16 @@ from conftest import difference
 from numpy.testing import assert_allclose, assert_array_equal
 from scenes import followed, hung, wound
 
-from rope_model import BalanceRope, EndMotion, Mesh, Model, PointForces, RopeSimulator, Solver, balance_rope
+from rope_model import (
+    BalanceRope,
+    EndMotion,
+    Mesh,
+    Model,
+    PointForces,
+    RopeSimulator,
+    Solver,
+    balance_rope,
+)
 from rope_model.numerics import kernels
 from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics.air import AirCoefficients, air_coefficients
@@ -43,16 +52,24 @@ def test_a_straight_element_has_the_drag_of_a_cylinder() -> None:
     across = against - (against @ t) * t
     force = -LAW.factor * np.linalg.norm(across) * across * l
     sums, moment = air_sums(q, v, l, A), np.cross(0.5 * l * t, force)
-    assert_allclose([sums[f"air_{kind}{axis}"] for kind in "fm" for axis in "xyz"], [*force, *moment], rtol=1e-12)
+    assert_allclose(
+        [sums[f"air_{kind}{axis}"] for kind in "fm" for axis in "xyz"],
+        [*force, *moment],
+        rtol=1e-12,
+    )
     assert sums["given_to_air"] == pytest.approx(-force @ w)
     # what the air does to r of both nodes is the whole force; across no length of the rope twice
-    R = np.array(air_functions("torsional").residual(q.ravel(), v.ravel(), l, A)).reshape(2, NODE_DOF)
+    R = np.array(air_functions("torsional").residual(q.ravel(), v.ravel(), l, A)).reshape(
+        2, NODE_DOF
+    )
     assert_allclose(-R[:, :3].sum(axis=0), force, rtol=1e-12)
 
 
 #: m, m/s: a conveyance so high that what its bow does is over before its tail comes, which rises fast
 SPACING, HEIGHT, SPEED = 0.4, 80.0, 10.0
-PUSH = air_coefficients(Air(density=1.2, drag=1.1, buffet=0.3, buffet_length=HEIGHT), 0.044, SPACING)
+PUSH = air_coefficients(
+    Air(density=1.2, drag=1.1, buffet=0.3, buffet_length=HEIGHT), 0.044, SPACING
+)
 
 
 def air_sums(q: np.ndarray, v: np.ndarray, l: float, numbers: list[float]) -> dict[str, float]:
@@ -64,13 +81,20 @@ def pulse(x: float, y: float, l: float = 0.1) -> dict[str, float]:
     """What an upright element at (x, y) gets of a conveyance whose bow is at the origin; the other one stands."""
     q, v = np.zeros((2, NODE_DOF)), np.zeros(2 * NODE_DOF)
     q[:, 0], q[:, 1], q[:, 4] = x, (y, y - l), -1.0
-    return air_sums(q, v, l, [PUSH.factor, *PUSH.velocity, *PUSH[2:], *(0.0, -HEIGHT, 0.0, SPEED), *(x, 0.0, 0.0, 0.0)])
+    return air_sums(
+        q,
+        v,
+        l,
+        [PUSH.factor, *PUSH.velocity, *PUSH[2:], *(0.0, -HEIGHT, 0.0, SPEED), *(x, 0.0, 0.0, 0.0)],
+    )
 
 
 def test_the_bow_gives_a_rigid_leg_the_impulse_of_its_pulse() -> None:
     """By the integral of (1 + h^2)^-3 over all h, 3 pi/8; the tail draws it back by as much."""
     places = np.arange(-20.0, 20.0, 0.1)
-    impulse = sum(pulse(SPACING, y)["air_fx"] for y in places) / SPEED  # of 0.1 m, past which the bow moves
+    impulse = (
+        sum(pulse(SPACING, y)["air_fx"] for y in places) / SPEED
+    )  # of 0.1 m, past which the bow moves
     expected = PUSH.factor * (PUSH.buffet * SPEED) ** 2 * 3 * np.pi / 8 * SPACING / SPEED
     assert impulse == pytest.approx(expected, rel=1e-4)  # the tail is 200 spacings away
     drawn = sum(pulse(SPACING, y - HEIGHT)["air_fx"] for y in places) / SPEED
@@ -81,7 +105,9 @@ def test_the_bow_gives_a_rigid_leg_the_impulse_of_its_pulse() -> None:
 
 
 #: a gallery's flow, and one that has an upper end only
-GALLERY = air_coefficients(Air(density=1.2, vx=3.0, vy=2.0, vz=-4.0, cross_y=-11.0, cross_height=4.3), 0.044, 2.0)
+GALLERY = air_coefficients(
+    Air(density=1.2, vx=3.0, vy=2.0, vz=-4.0, cross_y=-11.0, cross_height=4.3), 0.044, 2.0
+)
 
 
 def upright(law: AirCoefficients, top: float, l: float) -> dict[str, float]:
@@ -97,9 +123,13 @@ def upright(law: AirCoefficients, top: float, l: float) -> dict[str, float]:
 
 # on long elements four places are looked at over edges of e = l + EDGE: the worst of all places of the leg
 @pytest.mark.parametrize(("l", "missed"), [(1.0, 1e-3), (2.5, 3e-3), (7.5, 0.01), (15.0, 0.03)])
-def test_a_leg_through_a_gallerys_flow_takes_its_drag_over_that_height(l: float, missed: float) -> None:
+def test_a_leg_through_a_gallerys_flow_takes_its_drag_over_that_height(
+    l: float, missed: float
+) -> None:
     sums = [upright(GALLERY, top, l) for top in np.linspace(18.0, 18.0 + l, 10, endpoint=False)]
-    side = 0.5 * 1.2 * 1.2 * 0.044 * 5.0 * 4.3  # per m/s in X and Z, of 5 m/s: rho_a c_d d |u| u h / 2
+    side = (
+        0.5 * 1.2 * 1.2 * 0.044 * 5.0 * 4.3
+    )  # per m/s in X and Z, of 5 m/s: rho_a c_d d |u| u h / 2
     for axis, speed in (("x", 3.0), ("z", -4.0)):
         assert_allclose([one[f"air_f{axis}"] for one in sums], speed * side, rtol=missed)
     # at the gallery's height on average
@@ -112,7 +142,11 @@ def test_the_tangent_is_the_derivative_to_the_speed(fidelity: ElementFidelity) -
     passing = [*A[:4], 0.8, 3.0, 2.0, -0.5, 1.5, *(-1.0, -2.0, 0.5, 4.0), *(1.5, 0.5, -0.2, -5.0)]
     J = np.array(air.tangent(q, v, 2.0, passing, 1.0))
     assert np.abs(J - np.array(air.tangent(q, v, 2.0, A, 1.0))).max() > 0.01
-    assert_allclose(J, difference(lambda x: np.array(air.residual(q, x, 2.0, passing)).ravel(), v, 1e-6), atol=1e-8)
+    assert_allclose(
+        J,
+        difference(lambda x: np.array(air.residual(q, x, 2.0, passing)).ravel(), v, 1e-6),
+        atol=1e-8,
+    )
     assert_allclose(J, J.T, atol=1e-15)
     assert np.abs(J).max() > 0.01
 
@@ -125,7 +159,8 @@ def scene(**air: float) -> Scene:
 def ends(t: float) -> tuple[EndMotion, EndMotion]:
     """Both go aside and down at a growing speed."""
     left, right = (
-        EndMotion(x=2 * t**3, vx=6 * t**2, ax=12 * t, y=-y * t**3, vy=-3 * y * t**2, ay=-6 * y * t) for y in (2.0, 1.0)
+        EndMotion(x=2 * t**3, vx=6 * t**2, ax=12 * t, y=-y * t**3, vy=-3 * y * t**2, ay=-6 * y * t)
+        for y in (2.0, 1.0)
     )
     return left, right
 
@@ -181,8 +216,12 @@ def test_a_host_blows_gusts_between_steps() -> None:
     assert abs(energy.residual) < 0.02 * abs(energy.given_to_air)
 
 
-@pytest.mark.parametrize("flow_across", [{}, {"vx": -3.0, "vz": 3.0, "cross_y": -2.5, "cross_height": 2.0}])
-def test_what_a_rope_loses_to_the_air_is_in_the_energy_balance(flow_across: dict[str, float]) -> None:
+@pytest.mark.parametrize(
+    "flow_across", [{}, {"vx": -3.0, "vz": 3.0, "cross_y": -2.5, "cross_height": 2.0}]
+)
+def test_what_a_rope_loses_to_the_air_is_in_the_energy_balance(
+    flow_across: dict[str, float],
+) -> None:
     """Denser than air, so that it counts: the drag takes a good part of the work done."""
     dense = replace(scene(), shaft=Shaft(air=Air(density=50.0, **flow_across)))
     energy = wound(balance_rope(dense, "native"), ends, 100).state.energy_balance
@@ -199,7 +238,11 @@ def test_a_leg_hangs_aside_below_a_gallery() -> None:
     f = 0.5 * 1.2 * 1.2 * rope.diameter * speed**2
     # heights above those where the legs' tension, the weight of half the rope at its end, would be 0
     top, roof, floor = 30.0, 30.0 - 5.5, 30.0 - 10.5
-    aside = f * (h * np.log(top / roof) + h - floor * np.log(roof / floor)) / (rope.mass_per_length * 9.81)
+    aside = (
+        f
+        * (h * np.log(top / roof) + h - floor * np.log(roof / floor))
+        / (rope.mass_per_length * 9.81)
+    )
     # the clamped end turns into the slope over sqrt(EI/T)
     weight = rope.mass_per_length * 9.81 * top
     aside -= f * h / weight * np.sqrt(rope.EI / weight)
@@ -209,7 +252,9 @@ def test_a_leg_hangs_aside_below_a_gallery() -> None:
 
 def short_rope(form: Any, **parts: Any) -> BalanceRope:
     solver = Solver(step_max=STEP, tolerance=1e3)
-    scene = Scene(Rope(length=6.0, EI=100.0), Layout(0.6), mesh=Mesh("eem", elements=10), solver=solver)
+    scene = Scene(
+        Rope(length=6.0, EI=100.0), Layout(0.6), mesh=Mesh("eem", elements=10), solver=solver
+    )
     return hung(balance_rope(scene.with_(**parts), form))
 
 
@@ -234,7 +279,11 @@ def test_a_rope_at_rest_under_a_force_pulls_with_it_at_its_ends() -> None:
     for k in range(1500):
         assert rope.advance_to((k + 1) * STEP, EndMotion(), EndMotion()).valid
         mean = rope.signals([*before]) if k > 500 else None
-        held = mean if held is None or mean is None else {n: x + 0.01 * (mean[n] - x) for n, x in held.items()}
+        held = (
+            mean
+            if held is None or mean is None
+            else {n: x + 0.01 * (mean[n] - x) for n, x in held.items()}
+        )
     assert held is not None
     gained = {name: held[name] - before[name] for name in before}
     # swings about the new rest, with hardly any damping, are averaged
@@ -269,15 +318,23 @@ def test_the_displacement_is_what_the_next_step_moves_its_places_by(form: Any) -
     ends = []
     for part in (0.0, 1.0):
         rope.restore(saved)
-        rope.apply(PointForces(given.s, given.at_start, given.at_stop + part * size * given.at_start, t, t + STEP))
+        rope.apply(
+            PointForces(
+                given.s, given.at_start, given.at_stop + part * size * given.at_start, t, t + STEP
+            )
+        )
         assert rope.advance_to(t + STEP, EndMotion(), EndMotion()).valid
         ends.append(rope.rows())
     moved = rope.displacement(given)
     # the loop's place is a node: the fifth of ten elements ends there
-    assert_allclose((ends[1] - ends[0])[5, 1:4] / size, moved[2], rtol=2e-2, atol=1e-3 * np.abs(moved).max())
+    assert_allclose(
+        (ends[1] - ends[0])[5, 1:4] / size, moved[2], rtol=2e-2, atol=1e-3 * np.abs(moved).max()
+    )
 
 
-def test_no_forces_change_no_bit_and_given_again_after_restoring_they_go_on_bit_by_bit(form: Any) -> None:
+def test_no_forces_change_no_bit_and_given_again_after_restoring_they_go_on_bit_by_bit(
+    form: Any,
+) -> None:
     rope, alone = short_rope(form), short_rope(form)
     nothing = pushing(0.0, STEP)
     rope.apply(PointForces(nothing.s[:0], nothing.at_start[:0], nothing.at_stop[:0], 0.0, STEP))

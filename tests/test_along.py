@@ -8,7 +8,17 @@ import pytest
 from numpy.testing import assert_allclose
 from scenes import fixed_steps, hung, smooth_trip, wound
 
-from rope_model import BalanceRope, Layout, Mesh, Model, Rope, RopeSimulator, Scene, Stations, balance_rope
+from rope_model import (
+    BalanceRope,
+    Layout,
+    Mesh,
+    Model,
+    Rope,
+    RopeSimulator,
+    Scene,
+    Stations,
+    balance_rope,
+)
 from rope_model.physics.estimates import loop_width, natural_width
 from rope_model.simulation.fidelity import Fidelity
 from rope_model.simulation.outputs.diagnostics import shape, shape_places
@@ -17,7 +27,11 @@ from rope_model.simulation.rope_system import arc_lengths
 
 HIGH, TRAVEL, H = 12.0, 8.0, 0.01
 #: 30 m rope; its mesh is transformed on the way
-SHORT = Scene(rope=Rope(length=30.0), mesh=Mesh(coarse_length=1.6, counts=(2, 4, 40, 4, 2)), solver=fixed_steps(H))
+SHORT = Scene(
+    rope=Rope(length=30.0),
+    mesh=Mesh(coarse_length=1.6, counts=(2, 4, 40, 4, 2)),
+    solver=fixed_steps(H),
+)
 UNCOUPLED = SHORT.with_(rope=replace(SHORT.rope, Qb=0.0, Qc=0.0))
 SECTION = math.pi * SHORT.rope.diameter**3
 BOTTOM = SHAPE_POINTS // 2
@@ -39,20 +53,28 @@ def seen(wound: BalanceRope, station: Stations | None = None) -> RopeSimulator:
 
 def along(rope: RopeSimulator, name: str, points: str = "shape") -> np.ndarray:
     """``shape.tension`` and its like, or those of stations, from the left to the right end."""
-    return np.array([*rope.signals(f"{points}.{name}[{i + 1}]" for i in range(SHAPE_POINTS)).values()])
+    return np.array(
+        [*rope.signals(f"{points}.{name}[{i + 1}]" for i in range(SHAPE_POINTS)).values()]
+    )
 
 
 def places(rope: RopeSimulator) -> np.ndarray:
-    return shape_places(rope.state.partition.lengths, rope.loop.s, loop_width(rope.scene), SHAPE_POINTS)
+    return shape_places(
+        rope.state.partition.lengths, rope.loop.s, loop_width(rope.scene), SHAPE_POINTS
+    )
 
 
 def test_free_loop_has_the_bending_stress_and_the_tension_of_its_elastica() -> None:
     rope, g = UNCOUPLED.rope, 9.81
     width = (rope.EI / (rope.mass_per_length * g)) ** (1 / 3)
-    scene = UNCOUPLED.with_(layout=Layout(spacing=natural_width(UNCOUPLED)), mesh=Mesh(kind="eem", elements=300))
+    scene = UNCOUPLED.with_(
+        layout=Layout(spacing=natural_width(UNCOUPLED)), mesh=Mesh(kind="eem", elements=300)
+    )
     still = move(scene, 0)
     # kappa = 1.09661 / width: the root mean square over elements of 0.03 widths errs by 1e-3 at most
-    assert_allclose(along(still, "bending")[BOTTOM], 32 * rope.EI * 1.09661 / width / SECTION, rtol=2e-3)
+    assert_allclose(
+        along(still, "bending")[BOTTOM], 32 * rope.EI * 1.09661 / width / SECTION, rtol=2e-3
+    )
     # no side force at this width: no tension at the lowest point, of 900 N in the legs; 0.5 % of the width make 0.39 N
     assert abs(along(still, "tension")[BOTTOM]) < 0.3
 
@@ -76,11 +98,15 @@ def test_tension_of_a_leg_at_rest_is_that_of_a_hanging_chain() -> None:
 
 
 @pytest.mark.parametrize("steps", [0, 130, 260, 480])
-def test_tension_summed_up_from_the_left_end_arrives_as_the_reaction_at_the_right(steps: int) -> None:
+def test_tension_summed_up_from_the_left_end_arrives_as_the_reaction_at_the_right(
+    steps: int,
+) -> None:
     rope = move(SHORT, steps)
     ends = rope.signals()
     # what Newton's method leaves over
-    assert_allclose(along(rope, "tension")[[0, -1]], [-ends["left.fy"], -ends["right.fy"]], atol=1e-3)
+    assert_allclose(
+        along(rope, "tension")[[0, -1]], [-ends["left.fy"], -ends["right.fy"]], atol=1e-3
+    )
 
 
 @pytest.mark.parametrize(("steps", "off"), [(0, 1e-3), (130, 0.02), (260, 0.02)])
@@ -104,17 +130,25 @@ def test_stress_along_the_rope_reaches_its_largest_value_and_is_never_above(kind
 
 
 @pytest.mark.parametrize("steps", [100, 250])
-def test_rigid_rope_has_the_tension_of_its_ends_and_nearly_that_of_the_flexible_rope(steps: int) -> None:
+def test_rigid_rope_has_the_tension_of_its_ends_and_nearly_that_of_the_flexible_rope(
+    steps: int,
+) -> None:
     rigid, planar = (move(UNCOUPLED, steps, fidelity) for fidelity in ("rigid", "planar"))
     ends = rigid.signals()
-    assert_allclose(along(rigid, "tension")[[0, -1]], [-ends["left.fy"], -ends["right.fy"]], rtol=1e-9)
+    assert_allclose(
+        along(rigid, "tension")[[0, -1]], [-ends["left.fy"], -ends["right.fy"]], rtol=1e-9
+    )
     # 5 % of 2 kN: the loop's own motion and its side force, which the rigid rope has not
     assert_allclose(along(rigid, "tension"), along(planar, "tension"), atol=100.0)
 
 
-@pytest.mark.parametrize("length", [30.0, *(pytest.param(x, marks=pytest.mark.slow) for x in (120.0, 1000.0)), 4000.0])
+@pytest.mark.parametrize(
+    "length", [30.0, *(pytest.param(x, marks=pytest.mark.slow) for x in (120.0, 1000.0)), 4000.0]
+)
 def test_points_show_a_round_loop_however_deep_it_hangs(length: float) -> None:
-    scene = UNCOUPLED.with_(rope=replace(UNCOUPLED.rope, length=length), mesh=Mesh(), model=Model("planar"))
+    scene = UNCOUPLED.with_(
+        rope=replace(UNCOUPLED.rope, length=length), mesh=Mesh(), model=Model("planar")
+    )
     rope = seen(hung(balance_rope(scene)))
     q, lengths = rope.state.motion.q, rope.state.partition.lengths
     pieces = np.diff(shape(q, lengths, rope.loop.s, loop_width(scene), SHAPE_POINTS).T[:2])
@@ -131,8 +165,12 @@ def test_stations_stay_in_the_rope_while_the_points_of_its_shape_move() -> None:
     assert_allclose(s, places(after), rtol=1e-12)
     assert abs(s[BOTTOM] - places(before)[BOTTOM]) > 3.0
     # tension is smooth along the rope: stations .4 m apart show that of the points within its change on half of that
-    at_stations = np.interp(s, np.linspace(0.0, SHORT.rope.length, SHAPE_POINTS), along(after, "tension", "station"))
-    assert_allclose(at_stations, along(after, "tension"), atol=0.5 * 0.375 * 9.81 * SHORT.rope.mass_per_length)
+    at_stations = np.interp(
+        s, np.linspace(0.0, SHORT.rope.length, SHAPE_POINTS), along(after, "tension", "station")
+    )
+    assert_allclose(
+        at_stations, along(after, "tension"), atol=0.5 * 0.375 * 9.81 * SHORT.rope.mass_per_length
+    )
 
 
 def test_a_station_midway_between_nodes_is_on_their_cubic() -> None:

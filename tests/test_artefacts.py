@@ -34,7 +34,9 @@ HOST = Path(__file__).with_name("bare_host.py")
 NEEDED = ("numpy", "casadi", "fmpy")
 
 pytestmark = [
-    pytest.mark.skipif(os.name != "posix", reason="links packages and takes rights away as POSIX does"),
+    pytest.mark.skipif(
+        os.name != "posix", reason="links packages and takes rights away as POSIX does"
+    ),
     pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler"),
 ]
 
@@ -101,7 +103,11 @@ def _with_requirements(names: tuple[str, ...]) -> list[str]:
             continue
         if name not in found:
             found.append(name)
-            needs = [one for one in map(Requirement, required) if one.marker is None or one.marker.evaluate()]
+            needs = [
+                one
+                for one in map(Requirement, required)
+                if one.marker is None or one.marker.evaluate()
+            ]
             waiting += [one.name for one in needs]
     return found
 
@@ -110,7 +116,9 @@ def other_version(folder: Path) -> Path:
     """Return a folder with another version of the project, of which nothing can be imported."""
     for name in OURS:
         (folder / name).mkdir(parents=True)
-        (folder / name / "__init__.py").write_text(f"raise ImportError('{name} of another version')\n")
+        (folder / name / "__init__.py").write_text(
+            f"raise ImportError('{name} of another version')\n"
+        )
     metadata = folder / "balance_rope-9.9.dist-info" / "METADATA"
     metadata.parent.mkdir()
     metadata.write_text("Metadata-Version: 2.1\nName: balance-rope\nVersion: 9.9\n")
@@ -132,7 +140,9 @@ def read_only(folder: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def tried(tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], Path]) -> Iterator[Callable[[str], Any]]:
+def tried(
+    tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], Path]
+) -> Iterator[Callable[[str], Any]]:
     """What the host printed in a place, one process for all artefacts; and in this environment, as ''."""
     python = bare_python(tmp_path_factory.mktemp("bare") / "venv")
     packed = tmp_path_factory.mktemp("system")
@@ -142,7 +152,9 @@ def tried(tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], Path
     @cache
     def found(name: str) -> Any:
         if not name:
-            paths = {one: ssp if kind == "system" else fmu_of(kind) for one, kind in ARTEFACTS.items()}
+            paths = {
+                one: ssp if kind == "system" else fmu_of(kind) for one, kind in ARTEFACTS.items()
+            }
             return _said([sys.executable, str(HOST)], paths, {**os.environ}, packed)
         place = PLACES[name]
         top = tmp_path_factory.mktemp("place") / place.folder
@@ -171,7 +183,9 @@ def tried(tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], Path
         if place.restricted:
             command = [str(shutil.which(word) or word) for word in without_rights()] + command
         said = _said(command, paths, environment, work)
-        said["left behind"] = [str(path.relative_to(top)) for path in (*home.rglob("*"), *work.rglob("*"))]
+        said["left behind"] = [
+            str(path.relative_to(top)) for path in (*home.rglob("*"), *work.rglob("*"))
+        ]
         return said
 
     yield found
@@ -181,10 +195,18 @@ def tried(tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], Path
                 path.chmod(0o755)
 
 
-def _said(command: list[str], paths: dict[str, Path], environment: dict[str, str], folder: Path) -> Any:
+def _said(
+    command: list[str], paths: dict[str, Path], environment: dict[str, str], folder: Path
+) -> Any:
     given = [word for name, path in paths.items() for word in (name, str(path))]
     done = subprocess.run(
-        [*command, *given], cwd=folder, env=environment, capture_output=True, text=True, timeout=600, check=False
+        [*command, *given],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
     )
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-3000:]
     return json.loads(done.stdout.splitlines()[-1])
@@ -192,7 +214,9 @@ def _said(command: list[str], paths: dict[str, Path], environment: dict[str, str
 
 @pytest.mark.parametrize("place", EVERYWHERE)
 @pytest.mark.parametrize("artefact", ARTEFACTS)
-def test_artefact_computes_the_same_wherever_it_lives(artefact: str, place: str, tried: Callable[[str], Any]) -> None:
+def test_artefact_computes_the_same_wherever_it_lives(
+    artefact: str, place: str, tried: Callable[[str], Any]
+) -> None:
     expected = tried("")["results"][artefact]
     assert isinstance(expected, list), expected
     assert tried(place)["results"][artefact] == expected
@@ -207,10 +231,15 @@ def test_the_library_built_from_the_sources_of_an_fmu_computes_the_same(
     folder = Path(fmpy.extract(str(fmu_of("native-2-lean")), str(tmp_path / STRANGE)))
     compiler = find_compiler()
     assert compiler is not None
-    files = [path for path in (folder / "sources").rglob("*") if path.is_file()]  # headers of FMI in a folder
+    files = [
+        path for path in (folder / "sources").rglob("*") if path.is_file()
+    ]  # headers of FMI in a folder
     sources = {path.name: path.read_text(encoding="utf-8") for path in files}
     shared = (*compiler, "-DFMI2_OVERRIDE_FUNCTION_PREFIX")
-    shutil.copy(compile_library(sources, shared, folder, "built"), next((folder / "binaries").rglob("BalanceRope.*")))
+    shutil.copy(
+        compile_library(sources, shared, folder, "built"),
+        next((folder / "binaries").rglob("BalanceRope.*")),
+    )
     said = _said([sys.executable, str(HOST)], {"built": folder}, {**os.environ}, tmp_path)
     assert said["results"]["built"] == tried("")["results"]["native FMU of FMI 2.0"]
 
@@ -220,9 +249,13 @@ def test_the_python_fmu_runs_its_own_code_alone(place: str, tried: Callable[[str
     modules = tried(place)["modules"]
     packages = {name.partition(".")[0] for name in modules}
     assert len(packages) == 2, packages  # of the slave, and of what it imports
-    assert all(re.fullmatch(r"balance_rope_(slave_)?[0-9a-f]{12}", name) for name in packages), packages
+    assert all(re.fullmatch(r"balance_rope_(slave_)?[0-9a-f]{12}", name) for name in packages), (
+        packages
+    )
     assert len(modules) > 50
-    (version,) = (version for name, version in modules.items() if name.endswith(".rope_model.version"))
+    (version,) = (
+        version for name, version in modules.items() if name.endswith(".rope_model.version")
+    )
     assert version == importlib.metadata.version("balance-rope")
 
 
@@ -232,15 +265,28 @@ def test_an_artefact_leaves_nothing_behind(place: str, tried: Callable[[str], An
 
 
 @pytest.mark.skipif(BROWSER is None, reason="no Chromium found: apt-get install chromium")
-@pytest.mark.parametrize("place", [pytest.param(name, marks=[pytest.mark.slow] * (name != "bare")) for name in PLACES])
+@pytest.mark.parametrize(
+    "place", [pytest.param(name, marks=[pytest.mark.slow] * (name != "bare")) for name in PLACES]
+)
 def test_the_report_draws_the_rope_wherever_it_lies(place: str, tmp_path: Path) -> None:
     folder = tmp_path / PLACES[place].folder
     folder.mkdir()
     page = run(folder)
     if not PLACES[place].writable:
         read_only(folder)
-    command = [str(BROWSER), "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path / 'profile'}"]
-    command += ["--enable-logging=stderr", "--virtual-time-budget=8000", "--dump-dom", page.as_uri()]
+    command = [
+        str(BROWSER),
+        "--headless",
+        "--no-sandbox",
+        "--disable-gpu",
+        f"--user-data-dir={tmp_path / 'profile'}",
+    ]
+    command += [
+        "--enable-logging=stderr",
+        "--virtual-time-budget=8000",
+        "--dump-dom",
+        page.as_uri(),
+    ]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
     assert 'data-bottom="' in done.stdout
     assert "CONSOLE" not in done.stderr
@@ -267,5 +313,7 @@ def test_a_rope_is_native_where_the_home_cannot_be_written(tmp_path: Path) -> No
     environment = {name: value for name, value in os.environ.items() if name not in unset}
     environment |= {"HOME": str(home), "TMPDIR": str(tmp_path), "PYTHONPATH": str(ROOT)}
     command = [*without_rights(), sys.executable, "-P", "-c", _NATIVE]
-    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr[-2000:]

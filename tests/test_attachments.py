@@ -12,7 +12,18 @@ from numpy.typing import NDArray
 from scenes import Ends, fixed_steps, hung, smooth_step, wound
 from scipy.integrate import solve_bvp
 
-from rope_model import EndMotion, Form, Layout, Mesh, Rope, RopeSimulator, Scene, Solver, Swivel, balance_rope
+from rope_model import (
+    EndMotion,
+    Form,
+    Layout,
+    Mesh,
+    Rope,
+    RopeSimulator,
+    Scene,
+    Solver,
+    Swivel,
+    balance_rope,
+)
 from rope_model.simulation.ends.ends import end_strain
 from rope_model.simulation.ends.swivel_phases import Phase
 from rope_model.simulation.outputs.modal import natural_modes
@@ -21,14 +32,27 @@ from rope_model.solver_parameters import Model
 Array = NDArray[np.float64]
 #: a cable of 1.2 m, hardly extensible
 CABLE = Rope(
-    length=1.2, mass_per_length=0.1, Qa=1e5, Qb=0.0, Qc=0.0, Qd=8e-3, EI=1e-2, rhoJ=1e-6, diameter=0.008, beta_K=0.02
+    length=1.2,
+    mass_per_length=0.1,
+    Qa=1e5,
+    Qb=0.0,
+    Qc=0.0,
+    Qd=8e-3,
+    EI=1e-2,
+    rhoJ=1e-6,
+    diameter=0.008,
+    beta_K=0.02,
 )
 SPAN = 0.6
 LEVEL = EndMotion(lean=0.5 * math.pi), EndMotion(lean=-0.5 * math.pi)
 
 
 def scene(attachment: Any = "clamped", elements: int = 40, **rope: float) -> Scene:
-    held, mesh, solver = Swivel(attachment=attachment), Mesh("eem", elements=elements), Solver(step_max=0.005)
+    held, mesh, solver = (
+        Swivel(attachment=attachment),
+        Mesh("eem", elements=elements),
+        Solver(step_max=0.005),
+    )
     return Scene(replace(CABLE, **rope), Layout(spacing=SPAN), held, held, mesh, solver=solver)
 
 
@@ -43,7 +67,12 @@ def elastica(lean: float | None) -> tuple[float, float, float]:
     def slopes(s: Array, y: Array, p: Array) -> Array:
         phi, bend, _, _ = y
         return np.vstack(
-            (bend, (p[0] * np.sin(phi) + w * (half - s) * np.cos(phi)) / CABLE.EI, np.cos(phi), np.sin(phi))
+            (
+                bend,
+                (p[0] * np.sin(phi) + w * (half - s) * np.cos(phi)) / CABLE.EI,
+                np.cos(phi),
+                np.sin(phi),
+            )
         )
 
     def ends(a: Array, b: Array, p: Array) -> Array:
@@ -51,7 +80,9 @@ def elastica(lean: float | None) -> tuple[float, float, float]:
         return np.array([held, a[2], a[3], b[0], b[2] - 0.5 * SPAN])
 
     s = np.linspace(0.0, half, 400)
-    guess = np.vstack((-1.2 * (1 - s / half), np.full(s.size, 2.0), 0.5 * SPAN * s / half, -0.4 * s / half))
+    guess = np.vstack(
+        (-1.2 * (1 - s / half), np.full(s.size, 2.0), 0.5 * SPAN * s / half, -0.4 * s / half)
+    )
     found = solve_bvp(slopes, ends, s, guess, p=[0.3], tol=1e-9, max_nodes=100_000)
     assert found.success, found.message
     return float(found.p[0]), float(CABLE.EI * found.y[1, 0]), float(-found.y[3, -1])
@@ -60,36 +91,59 @@ def elastica(lean: float | None) -> tuple[float, float, float]:
 @pytest.mark.parametrize("lean", [0.5 * math.pi, 0.2, None])
 def test_an_end_held_at_any_angle_or_hinged_hangs_as_the_elastica(lean: float | None) -> None:
     rope = balance_rope(scene("hinged" if lean is None else "clamped", 80), "native")
-    hung(rope, *((EndMotion(), EndMotion()) if lean is None else (EndMotion(lean=lean), EndMotion(lean=-lean))))
+    hung(
+        rope,
+        *(
+            (EndMotion(), EndMotion())
+            if lean is None
+            else (EndMotion(lean=lean), EndMotion(lean=-lean))
+        ),
+    )
     pull, moment, depth = elastica(lean)
     found = rope.signals(["right.fx", "right.fy", "left.mz", "loop.y"])
     # 20 elements are off by 1.1 mm, so 80 by 256 times less; the clamps give way by less, as the rope does
     assert_allclose(-found["right.fx"], pull, rtol=2e-4)
-    assert_allclose(found["right.fy"], -0.5 * CABLE.mass_per_length * 9.81 * CABLE.length, rtol=1e-6)
+    assert_allclose(
+        found["right.fy"], -0.5 * CABLE.mass_per_length * 9.81 * CABLE.length, rtol=1e-6
+    )
     assert_allclose(found["left.mz"], moment, atol=1e-5)
     assert_allclose(-found["loop.y"], depth, atol=1e-5)
 
 
 def test_a_plane_across_is_as_good_as_that_of_the_loop() -> None:
     rope, side = hung(balance_rope(scene(), "native"), *LEVEL), 0.5 * SPAN
-    ends = (EndMotion(x=s * side, z=-s * side, yaw=-0.5 * math.pi, lean_z=s * 0.5 * math.pi) for s in (1.0, -1.0))
+    ends = (
+        EndMotion(x=s * side, z=-s * side, yaw=-0.5 * math.pi, lean_z=s * 0.5 * math.pi)
+        for s in (1.0, -1.0)
+    )
     across = hung(balance_rope(scene(), "native"), *ends)
     names = ("left.fx", "left.fy", "left.mz"), ("left.fz", "left.fy", "left.mx")
-    (fx, fy, mz), (fz, fy_across, mx) = ([*r.signals(of).values()] for r, of in zip((rope, across), names, strict=True))
+    (fx, fy, mz), (fz, fy_across, mx) = (
+        [*r.signals(of).values()] for r, of in zip((rope, across), names, strict=True)
+    )
     # X, Y, Z turned about Y becomes Z, Y, -X; both are equilibria to 1e-11 of the rope's length
     assert_allclose((fz, fy_across, -mx), (fx, fy, mz), rtol=1e-8)
 
 
 @pytest.mark.parametrize(
-    ("attachment", "roots"), [("clamped", (4.7300408, 7.8532046)), ("hinged", (math.pi, 2 * math.pi))]
+    ("attachment", "roots"),
+    [("clamped", (4.7300408, 7.8532046)), ("hinged", (math.pi, 2 * math.pi))],
 )
-def test_a_straight_rope_without_weight_swings_as_a_beam(attachment: str, roots: tuple[float, float]) -> None:
-    rope = balance_rope(scene(attachment).with_(layout=Layout(spacing=CABLE.length, gravity=1e-9)), "python")
+def test_a_straight_rope_without_weight_swings_as_a_beam(
+    attachment: str, roots: tuple[float, float]
+) -> None:
+    rope = balance_rope(
+        scene(attachment).with_(layout=Layout(spacing=CABLE.length, gravity=1e-9)), "python"
+    )
     leans = (0.5 * math.pi, -0.5 * math.pi) if attachment == "clamped" else (0.0, 0.0)
     hung(rope, *(EndMotion(lean=lean) for lean in leans))
     assert isinstance(rope, RopeSimulator)
     modes = natural_modes(rope.system, rope.state.motion.q, 6).frequencies
-    exact = np.square(np.divide(roots, CABLE.length)) * math.sqrt(CABLE.EI / CABLE.mass_per_length) / (2 * math.pi)
+    exact = (
+        np.square(np.divide(roots, CABLE.length))
+        * math.sqrt(CABLE.EI / CABLE.mass_per_length)
+        / (2 * math.pi)
+    )
     # each in both planes; cubic elements are off by (k l)^4 / 720, the clamps by 1e-4 of an element's length
     assert_allclose(modes[:4], np.repeat(exact, 2), rtol=2e-5)
 
@@ -101,17 +155,27 @@ def test_a_clamp_that_turns_about_plumb_carries_the_rope_along_without_strain() 
 
     def ends(t: float) -> Ends:
         s = min(t / 4.0, 1.0)
-        angle, rate = math.pi * (10 * s**3 - 15 * s**4 + 6 * s**5), math.pi * 30 * (s * (1 - s)) ** 2 / 4.0
+        angle, rate = (
+            math.pi * (10 * s**3 - 15 * s**4 + 6 * s**5),
+            math.pi * 30 * (s * (1 - s)) ** 2 / 4.0,
+        )
         bend = math.pi * 60 * s * (1 - s) * (1 - 2 * s) / 16.0
         c, z, r = math.cos(angle), -math.sin(angle), 0.5 * SPAN
         motions = (
             EndMotion(
-                x=r * k * (c - 1), z=r * k * z, vx=r * k * z * rate, vz=-r * k * c * rate,
-                ax=r * k * (z * bend - c * rate**2), az=-r * k * (c * bend + z * rate**2),
-                yaw=angle * math.cos(lean), yaw_rate=rate * math.cos(lean), lean=-k * lean * c, lean_z=-k * lean * z,
+                x=r * k * (c - 1),
+                z=r * k * z,
+                vx=r * k * z * rate,
+                vz=-r * k * c * rate,
+                ax=r * k * (z * bend - c * rate**2),
+                az=-r * k * (c * bend + z * rate**2),
+                yaw=angle * math.cos(lean),
+                yaw_rate=rate * math.cos(lean),
+                lean=-k * lean * c,
+                lean_z=-k * lean * z,
             )
             for k in (-1, 1)
-        )  # fmt: skip
+        )
         left, right = motions
         return left, right
 
@@ -128,13 +192,16 @@ def test_both_forms_follow_clamps_that_lean_in_space_alike() -> None:
 
     def ends(t: float) -> Ends:
         return tuple(
-            EndMotion(z=t**3, vz=3 * t**2, az=6 * t, lean=k * (1.2 - t**2), lean_z=0.4 + 2 * t**2) for k in (1, -1)
+            EndMotion(z=t**3, vz=3 * t**2, az=6 * t, lean=k * (1.2 - t**2), lean_z=0.4 + 2 * t**2)
+            for k in (1, -1)
         )
 
     python, native = (wound(balance_rope(leaning, form), ends, 30) for form in ("python", "native"))
     assert python.state.counts == native.state.counts
     assert_allclose(python.state.motion.q, native.state.motion.q, atol=1e-9)
-    audited = native.signals(["audit.momentum", "audit.moment", "energy.residual", "energy.kinetic"])
+    audited = native.signals(
+        ["audit.momentum", "audit.moment", "energy.residual", "energy.kinetic"]
+    )
     # clamps are among the loads: momentum and moment close to the step's error, energy to numerical dissipation
     assert audited["audit.momentum"] < 0.01
     assert audited["audit.moment"] < 0.01
@@ -149,13 +216,21 @@ def test_both_forms_follow_clamps_that_lean_in_space_alike() -> None:
 def test_free_swivels_of_clamps_that_lean_in_space_begin_at_rest(form: Any) -> None:
     free, mesh = Swivel("free", attachment="clamped"), Mesh("eem", elements=16)
     ends = EndMotion(lean=0.3, lean_z=0.2), EndMotion(y=20.0, lean=-0.3, lean_z=0.2)
-    rope = hung(balance_rope(Scene(Rope(length=60.0), left=free, right=free, mesh=mesh), form), *ends)
-    assert_allclose([*rope.signals(["left.swivel.torque", "right.swivel.torque"]).values()], 0.0, atol=1e-6)
+    rope = hung(
+        balance_rope(Scene(Rope(length=60.0), left=free, right=free, mesh=mesh), form), *ends
+    )
+    assert_allclose(
+        [*rope.signals(["left.swivel.torque", "right.swivel.torque"]).values()], 0.0, atol=1e-6
+    )
 
 
 @pytest.mark.parametrize("attachment", ["hinged", "clamped"])
 def test_the_strain_of_an_end_does_not_feel_that_it_turns(attachment: Any) -> None:
-    q, turn, node = np.random.default_rng(3).random((4, 7)), np.zeros((4, 7)), 1 if attachment == "clamped" else 0
+    q, turn, node = (
+        np.random.default_rng(3).random((4, 7)),
+        np.zeros((4, 7)),
+        1 if attachment == "clamped" else 0,
+    )
     turn[:, 3:6] = np.cross([0.3, -0.2, 0.5], q[:, 3:6])
     strain = end_strain(scene(attachment), q, turn + 2e-3 * q, 0)
     assert strain == pytest.approx(2e-3 * float(np.linalg.norm(q[node, 3:6])), rel=1e-12)
@@ -163,23 +238,44 @@ def test_the_strain_of_an_end_does_not_feel_that_it_turns(attachment: Any) -> No
 
 def test_only_a_clamp_leans(form: Any) -> None:
     rope = balance_rope(scene("hinged", 12), form)
-    assert "left.swivel.attachment = clamped" in rope.initialize(0.0, EndMotion(lean=0.1), EndMotion()).message
+    assert (
+        "left.swivel.attachment = clamped"
+        in rope.initialize(0.0, EndMotion(lean=0.1), EndMotion()).message
+    )
     hung(rope, EndMotion(), EndMotion())
     rigid = hung(balance_rope(scene("hinged", 12).with_(model=Model("rigid")), form))
     assert_allclose(rigid.state.motion.q[[0, -1], 0], (-0.5 * SPAN, 0.5 * SPAN))
-    assert "right.lean_z = 0.1 rad" in rope.advance_to(0.01, EndMotion(), EndMotion(lean_z=0.1)).message
-    told = hung(balance_rope(scene(elements=12), form)).advance_to(0.01, EndMotion(lean_z=0.01), EndMotion()).message
+    assert (
+        "right.lean_z = 0.1 rad"
+        in rope.advance_to(0.01, EndMotion(), EndMotion(lean_z=0.1)).message
+    )
+    told = (
+        hung(balance_rope(scene(elements=12), form))
+        .advance_to(0.01, EndMotion(lean_z=0.01), EndMotion())
+        .message
+    )
     assert re.search(r"left.lean_z .* 333 rad/s\^2 \(inputs.acceleration_max = 100\)", told), told
 
 
-RUBS = Swivel(mode="coulomb", attachment="hinged", mu_static=0.1, mu_kinetic=0.08, release_time=0.01, start="locked")
+RUBS = Swivel(
+    mode="coulomb",
+    attachment="hinged",
+    mu_static=0.1,
+    mu_kinetic=0.08,
+    release_time=0.01,
+    start="locked",
+)
 
 
 @pytest.mark.parametrize("form", ["native", pytest.param("python", marks=pytest.mark.slow)])
-def test_the_friction_of_a_swivel_grows_with_the_tension_along_a_rope_that_leans(form: Form) -> None:
+def test_the_friction_of_a_swivel_grows_with_the_tension_along_a_rope_that_leans(
+    form: Form,
+) -> None:
     """A rope of 30 m between hinges 29 m apart pulls mostly sideways."""
     held, rope = replace(RUBS, mode="locked"), Rope(length=30.0)
-    taut = Scene(rope, Layout(spacing=29.0), RUBS, held, Mesh("eem", elements=60), model=Model("torsional"))
+    taut = Scene(
+        rope, Layout(spacing=29.0), RUBS, held, Mesh("eem", elements=60), model=Model("torsional")
+    )
 
     def turning(t: float) -> Ends:
         angle, rate, _ = (6.0 * x for x in smooth_step(t, 0.0, 1.0))
@@ -190,13 +286,17 @@ def test_the_friction_of_a_swivel_grows_with_the_tension_along_a_rope_that_leans
     found = wound_up.signals(["left.fx", "left.fy", "left.fz", "left.swivel.torque"])
     *force, torque = found.values()
     # bending turns the force by 1e-2 from the tangent, which takes half its square from the tension
-    assert torque == pytest.approx(-0.5 * RUBS.mu_kinetic * RUBS.mean_diameter * float(np.linalg.norm(force)), rel=2e-4)
+    assert torque == pytest.approx(
+        -0.5 * RUBS.mu_kinetic * RUBS.mean_diameter * float(np.linalg.norm(force)), rel=2e-4
+    )
 
 
 def test_a_swivel_on_which_the_rope_stands_has_no_friction_but_its_seal() -> None:
     """The clamps hold the cable's ends upwards: its weight presses on the swivels."""
     up = EndMotion(lean=0.9 * math.pi), EndMotion(lean=-0.9 * math.pi)
-    swivel = replace(RUBS, attachment="clamped", seal_moment=1e-4, start="relaxed", release_time=0.0)
+    swivel = replace(
+        RUBS, attachment="clamped", seal_moment=1e-4, start="relaxed", release_time=0.0
+    )
     base = scene(installed_twist=1.0, Qd=0.1)
     rope = hung(balance_rope(base.with_(left=swivel), "native"), *up)
     found = rope.signals(["left.fy", "left.swivel.torque"])
@@ -205,7 +305,9 @@ def test_a_swivel_on_which_the_rope_stands_has_no_friction_but_its_seal() -> Non
     assert abs(found["left.swivel.torque"]) == pytest.approx(swivel.seal_moment, rel=1e-6)
 
 
-def test_a_rope_between_ends_apart_across_is_free_of_twist_where_both_conveyances_yaw_with_them() -> None:
+def test_a_rope_between_ends_apart_across_is_free_of_twist_where_both_conveyances_yaw_with_them() -> (
+    None
+):
     """Without the yaw it is twisted by twice the direction of its ends; the installed twist can take that out."""
     direction = -math.atan2(0.1, SPAN)
     plumb = scene("plumb")

@@ -15,7 +15,9 @@ from rope_model.numerics import kernels
 from rope_model.physics.element import NODE_DOF, element_functions
 from rope_model.simulation.rope_kernels import RopeKernels
 
-needs_compiler = pytest.mark.skipif(kernels.find_compiler() is None, reason="no C compiler: nothing to compare with")
+needs_compiler = pytest.mark.skipif(
+    kernels.find_compiler() is None, reason="no C compiler: nothing to compare with"
+)
 #: the arguments of ``evaluate``
 STATE = ("q", "v", "a", "R", "l", "F", "load", "friction_load", "node_mass", "P")
 P = np.array([1.3, 9.8, 5.0, 0.8, 0.3, 2.0, 1.5, 0.4, 0.3, 1.2, 0.9, 0.5, 0.2])
@@ -32,11 +34,19 @@ def random_chain(elements: int, seed: int) -> dict[str, Array]:
     free = (rng.uniform(size=nodes) < 0.67).astype(float)
     normal = partial(rng.normal, size=nodes)
     return {
-        "q": q, "v": normal(), "a": normal(), "R": normal(), "l": l,
+        "q": q,
+        "v": normal(),
+        "a": normal(),
+        "R": normal(),
+        "l": l,
         "F": RopeKernels(elements, "portable").reference(q + 0.1 * normal(), l)[0],
-        "load": normal(), "friction_load": normal(), "node_mass": rng.uniform(0.0, 0.5, nodes), "free": free, "P": P,
+        "load": normal(),
+        "friction_load": normal(),
+        "node_mass": rng.uniform(0.0, 0.5, nodes),
+        "free": free,
+        "P": P,
         "c": np.array([1.0, 3.0, 40.0]),
-    }  # fmt: skip
+    }
 
 
 def direct(x: dict[str, Array]) -> tuple[Array, Array]:
@@ -49,7 +59,9 @@ def direct(x: dict[str, Array]) -> tuple[Array, Array]:
         R_e, J_e = element.tangent(*motion, x["l"][i], x["F"][i], x["P"], *x["c"], motion[0])
         R[at] += np.asarray(R_e).ravel()
         J[at, at] += np.asarray(J_e)
-    R += (x["node_mass"] * x["a"] - x["load"] - x["friction_load"] * np.maximum(x["R"][:, 1:2], 0.0)).ravel()
+    R += (
+        x["node_mass"] * x["a"] - x["load"] - x["friction_load"] * np.maximum(x["R"][:, 1:2], 0.0)
+    ).ravel()
     J += x["c"][2] * np.diag(x["node_mass"].ravel())
     free = np.flatnonzero(x["free"].ravel())
     correction = np.zeros(size)
@@ -71,9 +83,15 @@ def test_the_direction_is_that_of_a_dense_solve(elements: int, seed: int) -> Non
 
 def test_assess_tells_the_residual_that_direction_uses_and_sums_the_balances() -> None:
     elements = 6
-    x, k, element = random_chain(elements, 4), RopeKernels(elements, "portable"), element_functions()
+    x, k, element = (
+        random_chain(elements, 4),
+        RopeKernels(elements, "portable"),
+        element_functions(),
+    )
     R, sums = k.evaluate(*(x[name] for name in STATE))
-    np.testing.assert_allclose(R, k.newton_step(*x.values())[1], rtol=1e-13, atol=1e-13)  # rounding: two texts of code
+    np.testing.assert_allclose(
+        R, k.newton_step(*x.values())[1], rtol=1e-13, atol=1e-13
+    )  # rounding: two texts of code
     balances, strains = [], []
     for i in range(elements):
         q, v = (x[name][i : i + 2].ravel() for name in "qv")
@@ -94,12 +112,20 @@ def test_the_compiled_kernels_give_what_the_portable_ones_give() -> None:
         pairs = [
             *zip(compiled.newton_step(*x.values()), portable.newton_step(*x.values()), strict=True),
             *zip(compiled.evaluate(*state), portable.evaluate(*state), strict=True),
-            *zip(*(kernels.strains(*(x[name] for name in "qvlF")) for kernels in (compiled, portable)), strict=True),
+            *zip(
+                *(
+                    kernels.strains(*(x[name] for name in "qvlF"))
+                    for kernels in (compiled, portable)
+                ),
+                strict=True,
+            ),
         ]
         for ours, reference in pairs:
             assert np.all(np.isfinite(reference))
             # the same operations; the compiler may order a sum differently
-            np.testing.assert_allclose(ours, reference, rtol=1e-12, atol=1e-12 * np.abs(reference).max())
+            np.testing.assert_allclose(
+                ours, reference, rtol=1e-12, atol=1e-12 * np.abs(reference).max()
+            )
 
 
 def test_the_kernels_leave_their_arguments_alone_and_give_their_results_away() -> None:
@@ -119,13 +145,18 @@ def small_function(factor: float = 2.0) -> ca.Function:
 
 
 @needs_compiler
-def test_a_second_build_finds_the_first_ones_library_and_others_make_another(tmp_path, monkeypatch) -> None:
+def test_a_second_build_finds_the_first_ones_library_and_others_make_another(
+    tmp_path, monkeypatch
+) -> None:
     build = partial(kernels.build_library, compiler=kernels.find_compiler(), folder=tmp_path)
     first = build([small_function()])
     made = first.stat().st_mtime_ns
     assert build([small_function()]) == first
     assert first.stat().st_mtime_ns == made
-    assert sorted(file.suffix for file in tmp_path.iterdir()) == [".o", first.suffix]  # no scratch left
+    assert sorted(file.suffix for file in tmp_path.iterdir()) == [
+        ".o",
+        first.suffix,
+    ]  # no scratch left
     other = build([small_function(3.0)])
     monkeypatch.setattr(kernels, "FLAGS", (*kernels.FLAGS, "-DOTHER"))
     assert len({first, other, build([small_function()])}) == 3
@@ -154,6 +185,8 @@ def test_without_a_compiler_auto_is_portable_and_compiled_says_what_to_do(monkey
         functions, form = kernels.prepare(small, build, "auto")
     assert form == "portable"
     assert "portable" in caplog.text
-    np.testing.assert_allclose(np.asarray(functions[0]([0, 1, 2])).ravel(), 2 * np.sin([0, 1, 2]), rtol=1e-15)
+    np.testing.assert_allclose(
+        np.asarray(functions[0]([0, 1, 2])).ravel(), 2 * np.sin([0, 1, 2]), rtol=1e-15
+    )
     with pytest.raises(RuntimeError, match="install a C compiler"):
         kernels.prepare(small, build, "compiled")

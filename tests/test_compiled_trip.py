@@ -48,7 +48,11 @@ class Wound:
     def run(self, python: bool = False, **options: Any) -> Result:
         case = find_case(self.name)
         own = {**case.rope, **self.rope}
-        rope: RopePlant = FmuRope(self.fmu, own) if self.fmu else rope_in_process(self.name, self.level, self.rope)
+        rope: RopePlant = (
+            FmuRope(self.fmu, own)
+            if self.fmu
+            else rope_in_process(self.name, self.level, self.rope)
+        )
         hoist = replace(case.hoist, **self.hoist)
         host = Host(rope, hoist, self.winding, self.coupling, self.gains)
         if python:
@@ -84,7 +88,9 @@ def assert_alike(one: Result, other: Result) -> None:
         assert_allclose(one.recording[name], values, rtol=0.0, atol=1e-9 * largest, err_msg=name)
 
 
-@pytest.mark.parametrize("kind", ["native-2", "native-3", pytest.param("python", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "kind", ["native-2", "native-3", pytest.param("python", marks=pytest.mark.slow)]
+)
 def test_an_fmu_is_wound_in_c(kind: str, fmu_of: Callable[[str], Path], in_c: list[int]) -> None:
     wound = Wound(fmu=fmu_of(kind), winding=replace(TRIP, travel=0.5, settle=0.2))
     test_a_trip_in_c_has_the_numbers_of_python(wound, in_c)
@@ -108,7 +114,9 @@ def test_a_trip_in_c_has_the_numbers_of_python(wound: Wound, in_c: list[int]) ->
 
 
 def test_a_guard_of_the_rope_stops_the_hoist_as_in_python(in_c: list[int]) -> None:
-    wound = Wound(winding=replace(TRIP, travel=20.0), rope={"guard.window": 0.6, "model.fidelity": 1})
+    wound = Wound(
+        winding=replace(TRIP, travel=20.0), rope={"guard.window": 0.6, "model.fidelity": 1}
+    )
     stopped = wound.run()
     assert stopped.winding.emergency_at is not None
     assert in_c.count(0) == 1  # the sample that sees it
@@ -116,16 +124,22 @@ def test_a_guard_of_the_rope_stops_the_hoist_as_in_python(in_c: list[int]) -> No
     assert_alike(stopped, wound.run(python=True))
 
 
-@pytest.mark.parametrize("coupling", [Coupling(step=0.02, sample=0.01), Coupling(step=0.01, sample=0.02)])
+@pytest.mark.parametrize(
+    "coupling", [Coupling(step=0.02, sample=0.01), Coupling(step=0.01, sample=0.02)]
+)
 @pytest.mark.parametrize("kind", ["", pytest.param("native-2", marks=pytest.mark.slow), "native-3"])
 @pytest.mark.parametrize("part", ["rope", "drive"])
-def test_a_trip_that_fails_does_so_with_the_words_of_python(part: str, kind: str, coupling: Coupling, fmu_of) -> None:
+def test_a_trip_that_fails_does_so_with_the_words_of_python(
+    part: str, kind: str, coupling: Coupling, fmu_of
+) -> None:
     wound = Wound(coupling=coupling, fmu=fmu_of(kind) if kind else None)
     if part == "rope":
         wound.rope = {"inputs.acceleration_max": 0.5}  # m/s^2, less than the trip's
     else:
         wound.hoist = {"shaft_travel": 6.0, "head_rope_length_up": 0.3}
-        wound.gains = Gains(speed=2e4, integral_time=0.2, position=3.0, feed_forward=0.0)  # overshoots
+        wound.gains = Gains(
+            speed=2e4, integral_time=0.2, position=3.0, feed_forward=0.0
+        )  # overshoots
     failed, told = wound.run(), wound.run(python=True)
     assert part in failed.cause.split(":")[0 if part == "rope" else 1]
     assert_alike(failed, told)
@@ -149,7 +163,13 @@ def test_warnings_are_those_of_python(caplog: pytest.LogCaptureFixture) -> None:
     for python in (False, True):
         caplog.clear()
         wound.run(python)
-        told.append([record.getMessage() for record in caplog.records if record.name.startswith("hoist_demo")])
+        told.append(
+            [
+                record.getMessage()
+                for record in caplog.records
+                if record.name.startswith("hoist_demo")
+            ]
+        )
     assert "has struck" in told[0][0]
     assert told[0] == told[1]
 
@@ -203,10 +223,18 @@ print(json.dumps(done))
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(sys.platform != "linux" or not find_spec("ziglang"), reason="needs Linux and ziglang's clang")
+@pytest.mark.skipif(
+    sys.platform != "linux" or not find_spec("ziglang"), reason="needs Linux and ziglang's clang"
+)
 def test_trip_in_c_calls_each_function_by_its_own_type(tmp_path: Path) -> None:
     # zig checks all code that is not optimised for more than this
-    checks = ["-O0", "-fno-sanitize=all", "-fsanitize=function", "-fsanitize-trap=function", "-DHAS_WIDE_FORMS=0"]
+    checks = [
+        "-O0",
+        "-fno-sanitize=all",
+        "-fsanitize=function",
+        "-fsanitize-trap=function",
+        "-DHAS_WIDE_FORMS=0",
+    ]
     zig = [sys.executable, "-m", "ziglang", "cc"]
     (tmp_path / "other.c").write_text(_OTHER_TYPE)
     subprocess.run([*zig, *checks, "other.c", "-o", "other"], cwd=tmp_path, check=True)
@@ -218,6 +246,8 @@ def test_trip_in_c_calls_each_function_by_its_own_type(tmp_path: Path) -> None:
     environment = {**os.environ, "CC": " ".join(zig), "BALANCE_ROPE_CACHE": str(tmp_path / "cache")}
     environment["PYTHONPATH"] = os.pathsep.join([*path, str(Path(__file__).parent)])
     command = [sys.executable, "-c", _CHECKED, json.dumps(checks)]
-    wound = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    wound = subprocess.run(
+        command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+    )
     assert wound.returncode == 0, wound.stderr[-3000:]
     assert all(done > 10 for done in json.loads(wound.stdout.splitlines()[-1])), wound.stdout

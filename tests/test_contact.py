@@ -16,10 +16,29 @@ from scenes import hung, smooth_step, wound
 
 from rope_model import EndMotion, Mesh, Rope, Scene, Solver, balance_rope
 from rope_model.physics import hermite
-from rope_model.physics.contact import ONSET, SUMS, ContactTerms, contact_law, correction_motion, largest_motion
+from rope_model.physics.contact import (
+    ONSET,
+    SUMS,
+    ContactTerms,
+    contact_law,
+    correction_motion,
+    largest_motion,
+)
 from rope_model.physics.contact_element import CONTACT_BALANCE, contact_element
-from rope_model.physics.contact_error import ContactSums, add_contact, contact_error, delay, length_for
-from rope_model.physics.element import BALANCE, ELEMENT_DOF, ElementFidelity, element_functions, parameters
+from rope_model.physics.contact_error import (
+    ContactSums,
+    add_contact,
+    contact_error,
+    delay,
+    length_for,
+)
+from rope_model.physics.element import (
+    BALANCE,
+    ELEMENT_DOF,
+    ElementFidelity,
+    element_functions,
+    parameters,
+)
 from rope_model.physics.rope_contact import points_skipped
 from rope_model.physics.shaft import KINDS, Body, distance, normal
 from rope_model.shaft_parameters import Contact, Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
@@ -36,7 +55,9 @@ def some_body(chance: random.Random, side: float) -> Body:
         return chance.uniform(low, high), chance.uniform(low, high), chance.uniform(low, high)
 
     yaw = chance.uniform(-3, 3)
-    return Body(vector(-1, 1), vector(0.1, 1), chance.uniform(0.01, 0.3), math.cos(yaw), math.sin(yaw), side)
+    return Body(
+        vector(-1, 1), vector(0.1, 1), chance.uniform(0.01, 0.3), math.cos(yaw), math.sin(yaw), side
+    )
 
 
 def touched(seed: int) -> tuple[Body, tuple[float, ...]]:
@@ -49,8 +70,12 @@ def touched(seed: int) -> tuple[Body, tuple[float, ...]]:
             return body, point
 
 
-def law(body: Body, point: Any, speed: Any = REST, cq: float = 0.0, cv: float = 0.0, **changed: float) -> ContactTerms:
-    return contact_law(Contact(**changed), DIAMETER, body, (0.1, -0.2, 0.3), tuple(point), tuple(speed), cq, cv)
+def law(
+    body: Body, point: Any, speed: Any = REST, cq: float = 0.0, cv: float = 0.0, **changed: float
+) -> ContactTerms:
+    return contact_law(
+        Contact(**changed), DIAMETER, body, (0.1, -0.2, 0.3), tuple(point), tuple(speed), cq, cv
+    )
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
@@ -63,11 +88,15 @@ def test_the_normal_is_the_gradient_of_the_distance(side: float) -> None:
         n = normal(point, body)
         assert_allclose(n, np.array(gradient(point)).ravel(), atol=1e-12)
         # in a shaft: behind its wall
-        assert body.side * distance(point, body) < 1e-3 or np.linalg.norm(n) == pytest.approx(1.0, abs=1e-8)
+        assert body.side * distance(point, body) < 1e-3 or np.linalg.norm(n) == pytest.approx(
+            1.0, abs=1e-8
+        )
 
 
 @pytest.mark.parametrize("turned", [0.0, 0.1, 1.0, 100.0])
-def test_no_place_of_an_element_moves_by_more_than_half_of_what_its_nodes_say(turned: float) -> None:
+def test_no_place_of_an_element_moves_by_more_than_half_of_what_its_nodes_say(
+    turned: float,
+) -> None:
     """Nodes that move and turn so that all adds up: the other half is for what it may come to."""
     chance, l = np.random.default_rng(1), 0.7
     for moved in chance.uniform(size=(100, 4)) * [1.0, turned, 1.0, turned]:
@@ -75,14 +104,18 @@ def test_no_place_of_an_element_moves_by_more_than_half_of_what_its_nodes_say(tu
         rows[:, 1], rows[:, 4] = moved[[0, 2]], moved[[1, 3]] * [1.0, -1.0]
         most = max(largest_motion(l, row, np.zeros(6)) for row in rows)
         for xi in np.linspace(0.0, 1.0, 21):
-            assert abs(np.dot(hermite.shape_functions(xi, l), rows[:, [1, 4]].ravel())) <= 0.5 * most
+            assert (
+                abs(np.dot(hermite.shape_functions(xi, l), rows[:, [1, 4]].ravel())) <= 0.5 * most
+            )
 
 
 def test_no_correction_moves_a_node_by_more_than_newtons_norm_says() -> None:
     chance, longest, shortest = np.random.default_rng(1), 3.0, 0.2
     for row in chance.uniform(-1.0, 1.0, size=(100, 6)) / ([1.0] * 3 + [shortest] * 3):
         norm = np.abs(row * ([1.0] * 3 + [shortest] * 3)).max()
-        assert largest_motion(longest, row, np.zeros(6)) <= correction_motion(norm, longest, shortest)
+        assert largest_motion(longest, row, np.zeros(6)) <= correction_motion(
+            norm, longest, shortest
+        )
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -93,7 +126,9 @@ def test_the_force_is_the_energys_gradient_without_losses(seed: int) -> None:
         return [law(body, p).sums[0]]
 
     force = law(body, point, friction=0.0, damping=0.0).force
-    assert_allclose(difference(energy, point, 1e-6)[0], -np.array(force), atol=1e-5 * np.abs(force).max())
+    assert_allclose(
+        difference(energy, point, 1e-6)[0], -np.array(force), atol=1e-5 * np.abs(force).max()
+    )
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -124,7 +159,9 @@ def test_losses_are_never_negative_and_the_body_never_draws(seed: int) -> None:
 def element_case(fidelity: ElementFidelity, contact: Contact) -> tuple[list[Any], list[Any]]:
     """Inputs of the plain element, and of that with a floor and a divider, which lies on and in them."""
     rng, dof = np.random.default_rng(3), ELEMENT_DOF[fidelity]
-    q = np.array([0, 0, 0, 1, 0.1, 0, 0.1, 1, 0.05, 0, 1, -0.1, 0, 0.3]) + 0.005 * rng.normal(size=14)
+    q = np.array([0, 0, 0, 1, 0.1, 0, 0.1, 1, 0.05, 0, 1, -0.1, 0, 0.3]) + 0.005 * rng.normal(
+        size=14
+    )
     kept = [*dof, *(7 + i for i in dof)]
     q, v, a = q[kept], rng.normal(size=len(kept)), rng.normal(size=len(kept))
     element, l = element_functions(fidelity), 1.01
@@ -140,12 +177,19 @@ def element_case(fidelity: ElementFidelity, contact: Contact) -> tuple[list[Any]
 
 @cache
 def touching(fidelity: ElementFidelity) -> Any:
-    return contact_element(fidelity, element_functions(fidelity), (KINDS.index("floor"), KINDS.index("divider")))
+    return contact_element(
+        fidelity, element_functions(fidelity), (KINDS.index("floor"), KINDS.index("divider"))
+    )
 
 
 @pytest.mark.parametrize("fidelity", ELEMENT_DOF)
-def test_the_elements_contact_residual_is_its_energys_gradient_and_its_derivative_the_tangent(fidelity) -> None:
-    (element, without), lossless = (touching(fidelity), element_functions(fidelity)), Contact(friction=0.0, damping=0.0)
+def test_the_elements_contact_residual_is_its_energys_gradient_and_its_derivative_the_tangent(
+    fidelity,
+) -> None:
+    (element, without), lossless = (
+        (touching(fidelity), element_functions(fidelity)),
+        Contact(friction=0.0, damping=0.0),
+    )
     plain, near = element_case(fidelity, lossless)
 
     def energy(q: Any) -> list[float]:
@@ -158,7 +202,9 @@ def test_the_elements_contact_residual_is_its_energys_gradient_and_its_derivativ
     assert np.abs(added).max() > 1e3
     assert_allclose(added, difference(energy, near[0], 1e-6)[0], atol=1e-5 * np.abs(added).max())
     near[4][-1] = 0.0  # a flat floor alone
-    tangent = np.array(element.tangent(*near, 1, 0, 0, near[0])[1] - without.tangent(*plain, 1, 0, 0, plain[0])[1])
+    tangent = np.array(
+        element.tangent(*near, 1, 0, 0, near[0])[1] - without.tangent(*plain, 1, 0, 0, plain[0])[1]
+    )
     assert np.abs(tangent).max() > 1e3
     assert_allclose(tangent, difference(residual, near[0], 1e-6), atol=1e-5 * np.abs(tangent).max())
 
@@ -172,10 +218,20 @@ def pressure_of_bar(place: float, size: float = THIN, pressed: float = PRESSED) 
     contact, total = Contact(), 0.0
     for start in (-LONG_ELEMENT, 0.0):
         q = np.array([start, 0, 0, 1, 0, 0, 0, start + LONG_ELEMENT, 0, 0, 1, 0, 0, 0])
-        bar = Body((place, pressed - 0.5 * (size + DIAMETER), 0.0), (0.0, 0.0, 9.0), 0.5 * size, 1.0, 0.0, 1.0)
+        bar = Body(
+            (place, pressed - 0.5 * (size + DIAMETER), 0.0),
+            (0.0, 0.0, 9.0),
+            0.5 * size,
+            1.0,
+            0.0,
+            1.0,
+        )
         law = [contact.stiffness, contact.damping, contact.friction, contact.slip_speed, DIAMETER]
         P = [*parameters(Rope(), 9.81), *law, *bar.centre, *bar.half, *bar[2:], 0.0, 0.0, 0.0]
-        element, rest = contact_element("torsional", element_functions(), (KINDS.index("divider"),)), np.zeros(14)
+        element, rest = (
+            contact_element("torsional", element_functions(), (KINDS.index("divider"),)),
+            np.zeros(14),
+        )
         F = np.array(element_functions().reference(q, LONG_ELEMENT)).ravel()
         sums = np.array(element.balance(q, rest, LONG_ELEMENT, [*F, 1.0], P)).ravel()
         total += float(sums[len(BALANCE) + CONTACT_BALANCE.index("divider")])
@@ -235,12 +291,17 @@ def test_the_length_of_a_delay_has_that_delay(EI: float) -> None:
 
 @pytest.mark.parametrize("length", [30.0, 120.0, 1000.0])
 @pytest.mark.parametrize("offset", [-0.9, 0.0, 0.7])
-def test_elements_that_a_divider_may_press_follow_its_pressure(length: float, offset: float) -> None:
+def test_elements_that_a_divider_may_press_follow_its_pressure(
+    length: float, offset: float
+) -> None:
     beside = Shaft(divider_2=Divider(size=0.05, y=-5.0, offset=offset))
     scene = Scene(Rope(length=length), mesh=Mesh("auto"), shaft=beside)
     mesh = fit_mesh(scene)
     equal = mesh.kind == "eem"
-    longest = max(partition(mesh, length, place * length).lengths.max() for place in ([0.5] if equal else [0.2, 0.5]))
+    longest = max(
+        partition(mesh, length, place * length).lengths.max()
+        for place in ([0.5] if equal else [0.2, 0.5])
+    )
     # whole numbers of elements make those of a pattern a little longer than asked for
     assert longest < 1.05 * length_for(scene, BLOW)
 
@@ -262,7 +323,10 @@ def test_an_element_near_no_body_is_the_plain_one() -> None:
     near[4][-2:] = 0.0
     element, without = touching("torsional"), element_functions()
     assert_array_equal(np.array(element.residual(*near)), np.array(without.residual(*plain)))
-    tangents = element.tangent(*near, 1, 2, 3, near[0])[1], without.tangent(*plain, 1, 2, 3, plain[0])[1]
+    tangents = (
+        element.tangent(*near, 1, 2, 3, near[0])[1],
+        without.tangent(*plain, 1, 2, 3, plain[0])[1],
+    )
     assert_array_equal(*map(np.array, tangents))
     assert not np.array(element.balance(near[0], near[1], *near[3:]))[-len(CONTACT_BALANCE) :].any()
 
@@ -287,11 +351,15 @@ def ends(t: float) -> tuple[EndMotion, EndMotion]:
 
 #: coupling, and height of the left end, m; in the way of the floor legs stood on it as bars, with forces of some MN
 @pytest.mark.parametrize(("coupling", "left"), [(0.0, -10.0), (1.0, 0.0)])
-def test_a_rope_whose_floor_is_high_lies_on_it_and_hangs_from_its_ends(form: Any, coupling: float, left: float) -> None:
+def test_a_rope_whose_floor_is_high_lies_on_it_and_hangs_from_its_ends(
+    form: Any, coupling: float, left: float
+) -> None:
     plain, level = Rope(length=60.0), -20.0
     rope = Rope(length=60.0, Qb=coupling * plain.Qb, Qc=coupling * plain.Qc)
     scene = Scene(rope, mesh=Mesh("eem", elements=45), shaft=Shaft(sump=Sump(level=level)))
-    seen = hung(balance_rope(scene, form), left=EndMotion(y=left)).signals(("left.fy", "right.fy", "contact.floor"))
+    seen = hung(balance_rope(scene, form), left=EndMotion(y=left)).signals(
+        ("left.fy", "right.fy", "contact.floor")
+    )
     weight = rope.mass_per_length * rope.length * scene.layout.gravity
     legs = (left - 2 * level) * rope.mass_per_length * scene.layout.gravity
     # the legs hang freely, and what lies on the floor hardly pulls at them
@@ -313,12 +381,19 @@ def test_a_rope_on_its_way_to_rest_jumps_over_no_thin_beam(form: Any) -> None:
 
 def test_a_mesh_that_is_transformed_on_a_floor_keeps_the_energy_balance() -> None:
     """TMN-ETM on 30 m of rope, whose loop drags over the floor through several transformations."""
-    mesh, shaft = Mesh("tmn", coarse_length=1.0, counts=(2, 4, 40, 4, 2)), Shaft(sump=Sump(level=-13.6))
+    mesh, shaft = (
+        Mesh("tmn", coarse_length=1.0, counts=(2, 4, 40, 4, 2)),
+        Shaft(sump=Sump(level=-13.6)),
+    )
     scene, speed, ramp = Scene(rope=Rope(length=30.0), mesh=mesh, shaft=shaft), 3.0, 1.0
 
     def motion(t: float) -> tuple[EndMotion, EndMotion]:
         s = min(t / ramp, 1.0)
-        y = speed * ramp * s**4 * (2.5 - 3 * s + s * s) if s < 1 else speed * (0.5 * ramp + t - ramp)
+        y = (
+            speed * ramp * s**4 * (2.5 - 3 * s + s * s)
+            if s < 1
+            else speed * (0.5 * ramp + t - ramp)
+        )
         v, a = speed * s**3 * (10 - 15 * s + 6 * s * s), speed * 30 * (s * (1 - s)) ** 2 / ramp
         return EndMotion(y=y, vy=v, ay=a), EndMotion(y=-y, vy=-v, ay=-a)
 
@@ -338,7 +413,9 @@ def test_the_windows_of_both_forms_follow_a_rope_that_is_lifted_past_a_divider()
     # a correction about as large as the tolerance may be the last one in one form and not in the other
     solver = Solver(step_max=0.01, tolerance=1e3, newton_tolerance=1e-10)
     scene = Scene(rope=Rope(length=40.0, EI=30.0), shaft=leans, solver=solver)
-    python, native = (wound(balance_rope(scene, form), lifted, 60).state for form in ("python", "native"))
+    python, native = (
+        wound(balance_rope(scene, form), lifted, 60).state for form in ("python", "native")
+    )
     assert python.partition.windows == native.partition.windows
     assert_array_equal(python.partition.lengths, native.partition.lengths)
     travelled = lifted(1.0)[0].y / native.partition.coarse
@@ -346,7 +423,9 @@ def test_the_windows_of_both_forms_follow_a_rope_that_is_lifted_past_a_divider()
     assert 0 <= native.counts.transformations - travelled / WINDOW_DUE + 1.0 < travelled
     # the elimination goes inwards from both ends of the native rope: other roundings, as in test_native
     atol = 1e-7 * abs(native.motion.reaction[[0, -1], 1]).max()
-    assert_allclose(native.motion.reaction[[0, -1], :3], python.motion.reaction[[0, -1], :3], atol=atol)
+    assert_allclose(
+        native.motion.reaction[[0, -1], :3], python.motion.reaction[[0, -1], :3], atol=atol
+    )
     energy = native.energy_balance
     assert native.contact.impulses[KINDS.index("divider")] > 1.0
     assert abs(energy.transformations) < 1e-6 * energy.work_ends

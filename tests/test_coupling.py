@@ -112,7 +112,13 @@ class Drive:
     def step(self, t: float, h: float, load: Load) -> str:
         d, mass = self.data, self.data.m + float(load.added_mass[0])
         c = np.array([load.start[0] + d.f, load.linear[0], load.quadratic[0]])
-        self.state = driven(np.array([[0.0, 1.0], [-d.k / mass, 0.0]]), np.array([0.0, 1.0 / mass]), self.state, h, c)
+        self.state = driven(
+            np.array([[0.0, 1.0], [-d.k / mass, 0.0]]),
+            np.array([0.0, 1.0 / mass]),
+            self.state,
+            h,
+            c,
+        )
         return ""
 
     def position(self) -> np.ndarray:
@@ -121,10 +127,14 @@ class Drive:
     def motion(self, load: Load, s: float) -> InterfaceMotion:
         d, (y, v) = self.data, self.state
         force = load.start[0] + s * (load.linear[0] + s * load.quadratic[0])
-        return InterfaceMotion(both(y), both(v), both((d.f - d.k * y + force) / (d.m + load.added_mass[0])))
+        return InterfaceMotion(
+            both(y), both(v), both((d.f - d.k * y + force) / (d.m + load.added_mass[0]))
+        )
 
     def ends(self, motion: InterfaceMotion) -> tuple[EndMotion, EndMotion]:
-        return EndMotion(y=motion.position[0], vy=motion.speed[0], ay=motion.acceleration[0]), NOTHING
+        return EndMotion(
+            y=motion.position[0], vy=motion.speed[0], ay=motion.acceleration[0]
+        ), NOTHING
 
     def accelerance(self) -> np.ndarray:
         return np.diag(both(1.0 / self.data.m))
@@ -144,13 +154,19 @@ class Drive:
 class Follower:
     """The right half; state (x, w), and the end's motion (y, v, a), which is a quintic within a step."""
 
-    def __init__(self, data: Data, state: np.ndarray, end: np.ndarray, mean: float, h: float) -> None:
+    def __init__(
+        self, data: Data, state: np.ndarray, end: np.ndarray, mean: float, h: float
+    ) -> None:
         self.data, self.state, self.end, self.mean, self.h = data, state, end, mean, h
 
     def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
         d, (y0, v0, a0), before = self.data, self.end, self.state
         new = np.array([left.y, left.vy, left.ay])
-        dx, dv, da = new[0] - y0 - h * v0 - h * h * a0 / 2, h * (new[1] - v0 - h * a0), h * h * (new[2] - a0)
+        dx, dv, da = (
+            new[0] - y0 - h * v0 - h * h * a0 / 2,
+            h * (new[1] - v0 - h * a0),
+            h * h * (new[2] - a0),
+        )
         c = np.array([10 * dx - 4 * dv + da / 2, -15 * dx + 7 * dv - da, 6 * dx - 3 * dv + da / 2])
         c = np.concatenate(([y0, h * v0, h * h * a0 / 2], c))
         A = np.array([[0.0, 1.0], [-d.k_2 / d.m_2, -d.c_2 / d.m_2]])
@@ -161,7 +177,11 @@ class Follower:
         return Status(True)
 
     def reader(self, names: Sequence[str]) -> Reader:
-        signals = {"left.fy": self.force, "left.fy_mean": lambda: self.mean, "left.added_mass": self.added_mass}
+        signals = {
+            "left.fy": self.force,
+            "left.fy_mean": lambda: self.mean,
+            "left.added_mass": self.added_mass,
+        }
         return lambda: np.array([signals[name]() if name in signals else 0.0 for name in names])
 
     def force(self) -> float:
@@ -230,7 +250,9 @@ def test_every_scheme_has_the_order_of_its_theory(name: str) -> None:
 
 
 @pytest.mark.parametrize("accelerator", ["jacobian", "secant"])
-def test_iteration_and_semi_implicit_exchange_hold_where_the_end_is_heavier_than_the_drive(accelerator: Any) -> None:
+def test_iteration_and_semi_implicit_exchange_hold_where_the_end_is_heavier_than_the_drive(
+    accelerator: Any,
+) -> None:
     heavy = Data(m_e=20.0)
     errors = [error(Iterative(accelerator, 1e-9, hold_mean=True), H, heavy) for H in (0.01, 0.005)]
     assert errors[1] < 0.6 * errors[0] < 0.05
@@ -245,7 +267,9 @@ def test_iteration_and_semi_implicit_exchange_hold_where_the_end_is_heavier_than
         (EnergyControlled(ImpulsePreserving(), 1e-9, smallest=1e-3), Data(), 0.04, "bound 1e-09 W"),
     ],
 )
-def test_a_scheme_that_cannot_keep_what_is_asked_says_so(scheme: Scheme, data: Data, H: float, words: str) -> None:
+def test_a_scheme_that_cannot_keep_what_is_asked_says_so(
+    scheme: Scheme, data: Data, H: float, words: str
+) -> None:
     assert words in scheme.advance(*start(data, 0.5, H), 0.5, H).cause
 
 
@@ -285,13 +309,19 @@ def test_energy_control_keeps_the_residual_below_its_bound(inner: Scheme, bound:
         (0, 1.9 * 0.9 ** np.arange(400), 1.0),
     ],
 )
-def test_the_growth_is_one_at_the_limit_of_theory(degree: int, impedance: np.ndarray, limit: float) -> None:
-    assert_allclose(growth_per_step(GaussSeidel(degree), impedance, 1.0 / limit, 0.0), 1.0, rtol=1e-9)
+def test_the_growth_is_one_at_the_limit_of_theory(
+    degree: int, impedance: np.ndarray, limit: float
+) -> None:
+    assert_allclose(
+        growth_per_step(GaussSeidel(degree), impedance, 1.0 / limit, 0.0), 1.0, rtol=1e-9
+    )
 
 
 def test_a_semi_implicit_exchange_with_a_mere_mass_leaves_nothing_of_a_disturbance() -> None:
     assert growth_per_step(SemiImplicit(0), np.eye(21)[0], 0.1, 1.0) == 0.0
-    assert growth_per_step(SemiImplicit(0), np.eye(21)[0], 0.1, 0.2) > 1.0  # the added mass of another step
+    assert (
+        growth_per_step(SemiImplicit(0), np.eye(21)[0], 0.1, 0.2) > 1.0
+    )  # the added mass of another step
 
 
 def test_the_jacobian_of_the_held_mean_is_exact_for_a_mere_mass() -> None:
@@ -302,10 +332,14 @@ def test_the_jacobian_of_the_held_mean_is_exact_for_a_mere_mass() -> None:
 
 
 def wind(scheme: str, **options: Any) -> Result:
-    return Host(rope_in_process("rope-120", "draft"), Hoist(), TRIP, Coupling(scheme=scheme)).run(**options)
+    return Host(rope_in_process("rope-120", "draft"), Hoist(), TRIP, Coupling(scheme=scheme)).run(
+        **options
+    )
 
 
-@pytest.mark.parametrize("name", ["gauss-seidel-2", "semi-implicit-1", "iterative-jacobian", "energy-controlled"])
+@pytest.mark.parametrize(
+    "name", ["gauss-seidel-2", "semi-implicit-1", "iterative-jacobian", "energy-controlled"]
+)
 def test_the_trial_before_the_start_leaves_nothing_behind(name: str) -> None:
     result = wind(name)
     assert result.completed, result.cause
@@ -320,9 +354,16 @@ def test_schemes_agree_with_the_iterated_exchange_on_the_hoist() -> None:
         assert_allclose(wind(name).recording["right.fy"], exact["right.fy"], rtol=2e-3)
 
 
-def test_a_choice_that_will_be_unstable_is_warned_of_with_the_number(caplog: pytest.LogCaptureFixture) -> None:
+def test_a_choice_that_will_be_unstable_is_warned_of_with_the_number(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
     light = Hoist(conveyance_mass=300.0, payload_left=0.0)
-    host = Host(rope_in_process("rope-120", "draft"), light, TRIP, Coupling(step=0.02, scheme="gauss-seidel-2"))
+    host = Host(
+        rope_in_process("rope-120", "draft"),
+        light,
+        TRIP,
+        Coupling(step=0.02, scheme="gauss-seidel-2"),
+    )
     with caplog.at_level(logging.WARNING):
         result = host.run(lambda fraction, t: False)
     assert host.stability is not None
@@ -342,11 +383,20 @@ def test_the_default_is_expected_to_be_stable_on_every_case(case: str, H: float)
 
 
 @pytest.mark.parametrize("way", ["rejects", "nan", "raises"])
-def test_a_failure_saves_the_last_good_state_and_the_run_resumes_to_the_same_bits(way, tmp_path, monkeypatch):
+def test_a_failure_saves_the_last_good_state_and_the_run_resumes_to_the_same_bits(
+    way, tmp_path, monkeypatch
+):
     monkeypatch.setattr("hoist_demo.cosimulation.host.SAVE_INTERVAL", 0.03)
-    whole, step, reader, at = wind("gauss-seidel-1"), InProcessRope.step, InProcessRope.reader, 0.555
+    whole, step, reader, at = (
+        wind("gauss-seidel-1"),
+        InProcessRope.step,
+        InProcessRope.reader,
+        0.555,
+    )
 
-    def faulty_step(self: InProcessRope, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
+    def faulty_step(
+        self: InProcessRope, t: float, h: float, left: EndMotion, right: EndMotion
+    ) -> Status:
         if way == "rejects" and t >= at:
             return Status(False, "this step is refused")
         status = step(self, t, h, left, right)
@@ -356,7 +406,9 @@ def test_a_failure_saves_the_last_good_state_and_the_run_resumes_to_the_same_bit
 
     def faulty_reader(self: InProcessRope, names: Sequence[str]) -> Reader:
         read = reader(self, names)
-        return lambda: read() * (math.nan if way == "nan" and self.save().state.motion.t > at else 1.0)
+        return lambda: (
+            read() * (math.nan if way == "nan" and self.save().state.motion.t > at else 1.0)
+        )
 
     with monkeypatch.context() as patch:
         patch.setattr(Host, "_compiled", lambda *_: None)
@@ -382,7 +434,9 @@ def test_a_run_may_resume_with_another_scheme_but_not_as_another_trip(tmp_path: 
     assert stopped.checkpoint is not None
     assert wind("iterative-secant", resume=stopped.checkpoint).completed
     with pytest.raises(ValueError, match="must be of the same hoist"):
-        Host(rope_in_process("rope-120", "draft"), Hoist(), replace(TRIP, travel=0.003)).run(resume=stopped.checkpoint)
+        Host(rope_in_process("rope-120", "draft"), Hoist(), replace(TRIP, travel=0.003)).run(
+            resume=stopped.checkpoint
+        )
 
 
 def test_a_file_that_is_no_checkpoint_is_named(tmp_path: Path) -> None:
@@ -391,8 +445,12 @@ def test_a_file_that_is_no_checkpoint_is_named(tmp_path: Path) -> None:
         Checkpoint.read(tmp_path / "x.npz")
 
 
-@pytest.mark.parametrize(("solver", "warned"), [(Solver(step_max=0.0025), True), (Solver(), True), (EVEN, False)])
-def test_at_40_ms_the_host_warns_where_the_rope_s_own_steps_do_not_damp_the_waves(solver: Solver, warned: bool) -> None:
+@pytest.mark.parametrize(
+    ("solver", "warned"), [(Solver(step_max=0.0025), True), (Solver(), True), (EVEN, False)]
+)
+def test_at_40_ms_the_host_warns_where_the_rope_s_own_steps_do_not_damp_the_waves(
+    solver: Solver, warned: bool
+) -> None:
     scene = find_case("rope-120")
     rope = InProcessRope(rope_scene(scene.rope).with_(solver=solver))
     host = Host(rope, scene.hoist, TRIP, Coupling(step=0.04, scheme="jacobi-2"))

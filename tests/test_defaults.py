@@ -21,7 +21,13 @@ from rope_model.scene_names import named_parameters
 
 TESTS = Path(__file__).parent
 #: calls that set what a user leaves alone, by the word of defaults.toml for them
-CALLS = {"fixed_steps": "solver", "Solver": "solver", "Accuracy": "accuracy", "Mesh": "mesh", "Model": "model"}
+CALLS = {
+    "fixed_steps": "solver",
+    "Solver": "solver",
+    "Accuracy": "accuracy",
+    "Mesh": "mesh",
+    "Model": "model",
+}
 CALLS |= {"Inputs": "inputs", "tolerant": "model"}
 #: groups of parameters by name that are the same
 GROUPS = ("solver", "accuracy", "mesh", "model", "inputs")
@@ -40,10 +46,19 @@ class Place:
 
 def kind_of(node: ast.AST) -> str:
     """The group that a call or a name of a parameter sets; '' if it sets none."""
-    if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and (node.args or node.keywords):
+    if (
+        isinstance(node, ast.Call)
+        and isinstance(node.func, ast.Name)
+        and (node.args or node.keywords)
+    ):
         kind = CALLS.get(node.func.id, "")
         first = node.args[0] if node.args else None
-        fitted = isinstance(first, ast.Constant) and first.value == "auto" and len(node.args) == 1 and not node.keywords
+        fitted = (
+            isinstance(first, ast.Constant)
+            and first.value == "auto"
+            and len(node.args) == 1
+            and not node.keywords
+        )
         return "" if kind == "mesh" and fitted else kind
     if isinstance(node, ast.keyword) and node.arg is not None:
         group = node.arg.partition("__")[0]
@@ -68,7 +83,11 @@ def places(path: Path) -> tuple[Place, ...]:
 def _places(path: Path) -> Iterator[Place]:
     text = path.read_text(encoding="utf-8")
     with path.open("rb") as file:
-        comments = {token.start[0] for token in tokenize.tokenize(file.readline) if token.type == tokenize.COMMENT}
+        comments = {
+            token.start[0]
+            for token in tokenize.tokenize(file.readline)
+            if token.type == tokenize.COMMENT
+        }
     explained: set[int] = set()
     tree = ast.parse(text)
     for node in ast.walk(tree):
@@ -79,9 +98,9 @@ def _places(path: Path) -> Iterator[Place]:
         if isinstance(node, ast.FunctionDef | ast.ClassDef):
             if ast.get_docstring(node) or first - 1 in comments:
                 explained |= set(range(first, last + 1))
-        elif not isinstance(node, ast.With | ast.For | ast.If | ast.While | ast.Try) and comments & {
-            *range(first - 1, last + 1)
-        }:
+        elif not isinstance(
+            node, ast.With | ast.For | ast.If | ast.While | ast.Try
+        ) and comments & {*range(first - 1, last + 1)}:
             explained |= set(range(first, last + 1))
     for node in ast.walk(tree):
         found = [*named(node)]
@@ -96,16 +115,25 @@ FILES = sorted(path for path in TESTS.rglob("*.py") if path != Path(__file__))
 
 
 def test_a_test_that_leaves_a_default_says_why() -> None:
-    silent = [x for path in FILES for x in places(path) if not x.explained and x.kind not in REASONS.get(x.file, {})]
+    silent = [
+        x
+        for path in FILES
+        for x in places(path)
+        if not x.explained and x.kind not in REASONS.get(x.file, {})
+    ]
     assert not silent, "\n".join(f"{x.file}:{x.line}: {x.kind}, without a reason" for x in silent)
 
 
 def test_reasons_are_of_places_that_are_there() -> None:
-    there = {(place.file, place.kind) for path in FILES for place in places(path) if not place.explained}
+    there = {
+        (place.file, place.kind) for path in FILES for place in places(path) if not place.explained
+    }
     assert {(file, kind) for file, kinds in REASONS.items() for kind in kinds} == there
 
 
-def test_a_default_left_in_silence_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_default_left_in_silence_is_found(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("test_defaults.TESTS", tmp_path)
     text = 'A = Solver(tolerance=1e6)\nB = {"mesh.kind": 1}\nC = Mesh("auto")\n# as the source\nD = Mesh("eem")\n'
     path = tmp_path / "test_x.py"

@@ -8,7 +8,9 @@ import pytest
 from exports import FLAVOURS
 from native_host import H, Host
 
-KINDS = [pytest.param(kind, marks=[pytest.mark.slow] * (kind == "python")) for kind in sorted(FLAVOURS)]
+KINDS = [
+    pytest.param(kind, marks=[pytest.mark.slow] * (kind == "python")) for kind in sorted(FLAVOURS)
+]
 KINDS += ["drive-2", "drive-3"]
 
 
@@ -67,7 +69,11 @@ def test_inputs_act_on_the_outputs_while_initialising(host: Host) -> None:
 
 def test_initial_unknowns_name_what_acts_on_them(host: Host) -> None:
     """The rope's follow all, by default; the drive's are listed, and follow that and nothing else."""
-    listed = {x.variable.name: x.dependencies for x in host.description.initialUnknowns if x.dependencies is not None}
+    listed = {
+        x.variable.name: x.dependencies
+        for x in host.description.initialUnknowns
+        if x.dependencies is not None
+    }
     if host.description.modelName == "BalanceRope":
         assert not listed
         return
@@ -78,7 +84,12 @@ def test_initial_unknowns_name_what_acts_on_them(host: Host) -> None:
     inputs = [v for v in changed if v.causality == "input"]
     # the start pulls act where the inputs are 0
     starts = [v for v in changed if v.name.endswith(".fy_start")]
-    for v in (*inputs, *(v for v in changed if v.causality == "parameter" and v not in starts), None, *starts):
+    for v in (
+        *inputs,
+        *(v for v in changed if v.causality == "parameter" and v not in starts),
+        None,
+        *starts,
+    ):
         if v is None:
             host.set(**{one.name: 0.0 for one in inputs})
             continue
@@ -89,6 +100,15 @@ def test_initial_unknowns_name_what_acts_on_them(host: Host) -> None:
             if abs(x - y) > 1e-6:
                 acting[name].add(v.name)
     assert acting == {name: {v.name for v in follows} for name, follows in listed.items()}
-    assert {name for name, follows in acting.items() if not follows} >= {"left.y", "left.vy", "left.ay", "right.ay"}
-    outputs = (v for v in host.variables.values() if v.causality == "output" and v.type in ("Real", "Float64"))
+    assert {name for name, follows in acting.items() if not follows} >= {
+        "left.y",
+        "left.vy",
+        "left.ay",
+        "right.ay",
+    }
+    outputs = (
+        v
+        for v in host.variables.values()
+        if v.causality == "output" and v.type in ("Real", "Float64")
+    )
     assert set(listed) == {v.name for v in outputs}

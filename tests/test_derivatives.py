@@ -84,7 +84,9 @@ def test_all_derivatives_of_a_step_cost_two_steps_for_an_input_and_one_more() ->
 
 
 @pytest.mark.parametrize("h", [1e-6, 1e-5, 1e-3, 0.01, 0.05, 0.1])
-def test_added_mass_is_the_derivative_along_an_acceleration_that_grows_over_the_step(h: float) -> None:
+def test_added_mass_is_the_derivative_along_an_acceleration_that_grows_over_the_step(
+    h: float,
+) -> None:
     # a consistent motion with accelerations that differ by a at the end, and do not differ at the start; in less than
     # 10 us the path leads beyond the step, and its end is not that of this motion
     step = differentiated(replace(DEFAULT, bent=()), h)
@@ -108,7 +110,9 @@ def test_added_mass_is_the_sum_of_the_derivatives_along_that_motion() -> None:
     h = 0.05  # three internal steps
     rope = differentiated(DEFAULT, h).rope
     by_y, by_vy, by_ay = (derivative(rope, 0, name)[1] for name in ("y", "vy", "ay"))
-    assert_allclose(rope.added_mass()[0], -(by_ay + h / 2.0 * by_vy + h * h / 6.0 * by_y), rtol=1e-3)
+    assert_allclose(
+        rope.added_mass()[0], -(by_ay + h / 2.0 * by_vy + h * h / 6.0 * by_y), rtol=1e-3
+    )
 
 
 def test_before_the_first_step_derivatives_are_those_of_a_step_of_step_max() -> None:
@@ -139,14 +143,20 @@ def test_bytes_with_a_step_that_led_elsewhere_are_refused() -> None:
     rope = differentiated(DEFAULT, 0.01).rope
     saved = bytearray(rope.native_state())
     size = (len(saved) - ct.sizeof(ct.c_double) * (3 + 2 * len(INPUTS) + 2)) // 2
-    for at, wrong in ((2 * size, np.nan), (2 * size, 0.0), (size, 100.0)):  # the step's stop; the start's time
+    for at, wrong in (
+        (2 * size, np.nan),
+        (2 * size, 0.0),
+        (size, 100.0),
+    ):  # the step's stop; the start's time
         spoilt = saved.copy()
         spoilt[at : at + 8] = np.float64(wrong).tobytes()
         assert not rope.restore_native(bytes(spoilt)).valid
     assert rope.restore_native(bytes(saved)).valid
 
 
-@pytest.mark.parametrize("name", ["torsional, locked swivels", "swivels that slip", "contact with a beam"])
+@pytest.mark.parametrize(
+    "name", ["torsional, locked swivels", "swivels that slip", "contact with a beam"]
+)
 def test_derivatives_change_no_bit_of_the_run(name: str) -> None:
     case, states = cases()[name], []
     for looks in (False, True):
@@ -165,7 +175,10 @@ def test_the_python_form_refuses_added_masses() -> None:
     # the rigid rope compiles nothing
     rope = RopeSimulator(rope_120().scene.with_(model=Model("rigid")))
     assert rope.initialize(0.0, *winding(0.0)).valid
-    with pytest.raises(ValueError, match=r"does not compute left\.added_mass and right\.added_mass; take the native"):
+    with pytest.raises(
+        ValueError,
+        match=r"does not compute left\.added_mass and right\.added_mass; take the native",
+    ):
         rope.added_mass()
 
 
@@ -184,7 +197,9 @@ def rounding(mode: int) -> Iterator[None]:
         libm.fesetround(before)
 
 
-@pytest.mark.skipif("x86_64" not in __import__("platform").machine(), reason="codes of the modes are those of x86")
+@pytest.mark.skipif(
+    "x86_64" not in __import__("platform").machine(), reason="codes of the modes are those of x86"
+)
 @pytest.mark.parametrize("mode", ROUNDING_MODES.values(), ids=ROUNDING_MODES)
 def test_results_do_not_depend_on_the_hosts_rounding_mode(mode: int) -> None:
     scene = DEFAULT.scene

@@ -48,7 +48,9 @@ def test_shaped_trip_is_the_convolution_at_any_time() -> None:
     plain, shaper = s_curve(TRIP), Shaper("ZVD", 1.3, 0.05)
     shaped = shape(plain, shaper)
     for t in np.linspace(0.0, shaped.duration + 0.5, 301):
-        expected = sum(weight * plain.at(float(t) - delay).position for delay, weight in impulses(shaper))
+        expected = sum(
+            weight * plain.at(float(t) - delay).position for delay, weight in impulses(shaper)
+        )
         assert shaped.at(float(t)).position == pytest.approx(expected, abs=1e-9)
 
 
@@ -56,7 +58,9 @@ def test_shaped_trip_is_the_convolution_at_any_time() -> None:
 def test_fitted_swing_is_the_given_one(frequency: float, damping: float) -> None:
     t = np.arange(0.0, 5.0, 0.01)
     decay = damping * 2 * math.pi * frequency / math.sqrt(1 - damping**2)
-    found = fit_swing(t, 0.3 + 1e-3 * t + 2e-3 * np.exp(-decay * t) * np.cos(2 * math.pi * frequency * t + 0.4))
+    found = fit_swing(
+        t, 0.3 + 1e-3 * t + 2e-3 * np.exp(-decay * t) * np.cos(2 * math.pi * frequency * t + 0.4)
+    )
     assert (found.frequency, found.damping) == pytest.approx((frequency, damping), abs=1e-4)
     assert found.amplitude == pytest.approx(2e-3, rel=1e-3)
 
@@ -69,21 +73,32 @@ def test_low_fidelity_without_balance_rope_accelerates_as_the_plant() -> None:
     R = hoist.sheave_radius
     moved = np.array([1.0e4, 3.0 / R, 3.01, 87.005, 1.5 / R, 1.51, -1.49])
     x = np.array([3.0, 1.5, 0.0, 3.0, 3.01, -2.995, 1.5, 1.51, -1.49, 1.0e4 / R, 0.0])
-    rates = plant.rates(type(state)(moved, state.work_totals[:5], state.free_lengths), PlantInput(0.0, 0.0, 0.0))
+    rates = plant.rates(
+        type(state)(moved, state.work_totals[:5], state.free_lengths), PlantInput(0.0, 0.0, 0.0)
+    )
     found = np.asarray(model.rates(x, 0.0)).ravel()
     np.testing.assert_allclose(found[6:9], rates[4:7] * np.array([R, 1.0, 1.0]), rtol=1e-9)
 
 
 EVERYTHING = Hoist(
-    head_rope_modes=1, drive_shaft=DriveShaft(), brake=Brake(), lining=Lining(), guides=Guides(), play=Play(),
-    jam_left=Jam(), jam_right=Jam(), power_limit=1e6,
-)  # fmt: skip
+    head_rope_modes=1,
+    drive_shaft=DriveShaft(),
+    brake=Brake(),
+    lining=Lining(),
+    guides=Guides(),
+    play=Play(),
+    jam_left=Jam(),
+    jam_right=Jam(),
+    power_limit=1e6,
+)
 
 
 @pytest.mark.parametrize("hoist", [Hoist(), EVERYTHING], ids=["plain", "everything"])
 def test_low_fidelity_stays_at_rest_whatever_parts_the_hoist_has(hoist: Hoist) -> None:
     left_out = {name for name, part in vars(EVERYTHING).items() if part is None}
-    assert left_out == {"conveyance_mass_right", "slack_tension"}, "a part that is new belongs into EVERYTHING"
+    assert left_out == {"conveyance_mass_right", "slack_tension"}, (
+        "a part that is new belongs into EVERYTHING"
+    )
     model = low_fidelity(hoist, Gains(), 0.0, 90.0)
     assert np.max(np.abs(np.asarray(model.rates(model.start, 0.0)))) < 1e-9
 
@@ -94,7 +109,9 @@ def test_optimised_trip_keeps_the_limits_and_arrives() -> None:
     rows = trip.sample(np.linspace(0.0, trip.duration - 1e-9, 2001))
     bounds = np.array([SHORT.speed, SHORT.acceleration, SHORT.jerk])
     # between the intervals' ends the speed may pass its bound by j dt^2 / 8 = 0.3 mm/s
-    assert np.all(np.max(np.abs(rows[:, 1:]), axis=0) <= bounds * (1 + 1e-6) + np.array([2e-3, 0.0, 0.0]))
+    assert np.all(
+        np.max(np.abs(rows[:, 1:]), axis=0) <= bounds * (1 + 1e-6) + np.array([2e-3, 0.0, 0.0])
+    )
     # the solver's tolerance, on the scaled states
     assert rows[-1, :3] == pytest.approx([SHORT.travel, 0.0, 0.0], abs=1e-4)
 
@@ -106,12 +123,29 @@ def bowl(x: np.ndarray) -> float:
 @pytest.mark.parametrize(
     ("judge", "best", "kept"),
     [
-        pytest.param(lambda x: Score(math.inf if x[0] > 0.9 else bowl(x)), [0.3, 0.8], True, id="past failing points"),
-        pytest.param(lambda x: Score(bowl(x), (2.0 * (float(x[1]) - 0.5),)), [0.3, 0.5], True, id="within a bound"),
-        pytest.param(lambda x: Score(float(x[0]), (1.5 - float(x[0]),)), [1.0], False, id="nearest to its bounds"),
+        pytest.param(
+            lambda x: Score(math.inf if x[0] > 0.9 else bowl(x)),
+            [0.3, 0.8],
+            True,
+            id="past failing points",
+        ),
+        pytest.param(
+            lambda x: Score(bowl(x), (2.0 * (float(x[1]) - 0.5),)),
+            [0.3, 0.5],
+            True,
+            id="within a bound",
+        ),
+        pytest.param(
+            lambda x: Score(float(x[0]), (1.5 - float(x[0]),)),
+            [1.0],
+            False,
+            id="nearest to its bounds",
+        ),
     ],
 )
-def test_search_finds_the_minimum(judge: Callable[[np.ndarray], Score], best: list[float], kept: bool) -> None:
+def test_search_finds_the_minimum(
+    judge: Callable[[np.ndarray], Score], best: list[float], kept: bool
+) -> None:
     found = search(lambda points: [judge(x) for x in points], len(best), PLAN)
     assert len(found.points) <= PLAN.sample + PLAN.searches * PLAN.steps
     assert found.scores[found.best].feasible == kept
@@ -123,7 +157,9 @@ def test_shaper_takes_the_swing_that_a_trip_leaves() -> None:
     rope = InProcessRope(rope_scene(run.rope_values, "draft"))
     result = Host(rope, run.hoist, run.winding, run.coupling, run.gains).run()
     metrics = measure(result, run.hoist, run.arrival).metrics
-    assert replace(run, winding=replace(run.winding, emergency_at=1.0)).design()  # a guard may stop what a file may not
+    assert replace(
+        run, winding=replace(run.winding, emergency_at=1.0)
+    ).design()  # a guard may stop what a file may not
     # friction at the rim is viscous only far below its speed of 20 mm/s: it is less in a swing of some mm
     assert run.shaper.frequency == pytest.approx(metrics["swing_frequency"], rel=0.06)
     assert run.shaper.damping == pytest.approx(metrics["swing_damping"], rel=0.15)

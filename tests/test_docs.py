@@ -13,7 +13,11 @@ from docs.drawings.figures import FIGURES
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 DOCS = ROOT / "docs"
-COMMANDS = [ROOT / "README.md", DOCS / "reference" / "python.md", *sorted((DOCS / "tutorial").glob("*.md"))]
+COMMANDS = [
+    ROOT / "README.md",
+    DOCS / "reference" / "python.md",
+    *sorted((DOCS / "tutorial").glob("*.md")),
+]
 #: what `make demo` puts into .venv/bin, and what a shell has built in
 INSTALLED, BUILTIN = ("balance-rope", "python"), ("source", "cd")
 LINK = re.compile(r"\]\((?!https?:)([^)\s]*)\)")
@@ -22,14 +26,19 @@ LINK = re.compile(r"\]\((?!https?:)([^)\s]*)\)")
 @cache
 def text_of(path: Path) -> str:
     """Without blocks of code."""
-    return re.sub(r"^```.*?^```", "", path.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+    return re.sub(
+        r"^```.*?^```", "", path.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL
+    )
 
 
 @cache
 def anchors(path: Path) -> frozenset[str]:
     """Of a page's headings, as GitHub makes them."""
     headings = re.findall(r"^#+ (.*)$", text_of(path), re.MULTILINE)
-    texts = [re.sub(r"\[(.*?)\]\(.*?\)", r"\1", text).strip().lower().replace(" ", "-") for text in headings]
+    texts = [
+        re.sub(r"\[(.*?)\]\(.*?\)", r"\1", text).strip().lower().replace(" ", "-")
+        for text in headings
+    ]
     return frozenset("".join(c for c in text if c.isalnum() or c in "-_") for text in texts)
 
 
@@ -50,7 +59,9 @@ def test_links_lead_somewhere_code_is_python_and_merges_are_complete(path: Path)
 def test_commands_are_found_where_they_stand(path: Path) -> None:
     """Those in blocks without a language, by a shell in a checkout."""
     active = False
-    for language, block in re.findall(r"^```([^\n]*)\n(.*?)^```$", path.read_text("utf-8"), re.MULTILINE | re.DOTALL):
+    for language, block in re.findall(
+        r"^```([^\n]*)\n(.*?)^```$", path.read_text("utf-8"), re.MULTILINE | re.DOTALL
+    ):
         for line in block.splitlines() if not language else ():
             word = line.partition(" ")[0]
             active |= line.startswith("source .venv/bin/activate")
@@ -65,7 +76,9 @@ def test_a_figure_is_the_one_that_its_script_draws(name: str) -> None:
     assert (DOCS / "images" / name).read_text(encoding="utf-8") == FIGURES[name]().svg()
 
 
-ENTRIES = re.findall(r"^### `+ ?(.*?) ?`+$", (DOCS / "reference" / "messages.md").read_text(encoding="utf-8"), re.M)
+ENTRIES = re.findall(
+    r"^### `+ ?(.*?) ?`+$", (DOCS / "reference" / "messages.md").read_text(encoding="utf-8"), re.M
+)
 #: all sources as one text, with literals that are joined and gaps for numbers and names alike
 SOURCES = "\n".join(
     path.read_text(encoding="utf-8")

@@ -35,7 +35,13 @@ from hoist_demo.drive.plant import SIDE_FORCES
 from hoist_demo.drive_fmu import interface
 from hoist_demo.drive_fmu.description import LONGEST_HOLD, DriveModel, drive_model
 from hoist_demo.drive_fmu.description import sources as drive_sources
-from hoist_demo.drive_fmu.kernels import MOST_MODES, complete, moment_function, point_function, structures
+from hoist_demo.drive_fmu.kernels import (
+    MOST_MODES,
+    complete,
+    moment_function,
+    point_function,
+    structures,
+)
 from hoist_demo.drive_fmu.omissions import OMISSIONS, leave_out, obstacles
 from hoist_demo.parameters import Hoist, start_heights
 from hoist_demo.parameters.components import DriveShaft, Guides, Play
@@ -76,7 +82,10 @@ def in_process(case: Case, forces: list[tuple[float, float]]) -> list[list[float
 
 def test_trip_under_swaying_forces_is_that_of_the_drive_in_process(drive: Host) -> None:
     # forces that differ from those at rest by up to a fifth, and swing at 1.5 Hz
-    (left, right), swing = interface.rest_forces(SETUP), 0.2 * np.sin(2 * np.pi * 1.5 * H * np.arange(2600))
+    (left, right), swing = (
+        interface.rest_forces(SETUP),
+        0.2 * np.sin(2 * np.pi * 1.5 * H * np.arange(2600)),
+    )
     forces = [(left * (1 + s), right * (1 - s)) for s in swing]
     expected = in_process(SETUP, forces)
     drive.start()
@@ -120,7 +129,9 @@ def test_controller_samples_at_its_own_period_within_and_across_steps(drive: Hos
     drive.call("Reset")
 
 
-def test_changing_forces_held_over_a_long_step_are_warned_of_and_constant_ones_not(drive: Host) -> None:
+def test_changing_forces_held_over_a_long_step_are_warned_of_and_constant_ones_not(
+    drive: Host,
+) -> None:
     weights = dict(zip(interface.INPUTS, interface.rest_forces(SETUP), strict=True))
     for step, factor, told in ((0.02, 1.01, False), (0.05, 1.0, False), (0.05, 1.01, True)):
         drive.start()
@@ -149,7 +160,9 @@ def test_internal_steps_converge_with_order_five(drive: Host) -> None:
     assert np.all(np.log2(errors[:-1] / errors[1:]) > 4.7), errors
 
 
-def test_forces_that_no_rope_could_follow_are_refused_and_leave_the_drive_where_it_was(drive: Host) -> None:
+def test_forces_that_no_rope_could_follow_are_refused_and_leave_the_drive_where_it_was(
+    drive: Host,
+) -> None:
     """Inputs are held: what is sent again counts on, and a jump is a jump."""
     drive.start()
     assert drive.step(0.0) == ""
@@ -163,7 +176,9 @@ def test_forces_that_no_rope_could_follow_are_refused_and_leave_the_drive_where_
     assert drive.step(H) == ""
 
 
-def test_drive_that_is_given_no_pull_at_the_start_rests_under_the_weight_of_the_rope(drive: Host) -> None:
+def test_drive_that_is_given_no_pull_at_the_start_rests_under_the_weight_of_the_rope(
+    drive: Host,
+) -> None:
     """A container initialises connected inputs with 0; then the pull comes, and nothing may move."""
     weights = dict(zip(interface.INPUTS, interface.rest_forces(SETUP), strict=True))
     for parameters, rests in (({}, True), ({"left__fy_start": 0.0, "right__fy_start": 0.0}, False)):
@@ -186,7 +201,11 @@ def test_overwind_is_refused_and_leaves_the_drive_where_it_was(drive: Host) -> N
     assert drive.get("left.y") == before
 
 
-PLACES = {"a": SuspensionOffset(0.2, -0.1, -0.5), "b": SuspensionOffset(z=0.4), "c": SuspensionOffset()}
+PLACES = {
+    "a": SuspensionOffset(0.2, -0.1, -0.5),
+    "b": SuspensionOffset(z=0.4),
+    "c": SuspensionOffset(),
+}
 
 
 def exported(folder: Path, name: str, model: DriveModel) -> Host:
@@ -200,25 +219,39 @@ def test_ropes_beside_the_centres_do_the_work_that_the_drive_gets() -> None:
     rng, moment, point = np.random.default_rng(1), moment_function(), point_function()
     for place in PLACES.values():
         for side in SIDES:
-            offset, force, centre, turn = place.at(side), rng.normal(size=3), rng.normal(size=6), rng.normal(size=3)
+            offset, force, centre, turn = (
+                place.at(side),
+                rng.normal(size=3),
+                rng.normal(size=6),
+                rng.normal(size=3),
+            )
             my = float(moment(offset, turn[0], force))
             _, _, vx, vz, _, _ = point(offset, centre, turn).full().ravel()
             at_centre = force[0] * centre[2] + force[2] * centre[3] + my * turn[1]
             assert force[0] * vx + force[2] * vz == pytest.approx(at_centre, rel=1e-12)
 
 
-def test_drive_of_several_ropes_moves_as_one_rope_with_their_sum_would_move_it(tmp_path: Path) -> None:
+def test_drive_of_several_ropes_moves_as_one_rope_with_their_sum_would_move_it(
+    tmp_path: Path,
+) -> None:
     case = leave_out(find_case("kiruna-355"), ("lining",))
     mass, length = case.hoist.tail_rope_mass / 3.0, case.hoist.tail_rope_length
     ropes = [interface.DriveRope(name, mass, length, place) for name, place in PLACES.items()]
-    several, one = exported(tmp_path, "several", drive_model(case, ropes)), exported(tmp_path, "one", drive_model(case))
+    several, one = (
+        exported(tmp_path, "several", drive_model(case, ropes)),
+        exported(tmp_path, "one", drive_model(case)),
+    )
     for drive in (several, one):
         drive.start()
     rng = np.random.default_rng(1)
     pulls = np.array([interface.rest_forces(case, rope) for rope in ropes])
     for k in range(100):
         forces = {
-            f"{rope.name}.{side}": (300.0 * rng.normal(), pull[i] * (1.0 + 0.1 * rng.normal()), 300.0 * rng.normal())
+            f"{rope.name}.{side}": (
+                300.0 * rng.normal(),
+                pull[i] * (1.0 + 0.1 * rng.normal()),
+                300.0 * rng.normal(),
+            )
             for rope, pull in zip(ropes, pulls, strict=True)
             for i, side in enumerate(SIDES)
         }
@@ -226,7 +259,9 @@ def test_drive_of_several_ropes_moves_as_one_rope_with_their_sum_would_move_it(t
         for rope in ropes:
             for side in SIDES:
                 fx, fy, fz = forces[f"{rope.name}.{side}"]
-                my = moment_at(rope.suspension.at(side), several.get(f"{side}.yaw")[0], (fx, fy, fz))[1]
+                my = moment_at(
+                    rope.suspension.at(side), several.get(f"{side}.yaw")[0], (fx, fy, fz)
+                )[1]
                 for name, value in (("fx", fx), ("fy_mean", fy), ("fz", fz), ("my", my)):
                     total[f"{side}.{name}"] += value
                 names = (f"{rope.name}.{side}.{name}" for name in ("fx", "fy_mean", "fz"))
@@ -243,7 +278,9 @@ def test_drive_of_several_ropes_moves_as_one_rope_with_their_sum_would_move_it(t
                 continue
             centre = one.get(*(f"{side}.{name}" for name in MOVED))
             # no output has the yaw's second derivative, which the places and speeds do not need
-            moved = motion_at(rope.suspension.at(side), centre, *one.get(f"{side}.yaw", f"{side}.yaw_rate"), 0.0)[:4]
+            moved = motion_at(
+                rope.suspension.at(side), centre, *one.get(f"{side}.yaw", f"{side}.yaw_rate"), 0.0
+            )[:4]
             shown = several.get(*(f"{rope.name}.{side}.{name}" for name in MOVED[:4]))
             assert_allclose(shown, moved, rtol=1e-9, atol=1e-12)
     for drive in (several, one):
@@ -254,17 +291,25 @@ def test_what_a_system_cannot_hold_is_told_and_can_be_left_out() -> None:
     case = find_case("jammed-conveyance")
     case = replace(case, winding=replace(case.winding, emergency_at=5.0, emergency_law="torque"))
     for name in (name for name, one in OMISSIONS.items() if one.reason):
-        told = [one for one in obstacles(case) if one.endswith(f"leave it out with --without {name}")]
+        told = [
+            one for one in obstacles(case) if one.endswith(f"leave it out with --without {name}")
+        ]
         assert len(told) == 1
         assert not {*told} & {*obstacles(leave_out(case, [name]))}
     assert drive_model(leave_out(case, OMISSIONS)).duration > 10.0
 
 
-def test_drive_of_fmi_3_claims_no_event_mode_and_refuses_it(unpacked: Callable[[str], tuple[Path, str]]) -> None:
+def test_drive_of_fmi_3_claims_no_event_mode_and_refuses_it(
+    unpacked: Callable[[str], tuple[Path, str]],
+) -> None:
     fmu, folder = unpacked("drive-3")
     with zipfile.ZipFile(fmu) as archive:
-        interface3 = ElementTree.fromstring(archive.read("modelDescription.xml")).find("CoSimulation")
-    assert {interface3.get(name) for name in ("hasEventMode", "mightReturnEarlyFromDoStep")} == {"false"}
+        interface3 = ElementTree.fromstring(archive.read("modelDescription.xml")).find(
+            "CoSimulation"
+        )
+    assert {interface3.get(name) for name in ("hasEventMode", "mightReturnEarlyFromDoStep")} == {
+        "false"
+    }
     with pytest.raises(AssertionError, match="has no event mode"):
         Host(fmu, folder, events=1)
 
@@ -275,10 +320,16 @@ def test_hoists_with_other_numbers_share_the_sources_of_their_drive() -> None:
         replace(Hoist(), payload_left=7e3, shaft_travel=400.0),
         replace(Hoist(), power_limit=1e6, guides=Guides(), play=Play(), conveyance_mass_right=9e3),
     ]
-    assert {complete(hoist).equation_structure for hoist in hoists} == {complete(Hoist()).equation_structure}
+    assert {complete(hoist).equation_structure for hoist in hoists} == {
+        complete(Hoist()).equation_structure
+    }
     for hoist in (*hoists, replace(Hoist(), head_rope_modes=4, drive_shaft=DriveShaft())):
         assert complete(hoist).equation_structure in structures()
-    case = replace(SETUP, hoist=replace(SETUP.hoist, payload_left=4e3), winding=replace(SETUP.winding, speed=9.0))
+    case = replace(
+        SETUP,
+        hoist=replace(SETUP.hoist, payload_left=4e3),
+        winding=replace(SETUP.winding, speed=9.0),
+    )
     other, model = drive_model(case), drive_model(SETUP)
     assert other.sources == model.sources == drive_sources(complete(SETUP.hoist).equation_structure)
     assert other.data != model.data
@@ -299,7 +350,10 @@ def test_library_of_the_package_serves_hoists_of_other_numbers_without_a_compile
     own = exported(tmp_path, "own", drive_model(replace(SETUP, hoist=hoist)))
     own.start()
     assert own.step(0.0) == ""
-    assert own.get("left.y", "right.y") == [pytest.approx(0.0, abs=1e-6), pytest.approx(90.0, abs=1e-6)]
+    assert own.get("left.y", "right.y") == [
+        pytest.approx(0.0, abs=1e-6),
+        pytest.approx(90.0, abs=1e-6),
+    ]
     own.free()
     many = replace(SETUP, hoist=replace(SETUP.hoist, head_rope_modes=MOST_MODES + 1))
     with pytest.raises(ValueError, match="up to 4 head rope modes"):
@@ -309,7 +363,9 @@ def test_library_of_the_package_serves_hoists_of_other_numbers_without_a_compile
 def test_parts_that_a_hoist_lacks_do_nothing() -> None:
     """A limit of power beyond all speeds gives the limit of torque to the bit, guides without friction nothing."""
     whole = complete(hoist := replace(Hoist(), torque_limit=2.1e5 / 3.0))
-    assert [whole.torque_available(rate) for rate in (0.0, 1e-3, 7.3, 1e3)] == [hoist.torque_limit] * 4
+    assert [whole.torque_available(rate) for rate in (0.0, 1e-3, 7.3, 1e3)] == [
+        hoist.torque_limit
+    ] * 4
     assert whole.travel_loss == hoist.travel_loss
     assert (whole.mass_left, whole.mass_right) == (hoist.mass_left, hoist.mass_right)
 
@@ -318,7 +374,9 @@ STEPS = 1000
 OUTPUTS = ("left.y", "left.vy", "left.ay", "drive.torque")
 
 
-def run(fmu: Path, platform: str, commands: Callable[[ElementTree.Element], str]) -> NDArray[np.float64]:
+def run(
+    fmu: Path, platform: str, commands: Callable[[ElementTree.Element], str]
+) -> NDArray[np.float64]:
     """What the library for ``platform`` prints in a run by the ``commands``, of STEPS steps."""
     with tempfile.TemporaryDirectory() as name, zipfile.ZipFile(fmu) as archive:
         folder, target = Path(name), PLATFORMS[platform]
@@ -326,10 +384,20 @@ def run(fmu: Path, platform: str, commands: Callable[[ElementTree.Element], str]
         path = f"binaries/{target.folder2}/{described.find('CoSimulation').get('modelIdentifier')}{target.suffix}"
         library = folder / Path(path).name
         library.write_bytes(archive.read(path))
-        command = [*RUNNERS[platform], _compile(folder, platform), f"./{library.name}", described.get("guid")]
+        command = [
+            *RUNNERS[platform],
+            _compile(folder, platform),
+            f"./{library.name}",
+            described.get("guid"),
+        ]
         # wine keeps its settings in the folder as well
         where = {**os.environ, "WINEPREFIX": str(folder / "wine"), "WINEDEBUG": "-all"}
-        options = {"input": commands(described), "capture_output": True, "text": True, "check": False}
+        options = {
+            "input": commands(described),
+            "capture_output": True,
+            "text": True,
+            "check": False,
+        }
         done = subprocess.run(list(map(str, command)), cwd=folder, env=where, **options)
     assert done.returncode == 0, done.stderr[-500:]
     return np.array([float.fromhex(line) for line in done.stdout.split()]).reshape(STEPS, -1)
@@ -337,7 +405,9 @@ def run(fmu: Path, platform: str, commands: Callable[[ElementTree.Element], str]
 
 def script(described: ElementTree.Element) -> str:
     """Commands for foreign_host: the drive runs under the forces at the start."""
-    references = {str(v.get("name")): v.get("valueReference") for v in described.iter("ScalarVariable")}
+    references = {
+        str(v.get("name")): v.get("valueReference") for v in described.iter("ScalarVariable")
+    }
     lines = ["i"]
     for k in range(STEPS):
         lines += [f"s {k * H!r} {H!r}", *(f"g {references[name]}" for name in OUTPUTS)]
@@ -349,7 +419,9 @@ ROPE_OUTPUTS = ("left.fy", "right.fy", "left.mz", "loop.yaw")
 
 def rope_script(described: ElementTree.Element) -> str:
     """Commands for foreign_host: the left end of the rope rises by 10 m in 10 s, smoothly, the right one sinks."""
-    references = {str(v.get("name")): v.get("valueReference") for v in described.iter("ScalarVariable")}
+    references = {
+        str(v.get("name")): v.get("valueReference") for v in described.iter("ScalarVariable")
+    }
     lines = [f"b {references['inputs_at_step_end']} 1", "i"]
     for k in range(STEPS):
         s, duration, way = (k + 1) / STEPS, STEPS * H, 10.0
@@ -367,10 +439,21 @@ def rope_script(described: ElementTree.Element) -> str:
 
 def _compile(folder: Path, platform: str) -> Path:
     host = folder / ("host.exe" if platform.endswith("windows") else "host")
-    compiler = [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[platform].target, "-std=c99", "-O1"]
+    compiler = [
+        sys.executable,
+        "-m",
+        "ziglang",
+        "cc",
+        "-target",
+        PLATFORMS[platform].target,
+        "-std=c99",
+        "-O1",
+    ]
     source = ROOT / "tests" / "native" / "foreign_host.c"
     libraries = [] if platform.endswith("windows") else ["-ldl"]
-    subprocess.run([*compiler, f"-I{HEADERS}", str(source), "-o", str(host), *libraries], check=True)
+    subprocess.run(
+        [*compiler, f"-I{HEADERS}", str(source), "-o", str(host), *libraries], check=True
+    )
     return host
 
 
@@ -382,13 +465,18 @@ def require_emulator(platform: str) -> None:
     if importlib.util.find_spec("ziglang") is None:
         pytest.skip("ziglang is not installed: pip install ziglang")
     if shutil.which(RUNNERS[platform][0]) is None:
-        pytest.skip(f"no emulator for {platform}: apt-get install qemu-user-static libc6-arm64-cross, or wine")
+        pytest.skip(
+            f"no emulator for {platform}: apt-get install qemu-user-static libc6-arm64-cross, or wine"
+        )
 
 
 def exported_by_dll(dll: bytes) -> set[str]:
     """Names in the export table of a 64 bit Windows library (PE32+)."""
     pe = struct.unpack_from("<I", dll, 0x3C)[0]
-    sections, optional = struct.unpack_from("<H", dll, pe + 6)[0], struct.unpack_from("<H", dll, pe + 20)[0]
+    sections, optional = (
+        struct.unpack_from("<H", dll, pe + 6)[0],
+        struct.unpack_from("<H", dll, pe + 20)[0],
+    )
 
     def place(address: int) -> int:
         for k in range(sections):
@@ -415,7 +503,9 @@ def test_dll_of_the_drive_exports_the_functions_of_fmi_alone(tmp_path: Path) -> 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("platform", FOREIGN)
-def test_library_of_the_rope_in_the_emulator_gives_the_values_of_this_platform(platform: str, tmp_path: Path) -> None:
+def test_library_of_the_rope_in_the_emulator_gives_the_values_of_this_platform(
+    platform: str, tmp_path: Path
+) -> None:
     require_emulator(platform)
     rope = export_native(tmp_path / "rope.fmu", platforms=(host_platform(), platform))
     expected, found = run(rope, host_platform(), rope_script), run(rope, platform, rope_script)
@@ -426,7 +516,9 @@ def test_library_of_the_rope_in_the_emulator_gives_the_values_of_this_platform(p
 
 @pytest.mark.slow
 @pytest.mark.parametrize("platform", FOREIGN)
-def test_library_of_the_drive_in_the_emulator_gives_the_values_of_this_platform(platform: str, tmp_path: Path) -> None:
+def test_library_of_the_drive_in_the_emulator_gives_the_values_of_this_platform(
+    platform: str, tmp_path: Path
+) -> None:
     require_emulator(platform)
     drive = export_drive(tmp_path / "drive.fmu", (host_platform(), platform))
     expected, found = run(drive, host_platform(), script), run(drive, platform, script)

@@ -13,7 +13,16 @@ from hoist_demo.cases.case import Case
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.design.arrival_swing import ArrivalSwing
 from hoist_demo.duty.schedule import Schedule, read_schedule
-from hoist_demo.duty.table import COLUMNS, READ, STEADY, place_at_rest, steady_from, trip_row, trip_table, worst
+from hoist_demo.duty.table import (
+    COLUMNS,
+    READ,
+    STEADY,
+    place_at_rest,
+    steady_from,
+    trip_row,
+    trip_table,
+    worst,
+)
 from hoist_demo.duty.wind import WoundTrip, read_state, wind_duty, write_state
 from hoist_demo.files.reading import FileError
 from hoist_demo.parameters import GRAVITY
@@ -69,10 +78,19 @@ def trips_at_rest(tmp_path_factory: pytest.TempPathFactory) -> Duty:
 
 def test_a_trip_begins_with_what_the_one_before_has_left(trips_at_rest: Duty) -> None:
     first, second, *_ = trips_at_rest[0]
-    assert trips_at_rest[2].whole.warnings() == {}  # payloads that change are no coarse table of positions
+    assert (
+        trips_at_rest[2].whole.warnings() == {}
+    )  # payloads that change are no coarse table of positions
     before, after = first.result.recording, second.result.recording
     assert after.time[0] == before.time[-1]
-    for name in ("loop.yaw", "loop.x", "loop.z", "left.fy", "left.swivel.torque", "conveyance.left.y"):
+    for name in (
+        "loop.yaw",
+        "loop.x",
+        "loop.z",
+        "left.fy",
+        "left.swivel.torque",
+        "conveyance.left.y",
+    ):
         assert after[name][0] == before[name][-1]
     # and that is no rest
     assert abs(after["loop.x"][0] - before["loop.x"][0]) > 0.05
@@ -88,15 +106,22 @@ def test_each_trip_of_a_duty_is_designed_for_its_own_way_and_the_nominal_payload
         return ArrivalSwing(frequency=1.0 + 0.01 * (start + case.winding.travel), damping=0.1)
 
     monkeypatch.setattr("hoist_demo.design.arrival_swing.swing_at_arrival", swing)
-    trips = "".join(f"[[trip]]\nwinding.travel = {x}\nhoist.payload_left = {m}\n" for x, m in ((20.0, 1e3), (5.0, 9e3)))
+    trips = "".join(
+        f"[[trip]]\nwinding.travel = {x}\nhoist.payload_left = {m}\n"
+        for x, m in ((20.0, 1e3), (5.0, 9e3))
+    )
     path = tmp_path / "duty.toml"
     fixed = "controller = 'input-shaping'\nhoist.payload_left = 3000.0"
-    path.write_text(f"[duty]\nhoist = 'rope-120'\nrepeat = 3\n[fixed]\n{fixed}\n{trips}", encoding="utf-8")
+    path.write_text(
+        f"[duty]\nhoist = 'rope-120'\nrepeat = 3\n[fixed]\n{fixed}\n{trips}", encoding="utf-8"
+    )
     schedule = read_schedule(path)
     ends = [20.0, 25.0, 45.0, 50.0, 70.0, 75.0]
     assert [schedule.landing(k) for k in range(7)] == [0.0, *ends]
     runs = [schedule.trip(k) for k in range(1, 7)]
-    assert [run.shaper.frequency for run in runs] == pytest.approx([1.0 + 0.01 * end for end in ends])
+    assert [run.shaper.frequency for run in runs] == pytest.approx(
+        [1.0 + 0.01 * end for end in ends]
+    )
     assert [run.hoist.payload_left for run in runs] == [1e3, 9e3] * 3
     assert sorted({*asked}) == [(a, b, 3e3) for a, b in zip([0.0, *ends], ends, strict=False)]
 
@@ -135,27 +160,37 @@ def test_a_duty_goes_on_from_its_file_with_the_same_bits(tmp_path: Path) -> None
     other = rope_of(schedule)
     place_at_rest(schedule, other)
     kept, end = read_state(path, other, schedule)
-    again = [trip_row(trip, rest) for trip in wind_duty(schedule, other, torque_free={"": False}, after=end, done=2)]
+    again = [
+        trip_row(trip, rest)
+        for trip in wind_duty(schedule, other, torque_free={"": False}, after=end, done=2)
+    ]
     for name in COLUMNS:
         assert_array_equal([r[name] for r in kept + again], [r[name] for r in rows], err_msg=name)
     whole = path.read_bytes()
     for content in (b"", whole[:100], whole[: len(whole) // 2], b"no archive"):
         path.write_bytes(content)
         with pytest.raises(
-            ValueError, match=rf"last_trip\.npz' must be a checkpoint .* or delete {re.escape(str(path))}"
+            ValueError,
+            match=rf"last_trip\.npz' must be a checkpoint .* or delete {re.escape(str(path))}",
         ):
             read_state(path, other, schedule)
     path.write_bytes(whole)
-    longer = schedule.model_copy(update={"pattern": schedule_of(tmp_path, settle=3.0, travel=20.0).pattern})
+    longer = schedule.model_copy(
+        update={"pattern": schedule_of(tmp_path, settle=3.0, travel=20.0).pattern}
+    )
     with pytest.raises(ValueError, match=r"but settle is 2\.0 there, settle is 3\.0 here: give"):
         read_state(path, other, longer)
 
 
-def test_a_duty_of_several_ropes_winds_them_all_and_goes_on_with_the_same_bits(tmp_path: Path) -> None:
+def test_a_duty_of_several_ropes_winds_them_all_and_goes_on_with_the_same_bits(
+    tmp_path: Path,
+) -> None:
     ropes = "[[rope]]\nname = 'a'\nz = 0.3\n[[rope]]\nname = 'b'\nz = -0.3\nQb = 0\nQc = 0\n"
     hoist = f"name = 'two'\nlike = 'rope-120'\n{ropes}"
     (tmp_path / "two.toml").write_text(hoist, encoding="utf-8")
-    text = DUTY.format(**USUAL | {"settle": 2.0, "travel": 5.0}).replace("rope-120", str(tmp_path / "two.toml"))
+    text = DUTY.format(**USUAL | {"settle": 2.0, "travel": 5.0}).replace(
+        "rope-120", str(tmp_path / "two.toml")
+    )
     (tmp_path / "duty.toml").write_text(text, encoding="utf-8")
     schedule = read_schedule(tmp_path / "duty.toml")
     both, path = schedule.ropes(READ), tmp_path / "last_trip.npz"
@@ -173,7 +208,9 @@ def test_a_duty_of_several_ropes_winds_them_all_and_goes_on_with_the_same_bits(t
     other = schedule.ropes(READ)
     place_at_rest(schedule, other.plant, [*names])
     kept, end = read_state(path, other.plant, schedule)
-    again = [trip_row(trip, rest) for trip in wind_duty(schedule, other.plant, names, after=end, done=1)]
+    again = [
+        trip_row(trip, rest) for trip in wind_duty(schedule, other.plant, names, after=end, done=1)
+    ]
     for name in rows[0]:
         assert_array_equal([r[name] for r in kept + again], [r[name] for r in rows], err_msg=name)
 
@@ -192,13 +229,31 @@ def test_a_cycle_is_steady_once_what_is_left_of_the_transient_changes_by_a_hundr
 @pytest.mark.parametrize(
     ("wrong", "right", "told"),
     [
-        ("winding.travel = -90.0", "winding.travel = 90.0", r"trip 2: winding.travel = 90 m leads to 180 m"),
-        ("hoist.payload_left = 5000", "hoist.sheave_radius = 2.0", r"trip 1: hoist.sheave_radius = .* the same"),
-        ("hoist.payload_left = 0", 'hoist.payload_left = { value = 0, unit = "m" }', r"the same as kg"),
-        ("winding.travel = 90.0", "winding.travel = 90.0\nwinding.emergency_at = 5", r"emergency_at must be left out"),
+        (
+            "winding.travel = -90.0",
+            "winding.travel = 90.0",
+            r"trip 2: winding.travel = 90 m leads to 180 m",
+        ),
+        (
+            "hoist.payload_left = 5000",
+            "hoist.sheave_radius = 2.0",
+            r"trip 1: hoist.sheave_radius = .* the same",
+        ),
+        (
+            "hoist.payload_left = 0",
+            'hoist.payload_left = { value = 0, unit = "m" }',
+            r"the same as kg",
+        ),
+        (
+            "winding.travel = 90.0",
+            "winding.travel = 90.0\nwinding.emergency_at = 5",
+            r"emergency_at must be left out",
+        ),
     ],
 )
-def test_a_schedule_that_cannot_be_is_refused_with_the_cure(tmp_path: Path, wrong: str, right: str, told: str) -> None:
+def test_a_schedule_that_cannot_be_is_refused_with_the_cure(
+    tmp_path: Path, wrong: str, right: str, told: str
+) -> None:
     path = tmp_path / "duty.toml"
     text = DUTY.format(**USUAL)
     assert wrong in text
@@ -213,10 +268,14 @@ def test_the_schedules_of_the_documents_can_be_wound(name: str, count: int) -> N
     assert read_schedule(path).count == count
 
 
-def test_the_command_leaves_a_table_and_goes_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_leaves_a_table_and_goes_on(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     schedule_of(tmp_path, settle=2.0, travel=5.0)
     file = tmp_path / "duty.toml"
-    hard = file.read_text(encoding="utf-8").replace("[fixed]", "[fixed]\nwinding.acceleration = 4.9\nwinding.jerk = 40")
+    hard = file.read_text(encoding="utf-8").replace(
+        "[fixed]", "[fixed]\nwinding.acceleration = 4.9\nwinding.jerk = 40"
+    )
     file.write_text(hard, encoding="utf-8")
     arguments = ["duty", str(tmp_path / "duty.toml"), "--out", str(tmp_path / "out")]
     assert balance_rope.main(arguments) == 0
@@ -224,7 +283,9 @@ def test_the_command_leaves_a_table_and_goes_on(tmp_path: Path, capsys: pytest.C
     told = capsys.readouterr().out
     warned = ("slip safety in normal winding is", "the left conveyance ends its dwell")
     assert all(text in told for text in (*warned, "2 of 4 trips are there already"))
-    assert "hoist.payload_left,varied,kg,varied" in (tmp_path / "out" / "data.csv").read_text(encoding="utf-8")
+    assert "hoist.payload_left,varied,kg,varied" in (tmp_path / "out" / "data.csv").read_text(
+        encoding="utf-8"
+    )
     units = {line.split()[0]: line.split()[2] for line in told.splitlines() if " in trip " in line}
     # angles in degrees, and no unit of pure numbers: "in trip" follows
     assert (units["loop_yaw"], units["turns"], units["sway"]) == ("deg", "in", "m")
@@ -234,4 +295,7 @@ def test_the_command_leaves_a_table_and_goes_on(tmp_path: Path, capsys: pytest.C
     assert (tmp_path / "out" / "duty.png").stat().st_size > 0
     file.write_text(hard.replace("[fixed]", "[fixed]\nhoist.slack_tension = 9e4"), encoding="utf-8")
     assert balance_rope.main([*arguments[:-1], str(tmp_path / "slack")]) == 1
-    assert "1: emergency stop at t = 1.1 s: head ropes pulled less than hoist.slack_tension" in capsys.readouterr().err
+    assert (
+        "1: emergency stop at t = 1.1 s: head ropes pulled less than hoist.slack_tension"
+        in capsys.readouterr().err
+    )

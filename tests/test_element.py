@@ -5,7 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import Array, difference, rotation
-from element_states import ELEMENT, MATERIAL, STEP, STRAIN, State, balance, energy, residual, seeds, some_state, turned
+from element_states import (
+    ELEMENT,
+    MATERIAL,
+    STEP,
+    STRAIN,
+    State,
+    balance,
+    energy,
+    residual,
+    seeds,
+    some_state,
+    turned,
+)
 from numpy.polynomial.polynomial import polyder, polyval
 
 from rope_model.physics import costello
@@ -16,7 +28,9 @@ def interpolate(x: Array, xi: Array, l: float) -> tuple[Array, Array, Array]:
     """r, r', r'' (3, n) at xi of an element's degrees of freedom ``x`` (14,)."""
     ends = np.array([x[0:3], l * x[3:6], x[7:10], l * x[10:13]])
     hermite = np.array([[1.0, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
-    rates = [np.array([polyval(xi, polyder(shape, k)) for shape in hermite]) / l**k for k in range(3)]
+    rates = [
+        np.array([polyval(xi, polyder(shape, k)) for shape in hermite]) / l**k for k in range(3)
+    ]
     r, d, c = (ends.T @ rate for rate in rates)
     return r, d, c
 
@@ -60,16 +74,23 @@ def test_the_balance_holds_the_integrals_of_the_theory(seed: int) -> None:
             "gravity": m["rho"] * m["g"] * r[1],
         }
         expected = [0.5 * s.l * float(weights @ density[name]) for name in names]
-        np.testing.assert_allclose([parts[name] for name in names], expected, rtol=1e-11)  # rounding
+        np.testing.assert_allclose(
+            [parts[name] for name in names], expected, rtol=1e-11
+        )  # rounding
 
 
 @seeds
 def test_elastic_force_and_weight_are_gradients_of_their_energies(seed: int) -> None:
     s, rest = some_state(seed), np.zeros(14)
-    for names, P in ((STRAIN, s.P(Qa=5.0, Qs=0.8, Qd=2.0, Qe=0.6, EI=1.5)), (("gravity",), s.P(rho=1.3, g=9.8))):
+    for names, P in (
+        (STRAIN, s.P(Qa=5.0, Qs=0.8, Qd=2.0, Qe=0.6, EI=1.5)),
+        (("gravity",), s.P(rho=1.3, g=9.8)),
+    ):
         gradient = difference(lambda q, P=P, names=names: energy(q, rest, s.l, s.F, P, names), s.q)
         # truncation STEP^2 times third derivatives of order 10 to 100
-        np.testing.assert_allclose(residual(s.q, rest, rest, s.l, s.F, P), gradient, rtol=0, atol=1e-7)
+        np.testing.assert_allclose(
+            residual(s.q, rest, rest, s.l, s.F, P), gradient, rtol=0, atol=1e-7
+        )
 
 
 @seeds
@@ -88,11 +109,15 @@ def test_the_inertia_force_is_lagranges_derivative_of_the_kinetic_energy(seed: i
     change = (momentum(1e-4) - momentum(-1e-4)) / 2e-4
     gradient = difference(lambda q: kinetic(q, s.v), s.q)
     # truncation 1e-8 times third time derivatives of order 10 to 100
-    np.testing.assert_allclose(residual(s.q, s.v, s.a, s.l, s.F, P), change - gradient, rtol=0, atol=1e-5)
+    np.testing.assert_allclose(
+        residual(s.q, s.v, s.a, s.l, s.F, P), change - gradient, rtol=0, atol=1e-5
+    )
 
 
 @seeds
-def test_the_momentum_is_the_derivative_of_the_kinetic_energy_along_rigid_motions(seed: int) -> None:
+def test_the_momentum_is_the_derivative_of_the_kinetic_energy_along_rigid_motions(
+    seed: int,
+) -> None:
     given = some_state(seed)
     s = replace(given, reference=given.q)  # there theta_t is the spin
     P = s.P(**MATERIAL)
@@ -104,14 +129,20 @@ def test_the_momentum_is_the_derivative_of_the_kinetic_energy_along_rigid_motion
 
     for k, e in enumerate(np.eye(3)):
         shift, turn = np.zeros((2, NODE_DOF)), np.zeros((2, NODE_DOF))
-        shift[:, :3], turn[:, :3], turn[:, 3:6] = e, np.cross(e, nodes[:, :3]), np.cross(e, nodes[:, 3:6])
+        shift[:, :3], turn[:, :3], turn[:, 3:6] = (
+            e,
+            np.cross(e, nodes[:, :3]),
+            np.cross(e, nodes[:, 3:6]),
+        )
         turn[:, 6] = nodes[:, 3:6] @ e / np.linalg.norm(nodes[:, 3:6], axis=1)
         for motion, value in ((shift, found[k]), (turn, found[3 + k])):
             # the kinetic energy is quadratic in v: the central difference has rounding only
             difference = (kinetic(s.v + motion.ravel()) - kinetic(s.v - motion.ravel())) / 2
             assert value == pytest.approx(difference, rel=1e-9, abs=1e-9)
     # the mass, where it is: the weight's energy is g S_y
-    assert found[7] * P[1] == pytest.approx(float(ELEMENT.balance(s.q, s.v, s.l, s.F, P)[BALANCE.index("gravity")]))
+    assert found[7] * P[1] == pytest.approx(
+        float(ELEMENT.balance(s.q, s.v, s.l, s.F, P)[BALANCE.index("gravity")])
+    )
 
 
 @seeds
@@ -163,25 +194,42 @@ def test_a_closed_cycle_of_strain_does_the_work_of_qb_minus_qc() -> None:
     work, energy_balance, phases = 0.0, 0.0, np.arange(64) * 2 * np.pi / 64
     for phi in phases:
         q, v = np.zeros(14), np.zeros(14)
-        q[[3, 10]], q[7], q[13] = 1 + e_0 * np.cos(phi), l * (1 + e_0 * np.cos(phi)), l * tau_0 * np.sin(phi)
-        v[[3, 10]], v[7], v[13] = -e_0 * np.sin(phi), -l * e_0 * np.sin(phi), l * tau_0 * np.cos(phi)
+        q[[3, 10]], q[7], q[13] = (
+            1 + e_0 * np.cos(phi),
+            l * (1 + e_0 * np.cos(phi)),
+            l * tau_0 * np.sin(phi),
+        )
+        v[[3, 10]], v[7], v[13] = (
+            -e_0 * np.sin(phi),
+            -l * e_0 * np.sin(phi),
+            l * tau_0 * np.cos(phi),
+        )
         work += residual(q, v, np.zeros(14), l, F, P) @ v * 2 * np.pi / 64
         energy_balance += balance(q, v, l, F, P)["nonconservative_power"] * 2 * np.pi / 64
     # twice Qk times the enclosed area, negative for this sense; the trapezoidal rule is exact on a circle
-    np.testing.assert_allclose([work, energy_balance], -2 * np.pi * Qk * e_0 * tau_0 * l, rtol=1e-12)
+    np.testing.assert_allclose(
+        [work, energy_balance], -2 * np.pi * Qk * e_0 * tau_0 * l, rtol=1e-12
+    )
 
 
 def test_costellos_law_is_the_gradient_of_its_energy_plus_the_remainder() -> None:
     Qa, Qs, Qk, Qd, Qe, e, tau = 5.0, 0.8, 0.3, 2.0, 0.6, 0.12, -0.4
 
     def U(x: Array) -> float:
-        return float(costello.strain_energy(Qa, Qs, Qd, x[0], x[1]) + costello.stiffening_energy(Qe, x[0], x[1]))
+        return float(
+            costello.strain_energy(Qa, Qs, Qd, x[0], x[1])
+            + costello.stiffening_energy(Qe, x[0], x[1])
+        )
 
     dU = difference(U, np.array([e, tau]))
     law = [costello.tension(Qa, Qs, Qk, Qe, e, tau), costello.torque(Qs, Qk, Qd, Qe, e, tau)]
-    np.testing.assert_allclose(law, dU + Qk * np.array([tau, -e]), rtol=1e-9)  # cubic: rounding only
+    np.testing.assert_allclose(
+        law, dU + Qk * np.array([tau, -e]), rtol=1e-9
+    )  # cubic: rounding only
     # Qb = 1.1, Qc = 0.5
-    np.testing.assert_allclose(law, [Qa * e + 1.1 * tau + 0.5 * Qe * tau**2, 0.5 * e + (Qd + Qe * e) * tau], rtol=1e-14)
+    np.testing.assert_allclose(
+        law, [Qa * e + 1.1 * tau + 0.5 * Qe * tau**2, 0.5 * e + (Qd + Qe * e) * tau], rtol=1e-14
+    )
 
 
 @seeds
@@ -207,10 +255,19 @@ def test_at_rest_the_tangent_is_the_derivative_of_the_residual(fidelity, seed, c
 
 
 def test_the_tension_before_stiffens_the_element_as_that_of_a_string() -> None:
-    l, strain, P, still, string = 2.0, 1e-3, some_state(0).P(Qa=5.0), np.zeros(14), np.zeros((2, 14))
+    l, strain, P, still, string = (
+        2.0,
+        1e-3,
+        some_state(0).P(Qa=5.0),
+        np.zeros(14),
+        np.zeros((2, 14)),
+    )
     string[:, [3, 7, 10]] = np.outer((1.0, 1.0 + strain), (1.0, l, 1.0))
     F = np.asarray(ELEMENT.reference(string[0], l)).ravel()
-    J = [np.asarray(ELEMENT.tangent(string[0], still, still, l, F, P, 1.0, 0.0, 0.0, q)[1]) for q in string]
+    J = [
+        np.asarray(ELEMENT.tangent(string[0], still, still, l, F, P, 1.0, 0.0, 0.0, q)[1])
+        for q in string
+    ]
     # of cubic interpolation: Przemieniecki, Theory of Matrix Structural Analysis (1968), 15.2
     K = [[36, 3 * l, -36, 3 * l], [3 * l, 4 * l**2, -3 * l, -(l**2)], [-36, -3 * l, 36, -3 * l]]
     K = np.array([*K, [3 * l, -(l**2), -3 * l, 4 * l**2]]) * P[2] * strain / (30 * l)
@@ -219,14 +276,18 @@ def test_the_tension_before_stiffens_the_element_as_that_of_a_string() -> None:
 
 
 @seeds
-def test_what_the_tangent_leaves_out_in_motion_is_of_the_first_order_in_the_speed(seed: int) -> None:
+def test_what_the_tangent_leaves_out_in_motion_is_of_the_first_order_in_the_speed(
+    seed: int,
+) -> None:
     s, c = some_state(seed), (1.0, 3.0, 0.0)
     P, rest = s.P(**(MATERIAL | {"Qk": 0.0})), np.zeros(14)
     left_out = []
     for speed in (1e-2, 5e-3):
         v = speed * s.v
         J = np.asarray(ELEMENT.tangent(s.q, v, rest, s.l, s.F, P, *c, s.q)[1])
-        along = difference(lambda x, v=v: residual(s.q + c[0] * x, v + c[1] * x, rest, s.l, s.F, P), rest, STEP)
+        along = difference(
+            lambda x, v=v: residual(s.q + c[0] * x, v + c[1] * x, rest, s.l, s.F, P), rest, STEP
+        )
         left_out.append(np.abs(J - along).max())
     np.testing.assert_allclose(left_out[0] / left_out[1], 2.0, rtol=0.05)
 

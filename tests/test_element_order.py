@@ -6,7 +6,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import Chain, portable_system, rotation, straight
-from element_states import ELEMENT, MATERIAL, STEP, STRAIN, Array, State, balance, energy, seeds, some_state, turned
+from element_states import (
+    ELEMENT,
+    MATERIAL,
+    STEP,
+    STRAIN,
+    Array,
+    State,
+    balance,
+    energy,
+    seeds,
+    some_state,
+    turned,
+)
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -31,7 +43,9 @@ def elastica_tip() -> Array:
         return np.array([phi_x, -stretch * (LOAD @ n) / EI, *(stretch * t)])
 
     def shot(curvature: float) -> Array:
-        y = solve_ivp(rates, (0.0, 1.0), [0.0, curvature, 0.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-13).y
+        y = solve_ivp(
+            rates, (0.0, 1.0), [0.0, curvature, 0.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-13
+        ).y
         return np.asarray(y[:, -1])
 
     return shot(brentq(lambda k: shot(k)[1], -3.0, 0.0, xtol=1e-13))[2:]
@@ -56,7 +70,9 @@ def test_displacements_converge_with_the_fourth_power_of_the_element_length() ->
 
 
 @pytest.mark.parametrize(("coupling", "order"), [(0.0, 4.0), (2.0, 2.0)])
-def test_with_torsion_in_space_they_do_so_but_for_the_coupling(coupling: float, order: float) -> None:
+def test_with_torsion_in_space_they_do_so_but_for_the_coupling(
+    coupling: float, order: float
+) -> None:
     # a uniform torque without coupling means a uniform torsional strain: one for the element is no approximation.  With
     # coupling the strain follows the tension
     tips = [cantilever_tip(n, np.array([0.2, -2.0, 1.0]), 0.4, coupling) for n in (8, 16, 32, 64)]
@@ -69,7 +85,10 @@ def waves(P: Array, l: float, k: float) -> Array:
     q, none = np.zeros(14), np.zeros(14)
     q[[3, 7, 10]] = 1.0, l, 1.0
     F = np.asarray(ELEMENT.reference(q, l)).ravel()
-    K, M = (np.asarray(ELEMENT.tangent(q, none, none, l, F, P, *c, q)[1]) for c in ((1, 0, 0), (0, 0, 1)))
+    K, M = (
+        np.asarray(ELEMENT.tangent(q, none, none, l, F, P, *c, q)[1])
+        for c in ((1, 0, 0), (0, 0, 1))
+    )
     along = [0, 3, 6]
     wave = np.zeros((14, 3), complex)
     wave[along], wave[[7 + i for i in along]] = np.eye(3), np.exp(1j * k * l) * np.eye(3)
@@ -82,7 +101,9 @@ def test_torsional_waves_run_with_an_error_of_the_fourth_order(share: float) -> 
     rope, k, x = Rope(), 0.1, np.array([0.1, 0.2, 0.4, 0.8])
     rope = replace(rope, Qb=share * rope.Qb, Qc=share * rope.Qc)
     stiffness, inertia = [[rope.Qa, rope.Qs], [rope.Qs, rope.Qd]], [rope.mass_per_length, rope.rhoJ]
-    speed = math.sqrt(np.linalg.eigvals(np.array(stiffness) / np.array(inertia)[:, None]).real.min())
+    speed = math.sqrt(
+        np.linalg.eigvals(np.array(stiffness) / np.array(inertia)[:, None]).real.min()
+    )
     P = np.array(element.parameters(rope, 0.0))
     errors = np.array([waves(P, l, k)[0] for l in x / k]) / (k * speed) - 1
     np.testing.assert_allclose(np.diff(np.log(np.abs(errors))) / math.log(2), 4.0, atol=0.1)
@@ -95,7 +116,9 @@ def test_what_that_costs_the_longitudinal_wave_is_what_rayleigh_s_quotient_says(
     rope, k, x = Rope(), 0.1, 0.2
     P = np.array(element.parameters(rope, 0.0))
     stiffness = np.array([[rope.Qa, rope.Qs], [rope.Qs, rope.Qd]])
-    square = np.linalg.eigvals(stiffness / np.array([rope.mass_per_length, rope.rhoJ])[:, None]).real.max()
+    square = np.linalg.eigvals(
+        stiffness / np.array([rope.mass_per_length, rope.rhoJ])[:, None]
+    ).real.max()
     strains = np.array([1.0, rope.Qs / (rope.rhoJ * square - rope.Qd)])
     too_much = square * P[PARAMETERS.index("rhoJ_x")] - rope.Qd / 12
     expected = -0.5 * x**2 * too_much * strains[1] ** 2 / (strains @ stiffness @ strains)
@@ -105,7 +128,9 @@ def test_what_that_costs_the_longitudinal_wave_is_what_rayleigh_s_quotient_says(
     np.testing.assert_allclose(expected, -8e-4 * x**2, rtol=0.06)
 
 
-def test_the_inertia_of_the_slope_is_that_of_the_torsional_wave_where_it_is_the_faster_too() -> None:
+def test_the_inertia_of_the_slope_is_that_of_the_torsional_wave_where_it_is_the_faster_too() -> (
+    None
+):
     rope = replace(Rope(), Qb=0.0, Qc=0.0)
     for rhoJ in (rope.rhoJ, 1e-3 * rope.rhoJ):
         P = element.parameters(replace(rope, rhoJ=rhoJ), 0.0)
@@ -115,7 +140,11 @@ def test_the_inertia_of_the_slope_is_that_of_the_torsional_wave_where_it_is_the_
 def curve(x: Array) -> tuple[Array, Array, Array]:
     """r, r' (n, 3) and theta (n,) of a smooth, bent and twisted rope."""
     r = np.column_stack((np.sin(1.3 * x), x + 0.2 * x**2, 0.5 * np.cos(2 * x)))
-    return r, np.column_stack((1.3 * np.cos(1.3 * x), 1 + 0.4 * x, -np.sin(2 * x))), 0.8 * np.sin(2 * x)
+    return (
+        r,
+        np.column_stack((1.3 * np.cos(1.3 * x), 1 + 0.4 * x, -np.sin(2 * x))),
+        0.8 * np.sin(2 * x),
+    )
 
 
 def on_curve(l: float) -> Array:
@@ -151,7 +180,9 @@ def test_the_way_to_a_shape_does_not_matter_but_for_the_quadrature() -> None:
     for l in (0.2, 0.1, 0.05):
         shapes = [turned(on_curve(l), A) for A in maps]
         frames = [ELEMENT.reference(x, l) for x in shapes]
-        turn = sum(float(ELEMENT.transport(shapes[k], rest, rest, l, frames[k - 1])[0]) for k in range(3))
+        turn = sum(
+            float(ELEMENT.transport(shapes[k], rest, rest, l, frames[k - 1])[0]) for k in range(3)
+        )
         # the frame at a node has turned by the area that the node's tangents enclose on the sphere
         first, last = (area(*(x[k : k + 3] for x in shapes)) for k in (3, 10))
         error.append(abs(turn - (last - first)))
@@ -206,7 +237,9 @@ def test_the_frame_rate_is_how_fast_the_frame_turns_about_the_tangent(seed: int)
     np.testing.assert_allclose(here @ unit(pole), unit(d), atol=1e-15)
     # d(frame)/dx frame^T is the cross product with the turning vector
     spin = (frame_at(STEP) - frame_at(-STEP)) / (2 * STEP) @ here.T
-    turning = 0.5 * np.array([spin[2, 1] - spin[1, 2], spin[0, 2] - spin[2, 0], spin[1, 0] - spin[0, 1]])
+    turning = 0.5 * np.array(
+        [spin[2, 1] - spin[1, 2], spin[0, 2] - spin[2, 0], spin[1, 0] - spin[0, 1]]
+    )
     turn = np.cross(pole, pole_change) / (pole @ pole)
     found = smallest_rotation_rate(unit(pole), turn, d, change)
     np.testing.assert_allclose(found, turning @ unit(d), rtol=1e-6, atol=1e-7)

@@ -72,7 +72,10 @@ _CHOSEN: dict[str, Value] = {
 #: Keys that several ropes refuse in every command: the [[rope]] say it, or it is not computed.
 _REFUSED = ("hoist.tail_rope_", "guard.", "[[rope]].guard.")
 #: Keys that a linear model cannot have: those of a trip and its events, and of how it is wound and judged.
-_NOT_LINEAR = (*(f"{section}." for section in SECTIONS if section != "hoist"), *("controller", "[[rope]].breaks_"))
+_NOT_LINEAR = (
+    *(f"{section}." for section in SECTIONS if section != "hoist"),
+    *("controller", "[[rope]].breaks_"),
+)
 
 
 _VARYING = tuple(f"[[rope]].{name}" for name in FOLLOWING if name != "length")
@@ -98,19 +101,29 @@ def host_values(data: object) -> dict[str, Value]:
     return values
 
 
-def rope_values(scene: Scene, suspension: SuspensionOffset, breaks: Break | None = None) -> dict[str, Value]:
+def rope_values(
+    scene: Scene, suspension: SuspensionOffset, breaks: Break | None = None
+) -> dict[str, Value]:
     values = {p.name: p.value for p in named_parameters(scene)}
     values |= {f"rope.{name}": value for name, value in asdict(suspension).items()}
-    return values if breaks is None else {**values, "rope.breaks_at": breaks.t, "rope.breaks_s": breaks.s}
+    return (
+        values
+        if breaks is None
+        else {**values, "rope.breaks_at": breaks.t, "rope.breaks_s": breaks.s}
+    )
 
 
 def of_ropes(ropes: Ropes) -> Handed:
-    each = {rope.name: rope_values(rope.scene, rope.suspension, rope.breaks) for rope in ropes.ropes}
+    each = {
+        rope.name: rope_values(rope.scene, rope.suspension, rope.breaks) for rope in ropes.ropes
+    }
     return Handed(host_values(replace(ropes.run, hoist=ropes.hoist)), each)
 
 
 def wound(hoist: str, _: Path) -> Handed:
-    return of_ropes(ropes_of(find_case(hoist), from_landing(build(hoist, {})), {}, find_case(hoist).level))
+    return of_ropes(
+        ropes_of(find_case(hoist), from_landing(build(hoist, {})), {}, find_case(hoist).level)
+    )
 
 
 def duty(hoist: str, folder: Path) -> Handed:
@@ -144,7 +157,9 @@ class Command(NamedTuple):
 COMMANDS = {
     "wind": Command(wound),
     # a trip ends at a landing; the first trip of this schedule has a delay of its own
-    "duty": Command(duty, ("winding.start_delay",), (*_REFUSED, "winding.emergency_at", "[[rope]].breaks_")),
+    "duty": Command(
+        duty, ("winding.start_delay",), (*_REFUSED, "winding.emergency_at", "[[rope]].breaks_")
+    ),
     # the properties of the ropes are what varies
     "uncertain": Command(uncertain, _VARYING, (*_REFUSED, "[[rope]].breaks_")),
     "modes": Command(linear, _NOT_LINEAR, ("hoist.tail_rope_",)),
@@ -173,7 +188,9 @@ def other_value(p: Parameter) -> Value:
     start = p.start if isinstance(p.start, int | float) else 0.0
     if p.kind == "Integer":
         return round(start) + (8 if "counts[" in p.name else 1)
-    return next(x for x in (1.01 * start, 0.99 * start, 0.01, 1.0) if x != start and p.bounds.contains(x))
+    return next(
+        x for x in (1.01 * start, 0.99 * start, 0.01, 1.0) if x != start and p.bounds.contains(x)
+    )
 
 
 def in_toml(key: str) -> str:
@@ -214,8 +231,14 @@ def holds(handed: Handed, p: Parameter, value: Value) -> bool:
         return of_all or all(rope.get(p.name) in wanted for rope in handed.ropes.values())
     name = p.name.removeprefix("[[rope]].")
     other = handed.ropes["b"]
-    sides = [f"{side}.{name.removeprefix('swivels.')}" for side in SIDES] if name.startswith("swivels.") else [name]
-    sides = [side.replace(".", ".swivel.", 1) if name.startswith("swivels.") else side for side in sides]
+    sides = (
+        [f"{side}.{name.removeprefix('swivels.')}" for side in SIDES]
+        if name.startswith("swivels.")
+        else [name]
+    )
+    sides = [
+        side.replace(".", ".swivel.", 1) if name.startswith("swivels.") else side for side in sides
+    ]
     return all(other.get(side, other.get(f"rope.{side}")) in wanted for side in sides)
 
 
@@ -228,7 +251,9 @@ def outcome(command: Command, batch: list[Parameter], folder: Path) -> dict[str,
         handed = command.read(written(values, folder), folder)
     except ValueError as error:
         if len(batch) > 1:
-            return {name: text for p in batch for name, text in outcome(command, [p], folder).items()}
+            return {
+                name: text for p in batch for name, text in outcome(command, [p], folder).items()
+            }
         return {p.name: f"refused: {error}" for p in batch}
     return {p.name: "" if holds(handed, p, values[p.name]) else "no effect" for p in batch}
 
@@ -241,7 +266,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_every_key_is_handed_to_the_run_or_refused(name: str, folder: Path, monkeypatch: Patch) -> None:
+def test_every_key_is_handed_to_the_run_or_refused(
+    name: str, folder: Path, monkeypatch: Patch
+) -> None:
     monkeypatch.setattr(linearise, "_rope", lambda scene: scene)
     command = COMMANDS[name]
     found = dict[str, str]()

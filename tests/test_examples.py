@@ -22,7 +22,9 @@ FMU = "build/balance_rope.fmu"
 
 def lines_of(script: Path, folder: Path, *arguments: str) -> list[str]:
     command = [sys.executable, str(script), *arguments]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300, check=False)
+    done = subprocess.run(
+        command, cwd=folder, capture_output=True, text=True, timeout=300, check=False
+    )
     assert done.returncode == 0, done.stderr[-2000:]
     return done.stdout.splitlines()
 
@@ -70,7 +72,9 @@ def test_air_in_the_shaft_does_what_the_theory_page_says(tmp_path: Path) -> None
 @pytest.mark.slow
 def test_a_swing_tells_friction_between_wires_from_viscous_damping(tmp_path: Path) -> None:
     lines = lines_of(EXAMPLES / "damping_law.py", tmp_path)
-    viscous, friction = ([float(re.findall(r": ([\d.]+) stand", line)[0]) for line in lines[k::2]] for k in (0, 1))
+    viscous, friction = (
+        [float(re.findall(r": ([\d.]+) stand", line)[0]) for line in lines[k::2]] for k in (0, 1)
+    )
     assert min(viscous) > 2.0
     assert max(friction) < 1.1
 
@@ -94,8 +98,12 @@ def test_a_released_swivel_ends_stuck_below_its_static_friction(tmp_path: Path) 
         ("iterated_steps.py", (FMU,), 1e-3),
     ],
 )
-def test_an_example_ends_with_one_times_what_it_compares_with(script: str, arguments, off, folder: Path) -> None:
-    assert float(lines_of(EXAMPLES / script, folder, *arguments)[-1].split()[-1]) == pytest.approx(1.0, abs=off)
+def test_an_example_ends_with_one_times_what_it_compares_with(
+    script: str, arguments, off, folder: Path
+) -> None:
+    assert float(lines_of(EXAMPLES / script, folder, *arguments)[-1].split()[-1]) == pytest.approx(
+        1.0, abs=off
+    )
 
 
 def test_readme_s_fmu_code_ends_with_the_weights_of_the_legs(folder: Path, tmp_path: Path) -> None:
@@ -130,7 +138,9 @@ def test_a_hoist_of_one_s_own_winds_with_its_rope_and_leaves_a_table(folder: Pat
 @pytest.mark.slow
 @pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 def test_a_controller_from_a_linear_model_follows_the_trip_closer_than_pi(tmp_path: Path) -> None:
-    head, pi, lqg = (line.split() for line in lines_of(EXAMPLES / "lqg.py", tmp_path, "as designed"))
+    head, pi, lqg = (
+        line.split() for line in lines_of(EXAMPLES / "lqg.py", tmp_path, "as designed")
+    )
     k = head.index("tracking_error") - len(head)
     # docs/tutorial/own_controller.md says 15 mm and 31 mm
     assert [float(row[k]) for row in (lqg, pi)] == pytest.approx([0.015, 0.031], abs=1e-3)
@@ -150,10 +160,13 @@ def test_a_virtual_sensor_sees_the_rope_s_pull_and_not_its_loop(tmp_path: Path) 
 
 @pytest.mark.slow
 @pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
-def test_an_optimal_trip_is_shorter_than_s_curves_but_arrives_later_than_the_gentle_one(tmp_path: Path) -> None:
+def test_an_optimal_trip_is_shorter_than_s_curves_but_arrives_later_than_the_gentle_one(
+    tmp_path: Path,
+) -> None:
     head, *rows = (line.split() for line in lines_of(EXAMPLES / "optimal_trip.py", tmp_path))
     times, cycles = (
-        [float(row[head.index(name) - len(head)]) for row in rows] for name in ("trajectory_time", "cycle_time")
+        [float(row[head.index(name) - len(head)]) for row in rows]
+        for name in ("trajectory_time", "cycle_time")
     )
     # docs/tutorial/own_controller.md says 22.18 s, and 22.61 s against 22.46 s
     assert times[-1] == pytest.approx(22.18, abs=0.02)

@@ -20,7 +20,9 @@ Ends = tuple[EndMotion, EndMotion]
 H = 0.01
 UNCOUPLED = Rope(length=30.0, Qb=0.0, Qc=0.0)
 #: 30 m rope on TMN-ETM, for transformations, and on equal elements; in steps as long as the host's
-SHORT = Scene(rope=UNCOUPLED, mesh=Mesh(coarse_length=1.6, counts=(2, 4, 40, 4, 2)), solver=fixed_steps(0.04))
+SHORT = Scene(
+    rope=UNCOUPLED, mesh=Mesh(coarse_length=1.6, counts=(2, 4, 40, 4, 2)), solver=fixed_steps(0.04)
+)
 EVEN = SHORT.with_(mesh=Mesh(kind="eem", elements=62))
 FREE = Swivel(mode="free")
 HIGH, TRAVEL, DURATION = 12.0, 8.0, 5.0
@@ -31,7 +33,9 @@ def ends_at(t: float, z: float = 0.0, yaw: float = 0.0, duration: float = DURATI
     x, v, a = (TRAVEL * value for value in smooth_step(t, 0.0, duration))
     beside = smooth_step(t)
     z, vz, az = (z * value for value in beside)
-    left = EndMotion(y=x, vy=v, ay=a, z=z, vz=vz, az=az, yaw=yaw * beside[0], yaw_rate=yaw * beside[1])
+    left = EndMotion(
+        y=x, vy=v, ay=a, z=z, vz=vz, az=az, yaw=yaw * beside[0], yaw_rate=yaw * beside[1]
+    )
     return left, EndMotion(y=HIGH - x, vy=-v, ay=-a)
 
 
@@ -72,15 +76,21 @@ def test_planar_equals_torsional_without_torque_through_transformations() -> Non
     for _ in together((full, planar), 399):
         # the same equations, apart from rounding, which Newton's method and the stiff axial direction amplify
         assert_allclose(end_force(planar), end_force(full), rtol=1e-9)
-        assert_allclose(planar.state.motion.q, full.state.motion.q, rtol=0, atol=1e-9 * SHORT.rope.length)
+        assert_allclose(
+            planar.state.motion.q, full.state.motion.q, rtol=0, atol=1e-9 * SHORT.rope.length
+        )
     assert planar.state.counts.transformations >= 3
 
 
 def rigid_at(t: float) -> RigidRope:
     """The rigid rope on many nodes, in the middle of a host step; both ends accelerate, and differently."""
     left = led(EndPath.at_rest(0.0, EndMotion()), 4.0, EndMotion(y=3.0, vy=1.5, ay=0.7))
-    right = led(EndPath.at_rest(0.0, EndMotion(y=HIGH)), 4.0, EndMotion(y=HIGH + 1.0, vy=-0.5, ay=0.2))
-    return rigid_rope(SHORT, (left.at(t), right.at(t)), t, np.linspace(0.0, SHORT.rope.length, 20001))
+    right = led(
+        EndPath.at_rest(0.0, EndMotion(y=HIGH)), 4.0, EndMotion(y=HIGH + 1.0, vy=-0.5, ay=0.2)
+    )
+    return rigid_rope(
+        SHORT, (left.at(t), right.at(t)), t, np.linspace(0.0, SHORT.rope.length, 20001)
+    )
 
 
 def integral(rope: RigidRope, values: np.ndarray) -> float:
@@ -102,15 +112,21 @@ def test_total_force_of_the_rigid_rope_is_weight_and_rate_of_momentum() -> None:
     assert np.abs(rates).max() > 0.02 * weight
 
 
-def test_energies_of_the_rigid_rope_are_those_of_its_shape_and_flow_and_change_by_the_work_of_the_ends() -> None:
+def test_energies_of_the_rigid_rope_are_those_of_its_shape_and_flow_and_change_by_the_work_of_the_ends() -> (
+    None
+):
     rho, g, d = SHORT.rope.mass_per_length, SHORT.layout.gravity, 1e-3
     for t in (1.0, 2.0, 3.5):
         rope, before, after = rigid_at(t), rigid_at(t - d), rigid_at(t + d)
         m = rope.motion
-        assert_allclose(0.5 * rho * integral(rope, np.sum(m.v[:, :3] ** 2, axis=1)), rope.kinetic, rtol=1e-5)
+        assert_allclose(
+            0.5 * rho * integral(rope, np.sum(m.v[:, :3] ** 2, axis=1)), rope.kinetic, rtol=1e-5
+        )
         assert_allclose(rho * g * integral(rope, m.q[:, 1]), rope.gravity, rtol=1e-5)
         power = (after.kinetic + after.gravity - before.kinetic - before.gravity) / (2 * d)
-        assert_allclose(power, rope.tensions[0] * m.v[0, 1] + rope.tensions[1] * m.v[-1, 1], rtol=1e-5)
+        assert_allclose(
+            power, rope.tensions[0] * m.v[0, 1] + rope.tensions[1] * m.v[-1, 1], rtol=1e-5
+        )
 
 
 def test_energy_balance_of_the_rigid_rope_closes_at_second_order_in_the_step() -> None:
@@ -161,7 +177,9 @@ def test_fidelity_by_name_says_what_it_cannot_follow_and_changes_nothing(fidelit
         pytest.param(Swivel(), {"yaw": 0.1}, "torsional", id="turned"),
     ],
 )
-def test_auto_switches_up_without_a_jump(swivel: Swivel, motion: dict[str, float], fidelity: str) -> None:
+def test_auto_switches_up_without_a_jump(
+    swivel: Swivel, motion: dict[str, float], fidelity: str
+) -> None:
     scene = EVEN.with_(left=swivel, right=swivel)
     rope, whole = start(scene), start(scene, fidelity=fidelity)
     assert rope.state.fidelity == "planar"
@@ -172,15 +190,21 @@ def test_auto_switches_up_without_a_jump(swivel: Swivel, motion: dict[str, float
         allowed = 0.0 if k <= 100 else 1.0
         assert_allclose(end_force(rope), end_force(whole), rtol=1e-9, atol=allowed * blow)
         q = whole.state.motion.q[:, :3]
-        assert_allclose(rope.state.motion.q[:, :3], q, rtol=0, atol=1e-9 + allowed * drift * (k - 100) * H)
+        assert_allclose(
+            rope.state.motion.q[:, :3], q, rtol=0, atol=1e-9 + allowed * drift * (k - 100) * H
+        )
         switched = [event.what for event in rope.state.events if "model" in event.what]
         assert switched == ([f"model {fidelity}"] if k == 101 else [])
     assert rope.state.fidelity == fidelity
     assert "planar model cannot follow left." in rope.state.fidelity_reason
 
 
-@pytest.mark.parametrize(("tolerance", "why"), [(0.1, "it errs by an estimated"), (0.9, "goes slack")])
-def test_rigid_rope_becomes_flexible_when_it_errs_too_much_or_would_go_slack(tolerance: float, why: str) -> None:
+@pytest.mark.parametrize(
+    ("tolerance", "why"), [(0.1, "it errs by an estimated"), (0.9, "goes slack")]
+)
+def test_rigid_rope_becomes_flexible_when_it_errs_too_much_or_would_go_slack(
+    tolerance: float, why: str
+) -> None:
     rope, planar = start(EVEN, force_tolerance=tolerance), start(EVEN, fidelity="planar")
     assert rope.state.fidelity == "rigid"
     forces = []
@@ -204,11 +228,15 @@ def test_auto_takes_the_fidelity_that_the_scene_needs(case: Choice) -> None:
     times = np.arange(0.0, case.until, 0.05)
     needed = [FIDELITIES.index(lowest_sufficient(case.scene, case.ends(t))) for t in times]
     if choice.fidelity != "torsional":
-        assert FIDELITIES[max(max(needed), FIDELITIES.index(choice.fidelity))] == (case.last or case.fidelity)
+        assert FIDELITIES[max(max(needed), FIDELITIES.index(choice.fidelity))] == (
+            case.last or case.fidelity
+        )
 
 
 @pytest.mark.parametrize("start_time", [-5.0, -0.5])
-def test_a_free_swivel_that_waits_for_the_instant_0_holds_in_a_run_that_starts_before(start_time: float) -> None:
+def test_a_free_swivel_that_waits_for_the_instant_0_holds_in_a_run_that_starts_before(
+    start_time: float,
+) -> None:
     """It twists the rope out of plane until then, so that the model without torsion does not serve."""
     waits = Swivel(mode="free", release_time=0.0)
     aside = EndMotion(z=1e-6, vz=2e-4, az=0.02)

@@ -20,7 +20,17 @@ ROOT = Path(__file__).parents[1]
 PRODUCT = ("rope_model", "fmu_src", "hoist_demo", "balance_rope.py", "hoist_export.py")
 #: Calls that write a file, by the name of the function.
 WRITERS = frozenset(
-    {"write_text", "write_bytes", "savefig", "print_png", "to_csv", "to_parquet", "savez", "savemat", "savetxt"}
+    {
+        "write_text",
+        "write_bytes",
+        "savefig",
+        "print_png",
+        "to_csv",
+        "to_parquet",
+        "savez",
+        "savemat",
+        "savetxt",
+    }
     | {"ZipFile", "copyfile", "copy2", "copytree", "move", "FileSerializer", "tofile"}
     | {"json.dump", "pickle.dump", "np.save", "pq.write_table", "shutil.copy"}
 )
@@ -38,10 +48,16 @@ def writes(call: ast.Call) -> bool:
     """Return True for a call that writes a file by its path."""
     name = call.func.attr if isinstance(call.func, ast.Attribute) else getattr(call.func, "id", "")
     if name == "open":
-        texts = [one.value for one in ast.walk(call) if isinstance(one, ast.Constant) and isinstance(one.value, str)]
+        texts = [
+            one.value
+            for one in ast.walk(call)
+            if isinstance(one, ast.Constant) and isinstance(one.value, str)
+        ]
         return any(text and set(text) <= set("wxab+") for text in texts)
     if name == "ZipFile":
-        return any(isinstance(one, ast.Constant) and one.value in ("w", "a", "x") for one in call.args)
+        return any(
+            isinstance(one, ast.Constant) and one.value in ("w", "a", "x") for one in call.args
+        )
     return name in WRITERS or (name in _LAST_NAMES and ast.unparse(call.func) in WRITERS)
 
 
@@ -70,8 +86,12 @@ def test_no_file_is_written_but_by_the_one_helper() -> None:
             uses = {one.id for one in ast.walk(call) if isinstance(one, ast.Name)}
             by_helper = isinstance(call.func, ast.Name) and call.func.id in helpers
             if not by_helper and not uses & drafts:
-                found.setdefault(path.relative_to(ROOT).as_posix(), []).append(f"{call.lineno}: {ast.unparse(call)}")
-    assert {name: lines for name, lines in found.items() if len(lines) != SCRATCH.get(name, 0)} == {}
+                found.setdefault(path.relative_to(ROOT).as_posix(), []).append(
+                    f"{call.lineno}: {ast.unparse(call)}"
+                )
+    assert {
+        name: lines for name, lines in found.items() if len(lines) != SCRATCH.get(name, 0)
+    } == {}
 
 
 def test_a_full_disk_leaves_the_old_file_and_no_draft(tmp_path: Path, monkeypatch: Patch) -> None:
@@ -83,7 +103,8 @@ def test_a_full_disk_leaves_the_old_file_and_no_draft(tmp_path: Path, monkeypatc
 
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(
-        WriteError, match=r"signals\.csv cannot be written \(No space left on device\): make room there"
+        WriteError,
+        match=r"signals\.csv cannot be written \(No space left on device\): make room there",
     ):
         write_text(path, "new\n")
     with pytest.raises(WriteError, match=r"a\.fmu cannot be written"):
@@ -100,12 +121,32 @@ def test_a_limit_on_file_size_is_an_error_with_exit_code_1(tmp_path: Path) -> No
         "signal.signal(signal.SIGXFSZ, signal.SIG_IGN); resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))\n"
         "sys.exit(main(sys.argv[1:]))"
     )
-    asked = ["new", "x", "--depth", "500", "--payload", "9t", "--speed", "9", "--out", str(tmp_path / "x.toml")]
+    asked = [
+        "new",
+        "x",
+        "--depth",
+        "500",
+        "--payload",
+        "9t",
+        "--speed",
+        "9",
+        "--out",
+        str(tmp_path / "x.toml"),
+    ]
     command = [sys.executable, "-B", "-c", code, *asked]
-    environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1", "MPLCONFIGDIR": str(tmp_path.parent)}
-    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
+    environment = {
+        **os.environ,
+        "PYTHONDONTWRITEBYTECODE": "1",
+        "MPLCONFIGDIR": str(tmp_path.parent),
+    }
+    done = subprocess.run(
+        command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 1
-    assert "x.toml cannot be written (File too large): make room there, or choose another folder" in done.stderr
+    assert (
+        "x.toml cannot be written (File too large): make room there, or choose another folder"
+        in done.stderr
+    )
     assert [*tmp_path.iterdir()] == []
 
 

@@ -54,7 +54,9 @@ def whole(fmu_of: FmuOf) -> Result:
 
 
 @pytest.mark.parametrize("kind", FMI_3)
-def test_a_winding_that_takes_steps_back_has_the_bits_of_fmi_2(kind: str, fmu_of: FmuOf, whole: Result) -> None:
+def test_a_winding_that_takes_steps_back_has_the_bits_of_fmi_2(
+    kind: str, fmu_of: FmuOf, whole: Result
+) -> None:
     result = wound(fmu_of(kind))
     assert result.recording.time.size > 50
     assert list(result.recording.signals) == list(whole.recording.signals)
@@ -75,7 +77,9 @@ def test_a_run_that_was_stopped_goes_on_with_the_same_bits(kind, fmu_of, whole, 
 
 
 @pytest.mark.parametrize("kind", FMI_3)
-def test_parameters_and_outputs_have_the_names_units_starts_and_bounds_of_fmi_2(kind: str, fmu_of: FmuOf) -> None:
+def test_parameters_and_outputs_have_the_names_units_starts_and_bounds_of_fmi_2(
+    kind: str, fmu_of: FmuOf
+) -> None:
     ours, theirs = read_parameters(fmu_of(kind)), read_parameters(fmu_of("native-2"))
     assert list(ours) == list(theirs)
     for name, parameter in theirs.items():
@@ -96,14 +100,22 @@ def test_one_count_of_elements_is_set_and_the_others_keep_their_start_values(fmu
 
 
 def test_a_choice_is_made_by_code_or_by_the_word_of_fmi_3(fmu_of: FmuOf) -> None:
-    for fmu, choice in [("native-2", 3), *((kind, choice) for kind in FMI_3 for choice in (3, "planar"))]:
+    for fmu, choice in [
+        ("native-2", 3),
+        *((kind, choice) for kind in FMI_3 for choice in (3, "planar")),
+    ]:
         rope = rope_at_rest(fmu_of(fmu), {"model.fidelity": choice})
         assert rope.reader(["status.fidelity"])() == 3.0
         rope.close()
-    with pytest.raises(ValueError, match=r"model\.fidelity = 'plane' must be one of auto, torsional"):
+    with pytest.raises(
+        ValueError, match=r"model\.fidelity = 'plane' must be one of auto, torsional"
+    ):
         FmuRope(fmu_of("native-3"), {"model.fidelity": "plane"})
     for kind in KINDS:
-        with pytest.raises(ValueError, match=r"must take model\.fidelity, but: .* model\.fidelity = 9 is none of the"):
+        with pytest.raises(
+            ValueError,
+            match=r"must take model\.fidelity, but: .* model\.fidelity = 9 is none of the",
+        ):
             FmuRope(fmu_of(kind), {"model.fidelity": 9})
 
 

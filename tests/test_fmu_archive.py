@@ -118,8 +118,13 @@ def test_description_and_its_structured_names_are_valid_for_fmpy_and_its_schema(
 
 def test_every_variable_is_described_and_every_number_has_a_declared_unit(fmu: Archive) -> None:
     units = {unit.get("name"): unit for unit in fmu.root.iter("Unit")}
-    displayed = {(unit, display.get("name")) for unit in units for display in units[unit].iter("DisplayUnit")}
-    types = {node.get("name"): node if fmu.fmi == 3 else node[0] for node in fmu.root.findall("TypeDefinitions/*")}
+    displayed = {
+        (unit, display.get("name")) for unit in units for display in units[unit].iter("DisplayUnit")
+    }
+    types = {
+        node.get("name"): node if fmu.fmi == 3 else node[0]
+        for node in fmu.root.findall("TypeDefinitions/*")
+    }
     for unit in units.values():
         assert unit.find("BaseUnit") is not None, unit.get("name")
     for v in fmu.variables:
@@ -131,10 +136,15 @@ def test_every_variable_is_described_and_every_number_has_a_declared_unit(fmu: A
         assert unit in units, v["name"]
         if declared is not None:
             assert declared.get("unit") == unit, v["name"]
-            assert declared.get("displayUnit") is None or (unit, declared.get("displayUnit")) in displayed, v["name"]
+            assert (
+                declared.get("displayUnit") is None
+                or (unit, declared.get("displayUnit")) in displayed
+            ), v["name"]
 
 
-def test_start_values_are_there_exactly_where_the_standard_wants_them_and_within_bounds(fmu: Archive) -> None:
+def test_start_values_are_there_exactly_where_the_standard_wants_them_and_within_bounds(
+    fmu: Archive,
+) -> None:
     for v in fmu.variables:
         given = v["causality"] in ("parameter", "input")
         if v["causality"] in ("output", "independent"):
@@ -144,14 +154,23 @@ def test_start_values_are_there_exactly_where_the_standard_wants_them_and_within
             assert v["initial"] == "calculated", v["name"]
         if given and v["kind"] in ("Real", "Integer", "Float64", "Int32"):
             for start in v["start"].split():
-                assert float(v.get("min", start)) <= float(start) <= float(v.get("max", start)), v["name"]
+                assert float(v.get("min", start)) <= float(start) <= float(v.get("max", start)), v[
+                    "name"
+                ]
 
 
 def test_outputs_are_listed_in_order_and_depend_on_nothing_at_their_instant(fmu: Archive) -> None:
     """FMI 2.0.4, section 2.2.8; FMI 3.0, section 2.4.8.  test_dependencies shows that it is so, and what starts act."""
     at = "index" if fmu.fmi == 2 else "valueReference"
-    places = [str(i) if fmu.fmi == 2 else v["valueReference"] for i, v in enumerate(fmu.variables, start=1)]
-    outputs = {v["name"]: place for place, v in zip(places, fmu.variables, strict=True) if v["causality"] == "output"}
+    places = [
+        str(i) if fmu.fmi == 2 else v["valueReference"]
+        for i, v in enumerate(fmu.variables, start=1)
+    ]
+    outputs = {
+        v["name"]: place
+        for place, v in zip(places, fmu.variables, strict=True)
+        if v["causality"] == "output"
+    }
     sections = ("Outputs", "InitialUnknowns") if fmu.fmi == 2 else ("Output", "InitialUnknown")
     for section, dependencies in zip(sections, ("", None), strict=True):
         unknowns = fmu.structure(section)
@@ -165,9 +184,13 @@ def test_outputs_are_listed_in_order_and_depend_on_nothing_at_their_instant(fmu:
         assert {unknown.get("dependenciesKind") for unknown in unknowns} == {None}, section
 
 
-def test_variables_have_the_value_references_of_the_whole_table_whatever_is_described(fmu: Archive) -> None:
+def test_variables_have_the_value_references_of_the_whole_table_whatever_is_described(
+    fmu: Archive,
+) -> None:
     if fmu.kind.startswith("drive"):
-        whole = [v.name for v in drive_model(find_case("rope-120")).variables]  # equal names: one rope
+        whole = [
+            v.name for v in drive_model(find_case("rope-120")).variables
+        ]  # equal names: one rope
     else:
         whole = [v.name for v in variables(rope_120())]
     for v in fmu.variables:
@@ -185,7 +208,9 @@ def test_variables_are_listed_by_use(fmu: Archive) -> None:
     if not fmu.kind.startswith("drive"):
         parameters = [v["name"] for v in fmu.variables if v["causality"] == "parameter"]
         assert parameters[0] == "rope.length"
-        assert max(map(parameters.index, ("left.swivel.mode", "inputs_at_step_end"))) < parameters.index("mesh.kind")
+        assert max(
+            map(parameters.index, ("left.swivel.mode", "inputs_at_step_end"))
+        ) < parameters.index("mesh.kind")
 
 
 def test_outputs_are_those_of_the_profile(fmu: Archive) -> None:
@@ -193,7 +218,9 @@ def test_outputs_are_those_of_the_profile(fmu: Archive) -> None:
         pytest.skip("the drive has one profile")
     groups = {group_of(v["name"]) for v in fmu.variables if v["causality"] == "output"}
     lean, least = {*DEFAULT}, {*ALWAYS}
-    assert groups == {"python-lean": lean, "native-2-lean": lean, "native-3-least": least}.get(fmu.kind, {*ALL})
+    assert groups == {"python-lean": lean, "native-2-lean": lean, "native-3-least": least}.get(
+        fmu.kind, {*ALL}
+    )
     arrays = [v.get("name") for v in fmu.root.iter() if v.find("Dimension") is not None]
     # parameters are scalars: importers without arrays read them all, and print an error for each array
     assert bool(arrays) == (fmu.kind == "native-3")
@@ -203,11 +230,17 @@ def test_outputs_are_those_of_the_profile(fmu: Archive) -> None:
     assert ("terminalsAndIcons/terminalsAndIcons.xml" in fmu.files) == (fmu.fmi == 3)
     if fmu.fmi == 3:
         terminals = ElementTree.fromstring(fmu.files["terminalsAndIcons/terminalsAndIcons.xml"])
-        assert {member.get("variableName") for member in terminals.iter("TerminalMemberVariable")} <= names
+        assert {
+            member.get("variableName") for member in terminals.iter("TerminalMemberVariable")
+        } <= names
     results = next(data for name, data in fmu.files.items() if name.endswith("_ref.csv"))
     head = results.decode().partition("\n")[0]
-    assert set(re.findall(r'"([^"]+)"', head)) - {"time"} <= names | {head.partition(",")[0].strip('"')}
-    assert ("shape.tension" in fmu.files["documentation/index.html"].decode()) == ("shape" in groups)
+    assert set(re.findall(r'"([^"]+)"', head)) - {"time"} <= names | {
+        head.partition(",")[0].strip('"')
+    }
+    assert ("shape.tension" in fmu.files["documentation/index.html"].decode()) == (
+        "shape" in groups
+    )
 
 
 def test_reader_finds_documentation_licence_and_picture(fmu: Archive) -> None:
@@ -231,11 +264,15 @@ def test_default_experiment_and_build_are_stated(fmu: Archive) -> None:
     experiment = fmu.root.find("DefaultExperiment")
     assert float(experiment.get("stopTime", "0")) > float(experiment.get("startTime", "0"))
     assert float(experiment.get("stepSize", "0")) > 0
-    tolerance = next((float(v["start"]) for v in fmu.variables if v["name"] == "accuracy.end_force"), None)
+    tolerance = next(
+        (float(v["start"]) for v in fmu.variables if v["name"] == "accuracy.end_force"), None
+    )
     assert experiment.get("tolerance") == (None if tolerance is None else f"{tolerance:g}")
     assert fmu.root.get("version")
     assert fmu.root.get("generationTool")
-    assert re.fullmatch(r"[0-9a-f-]{36}", fmu.root.get("guid") or fmu.root.get("instantiationToken") or "")
+    assert re.fullmatch(
+        r"[0-9a-f-]{36}", fmu.root.get("guid") or fmu.root.get("instantiationToken") or ""
+    )
 
 
 def test_binary_of_every_promised_platform_exports_every_function(fmu: Archive) -> None:
@@ -246,7 +283,9 @@ def test_binary_of_every_promised_platform_exports_every_function(fmu: Archive) 
     folders = {PLATFORMS[p].folder2 if fmu.fmi == 2 else p for p in built}
     assert {name.split("/")[1] for name in binaries} == folders
     header = (HEADERS / f"fmi{fmu.fmi}Functions.h").read_text(encoding="utf-8")
-    promised = set(re.findall(rf"^#define (fmi{fmu.fmi}\w+)\s+fmi{fmu.fmi}FullName", header, re.MULTILINE))
+    promised = set(
+        re.findall(rf"^#define (fmi{fmu.fmi}\w+)\s+fmi{fmu.fmi}FullName", header, re.MULTILINE)
+    )
     assert len(promised) > 30
     checked = [name for name in binaries if exported_symbols(fmu, name) is not None]
     for name in checked:
@@ -257,7 +296,11 @@ def test_binary_of_every_promised_platform_exports_every_function(fmu: Archive) 
 
 def exported_symbols(fmu: Archive, name: str) -> set[str] | None:
     """Defined dynamic symbols; None where no tool here reads the format."""
-    for command in (["nm", "-D", "--defined-only"], ["llvm-nm", "--defined-only", "--extern-only"], ["objdump", "-p"]):
+    for command in (
+        ["nm", "-D", "--defined-only"],
+        ["llvm-nm", "--defined-only", "--extern-only"],
+        ["objdump", "-p"],
+    ):
         if shutil.which(command[0]):
             found = set(re.findall(r"\b_?(fmi[23]\w+)", inspect_binary(fmu, name, command)))
             if found:
@@ -275,13 +318,18 @@ def inspect_binary(fmu: Archive, name: str, command: list[str]) -> str:
 @pytest.mark.skipif(shutil.which("readelf") is None, reason="readelf is not installed")
 def test_library_needs_the_c_library_alone(fmu: Archive) -> None:
     """Python's functions, too, are looked up when the library runs; it loads in tools that have none."""
-    libraries = [name for name in fmu.files if name.startswith("binaries/") and name.endswith(".so")]
+    libraries = [
+        name for name in fmu.files if name.startswith("binaries/") and name.endswith(".so")
+    ]
     assert libraries
     for name in libraries:
         dynamic = inspect_binary(fmu, name, ["readelf", "-d"])
         needed = set(re.findall(r"\(NEEDED\).*\[(.+)\]", dynamic))
         loader = set() if fmu.native else {"libdl.so.2"}
-        assert needed <= {"libc.so.6", "libm.so.6", "ld-linux-aarch64.so.1", "ld-linux-x86-64.so.2"} | loader, name
+        assert (
+            needed
+            <= {"libc.so.6", "libm.so.6", "ld-linux-aarch64.so.1", "ld-linux-x86-64.so.2"} | loader
+        ), name
         assert "RPATH" not in dynamic, name
         assert "RUNPATH" not in dynamic, name
         # of 2013: runs wherever a tool runs
@@ -298,7 +346,9 @@ def test_sources_are_complete(fmu: Archive) -> None:
     shared, static = listed.findall("BuildConfiguration")
     files = {str(node.get("name")) for node in shared.iter("SourceFile")}
     assert files == {str(node.get("name")) for node in static.iter("SourceFile")}
-    assert files == {name.removeprefix("sources/") for name in fmu.files if re.fullmatch(r"sources/.+\.c", name)}
+    assert files == {
+        name.removeprefix("sources/") for name in fmu.files if re.fullmatch(r"sources/.+\.c", name)
+    }
     if fmu.fmi == 2:
         assert {node.get("name") for node in fmu.root.find("CoSimulation").iter("File")} == files
     identifier = fmu.root.find("CoSimulation").get("modelIdentifier")
@@ -307,7 +357,9 @@ def test_sources_are_complete(fmu: Archive) -> None:
         (static, (f"FMI{fmu.fmi}_FUNCTION_PREFIX", f"{identifier}_")),
     ):
         assert one.get("modelIdentifier") == identifier
-        assert [(node.get("name"), node.get("value")) for node in one.iter("PreprocessorDefinition")] == [expected]
+        assert [
+            (node.get("name"), node.get("value")) for node in one.iter("PreprocessorDefinition")
+        ] == [expected]
     for name, data in fmu.files.items():
         if name.startswith("sources/"):
             for header in re.findall(r'(?m)^#include "(.+)"', data.decode()):
@@ -317,25 +369,53 @@ def test_sources_are_complete(fmu: Archive) -> None:
 
 
 @pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="ziglang is not installed")
-@pytest.mark.parametrize("fmu", ["drive-2", pytest.param("native-3", marks=pytest.mark.slow)], indirect=True)
-@pytest.mark.parametrize("platform", ["x86_64-windows", pytest.param("aarch64-darwin", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "fmu", ["drive-2", pytest.param("native-3", marks=pytest.mark.slow)], indirect=True
+)
+@pytest.mark.parametrize(
+    "platform", ["x86_64-windows", pytest.param("aarch64-darwin", marks=pytest.mark.slow)]
+)
 def test_sources_compile_for_other_systems(platform: str, fmu: Archive, tmp_path: Path) -> None:
     """Without a warning, with their headers and types, to no machine code: the slow tests make that everywhere.
 
     The drive has the sources of FMI 2.0, the rope of FMI 3.0 all others.
     """
-    sources = {name.removeprefix("sources/"): data for name, data in fmu.files.items() if name.startswith("sources/")}
+    sources = {
+        name.removeprefix("sources/"): data
+        for name, data in fmu.files.items()
+        if name.startswith("sources/")
+    }
     for name, data in sources.items():
         (tmp_path / Path(name).name).write_bytes(data)
     headers = Path(importlib.import_module("ziglang").__file__ or "").parent / "lib"
-    folders = [headers / "include", headers / "libc" / "include" / f"any-{platform.partition('-')[2]}-any"]
-    clang = [sys.executable, "-m", "ziglang", "clang", f"--target={PLATFORMS[platform].target}", "-std=c99"]
+    folders = [
+        headers / "include",
+        headers / "libc" / "include" / f"any-{platform.partition('-')[2]}-any",
+    ]
+    clang = [
+        sys.executable,
+        "-m",
+        "ziglang",
+        "clang",
+        f"--target={PLATFORMS[platform].target}",
+        "-std=c99",
+    ]
     # CasADi's text is not ours to warn of, and what fills its array is no text
-    quiet = "unused-parameter", "unused-function", "unused-variable", "unterminated-string-initialization"
+    quiet = (
+        "unused-parameter",
+        "unused-function",
+        "unused-variable",
+        "unterminated-string-initialization",
+    )
     # older compilers have not all of these warnings
     quiet = (*quiet, "unknown-warning-option")
     clang += ["-Wall", "-Wextra", "-Werror", *(f"-Wno-{kind}" for kind in quiet)]
-    command = [*clang, "-fsyntax-only", "-nostdlibinc", *(f"-isystem{folder}" for folder in folders)]
+    command = [
+        *clang,
+        "-fsyntax-only",
+        "-nostdlibinc",
+        *(f"-isystem{folder}" for folder in folders),
+    ]
     # the narrower forms are the same text as the widest
     narrower = ("rope_kernels_plain.c", "rope_kernels_wide.c")
     command += [name for name in sources if name.endswith(".c") and name not in narrower]

@@ -12,7 +12,13 @@ from native_parts import compiled
 from numpy.testing import assert_allclose
 
 from rope_model.codegen.expressions import texts_of
-from rope_model.codegen.formula_functions import argument_of, formulas, function_code, shape_of, symbols_of
+from rope_model.codegen.formula_functions import (
+    argument_of,
+    formulas,
+    function_code,
+    shape_of,
+    symbols_of,
+)
 from rope_model.codegen.formulas import STRUCTURES
 from rope_model.codegen.messages import texts
 from rope_model.codegen.structures import GROUPS, SceneStructure
@@ -35,13 +41,18 @@ def library(tmp_path_factory: pytest.TempPathFactory) -> Any:
         result, name, arguments = match.groups()
         passed = ", ".join(argument_of(text).name for text in arguments.split(", "))
         returned = "" if result == "void" else "return "
-        code += [f"{result} {name}_({arguments});", f"{result} {name}_({arguments}) {{ {returned}{name}({passed}); }}"]
+        code += [
+            f"{result} {name}_({arguments});",
+            f"{result} {name}_({arguments}) {{ {returned}{name}({passed}); }}",
+        ]
     return compiled(tmp_path_factory.mktemp("formulas"), {"all.c": "\n".join(code) + "\n"})
 
 
 def test_a_sum_of_two_conditional_terms_keeps_both_conditions() -> None:
     x, y, z = (ca.SX.sym(name) for name in "xyz")
-    _, (alternative, total) = texts_of([where(x < 1, y, z), where(x < 1, y, 0.0) + where(x < 1, z, 0.0)])
+    _, (alternative, total) = texts_of(
+        [where(x < 1, y, z), where(x < 1, y, 0.0) + where(x < 1, z, 0.0)]
+    )
     assert alternative == "x < 1.0 ? y : z"
     assert total == "(x < 1.0 ? y : 0.0) + (x < 1.0 ? z : 0.0)"
 
@@ -74,7 +85,11 @@ def with_numbers(symbolic: Any, chance: random.Random) -> Any:
 def in_c(value: Any, kind: str) -> Any:
     if kind != "double":
         return ct.byref(fill(c_structure(STRUCTURES[kind])(), value))
-    return ct.c_double(value) if isinstance(value, float) else np.array(value).ctypes.data_as(ct.c_void_p)
+    return (
+        ct.c_double(value)
+        if isinstance(value, float)
+        else np.array(value).ctypes.data_as(ct.c_void_p)
+    )
 
 
 def fill(structure: ct.Structure, value: Any) -> ct.Structure:
@@ -91,7 +106,13 @@ def fill(structure: ct.Structure, value: Any) -> ct.Structure:
 
 
 def flat(value: Any) -> list[float]:
-    parts = value if isinstance(value, tuple) else () if isinstance(value, float) else vars(value).values()
+    parts = (
+        value
+        if isinstance(value, tuple)
+        else ()
+        if isinstance(value, float)
+        else vars(value).values()
+    )
     return [x for part in parts for x in flat(part)] if parts else [value]
 
 
@@ -101,7 +122,11 @@ def test_c_computes_the_formula_to_the_bit(library: Any, prototype: str) -> None
     assert match
     result, name, text = match.groups()
     arguments = [argument_of(argument) for argument in text.split(", ")]
-    function, formula, chance = getattr(library, f"{name}_"), FORMULAS[prototype], random.Random(name)
+    function, formula, chance = (
+        getattr(library, f"{name}_"),
+        FORMULAS[prototype],
+        random.Random(name),
+    )
     if result != "void":
         function.restype = ct.c_double if result == "double" else c_structure(STRUCTURES[result])
     else:
@@ -111,7 +136,9 @@ def test_c_computes_the_formula_to_the_bit(library: Any, prototype: str) -> None
     for _ in range(100):
         values = [with_numbers(symbol, chance) for symbol in symbols]
         expected = flat(formula(*values))
-        given = [in_c(value, argument.kind) for value, argument in zip(values, arguments, strict=True)]
+        given = [
+            in_c(value, argument.kind) for value, argument in zip(values, arguments, strict=True)
+        ]
         if result == "void":
             made = np.full(taker.shape, np.nan)
             function(*given, made.ctypes.data_as(ct.c_void_p))
@@ -126,7 +153,11 @@ def test_c_computes_the_formula_to_the_bit(library: Any, prototype: str) -> None
 
 
 TEXTS = texts()
-TYPES = {"float": ("double", ct.c_double), "int": ("int", ct.c_int), "str": ("const char *", ct.c_char_p)}
+TYPES = {
+    "float": ("double", ct.c_double),
+    "int": ("int", ct.c_int),
+    "str": ("const char *", ct.c_char_p),
+}
 #: numbers that are written in full, rounded, with an exponent, and not at all
 SAMPLES = {
     "float": (0.1, -1234567.891, 1e-9, 2.5e17, 100.0, float("inf"), float("nan")),
@@ -145,7 +176,9 @@ def spoken(tmp_path_factory: pytest.TempPathFactory) -> ct.CDLL:
     for name in TEXTS:
         declared = "".join(f", {TYPES[kind][0]} x{k}" for k, kind in enumerate(kinds(name)))
         arguments = "".join(f", x{k}" for k in range(len(kinds(name))))
-        code.append(f"int of_{name}(char *room{declared}) {{ return say_{name}(room{arguments}); }}")
+        code.append(
+            f"int of_{name}(char *room{declared}) {{ return say_{name}(room{arguments}); }}"
+        )
     return compiled(tmp_path_factory.mktemp("messages"), {"all.c": "\n".join(code) + "\n"})
 
 
@@ -155,5 +188,8 @@ def test_c_says_what_python_says(spoken: ct.CDLL, name: str) -> None:
     say.argtypes = (ct.c_char_p, *(TYPES[kind][1] for kind in kinds(name)))
     for k in range(7):
         values = [SAMPLES[kind][k % len(SAMPLES[kind])] for kind in kinds(name)]
-        assert say(room, *[value.encode() if isinstance(value, str) else value for value in values]) == 0
+        assert (
+            say(room, *[value.encode() if isinstance(value, str) else value for value in values])
+            == 0
+        )
         assert room.value.decode() == TEXTS[name](*values)[:511]

@@ -13,8 +13,23 @@ from conftest import Array
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
-from rope_model.numerics.generalized_alpha import MAX_GROWTH, Coefficients, Motion, Solution, restart, step
-from rope_model.numerics.newton import UNKNOWN, NewtonReport, NewtonStatus, initial_progress, judge, newton, report
+from rope_model.numerics.generalized_alpha import (
+    MAX_GROWTH,
+    Coefficients,
+    Motion,
+    Solution,
+    restart,
+    step,
+)
+from rope_model.numerics.newton import (
+    UNKNOWN,
+    NewtonReport,
+    NewtonStatus,
+    initial_progress,
+    judge,
+    newton,
+    report,
+)
 
 
 def verdict_on(norms: Iterator[float], tolerance: float, most: int) -> NewtonReport:
@@ -41,7 +56,16 @@ class Corrected:
 
     smooth = True
 
-    def solve(self: Any, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float, _: Array) -> Any:
+    def solve(
+        self: Any,
+        q: Array,
+        v: Array,
+        a: Array,
+        reaction: Array,
+        c: Array,
+        tolerance: float,
+        _: Array,
+    ) -> Any:
         def corrections() -> Iterator[float]:
             nonlocal q, v, a, reaction
             while True:
@@ -80,7 +104,9 @@ class SpringPendulum(Corrected):
         pull = self.pull(q, v)
         return np.array([-pull, self.mass * a[1] + pull + [0.0, self.mass * self.gravity]])
 
-    def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
+    def newton_step(
+        self, q: Array, v: Array, a: Array, reaction: Array, c: Array
+    ) -> tuple[Array, Array]:
         R, d = self.residual(q, v, a), q[1] - q[0]
         L = float(np.linalg.norm(d))
         n, stretch = d / L, L - self.rest
@@ -100,14 +126,20 @@ class SpringPendulum(Corrected):
 
         y = solve_ivp(rates, (0.0, t), start, method="DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
         point = self.prescribed_motion(t)
-        return y[:2], y[2:], -self.pull(np.array([point[0][0], y[:2]]), np.array([point[1][0], y[2:]]))
+        return (
+            y[:2],
+            y[2:],
+            -self.pull(np.array([point[0][0], y[:2]]), np.array([point[1][0], y[2:]])),
+        )
 
     def start(self) -> Motion:
         q, v = np.array([[0.0, 0.0], [0.4, -1.3]]), np.array([[0.0, 0.0], [0.5, 0.2]])
         return restart(self, 0.0, q, v, np.zeros((2, 2)))[0]
 
 
-def integrate(system, motion: Motion, end: float, steps: int, pattern, rho: float, recentre: bool = True) -> Motion:
+def integrate(
+    system, motion: Motion, end: float, steps: int, pattern, rho: float, recentre: bool = True
+) -> Motion:
     h = np.resize(np.array(pattern), steps)
     instants = motion.t + (end - motion.t) * np.cumsum(h) / h.sum()
     for t in instants:
@@ -122,7 +154,9 @@ def integrate(system, motion: Motion, end: float, steps: int, pattern, rho: floa
 PENDULUM_END = 1.5  # s
 
 
-def pendulum_orders(pattern: tuple[float, ...], rho: float, steps: int = 120, recentre: bool = True) -> Array:
+def pendulum_orders(
+    pattern: tuple[float, ...], rho: float, steps: int = 120, recentre: bool = True
+) -> Array:
     """Observed orders (3,) of q, v and end force."""
     system, errors = SpringPendulum(), []
     exact = system.exact(PENDULUM_END)
@@ -135,7 +169,9 @@ def pendulum_orders(pattern: tuple[float, ...], rho: float, steps: int = 120, re
 
 @pytest.mark.parametrize("rho", [0.0, 0.3, 0.6, 0.9, 1.0])
 @pytest.mark.parametrize("pattern", [CONSTANT, VARYING], ids=["constant", "varying"])
-def test_a_nonlinear_pendulum_is_integrated_with_order_two(pattern: tuple[float, ...], rho: float) -> None:
+def test_a_nonlinear_pendulum_is_integrated_with_order_two(
+    pattern: tuple[float, ...], rho: float
+) -> None:
     np.testing.assert_allclose(pendulum_orders(pattern, rho), 2.0, atol=0.1)
 
 
@@ -158,7 +194,9 @@ class Oscillator(Corrected):
     def residual(self, q: Array, v: Array, a: Array) -> Array:
         return a + self.omega**2 * q
 
-    def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
+    def newton_step(
+        self, q: Array, v: Array, a: Array, reaction: Array, c: Array
+    ) -> tuple[Array, Array]:
         R = self.residual(q, v, a)
         return -R / (c[2] + c[0] * self.omega**2), R
 
@@ -192,7 +230,9 @@ def test_the_error_estimate_is_the_local_error_to_leading_order() -> None:
             # a start with history: b where constant steps have it
             m = integrate(system, system.start(), 0.4, round(0.4 / h), CONSTANT, rho)
             result = step(system, m, h, Coefficients(rho), NEWTON)
-            fine = integrate(system, restart(system, m.t, m.q, m.v, m.reaction)[0], m.t + h, 64, CONSTANT, 1.0)
+            fine = integrate(
+                system, restart(system, m.t, m.q, m.v, m.reaction)[0], m.t + h, 64, CONSTANT, 1.0
+            )
             assert result.motion is not None
             ratios.append(result.error / system.norm(result.motion.q - fine.q))
         np.testing.assert_allclose(ratios[-1], 1.0, atol=0.1)
@@ -226,7 +266,12 @@ def test_a_failed_step_is_a_verdict_and_leaves_the_old_motion_alone() -> None:
     system, start = SpringPendulum(), SpringPendulum().start()
     before = start.q.copy()
     hard = step(system, start, 50.0, Coefficients(0.6), 1e-12)
-    assert (hard.motion, hard.evaluation, hard.newton.converged, hard.error) == (None, None, False, math.inf)
+    assert (hard.motion, hard.evaluation, hard.newton.converged, hard.error) == (
+        None,
+        None,
+        False,
+        math.inf,
+    )
     np.testing.assert_array_equal(start.q, before)
 
 
@@ -243,7 +288,9 @@ def test_a_failed_step_is_a_verdict_and_leaves_the_old_motion_alone() -> None:
         ([0.9**k for k in range(20)], NewtonStatus.TOO_MANY, 10),
     ],
 )
-def test_newton_returns_its_verdict(norms: list[float], status: NewtonStatus, iterations: int) -> None:
+def test_newton_returns_its_verdict(
+    norms: list[float], status: NewtonStatus, iterations: int
+) -> None:
     verdict = verdict_on(iter(norms), 2e-8, 10)
     assert (verdict.status, verdict.iterations) == (status, iterations)
     assert verdict.converged == (status is NewtonStatus.CONVERGED)
@@ -251,13 +298,26 @@ def test_newton_returns_its_verdict(norms: list[float], status: NewtonStatus, it
 
 @pytest.mark.parametrize(
     ("tolerance", "leaves", "corrections", "error"),
-    [(0.05, UNKNOWN, 2, 0.04), (0.03, UNKNOWN, 3, 0.008), (0.1, 0.25, 2, 0.04), (0.3, 0.25, 1, 0.2)],
+    [
+        (0.05, UNKNOWN, 2, 0.04),
+        (0.03, UNKNOWN, 3, 0.008),
+        (0.1, 0.25, 2, 0.04),
+        (0.3, 0.25, 1, 0.2),
+    ],
 )
-def test_the_error_left_by_a_wrong_derivative_is_estimated(tolerance, leaves: float, corrections: int, error) -> None:
-    z, factor, dx = ca.MX.sym("z", 1, 2), ca.MX.sym("factor"), ca.MX.sym("dx")  # x and its residual, x - 1
+def test_the_error_left_by_a_wrong_derivative_is_estimated(
+    tolerance, leaves: float, corrections: int, error
+) -> None:
+    z, factor, dx = (
+        ca.MX.sym("z", 1, 2),
+        ca.MX.sym("factor"),
+        ca.MX.sym("dx"),
+    )  # x and its residual, x - 1
     moved = z[0] + dx
     iteration = newton(
-        ca.Function("factorize", [z], [1.25 + 0 * z[0]]),  # a wrong derivative: the error contracts by 0.2
+        ca.Function(
+            "factorize", [z], [1.25 + 0 * z[0]]
+        ),  # a wrong derivative: the error contracts by 0.2
         ca.Function("correct", [z, factor], [-z[1] / factor, ca.fabs(z[1] / factor)]),
         ca.Function("apply", [z, dx], [ca.horzcat(moved, moved - 1)]),
     )

@@ -6,7 +6,18 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from scenes import going_aside, hung, wound
 
-from rope_model import EndMotion, Guard, Mesh, Model, Rope, RopeSimulator, Scene, Shaft, Sump, balance_rope
+from rope_model import (
+    EndMotion,
+    Guard,
+    Mesh,
+    Model,
+    Rope,
+    RopeSimulator,
+    Scene,
+    Shaft,
+    Sump,
+    balance_rope,
+)
 from rope_model.physics.guard import CAUSES, NEVER, GuardState, off_plumb, sideways, watch
 
 SHORT = Scene(Rope(length=30.0), mesh=Mesh("eem", elements=16))
@@ -35,9 +46,14 @@ def after(guard: Guard, *looks: tuple[float, str, float]) -> GuardState:
 @pytest.mark.parametrize("cause", CAUSES)
 def test_a_guard_trips_beyond_its_threshold_and_no_other_does(cause: str) -> None:
     guard, inside, outside = Guard(**{cause: 1.0}), 1.0, 0.99 if cause == "clearance" else 1.01
-    others = [(1.0, other, 0.5 if other == "clearance" else 2.0) for other in CAUSES if other != cause]
+    others = [
+        (1.0, other, 0.5 if other == "clearance" else 2.0) for other in CAUSES if other != cause
+    ]
     assert after(guard, (0.0, cause, inside), *others).cause == 0
-    assert after(guard, (0.0, cause, inside), (3.0, cause, outside))[1:3] == (CAUSES.index(cause) + 1, 3.0)
+    assert after(guard, (0.0, cause, inside), (3.0, cause, outside))[1:3] == (
+        CAUSES.index(cause) + 1,
+        3.0,
+    )
 
 
 def test_a_guard_waits_for_its_delay_without_a_break() -> None:
@@ -48,7 +64,9 @@ def test_a_guard_waits_for_its_delay_without_a_break() -> None:
 
 
 def test_the_first_cause_stays() -> None:
-    tripped = after(Guard(rise=1.0, torque=10.0), (1.0, "torque", 11.0), (2.0, "rise", 2.0), (3.0, "rise", 0.0))
+    tripped = after(
+        Guard(rise=1.0, torque=10.0), (1.0, "torque", 11.0), (2.0, "rise", 2.0), (3.0, "rise", 0.0)
+    )
     assert tripped[1:3] == (5.0, 1.0)
     assert tripped.since == (NEVER,) * 5
 
@@ -58,7 +76,10 @@ def test_the_rise_is_nothing_wherever_the_ends_are_at_rest(form: str) -> None:
     rope = balance_rope(soft, form)  # type: ignore[arg-type]
     rests = []
     for left, right in ((0.0, 0.0), (10.0, 30.0), (0.0, 40.0)):
-        assert hung(rope, EndMotion(y=left), EndMotion(y=right)).signals(["loop.rise"])["loop.rise"] == 0.0
+        assert (
+            hung(rope, EndMotion(y=left), EndMotion(y=right)).signals(["loop.rise"])["loop.rise"]
+            == 0.0
+        )
         rests.append(rope.state.guard.rest)
     # the legs stretch by 0.18 m and by 0.45 m in sum; their longer loop, and the bend at the ends, are left out
     assert_allclose(rests, rests[0], atol=0.01)
@@ -66,13 +87,17 @@ def test_the_rise_is_nothing_wherever_the_ends_are_at_rest(form: str) -> None:
 
 @pytest.mark.slow
 def test_both_forms_trip_alike() -> None:
-    cases = {"window": Guard(window=0.01, window_delay=0.05), "clearance": Guard(clearance=1.0, rise=5.0)}
+    cases = {
+        "window": Guard(window=0.01, window_delay=0.05),
+        "clearance": Guard(clearance=1.0, rise=5.0),
+    }
     cases |= {"rise": Guard(rise=0.5, rise_y=-14.0), "torque": Guard(torque=0.5)}
     cases |= {"turns": Guard(turns=1e-4, turns_delay=0.1)}
     for cause, guard in cases.items():
         scene = guarded(guard, SHORT.with_(shaft=Shaft(sump=Sump(-11.9))))
         python, native = (
-            wound(make, going_aside, 30).state.guard for make in (RopeSimulator(scene), balance_rope(scene))
+            wound(make, going_aside, 30).state.guard
+            for make in (RopeSimulator(scene), balance_rope(scene))
         )
         assert python.cause == CAUSES.index(cause) + 1
         assert (python.cause, python.time) == (native.cause, native.time)
@@ -101,7 +126,9 @@ EACH = {
 def test_a_guard_that_the_model_leaves_nothing_to_see_is_named_at_the_start(form, fidelity, blind):
     told = {}
     for name, guard in EACH.items():
-        rope = hung(balance_rope(guarded(guard).with_(model=Model(fidelity)), form), right=EndMotion(y=6.0))
+        rope = hung(
+            balance_rope(guarded(guard).with_(model=Model(fidelity)), form), right=EndMotion(y=6.0)
+        )
         told[name] = rope.warnings().get("blind_guards", "")
     assert tuple(name for name, text in told.items() if text) == blind
     for name in blind:

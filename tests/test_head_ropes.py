@@ -21,14 +21,21 @@ from hoist_demo.recording.incidents import JamEvent, incidents, jams, slip
 from hoist_demo.recording.time_series import Recording
 
 FIXED_SHEAVE = Hoist(
-    loss_coulomb=0.0, loss_viscous=0.0, head_rope_damping=0.0, torque_limit=1e9, sheave_mass=1e12, head_rope_mass=1e-9
+    loss_coulomb=0.0,
+    loss_viscous=0.0,
+    head_rope_damping=0.0,
+    torque_limit=1e9,
+    sheave_mass=1e12,
+    head_rope_mass=1e-9,
 )
 """No losses, ropes without mass, and a sheave too heavy to move."""
 
 H = 1e-3
 
 
-def thrown(hoist: Hoist, speed: float, seconds: float) -> tuple[list[PlantOutput], list[PlantState]]:
+def thrown(
+    hoist: Hoist, speed: float, seconds: float
+) -> tuple[list[PlantOutput], list[PlantState]]:
     """The left conveyance thrown up from rest in the middle of the shaft, without balance ropes."""
     plant = Plant(hoist)
     state = plant.equilibrium(45.0, 45.0, 0.0, 0.0)
@@ -64,7 +71,9 @@ def test_damped_ropes_never_push_and_never_give_energy(damping: float) -> None:
     assert max(s.slack_left for s in shown) > 0.5
     assert np.all(np.diff([s.work_totals[:5][2] for s in states]) >= 0.0)
     # steps mostly err by far less than their bound of 1e-8, here of 1e7 J
-    np.testing.assert_allclose(energy_residual(shown[0], shown[-1], states[-1].work_totals[:5]), 0.0, atol=0.5)
+    np.testing.assert_allclose(
+        energy_residual(shown[0], shown[-1], states[-1].work_totals[:5]), 0.0, atol=0.5
+    )
 
 
 def test_a_narrow_place_takes_the_work_of_its_force_from_what_passes() -> None:
@@ -92,7 +101,11 @@ def test_a_rising_conveyance_that_jams_stalls_the_drive() -> None:
     case = find_case("jammed-conveyance")
     hoist = replace(case.hoist, jam_right=None, jam_left=Jam())
     rope = rope_in_process("jammed-conveyance", level="draft", parameters={"model.fidelity": 3})
-    run = Host(rope, hoist, replace(case.winding, settle=5.0), Coupling(step=0.02), case.gains).run().recording
+    run = (
+        Host(rope, hoist, replace(case.winding, settle=5.0), Coupling(step=0.02), case.gains)
+        .run()
+        .recording
+    )
     (jam,) = jams(run)
     assert (jam.side, jam.stopping_distance is not None) == ("left", True)
     # what its head ropes pull in the end is no more than motor or brake and the other side's tension give
@@ -105,14 +118,20 @@ def test_a_rising_conveyance_that_jams_stalls_the_drive() -> None:
 def test_a_conveyance_that_is_carried_through_is_not_called_jammed() -> None:
     time = np.arange(5.0)
     signals = {"time": time, "drive.jam_left": np.array([0.0, 3.0, 5.0, 0.0, 0.0])}
-    signals |= {f"conveyance.left.{name}": values for name, values in (("y", 4.0 * time), ("vy", 4.0 + 0.0 * time))}
+    signals |= {
+        f"conveyance.left.{name}": values
+        for name, values in (("y", 4.0 * time), ("vy", 4.0 + 0.0 * time))
+    }
     recording = Recording(signals | {"conveyance.left.ay": -time}, {})
     assert jams(recording) == [JamEvent("left", 1.0, 4.0, None, 2.0)]
     assert "went through" in incidents(recording)
 
 
 PLAIN = Hoist(lining=Lining(), brake=Brake(torque=8e5))
-HOISTS = {"plain": PLAIN, "everything": replace(PLAIN, head_rope_modes=2, drive_shaft=DriveShaft(), play=Play())}
+HOISTS = {
+    "plain": PLAIN,
+    "everything": replace(PLAIN, head_rope_modes=2, drive_shaft=DriveShaft(), play=Play()),
+}
 PULL = -4e3
 LINING = LOSS_NAMES.index("lining")
 
@@ -120,7 +139,9 @@ LINING = LOSS_NAMES.index("lining")
 def running(plant: Plant, speed: float) -> PlantState:
     """In the middle of the shaft, the left conveyance rising."""
     state = plant.equilibrium(45.0, 45.0, PULL, PULL)
-    return state_with(plant, state, phi_rate=speed / plant.hoist.sheave_radius, v_left=speed, v_right=-speed)
+    return state_with(
+        plant, state, phi_rate=speed / plant.hoist.sheave_radius, v_left=speed, v_right=-speed
+    )
 
 
 def braked(plant: Plant, state: PlantState, seconds: float, h: float = 0.01) -> list[PlantState]:
@@ -129,7 +150,9 @@ def braked(plant: Plant, state: PlantState, seconds: float, h: float = 0.01) -> 
 
 
 @pytest.mark.parametrize("name", ["plain", pytest.param("everything", marks=pytest.mark.slow)])
-def test_ropes_that_slide_have_the_tensions_of_euler_and_eytelwein_and_energy_is_kept(name: str) -> None:
+def test_ropes_that_slide_have_the_tensions_of_euler_and_eytelwein_and_energy_is_kept(
+    name: str,
+) -> None:
     hoist = HOISTS[name]
     plant = Plant(hoist)
     states = braked(plant, running(plant, 8.0), 3.0)
@@ -139,20 +162,32 @@ def test_ropes_that_slide_have_the_tensions_of_euler_and_eytelwein_and_energy_is
         if state.slip_state.sense != 0.0:
             off = hoist.rope_mass * (hoist.sheave_radius * now.rate + state.slip_state.speed) ** 2
             ratio = (now.tension_right - off) / (now.tension_left - off)
-            np.testing.assert_allclose(math.log(ratio) * state.slip_state.sense, 0.8 * 0.25 * math.pi, rtol=1e-9)
+            np.testing.assert_allclose(
+                math.log(ratio) * state.slip_state.sense, 0.8 * 0.25 * math.pi, rtol=1e-9
+            )
     taken = np.diff([s.work_totals[5:][LINING] for s in states])
     assert np.all(taken >= 0.0)
     assert np.sum(taken) > 1e5
     # steps mostly err by far less than their bound of 1e-8, here of 1e7 J
-    np.testing.assert_allclose(energy_residual(shown[0], shown[-1], states[-1].work_totals[:5]), 0.0, atol=0.5)
-    np.testing.assert_allclose(states[-1].work_totals[5:].sum(), states[-1].work_totals[:5][1], rtol=1e-12)
+    np.testing.assert_allclose(
+        energy_residual(shown[0], shown[-1], states[-1].work_totals[:5]), 0.0, atol=0.5
+    )
+    np.testing.assert_allclose(
+        states[-1].work_totals[5:].sum(), states[-1].work_totals[:5][1], rtol=1e-12
+    )
 
 
 def test_over_a_sheave_that_is_held_two_weights_fall_as_on_a_capstan() -> None:
     hoist = Hoist(
-        lining=Lining(), payload_left=15e3, sheave_mass=1e12, torque_limit=1e9, loss_coulomb=0.0, loss_viscous=0.0,
-        head_rope_mass=0.01, head_rope_damping=0.7,
-    )  # fmt: skip
+        lining=Lining(),
+        payload_left=15e3,
+        sheave_mass=1e12,
+        torque_limit=1e9,
+        loss_coulomb=0.0,
+        loss_viscous=0.0,
+        head_rope_mass=0.01,
+        head_rope_damping=0.7,
+    )
     plant = Plant(hoist)
     state = plant.hanging_state(45.0, 45.0, 0.0, 0.0)
     u = PlantInput(float(state.x[0]), 0.0, 0.0)
@@ -162,7 +197,9 @@ def test_over_a_sheave_that_is_held_two_weights_fall_as_on_a_capstan() -> None:
     heavy, light = hoist.mass_left, hoist.mass_right
     exact = -GRAVITY * (heavy - most * light) / (heavy + most * light)
     # the weight of 5 kg of ropes, more on one side by some m: of the 60 kN that accelerate them
-    assert (state.slip_state.speed - at[100].slip_state.speed) / 0.5 == pytest.approx(exact, rel=1e-3)
+    assert (state.slip_state.speed - at[100].slip_state.speed) / 0.5 == pytest.approx(
+        exact, rel=1e-3
+    )
     force = light * (GRAVITY - exact) * (most - 1.0)
     work = state.work_totals[5:][LINING] - at[100].work_totals[5:][LINING]
     slid = abs(state.slip_state.slid_distance - at[100].slip_state.slid_distance)
@@ -172,12 +209,22 @@ def test_over_a_sheave_that_is_held_two_weights_fall_as_on_a_capstan() -> None:
 @pytest.mark.parametrize(("speed", "when"), [(8.0, "of this trip"), (-8.0, "of the trip back")])
 def test_statics_foresee_the_hold_under_the_full_brake(speed: float, when: str) -> None:
     # heavily damped ropes without mass, as the statics have them
-    light = {"head_rope_mass": 1e-9, "head_rope_damping": 0.7, "tail_rope_mass": 0.0, "loss_coulomb": 0.0}
+    light = {
+        "head_rope_mass": 1e-9,
+        "head_rope_damping": 0.7,
+        "tail_rope_mass": 0.0,
+        "loss_coulomb": 0.0,
+    }
     plant = Plant(Hoist(brake=Brake(torque=2e5), loss_viscous=0.0, **light))
     u = PlantInput(0.0, 0.0, 0.0, brake=1.0)
     found = plant.outputs(plant.run(running(plant, speed), 0.01, u, 100)[-1], u).tension_ratio
-    holding = {one.when: one.ratio for one in static_slip_safeties(plant.hoist, Winding(emergency_law="torque"))}
-    assert found == pytest.approx(next(ratio for key, ratio in holding.items() if when in key), rel=1e-3)
+    holding = {
+        one.when: one.ratio
+        for one in static_slip_safeties(plant.hoist, Winding(emergency_law="torque"))
+    }
+    assert found == pytest.approx(
+        next(ratio for key, ratio in holding.items() if when in key), rel=1e-3
+    )
 
 
 def test_slip_does_not_depend_on_the_communication_step() -> None:
@@ -185,7 +232,9 @@ def test_slip_does_not_depend_on_the_communication_step() -> None:
     coarse, fine = (braked(plant, running(plant, 8.0), 3.0, h)[-1] for h in (0.02, 0.001))
     assert coarse.slip_state.slid_distance > 1.0
     # both instants are located within 1e-9 s, at up to 10 m/s, in each of some ten slips
-    np.testing.assert_allclose(fine.slip_state.slid_distance, coarse.slip_state.slid_distance, atol=1e-6)
+    np.testing.assert_allclose(
+        fine.slip_state.slid_distance, coarse.slip_state.slid_distance, atol=1e-6
+    )
     np.testing.assert_allclose(fine.x, coarse.x, rtol=1e-5, atol=1e-4)
 
 
@@ -208,14 +257,19 @@ def test_the_accelerance_of_ropes_that_slide_is_that_of_differences() -> None:
     state = next(s for s in braked(plant, running(plant, 8.0), 0.5) if s.slip_state.sense != 0.0)
     found = np.empty((2, 2))
     for k, change in enumerate(((1e3, 0.0), (0.0, 1e3))):
-        up, down = (plant.outputs(state, PlantInput(0.0, s * change[0], s * change[1])) for s in (1.0, -1.0))
+        up, down = (
+            plant.outputs(state, PlantInput(0.0, s * change[0], s * change[1])) for s in (1.0, -1.0)
+        )
         found[:, k] = np.array([up.a_left - down.a_left, up.a_right - down.a_right]) / 2e3
     # linear: rounding of some 1e5 N / 1e4 kg
     np.testing.assert_allclose(plant.accelerance(state), found, atol=1e-13)
 
 
 def test_a_run_goes_on_in_the_middle_of_a_slip_with_the_same_bits(tmp_path: Path) -> None:
-    hoist, winding = HOISTS["plain"], Winding(travel=30.0, emergency_at=5.0, emergency_law="torque", settle=1.0)
+    hoist, winding = (
+        HOISTS["plain"],
+        Winding(travel=30.0, emergency_at=5.0, emergency_law="torque", settle=1.0),
+    )
 
     def host() -> Host:
         rope = rope_in_process("rope-120", level="draft", parameters={"model.fidelity": 1})

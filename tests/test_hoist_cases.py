@@ -49,7 +49,10 @@ def test_rope_speed_and_pulley_give_the_published_motor_speed(name: str, rpm: fl
 @pytest.mark.parametrize("short", [True, pytest.param(False, marks=pytest.mark.slow)])
 @cases
 def test_a_trip_arrives_within_all_limits(case: Case, short: bool) -> None:
-    hoist, winding = case.hoist, replace(case.winding, travel=-25.0, start_delay=0.0) if short else case.winding
+    hoist, winding = (
+        case.hoist,
+        replace(case.winding, travel=-25.0, start_delay=0.0) if short else case.winding,
+    )
     run = wind(hoist, winding, case.gains, step=0.04 if short else 0.02)
     assert_allclose(run["position"][-1], winding.travel, rtol=0, atol=1e-3)
     assert np.max(np.abs(run["speed"])) < case.winding.speed + 0.05
@@ -70,7 +73,9 @@ def test_a_regulated_stop_from_full_speed_does_not_slip_and_the_full_torque_woul
     assert np.min(regulated["slip_safety"][after]) > 1.25
     assert np.min(sudden["slip_safety"][after]) < 1.0
     # 16 m/s and 2 m/s^2: v^2 / (2 a), and the dead time, lag and sampling before
-    assert_allclose(regulated["position"][-1] - regulated["position"][after][0], 16.0**2 / 4.0, rtol=0.05)
+    assert_allclose(
+        regulated["position"][-1] - regulated["position"][after][0], 16.0**2 / 4.0, rtol=0.05
+    )
 
 
 @pytest.mark.parametrize("name", INSTALLED)
@@ -113,13 +118,17 @@ def test_every_case_starts_with_the_weight_of_its_rope_and_makes_fifty_steps(nam
     assert_allclose(left - right, weight * hoist.shaft_travel, rtol=2e-3)
     # the rim follows the reference, jerk t^3 / 6, within what the swinging ropes turn it back and forth
     asked = host.winding.jerk * r.time[-1] ** 3 / 6.0
-    assert_allclose(hoist.sheave_radius * (r["drive.angle"][-1] - r["drive.angle"][0]), asked, atol=5e-3)
+    assert_allclose(
+        hoist.sheave_radius * (r["drive.angle"][-1] - r["drive.angle"][0]), asked, atol=5e-3
+    )
 
 
 def test_slip_safety_and_motor_power_are_recorded() -> None:
     host, result = start("rope-120")
     r, limit = result.recording, host.hoist.tension_ratio_limit
-    assert_allclose(r["drive.slip_safety"], (limit - 1.0) / (r["drive.tension_ratio"] - 1.0), rtol=1e-12)
+    assert_allclose(
+        r["drive.slip_safety"], (limit - 1.0) / (r["drive.tension_ratio"] - 1.0), rtol=1e-12
+    )
     # of a rigid shaft
     assert_allclose(r["drive.motor_power"], r["drive.torque"] * r["drive.rate"], rtol=1e-12)
     assert not np.any(r["drive.brake_torque"])
@@ -131,4 +140,6 @@ def test_what_the_hoist_gives_is_what_all_its_balance_ropes_get() -> None:
     work = result.recording["drive.work_from_balance_rope"]
     assert np.max(np.abs(work)) > 1e3
     # the exchange makes up 4e-5 of it; with the work on one rope only, two thirds would be missing
-    assert_allclose(exchange_energy(result.recording, host.hoist), 0.0, atol=1e-3 * np.max(np.abs(work)))
+    assert_allclose(
+        exchange_energy(result.recording, host.hoist), 0.0, atol=1e-3 * np.max(np.abs(work))
+    )

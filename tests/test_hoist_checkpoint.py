@@ -38,7 +38,9 @@ class Remembered:
     integral: float = 0.0  # N
     filter: Filter = field(default_factory=lambda: Filter(0.0))
     errors: list[float] = field(default_factory=list)  # m/s, the last three
-    seen: np.ndarray[Any, np.dtype[np.float64]] = field(default_factory=lambda: np.zeros(2))  # least and largest error
+    seen: np.ndarray[Any, np.dtype[np.float64]] = field(
+        default_factory=lambda: np.zeros(2)
+    )  # least and largest error
 
 
 class Filtered:
@@ -64,9 +66,13 @@ class Filtered:
 Made = Callable[[Hoist, float], Controller]
 
 
-def wind(controller: Made, stop_at: float = math.inf, coupling: Coupling | None = None, **options: Any) -> Result:
+def wind(
+    controller: Made, stop_at: float = math.inf, coupling: Coupling | None = None, **options: Any
+) -> Result:
     """A short trip with the draft rope, until `stop_at` [s]."""
-    host = Host(rope_in_process("rope-120", level="draft"), Hoist(), TRIP, coupling, controller=controller)
+    host = Host(
+        rope_in_process("rope-120", level="draft"), Hoist(), TRIP, coupling, controller=controller
+    )
     return host.run(lambda fraction, t: t < stop_at, **options)
 
 
@@ -74,7 +80,9 @@ STOPPED = [(0.3, Coupling()), (1.1, Coupling()), (0.5, Coupling(step=0.02, sampl
 
 
 @pytest.mark.parametrize(("stop_at", "coupling"), STOPPED)
-def test_a_controller_with_a_memory_of_its_own_resumes_to_the_same_bits(stop_at, coupling, tmp_path: Path) -> None:
+def test_a_controller_with_a_memory_of_its_own_resumes_to_the_same_bits(
+    stop_at, coupling, tmp_path: Path
+) -> None:
     whole = wind(Filtered, coupling=coupling)
     stopped = wind(Filtered, stop_at, save_to=tmp_path / "kept.npz", coupling=coupling)
     assert stopped.saved is not None
@@ -85,7 +93,9 @@ def test_a_controller_with_a_memory_of_its_own_resumes_to_the_same_bits(stop_at,
         assert resumed.completed
         for name, values in whole.recording.signals.items():
             assert_array_equal(resumed.recording[name], values, name)
-    with pytest.raises(ValueError, match=r"must be of the same .*(period is 0\.02 there|they differ)"):
+    with pytest.raises(
+        ValueError, match=r"must be of the same .*(period is 0\.02 there|they differ)"
+    ):
         wind(Filtered, resume=kept, coupling=Coupling(step=0.03 - coupling.step))
 
 
@@ -95,13 +105,21 @@ class Hoarder:
     def __init__(self, begins: int) -> None:
         self._begins = begins
 
-    def command(self, trajectory: TrajectoryPoint, measured: Measurement, state: Any, h: float) -> Command:
+    def command(
+        self, trajectory: TrajectoryPoint, measured: Measurement, state: Any, h: float
+    ) -> Command:
         count = 0 if state is None else state["count"]
-        return Command(0.0, False, {"count": count + 1, "last": deque([1.0]) if count >= self._begins else None})
+        return Command(
+            0.0,
+            False,
+            {"count": count + 1, "last": deque([1.0]) if count >= self._begins else None},
+        )
 
 
 def test_what_cannot_be_saved_is_refused_at_the_first_sample_with_its_place(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"the controller's state\['last'\] is of type deque.*plain data \(numbers"):
+    with pytest.raises(
+        ValueError, match=r"the controller's state\['last'\] is of type deque.*plain data \(numbers"
+    ):
         wind(lambda *_: Hoarder(0), save_to=tmp_path / "kept.npz")
     # nothing is to be written without a file
     assert wind(lambda *_: Hoarder(0), 0.1).checkpoint is not None
@@ -117,11 +135,18 @@ def there_and_back(value: Any) -> Any:
 
 
 plain = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text() | st.binary(),
+    st.none()
+    | st.booleans()
+    | st.integers()
+    | st.floats(allow_nan=False)
+    | st.text()
+    | st.binary(),
     lambda inside: (
         st.lists(inside, max_size=3)
         | st.lists(inside, max_size=3).map(tuple)
-        | st.dictionaries(st.text() | st.integers() | st.tuples(st.booleans(), st.integers()), inside, max_size=3)
+        | st.dictionaries(
+            st.text() | st.integers() | st.tuples(st.booleans(), st.integers()), inside, max_size=3
+        )
         | st.builds(Remembered, errors=inside, seen=inside)
         | st.builds(Filter, inside)
     ),
@@ -137,7 +162,13 @@ def test_plain_data_come_back_equal_and_of_the_same_kind(value: Any) -> None:
     assert repr(back) == repr(value)
 
 
-OF_NUMPY = (np.float64(0.1), np.float32(math.nan), np.arange(6).reshape(2, 3)[:, ::2], np.array([True]), np.array(1j))
+OF_NUMPY = (
+    np.float64(0.1),
+    np.float32(math.nan),
+    np.arange(6).reshape(2, 3)[:, ::2],
+    np.array([True]),
+    np.array(1j),
+)
 
 
 @pytest.mark.parametrize("value", OF_NUMPY)
@@ -150,5 +181,7 @@ def test_numbers_and_arrays_of_numpy_come_back_with_their_type(value: Any) -> No
 def test_a_class_that_has_changed_is_named() -> None:
     text = encode(Filter(1.0), "x", {})
     text["class"][2]["rate"] = 0.0
-    with pytest.raises(ValueError, match=r"Filter with speed, rate, which is not known here: import"):
+    with pytest.raises(
+        ValueError, match=r"Filter with speed, rate, which is not known here: import"
+    ):
         decode(text, {})

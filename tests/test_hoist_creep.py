@@ -14,15 +14,29 @@ from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
 
 LANDING = Winding(creep_distance=3.0, creep_speed=0.5)
-BOTH = Winding(travel=-60.0, speed=4.0, creep_distance=2.0, departure_creep_distance=1.5, creep_speed=0.6)
+BOTH = Winding(
+    travel=-60.0, speed=4.0, creep_distance=2.0, departure_creep_distance=1.5, creep_speed=0.6
+)
 SHORT = Winding(travel=5.0, creep_distance=3.0, creep_speed=0.5)
 # hardly faster than its creep, where the ramp's length is steep in the speed
-NEAR = Winding(0.01104854446708835, 0.5, 1.0, 1.0, creep_speed=0.03125, creep_distance=0.005524271733544175)
+NEAR = Winding(
+    0.01104854446708835, 0.5, 1.0, 1.0, creep_speed=0.03125, creep_distance=0.005524271733544175
+)
 
 
 #: of the speed limit, the acceleration limit and the jerk some are reached and others are not
-PLAIN = [Winding(), Winding(speed=4.0), Winding(travel=10.0, speed=0.5, acceleration=2.0), Winding(travel=20.0)]
-PLAIN += [Winding(travel=1.0), Winding(travel=1e-3), Winding(travel=-37.0), Winding(travel=5.0, start_delay=0.0)]
+PLAIN = [
+    Winding(),
+    Winding(speed=4.0),
+    Winding(travel=10.0, speed=0.5, acceleration=2.0),
+    Winding(travel=20.0),
+]
+PLAIN += [
+    Winding(travel=1.0),
+    Winding(travel=1e-3),
+    Winding(travel=-37.0),
+    Winding(travel=5.0, start_delay=0.0),
+]
 
 
 def _ramp_length(u: float, v: float, a: float, j: float) -> float:
@@ -44,12 +58,19 @@ def windings(draw: st.DrawFn) -> Winding:
     assume(least > 1e-3)
     return Winding(
         travel=draw(st.sampled_from([1.0, -1.0])) * (least + draw(st.floats(0.0, 200.0)) + 1e-9),
-        creep_distance=creeps[0], departure_creep_distance=creeps[1], emergency_deceleration=5.0,
+        creep_distance=creeps[0],
+        departure_creep_distance=creeps[1],
+        emergency_deceleration=5.0,
         **(number | {"creep_speed": c}),
-    )  # fmt: skip
+    )
 
 
-_RANGES = {"speed": (0.5, 18.0), "acceleration": (0.1, 2.0), "jerk": (0.1, 5.0), "creep_speed": (0.05, 1.0)}
+_RANGES = {
+    "speed": (0.5, 18.0),
+    "acceleration": (0.1, 2.0),
+    "jerk": (0.1, 5.0),
+    "creep_speed": (0.05, 1.0),
+}
 
 few = settings(max_examples=150, deadline=None)
 
@@ -64,7 +85,9 @@ def trips(test: Any) -> Any:
 @trips
 def test_limits_are_kept_and_the_trip_never_reverses(winding: Winding) -> None:
     trajectory = s_curve(winding)
-    times = np.unique(np.concatenate([np.linspace(0.0, trajectory.duration + 1.0, 1001), trajectory.starts]))
+    times = np.unique(
+        np.concatenate([np.linspace(0.0, trajectory.duration + 1.0, 1001), trajectory.starts])
+    )
     _, v, a, j = trajectory.sample(times).T
     # relative: rounding of some 20 segments; absolute: of the sums that cancel at the end
     for values, most in ((v, winding.speed), (a, winding.acceleration), (j, winding.jerk)):
@@ -89,13 +112,18 @@ def test_segments_join_without_a_jump_and_land_exactly(winding: Winding) -> None
 def test_creep_speed_is_held_over_the_creeps_less_their_ramps(winding: Winding) -> None:
     trajectory, travel, c = s_curve(winding), abs(winding.travel), winding.creep_speed
     ramp = _ramp_length(0.0, c, winding.acceleration, winding.jerk)
-    creeps = (ramp, winding.departure_creep_distance), (travel - winding.creep_distance, travel - ramp)
+    creeps = (
+        (ramp, winding.departure_creep_distance),
+        (travel - winding.creep_distance, travel - ramp),
+    )
     for at_start, at_end in creeps:
         if at_end - at_start < 1e-6:  # no creep here, or no more than its ramps
             continue
         for place in np.linspace(at_start, at_end, 5):
             # the time at which the place is passed, between two segments' ends
-            k = max(i for i, p in enumerate(trajectory.points[:-1]) if abs(p.position) <= place + 1e-9)
+            k = max(
+                i for i, p in enumerate(trajectory.points[:-1]) if abs(p.position) <= place + 1e-9
+            )
             t = trajectory.starts[k] + max(0.0, place - abs(trajectory.points[k].position)) / c
             assert abs(trajectory.at(t).speed) == pytest.approx(c, rel=1e-6, abs=1e-6)
 
@@ -104,7 +132,10 @@ def test_creep_speed_is_held_over_the_creeps_less_their_ramps(winding: Winding) 
 def test_peak_is_the_speed_limit_or_the_highest_for_which_the_ramps_fit(winding: Winding) -> None:
     peak, c = max(abs(point.speed) for point in s_curve(winding).points), winding.creep_speed
     between = abs(winding.travel) - winding.creep_distance - winding.departure_creep_distance
-    ends = [c if distance > 0.0 else 0.0 for distance in (winding.departure_creep_distance, winding.creep_distance)]
+    ends = [
+        c if distance > 0.0 else 0.0
+        for distance in (winding.departure_creep_distance, winding.creep_distance)
+    ]
 
     def needed(v: float) -> float:
         return sum(_ramp_length(u, v, winding.acceleration, winding.jerk) for u in ends)
@@ -118,7 +149,9 @@ def test_peak_is_the_speed_limit_or_the_highest_for_which_the_ramps_fit(winding:
 @given(windings(), st.floats(0.0, 0.999))
 @example(LANDING, 0.95)
 @example(BOTH, 0.05)
-def test_emergency_stop_out_of_every_phase_comes_to_rest_within_its_limits(winding: Winding, share: float) -> None:
+def test_emergency_stop_out_of_every_phase_comes_to_rest_within_its_limits(
+    winding: Winding, share: float
+) -> None:
     trip = s_curve(winding)
     at = share * trip.duration
     stopped = replace(winding, emergency_at=at)
@@ -139,7 +172,10 @@ def test_emergency_stop_out_of_every_phase_comes_to_rest_within_its_limits(windi
 @trips
 def test_each_derivative_is_the_difference_quotient_of_the_one_before(winding: Winding) -> None:
     trajectory = s_curve(winding)
-    t, d = np.random.default_rng(1).uniform(0.0, trajectory.duration, 200), 1e-5 * trajectory.duration
+    t, d = (
+        np.random.default_rng(1).uniform(0.0, trajectory.duration, 200),
+        1e-5 * trajectory.duration,
+    )
     # central differences are off by d^2/6 times the third derivative, and only by rounding inside a segment
     inside = np.array([all(abs(x - s) > 2 * d for s in trajectory.starts) for x in t])
     low, mid, high = (trajectory.sample(t[inside] + shift) for shift in (-d, 0.0, d))
@@ -158,14 +194,23 @@ CREPT = UP + (90.0 - 3.0 - 4.0 / 2 * UP - 4.5 / 2 * DOWN) / 4.0 + DOWN + (3.0 - 
     ("winding", "peak", "duration"),
     [
         pytest.param(Winding(), PEAK, 1.0 + 2 * (PEAK / 0.75 + 1.5), id="90 m"),
-        pytest.param(Winding(speed=4.0, start_delay=0.0, creep_distance=3.0, creep_speed=0.5), 4.0, CREPT, id="creep"),
+        pytest.param(
+            Winding(speed=4.0, start_delay=0.0, creep_distance=3.0, creep_speed=0.5),
+            4.0,
+            CREPT,
+            id="creep",
+        ),
         # v / d + d / j: constant deceleration with one ramp on either side
-        pytest.param(Winding(speed=4.0, emergency_at=12.0), 4.0, 12.0 + 4.0 / 5.0 + 5.0 / 50.0, id="stop"),
+        pytest.param(
+            Winding(speed=4.0, emergency_at=12.0), 4.0, 12.0 + 4.0 / 5.0 + 5.0 / 50.0, id="stop"
+        ),
         # four jerk ramps of 1 s
         pytest.param(Winding(travel=1.0, start_delay=0.0), 0.5, 4.0, id="shortest"),
     ],
 )
-def test_a_trip_peaks_and_ends_as_in_the_textbook(winding: Winding, peak: float, duration: float) -> None:
+def test_a_trip_peaks_and_ends_as_in_the_textbook(
+    winding: Winding, peak: float, duration: float
+) -> None:
     trajectory = s_curve(winding)
     found = max(point.speed for point in trajectory.points)
     np.testing.assert_allclose([found, trajectory.duration], [peak, duration], rtol=1e-13)

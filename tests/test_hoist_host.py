@@ -60,8 +60,14 @@ class FakeRope(Weight):
         for name, end in (("left", left), ("right", right)):
             self.forces[f"{name}.fy"] = self.forces[f"{name}.fy_mean"] = -RHO * G * (end.y - bottom)
         self.forces["loop.y"] = bottom
-        for k, (x, y) in enumerate(((-1.0, left.y), (0.0, bottom), (1.0, right.y)) if self.shows_shape else ()):
-            self.forces |= {f"shape.x[{k + 1}]": x, f"shape.y[{k + 1}]": y, f"shape.z[{k + 1}]": 0.0}
+        for k, (x, y) in enumerate(
+            ((-1.0, left.y), (0.0, bottom), (1.0, right.y)) if self.shows_shape else ()
+        ):
+            self.forces |= {
+                f"shape.x[{k + 1}]": x,
+                f"shape.y[{k + 1}]": y,
+                f"shape.z[{k + 1}]": 0.0,
+            }
 
 
 def _run(rope: RopePlant, winding: Winding, coupling: Coupling | None = None) -> Result:
@@ -112,7 +118,9 @@ def test_work_on_both_partners_differs_by_the_order_of_the_step() -> None:
 
 def test_time_is_start_plus_k_steps_and_never_summed_up() -> None:
     rope = FakeRope()
-    recording = _run(rope, Winding(travel=0.5, settle=0.0), Coupling(step=0.01, start=3.0)).recording
+    recording = _run(
+        rope, Winding(travel=0.5, settle=0.0), Coupling(step=0.01, start=3.0)
+    ).recording
     expected = [3.0 + k * 0.01 for k in range(len(rope.times))]
     assert [t for t, _ in rope.times] == expected
     assert {h for _, h in rope.times} == {0.01}
@@ -145,7 +153,9 @@ def test_csv_reads_back_to_ten_digits_with_its_units(short: Result, tmp_path: Pa
     assert [column.partition(" ")[0] for column in back] == names
     assert {"time [s]", "left.fy [N]", "loop.y [m]"} <= {*back}
     # %.10g rounds to half a unit of the tenth digit
-    np.testing.assert_allclose(back, np.column_stack([short.recording[name] for name in names]), rtol=5e-10, atol=0)
+    np.testing.assert_allclose(
+        back, np.column_stack([short.recording[name] for name in names]), rtol=5e-10, atol=0
+    )
 
 
 @pytest.mark.usefixtures("plain_figures")
@@ -157,13 +167,27 @@ def test_the_same_run_writes_the_same_bytes(short: Result, tmp_path: Path) -> No
         write_csv(result.recording, folder / "signals.csv")
         write_shapes(result.recording, shape_rows(result.recording), folder / "shapes.csv")
         write_figures(result.recording, Hoist(), folder)
-    first, second = ({path.name: path.read_bytes() for path in (tmp_path / name).iterdir()} for name in "01")
-    assert {"signals.csv", "shapes.csv", "tracking.png", "forces.png", "shapes.png", "energies.png"} <= first.keys()
+    first, second = (
+        {path.name: path.read_bytes() for path in (tmp_path / name).iterdir()} for name in "01"
+    )
+    assert {
+        "signals.csv",
+        "shapes.csv",
+        "tracking.png",
+        "forces.png",
+        "shapes.png",
+        "energies.png",
+    } <= first.keys()
     assert first == second
 
 
-def test_a_stop_by_the_brake_is_judged_by_its_way_and_not_by_a_reference_it_does_not_follow() -> None:
-    hoist, winding = Hoist(brake=Brake()), Winding(emergency_at=9.0, emergency_law="two-stage", settle=5.0)
+def test_a_stop_by_the_brake_is_judged_by_its_way_and_not_by_a_reference_it_does_not_follow() -> (
+    None
+):
+    hoist, winding = (
+        Hoist(brake=Brake()),
+        Winding(emergency_at=9.0, emergency_law="two-stage", settle=5.0),
+    )
     result = Host(FakeRope(), hoist, winding).run()
     rows = {row.quantity: row.value for row in summarize(result, hoist, winding, Coupling())}
     recording = result.recording
@@ -176,7 +200,9 @@ def test_a_stop_by_the_brake_is_judged_by_its_way_and_not_by_a_reference_it_does
     # a brake too weak for the load has no stopping distance
     weak = Hoist(brake=Brake(torque=3e4))
     runs = (result, hoist), (Host(FakeRope(), weak, winding).run(), weak)
-    assert_allclose([measure(*run, Arrival()).metrics["stop_distance"] for run in runs], [way.max(), math.nan])
+    assert_allclose(
+        [measure(*run, Arrival()).metrics["stop_distance"] for run in runs], [way.max(), math.nan]
+    )
     # of the drive, until the trip: the controller's own bound
     assert float(rows["largest tracking error until then"]) < 25.0
     assert "final position error" not in rows
@@ -185,7 +211,12 @@ def test_a_stop_by_the_brake_is_judged_by_its_way_and_not_by_a_reference_it_does
 # a controller that samples within the communication step does what it does in shorter steps, repeated or not
 
 SAMPLED = Winding(travel=4.0, speed=4.0, jerk=2.0, start_delay=0.2, settle=0.8)
-FORCES = {"left.fy": -2000.0, "right.fy": -7500.0, "left.fy_mean": -2000.0, "right.fy_mean": -7500.0}
+FORCES = {
+    "left.fy": -2000.0,
+    "right.fy": -7500.0,
+    "left.fy_mean": -2000.0,
+    "right.fy_mean": -7500.0,
+}
 
 
 class TakenBack(FakeRope):
@@ -201,7 +232,9 @@ class Counting(SpeedController):
 
     calls = 0
 
-    def command(self, reference: TrajectoryPoint, measured: Measurement, state: Any, h: float) -> Command:
+    def command(
+        self, reference: TrajectoryPoint, measured: Measurement, state: Any, h: float
+    ) -> Command:
         self.calls += 1
         self.latest = {"inner": None, "places": []} if state is None else state
         self.latest["places"].append(reference.position)
@@ -231,7 +264,9 @@ def test_the_hoist_moves_as_with_a_step_of_one_sample(step: float) -> None:
     assert_allclose(long.time[:shared], short.time[::every], rtol=1e-15)
     # the rope pulls constantly, so what is left is the drive's integration, 1e-9 of a step
     for name in ("conveyance.left.y", "conveyance.right.y", "drive.torque_command"):
-        assert_allclose(long[name][:shared], short[name][::every], rtol=1e-6, atol=1e-8, err_msg=name)
+        assert_allclose(
+            long[name][:shared], short[name][::every], rtol=1e-6, atol=1e-8, err_msg=name
+        )
 
 
 def test_samples_that_are_taken_back_leave_nothing_behind() -> None:
@@ -243,5 +278,7 @@ def test_samples_that_are_taken_back_leave_nothing_behind() -> None:
 
 
 def test_a_scheme_that_divides_the_step_has_no_samples_within_it() -> None:
-    with pytest.raises(ValueError, match=r"sample = 0\.01 must be at least the communication step 0\.02 s"):
+    with pytest.raises(
+        ValueError, match=r"sample = 0\.01 must be at least the communication step 0\.02 s"
+    ):
         Coupling(step=0.02, sample=0.01, scheme="energy-controlled")

@@ -17,14 +17,27 @@ from hoist_demo.design.statics import pulls
 from hoist_demo.drive.equations import LOSS_NAMES
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.drive_fmu.description import drive_model
-from hoist_demo.parameters import GRAVITY, Hoist, Winding, require_jams_on_the_way, require_trip_fits
+from hoist_demo.parameters import (
+    GRAVITY,
+    Hoist,
+    Winding,
+    require_jams_on_the_way,
+    require_trip_fits,
+)
 from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lining, Play
 from rope_model import EndMotion
 
 FULL = Hoist(
-    head_rope_modes=2, tail_rope_number=2, tail_rope_mass=4.0, conveyance_mass_right=9.0e3, power_limit=8.0e5,
-    drive_shaft=DriveShaft(), brake=Brake(torque=1.5e5), guides=Guides(), play=Play(),
-)  # fmt: skip
+    head_rope_modes=2,
+    tail_rope_number=2,
+    tail_rope_mass=4.0,
+    conveyance_mass_right=9.0e3,
+    power_limit=8.0e5,
+    drive_shaft=DriveShaft(),
+    brake=Brake(torque=1.5e5),
+    guides=Guides(),
+    play=Play(),
+)
 """A hoist with everything."""
 
 LOSSLESS = Hoist(loss_coulomb=0.0, loss_viscous=0.0, head_rope_damping=0.0)
@@ -47,7 +60,9 @@ def _frequencies(plant: Plant, heights: tuple[float, float]) -> np.ndarray:
 
 @pytest.mark.parametrize("modes", [1, 3])
 def test_head_ropes_swing_as_a_rod_with_the_conveyance_at_its_end(modes: int) -> None:
-    hoist = replace(SMOOTH, head_rope_mass=10.0, shaft_travel=500.0, head_rope_modes=modes, payload_left=0.0)
+    hoist = replace(
+        SMOOTH, head_rope_mass=10.0, shaft_travel=500.0, head_rope_modes=modes, payload_left=0.0
+    )
     plant = Plant(hoist)
     state, _ = rest_at(plant, (250.0, 250.0))
     length = state.free_lengths[0]
@@ -59,7 +74,9 @@ def test_head_ropes_swing_as_a_rod_with_the_conveyance_at_its_end(modes: int) ->
     found = _frequencies(plant, (250.0, 250.0))[::2][:modes]  # both sides are alike
     # a mode left out would add its participating mass 2 mu l / (j pi)^2, by the square of the ratio of the frequencies
     fixed = math.pi * math.sqrt(hoist.rope_stiffness / hoist.rope_mass) / length
-    left_out = sum(ratio / (j * math.pi) ** 2 * (exact[0] / (j * fixed)) ** 2 for j in range(modes + 1, 100))
+    left_out = sum(
+        ratio / (j * math.pi) ** 2 * (exact[0] / (j * fixed)) ** 2 for j in range(modes + 1, 100)
+    )
     np.testing.assert_allclose(found[0], exact[0], rtol=left_out)
     # of higher ones the highest, next to what is left out, errs most: 1e-3
     np.testing.assert_allclose(found, exact, rtol=2e-3)
@@ -78,7 +95,10 @@ def test_between_its_guides_a_conveyance_is_a_pendulum_of_several_ropes() -> Non
 def test_a_pushed_conveyance_leans_on_its_guides() -> None:
     plant = Plant(replace(SMOOTH, play=Play()))
     state, u = rest_at(plant, (45.0, 45.0))
-    tension = plant.hoist.mass_left * GRAVITY + plant.hoist.rope_mass * GRAVITY * state.free_lengths[0] / 2
+    tension = (
+        plant.hoist.mass_left * GRAVITY
+        + plant.hoist.rope_mass * GRAVITY * state.free_lengths[0] / 2
+    )
     pendulum, k, c = tension / (plant.hoist.sheave_height - 45.0), 2.0e6, 5.0e-3
     place = (1.0e4 + k * c) / (k + pendulum)
     rates = plant.rates(state_with(plant, state, x_left=place), u._replace(fx_left=1.0e4))
@@ -89,9 +109,13 @@ def test_a_pushed_conveyance_leans_on_its_guides() -> None:
 def test_a_conveyance_that_leans_on_its_guides_is_braked_by_its_shoes() -> None:
     rates = []
     for friction in (0.1, 0.0):
-        plant = Plant(replace(SMOOTH, head_rope_mass=1e-9, play=Play(friction=friction, contact_damping=0.0)))
+        plant = Plant(
+            replace(SMOOTH, head_rope_mass=1e-9, play=Play(friction=friction, contact_damping=0.0))
+        )
         state, u = rest_at(plant, (45.0, 45.0))
-        rates.append(plant.rates(state_with(plant, state, x_left=8e-3, z_left=-7e-3, v_left=1.0), u)[5])
+        rates.append(
+            plant.rates(state_with(plant, state, x_left=8e-3, z_left=-7e-3, v_left=1.0), u)[5]
+        )
     # springs of 2e6 N/m pressed by 3 and 2 mm hold 15 t back
     np.testing.assert_allclose(rates[0] - rates[1], -0.1 * 2.0e6 * (3e-3 + 2e-3) / 15e3, rtol=1e-6)
 
@@ -107,7 +131,9 @@ def test_the_shaft_s_swinging_dies_with_its_damping_ratio() -> None:
 
 
 def test_motor_and_sheave_swing_on_their_shaft() -> None:
-    hoist = replace(LOSSLESS, drive_shaft=DriveShaft(damping=0.0), head_rope_mass=1e-9, head_rope_stiffness=1e6)
+    hoist = replace(
+        LOSSLESS, drive_shaft=DriveShaft(damping=0.0), head_rope_mass=1e-9, head_rope_stiffness=1e6
+    )
     motor, sheave = 3.0e3 * 1.25**2, 5.0e3 * 1.25**2
     exact = math.sqrt(2.0e8 * (1.0 / motor + 1.0 / sheave))
     # soft ropes add less than half the square of the ratio of the frequencies, 3 / 330
@@ -143,14 +169,22 @@ def test_with_every_part_the_energy_balance_closes() -> None:
     for k in range(150):
         wave = math.sin(0.1 * k)
         u = u._replace(
-            torque_command=7e4 + 3e4 * wave, brake=0.6 * (k > 60), fx_left=8e3 * wave, fz_left=-2e3,
-            my_left=5e3 * wave, fx_right=-9e3 * wave, fz_right=1e4, my_right=-3e3,
-        )  # fmt: skip
+            torque_command=7e4 + 3e4 * wave,
+            brake=0.6 * (k > 60),
+            fx_left=8e3 * wave,
+            fz_left=-2e3,
+            my_left=5e3 * wave,
+            fx_right=-9e3 * wave,
+            fz_right=1e4,
+            my_right=-3e3,
+        )
         step = plant.step(state, 0.01, u)
         assert step.valid
         state = step.state
     # steps mostly err by far less than their bound of 1e-8, here of 1e7 J
-    np.testing.assert_allclose(energy_residual(start, plant.outputs(state, u), state.work_totals[:5]), 0.0, atol=0.05)
+    np.testing.assert_allclose(
+        energy_residual(start, plant.outputs(state, u), state.work_totals[:5]), 0.0, atol=0.05
+    )
     np.testing.assert_allclose(state.work_totals[5:].sum(), state.work_totals[:5][1], rtol=1e-12)
     # every loss has taken something, or this test says nothing of it; head ropes that slip are in test_head_ropes
     taken = dict(zip(LOSS_NAMES, state.work_totals[5:], strict=True))
@@ -189,7 +223,9 @@ def test_static_tensions_and_slip_safety_are_those_of_a_hand_calculation() -> No
     assert hoist.slip_safety(1.0) == math.inf
     uneven = replace(hoist, tail_rope_mass=3.0)
     apart = [abs(one - other) for one, other in (pulls(uneven, y) for y in (0.0, 30.0, 60.0, 90.0))]
-    np.testing.assert_allclose([uneven.imbalance(), uneven.imbalance(30.0)], [max(apart), max(apart[1:3])])
+    np.testing.assert_allclose(
+        [uneven.imbalance(), uneven.imbalance(30.0)], [max(apart), max(apart[1:3])]
+    )
 
 
 def test_the_motor_keeps_its_limits_of_torque_and_power() -> None:
@@ -210,12 +246,20 @@ def ends(plant: Plant, state: PlantState, u: PlantInput) -> tuple[EndMotion, End
 def test_the_ends_of_the_balance_rope_follow_the_conveyances() -> None:
     plant = Plant(FULL)
     state, u = rest_at(plant, (30.0, 60.0))
-    aside = {"x_left": 1e-3, "x_left_rate": 0.3, "z_right": -2e-3, "yaw_right": 1e-3, "yaw_right_rate": 0.1}
+    aside = {
+        "x_left": 1e-3,
+        "x_left_rate": 0.3,
+        "z_right": -2e-3,
+        "yaw_right": 1e-3,
+        "yaw_right_rate": 0.1,
+    }
     left, right = ends(plant, state_with(plant, state, v_left=2.0, **aside), u)
     assert (left.x, left.y, left.vx, left.vy) == (1e-3, 30.0, 0.3, 2.0)
     assert (right.z, right.y, right.yaw, right.yaw_rate) == (-2e-3, 60.0, 1e-3, 0.1)
     plain = Plant(Hoist())
-    assert ends(plain, *rest_at(plain, (0.0, 90.0)))[0] == EndMotion(y=0.0, ay=pytest.approx(0.0, abs=1e-10))
+    assert ends(plain, *rest_at(plain, (0.0, 90.0)))[0] == EndMotion(
+        y=0.0, ay=pytest.approx(0.0, abs=1e-10)
+    )
 
 
 REGULATED = Winding(emergency_at=5.0, emergency_law="deceleration")
@@ -224,11 +268,15 @@ BAD = {
     "torque_limit": lambda: Hoist(torque_limit=math.nan),
     "slack_tension": lambda: Hoist(slack_tension=1e5),
     "jam_right.height": lambda: Hoist(jam_right=Jam(height=91.0)),
-    r"jam_right\.height": lambda: require_jams_on_the_way(Hoist(jam_right=Jam(height=53.0)), Winding(travel=10.0)),
+    r"jam_right\.height": lambda: require_jams_on_the_way(
+        Hoist(jam_right=Jam(height=53.0)), Winding(travel=10.0)
+    ),
     "lining.sliding": lambda: Lining(sliding=1.2),
     "lining": lambda: drive_model(replace(find_case("rope-120"), hoist=Hoist(lining=Lining()))),
     "jam_right": lambda: drive_model(find_case("jammed-conveyance")),
-    "emergency_law": lambda: require_trip_fits(Hoist(), Winding(emergency_at=5.0, emergency_law="torque")),
+    "emergency_law": lambda: require_trip_fits(
+        Hoist(), Winding(emergency_at=5.0, emergency_law="torque")
+    ),
     "emergency_deceleration": lambda: require_trip_fits(Hoist(brake=Brake(torque=5e4)), REGULATED),
     "gain speed": lambda: Gains(speed=0.0),
     "gain feed_forward": lambda: Gains(feed_forward=1.1),

@@ -35,7 +35,9 @@ def test_the_tensions_shown_are_those_that_turn_the_sheave(plant: Plant) -> None
     rim = hoist.loss_coulomb * math.tanh(speed / hoist.loss_speed) + hoist.loss_viscous * speed
     moment = shown.torque - hoist.sheave_radius * (rim + shown.tension_left - shown.tension_right)
     angular = plant.rates(state, u)[4]
-    np.testing.assert_allclose(hoist.sheave_mass * hoist.sheave_radius**2 * angular, moment, rtol=1e-10)
+    np.testing.assert_allclose(
+        hoist.sheave_mass * hoist.sheave_radius**2 * angular, moment, rtol=1e-10
+    )
 
 
 HOISTS = {
@@ -43,7 +45,12 @@ HOISTS = {
     "modes": Hoist(head_rope_modes=2),
     "shaft and brake": Hoist(drive_shaft=DriveShaft(), brake=Brake(), power_limit=1.2e6),
     "everything": Hoist(
-        head_rope_modes=1, drive_shaft=DriveShaft(), brake=Brake(), guides=Guides(), play=Play(), tail_rope_number=2
+        head_rope_modes=1,
+        drive_shaft=DriveShaft(),
+        brake=Brake(),
+        guides=Guides(),
+        play=Play(),
+        tail_rope_number=2,
     ),
 }
 
@@ -53,8 +60,20 @@ def _swinging(name: str) -> tuple[Plant, PlantState]:
     plant = Plant(HOISTS[name])
     state = plant.equilibrium(80.0, 10.0, -TAIL * 95.0, -TAIL * 25.0)
     x = state.x.copy()
-    changes = {"phi_rate": 1.6, "v_left": 2.05, "v_right": -1.95, "y_left": 0.01, "eta1_left": 1e-3, "twist": 1e-3}
-    changes |= {"x_left": 6e-3, "z_right_rate": 0.1, "brake_pressure": 0.3, "brake_deflection": 1e-3}
+    changes = {
+        "phi_rate": 1.6,
+        "v_left": 2.05,
+        "v_right": -1.95,
+        "y_left": 0.01,
+        "eta1_left": 1e-3,
+        "twist": 1e-3,
+    }
+    changes |= {
+        "x_left": 6e-3,
+        "z_right_rate": 0.1,
+        "brake_pressure": 0.3,
+        "brake_deflection": 1e-3,
+    }
     for of, change in changes.items():
         if of in plant.state_names:
             x[plant.state_names.index(of)] += change
@@ -62,11 +81,15 @@ def _swinging(name: str) -> tuple[Plant, PlantState]:
 
 
 PATH = PlantInputPath(
-    PlantInput(9e4, -8e3, -3e3, 0.5, fx_left=50.0), PlantInput(0.0, -400.0, 300.0), PlantInput(0.0, 200.0, 90.0)
+    PlantInput(9e4, -8e3, -3e3, 0.5, fx_left=50.0),
+    PlantInput(0.0, -400.0, 300.0),
+    PlantInput(0.0, 200.0, 90.0),
 )
 
 
-@pytest.mark.parametrize("added_mass", [pytest.param((0.0, 0.0), marks=pytest.mark.slow), (900.0, 300.0)])
+@pytest.mark.parametrize(
+    "added_mass", [pytest.param((0.0, 0.0), marks=pytest.mark.slow), (900.0, 300.0)]
+)
 @pytest.mark.parametrize("name", HOISTS)
 def test_steps_of_any_length_agree_with_an_integrator_of_order_eight(name, added_mass):
     plant, state = _swinging(name)
@@ -79,11 +102,15 @@ def test_steps_of_any_length_agree_with_an_integrator_of_order_eight(name, added
 
         step = plant.step(state, h, path)
         assert step.valid
-        exact = solve_ivp(rates, (0.0, h), state.x, method="DOP853", rtol=1e-12, atol=1e-12, max_step=h / 20)
+        exact = solve_ivp(
+            rates, (0.0, h), state.x, method="DOP853", rtol=1e-12, atol=1e-12, max_step=h / 20
+        )
         # steps mostly err by far less than their bound of 1e-8
         np.testing.assert_allclose(step.state.x, exact.y[:, -1], rtol=1e-8, atol=1e-8)
         # the input that acts at the end belongs to the state there
-        np.testing.assert_allclose(step.applied_input[1], plant.loads_at(step.state, path, 1.0).force_left, rtol=1e-12)
+        np.testing.assert_allclose(
+            step.applied_input[1], plant.loads_at(step.state, path, 1.0).force_left, rtol=1e-12
+        )
 
 
 @pytest.mark.parametrize("name", HOISTS)
@@ -98,7 +125,9 @@ def test_state_and_work_of_a_step_agree_with_cvodes(name: str) -> None:
     step = plant.step(state, 0.02, PATH.start)
     np.testing.assert_allclose(step.state.x, np.asarray(exact["xf"]).ravel(), rtol=1e-7, atol=1e-7)
     # of some kJ in this step
-    np.testing.assert_allclose(step.state.work_totals, np.asarray(exact["qf"]).ravel(), rtol=1e-7, atol=1e-4)
+    np.testing.assert_allclose(
+        step.state.work_totals, np.asarray(exact["qf"]).ravel(), rtol=1e-7, atol=1e-4
+    )
 
 
 def test_without_a_compiler_the_drive_takes_the_same_steps() -> None:
@@ -129,7 +158,9 @@ def test_torque_follows_its_command_with_the_lag(plant: Plant) -> None:
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf])
-def test_an_input_that_is_not_finite_is_a_status_and_keeps_the_state(plant: Plant, bad: float) -> None:
+def test_an_input_that_is_not_finite_is_a_status_and_keeps_the_state(
+    plant: Plant, bad: float
+) -> None:
     state = plant.equilibrium(0.0, 90.0, *RELAXED)
     step = plant.step(state, 0.01, PlantInput(bad, *RELAXED))
     assert not step.valid
@@ -152,9 +183,15 @@ def test_overwinding_is_a_status() -> None:
 
 
 BALANCED = Hoist(
-    payload_left=0.0, head_rope_mass=1e-6, tail_rope_mass=0.0, head_rope_stiffness=1e9, head_rope_damping=0.3,
-    loss_coulomb=0.0, loss_viscous=0.0, brake=Brake(torque=7.0e4, delay=0.2, lag=0.1),
-)  # fmt: skip
+    payload_left=0.0,
+    head_rope_mass=1e-6,
+    tail_rope_mass=0.0,
+    head_rope_stiffness=1e9,
+    head_rope_damping=0.3,
+    loss_coulomb=0.0,
+    loss_viscous=0.0,
+    brake=Brake(torque=7.0e4, delay=0.2, lag=0.1),
+)
 """Stiff, without losses and imbalance: 28 t that the brake stops at 2 m/s^2."""
 
 
@@ -162,8 +199,12 @@ def _stop(hoist: Hoist, law: EmergencyLaw, speed: float, seconds: float) -> list
     """Motion after a trip at mid-shaft, one output per 10 ms."""
     plant, h = Plant(hoist), 0.01
     state, u = rest_at(plant, (45.0, 45.0))
-    controller = SpeedController(hoist, float(state.x[0]), Gains(speed=4.0 * hoist.moving_mass, integral_time=1.0))
-    state = state_with(plant, state, phi_rate=speed / hoist.sheave_radius, v_left=speed, v_right=-speed, torque=0.0)
+    controller = SpeedController(
+        hoist, float(state.x[0]), Gains(speed=4.0 * hoist.moving_mass, integral_time=1.0)
+    )
+    state = state_with(
+        plant, state, phi_rate=speed / hoist.sheave_radius, v_left=speed, v_right=-speed, torque=0.0
+    )
     memory, shown = ControllerState(), [plant.outputs(state, u)]
     for k in range(round(seconds / h)):
         point = TrajectoryPoint(0.0, 0.0, 0.0, 0.0, Braking(law, k * h, 1.5))
@@ -188,7 +229,9 @@ def test_constant_torque_stops_within_the_distance_of_the_closed_form(speed: flo
 
 
 @pytest.mark.parametrize(("payload", "speed"), [(0.0, 6.0), (4.0e3, 6.0), (4.0e3, -6.0)])
-def test_a_regulated_stop_keeps_its_deceleration_with_any_load(payload: float, speed: float) -> None:
+def test_a_regulated_stop_keeps_its_deceleration_with_any_load(
+    payload: float, speed: float
+) -> None:
     hoist = replace(BALANCED, payload_left=payload, brake=Brake(torque=2.0e5, delay=0.2, lag=0.05))
     shown = _stop(hoist, "deceleration", speed, 6.0)
     rim = np.abs([hoist.sheave_radius * s.rate for s in shown])
@@ -201,7 +244,9 @@ def test_a_regulated_stop_keeps_its_deceleration_with_any_load(payload: float, s
 
 def test_two_stages_brake_with_a_part_of_the_torque_and_then_with_all_of_it() -> None:
     brake = Brake(torque=7.0e4, delay=0.2, lag=0.02, first_stage=0.4, first_stage_time=1.2)
-    torque = np.array([s.brake_torque for s in _stop(replace(BALANCED, brake=brake), "two-stage", 6.0, 2.5)])
+    torque = np.array(
+        [s.brake_torque for s in _stop(replace(BALANCED, brake=brake), "two-stage", 6.0, 2.5)]
+    )
     np.testing.assert_allclose(torque[:20], 0.0, atol=1e-9)
     np.testing.assert_allclose(torque[60:120], 0.4 * 7.0e4, rtol=1e-3)
     np.testing.assert_allclose(torque[150:], 7.0e4, rtol=1e-3)
@@ -222,7 +267,9 @@ def test_the_motor_is_off_while_the_brake_stops_the_hoist() -> None:
     assert before.braking is None
     assert after.braking is not None
     np.testing.assert_allclose(after.braking.elapsed, 0.5, rtol=1e-12)
-    command = SpeedController(hoist, 5e4).command(after, Measurement(20.0, 6.0), ControllerState(integral=1e4), 0.01)
+    command = SpeedController(hoist, 5e4).command(
+        after, Measurement(20.0, 6.0), ControllerState(integral=1e4), 0.01
+    )
     assert (command.torque, command.brake) == (0.0, 1.0)
 
 
@@ -234,14 +281,25 @@ REST = TrajectoryPoint(0.0, 0.0, 0.0, 0.0)
     ("acceleration", "speed", "torque", "integral"),
     [
         pytest.param(0.0, 0.0, 5e4, 0.0, id="at rest: the holding torque"),
-        pytest.param(0.75, 0.0, 5e4 + HOIST.sheave_radius * HOIST.moving_mass * 0.75, 0.0, id="fed forward"),
-        pytest.param(0.0, -0.1, 5e4 + HOIST.sheave_radius * 1e3, 5.0, id="k_v e; h k_v e / T_i from then on"),
+        pytest.param(
+            0.75, 0.0, 5e4 + HOIST.sheave_radius * HOIST.moving_mass * 0.75, 0.0, id="fed forward"
+        ),
+        pytest.param(
+            0.0, -0.1, 5e4 + HOIST.sheave_radius * 1e3, 5.0, id="k_v e; h k_v e / T_i from then on"
+        ),
     ],
 )
-def test_the_command_is_that_of_the_law(acceleration: float, speed: float, torque: float, integral: float) -> None:
-    asked, controller = TrajectoryPoint(0.0, 0.0, acceleration, 0.0), SpeedController(HOIST, 5e4, Gains(1e4, 2.0))
+def test_the_command_is_that_of_the_law(
+    acceleration: float, speed: float, torque: float, integral: float
+) -> None:
+    asked, controller = (
+        TrajectoryPoint(0.0, 0.0, acceleration, 0.0),
+        SpeedController(HOIST, 5e4, Gains(1e4, 2.0)),
+    )
     command = controller.command(asked, Measurement(0.0, speed), ControllerState(), 0.01)
-    np.testing.assert_allclose([command.torque, command.state.integral], [torque, integral], rtol=1e-14)
+    np.testing.assert_allclose(
+        [command.torque, command.state.integral], [torque, integral], rtol=1e-14
+    )
     assert not command.limited
 
 

@@ -31,7 +31,14 @@ from hoist_demo.recording import fidelity as masks
 from hoist_demo.recording.incidents import SIDES, Stop, stops
 from hoist_demo.recording.time_series import TIME, Recording
 from hoist_demo.report.html import packing
-from hoist_demo.report.verdict import VerdictRow, _Rope, _what_matters, bounds_in_words, broken, judge
+from hoist_demo.report.verdict import (
+    VerdictRow,
+    _Rope,
+    _what_matters,
+    bounds_in_words,
+    broken,
+    judge,
+)
 from hoist_demo.study.run import build
 from rope_model import neglected_text
 
@@ -39,7 +46,10 @@ ROOT = Path(__file__).parents[1]
 
 
 def recording(*fidelities: str) -> Recording:
-    signals = {"time": np.arange(float(len(fidelities))), masks.FIDELITY: np.array([*map(masks.code_of, fidelities)])}
+    signals = {
+        "time": np.arange(float(len(fidelities))),
+        masks.FIDELITY: np.array([*map(masks.code_of, fidelities)]),
+    }
     names = ("loop.yaw", "loop.y", "left.swivel.torque", "stress.torsion_max", "stress.bending_max")
     return Recording(signals | {name: np.zeros(len(fidelities)) for name in names}, {})
 
@@ -72,16 +82,40 @@ NAN = float("nan")
 AT_REST = {"drive.static_tension_ratio": [1.5, 1.6]}
 VERDICTS = [
     # three ropes of 1 to 2 kN, known within 2 N each
-    ({"left.fy": [-1e3, -2e3], "status.end_force_error": [0, 1e-3]}, {}, "pull of all 3", "3.00 to 6.00 kN", True),
+    (
+        {"left.fy": [-1e3, -2e3], "status.end_force_error": [0, 1e-3]},
+        {},
+        "pull of all 3",
+        "3.00 to 6.00 kN",
+        True,
+    ),
     ({"right.fy": [-1e3, 50.0]}, {}, "pull of all 3", "-0.15 to 3 kN", False),
     ({"right.fy": [-1e3, -50.0]}, {}, "pull of all 3", "0.15 to 3 kN", True),
     ({"loop.turns": [0.1, -0.55]}, {}, "turns", "0.55", False),
     ({"loop.turns": [0.1, -0.2]}, {"guard.turns": 0.15}, "turns", "0.2", False),
-    ({"loop.sideways": [0.0, 1.234567], "status.loop_error": [0, 5e-3]}, {}, "sideways", "1.23 m", None),
+    (
+        {"loop.sideways": [0.0, 1.234567], "status.loop_error": [0, 5e-3]},
+        {},
+        "sideways",
+        "1.23 m",
+        None,
+    ),
     ({"drive.pull_left": [9e3, 0.0]}, {}, "smallest pull of the head ropes, left", "0 kN", False),
     ({"loop.sideways": [0.0, 1.2]}, {"guard.window": 1.5}, "sideways", "1.2 m", True),
-    ({"nearest.divider.clearance": [1.0, 0.2]}, {"guard.clearance": 0.3}, "clearance from a divider", "0.2 m", False),
-    ({"status.loop_error": [0, 5e-3]}, {"accuracy.loop": 0.01}, "estimated error of the loop", "5 mm", True),
+    (
+        {"nearest.divider.clearance": [1.0, 0.2]},
+        {"guard.clearance": 0.3},
+        "clearance from a divider",
+        "0.2 m",
+        False,
+    ),
+    (
+        {"status.loop_error": [0, 5e-3]},
+        {"accuracy.loop": 0.01},
+        "estimated error of the loop",
+        "5 mm",
+        True,
+    ),
     # exp(0.25 pi) = 2.193: (2.193 - 1) / (1.6 - 1) at rest after arrival, 1.193 / 1.2 while it winds
     # at rest counts what hangs there, not what swings at the last instant
     ({"drive.tension_ratio": [1.5, 2.2], **AT_REST}, {}, "slip safety at rest", "1.99", True),
@@ -89,19 +123,43 @@ VERDICTS = [
     ({"drive.torque_limited": [1, 0]}, {}, "remark", "the motor was at its limit for 1.00 s", None),
     # the guard counts from a height of its own; a fall is no rise
     ({"loop.rise": [0.0, 0.3]}, {"guard.rise": 0.2}, "rise of the loop", "0.3 m", False),
-    ({"loop.rise": [0.0, 0.3]}, {"guard.rise": 0.2, "guard.rise_y": -14.0}, "rise of the loop", "0.3 m", None),
+    (
+        {"loop.rise": [0.0, 0.3]},
+        {"guard.rise": 0.2, "guard.rise_y": -14.0},
+        "rise of the loop",
+        "0.3 m",
+        None,
+    ),
     ({"loop.rise": [0.0, -0.3]}, {"guard.rise": 0.2}, "rise of the loop", "0 m", True),
     # only what was computed is told, with when and where
-    ({"loop.sideways": [2, 1], "loop.x": [2, 1], "loop.z": [NAN, 0]}, {}, "sideways", "2 m; t = 0.00 s, x = 2 m", None),
-    ({"left.swivel.slipping": [NAN, 1]}, {}, "slip of the", "left none; computed from t = 1.00 s on", None),
+    (
+        {"loop.sideways": [2, 1], "loop.x": [2, 1], "loop.z": [NAN, 0]},
+        {},
+        "sideways",
+        "2 m; t = 0.00 s, x = 2 m",
+        None,
+    ),
+    (
+        {"left.swivel.slipping": [NAN, 1]},
+        {},
+        "slip of the",
+        "left none; computed from t = 1.00 s on",
+        None,
+    ),
     ({"loop.turns": [NAN, 0.2]}, {}, "turns", "0.2; t = 1.00 s, computed from t = 1.00 s on", True),
 ]
 
 
 @pytest.mark.parametrize(("signals", "parameters", "row", "value", "kept"), VERDICTS)
-def test_the_verdict_has_each_number_with_its_digits_beside_its_bound(signals, parameters, row, value, kept) -> None:
-    record = Recording({"time": np.array([0.0, 1.0])} | {name: np.array(x) for name, x in signals.items()}, {})
-    ended = SimpleNamespace(recording=record, completed=True, cause="", warning="", winding=Winding())
+def test_the_verdict_has_each_number_with_its_digits_beside_its_bound(
+    signals, parameters, row, value, kept
+) -> None:
+    record = Recording(
+        {"time": np.array([0.0, 1.0])} | {name: np.array(x) for name, x in signals.items()}, {}
+    )
+    ended = SimpleNamespace(
+        recording=record, completed=True, cause="", warning="", winding=Winding()
+    )
     verdict = judge(ended, Hoist(tail_rope_number=3), [RopeData({}, parameters, {})])
     remarks = [VerdictRow("remark", text.partition(":")[0]) for text in verdict.remarks]
     (found,) = [one for one in (*verdict.rows, *remarks) if one.quantity.startswith(row)]
@@ -113,8 +171,12 @@ def test_the_verdict_has_each_number_with_its_digits_beside_its_bound(signals, p
 def test_each_row_of_the_verdict_that_fails_is_named_and_is_not_good() -> None:
     rows = list[VerdictRow]()
     for signals, parameters, *_ in VERDICTS:
-        record = Recording({"time": np.array([0.0, 1.0])} | {name: np.array(x) for name, x in signals.items()}, {})
-        ended = SimpleNamespace(recording=record, completed=True, cause="", warning="", winding=Winding())
+        record = Recording(
+            {"time": np.array([0.0, 1.0])} | {name: np.array(x) for name, x in signals.items()}, {}
+        )
+        ended = SimpleNamespace(
+            recording=record, completed=True, cause="", warning="", winding=Winding()
+        )
         rows += judge(ended, Hoist(tail_rope_number=3), [RopeData({}, parameters, {})]).rows
     kept = [replace(row, holds=True) for row in {row.quantity: row for row in rows}.values()]
     assert len(kept) > 12
@@ -129,12 +191,18 @@ def test_each_row_of_the_verdict_that_fails_is_named_and_is_not_good() -> None:
 
 def test_a_stop_is_told_by_each_conveyance_s_own_way_and_by_the_sheave_that_holds_it() -> None:
     y, vy = [0.0, 8.0, 12.0, 13.0, 12.0, 10.0, 4.0], [8.0, 6.0, 2.0, -0.1, -2.0, -3.0, -6.0]
-    signals = {f"conveyance.{side}.{name}": x for side in SIDES for name, x in (("y", y), ("vy", vy))}
+    signals = {
+        f"conveyance.{side}.{name}": x for side in SIDES for name, x in (("y", y), ("vy", vy))
+    }
     # ropes that slid before the stop go on sliding, at the ratio of sliding friction
     signals |= {"drive.tension_ratio": [1.5] + [1.9] * 6, "drive.slip": [0, 1, 3, 5, 7, 9, 9]}
     signals |= {"drive.static_tension_ratio": [1.5] * 7, "drive.slip_speed": [0.0] * 7}
     # on its way, swinging back on a sheave that stands, and with one that runs back, for 3 s or as the record ends
-    standing, running, slipping = [2.0, 1.5, 0.5] + [0.0] * 4, [0.5 * v for v in vy], [0.0] * 5 + [-3.0, -6.0]
+    standing, running, slipping = (
+        [2.0, 1.5, 0.5] + [0.0] * 4,
+        [0.5 * v for v in vy],
+        [0.0] * 5 + [-3.0, -6.0],
+    )
     for n, rates, slip, course in (
         (3, standing, None, (4, None, 0, False, 2, 4)),
         (4, standing, None, (5, 2, 0, True, -0.1, 5)),
@@ -144,13 +212,23 @@ def test_a_stop_is_told_by_each_conveyance_s_own_way_and_by_the_sheave_that_hold
         (7, standing, slipping, (5, 2, -9, False, -6, 5)),
     ):
         signals |= {"drive.rate": rates} | ({} if slip is None else {"drive.slip_speed": slip})
-        record = Recording({"time": np.arange(10.0, 10.0 + n), **{k: np.array(x[:n]) for k, x in signals.items()}}, {})
+        record = Recording(
+            {"time": np.arange(10.0, 10.0 + n), **{k: np.array(x[:n]) for k, x in signals.items()}},
+            {},
+        )
         assert stops(record, 1.0, radius=2.0) == [Stop(side, *course) for side in SIDES]
-    ended = SimpleNamespace(recording=record, completed=True, cause="", warning="", winding=Winding(emergency_at=2.0))
+    ended = SimpleNamespace(
+        recording=record, completed=True, cause="", warning="", winding=Winding(emergency_at=2.0)
+    )
     rows = {row.quantity: row for row in judge(ended, Hoist(), [RopeData({}, {}, {})]).rows}
     told = rows["way of the left conveyance in the emergency stop"]
-    assert (told.value, told.holds) == ("1.00 m in 1.00 s, then 9.00 m down, at 6 m/s in the end", False)
-    assert [rows[f"slip safety {part}"].holds for part in ("at rest", "from the emergency stop on")] == [True, False]
+    assert (told.value, told.holds) == (
+        "1.00 m in 1.00 s, then 9.00 m down, at 6 m/s in the end",
+        False,
+    )
+    assert [
+        rows[f"slip safety {part}"].holds for part in ("at rest", "from the emergency stop on")
+    ] == [True, False]
 
 
 @pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler")
@@ -162,18 +240,38 @@ def test_a_demo_s_reports_state_rope_file_version_level_and_fidelity(
     (scratch := tmp_path / "scratch").mkdir()
     if fmi == "3":
         fmu = tmp_path / "mine.fmu"
-        export = ["export", "--native", "--fmi", fmi, "--platform", "host", "--level", "draft", "--out", str(fmu)]
+        export = [
+            "export",
+            "--native",
+            "--fmi",
+            fmi,
+            "--platform",
+            "host",
+            "--level",
+            "draft",
+            "--out",
+            str(fmu),
+        ]
         assert main(export) == 0
     demo = ["demo", "--fmu", str(fmu), "--travel", "0.5", "--quick", "--out", str(out)]
-    command, where = [sys.executable, "-m", "balance_rope", *demo], os.environ | {"TMPDIR": str(scratch)}
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=300, check=False, env=where)
+    command, where = (
+        [sys.executable, "-m", "balance_rope", *demo],
+        os.environ | {"TMPDIR": str(scratch)},
+    )
+    done = subprocess.run(
+        command, cwd=ROOT, capture_output=True, text=True, timeout=300, check=False, env=where
+    )
     assert done.returncode == 0, done.stderr
     title = "Published rope of 120 m: the left conveyance 0.5 m up at up to 8 m/s"
     assert done.stdout.startswith(f"{title}\n")
     for name in ("report.md", "report.html"):
         text = (out / name).read_text(encoding="utf-8")
         assert hashlib.sha256(fmu.read_bytes()).hexdigest() in text
-        assert [word for word in (title, "draft", "planar", "rope.EI", "hoist.sheave_mass") if word not in text] == []
+        assert [
+            word
+            for word in (title, "draft", "planar", "rope.EI", "hoist.sheave_mass")
+            if word not in text
+        ] == []
     assert not any(scratch.iterdir()), "what is unpacked goes with the process"
     # the table holds the rope's own fidelity, and no zero where nothing was computed
     header, first = (out / "signals.csv").read_text(encoding="utf-8").splitlines()[:2]
@@ -194,9 +292,12 @@ def default_hangup() -> Iterator[None]:
 
 
 @pytest.mark.parametrize(
-    "name", ["SIGINT", pytest.param("SIGHUP", marks=pytest.mark.skipif(os.name == "nt", reason="none"))]
+    "name",
+    ["SIGINT", pytest.param("SIGHUP", marks=pytest.mark.skipif(os.name == "nt", reason="none"))],
 )
-def test_an_interrupt_and_a_closed_terminal_let_the_writing_finish(name, capsys: Capture, monkeypatch: Patch) -> None:
+def test_an_interrupt_and_a_closed_terminal_let_the_writing_finish(
+    name, capsys: Capture, monkeypatch: Patch
+) -> None:
     before = signal.getsignal(signal.SIGINT)
     monkeypatch.setattr(support, "silence", lambda: None)
     with default_hangup():
@@ -264,7 +365,11 @@ WHERE = {"station.first": 0.0, "station.last": 1.0, "rope.length": 120.0}
 def record(*columns: list[float]) -> Recording:
     """A record of stations with these values, one per second, of all quantities alike."""
     signals = {TIME: np.arange(float(len(columns[0])))}
-    signals |= {f"station.{name}[{k + 1}]": np.array(x) for name in exposures.QUANTITIES for k, x in enumerate(columns)}
+    signals |= {
+        f"station.{name}[{k + 1}]": np.array(x)
+        for name in exposures.QUANTITIES
+        for k, x in enumerate(columns)
+    }
     return Recording(signals, dict.fromkeys(signals, "1"))
 
 
@@ -285,7 +390,9 @@ def test_cycles_are_those_of_the_example_of_astm_e1049() -> None:
     found = exposures.exposure(record([-2, 1, -3, 5, -1, 3, -4, 4, -2], [0.0] * 9), WHERE)
     assert_allclose(found["tension.range"], [9.0, 0.0])
     assert_allclose(found["tension.cycles"], [4.0, 0.0])
-    extremes = [found[f"tension.{name}"][0] for name in ("least", "largest", "least_at", "largest_at")]
+    extremes = [
+        found[f"tension.{name}"][0] for name in ("least", "largest", "least_at", "largest_at")
+    ]
     assert_allclose(extremes, [-4.0, 5.0, 6.0, 3.0])
     # by bins of their range: 3 and 4 from 2 on; 6, 8 and 9 from 5 on
     binned = {name: found[name][0] for name in exposures.bin_columns("torque") if found[name][0]}
@@ -298,11 +405,15 @@ def test_time_in_the_bend_is_that_above_half_the_sharpest() -> None:
 
 
 def test_trips_to_and_fro_add_up_to_whole_cycles() -> None:
-    up, down = (exposures.exposure(record(values, [0, 0, 0]), WHERE) for values in ([0, 2, 4], [4, 2, 0]))
+    up, down = (
+        exposures.exposure(record(values, [0, 0, 0]), WHERE) for values in ([0, 2, 4], [4, 2, 0])
+    )
     assert_allclose(up["torque.cycles"], [0.5, 0.0])
     both = exposures.together([up, down, up, down])
     names = "torque.cycles", "torque.range", "s", "torque.from_2"
-    assert_allclose([both[name] for name in names], [[2.0, 0.0], [4.0, 0.0], [0.0, 120.0], [2.0, 0.0]])
+    assert_allclose(
+        [both[name] for name in names], [[2.0, 0.0], [4.0, 0.0], [0.0, 120.0], [2.0, 0.0]]
+    )
 
 
 def test_a_vibration_in_a_trip_has_its_frequency_and_amplitude() -> None:
@@ -329,8 +440,12 @@ def test_ranges_at_a_place_are_those_counted_by_hand(station: int) -> None:
     # straight, bent once, straight again: the cycle is all that there is between its least and largest value
     assert_allclose(found["curvature.range"][k], curvature.max() - curvature.min(), rtol=1e-3)
     # the time above half the sharpest of all, sample by sample
-    sharpest = max(float(recording[name].max()) for name in recording.signals if "curvature" in name)
-    assert_allclose(found["bent"][k], 0.01 * np.count_nonzero(curvature > 0.5 * sharpest), rtol=1e-9)
+    sharpest = max(
+        float(recording[name].max()) for name in recording.signals if "curvature" in name
+    )
+    assert_allclose(
+        found["bent"][k], 0.01 * np.count_nonzero(curvature > 0.5 * sharpest), rtol=1e-9
+    )
     # the bend, of some 2.4 m above half its curvature, passes at the speed of the conveyances: more than half of 8 m/s
     assert 2.0 / 8.0 < found["bent"][k] < 3.0 / 4.0 + 0.2
 

@@ -43,25 +43,75 @@ from hoist_demo.study.store import Store
 from hoist_demo.uncertainty.definition import UncertaintyFile
 from rope_model import Datum
 from rope_model.numerics.kernels import find_compiler
-from rope_model.texts import REPLACEMENT, c_string, csv_cell, html_text, printable, toml_string, xml_text
+from rope_model.texts import (
+    REPLACEMENT,
+    c_string,
+    csv_cell,
+    html_text,
+    printable,
+    toml_string,
+    xml_text,
+)
 
 ROOT = Path(__file__).resolve().parent.parent
-CLOSES_THE_TABLE = 'x", NULL}}; __attribute__((constructor)) static void run(void) {system("id");} int y[] = {{"'
+CLOSES_THE_TABLE = (
+    'x", NULL}}; __attribute__((constructor)) static void run(void) {system("id");} int y[] = {{"'
+)
 HOSTILE = [
     # C
-    CLOSES_THE_TABLE, '"', "\\", '\\"', "\\\\", "x\\", '"; int main(void) { return 7; } //', "*/ int x; /*", "// x",
-    '#include "/etc/passwd"', "??/", "??)", "a???/\"b", "%s%n%d", "\\u0041", "\\x41", "\\1012", "\x01234", "\x00",
+    CLOSES_THE_TABLE,
+    '"',
+    "\\",
+    '\\"',
+    "\\\\",
+    "x\\",
+    '"; int main(void) { return 7; } //',
+    "*/ int x; /*",
+    "// x",
+    '#include "/etc/passwd"',
+    "??/",
+    "??)",
+    'a???/"b',
+    "%s%n%d",
+    "\\u0041",
+    "\\x41",
+    "\\1012",
+    "\x01234",
+    "\x00",
     "a\x00b",
-    "line\nfeed", "carriage\rreturn", "tab\there", "\\\n", "L\"x\"",
+    "line\nfeed",
+    "carriage\rreturn",
+    "tab\there",
+    "\\\n",
+    'L"x"',
     # XML and HTML
-    "<script>alert(1)</script>", "</script><script>alert(1)</script>", "</title><img src=x onerror=alert(1)>",
-    "\" onload=\"alert(1)", "' onclick='alert(1)", "<!--", "-->", "]]>", "<![CDATA[x]]>", "&amp;", "&lt;b&gt;",
+    "<script>alert(1)</script>",
+    "</script><script>alert(1)</script>",
+    "</title><img src=x onerror=alert(1)>",
+    '" onload="alert(1)',
+    "' onclick='alert(1)",
+    "<!--",
+    "-->",
+    "]]>",
+    "<![CDATA[x]]>",
+    "&amp;",
+    "&lt;b&gt;",
     "&#x3c;b>",
-    "<!ENTITY x SYSTEM 'file:///etc/passwd'>", "\ufffe", "javascript:alert(1)", "$title ${body}", "{0} {x}",
+    "<!ENTITY x SYSTEM 'file:///etc/passwd'>",
+    "\ufffe",
+    "javascript:alert(1)",
+    "$title ${body}",
+    "{0} {x}",
     # TOML and files
-    'x"\n[fixed]\nrope.EI = 1', "'''", "\x7f", "\x1b[31mred", "../../etc/passwd", "\u202ecod.exe",
-    "\u2028", "日本\U0001f4a3",
-]  # fmt: skip
+    'x"\n[fixed]\nrope.EI = 1',
+    "'''",
+    "\x7f",
+    "\x1b[31mred",
+    "../../etc/passwd",
+    "\u202ecod.exe",
+    "\u2028",
+    "日本\U0001f4a3",
+]
 PARAMETERS = rope_parameters()
 
 
@@ -74,7 +124,9 @@ def variable(text: str) -> Variable:
 def test_c_compiles_and_holds_the_exact_texts(tmp_path: Path) -> None:
     shell = ROOT / "fmu_src" / "native"
     literals = ",\n".join(f"{{{c_string(text)}, sizeof {c_string(text)} - 1}}" for text in HOSTILE)
-    (tmp_path / "variables.c").write_text(c_table([variable(text) for text in HOSTILE], 2), encoding="utf-8")
+    (tmp_path / "variables.c").write_text(
+        c_table([variable(text) for text in HOSTILE], 2), encoding="utf-8"
+    )
     (tmp_path / "main.c").write_text(
         '#include <stdio.h>\n#include "model.h"\n'
         f"static const struct {{ const char *text; size_t size; }} TEXTS[] = {{\n{literals}\n}};\n"
@@ -85,13 +137,22 @@ def test_c_compiles_and_holds_the_exact_texts(tmp_path: Path) -> None:
         '        printf(";");\n    }\n    return (int)MODEL_SCALARS - (int)(sizeof TEXTS / sizeof *TEXTS);\n}\n',
         encoding="utf-8",
     )
-    compiler = [*(find_compiler() or ()), "-std=c99", "-trigraphs", "-Werror", f"-I{shell}", f"-I{shell / 'include'}"]
+    compiler = [
+        *(find_compiler() or ()),
+        "-std=c99",
+        "-trigraphs",
+        "-Werror",
+        f"-I{shell}",
+        f"-I{shell / 'include'}",
+    ]
     subprocess.run([*compiler, "main.c", "variables.c", "-o", "main"], cwd=tmp_path, check=True)
     said = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True).stdout
     found = [row.split(" ") for row in said.removesuffix(";").split(";")]
     assert [bytes.fromhex(whole).decode() for whole, _ in found] == HOSTILE
     # a name ends where C ends it; files cannot have one with such a character
-    assert [bytes.fromhex(name).decode() for _, name in found] == [text.partition("\0")[0] for text in HOSTILE]
+    assert [bytes.fromhex(name).decode() for _, name in found] == [
+        text.partition("\0")[0] for text in HOSTILE
+    ]
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
@@ -99,10 +160,16 @@ def test_model_descriptions_are_xml_with_the_texts(fmi: int) -> None:
     described = dict(enumerate(map(variable, HOSTILE)))
     for text in HOSTILE:
         build = Build("token", "1", "tool", "", name="HoistDrive", description=text)
-        root = model_description(described, build) if fmi == 2 else model_description3(scalars(described), 999, build)
+        root = (
+            model_description(described, build)
+            if fmi == 2
+            else model_description3(scalars(described), 999, build)
+        )
         read = ElementTree.fromstring(xml_bytes(root))
         assert read.get("description") == xml_text(text)
-        names = [node.get("name") for node in read.iter("ScalarVariable" if fmi == 2 else "Float64")]
+        names = [
+            node.get("name") for node in read.iter("ScalarVariable" if fmi == 2 else "Float64")
+        ]
         assert names[fmi == 3 :] == [xml_text(text) for text in HOSTILE]
 
 
@@ -110,7 +177,9 @@ def test_a_system_is_xml_with_the_texts(tmp_path: Path) -> None:
     for text in HOSTILE:
         path = export_ssp(tmp_path / "system.ssp", text, [], 1.0, 0.01, text)
         system = ElementTree.fromstring(read_archive(path)["SystemStructure.ssd"])
-        assert {system.get("name"), system[0].get("name"), system[0].get("description")} == {xml_text(text)}
+        assert {system.get("name"), system[0].get("name"), system[0].get("description")} == {
+            xml_text(text)
+        }
 
 
 class Elements(HTMLParser):
@@ -137,10 +206,14 @@ class Elements(HTMLParser):
 
 
 def _study_page(text: str, folder: Path) -> str:
-    table = pd.DataFrame({"variant": [text, "other"], text: [1.0, 2.0], "status": ["completed", text]})
+    table = pd.DataFrame(
+        {"variant": [text, "other"], text: [1.0, 2.0], "status": ["completed", text]}
+    )
     table["cause"] = ["", text]
     meta = {"title": text, "parameters": ["variant"], "study file": text, text: text}
-    return study_report(table, {text: text}, meta, folder / "study.html").read_text(encoding="utf-8")
+    return study_report(table, {text: text}, meta, folder / "study.html").read_text(
+        encoding="utf-8"
+    )
 
 
 def _sheet_page(text: str, folder: Path) -> str:
@@ -152,7 +225,9 @@ def _sheet_page(text: str, folder: Path) -> str:
 
 PAGES: dict[str, Callable[[str, Path], str]] = {
     "rope FMU": lambda text, _: index_html([variable(text)], True),
-    "drive FMU": lambda text, _: attachments(text, [variable(text)])["documentation/index.html"].decode(),
+    "drive FMU": lambda text, _: attachments(text, [variable(text)])[
+        "documentation/index.html"
+    ].decode(),
     "study": _study_page,
     "sheet": _sheet_page,
 }
@@ -180,13 +255,22 @@ def test_a_run_and_its_data_have_no_element_of_a_text() -> None:
 
 @pytest.mark.skipif(BROWSER is None, reason="no Chromium found: apt-get install chromium")
 def test_a_browser_makes_no_element_of_a_text(tmp_path: Path) -> None:
-    table = pd.DataFrame({"variant": HOSTILE, "speed": [*map(float, range(50))], "status": "completed", "cause": ""})
+    table = pd.DataFrame(
+        {"variant": HOSTILE, "speed": [*map(float, range(50))], "status": "completed", "cause": ""}
+    )
     table.loc[1::2, "cause"] = table["variant"]
     meta = {"title": CLOSES_THE_TABLE, "parameters": ["variant"]}
     study = study_report(table, dict.fromkeys(HOSTILE, "m"), meta, tmp_path / "study.html")
-    winding = run(tmp_path, **{text: table["speed"].to_numpy()[[k % 50 for k in range(301)]] for text in HOSTILE})
+    winding = run(
+        tmp_path,
+        **{text: table["speed"].to_numpy()[[k % 50 for k in range(301)]] for text in HOSTILE},
+    )
     for path in (study, winding):
-        seen = look(path, "seen.strange = document.querySelectorAll('img, iframe, b, [onerror], [onload]').length", 900)
+        seen = look(
+            path,
+            "seen.strange = document.querySelectorAll('img, iframe, b, [onerror], [onload]').length",
+            900,
+        )
         assert seen.said["strange"] == 0
         assert not seen.console
 
@@ -202,15 +286,26 @@ def test_markdown_has_no_element_of_a_text() -> None:
 def test_a_rope_file_reads_back(tmp_path: Path) -> None:
     for text in HOSTILE:
         datum = Datum(1.0, 2.0, "1", text, text)  # type: ignore[arg-type]
-        known = SimpleNamespace(construction=text, diameter=0.05, length=60.0, lay=text, data={"torque_factor": datum})
-        problem = SimpleNamespace(rope=lambda norm_params: SimpleNamespace(**dict.fromkeys(FOLLOWING, 1.0)), sought={})
+        known = SimpleNamespace(
+            construction=text, diameter=0.05, length=60.0, lay=text, data={"torque_factor": datum}
+        )
+        problem = SimpleNamespace(
+            rope=lambda norm_params: SimpleNamespace(**dict.fromkeys(FOLLOWING, 1.0)), sought={}
+        )
         fit = SimpleNamespace(norm_params=None, contradicted=False, held=np.zeros(0, dtype=int))
         measured = SimpleNamespace(problem=problem, path=SimpleNamespace(name=text))
-        found = SimpleNamespace(calibrated_rope=known, data={}, fit=fit, measurement_file=measured, names=())
+        found = SimpleNamespace(
+            calibrated_rope=known, data={}, fit=fit, measurement_file=measured, names=()
+        )
         path = write_rope_file(found, tmp_path / "rope.toml")  # type: ignore[arg-type]
         read = tomllib.loads(path.read_text(encoding="utf-8"))
         assert read["rope"]["construction"] == read["rope"]["lay"] == text
-        assert read["known"]["torque_factor"] == {"low": 1.0, "high": 2.0, "status": text, "source": text}
+        assert read["known"]["torque_factor"] == {
+            "low": 1.0,
+            "high": 2.0,
+            "status": text,
+            "source": text,
+        }
         assert [*read] == ["rope", "known", "fixed"]
 
 
@@ -219,16 +314,29 @@ MEASURED = '[rope]\nconstruction = "34x7"\ndiameter = 0.046\nlength = 60.0\n'
 WIDTH = '[[measured]]\nwhat = "loop width"\nvalue = 3.05\nsigma = 0.05\n'
 READERS: dict[str, tuple[Callable[[Path], object], str]] = {
     "hoist name": (lambda path: read(path, HoistFile).case.name, "name = {}\n[[rope]]\n"),
-    "hoist source": (lambda path: read(path, HoistFile).case.source, 'name = "a"\nsource = {}\n[[rope]]\n'),
+    "hoist source": (
+        lambda path: read(path, HoistFile).case.source,
+        'name = "a"\nsource = {}\n[[rope]]\n',
+    ),
     "duty title": (
-        lambda path: read_schedule(path).header.title, "[duty]\ntitle = {}\n[[trip]]\nwinding.travel = 10.0\n"),
-    "uncertain title": (lambda path: read(path, UncertaintyFile).header.title, "[uncertain]\ntitle = {}\n" + MEASURED),
+        lambda path: read_schedule(path).header.title,
+        "[duty]\ntitle = {}\n[[trip]]\nwinding.travel = 10.0\n",
+    ),
+    "uncertain title": (
+        lambda path: read(path, UncertaintyFile).header.title,
+        "[uncertain]\ntitle = {}\n" + MEASURED,
+    ),
     "measured name": (
-        lambda path: read(path, MeasurementFile).measurements[0].name, MEASURED + WIDTH + "name = {}\n"),
+        lambda path: read(path, MeasurementFile).measurements[0].name,
+        MEASURED + WIDTH + "name = {}\n",
+    ),
     "known source": (
-        lambda path: read(path, MeasurementFile).problem.catalogue_rope.data["torque_factor"].source,
-        MEASURED + "[known]\ntorque_factor = {{ low = 0.1, high = 0.1, source = {} }}\n" + WIDTH),
-}  # fmt: skip
+        lambda path: (
+            read(path, MeasurementFile).problem.catalogue_rope.data["torque_factor"].source
+        ),
+        MEASURED + "[known]\ntorque_factor = {{ low = 0.1, high = 0.1, source = {} }}\n" + WIDTH,
+    ),
+}
 
 
 @pytest.mark.parametrize("kind", READERS)
@@ -241,7 +349,9 @@ def test_texts_of_files_are_kept_or_refused_with_a_cure(kind: str, tmp_path: Pat
             assert read(path) == text
             continue
         told = refusal(read, path)
-        assert re.search(r"must (be a line of printable characters: leave|have at most 200: shorten)", told), text
+        assert re.search(
+            r"must (be a line of printable characters: leave|have at most 200: shorten)", told
+        ), text
 
 
 #: what reads the files of each folder of the documents, which have all keys but these
@@ -265,18 +375,26 @@ MORE = {
 WORD = re.compile(r"#.*|\"[^\"\n]*\"|'[^'\n]*'|[\w.+-]+")
 
 
-EXAMPLES = [(kind, path) for kind in FILES for path in sorted((ROOT / "examples" / kind).glob("*.toml"))]
+EXAMPLES = [
+    (kind, path) for kind in FILES for path in sorted((ROOT / "examples" / kind).glob("*.toml"))
+]
 
 
 @pytest.mark.parametrize(
-    ("kind", "example"), [*((kind, path.read_text("utf-8")) for kind, path in EXAMPLES), *MORE.items()]
+    ("kind", "example"),
+    [*((kind, path.read_text("utf-8")) for kind, path in EXAMPLES), *MORE.items()],
 )
-def test_every_key_value_and_table_takes_the_texts_or_refuses_them_in_words(kind, example, tmp_path):
+def test_every_key_value_and_table_takes_the_texts_or_refuses_them_in_words(
+    kind, example, tmp_path
+):
     path = tmp_path / "file.toml"
     words = {found[0]: found for found in WORD.finditer(example) if not found[0].startswith("#")}
     for k, word in enumerate(words.values()):
         for text in HOSTILE[k % 50 :: 50]:
-            path.write_text(example[: word.start()] + toml_string(text) + example[word.end() :], encoding="utf-8")
+            path.write_text(
+                example[: word.start()] + toml_string(text) + example[word.end() :],
+                encoding="utf-8",
+            )
             assert refusal(FILES[kind], path) or printable(text) == text, (word[0], text)
 
 
@@ -296,17 +414,36 @@ def test_halves_of_characters_become_replacements() -> None:
 
 
 #: what a spreadsheet would compute, and what it would not
-FORMULAS = ["=1+1", "+x", "@SUM(A1)", "-cmd|' /C calc'!A0", " =a", "\t=x", "\r=x", "-", '=HYPERLINK("http://x")']
+FORMULAS = [
+    "=1+1",
+    "+x",
+    "@SUM(A1)",
+    "-cmd|' /C calc'!A0",
+    " =a",
+    "\t=x",
+    "\r=x",
+    "-",
+    '=HYPERLINK("http://x")',
+]
 PLAIN = ["-5", "+3.5", "-5e3", "-inf", "a=b", "x", ""]
 
 
 def test_a_spreadsheet_computes_no_text(tmp_path: Path) -> None:
     written = [f"'{text}".replace("\r", " ") for text in FORMULAS]
     assert [csv_cell(text) for text in FORMULAS] == written
-    assert [csv_cell(value) for value in [*PLAIN, -5.0, 3, None, True]] == [*PLAIN, -5.0, 3, None, True]
+    assert [csv_cell(value) for value in [*PLAIN, -5.0, 3, None, True]] == [
+        *PLAIN,
+        -5.0,
+        3,
+        None,
+        True,
+    ]
     store = Store(tmp_path / "study")
     store.write_table([{"variant": text, "=x": -1.5, "runs": 2} for text in FORMULAS], {}, "")
-    data = write_data([SourcedValue("rope.EI", text, "N m^2", "given") for text in FORMULAS], tmp_path / "data.csv")
+    data = write_data(
+        [SourcedValue("rope.EI", text, "N m^2", "given") for text in FORMULAS],
+        tmp_path / "data.csv",
+    )
     for path, column in ((tmp_path / "study" / "results.csv", 0), (data, 1)):
         with path.open(newline="", encoding="utf-8") as file:
             header, *rows = csv.reader(file)

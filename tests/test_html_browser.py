@@ -19,7 +19,9 @@ from hoist_demo.report.verdict import judge
 from hoist_demo.study.objective import Constraint, Objective
 from hoist_demo.study.perform import Best, StudyResult
 
-pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium found: apt-get install chromium")
+pytestmark = pytest.mark.skipif(
+    BROWSER is None, reason="no Chromium found: apt-get install chromium"
+)
 
 _RUN = """
 const slider = document.getElementById("slider"), loop = document.getElementById("loop");
@@ -112,12 +114,16 @@ seen.kept = column(1);
 
 
 @pytest.fixture(scope="module", params=[1280, 390])
-def seen_run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
+def seen_run(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> SimpleNamespace:
     return look(run(tmp_path_factory.mktemp("run")), _RUN, request.param, "t=4.5")
 
 
 @pytest.fixture(scope="module", params=[1280, 390])
-def seen_study(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
+def seen_study(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> SimpleNamespace:
     table = pd.DataFrame(
         {
             "jerk": [0.5, 1.0, 1.5, 2.0],
@@ -132,7 +138,11 @@ def seen_study(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPath
     page = tmp_path_factory.mktemp("study") / "study.html"
     objective = Objective({"swing": 1.0}, 1.0, (Constraint("clearance", 0.45, -1.0),))
     result = StudyResult(page, 4, {}, {}, {}, (), range(4), Best((3,), "run 4", True))
-    return look(study_report(table, {"swing": "mm"}, meta, page, (), result, objective), _STUDY, request.param)
+    return look(
+        study_report(table, {"swing": "mm"}, meta, page, (), result, objective),
+        _STUDY,
+        request.param,
+    )
 
 
 def test_a_run_loads_silently_and_follows_slider_click_and_clock(seen_run: SimpleNamespace) -> None:
@@ -160,11 +170,18 @@ def test_a_run_loads_silently_and_follows_slider_click_and_clock(seen_run: Simpl
 def test_a_run_shows_what_was_recorded(seen_run: SimpleNamespace) -> None:
     said = seen_run.said
     expected = {"Height in the shaft", "Tension ratio on the sheave", "Pull on the conveyances"}
-    expected |= {"Largest nominal stress of the rope", "Bending stress along the rope", "Tension along the rope"}
+    expected |= {
+        "Largest nominal stress of the rope",
+        "Bending stress along the rope",
+        "Tension along the rope",
+    }
     assert expected <= set(said["titles"])
     assert said["curves"] >= 8
     # what never moves, and what is zero all along, is a number and no plot
-    numbers = {"Clearance between the legs": "clearance 2.000 m", "Torsional stress along the rope": "0 MPa"}
+    numbers = {
+        "Clearance between the legs": "clearance 2.000 m",
+        "Torsional stress along the rope": "0 MPa",
+    }
     for title, number in numbers.items():
         assert f"{title} ({number})" in said["quiet"]
         assert title not in said["titles"]
@@ -177,12 +194,16 @@ def test_a_run_shows_what_was_recorded(seen_run: SimpleNamespace) -> None:
     assert float(said["reading"]) == pytest.approx(42.0, abs=0.01)
     assert said["swivels"] == ["sticks", "locked"]
     assert f"{Hoist().tension_ratio_limit:.2f}" in said["limit"]
-    for found, ticks in zip(said["round"], ([2.0, 4.0, 6.0, 8.0], [4.5, 5.0, 5.5], [0.0, 0.5, 1.0]), strict=True):
+    for found, ticks in zip(
+        said["round"], ([2.0, 4.0, 6.0, 8.0], [4.5, 5.0, 5.5], [0.0, 0.5, 1.0]), strict=True
+    ):
         np.testing.assert_allclose(found, ticks)
 
 
 def test_a_complaint_of_the_page_would_be_noticed(tmp_path: Path) -> None:
-    seen = look(run(tmp_path), 'fetch("https://example.org/").catch(() => 0); await wait(100);', 800)
+    seen = look(
+        run(tmp_path), 'fetch("https://example.org/").catch(() => 0); await wait(100);', 800
+    )
     assert any("Content Security Policy" in line for line in seen.console)
 
 
@@ -191,7 +212,12 @@ def test_a_study_loads_silently_sorts_marks_and_keeps_a_range(seen_study: Simple
     assert seen_study.console == [] == said["requests"]
     assert said["width"] <= said["room"]
     # as many columns as have room: all five of a wide page
-    assert (said["lines"], said["best"], said["axes"], said["dots"]) == (4, "3", 5 if said["room"] > 400 else 3, 3)
+    assert (said["lines"], said["best"], said["axes"], said["dots"]) == (
+        4,
+        "3",
+        5 if said["room"] > 400 else 3,
+        3,
+    )
     assert (said["chosen"], said["bounds"]) == (["jerk", "swing"], said["room"] > 400)
     # more is better in both; the fourth is beaten by the first, the second has failed
     assert (sorted(said["front"]), said["fits"]) == (["1", "3"], True)
@@ -199,21 +225,33 @@ def test_a_study_loads_silently_sorts_marks_and_keeps_a_range(seen_study: Simple
     assert said["unpacked"] == [-1.0, 0.0, pytest.approx(2.0)]
     assert said["ticks"] == ["0.012320", "0.012322", "0.012324", "0.012326"]
     assert "head rope <b>gone</b>" in said["failed"]
-    assert (said["up"], said["down"]) == (["1.000", "4.000", "12.00", "–"], ["12.00", "4.000", "1.000", "–"])
+    assert (said["up"], said["down"]) == (
+        ["1.000", "4.000", "12.00", "–"],
+        ["12.00", "4.000", "1.000", "–"],
+    )
     assert said["marked"] == ["2"]
     # jerks of 0.5 to 1.4: the first two; run 3 is marked and stays
     assert sorted(said["kept"]) == ["1", "2", "3"]
 
 
 def test_a_run_that_stopped_after_one_row_or_never_began_is_shown(tmp_path: Path) -> None:
-    only = {name: np.array([value]) for name, value in (("time", 0.0), ("left.fy", -1e3), ("loop.y", -15.0))}
+    only = {
+        name: np.array([value])
+        for name, value in (("time", 0.0), ("left.fy", -1e3), ("loop.y", -15.0))
+    }
     for signals, probe, expected in (
-        (only | shaped(curve(0.0)[None]), 'getElementById("loop").dataset.bottom', "0.0000 -15.0000 0.0000"),
+        (
+            only | shaped(curve(0.0)[None]),
+            'getElementById("loop").dataset.bottom',
+            "0.0000 -15.0000 0.0000",
+        ),
         ({}, 'querySelector(".stopped").textContent', "no <shape>"),
     ):
         path = tmp_path / f"run{len(signals)}.html"
         ended = result(signals, "no <shape>")
-        page = run_report(ended, Hoist(), Report("T", judge(ended, Hoist(), [RopeData({}, {}, {})])), path)
+        page = run_report(
+            ended, Hoist(), Report("T", judge(ended, Hoist(), [RopeData({}, {}, {})])), path
+        )
         seen = look(page, f"seen.found = document.{probe};", 800)
         assert seen.console == []
         assert expected in seen.said["found"]
@@ -240,13 +278,30 @@ seen.stretch = document.getElementById("stretch").value;
 def test_the_shaft_is_drawn_with_its_contacts_and_the_guard_that_tripped(tmp_path: Path) -> None:
     t = np.linspace(0.0, END, STEPS)
     late = (t > 4.0).astype(float)
-    signals = {"time": t, "contact.floor": 50.0 * late, "contact.lining": 0.0 * t, "loop.rise": 0.01 * t}
+    signals = {
+        "time": t,
+        "contact.floor": 50.0 * late,
+        "contact.lining": 0.0 * t,
+        "loop.rise": 0.01 * t,
+    }
     signals |= {"guard.tripped": late, "guard.cause": late, "guard.time": 4.0 * late}
     signals |= shaped(np.array([curve(float(s)) for s in t]))
-    parameters = {"lining.width": 5.0, "lining.depth": 3.0, "lining.rounding": 0.5, "sump.level": -15.5}
-    parameters |= {"divider_2.size": 0.2, "divider_2.y": -13.0, "divider_2.rounding": 1.0, "guard.rise": 0.5}
+    parameters = {
+        "lining.width": 5.0,
+        "lining.depth": 3.0,
+        "lining.rounding": 0.5,
+        "sump.level": -15.5,
+    }
+    parameters |= {
+        "divider_2.size": 0.2,
+        "divider_2.y": -13.0,
+        "divider_2.rounding": 1.0,
+        "guard.rise": 0.5,
+    }
     rope, ended = RopeData({}, parameters, {}), result(signals)
-    page = run_report(ended, Hoist(), Report("T", judge(ended, Hoist(), [rope])), tmp_path / "run.html", [rope])
+    page = run_report(
+        ended, Hoist(), Report("T", judge(ended, Hoist(), [rope])), tmp_path / "run.html", [rope]
+    )
     seen = look(page, _SHAFT, 1000)
     assert seen.console == []
     assert seen.said["opened"] == "floor"  # the page opens on the strike

@@ -25,13 +25,19 @@ BENT, ELEMENT = curved_functions(), element_functions()
 K0, EI = 0.3, 1.7
 #: the elements are the beginning of this rope
 SET = Rope(
-    length=3.0, initial_curvature=K0, initial_curvature_angle=0.7, curvature_left=0.1, curvature_middle_across=0.2
+    length=3.0,
+    initial_curvature=K0,
+    initial_curvature_angle=0.7,
+    curvature_left=0.1,
+    curvature_middle_across=0.2,
 )
 
 
 def numbers(q: Array, l: float, e1: Any = START) -> Array:
     """What a curved element has in its reference ``q`` (14,)."""
-    return np.concatenate((curvature_vectors(curvature_components(SET, 0.0, l), l, q, e1)[:9], q[[6, 13]], [EI]))
+    return np.concatenate(
+        (curvature_vectors(curvature_components(SET, 0.0, l), l, q, e1)[:9], q[[6, 13]], [EI])
+    )
 
 
 def frame(q: Array, l: float) -> Array:
@@ -41,10 +47,14 @@ def frame(q: Array, l: float) -> Array:
 def element_state(seed: int) -> tuple[Array, float]:
     """An element that is bent, twisted and stretched; its left end hangs down."""
     chance, l = np.random.default_rng(seed), 1.3
-    slopes = np.array([[0.0, -1.02, 0.0], [0.3, -0.9, 0.2]]) + np.array([[0.0], [0.1]]) * chance.normal(size=3)
+    slopes = np.array([[0.0, -1.02, 0.0], [0.3, -0.9, 0.2]]) + np.array(
+        [[0.0], [0.1]]
+    ) * chance.normal(size=3)
     left = chance.normal(size=3)
     right = left + l * (slopes.mean(axis=0) + 0.05 * chance.normal(size=3))
-    return np.concatenate((left, slopes[0], chance.normal(size=1), right, slopes[1], chance.normal(size=1))), l
+    return np.concatenate(
+        (left, slopes[0], chance.normal(size=1), right, slopes[1], chance.normal(size=1))
+    ), l
 
 
 def energy(q: Array, l: float, F: Array, C: Array) -> float:
@@ -58,7 +68,9 @@ def test_force_and_tangent_are_derivatives_of_the_energy(seed: int) -> None:
     q = reference + 0.2 * np.random.default_rng(seed + 10).normal(size=14)
     R, J = np.array(BENT.residual(q, l, F, C)).ravel(), np.array(BENT.tangent(q, l, F, C, 1.0))
     assert_allclose(R, difference(lambda x: energy(x, l, F, C), q), atol=1e-8)
-    assert_allclose(J, difference(lambda x: np.array(BENT.residual(x, l, F, C)).ravel(), q), atol=1e-8)
+    assert_allclose(
+        J, difference(lambda x: np.array(BENT.residual(x, l, F, C)).ravel(), q), atol=1e-8
+    )
     assert np.abs(J).max() > 0.1
 
 
@@ -102,12 +114,17 @@ def test_the_energy_stays_when_the_present_shape_becomes_the_reference() -> None
 def arc(elements: int, k: float, length: float) -> Array:
     """q of a rod bent to a circle, from the origin down, to where the loop of a rope bends."""
     s, q = np.linspace(0.0, length, elements + 1), np.zeros((elements + 1, 7))
-    q[:, 0], q[:, 1] = 0.5 * k * s**2 * np.sinc(0.5 * k * s / np.pi) ** 2, -s * np.sinc(k * s / np.pi)
+    q[:, 0], q[:, 1] = (
+        0.5 * k * s**2 * np.sinc(0.5 * k * s / np.pi) ** 2,
+        -s * np.sinc(k * s / np.pi),
+    )
     q[:, 3], q[:, 4] = np.sin(k * s), -np.cos(k * s)
     return q
 
 
-def system(rope: Rope, q: Array, held: Array | None = None, loads: Array | None = None) -> RopeSystem:
+def system(
+    rope: Rope, q: Array, held: Array | None = None, loads: Array | None = None
+) -> RopeSystem:
     elements = q.shape[0] - 1
     free, nothing = np.zeros(q.shape, dtype=bool), np.zeros(q.shape)
     chain = Chain(free if held is None else held, q, nothing if loads is None else loads)
@@ -128,7 +145,9 @@ def test_a_bent_rod_that_is_turned_about_itself_stores_the_closed_form(part: flo
     found = system(ROD, q).evaluate(q, 0 * q, 0 * q, 0 * q)
     R, bending = found.reaction, found.balance["bending"]
     # a cubic of 0.5 m bent by 0.25 rad errs by (k l)^4 / 720 = 5e-6 of its curvature
-    assert bending == pytest.approx(0.5 * ROD.EI * L * (k * k + k0 * k0 - 2 * k * k0 * math.cos(turn)), abs=1e-3)
+    assert bending == pytest.approx(
+        0.5 * ROD.EI * L * (k * k + k0 * k0 - 2 * k * k0 * math.cos(turn)), abs=1e-3
+    )
     assert R[:, 6].sum() == pytest.approx(ROD.EI * k * k0 * math.sin(turn) * L, abs=1e-3)
 
 
@@ -146,17 +165,32 @@ def test_a_straight_rod_that_is_let_go_closes_to_a_ring() -> None:
 
 def test_a_straight_rod_that_is_let_go_takes_a_curvature_that_varies_along_it() -> None:
     """Its sections turn as the curvature says, d1 and -d2 being e1 and e2 of the clamp; the error falls with h^2."""
-    ends, names, at = np.array([[0.9, 0.1, 0.7], [-0.5, 0.3, 0.6]]), ("left", "middle", "right"), np.arange(7) / 6
+    ends, names, at = (
+        np.array([[0.9, 0.1, 0.7], [-0.5, 0.3, 0.6]]),
+        ("left", "middle", "right"),
+        np.arange(7) / 6,
+    )
     varying = {f"curvature_{name}": float(x) - 0.4 for name, x in zip(names, ends[0], strict=True)}
-    varying |= {f"curvature_{name}_across": float(y) for name, y in zip(names, ends[1], strict=True)}
+    varying |= {
+        f"curvature_{name}_across": float(y) for name, y in zip(names, ends[1], strict=True)
+    }
     along, across = (np.interp(at, (0.0, 0.5, 1.0), x) for x in ends)
     along[[1, 4]] += 0.5, -0.3
     across[[2, 5]] += -0.4, 0.2
-    rope = replace(ROD, **varying, curvature_1=0.5, curvature_4=-0.3, curvature_2_across=-0.4, curvature_5_across=0.2)
+    rope = replace(
+        ROD,
+        **varying,
+        curvature_1=0.5,
+        curvature_4=-0.3,
+        curvature_2_across=-0.4,
+        curvature_5_across=0.2,
+    )
 
     def rates(s: float, y: Array) -> Array:
         D = y[3:].reshape(3, 3)
-        bend = np.array([np.interp(s / rope.length, at, along), -np.interp(s / rope.length, at, across), 0.0])
+        bend = np.array(
+            [np.interp(s / rope.length, at, along), -np.interp(s / rope.length, at, across), 0.0]
+        )
         return np.concatenate((D[2], np.cross(bend @ D, D).ravel()))
 
     start = np.array([0, 0, 0, 0, 0, 1, 1, 0, 0, 0, -1, 0], dtype=float)
@@ -165,19 +199,26 @@ def test_a_straight_rod_that_is_let_go_takes_a_curvature_that_varies_along_it() 
     for elements in (6, 12, 24):
         q, held = arc(elements, 0.0, rope.length), np.zeros((elements + 1, 7), dtype=bool)
         held[0, [0, 1, 2, 3, 5, 6]] = True
-        errors.append(float(np.abs(find_equilibrium(system(rope, q, held), q).q[-1, :3] - tip).max()))
+        errors.append(
+            float(np.abs(find_equilibrium(system(rope, q, held), q).q[-1, :3] - tip).max())
+        )
     assert errors[-1] < 1e-4  # of 2 m
     assert (np.log2(np.array(errors[:-1]) / errors[1:]) > 1.9).all(), errors
 
 
 def test_a_cable_that_hardly_resists_torsion_takes_its_curvature() -> None:
     """Where its tangent is not positive a correction climbs, and the search has to take more inertia."""
-    cable = Rope(length=0.9, mass_per_length=0.05, Qa=2e3, Qb=0.0, Qc=0.0, Qd=1e-4, EI=3.5e-3, rhoJ=2.25e-7)
+    cable = Rope(
+        length=0.9, mass_per_length=0.05, Qa=2e3, Qb=0.0, Qc=0.0, Qd=1e-4, EI=3.5e-3, rhoJ=2.25e-7
+    )
     along = replace(cable, curvature_left=0.05, curvature_middle=-1.15, curvature_right=0.37)
-    rope = replace(along, curvature_left_across=0.83, curvature_middle_across=0.34, curvature_right_across=1.25)
+    rope = replace(
+        along, curvature_left_across=0.83, curvature_middle_across=0.34, curvature_right_across=1.25
+    )
     of = scene(Mesh("eem", elements=16)).with_(rope=rope, layout=Layout(spacing=0.4))
     one, other = (
-        hung(balance_rope(of, form), right=EndMotion(y=0.1)).signals(["loop.yaw"]) for form in ("python", "native")
+        hung(balance_rope(of, form), right=EndMotion(y=0.1)).signals(["loop.yaw"])
+        for form in ("python", "native")
     )
     assert one == pytest.approx(other, abs=1e-6)
 
@@ -200,7 +241,9 @@ def rod_tip(load: float, shear: float = 0.0) -> Array:
     def rates(s: float, y: Array) -> Array:
         D, m = y[3:12].reshape(3, 3), y[12:]
         force = np.array([0.0, 0.0, load])
-        bend = D @ m / np.array([BEND.EI, BEND.EI, BEND.Qd]) + np.array([BEND.initial_curvature, 0.0, 0.0])
+        bend = D @ m / np.array([BEND.EI, BEND.EI, BEND.Qd]) + np.array(
+            [BEND.initial_curvature, 0.0, 0.0]
+        )
         tangent = (1 + D[2] @ force / BEND.Qa) * D[2] + shear * (force - (D[2] @ force) * D[2])
         return np.concatenate((tangent, np.cross(bend @ D, D).ravel(), -np.cross(tangent, force)))
 
@@ -218,7 +261,10 @@ def rod_tip(load: float, shear: float = 0.0) -> Array:
 
 #: tip of the 45 degree bend, without the sense of the axes, from K.-J. Bathe and S. Bolourchi, Int. J. Numer. Methods
 #: Eng. 14 (1979), and J. C. Simo and L. Vu-Quoc, Comput. Methods Appl. Mech. Eng. 58 (1986)
-PUBLISHED = {300.0: ((22.5, 59.2, 39.5), (22.33, 58.84, 40.08)), 600.0: ((15.9, 47.2, 53.4), (15.79, 47.23, 53.37))}
+PUBLISHED = {
+    300.0: ((22.5, 59.2, 39.5), (22.33, 58.84, 40.08)),
+    600.0: ((15.9, 47.2, 53.4), (15.79, 47.23, 53.37)),
+}
 
 
 @pytest.mark.parametrize("load", [pytest.param(300.0, marks=pytest.mark.slow), 600.0])
@@ -243,7 +289,9 @@ def scene(mesh: Mesh | None = None, **rope: float) -> Scene:
 
 
 def uncoupled(angle: float, k0: float = K0) -> Scene:
-    return scene(Qb=0.0, Qc=0.0, initial_curvature=k0, initial_curvature_angle=angle).with_(model=Model("torsional"))
+    return scene(Qb=0.0, Qc=0.0, initial_curvature=k0, initial_curvature_angle=angle).with_(
+        model=Model("torsional")
+    )
 
 
 def test_in_its_plane_a_clamped_rope_only_takes_the_moment() -> None:
@@ -296,9 +344,13 @@ def end_about_vertical(end: EndMotion, x0: float, angle: float) -> EndMotion:
     c, s = math.cos(angle), math.sin(angle)
     x, lean = x0 + end.x, end.lean
     return replace(
-        end, x=x * c + end.z * s - x0, z=end.z * c - x * s, yaw=end.yaw + angle,
-        lean=lean * c + end.lean_z * s, lean_z=end.lean_z * c - lean * s,
-    )  # fmt: skip
+        end,
+        x=x * c + end.z * s - x0,
+        z=end.z * c - x * s,
+        yaw=end.yaw + angle,
+        lean=lean * c + end.lean_z * s,
+        lean_z=end.lean_z * c - lean * s,
+    )
 
 
 LEANING = scene(Mesh("eem", elements=20), Qb=0.0, Qc=0.0)
@@ -322,7 +374,10 @@ def test_a_curved_rope_turned_about_the_vertical_loads_its_ends_alike(
         side = 0.5 * of.layout.spacing
         ends = end_about_vertical(left, -side, turned), end_about_vertical(right, side, turned)
         found = hung(balance_rope(of, "native"), *ends).signals()
-        vectors = ((found[f"{name}{axis}"] for axis in "xyz") for name in ("left.f", "left.m", "right.f", "right.m"))
+        vectors = (
+            (found[f"{name}{axis}"] for axis in "xyz")
+            for name in ("left.f", "left.m", "right.f", "right.m")
+        )
         c, s = math.cos(turned), math.sin(turned)
         loads.append([(x * c - z * s, y, x * s + z * c) for x, y, z in vectors])
     # a locked hinge also keeps a twist of 1e-5 rad from the way on which the search for the equilibrium turned it, with
@@ -340,18 +395,24 @@ def test_a_hung_rope_keeps_the_direction_of_its_curvature_in_both_forms() -> Non
 
 
 @pytest.mark.parametrize("attachment", ["hinged", "clamped"])
-def test_no_energy_appears_where_the_left_end_of_a_curved_rope_turns(attachment: Attachment) -> None:
+def test_no_energy_appears_where_the_left_end_of_a_curved_rope_turns(
+    attachment: Attachment,
+) -> None:
     """A clamp that leans round a cone, or a hinge that is moved aside, takes the curvature along."""
 
     def ends(t: float) -> tuple[EndMotion, EndMotion]:
         x, v, a = smooth_step(t, 0.0, 1.0)
         turn, size = 4.0 * x, 0.4 * x if attachment == "clamped" else 0.0
         lean, lean_z = size * math.cos(turn), size * math.sin(turn)
-        return EndMotion(z=0.5 * x, vz=0.5 * v, az=0.5 * a, lean=lean, lean_z=lean_z), EndMotion(y=x, vy=v, ay=a)
+        return EndMotion(z=0.5 * x, vz=0.5 * v, az=0.5 * a, lean=lean, lean_z=lean_z), EndMotion(
+            y=x, vy=v, ay=a
+        )
 
     def residual_share(k0: float) -> float:
         held, rope = Swivel(attachment=attachment), replace(LEANING.rope, initial_curvature=k0)
-        wound_up = wound(balance_rope(LEANING.with_(rope=rope, left=held, right=held), "native"), ends, 120)
+        wound_up = wound(
+            balance_rope(LEANING.with_(rope=rope, left=held, right=held), "native"), ends, 120
+        )
         balance = wound_up.state.energy_balance
         return abs(balance.residual) / balance.work_ends
 

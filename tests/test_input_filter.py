@@ -13,7 +13,18 @@ from scenes import Ends, hung, recorded
 
 from hoist_demo.control.trajectory import Trajectory, emergency_stop, s_curve
 from hoist_demo.parameters import Winding
-from rope_model import BalanceRope, EndMotion, Inputs, Mesh, Model, RopeSimulator, Scene, Status, balance_rope, rope_120
+from rope_model import (
+    BalanceRope,
+    EndMotion,
+    Inputs,
+    Mesh,
+    Model,
+    RopeSimulator,
+    Scene,
+    Status,
+    balance_rope,
+    rope_120,
+)
 from rope_model.engine import NativeRope
 from rope_model.simulation.ends.input_filter import settings_of
 from rope_model.solver_parameters import FidelityChoice, Trusted
@@ -59,7 +70,9 @@ def other_end(end: EndMotion) -> EndMotion:
     return EndMotion(y=90.0 - end.y, vy=-end.vy, ay=-end.ay)
 
 
-def wind(rope: BalanceRope, given: Given, at_end: bool = True, until: float = 6.0, h: float = H) -> np.ndarray:
+def wind(
+    rope: BalanceRope, given: Given, at_end: bool = True, until: float = 6.0, h: float = H
+) -> np.ndarray:
     """(steps, 2): vertical end forces, N."""
 
     def both(t: float) -> Ends:
@@ -105,7 +118,9 @@ def test_the_default_bandwidth_balances_what_is_asked_of_loop_and_forces() -> No
     assert (chosen.observer, chosen.estimate) == (3.0, 5.0)
 
 
-@pytest.mark.parametrize(("trusted", "order"), [("position_speed", 2), ("position", 3), ("speed", 2)])
+@pytest.mark.parametrize(
+    ("trusted", "order"), [("position_speed", 2), ("position", 3), ("speed", 2)]
+)
 def test_an_estimated_acceleration_lags_as_its_filter_does(trusted: Trusted, order: int) -> None:
     """By n J / W behind an acceleration of the rate J."""
     jerk, bandwidth = 0.5, 20.0
@@ -113,7 +128,11 @@ def test_an_estimated_acceleration_lags_as_its_filter_does(trusted: Trusted, ord
     for k in range(1, 1001):
         t = 0.001 * k
         y, v = jerk * t**3 / 6, jerk * t**2 / 2
-        given = {"position_speed": EndMotion(y=y, vy=v), "position": EndMotion(y=y), "speed": EndMotion(vy=v)}[trusted]
+        given = {
+            "position_speed": EndMotion(y=y, vy=v),
+            "position": EndMotion(y=y),
+            "speed": EndMotion(vy=v),
+        }[trusted]
         end.step(t, given)
     lag = jerk * t - end.filter.motion[1][2]
     # the filter works in steps: of the first order in their length
@@ -129,7 +148,9 @@ def test_a_speed_alone_is_integrated() -> None:
 
 @pytest.mark.parametrize("given", [rounded, tabled, repeated, held], ids=lambda f: f.__name__)
 @pytest.mark.parametrize("at_end", [True, False])
-def test_forces_of_motions_that_do_not_fit_are_right(truth: np.ndarray, given: Given, at_end: bool) -> None:
+def test_forces_of_motions_that_do_not_fit_are_right(
+    truth: np.ndarray, given: Given, at_end: bool
+) -> None:
     """Within .3 % root mean square and 2 % at an instant of the largest; the targets of `make signals`."""
     rope = balance_rope(SCENE)
     off = (wind(rope, given, at_end) - truth) / np.abs(truth).max()
@@ -148,10 +169,15 @@ def test_the_estimate_knows_what_a_misfit_does(truth: np.ndarray, given: Given) 
 @pytest.mark.parametrize("step", [0.02, 0.05])
 def test_a_stop_whose_jerk_sets_in_within_a_long_step_is_no_misfit(step: float) -> None:
     """Held against short steps.  Were the speed gained in the step a misfit, 4 and 14 times as much would be told."""
-    trip = s_curve(Winding(travel=40.0, speed=8.0, jerk=2.0, start_delay=0.0, emergency_at=4.0, emergency_jerk=30.0))
+    trip = s_curve(
+        Winding(
+            travel=40.0, speed=8.0, jerk=2.0, start_delay=0.0, emergency_at=4.0, emergency_jerk=30.0
+        )
+    )
     ropes = balance_rope(SCENE), balance_rope(SCENE)
     short, long = (
-        wind(rope, lambda t: exact(t, trip), until=8.0, h=h) for rope, h in zip(ropes, (0.0025, step), strict=True)
+        wind(rope, lambda t: exact(t, trip), until=8.0, h=h)
+        for rope, h in zip(ropes, (0.0025, step), strict=True)
     )
     short = short[round(step / 0.0025) - 1 :: round(step / 0.0025)]
     off = np.sqrt(np.mean(((long - short) / np.abs(short).max()) ** 2, axis=0)).max()
@@ -182,7 +208,9 @@ def test_a_sample_of_a_moving_end_that_comes_again_is_extrapolated_and_counted()
     sample = EndMotion(y=0.0, vy=0.0, ay=0.5)
     for k in range(1, 201):
         t = k * H
-        sample = EndMotion(y=0.25 * t * t, vy=0.5 * t, ay=0.5, lean=0.1 * t) if k % 4 == 1 else sample
+        sample = (
+            EndMotion(y=0.25 * t * t, vy=0.5 * t, ay=0.5, lean=0.1 * t) if k % 4 == 1 else sample
+        )
         end.step(t, sample)
         assert end.path.lean_motion(t)[0][0] == pytest.approx(0.1 * t, abs=1e-12)
         assert end.path.motion(t)[0][1] == pytest.approx(0.25 * t * t, abs=1e-6)
@@ -192,7 +220,9 @@ def test_a_sample_of_a_moving_end_that_comes_again_is_extrapolated_and_counted()
 
 @pytest.mark.parametrize("h", [0.002, 0.01])
 @pytest.mark.parametrize("a", [1.0, 9.0])
-def test_a_position_alone_that_comes_again_is_no_sample_unless_the_end_has_stopped(h: float, a: float) -> None:
+def test_a_position_alone_that_comes_again_is_no_sample_unless_the_end_has_stopped(
+    h: float, a: float
+) -> None:
     """Each is sent three times at 4 m/s; then the end brakes with a and stands."""
     end, speed, whole = Follower(settings=usual_manner("position")), 4.0, 3.0
     brakes = whole + speed / a
@@ -200,7 +230,12 @@ def test_a_position_alone_that_comes_again_is_no_sample_unless_the_end_has_stopp
     def y(t: float) -> float:
         up = 4.0 * max(t - 1.0, 0.0)
         past = min(max(t - whole, 0.0), speed / a)
-        return min(2.0 * min(t, 1.0) ** 2, 2.0) + min(up, 4.0 * (whole - 1.0)) + speed * past - 0.5 * a * past**2
+        return (
+            min(2.0 * min(t, 1.0) ** 2, 2.0)
+            + min(up, 4.0 * (whole - 1.0))
+            + speed * past
+            - 0.5 * a * past**2
+        )
 
     for k in range(1, round((brakes + 2.0) / h)):
         sent = k if k * h > whole else 3 * (k // 3)
@@ -208,7 +243,9 @@ def test_a_position_alone_that_comes_again_is_no_sample_unless_the_end_has_stopp
         if k == round(whole / h):
             counted = end.filter.repeats
             assert counted > 0.5 * k
-            assert end.filter.motion[1] == pytest.approx((y(end.filter.given_at), speed, 0.0), abs=1e-3)
+            assert end.filter.motion[1] == pytest.approx(
+                (y(end.filter.given_at), speed, 0.0), abs=1e-3
+            )
     # the end of the brake is not taken for a repetition
     assert end.filter.repeats == counted
     assert end.filter.motion[1] == pytest.approx((y(k * h), 0.0, 0.0), abs=1e-3)
@@ -218,7 +255,9 @@ def test_a_position_alone_that_comes_again_is_no_sample_unless_the_end_has_stopp
     ("trusted", "given", "repeats"),
     [
         pytest.param("all", lambda k: EndMotion(), 0, id="an end at rest"),
-        pytest.param("speed", lambda k: EndMotion(vy=min(k * H, 1.0)), 0, id="a speed that stays as it is"),
+        pytest.param(
+            "speed", lambda k: EndMotion(vy=min(k * H, 1.0)), 0, id="a speed that stays as it is"
+        ),
         pytest.param(
             "position_speed",
             lambda k: EndMotion(y=2 * H * (k // 2), vy=1.0, ay=1e-3 * k),
@@ -227,7 +266,9 @@ def test_a_position_alone_that_comes_again_is_no_sample_unless_the_end_has_stopp
         ),
     ],
 )
-def test_a_sample_that_comes_again_is_counted_where_the_end_must_have_moved(trusted, given, repeats) -> None:
+def test_a_sample_that_comes_again_is_counted_where_the_end_must_have_moved(
+    trusted, given, repeats
+) -> None:
     end = Follower(settings=usual_manner(trusted))
     for k in range(1, 301):
         end.step(k * H, given(k))
@@ -240,7 +281,10 @@ def test_a_sample_that_comes_again_is_counted_where_the_end_must_have_moved(trus
     ("trusted", "given", "at_end"),
     [
         *(("all", given, True) for given in (tabled, repeated, late)),
-        *(pytest.param("all", given, False, marks=pytest.mark.slow) for given in (tabled, repeated, late)),
+        *(
+            pytest.param("all", given, False, marks=pytest.mark.slow)
+            for given in (tabled, repeated, late)
+        ),
         *((trusted, rounded, True) for trusted in get_args(Trusted)),
         ("all", rounded, False),
     ],
@@ -264,7 +308,11 @@ def unfit(t: float, fidelity: FidelityChoice) -> EndMotion:
     if fidelity == "planar":
         return end
     end = replace(end, z=round(0.02 * at * at, 4), vz=0.04 * at, az=0.04)
-    return end if fidelity == "spatial" else replace(end, yaw=round(0.1 * at * at, 3), yaw_rate=0.2 * at)
+    return (
+        end
+        if fidelity == "spatial"
+        else replace(end, yaw=round(0.1 * at * at, 3), yaw_rate=0.2 * at)
+    )
 
 
 def test_the_energy_books_close_with_the_motion_that_is_followed() -> None:
@@ -273,7 +321,9 @@ def test_the_energy_books_close_with_the_motion_that_is_followed() -> None:
     energy = rope.signals(["energy.residual", "energy.work_ends"])
     exactly = balance_rope(SCENE)
     wind(exactly, exact)
-    bound = 2 * abs(exactly.signals(["energy.residual"])["energy.residual"]) + 1e-4 * abs(energy["energy.work_ends"])
+    bound = 2 * abs(exactly.signals(["energy.residual"])["energy.residual"]) + 1e-4 * abs(
+        energy["energy.work_ends"]
+    )
     assert abs(energy["energy.residual"]) < bound
 
 
@@ -291,7 +341,9 @@ def test_the_bounds_on_refusals_are_parameters() -> None:
 
 def test_a_signal_that_stands_still_is_refused() -> None:
     rope, k = hung(balance_rope(SCENE), right=EndMotion(y=90.0)), 1
-    while (status := rope.advance_to(k * H, EndMotion(vy=0.4, y=0.004), other_end(EndMotion()))).valid:
+    while (
+        status := rope.advance_to(k * H, EndMotion(vy=0.4, y=0.004), other_end(EndMotion()))
+    ).valid:
         k += 1
     assert "have not changed for" in status.message
     assert k * H == pytest.approx(SCENE.inputs.hold_max + 2 * H, abs=1.5 * H)
@@ -337,15 +389,22 @@ def test_exact_positions_of_a_trip_are_taken_on_a_rope_of_any_length(length: flo
 
 
 @pytest.mark.parametrize("length", DEEP)
-def test_positions_that_jump_or_have_a_wrong_unit_are_refused_on_a_rope_of_any_length(length: float) -> None:
-    jumped, in_mm = deep_trip(length, offset=1.0, scale=1.0), deep_trip(length, offset=0.0, scale=1000.0)
+def test_positions_that_jump_or_have_a_wrong_unit_are_refused_on_a_rope_of_any_length(
+    length: float,
+) -> None:
+    jumped, in_mm = (
+        deep_trip(length, offset=1.0, scale=1.0),
+        deep_trip(length, offset=0.0, scale=1000.0),
+    )
     assert not jumped.valid
     assert not in_mm.valid
     assert "inputs.misfit_max = 0.5" in jumped.message
     assert "inputs.estimate_bandwidth" in jumped.message
 
 
-def test_a_followed_motion_that_is_metres_off_is_said_in_a_deep_shaft_and_not_in_a_short_one() -> None:
+def test_a_followed_motion_that_is_metres_off_is_said_in_a_deep_shaft_and_not_in_a_short_one() -> (
+    None
+):
     """The estimated acceleration of a stop lags behind the given motion, by more the longer the rope is."""
     deep, short = stopped_rope(1000.0), stopped_rope(60.0)
     assert deep.signals()["inputs.misfit.position"] > 1.0

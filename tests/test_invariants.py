@@ -56,7 +56,9 @@ def test_every_parameter_and_every_word_of_a_choice_is_drawn() -> None:
             found.setdefault(name, set()).add(value)
     known = {p.name for p in named_parameters(Scene())}
     assert set(found) | set(NOT_DRAWN) == known
-    for name in sorted(set(found) & {p.name for p in named_parameters(Scene()) if choices_of(p.name)}):
+    for name in sorted(
+        set(found) & {p.name for p in named_parameters(Scene()) if choices_of(p.name)}
+    ):
         assert found[name] == set(range(len(choices_of(name)))), name
     assert CHOICES
 
@@ -89,7 +91,9 @@ def test_a_case_is_the_same_for_the_same_seed_and_without_a_feature_the_rest_sta
 
 
 def test_a_broken_relation_is_found_and_made_smaller(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(RELATIONS, "later", lambda case, draws: iter([runs.Compared("a force", 1.0, 0.5)]))
+    monkeypatch.setitem(
+        RELATIONS, "later", lambda case, draws: iter([runs.Compared("a force", 1.0, 0.5)])
+    )
     hunt = Hunt(SEED)
     hunt.case(0, "later")
     (found,) = hunt.findings

@@ -19,7 +19,15 @@ from balance_rope import _set_values, main
 from hoist_demo.calibration import measurements
 from hoist_demo.calibration.definition import MeasurementFile
 from hoist_demo.calibration.findings import OPEN, Finding, findings_of
-from hoist_demo.calibration.fit import CONFIDENCE, END_TOLERANCE, RANGE_VARIANCE, REACH, fit, intervals, sensitivities
+from hoist_demo.calibration.fit import (
+    CONFIDENCE,
+    END_TOLERANCE,
+    RANGE_VARIANCE,
+    REACH,
+    fit,
+    intervals,
+    sensitivities,
+)
 from hoist_demo.calibration.identify import identify, residuals_of, stacked
 from hoist_demo.calibration.measurements import CalibrationProblem
 from hoist_demo.cases.rules import with_values
@@ -82,9 +90,13 @@ def test_the_first_shares_alone_have_the_covariance_that_they_have_among_all() -
 def test_the_interval_of_a_bent_rope_is_where_the_squares_have_grown() -> None:
     # the first is measured by a cube of itself and, worse, by its sum with the second: seen along the first alone,
     # the squares that the second cannot lower are those of the cube
-    found = fit(residuals := lambda u: np.array([8.0 * (u[0] ** 3 - 0.3), 5.0 * (u[0] + u[1] - 1.1)]), 2)
+    found = fit(
+        residuals := lambda u: np.array([8.0 * (u[0] ** 3 - 0.3), 5.0 * (u[0] + u[1] - 1.1)]), 2
+    )
     low, high = intervals(residuals, found)[0]
-    assert_allclose([low, high], np.cbrt(0.3 + REACH / 8.0 * np.array([-1.0, 1.0])), rtol=END_TOLERANCE)
+    assert_allclose(
+        [low, high], np.cbrt(0.3 + REACH / 8.0 * np.array([-1.0, 1.0])), rtol=END_TOLERANCE
+    )
     assert found.norm_params[0] - low > 1.2 * (high - found.norm_params[0])
 
 
@@ -133,7 +145,14 @@ def test_a_rope_that_is_measured_without_errors_is_found_again() -> None:
 
 def test_what_a_swing_sweeps_is_that_of_its_track() -> None:
     problem = CalibrationProblem(rope("34x7", diameter=0.046, length=30.0), Scene())
-    where: Any = {"left_y": 0.0, "right_y": 4.0, "travel": 4.0, "speed": 2.0, "signal": "loop.x", "sigma": 1.0}
+    where: Any = {
+        "left_y": 0.0,
+        "right_y": 4.0,
+        "travel": 4.0,
+        "speed": 2.0,
+        "signal": "loop.x",
+        "sigma": 1.0,
+    }
     times = tuple(np.linspace(3.0, 5.0, 21))
     plan = [measurements.Track(value=[0.0] * 21, t=times, **where)]
     plan.append(measurements.Swept(value=0.0, t=3.0, until=5.0, **where))
@@ -142,7 +161,9 @@ def test_what_a_swing_sweeps_is_that_of_its_track() -> None:
     assert_allclose(swept, np.ptp(places))
 
 
-def test_what_a_width_alone_does_not_tell_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_a_width_alone_does_not_tell_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     found = identify(read(written(tmp_path, ROPE + WIDTH), MeasurementFile))
     assert [name for name in found.names if found.is_determined(name)] == ["bending_stiffness"]
     assert {"torque_factor", "torsional_stiffness", "axial_stiffness"} <= {*found.open_directions()}
@@ -155,11 +176,15 @@ def test_what_a_width_alone_does_not_tell_is_named(tmp_path: Path, monkeypatch: 
     assert found.calibrated_rope.data["torque_factor"] == catalogue_rope.data["torque_factor"]
     assert found.candidates[0].error <= found.wanted_error
     # two directions of the same pair, as near-equal lacks of knowledge have them
-    monkeypatch.setattr(type(found.fit), "untold", lambda _: np.array([[0.8, 0.6, 0, 0, 0], [0.6, -0.8, 0, 0, 0]]))
+    monkeypatch.setattr(
+        type(found.fit), "untold", lambda _: np.array([[0.8, 0.6, 0, 0, 0], [0.6, -0.8, 0, 0, 0]])
+    )
     assert found.open_directions() == ["mass_per_length and axial_stiffness"]
 
 
-def test_what_is_found_is_a_file_for_every_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_is_found_is_a_file_for_every_command(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["identify", str(written(tmp_path, ROPE + WIDTH)), "--out", str(tmp_path)]) == 0
     assert "Undetermined by the data" in capsys.readouterr().out
     report, made = (tmp_path / "report.html").read_text(encoding="utf-8"), tmp_path / "rope.toml"
@@ -183,7 +208,9 @@ def test_what_is_found_is_a_file_for_every_command(tmp_path: Path, capsys: pytes
     assert isinstance(rope_scene(values).rope, Rope)
 
 
-def test_measurements_that_contradict_each_other_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_measurements_that_contradict_each_other_are_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     source = written(tmp_path, ROPE + WIDTH + WIDTH.replace("3.05", "3.8"))
     assert main(["identify", str(source), "--out", str(tmp_path)]) == 1
     told = capsys.readouterr()
@@ -199,9 +226,8 @@ def test_measurements_that_contradict_each_other_are_told(tmp_path: Path, capsys
 
 
 MASS = '[[measured]]\nwhat = "mass"\nvalue = 8.368\nsigma = 0.02\n'
-PULL = (
-    '[[measured]]\nwhat = "at rest"\nsignal = "left.fy"\nleft_y = 0.0\nright_y = 40.0\nvalue = 3000.0\nsigma = 20.0\n'
-)
+AT_REST = '[[measured]]\nwhat = "at rest"\nleft_y = 0.0\nright_y = 40.0\n'
+PULL = f'{AT_REST}signal = "left.fy"\nvalue = 3000.0\nsigma = 20.0\n'
 STRETCH = '[[measured]]\nwhat = "sample extension"\nload = 50e3\nlength = 10.0\nvalue = 5.29e-2\nsigma = 1e-4\n'
 HEAVY = MASS.replace("8.368", "18.45")
 
@@ -212,9 +238,16 @@ HEAVY = MASS.replace("8.368", "18.45")
         (HEAVY, {"mass_per_length"}),
         # the rope hangs, whatever it is like: a force upwards has the wrong sign
         (PULL, {"mass_per_length"}),
-        (HEAVY + WIDTH.replace("3.05", "30.0") + STRETCH, {"mass_per_length", "bending_stiffness", "axial_stiffness"}),
+        (
+            HEAVY + WIDTH.replace("3.05", "30.0") + STRETCH,
+            {"mass_per_length", "bending_stiffness", "axial_stiffness"},
+        ),
     ],
-    ids=["a mass outside of its range", "a force with the wrong sign", "one value for each property"],
+    ids=[
+        "a mass outside of its range",
+        "a force with the wrong sign",
+        "one value for each property",
+    ],
 )
 def test_a_measurement_that_no_rope_of_the_ranges_meets_calibrates_nothing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], measured: str, compromises: set[str]
@@ -229,8 +262,12 @@ def test_a_measurement_that_no_rope_of_the_ranges_meets_calibrates_nothing(
     assert "calibrated" not in told.out
     made = tmp_path / "rope.toml"
     assert "calibrated" not in made.read_text(encoding="utf-8")
-    statuses_found = {name: datum.status for name, datum in read(made, RopeFile).catalogue_rope.data.items()}
-    assert compromises <= {name for name, status in statuses_found.items() if status == "contradicted"}
+    statuses_found = {
+        name: datum.status for name, datum in read(made, RopeFile).catalogue_rope.data.items()
+    }
+    assert compromises <= {
+        name for name, status in statuses_found.items() if status == "contradicted"
+    }
 
 
 def test_a_value_at_an_end_of_its_range_is_named_and_keeps_the_range(
@@ -240,12 +277,19 @@ def test_a_value_at_an_end_of_its_range_is_named_and_keeps_the_range(
     source = written(tmp_path, ROPE + MASS.replace("8.368", "8.49") + WIDTH)
     assert main(["identify", str(source), "--out", str(tmp_path)]) == 0
     told = capsys.readouterr()
-    assert "mass_per_length = 8.4852 kg/m is the upper end of its range, and the measurements ask for more" in told.err
+    assert (
+        "mass_per_length = 8.4852 kg/m is the upper end of its range, and the measurements ask for more"
+        in told.err
+    )
     assert "widen the range of mass_per_length in [known]" in told.err
     data = read(tmp_path / "rope.toml", RopeFile).catalogue_rope.data
     before = rope("34x7", diameter=0.046).data["mass_per_length"]
     assert data["mass_per_length"].status == before.status
-    assert_allclose([data["mass_per_length"].low, data["mass_per_length"].high], [before.low, before.high], rtol=1e-5)
+    assert_allclose(
+        [data["mass_per_length"].low, data["mass_per_length"].high],
+        [before.low, before.high],
+        rtol=1e-5,
+    )
     assert data["bending_stiffness"].status == "calibrated"
 
 
@@ -260,7 +304,11 @@ def test_a_share_held_at_its_end_is_no_degree_of_freedom() -> None:
     chi2 = (50.0 * 2.0) ** 2 + 2 * 1.0**2
     assert_allclose(found.p_value, np.exp(-0.5 * chi2), rtol=1e-3, atol=1e-300)
     assert_allclose(intervals(residuals, found)[0], [0.0, 1.0])
-    assert_allclose(intervals(residuals, found)[1], 0.42 + REACH / np.hypot(50.0, 50.0) * np.array([-1, 1]), rtol=1e-6)
+    assert_allclose(
+        intervals(residuals, found)[1],
+        0.42 + REACH / np.hypot(50.0, 50.0) * np.array([-1, 1]),
+        rtol=1e-6,
+    )
     # a share whose best value is within its range is free, however near to its end
     assert fit(lambda u: np.array([50.0 * (u[0] - 0.9999)]), 1).held.tolist() == [0]
 
@@ -274,7 +322,10 @@ def test_a_profile_lets_a_share_at_its_end_come_back() -> None:
     low, high = intervals(residuals, found)[0]
     assert_allclose(found.norm_params[0] - low, REACH / 60.0, rtol=0.05)
     least = float(np.sum(np.square(residuals(found.norm_params))))
-    grown = [float(np.sum(np.square(residuals(np.array([high, v]))))) for v in np.linspace(0.0, 1.0, 2001)]
+    grown = [
+        float(np.sum(np.square(residuals(np.array([high, v])))))
+        for v in np.linspace(0.0, 1.0, 2001)
+    ]
     assert_allclose(np.sqrt(min(grown) - least), REACH, rtol=2 * END_TOLERANCE)
 
 
@@ -297,7 +348,9 @@ def test_a_trip_is_wound_once_for_all_that_is_measured_in_it(tmp_path: Path) -> 
     signals = {"loop.x": (0.0, 0.01), "loop.yaw": (0.0, 0.01), "left.fy": (-1000.0, 1e4)}
     for name, (value, sigma) in signals.items():
         short += f'[[measured]]\nwhat = "track"\nsignal = "{name}"\nvalue = {[value] * 2}\nsigma = {sigma}\n{where}'
-    short += '[[measured]]\nwhat = "swept"\nsignal = "loop.y"\nvalue = 2.0\nsigma = 9.0\nuntil = 1.5\n'
+    short += (
+        '[[measured]]\nwhat = "swept"\nsignal = "loop.y"\nvalue = 2.0\nsigma = 9.0\nuntil = 1.5\n'
+    )
     short += where.replace("[1.0, 1.5]", "0.5")
     file = read(written(tmp_path, short), MeasurementFile)
     windings = list[int]()
@@ -306,7 +359,9 @@ def test_a_trip_is_wound_once_for_all_that_is_measured_in_it(tmp_path: Path) -> 
     assert set(windings) == {1}
     # another trip is another winding
     predictor = file.problem.predictor(np.full(1, 0.5))
-    other = read(written(tmp_path, short.replace("travel = 2.0", "travel = 1.0", 1)), MeasurementFile)
+    other = read(
+        written(tmp_path, short.replace("travel = 2.0", "travel = 1.0", 1)), MeasurementFile
+    )
     file.problem.predict(np.full(1, 0.5), other.measurements, predictor)
     assert predictor.windings == 2
 
@@ -316,17 +371,41 @@ def test_a_trip_is_wound_once_for_all_that_is_measured_in_it(tmp_path: Path) -> 
     [
         (ROPE.replace("34x7", "7x7") + WIDTH, "construction = '7x7' is out of range"),
         (ROPE, r"measured is missing: give it"),
-        (ROPE + WIDTH.replace("loop width", "colour"), "what = 'colour' must be one of 'loop width', 'mass'"),
-        (ROPE + WIDTH.replace("0.05", "0"), "sigma = 0 must be greater than 0"),
-        (ROPE + "[known]\nbending_stiffness = { low = 3.0, high = 2.0 }\n" + WIDTH, "low = 3 must be at most"),
-        (ROPE + "[fixed]\nrope.EI = 3.0\n" + WIDTH, r"rope.EI follows from the properties: give \[known\]"),
-        (ROPE + '[[measured]]\nwhat = "sample torque"\nload = [1, 2, 3]\nvalue = [1, 2]\nsigma = 1\n', "load has 3"),
-        (ROPE + WIDTH + "[sought]\nair.drag = 1.0\n", "air.drag = 1.0 must be { low, high }, in order"),
-        (ROPE + TRACK + "travel = 90.0\nleft_y = 0.0\nright_y = 130.0\n", "must be less than .* = 120 m apart"),
-        (ROPE + WIDTH + "[want]\n", r"want = {} is not a key"),
-        (ROPE + WIDTH + '[fixed]\nmodel.fidelity = "planar"\n', r"\[fixed\] model.fidelity = 3 must be .torsional."),
         (
-            ROPE + WIDTH + "[fixed]\nair.drag = 1.0\n[sought]\nair.drag = { low = 0.5, high = 2.0 }\n",
+            ROPE + WIDTH.replace("loop width", "colour"),
+            "what = 'colour' must be one of 'loop width', 'mass'",
+        ),
+        (ROPE + WIDTH.replace("0.05", "0"), "sigma = 0 must be greater than 0"),
+        (
+            ROPE + "[known]\nbending_stiffness = { low = 3.0, high = 2.0 }\n" + WIDTH,
+            "low = 3 must be at most",
+        ),
+        (
+            ROPE + "[fixed]\nrope.EI = 3.0\n" + WIDTH,
+            r"rope.EI follows from the properties: give \[known\]",
+        ),
+        (
+            ROPE
+            + '[[measured]]\nwhat = "sample torque"\nload = [1, 2, 3]\nvalue = [1, 2]\nsigma = 1\n',
+            "load has 3",
+        ),
+        (
+            ROPE + WIDTH + "[sought]\nair.drag = 1.0\n",
+            "air.drag = 1.0 must be { low, high }, in order",
+        ),
+        (
+            ROPE + TRACK + "travel = 90.0\nleft_y = 0.0\nright_y = 130.0\n",
+            "must be less than .* = 120 m apart",
+        ),
+        (ROPE + WIDTH + "[want]\n", r"want = {} is not a key"),
+        (
+            ROPE + WIDTH + '[fixed]\nmodel.fidelity = "planar"\n',
+            r"\[fixed\] model.fidelity = 3 must be .torsional.",
+        ),
+        (
+            ROPE
+            + WIDTH
+            + "[fixed]\nair.drag = 1.0\n[sought]\nair.drag = { low = 0.5, high = 2.0 }\n",
             r"\[fixed\] air.drag = 1.0 is also in \[sought\]",
         ),
     ],
@@ -357,7 +436,9 @@ def test_samples_fill_the_ranges_and_make_the_ropes(tmp_path: Path) -> None:
     asked = read(written(tmp_path, SCENE), UncertaintyFile)
     assert [*asked.data] == ["torque_factor", "bending_stiffness"]
     samples = draw(asked)
-    shares = np.array([[asked.data[name].share(x) for name, x in values.items()] for values in samples])
+    shares = np.array(
+        [[asked.data[name].share(x) for name, x in values.items()] for values in samples]
+    )
     # eight points of a Sobol sequence: one in each eighth of each range
     assert_allclose(np.sort(np.floor(8 * shares), axis=0), np.arange(8)[:, None] + [0, 0])
     run = asked.run(samples[0])
@@ -365,7 +446,10 @@ def test_samples_fill_the_ranges_and_make_the_ropes(tmp_path: Path) -> None:
     assert_allclose(rope.Qc, samples[0]["torque_factor"] * 9e7 * 0.044)
     assert rope.length == run.hoist.tail_rope_length == 120.0
     assert rope.mass_per_length == run.hoist.tail_rope_mass == 7.7
-    found, wanted = {one.name: one.status for one in asked.provenance()}, {"rope.Qa": "given", "rope.rhoJ": "derived"}
+    found, wanted = (
+        {one.name: one.status for one in asked.provenance()},
+        {"rope.Qa": "given", "rope.rhoJ": "derived"},
+    )
     assert {key: found[key] for key in (*wanted, "rope.Qc")} == wanted | {"rope.Qc": "varied"}
 
 
@@ -386,7 +470,9 @@ def test_windings_over_the_ranges(tmp_path: Path, capsys: pytest.CaptureFixture[
     path = written(tmp_path, SCENE + TRIP)
     assert main(["uncertain", str(path), "--workers", "1", "--out", str(tmp_path)]) == 0
     assert "caused by torque_factor" in capsys.readouterr().out
-    table = pd.read_csv(tmp_path / "windings.csv").rename(columns=lambda name: name.partition(" ")[0])
+    table = pd.read_csv(tmp_path / "windings.csv").rename(
+        columns=lambda name: name.partition(" ")[0]
+    )
     # held ends carry c1 d times the mean tension, of legs of 15 and 105 m, but for the little that the yaw lets go
     held = table["torque_factor"] * 0.044 * 7.7 * 9.81 * (15**2 + 105**2) / 240
     assert_allclose(table["left_swivel_torque"], held, rtol=0.05)
@@ -403,9 +489,12 @@ def test_a_rope_that_passed_through_itself_sets_no_range(tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize(
-    ("reason", "code"), [("", 0), ("warning: slack", 0), ("stopped: a cause", 1), ("left out: x", 1)]
+    ("reason", "code"),
+    [("", 0), ("warning: slack", 0), ("stopped: a cause", 1), ("left out: x", 1)],
 )
-def test_each_winding_that_does_not_count_decides_the_exit_code(tmp_path: Path, reason: str, code: int) -> None:
+def test_each_winding_that_does_not_count_decides_the_exit_code(
+    tmp_path: Path, reason: str, code: int
+) -> None:
     asked = read(written(tmp_path, SCENE), UncertaintyFile)
     result = UncertaintyResult(asked, {}, {reason: 1} if reason else {})
     assert (result.exit_code, result.completed) == (code, 8 - code)
@@ -414,30 +503,50 @@ def test_each_winding_that_does_not_count_decides_the_exit_code(tmp_path: Path, 
 
 def test_a_remark_of_many_windings_has_the_range_of_its_numbers() -> None:
     texts = [[f"yawed by {yaw} rad (bound 0.5 rad)"] for yaw in ("9.5e-01", "0.61", "10")]
-    assert remarks_of([*texts, [], ["struck"]]) == {"yawed by 0.61 to 10 rad (bound 0.5 rad)": 3, "struck": 1}
+    assert remarks_of([*texts, [], ["struck"]]) == {
+        "yawed by 0.61 to 10 rad (bound 0.5 rad)": 3,
+        "struck": 1,
+    }
 
 
 @pytest.mark.parametrize(
     ("change", "problem"),
     [
         (("samples = 8", "samples = 100"), "samples = 100 must be a power of two from 8 on"),
-        (("samples = 8", 'samples = 8\nbearing = "air"'), "bearing = 'air' must be '', 'rolling' or 'plain'"),
-        (("samples = 8", 'samples = 8\nbearing = ["plain"]'), r"bearing = \['plain'\] must be '', 'rolling'"),
+        (
+            ("samples = 8", 'samples = 8\nbearing = "air"'),
+            "bearing = 'air' must be '', 'rolling' or 'plain'",
+        ),
+        (
+            ("samples = 8", 'samples = 8\nbearing = ["plain"]'),
+            r"bearing = \['plain'\] must be '', 'rolling'",
+        ),
         (("left_swivel_torque", "yaw"), "measures 1 = 'yaw' must be 'cycle_time'"),
         (('"rope-120"', '"rope"'), "hoist = 'rope' must be a file, NAME.toml, or one of rope-120"),
         (("[known]", "[fixed]\nrope.EI = 3\n[known]"), "rope.EI follows from the properties"),
         (('construction = "34x7"', 'from = "nowhere.toml"'), r"nowhere.toml: cannot be read"),
-        (("= 7.7", "= 7700.0"), r"mass_per_length = 7700 must be within 0\.755 and 77\.6 kg/m, .*: check its unit"),
-        (("= 7.7", "= { low = 0.007, high = 7.7 }"), r"mass_per_length = .* must be within 0\.755 and 77\.6 kg/m"),
+        (
+            ("= 7.7", "= 7700.0"),
+            r"mass_per_length = 7700 must be within 0\.755 and 77\.6 kg/m, .*: check its unit",
+        ),
+        (
+            ("= 7.7", "= { low = 0.007, high = 7.7 }"),
+            r"mass_per_length = .* must be within 0\.755 and 77\.6 kg/m",
+        ),
         (("[known]", "[known]\ntorque_factor = 0.01\nbending_stiffness = 180.0"), "nothing varies"),
         (
             ("[known]", "[fixed]\nhoist.tail_rope_mass = 9.0\n[known]"),
             r"\[fixed\] hoist.tail_rope_mass = 9.0 follows from the rope's \[known\] mass_per_length",
         ),
-        (("samples = 8", 'samples = 8\nbearing = "rolling"'), r"bearing = 'rolling' varies a friction that swivels"),
+        (
+            ("samples = 8", 'samples = 8\nbearing = "rolling"'),
+            r"bearing = 'rolling' varies a friction that swivels",
+        ),
     ],
 )
-def test_what_is_wrong_with_ranges_is_told(tmp_path: Path, change: tuple[str, str], problem: str) -> None:
+def test_what_is_wrong_with_ranges_is_told(
+    tmp_path: Path, change: tuple[str, str], problem: str
+) -> None:
     with pytest.raises(FileError, match=problem):
         read(written(tmp_path, SCENE.replace(*change)), UncertaintyFile)
 
@@ -446,7 +555,9 @@ def test_friction_that_is_given_beside_a_bearing_is_refused(tmp_path: Path) -> N
     swivels = '[fixed]\nswivels.mode = "coulomb"\n'
     rolling = SCENE.replace("samples = 8", 'samples = 8\nbearing = "rolling"') + swivels
     assert "running_friction" in read(written(tmp_path, rolling), UncertaintyFile).data
-    with pytest.raises(FileError, match=r"\[fixed\] left.swivel.mu_static = 0.3 follows from \[uncertain\] bearing"):
+    with pytest.raises(
+        FileError, match=r"\[fixed\] left.swivel.mu_static = 0.3 follows from \[uncertain\] bearing"
+    ):
         read(written(tmp_path, f"{rolling}left.swivel.mu_static = 0.3\n"), UncertaintyFile)
 
 
@@ -454,15 +565,19 @@ def test_a_given_value_that_a_run_does_not_have_is_named() -> None:
     given = {name: ParameterValue(1.0) for name in ("rope.EI", "air.drag", "hoist.payload_left")}
     told = [*unreached(given, {"rope.EI": 1.0, "air.drag": 2.0})]
     assert len(told) == 2
-    assert told[0].startswith("[fixed] air.drag = 1.0 does not reach the rope or the hoist, which has 2.0")
-    assert told[1].startswith("[fixed] hoist.payload_left = 1.0 is a value that this command does not take")
+    assert told[0].startswith(
+        "[fixed] air.drag = 1.0 does not reach the rope or the hoist, which has 2.0"
+    )
+    assert told[1].startswith(
+        "[fixed] hoist.payload_left = 1.0 is a value that this command does not take"
+    )
 
 
 @pytest.mark.parametrize("command", ["uncertain", "identify"])
-def test_check_hangs_the_rope(tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str) -> None:
-    where = (
-        '[[measured]]\nwhat = "at rest"\nsignal = "loop.yaw"\nleft_y = 0.0\nright_y = 40.0\nvalue = 0.1\nsigma = 1.0\n'
-    )
+def test_check_hangs_the_rope(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str
+) -> None:
+    where = f'{AT_REST}signal = "loop.yaw"\nvalue = 0.1\nsigma = 1.0\n'
     text = SCENE + "[fixed]\n" if command == "uncertain" else f"{ROPE}{where}[fixed]\n"
     path = str(written(tmp_path, f"{text}layout.spacing = 2.0\n"))
     assert main([command, path, "--check"]) == 0
@@ -472,17 +587,29 @@ def test_check_hangs_the_rope(tmp_path: Path, capsys: pytest.CaptureFixture[str]
 
 
 @pytest.mark.parametrize(
-    "both", [pytest.param(False, marks=pytest.mark.slow), True], ids=["output", "output and messages"]
+    "both",
+    [pytest.param(False, marks=pytest.mark.slow), True],
+    ids=["output", "output and messages"],
 )
 def test_a_reader_that_leaves_changes_no_exit_code(tmp_path: Path, both: bool) -> None:
     source = written(tmp_path, ROPE + HEAVY)
-    command = [sys.executable, "-m", "balance_rope", "identify", str(source), "--out", str(tmp_path / "found")]
+    command = [
+        sys.executable,
+        "-m",
+        "balance_rope",
+        "identify",
+        str(source),
+        "--out",
+        str(tmp_path / "found"),
+    ]
     root = str(Path(__file__).parents[1])
     receiver, sender = os.pipe()
     os.close(receiver)  # the reader is gone before the first line
     with os.fdopen(sender, "wb") as out:
         messages = out if both else subprocess.PIPE
-        done = subprocess.run(command, stdout=out, stderr=messages, env=os.environ | {"PYTHONPATH": root}, check=False)
+        done = subprocess.run(
+            command, stdout=out, stderr=messages, env=os.environ | {"PYTHONPATH": root}, check=False
+        )
     assert done.returncode == 1
     assert both or b"warning: the measurements contradict the model" in done.stderr
     assert (tmp_path / "found" / "report.html").is_file()
@@ -490,7 +617,9 @@ def test_a_reader_that_leaves_changes_no_exit_code(tmp_path: Path, both: bool) -
 
 @pytest.mark.parametrize("name", ["rope-120", "kiruna-355"])
 def test_the_worked_files_are_right(name: str) -> None:
-    asked = read(Path(__file__).parents[1] / "examples" / "uncertain" / f"{name}.toml", UncertaintyFile)
+    asked = read(
+        Path(__file__).parents[1] / "examples" / "uncertain" / f"{name}.toml", UncertaintyFile
+    )
     assert len(asked.data) >= 4
 
 
@@ -505,7 +634,9 @@ def test_every_datum_is_a_range_with_a_source(name: str) -> None:
         assert 0 <= datum.low < datum.middle < datum.high
         # what is called published says where, and none of it is ours
         assert datum.source
-        assert datum.status != "published" or ("http" in datum.source and "ours" not in datum.source)
+        assert datum.status != "published" or (
+            "http" in datum.source and "ours" not in datum.source
+        )
         assert datum.status == "assumed" or "ours" not in datum.source
 
 
@@ -514,7 +645,9 @@ def test_any_value_of_the_ranges_is_a_rope(name: str) -> None:
     rng, known = np.random.default_rng(3), rope(name, diameter=0.05)
     for shares in rng.random((200, len(PROPERTIES))).round():  # corners
         # a rope whose strain energy is not positive is refused
-        known.rope(**{key: datum.at(u) for (key, datum), u in zip(known.data.items(), shares, strict=True)})
+        known.rope(
+            **{key: datum.at(u) for (key, datum), u in zip(known.data.items(), shares, strict=True)}
+        )
 
 
 def test_properties_of_a_rope_give_it_back() -> None:
@@ -531,7 +664,9 @@ def test_a_sample_shows_the_properties() -> None:
     """Held: the torque c1 d T. Turned at constant tension: D per twist (by the law of physics.costello)."""
     made = rope("34x7", diameter=0.046).rope(torque_factor=0.015, torsional_stiffness=900.0)
     T = 5e4
-    assert_allclose(costello.torque(made.Qs, made.Qk, made.Qd, 0.0, T / made.Qa, 0.0), 0.015 * 0.046 * T)
+    assert_allclose(
+        costello.torque(made.Qs, made.Qk, made.Qd, 0.0, T / made.Qa, 0.0), 0.015 * 0.046 * T
+    )
     tau = 0.02
     e = (T - made.Qb * tau) / made.Qa
     turned = costello.torque(made.Qs, made.Qk, made.Qd, 0.0, e, tau)
@@ -554,7 +689,9 @@ def test_mass_is_that_of_the_standard() -> None:
     assert_allclose(rope("6x36", diameter=0.030).data["mass_per_length"].high, 0.409 * 30**2 / 100)
 
 
-@pytest.mark.parametrize("datum", [Datum(2.0, 8.0, "m", "assumed", ""), Datum(0.0, 8.0, "m", "assumed", "")])
+@pytest.mark.parametrize(
+    "datum", [Datum(2.0, 8.0, "m", "assumed", ""), Datum(0.0, 8.0, "m", "assumed", "")]
+)
 def test_shares_of_a_range(datum: Datum) -> None:
     assert_allclose([datum.at(0), datum.at(1)], [datum.low, datum.high])
     assert_allclose(datum.at(0.5), datum.middle)
@@ -564,9 +701,18 @@ def test_shares_of_a_range(datum: Datum) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"construction": "7x7", "diameter": 0.04}, "construction = '7x7' is out of range: it must be one of 34x7"),
-        ({"construction": "34x7", "diameter": 46.0}, "diameter = 46.0 is out of range.*give it in metres"),
-        ({"construction": "34x7", "diameter": 0.04, "lay": "z"}, "lay = 'z' is out of range: it must be one of right"),
+        (
+            {"construction": "7x7", "diameter": 0.04},
+            "construction = '7x7' is out of range: it must be one of 34x7",
+        ),
+        (
+            {"construction": "34x7", "diameter": 46.0},
+            "diameter = 46.0 is out of range.*give it in metres",
+        ),
+        (
+            {"construction": "34x7", "diameter": 0.04, "lay": "z"},
+            "lay = 'z' is out of range: it must be one of right",
+        ),
     ],
 )
 def test_what_the_catalogue_lacks_is_refused(arguments: dict[str, object], message: str) -> None:

@@ -12,7 +12,9 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ("rope_model", "fmu_src", "hoist_demo")
 _LAYERS = tomllib.loads(Path(__file__).with_name("layers.toml").read_text(encoding="utf-8"))
-MAY_IMPORT, HOMES = ({name: set(names) for name, names in table.items()} for table in _LAYERS.values())
+MAY_IMPORT, HOMES = (
+    {name: set(names) for name, names in table.items()} for table in _LAYERS.values()
+)
 
 
 @cache
@@ -32,15 +34,23 @@ def imports(name: str, path: Path) -> frozenset[str]:
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            base = package.split(".")[: len(package.split(".")) - node.level + 1] if node.level else []
+            base = (
+                package.split(".")[: len(package.split(".")) - node.level + 1] if node.level else []
+            )
             target = ".".join([*base, *([node.module] if node.module else [])])
-            found |= {full if (full := f"{target}.{alias.name}") in modules() else target for alias in node.names}
+            found |= {
+                full if (full := f"{target}.{alias.name}") in modules() else target
+                for alias in node.names
+            }
     return frozenset(found)
 
 
 def room(name: str) -> str:
     """The package of layers.toml that a module belongs to; rope_model itself is what users import, and no more."""
-    return next((r for r in MAY_IMPORT if name == r or (r != "rope_model" and name.startswith(r + "."))), name)
+    return next(
+        (r for r in MAY_IMPORT if name == r or (r != "rope_model" and name.startswith(r + "."))),
+        name,
+    )
 
 
 def within(name: str, places: set[str]) -> bool:
@@ -60,26 +70,42 @@ def test_every_module_of_the_hoist_is_in_a_room() -> None:
 
 @pytest.mark.parametrize("library", sorted(HOMES))
 def test_third_party_library_stays_in_its_rooms(library: str) -> None:
-    users = {n for n, path in modules().items() if any(i.split(".")[0] == library for i in imports(n, path))}
+    users = {
+        n
+        for n, path in modules().items()
+        if any(i.split(".")[0] == library for i in imports(n, path))
+    }
     assert users
     assert {user for user in users if not within(user, HOMES[library])} == set()
 
 
 def test_no_other_third_party_library_is_imported() -> None:
     known = set(HOMES) | set(PACKAGES) | {"numpy", "balance_rope"} | set(sys.stdlib_module_names)
-    assert {i.split(".")[0] for name, path in modules().items() for i in imports(name, path)} <= known
+    assert {
+        i.split(".")[0] for name, path in modules().items() for i in imports(name, path)
+    } <= known
 
 
 def test_benchmarks_know_nothing_of_evidence_and_one_module_of_templates() -> None:
     rooms = {room: sorted((ROOT / room).rglob("*.py")) for room in ("benchmarks", "evidence")}
     found = {path: imports("", path) for paths in rooms.values() for path in paths}
-    assert not [path for path in rooms["benchmarks"] if any(within(name, {"evidence"}) for name in found[path])]
-    assert [path for path in found if "jinja2" in found[path]] == [ROOT / "evidence" / "rendering.py"]
+    assert not [
+        path
+        for path in rooms["benchmarks"]
+        if any(within(name, {"evidence"}) for name in found[path])
+    ]
+    assert [path for path in found if "jinja2" in found[path]] == [
+        ROOT / "evidence" / "rendering.py"
+    ]
 
 
 def test_no_import_cycles() -> None:
-    graph = {n: {i for i in imports(n, p) if i in modules() and i != n} for n, p in modules().items()}
-    assert len([*TopologicalSorter(graph).static_order()]) == len(graph)  # or it raises, and names the cycle
+    graph = {
+        n: {i for i in imports(n, p) if i in modules() and i != n} for n, p in modules().items()
+    }
+    assert len([*TopologicalSorter(graph).static_order()]) == len(
+        graph
+    )  # or it raises, and names the cycle
 
 
 def test_nothing_the_fmu_imports_needs_scipy() -> None:
@@ -95,7 +121,11 @@ def test_nothing_the_fmu_imports_needs_scipy() -> None:
 
 
 def test_no_test_of_the_product_imports_evidence_or_benchmarks() -> None:
-    paths = [p for p in sorted((ROOT / "tests").rglob("*.py")) if "evidence" not in p.relative_to(ROOT).parts]
+    paths = [
+        p
+        for p in sorted((ROOT / "tests").rglob("*.py"))
+        if "evidence" not in p.relative_to(ROOT).parts
+    ]
     assert len(paths) > 50
     used = {path.name: {name.partition(".")[0] for name in imports("", path)} for path in paths}
     assert [name for name, found in used.items() if found & {"evidence", "benchmarks"}] == []

@@ -16,7 +16,13 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.design import arrival_swing, linear_model, reduction, sparse_modes
 from hoist_demo.design import linearise as linearise_module
-from hoist_demo.design.arrival_swing import INPUTS, OUTPUTS, SpeedLoop, pole_of_sparse, swing_at_arrival
+from hoist_demo.design.arrival_swing import (
+    INPUTS,
+    OUTPUTS,
+    SpeedLoop,
+    pole_of_sparse,
+    swing_at_arrival,
+)
 from hoist_demo.design.linearise import linearise, linearise_hoist, linearise_rope
 from hoist_demo.design.reduction import reduced
 from hoist_demo.files.hoist_file import HoistFile
@@ -27,16 +33,23 @@ from rope_model import EndMotion, RopeSimulator
 from rope_model.simulation.outputs.linear import let_turn
 from rope_model.simulation.outputs.modal import natural_modes
 
-TORQUE, SEEN = ("torque_command",), ("rate", "pull_left", "pull_right", "tension_left", "left.fy", "right.fy")
+TORQUE, SEEN = (
+    ("torque_command",),
+    ("rate", "pull_left", "pull_right", "tension_left", "left.fy", "right.fy"),
+)
 
 
 def smooth(case: Case) -> Case:
     """The case without what has no derivative."""
     guides = None if case.hoist.guides is None else replace(case.hoist.guides, coulomb=0.0)
-    return replace(case, hoist=replace(case.hoist, loss_coulomb=0.0, guides=guides, brake=None, play=None))
+    return replace(
+        case, hoist=replace(case.hoist, loss_coulomb=0.0, guides=guides, brake=None, play=None)
+    )
 
 
-def test_sparse_modes_are_the_dense_ones_and_none_is_missed(tmp_path: Path, monkeypatch: Patch) -> None:
+def test_sparse_modes_are_the_dense_ones_and_none_is_missed(
+    tmp_path: Path, monkeypatch: Patch
+) -> None:
     # equal ropes at equal distances: every mode that the hoist does not share is there twice
     ropes = "[[rope]]\nname = 'a'\nz = 0.3\n[[rope]]\nname = 'b'\nz = -0.3\n"
     path = tmp_path / "two.toml"
@@ -65,7 +78,9 @@ BENT = pytest.param(0, {"air.density": 1.2, "rope.initial_curvature": 0.5}, mark
 
 @pytest.mark.parametrize(("mode", "more"), [(0, {}), (1, {}), BENT])  # locked, free
 def test_rope_alone_has_its_natural_modes(mode: int, more: dict[str, float]) -> None:
-    scene = rope_scene({**find_case("rope-120").rope, "left.swivel.mode": mode, "right.swivel.mode": mode, **more})
+    scene = rope_scene(
+        {**find_case("rope-120").rope, "left.swivel.mode": mode, "right.swivel.mode": mode, **more}
+    )
     scene = scene.with_(model=replace(scene.model, fidelity="torsional"))
     ends = EndMotion(y=20.0), EndMotion(y=70.0)
     rope = RopeSimulator(scene)
@@ -80,10 +95,14 @@ def test_rope_alone_has_its_natural_modes(mode: int, more: dict[str, float]) -> 
     assert (np.abs(torques) < 1e-6).all() == (mode == 1)
     # a rope that is lifted as a whole is a mass
     lifted = found.response([0.01j])[0]
-    rows, columns = ([names.index(f"{side}.{x}") for side in ("left", "right")] for names, x in
-                     ((found.outputs, "fy"), (found.inputs, "y")))  # fmt: skip
+    rows, columns = (
+        [names.index(f"{side}.{x}") for side in ("left", "right")]
+        for names, x in ((found.outputs, "fy"), (found.inputs, "y"))
+    )
     weight = -scene.rope.mass_per_length * scene.rope.length
-    assert_allclose(lifted[np.ix_(rows, columns)].sum(), weight, rtol=1e-3)  # (0.01 / 0.4)^2, of the lowest mode
+    assert_allclose(
+        lifted[np.ix_(rows, columns)].sum(), weight, rtol=1e-3
+    )  # (0.01 / 0.4)^2, of the lowest mode
 
 
 def test_hoist_is_its_masses_and_its_brake_a_spring() -> None:
@@ -101,7 +120,9 @@ def test_hoist_is_its_masses_and_its_brake_a_spring() -> None:
     free = hoist.sheave_height - 45.0
     spring = 5e5 / (hoist.sheave_radius * braked.brake.travel)
     # longer head ropes weigh more on either side: 2 mu g against EA / l
-    assert_allclose(gain, free / hoist.rope_stiffness + 1 / (spring - 2 * hoist.rope_mass * GRAVITY), rtol=3e-3)
+    assert_allclose(
+        gain, free / hoist.rope_stiffness + 1 / (spring - 2 * hoist.rope_mass * GRAVITY), rtol=3e-3
+    )
 
 
 @pytest.mark.parametrize("speed", [8.0, -8.0])
@@ -115,7 +136,9 @@ def test_a_rope_that_flows_pulls_by_its_momentum_and_keeps_its_shape(speed: floa
     assert abs(more["loop.y"]) < 2e-3
     assert more["v_left"] == speed
     # viscous losses at the rim, to which the damping of the rope adds its own
-    assert_allclose(more["torque"], case.hoist.loss_viscous * case.hoist.sheave_radius * speed, rtol=2e-3)
+    assert_allclose(
+        more["torque"], case.hoist.loss_viscous * case.hoist.sheave_radius * speed, rtol=2e-3
+    )
 
 
 @pytest.mark.slow
@@ -125,13 +148,17 @@ def test_small_models_need_no_more_states_than_the_drive_feels() -> None:
     # promised for five heights of four hoists
     assert small.decibels.max() < 1.0
     assert small.degrees.max() < 5.0
-    assert np.linalg.eigvals(small.A).real.max() < 1e-6  # modes of a stable model; the hoist itself rests anywhere
+    assert (
+        np.linalg.eigvals(small.A).real.max() < 1e-6
+    )  # modes of a stable model; the hoist itself rests anywhere
 
 
 def test_the_number_of_states_follows_from_the_measured_error(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    (model,) = (m.selected(TORQUE, SEEN[:3]) for m in linearise(find_case("rope-120"), [0.3], level="draft"))
+    (model,) = (
+        m.selected(TORQUE, SEEN[:3]) for m in linearise(find_case("rope-120"), [0.3], level="draft")
+    )
     few, more = (reduced([model], states) for states in (9, 15))
     bound = float(np.sqrt(few.decibels.max() * more.decibels.max()))
     assert more.decibels.max() < bound < few.decibels.max()
@@ -148,7 +175,8 @@ def test_the_number_of_states_follows_from_the_measured_error(
 
 
 @pytest.mark.parametrize(
-    ("hoist", "at"), [pytest.param("rope-120", 1.0), pytest.param("robert-1096", 0.5, marks=pytest.mark.slow)]
+    ("hoist", "at"),
+    [pytest.param("rope-120", 1.0), pytest.param("robert-1096", 0.5, marks=pytest.mark.slow)],
 )
 def test_an_arrival_swings_as_the_complete_model(hoist: str, at: float) -> None:
     case = find_case(hoist)
@@ -179,7 +207,10 @@ def test_where_no_small_model_serves_the_complete_one_does_or_the_error_is_told(
     monkeypatch.setattr(reduction, "MAX_DECIBELS", 1e-6)
     assert swing_at_arrival(case, 0.0).frequency == pytest.approx(swing.frequency, rel=1e-3)
     monkeypatch.setattr(arrival_swing, "pole_of_sparse", lambda *_: None)
-    with pytest.raises(ValueError, match=r"9 states errs by .* dB .*; nor has the complete model .* shaper.frequency"):
+    with pytest.raises(
+        ValueError,
+        match=r"9 states errs by .* dB .*; nor has the complete model .* shaper.frequency",
+    ):
         swing_at_arrival(case, 0.0)
 
 
@@ -192,16 +223,28 @@ def test_small_models_are_written_and_scheduled(tmp_path: Path) -> None:
     assert_allclose(json.loads(paths[".json"].read_text())["C"], small.C, rtol=0, atol=0)
     assert_allclose(loadmat(paths[".mat"])["B"][..., 1], small.B[1], rtol=0, atol=0)
     plant, X, u = small.scheduled(), np.arange(7.0), 2.0
-    ends = [[A @ X + B @ [u], C @ X + D @ [u]] for A, B, C, D in zip(small.A, small.B, small.C, small.D, strict=True)]
+    ends = [
+        [A @ X + B @ [u], C @ X + D @ [u]]
+        for A, B, C, D in zip(small.A, small.B, small.C, small.D, strict=True)
+    ]
     for at, shares in ((0.1, (1, 0)), (0.3, (0.75, 0.25)), (0.7, (0, 1))):
         for k, found in enumerate(plant(at, X, u)):
-            assert_allclose(found.full().ravel(), shares[0] * ends[0][k] + shares[1] * ends[1][k], rtol=1e-9)
+            assert_allclose(
+                found.full().ravel(), shares[0] * ends[0][k] + shares[1] * ends[1][k], rtol=1e-9
+            )
     # a spline that overshoots
     rates, four = np.array([-50.0, -0.1, -0.1, -50.0])[:, None, None], [0, 0, 0, 0]
     steep = replace(
-        small, at=(0.0, 0.3, 0.7, 1.0), A=rates * np.eye(7), B=small.B[four], C=small.C[four], D=small.D[four]
+        small,
+        at=(0.0, 0.3, 0.7, 1.0),
+        A=rates * np.eye(7),
+        B=small.B[four],
+        C=small.C[four],
+        D=small.D[four],
     )
-    with pytest.raises(ValueError, match=r"model at = 0\.[345].*, between heights, grows by .* take more heights"):
+    with pytest.raises(
+        ValueError, match=r"model at = 0\.[345].*, between heights, grows by .* take more heights"
+    ):
         steep.scheduled()
     with pytest.raises(ValueError, match=r"at = 1\.5 must be within 0 and 1"):
         linearise(find_case("rope-120"), [1.5])
@@ -211,7 +254,9 @@ def test_small_models_are_written_and_scheduled(tmp_path: Path) -> None:
 
 def test_ropes_that_differ_in_their_names_alone_are_equal_ones(tmp_path: Path) -> None:
     def model(ropes: str):
-        (path := tmp_path / "hoist.toml").write_text(f'name = "hoist"\nlike = "rope-120"\n{ropes}', encoding="utf-8")
+        (path := tmp_path / "hoist.toml").write_text(
+            f'name = "hoist"\nlike = "rope-120"\n{ropes}', encoding="utf-8"
+        )
         return linearise(read(path, HoistFile).case, [0.3])[0]
 
     place = "x_left = 0.2\nx_right = 0.2\nz = 0.5\nswivels.mode = "
@@ -219,11 +264,17 @@ def test_ropes_that_differ_in_their_names_alone_are_equal_ones(tmp_path: Path) -
     for mode in ("locked", "free"):
         equal = model(f'[[rope]]\nnumber = 2\nswivels.mode = "{mode}"')
         apart = model("".join(f'[[rope]]\nname = "{name}"\n{place}"{mode}"\n' for name in "ab"))
-        found = apart.selected((*TORQUE, "left.yaw"), [f"b.{x}" if "." in x else x for x in seen]).response(s)
+        found = apart.selected(
+            (*TORQUE, "left.yaw"), [f"b.{x}" if "." in x else x for x in seen]
+        ).response(s)
         own = (*TORQUE, "left.x", "left.z", *(("left.yaw",) if mode == "locked" else ()))
         torque, x, z, *yaw = np.moveaxis(equal.selected(own, seen).response(s), 2, 0)
-        moved = 0.5 * x - 0.2 * z + sum(yaw)  # what hangs beside the centre of a conveyance that yaws
-        assert_allclose(np.moveaxis(found, 2, 0), (torque, moved), rtol=1e-6, atol=1e-9 * np.abs(found).max())
+        moved = (
+            0.5 * x - 0.2 * z + sum(yaw)
+        )  # what hangs beside the centre of a conveyance that yaws
+        assert_allclose(
+            np.moveaxis(found, 2, 0), (torque, moved), rtol=1e-6, atol=1e-9 * np.abs(found).max()
+        )
 
 
 @pytest.mark.usefixtures("plain_figures")
@@ -238,20 +289,27 @@ def test_commands_write_their_files(command: str, files: str, tmp_path: Path) ->
 @pytest.mark.parametrize(
     ("asked", "told"),
     [
-        *((f"modes --band {band}", f"--band {band} must be above 0.02 Hz") for band in ("-1", "0", "nan")),
+        *(
+            (f"modes --band {band}", f"--band {band} must be above 0.02 Hz")
+            for band in ("-1", "0", "nan")
+        ),
         ("modes --count 0", "--count 0 must be at least 1"),
         # two states of each motion, and one of the torque's lag: both counts are of one model
         ("linearise --at 0.5 --states 2", "states = 2 must be within 3 and "),
         ("linearise --at 0.2 0.5 --states 500", "states = 500 must be at most "),
     ],
 )
-def test_a_number_that_cannot_be_is_refused(asked: str, told: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_number_that_cannot_be_is_refused(
+    asked: str, told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(asked.split()) == 2
     assert told in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("command", ["modes", "linearise"])
-def test_linear_models_have_the_level_of_the_hoist(command: str, tmp_path: Path, monkeypatch: Patch) -> None:
+def test_linear_models_have_the_level_of_the_hoist(
+    command: str, tmp_path: Path, monkeypatch: Patch
+) -> None:
     path, seen = tmp_path / "draft.toml", list[str]()
     path.write_text("name = 'd'\nlike = 'rope-120'\nlevel = 'draft'\n", encoding="utf-8")
 

@@ -29,7 +29,9 @@ def trip(t: float) -> tuple[EndMotion, EndMotion]:
 
 
 @pytest.fixture(params=[*FLAVOURS, "drive-2"])
-def host(request: pytest.FixtureRequest, unpacked: Callable[[str], tuple[Path, str]]) -> Iterator[Host]:
+def host(
+    request: pytest.FixtureRequest, unpacked: Callable[[str], tuple[Path, str]]
+) -> Iterator[Host]:
     made = Host(*unpacked(request.param))
     yield made
     made.free()
@@ -59,9 +61,13 @@ def run(host: Host, steps: Steps, T: float) -> None:
 
 
 @pytest.mark.parametrize("loop", LOOPS)
-@pytest.mark.parametrize(("H", "T"), [(0.02, 5.0), (0.005, 2.0), pytest.param(0.02, 9.0, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("H", "T"), [(0.02, 5.0), (0.005, 2.0), pytest.param(0.02, 9.0, marks=pytest.mark.slow)]
+)
 def test_loop_of_a_master_ends_where_it_should(host: Host, loop: str, H: float, T: float) -> None:
-    host.start(**({"model.fidelity": 4} if is_rope(host) else {}))  # rigid: the clock is what counts
+    host.start(
+        **({"model.fidelity": 4} if is_rope(host) else {})
+    )  # rigid: the clock is what counts
     run(host, LOOPS[loop](H, T), T)
 
 
@@ -77,7 +83,9 @@ def test_rest_of_rounding_size_moves_nothing_and_is_not_lost(host: Host) -> None
         run(host, steps, t0 + H)
         return host.get(*shown)
 
-    rounding = itertools.chain(((t0 + k * rest, rest) for k in range(rests)), [(t0 + rests * rest, H - rests * rest)])
+    rounding = itertools.chain(
+        ((t0 + k * rest, rest) for k in range(rests)), [(t0 + rests * rest, H - rests * rest)]
+    )
     # the motion is extrapolated, and the torque sampled, so much later
     later = JERK * rests * rest
     leg = 0.5 * (rope_120().scene.rope.length + TRAVEL)
@@ -173,7 +181,9 @@ def test_path_misses_no_more_in_any_steps_than_stated_and_hardly_more_than_in_ev
     assert_allclose(largest_miss([1.0] * 40, 1.0), [0.2575, 0.509, 2.94], rtol=2e-3)
     worst = np.zeros(3)
     for seed in range(60):
-        worst = np.maximum(worst, largest_miss([h for _, h in random_steps(seed, 20.0, 1e-6, 1.0)], 1.0))
+        worst = np.maximum(
+            worst, largest_miss([h for _, h in random_steps(seed, 20.0, 1e-6, 1.0)], 1.0)
+        )
     for short in (1e-6, 0.1, 0.5, 0.9):
         worst = np.maximum(worst, largest_miss([1.0, *[short] * 3] * 10, 1.0))
     assert np.all(worst <= MISSED)
@@ -183,4 +193,6 @@ def test_path_misses_no_more_in_any_steps_than_stated_and_hardly_more_than_in_ev
 
 def test_path_misses_as_much_after_a_long_step_of_rest_as_without() -> None:
     for rest in (1.0, 60.0):
-        assert_allclose(largest_miss([0.01] * 100, JERK, rest), largest_miss([0.01] * 100, JERK), rtol=1e-7)
+        assert_allclose(
+            largest_miss([0.01] * 100, JERK, rest), largest_miss([0.01] * 100, JERK), rtol=1e-7
+        )

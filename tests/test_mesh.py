@@ -24,7 +24,14 @@ from rope_model.simulation.mesh import mesh_pattern as tmn
 from rope_model.simulation.mesh import partition as cells
 from rope_model.simulation.mesh.mesh_fit import DUE
 from rope_model.simulation.mesh.mesh_pattern import inner_length, min_outer, transformation_due
-from rope_model.simulation.mesh.partition import NO_DIVIDERS, Partition, fit_mesh, partition, transform, window_due
+from rope_model.simulation.mesh.partition import (
+    NO_DIVIDERS,
+    Partition,
+    fit_mesh,
+    partition,
+    transform,
+    window_due,
+)
 from rope_model.simulation.mesh.transfer import interpolate, transfer_fields
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE
 from rope_model.solver_parameters import Mesh
@@ -43,7 +50,9 @@ def kinetic_energy(x: Array, lengths: Array) -> float:
     for i, l in enumerate(lengths):
         rest[7] = l
         v = x[i : i + 2].ravel()
-        mass = element.tangent(rest, 0 * rest, 0 * rest, l, element.reference(rest, l), P, 0.0, 0.0, 1.0, rest)[1]
+        mass = element.tangent(
+            rest, 0 * rest, 0 * rest, l, element.reference(rest, l), P, 0.0, 0.0, 1.0, rest
+        )[1]
         energy += 0.5 * float(v @ np.asarray(mass) @ v)
     return energy
 
@@ -70,7 +79,13 @@ PLACES = st.floats(0.0, 1.0)
 MESH = st.lists(st.floats(0.2, 3.0), min_size=3, max_size=12)
 GROWTH = st.just(0.0) | st.floats(0.01, 100.0)
 COUNTS = st.builds(
-    lambda two, three, four: (2 * two, 4 * three * (two > 0), 8 * four, 4 * three * (two > 0), 2 * two),
+    lambda two, three, four: (
+        2 * two,
+        4 * three * (two > 0),
+        8 * four,
+        4 * three * (two > 0),
+        2 * two,
+    ),
     *(st.integers(0, 3), st.integers(0, 3), st.integers(1, 6)),
 )
 PARTS = {"counts": COUNTS, "end_levels": st.integers(0, 3), "grading_length": GROWTH}
@@ -79,7 +94,9 @@ MESHES = st.builds(Mesh, coarse_length=st.floats(0.5, 4.0), **PARTS)
 
 @settings(max_examples=100, deadline=None)
 @given(mesh=MESHES, length=LENGTHS, place=PLACES)
-def test_the_pattern_adds_up_to_the_rope_and_is_centred_as_it_can_be(mesh: Mesh, length: float, place: float) -> None:
+def test_the_pattern_adds_up_to_the_rope_and_is_centred_as_it_can_be(
+    mesh: Mesh, length: float, place: float
+) -> None:
     assume(length > (inner_length(mesh.counts) + 3) * mesh.coarse_length)
     p = partition(mesh, length, place * length)
     assert_allclose(p.lengths.sum(), length, rtol=1e-12)  # a sum of some hundred lengths
@@ -97,7 +114,9 @@ def test_the_pattern_adds_up_to_the_rope_and_is_centred_as_it_can_be(mesh: Mesh,
 
 @settings(max_examples=100, deadline=None)
 @given(mesh=MESHES, length=LENGTHS, place=PLACES, direction=st.sampled_from([-1, 1]))
-def test_a_transformation_moves_one_element_and_back(mesh: Mesh, length: float, place: float, direction: int) -> None:
+def test_a_transformation_moves_one_element_and_back(
+    mesh: Mesh, length: float, place: float, direction: int
+) -> None:
     assume(length > (inner_length(mesh.counts) + 3) * mesh.coarse_length)
     p = partition(mesh, length, place * length)
     assume(p.counts[6 if direction > 0 else 0] > min_outer(mesh.counts))
@@ -114,12 +133,17 @@ def test_a_transformation_moves_one_element_and_back(mesh: Mesh, length: float, 
         return  # three may become two
     # whole elements become one, or one becomes several
     old, new = nodes(p), nodes(there)
-    coarser, finer = ({(round(a / p.coarse, 6), round(b / p.coarse, 6)) for a, b in pairwise(s)} for s in (old, new))
+    coarser, finer = (
+        {(round(a / p.coarse, 6), round(b / p.coarse, 6)) for a, b in pairwise(s)}
+        for s in (old, new)
+    )
     for a, b in coarser ^ finer:
         other = finer if (a, b) in coarser else coarser
         within = [x for x in other if a <= x[0] and x[1] <= b]
         around = [x for x in other if x[0] <= a and b <= x[1]]
-        assert around or (within and min(x[0] for x in within) == a and max(x[1] for x in within) == b)
+        assert around or (
+            within and min(x[0] for x in within) == a and max(x[1] for x in within) == b
+        )
 
 
 def test_a_transformation_is_due_when_the_loop_has_travelled_and_not_due_back_at_once() -> None:
@@ -137,7 +161,9 @@ def test_a_transformation_is_due_when_the_loop_has_travelled_and_not_due_back_at
 
 @settings(max_examples=60, deadline=None)
 @given(length=st.floats(120.0, 2000.0), place=PLACES, growth=st.floats(0.01, 100.0))
-def test_elements_of_the_legs_are_as_long_as_end_and_loop_allow(length: float, place: float, growth: float) -> None:
+def test_elements_of_the_legs_are_as_long_as_end_and_loop_allow(
+    length: float, place: float, growth: float
+) -> None:
     p = partition(Mesh(end_levels=0, grading_length=growth), length, place * length)
     units, first, last = p.lengths / p.coarse, p.counts[0], p.counts[6]
     s = nodes(p) / p.coarse
@@ -160,11 +186,21 @@ def facing(side: int, place: float) -> tuple[float, ...]:
 
 
 @settings(max_examples=100, deadline=None)
-@given(length=st.floats(120.0, 1000.0), bottom=st.floats(0.3, 0.7), part=st.floats(-0.1, 1.1), side=SIDES)
+@given(
+    length=st.floats(120.0, 1000.0),
+    bottom=st.floats(0.3, 0.7),
+    part=st.floats(-0.1, 1.1),
+    side=SIDES,
+)
 def test_a_leg_is_refined_about_the_divider_that_it_faces(length, bottom, part, side) -> None:
     mesh, place = Mesh(coarse_length=1.0), part * length
-    plain, p = partition(mesh, length, bottom * length), partition(mesh, length, bottom * length, facing(side, place))
-    assert p.lengths.size == plain.lengths.size + tmn.WINDOW * (tmn.WINDOW_PARTS - 1)  # wherever it is
+    plain, p = (
+        partition(mesh, length, bottom * length),
+        partition(mesh, length, bottom * length, facing(side, place)),
+    )
+    assert p.lengths.size == plain.lengths.size + tmn.WINDOW * (
+        tmn.WINDOW_PARTS - 1
+    )  # wherever it is
     assert p.counts == plain.counts
     assert_allclose(p.lengths.sum(), length, rtol=1e-12)
     s, leg = nodes(p) if side == 0 else length - nodes(p)[::-1], p.counts[6 * side] * p.coarse
@@ -222,7 +258,10 @@ def test_a_split_reproduces_the_element_to_the_bit() -> None:
 def test_the_interpolation_is_the_elements_own_cubic() -> None:
     s = np.array([0.0, 2.0])
     c = np.random.default_rng(4).normal(size=(4, 3))
-    powers, rates = (lambda z: z[:, None] ** [0, 1, 2, 3]), (lambda z: z[:, None] ** [0, 0, 1, 2] * [0, 1, 2, 3])
+    powers, rates = (
+        (lambda z: z[:, None] ** [0, 1, 2, 3]),
+        (lambda z: z[:, None] ** [0, 0, 1, 2] * [0, 1, 2, 3]),
+    )
     x = np.zeros((2, 7))
     x[:, POSITION], x[:, SLOPE], x[:, ANGLE] = powers(s) @ c, rates(s) @ c, [1.0, 5.0]
     at = np.linspace(0.0, 2.0, 9)
@@ -234,7 +273,9 @@ def test_the_interpolation_is_the_elements_own_cubic() -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(old=MESH, new=MESH, seed=st.integers(0, 1000))
-def test_what_a_transfer_loses_is_orthogonal_to_every_new_field(old: list[float], new: list[float], seed: int) -> None:
+def test_what_a_transfer_loses_is_orthogonal_to_every_new_field(
+    old: list[float], new: list[float], seed: int
+) -> None:
     # any two meshes of one rope, nested or not; integrated without mass matrices
     old_s, new_s = (np.concatenate(([0.0], np.cumsum(l))) / sum(l) for l in (old, new))
     x = np.random.default_rng(seed).normal(size=(old_s.size, 7))
@@ -258,9 +299,14 @@ def test_a_merge_errs_with_the_fourth_power_of_the_length() -> None:
         s, merged = np.linspace(0.0, 6.0, 2 * elements + 1), np.linspace(0.0, 6.0, elements + 1)
         v, k = np.zeros((s.size, 7)), 2 * np.pi / 9.0
         for i, (waves, phase) in enumerate(((1.0, 0.3), (2.0, 1.1), (1.5, 2.0))):
-            v[:, i], v[:, 3 + i] = np.sin(waves * k * s + phase), waves * k * np.cos(waves * k * s + phase)
+            v[:, i], v[:, 3 + i] = (
+                np.sin(waves * k * s + phase),
+                waves * k * np.cos(waves * k * s + phase),
+            )
         v[:, ANGLE] = np.cos(k * s)
-        lost.append(kinetic_energy(interpolate(carry(v, s, merged), merged, s) - v, np.diff(s)) ** 0.5)
+        lost.append(
+            kinetic_energy(interpolate(carry(v, s, merged), merged, s) - v, np.diff(s)) ** 0.5
+        )
     assert_allclose(np.log2(np.array(lost[:-1]) / lost[1:]), 4.0, atol=0.3)
     # at the middle of an element Hermite interpolation misses the fourth derivative times l^4/384; waves of 4.5 to 9 m
     assert lost[-1] < 2 * 6.0**0.5 * (2 * np.pi / 4.5 * 6.0 / 32) ** 4 / 384
@@ -269,17 +315,27 @@ def test_a_merge_errs_with_the_fourth_power_of_the_length() -> None:
 def uncoupled(name: str) -> Scene:
     scene = rope_scene(find_case(name).rope)
     locked, rope = Swivel(mode="locked"), replace(scene.rope, Qb=0.0, Qc=0.0)
-    return scene.with_(rope=rope, left=locked, right=locked, solver=fixed_steps(0.01), model=Model("planar"))
+    return scene.with_(
+        rope=rope, left=locked, right=locked, solver=fixed_steps(0.01), model=Model("planar")
+    )
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(not find_compiler(), reason="minutes without a C compiler")
 @pytest.mark.parametrize("travel", [100.0, 400.0])
-def test_joined_elements_of_a_deep_shaft_move_the_loop_by_less_than_the_mesh_may_err(travel: float) -> None:
-    scene, asked, reference = uncoupled("monopol-1000"), 5e-3, s_curve(Winding(travel=travel, speed=8.0))
+def test_joined_elements_of_a_deep_shaft_move_the_loop_by_less_than_the_mesh_may_err(
+    travel: float,
+) -> None:
+    scene, asked, reference = (
+        uncoupled("monopol-1000"),
+        5e-3,
+        s_curve(Winding(travel=travel, speed=8.0)),
+    )
     auto = fit_mesh(scene.with_(mesh=Mesh("auto", loop_error=asked)))
     assert auto.grading_length > 0
-    ropes = [balance_rope(scene.with_(mesh=mesh)) for mesh in (auto, replace(auto, grading_length=0.0))]
+    ropes = [
+        balance_rope(scene.with_(mesh=mesh)) for mesh in (auto, replace(auto, grading_length=0.0))
+    ]
     motion, steps = partial(ends_at, reference, travel), round(reference.duration / 0.01)
     one, other = (recorded(rope, motion, steps, ("loop.x", "loop.y", "loop.z")) for rope in ropes)
     assert np.linalg.norm(one - other, axis=1)[24::25].max() < 0.5 * asked
@@ -287,7 +343,9 @@ def test_joined_elements_of_a_deep_shaft_move_the_loop_by_less_than_the_mesh_may
 
 @pytest.mark.slow
 @pytest.mark.skipif(not find_compiler(), reason="minutes without a C compiler")
-def test_steps_cut_at_transformations_err_much_more_than_meshes_that_wait(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_steps_cut_at_transformations_err_much_more_than_meshes_that_wait(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     scene, trip = uncoupled("rope-120"), Winding(travel=26.0, speed=6.0, start_delay=0.0)
 
     def forces(mesh: Mesh) -> np.ndarray:

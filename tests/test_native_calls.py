@@ -21,7 +21,9 @@ NATIVE = HEADERS.parent
 def test_a_read_that_fails_is_said_once(host: Host) -> None:
     host.enter()
     assert host.put("rope.length", -1.0) == OK
-    outputs = [v.valueReference for v in host.variables.values() if v.name.startswith(("left.f", "loop."))]
+    outputs = [
+        v.valueReference for v in host.variables.values() if v.name.startswith(("left.f", "loop."))
+    ]
     number, before = len(outputs), len(host.said)
     one, more = ctypes.c_size_t(number), () if host.fmi == 2 else (ctypes.c_size_t(number),)
     arrays = (ctypes.c_uint * number)(*outputs), one, (ctypes.c_double * number)()
@@ -40,7 +42,9 @@ def test_a_read_that_fails_is_said_once(host: Host) -> None:
         ({"solver.step_max": math.nan}, "solver.step_max = nan is out of range: it must be finite"),
     ],
 )
-def test_bad_values_are_refused_and_the_fmu_is_usable_after_reset(host: Host, values: Any, words: str) -> None:
+def test_bad_values_are_refused_and_the_fmu_is_usable_after_reset(
+    host: Host, values: Any, words: str
+) -> None:
     ((name, value),) = values.items()
     host.start()
     lower(host)
@@ -77,7 +81,12 @@ def test_null_pointers_are_errors(host: Host) -> None:
         (f"SetFMU{state}", nothing),
         (f"SerializedFMU{state}Size", nothing, nothing),
         (f"SerializeFMU{state}", nothing, nothing, one),
-        (f"DeSerializeFMU{state}" if host.fmi == 2 else f"DeserializeFMU{state}", nothing, one, nothing),
+        (
+            f"DeSerializeFMU{state}" if host.fmi == 2 else f"DeserializeFMU{state}",
+            nothing,
+            one,
+            nothing,
+        ),
         ("SetDebugLogging", ctypes.c_int(1), one, nothing),
     ]
     for call in calls:
@@ -141,7 +150,9 @@ def test_inputs_are_read_at_the_end_or_extrapolated(host: Host, at_step_end: boo
     assert host.get("left.fy")[0] == pytest.approx(-0.5 * (120.0 - height) * 8.0 * 9.81)
 
 
-def test_input_derivatives_of_fmi_2_stand_for_speed_and_acceleration_that_are_not_set(host: Host) -> None:
+def test_input_derivatives_of_fmi_2_stand_for_speed_and_acceleration_that_are_not_set(
+    host: Host,
+) -> None:
     if host.fmi == 3:
         pytest.skip("FMI 3.0 has none")
     host.start()
@@ -159,7 +170,9 @@ def test_input_derivatives_of_fmi_2_stand_for_speed_and_acceleration_that_are_no
     assert give((y, 1, -2.0), (y, 2, -1.5)) == OK
     assert host.get("right.vy", "right.ay") == [-3.0, -1.5]
     assert host.step(0.0, 0.1) == ""
-    assert host.get("left.fy")[0] == pytest.approx(-0.5 * (120.0 - 90.0 + 0.3 + 0.0075) * 8.0 * 9.81)
+    assert host.get("left.fy")[0] == pytest.approx(
+        -0.5 * (120.0 - 90.0 + 0.3 + 0.0075) * 8.0 * 9.81
+    )
     for order, value in ((0, 1.0), (1, math.nan)):
         assert give((y, order, value)) == ERROR
         assert "must be of order 1 or higher, and finite" in host.said[-1]
@@ -205,11 +218,16 @@ def test_times_that_lose_digits_are_warned_of_once(host: Host) -> None:
         numbers = ctypes.c_double(0.0), ctypes.c_double(start), 0, ctypes.c_double(0.0)
         if host.fmi == 2:
             assert host.call("SetupExperiment", 0, *numbers) == OK
-        assert host.call("EnterInitializationMode", *((False, *numbers) if host.fmi == 3 else ())) == OK
+        assert (
+            host.call("EnterInitializationMode", *((False, *numbers) if host.fmi == 3 else ()))
+            == OK
+        )
         assert host.call("ExitInitializationMode") == OK
         for k in range(3):
             assert host.step(start + k * H) == ""
-        said = [(status, message) for status, message in host.log[before:] if "lose digits" in message]
+        said = [
+            (status, message) for status, message in host.log[before:] if "lose digits" in message
+        ]
         assert len(said) == told
         assert all(status == 1 and "up to 4.5e+06 s" in message for status, message in said)
     host.call("Reset")
@@ -244,7 +262,11 @@ def test_accelerations_follow_where_only_first_derivatives_are_given(host: Host)
 @pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
 def test_builds_that_take_no_notice_of_nan_are_refused() -> None:
     path = NATIVE / "model.h"
-    for flags, words in (([], ""), (["-ffast-math"], "compile without -Ofast"), (["-ffinite-math-only"], "NaN")):
+    for flags, words in (
+        ([], ""),
+        (["-ffast-math"], "compile without -Ofast"),
+        (["-ffinite-math-only"], "NaN"),
+    ):
         command = ["cc", "-std=c99", "-fsyntax-only", *flags, "-x", "c", str(path)]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         assert (done.returncode != 0) == bool(words)
@@ -270,7 +292,9 @@ int with_comma(char *to, size_t size, const char *format, ...) {
 """
 
 
-@pytest.mark.skipif(not sys.platform.startswith("linux") or shutil.which("cc") is None, reason="needs cc on Linux")
+@pytest.mark.skipif(
+    not sys.platform.startswith("linux") or shutil.which("cc") is None, reason="needs cc on Linux"
+)
 def test_messages_have_a_decimal_point_in_every_locale_and_names_whole_characters(
     unpacked: Unpacked, tmp_path: Path
 ) -> None:
@@ -279,10 +303,27 @@ def test_messages_have_a_decimal_point_in_every_locale_and_names_whole_character
     binary = next((tmp_path / "fmu" / "binaries").rglob("*.so"))
     (tmp_path / "comma.c").write_text(COMMA)
     files = [str(path) for path in sorted((tmp_path / "fmu" / "sources").glob("*.c"))]
-    options = ["-std=gnu99", "-O0", "-fPIC", "-w", f"-I{HEADERS}", "-DFMI2_OVERRIDE_FUNCTION_PREFIX"]
+    options = [
+        "-std=gnu99",
+        "-O0",
+        "-fPIC",
+        "-w",
+        f"-I{HEADERS}",
+        "-DFMI2_OVERRIDE_FUNCTION_PREFIX",
+    ]
     objects = str(tmp_path / "comma.o")
     subprocess.run(["cc", *options, "-c", str(tmp_path / "comma.c"), "-o", objects], check=True)
-    command = ["cc", *options, "-Dsnprintf=with_comma", "-shared", "-o", str(binary), *files, objects, "-lm"]
+    command = [
+        "cc",
+        *options,
+        "-Dsnprintf=with_comma",
+        "-shared",
+        "-o",
+        str(binary),
+        *files,
+        objects,
+        "-lm",
+    ]
     subprocess.run(command, check=True)
     host = Host(fmu, str(tmp_path / "fmu"))
     host.start()
@@ -295,7 +336,14 @@ def test_messages_have_a_decimal_point_in_every_locale_and_names_whole_character
     callbacks.logger, callbacks.allocateMemory = heard, defaultCallbacks.allocateMemory
     callbacks.freeMemory = defaultCallbacks.freeMemory
     token = host.description.guid.encode()
-    instance = host.dll.fmi2Instantiate(("x" + "ü" * 100).encode(), 1, token, b"", ctypes.byref(callbacks), 0, 1)
-    assert host.dll.fmi2DoStep(ctypes.c_void_p(instance), ctypes.c_double(0.0), ctypes.c_double(1.0), 0) == ERROR
+    instance = host.dll.fmi2Instantiate(
+        ("x" + "ü" * 100).encode(), 1, token, b"", ctypes.byref(callbacks), 0, 1
+    )
+    assert (
+        host.dll.fmi2DoStep(
+            ctypes.c_void_p(instance), ctypes.c_double(0.0), ctypes.c_double(1.0), 0
+        )
+        == ERROR
+    )
     host.dll.fmi2FreeInstance(ctypes.c_void_p(instance))
     assert names == [("x" + "ü" * 63).encode()]

@@ -25,7 +25,12 @@ from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT
 from rope_model.simulation.ends.ends import refusal, stale_input_error
 from rope_model.simulation.ends.input_filter import InputFilter, PathMeasures
 from rope_model.simulation.ends.paths import SIDES, EndMotion, EndPath, ends_at
-from rope_model.simulation.fidelity import FIDELITIES, choose_fidelity, lowest_sufficient, unsupported_motion
+from rope_model.simulation.fidelity import (
+    FIDELITIES,
+    choose_fidelity,
+    lowest_sufficient,
+    unsupported_motion,
+)
 from rope_model.simulation.rigid import rigid_rope
 from rope_model.simulation.rope_system import arc_lengths
 from rope_model.simulation.stepping.statics import StaticsError
@@ -80,17 +85,40 @@ def test_numbers_are_written_as_python_writes_them(native: Any, x: float, digits
     assert native.text_exact(room, ct.c_double(x)).decode() == repr(x)
 
 
-def assert_same_refusal(native: Any, target: EndMotion, measures: PathMeasures = NO_MEASURES, side: int = 0) -> str:
+def assert_same_refusal(
+    native: Any, target: EndMotion, measures: PathMeasures = NO_MEASURES, side: int = 0
+) -> str:
     scene, sizes = Scene(), (ct.c_double * 14)(*(x for row in measures for x in row))
     said = refusal(scene, target, measures, SIDES[side])
-    assert text_of(native.ends_refusal, ct.byref(scene_structure(scene)), ct.byref(c_end(target)), sizes, side) == said
+    assert (
+        text_of(
+            native.ends_refusal,
+            ct.byref(scene_structure(scene)),
+            ct.byref(c_end(target)),
+            sizes,
+            side,
+        )
+        == said
+    )
     return said
 
 
 @pytest.mark.parametrize("name", [field.name for field in dataclasses.fields(EndMotion)])
 @pytest.mark.parametrize("side", [0, 1])
 def test_end_that_is_out_of_bounds_has_the_same_message(native: Any, side: int, name: str) -> None:
-    for value in (math.nan, -math.nan, math.inf, -math.inf, -100000.25, 1.234567e9, 60.0, 60.001, 100.0, 100.1, 1e4):
+    for value in (
+        math.nan,
+        -math.nan,
+        math.inf,
+        -math.inf,
+        -100000.25,
+        1.234567e9,
+        60.0,
+        60.001,
+        100.0,
+        100.1,
+        1e4,
+    ):
         assert_same_refusal(native, EndMotion(**{name: value}), side=side)
     assert assert_same_refusal(native, EndMotion(**{name: 1e9}), side=side)
 
@@ -113,7 +141,9 @@ def test_a_signal_that_stands_still_has_the_same_message(native: Any) -> None:
     inputs, end_filter = scene_structure(Scene()).inputs, InputFilter(given_at=1.0, steps_held=7.0)
     structure = PARTS[InputFilter](*end_filter)
     for t in (1.5, 2.0, 2.5):
-        message = text_of(native.stale_input_error, ct.byref(inputs), ct.c_double(t), ct.byref(structure), 1)
+        message = text_of(
+            native.stale_input_error, ct.byref(inputs), ct.c_double(t), ct.byref(structure), 1
+        )
         assert message == stale_input_error(Inputs(), t, end_filter, "right")
     assert "inputs.hold_max" in message
 
@@ -125,7 +155,9 @@ def with_values(scene: Scene, values: dict[str, float]) -> SceneStructure:
         if groups[-1] == "swivel":
             group = structure.swivels[SIDES.index(groups[0])]
         else:
-            group = getattr(structure.shaft if groups[0] in PARTS_OF_SHAFT else structure, groups[0])
+            group = getattr(
+                structure.shaft if groups[0] in PARTS_OF_SHAFT else structure, groups[0]
+            )
         if field.startswith("counts"):
             group.counts[int(field[-2]) - 1] = value
         else:
@@ -135,17 +167,40 @@ def with_values(scene: Scene, values: dict[str, float]) -> SceneStructure:
 
 def message_of(values: dict[str, Any]) -> str:
     try:
-        scene_names.with_values(Scene(), {n: x for n, x in values.items() if n != "inputs_at_step_end"})
+        scene_names.with_values(
+            Scene(), {n: x for n, x in values.items() if n != "inputs_at_step_end"}
+        )
     except ValueError as error:
         return str(error)
     return ""
 
 
-TABLE = [variable for variable in variables(RopeCase(Scene(), 0.0, 1.0)) if variable.causality == "parameter"]
-PARAMETERS: dict[str, Any] = {x.name: x.start for x in TABLE if not x.name.startswith(("inputs", "solver.kernels"))}
+TABLE = [
+    variable
+    for variable in variables(RopeCase(Scene(), 0.0, 1.0))
+    if variable.causality == "parameter"
+]
+PARAMETERS: dict[str, Any] = {
+    x.name: x.start for x in TABLE if not x.name.startswith(("inputs", "solver.kernels"))
+}
 WHOLE = [x for x in variables(RopeCase(Scene(rope=Rope(EI=300)), 0.0, 1.0)) if x.name == "rope.EI"]
 REALS = (
-    *(math.nan, math.inf, -math.inf, -1.0, 0.0, 5e-324, 1e-5, 9.9e-6, 1e-3, 1.001e-3, 0.0017, 0.02, 1.0, 1.0000001),
+    *(
+        math.nan,
+        math.inf,
+        -math.inf,
+        -1.0,
+        0.0,
+        5e-324,
+        1e-5,
+        9.9e-6,
+        1e-3,
+        1.001e-3,
+        0.0017,
+        0.02,
+        1.0,
+        1.0000001,
+    ),
     *(1e4, 10000.1, 3e5, 1.1e6),
 )
 INTEGERS = (-2147483648, -1, 0, 1, 2, 3, 4, 5, 6, 8, 9, 20000, 20001)
@@ -174,7 +229,9 @@ def scenes() -> Iterator[Any]:
     }
     for rope_name, rope in ropes.items():
         for swivel_name, swivel in {"held": Swivel(), "free": FREE, "released": RELEASED}.items():
-            yield pytest.param(Scene(rope=rope, left=swivel, right=swivel), id=f"{rope_name}, {swivel_name}")
+            yield pytest.param(
+                Scene(rope=rope, left=swivel, right=swivel), id=f"{rope_name}, {swivel_name}"
+            )
     yield pytest.param(Scene(left=Swivel(mode="coulomb"), right=FREE), id="coulomb and free")
     yield pytest.param(Scene(rope=short, left=FREE, right=RELEASED), id="free and released")
     yield pytest.param(Scene(rope=short, left=RELEASED, right=FREE), id="released and free")
@@ -182,8 +239,14 @@ def scenes() -> Iterator[Any]:
 
 ENDS: tuple[Ends, ...] = (
     (EndMotion(), EndMotion(y=12.0)),
-    *((EndMotion(y=2.0, **{name: 0.123456789}), EndMotion(y=9.0)) for name in ("z", "vz", "az", "yaw", "yaw_rate")),
-    *((EndMotion(y=2.0), EndMotion(y=9.0, **{name: -1e-9})) for name in ("x", "vx", "ax", "z", "yaw_rate")),
+    *(
+        (EndMotion(y=2.0, **{name: 0.123456789}), EndMotion(y=9.0))
+        for name in ("z", "vz", "az", "yaw", "yaw_rate")
+    ),
+    *(
+        (EndMotion(y=2.0), EndMotion(y=9.0, **{name: -1e-9}))
+        for name in ("x", "vx", "ax", "z", "yaw_rate")
+    ),
     (EndMotion(vy=18.0, ay=5.0), EndMotion(y=10.0, vy=-18.0, ay=-5.0)),
     (EndMotion(ay=-15.0), EndMotion(y=10.0, ay=-15.0)),
     (EndMotion(y=29.0, vy=14.0), EndMotion(ay=0.7)),
@@ -194,7 +257,10 @@ def assert_same_fidelities(native: Any, scene: Scene, ends: Ends, forces: int = 
     structure, c_ends = scene_structure(scene), ends_of(ends)
     choice = choose_fidelity(scene, ends, forces)
     reason = ct.create_string_buffer(MESSAGE)
-    assert FIDELITY_NAMES[native.choose_fidelity(ct.byref(structure), c_ends, forces, reason)] == choice.fidelity
+    assert (
+        FIDELITY_NAMES[native.choose_fidelity(ct.byref(structure), c_ends, forces, reason)]
+        == choice.fidelity
+    )
     assert reason.value.decode() == choice.reason
     lowest = FIDELITY_NAMES[native.lowest_sufficient(ct.byref(structure), c_ends, forces)]
     assert lowest == lowest_sufficient(scene, ends, forces)
@@ -214,11 +280,15 @@ def test_fidelity_and_its_reason_are_the_same(native: Any, scene: Scene, toleran
 @pytest.mark.parametrize("fidelity", FIDELITY_NAMES)
 def test_fidelity_by_name_is_the_same(native: Any, fidelity: FidelityChoice) -> None:
     for ends in ENDS:
-        assert_same_fidelities(native, Scene(model=Model(fidelity=fidelity, force_tolerance=0.1)), ends, 2)
+        assert_same_fidelities(
+            native, Scene(model=Model(fidelity=fidelity, force_tolerance=0.1)), ends, 2
+        )
 
 
 @pytest.mark.parametrize("case", WINDINGS, ids=[case.title for case in WINDINGS])
-def test_fidelities_along_the_windings_of_the_choice_are_the_same(native: Any, case: Choice) -> None:
+def test_fidelities_along_the_windings_of_the_choice_are_the_same(
+    native: Any, case: Choice
+) -> None:
     for t in np.arange(0.0, case.until, 0.25):
         assert_same_fidelities(native, case.scene, case.ends(float(t)))
 
@@ -228,10 +298,17 @@ ends_here = st.tuples(*[st.builds(EndMotion, gentle, coordinates, gentle, *[gent
 
 
 @settings(deadline=None)
-@given(ends_here, ends_here, st.floats(0.0, 1.0), st.integers(3, 80), st.sampled_from([120.0, 30.0]))
-def test_rigid_rope_is_the_same(native: Any, first: Ends, then: Ends, t: float, nodes: int, length: float) -> None:
+@given(
+    ends_here, ends_here, st.floats(0.0, 1.0), st.integers(3, 80), st.sampled_from([120.0, 30.0])
+)
+def test_rigid_rope_is_the_same(
+    native: Any, first: Ends, then: Ends, t: float, nodes: int, length: float
+) -> None:
     scene = Scene(rope=Rope(length=length))
-    moved = [dataclasses.replace(b, y=a.y + b.vx, vy=b.vy + a.x) for a, b in zip(first, then, strict=True)]
+    moved = [
+        dataclasses.replace(b, y=a.y + b.vx, vy=b.vy + a.x)
+        for a, b in zip(first, then, strict=True)
+    ]
     paths = tuple(led(EndPath.at_rest(0.0, a), 1.0, b) for a, b in zip(first, moved, strict=True))
     ends = ends_at((paths[0], paths[1]), t)
     lengths = np.random.default_rng(nodes).uniform(0.5, 2.0, nodes - 1)

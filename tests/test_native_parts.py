@@ -18,20 +18,43 @@ from rope_model.codegen.structures import scene_structure
 from rope_model.physics.centreline import heading
 from rope_model.simulation.contact.self_contact import overlap_of
 from rope_model.simulation.mesh.adaptation import nearest_turn
-from rope_model.simulation.mesh.mesh_pattern import distance_past_limit, inner_length, transformation_due
-from rope_model.simulation.mesh.partition import NO_DIVIDERS, Partition, fit_mesh, partition, transform, window_due
+from rope_model.simulation.mesh.mesh_pattern import (
+    distance_past_limit,
+    inner_length,
+    transformation_due,
+)
+from rope_model.simulation.mesh.partition import (
+    NO_DIVIDERS,
+    Partition,
+    fit_mesh,
+    partition,
+    transform,
+    window_due,
+)
 from rope_model.simulation.mesh.transfer import interpolate, transfer_fields
 from rope_model.simulation.outputs import diagnostics
-from rope_model.simulation.outputs.diagnostics import LoopBottom, ends_yaw, leg_clearance, legs_apart, loop_bottom
+from rope_model.simulation.outputs.diagnostics import (
+    LoopBottom,
+    ends_yaw,
+    leg_clearance,
+    legs_apart,
+    loop_bottom,
+)
 from rope_model.simulation.rope_system import arc_lengths
 from rope_model.simulation.stepping.statics import hanging_guess
 
-hangings = st.tuples(*(st.floats(*bounds) for bounds in ((0.3, 6.0), (-30, 30), (-2, 2), (0.2, 4.0), (40, 200))))
+hangings = st.tuples(
+    *(st.floats(*bounds) for bounds in ((0.3, 6.0), (-30, 30), (-2, 2), (0.2, 4.0), (40, 200)))
+)
 
 
-def hang(spacing: float, height: float, z: float, coarse: float, length: float) -> tuple[Array, Array, Array]:
+def hang(
+    spacing: float, height: float, z: float, coarse: float, length: float
+) -> tuple[Array, Array, Array]:
     left, right = np.array([-0.5 * spacing, height, z]), np.array([0.5 * spacing, 0.0, -z])
-    cells = partition(Mesh(coarse_length=coarse, counts=(2, 4, 8, 4, 2)), length, 0.5 * (length + height))
+    cells = partition(
+        Mesh(coarse_length=coarse, counts=(2, 4, 8, 4, 2)), length, 0.5 * (length + height)
+    )
     return cells.nodes_s, left, right
 
 
@@ -40,7 +63,9 @@ def hang(spacing: float, height: float, z: float, coarse: float, length: float) 
 def test_hanging_guess_is_the_same(parts: SimpleNamespace, hanging: tuple[float, ...]) -> None:
     spacing, height, z, coarse, length = hanging
     assume(length > 15 * coarse)
-    assume(length - abs(height) > 2 * np.hypot(spacing, 2 * z))  # a shorter rope does not reach around its loop
+    assume(
+        length - abs(height) > 2 * np.hypot(spacing, 2 * z)
+    )  # a shorter rope does not reach around its loop
     s, left, right = hang(*hanging)
     q, text = np.empty((s.size, 7)), message()
     parts.hanging_guess(s.size, s, left, right, q, text)
@@ -61,7 +86,9 @@ def sway(hanging: tuple[float, ...], seed: int) -> tuple[Array, Array, Array]:
 
 @given(hanging=hangings, seed=st.integers(0, 1000))
 @settings(max_examples=60, deadline=None)
-def test_loop_shape_and_clearance_are_the_same(parts: SimpleNamespace, hanging: tuple[float, ...], seed: int) -> None:
+def test_loop_shape_and_clearance_are_the_same(
+    parts: SimpleNamespace, hanging: tuple[float, ...], seed: int
+) -> None:
     assume(hanging[-1] > 15 * hanging[3])
     q, lengths, s = sway(hanging, seed)
     bottom, expected = parts.loop_bottom(s.size, q, s), loop_bottom(q, lengths)
@@ -75,21 +102,33 @@ def test_loop_shape_and_clearance_are_the_same(parts: SimpleNamespace, hanging: 
     for points in (2, 81, 161):
         places, xyz = np.full(points + 1, -7.0), np.full((points + 1, 3), -7.0)
         parts.shape_places(s[-1], expected.s, 4.0, points, places)
-        assert_allclose(places[:-1], diagnostics.shape_places(lengths, expected.s, 4.0, points), atol=ROUNDING * s[-1])
+        assert_allclose(
+            places[:-1],
+            diagnostics.shape_places(lengths, expected.s, 4.0, points),
+            atol=ROUNDING * s[-1],
+        )
         assert places[-1] == -7.0
         parts.diagnostics_shape(s.size, q, s, points, places, xyz)
-        assert_allclose(xyz[:-1], diagnostics.shape(q, lengths, expected.s, 4.0, points), atol=ROUNDING * s[-1])
+        assert_allclose(
+            xyz[:-1], diagnostics.shape(q, lengths, expected.s, 4.0, points), atol=ROUNDING * s[-1]
+        )
         assert np.all(xyz[-1] == -7.0)
     for above in (0.0, 0.3, hanging[0], 1e3):
         ours = parts.leg_clearance(s.size, q, s, same, 4.0, 0.044, above, (ct.c_int * 2)(seed, 40))
-        assert_allclose(ours, leg_clearance(q, lengths, expected, 4.0, 0.044, above), atol=ROUNDING * s[-1])
+        assert_allclose(
+            ours, leg_clearance(q, lengths, expected, 4.0, 0.044, above), atol=ROUNDING * s[-1]
+        )
 
 
 def tangle(kind: str, seed: int) -> tuple[Array, Array]:
     """Configuration and element lengths of a rope that hangs as none should."""
     random = np.random.default_rng(seed)
     lengths = random.uniform(0.2, 2.0, random.integers(4, 60))
-    s, width, q = arc_lengths(lengths), 10.0 ** random.uniform(-2, 1), np.zeros((lengths.size + 1, 7))
+    s, width, q = (
+        arc_lengths(lengths),
+        10.0 ** random.uniform(-2, 1),
+        np.zeros((lengths.size + 1, 7)),
+    )
     along = s - random.uniform(0.2, 0.8) * s[-1]
     q[:, 0], q[:, 1], q[:, 4] = 0.5 * width * np.tanh(along / width), abs(along), np.sign(along)
     if kind == "wound":
@@ -114,7 +153,9 @@ def test_the_clearance_of_legs_that_tangle_is_the_same(parts: SimpleNamespace, k
         top = q[:, 1].max() - bottom.position[1]
         # just below the lower leg's top it has two points
         for above in (0.0, 0.3 * top, 0.999 * min(q[0, 1], q[-1, 1]) - 0.999 * bottom.position[1]):
-            ours = parts.leg_clearance(s.size, q, s, CLoopBottom.of(bottom), 4.0, 0.044, above, (ct.c_int * 2)())
+            ours = parts.leg_clearance(
+                s.size, q, s, CLoopBottom.of(bottom), 4.0, 0.044, above, (ct.c_int * 2)()
+            )
             expected = leg_clearance(q, lengths, bottom, 4.0, 0.044, above)
             assert_allclose(ours, expected, atol=ROUNDING * s[-1])
             seen += math.isfinite(expected)
@@ -123,7 +164,9 @@ def test_the_clearance_of_legs_that_tangle_is_the_same(parts: SimpleNamespace, k
 
 @given(hanging=hangings, seed=st.integers(0, 1000), size=st.sampled_from((0.0, 0.3, 1.0)))
 @settings(max_examples=100, deadline=None)
-def test_legs_apart_are_not_turned(parts: SimpleNamespace, hanging: tuple[float, ...], seed: int, size: float) -> None:
+def test_legs_apart_are_not_turned(
+    parts: SimpleNamespace, hanging: tuple[float, ...], seed: int, size: float
+) -> None:
     assume(hanging[-1] > 15 * hanging[3])
     still, (q, lengths, s) = hanging_guess(*hang(*hanging)), sway(hanging, seed)
     q = still + size * (q - still)
@@ -151,7 +194,9 @@ def test_legs_that_touch_between_their_nodes_are_not_told_apart(parts: SimpleNam
     assert not in_c(parts, q, lengths, s, 0.05, 1.0)
 
 
-def in_c(parts: SimpleNamespace, q: Array, lengths: Array, s: Array, diameter: float, above: float) -> bool:
+def in_c(
+    parts: SimpleNamespace, q: Array, lengths: Array, s: Array, diameter: float, above: float
+) -> bool:
     arrays = ct.create_string_buffer(ct.sizeof(ct.c_void_p) * 10)
     parts.arrays_of(q, q, q, q, lengths, s, s.size, arrays)
     return bool(parts.legs_apart(arrays, np.array(heading(ends_yaw(q))), diameter, above))
@@ -165,7 +210,11 @@ def test_rope_lowest_at_an_end_is_read_alike(parts: SimpleNamespace, lowest: int
     q[:, 1], q[:, 4] = np.abs(s - s[lowest]), 1.0 if lowest == 0 else -1.0
     q[:, 3] = 0.1
     bottom, expected = parts.loop_bottom(5, q, s), loop_bottom(q, lengths)
-    assert (bottom.s, tuple(bottom.position), bottom.yaw) == (expected.s, tuple(expected.position), expected.yaw)
+    assert (bottom.s, tuple(bottom.position), bottom.yaw) == (
+        expected.s,
+        tuple(expected.position),
+        expected.yaw,
+    )
     loop = LoopBottom(float(s[lowest]), q[lowest, :3], 0.0)
     same = CLoopBottom.of(loop)
     assert leg_clearance(q, lengths, loop, 4.0, 0.044, 1.0) == math.inf
@@ -177,7 +226,11 @@ KINDS = ("tmn", "eem", "auto")
 
 class CPattern(ct.Structure):
     _fields_ = (("coarse", ct.c_double), ("grading_length", ct.c_double))
-    _fields_ += (("counts", ct.c_int32 * 7), ("end_levels", ct.c_int32), ("windows", ct.c_int32 * 8))
+    _fields_ += (
+        ("counts", ct.c_int32 * 7),
+        ("end_levels", ct.c_int32),
+        ("windows", ct.c_int32 * 8),
+    )
 
 
 def c_of(group: Any) -> Any:
@@ -186,7 +239,11 @@ def c_of(group: Any) -> Any:
 
 
 def c_partition(
-    parts: SimpleNamespace, mesh: Mesh, length: float, bottom: float, divider_s: Sequence[float] = NO_DIVIDERS
+    parts: SimpleNamespace,
+    mesh: Mesh,
+    length: float,
+    bottom: float,
+    divider_s: Sequence[float] = NO_DIVIDERS,
 ) -> tuple[Any, Array]:
     text, places = message(), np.array(divider_s)
     elements = parts.partition_elements(c_of(mesh), length, places, text)
@@ -200,7 +257,9 @@ def c_partition(
 
 
 def as_in_c(mesh: Partition) -> tuple[Any, Array]:
-    return CPattern(mesh.coarse, mesh.grading_length, mesh.counts, mesh.end_levels, mesh.windows), mesh.lengths
+    return CPattern(
+        mesh.coarse, mesh.grading_length, mesh.counts, mesh.end_levels, mesh.windows
+    ), mesh.lengths
 
 
 def outcome(make: Callable[[], tuple[Any, Array]]) -> tuple[bytes, bytes] | str:
@@ -212,7 +271,9 @@ def outcome(make: Callable[[], tuple[Any, Array]]) -> tuple[bytes, bytes] | str:
     return bytes(pattern), lengths.tobytes()
 
 
-def element_counts(twos: tuple[int, int], fours: tuple[int, int], fine: int) -> tuple[int, int, int, int, int]:
+def element_counts(
+    twos: tuple[int, int], fours: tuple[int, int], fine: int
+) -> tuple[int, int, int, int, int]:
     """Numbers of elements of all segments, without II and VI also without III and V."""
     if twos == (0, 0):
         fours = twos
@@ -232,31 +293,50 @@ meshes = st.builds(
     grading_length=zero | st.floats(1e-3, 1e3),
 )
 fitted = meshes.filter(lambda mesh: mesh.kind != "auto")
-ropes = st.builds(lambda length, EI: Rope(length=length, EI=EI), st.floats(10.0, 600.0), st.floats(10.0, 3000.0))
+ropes = st.builds(
+    lambda length, EI: Rope(length=length, EI=EI), st.floats(10.0, 600.0), st.floats(10.0, 3000.0)
+)
 layouts = st.builds(Layout, st.floats(0.3, 5.0))
 shafts = st.builds(
     lambda name, divider, stiffness: Shaft(contact=Contact(stiffness=stiffness), **{name: divider}),
     st.sampled_from(["divider_1", "divider_2", "divider_3", "divider_4"]),
-    st.builds(Divider, size=zero | st.floats(0.01, 0.5), offset=st.floats(-6, 6), direction=zero | st.floats(-3, 3)),
+    st.builds(
+        Divider,
+        size=zero | st.floats(0.01, 0.5),
+        offset=st.floats(-6, 6),
+        direction=zero | st.floats(-3, 3),
+    ),
     zero | st.just(1e6),
 )
 
 
 @given(mesh=meshes, rope=ropes, layout=layouts, shaft=shafts)
-@example(Mesh("auto", loop_error=1.0), Rope(length=9000.0, EI=0.01), Layout(8.0), Shaft())  # most end levels
+@example(
+    Mesh("auto", loop_error=1.0), Rope(length=9000.0, EI=0.01), Layout(8.0), Shaft()
+)  # most end levels
 @example(Mesh("auto"), Rope(), Layout(), Shaft(divider_3=Divider(size=0.05, offset=0.9)))
 @settings(max_examples=100, deadline=None)
-def test_fitted_mesh_is_the_same(parts: SimpleNamespace, mesh: Mesh, rope: Rope, layout: Layout, shaft: Shaft) -> None:
+def test_fitted_mesh_is_the_same(
+    parts: SimpleNamespace, mesh: Mesh, rope: Rope, layout: Layout, shaft: Shaft
+) -> None:
     scene = Scene(rope, layout, mesh=mesh, shaft=shaft)
     ours, expected = parts.fit_mesh(scene_structure(scene)), fit_mesh(scene)
     found = KINDS[ours.kind], ours.elements, tuple(ours.counts), ours.end_levels, ours.loop_error
-    assert found == (expected.kind, expected.elements, expected.counts, expected.end_levels, expected.loop_error)
+    assert found == (
+        expected.kind,
+        expected.elements,
+        expected.counts,
+        expected.end_levels,
+        expected.loop_error,
+    )
     assert_allclose(ours.coarse_length, expected.coarse_length, rtol=1e-15)
     assert_allclose(ours.grading_length, expected.grading_length, rtol=1e-15)
 
 
 #: places that dividers face; a rope that these may press has three l and more beside the loop
-faces = st.just(NO_DIVIDERS) | st.tuples(*(st.just(math.inf) | st.floats(-20.0, 400.0) for _ in NO_DIVIDERS))
+faces = st.just(NO_DIVIDERS) | st.tuples(
+    *(st.just(math.inf) | st.floats(-20.0, 400.0) for _ in NO_DIVIDERS)
+)
 
 
 def has_legs(mesh: Mesh, length: float) -> bool:
@@ -275,7 +355,9 @@ def test_partition_is_the_same_to_the_bit(
 
 @given(mesh=fitted, length=st.floats(10.0, 400.0), data=st.data())
 @settings(max_examples=25, deadline=None)
-def test_loop_that_travels_is_alike(parts: SimpleNamespace, mesh: Mesh, length: float, data: st.DataObject) -> None:
+def test_loop_that_travels_is_alike(
+    parts: SimpleNamespace, mesh: Mesh, length: float, data: st.DataObject
+) -> None:
     bottom, divider_s = (
         data.draw(st.floats(0.0, length)),
         data.draw(faces if has_legs(mesh, length) else st.just(NO_DIVIDERS)),
@@ -293,7 +375,9 @@ def test_loop_that_travels_is_alike(parts: SimpleNamespace, mesh: Mesh, length: 
             assert parts.mesh_distance_past_limit(pattern, place) == distance_past_limit(old, place)
             assert parts.mesh_transformation_due(pattern, place, slack) == direction
             old = transform(old, direction, divider_s)
-            parts.partition_transform(pattern, int(direction), np.array(divider_s), len(lengths), lengths)
+            parts.partition_transform(
+                pattern, int(direction), np.array(divider_s), len(lengths), lengths
+            )
             assert [*map(bytes, ours)] == [*map(bytes, as_in_c(old))]
             assert parts.mesh_centre(pattern) == old.centre
         assert parts.mesh_transformation_due(pattern, place, slack) == 0
@@ -310,7 +394,9 @@ def rough(s: Array, seed: int) -> Array:
     seed=st.integers(0, 1000),
 )
 @settings(max_examples=100, deadline=None)
-def test_interpolated_values_are_equal(parts: SimpleNamespace, old: list[float], new: list[float], seed: int) -> None:
+def test_interpolated_values_are_equal(
+    parts: SimpleNamespace, old: list[float], new: list[float], seed: int
+) -> None:
     lengths = np.array(old)
     expected_s = arc_lengths(lengths)
     s = np.empty(lengths.size + 1)
@@ -325,7 +411,9 @@ def test_interpolated_values_are_equal(parts: SimpleNamespace, old: list[float],
 
 
 @given(direction=st.sampled_from((1, -1)), growth=st.floats(0, 100), seed=st.integers(0, 1000))
-def test_state_carried_elsewhere_is_equal(parts: SimpleNamespace, direction: int, growth: float, seed: int) -> None:
+def test_state_carried_elsewhere_is_equal(
+    parts: SimpleNamespace, direction: int, growth: float, seed: int
+) -> None:
     mesh = Mesh(grading_length=growth)
     old = partition(mesh, 120.0, 50.0)
     pattern, lengths = c_partition(parts, mesh, 120.0, 50.0)

@@ -8,7 +8,19 @@ from typing import Literal
 import pytest
 from scenes import hung
 
-from rope_model import Contact, EndMotion, Layout, Lining, Mesh, Model, Rope, RopeSimulator, Scene, Shaft, Solver
+from rope_model import (
+    Contact,
+    EndMotion,
+    Layout,
+    Lining,
+    Mesh,
+    Model,
+    Rope,
+    RopeSimulator,
+    Scene,
+    Shaft,
+    Solver,
+)
 from rope_model.engine import NativeRope
 
 
@@ -23,7 +35,10 @@ from rope_model.engine import NativeRope
     ],
 )
 def test_a_start_that_fails_says_the_same(scene: Scene, left: EndMotion, words: str) -> None:
-    statuses = [rope.initialize(0.0, left, EndMotion()) for rope in (RopeSimulator(scene), NativeRope(scene))]
+    statuses = [
+        rope.initialize(0.0, left, EndMotion())
+        for rope in (RopeSimulator(scene), NativeRope(scene))
+    ]
     assert statuses[0] == statuses[1]
     assert not statuses[0].valid
     assert words in statuses[0].message
@@ -33,12 +48,16 @@ def both(scene: Scene) -> tuple[RopeSimulator, NativeRope]:
     return hung(RopeSimulator(scene)), hung(NativeRope(scene))
 
 
-def test_an_advance_that_takes_too_many_steps_is_refused_alike(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_advance_that_takes_too_many_steps_is_refused_alike(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """At once when step_max alone tells; else when as many steps are done."""
     ropes = both(Scene(rope=Rope(length=60.0), solver=Solver(step_min=1e-12, tolerance=1e-14)))
     statuses = [rope.advance_to(1e6, EndMotion(), EndMotion()) for rope in ropes]
     assert statuses[0] == statuses[1]
-    assert "more than 20000 steps of step_max = 0.02 s; communicate every 400 s" in statuses[0].message
+    assert (
+        "more than 20000 steps of step_max = 0.02 s; communicate every 400 s" in statuses[0].message
+    )
     moved = EndMotion(y=0.02, vy=0.2, ay=1.0), EndMotion()
     long = ropes[1].advance_to(0.2, *moved).message
     monkeypatch.setattr("rope_model.simulation.simulator.MAX_STEPS", 30)
@@ -63,7 +82,9 @@ LATE = "the ends' motions are of t = {:.9g} s: they must be of -1 s (inputs.hold
         *((EndMotion(), t, LATE.format(t)) for t in ANOTHER_TIME),
     ],
 )
-def test_a_step_that_fails_says_the_same_and_leaves_the_state(left: EndMotion, given_at: float, words: str) -> None:
+def test_a_step_that_fails_says_the_same_and_leaves_the_state(
+    left: EndMotion, given_at: float, words: str
+) -> None:
     messages = []
     for rope in both(Scene(rope=Rope(length=60.0), solver=Solver(step_min=5e-3, tolerance=1e-2))):
         before = rope.state.motion.q.tobytes()
@@ -80,8 +101,14 @@ def test_a_step_that_fails_says_the_same_and_leaves_the_state(left: EndMotion, g
 @pytest.mark.parametrize(
     ("scene", "words"),
     [
-        (Scene(mesh=Mesh("tmn", counts=(2, 4, 80000, 4, 2), coarse_length=0.01)), "counts make 82012 elements, more"),
-        (Scene(mesh=Mesh("tmn", counts=(2, 4, 160000, 4, 2), coarse_length=0.01)), "leave nothing for I and VII"),
+        (
+            Scene(mesh=Mesh("tmn", counts=(2, 4, 80000, 4, 2), coarse_length=0.01)),
+            "counts make 82012 elements, more",
+        ),
+        (
+            Scene(mesh=Mesh("tmn", counts=(2, 4, 160000, 4, 2), coarse_length=0.01)),
+            "leave nothing for I and VII",
+        ),
         # below 1e-8 m the counts outgrow the integers of C, and the messages differ in a number
         (Scene(layout=Layout(spacing=1e-7)), "mesh.kind = auto takes them from EI"),
     ],
@@ -102,7 +129,10 @@ def test_native_rope_refuses_a_state_that_is_none_of_its_own() -> None:
         state._replace(step_next=math.nan),
         state._replace(motion=replace(state.motion, t=5.0)),
         state._replace(partition=replace(cells, coarse=1e-300)),
-        *(state._replace(partition=replace(cells, lengths=x * cells.lengths)) for x in (1.0 + 1e-6, -1.0, math.nan)),
+        *(
+            state._replace(partition=replace(cells, lengths=x * cells.lengths))
+            for x in (1.0 + 1e-6, -1.0, math.nan)
+        ),
         state._replace(partition=replace(cells, counts=(1, *cells.counts[1:6], 10**6))),
         state._replace(counts=state.counts._replace(steps=2**62)),
     ):
@@ -110,7 +140,10 @@ def test_native_rope_refuses_a_state_that_is_none_of_its_own() -> None:
             rope.restore(wrong)
     rope.restore(state)
     assert rope.advance_to(0.01, EndMotion(), EndMotion()).valid
-    for scene in (Scene(rope=Rope(length=59.99)), Scene(rope=Rope(length=60.0), model=Model("rigid"))):
+    for scene in (
+        Scene(rope=Rope(length=59.99)),
+        Scene(rope=Rope(length=60.0), model=Model("rigid")),
+    ):
         for other in both(scene):
             with pytest.raises(ValueError, match="not a state of this rope"):
                 other.restore(state)
@@ -120,7 +153,12 @@ def test_a_refused_state_changes_nothing_and_there_is_none_before_the_start() ->
     scene = Scene(rope=Rope(length=60.0))
     rope, other = NativeRope(scene), NativeRope(scene.with_(model=Model("planar")))
     still = EndMotion(), EndMotion()
-    for call in (lambda: rope.state, rope.save, rope.native_state, lambda: rope.advance_to(1.0, *still)):
+    for call in (
+        lambda: rope.state,
+        rope.save,
+        rope.native_state,
+        lambda: rope.advance_to(1.0, *still),
+    ):
         with pytest.raises(RuntimeError, match="no state yet"):
             call()
     for r in (rope, other):
@@ -133,31 +171,50 @@ def test_a_refused_state_changes_nothing_and_there_is_none_before_the_start() ->
 
 
 @pytest.mark.slow
-def test_a_rope_that_is_turned_in_for_too_long_is_refused_alike(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_rope_that_is_turned_in_for_too_long_is_refused_alike(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """The Python form at a lower bound, the native one at the bounds of both."""
-    rope, shaft = Rope(length=11.0, EI=88.0, installed_twist=99.0), Shaft(lining=Lining(width=2.4, depth=0.08))
+    rope, shaft = (
+        Rope(length=11.0, EI=88.0, installed_twist=99.0),
+        Shaft(lining=Lining(width=2.4, depth=0.08)),
+    )
     scene = Scene(rope, shaft=shaft, solver=Solver(kernels="portable"))
     native, python = NativeRope(scene), RopeSimulator(scene)
     said = native.initialize(0.0, EndMotion(), EndMotion(y=1.0)).message
-    assert re.match(r"at \S+ of 99 rad of twist \(last increment \S+ rad, \d+ iterations in all\): no equil", said)
+    assert re.match(
+        r"at \S+ of 99 rad of twist \(last increment \S+ rad, \d+ iterations in all\): no equil",
+        said,
+    )
     monkeypatch.setattr("rope_model.simulation.stepping.hang.MAX_CORRECTIONS", 1)
     told = python.initialize(0.0, EndMotion(), EndMotion(y=1.0)).message
     assert "more than the rest of a rope takes; use less twist" in told
 
 
 @pytest.mark.parametrize("most", [0.0, 5.0])
-def test_a_communication_step_of_too_much_work_is_refused(most: float, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_communication_step_of_too_much_work_is_refused(
+    most: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
     rope, _ = both(Scene(rope=Rope(length=60.0)))
-    monkeypatch.setattr("rope_model.simulation.simulator.max_iterations", lambda interval, step_max: most)
+    monkeypatch.setattr(
+        "rope_model.simulation.simulator.max_iterations", lambda interval, step_max: most
+    )
     status = rope.advance_to(0.2, EndMotion(y=0.02, vy=0.2, ay=1.0), EndMotion())
     assert not status.valid
-    assert re.search(r"Newton iterations did not lead from t = 0 s to 0\.2 s; communicate more often", status.message)
+    assert re.search(
+        r"Newton iterations did not lead from t = 0 s to 0\.2 s; communicate more often",
+        status.message,
+    )
     assert rope.state.motion.t == 0.0
 
 
 @pytest.mark.parametrize("kind", ["tmn", "eem"])
-def test_an_accuracy_that_a_kind_of_mesh_does_not_read_is_refused(kind: Literal["tmn", "eem"]) -> None:
-    with pytest.raises(ValueError, match=r"loop_error = 0\.01 .* unless mesh\.kind = auto; .* set kind = auto"):
+def test_an_accuracy_that_a_kind_of_mesh_does_not_read_is_refused(
+    kind: Literal["tmn", "eem"],
+) -> None:
+    with pytest.raises(
+        ValueError, match=r"loop_error = 0\.01 .* unless mesh\.kind = auto; .* set kind = auto"
+    ):
         Mesh(kind, loop_error=0.01)
 
 

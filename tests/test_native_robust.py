@@ -30,7 +30,23 @@ if not available_platforms():
 LINUX = sys.platform == "linux"
 Fmu = tuple[Path, str]
 
-HOSTILE = [math.nan, math.inf, -math.inf, 0.0, -0.0, -1.0, 5e-324, 2.2e-308, 1e-300, 1e-9, 1e-3, 1.0, 1e3, 1e9, 1e300]
+HOSTILE = [
+    math.nan,
+    math.inf,
+    -math.inf,
+    0.0,
+    -0.0,
+    -1.0,
+    5e-324,
+    2.2e-308,
+    1e-300,
+    1e-9,
+    1e-3,
+    1.0,
+    1e3,
+    1e9,
+    1e300,
+]
 #: of entries that make large ropes, which are slow, only what is refused or small
 TAME: dict[str, list[float]] = {
     "rope.length": [math.nan, math.inf, 0.0, -1.0, 1e-300, 1e-9, 5.0, 60.0, 1e5, 1e300],
@@ -88,7 +104,9 @@ def _python() -> str | None:
     return ctypes.util.find_library(f"python{sys.version_info.major}.{sys.version_info.minor}")
 
 
-def run_threads(program: Path, fmu: Path, unzipped: Path, threads: int = THREADS) -> subprocess.CompletedProcess[str]:
+def run_threads(
+    program: Path, fmu: Path, unzipped: Path, threads: int = THREADS
+) -> subprocess.CompletedProcess[str]:
     """One run, in a process of its own; a Python FMU finds the packages that this one has."""
     description = fmpy.read_model_description(str(fmu))
     variables = {v.name: v for v in description.modelVariables}
@@ -98,21 +116,55 @@ def run_threads(program: Path, fmu: Path, unzipped: Path, threads: int = THREADS
     outputs = [variables[name].valueReference for name in OUTPUTS]
     binary = next((unzipped / "binaries").rglob("BalanceRope.so"))
     resources = (unzipped / "resources").resolve().as_uri()
-    command = [program, binary, description.guid, resources, threads, STEPS, *motion, *entries, "--", *outputs]
+    command = [
+        program,
+        binary,
+        description.guid,
+        resources,
+        threads,
+        STEPS,
+        *motion,
+        *entries,
+        "--",
+        *outputs,
+    ]
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONHOME"}
-    environment |= {"PYTHONPATH": os.pathsep.join(filter(None, sys.path)), "LD_PRELOAD": _python() or ""}
+    environment |= {
+        "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
+        "LD_PRELOAD": _python() or "",
+    }
     environment |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     command = list(map(str, command))
-    return subprocess.run(command, capture_output=True, text=True, timeout=600, check=False, env=environment)
+    return subprocess.run(
+        command, capture_output=True, text=True, timeout=600, check=False, env=environment
+    )
 
 
 @pytest.mark.skipif(why_no_threads() != "", reason=why_no_threads())
 @pytest.mark.parametrize(
-    ("flavour", "count", "runs"), [pytest.param("python", 4, 1, marks=pytest.mark.slow), ("native-2", 16, 2)]
+    ("flavour", "count", "runs"),
+    [pytest.param("python", 4, 1, marks=pytest.mark.slow), ("native-2", 16, 2)],
 )
-def test_many_threads_have_the_bits_of_one(flavour: str, count: int, runs: int, fmu_of: Any, tmp_path: Path) -> None:
-    program, fmu, text = tmp_path / "threads", fmu_of(flavour), ROOT / "tests" / "native" / "threads.c"
-    command = ["cc", "-std=gnu99", "-O1", f"-I{HEADERS}", text, "-o", program, "-ldl", "-lm", "-lpthread"]
+def test_many_threads_have_the_bits_of_one(
+    flavour: str, count: int, runs: int, fmu_of: Any, tmp_path: Path
+) -> None:
+    program, fmu, text = (
+        tmp_path / "threads",
+        fmu_of(flavour),
+        ROOT / "tests" / "native" / "threads.c",
+    )
+    command = [
+        "cc",
+        "-std=gnu99",
+        "-O1",
+        f"-I{HEADERS}",
+        text,
+        "-o",
+        program,
+        "-ldl",
+        "-lm",
+        "-lpthread",
+    ]
     subprocess.run(command, check=True)
     unzipped = Path(fmpy.extract(str(fmu), str(tmp_path / "unzipped")))
     for _ in range(runs):
@@ -121,7 +173,9 @@ def test_many_threads_have_the_bits_of_one(flavour: str, count: int, runs: int, 
         assert done.stdout.startswith(f"{count} threads, 40 numbers each, 0 differ")
 
 
-def test_nothing_is_taken_from_the_host_after_initialisation(unpacked: Callable[[str], Fmu]) -> None:
+def test_nothing_is_taken_from_the_host_after_initialisation(
+    unpacked: Callable[[str], Fmu],
+) -> None:
     c = ctypes.CDLL(None)
     c.calloc.restype, c.free.argtypes = ctypes.c_void_p, (ctypes.c_void_p,)
     held: list[int] = []
@@ -157,15 +211,35 @@ def test_nothing_is_taken_from_the_host_after_initialisation(unpacked: Callable[
     assert held == []
 
 
-def test_the_library_asks_for_memory_only_where_the_standard_leaves_it_to_the_fmu(fmu: Fmu, fmi: int) -> None:
+def test_the_library_asks_for_memory_only_where_the_standard_leaves_it_to_the_fmu(
+    fmu: Fmu, fmi: int
+) -> None:
     if not LINUX or (nm := shutil.which("nm")) is None:
         pytest.skip("needs nm, on Linux")
-    command = [nm, "-D", "--undefined-only", str(next((Path(fmu[1]) / "binaries").rglob("BalanceRope.so")))]
+    command = [
+        nm,
+        "-D",
+        "--undefined-only",
+        str(next((Path(fmu[1]) / "binaries").rglob("BalanceRope.so"))),
+    ]
     listed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     asked = {line.split()[-1].partition("@")[0] for line in listed.splitlines()}
-    memory = {name for name in asked if any(word in name for word in ("alloc", "free", "mmap", "brk"))}
+    memory = {
+        name for name in asked if any(word in name for word in ("alloc", "free", "mmap", "brk"))
+    }
     assert memory == (set() if fmi == 2 else {"calloc", "free"})
-    assert not asked & {"open", "fopen", "write", "printf", "time", "exit", "abort", "setlocale", "rand", "pthread_create"}  # fmt: skip  # noqa: E501
+    assert not asked & {
+        "open",
+        "fopen",
+        "write",
+        "printf",
+        "time",
+        "exit",
+        "abort",
+        "setlocale",
+        "rand",
+        "pthread_create",
+    }
 
 
 class Calls(RuleBasedStateMachine):
@@ -184,9 +258,16 @@ class Calls(RuleBasedStateMachine):
         self.ropes = [Host(*self.fmu) for _ in range(2)]
         self.times = [0.0, 0.0]
         self.states = [ctypes.c_void_p() for _ in range(3)]
-        self.names = sorted(n for n, v in self.ropes[0].variables.items() if v.causality in ("parameter", "input"))
+        self.names = sorted(
+            n for n, v in self.ropes[0].variables.items() if v.causality in ("parameter", "input")
+        )
 
-    @rule(i=which, kind=st.sampled_from([0, 1]), mode=st.sampled_from([0, 1, 2]), twist=st.sampled_from([0.0, 3.0]))
+    @rule(
+        i=which,
+        kind=st.sampled_from([0, 1]),
+        mode=st.sampled_from([0, 1, 2]),
+        twist=st.sampled_from([0.0, 3.0]),
+    )
     def hang(self, i: int, kind: int, mode: int, twist: float) -> None:
         more = {"mesh.kind": kind, "left.swivel.mode": mode, "rope.installed_twist": twist}
         assert self.ropes[i].hang(SMALL | more) == OK, self.ropes[i].said[-1]
@@ -209,7 +290,12 @@ class Calls(RuleBasedStateMachine):
         if self.ropes[i].enter(start, stop) == OK:
             self.times[i] = start
 
-    @rule(i=which, name=st.sampled_from(["ExitInitializationMode", "Terminate", "Reset", "EnterInitializationMode"]))
+    @rule(
+        i=which,
+        name=st.sampled_from(
+            ["ExitInitializationMode", "Terminate", "Reset", "EnterInitializationMode"]
+        ),
+    )
     def change_mode(self, i: int, name: str) -> None:
         if name == "EnterInitializationMode" and self.ropes[0].fmi == 3:
             return
@@ -225,11 +311,20 @@ class Calls(RuleBasedStateMachine):
 
     @rule(i=which, reference=st.integers(0, 2**32 - 1), value=st.sampled_from([0.0, 1.0]))
     def set_by_wrong_reference(self, i: int, reference: int, value: float) -> None:
-        kinds = ("Real", "Integer", "Boolean", "String") if self.ropes[0].fmi == 2 else ("Float64", "Int64", "Boolean")
+        kinds = (
+            ("Real", "Integer", "Boolean", "String")
+            if self.ropes[0].fmi == 2
+            else ("Float64", "Int64", "Boolean")
+        )
         for kind in kinds:
-            self.ropes[i].put("left.y", value, reference % 500 if reference % 3 else reference, kind)
+            self.ropes[i].put(
+                "left.y", value, reference % 500 if reference % 3 else reference, kind
+            )
 
-    @rule(i=which, name=st.sampled_from(["left.fy", "loop.yaw", "stress.bending_max", "left.added_mass"]))
+    @rule(
+        i=which,
+        name=st.sampled_from(["left.fy", "loop.yaw", "stress.bending_max", "left.added_mass"]),
+    )
     def get(self, i: int, name: str) -> None:
         self.ropes[i].real(name)
 
@@ -247,7 +342,9 @@ class Calls(RuleBasedStateMachine):
         assert not self.states[slot].value
 
     @rule(i=which, slot=slot, end=st.none() | place, places=changes, sealed=st.booleans())
-    def damage(self, i: int, slot: int, end: int | None, places: list[tuple[int, bytes]], sealed: bool) -> None:
+    def damage(
+        self, i: int, slot: int, end: int | None, places: list[tuple[int, bytes]], sealed: bool
+    ) -> None:
         if not self.states[slot].value:
             return
         data = bytearray(self.ropes[i].write(self.states[slot]))
@@ -280,12 +377,21 @@ def test_any_calls_in_any_order_neither_crash_nor_hang_and_a_reset_helps(fmu: Fm
     expected = as_new(rope)
     rope.free()
     machine = type("Calls", (Calls,), {"fmu": fmu, "expected": expected})
-    bounds = settings(max_examples=20, stateful_step_count=40, database=None, suppress_health_check=list(HealthCheck))
+    bounds = settings(
+        max_examples=20,
+        stateful_step_count=40,
+        database=None,
+        suppress_health_check=list(HealthCheck),
+    )
     run_state_machine_as_test(machine, settings=bounds)
 
 
-@pytest.mark.parametrize(("version", "every"), [(3, 14), *(pytest.param(v, 1, marks=pytest.mark.slow) for v in (2, 3))])
-def test_absurd_parameters_are_refused_with_the_cure(unpacked: Callable[[str], Fmu], version: int, every: int) -> None:
+@pytest.mark.parametrize(
+    ("version", "every"), [(3, 14), *(pytest.param(v, 1, marks=pytest.mark.slow) for v in (2, 3))]
+)
+def test_absurd_parameters_are_refused_with_the_cure(
+    unpacked: Callable[[str], Fmu], version: int, every: int
+) -> None:
     rope = Host(*unpacked(f"native-{version}"))
     refused = 0
     for number, (name, variable) in enumerate(rope.variables.items()):
@@ -305,8 +411,16 @@ def test_absurd_parameters_are_refused_with_the_cure(unpacked: Callable[[str], F
             refused += 1
             message = rope.said[-1]
             if out:
-                assert name.split(".")[-1] in message or "element count" in message, (name, value, message)
-                assert (str(int(value)) if whole else f"{value:.0e}".split("e")[0]) in message, (name, value, message)
+                assert name.split(".")[-1] in message or "element count" in message, (
+                    name,
+                    value,
+                    message,
+                )
+                assert (str(int(value)) if whole else f"{value:.0e}".split("e")[0]) in message, (
+                    name,
+                    value,
+                    message,
+                )
             assert ";" in message or ": " in message, (name, value, message)
     assert rope.hang() == OK
     rope.free()
@@ -332,16 +446,25 @@ def test_a_run_that_starts_late_goes_on_though_time_is_coarse(fmu: Fmu) -> None:
 
 
 @pytest.mark.parametrize("fmi", [pytest.param(2, marks=pytest.mark.slow), 3])
-@pytest.mark.parametrize(("kind", "stride"), [(1, 16), (0, 34), pytest.param(0, 1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("kind", "stride"), [(1, 16), (0, 34), pytest.param(0, 1, marks=pytest.mark.slow)]
+)
 def test_hostile_states_are_refused_or_step_without_harm(fmu: Fmu, kind: int, stride: int) -> None:
     """Each word of a state in turn becomes a hostile number, and the checksum fits."""
     rope, state = Host(*fmu), ctypes.c_void_p()
-    assert rope.hang(SMALL | {"mesh.kind": kind, "left.swivel.mode": 2, "rope.installed_twist": 1.0}) == OK
+    assert (
+        rope.hang(SMALL | {"mesh.kind": kind, "left.swivel.mode": 2, "rope.installed_twist": 1.0})
+        == OK
+    )
     assert [rope.move(0.02 * k, 0.02) for k in range(5)] == [OK] * 5
     assert rope.save(state) == OK
     data, good = rope.write(state), ctypes.c_void_p(state.value)
     words = [struct.pack("<d", x) for x in (math.nan, math.inf, -1e300, 1e-300, 1e300)]
-    words += [struct.pack("<ii", 2**31 - 1, -1), struct.pack("<ii", -(2**31), 7), struct.pack("<q", 2**62)]
+    words += [
+        struct.pack("<ii", 2**31 - 1, -1),
+        struct.pack("<ii", -(2**31), 7),
+        struct.pack("<q", 2**62),
+    ]
     accepted = 0
     for number, place in enumerate(range(24, len(data) - 8, 8 * stride)):  # behind the checksum
         word = words[number % len(words)]

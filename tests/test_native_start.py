@@ -25,7 +25,13 @@ import rope_model
 from balance_rope import main
 from fmu_src.interface import variables
 from fmu_src.native import build
-from fmu_src.native.build import PLATFORMS, available_platforms, host_platform, library, open_library
+from fmu_src.native.build import (
+    PLATFORMS,
+    available_platforms,
+    host_platform,
+    library,
+    open_library,
+)
 from fmu_src.native.export import export_native
 from fmu_src.native.mach_o import parts, universal, with_page_hashes
 from fmu_src.native.start import MAGIC, Start, c_start, with_start, without_start
@@ -37,14 +43,18 @@ from rope_model.codegen.platforms import prebuilt_file
 from rope_model.engine import NativeRope
 from rope_model.simulation.ends.ends import refusal
 
-pytestmark = pytest.mark.skipif(host_platform() not in available_platforms(), reason="needs a C compiler")
+pytestmark = pytest.mark.skipif(
+    host_platform() not in available_platforms(), reason="needs a C compiler"
+)
 SOURCES = {
     "model.h": "#include <stddef.h>\nenum { TOKEN_BYTES = 64 };\ndouble model_start(size_t scalar);\n",
     "seen.c": '#include "model.h"\n#ifdef _WIN32\n__declspec(dllexport)\n#else\n'
     '__attribute__((visibility("default")))\n#endif\ndouble seen(int i) { return model_start(i); }\n',
 }
 #: the first library for another system takes longer than all others: that for Windows brings the start-up code of MinGW
-NEEDS = {x: pytest.mark.skipif(x not in available_platforms(), reason="needs ziglang") for x in PLATFORMS}
+NEEDS = {
+    x: pytest.mark.skipif(x not in available_platforms(), reason="needs ziglang") for x in PLATFORMS
+}
 SLOW = [pytest.mark.slow]
 EVERYWHERE = [pytest.param(x, marks=[NEEDS[x], *SLOW * (x != host_platform())]) for x in PLATFORMS]
 
@@ -54,7 +64,9 @@ def small(start: Start, name: str = host_platform()) -> bytes:
 
 
 def fill(start: Start, name: str = host_platform()) -> bytes:
-    return with_start(library(without_start(SOURCES, len(start.values)), "start", name).read_bytes(), start)
+    return with_start(
+        library(without_start(SOURCES, len(start.values)), "start", name).read_bytes(), start
+    )
 
 
 START = Start("{0b0d8ab1-6e23-5ba9-8b62-1d3d6a1b8e05}", (1.5, -0.0, 1e300, 5e-324), arrays=False)
@@ -105,14 +117,18 @@ def test_macos_libraries_load_from_version_11_on(name: str) -> None:
     assert oldest_macos(small(START, name)) == (11, 0)
 
 
-needs_zig = pytest.mark.skipif("aarch64-darwin" not in available_platforms(), reason="needs ziglang")
+needs_zig = pytest.mark.skipif(
+    "aarch64-darwin" not in available_platforms(), reason="needs ziglang"
+)
 
 
 @needs_zig
 @pytest.mark.slow
 def test_what_is_written_into_is_signed_anew_alone_and_in_a_universal_library() -> None:
     shared = without_start(SOURCES, 4)
-    pair = [library(shared, "start", name).read_bytes() for name in ("x86_64-darwin", "aarch64-darwin")]
+    pair = [
+        library(shared, "start", name).read_bytes() for name in ("x86_64-darwin", "aarch64-darwin")
+    ]
     whole = with_start(universal(pair), START)
     intel, arm = (whole[begin:end] for begin, end in parts(whole))
     assert (intel, arm) == (with_start(pair[0], START), with_start(pair[1], START))
@@ -122,11 +138,21 @@ def test_what_is_written_into_is_signed_anew_alone_and_in_a_universal_library() 
 
 def signed(content: bytes, kind: int) -> bytes:
     """A library with nothing but what its signature needs (Mach-O, code directory), its page hashes still zero."""
-    code = struct.pack("<8I4I", 0xFEEDFACF, 0x100000C, 0, 6, 1, 16, 0, 0, 0x1D, 16, 48 + len(content), 0) + content
+    code = (
+        struct.pack(
+            "<8I4I", 0xFEEDFACF, 0x100000C, 0, 6, 1, 16, 0, 0, 0x1D, 16, 48 + len(content), 0
+        )
+        + content
+    )
     slots = -(-len(code) // 4096)
     head = 0xFADE0C02, 40 + 32 * slots, 0x20400, 0, 40, 40, 0, slots, len(code)
     directory = struct.pack(">9I4B", *head, 32, kind, 0, 12)
-    return code + struct.pack(">5I", 0xFADE0CC0, 20 + len(directory), 1, 0, 20) + directory + bytes(32 * slots)
+    return (
+        code
+        + struct.pack(">5I", 0xFADE0CC0, 20 + len(directory), 1, 0, 20)
+        + directory
+        + bytes(32 * slots)
+    )
 
 
 def test_a_library_is_signed_anew_over_all_its_pages_and_one_of_another_kind_refused() -> None:
@@ -141,13 +167,17 @@ def test_a_library_is_signed_anew_over_all_its_pages_and_one_of_another_kind_ref
 @pytest.mark.usefixtures("no_reference_run")
 @pytest.mark.slow
 @pytest.mark.parametrize("fmi", [2, 3])
-def test_exports_with_other_values_compile_once(fmi: int, tmp_path: Path, monkeypatch: Patch) -> None:
+def test_exports_with_other_values_compile_once(
+    fmi: int, tmp_path: Path, monkeypatch: Patch
+) -> None:
     monkeypatch.setattr(build.kernels, "cache_folder", lambda: tmp_path / "cache")
     tokens = set()
     for length in (120.0, 130.0):
         path = tmp_path / f"{length}.fmu"
         start = {"rope.length": length}
-        export_native(path, level="draft", fmi=fmi, platforms=(host_platform(),), rope=stand_in(), start=start)
+        export_native(
+            path, level="draft", fmi=fmi, platforms=(host_platform(),), rope=stand_in(), start=start
+        )
         host = Host(path, fmpy.extract(str(path), str(tmp_path / str(length))))
         assert host.get("rope.length") == [length]
         host.free()
@@ -173,8 +203,14 @@ def test_a_library_of_the_package_is_taken_for_its_own_sources_only(no_compiler:
     path.write_bytes(b"MZ")
     assert library(sources, "rope", "x86_64-windows").read_bytes() == b"MZ"
     assert available_platforms() == ("x86_64-windows",)
-    for other in ({"a.c": "int b;"}, {"b.c": "int a;"}, sources | {"fmi2Functions.h": "/* of another FMI */"}):
-        with pytest.raises(ValueError, match=r"no compiled rope for 'x86_64-windows'.*'balance-rope\[compiler\]'"):
+    for other in (
+        {"a.c": "int b;"},
+        {"b.c": "int a;"},
+        sources | {"fmi2Functions.h": "/* of another FMI */"},
+    ):
+        with pytest.raises(
+            ValueError, match=r"no compiled rope for 'x86_64-windows'.*'balance-rope\[compiler\]'"
+        ):
             library(other, "rope", "x86_64-windows")
 
 
@@ -184,15 +220,27 @@ QUESTION = ("processor.c", "processor.h")
 
 
 def test_other_descriptions_follow_their_schemas(fmi: int, fmu_of: Callable[[str], Path]) -> None:
-    names = ["sources/buildDescription", *(["terminalsAndIcons/terminalsAndIcons"] if fmi == 3 else [])]
+    names = [
+        "sources/buildDescription",
+        *(["terminalsAndIcons/terminalsAndIcons"] if fmi == 3 else []),
+    ]
     with zipfile.ZipFile(fmu_of(f"stand-in-{fmi}")) as archive:
-        documents = {name.partition("/")[2]: etree.fromstring(archive.read(f"{name}.xml")) for name in names}
+        documents = {
+            name.partition("/")[2]: etree.fromstring(archive.read(f"{name}.xml")) for name in names
+        }
     for what, document in documents.items():
-        etree.XMLSchema(file=str(SCHEMAS / "fmi3" / f"fmi3{what[0].upper()}{what[1:]}.xsd")).assertValid(document)
+        etree.XMLSchema(
+            file=str(SCHEMAS / "fmi3" / f"fmi3{what[0].upper()}{what[1:]}.xsd")
+        ).assertValid(document)
 
 
-def test_same_sources_give_the_same_bytes(fmi: int, fmu_of: Callable[[str], Path], tmp_path: Path) -> None:
-    assert export_stand_in(tmp_path / "again.fmu", fmi).read_bytes() == fmu_of(f"stand-in-{fmi}").read_bytes()
+def test_same_sources_give_the_same_bytes(
+    fmi: int, fmu_of: Callable[[str], Path], tmp_path: Path
+) -> None:
+    assert (
+        export_stand_in(tmp_path / "again.fmu", fmi).read_bytes()
+        == fmu_of(f"stand-in-{fmi}").read_bytes()
+    )
 
 
 def test_bounds_of_the_inputs_are_those_of_the_rope() -> None:
@@ -209,7 +257,9 @@ def test_bounds_of_the_inputs_are_those_of_the_rope() -> None:
 
 
 @pytest.mark.parametrize("fmi", [pytest.param(2, marks=pytest.mark.slow), 3])
-def test_sources_rebuild_with_fmpy_compile(fmi: int, fmu_of: Callable[[str], Path], tmp_path: Path) -> None:
+def test_sources_rebuild_with_fmpy_compile(
+    fmi: int, fmu_of: Callable[[str], Path], tmp_path: Path
+) -> None:
     if shutil.which("cmake") is None:
         pytest.skip("needs cmake")
     fmu = fmu_of(f"stand-in-{fmi}")
@@ -230,20 +280,29 @@ def test_the_widest_form_that_the_processor_has_is_taken() -> None:
     # made as FMUs are, by ziglang if that is there: other flags would have it make its own library anew
     files = (Path(rope_model.__file__).with_name("csrc") / "numerics" / name for name in QUESTION)
     texts = {file.name: file.read_text(encoding="utf-8") for file in files}
-    for made in (ctypes.CDLL(str(open_library(texts, "processor", host_platform()))), NativeRope._library()):
+    for made in (
+        ctypes.CDLL(str(open_library(texts, "processor", host_platform()))),
+        NativeRope._library(),
+    ):
         has = {*flags.read_text(encoding="utf-8").split()}
         widest = {"avx512f", "avx512vl", "avx512vbmi"} <= has
         assert made.processor_lanes() == (8 if widest else 4 if "avx2" in has else 2)
 
 
 @pytest.mark.usefixtures("no_reference_run")
-def test_start_values_are_set_on_the_command_line(tmp_path: Path, monkeypatch: Patch, capsys: Capture) -> None:
+def test_start_values_are_set_on_the_command_line(
+    tmp_path: Path, monkeypatch: Patch, capsys: Capture
+) -> None:
     monkeypatch.setattr("fmu_src.native.export.rope_sources", stand_in)
     path = tmp_path / "rope.fmu"
     options = ["export", "--native", "--platform", "host", "--out", str(path)]
     assert main([*options, "--set", "rope.EI=250", "--set", "model.fidelity=torsional"]) == 0
     starts = {v.name: v.start for v in fmpy.read_model_description(str(path)).modelVariables}
-    assert [float(starts[name]) for name in ("rope.EI", "model.fidelity", "rope.length")] == [250.0, 1.0, 120.0]
+    assert [float(starts[name]) for name in ("rope.EI", "model.fidelity", "rope.length")] == [
+        250.0,
+        1.0,
+        120.0,
+    ]
     for wrong, told in (
         ("air.density=-1", "air.density = -1.0 must be within 0 and 100: give it in kg/m3"),
         ("rope.length=-1", "rope.length = -1.0 must be within 1e-15 and 10000: give it in m"),
@@ -255,7 +314,9 @@ def test_start_values_are_set_on_the_command_line(tmp_path: Path, monkeypatch: P
     assert "--set coupling.step: a system leaves this to its master" in capsys.readouterr().err
 
 
-def test_a_system_takes_values_of_the_hoist_from_the_command_line(tmp_path: Path, monkeypatch: Patch) -> None:
+def test_a_system_takes_values_of_the_hoist_from_the_command_line(
+    tmp_path: Path, monkeypatch: Patch
+) -> None:
     exported = dict[str, Any]()
 
     def keep(folder: Path, case: Case, *_: Any, data: Sequence[Datum], **others: Any) -> HoistFiles:
@@ -269,7 +330,10 @@ def test_a_system_takes_values_of_the_hoist_from_the_command_line(tmp_path: Path
     assert main([*options, "--set", "hoist.payload_left=1234", "--set", "rope.EI=250"]) == 0
     assert exported["case"].hoist.payload_left == 1234.0
     assert exported["case"].rope["rope.EI"] == 250.0
-    assert [exported["data"][name].value for name in ("hoist.payload_left", "rope.EI")] == [1234.0, 250.0]
+    assert [exported["data"][name].value for name in ("hoist.payload_left", "rope.EI")] == [
+        1234.0,
+        250.0,
+    ]
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,18 @@ from typing import Any
 import numpy as np
 import pytest
 from conftest import Array
-from contact_scenes import FACING, GAP, SCENE, STIFFNESS, Alone, against_a_wall, begun, exact_force, striking, swinging
+from contact_scenes import (
+    FACING,
+    GAP,
+    SCENE,
+    STIFFNESS,
+    Alone,
+    against_a_wall,
+    begun,
+    exact_force,
+    striking,
+    swinging,
+)
 from numpy.testing import assert_allclose, assert_array_equal
 
 from rope_model import Air, Contact, EndMotion, Rope, Shaft, Solver
@@ -35,7 +46,9 @@ STRINGS = SCENE.with_(rope=Rope(length=2.0))
 
 
 @pytest.mark.parametrize(("degrees", "off"), [(90, 0.03), (30, 2e-3), (5, 1e-4)])
-def test_the_force_of_crossing_strings_is_the_integral_of_the_law(degrees: float, off: float) -> None:
+def test_the_force_of_crossing_strings_is_the_integral_of_the_law(
+    degrees: float, off: float
+) -> None:
     """``off`` is by how much the spacing of the places shows, as it does in a rope's contact with itself."""
     angle, gap = math.radians(degrees), 0.85 * D
     one, other = straight(*strand(0.0, 0.0, 0.0), S), straight(*strand(angle, 0.003, gap), S)
@@ -46,7 +59,10 @@ def test_the_force_of_crossing_strings_is_the_integral_of_the_law(degrees: float
 def test_a_rope_feels_both_strands_of_the_other() -> None:
     one = straight(*strand(0.0, 0.0, 0.0), S)
     upper, lower = strand(0.0, 0.0, 0.8 * D), strand(math.pi, 0.8 * D, 0.0)
-    other = straight(*(np.concatenate(x) for x in zip(upper, lower, strict=True)), np.array([0, 1, 2, 9, 10, 11.0]))
+    other = straight(
+        *(np.concatenate(x) for x in zip(upper, lower, strict=True)),
+        np.array([0, 1, 2, 9, 10, 11.0]),
+    )
     force = Pair(STRINGS, STRINGS).find_contacts(one, other, np.array([1.0, 0.0])).force.sum(axis=0)
     pressed, onset = 0.2 * D, ONSET * D
     each = 2.0 * K * (pressed - 0.5 * onset)
@@ -63,7 +79,9 @@ def test_what_ropes_that_strike_lose_is_what_their_contact_books(h: float) -> No
     # the ropes book by their own steps, which they may halve
     assert work == pytest.approx(account.work, rel=0.03 if h > 0.005 else 1e-4)
     assert account.missed < 2e-4
-    assert account.work + account.energy + account.dissipated - account.made == pytest.approx(0.0, abs=1e-9)
+    assert account.work + account.energy + account.dissipated - account.made == pytest.approx(
+        0.0, abs=1e-9
+    )
 
 
 @pytest.mark.slow
@@ -77,7 +95,10 @@ def test_what_the_steps_make_falls_with_them() -> None:
 def test_two_that_swing_against_each_other_move_as_one_against_a_wall_midway() -> None:
     """But that the law begins softly within a part of the diameter, which the wall has twice."""
     h = 0.001
-    struck, z = (rope.rows()[:, 3] for rope in (striking(h, friction=0.0)[1][0], against_a_wall(h, friction=0.0)))
+    struck, z = (
+        rope.rows()[:, 3]
+        for rope in (striking(h, friction=0.0)[1][0], against_a_wall(h, friction=0.0))
+    )
     assert np.abs(z).max() > 0.1
     assert np.abs(struck - z).max() < 0.02 * np.abs(struck).max()
     free = swinging(SCENE.with_(shaft=Shaft()), 1.0)
@@ -99,8 +120,12 @@ def test_fast_ropes_do_not_pass_through_each_other() -> None:
 def test_a_wind_that_presses_one_rope_on_the_other_pulls_at_both() -> None:
     h, steps, mass = 0.02, 150, Rope().mass_per_length
     holding = Shaft(contact=Contact(rope_stiffness=K))
-    still, blown = (SCENE.with_(shaft=replace(holding, air=Air(1.2, vz=speed))) for speed in (0.0, 12.0))
-    neighbours, ropes, partners = begun([still, still], (0.0, 0.0), [(0.0, 0.0, 0.0), (0.3, 0.0, 1.5 * D)])
+    still, blown = (
+        SCENE.with_(shaft=replace(holding, air=Air(1.2, vz=speed))) for speed in (0.0, 12.0)
+    )
+    neighbours, ropes, partners = begun(
+        [still, still], (0.0, 0.0), [(0.0, 0.0, 0.0), (0.3, 0.0, 1.5 * D)]
+    )
     ropes[0].retune(blown)
     impulse = pull = 0.0
     for k in range(steps):
@@ -151,7 +176,9 @@ def test_a_rope_that_hangs_in_pieces_presses_no_more() -> None:
         at += 0.01
         assert at < 3.0
     # what is left of a rope
-    partners[1] = SimpleNamespace(rope=None, begin=lambda *_: None, go=lambda: True, back=list, accept=list)
+    partners[1] = SimpleNamespace(
+        rope=None, begin=lambda *_: None, go=lambda: True, back=list, accept=list
+    )
     for k in range(3):
         assert neighbours.step(at + 0.01 * k, 0.01, partners)
     assert neighbours.contacts.forces[0, 1].point_id.size == 0

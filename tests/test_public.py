@@ -36,12 +36,24 @@ from release.bill import bill_of_materials
 from release.libraries import libraries
 from release.trial import try_wheel
 from release.wheels import PACKAGES, add_bill, build
-from rope_model import EndMotion, Mesh, PointForces, Rope, Scene, Solver, balance_rope, public, rope_120
+from rope_model import (
+    EndMotion,
+    Mesh,
+    PointForces,
+    Rope,
+    Scene,
+    Solver,
+    balance_rope,
+    public,
+    rope_120,
+)
 from rope_model.codegen.build import library
 from rope_model.numerics.kernels import cache_folder, find_compiler, last_words
 
 PYTHON = "Use the rope in Python"
-SMALL = Scene(rope=Rope(length=60.0), mesh=Mesh("eem", elements=20), solver=Solver(kernels="portable"))
+SMALL = Scene(
+    rope=Rope(length=60.0), mesh=Mesh("eem", elements=20), solver=Solver(kernels="portable")
+)
 #: N/m of rope_120
 WEIGHT = 8.0 * 9.81
 needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
@@ -59,7 +71,11 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder = tmp_path / "cache"
     folder.mkdir()
     library()
-    for made in (*cache_folder().glob("processor-*"), library(), *cache_folder().glob("generated-*.json")):
+    for made in (
+        *cache_folder().glob("processor-*"),
+        library(),
+        *cache_folder().glob("generated-*.json"),
+    ):
         shutil.copy(made, folder)
     monkeypatch.setenv("BALANCE_ROPE_CACHE", str(folder))
     return folder
@@ -67,11 +83,17 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def compiled(cache: Path) -> list[str]:
     """What is compiled there, but for what was asked about the processor."""
-    return [file.name for file in cache.iterdir() if file.suffix != ".json" and not file.name.startswith("processor")]
+    return [
+        file.name
+        for file in cache.iterdir()
+        if file.suffix != ".json" and not file.name.startswith("processor")
+    ]
 
 
 @needs_compiler
-def test_readme_example_prints_the_weight_of_the_left_leg_and_compiles_no_more(cache: Path, tmp_path: Path) -> None:
+def test_readme_example_prints_the_weight_of_the_left_leg_and_compiles_no_more(
+    cache: Path, tmp_path: Path
+) -> None:
     force, unit = lines_of(readme_code(PYTHON, tmp_path), cache)[-1].split()
     # the loop hangs at (120 - 90) / 2 m of the rope; its bend is even
     assert_allclose(float(force), -15.0 * WEIGHT, rtol=1e-3)
@@ -80,7 +102,9 @@ def test_readme_example_prints_the_weight_of_the_left_leg_and_compiles_no_more(c
 
 
 @needs_compiler
-def test_a_host_of_one_s_own_winds_the_rope_and_compiles_nothing_but_the_native_rope(cache: Path) -> None:
+def test_a_host_of_one_s_own_winds_the_rope_and_compiles_nothing_but_the_native_rope(
+    cache: Path,
+) -> None:
     *told, at_rest, last = lines_of(EXAMPLES / "own_host.py", cache)
     left, right = map(float, re.findall(r"'(?:left|right).fy': (-[\d.]+)", at_rest))
     # half a metre of rope: waves still run through it
@@ -91,7 +115,9 @@ def test_a_host_of_one_s_own_winds_the_rope_and_compiles_nothing_but_the_native_
     assert compiled(cache) == [library().name]
 
 
-@pytest.mark.parametrize(("module", "unloaded"), [("rope_model", "numpy"), ("rope_model.parameters", "casadi")])
+@pytest.mark.parametrize(
+    ("module", "unloaded"), [("rope_model", "numpy"), ("rope_model.parameters", "casadi")]
+)
 def test_importing_loads_no_more_than_it_needs(module: str, unloaded: str) -> None:
     code = f"import sys, {module}; sys.exit({unloaded!r} in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False, cwd=ROOT).returncode == 0
@@ -124,17 +150,23 @@ def test_auto_takes_the_native_form_unless_kernels_are_asked_for_by_name() -> No
     with pytest.raises(ValueError, match="form = 'compiled' must be"):
         balance_rope(SMALL, "compiled")  # type: ignore[arg-type]
     for rope in ropes:
-        with pytest.raises(ValueError, match=r"rope\.EI = 9 must stay .* during a run: make a new rope"):
+        with pytest.raises(
+            ValueError, match=r"rope\.EI = 9 must stay .* during a run: make a new rope"
+        ):
             rope.retune(replace(SMALL, rope=replace(SMALL.rope, EI=9.0)))
 
 
 @needs_compiler
-@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda rope: pickle.loads(pickle.dumps(rope))])
+@pytest.mark.parametrize(
+    "copied", [copy.copy, copy.deepcopy, lambda rope: pickle.loads(pickle.dumps(rope))]
+)
 def test_a_copy_of_the_native_rope_goes_on_by_itself(copied: Callable[[Any], Any]) -> None:
     low, high = EndMotion(), EndMotion(y=20.0)
     rope = balance_rope(replace(SMALL, solver=Solver()), "native")
     copied(rope)  # not initialised yet
-    rope.apply(PointForces(np.array([9.0]), np.zeros((1, 3)), np.array([[40.0, 0.0, 0.0]]), 0.0, 0.1))
+    rope.apply(
+        PointForces(np.array([9.0]), np.zeros((1, 3)), np.array([[40.0, 0.0, 0.0]]), 0.0, 0.1)
+    )
     assert rope.initialize(0.0, low, high).valid
     other = copied(rope)
     assert other.advance_to(0.1, EndMotion(y=0.01, vy=0.2, ay=2.0), high).valid
@@ -154,18 +186,27 @@ def test_every_package_is_typed_and_tells_the_version() -> None:
         assert Path(str(package.__file__)).with_name("py.typed").exists()
 
 
-def test_a_study_without_its_packages_names_the_extra(tmp_path: Path, monkeypatch: Patch, capsys: Capture) -> None:
+def test_a_study_without_its_packages_names_the_extra(
+    tmp_path: Path, monkeypatch: Patch, capsys: Capture
+) -> None:
     monkeypatch.setitem(sys.modules, "dask.distributed", None)
     monkeypatch.delitem(sys.modules, "hoist_demo.study.cluster", raising=False)
     assert main(["study", str(tmp_path / "study.toml")]) == 2
-    assert "a study needs dask.distributed: pip install 'balance-rope[study]'" in capsys.readouterr().err
+    assert (
+        "a study needs dask.distributed: pip install 'balance-rope[study]'"
+        in capsys.readouterr().err
+    )
 
 
-def test_the_bill_names_every_file_with_its_hash_and_every_package_that_is_needed(tmp_path: Path) -> None:
+def test_the_bill_names_every_file_with_its_hash_and_every_package_that_is_needed(
+    tmp_path: Path,
+) -> None:
     (tmp_path / "a.whl").write_bytes(b"wheel")
     bill = json.loads(bill_of_materials([tmp_path / "a.whl"]))
     parts = {part["name"]: part for part in bill["components"]}
-    assert parts["a.whl"]["hashes"] == [{"alg": "SHA-256", "content": hashlib.sha256(b"wheel").hexdigest()}]
+    assert parts["a.whl"]["hashes"] == [
+        {"alg": "SHA-256", "content": hashlib.sha256(b"wheel").hexdigest()}
+    ]
     bounds = {p["value"] for part in parts.values() for p in part.get("properties", ())}
     assert bounds == {*PROJECT["dependencies"], *PROJECT["optional-dependencies"]["study"]}
     references = [part["bom-ref"] for part in bill["components"]]
@@ -190,7 +231,9 @@ def test_the_bill_lies_in_the_wheel_and_in_its_record(tmp_path: Path) -> None:
 @pytest.mark.parametrize("fmi", [pytest.param(2, marks=pytest.mark.slow), 3])
 def test_a_library_of_the_wheel_serves_an_export_of_any_level(fmi: int) -> None:
     table = native_table(rope_120("draft"))
-    wanted = without_start({**rope_sources(), **shell_sources(table, fmi)}, len(start_values(table, fmi)))
+    wanted = without_start(
+        {**rope_sources(), **shell_sources(table, fmi)}, len(start_values(table, fmi))
+    )
     assert [one.identifier for one in libraries() if one.sources == wanted] == [MODEL]
 
 
@@ -202,12 +245,18 @@ def test_the_wheel_needs_no_compiler_and_exports_what_a_checkout_does(tmp_path: 
     tops = {name.split("/")[0] for name in names if ".dist-info/" not in name}
     assert tops == {*PACKAGES, "balance_rope.py", "hoist_export.py"}
     for one in ("rope_model/csrc/prebuilt/rope", "fmu_src/native/prebuilt/BalanceRope"):
-        assert all(any(name.startswith(f"{one}-{platform}-") for name in names) for platform in PLATFORMS)
+        assert all(
+            any(name.startswith(f"{one}-{platform}-") for name in names) for platform in PLATFORMS
+        )
     try_wheel(wheel)
 
 
 def test_of_what_a_compiler_says_its_first_error_is_told() -> None:
     named = "In function 'error_signals':\na.c:1:6: error: no such name\n ^"
     linked = "undefined reference to 'g'\ncollect2: error: ld returned 1"
-    for said, first in ((named, "a.c:1:6: error: no such name"), (linked, "reference to 'g'"), ("", "status 1.")):
+    for said, first in (
+        (named, "a.c:1:6: error: no such name"),
+        (linked, "reference to 'g'"),
+        ("", "status 1."),
+    ):
         assert last_words(subprocess.CalledProcessError(1, "cc", stderr=said)).endswith(first)

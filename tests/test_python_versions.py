@@ -46,10 +46,14 @@ def state() -> RopeState:
     return moved(RopeSimulator(FULL)).state
 
 
-def test_a_state_is_rebuilt_without_type_hints(state: RopeState, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_state_is_rebuilt_without_type_hints(
+    state: RopeState, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """numpy 2.5 makes NDArray an alias that no longer shows what it stands for."""
     for kind in (Motion, Partition):
-        monkeypatch.setattr(kind, "__annotations__", dict.fromkeys((field.name for field in fields(kind)), object))
+        monkeypatch.setattr(
+            kind, "__annotations__", dict.fromkeys((field.name for field in fields(kind)), object)
+        )
     data = state.to_bytes()
     rebuilt = RopeState.from_bytes(data)
     for name, value in vars(state.motion).items():
@@ -60,7 +64,9 @@ def test_a_state_is_rebuilt_without_type_hints(state: RopeState, monkeypatch: py
 def test_a_state_is_rebuilt_with_the_kinds_that_it_had(state: RopeState) -> None:
     def kinds(x: Any) -> Any:
         parts = [getattr(x, field.name) for field in fields(x)] if is_dataclass(x) else x
-        return type(x), [kinds(part) for part in parts] if is_dataclass(x) or isinstance(x, tuple) else []
+        return type(x), [kinds(part) for part in parts] if is_dataclass(x) or isinstance(
+            x, tuple
+        ) else []
 
     assert kinds(RopeState.from_bytes(state.to_bytes())) == kinds(state)
 
@@ -72,7 +78,9 @@ def sums_no_floats(monkeypatch: pytest.MonkeyPatch) -> None:
 
     def checked(terms: Iterable[Any], /, start: Any = 0) -> Any:
         terms = [*terms]
-        assert not any(type(x) is float for x in terms), "sum of floats: take sum_of of rope_model.physics.elementary"
+        assert not any(type(x) is float for x in terms), (
+            "sum of floats: take sum_of of rope_model.physics.elementary"
+        )
         return kept(terms, start)
 
     monkeypatch.setattr(builtins, "sum", checked)
@@ -92,9 +100,14 @@ def test_a_hoist_adds_its_numbers_from_left_to_right() -> None:
     assert hoist_with(Hoist(), [(4.0, 120.0), (5.0, 120.0)]).tail_rope_mass == 9.0
 
 
-def test_kernels_that_this_casadi_cannot_read_are_built_anew(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+def test_kernels_that_this_casadi_cannot_read_are_built_anew(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
     """An FMU brings them in the form of the exporting CasADi, which an older one refuses."""
     (tmp_path / "planar-4.casadi").write_bytes(b"written by another CasADi")
     kernels = RopeKernels(4, "portable", tmp_path, "planar")
     assert "cannot read" in caplog.text
-    assert kernels.strains.function.name() == RopeKernels(4, "portable", None, "planar").strains.function.name()
+    assert (
+        kernels.strains.function.name()
+        == RopeKernels(4, "portable", None, "planar").strains.function.name()
+    )

@@ -19,7 +19,12 @@ from rope_model.simulation.outputs.diagnostics import loop_bottom
 from rope_model.simulation.outputs.modal import assemble_matrix, natural_modes
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, RopeSystem, arc_lengths
-from rope_model.simulation.stepping.statics import Equilibrium, StaticsError, find_equilibrium, hanging_guess
+from rope_model.simulation.stepping.statics import (
+    Equilibrium,
+    StaticsError,
+    find_equilibrium,
+    hanging_guess,
+)
 
 G = 9.81
 ROPE = Rope()
@@ -32,8 +37,12 @@ def material(**values: float) -> Array:
 
 
 @pytest.mark.parametrize(("Qb", "Qc"), [(2.336e5, 2.336e5), (2.371e5, 2.301e5)])
-@pytest.mark.parametrize(("length", "torque", "twist"), [(60.0, 4.58, 0.0242), (120.0, 9.17, 0.0967)])
-def test_a_hanging_rope_held_at_both_ends_has_the_torque_and_twist_of_its_weight(length, torque, twist, Qb, Qc) -> None:
+@pytest.mark.parametrize(
+    ("length", "torque", "twist"), [(60.0, 4.58, 0.0242), (120.0, 9.17, 0.0967)]
+)
+def test_a_hanging_rope_held_at_both_ends_has_the_torque_and_twist_of_its_weight(
+    length, torque, twist, Qb, Qc
+) -> None:
     rope = replace(ROPE, length=length, Qb=Qb, Qc=Qc)
     s = np.linspace(0.0, length, 61)
     q = np.zeros((s.size, 7))
@@ -92,7 +101,9 @@ def half(length: float) -> Array:
     return np.asarray(lengths * length / lengths.sum())
 
 
-def loop_system(rope: Rope, height: float, theta: str, torque: float, lengths: Any = None, spacing: float = 2.0) -> Any:
+def loop_system(
+    rope: Rope, height: float, theta: str, torque: float, lengths: Any = None, spacing: float = 2.0
+) -> Any:
     """``theta``: both ends ``held``, or only the left one (``swivel``) and ``torque`` (N m) on the right."""
     if lengths is None:
         lengths = np.concatenate((half(60 + height / 2), half(60 - height / 2)[::-1]))
@@ -123,7 +134,9 @@ IN = {0.0: (0.07759, 0.11735, 0.18137, 0.24060), 80.0: (0.07244, 0.13822, 0.1954
 
 @cache
 def frequencies(height: float, theta: str) -> tuple[Array, Array]:
-    modes = natural_modes(loop_system(UNCOUPLED, height, theta, 0.0), hanging_loop(UNCOUPLED, height, theta).q, 10)
+    modes = natural_modes(
+        loop_system(UNCOUPLED, height, theta, 0.0), hanging_loop(UNCOUPLED, height, theta).q, 10
+    )
     out = modes.out_of_plane > 0.5
     return modes.frequencies[out][:4], modes.frequencies[~out][:4]
 
@@ -147,8 +160,12 @@ def test_locked_swivels_raise_the_yaw_modes_by_up_to_a_third() -> None:
     assert_allclose(ratio.max(), 4 / 3, rtol=0.02)  # as printed: a third
 
 
-@pytest.mark.parametrize(("torque", "aside", "degrees"), [(1.0, 0.0336, 1.23), (4.58, 0.1537, 5.64)])
-def test_a_torque_yaws_the_loop_and_moves_the_legs_oppositely(torque: float, aside: float, degrees: float) -> None:
+@pytest.mark.parametrize(
+    ("torque", "aside", "degrees"), [(1.0, 0.0336, 1.23), (4.58, 0.1537, 5.64)]
+)
+def test_a_torque_yaws_the_loop_and_moves_the_legs_oppositely(
+    torque: float, aside: float, degrees: float
+) -> None:
     system = loop_system(UNCOUPLED, 0.0, "swivel", torque)
     q = hanging_loop(UNCOUPLED, 0.0, "swivel", torque).q
     bottom = loop_bottom(q, system.lengths)
@@ -160,7 +177,11 @@ def test_a_torque_yaws_the_loop_and_moves_the_legs_oppositely(torque: float, asi
     assert left * right < 0
     assert_allclose(abs(np.degrees(bottom.yaw)), degrees, rtol=0.02)
     # the end that is held gives the torque back
-    assert_allclose(system.with_reference(q).evaluate(q, 0 * q, 0 * q, 0 * q).reaction[0, ANGLE], -torque, rtol=1e-3)
+    assert_allclose(
+        system.with_reference(q).evaluate(q, 0 * q, 0 * q, 0 * q).reaction[0, ANGLE],
+        -torque,
+        rtol=1e-3,
+    )
 
 
 def test_turning_the_end_of_a_cantilever_once_round_rolls_it_up_to_a_circle() -> None:
@@ -195,7 +216,9 @@ def test_a_twisted_helix_is_held_by_loves_force_and_couple() -> None:
     stretch = 1 + F * np.sin(alpha) / EA
     q = np.zeros((n + 1, 7))
     q[:, :3] = np.column_stack((a * np.cos(phi), a * np.sin(phi), s * np.sin(alpha)))
-    d = np.column_stack((-np.cos(alpha) * np.sin(phi), np.cos(alpha) * np.cos(phi), np.full(n + 1, np.sin(alpha))))
+    d = np.column_stack(
+        (-np.cos(alpha) * np.sin(phi), np.cos(alpha) * np.cos(phi), np.full(n + 1, np.sin(alpha)))
+    )
     q[:, SLOPE] = stretch * d
     q[:, ANGLE] = M_t / GJ * s
     chain = Chain.unloaded(q)
@@ -244,7 +267,9 @@ def ring_is_stable(elements: int, EI: float, GJ: float, twist: float) -> bool:
     cosine, sine, zero = np.cos(2 * np.pi * x), np.sin(2 * np.pi * x), np.zeros(n + 1)
 
     def ring(p: Array) -> Array:
-        return np.column_stack((p[0] * cosine, p[0] * sine, zero, -p[1] * sine, p[1] * cosine, zero, twist * x))
+        return np.column_stack(
+            (p[0] * cosine, p[0] * sine, zero, -p[1] * sine, p[1] * cosine, zero, twist * x)
+        )
 
     P = material(Qa=1e5, Qd=GJ, EI=EI)
     system = portable_system(np.full(n, 2 * np.pi / n), P, Chain.unloaded(ring(np.ones(2))))
@@ -267,10 +292,14 @@ def test_a_twisted_ring_leaves_its_plane_at_michells_twist() -> None:
         low, high = 3 * np.pi * EI / GJ, 4 * np.pi * EI / GJ
         while high - low > 1e-3:
             middle = 0.5 * (low + high)
-            low, high = (middle, high) if ring_is_stable(elements, EI, GJ, middle) else (low, middle)
+            low, high = (
+                (middle, high) if ring_is_stable(elements, EI, GJ, middle) else (low, middle)
+            )
         critical.append(low)
     # a linear theta errs by l^2: extrapolated
-    assert_allclose((4 * critical[1] - critical[0]) / 3, 2 * np.pi * np.sqrt(3) * EI / GJ, rtol=5e-3)
+    assert_allclose(
+        (4 * critical[1] - critical[0]) / 3, 2 * np.pi * np.sqrt(3) * EI / GJ, rtol=5e-3
+    )
 
 
 COUPLING = 2.336e5
@@ -278,11 +307,17 @@ COUPLING = 2.336e5
 
 @pytest.mark.parametrize("coupling", [0.0, COUPLING])
 @pytest.mark.parametrize("height", [0.0, 80.0])
-@pytest.mark.parametrize(("EI", "spacing"), [(50.0, 1.5), (50.0, 3.0), (300.0, 2.0), (1000.0, 1.5), (1000.0, 3.0)])
-def test_the_hanging_shape_is_found(EI: float, spacing: float, height: float, coupling: float) -> None:
+@pytest.mark.parametrize(
+    ("EI", "spacing"), [(50.0, 1.5), (50.0, 3.0), (300.0, 2.0), (1000.0, 1.5), (1000.0, 3.0)]
+)
+def test_the_hanging_shape_is_found(
+    EI: float, spacing: float, height: float, coupling: float
+) -> None:
     rope = Rope(EI=EI, Qb=coupling, Qc=coupling)
     mesh = Mesh("tmn", coarse_length=2.0, counts=(2, 4, 40, 4, 2), end_levels=0)
-    system = loop_system(rope, height, "held", 0.0, partition(mesh, 120.0, 60.0 + height / 2).lengths, spacing)
+    system = loop_system(
+        rope, height, "held", 0.0, partition(mesh, 120.0, 60.0 + height / 2).lengths, spacing
+    )
     e = hung(system)
     weight = rope.mass_per_length * G * rope.length
     # the theory's bound; measured 1e-10

@@ -28,15 +28,30 @@ from rope_model.simulation.messages.rules import first_text
 from rope_model.simulation.messages.warning_rules import LONG_EXTRAPOLATION, MAX_EXTRAPOLATION
 from rope_model.simulation.state import Crossing, RopeState
 
-OUTPUTS = ("status.valid", "status.warning", "left.swivel.torque", "stress.torsion_max", "stress.bending_max")
+OUTPUTS = (
+    "status.valid",
+    "status.warning",
+    "left.swivel.torque",
+    "stress.torsion_max",
+    "stress.bending_max",
+)
 WITHOUT_TORQUE = {"model.fidelity": 3, "rope.Qb": 0.0, "rope.Qc": 0.0}
-DEEP = {"rope.length": 690.0, "rope.mass_per_length": 8.2, "rope.EI": 450.0, "layout.spacing": 1.8, "right.y": 650.0}
+DEEP = {
+    "rope.length": 690.0,
+    "rope.mass_per_length": 8.2,
+    "rope.EI": 450.0,
+    "layout.spacing": 1.8,
+    "right.y": 650.0,
+}
 AT_90_M = EndMotion(y=0.0), EndMotion(y=90.0)
 #: name -> parameters, and communication steps
 RUNS: dict[str, tuple[dict[str, Any], tuple[float, ...]]] = {
     "plain": ({}, (0.01, 0.02)),
     "passed": ({"rope.installed_twist": 7.0}, (0.01, 0.01)),
-    "touching": ({"rope.installed_twist": 5.5, "rope.diameter": 0.9, "layout.spacing": 1.0}, (0.01, 0.01)),
+    "touching": (
+        {"rope.installed_twist": 5.5, "rope.diameter": 0.9, "layout.spacing": 1.0},
+        (0.01, 0.01),
+    ),
     "yawed by its coupling": (DEEP, ()),
     "yawed by its twist": ({"rope.installed_twist": 3.0}, (0.01, 0.01)),
     "yawed by its ends": ({"left.yaw": 2.0, "right.yaw": 1.5}, (0.01, 0.01)),
@@ -58,15 +73,24 @@ BRIEF = ("plain", "rigid", "long steps")
 
 
 def each(*runs: str) -> pytest.MarkDecorator:
-    pairs = [(kind, run) for kind in sorted(FLAVOURS) for run in runs if FLAVOURS[kind].native or run in BRIEF]
+    pairs = [
+        (kind, run)
+        for kind in sorted(FLAVOURS)
+        for run in runs
+        if FLAVOURS[kind].native or run in BRIEF
+    ]
     return pytest.mark.parametrize(("results", "run"), pairs, indirect=["results"])
 
 
-native = pytest.mark.parametrize("results", [kind for kind, x in FLAVOURS.items() if x.native], indirect=True)
+native = pytest.mark.parametrize(
+    "results", [kind for kind, x in FLAVOURS.items() if x.native], indirect=True
+)
 
 
 @pytest.fixture
-def results(request: pytest.FixtureRequest, unpacked: Callable[[str], tuple[Path, str]]) -> dict[str, Any]:
+def results(
+    request: pytest.FixtureRequest, unpacked: Callable[[str], tuple[Path, str]]
+) -> dict[str, Any]:
     return outcomes(request.param, *unpacked(request.param))
 
 
@@ -90,8 +114,13 @@ def outcomes(kind: str, path: Path, folder: str) -> dict[str, Any]:
 @cache
 def warnings_at_rest(run: str) -> list[str]:
     given: Mapping[str, float] = {"left.y": 0.0, "right.y": 90.0} | RUNS[run][0]
-    ends = [{n.removeprefix(f"{side}."): v for n, v in given.items() if n.startswith(side)} for side in SIDES]
-    rope = balance_rope(rope_scene({n: v for n, v in RUNS[run][0].items() if not n.startswith(SIDES)}))
+    ends = [
+        {n.removeprefix(f"{side}."): v for n, v in given.items() if n.startswith(side)}
+        for side in SIDES
+    ]
+    rope = balance_rope(
+        rope_scene({n: v for n, v in RUNS[run][0].items() if not n.startswith(SIDES)})
+    )
     return [*hung(rope, EndMotion(**ends[0]), EndMotion(**ends[1])).warnings().values()]
 
 
@@ -122,7 +151,9 @@ def test_a_warning_is_logged_once_and_stays_readable(results: dict[str, Any], ru
         ("yawed by its ends", "twist the rope by 3.5 rad"),
     ],
 )
-def test_an_fmu_says_of_a_turned_loop_what_the_rope_says(results: dict[str, Any], run: str, words: str) -> None:
+def test_an_fmu_says_of_a_turned_loop_what_the_rope_says(
+    results: dict[str, Any], run: str, words: str
+) -> None:
     expected = warnings_at_rest(run)
     assert results[run]["warnings"] == expected
     assert words in expected[0]
@@ -131,12 +162,16 @@ def test_an_fmu_says_of_a_turned_loop_what_the_rope_says(results: dict[str, Any]
 @pytest.mark.parametrize(("twist", "said"), [(1.5, False), (2.1, True)])
 def test_thirty_degrees_at_rest_are_the_bound(twist: float, said: bool) -> None:
     scene = rope_120().scene
-    rope = hung(balance_rope(scene.with_(rope=replace(scene.rope, installed_twist=twist))), *AT_90_M)
+    rope = hung(
+        balance_rope(scene.with_(rope=replace(scene.rope, installed_twist=twist))), *AT_90_M
+    )
     assert (rope.state.loop_yaw > math.radians(30.0)) == said == bool(rope.warnings())
 
 
 @native
-def test_torsional_stress_is_0_like_the_torque_where_no_torsion_is_computed(results: dict[str, Any]) -> None:
+def test_torsional_stress_is_0_like_the_torque_where_no_torsion_is_computed(
+    results: dict[str, Any],
+) -> None:
     keys = "left.swivel.torque", "stress.torsion_max"
     for fidelity in ("spatial", "planar", "rigid"):
         assert f"the {fidelity} model computes no" in results[fidelity]["status.warning"]
@@ -148,7 +183,9 @@ def test_torsional_stress_is_0_like_the_torque_where_no_torsion_is_computed(resu
 
 
 @native
-def test_a_long_step_is_told_only_of_extrapolated_inputs_and_while_it_lasts(results: dict[str, Any]) -> None:
+def test_a_long_step_is_told_only_of_extrapolated_inputs_and_while_it_lasts(
+    results: dict[str, Any],
+) -> None:
     told = warning_messages.extrapolated_too_far(0.05, MAX_EXTRAPOLATION)
     assert results["long steps"]["warnings"] == [told] == [results["long steps"]["status.warning"]]
     assert results["long steps, motion at their end"]["warnings"] == []
@@ -167,14 +204,24 @@ def test_a_loop_that_turns_with_its_ends_is_not_called_yawed() -> None:
 
 
 PLAIN = replace(rope_120().scene.rope, Qb=0.0, Qc=0.0)
-ROPES = {"coupled": rope_120().scene.rope, "twisted": replace(PLAIN, installed_twist=0.5), "plain": PLAIN}
+ROPES = {
+    "coupled": rope_120().scene.rope,
+    "twisted": replace(PLAIN, installed_twist=0.5),
+    "plain": PLAIN,
+}
 
 
 def following_of_misfits(chance: random.Random) -> InputFilter:
-    sizes = {"position_misfit": (0.0, 3e-4, 0.2), "acceleration_misfit": (0.0, 0.3), "repeats": (0.0, 0.0, 12.0)}
+    sizes = {
+        "position_misfit": (0.0, 3e-4, 0.2),
+        "acceleration_misfit": (0.0, 0.3),
+        "repeats": (0.0, 0.0, 12.0),
+    }
     sizes |= {"samples": (3.0, 300.0), "grid": (1.0, 0.0, 1e-3), "breaks": (0.0, 2.0, 9.0)}
     chosen = {name: chance.choice(of) for name, of in sizes.items()}
-    return InputFilter(**chosen, speed_misfit=chance.uniform(0.0, 0.3), sent_every=0.02, table_every=0.1)
+    return InputFilter(
+        **chosen, speed_misfit=chance.uniform(0.0, 0.3), sent_every=0.02, table_every=0.1
+    )
 
 
 def altered_states(state: RopeState, chance: random.Random) -> Iterator[RopeState]:
@@ -190,10 +237,15 @@ def altered_states(state: RopeState, chance: random.Random) -> Iterator[RopeStat
             period_fraction=chance.choice((0.0, chance.uniform(0.2, 0.5))),
             bend=chance.choice((0.0, chance.uniform(0.3, 4.5))),
         )
-        number, overlap = float(chance.choice((0, 0, 1, 3))), chance.choice((0.0, chance.uniform(0.0, 0.1)))
+        number, overlap = (
+            float(chance.choice((0, 0, 1, 3))),
+            chance.choice((0.0, chance.uniform(0.0, 0.1))),
+        )
         yield state._replace(
             audit=audit,
-            crossing=Crossing(number, number, *instant_and_height(), overlap, *instant_and_height()),
+            crossing=Crossing(
+                number, number, *instant_and_height(), overlap, *instant_and_height()
+            ),
             energy_balance=state.energy_balance._replace(kinetic=chance.choice((0.0, 1e-6, 1.0))),
             loop_yaw=chance.uniform(-4.0, 4.0),
             offsets=(0.0, chance.uniform(-6.0, 6.0)),
@@ -207,7 +259,11 @@ def altered_states(state: RopeState, chance: random.Random) -> Iterator[RopeStat
 @pytest.mark.parametrize("name", ROPES)
 def test_both_forms_warn_of_the_same_in_the_same_words(name: str) -> None:
     mesh = Mesh(kind="eem", elements=16)
-    parts: Any = {"mesh": mesh, "model": Model(fidelity="torsional"), "shaft": Shaft(air=Air(buffet=0.1, vz=2.0))}
+    parts: Any = {
+        "mesh": mesh,
+        "model": Model(fidelity="torsional"),
+        "shaft": Shaft(air=Air(buffet=0.1, vz=2.0)),
+    }
     scene = rope_120().scene.with_(rope=ROPES[name], **parts)
     rope = hung(NativeRope(scene), *AT_90_M)
     seen, yawed = set(), set()
@@ -234,22 +290,35 @@ def test_a_step_of_the_bound_is_not_too_long_at_any_time(start: float) -> None:
 
 @pytest.mark.parametrize(
     ("stop", "missed"),
-    [pytest.param(None, {0.02: 0.0008, 0.05: 0.0205}, marks=pytest.mark.slow), (8.0, {0.02: 0.044, 0.05: 0.197})],
+    [
+        pytest.param(None, {0.02: 0.0008, 0.05: 0.0205}, marks=pytest.mark.slow),
+        (8.0, {0.02: 0.044, 0.05: 0.197}),
+    ],
 )
-def test_forces_of_extrapolated_motions_are_off_as_is_said(stop: float | None, missed: dict[float, float]) -> None:
+def test_forces_of_extrapolated_motions_are_off_as_is_said(
+    stop: float | None, missed: dict[float, float]
+) -> None:
     trip = Winding(travel=90.0, start_delay=0.0, emergency_at=stop)
     exact = end_forces(trip, 0.0025, extrapolated=False)
     largest = np.abs(exact).max()
     for h, part in missed.items():
-        errors = end_forces(trip, h, extrapolated=True) - exact[round(h / 0.0025) - 1 :: round(h / 0.0025)]
+        errors = (
+            end_forces(trip, h, extrapolated=True)
+            - exact[round(h / 0.0025) - 1 :: round(h / 0.0025)]
+        )
         assert np.abs(errors).max() == pytest.approx(part * largest, rel=0.05)
         # twice the mass of a leg of 105 m times what the path misses of the acceleration, by test_masters; longer steps
         # fall in with the rope's axial swings
-        jerk, mass = trip.jerk if stop is None else trip.emergency_jerk, rope_120().scene.rope.mass_per_length * 105.0
+        jerk, mass = (
+            trip.jerk if stop is None else trip.emergency_jerk,
+            rope_120().scene.rope.mass_per_length * 105.0,
+        )
         assert h > MAX_EXTRAPOLATION or np.abs(errors).max() < 2 * 2.94 * jerk * h * mass
 
 
 def end_forces(trip: Winding, h: float, extrapolated: bool) -> np.ndarray:
     """(steps, 2), N: vertical end forces of the 120 m rope after each step ``h`` of the first 14 s of a winding."""
     rope, motion = NativeRope(rope_120().scene), partial(ends_at, s_curve(trip), trip.travel)
-    return recorded(rope, motion, round(14.0 / h), ["left.fy", "right.fy"], h, late=int(extrapolated))
+    return recorded(
+        rope, motion, round(14.0 / h), ["left.fy", "right.fy"], h, late=int(extrapolated)
+    )

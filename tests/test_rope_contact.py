@@ -11,7 +11,18 @@ from contact_scenes import crossing, force_error
 from numpy.testing import assert_allclose, assert_array_equal
 from scenes import hung, wound
 
-from rope_model import Contact, EndMotion, Layout, Mesh, Rope, Scene, Shaft, Solver, Swivel, balance_rope
+from rope_model import (
+    Contact,
+    EndMotion,
+    Layout,
+    Mesh,
+    Rope,
+    Scene,
+    Shaft,
+    Solver,
+    Swivel,
+    balance_rope,
+)
 from rope_model.numerics.coupled_newton import conjugate_gradients
 from rope_model.physics.contact import ONSET
 from rope_model.simulation.contact.self_contact import SelfContacts, find_self_contacts
@@ -23,12 +34,16 @@ def holding(**changed: float) -> Scene:
     return Scene(shaft=Shaft(contact=Contact(rope_stiffness=K, **changed)))
 
 
-def contacts(q: Array, lengths: Array, v: Array | None = None, c: Any = (0.0, 0.0), **changed: float) -> SelfContacts:
+def contacts(
+    q: Array, lengths: Array, v: Array | None = None, c: Any = (0.0, 0.0), **changed: float
+) -> SelfContacts:
     return find_self_contacts(holding(**changed), q, 0 * q if v is None else v, lengths, *c)
 
 
 @pytest.mark.parametrize(("degrees", "off"), [(90, 0.03), (30, 2e-3), (5, 1e-4)])
-def test_the_force_of_crossing_strings_is_the_integral_of_the_law(degrees: float, off: float) -> None:
+def test_the_force_of_crossing_strings_is_the_integral_of_the_law(
+    degrees: float, off: float
+) -> None:
     """``off`` is by how much the spacing of the places shows."""
     assert force_error(degrees) < off
 
@@ -51,7 +66,9 @@ THIN = 0.02
 
 
 @pytest.mark.parametrize("order", ORDERS)
-def test_each_of_three_strands_feels_both_others_in_whatever_order_the_rope_passes_them(order: tuple[int, ...]) -> None:
+def test_each_of_three_strands_feels_both_others_in_whatever_order_the_rope_passes_them(
+    order: tuple[int, ...],
+) -> None:
     scene = holding().with_(rope=Rope(diameter=THIN))
     q, lengths = bundle(order), np.where(np.arange(11) % 4 == 3, 20.0, 1.0)
     found, R = find_self_contacts(scene, q, 0 * q, lengths, 0.0, 0.0), np.zeros_like(q)
@@ -79,7 +96,9 @@ def test_both_forms_find_the_same_strands() -> None:
         rope = hung(balance_rope(scene, form))
         rope.restore(rope.state._replace(motion=replace(rope.state.motion, q=bundle((0, 1, 2)))))
         found.append(rope.signals(["contact.rope"])["contact.rope"])
-    assert found[0] > 3.0 * 2.5 * K * 0.15 * THIN  # all three pairs, nearly along their whole length
+    assert (
+        found[0] > 3.0 * 2.5 * K * 0.15 * THIN
+    )  # all three pairs, nearly along their whole length
     assert found[1] == pytest.approx(found[0], rel=1e-12)
 
 
@@ -141,7 +160,9 @@ def test_the_tangent_is_the_forces_derivative_where_nothing_is_left_out() -> Non
 
     no_losses: dict[str, float] = {"friction": 0.0, "damping": 0.0}
     product = contacts(q, lengths, c=(1.0, 0.0), **no_losses).times(x)
-    stiffness = (force(q + size * x, 0 * q, **no_losses) - force(q - size * x, 0 * q, **no_losses)) / (2 * size)
+    stiffness = (
+        force(q + size * x, 0 * q, **no_losses) - force(q - size * x, 0 * q, **no_losses)
+    ) / (2 * size)
     assert np.abs(product).max() > 1e5
     assert_allclose(product, stiffness, atol=1e-5 * np.abs(product).max())
     v = np.zeros_like(q)
@@ -172,18 +193,27 @@ STEP = 0.01
 def twisted(stiffness: float = K, **parts: Any) -> Scene:
     """A short rope, the legs of which come to lie against each other as its held ends twist it."""
     shaft, mesh = Shaft(contact=Contact(rope_stiffness=stiffness)), Mesh("eem", elements=8)
-    held = Scene(Rope(length=6.0, EI=100.0), Layout(0.3), left=Swivel("locked"), right=Swivel("locked"))
-    return held.with_(shaft=shaft, mesh=mesh, solver=Solver(step_max=STEP, tolerance=1e3)).with_(**parts)
+    held = Scene(
+        Rope(length=6.0, EI=100.0), Layout(0.3), left=Swivel("locked"), right=Swivel("locked")
+    )
+    return held.with_(shaft=shaft, mesh=mesh, solver=Solver(step_max=STEP, tolerance=1e3)).with_(
+        **parts
+    )
 
 
 def end(t: float, turns: float, time: float) -> EndMotion:
     """Either end turns so far in this time, and twists the rope by as much."""
     s, turn = min(t / time, 1.0), 2.0 * math.pi * turns
-    return EndMotion(yaw=turn * s**3 * (10 - 15 * s + 6 * s * s), yaw_rate=turn * 30 * (s * (1 - s)) ** 2 / time)
+    return EndMotion(
+        yaw=turn * s**3 * (10 - 15 * s + 6 * s * s), yaw_rate=turn * 30 * (s * (1 - s)) ** 2 / time
+    )
 
 
 def test_a_rope_that_does_not_touch_itself_computes_what_it_does_without(form: Any) -> None:
-    one, other = (wound(balance_rope(twisted(x), form), lambda t: (end(t, 1.5, 2.0),) * 2, 20).state for x in (0.0, K))
+    one, other = (
+        wound(balance_rope(twisted(x), form), lambda t: (end(t, 1.5, 2.0),) * 2, 20).state
+        for x in (0.0, K)
+    )
     assert_array_equal(one.motion.q, other.motion.q)
     assert_array_equal(one.motion.reaction[[0, -1]], other.motion.reaction[[0, -1]])
     assert one.counts == other.counts
@@ -191,7 +221,9 @@ def test_a_rope_that_does_not_touch_itself_computes_what_it_does_without(form: A
 
 def test_legs_that_turn_about_each_other_lie_against_each_other_and_keep_the_balances() -> None:
     rope = Rope(length=10.0, EI=200.0)
-    scene = twisted(1e7, rope=rope, layout=Layout(0.5), mesh=Mesh("eem", elements=40), solver=Solver())
+    scene = twisted(
+        1e7, rope=rope, layout=Layout(0.5), mesh=Mesh("eem", elements=40), solver=Solver()
+    )
     ropes = [balance_rope(x, "native") for x in (scene, scene.with_(shaft=Shaft()))]
     held, passing = (wound(x, lambda t: (end(t, 4.0, 10.0),) * 2, 350) for x in ropes)
     energy, audit = held.state.energy_balance, held.state.audit

@@ -30,12 +30,30 @@ from rope_model.simulation.outputs.signal_table import LOADS, SHAPE_POINTS
 H, LAST, HERE = 0.01, 160, (host_platform(),)
 #: steps as long as the host's
 EVEN = {"inputs_at_step_end": True, "solver.step_max": H, "solver.tolerance": 1e6}
-COMPARED = [f"{side}.{key}" for side in ("left", "right") for key in ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean")]
-COMPARED += ["loop.x", "loop.y", "loop.z", "loop.yaw", "loop.clearance", "stress.bending_max", "energy.total"]
-SWIVELS = {f"{side}.swivel.{k}": v for side in ("left", "right") for k, v in (("mode", 2), ("release_time", 0.3))}
+COMPARED = [
+    f"{side}.{key}"
+    for side in ("left", "right")
+    for key in ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean")
+]
+COMPARED += [
+    "loop.x",
+    "loop.y",
+    "loop.z",
+    "loop.yaw",
+    "loop.clearance",
+    "stress.bending_max",
+    "energy.total",
+]
+SWIVELS = {
+    f"{side}.swivel.{k}": v
+    for side in ("left", "right")
+    for k, v in (("mode", 2), ("release_time", 0.3))
+}
 python_only = pytest.mark.parametrize("host", ["python"], indirect=True)
 #: FMI 2.0 has the same functions, and the rope in Python takes ten times as long
-QUICK_WITH_FMI_3 = [pytest.param(x, marks=[pytest.mark.slow] * (x != "native-3")) for x in sorted(FLAVOURS)]
+QUICK_WITH_FMI_3 = [
+    pytest.param(x, marks=[pytest.mark.slow] * (x != "native-3")) for x in sorted(FLAVOURS)
+]
 REALS = ("Real", "Float64")
 Unpacked = Callable[[str], tuple[Path, str]]
 
@@ -90,8 +108,15 @@ def test_fmu_equals_the_python_rope_in_process(host: Host, request: pytest.Fixtu
     record = np.array(run(host, 0, LAST))
     expected, values, counts = in_process()
     assert counts.transformations > 0
-    assert np.all(np.isfinite(np.hstack([host.get(v.name)[0] for v in host.variables.values() if v.type in REALS])))
-    assert host.get("count.transformations", "count.steps") == [counts.transformations, counts.steps]
+    assert np.all(
+        np.isfinite(
+            np.hstack([host.get(v.name)[0] for v in host.variables.values() if v.type in REALS])
+        )
+    )
+    assert host.get("count.transformations", "count.steps") == [
+        counts.transformations,
+        counts.steps,
+    ]
     # a position of 100 m known to two units in its last place, times the stiffness of an element of 0.25 m; and the
     # torque that the same stretch makes, as a stress.  The Python flavour rounds alike
     native, data = request.node.callspec.params["host"] != "python", rope_120().scene.rope
@@ -99,12 +124,20 @@ def test_fmu_equals_the_python_rope_in_process(host: Host, request: pytest.Fixtu
     torsion = noise * 16 / (math.pi * data.diameter**3) * data.Qb / data.Qa
     relative = 1e-9 if native else 1e-12
     for name, ours, theirs in zip(COMPARED, record.T, expected.T, strict=True):
-        assert_allclose(ours, theirs, rtol=0, atol=relative * max(1.0, np.abs(theirs).max()) + noise, err_msg=name)
+        assert_allclose(
+            ours,
+            theirs,
+            rtol=0,
+            atol=relative * max(1.0, np.abs(theirs).max()) + noise,
+            err_msg=name,
+        )
     for name in ("x", "y", "z", "tension", "bending", "torsion"):
         points = [f"shape.{name}[{i + 1}]" for i in range(SHAPE_POINTS)]
         ours = host.get(f"shape.{name}")[0] if host.fmi == 3 else host.get(*points)
         theirs = np.array([values[point] for point in points])
-        allowed = relative * max(1.0, np.abs(theirs).max()) + (torsion if name == "torsion" else noise)
+        allowed = relative * max(1.0, np.abs(theirs).max()) + (
+            torsion if name == "torsion" else noise
+        )
         assert_allclose(ours, theirs, rtol=0, atol=allowed, err_msg=name)
 
 
@@ -141,7 +174,9 @@ def test_states_go_on_to_the_bit_after_half_steps_and_in_another_process(
     host.forget(state)
     assert run(host, 40, 110) == here
     path, folder = map(str, unpacked(request.node.callspec.params["host"]))
-    assert in_another_process(f"elsewhere({path!r}, {folder!r}, {str(saved)!r}, 40, 110)") == repr(here)
+    assert in_another_process(f"elsewhere({path!r}, {folder!r}, {str(saved)!r}, 40, 110)") == repr(
+        here
+    )
 
 
 @pytest.mark.parametrize("host", ["native-2", "native-3"], indirect=True)
@@ -167,7 +202,9 @@ def test_directional_derivatives_are_those_of_a_step(host: Host, at_step_end: bo
 
 
 @python_only
-def test_the_python_flavour_has_no_derivatives_and_no_added_masses(host: Host, unpacked: Unpacked) -> None:
+def test_the_python_flavour_has_no_derivatives_and_no_added_masses(
+    host: Host, unpacked: Unpacked
+) -> None:
     description = fmpy.read_model_description(str(unpacked("python")[1]))
     assert not description.coSimulation.providesDirectionalDerivative
     assert not [v.name for v in description.modelVariables if "added_mass" in v.name]
@@ -177,7 +214,8 @@ def test_the_python_flavour_has_no_derivatives_and_no_added_masses(host: Host, u
 
 
 @pytest.mark.parametrize(
-    "way", [pytest.param(x, marks=[pytest.mark.slow] * (x not in (*HERE, "counted"))) for x in RUNNERS]
+    "way",
+    [pytest.param(x, marks=[pytest.mark.slow] * (x not in (*HERE, "counted"))) for x in RUNNERS],
 )
 def test_a_whole_life_with_failed_calls_is_clean_and_takes_no_memory_while_stepping(
     tmp_path: Path, way: str, fmu_of: Callable[[str], Path]
@@ -186,30 +224,47 @@ def test_a_whole_life_with_failed_calls_is_clean_and_takes_no_memory_while_stepp
     if platform not in available_platforms():
         pytest.skip("needs ziglang")
     here = platform == host_platform()
-    fmu = fmu_of("native-2") if here else export_native(tmp_path / "rope.fmu", platforms=(platform,))
+    fmu = (
+        fmu_of("native-2") if here else export_native(tmp_path / "rope.fmu", platforms=(platform,))
+    )
     assert live(fmu, tmp_path, way) == [0, 0]
 
 
-@pytest.mark.skipif(sys.platform != "linux" or shutil.which("nm") is None, reason="needs Linux and nm")
-@pytest.mark.parametrize(("kind", "memory", "unused"), [("native-2", set(), []), ("native-3", {"calloc", "free"}, [])])
+@pytest.mark.skipif(
+    sys.platform != "linux" or shutil.which("nm") is None, reason="needs Linux and nm"
+)
+@pytest.mark.parametrize(
+    ("kind", "memory", "unused"), [("native-2", set(), []), ("native-3", {"calloc", "free"}, [])]
+)
 def test_the_library_needs_of_libc_what_the_page_lists(
     kind: str, memory: set[str], unused: list[str], unpacked: Unpacked
 ) -> None:
     page = (ROOT / "docs" / "howto" / "accuracy.md").read_text(encoding="utf-8")
-    listed = {name for line in page.splitlines() if line.startswith("- of `") for name in re.findall(r"`(\w+)`", line)}
+    listed = {
+        name
+        for line in page.splitlines()
+        if line.startswith("- of `")
+        for name in re.findall(r"`(\w+)`", line)
+    }
     folder = Path(unpacked(kind)[1])
     library = next((folder / "binaries").rglob("BalanceRope.so"))
-    told = subprocess.run(["nm", "-D", "-u", library], capture_output=True, text=True, check=True).stdout
+    told = subprocess.run(
+        ["nm", "-D", "-u", library], capture_output=True, text=True, check=True
+    ).stdout
     # compilers write some of them in other words
     words = {"bcmp": ["memcmp"], "sincos": ["sin", "cos"], "strtol": ["atoi"]}
     names = [re.sub(r"^__isoc\d+_|@.*", "", name) for name in re.findall(r"\bU (\S+)", told)]
     assert {each for name in names for each in words.get(name, [name])} - listed == memory
-    text = "".join(path.read_text(encoding="utf-8") for path in (folder / "sources").glob("*.[chi]*"))
+    text = "".join(
+        path.read_text(encoding="utf-8") for path in (folder / "sources").glob("*.[chi]*")
+    )
     assert [name for name in sorted(listed) if not re.search(rf"\b{name}\(", text)] == unused
 
 
 @pytest.mark.slow
-def test_instances_are_independent_of_one_another_and_of_another_fmu(unpacked: Unpacked, tmp_path: Path) -> None:
+def test_instances_are_independent_of_one_another_and_of_another_fmu(
+    unpacked: Unpacked, tmp_path: Path
+) -> None:
     other = export_fmu(tmp_path / "long.fmu", "rope-240", "draft", platforms=HERE)
     fmus = (*(unpacked("python"),) * 2, (other, fmpy.extract(str(other), str(tmp_path / "long"))))
     hosts = [Host(*fmu) for fmu in fmus]
@@ -233,10 +288,15 @@ def test_portable_kernels_travel_inside(host: Host) -> None:
 
 def test_same_sources_give_the_same_bytes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "1767225600")
-    first, second = (export_fmu(tmp_path / name / "a.fmu", platforms=HERE).read_bytes() for name in ("one", "two"))
+    first, second = (
+        export_fmu(tmp_path / name / "a.fmu", platforms=HERE).read_bytes()
+        for name in ("one", "two")
+    )
     assert first == second
 
 
 def test_interface_page_is_up_to_date() -> None:
     page = Path(__file__).parents[1] / "docs" / "reference" / "variables.md"
-    assert page.read_text(encoding="utf-8") == interface_page(), "run python -m docs.variables > the page"
+    assert page.read_text(encoding="utf-8") == interface_page(), (
+        "run python -m docs.variables > the page"
+    )

@@ -68,7 +68,9 @@ def test_a_jammed_conveyance_opens_the_safety_circuit_by_its_slack_head_ropes() 
     assert case.hoist.jam_right is not None
     stuck = run["conveyance.right.y"]
     behind = (run.time > jam.t + 0.5) & (run.time < jam.t + 1.5)
-    assert stuck[behind] == pytest.approx(jam.height - jam.stopping_distance, abs=case.hoist.jam_right.travel)
+    assert stuck[behind] == pytest.approx(
+        jam.height - jam.stopping_distance, abs=case.hoist.jam_right.travel
+    )
     # the other one falls back into its ropes, whose jerk pulls it up, but not out
     assert np.max(run["drive.pull_right"]) > 2.0 * case.hoist.mass_right * GRAVITY
     assert stuck[-1] < case.hoist.jam_right.height + Jam().distance
@@ -99,7 +101,9 @@ WINDOW = 0.6
 
 
 def host(law: EmergencyLaw = "drive", window: float = WINDOW) -> Host:
-    rope = rope_in_process("rope-120", level="draft", parameters={"guard.window": window, "model.fidelity": 1})
+    rope = rope_in_process(
+        "rope-120", level="draft", parameters={"guard.window": window, "model.fidelity": 1}
+    )
     return Host(rope, BRAKED, replace(WINDING, emergency_law=law), Coupling(step=0.02))
 
 
@@ -134,4 +138,6 @@ def test_a_run_that_goes_on_stops_at_the_same_sample(tmp_path: Path) -> None:
         assert stopped.checkpoint is not None
         resumed = host().run(resume=stopped.checkpoint)
         assert resumed.winding == result.winding
-        assert_array_equal(resumed.recording["conveyance.left.y"], result.recording["conveyance.left.y"])
+        assert_array_equal(
+            resumed.recording["conveyance.left.y"], result.recording["conveyance.left.y"]
+        )

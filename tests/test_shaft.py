@@ -48,10 +48,22 @@ END = (10.0, 20.0, 30.0)
         (physics.lining(RECTANGLE), (3.3, 0.0, 0.4), 0.5),
         (physics.lining(CIRCLE), (1.2, -7.0, 1.6), 1.0),
         (physics.conveyance(CAGE, END), (10.0, 20.1, 30.0), 0.4),  # below its underside at 20.5
-        (physics.conveyance(CAGE, END), (11.3, 22.0, 30.9), 0.5),  # from its upright edge at (11, 30.5)
+        (
+            physics.conveyance(CAGE, END),
+            (11.3, 22.0, 30.9),
+            0.5,
+        ),  # from its upright edge at (11, 30.5)
         (physics.conveyance(CAGE, END), (12.0, 18.5, 32.5), 3.0),  # from its corner: 1, 2, 2
-        (physics.conveyance(CAGE, END), (10.8, 22.0, 30.1), -0.2),  # inside, nearest to the face at 11
-        (physics.head_ropes(ROPES, CAGE, END), (10.3, 900.0, 30.7), 0.48),  # from the outermost rope at 30.3
+        (
+            physics.conveyance(CAGE, END),
+            (10.8, 22.0, 30.1),
+            -0.2,
+        ),  # inside, nearest to the face at 11
+        (
+            physics.head_ropes(ROPES, CAGE, END),
+            (10.3, 900.0, 30.7),
+            0.48,
+        ),  # from the outermost rope at 30.3
         (physics.head_ropes(ROPES, CAGE, END), (10.5, 30.0, 30.1), 0.48),  # from the row
         (physics.divider(ACROSS), (2.0 / math.sqrt(3.0), -2.5, 0.0), 0.4),  # above its axis
         (physics.divider(ACROSS), (0.0, -3.0, 0.0), 0.9),  # beside it
@@ -62,7 +74,9 @@ END = (10.0, 20.0, 30.0)
         (physics.floor(Sump(-20.0)), (3.0, -20.3, 5.0), -0.3),
     ],
 )
-def test_distance_from_a_body_is_exact(body: Body, point: tuple[float, float, float], expected: float) -> None:
+def test_distance_from_a_body_is_exact(
+    body: Body, point: tuple[float, float, float], expected: float
+) -> None:
     assert_allclose(distance(point, body), expected, atol=EXACT)
 
 
@@ -79,8 +93,12 @@ bodies = st.sampled_from(
 points = st.tuples(*[st.floats(-6.0, 6.0)] * 3)
 
 
-@given(bodies, points, st.tuples(*[st.floats(0.0, 2.0)] * 3), st.lists(points, min_size=1, max_size=20))
-def test_no_point_of_a_box_is_nearer_than_its_least_distance(body: Body, centre: Any, extent: Any, others: Any) -> None:
+@given(
+    bodies, points, st.tuples(*[st.floats(0.0, 2.0)] * 3), st.lists(points, min_size=1, max_size=20)
+)
+def test_no_point_of_a_box_is_nearer_than_its_least_distance(
+    body: Body, centre: Any, extent: Any, others: Any
+) -> None:
     least = least_distance(centre, extent, body)
     for part in others:  # of the half widths, as sixths
         point = tuple(c + e * p / 6.0 for c, e, p in zip(centre, extent, part, strict=True))
@@ -92,7 +110,9 @@ def rope_at(q: Array, lengths: Array) -> Any:
     return SimpleNamespace(motion=SimpleNamespace(q=q, t=7.0), partition=Partition(lengths))
 
 
-def hanging(radius: float, depth: float, elements: int, sideways: float = 0.0) -> tuple[Array, Array]:
+def hanging(
+    radius: float, depth: float, elements: int, sideways: float = 0.0
+) -> tuple[Array, Array]:
     """Nodes of two straight legs of this depth and half a circle between them, which leans out of plane: q, lengths."""
     total = 2 * depth + math.pi * radius
     s = np.linspace(0.0, total, elements + 1)
@@ -114,7 +134,9 @@ EVERYTHING = Shaft(*AROUND, *BEAMS, sump=Sump(-14.0), contact=PASSED)
 
 @given(st.integers(12, 60), st.floats(0.5, 1.5), st.floats(-2.0, 2.0), st.integers(0, 100))
 @settings(max_examples=50, deadline=None)
-def test_clearance_is_the_least_over_the_centre_line(elements: int, radius: float, sideways: float, seed: int) -> None:
+def test_clearance_is_the_least_over_the_centre_line(
+    elements: int, radius: float, sideways: float, seed: int
+) -> None:
     q, lengths = hanging(radius, 10.0, elements, sideways)
     q[1:-1, :3] += 0.1 * np.random.default_rng(seed).normal(size=q[1:-1, :3].shape)
     scene = Scene(Rope(diameter=0.05), shaft=EVERYTHING)
@@ -129,13 +151,18 @@ def test_clearance_is_the_least_over_the_centre_line(elements: int, radius: floa
         distance(line, physics.lining(EVERYTHING.lining)).min(),
         min(distance(line[:, leg], cage).min() for leg, cage in zip(both, cages, strict=True)),
         min(distance(line[:, leg], row).min() for leg, row in zip(both, ropes, strict=True)),
-        min(distance(line, physics.divider(x)).min() for x in (EVERYTHING.divider_1, EVERYTHING.divider_2)),
+        min(
+            distance(line, physics.divider(x)).min()
+            for x in (EVERYTHING.divider_1, EVERYTHING.divider_2)
+        ),
         distance(line, physics.floor(EVERYTHING.sump)).min(),
     )
     # the samples stand at most that far apart
     apart = float(np.linalg.norm(np.diff(line), axis=0).max())
     for nearest, least in zip(found, expected, strict=True):
-        assert least - 0.025 - 0.5 * apart <= nearest.clearance <= least - 0.025 + RESOLUTION + EXACT
+        assert (
+            least - 0.025 - 0.5 * apart <= nearest.clearance <= least - 0.025 + RESOLUTION + EXACT
+        )
         assert_allclose(interpolate(q, s, np.array([nearest.s]))[0][1], nearest.y, atol=1e-9)
         assert nearest.time == 7.0
 
@@ -150,7 +177,9 @@ def test_turns_of_a_helix_are_counted(turns: float) -> None:
     """The right leg winds about the left one, and the short left leg's side goes on straight above it."""
     depth, short = 40.0, 12.0
     y = np.linspace(0.0, depth, 161)
-    angle = 2 * math.pi * turns * (1.0 - y / depth)  # yaw of the right side as seen from the left one
+    angle = (
+        2 * math.pi * turns * (1.0 - y / depth)
+    )  # yaw of the right side as seen from the left one
     right = np.column_stack((np.cos(angle), y, -np.sin(angle)))
     left = np.column_stack((np.zeros(40), np.linspace(short, 0.0, 40), np.zeros(40)))
     q = np.zeros((201, 7))
@@ -164,7 +193,9 @@ def test_turns_of_a_helix_are_counted(turns: float) -> None:
     assert 0.0 < found.sharpest_y + 0.5 < depth
 
 
-NOW, SO_FAR = ([name.format(kind) for kind in KINDS] for name in ("clearance.{}", "nearest.{}.clearance"))
+NOW, SO_FAR = (
+    [name.format(kind) for kind in KINDS] for name in ("clearance.{}", "nearest.{}.clearance")
+)
 SHORT = Scene(Rope(length=30.0), mesh=Mesh("eem", elements=16), shaft=EVERYTHING)
 
 
@@ -183,7 +214,8 @@ def test_the_nearest_so_far_is_the_least_of_all_clearances() -> None:
 
 def test_bodies_do_not_change_the_motion_by_a_bit() -> None:
     with_them, without = (
-        wound(balance_rope(scene, "native"), going_aside, 25) for scene in (SHORT, SHORT.with_(shaft=Shaft()))
+        wound(balance_rope(scene, "native"), going_aside, 25)
+        for scene in (SHORT, SHORT.with_(shaft=Shaft()))
     )
     assert_array_equal(with_them.state.motion.q, without.state.motion.q)
 
@@ -192,7 +224,9 @@ MEETING = Scene(Rope(length=15.0), mesh=Mesh("eem", elements=16))
 
 
 @pytest.mark.parametrize(("form", "stiffness"), [("python", 0.0), ("native", 0.0), ("native", 1e7)])
-def test_legs_that_have_touched_without_any_yaw_are_told_ever_after(form: Any, stiffness: float) -> None:
+def test_legs_that_have_touched_without_any_yaw_are_told_ever_after(
+    form: Any, stiffness: float
+) -> None:
     """They hang from ends that are half a diameter apart, which then part."""
     scene = MEETING.with_(shaft=Shaft(contact=Contact(rope_stiffness=stiffness)))
     near = scene.layout.spacing - 0.5 * scene.rope.diameter
@@ -228,7 +262,9 @@ def test_legs_that_pass_through_each_other_without_any_yaw_are_counted() -> None
 
 
 @pytest.mark.parametrize("fidelity", ["planar", "rigid"])
-def test_a_rope_whose_right_end_hangs_left_of_its_left_end_has_passed_through_nothing(form: Any, fidelity: Any) -> None:
+def test_a_rope_whose_right_end_hangs_left_of_its_left_end_has_passed_through_nothing(
+    form: Any, fidelity: Any
+) -> None:
     rope = balance_rope(Scene(Rope(length=15.0, Qb=0.0, Qc=0.0), model=Model(fidelity)), form)
     seen = hung(rope, EndMotion(x=4.0)).signals(("loop.yaw", "loop.turns", "loop.crossings"))
     assert [*seen.values()] == [math.pi, 0.0, 0.0]
@@ -252,10 +288,22 @@ LEAST_ARC = EndMotion(y=0.0), EndMotion(y=90.0)
 @pytest.mark.parametrize(
     ("shaft", "told"),
     [
-        (Shaft(lining=Lining(1.0, 3.0)), "an end of the rope lies 0.522 m in the shaft's lining, which is 1 m"),
-        (Shaft(lining=Lining(3.0, 3.0, z=2.0)), "an end of the rope lies 0.522 m in the shaft's lining, which is 3 m"),
-        (Shaft(lining=Lining(3.0, 0.01)), "an end of the rope lies 0.017 m in the shaft's lining, which is 3 m wide"),
-        (Shaft(sump=Sump(50.0)), "an end of the rope hangs 50 m below the sump's floor, sump.level = 50 m"),
+        (
+            Shaft(lining=Lining(1.0, 3.0)),
+            "an end of the rope lies 0.522 m in the shaft's lining, which is 1 m",
+        ),
+        (
+            Shaft(lining=Lining(3.0, 3.0, z=2.0)),
+            "an end of the rope lies 0.522 m in the shaft's lining, which is 3 m",
+        ),
+        (
+            Shaft(lining=Lining(3.0, 0.01)),
+            "an end of the rope lies 0.017 m in the shaft's lining, which is 3 m wide",
+        ),
+        (
+            Shaft(sump=Sump(50.0)),
+            "an end of the rope hangs 50 m below the sump's floor, sump.level = 50 m",
+        ),
         # pressed but for their middle, and not at all
         (Shaft(lining=Lining(2.03, 3.0), sump=Sump(-20.0)), ""),
         (Shaft(lining=Lining(1.0, 3.0), sump=Sump(50.0), contact=Contact(stiffness=0.0)), ""),
@@ -264,7 +312,11 @@ LEAST_ARC = EndMotion(y=0.0), EndMotion(y=90.0)
 )
 def test_a_body_that_leaves_the_ends_no_room_is_named(shaft: Shaft, told: str) -> None:
     scene = rope_120().scene.with_(shaft=shaft)
-    assert first_text(NO_ROOM, scene, "torsional", *LEAST_ARC).removeprefix("no equilibrium: ").startswith(told)
+    assert (
+        first_text(NO_ROOM, scene, "torsional", *LEAST_ARC)
+        .removeprefix("no equilibrium: ")
+        .startswith(told)
+    )
     assert bool(first_text(NO_ROOM, scene, "torsional", *LEAST_ARC)) == bool(told)
     assert first_text(NO_ROOM, scene, "rigid", *LEAST_ARC) == ""
 
@@ -286,7 +338,13 @@ BARS = Divider(0.236, -6.94, 0.213, rounding=0.3), Divider(0.166, -8.22, -0.817)
 #: scenes whose loop strikes dividers, and their trips
 STRUCK = {
     "edges and a floor": (
-        scene_of(19.56, 92.7, -2.336e5, 1.591, Shaft(divider_1=EDGES[0], divider_2=EDGES[1], sump=Sump(-6.72))),
+        scene_of(
+            19.56,
+            92.7,
+            -2.336e5,
+            1.591,
+            Shaft(divider_1=EDGES[0], divider_2=EDGES[1], sump=Sump(-6.72)),
+        ),
         Winding(travel=7.29, speed=5.76, acceleration=1.653),
     ),
     "bars": (
@@ -318,15 +376,22 @@ def test_contact_holds_what_would_come_through(name: str, stiffness: float) -> N
     scene, trip = STRUCK[name]
     scene = scene.with_(shaft=replace(scene.shaft, contact=Contact(stiffness=stiffness)))
     rope, reference, lines = balance_rope(scene), s_curve(trip), []
-    for k in followed(rope, partial(ends_at, reference, trip.travel), round((reference.duration + 2.0) / 0.01)):
+    for k in followed(
+        rope, partial(ends_at, reference, trip.travel), round((reference.duration + 2.0) / 0.01)
+    ):
         if k % 5 == 0:
             q, lengths = rope.state.motion.q, rope.state.partition.lengths
             lines.append(shape(q, lengths, 0.5 * scene.rope.length, scene.layout.spacing, 161))
     assert "passed_bodies" in rope.warnings()
     dividers = scene.shaft.divider_1, scene.shaft.divider_2
-    assert any(len({windings(line, one) for line in lines}) > 1 for one in dividers) == (stiffness == 0.0)
+    assert any(len({windings(line, one) for line in lines}) > 1 for one in dividers) == (
+        stiffness == 0.0
+    )
     deepest = max(depth(line, one) for line in lines for one in dividers)
     assert (deepest > 0.5 * scene.rope.diameter) == (stiffness == 0.0)
     assert deepest < 0.0 or stiffness == 0.0
     # half a diameter beyond touch
-    assert min(line[:, 1].min() for line in lines) > scene.shaft.sump.level - 0.5 * scene.rope.diameter or not stiffness
+    assert (
+        min(line[:, 1].min() for line in lines) > scene.shaft.sump.level - 0.5 * scene.rope.diameter
+        or not stiffness
+    )

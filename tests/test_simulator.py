@@ -18,7 +18,9 @@ from rope_model.solver_parameters import Mesh, Model, Solver
 H = 0.01
 #: 30 m rope, 12 m of travel, in steps as long as the host's: a winding small enough for every test run
 EVEN = Solver(tolerance=1e6)
-SHORT = Scene(rope=Rope(length=30.0), mesh=Mesh(coarse_length=1.6, counts=(2, 4, 40, 4, 2)), solver=EVEN)
+SHORT = Scene(
+    rope=Rope(length=30.0), mesh=Mesh(coarse_length=1.6, counts=(2, 4, 40, 4, 2)), solver=EVEN
+)
 HIGH = 12.0
 
 
@@ -33,7 +35,9 @@ def wind(scene: Scene = SHORT, steps: int = 550) -> BalanceRope:
 def test_tmn_agrees_with_a_fine_equal_length_mesh_through_the_winding() -> None:
     fine = SHORT.with_(mesh=Mesh(kind="eem", elements=120))
     names = ("left.fy", "right.fy", "loop.x", "loop.y", "loop.z", "count.transformations")
-    ours, reference = (recorded(balance_rope(scene), ends_at, 600, names) for scene in (SHORT, fine))
+    ours, reference = (
+        recorded(balance_rope(scene), ends_at, 600, names) for scene in (SHORT, fine)
+    )
     force, loop = (ours - reference)[:, :2], (ours - reference)[:, 2:5]
     # measured 0.008 % of the largest force and 1.1 mm; the acceptance is 0.5 % and 1 cm
     assert np.sqrt(np.mean(force**2)) < 0.0003 * np.abs(reference[:, :2]).max()
@@ -41,7 +45,9 @@ def test_tmn_agrees_with_a_fine_equal_length_mesh_through_the_winding() -> None:
     assert ours[-1, 5] >= 3
 
 
-def test_transformation_happens_each_coarse_length_of_travel_and_on_the_way_back_and_changes_little_energy() -> None:
+def test_transformation_happens_each_coarse_length_of_travel_and_on_the_way_back_and_changes_little_energy() -> (
+    None
+):
     rope = wind(steps=0)
     instants, counts, changes, kinetic = [], [rope.state.partition.counts], [], 0.0
     there = 500
@@ -58,7 +64,9 @@ def test_transformation_happens_each_coarse_length_of_travel_and_on_the_way_back
     assert {c[1:6] for c in counts} == {counts[0][1:6]}
     travelled = [ends_at(t)[0].y for t in instants if t < there * H]
     # at the end of the step in which it is due
-    late = np.array(travelled) - (travelled[0] + rope.state.partition.coarse * np.arange(len(travelled)))
+    late = np.array(travelled) - (
+        travelled[0] + rope.state.partition.coarse * np.arange(len(travelled))
+    )
     assert np.ptp(late) < 1.05 * max(ends_at(t)[0].vy for t in instants) * H
     assert_allclose(np.round(np.array(instants) / H) * H, instants, rtol=0, atol=1e-9)
     assert sum(t > there * H for t in instants) >= len(travelled) - 1
@@ -92,14 +100,20 @@ def test_work_is_bounded() -> None:
 
 
 @pytest.mark.parametrize(("EI", "height"), [(300.0, 116.0), (1e4, 108.0)])
-def test_a_loop_near_an_end_hangs_on_the_fitted_mesh_as_on_short_equal_elements(EI: float, height: float) -> None:
+def test_a_loop_near_an_end_hangs_on_the_fitted_mesh_as_on_short_equal_elements(
+    EI: float, height: float
+) -> None:
     scene, found = Scene(rope=Rope(EI=EI)), []
     for mesh in (scene.mesh, Mesh("eem", elements=480)):
-        found.append(hung(balance_rope(scene.with_(mesh=mesh)), right=EndMotion(y=height)).signals())
+        found.append(
+            hung(balance_rope(scene.with_(mesh=mesh)), right=EndMotion(y=height)).signals()
+        )
     # what is asked of the loop, to which the mesh is fitted, and of the end forces over the rope's weight
     assert_allclose(found[0]["loop.y"], found[1]["loop.y"], rtol=0, atol=scene.accuracy.loop)
     weight = scene.rope.mass_per_length * 9.81 * scene.rope.length
-    assert_allclose(found[0]["left.fy"], found[1]["left.fy"], rtol=0, atol=scene.accuracy.end_force * weight)
+    assert_allclose(
+        found[0]["left.fy"], found[1]["left.fy"], rtol=0, atol=scene.accuracy.end_force * weight
+    )
 
 
 @pytest.mark.parametrize("EI", [3e4, 1e5, 1e6])
@@ -168,7 +182,10 @@ def test_no_end_force_jumps_where_only_the_description_changes(name: str) -> Non
             changes["model" if event.what.startswith("model") else event.what].append(k - 1)
         before = now
     jumps = jumps_of(np.array(record))
-    of = {x: [j for k in at for j in (k - 2, k - 1, k) if 0 <= j < len(jumps)] for x, at in changes.items()}
+    of = {
+        x: [j for k in at for j in (k - 2, k - 1, k) if 0 <= j < len(jumps)]
+        for x, at in changes.items()
+    }
     # horizontal forces, which a rigid rope leaves out, come back at once: some 17 N
     assert jumps[of["model"], :6].max(initial=0.0) <= 20.0
     smooth_ones = jumps if "turns" in name or "backwards" in name else jumps[of["transformation"]]
@@ -177,7 +194,9 @@ def test_no_end_force_jumps_where_only_the_description_changes(name: str) -> Non
     assert smooth_ones[:, 6:].max() < 0.05
 
 
-def test_a_change_of_the_steps_length_sends_a_wave_along_the_rope_and_even_steps_send_none() -> None:
+def test_a_change_of_the_steps_length_sends_a_wave_along_the_rope_and_even_steps_send_none() -> (
+    None
+):
     scene, motion = SCENES["a turn backwards on a deep rope"]
     largest = {}
     for name, lengths in (("long", (H, H)), ("short", (H / 4, H / 4)), ("changed", (H, H / 4))):

@@ -34,7 +34,14 @@ from hoist_export import export_hoist
 
 STOP = duration(find_case("rope-120").winding)
 PART, STEPS = 800, 2600  # until it runs at full speed; the trip of 90 m and its arrival
-NAMES = ["conveyance.left.y", "conveyance.right.y", "conveyance.left.vy", "drive.torque", "left.fy", "right.fy"]
+NAMES = [
+    "conveyance.left.y",
+    "conveyance.right.y",
+    "conveyance.left.vy",
+    "drive.torque",
+    "left.fy",
+    "right.fy",
+]
 TOOLS = [("ecos", "fmpy_adding"), ("libcosim", "fmpy_counting")]
 FEW = 500  # steps of several ropes
 COUPLING = {"inputs_at_step_end": False}  # drive and rope step at the same time
@@ -42,15 +49,22 @@ COUPLING = {"inputs_at_step_end": False}  # drive and rope step at the same time
 
 def system(folder: Path, rope: Path, drive: Path) -> Path:
     components = [Component("drive", drive, {}), Component("rope", rope, COUPLING)]
-    return export_ssp(folder / "balance_rope.ssp", "FrictionHoist", components, stop=STOP, step=ssp_driver.H)
+    return export_ssp(
+        folder / "balance_rope.ssp", "FrictionHoist", components, stop=STOP, step=ssp_driver.H
+    )
 
 
 #: the Python rope takes minutes for the winding; test_tools has it in the tools
-FMUS = [pytest.param(name, marks=[] if flavour.native else [pytest.mark.slow]) for name, flavour in FLAVOURS.items()]
+FMUS = [
+    pytest.param(name, marks=[] if flavour.native else [pytest.mark.slow])
+    for name, flavour in FLAVOURS.items()
+]
 
 
 @pytest.fixture(scope="module", params=FMUS)
-def ssp(request: Any, tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], Path]) -> Path:
+def ssp(
+    request: Any, tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], Path]
+) -> Path:
     folder = tmp_path_factory.mktemp(request.param)
     return system(folder, fmu_of(request.param), fmu_of(f"drive-{FLAVOURS[request.param].fmi}"))
 
@@ -59,7 +73,9 @@ def ssp(request: Any, tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable
 def wind(tool: str, ssp: Path, steps: int = STEPS, *signals: str) -> NDArray[np.float64]:
     """(steps, signals)."""
     command = [sys.executable, str(Path(ssp_driver.__file__)), tool, str(ssp), str(steps), *signals]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False, env=environment())
+    done = subprocess.run(
+        command, capture_output=True, text=True, timeout=300, check=False, env=environment()
+    )
     line = next((line for line in done.stdout.splitlines() if line.startswith("RESULT ")), None)
     assert line is not None, done.stdout[-2000:] + done.stderr[-2000:]
     return np.array(json.loads(line.removeprefix("RESULT ")))
@@ -67,7 +83,9 @@ def wind(tool: str, ssp: Path, steps: int = STEPS, *signals: str) -> NDArray[np.
 
 @pytest.mark.parametrize("steps", [PART, pytest.param(STEPS, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(("tool", "oracle"), TOOLS)
-def test_tool_winds_the_system_as_a_loop_over_what_fmpy_read(ssp: Path, tool: str, oracle: str, steps: int) -> None:
+def test_tool_winds_the_system_as_a_loop_over_what_fmpy_read(
+    ssp: Path, tool: str, oracle: str, steps: int
+) -> None:
     require(tool)
     if ssp.parent.name.startswith("native-3") and 3 not in IMPORTS[tool]:
         pytest.skip(f"{tool} does not import FMI 3")
@@ -80,11 +98,17 @@ def test_tool_winds_the_system_as_a_loop_over_what_fmpy_read(ssp: Path, tool: st
 def wound_in_process() -> NDArray[np.float64]:
     """(STEPS, NAMES)."""
     # the connections carry mean forces
-    recording = Host(rope_in_process("rope-120"), coupling=Coupling(scheme="impulse-preserving")).run().recording
+    recording = (
+        Host(rope_in_process("rope-120"), coupling=Coupling(scheme="impulse-preserving"))
+        .run()
+        .recording
+    )
     return np.array([recording[name] for name in NAMES]).T[1 : STEPS + 1]
 
 
-@pytest.mark.parametrize("ssp", [pytest.param("native-2", marks=pytest.mark.slow), "native-3"], indirect=True)
+@pytest.mark.parametrize(
+    "ssp", [pytest.param("native-2", marks=pytest.mark.slow), "native-3"], indirect=True
+)
 def test_system_moves_as_the_host_loop_in_process(ssp: Path) -> None:
     found, expected = wind("fmpy_adding", ssp), wound_in_process()
     assert found[-1, 0] == pytest.approx(90.0, abs=0.01)
@@ -95,7 +119,9 @@ def test_system_moves_as_the_host_loop_in_process(ssp: Path) -> None:
     assert_allclose(found[:, 4:] / scale[4:], expected[:, 4:] / scale[4:], rtol=0.0, atol=5e-4)
 
 
-@pytest.mark.parametrize("ssp", [pytest.param("native-2", marks=pytest.mark.slow), "native-3"], indirect=True)
+@pytest.mark.parametrize(
+    "ssp", [pytest.param("native-2", marks=pytest.mark.slow), "native-3"], indirect=True
+)
 def test_fixed_step_master_reaches_the_stop_time_of_the_file(ssp: Path) -> None:
     found, expected = wind("master", ssp), wind("fmpy_adding", ssp)
     assert abs(len(found) - STOP / ssp_driver.H) <= 1
@@ -109,16 +135,28 @@ INSTALLED = {"kiruna-355": -40.0, "monopol-1000": 4.0, "four ropes": 4.0}
 @pytest.mark.slow
 @pytest.mark.skipif("native-3" not in FLAVOURS, reason="needs a C compiler")
 @pytest.mark.parametrize("name", INSTALLED)
-def test_system_of_an_installed_hoist_moves_as_the_host_loop_in_process(tmp_path: Path, name: str) -> None:
+def test_system_of_an_installed_hoist_moves_as_the_host_loop_in_process(
+    tmp_path: Path, name: str
+) -> None:
     case, members = find_case(name if name in HOISTS else "kiruna-355"), ()
     rope = partial(rope_in_process, name)
     if name not in HOISTS:
         path, head = tmp_path / "ropes.toml", 'name = "ropes"\nlike = "kiruna-355"\nlevel = "draft"'
         # of alternating lay beside the centres; the last is short
-        ropes = [f"[[rope]]\nz = {0.3 * k}\nx_left = 0.1\nnumber = 1\nQb = {5e4 * (-1) ** k}" for k in range(4)]
-        path.write_text("\n".join([head, 'model.fidelity = "torsional"', *ropes, "length = 391.0\n"]), encoding="utf-8")
+        ropes = [
+            f"[[rope]]\nz = {0.3 * k}\nx_left = 0.1\nnumber = 1\nQb = {5e4 * (-1) ** k}"
+            for k in range(4)
+        ]
+        path.write_text(
+            "\n".join([head, 'model.fidelity = "torsional"', *ropes, "length = 391.0\n"]),
+            encoding="utf-8",
+        )
         read = ropes_in(path)
-        case, members, rope = replace(case, hoist=read.hoist), read.ropes, partial(getattr, read, "plant")
+        case, members, rope = (
+            replace(case, hoist=read.hoist),
+            read.ropes,
+            partial(getattr, read, "plant"),
+        )
     case = replace(case, winding=replace(case.winding, travel=INSTALLED[name], settle=5.0))
     steps = round(duration(case.winding) / 0.005) - 200
     ssp = export_hoist(tmp_path, case, members, fmi=3, platforms=(host_platform(),)).system
@@ -144,20 +182,38 @@ def test_system_of_an_installed_hoist_moves_as_the_host_loop_in_process(tmp_path
 
 def test_structure_is_valid_ssp_and_connects_every_signal_of_both(ssp: Path) -> None:
     description = read_ssd(str(ssp))  # against the schema of SSP 1.0
-    assert {c.startConnector for c in description.system.connections} == {*INPUTS, "left.fy_mean", "right.fy_mean"}
+    assert {c.startConnector for c in description.system.connections} == {
+        *INPUTS,
+        "left.fy_mean",
+        "right.fy_mean",
+    }
     with zipfile.ZipFile(ssp) as archive:
-        assert archive.namelist() == ["SystemStructure.ssd", "resources/drive.fmu", "resources/rope.fmu"]
+        assert archive.namelist() == [
+            "SystemStructure.ssd",
+            "resources/drive.fmu",
+            "resources/rope.fmu",
+        ]
         text = archive.read("SystemStructure.ssd").decode()
     assert '<ssd:DefaultExperiment startTime="0.0" stopTime="35.0">' in text
 
 
-def test_system_of_ssp_2_has_the_types_of_fmi_3_and_names_the_statuses_of_its_data(tmp_path: Path, fmu_of) -> None:
+def test_system_of_ssp_2_has_the_types_of_fmi_3_and_names_the_statuses_of_its_data(
+    tmp_path: Path, fmu_of
+) -> None:
     """Against the schemas of SSP 2.0 and SSP Traceability 1.1, which pyssp-standard carries."""
     xmlschema = pytest.importorskip("xmlschema")
     schemas = Path(pytest.importorskip("pyssp_standard").__file__).parent / "resources"
-    components = [Component("drive", fmu_of("drive-3"), {}), Component("rope", fmu_of("native-3"), COUPLING)]
-    data = [Datum("rope.Qb", 2.3e5, "N.m", "published"), Datum("hoist.sheave_radius", 1.25, "m", "assumed")]
-    made = export_ssp(tmp_path / "hoist.ssp", "Hoist", components, STOP, ssp_driver.H, version="2.0", data=data)
+    components = [
+        Component("drive", fmu_of("drive-3"), {}),
+        Component("rope", fmu_of("native-3"), COUPLING),
+    ]
+    data = [
+        Datum("rope.Qb", 2.3e5, "N.m", "published"),
+        Datum("hoist.sheave_radius", 1.25, "m", "assumed"),
+    ]
+    made = export_ssp(
+        tmp_path / "hoist.ssp", "Hoist", components, STOP, ssp_driver.H, version="2.0", data=data
+    )
     with zipfile.ZipFile(made) as archive:
         archive.extractall(tmp_path)
     structure, statuses = tmp_path / "SystemStructure.ssd", tmp_path / "resources" / "data.srmd"
@@ -166,7 +222,10 @@ def test_system_of_ssp_2_has_the_types_of_fmi_3_and_names_the_statuses_of_its_da
     root = ElementTree.parse(structure).getroot()
     assert {one[0].tag.partition("}")[2] for one in root.iterfind(".//{*}Connector")} == {"Float64"}
     assert [one.get("source") for one in root.iterfind("{*}MetaData")] == ["resources/data.srmd"]
-    told = {one.get("keyword"): one.text for one in ElementTree.parse(statuses).iterfind(".//{*}ClassificationEntry")}
+    told = {
+        one.get("keyword"): one.text
+        for one in ElementTree.parse(statuses).iterfind(".//{*}ClassificationEntry")
+    }
     assert told == {one.name: one.status for one in data}
 
 
@@ -195,7 +254,14 @@ length = 118.8
 Qb = -2.336e5
 Qc = -2.336e5
 """
-SIGNALS = ("drive:left.y", "drive:right.y", "drive:drive.torque", "sound:left.fy", "short:left.fy", "short:right.fy")
+SIGNALS = (
+    "drive:left.y",
+    "drive:right.y",
+    "drive:drive.torque",
+    "sound:left.fy",
+    "short:left.fy",
+    "short:right.fy",
+)
 
 
 def export(folder: Path, text: str, *more: str) -> int:
@@ -219,16 +285,27 @@ def test_each_rope_pulls_at_an_input_of_its_own_and_all_follow_the_same_motion(r
     motions = [f"{side}.{name}" for side in ("left", "right") for name in ("y", "vy", "ay")]
     expected = {("drive", name, rope, name) for rope in ("sound", "short") for name in motions}
     for rope in ("sound", "short"):
-        expected |= {(rope, f"{side}.fy_mean", "drive", f"{rope}.{side}.fy_mean") for side in ("left", "right")}
+        expected |= {
+            (rope, f"{side}.fy_mean", "drive", f"{rope}.{side}.fy_mean")
+            for side in ("left", "right")
+        }
     assert found == expected
     with zipfile.ZipFile(ropes) as archive:
-        assert {f"resources/{name}.fmu" for name in ("drive", "sound", "short")} < set(archive.namelist())
+        assert {f"resources/{name}.fmu" for name in ("drive", "sound", "short")} < set(
+            archive.namelist()
+        )
 
 
 def test_system_of_ropes_moves_as_their_group_in_process(ropes: Path) -> None:
     found = wind("fmpy_adding", ropes, FEW, *SIGNALS)
     read = ropes_in(ropes.with_name("ropes.toml"))
-    host = Host(read.plant, read.hoist, read.run.winding, Coupling(scheme="impulse-preserving"), read.run.gains)
+    host = Host(
+        read.plant,
+        read.hoist,
+        read.run.winding,
+        Coupling(scheme="impulse-preserving"),
+        read.run.gains,
+    )
     recording = host.run(lambda _, t: t < (FEW + 1) * ssp_driver.H).recording
     names = ["conveyance.left.y", "conveyance.right.y", "drive.torque"]
     names += ["sound.left.fy", "short.left.fy", "short.right.fy"]
@@ -243,7 +320,9 @@ def test_system_of_ropes_moves_as_their_group_in_process(ropes: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("tool", "oracle"), TOOLS)
-def test_tool_winds_the_ropes_as_a_loop_over_what_fmpy_read(ropes: Path, tool: str, oracle: str) -> None:
+def test_tool_winds_the_ropes_as_a_loop_over_what_fmpy_read(
+    ropes: Path, tool: str, oracle: str
+) -> None:
     require(tool)
     found, expected = (wind(x, ropes, FEW, *SIGNALS) for x in (tool, oracle))
     assert_allclose(found, expected, rtol=1e-13, atol=0.0)

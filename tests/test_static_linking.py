@@ -44,7 +44,9 @@ def static_library(folder: Path) -> str:
     built = ElementTree.parse(folder / "sources" / "buildDescription.xml").getroot()
     (static,) = (one for one in built if str(one.get("description")).startswith("static"))
     files = [str(folder / "sources" / str(file.get("name"))) for file in static.iter("SourceFile")]
-    definitions = [f"{one.get('name')}={one.get('value')}" for one in static.iter("PreprocessorDefinition")]
+    definitions = [
+        f"{one.get('name')}={one.get('value')}" for one in static.iter("PreprocessorDefinition")
+    ]
     return LIBRARY.format(
         name=static.get("modelIdentifier"),
         files=" ".join(files),
@@ -90,15 +92,23 @@ def test_drive_two_ropes_and_a_host_link_into_one_program_that_gives_what_the_li
         libraries.append(static_library(folder))
         host.free()
     text = CMAKE.format(
-        libraries="".join(libraries), host=ROOT / "tests" / "native" / "linked.c", headers=HEADERS, names=" ".join(fmus)
+        libraries="".join(libraries),
+        host=ROOT / "tests" / "native" / "linked.c",
+        headers=HEADERS,
+        names=" ".join(fmus),
     )
     (tmp_path / "CMakeLists.txt").write_text(text)
     build = tmp_path / "build"
-    for command in (["cmake", "-S", str(tmp_path), "-B", str(build)], ["cmake", "--build", str(build), "-j2"]):
+    for command in (
+        ["cmake", "-S", str(tmp_path), "-B", str(build)],
+        ["cmake", "--build", str(build), "-j2"],
+    ):
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
     places = [str(references[name]) for name in ("left.y", "left.fy")]
-    done = subprocess.run([str(build / "linked"), *tokens, *places], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [str(build / "linked"), *tokens, *places], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr
     # another compiler and no optimisation: rounding, of tensions of 1e4 N
     assert [*map(float, done.stdout.split())] == pytest.approx(expected, rel=1e-9, abs=1e-6)
@@ -120,19 +130,33 @@ def test_shared_names_are_those_that_the_linker_sees() -> None:
     assert "#define FMI2_FUNCTION_PREFIX Mine_\n" in made["prefix.h"]
 
 
-@pytest.mark.parametrize("identifier", ["", "2nd", "my-rope", "Seil_ü", "a" * (LONGEST_IDENTIFIER + 1)])
+@pytest.mark.parametrize(
+    "identifier", ["", "2nd", "my-rope", "Seil_ü", "a" * (LONGEST_IDENTIFIER + 1)]
+)
 def test_model_identifier_that_c_cannot_have_is_refused(identifier: str) -> None:
     with pytest.raises(ValueError, match="give a name such as MyRope"):
         checked_identifier(identifier)
 
 
 @pytest.mark.usefixtures("no_reference_run")
-def test_command_line_gives_the_model_identifier(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_command_line_gives_the_model_identifier(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("fmu_src.native.export.rope_sources", stand_in)
-    options = ["export", "--platform", "host", "--out", str(tmp_path / "x.fmu"), "--model-identifier", "RopeA"]
+    options = [
+        "export",
+        "--platform",
+        "host",
+        "--out",
+        str(tmp_path / "x.fmu"),
+        "--model-identifier",
+        "RopeA",
+    ]
     assert main(options) == 2
     assert main([*options, "--native"]) == 0
     with zipfile.ZipFile(tmp_path / "x.fmu") as archive:
         names, text = archive.namelist(), archive.read("modelDescription.xml").decode()
     assert re.findall(r'modelIdentifier="(\w+)"', text) == ["RopeA"]
-    assert any(name.endswith("/RopeA.so") for name in names) or not host_platform().endswith("linux")
+    assert any(name.endswith("/RopeA.so") for name in names) or not host_platform().endswith(
+        "linux"
+    )

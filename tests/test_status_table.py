@@ -96,7 +96,9 @@ def call_unsupported(name: str) -> Callable[[Host], int]:
 
 
 def derive(unknown: str, known: str) -> Callable[[Host], int]:
-    return lambda rope: rope.derive(*(rope.variables[name].valueReference for name in (unknown, known)))[0]
+    return lambda rope: rope.derive(
+        *(rope.variables[name].valueReference for name in (unknown, known))
+    )[0]
 
 
 #: FMI 2.0.4, section 4.2.4, and FMI 3.0, section 4.2.1: what the state machines allow, and what this FMU can do
@@ -173,7 +175,9 @@ def test_python_flavour_without_its_code_is_not_instantiated_and_says_why(
 
 
 @pytest.mark.parametrize("state", STATES)
-def test_each_call_returns_what_the_table_says(fmu: Fmu, state: str, request: pytest.FixtureRequest) -> None:
+def test_each_call_returns_what_the_table_says(
+    fmu: Fmu, state: str, request: pytest.FixtureRequest
+) -> None:
     rope = bring_to(fmu, state)
     calls = {name: call for name, call in TABLE.items() if rope.fmi in call.versions}
     before, found = rope.state(), {}
@@ -208,7 +212,12 @@ def test_a_value_that_cannot_be_fails_where_it_is_met_and_reset_makes_all_good(
     rope = Host(*fmu)
     ((name, value),) = values.items()
     leave = "ExitInitializationMode"
-    calls = lambda: rope.put(name, value), rope.enter, lambda: rope.call(leave), lambda: rope.do_step(0.0, H)
+    calls = (
+        lambda: rope.put(name, value),
+        rope.enter,
+        lambda: rope.call(leave),
+        lambda: rope.do_step(0.0, H),
+    )
     assert "".join(_LETTERS[call()] for call in calls) == statuses
     assert words in rope.said[0], rope.said
     assert words in rope.said[-1]  # a step tells what failed before

@@ -77,7 +77,13 @@ def invent_trip(swing: float, creep: float = 0.0, **trip: float) -> tuple[Result
         "left.swivel.torque": -2.0 * t,
     }
     clocks = {f"{name}_clock": Stopwatch() for name in ("drive", "rope", "start")}
-    run: Any = {"completed": True, "cause": "", "steps": t.size, "trajectory": reference, "winding": winding}
+    run: Any = {
+        "completed": True,
+        "cause": "",
+        "steps": t.size,
+        "trajectory": reference,
+        "winding": winding,
+    }
     return Result(recording=Recording(signals, {}), **run, **clocks), hoist
 
 
@@ -89,7 +95,9 @@ def test_metrics_of_a_made_up_trip_are_the_given_numbers() -> None:
     assert found["motor_energy_drawn"] == pytest.approx(5e3, rel=1e-9)
     assert found["motor_energy"] == pytest.approx(5e3 - 500.0 * (result.recording.time[-1] - 5.0))
     # p-p of a sine that decays by 0.1 1/s, first extremes at 1/6 and 1/2 s
-    assert found["swing_right"] == pytest.approx(0.005 * (math.exp(-1 / 60) + math.exp(-0.05)), rel=1e-3)
+    assert found["swing_right"] == pytest.approx(
+        0.005 * (math.exp(-1 / 60) + math.exp(-0.05)), rel=1e-3
+    )
     assert found["swing_left"] == pytest.approx(0.0, abs=1e-12)
     assert found["swing_frequency"] == pytest.approx(1.5, abs=1e-3)
     # amplitude over sqrt 2, whole periods in the window of 1.01 s nearly
@@ -107,11 +115,19 @@ def test_metrics_of_a_made_up_trip_are_the_given_numbers() -> None:
     ("swing", "creep", "arrival", "wait", "within"),
     [
         # speed amplitude 0.005 * 2 pi 1.5 e^(-0.1 t) = 0.047 m/s falls below 0.03 m/s after 4.5 s, within half a period
-        (0.01, 0.0, Arrival(speed_band=0.03, position_band=0.1), 10 * math.log(0.005 * 2 * math.pi * 1.5 / 0.03), 0.4),
+        (
+            0.01,
+            0.0,
+            Arrival(speed_band=0.03, position_band=0.1),
+            10 * math.log(0.005 * 2 * math.pi * 1.5 / 0.03),
+            0.4,
+        ),
         (0.0, 0.1, Arrival(speed_band=0.05, position_band=0.01), math.log(10.0), 0.03),
     ],
 )
-def test_cycle_time_waits_for_the_swing_and_for_the_creep_that_is_none(swing, creep, arrival, wait, within) -> None:
+def test_cycle_time_waits_for_the_swing_and_for_the_creep_that_is_none(
+    swing, creep, arrival, wait, within
+) -> None:
     result, hoist = invent_trip(swing, creep)
     found = measure(result, hoist, arrival).metrics
     assert found["cycle_time"] - found["trajectory_time"] == pytest.approx(wait, abs=within)
@@ -119,7 +135,11 @@ def test_cycle_time_waits_for_the_swing_and_for_the_creep_that_is_none(swing, cr
 
 
 def test_a_stop_never_arrives_and_a_trip_within_the_band_takes_no_time() -> None:
-    for name, value, cycle in (("emergency_at", 4, math.nan), ("emergency_at", 0.5, math.nan), ("travel", 1e-4, 0.0)):
+    for name, value, cycle in (
+        ("emergency_at", 4, math.nan),
+        ("emergency_at", 0.5, math.nan),
+        ("travel", 1e-4, 0.0),
+    ):
         found = measure(*invent_trip(0.0, **{name: value}), Arrival()).metrics
         assert_allclose(found["cycle_time"], cycle)
         assert [math.isnan(found[name]) for name in ARRIVALS] == [math.isnan(cycle)] * 3
@@ -129,11 +149,16 @@ def test_a_run_that_a_guard_cuts_short_is_for_objectives_of_stops_alone(read: Re
     study = read(SHORT + "guard.window = 1e-9")
     outcome = execute(study.samples[0].data, study.fmu)
     assert (outcome.status, "its guard tripped" in outcome.cause) == (CUT_SHORT, True)
-    costs = [Objective({name: 1.0}, 1.0).of_run(vars(outcome)).cost for name in ("torque_peak", "guard_time")]
+    costs = [
+        Objective({name: 1.0}, 1.0).of_run(vars(outcome)).cost
+        for name in ("torque_peak", "guard_time")
+    ]
     assert [math.isfinite(cost) for cost in costs] == [False, True]
 
 
-def counting(study: Study, store: Store, ran: list[str]) -> Callable[[Sequence[StudyRun]], list[str]]:
+def counting(
+    study: Study, store: Store, ran: list[str]
+) -> Callable[[Sequence[StudyRun]], list[str]]:
     """Carries out samples at once: the metric cycle_time is the distance of gains.speed from 2e5."""
 
     def run(samples: Sequence[StudyRun]) -> list[str]:
@@ -142,7 +167,9 @@ def counting(study: Study, store: Store, ran: list[str]) -> Callable[[Sequence[S
         for key, sample in zip(keys, samples, strict=True):
             if key not in done:
                 cost = abs(sample.data.gains.speed / 2e5 - 1.0)
-                store.write(key, sample.data, Outcome("completed", "", {"cycle_time": cost}, {}), "w")
+                store.write(
+                    key, sample.data, Outcome("completed", "", {"cycle_time": cost}, {}), "w"
+                )
                 ran.append(key)
         return keys
 
@@ -150,7 +177,9 @@ def counting(study: Study, store: Store, ran: list[str]) -> Callable[[Sequence[S
 
 
 @pytest.mark.parametrize("status", ["completed", "stopped", CUT_SHORT, ERROR, "passed", "warned"])
-def test_each_run_that_is_not_whole_is_named_and_decides_the_exit_code(read: Read, tmp_path: Path, status: str) -> None:
+def test_each_run_that_is_not_whole_is_named_and_decides_the_exit_code(
+    read: Read, tmp_path: Path, status: str
+) -> None:
     study = read("[vary]\ngains.speed = [1e5, 2e5, 3e5]")
     store, keys = Store(tmp_path), [sample.data.key(study.fmu_hash) for sample in study.samples]
     fine = Outcome("completed", "", {}, {})
@@ -173,7 +202,9 @@ def test_each_run_that_is_not_whole_is_named_and_decides_the_exit_code(read: Rea
     assert result.passages == ({name: odd.passed} if odd.passed else {})
     assert result.warnings == ({odd.warnings[0]: [name]} if odd.warnings else {})
     assert result.summary.startswith(f"{2 if failed else 3} of 3 runs wound to the end")
-    assert ("in 1 the rope struck or passed through something" in result.summary) == bool(odd.passed)
+    assert ("in 1 the rope struck or passed through something" in result.summary) == bool(
+        odd.passed
+    )
 
 
 @pytest.mark.parametrize("content", ["", "{", "[]", '{"outcome": {}}', "null"])
@@ -232,7 +263,9 @@ def client() -> Iterator[Client]:
         yield client
 
 
-def test_runs_of_a_killed_worker_are_done_and_none_is_repeated(read: Read, tmp_path: Path, client: Client) -> None:
+def test_runs_of_a_killed_worker_are_done_and_none_is_repeated(
+    read: Read, tmp_path: Path, client: Client
+) -> None:
     study = read(SHORT + "[vary]\ngains.speed = [1e5, 1.2e5, 1.4e5, 1.6e5, 1.8e5, 2e5]")
     store, ran = Store(tmp_path / "out"), list[str]()
     pids = client.run(os.getpid)
@@ -251,10 +284,14 @@ def test_runs_of_a_killed_worker_are_done_and_none_is_repeated(read: Read, tmp_p
     ran.clear()
     assert run_samples(client, study, study.samples, store, kill_one) == keys
     assert ran == []
-    assert written == {key: (tmp_path / "out" / "runs" / f"{key}.json").stat().st_mtime_ns for key in keys}
+    assert written == {
+        key: (tmp_path / "out" / "runs" / f"{key}.json").stat().st_mtime_ns for key in keys
+    }
 
 
-def test_failed_run_is_recorded_with_its_cause_and_stops_no_other(read: Read, tmp_path: Path, client: Client) -> None:
+def test_failed_run_is_recorded_with_its_cause_and_stops_no_other(
+    read: Read, tmp_path: Path, client: Client
+) -> None:
     # steps as large as these err by more than this, and may not be shortened
     study = read(SHORT + "solver.step_min = 0.01\n[vary]\nsolver.tolerance = [1e6, 1e-10]")
     store = Store(tmp_path / "out")
@@ -268,7 +305,9 @@ def test_failed_run_is_recorded_with_its_cause_and_stops_no_other(read: Read, tm
 def test_table_holds_what_the_rope_did(read: Read, tmp_path: Path, client: Client) -> None:
     study = read(f"study.signals = ['left.fy', 'right.fy']\n{SHORT}")
     store = Store(tmp_path / "out")
-    table = pd.read_parquet(run_study(study, store, partial(run_samples, client, study, store=store)).table)
+    table = pd.read_parquet(
+        run_study(study, store, partial(run_samples, client, study, store=store)).table
+    )
     kept = read_results(tmp_path / "out" / "signals" / f"{table['key'][0]}.parquet")
     series = kept.table
     # 120 m of 8 kg/m, hung from ends 90 m apart: 105 m below the upper end, 15 m below the lower one
@@ -301,17 +340,29 @@ def test_grid_is_run_for_every_variant(read: Read) -> None:
         "[vary]\ncontroller = ['pi', 'pi-feed-forward']\nwinding.jerk = { values = [0.5, 1], unit = 'm/s3' }"
     )
     assert len(study.samples) == 2 * 2 * 2
-    assert {(s.variant, s.data.rope_values["rope.EI"]) for s in study.samples} == {("soft", 50.0), ("stiff", 500.0)}
+    assert {(s.variant, s.data.rope_values["rope.EI"]) for s in study.samples} == {
+        ("soft", 50.0),
+        ("stiff", 500.0),
+    }
     both = {(c, j) for c in ("pi", "pi-feed-forward") for j in (0.5, 1.0)}
     assert {(s.data.controller, s.data.winding.jerk) for s in study.samples} == both
 
 
 #: speed gain: costs of its runs without and with load, and their slip safety
-COSTS = {1e5: (1.0, 9.0, 1.5, 1.5), 2e5: (4.0, 5.0, 1.3, 1.5), 3e5: (5.5, 5.5, 2.0, 2.0), 4e5: (0.1, 0.1, 1.5, 1.1)}
-ABOVE, BETWEEN = (f"study.subject_to.slip_safety = {{ above = {b} }}\n" for b in ("1.2", "1.4, below = 1.8"))
+COSTS = {
+    1e5: (1.0, 9.0, 1.5, 1.5),
+    2e5: (4.0, 5.0, 1.3, 1.5),
+    3e5: (5.5, 5.5, 2.0, 2.0),
+    4e5: (0.1, 0.1, 1.5, 1.1),
+}
+ABOVE, BETWEEN = (
+    f"study.subject_to.slip_safety = {{ above = {b} }}\n" for b in ("1.2", "1.4, below = 1.8")
+)
 
 
-def test_a_design_meets_payloads_for_which_it_was_not_made(read: Read, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_design_meets_payloads_for_which_it_was_not_made(
+    read: Read, monkeypatch: pytest.MonkeyPatch
+) -> None:
     designed = list[float]()
 
     def swing(case: Case, _: float) -> ArrivalSwing:
@@ -329,8 +380,14 @@ def test_a_design_meets_payloads_for_which_it_was_not_made(read: Read, monkeypat
     chosen = read(f"study.over = []\n[fixed]\n{controller}{vary}").samples
     assert [one.data.shaper.frequency for one in chosen] == [1.0, 5.0, 9.0]
     # an optimised trip is for the nominal hoist, too, and a run's key says so
-    optimised = read(f"[fixed]\n{controller.replace('input-shaping', 'optimised-trajectory')}{vary}").samples
-    assert [None if (n := one.data.nominal) is None else n.payload_left for one in optimised] == [5e3, None, 5e3]
+    optimised = read(
+        f"[fixed]\n{controller.replace('input-shaping', 'optimised-trajectory')}{vary}"
+    ).samples
+    assert [None if (n := one.data.nominal) is None else n.payload_left for one in optimised] == [
+        5e3,
+        None,
+        5e3,
+    ]
     assert "nominal" in optimised[0].data.record()
     assert "nominal" not in optimised[1].data.record()
 
@@ -340,7 +397,10 @@ def test_a_bound_on_an_error_holds_in_both_directions() -> None:
     broken = [bound.violation({"position_error": x}) > 0.0 for x in (-0.02, -0.005, 0.005, 0.02)]
     assert broken == [True, False, False, True]
     smallest = Objective({"position_error": 1.0}, 1.0)
-    costs = [smallest.of_run({"metrics": {"position_error": x}, "status": "completed"}).cost for x in (-0.5, 0.1)]
+    costs = [
+        smallest.of_run({"metrics": {"position_error": x}, "status": "completed"}).cost
+        for x in (-0.5, 0.1)
+    ]
     assert costs == [0.5, 0.1]
 
 
@@ -348,22 +408,37 @@ def test_a_bound_on_an_error_holds_in_both_directions() -> None:
     ("goal", "best"),
     [
         ("study.minimise = 'cycle_time'\n", 4e5),
-        ("study.minimise = 'cycle_time'\n" + ABOVE, 2e5),  # its worst is the least, the luckiest run another's
+        (
+            "study.minimise = 'cycle_time'\n" + ABOVE,
+            2e5,
+        ),  # its worst is the least, the luckiest run another's
         ("study.minimise = 'cycle_time'\nstudy.judge = 'mean'\n" + ABOVE, 2e5),
         ("study.maximise = 'slip_safety'\n", 3e5),
         ("study.judge = 'share'\n" + BETWEEN, 1e5),
         ("study.minimise = 'cycle_time'\nstudy.over = []\n" + ABOVE, 4e5),  # single runs, asked for
-        ("study.minimise = 'cycle_time'\nstudy.subject_to = { slip_safety = { above = 2.2 } }\n", None),
+        (
+            "study.minimise = 'cycle_time'\nstudy.subject_to = { slip_safety = { above = 2.2 } }\n",
+            None,
+        ),
     ],
 )
-def test_choices_are_compared_over_the_same_payloads_within_bounds(read: Read, tmp_path, goal, best) -> None:
-    study = read(f"{goal}[vary]\ngains.speed = [1e5, 2e5, 3e5, 4e5]\nhoist.payload_left = [0, 5000]")
+def test_choices_are_compared_over_the_same_payloads_within_bounds(
+    read: Read, tmp_path, goal, best
+) -> None:
+    study = read(
+        f"{goal}[vary]\ngains.speed = [1e5, 2e5, 3e5, 4e5]\nhoist.payload_left = [0, 5000]"
+    )
     store = Store(tmp_path / "out")
     for sample in study.samples:
         empty, full, safe_empty, safe_full = COSTS[sample.data.gains.speed]
         loaded = sample.data.hoist.payload_left > 0.0
-        metrics = {"cycle_time": full if loaded else empty, "slip_safety": safe_full if loaded else safe_empty}
-        outcome = Outcome("completed", "", metrics, {}, warnings=(f"slip safety {metrics['slip_safety']}",))
+        metrics = {
+            "cycle_time": full if loaded else empty,
+            "slip_safety": safe_full if loaded else safe_empty,
+        }
+        outcome = Outcome(
+            "completed", "", metrics, {}, warnings=(f"slip safety {metrics['slip_safety']}",)
+        )
         store.write(sample.data.key(study.fmu_hash), sample.data, outcome, "w")
     found = run_study(study, store, lambda samples: [s.data.key(study.fmu_hash) for s in samples])
     assert found.best is not None
@@ -371,23 +446,35 @@ def test_choices_are_compared_over_the_same_payloads_within_bounds(read: Read, t
     if best:
         assert {study.samples[k].data.gains.speed for k in found.best.runs} == {best}
         # what a run of the best choice warns of is told with it
-        assert all(f"slip safety {safe}" in found.best.text for safe in COSTS[best][2 : 3 if "over" in goal else 4])
+        assert all(
+            f"slip safety {safe}" in found.best.text
+            for safe in COSTS[best][2 : 3 if "over" in goal else 4]
+        )
     # slip safety has its largest value at the third of four gains, in both rows
-    assert any("slip_safety" in remark and "= 300000" in remark for remark in found.remarks) == ("slip" in goal)
+    assert any("slip_safety" in remark and "= 300000" in remark for remark in found.remarks) == (
+        "slip" in goal
+    )
 
 
 def test_a_strike_at_the_lowest_speed_only_is_remarked_on(read: Read) -> None:
     study = read("[vary]\nwinding.speed = [5, 6, 7, 8]")
-    outcomes = [{"status": "completed", "passed": "struck" * (k == 0), "metrics": {}} for k in range(4)]
+    outcomes = [
+        {"status": "completed", "passed": "struck" * (k == 0), "metrics": {}} for k in range(4)
+    ]
     remark = "The rope struck or passed through something at winding.speed = 5, not at 6 to 8"
     assert not_monotonic(study, study.samples, outcomes) == [remark]
     assert not_monotonic(study, study.samples, outcomes[::-1]) == []
 
 
-SHAPED, OPTIMISED = (f"[fixed]\ncontroller = '{x}'\n" for x in ("input-shaping", "optimised-trajectory"))
+SHAPED, OPTIMISED = (
+    f"[fixed]\ncontroller = '{x}'\n" for x in ("input-shaping", "optimised-trajectory")
+)
 LOW = "study.minimise = 'cycle_time'\n"
 RANGE, TUNE = "[vary]\nrope.EI = { low = 1, high = 2 }\n", "[sample]\nmethod = 'tune'\n"
-FOUR, PAYLOAD = "sample = { method = 'latin-hypercube', runs = 4 }\n", "hoist.payload_left = { low = 0, high = 9 }"
+FOUR, PAYLOAD = (
+    "sample = { method = 'latin-hypercube', runs = 4 }\n",
+    "hoist.payload_left = { low = 0, high = 9 }",
+)
 JAMMED = "study.hoist = 'jammed-conveyance'\n[fixed]\n"
 TWO = "name = 'two'\nlike = 'rope-120'\n[[rope]]\n[[rope]]\nz = 1.0\n"
 
@@ -396,36 +483,98 @@ BAD = {
     "old case": ("study.case = 'rope-120'", "study.case = 'rope-120'", 'write hoist = "NAME"'),
     "old search": ("[tune]\nsearches = 2", "tune", 'write [sample] method = "tune"'),
     "unknown parameter": ("[fixed]\nwinding.sped = 8", "fixed.winding.sped", "winding.speed"),
-    "wrong unit": ("[fixed]\nrope.EI = { value = 300, unit = 'N.m' }", "fixed: rope.EI has unit = 'N.m'", "convert"),
+    "wrong unit": (
+        "[fixed]\nrope.EI = { value = 300, unit = 'N.m' }",
+        "fixed: rope.EI has unit = 'N.m'",
+        "convert",
+    ),
     "impossible FMU value": ("[vary]\nrope.EI = [300, -1]", "vary: rope.EI = -1", "at least 1e-15"),
-    "outside the choices": ("[fixed]\nleft.swivel.mode = 7", "left.swivel.mode = 7", "1 (free), 2 (coulomb)"),
+    "outside the choices": (
+        "[fixed]\nleft.swivel.mode = 7",
+        "left.swivel.mode = 7",
+        "1 (free), 2 (coulomb)",
+    ),
     "FMU values that do not fit": ("[fixed]\nleft.swivel.mu_static = 1e-4", "0.0001", "mu_kinetic"),
     "text for a number": ("[variant]\nvalues = {}", "variant = {'values': {}}", "must be a list"),
     "trip longer than the shaft": ("[fixed]\nwinding.travel = 900", "900", "shaft_travel"),
-    "list where one value belongs": ("[fixed]\nrope.EI = [1, 2]", "fixed: rope.EI = [1, 2]", "finite number"),
-    "one value where a list belongs": ("[vary]\nrope.EI = 3", "vary: rope.EI = 3", "fix it in [fixed]"),
+    "list where one value belongs": (
+        "[fixed]\nrope.EI = [1, 2]",
+        "fixed: rope.EI = [1, 2]",
+        "finite number",
+    ),
+    "one value where a list belongs": (
+        "[vary]\nrope.EI = 3",
+        "vary: rope.EI = 3",
+        "fix it in [fixed]",
+    ),
     "range in a grid": (RANGE, "sample: rope.EI", "values"),
-    "logarithm of zero": ("[vary]\nrope.beta_K = { low = 0, high = 1, scale = 'log' }", "low = 0.0", "linear"),
-    "no number of runs": ("sample.method = 'latin-hypercube'\n" + RANGE, "sample.runs is missing", "give it"),
-    "unknown method": ("sample.method = 'random'", "sample: method = 'random'", "'grid', 'latin-hypercube', 'tune'"),
+    "logarithm of zero": (
+        "[vary]\nrope.beta_K = { low = 0, high = 1, scale = 'log' }",
+        "low = 0.0",
+        "linear",
+    ),
+    "no number of runs": (
+        "sample.method = 'latin-hypercube'\n" + RANGE,
+        "sample.runs is missing",
+        "give it",
+    ),
+    "unknown method": (
+        "sample.method = 'random'",
+        "sample: method = 'random'",
+        "'grid', 'latin-hypercube', 'tune'",
+    ),
     "unknown metric": ("study.minimise = { speed = 1 }", "study.minimise: speed", "cycle_time"),
-    "bound on no metric": (LOW + "study.subject_to = { swai = { below = 1 } }", "study.subject_to.swai", "sway"),
-    "bound in another unit": (LOW + "study.subject_to.sway = { below = 3, unit = 'kg' }", "'kg'", "convert"),
+    "bound on no metric": (
+        LOW + "study.subject_to = { swai = { below = 1 } }",
+        "study.subject_to.swai",
+        "sway",
+    ),
+    "bound in another unit": (
+        LOW + "study.subject_to.sway = { below = 3, unit = 'kg' }",
+        "'kg'",
+        "convert",
+    ),
     "search for nothing": (TUNE + RANGE, "sample: method = 'tune'", "minimise"),
-    "more searches than points": (LOW + TUNE + "points = 1\n" + RANGE, "searches = 2", "at most points = 1"),
-    "luckiest payload": (LOW + FOUR + RANGE + PAYLOAD, "over = ['hoist.payload_left']", "over = []"),
-    "designed trip that stops": (SHAPED + "winding.emergency_at = 5", "emergency_at = 5", "pi-feed-forward"),
-    "no cycle of a stop": (LOW + "[fixed]\nwinding.emergency_at = 5", "emergency_at = 5", "judge stop_distance"),
-    "optimised trip creeps": (OPTIMISED + "winding.creep_distance = 3", "creep_distance = 3 m", "another controller"),
+    "more searches than points": (
+        LOW + TUNE + "points = 1\n" + RANGE,
+        "searches = 2",
+        "at most points = 1",
+    ),
+    "luckiest payload": (
+        LOW + FOUR + RANGE + PAYLOAD,
+        "over = ['hoist.payload_left']",
+        "over = []",
+    ),
+    "designed trip that stops": (
+        SHAPED + "winding.emergency_at = 5",
+        "emergency_at = 5",
+        "pi-feed-forward",
+    ),
+    "no cycle of a stop": (
+        LOW + "[fixed]\nwinding.emergency_at = 5",
+        "emergency_at = 5",
+        "judge stop_distance",
+    ),
+    "optimised trip creeps": (
+        OPTIMISED + "winding.creep_distance = 3",
+        "creep_distance = 3 m",
+        "another controller",
+    ),
     "two best runs": (LOW + "study.maximise = 'slip_safety'", "cycle_time", "keep one"),
     "unknown signal": ("study.signals = ['loop.jaw']", "loop.jaw", "loop.yaw"),
-    "a jam out of the way": (JAMMED + "winding.travel = 10", "jam_right.height = 45.0 must be within", "wind further"),
+    "a jam out of the way": (
+        JAMMED + "winding.travel = 10",
+        "jam_right.height = 45.0 must be within",
+        "wind further",
+    ),
     "several ropes": ("study.hoist = 'TWO.toml'", "TWO.toml' must have", "equal ropes"),
 }
 
 
 @pytest.mark.parametrize(("text", "value", "cure"), BAD.values(), ids=BAD.keys())
-def test_bad_file_is_refused_with_file_key_value_and_cure(read: Read, tmp_path: Path, text, value, cure) -> None:
+def test_bad_file_is_refused_with_file_key_value_and_cure(
+    read: Read, tmp_path: Path, text, value, cure
+) -> None:
     (tmp_path / "TWO.toml").write_text(TWO, encoding="utf-8")
     with pytest.raises(FileError) as refused:
         read(text)
@@ -437,36 +586,59 @@ def test_bad_file_is_refused_with_file_key_value_and_cure(read: Read, tmp_path: 
 
 def test_all_errors_are_told_at_once_and_need_no_fmu(read: Read, tmp_path: Path) -> None:
     with pytest.raises(FileError) as refused:
-        read("study.sene = 3\n[fixed]\nwinding.sped = 8\ncontroller = 'pid'\n[vary]\nrope.EI = [-1]", tmp_path / "no")
+        read(
+            "study.sene = 3\n[fixed]\nwinding.sped = 8\ncontroller = 'pid'\n[vary]\nrope.EI = [-1]",
+            tmp_path / "no",
+        )
     told = "\n".join(refused.value.problems)
     assert [name in told for name in ("sene", "winding.sped", "pid", "rope.EI = -1")] == [True] * 4
 
 
-def test_of_many_starts_some_are_tried_and_a_refusal_of_another_is_its_cause(read: Read, monkeypatch) -> None:
+def test_of_many_starts_some_are_tried_and_a_refusal_of_another_is_its_cause(
+    read: Read, monkeypatch
+) -> None:
     monkeypatch.setattr(definition, "MAX_TRIED", 1)
     study = read("[vary]\nrope.length = [80, 120]")
     outcome = execute(study.samples[0].data, study.fmu)
-    assert (outcome.status, "the rope of 80 m cannot hang" in outcome.cause) == ("stopped", True), outcome.cause
+    assert (outcome.status, "the rope of 80 m cannot hang" in outcome.cause) == ("stopped", True), (
+        outcome.cause
+    )
     with pytest.raises(FileError, match=r"rope\.length = 80"):
         read("[vary]\nrope.length = [120, 80]")
 
 
 def test_latin_hypercube_has_one_sample_in_each_strip() -> None:
-    samples = latin_hypercube({"a": Range(2.0, 4.0), "b": Range(1.0, 1e4, logarithmic=True)}, 50, seed=3)
-    strips = {int((s["a"] - 2.0) / 2.0 * 50) for s in samples}, {int(math.log10(s["b"]) / 4 * 50) for s in samples}
+    samples = latin_hypercube(
+        {"a": Range(2.0, 4.0), "b": Range(1.0, 1e4, logarithmic=True)}, 50, seed=3
+    )
+    strips = (
+        {int((s["a"] - 2.0) / 2.0 * 50) for s in samples},
+        {int(math.log10(s["b"]) / 4 * 50) for s in samples},
+    )
     assert strips == (set(range(50)), set(range(50)))
 
 
 def test_key_changes_with_every_piece_of_data_that_is_used() -> None:
     base = build("rope-120", {"rope.EI": 300.0})
-    changes = ({"rope.EI": 301.0}, {"gains.speed": 1e5}, {"arrival.window": 4.0}, {"controller": "pi"})
+    changes = (
+        {"rope.EI": 301.0},
+        {"gains.speed": 1e5},
+        {"arrival.window": 4.0},
+        {"controller": "pi"},
+    )
     others = [build("rope-120", {"rope.EI": 300.0} | change) for change in changes]
     others.append(build("rope-120", {"rope.EI": 300.0}, signals=("loop.x",)))
     keys = [base.key("bytes"), base.key("other bytes"), *(run.key("bytes") for run in others)]
     assert len(set(keys)) == len(keys)
     assert build("rope-120", {"rope.EI": 300.0}).key("bytes") == base.key("bytes")
     # what the controller does not use
-    plain, other = build("rope-120", {}), build("rope-120", {"shaper.frequency": 2.0, "trajectory.hold": 2.0})
+    plain, other = (
+        build("rope-120", {}),
+        build("rope-120", {"shaper.frequency": 2.0, "trajectory.hold": 2.0}),
+    )
     assert plain.key("bytes") == other.key("bytes")
-    shaped = [build("rope-120", {"controller": "input-shaping", "shaper.frequency": f}) for f in (1.0, 2.0)]
+    shaped = [
+        build("rope-120", {"controller": "input-shaping", "shaper.frequency": f})
+        for f in (1.0, 2.0)
+    ]
     assert shaped[0].key("bytes") != shaped[1].key("bytes")

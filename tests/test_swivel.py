@@ -56,7 +56,9 @@ def twist(data: Scene) -> tuple[BalanceRope, tuple[Event, ...]]:
 
 
 def test_friction_follows_the_tension_and_never_turns_negative() -> None:
-    assert_allclose(friction_moment(0.0018, 0.09, 0.2, 4700.0), 0.2 + 0.5 * 0.0018 * 0.09 * 4700.0, rtol=1e-15)
+    assert_allclose(
+        friction_moment(0.0018, 0.09, 0.2, 4700.0), 0.2 + 0.5 * 0.0018 * 0.09 * 4700.0, rtol=1e-15
+    )
     assert friction_moment(0.1, 0.09, 0.2, -500.0) == 0.2
 
 
@@ -77,7 +79,9 @@ class Phased:
     def __init__(self, rope: RopeSimulator, ends: HangingEnds, since: float) -> None:
         self.ends, self.since, self.shape = ends, since, rope.state.motion.q.shape
         like = rope.system
-        self.system = RopeSystem(like.kernels, like.lengths, like.P, ends, like.reference, like.node_mass)
+        self.system = RopeSystem(
+            like.kernels, like.lengths, like.P, ends, like.reference, like.node_mass
+        )
 
     def motion(self, t: float, y: np.ndarray) -> tuple[np.ndarray, ...]:
         free = self.system.free
@@ -104,18 +108,26 @@ class Phased:
             # just after release the rate is zero: look a little later
             return state.sign * (v[-side, 6] - yaw_rate) + (1e-3 if t < self.since + 1e-4 else 0.0)
         tension = reaction[-side, 1]
-        return 0.5 * STIFF_BEARING.mu_static * STIFF_BEARING.mean_diameter * tension - abs(reaction[-side, 6])
+        return 0.5 * STIFF_BEARING.mu_static * STIFF_BEARING.mean_diameter * tension - abs(
+            reaction[-side, 6]
+        )
 
     def next_state(self, side: int, t: float, y: np.ndarray) -> SwivelState:
         q, _, _, reaction = self.motion(t, y)
         state = self.ends.states[side]
         if state.phase is Phase.STICK:
             return state._replace(phase=Phase.SLIP, sign=-np.sign(reaction[-side, 6]))
-        angle = q[-side, 6] - self.ends.offsets[side] - (-1, 1)[side] * self.ends.paths[side].motion(t)[0][3]
+        angle = (
+            q[-side, 6]
+            - self.ends.offsets[side]
+            - (-1, 1)[side] * self.ends.paths[side].motion(t)[0][3]
+        )
         return SwivelState(Phase.STICK, float(angle), 0.0)
 
 
-def reference_events(start: RopeSimulator, ends: HangingEnds, duration: float) -> list[tuple[float, int, Phase]]:
+def reference_events(
+    start: RopeSimulator, ends: HangingEnds, duration: float
+) -> list[tuple[float, int, Phase]]:
     q = start.state.motion.q
     time, y, events = 0.0, np.concatenate((q.ravel(), np.zeros(q.size))), []
     states = [state._replace(phase=Phase.STICK) for state in ends.states]
@@ -144,10 +156,14 @@ def test_switching_instants_agree_with_an_independent_event_located_solution() -
     for step in (2e-3, 1e-3):
         _, events = twist(scene(step, **bearings))
         if not errors:
-            moving = replace(start.ends, paths=tuple(led(p, YAWED, EndMotion(yaw=yaw)) for p, yaw in path))
+            moving = replace(
+                start.ends, paths=tuple(led(p, YAWED, EndMotion(yaw=yaw)) for p, yaw in path)
+            )
             expected = reference_events(start, moving, END)
         assert len(events) == len(expected) >= 3
-        assert [("left", "right").index(e.what.split()[0]) for e in events] == [side for _, side, _ in expected]
+        assert [("left", "right").index(e.what.split()[0]) for e in events] == [
+            side for _, side, _ in expected
+        ]
         errors.append(max(abs(e.t - t) for e, (t, _, _) in zip(events, expected, strict=True)))
     # second order in the step: a quarter, and the first error as small as the step squared times the rates allow
     assert errors[0] < 2e-3
@@ -161,7 +177,9 @@ def test_friction_only_takes_energy_and_the_balance_closes() -> None:
         yaw, rate, _ = (YAW * x for x in smooth_step(t, 0.0, YAWED))
         return EndMotion(), EndMotion(yaw=yaw, yaw_rate=rate)
 
-    dissipated = [rope.state.energy_balance.dissipated_swivel for _ in followed(rope, yawing, 60, 0.02)]
+    dissipated = [
+        rope.state.energy_balance.dissipated_swivel for _ in followed(rope, yawing, 60, 0.02)
+    ]
     assert np.all(np.diff(dissipated) >= -1e-15)
     assert dissipated[-1] > 0.01
     energy_balance = rope.state.energy_balance
@@ -178,7 +196,9 @@ def test_release_at_its_time_and_not_before() -> None:
 
 
 @pytest.mark.parametrize("start", [0.0, 0.3, 3600.3])
-def test_a_search_for_an_event_that_fails_ends_with_its_cause(monkeypatch: pytest.MonkeyPatch, start: float) -> None:
+def test_a_search_for_an_event_that_fails_ends_with_its_cause(
+    monkeypatch: pytest.MonkeyPatch, start: float
+) -> None:
     trial = RopeModel.trial
 
     def fail(model: RopeModel, system: RopeSystem, old: Motion, h: float) -> StepResult[Evaluation]:
@@ -202,7 +222,9 @@ SCENES = {
     "healthy": PLAIN,
     "one seized": PLAIN.with_(left=Swivel(), rope=Rope(length=40.0, installed_twist=1.0)),
     "free": PLAIN.with_(left=FREE, right=FREE),
-    "one coefficient": PLAIN.with_(left=replace(HEALTHY, mu_static=0.0013), right=replace(HEALTHY, mu_static=0.0013)),
+    "one coefficient": PLAIN.with_(
+        left=replace(HEALTHY, mu_static=0.0013), right=replace(HEALTHY, mu_static=0.0013)
+    ),
     # locked, its loop would wind up by more than a turn
     "twisted": PLAIN.with_(rope=Rope(length=40.0, installed_twist=15.0)),
     # its torque is not the same all along: both swivels slide
@@ -237,12 +259,16 @@ def test_friction_holds_the_rope_at_the_start_and_nothing_moves_then(name: str) 
 
 
 @pytest.mark.parametrize("twist", [0.0, 15.0])
-def test_the_weaker_swivel_slides_by_the_angle_of_the_torque_that_it_does_not_hold(twist: float) -> None:
+def test_the_weaker_swivel_slides_by_the_angle_of_the_torque_that_it_does_not_hold(
+    twist: float,
+) -> None:
     rope = hung(balance_rope(PLAIN.with_(rope=replace(ROPE, installed_twist=twist))), right=RIGHT)
     now, (short, long) = rope.signals(), (10.0, 30.0)
     # of vertical legs with their ends held: D / L times the twist, and by the mean tension; that of 1 m of loop is not
     torsion = ROPE.Qd - ROPE.Qs**2 / ROPE.Qa
-    held = ROPE.Qc / ROPE.Qa * ROPE.mass_per_length * 9.81 * (short**2 + long**2) / (2 * ROPE.length)
+    held = (
+        ROPE.Qc / ROPE.Qa * ROPE.mass_per_length * 9.81 * (short**2 + long**2) / (2 * ROPE.length)
+    )
     kinetic = friction_moment(HEALTHY.mu_kinetic, HEALTHY.mean_diameter, 0.0, -now["left.fy"])
     assert_allclose(now["right.swivel.torque"], kinetic, rtol=1e-6)
     slid = (held - kinetic) * ROPE.length / torsion - 2 * now["loop.yaw"]
@@ -251,20 +277,33 @@ def test_the_weaker_swivel_slides_by_the_angle_of_the_torque_that_it_does_not_ho
 
 
 @pytest.mark.parametrize(
-    "name", ["healthy", "one seized", *(pytest.param(name, marks=pytest.mark.slow) for name in ("twisted", "curved"))]
+    "name",
+    [
+        "healthy",
+        "one seized",
+        *(pytest.param(name, marks=pytest.mark.slow) for name in ("twisted", "curved")),
+    ],
 )
 def test_both_forms_start_from_the_same_rest(name: str) -> None:
     python = SCENES[name].with_(solver=Solver(kernels="portable"))
-    native, rope = (hung(rope, right=RIGHT) for rope in (balance_rope(SCENES[name]), RopeSimulator(python)))
-    keys = [f"{side}.{key}" for side in SIDES for key in ("swivel.torque", "swivel.angle", "fx", "fy")]
+    native, rope = (
+        hung(rope, right=RIGHT) for rope in (balance_rope(SCENES[name]), RopeSimulator(python))
+    )
+    keys = [
+        f"{side}.{key}" for side in SIDES for key in ("swivel.torque", "swivel.angle", "fx", "fy")
+    ]
     # as near as the forms' statics come to each other
-    assert_allclose([*native.signals(keys).values()], [*rope.signals(keys).values()], rtol=1e-9, atol=1e-7)
+    assert_allclose(
+        [*native.signals(keys).values()], [*rope.signals(keys).values()], rtol=1e-9, atol=1e-7
+    )
 
 
 STRONG = replace(HEALTHY, mu_static=1.0, mu_kinetic=0.9)
 HELD = {
     "friction that holds": PLAIN.with_(left=STRONG, right=STRONG),
-    "released later": PLAIN.with_(left=replace(HEALTHY, release_time=0.5), right=replace(HEALTHY, release_time=0.5)),
+    "released later": PLAIN.with_(
+        left=replace(HEALTHY, release_time=0.5), right=replace(HEALTHY, release_time=0.5)
+    ),
     "spatial": PLAIN.with_(left=FREE, right=FREE, model=Model("spatial")),
     "planar": PLAIN.with_(model=Model("planar")),
     "rigid": PLAIN.with_(model=Model("rigid")),
@@ -274,7 +313,9 @@ HELD = {
 @pytest.mark.parametrize("name", HELD)
 def test_a_swivel_without_cause_to_slide_starts_as_it_was_hung_up(name: str) -> None:
     scene = HELD[name]
-    locked = scene.with_(left=replace(scene.left, start="locked"), right=replace(scene.right, start="locked"))
+    locked = scene.with_(
+        left=replace(scene.left, start="locked"), right=replace(scene.right, start="locked")
+    )
     one, other = (hung(balance_rope(x), right=RIGHT) for x in (scene, locked))
     assert one.signals() == other.signals()
     assert (one.rows() == other.rows()).all()
@@ -282,13 +323,19 @@ def test_a_swivel_without_cause_to_slide_starts_as_it_was_hung_up(name: str) -> 
 
 def test_a_rope_hung_anew_after_a_trip_rests_within_the_limits_band() -> None:
     dirty = replace(HEALTHY, mu_static=0.02, mu_kinetic=0.015)
-    scene = PLAIN.with_(left=dirty, right=dirty, rope=replace(ROPE, beta_K=0.02, torsion_damping=10.0))
-    rope = wound(balance_rope(scene), lambda t: (smooth_trip(t, 10.0, 10.0, 0.0)[0], RIGHT), 3000, 0.02)
+    scene = PLAIN.with_(
+        left=dirty, right=dirty, rope=replace(ROPE, beta_K=0.02, torsion_damping=10.0)
+    )
+    rope = wound(
+        balance_rope(scene), lambda t: (smooth_trip(t, 10.0, 10.0, 0.0)[0], RIGHT), 3000, 0.02
+    )
     assert rope.state.counts.swivel_events > 0
     after, anew = rope.signals(), hung(balance_rope(scene), EndMotion(y=10.0), RIGHT).signals()
     # the same rope, its ends at the same places: its torque differs by that of its twist, D / L of docs/theory/rope.md
     torsion = (ROPE.Qd - ROPE.Qs**2 / ROPE.Qa) / ROPE.length
-    torque, twist = (after[f"right.swivel.{key}"] - anew[f"right.swivel.{key}"] for key in ("torque", "angle"))
+    torque, twist = (
+        after[f"right.swivel.{key}"] - anew[f"right.swivel.{key}"] for key in ("torque", "angle")
+    )
     twist -= after["left.swivel.angle"] - anew["left.swivel.angle"]
     twist -= 2 * (after["loop.yaw"] - anew["loop.yaw"])
     band = 2 * min(limit(rope, dirty, side) for side in SIDES)
@@ -308,7 +355,9 @@ def test_a_swivel_is_free_from_the_start_of_a_run_that_begins_before_zero() -> N
 def test_events_are_at_the_same_instants_in_any_unit_of_mass(phase: Phase, moment: float) -> None:
     """The function whose root they are does not change by a bit, whatever the other swivel's is compared with."""
     state = SwivelState(phase, 0.0, 1.0)
-    one, heavy = (swivel_excess(STIFF_BEARING, state, unit * 5e3, unit * moment, 0.1) for unit in (1.0, 8.0))
+    one, heavy = (
+        swivel_excess(STIFF_BEARING, state, unit * 5e3, unit * moment, 0.1) for unit in (1.0, 8.0)
+    )
     assert one == heavy
     assert (one < 0) == (phase is Phase.SLIP or moment < 80.0)
 
@@ -318,10 +367,14 @@ def test_a_rounding_of_the_coupling_leaves_the_rest_as_it_is(rounding: float) ->
     """The search takes full corrections, as of a symmetric coupling: shortened by noise they need not converge."""
     air = replace(PLAIN.shaft.air, density=1.2, vz=5.0)
     blown = PLAIN.with_(shaft=replace(PLAIN.shaft, air=air), left=HEALTHY, right=HEALTHY)
-    pushed = PointForces(np.array([20.0]), np.array([[10.0, 0.0, 40.0]]), np.array([[10.0, 0.0, 40.0]]), -1.0, 10.0)
+    pushed = PointForces(
+        np.array([20.0]), np.array([[10.0, 0.0, 40.0]]), np.array([[10.0, 0.0, 40.0]]), -1.0, 10.0
+    )
     rests = []
     for excess in (0.0, rounding):
-        rope = balance_rope(blown.with_(rope=replace(blown.rope, Qb=1e5, Qc=1e5 * (1.0 + excess))), "native")
+        rope = balance_rope(
+            blown.with_(rope=replace(blown.rope, Qb=1e5, Qc=1e5 * (1.0 + excess))), "native"
+        )
         rope.apply(pushed)
         rests.append([*hung(rope).signals(["left.fy", "left.my", "right.my", "loop.yaw"]).values()])
     assert lacks_symmetry(1e5, 0.5e5 * rounding) == 0

@@ -9,7 +9,18 @@ import pytest
 from numpy.testing import assert_allclose
 from scenes import fixed_steps, hung, turn, wound
 
-from rope_model import BalanceRope, EndMotion, Form, Layout, Mesh, Model, Rope, RopeSimulator, Scene, balance_rope
+from rope_model import (
+    BalanceRope,
+    EndMotion,
+    Form,
+    Layout,
+    Mesh,
+    Model,
+    Rope,
+    RopeSimulator,
+    Scene,
+    balance_rope,
+)
 from rope_model.cases import rope_120
 from rope_model.simulation.outputs.modal import natural_modes
 from rope_model.simulation.stepping.statics import find_equilibrium
@@ -21,7 +32,9 @@ STILL = dict.fromkeys(("vx", "vy", "vz", "ax", "ay", "az", "yaw_rate"), 0.0)
 
 def test_loop_yaws_through_90_degrees_and_on_to_a_full_turn() -> None:
     rope = RopeSimulator(SCENE)
-    rope.restore(wound(balance_rope(SCENE, "native"), lambda t: turn(2 * math.pi, 20.0, t), 1000, 0.02).state)
+    rope.restore(
+        wound(balance_rope(SCENE, "native"), lambda t: turn(2 * math.pi, 20.0, t), 1000, 0.02).state
+    )
     assert rope.state.loop_yaw > 1.5 * math.pi
     # the ends are back where they were, and so are shape and torque at rest: theta counts on as the frame is carried
     # along.  What is left is the quadrature of the frame's turn, on elements of 0.75 m
@@ -38,7 +51,9 @@ def test_installed_twist_turns_the_loop_over_on_any_mesh() -> None:
     yaws = []
     for mesh in (Mesh("auto"), Mesh(coarse_length=1.0)):
         rope = hung(RopeSimulator(Scene(rope=Rope(length=60.0, installed_twist=7.0), mesh=mesh)))
-        assert natural_modes(rope.system, rope.state.motion.q, 2).frequencies[0] > 0  # stable, or it raises
+        assert (
+            natural_modes(rope.system, rope.state.motion.q, 2).frequencies[0] > 0
+        )  # stable, or it raises
         yaws.append(rope.state.loop_yaw)
     assert min(yaws) > math.pi  # past the plane again, legs crossed
     assert_allclose(yaws[0], yaws[1], rtol=1e-3)  # the coarser mesh is made for 5 mm of 1 m
@@ -60,24 +75,38 @@ def test_moments_on_a_rope_at_rest_balance_about_the_vertical() -> None:
     loads, spacing = at_rest(EndMotion(y=30.0), EndMotion(yaw=1.5)), rope_120().scene.layout.spacing
     assert abs(loads["right.my"]) > 10.0
     # the forces out of plane act at both ends, half the spacing to either side
-    about_y = loads["left.my"] + loads["right.my"] + 0.5 * spacing * (loads["left.fz"] - loads["right.fz"])
+    about_y = (
+        loads["left.my"]
+        + loads["right.my"]
+        + 0.5 * spacing * (loads["left.fz"] - loads["right.fz"])
+    )
     assert_allclose(about_y, 0.0, atol=1e-5)
 
 
 def test_turns_put_in_at_once_turn_the_loop_and_leave_the_torque() -> None:
     # four turns of one end are two of the loop, by which the rope gets rid of the twist
-    loads, turned_in = at_rest(EndMotion(), EndMotion()), at_rest(EndMotion(), EndMotion(yaw=8 * math.pi))
+    loads, turned_in = (
+        at_rest(EndMotion(), EndMotion()),
+        at_rest(EndMotion(), EndMotion(yaw=8 * math.pi)),
+    )
     assert_allclose(turned_in["loop.yaw"] - loads["loop.yaw"], 4 * math.pi, rtol=1e-6)
     assert_allclose(turned_in["left.my"], loads["left.my"], rtol=1e-4)
 
 
 def at_rest(left: EndMotion, right: EndMotion) -> dict[str, float]:
-    return hung(balance_rope(rope_120().scene), replace(left, **STILL), replace(right, **STILL)).signals()
+    return hung(
+        balance_rope(rope_120().scene), replace(left, **STILL), replace(right, **STILL)
+    ).signals()
 
 
 # ropes in poses from a seed, kind by kind: the first hangs as drawings show it, the last has everything at once; nearly
 # everything is drawn over the whole range that the rope takes, so that many poses are absurd
-LENGTH, MASS, BENDING, SPACING = (60.0, 1200.0), (3.0, 15.0), (50.0, 3000.0), (1.2, 3.0)  # m, kg/m, N m^2, m
+LENGTH, MASS, BENDING, SPACING = (
+    (60.0, 1200.0),
+    (3.0, 15.0),
+    (50.0, 3000.0),
+    (1.2, 3.0),
+)  # m, kg/m, N m^2, m
 #: EA (N) per mass per length (kg/m); the other stiffnesses grow with the section as those of the published case
 STIFFNESS = (1.1e7, 2.0e7)
 PUBLISHED = Rope()
@@ -133,11 +162,17 @@ def _pose(rng: np.random.Generator, kind: str, has: frozenset[str]) -> Pose:
     Qs = evenly(0.0, 1.0) * stiffer * math.sqrt(section) * PUBLISHED.Qs
     unequal = if_has("unsymmetric", evenly(*UNSYMMETRIC))
     rope = Rope(
-        length=length, mass_per_length=mass, Qa=Qa, Qb=(1.0 + unequal) * Qs, Qc=(1.0 - unequal) * Qs,
-        Qd=stiffer * section * PUBLISHED.Qd, EI=in_logarithms(BENDING), rhoJ=section**2 * PUBLISHED.rhoJ,
+        length=length,
+        mass_per_length=mass,
+        Qa=Qa,
+        Qb=(1.0 + unequal) * Qs,
+        Qc=(1.0 - unequal) * Qs,
+        Qd=stiffer * section * PUBLISHED.Qd,
+        EI=in_logarithms(BENDING),
+        rhoJ=section**2 * PUBLISHED.rhoJ,
         diameter=math.sqrt(section) * PUBLISHED.diameter,
         installed_twist=if_has("twisted", evenly(-1.0, 1.0) * 2.0 * math.pi * TURNS),
-    )  # fmt: skip
+    )
     rises = if_has("height", evenly(-1.0, 1.0) * (1.0 - 2.0 * NEAR[0]) * length)
     aside = min(ASIDE, 0.1 * length)
     ends = []
@@ -185,16 +220,22 @@ SOFT = replace(rope_120().scene.rope, length=118.0, Qd=2000.0, Qb=2.0e5, Qc=1.6e
 
 
 def twisted(form: Form, twist: float) -> BalanceRope:
-    return hung(balance_rope(rope_120().scene.with_(rope=replace(SOFT, installed_twist=twist)), form))
+    return hung(
+        balance_rope(rope_120().scene.with_(rope=replace(SOFT, installed_twist=twist)), form)
+    )
 
 
 @pytest.mark.parametrize("twist", [5.0, pytest.param(7.0, marks=pytest.mark.slow)])
-def test_the_rest_of_a_twisted_rope_is_stable_in_any_steps(twist: float, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_rest_of_a_twisted_rope_is_stable_in_any_steps(
+    twist: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
     rope = twisted("auto", twist)
     monkeypatch.setattr("rope_model.simulation.stepping.hang.TWIST_STEP", 0.5)
     half = twisted("python", twist)
     assert isinstance(half, RopeSimulator)
-    assert natural_modes(half.system, half.state.motion.q, 1).frequencies[0] > 0  # stable, or it raises
+    assert (
+        natural_modes(half.system, half.state.motion.q, 1).frequencies[0] > 0
+    )  # stable, or it raises
     # convergence at 1e-11 of the length, times what the softest mode makes of it
     assert_allclose(half.state.loop_yaw, rope.state.loop_yaw, rtol=0, atol=1e-5)
     assert (rope.state.snap_twist != 0) == (twist > 6.5)

@@ -20,19 +20,55 @@ FILES = {path.name: path for path in sorted(CSRC.rglob("*")) if path.suffix in (
 #: what the files declare to each other and to hosts, memory that is taken before the
 #: first step, numbers written as Python does, vectors of several elements and the processor's
 ENGINE = {
-    "host_step.c", "sensitivity.c",
-    "core.h", "rope.h", "memory.c", "text.c", "text.h", "lanes.h", "processor.c", "processor.h",
-    "rope_kernels_form.inc", "rope_kernels_plain.c", "rope_kernels_wide.c", "rope_kernels_widest.c",
-}  # fmt: skip
+    "host_step.c",
+    "sensitivity.c",
+    "core.h",
+    "rope.h",
+    "memory.c",
+    "text.c",
+    "text.h",
+    "lanes.h",
+    "processor.c",
+    "processor.h",
+    "rope_kernels_form.inc",
+    "rope_kernels_plain.c",
+    "rope_kernels_wide.c",
+    "rope_kernels_widest.c",
+}
 #: functions without a Python one in the module of their file: other names there, types, numpy, room for memory
 C_ONLY = {
-    "rope_create", "rope_message", "rope_is_initialized", "rope_state_bytes", "rope_save", "rope_time", "rope_fidelity",
-    "rope_fidelity_reason", "rope_warning", "state_plausible", "state_copy", "record_event", "partition_elements",
-    "middle_before", "fidelity_name", "bodies_group", "find_near_bodies", "add_near_bodies", "remember_configuration",
-    "clearance_exceeds", "carry_director",
-    "phases_of", "set_phases", "repeat_step", "newton_repeated", "host_step_plausible",
-    "point_forces_push", "chain_work_bytes", "chain_frames_bytes", "fastest_chains", "rope_advance_to_event",
-}  # fmt: skip
+    "rope_create",
+    "rope_message",
+    "rope_is_initialized",
+    "rope_state_bytes",
+    "rope_save",
+    "rope_time",
+    "rope_fidelity",
+    "rope_fidelity_reason",
+    "rope_warning",
+    "state_plausible",
+    "state_copy",
+    "record_event",
+    "partition_elements",
+    "middle_before",
+    "fidelity_name",
+    "bodies_group",
+    "find_near_bodies",
+    "add_near_bodies",
+    "remember_configuration",
+    "clearance_exceeds",
+    "carry_director",
+    "phases_of",
+    "set_phases",
+    "repeat_step",
+    "newton_repeated",
+    "host_step_plausible",
+    "point_forces_push",
+    "chain_work_bytes",
+    "chain_frames_bytes",
+    "fastest_chains",
+    "rope_advance_to_event",
+}
 
 
 def text_of(path: Path) -> str:
@@ -41,19 +77,27 @@ def text_of(path: Path) -> str:
 
 def functions(path: Path) -> list[str]:
     """Names of the functions that other files may call."""
-    return re.findall(r"^(?!static|typedef|enum)\w[\w *]*?\b(\w+)\([^;{}]*\)\s*\{", text_of(path), re.MULTILINE)
+    return re.findall(
+        r"^(?!static|typedef|enum)\w[\w *]*?\b(\w+)\([^;{}]*\)\s*\{", text_of(path), re.MULTILINE
+    )
 
 
 def module_of(path: Path) -> Path | None:
     below = path.relative_to(CSRC).with_suffix(".py")
-    return next((found for room in ("simulation", ".") if (found := PACKAGE / room / below).exists()), None)
+    return next(
+        (found for room in ("simulation", ".") if (found := PACKAGE / room / below).exists()), None
+    )
 
 
 def names_in(module: Path) -> set[str]:
     """Names of functions, methods and classes, and of CasADi functions, which are words."""
     nodes = list(ast.walk(ast.parse(module.read_text(encoding="utf-8"))))
     defined = {node.name.lstrip("_") for node in nodes if isinstance(node, ast.FunctionDef)}
-    classes = {re.sub(r"\B([A-Z])", r"_\1", node.name).lower() for node in nodes if isinstance(node, ast.ClassDef)}
+    classes = {
+        re.sub(r"\B([A-Z])", r"_\1", node.name).lower()
+        for node in nodes
+        if isinstance(node, ast.ClassDef)
+    }
     return defined | classes | {str(node.value) for node in nodes if isinstance(node, ast.Constant)}
 
 
@@ -79,7 +123,9 @@ def test_neither_calls_nor_includes_go_round() -> None:
         text = text_of(path)
         calls = re.findall(r"(?<![\w.>])(\w+)\(", text) if path.suffix != ".h" else []
         called = {home[f] for f in calls if f in home}
-        graph[name] = (called | set(re.findall(r'#include "(\w+\.\w+)"', text)) & set(FILES)) - {name}
+        graph[name] = (called | set(re.findall(r'#include "(\w+\.\w+)"', text)) & set(FILES)) - {
+            name
+        }
     assert len(list(TopologicalSorter(graph).static_order())) == len(FILES)
 
 

@@ -10,7 +10,14 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scenes import passed
 
 from rope_model import Mesh, Rope, Scene, Solver
-from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, POINTS, ElementFidelity, element_functions, parameters
+from rope_model.physics.element import (
+    ELEMENT_DOF,
+    NODE_DOF,
+    POINTS,
+    ElementFidelity,
+    element_functions,
+    parameters,
+)
 from rope_model.physics.wire_element import TANGENT_SIZE, wire_functions
 from rope_model.physics.wire_friction import (
     POINT_STATE_SIZE,
@@ -31,7 +38,9 @@ ROPE = Rope(length=10.0, EI=300.0, EI_stick=1300.0, slip_moment=20.0, slip_facto
 def bent(z: float, before: float, after: float) -> BoucWenStep:
     """A section of a straight rope whose curvature about one axis goes from ``before`` to ``after``."""
     straight = 1.0, 0.0, 0.0
-    return bouc_wen_step((*straight, 0.0, before, 0.0, 0.0, 0.0, z, 0.0), (*straight, 0.0, after, 0.0, 0.0), K0)
+    return bouc_wen_step(
+        (*straight, 0.0, before, 0.0, 0.0, 0.0, z, 0.0), (*straight, 0.0, after, 0.0, 0.0), K0
+    )
 
 
 def path(curvatures: Array) -> tuple[Array, Array]:
@@ -51,7 +60,9 @@ def test_the_law_is_that_of_the_ropes_stiffnesses_and_tension() -> None:
     assert C == 1000.0
     assert slip_curvature(rope, C, 0.0, 0.0) == pytest.approx(K0)
     # 1.2e8 N times 1e-4 is 12 kN
-    assert slip_curvature(rope, C, 1e-4, 0.0) == pytest.approx((20.0 + 0.02 * 0.044 * 12e3) / 1000.0)
+    assert slip_curvature(rope, C, 1e-4, 0.0) == pytest.approx(
+        (20.0 + 0.02 * 0.044 * 12e3) / 1000.0
+    )
     assert slip_curvature(rope, C, -1e-4, 0.0) == pytest.approx(K0)
 
 
@@ -60,7 +71,9 @@ def test_a_fresh_rope_follows_the_hyperbolic_tangent() -> None:
     z, loss = path(k)
     # the series of sinh leaves s^7/5040 of a step s = 0.05
     assert_allclose(z, K0 * np.tanh(k / K0), rtol=1e-10)
-    assert_allclose(loss, K0**2 * (np.log(np.cosh(k / K0)) - 0.5 * np.tanh(k / K0) ** 2), atol=1e-12 * K0**2)
+    assert_allclose(
+        loss, K0**2 * (np.log(np.cosh(k / K0)) - 0.5 * np.tanh(k / K0) ** 2), atol=1e-12 * K0**2
+    )
 
 
 @pytest.mark.parametrize("length", [0.3, 1.0, 3.0, 100.0])
@@ -113,7 +126,9 @@ def test_friction_only_takes_energy_and_holds_no_more_than_its_moment() -> None:
     slid = bouc_wen_step(before, now, K0)
     assert (slid.dissipated >= 0).all()
     assert (np.linalg.norm(slid.z, axis=0) <= K0 * (1 + 1e-12)).all()
-    assert_allclose((now[:3] * np.array(slid.z)).sum(axis=0), 0.0, atol=1e-12 * K0)  # across the rope
+    assert_allclose(
+        (now[:3] * np.array(slid.z)).sum(axis=0), 0.0, atol=1e-12 * K0
+    )  # across the rope
 
 
 def test_what_turns_as_a_whole_remembers_all() -> None:
@@ -146,9 +161,14 @@ def at_rest(q: Array, z: Array) -> Array:
 
 
 @pytest.mark.parametrize("fidelity", ELEMENT_DOF)
-def test_while_wires_stick_the_residual_is_the_derivative_of_the_energy(fidelity: ElementFidelity) -> None:
+def test_while_wires_stick_the_residual_is_the_derivative_of_the_energy(
+    fidelity: ElementFidelity,
+) -> None:
     wires, kept = wire_functions(fidelity), list(ELEMENT_DOF[fidelity])
-    before, now = element_state(fidelity, 1), element_state(fidelity, 1) + 1e-4 * element_state(fidelity, 2)
+    before, now = (
+        element_state(fidelity, 1),
+        element_state(fidelity, 1) + 1e-4 * element_state(fidelity, 2),
+    )
     nodes = before.ravel(), now.ravel()
     z = []
     for xi in POINTS:  # the moment falls on the way to `now`
@@ -170,24 +190,42 @@ def test_while_wires_stick_the_residual_is_the_derivative_of_the_energy(fidelity
 
 
 @pytest.mark.parametrize("fidelity", ELEMENT_DOF)
-def test_at_rest_a_fresh_rope_has_the_stiffness_of_wires_that_stick(fidelity: ElementFidelity) -> None:
-    plain, wires, kept = element_functions(fidelity), wire_functions(fidelity), list(ELEMENT_DOF[fidelity])
+def test_at_rest_a_fresh_rope_has_the_stiffness_of_wires_that_stick(
+    fidelity: ElementFidelity,
+) -> None:
+    plain, wires, kept = (
+        element_functions(fidelity),
+        wire_functions(fidelity),
+        list(ELEMENT_DOF[fidelity]),
+    )
     q, still = element_state(fidelity, 3)[:, kept].ravel(), np.zeros(2 * len(kept))
     stuck = np.array(
-        wires.tangent(q, 2.0, at_rest(element_state(fidelity, 3), np.zeros(9)), np.zeros(TANGENT_SIZE), 1.0)
+        wires.tangent(
+            q, 2.0, at_rest(element_state(fidelity, 3), np.zeros(9)), np.zeros(TANGENT_SIZE), 1.0
+        )
     )
     H = at_rest(element_state(fidelity, 3), np.zeros(9))
     slopes = difference(lambda x: np.array(wires.residual(x, 2.0, H)).ravel(), q, 1e-7)
     assert_allclose(stuck, slopes, atol=1e-6 * np.abs(stuck).max())
     # of a straight rope bending is all there is to it
     straight = element_state(fidelity, 3)
-    straight[:, 3:6], straight[1, :3], straight[:, 6] = [0.6, -0.8, 0.0], straight[0, :3] + [1.2, -1.6, 0.0], 0.0
+    straight[:, 3:6], straight[1, :3], straight[:, 6] = (
+        [0.6, -0.8, 0.0],
+        straight[0, :3] + [1.2, -1.6, 0.0],
+        0.0,
+    )
     q, F = straight[:, kept].ravel(), np.array(plain.reference(straight[:, kept].ravel(), 2.0))
     stiff, soft = (
-        np.array(plain.tangent(q, still, still, 2.0, F, np.array(parameters(Rope(EI=EI), 9.81)), 1.0, 0.0, 0.0, q)[1])
+        np.array(
+            plain.tangent(
+                q, still, still, 2.0, F, np.array(parameters(Rope(EI=EI), 9.81)), 1.0, 0.0, 0.0, q
+            )[1]
+        )
         for EI in (ROPE.EI_stick, ROPE.EI)
     )
-    added = np.array(wires.tangent(q, 2.0, at_rest(straight, np.zeros(9)), np.zeros(TANGENT_SIZE), 1.0))
+    added = np.array(
+        wires.tangent(q, 2.0, at_rest(straight, np.zeros(9)), np.zeros(TANGENT_SIZE), 1.0)
+    )
     assert_allclose(added, stiff - soft, atol=1e-9 * np.abs(stiff).max())
 
 

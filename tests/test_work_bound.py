@@ -17,7 +17,14 @@ pytest.importorskip("rope_model.codegen.build")
 
 #: winds 200 m, its swivels are released at 20 s, and it is stopped after that
 STOP = Trip("rope-240", "emergency stop", "draft", 0.01)
-READ = ("count.newton", "status.given_up", "status.given_up_since", "left.fy", "right.fy", "loop.yaw")
+READ = (
+    "count.newton",
+    "status.given_up",
+    "status.given_up_since",
+    "left.fy",
+    "right.fy",
+    "loop.yaw",
+)
 NEWTON, GIVEN_UP, SINCE, FORCES = 0, 1, 2, slice(3, 5)
 BOUND = 48
 SOON = replace(SWIVEL, release_time=0.1)
@@ -46,7 +53,9 @@ def unbounded() -> NDArray[np.float64]:
     return wind(0)
 
 
-def test_the_bound_holds_through_a_release_and_an_emergency_stop_and_the_status_says_so(unbounded) -> None:
+def test_the_bound_holds_through_a_release_and_an_emergency_stop_and_the_status_says_so(
+    unbounded,
+) -> None:
     bounded = wind(BOUND)
     assert work(unbounded) > BOUND >= work(bounded)
     given_up, since = bounded[:, GIVEN_UP], bounded[:, SINCE]
@@ -71,7 +80,13 @@ def test_a_bound_that_is_not_reached_changes_no_bit(unbounded: NDArray[np.float6
     [
         (Scene(rope=Rope(length=60.0), solver=Solver(work_max=24)), bounce, 0.02, 35, False),
         # swivels switch at the ends of steps
-        (Scene(rope=SHORT, left=SOON, right=SOON, solver=Solver(work_max=12)), away_from_each_other, 0.005, 109, True),
+        (
+            Scene(rope=SHORT, left=SOON, right=SOON, solver=Solver(work_max=12)),
+            away_from_each_other,
+            0.005,
+            109,
+            True,
+        ),
     ],
 )
 def test_both_forms_give_up_the_same_steps_and_warn_of_it(
@@ -84,7 +99,10 @@ def test_both_forms_give_up_the_same_steps_and_warn_of_it(
     assert a.counts.given_up > 0
     assert a.given_up_since == b.given_up_since
     assert said == same
-    assert f"given up in {a.counts.given_up} steps since t = {a.given_up_since:.6g} s" in said["accuracy_given_up"]
+    assert (
+        f"given up in {a.counts.given_up} steps since t = {a.given_up_since:.6g} s"
+        in said["accuracy_given_up"]
+    )
 
 
 def test_a_bound_below_one_step_does_not_stop_the_rope(unbounded: NDArray[np.float64]) -> None:

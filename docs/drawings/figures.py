@@ -13,7 +13,9 @@ def _loop(left: Point, right: Point, bottom: float) -> str:
     return f"M{left[0]:g} {left[1]:g}V{bottom - radius:g}{arc}V{right[1]:g}"
 
 
-def _hoist(d: Drawing, x: float, top: float, left: float, right: float, bottom: float) -> tuple[Point, Point]:
+def _hoist(
+    d: Drawing, x: float, top: float, left: float, right: float, bottom: float
+) -> tuple[Point, Point]:
     """Draw sheave, hoisting ropes, conveyances and balance rope about the middle ``x``; return the rope's ends."""
     half, size, radius = 62.0, (52.0, 74.0), 62.0
     for side in (-1, 1):
@@ -33,7 +35,9 @@ def _hoist(d: Drawing, x: float, top: float, left: float, right: float, bottom: 
 def balance_rope() -> Drawing:
     """Draw what a balance rope is, for a reader who has never seen one."""
     d = Drawing(
-        860, 436, "A friction hoist: two conveyances hang over a sheave, and a balance rope hangs below them in a U"
+        860,
+        436,
+        "A friction hoist: two conveyances hang over a sheave, and a balance rope hangs below them in a U",
     )
     x, top, bottom = 300.0, 74.0, 372.0
     _left, _right = _hoist(d, x, top, 140.0, 224.0, bottom)
@@ -142,7 +146,9 @@ def element() -> Drawing:
     for i in range(61):
         u = i / 60
         h = (2 * u**3 - 3 * u**2 + 1, u**3 - 2 * u**2 + u, 3 * u**2 - 2 * u**3, u**3 - u**2)
-        points.append(tuple(h[0] * a[k] + h[1] * da[k] + h[2] * b[k] + h[3] * db[k] for k in (0, 1)))
+        points.append(
+            tuple(h[0] * a[k] + h[1] * da[k] + h[2] * b[k] + h[3] * db[k] for k in (0, 1))
+        )
     d.line([(p[0], p[1]) for p in points], "rope", 4)
     origin = (70.0, 292.0)
     d.dot(*origin, 3)
@@ -257,8 +263,22 @@ def mesh() -> Drawing:
     d.text(x, second - 22, "after", "soft")
     d.text(0.5 * (after[0] + after[1]), second + 34, "I has gained an element", "ink", "middle")
     d.text(0.5 * (after[6] + after[7]), second + 34, "VII has lost one", "ink", "middle")
-    d.text(0.5 * (after[1] + after[3]) - 20, second + 62, "left of the loop elements join", "soft", "middle", 13)
-    d.text(0.5 * (after[4] + after[6]) + 20, second + 62, "right of it elements split", "soft", "middle", 13)
+    d.text(
+        0.5 * (after[1] + after[3]) - 20,
+        second + 62,
+        "left of the loop elements join",
+        "soft",
+        "middle",
+        13,
+    )
+    d.text(
+        0.5 * (after[4] + after[6]) + 20,
+        second + 62,
+        "right of it elements split",
+        "soft",
+        "middle",
+        13,
+    )
     d.arrow((x, 310), (x + 60, 310), "ink", 1.4)
     d.text(x + 66, 315, "$s$")
     return d
@@ -279,7 +299,11 @@ def coupling() -> Drawing:
     d.arrow((xs[0], rope + 66), (xs[1], rope + 66), "soft", 1.2, both=True)
     d.text(290, rope + 86, "communication step $H$", "soft", "middle")
     for a, b in itertools.pairwise(xs):
-        d.curve(f"M{a + 6:g} {drive - 8:g}Q{(a + b) / 2:g} {drive - 62:g} {b - 8:g} {drive - 10:g}", "left", 2.2)
+        d.curve(
+            f"M{a + 6:g} {drive - 8:g}Q{(a + b) / 2:g} {drive - 62:g} {b - 8:g} {drive - 10:g}",
+            "left",
+            2.2,
+        )
         d.arrow((b - 14, drive - 14), (b - 6, drive - 8), "left", 2.2)
     d.text(290, 48, "1  load from the forces of the past", "left", "middle")
     d.arrow((xs[1] - 2, drive + 8), (xs[1] - 2, rope - 10), "left", 2.2)
@@ -297,9 +321,14 @@ def coupling() -> Drawing:
     d.text(xs[1] + 20, 152, "4  end forces and torques at $t_{n+1}$,", "right")
     d.text(xs[1] + 20, 170, "the past of the next step", "right")
     d.curve(
-        f"M{xs[1] + 30:g} {rope + 20:g}Q{xs[1] + 150:g} {rope + 72:g} {xs[1] + 250:g} {rope + 22:g}", "soft", 1.4, "5 5"
+        f"M{xs[1] + 30:g} {rope + 20:g}Q{xs[1] + 150:g} {rope + 72:g} {xs[1] + 250:g} {rope + 22:g}",
+        "soft",
+        1.4,
+        "5 5",
     )
-    d.text(xs[1] + 140, rope + 68, "iterative schemes restore $t_n$ and repeat", "soft", "middle", 13)
+    d.text(
+        xs[1] + 140, rope + 68, "iterative schemes restore $t_n$ and repeat", "soft", "middle", 13
+    )
     return d
 
 

@@ -59,7 +59,12 @@ class Drawing:
         self.parts.append(part)
 
     def line(
-        self, points: Sequence[Point], kind: str = "ink", width: float = 1.6, dash: str = "", fill: str = ""
+        self,
+        points: Sequence[Point],
+        kind: str = "ink",
+        width: float = 1.6,
+        dash: str = "",
+        fill: str = "",
     ) -> None:
         """Draw a polyline; filled where ``fill`` names a colour."""
         more = f' stroke-dasharray="{dash}"' if dash else ""
@@ -73,7 +78,14 @@ class Drawing:
         self.add(f'<path class="{kind}" d="{data}" style="stroke-width:{number(width)}"{more}/>')
 
     def box(
-        self, x: float, y: float, w: float, h: float, kind: str = "ink", fill: str = "", round_by: float = 0.0
+        self,
+        x: float,
+        y: float,
+        w: float,
+        h: float,
+        kind: str = "ink",
+        fill: str = "",
+        round_by: float = 0.0,
     ) -> None:
         """Draw a rectangle from its upper left corner."""
         filled = f" fill-{fill}" if fill else ""
@@ -84,9 +96,13 @@ class Drawing:
     def dot(self, x: float, y: float, r: float = 4.0, kind: str = "ink", fill: str = "ink") -> None:
         """Draw a circle."""
         filled = f" fill-{fill}" if fill else ""
-        self.add(f'<circle class="{kind}{filled}" cx="{number(x)}" cy="{number(y)}" r="{number(r)}"/>')
+        self.add(
+            f'<circle class="{kind}{filled}" cx="{number(x)}" cy="{number(y)}" r="{number(r)}"/>'
+        )
 
-    def arrow(self, a: Point, b: Point, kind: str = "ink", width: float = 1.6, both: bool = False) -> None:
+    def arrow(
+        self, a: Point, b: Point, kind: str = "ink", width: float = 1.6, both: bool = False
+    ) -> None:
         """Draw an arrow from a to b, with a head at a as well where it measures."""
         length = math.dist(a, b)
         ux, uy = (b[0] - a[0]) / length, (b[1] - a[1]) / length
@@ -116,24 +132,38 @@ class Drawing:
         steps = [math.radians(start + (end - start) * i / 40) for i in range(41)]
         ux, uy = math.cos(math.radians(axis)), math.sin(math.radians(axis))
         local = [(r * math.cos(a), squeeze * r * math.sin(a)) for a in steps]
-        points = [(x + across * uy + along * ux, y - across * ux + along * uy) for across, along in local]
+        points = [
+            (x + across * uy + along * ux, y - across * ux + along * uy) for across, along in local
+        ]
         self.line(points, kind)
         (ax, ay), (bx, by) = points[-4], points[-1]
         length = math.dist((ax, ay), (bx, by))
         self._head(points[-1], (bx - ax) / length, (by - ay) / length, kind)
 
-    def text(self, x: float, y: float, words: str, kind: str = "ink", anchor: str = "start", size: int = 0) -> None:
+    def text(
+        self,
+        x: float,
+        y: float,
+        words: str,
+        kind: str = "ink",
+        anchor: str = "start",
+        size: int = 0,
+    ) -> None:
         """Write words; ``$r_1'$`` sets a symbol in italics, with ``_`` for one lowered word or sign."""
         out = []
         for i, part in enumerate(words.split("$")):
             out.append(_symbol(part) if i % 2 else escape(part))
         more = "" if anchor == "start" else f' text-anchor="{anchor}"'
         more += f' style="font-size:{size}px"' if size else ""
-        self.add(f'<text class="fill-{kind}" x="{number(x)}" y="{number(y)}"{more}>{"".join(out)}</text>')
+        self.add(
+            f'<text class="fill-{kind}" x="{number(x)}" y="{number(y)}"{more}>{"".join(out)}</text>'
+        )
 
     def svg(self) -> str:
         """Return the file's text."""
-        size = f'viewBox="0 0 {self.width} {self.height}" width="{self.width}" height="{self.height}"'
+        size = (
+            f'viewBox="0 0 {self.width} {self.height}" width="{self.width}" height="{self.height}"'
+        )
         head = f'<svg xmlns="http://www.w3.org/2000/svg" {size} role="img">\n<title>{escape(self.title)}</title>\n'
         paper = f'<rect class="fill-paper" width="{self.width}" height="{self.height}" rx="6"/>'
         return f"{head}<style>{_style()}</style>\n{paper}\n" + "\n".join(self.parts) + "\n</svg>\n"
@@ -144,6 +174,8 @@ def _symbol(text: str) -> str:
     for base, low in re.findall(r"([^_]+)(?:_(\{[^}]*\}|.))?", text):
         found.append(f'<tspan class="m">{escape(base)}</tspan>')
         if low:
-            found.append(f'<tspan class="m" dy="4" font-size="75%">{escape(low.strip("{}"))}</tspan>')
+            found.append(
+                f'<tspan class="m" dy="4" font-size="75%">{escape(low.strip("{}"))}</tspan>'
+            )
             found.append('<tspan dy="-4">&#8203;</tspan>')
     return "".join(found)

@@ -46,7 +46,10 @@ def run() -> list[Frame]:
         if k % every == 0:
             now = rope.signals()
             count = sum(name.startswith("shape.x[") for name in now)
-            points = [(now[f"shape.x[{i}]"], now[f"shape.y[{i}]"], now[f"shape.z[{i}]"]) for i in range(1, count + 1)]
+            points = [
+                (now[f"shape.x[{i}]"], now[f"shape.y[{i}]"], now[f"shape.z[{i}]"])
+                for i in range(1, count + 1)
+            ]
             left, right = ends(k * STEP)
             pull = -now["left.fy"], -now["right.fy"]
             frames.append(Frame(k * STEP, points, pull, now["loop.yaw"], (left.y, right.y)))
@@ -69,13 +72,17 @@ class Animation:
     def shift(self, part: str, places: list[Point], start: Point = (0.0, 0.0)) -> None:
         """Draw a part that moves."""
         data = [f"{number(x)} {number(y)}" for x, y in places]
-        moves = _timing(data).replace("<animate ", '<animateTransform attributeName="transform" type="translate" ')
+        moves = _timing(data).replace(
+            "<animate ", '<animateTransform attributeName="transform" type="translate" '
+        )
         self.d.add(f'<g transform="translate({data[0]})">{part}{moves}</g>')
 
     def turn(self, part: str, angles: list[float], at: Point) -> None:
         """Draw a part that turns, degrees clockwise."""
         data = [f"{number(a)} {number(at[0])} {number(at[1])}" for a in angles]
-        moves = _timing(data).replace("<animate ", '<animateTransform attributeName="transform" type="rotate" ')
+        moves = _timing(data).replace(
+            "<animate ", '<animateTransform attributeName="transform" type="rotate" '
+        )
         self.d.add(f"<g>{part}{moves}</g>")
 
 
@@ -106,9 +113,9 @@ def _shaft(a: Animation, frames: list[Frame]) -> None:
         x = x0 + (2 * side - 1) * wide
         places = [(0.0, at(0, f.heights[side])[1]) for f in frames]
         a.path([[(x, top), (x, y - 28)] for _, y in places], "soft", 1.8)
-        box = (
-            f'<rect class="{("left", "right")[side]} fill-faint" x="{x - 14:g}" y="-28" width="28" height="28" rx="2"/>'
-        )
+        colour = ("left", "right")[side]
+        place = f'x="{x - 14:g}" y="-28" width="28" height="28" rx="2"'
+        box = f'<rect class="{colour} fill-faint" {place}/>'
         a.shift(box, places)
     a.path([[at(p[0], p[1]) for p in f.points[::2]] for f in frames], "rope", 2.4)
 
@@ -121,10 +128,15 @@ def _loop(a: Animation, frames: list[Frame]) -> None:
 
     def seen(p: tuple[float, float, float]) -> Point:
         x, y, z = p[0], p[1] - lowest, p[2]
-        right, depth = x * math.cos(turn) - z * math.sin(turn), x * math.sin(turn) + z * math.cos(turn)
+        right, depth = (
+            x * math.cos(turn) - z * math.sin(turn),
+            x * math.sin(turn) + z * math.cos(turn),
+        )
         return 350 + scale * right, 286 - scale * (y * math.cos(tilt) - depth * math.sin(tilt))
 
-    d.add('<clipPath id="c"><rect x="204" y="30" width="292" height="284"/></clipPath><g clip-path="url(#c)">')
+    d.add(
+        '<clipPath id="c"><rect x="204" y="30" width="292" height="284"/></clipPath><g clip-path="url(#c)">'
+    )
     halves = [_halves(f.points) for f in frames]
     for side, kind in enumerate(("left", "right")):
         a.path([[seen(p) for p in half[side]] for half in halves], kind, 4)
@@ -134,10 +146,16 @@ def _loop(a: Animation, frames: list[Frame]) -> None:
     for x in (350 - scale, 350 + scale):
         d.dot(x, 366, 3, "soft", "soft")
     for side, kind in enumerate(("left", "right")):
-        a.path([[(350 + scale * p[0], 366 + scale * p[2]) for p in half[side]] for half in halves], kind, 3)
+        a.path(
+            [[(350 + scale * p[0], 366 + scale * p[2]) for p in half[side]] for half in halves],
+            kind,
+            3,
+        )
 
 
-def _halves(points: list[tuple[float, float, float]], around: int = 28) -> tuple[list[tuple[float, float, float]], ...]:
+def _halves(
+    points: list[tuple[float, float, float]], around: int = 28
+) -> tuple[list[tuple[float, float, float]], ...]:
     """Return the points left and right of the lowest one, so many of each."""
     low = min(range(len(points)), key=lambda i: points[i][1])
     low = min(max(low, around), len(points) - 1 - around)
@@ -165,7 +183,10 @@ def _plots(a: Animation, frames: list[Frame]) -> None:
         if low < 0:
             kinds = [("mark", [math.degrees(f.yaw) for f in frames])]
         else:
-            kinds = [("left", [f.pull[0] / 1e3 for f in frames]), ("right", [f.pull[1] / 1e3 for f in frames])]
+            kinds = [
+                ("left", [f.pull[0] / 1e3 for f in frames]),
+                ("right", [f.pull[1] / 1e3 for f in frames]),
+            ]
         for kind, values in kinds:
             rows = [bottom - (bottom - top) * (v - low) / (high - low) for v in values]
             d.line([(across(f.t), y) for f, y in zip(frames, rows, strict=True)], kind, 1.8)
@@ -178,7 +199,11 @@ def _plots(a: Animation, frames: list[Frame]) -> None:
 
 def winding() -> Drawing:
     """Run the winding and draw it."""
-    d = Drawing(860, 404, "A winding of the 240 m rope: the hoist, the loop, the end forces and the loop's yaw")
+    d = Drawing(
+        860,
+        404,
+        "A winding of the 240 m rope: the hoist, the loop, the end forces and the loop's yaw",
+    )
     a, frames = Animation(d), run()
     _shaft(a, frames)
     _loop(a, frames)

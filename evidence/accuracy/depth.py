@@ -48,7 +48,9 @@ def tables() -> Tables:
         equal = [Mesh("eem", elements=math.ceil(length / l)) for l in (FINEST, *EEM_LENGTHS)]
         fitted = [Mesh("auto", loop_error=e) for e in LOOP_ERRORS]
         exact: Winding | None = None
-        for mesh in tqdm([*equal, *fitted], desc=f"depth, {rope}, {coupling}", unit="run", leave=False):
+        for mesh in tqdm(
+            [*equal, *fitted], desc=f"depth, {rope}, {coupling}", unit="run", leave=False
+        ):
             case = scene.with_(mesh=mesh), s_curve(trip), trip.travel, SETTLE, SAMPLE
             runs = [wind(*case, interval=STEP) for _ in range(ROUNDS if mesh.kind == "auto" else 1)]
             run = runs[0].completed(str(mesh))
@@ -56,7 +58,14 @@ def tables() -> Tables:
             kind, wanted = ("TMN-ETM", mesh.loop_error) if mesh.kind == "auto" else ("EEM", 0.0)
             what = rope, length, trip.travel, trip.speed, coupling, kind, wanted, run.rope.elements
             cost = float(np.median([x.cpu / x.simulated for x in runs]))
-            rows.append((*what, cost, force_error(run.force, exact.force), place_error(run.bottom, exact.bottom)))
+            rows.append(
+                (
+                    *what,
+                    cost,
+                    force_error(run.force, exact.force),
+                    place_error(run.bottom, exact.bottom),
+                )
+            )
     return {"depth": table((*COLUMNS, *ERRORS), rows)}
 
 
@@ -78,9 +87,15 @@ def savings(t: Table) -> list[Saving]:
         for name in ("rope", "coupling", "travel [m]", "speed [m/s]"):
             same &= t[name] == t[name][i]
         error, bound = t["loop error [m]"][same], float(t["loop error [m]"][i])
-        time = math.nan if bound > error.max() else cost_at(t["processor time [s/s]"][same], error, bound)
+        time = (
+            math.nan
+            if bound > error.max()
+            else cost_at(t["processor time [s/s]"][same], error, bound)
+        )
         saved = 100 * (1 - float(t["processor time [s/s]"][i]) / time)
-        length, speed, wanted = (float(t[name][i]) for name in ("length [m]", "speed [m/s]", "loop_error [m]"))
+        length, speed, wanted = (
+            float(t[name][i]) for name in ("length [m]", "speed [m/s]", "loop_error [m]")
+        )
         found.append(Saving(length, speed, str(t["coupling"][i]), wanted, saved))
     return found
 

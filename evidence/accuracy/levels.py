@@ -6,7 +6,15 @@ from evidence.accuracy.reading import FORCE, LOOP, TWIST
 from evidence.rendering import markdown, number, quantity
 from evidence.tables import Tables, rows
 
-HEAD = ("level", "for", "elements", "largest step", "RMS end-force error", "loop's lowest point", "twist angle")
+HEAD = (
+    "level",
+    "for",
+    "elements",
+    "largest step",
+    "RMS end-force error",
+    "loop's lowest point",
+    "twist angle",
+)
 MEANING = {
     "draft": "end forces in sweeps over many parameters; may leave torsion and yaw out",
     "standard": "studies and co-simulation; the default",

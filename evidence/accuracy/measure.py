@@ -57,7 +57,9 @@ def follow(point: Point) -> Run:
     """One winding."""
     sample = round(SAMPLE / point.communication)
     trip = s_curve(TRIP)
-    end = SAMPLE * math.ceil((trip.duration + SETTLE) / SAMPLE)  # the same for every communication step
+    end = SAMPLE * math.ceil(
+        (trip.duration + SETTLE) / SAMPLE
+    )  # the same for every communication step
     run = wind(point.scene, trip, TRAVEL, end - trip.duration, sample, interval=point.communication)
     if not run.t:
         return Run(*3 * (np.zeros((0, 2)),), "", "", 0, 0.0, [], run.status.message or "no sample")
@@ -97,7 +99,10 @@ def measure() -> Tables:
     failed = {c: runs[_key(p)].failure for c, p in exact.items() if runs[_key(p)].failure}
     if failed:
         raise RuntimeError(f"the reference solution fails: {failed}")
-    found = {p: (run := runs[_key(p)], errors(run, runs[_key(exact[p.coupling])], p.coupling)) for p in points()}
+    found = {
+        p: (run := runs[_key(p)], errors(run, runs[_key(exact[p.coupling])], p.coupling))
+        for p in points()
+    }
     again = {_key(p): p for p in _worth_repeating(found)}
     for k in range(2, ROUNDS + 1):
         for key, p in tqdm(again.items(), desc=f"round {k}", unit="run", leave=False):
@@ -121,7 +126,11 @@ def _worth_repeating(found: dict[Point, tuple[Run, tuple[float, float, float]]])
             for k in range(len(ERRORS) - 1):  # the twist's front would be a third set of runs
                 error = np.array([found[p][1][k] for p in group])
                 kept += [group[i] for i in pareto(cost, error)]
-    quick = [p for p in kept if not found[p][0].failure and found[p][0].cost * found[p][0].simulated < SLOW]
+    quick = [
+        p
+        for p in kept
+        if not found[p][0].failure and found[p][0].cost * found[p][0].simulated < SLOW
+    ]
     return list(dict.fromkeys(quick))
 
 

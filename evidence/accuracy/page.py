@@ -31,9 +31,15 @@ def page(tables: Tables) -> str:
         "machine": dict(zip(*tables["machine"].values(), strict=True)),
         "levels": levels(tables),
         "promise": _promise(tables["promise/scenes"]),
-        "own": [{"coupling": c, "force": limit(t, c, FORCE), "loop": limit(t, c, LOOP)} for c in COUPLINGS],
+        "own": [
+            {"coupling": c, "force": limit(t, c, FORCE), "loop": limit(t, c, LOOP)}
+            for c in COUPLINGS
+        ],
         "finest": finest(t, "coupled"),
-        "fastest": [(words, *(_fastest(t, c, error, bound) for c in COUPLINGS)) for error, bound, words in ASKED],
+        "fastest": [
+            (words, *(_fastest(t, c, error, bound) for c in COUPLINGS))
+            for error, bound, words in ASKED
+        ],
         "spacing": depth.FINEST,
         "depth": depth.reading(tables["depth"]),
         "exact": _against_complete(t, "uncoupled", ("spatial", "planar")),
@@ -47,7 +53,10 @@ def page(tables: Tables) -> str:
 def readme(tables: Tables) -> str:
     """Return what README says of accuracy."""
     form = "interpreted" if "portable" in tables["points"]["kernels"] else "compiled"
-    found = {"promise": _promise(tables["promise/scenes"]), "equal": equal_errors(tables["exudyn/winding"])}
+    found = {
+        "promise": _promise(tables["promise/scenes"]),
+        "equal": equal_errors(tables["exudyn/winding"]),
+    }
     return render("accuracy/readme.md.j2", {"levels": levels(tables), "form": form, **found})
 
 
@@ -55,8 +64,17 @@ def _promise(scenes: Table) -> dict[str, Any]:
     """Return how far the accuracy that is asked for is kept."""
     t, tight = completed(scenes), over_asked(completed(scenes, "tight"), "tight")
     over = over_asked(t)
-    of = {"number": len(over), "seed": JUDGE, "within": float(np.mean(over <= 1)), "worst": over.max()}
-    of |= {"kept": int(np.sum(over <= 1)), "tight": len(tight), "tight_kept": int(np.sum(tight <= 1))}
+    of = {
+        "number": len(over),
+        "seed": JUDGE,
+        "within": float(np.mean(over <= 1)),
+        "worst": over.max(),
+    }
+    of |= {
+        "kept": int(np.sum(over <= 1)),
+        "tight": len(tight),
+        "tight_kept": int(np.sum(tight <= 1)),
+    }
     return {**of, "near": [near(t, estimate) for estimate in ESTIMATES]}
 
 
@@ -74,7 +92,10 @@ def _against_complete(t: Table, coupling: str, names: tuple[str, ...]) -> list[d
     """Return how much faster each fidelity is than the complete model, and its errors."""
     r = {point["name"]: point for point in records(rows(t, family="fidelities", coupling=coupling))}
     full = r["torsional"][COST]
-    return [{"name": n, "ratio": full / r[n][COST], "force": r[n][FORCE], "loop": r[n][LOOP]} for n in names]
+    return [
+        {"name": n, "ratio": full / r[n][COST], "force": r[n][FORCE], "loop": r[n][LOOP]}
+        for n in names
+    ]
 
 
 def equal_errors(t: Table) -> dict[str, Any]:
@@ -86,7 +107,9 @@ def equal_errors(t: Table) -> dict[str, Any]:
         for level in LEVELS[metric]:
             a, b = (cost_at(t["cpu_s_per_s"][mine], error[mine], level) for mine in (ours, ~ours))
             what = (
-                f"end force {quantity(level, '%', 'g')}" if metric == "force" else f"loop {quantity(level, 'mm', 'g')}"
+                f"end force {quantity(level, '%', 'g')}"
+                if metric == "force"
+                else f"loop {quantity(level, 'mm', 'g')}"
             )
             found.append((what, f"{number(1 / a)}", f"{number(1 / b)}", number(b / a, ".0f")))
             ratios.setdefault(metric, []).append(b / a)

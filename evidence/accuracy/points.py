@@ -47,7 +47,9 @@ class Point:
     @property
     def scene(self) -> Scene:
         """The 120 m scene of this point."""
-        return scene_of(self.coupling, self.mesh).with_(solver=self.solver, model=self.model, accuracy=self.accuracy)
+        return scene_of(self.coupling, self.mesh).with_(
+            solver=self.solver, model=self.model, accuracy=self.accuracy
+        )
 
 
 def eem_name(elements: int, step: float) -> str:
@@ -72,7 +74,9 @@ def _all(coupling: str) -> Iterator[Point]:
         if n > EEM_LARGEST and h == max(STEPS):
             continue
         yield Point("eem", eem_name(n, h), coupling, Mesh("eem", elements=n), fixed_steps(h))
-    chosen = {f"{e:g} m": Mesh("auto", loop_error=e) for e in TMN_ERRORS} | {"published": Mesh(end_levels=0)}
+    chosen = {f"{e:g} m": Mesh("auto", loop_error=e) for e in TMN_ERRORS} | {
+        "published": Mesh(end_levels=0)
+    }
     for (name, mesh), h in product(chosen.items(), STEPS):
         yield Point("tmn", f"{name}, {1e3 * h:g} ms", coupling, mesh, fixed_steps(h))
     yield from _fidelities(coupling)

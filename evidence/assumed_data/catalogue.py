@@ -10,13 +10,20 @@ def catalogue() -> str:
     ropes = []
     for name, construction in CONSTRUCTIONS.items():
         factors = construction.factors()
-        ropes.append((f"`{name}`", construction.description, *(_range(factors[key]) for key in PROPERTIES)))
+        ropes.append(
+            (f"`{name}`", construction.description, *(_range(factors[key]) for key in PROPERTIES))
+        )
     head = [f"{name} / d^{kind.power}" if kind.power else name for name, kind in PROPERTIES.items()]
-    bearings = [(f"`{name}`", *(_range(datum) for datum in data.values())) for name, data in BEARINGS.items()]
+    bearings = [
+        (f"`{name}`", *(_range(datum) for datum in data.values()))
+        for name, data in BEARINGS.items()
+    ]
     return "\n\n".join(
         (
             markdown(ropes, "construction", "", *(text.replace("_", " ") for text in head)),
-            markdown(bearings, "bearing of the swivel", "running friction", "starting over running"),
+            markdown(
+                bearings, "bearing of the swivel", "running friction", "starting over running"
+            ),
         )
     )
 

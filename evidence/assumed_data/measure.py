@@ -53,7 +53,9 @@ def cover(plan: MeasurementFile, which: str, sets: int, seed: int) -> Iterator[t
         off = estimate @ errors / np.linalg.norm(estimate, axis=1)
         reach = 0.5 * (ends[:, 1] - ends[:, 0])
         within = (ends[:, 0] <= truth) & (truth <= ends[:, 1])
-        held.append((reach < OPEN, within & (reach < OPEN), (np.abs(off) <= REACH) & (reach < OPEN), reach))
+        held.append(
+            (reach < OPEN, within & (reach < OPEN), (np.abs(off) <= REACH) & (reach < OPEN), reach)
+        )
     told, within, exact, reach = np.array(held).transpose(1, 2, 0)
     for k, name in enumerate(problem.names):
         yield which, name, told[k].sum(), within[k].sum(), exact[k].sum(), reach[k].mean()
@@ -73,12 +75,17 @@ def worked() -> Tables:
     """Wind SCENES with ropes from the catalogue's ranges: quantiles of the results, and their causes."""
     results, causes = [], []
     for scene in SCENES:
-        found = run_windings(read(EXAMPLES / "uncertain" / f"{scene}.toml", UncertaintyFile), os.cpu_count() or 1)
+        found = run_windings(
+            read(EXAMPLES / "uncertain" / f"{scene}.toml", UncertaintyFile), os.cpu_count() or 1
+        )
         for name in found.file.header.measures:
             results.append((scene, name, UNITS[name], *found.quantiles(name)))
             causes += [(scene, name, key, share) for key, share in found.causes(name).items()]
     head = ("scene", "measure", "unit", "low", "middle", "high")
-    return {"results": table(head, results), "causes": table(("scene", "measure", "datum", "share"), causes)}
+    return {
+        "results": table(head, results),
+        "causes": table(("scene", "measure", "datum", "share"), causes),
+    }
 
 
 MEASURES: Measures = {"coverage": coverage, "uncertain": worked}

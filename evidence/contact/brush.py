@@ -26,7 +26,12 @@ FINE = 480, 2e-3
 FITTED, STIFFNESS = Mesh("auto"), Contact().stiffness
 _ENDS = tuple(f"{side}.f{axis}" for side in ("left", "right") for axis in "xyz")
 _SIGNALS = ("contact.divider", "clearance.divider", *_ENDS, "loop.x", "loop.y", "loop.z")
-_TOLD = ("contact.divider.impulse", "status.contact_error", "status.end_force_error", "status.loop_error")
+_TOLD = (
+    "contact.divider.impulse",
+    "status.contact_error",
+    "status.end_force_error",
+    "status.loop_error",
+)
 
 
 class Trip(NamedTuple):
@@ -50,7 +55,9 @@ class Brush(NamedTuple):
 
     pressure: Array
     impulse: float
-    told: tuple[float, float, float]  # of the pressure, the end forces (relative) and the loop's place (m)
+    told: tuple[
+        float, float, float
+    ]  # of the pressure, the end forces (relative) and the loop's place (m)
     gaps: int
     forces: Array
     loop: Array

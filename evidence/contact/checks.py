@@ -60,7 +60,9 @@ def _wall() -> Iterator[Measurement]:
     yield below("impulse up to any instant, off by, of the whole", ours.off(chain), 0.04)
     # either begins within 1 ms of its first sample: a tenth of the blow
     blow = np.sqrt(np.square(ours.blow() - chain.blow()).mean()) / chain.peak
-    yield below("force of the first blow over time, off by, root mean square over the peak", blow, 0.05)
+    yield below(
+        "force of the first blow over time, off by, root mean square over the peak", blow, 0.05
+    )
 
 
 def _rebound() -> Iterator[Measurement]:
@@ -89,11 +91,15 @@ def _turned() -> Iterator[Measurement]:
     yield below("angle of the ply, off by", abs(smooth.angle - 1.0), 0.02)
     for name, x in (("without friction", smooth), ("friction 0.2", rough)):
         growth = np.diff(np.interp(np.arange(1.0, 4.01, 0.25), x.turns, x.torque))
-        yield above(f"least growth of the torque per quarter turn, {name}", growth.min(), 0.0, "N m")
+        yield above(
+            f"least growth of the torque per quarter turn, {name}", growth.min(), 0.0, "N m"
+        )
         stiffer = growth[-4:].sum() / growth[:4].sum()
         yield above(f"its growth in the fourth turn over that in the second, {name}", stiffer, 1.0)
         yield below(f"energy unexplained, {name}, of the work done", abs(x.unexplained), 1e-3)
-    yield below("times that the legs passed through each other", smooth.crossings + rough.crossings, 1)
+    yield below(
+        "times that the legs passed through each other", smooth.crossings + rough.crossings, 1
+    )
 
 
 def _plectoneme() -> Iterator[Measurement]:

@@ -41,7 +41,11 @@ class Asked(NamedTuple):
     @property
     def constant(self) -> float:
         """The constant that makes the estimate equal the error; NaN where contact is the lesser part."""
-        return math.sqrt(self.error**2 - self.rest**2) / self.contact if self.error > 1.5 * self.rest else math.nan
+        return (
+            math.sqrt(self.error**2 - self.rest**2) / self.contact
+            if self.error > 1.5 * self.rest
+            else math.nan
+        )
 
 
 def draw(seed: int, number: int) -> Iterator[Trip]:
@@ -51,7 +55,9 @@ def draw(seed: int, number: int) -> Iterator[Trip]:
     for _ in range(number):
         length, mass, spacing = in_logarithms((60.0, 150.0)), evenly(MASS), evenly(SPACING)
         axial = mass * in_logarithms(STIFFNESS)
-        rope = Rope(length=length, mass_per_length=mass, EI=in_logarithms(BENDING), Qa=axial, Qb=0.0, Qc=0.0)
+        rope = Rope(
+            length=length, mass_per_length=mass, EI=in_logarithms(BENDING), Qa=axial, Qb=0.0, Qc=0.0
+        )
         size, gap, side = evenly((0.03, 0.2)), evenly((-0.06, 0.03)), (-1.0, 1.0)[draws.one_of(2)]
         offset = side * (0.5 * (spacing - size - rope.diameter) - gap)
         divider = Divider(size=size, y=-length * evenly((0.12, 0.4)), offset=offset)
@@ -72,13 +78,20 @@ def judge(trip: Trip) -> list[Judged]:
     """On either mesh; nothing where the divider is hardly touched."""
     fine = brush(trip, Mesh("eem", round(4.0 * trip.scene.rope.length)), 4e-3)
     free = fit_mesh(trip.scene.with_(mesh=FITTED, shaft=Shaft()))
-    return [_judged(trip, brush(trip, mesh), fine) for mesh in (free, FITTED)] if fine.peak > LEAST else []
+    return (
+        [_judged(trip, brush(trip, mesh), fine) for mesh in (free, FITTED)]
+        if fine.peak > LEAST
+        else []
+    )
 
 
 def _judged(trip: Trip, x: Brush, fine: Brush) -> Judged:
     found = errors(x, fine)
     force = float(np.linalg.norm(x.forces.reshape(-1, 2, 3), axis=2).max())
-    adds = add_contact_end_error(0.0, x.sums, trip.stop, force), add_contact_loop_error(trip.scene, 0.0, x.sums)
+    adds = (
+        add_contact_end_error(0.0, x.sums, trip.stop, force),
+        add_contact_loop_error(trip.scene, 0.0, x.sums),
+    )
 
     def asked(k: int) -> Asked:
         added, told = float(adds[k]), x.told[k + 1]
@@ -90,7 +103,9 @@ def _judged(trip: Trip, x: Brush, fine: Brush) -> Judged:
 
 def _said(ratios: list[float]) -> str:
     ratio = np.array(ratios)
-    near = " and ".join(f"{np.mean(np.abs(np.log(ratio)) < math.log(k)):.0%} within {k}" for k in (2, 3))
+    near = " and ".join(
+        f"{np.mean(np.abs(np.log(ratio)) < math.log(k)):.0%} within {k}" for k in (2, 3)
+    )
     return f"{near}, {ratio.min():.2g} to {ratio.max():.2g} of {ratio.size}"
 
 
@@ -103,7 +118,9 @@ def main() -> None:
     for k, name in enumerate(NAMES):
         constants = np.array([row.asked[k].constant for row in found[FIT]])
         constant = math.exp(np.nanmean(np.log(constants)))
-        print(f"{name} = {constant:.2g} of {np.isfinite(constants).sum()}, now {getattr(contact_error, name)}")
+        print(
+            f"{name} = {constant:.2g} of {np.isfinite(constants).sum()}, now {getattr(contact_error, name)}"
+        )
         for seed, rows in found.items():
             asked = [row.asked[k] for row in rows]
             ratios = [math.hypot(x.rest, constant * x.contact) / x.error for x in asked]

@@ -11,7 +11,12 @@ from evidence.tables import Measures, Tables
 def checks() -> Tables:
     """Make the checks of all cases."""
     cases = tqdm(CASES.items(), desc="contact", unit="case", leave=False)
-    return {"checks": as_table(("case",), [((case,), m) for case, measure in cases for m in measure()])}
+    return {
+        "checks": as_table(("case",), [((case,), m) for case, measure in cases for m in measure()])
+    }
 
 
-MEASURES: Measures = {"checks": checks, "brushes": lambda: {"brushes": brushes(), "heights": heights()}}
+MEASURES: Measures = {
+    "checks": checks,
+    "brushes": lambda: {"brushes": brushes(), "heights": heights()},
+}

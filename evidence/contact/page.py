@@ -43,6 +43,7 @@ def _price(length: float) -> tuple[str, ...]:
     """The fitted mesh of a rope without a divider and with one."""
     scenes = (Scene(Rope(length=length), shaft=shaft) for shaft in (Shaft(), past().scene.shaft))
     free, pressed = (
-        partition(fit_mesh(scene), length, 0.5 * length, mesh_dividers(scene, 0.0, 0.0)).lengths for scene in scenes
+        partition(fit_mesh(scene), length, 0.5 * length, mesh_dividers(scene, 0.0, 0.0)).lengths
+        for scene in scenes
     )
     return number(length), number(free.size), number(pressed.size), number(pressed.max(), ".2f")

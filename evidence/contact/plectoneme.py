@@ -62,7 +62,9 @@ class Plectoneme(NamedTuple):
 
 def soft_rod(tension: float) -> Plectoneme:
     """The closed form of a rod that presses itself as ours does."""
-    return _at_radius(tension, float(brentq(lambda R: _pressed(tension, R), 0.25 * DIAMETER, 0.5 * DIAMETER)))
+    return _at_radius(
+        tension, float(brentq(lambda R: _pressed(tension, R), 0.25 * DIAMETER, 0.5 * DIAMETER))
+    )
 
 
 def _at_radius(tension: float, R: float) -> Plectoneme:
@@ -79,7 +81,9 @@ def _at_radius(tension: float, R: float) -> Plectoneme:
 def _pressed(tension: float, R: float) -> float:
     """By how much the strands press each other more than the spring at this radius does, N/m."""
     x = _at_radius(tension, R)
-    strands = x.torque * math.sin(2.0 * x.angle) / (2.0 * R**2) - BEND * math.sin(x.angle) ** 4 / R**3
+    strands = (
+        x.torque * math.sin(2.0 * x.angle) / (2.0 * R**2) - BEND * math.sin(x.angle) ** 4 / R**3
+    )
     return strands - _law(R)[1]
 
 
@@ -124,7 +128,9 @@ def grown() -> Grown:
         x, v = x + STEP * (v + 0.5 * STEP * a), v + STEP * a
         turns, rate = _turned(t)
         yaw = {"yaw": math.pi * turns, "yaw_rate": math.pi * rate}
-        left, right = (EndMotion(x=side * x, vx=side * v, ax=side * a, **yaw) for side in (-1.0, 1.0))
+        left, right = (
+            EndMotion(x=side * x, vx=side * v, ax=side * a, **yaw) for side in (-1.0, 1.0)
+        )
         return left, right
 
     stop = WINDING + DRAWING + GROWING + RESTING
@@ -134,7 +140,9 @@ def grown() -> Grown:
     seen = helix(state.motion.q, state.partition.lengths, np.linspace(*HEIGHTS, 200))
     nearer = float((wide[0] - wide[1]) / (_turned(stop)[0] - _turned(WINDING + DRAWING)[0]))
     hangs = 0.5 * MASS * GRAVITY * (LENGTH - float(wide[1]))
-    found = Plectoneme(float(tension[1]) - hangs, float(abs(torque[1])), nearer, seen.angle, seen.radius)
+    found = Plectoneme(
+        float(tension[1]) - hangs, float(abs(torque[1])), nearer, seen.angle, seen.radius
+    )
     return Grown(found, float(abs(legs[1])), float(crossings[1]))
 
 

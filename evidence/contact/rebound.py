@@ -39,13 +39,17 @@ def rebound(speed: float, damping: float, stiffness: float, h: float) -> Rebound
     """An impact at ``speed`` (m/s), with steps of ``h`` (s), without numerical dissipation."""
     rope = Rope(length=LENGTH, Qb=0.0, Qc=0.0, beta_K=0.0)
     contact = Contact(stiffness=stiffness, damping=damping, friction=0.0)
-    bodies = find_obstacles(Scene(rope=rope, shaft=Shaft(sump=Sump(level=-GAP - 0.5 * rope.diameter), contact=contact)))
+    bodies = find_obstacles(
+        Scene(rope=rope, shaft=Shaft(sump=Sump(level=-GAP - 0.5 * rope.diameter), contact=contact))
+    )
     assert bodies
     q = np.zeros((ELEMENTS + 1, 7))
     q[:, 0], q[:, 3] = np.linspace(0.0, LENGTH, ELEMENTS + 1), 1.0
     kernels = partial(RopeKernels, ELEMENTS, "portable", fidelity="planar")
     parts = np.diff(q[:, 0]), np.array(parameters(rope, 0.0)), StaticBoundary.at(q, OUT_OF_PLANE), q
-    system = RopeSystem(kernels(), *parts, obstacles=bodies, contact_kernels=partial(kernels, features=bodies.kinds))
+    system = RopeSystem(
+        kernels(), *parts, obstacles=bodies, contact_kernels=partial(kernels, features=bodies.kinds)
+    )
     v = np.zeros_like(q)
     v[:, 1] = -speed
     motion, start = restart(system, 0.0, q, v, np.zeros_like(q))
@@ -53,7 +57,12 @@ def rebound(speed: float, damping: float, stiffness: float, h: float) -> Rebound
     while motion.v[0, 1] <= 0 or motion.q[0, 1] < -GAP:
         result = step(system, motion, h, method, 1e-12)
         assert result.motion is not None, result.newton
-        dissipated += h * system.losses(0.5 * (motion.q + result.motion.q), (result.motion.q - motion.q) / h).contact
+        dissipated += (
+            h
+            * system.losses(
+                0.5 * (motion.q + result.motion.q), (result.motion.q - motion.q) / h
+            ).contact
+        )
         motion = result.motion
         depth = max(depth, -GAP - float(motion.q[0, 1]))
     after = system.evaluate(motion.q, motion.v, motion.a, motion.reaction).balance

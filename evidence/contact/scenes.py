@@ -33,8 +33,15 @@ def touch_down(EI: float, element: float, stiffness: float) -> TouchDown:
     length, level = 32.0, -10.0
     rope = Rope(length=length, EI=EI, Qb=0.0, Qc=0.0)
     sunk = math.sqrt(2.0 * 0.05 * rope.diameter * WEIGHT / stiffness)
-    shaft, mesh = Shaft(sump=Sump(level=level), contact=Contact(stiffness=stiffness)), round(length / element)
-    found = at_rest(Scene(rope, Layout(spacing=20.0), mesh=Mesh("eem", elements=mesh), model=PLANAR, shaft=shaft))
+    shaft, mesh = (
+        Shaft(sump=Sump(level=level), contact=Contact(stiffness=stiffness)),
+        round(length / element),
+    )
+    found = at_rest(
+        Scene(
+            rope, Layout(spacing=20.0), mesh=Mesh("eem", elements=mesh), model=PLANAR, shaft=shaft
+        )
+    )
     T0, V, floor = found.signals(["left.fx", "left.fy", "contact.floor"]).values()
     b, s = math.sqrt(EI / T0), found.state.partition.nodes_s
     up = found.state.motion.q[:, 1] - (level + 0.5 * rope.diameter - sunk)
@@ -47,7 +54,11 @@ def touch_down(EI: float, element: float, stiffness: float) -> TouchDown:
     slope = (-V - WEIGHT * s[half]) / T0
     N, k = T0 * math.sqrt(1.0 + slope**2), WEIGHT / T0 / (1.0 + slope**2)
     leg, force = (N - T0 + 0.5 * EI * k * k) / WEIGHT, WEIGHT * length + 2.0 * V
-    return TouchDown(float(np.abs(up[near] - exact).max() / exact.max()), up[half] / leg - 1.0, floor / force - 1.0)
+    return TouchDown(
+        float(np.abs(up[near] - exact).max() / exact.max()),
+        up[half] / leg - 1.0,
+        floor / force - 1.0,
+    )
 
 
 def fallen(EI: float, element: float, stop: float) -> float:
@@ -66,7 +77,13 @@ def fallen(EI: float, element: float, stop: float) -> float:
     bottom = at_rest(scene).signals(["loop.y"])["loop.y"]
     found = at_rest(scene.with_(shaft=Shaft(sump=Sump(level=bottom - 0.5 * scene.rope.diameter))))
     read = found.reader(("contact.floor",))
-    follow(found, H, stop, lambda t: 2 * (EndMotion(y=-0.5 * GRAVITY * t * t, vy=-GRAVITY * t, ay=-GRAVITY),), read)
+    follow(
+        found,
+        H,
+        stop,
+        lambda t: 2 * (EndMotion(y=-0.5 * GRAVITY * t * t, vy=-GRAVITY * t, ay=-GRAVITY),),
+        read,
+    )
     impulse = found.signals(["contact.floor.impulse"])["contact.floor.impulse"]
     return impulse / (WEIGHT * GRAVITY * stop**3) - 1.0
 
@@ -98,8 +115,12 @@ def pulled(friction: float, element: float, speed: float = 0.2) -> float:
         up, side = smooth_step(t / ramp), smooth_step(t / ramp - 1.0)
         rise = tight * up[1], tight * up[2] / ramp, tight * up[3] / ramp**2
         slide = speed * ramp * side[0], speed * side[1], speed * side[2] / ramp
-        left, right = ([a + sign * b for a, b in zip(rise, slide, strict=True)] for sign in (-1.0, 1.0))
-        return EndMotion(y=left[0], vy=left[1], ay=left[2]), EndMotion(y=right[0], vy=right[1], ay=right[2])
+        left, right = (
+            [a + sign * b for a, b in zip(rise, slide, strict=True)] for sign in (-1.0, 1.0)
+        )
+        return EndMotion(y=left[0], vy=left[1], ay=left[2]), EndMotion(
+            y=right[0], vy=right[1], ay=right[2]
+        )
 
     found = at_rest(scene)
     forces = follow(found, 5e-3, 3.0 * ramp, ends, found.reader(("left.fy", "right.fy")))

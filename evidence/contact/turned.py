@@ -51,13 +51,23 @@ def turned(friction: float) -> Turned:
     scene = _scene(Shaft(contact=contact, air=Air(density=100.0, drag=10.0)))
     found = at_rest(scene)
     read = found.reader(("loop.turns", "left.swivel.torque", "contact.rope", "loop.crossings"))
-    turns, torque, force, crossings = np.abs(follow(found, 0.02, TIME, lambda t: 2 * (_end(t, TIME),), read)).T
+    turns, torque, force, crossings = np.abs(
+        follow(found, 0.02, TIME, lambda t: 2 * (_end(t, TIME),), read)
+    ).T
     first = int(np.argmax(force > 0))
     ply = helix(found.state.motion.q, found.state.partition.lengths, np.linspace(*PLY, 200))
-    moment, bending, n = float(torque[-1]) / ply.radius, scene.rope.EI / ply.radius**2, 0.5 * WEIGHT * ply.below
+    moment, bending, n = (
+        float(torque[-1]) / ply.radius,
+        scene.rope.EI / ply.radius**2,
+        0.5 * WEIGHT * ply.below,
+    )
 
     def missing(a: float) -> float:
-        return moment * math.cos(2.0 * a) - 2.0 * bending * math.sin(a) ** 3 * math.cos(a) - n * math.sin(a)
+        return (
+            moment * math.cos(2.0 * a)
+            - 2.0 * bending * math.sin(a) ** 3 * math.cos(a)
+            - n * math.sin(a)
+        )
 
     angle = ply.angle / float(brentq(missing, 0.0, 0.25 * math.pi))
     return Turned(turns[first:], torque[first:], angle, unexplained(found), float(crossings[-1]))

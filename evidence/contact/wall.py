@@ -47,7 +47,9 @@ class Struck(NamedTuple):
 
     def off(self, other: Struck) -> float:
         """Largest difference of the impulses up to any instant, of the whole."""
-        return float(np.abs(np.cumsum(self.pressure - other.pressure)).max() * EVERY / other.impulse)
+        return float(
+            np.abs(np.cumsum(self.pressure - other.pressure)).max() * EVERY / other.impulse
+        )
 
     def blow(self) -> Array:
         """The first blow, N, from the instant at which it begins."""
@@ -61,7 +63,9 @@ def ours() -> Struck:
     shaft = Shaft(lining=Lining(width=40.0, depth=40.0, x=WALL - 20.0), contact=CONTACT)
     rope = at_rest(Scene(ROPE, Layout(SPACING), model=PLANAR, shaft=shaft))
     read = rope.reader(("contact.lining", "contact.lining.impulse"))
-    pressure, impulse = follow(rope, EVERY, STOP, lambda t: 2 * (moving(WAY, t, MOVES, x=1.0),), read).T
+    pressure, impulse = follow(
+        rope, EVERY, STOP, lambda t: 2 * (moving(WAY, t, MOVES, x=1.0),), read
+    ).T
     return Struck(pressure, float(impulse[-1]))
 
 

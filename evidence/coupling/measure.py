@@ -66,7 +66,9 @@ def wind(case: Case, scheme: Scheme, H: float) -> Run:
     if case.rope_step is not None:
         data = data.with_(solver=replace(data.solver, step_max=case.rope_step))
     coupling = Coupling(step=H, sample=case.sample)
-    host = Host(InProcessRope(data), scene.hoist, case.winding, coupling, scene.gains, scheme=scheme)
+    host = Host(
+        InProcessRope(data), scene.hoist, case.winding, coupling, scene.gains, scheme=scheme
+    )
     start = time.process_time()
     result: Result = host.run()
     spent = time.process_time() - start
@@ -84,7 +86,11 @@ def schemes() -> Tables:
         scheme = replace(given, tolerance=0.01) if isinstance(given, Iterative) else given
         for H in STEPS:
             run = wind(SHORT, scheme, H)
-            error, cost = (math.inf, math.nan) if run.cause else (force_error(run.force, exact.force), run.processor)
+            error, cost = (
+                (math.inf, math.nan)
+                if run.cause
+                else (force_error(run.force, exact.force), run.processor)
+            )
             rows.append((name, H, error, run.exchanges, cost, run.cause))
     names = ("scheme", "H [s]", "force error", "exchanges per step", "cost [s/s]", "cause")
     return {"schemes": table(names, rows)}

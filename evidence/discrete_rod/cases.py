@@ -14,10 +14,29 @@ from functools import partial
 import numpy as np
 
 from evidence.discrete_rod.rod import Rod
-from evidence.discrete_rod.solve import HELD, Record, equilibrium, first_guess, lowest_of, modes, move
+from evidence.discrete_rod.solve import (
+    HELD,
+    Record,
+    equilibrium,
+    first_guess,
+    lowest_of,
+    modes,
+    move,
+)
 from evidence.ropes import at_rest, require
 from evidence.tables import Array
-from rope_model import BalanceRope, EndMotion, Layout, Mesh, Model, Rope, RopeSimulator, Scene, Solver, Swivel
+from rope_model import (
+    BalanceRope,
+    EndMotion,
+    Layout,
+    Mesh,
+    Model,
+    Rope,
+    RopeSimulator,
+    Scene,
+    Solver,
+    Swivel,
+)
 from rope_model.simulation.outputs.modal import natural_modes
 
 Results = dict[str, Array]
@@ -29,7 +48,13 @@ SHORT = Rope(length=40.0, Qa=1.2e7, Qb=1.015e5, Qc=0.985e5, EI=600.0)
 SPACING, SIDES = Layout().spacing, ("left", "right")
 OF_AN_END = ("fx", "fy", "fz", "swivel.torque", "swivel.angle")
 #: signals of ours that are compared
-READ = ("loop.x", "loop.y", "loop.z", "loop.yaw", *(f"{side}.{name}" for side in SIDES for name in OF_AN_END))
+READ = (
+    "loop.x",
+    "loop.y",
+    "loop.z",
+    "loop.yaw",
+    *(f"{side}.{name}" for side in SIDES for name in OF_AN_END),
+)
 TRAVEL, DURATION = 12.0, 8.0  # m, s
 RELEASE = 0.1  # s
 #: s, instants that are compared of a winding and of a release
@@ -152,7 +177,9 @@ def modes_ours(case: str, elements: int) -> Results:
 def modes_rod(case: str, edges: int) -> Results:
     """The same."""
     rope, height, named = VIBRATIONS[case]
-    rod = Rod(grade(rope.length, 0.5 * (rope.length - height), edges), rope, Winding(height, np.inf).rod)
+    rod = Rod(
+        grade(rope.length, 0.5 * (rope.length - height), edges), rope, Winding(height, np.inf).rod
+    )
     return named(*modes(rod, equilibrium(rod, first_guess(rod)), 10))
 
 
@@ -187,7 +214,8 @@ def _histories(r: Record) -> Results:
 
 def winding_ours(multiple: int, times: Array = WOUND) -> Results:
     """40 m, swivels locked, 12 m in 8 s; TMN-ETM, the loop's elements 0.25 m over ``multiple``."""
-    mesh = Mesh("tmn", coarse_length=2.0 / multiple, counts=tuple(multiple * n for n in (2, 4, 40, 4, 2)))  # type: ignore[arg-type]
+    counts = tuple(multiple * n for n in (2, 4, 40, 4, 2))
+    mesh = Mesh("tmn", coarse_length=2.0 / multiple, counts=counts)  # type: ignore[arg-type]
     ends = Winding(TRAVEL, DURATION)
     return _histories(follow(rope_of(Scene(rope=SHORT, mesh=mesh), ends), ends, times))
 
@@ -201,7 +229,10 @@ def winding_rod(edges: int, times: Array = WOUND) -> Results:
 def _release(r: Record) -> Results:
     """Histories, and when the swivel first came to rest and slipped again."""
     results = {"swivel's angle [rad]": r.angle[:, 1], "left end, torque [N m]": r.moment[:, 0]}
-    results |= {"left end, side force out of plane [N]": r.reaction[:, 0, 2], "yaw of the loop [rad]": r.yaw}
+    results |= {
+        "left end, side force out of plane [N]": r.reaction[:, 0, 2],
+        "yaw of the loop [rad]": r.yaw,
+    }
     names = ("sticks at [s]", "slips again at [s]")
     return results | {name: np.array(t) for name, t in zip(names, r.switches[1:3], strict=False)}
 
@@ -243,7 +274,11 @@ class Comparison:
     def order(self) -> float:
         """Observed order of the rod; NaN with two meshes."""
         changes = [_largest(b - a) for a, b in zip(self.rod, self.rod[1:], strict=False)]
-        return float(np.log2(changes[-2] / changes[-1])) if len(changes) > 1 and min(changes) > 0 else np.nan
+        return (
+            float(np.log2(changes[-2] / changes[-1]))
+            if len(changes) > 1 and min(changes) > 0
+            else np.nan
+        )
 
     @property
     def acceptance(self) -> float:
@@ -269,7 +304,10 @@ class Case:
     def compare(self) -> dict[str, Comparison]:
         """Every quantity by its name."""
         ours, rod = [self.ours(n) for n in self.ours_on], [self.rod(n) for n in self.rod_on]
-        return {name: Comparison(tuple(x[name] for x in ours), tuple(x[name] for x in rod)) for name in ours[-1]}
+        return {
+            name: Comparison(tuple(x[name] for x in ours), tuple(x[name] for x in rod))
+            for name in ours[-1]
+        }
 
 
 def cases() -> list[Case]:
@@ -278,7 +316,13 @@ def cases() -> list[Case]:
     return [
         Case("rest, published coupling, 120 m", statics_ours, statics_rod, (600, 1200), rest),
         *(
-            Case(f"frequencies, 120 m, {name}", partial(modes_ours, name), partial(modes_rod, name), (600, 1200), rest)
+            Case(
+                f"frequencies, 120 m, {name}",
+                partial(modes_ours, name),
+                partial(modes_rod, name),
+                (600, 1200),
+                rest,
+            )
             for name in VIBRATIONS
         ),
         Case("winding", winding_ours, winding_rod, (1, 2), edges),

@@ -19,12 +19,25 @@ COLUMNS = (
 def _row(case: Case, name: str, c: Comparison) -> tuple[object, ...]:
     at = np.unravel_index(int(np.argmax(np.abs(c.limit))), c.limit.shape)
     values = (float(x[at]) for x in (*c.ours, *c.rod, c.limit))
-    return case.name, name, *case.ours_on, *case.rod_on, *values, *c.differences, c.acceptance, c.order
+    return (
+        case.name,
+        name,
+        *case.ours_on,
+        *case.rod_on,
+        *values,
+        *c.differences,
+        c.acceptance,
+        c.order,
+    )
 
 
 def tables() -> Tables:
     """Compare every quantity of every case."""
-    found = [_row(case, name, c) for case in tqdm(cases(), leave=False) for name, c in case.compare().items()]
+    found = [
+        _row(case, name, c)
+        for case in tqdm(cases(), leave=False)
+        for name, c in case.compare().items()
+    ]
     return {"comparisons": table(COLUMNS, found)}
 
 

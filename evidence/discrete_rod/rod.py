@@ -125,7 +125,9 @@ class Rod:
         """Rates of the state ``y`` (size, columns); ``slip`` is the sense in which the swivel slips, 0: it holds."""
         c, l, L = self.rope, self.lengths[:, None], self.cells[:, None]
         p, (place, speed, acceleration) = split(y), (z[:, :, None] for z in self.ends(t))
-        edge, dv = (np.diff(_with_ends(z, inner), axis=0) for z, inner in ((place, p.x), (speed, p.v)))
+        edge, dv = (
+            np.diff(_with_ends(z, inner), axis=0) for z, inner in ((place, p.x), (speed, p.v))
+        )
         size = np.sqrt(_dot(edge, edge))
         t_e = edge / size[:, None]
         t_t = (dv - t_e * _dot(t_e, dv)[:, None]) / size[:, None]
@@ -140,7 +142,9 @@ class Rod:
         # strains of the nodes, and their rates as seen from the section
         q = 1 + _dot(t1, t2)[:, None]
         K = 2 * _cross(t1, t2) / q
-        K_t = (2 * (_cross(d1, t2) + _cross(t1, d2)) - K * (_dot(d1, t2) + _dot(t1, d2))[:, None]) / q
+        K_t = (
+            2 * (_cross(d1, t2) + _cross(t1, d2)) - K * (_dot(d1, t2) + _dot(t1, d2))[:, None]
+        ) / q
         seen = K_t - _cross(0.5 * (omega[:-1] + omega[1:]), K)
         m_t = np.diff(spin, axis=0) + 0.5 * _dot(K, d1 + d2)
 

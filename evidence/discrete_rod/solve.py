@@ -35,9 +35,16 @@ def first_guess(rod: Rod) -> Array:
     phi = np.clip((s - leg) / radius, 0.0, np.pi)
     x = np.zeros((s.size, 3))
     x[:, 0] = left[0] + radius * (1 - np.cos(phi))
-    x[:, 1] = left[1] - np.minimum(s, leg) - radius * np.sin(phi) + np.maximum(s - leg - np.pi * radius, 0.0)
+    x[:, 1] = (
+        left[1]
+        - np.minimum(s, leg)
+        - radius * np.sin(phi)
+        + np.maximum(s - leg - np.pi * radius, 0.0)
+    )
     inner, edges = x[1:-1], rod.lengths.size
-    return join(Parts(np.zeros(2), np.zeros(2), inner, 0 * inner, np.zeros(edges + 1), np.zeros(edges)))
+    return join(
+        Parts(np.zeros(2), np.zeros(2), inner, 0 * inner, np.zeros(edges + 1), np.zeros(edges))
+    )
 
 
 def _second_order(rod: Rod, y: Array) -> tuple[sp.csc_matrix, Array]:
@@ -63,7 +70,9 @@ def equilibrium(rod: Rod, guess: Array, tolerance: float = 1e-11) -> Array:
         now = float(np.linalg.norm(rates))
         tau *= 0.5 if now > 2 * force and move > LARGEST_MOVE else 3.0
         force, tau = now, min(tau, 1e8)
-    raise RuntimeError(f"no equilibrium: the last correction moved by {move:.3g} m or rad; give a better guess")
+    raise RuntimeError(
+        f"no equilibrium: the last correction moved by {move:.3g} m or rad; give a better guess"
+    )
 
 
 def _displace(rod: Rod, y: Array, u: Array) -> Array:
@@ -141,9 +150,15 @@ def move(rod: Rod, y: Array, times: Array, release: float = np.inf, rtol: float 
         )
         if run.status < 0:
             raise RuntimeError(f"t = {t:.6g} s and later: {run.message}")
-        rows += [(float(at), state, slip) for at, state in zip(run.t, np.transpose(run.y), strict=True)]
+        rows += [
+            (float(at), state, slip) for at, state in zip(run.t, np.transpose(run.y), strict=True)
+        ]
         due = run.status == 1 or stop == release
-        t, y = (float(run.t_events[0][0]), run.y_events[0][0]) if run.status == 1 else (stop, run.y[:, -1])
+        t, y = (
+            (float(run.t_events[0][0]), run.y_events[0][0])
+            if run.status == 1
+            else (stop, run.y[:, -1])
+        )
     return replace(_record(rod, rows), switches=tuple(switches))
 
 

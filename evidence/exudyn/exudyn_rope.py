@@ -57,8 +57,12 @@ class Element:
 
 
 ELEMENTS = {
-    "ancf": Element("ANCFCable2D, Gauss", CABLE, CABLE_NODE, options={"useReducedOrderIntegration": 1}),
-    "ancf-lobatto": Element("ANCFCable2D, Lobatto", CABLE, CABLE_NODE, options={"useReducedOrderIntegration": 2}),
+    "ancf": Element(
+        "ANCFCable2D, Gauss", CABLE, CABLE_NODE, options={"useReducedOrderIntegration": 1}
+    ),
+    "ancf-lobatto": Element(
+        "ANCFCable2D, Lobatto", CABLE, CABLE_NODE, options={"useReducedOrderIntegration": 2}
+    ),
     "beam": Element("BeamGeometricallyExact2D, linear", BEAM, BEAM_NODE),
     "beam-quadratic": Element("BeamGeometricallyExact2D, quadratic", BEAM, BEAM_NODE, middle=True),
 }
@@ -118,7 +122,9 @@ class PeerRope:
                 self._prescribe(self._constraints[node][1], *s_curve(reference, sense))
         self._samples: list[tuple[float, Array, tuple[float, float]]] = []
         self._sampling = 0.0
-        sensor = items.SensorUserFunction(sensorNumbers=[], writeToFile=False, sensorUserFunction=self._sample)
+        sensor = items.SensorUserFunction(
+            sensorNumbers=[], writeToFile=False, sensorUserFunction=self._sample
+        )
         self.mbs.AddSensor(sensor)
         self.mbs.Assemble()
 
@@ -127,22 +133,32 @@ class PeerRope:
         settings = _settings()
         static = settings.staticSolver
         static.numberOfLoadSteps, static.adaptiveStep, static.newton.maxIterations = 1, False, 300
-        static.loadStepDuration, static.useLoadFactor = 1e-9, False  # the ends' motions are functions of its time
+        static.loadStepDuration, static.useLoadFactor = (
+            1e-9,
+            False,
+        )  # the ends' motions are functions of its time
         static.newton.relativeTolerance, static.newton.absoluteTolerance = 1e-7, 1e-6
         try:
             self.mbs.SolveStatic(settings, updateInitialValues=True)
         except (exu.ExudynError, ValueError) as error:
-            raise PeerError(f"{self.element.label}: no equilibrium with {self.lengths.size} elements") from error
+            raise PeerError(
+                f"{self.element.label}: no equilibrium with {self.lengths.size} elements"
+            ) from error
 
     def run(self, duration: float, sample: float, method: Method) -> Record:
         """Follow the ends' motion, with a record every ``sample`` seconds."""
         settings = _settings()
         time_integration = settings.timeIntegration
-        time_integration.endTime, time_integration.numberOfSteps = duration, round(duration / method.step)
+        time_integration.endTime, time_integration.numberOfSteps = (
+            duration,
+            round(duration / method.step),
+        )
         time_integration.newton.relativeTolerance = method.tolerance
         time_integration.newton.useModifiedNewton = method.newton == "modified"
         time_integration.generalizedAlpha.spectralRadius = method.spectral_radius
-        time_integration.generalizedAlpha.computeInitialAccelerations = False  # a run starts from rest
+        time_integration.generalizedAlpha.computeInitialAccelerations = (
+            False  # a run starts from rest
+        )
         settings.solution.sensors.active, settings.solution.sensors.writePeriod = True, sample
         self._samples.clear()
         self._sampling = 0.0
@@ -150,21 +166,27 @@ class PeerRope:
         try:
             self.mbs.SolveDynamic(settings)
         except (exu.ExudynError, ValueError) as error:
-            raise PeerError(f"{self.element.label}: fails at {self._samples[-1][0]:.2f} s") from error
+            raise PeerError(
+                f"{self.element.label}: fails at {self._samples[-1][0]:.2f} s"
+            ) from error
         cpu = time.process_time() - start - self._sampling
         # the start is recorded too, twice
         wanted: Array = sample * np.arange(1.0, round(duration / sample) + 1)
         times = np.array([t for t, _, _ in self._samples])
         rows = [int(np.argmin(np.abs(times - t))) for t in wanted]
         return Record(
-            force=-np.array([self._samples[k][2] for k in rows]),  # its multipliers change sign with the solver
+            force=-np.array(
+                [self._samples[k][2] for k in rows]
+            ),  # its multipliers change sign with the solver
             q=np.array([self._ours(self._samples[k][1]) for k in rows]),
             cpu=cpu,
         )
 
     def end_forces(self) -> tuple[float, float]:
         """Vertical forces on the ends, N, up."""
-        left, right = (self.mbs.GetObjectOutput(c[1], exu.OutputVariableType.Force) for c in self._constraints)
+        left, right = (
+            self.mbs.GetObjectOutput(c[1], exu.OutputVariableType.Force) for c in self._constraints
+        )
         return -float(left), -float(right)
 
     def frequencies(self, count: int) -> Array:
@@ -192,9 +214,13 @@ class PeerRope:
         make, stride = getattr(items, element.item), 1 + element.middle
         data = {"length": rope.length / count} | self._section(rope) | element.options
         for k in range(count):
-            body = self.mbs.AddObject(make(nodeNumbers=self._nodes[stride * k : stride * (k + 1) + 1], **data))
+            body = self.mbs.AddObject(
+                make(nodeNumbers=self._nodes[stride * k : stride * (k + 1) + 1], **data)
+            )
             marker = self.mbs.AddMarker(items.MarkerBodyMass(bodyNumber=body))
-            self.mbs.AddLoad(items.LoadMassProportional(markerNumber=marker, loadVector=[0.0, -gravity, 0.0]))
+            self.mbs.AddLoad(
+                items.LoadMassProportional(markerNumber=marker, loadVector=[0.0, -gravity, 0.0])
+            )
 
     def _section(self, rope: Rope) -> dict[str, Any]:
         GA, beta = SHEAR_STIFFNESS, rope.beta_K
@@ -206,7 +232,11 @@ class PeerRope:
             "axialDamping": beta * rope.Qa,
         }
         if self.element.item == BEAM:
-            data |= {"crossSectionInertia": 0.5 * rope.rhoJ, "shearStiffness": GA, "shearDamping": beta * GA}
+            data |= {
+                "crossSectionInertia": 0.5 * rope.rhoJ,
+                "shearStiffness": GA,
+                "shearDamping": beta * GA,
+            }
         return data
 
     def _add_ends(self) -> list[list[Any]]:
@@ -221,23 +251,33 @@ class PeerRope:
         for k, end in ((0, 0), (1, -1)):
             held = []
             for j in HELD:
-                marker = self.mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=self._nodes[end], coordinate=j))
+                marker = self.mbs.AddMarker(
+                    items.MarkerNodeCoordinate(nodeNumber=self._nodes[end], coordinate=j)
+                )
                 offset = float(at[k, j] - self._reference[end, j])
-                connector = items.ObjectConnectorCoordinate(markerNumbers=[zero, marker], offset=offset)
+                connector = items.ObjectConnectorCoordinate(
+                    markerNumbers=[zero, marker], offset=offset
+                )
                 held.append(self.mbs.AddObject(connector))
             constraints.append(held)
         return constraints
 
-    def _prescribe(self, constraint: Any, offset: Callable[..., Any], rate: Callable[..., Any]) -> None:
+    def _prescribe(
+        self, constraint: Any, offset: Callable[..., Any], rate: Callable[..., Any]
+    ) -> None:
         for name, function in (("offsetUserFunction", offset), ("offsetUserFunction_t", rate)):
-            made = CreateSymbolicUserFunction(self.mbs, function, name, itemTypeName="ObjectConnectorCoordinate")
+            made = CreateSymbolicUserFunction(
+                self.mbs, function, name, itemTypeName="ObjectConnectorCoordinate"
+            )
             self._functions.append(made)  # Exudyn keeps no reference
             self.mbs.SetObjectParameter(constraint, name, made)
 
     def _ours(self, displaced: Array) -> Array:
         return self.element.ours(self._reference + displaced.reshape(self._reference.shape))
 
-    def _sample(self, mbs: Any, t: float, sensors: Any, factors: Any, configuration: Any) -> list[float]:
+    def _sample(
+        self, mbs: Any, t: float, sensors: Any, factors: Any, configuration: Any
+    ) -> list[float]:
         start = time.process_time()
         self._samples.append((t, np.array(mbs.systemData.GetODE2Coordinates()), self.end_forces()))
         self._sampling += time.process_time() - start
@@ -247,7 +287,10 @@ class PeerRope:
 def s_curve(reference: Trajectory, sense: float) -> tuple[Callable[..., Any], Callable[..., Any]]:
     """Return offset and rate as Exudyn's user functions: each change of the jerk adds a truncated cubic."""
     jerks = np.array([p.jerk for p in reference.points])
-    terms = [(float(t), sense * float(j)) for t, j in zip(reference.starts, np.diff(jerks, prepend=0.0), strict=True)]
+    terms = [
+        (float(t), sense * float(j))
+        for t, j in zip(reference.starts, np.diff(jerks, prepend=0.0), strict=True)
+    ]
 
     def offset(mbs: Any, t: Any, item: Any, start: Any) -> Any:
         y = start

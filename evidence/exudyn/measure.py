@@ -29,7 +29,11 @@ EEM = {60: (0.01,), 120: (0.01, 0.02), 240: (0.01, 0.02), 600: (0.01,)}
 FINEST, FINEST_PEER = (600, 0.005), ("beam-quadratic", 480, Method(0.0025, spectral_radius=0.6))
 PLANAR, COUNTS = ("ancf", "ancf-lobatto", "beam", "beam-quadratic"), (30, 60, 120, 240)
 #: of the frequencies: m between the ends, elements and their number, modes
-HEIGHTS, PEER_MODES, MODES = (0.0, 80.0), (("beam-quadratic", 240), ("ancf-lobatto", 240), ("beam", 480)), 4
+HEIGHTS, PEER_MODES, MODES = (
+    (0.0, 80.0),
+    (("beam-quadratic", 240), ("ancf-lobatto", 240), ("beam", 480)),
+    4,
+)
 #: the faster form of Newton's method at each step
 METHODS = (Method(0.005, "modified"), Method(0.01, "full"), Method(0.02, "full"))
 
@@ -37,18 +41,31 @@ METHODS = (Method(0.005, "modified"), Method(0.01, "full"), Method(0.02, "full")
 def our_case(group: str, label: str, mesh: Mesh, h: float) -> tuple[str, Callable[[], Run]]:
     """Return one winding of ours by its name."""
     label = f"{label}, {1e3 * h:g} ms"
-    return f"{group}, {label}", partial(ours, group, label, UNCOUPLED.with_(mesh=mesh, solver=fixed_steps(h)))
+    return f"{group}, {label}", partial(
+        ours, group, label, UNCOUPLED.with_(mesh=mesh, solver=fixed_steps(h))
+    )
 
 
 def planar_cases() -> dict[str, Callable[[], Run]]:
     """Return ours and theirs, taking turns."""
-    mine = [our_case("TMN-ETM", name, mesh, h) for name, (mesh, steps) in TMN.items() for h in steps]
-    mine += [our_case("EEM", str(n), Mesh("eem", elements=n), h) for n, steps in EEM.items() for h in steps]
+    mine = [
+        our_case("TMN-ETM", name, mesh, h) for name, (mesh, steps) in TMN.items() for h in steps
+    ]
+    mine += [
+        our_case("EEM", str(n), Mesh("eem", elements=n), h)
+        for n, steps in EEM.items()
+        for h in steps
+    ]
     theirs: list[tuple[str, Callable[[], Run]]] = [
-        (f"{e}, {n}, {m.step}", partial(exudyn, e, n, m)) for e in PLANAR for n in COUNTS for m in METHODS
+        (f"{e}, {n}, {m.step}", partial(exudyn, e, n, m))
+        for e in PLANAR
+        for n in COUNTS
+        for m in METHODS
     ]
     at = [(k + 0.5) / len(part) for part in (theirs, mine) for k in range(len(part))]
-    return dict(case for _, case in sorted(zip(at, [*theirs, *mine], strict=True), key=lambda pair: pair[0]))
+    return dict(
+        case for _, case in sorted(zip(at, [*theirs, *mine], strict=True), key=lambda pair: pair[0])
+    )
 
 
 def winding() -> Tables:
@@ -61,7 +78,13 @@ def winding() -> Tables:
         rows.append((r.code, r.group, r.label, r.elements, r.step, r.cost, *errors, r.failure))
     names = (
         *("code", "group", "variant", "elements", "step_s", "cpu_s_per_s"),
-        *("force_error_vs_ours", "force_error_vs_exudyn", "loop_error_vs_ours_m", "loop_error_vs_exudyn_m", "failure"),
+        *(
+            "force_error_vs_ours",
+            "force_error_vs_exudyn",
+            "loop_error_vs_ours_m",
+            "loop_error_vs_exudyn_m",
+            "failure",
+        ),
     )
     return {"winding": table(names, rows)}
 
@@ -72,15 +95,23 @@ def frequencies() -> Tables:
     for height in HEIGHTS:
         rows += [(height, "ours, 600 elements", *our_modes(height))]
         for key, count in PEER_MODES:
-            rope = PeerRope(UNCOUPLED, key, count, hanging_shape(UNCOUPLED, (height, 0.0)), (height, 0.0))
+            rope = PeerRope(
+                UNCOUPLED, key, count, hanging_shape(UNCOUPLED, (height, 0.0)), (height, 0.0)
+            )
             rope.rest()
-            rows.append((height, f"Exudyn {ELEMENTS[key].label}, {count}", *rope.frequencies(MODES)[:MODES]))
-    return {"frequencies": table(("height_m", "code", *(f"f{k + 1}_Hz" for k in range(MODES))), rows)}
+            rows.append(
+                (height, f"Exudyn {ELEMENTS[key].label}, {count}", *rope.frequencies(MODES)[:MODES])
+            )
+    return {
+        "frequencies": table(("height_m", "code", *(f"f{k + 1}_Hz" for k in range(MODES))), rows)
+    }
 
 
 def our_modes(height: float) -> list[float]:
     """Return ours, Hz."""
-    rope = RopeSimulator(UNCOUPLED.with_(mesh=Mesh(kind="eem", elements=600), model=Model("planar")))
+    rope = RopeSimulator(
+        UNCOUPLED.with_(mesh=Mesh(kind="eem", elements=600), model=Model("planar"))
+    )
     require(rope.initialize(0.0, EndMotion(y=height), EndMotion()))
     modes = natural_modes(rope.system, rope.state.motion.q, 3 * MODES)
     return [float(f) for f in modes.frequencies[modes.out_of_plane < 0.5][:MODES]]

@@ -50,15 +50,28 @@ class Run:
 def ours(group: str, label: str, scene: Scene) -> Run:
     """Return one run of ours; the host's step is the largest step."""
     step = scene.solver.step_max
-    run = wind(scene, REFERENCE, TRAVEL, DURATION - REFERENCE.duration, round(SAMPLE / step), interval=step)
+    run = wind(
+        scene, REFERENCE, TRAVEL, DURATION - REFERENCE.duration, round(SAMPLE / step), interval=step
+    )
     run.completed(label)
-    return Run("ours", group, label, run.rope.elements, step, run.cpu, np.array(run.force), np.array(run.bottom))
+    return Run(
+        "ours",
+        group,
+        label,
+        run.rope.elements,
+        step,
+        run.cpu,
+        np.array(run.force),
+        np.array(run.bottom),
+    )
 
 
 @cache
 def hanging_shape(scene: Scene, heights: tuple[float, float]) -> tuple[Array, Array]:
     """Arc lengths and nodes (n, 7) of our equilibrium between the heights: where Exudyn's search begins."""
-    rope = at_rest(scene.with_(mesh=Mesh(kind="eem", elements=600)), *(EndMotion(y=y) for y in heights))
+    rope = at_rest(
+        scene.with_(mesh=Mesh(kind="eem", elements=600)), *(EndMotion(y=y) for y in heights)
+    )
     return arc_lengths(rope.state.partition.lengths), rope.state.motion.q
 
 
@@ -68,7 +81,9 @@ def exudyn(element: str, count: int, method: Method) -> Run:
     label = f"{count}, {1e3 * method.step:g} ms"
     samples = round(DURATION / SAMPLE)
     try:
-        rope = PeerRope(UNCOUPLED, element, count, hanging_shape(UNCOUPLED, heights), heights, REFERENCE)
+        rope = PeerRope(
+            UNCOUPLED, element, count, hanging_shape(UNCOUPLED, heights), heights, REFERENCE
+        )
         rope.rest()
         record = rope.run(DURATION, SAMPLE, method)
     except PeerError as failed:

@@ -63,7 +63,17 @@ CAUSES = ("count.rejections", "count.transformations", "count.swivel_events")
 COUNTED = (*CAUSES, "count.newton")
 READ = ("left.fy", "right.fy", "left.fy_mean", "right.fy_mean")
 HEAD = ("scene", "trip", "level", "place", "H [s]")
-STEPS = (*HEAD, "elements", "steps", "50 % [s]", "99 % [s]", "99.9 % [s]", "largest [s]", "late", "own largest [s]")
+STEPS = (
+    *HEAD,
+    "elements",
+    "steps",
+    "50 % [s]",
+    "99 % [s]",
+    "99.9 % [s]",
+    "largest [s]",
+    "late",
+    "own largest [s]",
+)
 #: makes the k-th communication step; whether its results are valid
 Step = Callable[[int], bool]
 
@@ -83,7 +93,9 @@ class Case:
         """Parameters of the rope by FMI name."""
         found = {**find_case(self.scene).rope, "solver.work_max": BOUNDS[self.h]}
         width = rope_scene(found, self.level).layout.spacing + 2.0 * ROOM
-        return found | ({"lining.width": width, "lining.depth": width} if self.trip == "strike" else {})
+        return found | (
+            {"lining.width": width, "lining.depth": width} if self.trip == "strike" else {}
+        )
 
     @property
     def motions(self) -> list[tuple[EndMotion, EndMotion]]:
@@ -103,7 +115,10 @@ def motions_of(scene: str, trip: str, h: float) -> list[tuple[EndMotion, EndMoti
         return found
     aside = (vars(moving(WAY, max(t - begin - AFTER, 0.0), MOVES, x=1.0)) for t in times)
     across = ({name: motion[name] for name in ("x", "vx", "ax")} for motion in aside)
-    return [(replace(left, **x), replace(right, **x)) for (left, right), x in zip(found, across, strict=True)]
+    return [
+        (replace(left, **x), replace(right, **x))
+        for (left, right), x in zip(found, across, strict=True)
+    ]
 
 
 @contextmanager
@@ -120,20 +135,32 @@ def through_fmu(case: Case, path: Path) -> Iterator[Step]:
     description, folder = fmpy.read_model_description(str(path)), fmpy.extract(str(path))
     variables = {v.name: v for v in description.modelVariables}
     identifier = description.coSimulation.modelIdentifier
-    fmu = FMU2Slave(guid=description.guid, modelIdentifier=identifier, unzipDirectory=folder, instanceName="rope")
+    fmu = FMU2Slave(
+        guid=description.guid,
+        modelIdentifier=identifier,
+        unzipDirectory=folder,
+        instanceName="rope",
+    )
 
     def references(names: Sequence[str]) -> ctypes.Array[ctypes.c_uint]:
         return (ctypes.c_uint * len(names))(*(variables[name].valueReference for name in names))
 
-    inputs = references([f"{side}.{name}" for side in ("left", "right") for name in asdict(EndMotion())])
+    inputs = references(
+        [f"{side}.{name}" for side in ("left", "right") for name in asdict(EndMotion())]
+    )
     outputs, forces = references(READ), (ctypes.c_double * len(READ))()
-    values = [(ctypes.c_double * len(inputs))(*asdict(a).values(), *asdict(b).values()) for a, b in case.motions]
+    values = [
+        (ctypes.c_double * len(inputs))(*asdict(a).values(), *asdict(b).values())
+        for a, b in case.motions
+    ]
     fmu.instantiate()
     try:
         fmu.setBoolean([variables["inputs_at_step_end"].valueReference], [True])
         for name, value in case.parameters.items():
             variable = variables[name]
-            (fmu.setReal if variable.type == "Real" else fmu.setInteger)([variable.valueReference], [value])
+            (fmu.setReal if variable.type == "Real" else fmu.setInteger)(
+                [variable.valueReference], [value]
+            )
         fmu.setupExperiment(startTime=0.0)
         fmu.enterInitializationMode()
         fmu.fmi2SetReal(fmu.component, inputs, len(inputs), values[0])
@@ -189,7 +216,11 @@ def causes(case: Case, times: Array, counts: NDArray[np.int64]) -> tuple[object,
     """Return the shares of the slowest steps, and of all, in which each cause occurred, and their mean iterations."""
     order = np.argsort(times.min(axis=0))
     slow, every = order[-max(1, round(SLOWEST * order.size)) :], order
-    shares = [float(np.mean(counts[chosen, k] > 0)) for chosen in (slow, every) for k in range(len(CAUSES))]
+    shares = [
+        float(np.mean(counts[chosen, k] > 0))
+        for chosen in (slow, every)
+        for k in range(len(CAUSES))
+    ]
     means = [float(np.mean(counts[chosen, -1])) for chosen in (slow, every)]
     return *astuple(case), *shares, *means
 
@@ -198,14 +229,20 @@ def tables() -> Tables:
     """Measure all cases, which take turns."""
     choices = product(("in process", "FMU"), SCENES, TRIPS, BOUNDS, LEVELS)
     cases = [Case(scene, trip, level, place, h) for place, scene, trip, h, level in choices]
-    done = {replace(c, place="FMU"): work(c) for c in tqdm(cases, desc="warm-up", leave=False) if c.place != "FMU"}
+    done = {
+        replace(c, place="FMU"): work(c)
+        for c in tqdm(cases, desc="warm-up", leave=False)
+        if c.place != "FMU"
+    }
     times: dict[Case, list[Array]] = {case: [] for case in cases}
     with TemporaryDirectory() as folder:
         paths = {level: Path(folder) / f"{level}.fmu" for level in LEVELS}
         for level, path in paths.items():
             export_native(path, level=level, platforms=(host_platform(),))
         for case in tqdm([*cases] * ROUNDS, desc=f"{ROUNDS} rounds", leave=False):
-            opened = through_fmu(case, paths[case.level]) if case.place == "FMU" else in_process(case)
+            opened = (
+                through_fmu(case, paths[case.level]) if case.place == "FMU" else in_process(case)
+            )
             with opened as step:
                 times[case].append(timed(step, len(case.motions) - 1))
     rows = [percentiles(c, np.array(times[c]), done[replace(c, place="FMU")][1]) for c in cases]

@@ -13,7 +13,10 @@ from evidence.tables import read, write
 
 DATA = DOCS / "data" / "mesh_rule"
 #: measured on so many ropes of the fitting seed
-TABLES, ROPES = {"loop": statics.loop, "cover": statics.cover, "ends": statics.ends, "parts": trips.parts}, 16
+TABLES, ROPES = (
+    {"loop": statics.loop, "cover": statics.cover, "ends": statics.ends, "parts": trips.parts},
+    16,
+)
 
 
 def main() -> None:
@@ -22,11 +25,16 @@ def main() -> None:
     parser.add_argument("--measure", action="store_true", help="measure the data anew")
     if parser.parse_args().measure:
         ropes = list(draw(FIT, ROPES))
-        write({name: measure(tqdm(ropes, name, leave=False)) for name, measure in TABLES.items()}, DATA)
+        write(
+            {name: measure(tqdm(ropes, name, leave=False)) for name, measure in TABLES.items()},
+            DATA,
+        )
     found, tables = laws.fit(read(DATA)), read(DATA)
     for name, fit in found._asdict().items():
         values = ", ".join(f"{x:.3g}" for x in fit.values)
-        print(f"{name:<13} {values:<20} factor left: {np.exp(fit.spread):.2f} (rms), {np.exp(fit.worst):.2f} (largest)")
+        print(
+            f"{name:<13} {values:<20} factor left: {np.exp(fit.spread):.2f} (rms), {np.exp(fit.worst):.2f} (largest)"
+        )
     print(
         "slip aside over height, elements up to {:.2f} w and longer: {:.2f}, {:.2f}".format(
             LONGEST_USED, *slip(tables["loop"])
@@ -35,7 +43,9 @@ def main() -> None:
     for asked in (0.05, 5e-3, 1e-3, 2e-4):
         of = shares(found, asked)
         largest = f"loop {of.loop.max():.2f}, cover {of.cover.max():.2f}"
-        print(f"asked {1e3 * asked:g} mm: of it at most {largest}; clamp moment off by {100 * of.moment.max():.2f} %")
+        print(
+            f"asked {1e3 * asked:g} mm: of it at most {largest}; clamp moment off by {100 * of.moment.max():.2f} %"
+        )
 
 
 if __name__ == "__main__":

@@ -56,7 +56,8 @@ def measure(scene: Scene, x: float) -> Off:
     for k in range(PLACES):
         height = HEIGHT + 2 * fine * k / PLACES
         equal, exact = (
-            hang(scene.with_(mesh=m), height) for m in (Mesh("eem", elements), Mesh("auto", loop_error=FINE))
+            hang(scene.with_(mesh=m), height)
+            for m in (Mesh("eem", elements), Mesh("auto", loop_error=FINE))
         )
         off.append(equal - exact)
     found = np.array(off)
@@ -66,8 +67,16 @@ def measure(scene: Scene, x: float) -> Off:
 
 def rows(seed: int) -> list[list[Off]]:
     """By the length of the elements, of ropes that are long enough for them, in their plane and out of it."""
-    ropes = list(islice((s for s in draw(seed, 20 * ROPES) if SHORTEST * s.w < s.rope.length < LONGEST), ROPES))
-    scenes = [scene for s in ropes for scene in (Scene(s.rope, s.layout, model=Model("planar")), coupled(s))]
+    ropes = list(
+        islice(
+            (s for s in draw(seed, 20 * ROPES) if SHORTEST * s.w < s.rope.length < LONGEST), ROPES
+        )
+    )
+    scenes = [
+        scene
+        for s in ropes
+        for scene in (Scene(s.rope, s.layout, model=Model("planar")), coupled(s))
+    ]
     return [[measure(scene, x) for scene in scenes] for x in LENGTHS]
 
 
@@ -76,8 +85,13 @@ def main() -> None:
     for seed in (FIT, JUDGE):
         print(f"seed {seed}: x, place / law (smallest, median, largest), yaw / x (the same)")
         for of_length in rows(seed):
-            places, yaws = [e.place / e.law for e in of_length], [e.yaw / e.x for e in of_length[1::2]]
-            shown = (" ".join(f"{x:.3g}" for x in np.quantile(v, (0, 0.5, 1))) for v in (places, yaws))
+            places, yaws = (
+                [e.place / e.law for e in of_length],
+                [e.yaw / e.x for e in of_length[1::2]],
+            )
+            shown = (
+                " ".join(f"{x:.3g}" for x in np.quantile(v, (0, 0.5, 1))) for v in (places, yaws)
+            )
             print(f"  {of_length[0].x:.2f}   {'   '.join(shown)}")
 
 

@@ -88,7 +88,9 @@ def _loop(t: Table) -> Fit:
 
     def residual(logarithms: Array) -> Array:
         values = tuple(np.exp(logarithms))
-        return np.asarray(np.log(loop_error(values, t["fine [m]"][used], w[used], S[used])) - measured)
+        return np.asarray(
+            np.log(loop_error(values, t["fine [m]"][used], w[used], S[used])) - measured
+        )
 
     found = least_squares(residual, np.log([0.02, 3e-3]))
     return _fit(tuple(np.exp(found.x)), residual(found.x))
@@ -98,19 +100,25 @@ def _cover(t: Table) -> Fit:
     w = t["w [m]"]
     used = t["cover [m]"] > ABOVE * w
     x, up, off = (t[name][used] / w[used] for name in ("fine [m]", "cover [m]", "off [m]"))
-    (a, p, b), left = _linear(np.stack([np.ones_like(x), np.log(x), -(up**1.5)], axis=1), np.log(off))
+    (a, p, b), left = _linear(
+        np.stack([np.ones_like(x), np.log(x), -(up**1.5)], axis=1), np.log(off)
+    )
     return _fit((float(np.exp(a)), p, b), left)
 
 
 def _ends(t: Table) -> Fit:
     y = t["end element [m]"] / t["layer [m]"]
     used = y < RESOLVED
-    (a, q), left = _linear(np.stack([np.ones(used.sum()), np.log(y[used])], axis=1), np.log(t["moment error"][used]))
+    (a, q), left = _linear(
+        np.stack([np.ones(used.sum()), np.log(y[used])], axis=1), np.log(t["moment error"][used])
+    )
     return _fit((float(np.exp(a)), q), left)
 
 
 def _legs(t: Table, trip: str) -> Fit:
-    used = (t["what"] == "legs") & (t["trip"] == trip) & (t["off [m]"] > 0)  # short legs may have no longer elements
+    used = (
+        (t["what"] == "legs") & (t["trip"] == trip) & (t["off [m]"] > 0)
+    )  # short legs may have no longer elements
     ratio = np.log(t["off [m]"][used] / (t["grading_length [m]"][used] * t["length [m]"][used]))
     return _fit((float(np.exp(np.median(ratio))),), ratio - np.median(ratio))
 
@@ -122,4 +130,6 @@ def _linear(columns: Array, measured: Array) -> tuple[tuple[float, ...], Array]:
 
 
 def _fit(values: tuple[float, ...], left: Array) -> Fit:
-    return Fit(tuple(float(x) for x in values), float(np.sqrt(np.mean(left**2))), float(np.abs(left).max()))
+    return Fit(
+        tuple(float(x) for x in values), float(np.sqrt(np.mean(left**2))), float(np.abs(left).max())
+    )

@@ -39,7 +39,9 @@ def shares(found: Laws, asked: float) -> Shares:
         layer = sqrt(d.rope.EI / (0.5 * d.rope.mass_per_length * d.layout.gravity * d.rope.length))
         loop.append(float(laws.loop_error(found.loop.values, fine, np.array(d.w), S)) / asked)
         cover.append(float(laws.cover_error(found.cover.values, fine, half, np.array(d.w))) / asked)
-        moment.append(float(laws.moment_error(found.ends.values, np.array(of.end), np.array(layer))))
+        moment.append(
+            float(laws.moment_error(found.ends.values, np.array(of.end), np.array(layer)))
+        )
     return Shares(np.array(loop), np.array(cover), np.array(moment))
 
 

@@ -7,7 +7,18 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from evidence.sampling import ACCELERATION, BENDING, JERK, LENGTH, MASS, NEAR, SPACING, SPEED, STIFFNESS, Draws
+from evidence.sampling import (
+    ACCELERATION,
+    BENDING,
+    JERK,
+    LENGTH,
+    MASS,
+    NEAR,
+    SPACING,
+    SPEED,
+    STIFFNESS,
+    Draws,
+)
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model.parameters import Layout, Rope, Scene
@@ -59,6 +70,8 @@ def draw(seed: int, number: int) -> Iterator[Sample]:
         layout = Layout(evenly(SPACING))
         travel = length * (1 - 2 * evenly(NEAR))
         speed, acceleration, jerk = evenly(SPEED), evenly(ACCELERATION), in_logarithms(JERK)
-        smooth = Trip(travel=travel, speed=speed, acceleration=acceleration, jerk=jerk, start_delay=0.0)
+        smooth = Trip(
+            travel=travel, speed=speed, acceleration=acceleration, jerk=jerk, start_delay=0.0
+        )
         stopped = replace(smooth, emergency_at=evenly(STOP) * s_curve(smooth).duration)
         yield Sample(k, rope, layout, smooth, stopped)

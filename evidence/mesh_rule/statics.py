@@ -48,7 +48,13 @@ def pattern(sample: Sample, fine: float, cover: float = AMPLE, levels: int = 4) 
     coarse = 4 * fine * sample.w
     count = 4 * math.ceil(2 * cover * sample.w / coarse)
     growth = LEG_WAVES / sample.rope.length  # at rest the legs' elements change nothing
-    return Mesh("tmn", coarse_length=coarse, counts=(2, 0, count, 0, 2), end_levels=levels, grading_length=growth)
+    return Mesh(
+        "tmn",
+        coarse_length=coarse,
+        counts=(2, 0, count, 0, 2),
+        end_levels=levels,
+        grading_length=growth,
+    )
 
 
 def hang(sample: Sample, mesh: Mesh, height: float) -> RestShape:
@@ -91,7 +97,14 @@ def loop(samples: Iterable[Sample]) -> Table:
         finest = pattern(d, FINEST)
         for length in LOOP_LENGTHS:
             found = np.array([shift(d, pattern(d, length), finest, off) for off in OFF_CENTRE])
-            rows.append((*_rope(d), length * d.w, float(found[:, 1].mean()), float(np.abs(found[:, 0]).max())))
+            rows.append(
+                (
+                    *_rope(d),
+                    length * d.w,
+                    float(found[:, 1].mean()),
+                    float(np.abs(found[:, 0]).max()),
+                )
+            )
     return table((*ROPE, "fine [m]", "too high [m]", "aside [m]"), rows)
 
 
@@ -119,7 +132,9 @@ def ends(samples: Iterable[Sample]) -> Table:
             mesh = pattern(d, FINE, levels=levels)
             hung = hang(d, mesh, 0.0)
             layer = math.sqrt(d.rope.EI / hung.tension)
-            rows.append((*_rope(d), float(hung.mesh.lengths[0]), layer, abs(hung.moment / exact.moment - 1)))
+            rows.append(
+                (*_rope(d), float(hung.mesh.lengths[0]), layer, abs(hung.moment / exact.moment - 1))
+            )
     return table((*ROPE, "end element [m]", "layer [m]", "moment error"), rows)
 
 

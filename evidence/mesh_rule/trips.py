@@ -20,7 +20,14 @@ SHORT_STEP = STEP / 4
 def run_trip(sample: Sample, kind: str, mesh: Mesh, step: float = STEP) -> Winding:
     """The rope on its trip, the smooth one or the one with an emergency stop."""
     trip = sample.smooth if kind == "smooth" else sample.stopped
-    run = wind(sample.scene(mesh, step), s_curve(trip), trip.travel, SETTLE, round(EVERY / step), interval=step)
+    run = wind(
+        sample.scene(mesh, step),
+        s_curve(trip),
+        trip.travel,
+        SETTLE,
+        round(EVERY / step),
+        interval=step,
+    )
     return run.completed(f"scene {sample.number}, {kind}, {mesh}")
 
 
@@ -36,8 +43,38 @@ def parts(samples: Iterable[Sample]) -> Table:
         for part in PARTS:
             growth = part * auto.grading_length
             run = run_trip(d, kind, replace(auto, grading_length=growth))
-            rows.append((*head, "legs", part, growth, run.rope.elements, place_error(run.bottom, plain.bottom)))
+            rows.append(
+                (
+                    *head,
+                    "legs",
+                    part,
+                    growth,
+                    run.rope.elements,
+                    place_error(run.bottom, plain.bottom),
+                )
+            )
             if part == 1.0:
                 shorter = run_trip(d, kind, auto, SHORT_STEP)
-                rows.append((*head, "steps", part, growth, run.rope.elements, place_error(run.bottom, shorter.bottom)))
-    return table(("scene", "length [m]", "trip", "what", "part", "grading_length [m]", "elements", "off [m]"), rows)
+                rows.append(
+                    (
+                        *head,
+                        "steps",
+                        part,
+                        growth,
+                        run.rope.elements,
+                        place_error(run.bottom, shorter.bottom),
+                    )
+                )
+    return table(
+        (
+            "scene",
+            "length [m]",
+            "trip",
+            "what",
+            "part",
+            "grading_length [m]",
+            "elements",
+            "off [m]",
+        ),
+        rows,
+    )

@@ -28,12 +28,22 @@ PAGE = PAGES["promise"]
 def main() -> int:
     """The command line; 1 where a target is missed."""
     parser = argparse.ArgumentParser("python -m evidence.promise", description=__doc__)
-    parser.add_argument("--scenes", type=int, default=SCENES, metavar="N", help=f"of the seed ({SCENES})")
-    parser.add_argument("--seed", type=int, default=JUDGE, help=f"another one than {JUDGE}, which judges: no page")
+    parser.add_argument(
+        "--scenes", type=int, default=SCENES, metavar="N", help=f"of the seed ({SCENES})"
+    )
+    parser.add_argument(
+        "--seed", type=int, default=JUDGE, help=f"another one than {JUDGE}, which judges: no page"
+    )
     options = parser.parse_args()
-    folder = Path("build") / "promise" / f"{options.seed}-{text_hash(Path(__file__).parents[2] / 'rope_model')}"
+    folder = (
+        Path("build")
+        / "promise"
+        / f"{options.seed}-{text_hash(Path(__file__).parents[2] / 'rope_model')}"
+    )
     begun, samples = time.monotonic(), draw(options.seed, options.scenes)
-    cheap_first = sorted(samples, key=lambda s: (s.trajectory.duration + SETTLE) * balance_rope(s.scene).elements)
+    cheap_first = sorted(
+        samples, key=lambda s: (s.trajectory.duration + SETTLE) * balance_rope(s.scene).elements
+    )
     with ProcessPoolExecutor() as pool:
         rest = [s for s in cheap_first if not (folder / f"{s.number:03d}.csv").exists()]
         for number in pool.map(_keep, rest, [folder] * len(rest)):

@@ -11,7 +11,10 @@ NEAR, NEAR_SHARE = 2.0, 0.85
 #: share of scenes that are to be within what was asked, and the worst one over what was asked
 WITHIN, WORST = 0.97, 2.0
 #: estimates: columns of error and estimate
-ESTIMATES = {"end force": ("end force", "end force, estimated"), "loop": ("loop [m]", "loop, estimated [m]")}
+ESTIMATES = {
+    "end force": ("end force", "end force, estimated"),
+    "loop": ("loop [m]", "loop, estimated [m]"),
+}
 
 
 def completed(t: Table, asked: str = "default") -> Table:
@@ -21,7 +24,9 @@ def completed(t: Table, asked: str = "default") -> Table:
 
 def over_asked(t: Table, asked: str = "default") -> Array:
     """Error over what was asked, the worse one of end force and loop."""
-    return np.maximum(t["end force"] / REQUESTS[asked].end_force, t["loop [m]"] / REQUESTS[asked].loop)
+    return np.maximum(
+        t["end force"] / REQUESTS[asked].end_force, t["loop [m]"] / REQUESTS[asked].loop
+    )
 
 
 def near(t: Table, estimate: str) -> float:

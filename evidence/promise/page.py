@@ -26,7 +26,12 @@ def page(tables: Tables) -> str:
         "factor": NEAR,
         "failures": sorted({*t["failure"].tolist()} - {""}),
         "claims": [
-            (c.what, number(c.value, ".3g"), f"{c.relation} {c.bound:.3g}", "yes" if c.holds else "**no**")
+            (
+                c.what,
+                number(c.value, ".3g"),
+                f"{c.relation} {c.bound:.3g}",
+                "yes" if c.holds else "**no**",
+            )
             for c in claims(t)
         ],
         "requests": [_request(t, asked) for asked in REQUESTS],
@@ -45,7 +50,11 @@ def _request(all_scenes: Table, asked: str) -> tuple[str, ...]:
     t, default, request = completed(all_scenes, asked), completed(all_scenes), REQUESTS[asked]
     over = over_asked(t, asked)
     work = dict(zip(default["scene"].tolist(), default["work"].tolist(), strict=True))
-    paid = [w / work[k] for k, w in zip(t["scene"].tolist(), t["work"].tolist(), strict=True) if k in work]
+    paid = [
+        w / work[k]
+        for k, w in zip(t["scene"].tolist(), t["work"].tolist(), strict=True)
+        if k in work
+    ]
     return (
         f"{asked}: {quantity(request.end_force, '%', 'g')}, {quantity(request.loop, 'mm', 'g')}",
         f"{np.sum(over <= 1)} of {len(over)}",
@@ -67,7 +76,14 @@ def _groups(t: Table) -> list[tuple[str, ...]]:
             part = where(t, mine)
             over = over_asked(part)
             shares = [float(np.mean(over <= 1)), *(near(part, x) for x in ESTIMATES)]
-            rows.append((name, str(mine.sum()), number(float(over.max()), ".2g"), *(quantity(x, "%") for x in shares)))
+            rows.append(
+                (
+                    name,
+                    str(mine.sum()),
+                    number(float(over.max()), ".2g"),
+                    *(quantity(x, "%") for x in shares),
+                )
+            )
     return rows
 
 
@@ -75,7 +91,10 @@ def _worst(t: Table) -> list[tuple[str, ...]]:
     rows = []
     for k in (-over_asked(t)).argsort()[:WORST]:
         names = (x for estimate in ESTIMATES.values() for x in estimate)
-        errors = [quantity(t[name][k], unit, ".2g") for name, unit in zip(names, ("%", "%", "mm", "mm"), strict=True)]
+        errors = [
+            quantity(t[name][k], unit, ".2g")
+            for name, unit in zip(names, ("%", "%", "mm", "mm"), strict=True)
+        ]
         rows.append(
             (
                 f"{t['scene'][k]:.0f}, {t['kind'][k]}",

@@ -63,7 +63,10 @@ def draw(seed: int, number: int) -> Iterator[Sample]:
         length, mass = in_logarithms(LENGTH), evenly(MASS)
         diameter, stiffness = math.sqrt(SECTION * mass), mass * in_logarithms(STIFFNESS)
         torsion = stiffness * diameter**2 * in_logarithms(TORSION)
-        coupling = min(evenly((0, COUPLING)) * stiffness * diameter, MOST_COUPLED * math.sqrt(stiffness * torsion))
+        coupling = min(
+            evenly((0, COUPLING)) * stiffness * diameter,
+            MOST_COUPLED * math.sqrt(stiffness * torsion),
+        )
         rope = Rope(
             length=length,
             mass_per_length=mass,
@@ -76,7 +79,10 @@ def draw(seed: int, number: int) -> Iterator[Sample]:
             diameter=diameter,
             installed_twist=evenly(TWIST) * length if evenly() < TWISTED else 0.0,
         )
-        layout, modes = Layout(evenly(SPACING)), [MODES[draws.one_of(len(MODES))] for _ in ("left", "right")]
+        layout, modes = (
+            Layout(evenly(SPACING)),
+            [MODES[draws.one_of(len(MODES))] for _ in ("left", "right")],
+        )
         trip = Trip(
             travel=length * (1 - 2 * evenly(NEAR)),
             speed=evenly(SPEED),
@@ -85,15 +91,26 @@ def draw(seed: int, number: int) -> Iterator[Sample]:
             start_delay=0.0,
         )
         stopped, by_sine, released = evenly() < STOPPED, evenly() < BY_SINE, evenly() < RELEASED
-        begin, brake, jerk = evenly(BEGIN) * s_curve(trip).duration, evenly(BRAKE), in_logarithms(BRAKE_JERK)
+        begin, brake, jerk = (
+            evenly(BEGIN) * s_curve(trip).duration,
+            evenly(BRAKE),
+            in_logarithms(BRAKE_JERK),
+        )
         interval = STEPS[draws.one_of(len(STEPS))]
         if stopped:
-            trip = replace(trip, emergency_at=begin, emergency_deceleration=brake, emergency_jerk=jerk)
+            trip = replace(
+                trip, emergency_at=begin, emergency_deceleration=brake, emergency_jerk=jerk
+            )
         friction = in_logarithms(FRICTION)
         swivel = Swivel(
-            mu_static=STATIC * friction, mu_kinetic=friction, inertia=max(0.05 * mass / 8, 1e-3), start="locked"
+            mu_static=STATIC * friction,
+            mu_kinetic=friction,
+            inertia=max(0.05 * mass / 8, 1e-3),
+            start="locked",
         )
         left, right = (replace(swivel, mode=mode) for mode in modes)
         if released and not stopped:
-            right = replace(right, mode="free" if right.mode == "locked" else right.mode, release_time=begin)
+            right = replace(
+                right, mode="free" if right.mode == "locked" else right.mode, release_time=begin
+            )
         yield Sample(k, Scene(rope, layout, left, right), trip, interval, stopped and by_sine)

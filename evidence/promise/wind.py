@@ -26,12 +26,18 @@ FINE: dict[str, Any] = {
 }
 FINE_STEP = 1.25e-3
 _SIGNALS = tuple(
-    [f"{side}.{name}" for side in ("left", "right") for name in ("fx", "fy", "fz")] + ["loop.x", "loop.y", "loop.z"]
+    [f"{side}.{name}" for side in ("left", "right") for name in ("fx", "fy", "fz")]
+    + ["loop.x", "loop.y", "loop.z"]
 )
 COLUMNS = (
     *("scene", "asked", "kind", "length [m]", "EI [N m2]"),
     *("interval [s]", "events", "end force", "loop [m]"),
-    *("end force, estimated", "loop, estimated [m]", "end force, of the fine run", "loop, of the fine run [m]"),
+    *(
+        "end force, estimated",
+        "loop, estimated [m]",
+        "end force, of the fine run",
+        "loop, of the fine run [m]",
+    ),
     *("work", "failure"),
 )
 
@@ -57,10 +63,14 @@ def wind(sample: Sample, interval: float, **changes: Any) -> Run:
     rope = balance_rope(scene)
     try:
         require(rope.initialize(0.0, *ends(0.0)))
-        rows = follow(rope, interval, trip.duration + SETTLE, ends, rope.reader(_SIGNALS))[every - 1 :: every]
+        rows = follow(rope, interval, trip.duration + SETTLE, ends, rope.reader(_SIGNALS))[
+            every - 1 :: every
+        ]
     except RuntimeError as failed:
         return Run(np.zeros((0, len(_SIGNALS))), np.nan, np.nan, np.nan, np.nan, str(failed))
-    told = rope.signals(("status.end_force_error", "status.loop_error", "count.newton", "count.swivel_events"))
+    told = rope.signals(
+        ("status.end_force_error", "status.loop_error", "count.newton", "count.swivel_events")
+    )
     force, loop, corrections, events = told.values()
     return Run(rows, force, loop, corrections * rope.elements, events)
 

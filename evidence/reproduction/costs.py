@@ -26,7 +26,9 @@ def measure() -> Tables:
 
 def median_time(tables: Tables, coupling: str, mesh: str) -> float:
     """Return the processor's time of a winding, s: the median of the interleaved rounds."""
-    return float(np.median(rows(tables["times"], coupling=coupling, mesh=mesh)["processor time [s]"]))
+    return float(
+        np.median(rows(tables["times"], coupling=coupling, mesh=mesh)["processor time [s]"])
+    )
 
 
 def claims(tables: Tables) -> list[Claim]:
@@ -42,7 +44,10 @@ def claims(tables: Tables) -> list[Claim]:
         f"allow only {by_count:.1f} % here and {source_by_count:.1f} % in the source, so the source's time must "
         "grow faster than its element count, or its steps differ"
     )
-    saved = {c: 100 * (1 - median_time(tables, c, "TMN-ETM") / median_time(tables, c, "EEM")) for c in COUPLINGS}
+    saved = {
+        c: 100 * (1 - median_time(tables, c, "TMN-ETM") / median_time(tables, c, "EEM"))
+        for c in COUPLINGS
+    }
     return [
         Claim(
             f"TMN-ETM saves {SOURCE_SAVED[c]} % of the computation time ({c})",

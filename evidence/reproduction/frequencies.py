@@ -46,7 +46,9 @@ def modes(height: float) -> dict[str, tuple[Array, Array]]:
     """
     scene = rope_120().scene
     ends = {"left": Swivel(), "right": Swivel(mode="free", inertia=1e-12)}
-    rope = RopeSimulator(scene.with_(rope=replace(scene.rope, Qb=0.0, Qc=0.0), model=Model("torsional"), **ends))
+    rope = RopeSimulator(
+        scene.with_(rope=replace(scene.rope, Qb=0.0, Qc=0.0), model=Model("torsional"), **ends)
+    )
     require(rope.initialize(0.0, EndMotion(y=0.5 * height), EndMotion(y=-0.5 * height)))
     q, s, found = rope.state.motion.q, arc_lengths(rope.state.partition.lengths), {}
     # one end that turns is enough to free the rope of torsion; two would let it spin as a whole
@@ -66,7 +68,9 @@ def column(plane: str, k: int) -> str:
 
 def measure() -> Tables:
     """Frequencies over H, and the closest approaches of neighbouring curves."""
-    found = [modes(float(h)) for h in tqdm(HEIGHTS, desc="natural frequencies", unit="H", leave=False)]
+    found = [
+        modes(float(h)) for h in tqdm(HEIGHTS, desc="natural frequencies", unit="H", leave=False)
+    ]
     # seen from the other side the rope at -H is the rope at H
     heights = np.concatenate((-HEIGHTS[:0:-1], HEIGHTS))
     columns = {"H [m]": heights}
@@ -76,7 +80,16 @@ def measure() -> Tables:
         seen = np.concatenate((shapes[:0:-1, :, ::-1], shapes)), np.concatenate((f[:0:-1], f))
         columns |= {column(plane, k): seen[1][:, k] for k in range(COUNT)}
         rows += [(plane, *row) for row in approaches(heights, seen[1], seen[0])]
-    names = ("plane", "lower mode", "H [m]", "gap [Hz]", "gap [% of the mean]", *SWAPPED, *KEPT, ALONG)
+    names = (
+        "plane",
+        "lower mode",
+        "H [m]",
+        "gap [Hz]",
+        "gap [% of the mean]",
+        *SWAPPED,
+        *KEPT,
+        ALONG,
+    )
     return {"frequencies": columns, "approaches": table(names, rows)}
 
 
@@ -103,7 +116,9 @@ def approaches(heights: Array, f: Array, shapes: Array) -> list[tuple[float, ...
             pairs = ((low, after_high), (high, after_low), (low, after_low), (high, after_high))
             relative = 200 * gap[i] / (f[i, k] + f[i, k + 1])
             along = min(mac(shapes[j, k], shapes[j + 1, k]) for j in range(first, last))
-            rows.append((k + 1, heights[i], gap[i], relative, *(mac(*pair) for pair in pairs), along))
+            rows.append(
+                (k + 1, heights[i], gap[i], relative, *(mac(*pair) for pair in pairs), along)
+            )
     return rows
 
 
@@ -142,7 +157,12 @@ def claims(tables: Tables) -> list[Claim]:
     return [
         Claim(
             "frequencies agree with an independent code",
-            below("largest deviation of the 16 frequencies at H = 0 and 80 m", reference_error(tables), 0.5, "%"),
+            below(
+                "largest deviation of the 16 frequencies at H = 0 and 80 m",
+                reference_error(tables),
+                0.5,
+                "%",
+            ),
         ),
         Claim(
             "out-of-plane frequencies veer with the height difference",
@@ -163,10 +183,20 @@ def draw(tables: Tables) -> Figure:
         for k in range(SHOWN):
             ax.plot(t["H [m]"], t[column(plane, k)], color=CURVES[k], label=f"mode {k + 1}")
             for height in (0.0, 80.0):
-                ax.plot(height, REFERENCE_HZ[plane, height][k], "o", mfc="white", mec="black", ms=5, zorder=3)
+                ax.plot(
+                    height,
+                    REFERENCE_HZ[plane, height][k],
+                    "o",
+                    mfc="white",
+                    mec="black",
+                    ms=5,
+                    zorder=3,
+                )
         for i in np.flatnonzero(veerings(close)) if plane == "out" else ():
             k, at = int(close["lower mode"][i]) - 1, t["H [m]"] == close["H [m]"][i]
-            middle = np.mean([t[column(plane, k + j)][at][0] for j in (0, 1)])  # Hz, between the two curves
+            middle = np.mean(
+                [t[column(plane, k + j)][at][0] for j in (0, 1)]
+            )  # Hz, between the two curves
             ax.plot(close["H [m]"][i], middle, "s", mfc="none", mec="#c0392b", ms=11)
         ax.set(xlabel="height difference H [m]", ylim=(0.0, 0.28), xticks=range(-80, 81, 40))
         ax.set_title("Out of plane" if plane == "out" else "In plane")

@@ -7,7 +7,12 @@ from evidence.reproduction.windings import ROUNDS
 from evidence.tables import Tables
 from hoist_demo.parameters import ASSUMED_DATA
 
-SECTIONS: tuple[Section, ...] = (frequencies.SECTION, *winding_claims.SECTIONS, costs.SECTION, release.SECTION)
+SECTIONS: tuple[Section, ...] = (
+    frequencies.SECTION,
+    *winding_claims.SECTIONS,
+    costs.SECTION,
+    release.SECTION,
+)
 FIGURES = {"frequencies": frequencies.draw, "release": release.draw}
 
 
@@ -19,12 +24,26 @@ def page(tables: Tables) -> str:
         "assumed": ASSUMED_DATA,
         "rounds": ROUNDS,
         "summary": [
-            (title, c.source, c.measured.what, _value(c), _bound(c), "yes" if c.measured.holds else "**no**")
+            (
+                title,
+                c.source,
+                c.measured.what,
+                _value(c),
+                _bound(c),
+                "yes" if c.measured.holds else "**no**",
+            )
             for title, c in claims
         ],
         "kept": sum(c.measured.holds for _, c in claims),
         "missed": [
-            ([f"{c.source} ({_value(c)})" for _, c in claims if c.because == why and not c.measured.holds], why)
+            (
+                [
+                    f"{c.source} ({_value(c)})"
+                    for _, c in claims
+                    if c.because == why and not c.measured.holds
+                ],
+                why,
+            )
             for why in reasons
         ],
         "data": [name for section in SECTIONS for name in section.data],

@@ -51,7 +51,10 @@ def measure() -> Tables:
     loop = {"t [s]": t[EVERY - 1 :: EVERY]}
     half = 0.5 * scene.layout.spacing
     for kind, (each, watched) in zip(KINDS, (released, locked), strict=True):
-        observed, bottom = np.array(each.observed)[EVERY - 1 :: EVERY], np.array(each.bottom)[EVERY - 1 :: EVERY]
+        observed, bottom = (
+            np.array(each.observed)[EVERY - 1 :: EVERY],
+            np.array(each.bottom)[EVERY - 1 :: EVERY],
+        )
         for i, side in enumerate(SIDES):
             loop[f"{kind} {side} in plane [m]"] = observed[:, i, 0] + (half, -half)[i]
             loop[f"{kind} {side} out of plane [m]"] = observed[:, i, 2]
@@ -95,7 +98,9 @@ def reach(tables: Tables, kind: str) -> tuple[float, float]:
 def instants(tables: Tables, what: str = "") -> Array:
     """Return when the right swivel changes its phase, s."""
     t = tables["release-events"]
-    return np.asarray(t["t [s]"][(t["side"] == "right") & (np.char.find(t["what"].astype(str), what) >= 0)])
+    return np.asarray(
+        t["t [s]"][(t["side"] == "right") & (np.char.find(t["what"].astype(str), what) >= 0)]
+    )
 
 
 def jump(tables: Tables, quantity: str) -> float:
@@ -118,9 +123,13 @@ def claims(tables: Tables) -> list[Claim]:
     """Compare what the source says of the release."""
     first, stick = instants(tables)[0], instants(tables, "sticks")[0]
     ratio = change(tables, "out of plane [m]") / change(tables, "in plane [m]")
-    ranges = [np.ptp([after(tables, f"{kind} {s} theta [rad]") for s in SIDES], axis=1) for kind in KINDS]
+    ranges = [
+        np.ptp([after(tables, f"{kind} {s} theta [rad]") for s in SIDES], axis=1) for kind in KINDS
+    ]
     torsional = float((ranges[0] / ranges[1]).min())
-    turn = float(np.max(np.abs(after(tables, "released yaw [rad]") - after(tables, "locked yaw [rad]"))))
+    turn = float(
+        np.max(np.abs(after(tables, "released yaw [rad]") - after(tables, "locked yaw [rad]")))
+    )
     return [
         Claim(
             "in-plane motion changes little on release",
@@ -139,23 +148,45 @@ def claims(tables: Tables) -> list[Claim]:
         ),
         Claim(
             "the loop swings from side to side",
-            above("smaller sideways amplitude of the lowest point", min(reach(tables, "released")), 0.1, "m"),
+            above(
+                "smaller sideways amplitude of the lowest point",
+                min(reach(tables, "released")),
+                0.1,
+                "m",
+            ),
         ),
         Claim(
             "stick-slip switching near 20 s",
-            below("time deviation of the right swivel's first switching", abs(first - SOURCE_SWITCHING[0]), NEAR, "s"),
+            below(
+                "time deviation of the right swivel's first switching",
+                abs(first - SOURCE_SWITCHING[0]),
+                NEAR,
+                "s",
+            ),
         ),
         Claim(
             "stick-slip switching near 20.8 s",
-            below("time deviation of the right swivel's first sticking", abs(stick - SOURCE_SWITCHING[1]), NEAR, "s"),
+            below(
+                "time deviation of the right swivel's first sticking",
+                abs(stick - SOURCE_SWITCHING[1]),
+                NEAR,
+                "s",
+            ),
         ),
         *(
             Claim(
                 f"switching is visible as jumps in {words}",
-                above("median change at a switching / mean of other changes", jump(tables, quantity), 10.0),
+                above(
+                    "median change at a switching / mean of other changes",
+                    jump(tables, quantity),
+                    10.0,
+                ),
                 "torsional waves also change the swivel's acceleration between switchings",
             )
-            for words, quantity in (("friction torque", SWIVEL[1]), ("angular acceleration", SWIVEL[0]))
+            for words, quantity in (
+                ("friction torque", SWIVEL[1]),
+                ("angular acceleration", SWIVEL[0]),
+            )
         ),
     ]
 
@@ -171,8 +202,15 @@ def draw(tables: Tables) -> Figure:
         "yaw [rad]": "Yaw of the loop",
     }
     for ax, (quantity, title) in zip(axes.flat, panels.items(), strict=True):
-        ax.plot(t["t [s]"], t[f"locked {quantity}"], color=REFERENCE, lw=1.6, label="swivels locked")
-        ax.plot(t["t [s]"], t[f"released {quantity}"], color=COLOURS["left"], label="swivels released at 20 s")
+        ax.plot(
+            t["t [s]"], t[f"locked {quantity}"], color=REFERENCE, lw=1.6, label="swivels locked"
+        )
+        ax.plot(
+            t["t [s]"],
+            t[f"released {quantity}"],
+            color=COLOURS["left"],
+            label="swivels released at 20 s",
+        )
         ax.axvline(RELEASE, color="#c0392b", lw=0.6, alpha=0.7, zorder=0.5)
         ax.set(ylabel=quantity[quantity.index("[") :], title=title)
     for ax in axes[1]:
@@ -181,4 +219,6 @@ def draw(tables: Tables) -> Figure:
     return made
 
 
-SECTION = Section("Release of the swivels", claims, ("release-swivel", "release-loop", "release-events"))
+SECTION = Section(
+    "Release of the swivels", claims, ("release-swivel", "release-loop", "release-events")
+)

@@ -20,7 +20,11 @@ def worst_difference(tables: Tables, *quantities: str) -> float:
     def largest(t: Table, which: str, quantity: str) -> float:
         return float(np.max(np.abs([t[f"{which} {side} {quantity}"] for side in SIDES])))
 
-    pairs = [(largest(tables[w], "difference", q), largest(tables[w], "EEM", q)) for w in WINDINGS for q in quantities]
+    pairs = [
+        (largest(tables[w], "difference", q), largest(tables[w], "EEM", q))
+        for w in WINDINGS
+        for q in quantities
+    ]
     return 100 * max(difference / value for difference, value in pairs if value > 0)
 
 
@@ -37,7 +41,12 @@ def displacement_claims(tables: Tables) -> list[Claim]:
     return [
         Claim(
             "left and right out-of-plane displacement keep opposite signs through the whole travel",
-            above("smallest displacement of a leg to its own side", margin(tables["winding-coupled"]), 0.0, "mm"),
+            above(
+                "smallest displacement of a leg to its own side",
+                margin(tables["winding-coupled"]),
+                0.0,
+                "mm",
+            ),
         ),
         Claim(
             "TMN-ETM agrees with EEM in displacement",
@@ -45,7 +54,12 @@ def displacement_claims(tables: Tables) -> list[Claim]:
         ),
         Claim(
             "TMN-ETM agrees with EEM in twist",
-            below("largest difference / largest theta", worst_difference(tables, "theta [mrad]"), 1.0, "%"),
+            below(
+                "largest difference / largest theta",
+                worst_difference(tables, "theta [mrad]"),
+                1.0,
+                "%",
+            ),
         ),
     ]
 
@@ -59,8 +73,15 @@ def stress_claims(tables: Tables) -> list[Claim]:
     away = float(np.max(np.abs(t["EEM bending largest at s [m]"] - t["EEM loop s [m]"])))
     even = "no torque acts along a leg, so the torque is nearly uniform"
     claims = [
-        Claim("only a few areas carry large bending stress", below(share, above_half["bending"], FEW, "%")),
-        Claim("only a few areas carry large torsional stress", below(share, above_half["torsion"], FEW, "%"), even),
+        Claim(
+            "only a few areas carry large bending stress",
+            below(share, above_half["bending"], FEW, "%"),
+        ),
+        Claim(
+            "only a few areas carry large torsional stress",
+            below(share, above_half["torsion"], FEW, "%"),
+            even,
+        ),
         Claim(
             "the areas follow the conveyances (bending)",
             below("largest distance along the rope from the loop's lowest point", away, 1.0, "m"),
@@ -68,7 +89,9 @@ def stress_claims(tables: Tables) -> list[Claim]:
     ]
     for kind in STRESSES:
         tmn, eem = (t[f"{mesh} {kind} largest [MPa]"] for mesh in MESHES)
-        apart = below("largest difference of the maxima", 100 * float(np.max(np.abs(tmn / eem - 1))), 2.0, "%")
+        apart = below(
+            "largest difference of the maxima", 100 * float(np.max(np.abs(tmn / eem - 1))), 2.0, "%"
+        )
         claims.append(Claim(f"TMN-ETM agrees with EEM in the {words[kind]} stress norm", apart))
     return claims
 
@@ -85,7 +108,10 @@ def energy_claims(tables: Tables) -> list[Claim]:
     for coupling, w in zip(COUPLINGS, WINDINGS, strict=True):
         at, change = changes(tables, coupling)
         energy = np.interp(at, tables[w]["t [s]"], tables[w]["TMN-ETM kinetic [J]"])
-        relative, largest = max(relative, float(np.max(change / energy))), max(largest, float(change.max()))
+        relative, largest = (
+            max(relative, float(np.max(change / energy))),
+            max(largest, float(change.max())),
+        )
     difference = max(float(np.abs(tables[w]["difference kinetic [J]"]).max()) for w in WINDINGS)
     return [
         Claim(

@@ -50,11 +50,18 @@ class Stresses:
         state, python = rope.state, self.python
         python.restore(state)
         nodes, row = arc_lengths(state.partition.lengths), [python.loop.s]
-        strains, torsional = python.system.strains(state.motion.q, state.motion.v), float(state.fidelity == "torsional")
+        strains, torsional = (
+            python.system.strains(state.motion.q, state.motion.v),
+            float(state.fidelity == "torsional"),
+        )
         for norm in material_values(rope.scene.rope, torsional, strains.T)[:2]:
             largest = int(np.argmax(norm))
             above = np.diff(nodes)[norm > 0.5 * norm[largest]].sum()
-            row += 1e-6 * norm[largest], nodes[largest : largest + 2].mean(), 100 * above / nodes[-1]
+            row += (
+                1e-6 * norm[largest],
+                nodes[largest : largest + 2].mean(),
+                100 * above / nodes[-1],
+            )
         self.rows.append(row)
 
 
@@ -67,20 +74,50 @@ def follow(scene: Scene, name: str, stresses: Stresses | None = None) -> Winding
 def measure() -> Tables:
     """All runs, ROUNDS times and interleaved for the times; the first round's records become tables."""
     runs: dict[tuple[str, str], Winding] = {}
-    stresses = {name: Stresses(RopeSimulator(scene_of("coupled", mesh))) for name, mesh in MESHES.items()}
+    stresses = {
+        name: Stresses(RopeSimulator(scene_of("coupled", mesh))) for name, mesh in MESHES.items()
+    }
     times: list[tuple[object, ...]] = []
-    for k, coupling, name in tqdm([*product(range(ROUNDS), COUPLINGS, MESHES)], "windings", leave=False):
+    for k, coupling, name in tqdm(
+        [*product(range(ROUNDS), COUPLINGS, MESHES)], "windings", leave=False
+    ):
         watched = stresses[name] if k == 0 and coupling == "coupled" else None
-        run = follow(scene_of(coupling, MESHES[name]), f"winding, {coupling}, {name}, round {k + 1}", watched)
+        run = follow(
+            scene_of(coupling, MESHES[name]), f"winding, {coupling}, {name}, round {k + 1}", watched
+        )
         runs.setdefault((coupling, name), run)
         counts = run.rope.state.counts
         elements = run.rope.state.partition.lengths.size
-        times.append((coupling, name, elements, k + 1, run.cpu, counts.steps, counts.newton, counts.rejections))
-    names = ("coupling", "mesh", "elements", "round", "processor time [s]", "steps", "Newton iterations", "rejections")
-    tables = {f"winding-{c}": _observations({name: runs[c, name] for name in MESHES}) for c in COUPLINGS}
+        times.append(
+            (
+                coupling,
+                name,
+                elements,
+                k + 1,
+                run.cpu,
+                counts.steps,
+                counts.newton,
+                counts.rejections,
+            )
+        )
+    names = (
+        "coupling",
+        "mesh",
+        "elements",
+        "round",
+        "processor time [s]",
+        "steps",
+        "Newton iterations",
+        "rejections",
+    )
+    tables = {
+        f"winding-{c}": _observations({name: runs[c, name] for name in MESHES}) for c in COUPLINGS
+    }
     events = [(c, event) for c in COUPLINGS for event in runs[c, "TMN-ETM"].events]
     changes = [(c, e.t, e.kinetic) for c, e in events if e.what == "transformation"]
-    places = {f"{name} {x}": of for name in MESHES for x, of in table(PLACES, stresses[name].rows).items()}
+    places = {
+        f"{name} {x}": of for name in MESHES for x, of in table(PLACES, stresses[name].rows).items()
+    }
     return {
         "times": table(names, times),
         **tables,
@@ -104,5 +141,7 @@ def _observations(runs: dict[str, Winding]) -> Table:
     first, second = runs
     for name in [n for n in columns if n.startswith(first)]:
         # six digits of a large number are too few for a small difference
-        columns[name.replace(first, "difference", 1)] = columns[name] - columns[name.replace(first, second, 1)]
+        columns[name.replace(first, "difference", 1)] = (
+            columns[name] - columns[name.replace(first, second, 1)]
+        )
     return columns

@@ -23,11 +23,19 @@ LONGEST = 0.02
 
 def block(tables: Tables) -> str:
     """Return the tables of signals and of tools with two steps."""
-    shown = rows(tables["signals"], **{"step [s]": STEP}, reading="start", rope=tuple(trip.name for trip in TRIPS))
+    shown = rows(
+        tables["signals"],
+        **{"step [s]": STEP},
+        reading="start",
+        rope=tuple(trip.name for trip in TRIPS),
+    )
     lines = []
     for signal in SIGNALS:
         found = records(rows(shown, signal=signal.name))
-        cells = [" / ".join(quantity(r[name], "%", ".2g") for name in ("RMS", "largest", "told")) for r in found]
+        cells = [
+            " / ".join(quantity(r[name], "%", ".2g") for name in ("RMS", "largest", "told"))
+            for r in found
+        ]
         said = next(filter(None, (r["warning"] for r in found)), "")
         lines.append((signal.name, *cells, said.partition(":")[0]))
     head = ("motion", *(f"{trip.name} rope" for trip in TRIPS), "warning of the rope")
@@ -46,7 +54,15 @@ def block(tables: Tables) -> str:
             "The columns give the deviation of the end forces relative to the largest: RMS / largest / estimate by\n"
             f"`status.end_force_error`. Communication steps are {quantity(STEP, 'ms')}; inputs are those at the start "
             "of a step.\nAll runs: [signals.csv](../data/signals/signals.csv).",
-            markdown(tools, "tool", "steps of the drive", "of the rope", "RMS", "largest", "samples repeated"),
+            markdown(
+                tools,
+                "tool",
+                "steps of the drive",
+                "of the rope",
+                "RMS",
+                "largest",
+                "samples repeated",
+            ),
         )
     )
 
@@ -63,14 +79,18 @@ def claims(tables: Tables) -> Iterator[Measurement]:
     estimated = {signal.name for signal in SIGNALS if signal.estimated}
     ratio = (t["told"] / t["RMS"])[(t["RMS"] > SMALL) & np.isin(t["signal"], sorted(estimated))]
     yield Measurement("estimate over deviation, largest", _worst(ratio), "1", "<", FACTOR)
-    yield Measurement("estimate over deviation, least", float(np.min(ratio)), "1", ">", 1.0 / FACTOR)
+    yield Measurement(
+        "estimate over deviation, least", float(np.min(ratio)), "1", ">", 1.0 / FACTOR
+    )
     # a table as fine as the steps fits
     unfit = short & np.isin(t["signal"], sorted(told)) & (t["misfit [m]"] > FITS)
     silent = int(np.sum(t["warning"][unfit] == ""))
     yield Measurement("signals that no warning names", silent, "1", "<", 0.5)
     failed = sum(map(bool, (*t["failure"], *tables["multirate"]["failure"])))
     yield Measurement("runs that fail", failed, "1", "<", 0.5)
-    yield Measurement("drive and rope with two steps, RMS", _worst(tables["multirate"]["RMS"]), "1", "<", RMS)
+    yield Measurement(
+        "drive and rope with two steps, RMS", _worst(tables["multirate"]["RMS"]), "1", "<", RMS
+    )
 
 
 def _worst(x: Any) -> float:

@@ -17,9 +17,27 @@ from hoist_demo.parameters import Winding
 from rope_model import EndMotion, Level, Scene, at_level, balance_rope, rope, rope_120
 from rope_model.parameters import Layout
 
-OUTPUTS = ("left.fy", "right.fy", "left.fx", "right.fx", "loop.y", "status.end_force_error", "status.loop_error")
+OUTPUTS = (
+    "left.fy",
+    "right.fy",
+    "left.fx",
+    "right.fx",
+    "loop.y",
+    "status.end_force_error",
+    "status.loop_error",
+)
 COLUMNS = (
-    *("rope", "signal", "reading", "step [s]", "RMS", "largest", "told", "loop [m]", "loop, told [m]"),
+    *(
+        "rope",
+        "signal",
+        "reading",
+        "step [s]",
+        "RMS",
+        "largest",
+        "told",
+        "loop [m]",
+        "loop, told [m]",
+    ),
     *("misfit [m]", "warning", "failure"),
 )
 #: s, of standing before the trip, and after it
@@ -53,7 +71,10 @@ def _deep(level: Level) -> Scene:
 
 
 #: the second is one that nothing was developed on
-TRIPS = (Trip("120 m", _usual, 90.0, 8.0, (0.001, 0.005, 0.01, 0.02, 0.05)), Trip("910 m", _deep, 870.0, 16.0, (0.01,)))
+TRIPS = (
+    Trip("120 m", _usual, 90.0, 8.0, (0.001, 0.005, 0.01, 0.02, 0.05)),
+    Trip("910 m", _deep, 870.0, 16.0, (0.01,)),
+)
 
 
 class Run(NamedTuple):

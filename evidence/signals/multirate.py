@@ -59,18 +59,41 @@ def multirate(folder: Path) -> Iterator[tuple[Any, ...]]:
                 continue
             at = slice(1, None, 2)  # instants of both parts
             off = (found[at, 0] - equal[at, 0]) / np.abs(equal[:, 0]).max()
-            yield tool, *steps, np.sqrt((off**2).mean()), np.abs(off).max(), found[-1, 1], found[-1, 2], ""
+            yield (
+                tool,
+                *steps,
+                np.sqrt((off**2).mean()),
+                np.abs(off).max(),
+                found[-1, 1],
+                found[-1, 2],
+                "",
+            )
 
 
 def _stepped(tool: str, folder: Path, *steps: float) -> Any:
     """READ every STEP, or why there is nothing."""
     libraries = str(Path(sysconfig.get_path("data")) / "lib")
-    command = [sys.executable, "-m", "evidence.signals.multirate", tool, str(folder), *map(str, steps)]
+    command = [
+        sys.executable,
+        "-m",
+        "evidence.signals.multirate",
+        tool,
+        str(folder),
+        *map(str, steps),
+    ]
     done = subprocess.run(
-        command, capture_output=True, text=True, check=False, env={**os.environ, "LD_LIBRARY_PATH": libraries}
+        command,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "LD_LIBRARY_PATH": libraries},
     )
     line = next((line for line in done.stdout.splitlines() if line.startswith("RESULT ")), None)
-    return done.stderr[-300:] or "no result" if line is None else np.array(json.loads(line.removeprefix("RESULT ")))
+    return (
+        done.stderr[-300:] or "no result"
+        if line is None
+        else np.array(json.loads(line.removeprefix("RESULT ")))
+    )
 
 
 def _libcosim(folder: Path, *steps: float) -> list[list[float]]:

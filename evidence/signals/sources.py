@@ -37,7 +37,10 @@ def _table(every: float, exact: Source, step: float) -> Source:
     def at(t: float) -> Sample:
         k = math.floor(t / every + 1e-9)
         part = t / every - k
-        x, v, a = ((1.0 - part) * p + part * q for p, q in zip(exact(k * every), exact((k + 1) * every), strict=True))
+        x, v, a = (
+            (1.0 - part) * p + part * q
+            for p, q in zip(exact(k * every), exact((k + 1) * every), strict=True)
+        )
         return x, v, a
 
     return at

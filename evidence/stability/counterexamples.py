@@ -15,7 +15,9 @@ from rope_model.simulation import rope_kernels
 
 
 @contextmanager
-def modified_element(frame_rate: FrameRate = smallest_rotation_rate, gauss_points: int = 3) -> Iterator[None]:
+def modified_element(
+    frame_rate: FrameRate = smallest_rotation_rate, gauss_points: int = 3
+) -> Iterator[None]:
     """Ropes made inside have the element with another frame of the section or another quadrature."""
     points, weights = np.polynomial.legendre.leggauss(gauss_points)
     places: dict[str, Any] = {"POINTS": 0.5 + 0.5 * points, "WEIGHTS": 0.5 * weights}
@@ -25,10 +27,19 @@ def modified_element(frame_rate: FrameRate = smallest_rotation_rate, gauss_point
     def functions(fidelity: element.ElementFidelity = "torsional") -> element.ElementFunctions:
         with patch.multiple(element, **places):
             twin = uncached(fidelity, frame_rate)
-        return twin if frame_rate is smallest_rotation_rate else replace(twin, transport=_none(twin.transport))
+        return (
+            twin
+            if frame_rate is smallest_rotation_rate
+            else replace(twin, transport=_none(twin.transport))
+        )
 
-    made_anew = {name: getattr(rope_kernels, name).__wrapped__ for name in ("rope_parts", "rope_functions")}
-    with patch.multiple(rope_kernels, **made_anew), patch.object(element, "element_functions", functions):
+    made_anew = {
+        name: getattr(rope_kernels, name).__wrapped__ for name in ("rope_parts", "rope_functions")
+    }
+    with (
+        patch.multiple(rope_kernels, **made_anew),
+        patch.object(element, "element_functions", functions),
+    ):
         yield
 
 

@@ -55,7 +55,9 @@ def shear_locking() -> Finding:
         ours=(
             # 0.3 % is the theory's number for 0.5 m; the error falls with the length's square or faster
             below("side force, error, TMN-ETM with l = 2 m, l/8 in the loop", tmn, 0.3, "%"),
-            below("side force, error, 3 Gauss points, equal elements of 0.25 m", three[3], 0.3, "%"),
+            below(
+                "side force, error, 3 Gauss points, equal elements of 0.25 m", three[3], 0.3, "%"
+            ),
         ),
         curves=points(("element length / m", "error of the side force / %"), curves),
     )
@@ -82,18 +84,27 @@ def errors(run: Winding, exact: Winding) -> tuple[float, float]:
     """Return the largest error of the loop's place (m), and that of the worse end force over the largest (RMS)."""
     n = len(run.t)
     force = np.abs(np.subtract(run.force, exact.force[:n])).max(axis=1)
-    return place_error(run.bottom, exact.bottom[:n]), float(np.sqrt(np.mean(force**2)) / np.max(np.abs(exact.force)))
+    return place_error(run.bottom, exact.bottom[:n]), float(
+        np.sqrt(np.mean(force**2)) / np.max(np.abs(exact.force))
+    )
 
 
 def fast() -> Finding:
     """Compare the loop's place and the end forces on our mesh, on one that stays, and on equal elements."""
     reference = s_curve(Trip(74.0, 16.0, 4.0, 8.0, start_delay=0.0))
     # short steps for all meshes: at this speed 10 ms err by more than the mesh does
-    scene = Scene(rope=Rope(length=100.0), mesh=Mesh("auto", loop_error=1e-3), solver=fixed_steps(0.0025))
+    scene = Scene(
+        rope=Rope(length=100.0), mesh=Mesh("auto", loop_error=1e-3), solver=fixed_steps(0.0025)
+    )
     fine = scene.with_(mesh=Mesh(kind="eem", elements=round(100.0 / FINE)))
-    ours, default, exact = (wind(x, reference, 74.0, 1.0, 1) for x in (scene, Scene(rope=scene.rope), fine))
+    ours, default, exact = (
+        wind(x, reference, 74.0, 1.0, 1) for x in (scene, Scene(rope=scene.rope), fine)
+    )
     counterexample = wind(scene, reference, 74.0, 1.0, 1, build=FixedMesh)
-    (distance, force), (their_distance, their_force) = errors(ours, exact), errors(counterexample, exact)
+    (distance, force), (their_distance, their_force) = (
+        errors(ours, exact),
+        errors(counterexample, exact),
+    )
     count = ours.rope.state.counts.transformations
     return Finding(
         counterexample=(

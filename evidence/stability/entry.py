@@ -32,5 +32,9 @@ class Entry:
 
 def points(axes: tuple[str, str], curves: Mapping[str, tuple[Any, Any]]) -> Table:
     """Return curves by name as a table, one point per row."""
-    rows = [(name, float(a), float(b)) for name, (x, y) in curves.items() for a, b in zip(x, y, strict=True)]
+    rows = [
+        (name, float(a), float(b))
+        for name, (x, y) in curves.items()
+        for a, b in zip(x, y, strict=True)
+    ]
     return table(("curve", *axes), rows)

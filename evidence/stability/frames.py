@@ -15,7 +15,9 @@ from rope_model.solver_parameters import Mesh, Solver
 #: s of the turn, and of a step
 DURATION, H = 6.0, 0.02
 TURNED = Scene(
-    rope=Rope(length=30.0), mesh=Mesh(kind="eem", elements=40), solver=Solver(step_max=H, kernels="portable")
+    rope=Rope(length=30.0),
+    mesh=Mesh(kind="eem", elements=40),
+    solver=Solver(step_max=H, kernels="portable"),
 )
 
 
@@ -54,10 +56,16 @@ def tait_bryan() -> Finding:
         singular = yaw()
     return Finding(
         # the singularity is at 90 degrees: a wall that the loop, swinging, passes by a tenth at most
-        counterexample=(below("loop yaw when the ends have turned by 180 deg, Tait-Bryan", singular, 99.0, "deg"),),
+        counterexample=(
+            below(
+                "loop yaw when the ends have turned by 180 deg, Tait-Bryan", singular, 99.0, "deg"
+            ),
+        ),
         # the loop lags on the way and swings past the ends afterwards
         ours=(above("loop yaw when the ends have turned by 180 deg", ours, 170.0, "deg"),),
     )
 
 
-ENTRIES = (Entry("tait-bryan", "Tait-Bryan angles at 90 degrees of loop yaw", tait_bryan, slow=True),)
+ENTRIES = (
+    Entry("tait-bryan", "Tait-Bryan angles at 90 degrees of loop yaw", tait_bryan, slow=True),
+)

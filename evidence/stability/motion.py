@@ -27,7 +27,10 @@ class Drop(NamedTuple):
 
 def drop(solver: Solver) -> Drop:
     """The left conveyance goes down by DROP within FALL, with up to 7 g, and stands."""
-    rope, rows = at_rest(Scene(rope=Rope(length=LENGTH), mesh=Mesh(kind="eem", elements=60), solver=solver)), []
+    rope, rows = (
+        at_rest(Scene(rope=Rope(length=LENGTH), mesh=Mesh(kind="eem", elements=60), solver=solver)),
+        [],
+    )
     for k in range(1, round(END / H) + 1):
         if not rope.advance_to(k * H, moving(-DROP, k * H, FALL, y=1.0), AT_ZERO).valid:
             break
@@ -51,7 +54,9 @@ def measure_snatch() -> Finding:
         ),
         ours=(
             below(
-                "unexplained energy over the largest kinetic energy", np.abs(ours.unexplained).max() / largest, 0.002
+                "unexplained energy over the largest kinetic energy",
+                np.abs(ours.unexplained).max() / largest,
+                0.002,
             ),
             below("time not reached", END - float(ours.t[-1]), 1e-9, "s"),
             below(
@@ -59,7 +64,11 @@ def measure_snatch() -> Finding:
                 abs(float(ours.pull.max() / fine.pull.max()) - 1),
                 0.05,
             ),
-            below("unexplained energy with a tenth of the tolerance", np.abs(fine.unexplained).max() / largest, 0.002),
+            below(
+                "unexplained energy with a tenth of the tolerance",
+                np.abs(fine.unexplained).max() / largest,
+                0.002,
+            ),
             # of second order in the step, and control takes several times as many steps
             below(
                 "the energy that the balance does not explain over that of steps of 5 ms",

@@ -45,7 +45,9 @@ def anchor(title: str) -> str:
 def _summary(t: Table, entry: Entry) -> tuple[str, ...]:
     """Return the first claim of either side, and how many of all hold."""
     claims = [(side, m) for (key, side), m in recorded(t) if key == entry.key]
-    first = [next(m for side, m in claims if side == wanted) for wanted in ("counterexample", "ours")]
+    first = [
+        next(m for side, m in claims if side == wanted) for wanted in ("counterexample", "ours")
+    ]
     cells = [f"{m.what}: {with_unit(m.value, m.unit, '.4g')}" for m in first]
     held = f"{sum(m.holds for _, m in claims)} of {len(claims)}"
     return f"[{entry.title}](#{anchor(entry.title)})", *cells, held
@@ -59,7 +61,13 @@ def draw(tables: Tables, key: str) -> Figure:
     title, logarithmic = TITLES[key]
     for k, name in enumerate(dict.fromkeys(t["curve"].tolist())):
         of = rows(t, curve=name)
-        ax.plot(of[x], of[y], "*" if of[x].size == 1 else "o-" if of[x].size < 9 else "-", color=CURVES[k], label=name)
+        ax.plot(
+            of[x],
+            of[y],
+            "*" if of[x].size == 1 else "o-" if of[x].size < 9 else "-",
+            color=CURVES[k],
+            label=name,
+        )
     ax.set(title=title, xlabel=x, ylabel=y)
     if logarithmic:
         ax.set(xscale="log", yscale="log")

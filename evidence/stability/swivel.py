@@ -71,7 +71,11 @@ def explicit_sign(rope: RopeSimulator) -> Array:
 def _led(path: EndPath, stop: float, target: EndMotion) -> EndPath:
     """From the end of ``path`` to ``target`` at ``stop``, whatever that takes."""
     places, speeds, accelerations = path.motion(path.stop)
-    then = (*target.position, target.yaw), (*target.velocity, target.yaw_rate), (*target.acceleration, 0.0)
+    then = (
+        (*target.position, target.yaw),
+        (*target.velocity, target.yaw_rate),
+        (*target.acceleration, 0.0),
+    )
     axes = zip(places, speeds, accelerations, *then, strict=True)
     x, y, z, yaw = (quintic.coefficients(stop - path.stop, *axis) for axis in axes)
     return EndPath(path.stop, stop, (x, y, z, yaw))
@@ -100,7 +104,9 @@ def measure_chattering() -> Finding:
     return Finding(
         counterexample=(
             # a pair of steps there and back at the least often enough to notice: one change in four steps
-            above("changes of sign while the conveyance stands", changes, 0.25 * (END - TURNED) / H),
+            above(
+                "changes of sign while the conveyance stands", changes, 0.25 * (END - TURNED) / H
+            ),
             # friction of a whole step, h M / J, is what the rate can jump by; a tenth of it is no rounding
             above(
                 "rate in the last second, largest",
@@ -112,7 +118,12 @@ def measure_chattering() -> Finding:
         ours=(
             below("times the swivel sticks", sum("sticks" in e for e in events), 2),
             below("switchings in all: slips once, sticks once", len(events), 3),
-            below("rate in the last second, largest", np.abs(rates[times > END - 1.0]).max(), 1e-12, "rad/s"),
+            below(
+                "rate in the last second, largest",
+                np.abs(rates[times > END - 1.0]).max(),
+                1e-12,
+                "rad/s",
+            ),
         ),
         curves=points(
             ("time, s", "rate of the swivel, rad/s"),
@@ -124,4 +135,11 @@ def measure_chattering() -> Finding:
     )
 
 
-ENTRIES = (Entry("swivel-chattering", "Friction of the last rate's sign chatters", measure_chattering, slow=True),)
+ENTRIES = (
+    Entry(
+        "swivel-chattering",
+        "Friction of the last rate's sign chatters",
+        measure_chattering,
+        slow=True,
+    ),
+)

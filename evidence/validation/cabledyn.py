@@ -122,16 +122,30 @@ class Cable:
         duration, rho = (len(ends) - 1) * STEP, fixed_steps(STEP).rho_inf
         options = f"{STEP} dtM", f"{duration} TMax", f"{rho} rhoInf", "motion.txt motionFile"
         outputs = "FairTen1", "AnchTen1", "Torq1N1"
-        data = {"d": ROPE.diameter, "rho": ROPE.mass_per_length, "EI": ROPE.EI, "GAs": 0.4 * ROPE.Qa, "GJ": ROPE.Qd}
-        lines = {"options": "\n".join(options), "outputs": "\n".join(f'"{name}"' for name in outputs)}
+        data = {
+            "d": ROPE.diameter,
+            "rho": ROPE.mass_per_length,
+            "EI": ROPE.EI,
+            "GAs": 0.4 * ROPE.Qa,
+            "GJ": ROPE.Qd,
+        }
+        lines = {
+            "options": "\n".join(options),
+            "outputs": "\n".join(f'"{name}"' for name in outputs),
+        }
         with TemporaryDirectory() as folder:
             deck = Path(folder, "u.dat")
-            deck.write_text(DECK.format(**vars(self), **data, g=GRAVITY, below=-self.drop, **lines), encoding="utf-8")
+            deck.write_text(
+                DECK.format(**vars(self), **data, g=GRAVITY, below=-self.drop, **lines),
+                encoding="utf-8",
+            )
             Path(folder, "motion.txt").write_text("\n".join(motion), encoding="utf-8")
             run = cabledyn.CableDynDriver().run(deck, Path(folder, "u"))
             history = run.read_main()
             moving, held, torque = (np.array(history.column(name)) for name in outputs)
-            places = np.array(run.read_line_positions(1).values)[:, 1:].reshape(len(ends), self.elements + 1, 3)
+            places = np.array(run.read_line_positions(1).values)[:, 1:].reshape(
+                len(ends), self.elements + 1, 3
+            )
             tension = np.array(run.read_line_tensions(1).values)[:, 1:]
         half = 0.5 * ROPE.mass_per_length * self.length / self.elements
         moving = moving + half * np.array([e.ay for e in ends])
@@ -142,7 +156,10 @@ class Cable:
 
 def winding() -> Table:
     """Without coupling."""
-    ends, twisted = sampled(lambda t: moving(WAY, t, TIME, y=1.0)), replace(ROPE, installed_twist=math.radians(TWIST))
+    ends, twisted = (
+        sampled(lambda t: moving(WAY, t, TIME, y=1.0)),
+        replace(ROPE, installed_twist=math.radians(TWIST)),
+    )
     cable = Cable(ROPE.Qa, ROPE.length, ELEMENTS, SPACING, TWIST)
     return compared(our_winding(twisted, ELEMENTS, ends), cable.follow(ends, np.zeros(len(ends))))
 

@@ -61,8 +61,12 @@ def swings(elements: int = 80) -> Table:
     q = np.zeros((s.size, 7))
     q[:, 1], q[:, 4] = -s, -1.0
     boundary = StaticBoundary.at(q, OUT_OF_PLANE, (0, POSITION))
-    system = RopeSystem(RopeKernels(elements), np.diff(s), np.array(parameters(rope, GRAVITY)), boundary, q)
+    system = RopeSystem(
+        RopeKernels(elements), np.diff(s), np.array(parameters(rope, GRAVITY)), boundary, q
+    )
     q = find_equilibrium(system, q).q
     ours = natural_modes(system.with_reference(q), q, MODES).frequencies
     chain = jn_zeros(0, MODES) / (4 * np.pi) * math.sqrt(GRAVITY / rope.length)
-    return table(("mode", "ours", "chain"), list(zip(range(1, MODES + 1), ours, chain, strict=True)))
+    return table(
+        ("mode", "ours", "chain"), list(zip(range(1, MODES + 1), ours, chain, strict=True))
+    )

@@ -39,11 +39,18 @@ _TURN = PUBLISHED.Qc / PUBLISHED.Qd * PUBLISHED.length  # rad, of the mean strai
 def followed(spacing: float, drop: float, elements: int, ends: list[EndMotion]) -> Found:
     """Iterate CableDyn's runs, from the strain of hanging legs; their tension and torque are ours."""
     apart = np.array([drop + end.y for end in ends])
-    strain = PUBLISHED.mass_per_length * GRAVITY * (PUBLISHED.length + apart**2 / PUBLISHED.length) / (4.0 * _EA)
+    strain = (
+        PUBLISHED.mass_per_length
+        * GRAVITY
+        * (PUBLISHED.length + apart**2 / PUBLISHED.length)
+        / (4.0 * _EA)
+    )
     torque = np.zeros(len(ends))
     for _ in range(RUNS):
         turn = np.degrees(_TURN * (strain - _STRAIN * torque))
-        cable = Cable(_EA, PUBLISHED.length * (1.0 - _STRAIN * torque[0]), elements, spacing, turn[0], drop)
+        cable = Cable(
+            _EA, PUBLISHED.length * (1.0 - _STRAIN * torque[0]), elements, spacing, turn[0], drop
+        )
         found = cable.follow(ends, turn[0] - turn)
         torque, strain = found.torque, found.tension.mean(axis=1) / _EA
     return found
@@ -68,7 +75,9 @@ def rest() -> Table:
         ours, theirs = (np.array([code(height, n) for n in MESHES]) for code in (_ours, _theirs))
         accepted = (np.abs(np.diff(ours, axis=0)) + np.abs(np.diff(theirs, axis=0))) * 2.0 / 3.0
         columns = (*ours, *theirs, np.abs(ours[1] - theirs[1]), *accepted)
-        found += [(height, *row) for row in zip(*zip(*QUANTITIES, strict=True), *columns, strict=True)]
+        found += [
+            (height, *row) for row in zip(*zip(*QUANTITIES, strict=True), *columns, strict=True)
+        ]
     codes = [f"{code}, {mesh}" for code in ("ours", "CableDyn") for mesh in ("coarse", "fine")]
     return table(("height", "quantity", "unit", *codes, "difference", "accepted"), found)
 

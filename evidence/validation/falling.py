@@ -44,7 +44,9 @@ def fold(EI: float, elements: int) -> tuple[RopeSystem, Array]:
     kernels, P = RopeKernels(elements), np.array(parameters(rope, GRAVITY))
 
     def hold(values: Array, nodes: list[int]) -> RopeSystem:
-        return RopeSystem(kernels, np.diff(s), P, StaticBoundary.at(values, OUT_OF_PLANE, (nodes, POSITION)), q)
+        return RopeSystem(
+            kernels, np.diff(s), P, StaticBoundary.at(values, OUT_OF_PLANE, (nodes, POSITION)), q
+        )
 
     hanging = find_equilibrium(hold(q, [0, -1]), q).q
     return hold(hanging, [0]), hanging
@@ -68,10 +70,14 @@ def fall(EI: float, elements: int, largest: float, tolerance: float) -> Fall:
             h *= 0.5
             continue
         new = result.motion
-        middle = system.evaluate(0.5 * (motion.q + new.q), (new.q - motion.q) / h, new.a, new.reaction).balance
+        middle = system.evaluate(
+            0.5 * (motion.q + new.q), (new.q - motion.q) / h, new.a, new.reaction
+        ).balance
         dissipated += h * middle["damping_power"]
         balance = result.evaluation.balance
-        unexplained = potential(balance) + balance["kinetic"] + dissipated - potential(start.balance)
+        unexplained = (
+            potential(balance) + balance["kinetic"] + dissipated - potential(start.balance)
+        )
         motion = new
         rows.append((motion.t, -float(motion.q[-1, 1]), float(motion.reaction[0, 1])))
         if rows[-1][1] < rows[-2][1] and rows[-1][1] > 0.5 * CHAIN:

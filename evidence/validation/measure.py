@@ -16,16 +16,31 @@ def _wires(t: Table) -> Iterator[Row]:
     for k, wire in enumerate(wires.WIRES, 1):
         least, most = min(wire.twists), max(wire.twists)
         source = f"{wire.name} wire of {1e3 * wire.mass:.1f} g/m, {least:.0f} to {most:.0f} deg in five tests"
-        for part, gaps, bound in (("a", wires.GAPS, 0.5 * wires.STEP), ("b", (wires.GAP,), math.nan)):
+        for part, gaps, bound in (
+            ("a", wires.GAPS, 0.5 * wires.STEP),
+            ("b", (wires.GAP,), math.nan),
+        ):
             span = " to ".join(f"{1e3 * gap:.0f}" for gap in dict.fromkeys((gaps[0], gaps[-1])))
             what = f"critical twist, ends {span} mm apart: outside computed range by"
-            yield Row(f"W-{k}{part}", "measured", source, what, wires.outside(t, wire.name, gaps), "deg", bound, ALONE)
+            yield Row(
+                f"W-{k}{part}",
+                "measured",
+                source,
+                what,
+                wires.outside(t, wire.name, gaps),
+                "deg",
+                bound,
+                ALONE,
+            )
 
 
 def _poses(t: Table) -> Iterator[Row]:
     for k, pose in enumerate(poses.POSES, 1):
         source = f"wires of 0.4 m held by a robot, pose {k}, then turned by {pose.turn:g} deg"
-        what, value = "shape, worst wire and stiffness: RMS deviation", float(np.max(rows(t, pose=k)["apart"]))
+        what, value = (
+            "shape, worst wire and stiffness: RMS deviation",
+            float(np.max(rows(t, pose=k)["apart"])),
+        )
         yield Row(f"W-{k + 3}", "measured", source, what, value, "mm", math.nan, ALONE)
 
 
@@ -37,7 +52,16 @@ def _pulls(t: Table) -> Iterator[Row]:
         what = f"pull at a fall of {x:g} of the length: deviation"
         yield Row(f"C-{k}", "theory", source, what, abs(ours / chain - 1), "1", bound, ALONE)
     source = "folded chain that keeps its energy falls in 0.847 sqrt(2 L/g)"
-    yield Row("C-6", "theory", source, "fall time: deviation", abs(chains.fall_time()), "1", chains.FOLD, ALONE)
+    yield Row(
+        "C-6",
+        "theory",
+        source,
+        "fall time: deviation",
+        abs(chains.fall_time()),
+        "1",
+        chains.FOLD,
+        ALONE,
+    )
 
 
 def swing_rows(t: Table) -> Iterator[Row]:
@@ -45,7 +69,16 @@ def swing_rows(t: Table) -> Iterator[Row]:
     test = "test_a_hanging_rope_swings_with_the_zeros_of_j0"
     for k, ours, chain in zip(t["mode"], t["ours"], t["chain"], strict=True):
         source = f"hanging chain, zero {k:.0f} of J0"
-        yield Row(f"F-{k:.0f}", "theory", source, "frequency: deviation", abs(ours / chain - 1), "1", 1e-4, test)
+        yield Row(
+            f"F-{k:.0f}",
+            "theory",
+            source,
+            "frequency: deviation",
+            abs(ours / chain - 1),
+            "1",
+            1e-4,
+            test,
+        )
 
 
 def onset_rows(t: Table) -> Iterator[Row]:
@@ -54,8 +87,26 @@ def onset_rows(t: Table) -> Iterator[Row]:
     for k, (size, printed, exact, ours) in enumerate(zip(*t.values(), strict=True), 1):
         source = f"clamped rod, T L^2/EI = {size:.0f}: {printed:.4f} times 2 sqrt(EI T), as CableDyn's page prints it"
         # four decimals are printed
-        yield Row(f"B-{k}a", "theory", source, "factor computed: deviation", abs(exact - printed), "1", 5e-5, test)
-        yield Row(f"B-{k}b", "theory", source, "this model: deviation", abs(ours / exact - 1), "1", onset.STRETCH, test)
+        yield Row(
+            f"B-{k}a",
+            "theory",
+            source,
+            "factor computed: deviation",
+            abs(exact - printed),
+            "1",
+            5e-5,
+            test,
+        )
+        yield Row(
+            f"B-{k}b",
+            "theory",
+            source,
+            "this model: deviation",
+            abs(ours / exact - 1),
+            "1",
+            onset.STRETCH,
+            test,
+        )
 
 
 def _winding(t: Table) -> Iterator[Row]:
@@ -69,8 +120,19 @@ def _winding(t: Table) -> Iterator[Row]:
         (3, "torque", "torque", 2e-4),
     ):
         off = float(np.max(np.abs(ours[name] - theirs[name])) / np.max(np.abs(theirs[name])))
-        yield Row(f"D-{k}", "code", source, f"{what}: deviation / largest value", off, "1", bound, ALONE)
-    yield Row("D-4", "code", source, "node positions: deviation", float(np.max(ours["apart"])), "m", 4e-4, ALONE)
+        yield Row(
+            f"D-{k}", "code", source, f"{what}: deviation / largest value", off, "1", bound, ALONE
+        )
+    yield Row(
+        "D-4",
+        "code",
+        source,
+        "node positions: deviation",
+        float(np.max(ours["apart"])),
+        "m",
+        4e-4,
+        ALONE,
+    )
 
 
 def _coupled_rest(t: Table) -> Iterator[Row]:
@@ -89,14 +151,35 @@ def _coupled_winding(t: Table) -> Iterator[Row]:
     ours, theirs = rows(t, code="ours"), rows(t, code="CableDyn")
     source = "CableDyn 0.3.0 by equivalence: 120 m of coupled rope, one end raised by 60 m in 10 s, then 4 s at rest"
     off = {name: np.abs(ours[name] - theirs[name]) for name in ("torque", "moving", "held")}
-    value, torque = float(np.sqrt(np.mean(off["torque"] ** 2))), float(np.sqrt(np.mean(theirs["torque"] ** 2)))
-    yield Row("D-8", "code", source, f"torque of {torque:.2g} N m RMS: RMS deviation", value, "N m", 5e-3, ALONE)
+    value, torque = (
+        float(np.sqrt(np.mean(off["torque"] ** 2))),
+        float(np.sqrt(np.mean(theirs["torque"] ** 2))),
+    )
+    yield Row(
+        "D-8",
+        "code",
+        source,
+        f"torque of {torque:.2g} N m RMS: RMS deviation",
+        value,
+        "N m",
+        5e-3,
+        ALONE,
+    )
     for k, name, what, bound in (
         (9, "moving", "pull of the moving end: deviation", 1.3),
         (10, "held", "pull of the held end: deviation", 0.35),
     ):
         yield Row(f"D-{k}", "code", source, what, float(np.max(off[name])), "N", bound, ALONE)
-    yield Row("D-11", "code", source, "node positions: deviation", float(np.max(ours["apart"])), "m", 0.01, ALONE)
+    yield Row(
+        "D-11",
+        "code",
+        source,
+        "node positions: deviation",
+        float(np.max(ours["apart"])),
+        "m",
+        0.01,
+        ALONE,
+    )
 
 
 def _buckles(t: Table) -> Iterator[Row]:
@@ -104,7 +187,16 @@ def _buckles(t: Table) -> Iterator[Row]:
     for k, (turns, *values) in enumerate(zip(*t.values(), strict=True), 3):
         source = f"a rod with slack, its end turned by {turns:g} turns: localised buckle"
         for part, what, (ours, exact) in (("a", "torque", values[:2]), ("b", "pull", values[2:])):
-            yield Row(f"B-{k}{part}", "theory", source, f"{what}: deviation", abs(ours / exact - 1), "1", 1e-3, ALONE)
+            yield Row(
+                f"B-{k}{part}",
+                "theory",
+                source,
+                f"{what}: deviation",
+                abs(ours / exact - 1),
+                "1",
+                1e-3,
+                ALONE,
+            )
 
 
 #: by table: what measures it, and what its rows are
@@ -134,7 +226,9 @@ def tables() -> Tables:
 
 def missed(recorded: Tables) -> Iterator[str]:
     """Yield the rows that miss their acceptance."""
-    return (f"{row.id} {row.what} {row.value:.3g}" for row in from_table(recorded["rows"]) if row.misses)
+    return (
+        f"{row.id} {row.what} {row.value:.3g}" for row in from_table(recorded["rows"]) if row.misses
+    )
 
 
 MEASURES: Measures = {"rows": tables}

@@ -51,7 +51,12 @@ def theory(slenderness: float) -> float:
     def condition(m: float) -> float:
         """Zero where w(-s) = conj(w(s)) satisfies the clamps; divided by l, which is no solution."""
         l = math.sqrt(m * m - 1.0)
-        cm, sm, cl, sl = math.cos(m * half), math.sin(m * half), math.cos(l * half), math.sin(l * half)
+        cm, sm, cl, sl = (
+            math.cos(m * half),
+            math.sin(m * half),
+            math.cos(l * half),
+            math.sin(l * half),
+        )
         # of the two waves, c = cos(l s) exp(i m s) and d = i sin(l s) exp(i m s): real part's slope, imaginary part
         slope = (-m * sm * cl - l * cm * sl, -m * cm * sl - l * sm * cl)
         value = (sm * cl, cm * sl)

@@ -63,14 +63,17 @@ def _exudyn(f: Table, w: Table) -> Iterator[Row]:
     values = np.array([f[name] for name in f if name.endswith("_Hz")]).T
     ours = np.char.startswith(f["code"], "ours")
     off = max(
-        np.abs(values[i] / values[ours & (f["height_m"] == f["height_m"][i])] - 1).max() for i in range(ours.size)
+        np.abs(values[i] / values[ours & (f["height_m"] == f["height_m"][i])] - 1).max()
+        for i in range(ours.size)
     )
     source, test = "Exudyn: 120 m, no coupling", "make validate"
     what = "in-plane frequencies, ends 0 and 80 m apart in height: deviation"
     yield Row("X-1", "code", source, what, float(off), "1", 2e-3, test)
     finest = (w["code"] == "ours") & (w["force_error_vs_ours"] == 0)
     source = f"{source}, wound by 90 m, the finest run of each code"
-    force, loop = (float(w[name][finest][0]) for name in ("force_error_vs_exudyn", "loop_error_vs_exudyn_m"))
+    force, loop = (
+        float(w[name][finest][0]) for name in ("force_error_vs_exudyn", "loop_error_vs_exudyn_m")
+    )
     yield Row("X-2", "code", source, "end forces: deviation", force, "1", math.nan, test)
     yield Row("X-3", "code", source, "loop's lowest point: deviation", loop, "m", math.nan, test)
 
@@ -81,7 +84,9 @@ def _contact(t: Table) -> Iterator[Row]:
         r = rows(t, case=case)
         over = [_part(*x) for x in zip(r["value"], r["relation"], r["bound"], strict=True)]
         what = f"checks: {len(r['case'])}; largest value / bound:"
-        kind: Literal["code", "theory"] = "code" if any("the chain's" in x for x in r["what"]) else "theory"
+        kind: Literal["code", "theory"] = (
+            "code" if any("the chain's" in x for x in r["what"]) else "theory"
+        )
         yield Row(f"K-{k}", kind, f"contact: {case}", what, max(over), "1", 1.0, "make contact")
 
 

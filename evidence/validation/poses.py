@@ -109,6 +109,8 @@ def apart(wire: Wire, EI: float, GJ: float, pose: int) -> float:
 
 def measure() -> Table:
     """How far each wire in each pose is from ours with each pair of stiffnesses (mm)."""
-    cases = [(w, EI, GJ, pose) for w in WIRES for EI, GJ in w.stiffness for pose in range(len(POSES))]
+    cases = [
+        (w, EI, GJ, pose) for w in WIRES for EI, GJ in w.stiffness for pose in range(len(POSES))
+    ]
     found = [(w.name, pose + 1, EI, GJ, 1e3 * apart(w, EI, GJ, pose)) for w, EI, GJ, pose in cases]
     return table(("wire", "pose", "EI", "GJ", "apart"), found)

@@ -44,7 +44,9 @@ class Wire:
         return Rope(length, self.mass, QA, 0.0, 0.0, GJ, EI=EI, rhoJ=1e-6)
 
 
-def _pairs(EI: float, ratios: tuple[float, ...], other: tuple[float, float]) -> tuple[tuple[float, float], ...]:
+def _pairs(
+    EI: float, ratios: tuple[float, ...], other: tuple[float, float]
+) -> tuple[tuple[float, float], ...]:
     """``ratios`` of GJ to EI by the authors' own model; ``other`` EI and ratio, by MuJoCo's cable."""
     return *((EI, ratio * EI) for ratio in ratios), (other[0], other[1] * other[0])
 
@@ -54,19 +56,25 @@ WIRES = (
         "white",
         0.087 / 5.0,
         (970.0, 970.0, 980.0, 975.0, 980.0),
-        _pairs(5.644018525809911e-05, (0.68, 0.8232421875, 0.8291015625), (7.256595247469885e-05, 0.71)),
+        _pairs(
+            5.644018525809911e-05, (0.68, 0.8232421875, 0.8291015625), (7.256595247469885e-05, 0.71)
+        ),
     ),
     Wire(
         "black",
         0.081 / 2.98,
         (470.0, 500.0, 480.0, 470.0, 490.0),
-        _pairs(0.0009997975674291843, (1.10, 1.3857421875, 1.5205078125), (0.0010643006362955833, 1.05)),
+        _pairs(
+            0.0009997975674291843, (1.10, 1.3857421875, 1.5205078125), (0.0010643006362955833, 1.05)
+        ),
     ),
     Wire(
         "red",
         0.043 / 2.0,
         (430.0, 470.0, 445.0, 445.0, 460.0),
-        _pairs(0.00063696780505569, (1.5263671875, 1.7724609375, 1.89), (0.0006732507812930395, 1.80)),
+        _pairs(
+            0.00063696780505569, (1.5263671875, 1.7724609375, 1.89), (0.0006732507812930395, 1.80)
+        ),
     ),
 )
 
@@ -102,11 +110,20 @@ def measure() -> Table:
     cases = [(w, EI, GJ, gap) for w in WIRES for EI, GJ in w.stiffness for gap in GAPS]
     return table(
         ("wire", "EI", "GJ", "gap", "least", "most", "found"),
-        [(w.name, EI, GJ, gap, min(w.twists), max(w.twists), thrown(w, EI, GJ, gap)) for w, EI, GJ, gap in cases],
+        [
+            (w.name, EI, GJ, gap, min(w.twists), max(w.twists), thrown(w, EI, GJ, gap))
+            for w, EI, GJ, gap in cases
+        ],
     )
 
 
 def outside(t: Table, wire: str, gaps: tuple[float, ...]) -> float:
     """By how many degrees the measured range sticks out of that of all stiffnesses at ``gaps``."""
     chosen = rows(t, wire=wire, gap=gaps)
-    return float(max(0.0, np.min(chosen["found"]) - chosen["least"][0], chosen["most"][0] - np.max(chosen["found"])))
+    return float(
+        max(
+            0.0,
+            np.min(chosen["found"]) - chosen["least"][0],
+            chosen["most"][0] - np.max(chosen["found"]),
+        )
+    )

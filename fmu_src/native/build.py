@@ -52,7 +52,11 @@ def missing_platforms() -> str:
     if not (missing := [name for name in PLATFORMS if name not in available_platforms()]):
         return ""
     compiler = kernels.find_compiler()
-    why = f"{Path(compiler[0]).name} builds for this machine only" if compiler else "there is no C compiler here"
+    why = (
+        f"{Path(compiler[0]).name} builds for this machine only"
+        if compiler
+        else "there is no C compiler here"
+    )
     return f"{', '.join(missing)}: {why}; {CURE}"
 
 
@@ -60,12 +64,18 @@ def binaries(
     sources: Mapping[str, str], model: str, fmi: int, platforms: Sequence[str], identifier: str
 ) -> dict[str, bytes]:
     """Return libraries by path in the FMU, made of the C files and headers in ``sources`` of the model."""
-    built = {name: library(sources, model, name, f", FMI {fmi}.0").read_bytes() for name in platforms}
+    built = {
+        name: library(sources, model, name, f", FMI {fmi}.0").read_bytes() for name in platforms
+    }
     paths: dict[str, bytes] = {}
     for name, code in built.items():
         folder = PLATFORMS[name].folder2 if fmi == 2 else name
         path = f"binaries/{folder}/{identifier}{PLATFORMS[name].suffix}"
-        paths[path] = universal([built[n] for n in built if PLATFORMS[n].folder2 == folder]) if path in paths else code
+        paths[path] = (
+            universal([built[n] for n in built if PLATFORMS[n].folder2 == folder])
+            if path in paths
+            else code
+        )
     return paths
 
 
@@ -83,7 +93,9 @@ def open_library(sources: Mapping[str, str], identifier: str, name: str) -> Path
     return _build(sources, identifier, name, "")
 
 
-def _build(sources: Mapping[str, str], identifier: str, name: str, version: str, *more: str) -> Path:
+def _build(
+    sources: Mapping[str, str], identifier: str, name: str, version: str, *more: str
+) -> Path:
     if name in prebuilt_platforms(_PACKAGE) and name not in _compilable():
         raise ValueError(
             f"the package has no compiled {identifier} for {name!r} of this structure (drives: up to 4 head rope "
@@ -99,19 +111,31 @@ def _build(sources: Mapping[str, str], identifier: str, name: str, version: str,
 
     def make() -> None:
         progress.warning("compiling %s for %s%s, up to a minute", identifier, name, version)
-        more = ["-ldl"] if name.endswith("linux") and any("<dlfcn.h>" in text for text in sources.values()) else []
+        more = (
+            ["-ldl"]
+            if name.endswith("linux") and any("<dlfcn.h>" in text for text in sources.values())
+            else []
+        )
         if name.endswith("linux") and "ziglang" in compiler:
             # zig's own library is not needed, and compiling it would take 14 s
             more += ["-nostdlib", "-lc", "-Wl,-z,defs"]
         kernels.compile_objects(sources, [*compiler, *flags], objects)
-        own_name = [f"-Wl,-install_name,@rpath/{identifier}{target.suffix}"] if target.suffix == ".dylib" else []
+        own_name = (
+            [f"-Wl,-install_name,@rpath/{identifier}{target.suffix}"]
+            if target.suffix == ".dylib"
+            else []
+        )
         command = [*compiler, *flags, *own_name]
-        kernels.link_library(command, objects.values(), target, f"{identifier}{target.suffix}", more)
+        kernels.link_library(
+            command, objects.values(), target, f"{identifier}{target.suffix}", more
+        )
 
     try:
         return kernels.make_once(target, make)
     except subprocess.CalledProcessError as error:
-        raise RuntimeError(f"{' '.join([*compiler, *flags])} failed: {error.stderr[-2000:]}") from error
+        raise RuntimeError(
+            f"{' '.join([*compiler, *flags])} failed: {error.stderr[-2000:]}"
+        ) from error
 
 
 def _compiler() -> tuple[str, ...]:
@@ -126,4 +150,9 @@ def _flags(name: str) -> tuple[str, ...]:
         # link-time optimisation, where ziglang's linker supports it: a tenth faster
         target = "-target", PLATFORMS[name].target, *(("-flto",) if name.endswith("linux") else ())
     position = () if name.endswith("windows") else ("-fPIC",)
-    return (*target, *FLAGS, *position, *(("-Wl,--build-id=none",) if name.endswith("linux") else ()))
+    return (
+        *target,
+        *FLAGS,
+        *position,
+        *(("-Wl,--build-id=none",) if name.endswith("linux") else ()),
+    )

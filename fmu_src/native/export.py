@@ -15,7 +15,13 @@ from typing import Any
 from fmu_src.archive import write_archive
 from fmu_src.attachments import attachments, licenses
 from fmu_src.interface import NO_CHANGES, Variable, case_with, variables
-from fmu_src.model_description import MODEL, Build, build_description, model_description, model_description3
+from fmu_src.model_description import (
+    MODEL,
+    Build,
+    build_description,
+    model_description,
+    model_description3,
+)
 from fmu_src.native.build import choose_platforms
 from fmu_src.native.prefix import checked_identifier, with_prefix
 from fmu_src.native.start import Start, binaries_with, c_start
@@ -75,7 +81,9 @@ def export_native(
 def native_table(case: RopeCase) -> tuple[Variable, ...]:
     """Return the interface table, with marks on variables that only serve the Python flavour."""
     return tuple(
-        v._replace(description=f"of no effect here, the code is compiled; Python flavour: {v.description}")
+        v._replace(
+            description=f"of no effect here, the code is compiled; Python flavour: {v.description}"
+        )
         if v.name == "solver.kernels"
         else v
         for v in variables(case)
@@ -162,11 +170,17 @@ def native_files(
     token = str(uuid.uuid5(uuid.NAMESPACE_OID, f"balance-rope native {digest.hexdigest()}"))
     start = Start(token, (*start_values(table, fmi), *data), form is arrays)
     version = importlib.metadata.version("balance-rope")
-    written = with_prefix({**sources, "start.c": c_start(start)}, checked_identifier(identifier), fmi)
+    written = with_prefix(
+        {**sources, "start.c": c_start(start)}, checked_identifier(identifier), fmi
+    )
     compiled = tuple(sorted(name for name in written if name.endswith(".c")))
     tool = f"balance-rope {version}, native"
     build = Build(token, version, tool, sources=compiled, identifier=identifier, **facts)
-    root = model_description(described, build) if fmi == 2 else model_description3(form(described), len(table), build)
+    root = (
+        model_description(described, build)
+        if fmi == 2
+        else model_description3(form(described), len(table), build)
+    )
     return {
         "modelDescription.xml": xml_bytes(root),
         **{f"sources/{_place(name)}": text.encode() for name, text in written.items()},

@@ -46,7 +46,9 @@ def with_page_hashes(library: bytes) -> bytes:
     hashes, _, _, slots, limit = struct.unpack_from(">5I", library, at + 16)
     size, kind, _, power = struct.unpack_from("4B", library, at + 36)
     if (size, kind) != (32, _SHA256):
-        raise RuntimeError(f"the library is signed with hashes of kind {kind}, {size} bytes, not with SHA-256")
+        raise RuntimeError(
+            f"the library is signed with hashes of kind {kind}, {size} bytes, not with SHA-256"
+        )
     out, page = bytearray(library), 1 << power
     for i in range(slots):
         digest = hashlib.sha256(library[i * page : min((i + 1) * page, limit)]).digest()
@@ -69,9 +71,15 @@ def _code_directory(library: bytes) -> int | None:
 
 def _directory_in(library: bytes, signature: int) -> int:
     magic, _, number = struct.unpack_from(">3I", library, signature)
-    offsets: list[int] = [struct.unpack_from(">2I", library, signature + 12 + 8 * i)[1] for i in range(number)]
+    offsets: list[int] = [
+        struct.unpack_from(">2I", library, signature + 12 + 8 * i)[1] for i in range(number)
+    ]
     blobs = [signature + offset for offset in offsets]
-    directories = [at for at in blobs if struct.unpack_from(">I", library, at)[0] == _CODE_DIRECTORY]
+    directories = [
+        at for at in blobs if struct.unpack_from(">I", library, at)[0] == _CODE_DIRECTORY
+    ]
     if magic != _SIGNATURE or len(directories) != 1:
-        raise RuntimeError(f"the library's signature has {len(directories)} code directories, not one")
+        raise RuntimeError(
+            f"the library's signature has {len(directories)} code directories, not one"
+        )
     return directories[0]

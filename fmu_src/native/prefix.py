@@ -37,7 +37,10 @@ _TEXT = """\
 
 def checked_identifier(identifier: str) -> str:
     """Return a model identifier, which names a file and C functions; ValueError if it cannot."""
-    if not (re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", identifier) and len(identifier) <= LONGEST_IDENTIFIER):
+    if not (
+        re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", identifier)
+        and len(identifier) <= LONGEST_IDENTIFIER
+    ):
         raise ValueError(
             f"the model identifier {identifier!r} must have letters, digits and _ only, not begin with a digit, "
             f"and be at most {LONGEST_IDENTIFIER} characters long: give a name such as MyRope"
@@ -49,13 +52,18 @@ def with_prefix(sources: Mapping[str, str], identifier: str, fmi: int) -> dict[s
     """Return the sources with their shared names behind the identifier, by a header that each C file begins with."""
     names = "\n".join(f"#define {name} {identifier}_{name}" for name in shared_names(sources))
     header = _TEXT.format(fmi=fmi, identifier=identifier, names=names)
-    begun = {name: f'#include "{HEADER}"\n{text}' if name.endswith(".c") else text for name, text in sources.items()}
+    begun = {
+        name: f'#include "{HEADER}"\n{text}' if name.endswith(".c") else text
+        for name, text in sources.items()
+    }
     return begun | {HEADER: header}
 
 
 def shared_names(sources: Mapping[str, str]) -> list[str]:
     """Return the functions and data of the sources that have external linkage, but for those of FMI."""
     own = [text for name, text in sources.items() if not _FMI.fullmatch(name.removesuffix(".h"))]
-    found = {name for text in own for pattern in (_FUNCTION, _DATA) for name in pattern.findall(text)}
+    found = {
+        name for text in own for pattern in (_FUNCTION, _DATA) for name in pattern.findall(text)
+    }
     macros = {name for text in own for name in _MACRO.findall(text)}
     return sorted(name for name in found - macros if not _FMI.fullmatch(name))

@@ -66,7 +66,9 @@ class Start(NamedTuple):
         """Return the values as a block of a library."""
         token = self.token.encode()
         if len(token) >= TOKEN_ROOM:
-            raise ValueError(f"the token {self.token} has {len(token)} bytes: it must have less than {TOKEN_ROOM}")
+            raise ValueError(
+                f"the token {self.token} has {len(token)} bytes: it must have less than {TOKEN_ROOM}"
+            )
         head = _HEAD.pack(MAGIC, token, len(self.values), self.arrays)
         return head + struct.pack(f"<{len(self.values)}d", *self.values)
 
@@ -75,7 +77,11 @@ def c_start(start: Start) -> str:
     """Return the text of start.c."""
     values = "\n".join(f"        {value!r}," for value in start.values)
     return _TEXT.format(
-        magic=MAGIC.decode(), token=c_string(start.token), scalars=len(start.values), arrays=start.arrays, values=values
+        magic=MAGIC.decode(),
+        token=c_string(start.token),
+        scalars=len(start.values),
+        arrays=start.arrays,
+        values=values,
     )
 
 
@@ -85,13 +91,20 @@ def without_start(sources: Mapping[str, str], scalars: int) -> dict[str, str]:
 
 
 def binaries_with(
-    start: Start, sources: Mapping[str, str], name: str, fmi: int, platforms: Sequence[str], identifier: str = ""
+    start: Start,
+    sources: Mapping[str, str],
+    name: str,
+    fmi: int,
+    platforms: Sequence[str],
+    identifier: str = "",
 ) -> dict[str, bytes]:
     """Return libraries with ``start`` by path in the FMU, made of ``sources`` and start.c.
 
     ``name`` is that of the library, ``identifier`` that of the FMU, where it differs.
     """
-    libraries = binaries(without_start(sources, len(start.values)), name, fmi, platforms, identifier or name)
+    libraries = binaries(
+        without_start(sources, len(start.values)), name, fmi, platforms, identifier or name
+    )
     return {path: with_start(library, start) for path, library in libraries.items()}
 
 
@@ -104,7 +117,9 @@ def with_start(library: bytes, start: Start) -> bytes:
     for begin, end in parts(library):
         offset = library.find(MAGIC, begin, end)
         if offset < 0 or library.find(MAGIC, offset + 1, end) >= 0:
-            raise RuntimeError(f"the library has no one place for start values ({MAGIC!r}); delete it and export anew")
+            raise RuntimeError(
+                f"the library has no one place for start values ({MAGIC!r}); delete it and export anew"
+            )
         scalars = _HEAD.unpack_from(library, offset)[2]
         if scalars != len(start.values):
             raise RuntimeError(

@@ -13,9 +13,15 @@ from rope_model.simulation.outputs.signal_table import LOADS, SIGNALS
 from rope_model.texts import c_string
 
 _SOURCES = {"status.valid": "FROM_STATUS_VALID", "status.message": "FROM_STATUS_MESSAGE"}
-_TEXTS = {"status.fidelity": "FIDELITY_NAME", "status.fidelity_reason": "FIDELITY_REASON", "status.warning": "WARNING"}
+_TEXTS = {
+    "status.fidelity": "FIDELITY_NAME",
+    "status.fidelity_reason": "FIDELITY_REASON",
+    "status.warning": "WARNING",
+}
 #: fields of struct Scene with other names than the interface's
-_SCENE = {"left.swivel": "swivels[LEFT]", "right.swivel": "swivels[RIGHT]"} | {part: f"shaft.{part}" for part in PARTS}
+_SCENE = {"left.swivel": "swivels[LEFT]", "right.swivel": "swivels[RIGHT]"} | {
+    part: f"shaft.{part}" for part in PARTS
+}
 _HEAD = """\
 /* Generated from the interface table: the variables, and where each lives in the rope. */
 #include "model.h"
@@ -30,14 +36,19 @@ def c_table(table: Sequence[Variable], fmi: int) -> str:
         for v, length in zip(table, lengths(table, fmi), strict=True)
     ]
     if fmi == 3:
-        rows.append('{"time", NULL, 0, 1, 0, KIND_REAL, CAUSALITY_INDEPENDENT, VARIABILITY_CONTINUOUS, FROM_TIME}')
+        rows.append(
+            '{"time", NULL, 0, 1, 0, KIND_REAL, CAUSALITY_INDEPENDENT, VARIABILITY_CONTINUOUS, FROM_TIME}'
+        )
     scalars = f"const size_t MODEL_SCALARS = {len(rows)};"
     return "\n".join([_HEAD, scalars, _array("const Variable MODEL_VARIABLES[]", rows)])
 
 
 def lengths(table: Sequence[Variable], fmi: int) -> list[int]:
     """Return the number of elements of the array under each value reference; 0 within an array."""
-    known = {array.reference: array.length for array in (arrays if fmi == 3 else scalars)(dict(enumerate(table)))}
+    known = {
+        array.reference: array.length
+        for array in (arrays if fmi == 3 else scalars)(dict(enumerate(table)))
+    }
     return [known.get(i, 0) for i in range(len(table))]
 
 
@@ -52,8 +63,13 @@ def c_places(table: Sequence[Variable], fmi: int) -> str:
     rows = [_location(v) for v in table] + (["{NOWHERE, 0, -1}"] if fmi == 3 else [])
     includes = '#include "rope.h"\n#include "rope_table.h"\n'
     names = [v.name for v in table]
-    motions = [", ".join(str(names.index(f"{side}.{f.name}")) for f in fields(EndMotion)) for side in ("left", "right")]
-    inputs = _array("const size_t ROPE_MOTIONS[2][INPUTS_OF_END]", (f"{{{of_end}}}" for of_end in motions))
+    motions = [
+        ", ".join(str(names.index(f"{side}.{f.name}")) for f in fields(EndMotion))
+        for side in ("left", "right")
+    ]
+    inputs = _array(
+        "const size_t ROPE_MOTIONS[2][INPUTS_OF_END]", (f"{{{of_end}}}" for of_end in motions)
+    )
     return "\n".join([_HEAD.rstrip(), includes, _array("const Place ROPE_PLACES[]", rows), inputs])
 
 
@@ -63,7 +79,9 @@ def _array(declaration: str, rows: Iterable[str]) -> str:
 
 def _row(v: Variable, fmi: int, length: int, rate: int) -> str:
     words = choices_of(v.name)
-    choices = c_string(", ".join(f"{i} {word}" for i, word in enumerate(words))) if words else "NULL"
+    choices = (
+        c_string(", ".join(f"{i} {word}" for i, word in enumerate(words))) if words else "NULL"
+    )
     kind = "ENUMERATION" if words and fmi == 3 else v.kind.upper()
     source = "FROM_ENTRY" if v.causality != "output" else _SOURCES.get(v.name, "FROM_MODEL")
     return (
@@ -85,7 +103,9 @@ def _home(v: Variable) -> tuple[str, str]:
         return _TEXTS[v.name], "0"
     if v.name in SIGNALS:
         return "SIGNAL", str(list(SIGNALS).index(v.name))
-    if v.causality == "output" or v.name == "solver.kernels":  # status of the component; Python form only
+    if (
+        v.causality == "output" or v.name == "solver.kernels"
+    ):  # status of the component; Python form only
         return "NOWHERE", "0"
     if v.causality == "input":
         return f"{group.upper()}_MOTION", f"offsetof(EndMotion, {field})"

@@ -7,7 +7,13 @@ import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
 from hoist_demo.calibration.fit import MIDDLE
-from hoist_demo.calibration.measurements import FIDELITY, CalibrationProblem, InShaft, MeasurementEntry, Signal
+from hoist_demo.calibration.measurements import (
+    FIDELITY,
+    CalibrationProblem,
+    InShaft,
+    MeasurementEntry,
+    Signal,
+)
 from hoist_demo.calibration.tracks import Markers
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene, values_by_name
 from hoist_demo.files.reading import EMPTY, FileError, Table, flat
@@ -36,9 +42,13 @@ def _sought(parameter: Parameter) -> Any:
 
     def checked(entry: ParameterValue) -> ParameterValue:
         if parameter.name in {f"rope.{name}" for name in FOLLOWING}:
-            raise ValueError(f"{parameter.name} follows from the properties, all of which are sought: give [known]")
+            raise ValueError(
+                f"{parameter.name} follows from the properties, all of which are sought: give [known]"
+            )
         if entry.low is None or entry.high is None or entry.low >= entry.high:
-            raise ValueError(f"{parameter.name} = {entry.value!r} must be {{ low, high }}, in order")
+            raise ValueError(
+                f"{parameter.name} = {entry.value!r} must be {{ low, high }}, in order"
+            )
         return entry
 
     return Annotated[value_type(parameter), AfterValidator(checked)]
@@ -59,7 +69,9 @@ class MeasurementFile(RopeAnalysisFile):
         """Calibration problem of the rope, with the ranges of [sought]."""
         where = f"range of [sought], {self.path.name}"
         ranges = {
-            name: Datum(entry.low or 0.0, entry.high or 0.0, rope_parameters()[name].unit, "assumed", where)
+            name: Datum(
+                entry.low or 0.0, entry.high or 0.0, rope_parameters()[name].unit, "assumed", where
+            )
             for name, entry in self.sought.items()
         }
         return CalibrationProblem(self.catalogue_rope, rope_scene(plain(self.fixed)), ranges)
@@ -82,7 +94,9 @@ class MeasurementFile(RopeAnalysisFile):
                 f'[fixed] {_FIDELITY} = {fidelity.value!r} must be "{FIDELITY}", the fidelity at which [[measured]] is '
                 "predicted, as torsion is among the properties: leave it out"
             )
-        others = {name: entry for name, entry in self.fixed.items() if name not in (*twice, _FIDELITY)}
+        others = {
+            name: entry for name, entry in self.fixed.items() if name not in (*twice, _FIDELITY)
+        }
         names = self.problem.names
         rope = self.problem.predictor(np.full(len(names), MIDDLE)).scene
         problems += unreached(others, values_by_name(rope))
@@ -97,7 +111,9 @@ class MeasurementFile(RopeAnalysisFile):
                 try:
                     predictor.signal("left.fy", left, right)
                 except RuntimeError as error:
-                    raise FileError(self.path, [f"measured {k}: the rope cannot hang {error}"]) from error
+                    raise FileError(
+                        self.path, [f"measured {k}: the rope cannot hang {error}"]
+                    ) from error
 
     @model_validator(mode="after")
     def _is_within_reach(self) -> Self:

@@ -14,7 +14,9 @@ class Finding(Enum):
     UNDETERMINED = "undetermined"  # the data say no more than the range
     AT_LOWER_END = "at the lower end of its range"  # the data ask for less than the range allows
     AT_UPPER_END = "at the upper end of its range"  # the data ask for more than the range allows
-    CONTRADICTED = "contradicted"  # a compromise between measurements that contradict the model or one another
+    CONTRADICTED = (
+        "contradicted"  # a compromise between measurements that contradict the model or one another
+    )
 
     @property
     def at_end(self) -> bool:
@@ -24,7 +26,12 @@ class Finding(Enum):
 
 def findings_of(fit: Fit, intervals: Array) -> list[Finding]:
     """Return the finding of each share with its interval, (n, 2)."""
-    rows = zip(fit.held.tolist(), fit.reaches.tolist(), (intervals[:, 1] - intervals[:, 0]).tolist(), strict=True)
+    rows = zip(
+        fit.held.tolist(),
+        fit.reaches.tolist(),
+        (intervals[:, 1] - intervals[:, 0]).tolist(),
+        strict=True,
+    )
     return [_finding(held, reach, width, fit.contradicted) for held, reach, width in rows]
 
 

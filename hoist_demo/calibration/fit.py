@@ -30,7 +30,9 @@ from scipy.special import chdtrc, ndtri  # scipy.stats is slow to load
 
 Array = NDArray[np.float64]
 Signs = NDArray[np.int_]
-Residuals = Callable[[Array], Array]  #: (norm_params (n,)) -> prediction less measurement in standard errors (m,).
+Residuals = Callable[
+    [Array], Array
+]  #: (norm_params (n,)) -> prediction less measurement in standard errors (m,).
 MIDDLE = 0.5  #: Value of all shares before anything is measured.
 RANGE_VARIANCE = 1 / 12  #: Variance of a share of which only the range is known.
 CONFIDENCE = 0.9  #: Confidence of the intervals.
@@ -69,7 +71,9 @@ class Fit:
         first = first - others @ np.linalg.lstsq(others, first, rcond=None)[0]
         params, prior_rows = self.norm_params[:count], self.prior_rows[:, :count]
         held = self.held[:count]
-        return replace(self, norm_params=params, sensitivities=first, prior_rows=prior_rows, held=held)
+        return replace(
+            self, norm_params=params, sensitivities=first, prior_rows=prior_rows, held=held
+        )
 
     @property
     def covariance(self) -> Array:
@@ -161,7 +165,9 @@ def _solve(residuals: Residuals, start: Array, held: Signs, prior_rows: Array, f
     return found
 
 
-def _solve_free(residuals: Residuals, start: Array, held: Signs, prior_rows: Array, ftol: float) -> Fit:
+def _solve_free(
+    residuals: Residuals, start: Array, held: Signs, prior_rows: Array, ftol: float
+) -> Fit:
     """Solve for the shares that are not held; sensitivities to the others are 0."""
     free = np.flatnonzero(held == 0)
     norm_params = np.where(held > 0, 1.0, 0.0)
@@ -183,7 +189,9 @@ def _solve_free(residuals: Residuals, start: Array, held: Signs, prior_rows: Arr
         return Fit(norm_params, values, np.zeros((values.size, held.size)), prior_rows, held)
     solution = least_squares(remaining, start[free], slopes, (0.0, 1.0), xtol=1e-6, ftol=ftol)
     if not solution.success:
-        raise RuntimeError(f"the fit does not converge ({solution.message}): narrow the ranges, or fix some values")
+        raise RuntimeError(
+            f"the fit does not converge ({solution.message}): narrow the ranges, or fix some values"
+        )
     count = solution.fun.size - len(prior_rows)
     jacobian = np.zeros((count, held.size))
     jacobian[:, free] = solution.jac[:count]
@@ -213,7 +221,9 @@ def intervals(residuals: Residuals, best_fit: Fit) -> Array:
     free = np.flatnonzero(best_fit.held == 0)
     ends = np.tile([0.0, 1.0], (best_fit.held.size, 1))
     sides = [(int(k), side) for k in free for side in (-1.0, 1.0)]
-    with ThreadPoolExecutor(os.cpu_count()) as pool:  # the native rope computes outside of Python's lock
+    with ThreadPoolExecutor(
+        os.cpu_count()
+    ) as pool:  # the native rope computes outside of Python's lock
         found = list(pool.map(lambda one: _end(residuals, best_fit, *one), sides))
     ends[free] = np.reshape(found, (-1, 2))
     return ends
@@ -226,8 +236,12 @@ def _end(residuals: Residuals, best_fit: Fit, k: int, side: float) -> float:
     the farthest at which one could; where they never grew by as much, it is the range's end.
     """
     column = best_fit.covariance[:, k]
-    along = side * column / np.sqrt(column[k])  # a standard error of share k, and how the others follow
-    limit = float(0.5 * (1 + side) - best_fit.norm_params[k]) / along[k]  # standard errors to the end of the range
+    along = (
+        side * column / np.sqrt(column[k])
+    )  # a standard error of share k, and how the others follow
+    limit = (
+        float(0.5 * (1 + side) - best_fit.norm_params[k]) / along[k]
+    )  # standard errors to the end of the range
     reach = REACH
     inside = 0.0  # the farthest at which the squares have grown by less
     outside = math.inf  # the nearest at which they have grown by more
@@ -280,13 +294,17 @@ def sensitivities(predict: Callable[[Array], Array], norm_params: Array) -> Arra
     """d(prediction)/d(share) by differences within the ranges, (m, n): central where both sides are finite."""
     steps = DIFFERENCE * np.eye(norm_params.size)
     above, below = np.clip(norm_params + steps, 0.0, 1.0), np.clip(norm_params - steps, 0.0, 1.0)
-    with ThreadPoolExecutor(os.cpu_count()) as pool:  # the native rope computes outside of Python's lock
+    with ThreadPoolExecutor(
+        os.cpu_count()
+    ) as pool:  # the native rope computes outside of Python's lock
         values = np.array(list(pool.map(predict, [*above, *below])))
     if not (there := np.isfinite(values).all(axis=1)).all():
         values[~there] = predict(norm_params)
         above[~there[: norm_params.size]] = below[~there[norm_params.size :]] = norm_params
         if not np.diag(above - below).all():
-            raise RuntimeError("no rope on either side of the one found can be computed: narrow the ranges")
+            raise RuntimeError(
+                "no rope on either side of the one found can be computed: narrow the ranges"
+            )
     differences = values[: norm_params.size] - values[norm_params.size :]
     return np.asarray((differences / np.diag(above - below)[:, None]).T)
 

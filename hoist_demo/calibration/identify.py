@@ -10,7 +10,16 @@ import numpy as np
 from hoist_demo.calibration import measurements as kinds
 from hoist_demo.calibration.definition import MeasurementFile
 from hoist_demo.calibration.findings import Finding, findings_of
-from hoist_demo.calibration.fit import Array, Fit, Residuals, error_of, fit, intervals, sensitivities, with_measurement
+from hoist_demo.calibration.fit import (
+    Array,
+    Fit,
+    Residuals,
+    error_of,
+    fit,
+    intervals,
+    sensitivities,
+    with_measurement,
+)
 from hoist_demo.calibration.measurements import CalibrationProblem, Measurements, RopeMeasurement
 from hoist_demo.calibration.tracks import Markers
 from hoist_demo.cases.table import find_case
@@ -20,7 +29,9 @@ from hoist_demo.files.values import GIVEN
 from hoist_demo.study.provenance import SourcedValue, rope_provenance
 from rope_model import Datum, KnownRope
 
-Computed = Callable[[int], None]  #: Is told of each rope that was computed, with the number of its windings.
+Computed = Callable[
+    [int], None
+]  #: Is told of each rope that was computed, with the number of its windings.
 MIN_COMPONENT = 0.3  #: Least part of a property in a direction that names it.
 STRONG = 0.7  #: Least correlation that is reported.
 
@@ -70,7 +81,11 @@ class CalibrationResult:
     def open_directions(self) -> list[str]:
         """List the properties of each direction that the data leave open, equal sets once."""
         named = [
-            " and ".join(name for name, part in zip(self.names, direction, strict=True) if abs(part) > MIN_COMPONENT)
+            " and ".join(
+                name
+                for name, part in zip(self.names, direction, strict=True)
+                if abs(part) > MIN_COMPONENT
+            )
             for direction in self.fit.untold()
         ]
         return list(dict.fromkeys(named))
@@ -78,11 +93,19 @@ class CalibrationResult:
     def provenance(self) -> list[SourcedValue]:
         """Sources of the numbers of the rope and its shaft."""
         problem = self.measurement_file.problem
-        status_by_name = {"rope.length": GIVEN, "rope.diameter": GIVEN, **self.measurement_file.status_by_name}
+        status_by_name = {
+            "rope.length": GIVEN,
+            "rope.diameter": GIVEN,
+            **self.measurement_file.status_by_name,
+        }
         data_statuses = {name: datum.status for name, datum in self.data.items()}
-        status_by_name |= {name: data_statuses[name] for name in problem.sought} | following_statuses(data_statuses)
+        status_by_name |= {
+            name: data_statuses[name] for name in problem.sought
+        } | following_statuses(data_statuses)
         return rope_provenance(
-            find_case("rope-120"), rope_data_of(problem.scene_at(self.fit.norm_params)), status_by_name
+            find_case("rope-120"),
+            rope_data_of(problem.scene_at(self.fit.norm_params)),
+            status_by_name,
         )  # the case of the defaults
 
     def strong_correlations(self) -> list[tuple[str, str, float]]:
@@ -92,13 +115,18 @@ class CalibrationResult:
         return [(self.names[j], self.names[i], float(matrix[i, j])) for i, j in pairs]
 
 
-def identify(file: MeasurementFile, computed: Computed = lambda windings: None) -> CalibrationResult:
+def identify(
+    file: MeasurementFile, computed: Computed = lambda windings: None
+) -> CalibrationResult:
     """Fit the properties, find their intervals, and rank candidates for the next measurement."""
     problem = file.problem
     residuals = residuals_of(problem, file.measurements, *stacked(file.measurements), computed)
     tracks = [m for m in file.measurements if isinstance(m, Markers)]
     count = len(problem.names)
-    whole = replace(fit(residuals, count + sum(m.starts for m in tracks)), nuisance=sum(m.unknowns for m in tracks))
+    whole = replace(
+        fit(residuals, count + sum(m.starts for m in tracks)),
+        nuisance=sum(m.unknowns for m in tracks),
+    )
     properties_fit = whole.of_first_params(count)
     ends = np.tile([0.0, 1.0], (count, 1))
     if properties_fit.contradicted:  # no interval follows from such measurements
@@ -113,7 +141,9 @@ def identify(file: MeasurementFile, computed: Computed = lambda windings: None) 
     where: Any = dict(file.wanted)
     wanted = kinds.AtRest(value=(0.0,), sigma=1.0, **where)
     possible = candidates(problem, properties_fit.norm_params)
-    rows = sensitivities(lambda u: problem.predict(u, [wanted, *possible]), properties_fit.norm_params)
+    rows = sensitivities(
+        lambda u: problem.predict(u, [wanted, *possible]), properties_fit.norm_params
+    )
     gradient, covariance = rows[0], properties_fit.covariance
     left = [
         Candidate(m, error_of(with_measurement(covariance, row / m.sigma), gradient))
@@ -154,7 +184,9 @@ def residuals_of(
     def residuals(norm_params: Array) -> Array:
         predictor = problem.predictor(norm_params)
         try:
-            return np.asarray((problem.predict(norm_params, measurements, predictor) - values) / sigmas)
+            return np.asarray(
+                (problem.predict(norm_params, measurements, predictor) - values) / sigmas
+            )
         finally:
             with lock:
                 computed(predictor.windings)
@@ -162,7 +194,9 @@ def residuals_of(
     return residuals
 
 
-def calibrated(file: MeasurementFile, findings: Mapping[str, Finding], ends: Array) -> dict[str, Datum]:
+def calibrated(
+    file: MeasurementFile, findings: Mapping[str, Finding], ends: Array
+) -> dict[str, Datum]:
     """Replace ranges by calibrated intervals; if the model is contradicted, ranges stand with that status."""
     data = file.problem.data
     source = file.path.name
@@ -196,7 +230,9 @@ def candidates(problem: CalibrationProblem, norm_params: Array) -> list[RopeMeas
     return [
         kinds.LoopWidth(name="width of the free loop, to 1 %", value=(1.0,), sigma=0.01 * width),
         kinds.Mass(name="mass, to 0.5 %", value=(1.0,), sigma=5e-3 * data.mass_per_length),
-        kinds.SampleTorque(name=f"torque of a sample {kilonewtons}, {share}", sigma=torque, **sample),
+        kinds.SampleTorque(
+            name=f"torque of a sample {kilonewtons}, {share}", sigma=torque, **sample
+        ),
         kinds.SampleTorque(name=twisted, sigma=torque, twist=(turn,), **sample),
         kinds.SampleRotation(name=rotation, sigma=np.deg2rad(5), length=(10.0,), **sample),
         kinds.SampleExtension(name=extension, sigma=5e-4, length=(10.0,), **sample),

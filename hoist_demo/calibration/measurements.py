@@ -57,7 +57,11 @@ class Trip:
     def reference(self) -> Trajectory:
         """Return the motion of the left end from its first height."""
         winding = Winding(
-            travel=self.travel, speed=self.speed, acceleration=self.acceleration, jerk=self.jerk, start_delay=0.0
+            travel=self.travel,
+            speed=self.speed,
+            acceleration=self.acceleration,
+            jerk=self.jerk,
+            start_delay=0.0,
         )
         return s_curve(winding)
 
@@ -128,10 +132,14 @@ class RopePredictor:
         values = {0.0: rope.signals(names)}
         now = 0.0
         for target in times if times[0] > now else times[1:]:
-            for t in np.linspace(now, target, math.ceil((target - now) / COMMUNICATION) + 1)[1:].tolist():
+            for t in np.linspace(now, target, math.ceil((target - now) / COMMUNICATION) + 1)[
+                1:
+            ].tolist():
                 status = rope.advance_to(t, *ends(t))
                 if not status.valid:
-                    raise RuntimeError(f"track of {', '.join(names)} at t = {t:g} s: {status.message}")
+                    raise RuntimeError(
+                        f"track of {', '.join(names)} at t = {t:g} s: {status.message}"
+                    )
             now = target
             values[now] = dict(zip(names, read().tolist(), strict=True))
         return values
@@ -139,7 +147,11 @@ class RopePredictor:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings of the ropes at rest."""
-        return tuple(dict.fromkeys(text for rope in self._at_rest.values() for text in rope.warnings().values()))
+        return tuple(
+            dict.fromkeys(
+                text for rope in self._at_rest.values() for text in rope.warnings().values()
+            )
+        )
 
     def torsion(self, load: float) -> float:
         """Torque over twist (N m^2) under the load."""
@@ -154,21 +166,29 @@ class RopePredictor:
         """Return the frequencies of the lowest modes in or out of plane [Hz]."""
         if (left, right) not in self._modes:
             # the mesh differs from rope to rope, and to compile for each takes longer than to interpret
-            rope = rope_model.RopeSimulator(self.scene.with_(solver=replace(self.scene.solver, kernels="portable")))
+            rope = rope_model.RopeSimulator(
+                self.scene.with_(solver=replace(self.scene.solver, kernels="portable"))
+            )
             _require_rest(rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right)), left, right)
             self._modes[left, right] = natural_modes(rope.system, rope.state.motion.q, MODES)
         modes = self._modes[left, right]
-        return np.asarray(modes.frequencies[(modes.out_of_plane > 0.5) == (plane == "out of plane")])
+        return np.asarray(
+            modes.frequencies[(modes.out_of_plane > 0.5) == (plane == "out of plane")]
+        )
 
 
 def _require_rest(status: rope_model.Status, left: float, right: float) -> None:
     if not status.valid:
-        raise RuntimeError(f"at rest with left_y = {left:g} m and right_y = {right:g} m: {status.message}")
+        raise RuntimeError(
+            f"at rest with left_y = {left:g} m and right_y = {right:g} m: {status.message}"
+        )
 
 
 T = TypeVar("T")
 Series = Annotated[
-    tuple[T, ...], BeforeValidator(lambda one: one if isinstance(one, list | tuple) else [one]), Field(min_length=1)
+    tuple[T, ...],
+    BeforeValidator(lambda one: one if isinstance(one, list | tuple) else [one]),
+    Field(min_length=1),
 ]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Magnitude = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
@@ -201,14 +221,18 @@ class RopeMeasurement(Table):
 
     def each(self, *names: str) -> list[tuple[float, ...]]:
         """Return the tuples of these fields for each value, single numbers repeated."""
-        columns = [getattr(self, name) * (len(self.values) // len(getattr(self, name))) for name in names]
+        columns = [
+            getattr(self, name) * (len(self.values) // len(getattr(self, name))) for name in names
+        ]
         return list(zip(*columns, strict=True))
 
     @model_validator(mode="after")
     def _belong_together(self) -> Self:
         for name, one in self:
             if isinstance(one, tuple) and len(one) not in (1, len(self.values)):
-                raise ValueError(f"{name} has {len(one)} numbers, value {len(self.values)}: give one or as many")
+                raise ValueError(
+                    f"{name} has {len(one)} numbers, value {len(self.values)}: give one or as many"
+                )
         return self
 
 
@@ -243,7 +267,10 @@ class SampleTorque(RopeMeasurement):
     twist: Series[Finite] = (0.0,)  # rad/m
 
     def predict(self, predictor: RopePredictor) -> Sequence[float]:
-        return [predictor.lay_torque(load) + predictor.torsion(load) * w for load, w in self.each("load", "twist")]
+        return [
+            predictor.lay_torque(load) + predictor.torsion(load) * w
+            for load, w in self.each("load", "twist")
+        ]
 
 
 class SampleRotation(RopeMeasurement):
@@ -255,7 +282,10 @@ class SampleRotation(RopeMeasurement):
     length: Series[Magnitude]  # m
 
     def predict(self, predictor: RopePredictor) -> Sequence[float]:
-        return [predictor.lay_torque(load) * l / predictor.torsion(load) for load, l in self.each("load", "length")]
+        return [
+            predictor.lay_torque(load) * l / predictor.torsion(load)
+            for load, l in self.each("load", "length")
+        ]
 
 
 class SampleExtension(RopeMeasurement):
@@ -268,7 +298,9 @@ class SampleExtension(RopeMeasurement):
     length: Series[Magnitude]  # m
 
     def predict(self, predictor: RopePredictor) -> Sequence[float]:
-        return [load * length / predictor.scene.rope.Qa for load, length in self.each("load", "length")]
+        return [
+            load * length / predictor.scene.rope.Qa for load, length in self.each("load", "length")
+        ]
 
 
 class InShaft(RopeMeasurement):
@@ -290,7 +322,10 @@ class AtRest(InShaft):
     signal: Signal
 
     def predict(self, predictor: RopePredictor) -> Sequence[float]:
-        return [predictor.signal(self.signal, left, right) for left, right in self.each("left_y", "right_y")]
+        return [
+            predictor.signal(self.signal, left, right)
+            for left, right in self.each("left_y", "right_y")
+        ]
 
 
 class Swing(InShaft):
@@ -330,7 +365,10 @@ class Track(InShaft):
     def apart(self) -> list[tuple[float, float, float]]:
         """Heights of both ends and their distance, before and after each trip [m]."""
         trips = zip(super().apart, self.each("travel"), strict=True)
-        return [*super().apart, *((left, right, gap + 2 * travel) for (left, right, gap), (travel,) in trips)]
+        return [
+            *super().apart,
+            *((left, right, gap + 2 * travel) for (left, right, gap), (travel,) in trips),
+        ]
 
     def readings(self) -> list[tuple[Trip, tuple[float, ...]]]:
         """Return trip and times [s], to the millisecond, of each value."""
@@ -341,7 +379,10 @@ class Track(InShaft):
         return [predictor.along(trip, self.signal, times)[0] for trip, times in self.readings()]
 
     def _trips(self) -> list[Trip]:
-        return [Trip(*one) for one in self.each("left_y", "right_y", "travel", "speed", "acceleration", "jerk")]
+        return [
+            Trip(*one)
+            for one in self.each("left_y", "right_y", "travel", "speed", "acceleration", "jerk")
+        ]
 
     @model_validator(mode="after")
     def _travels(self) -> Self:
@@ -358,7 +399,10 @@ class Swept(Track):
     until: Series[Time]  # s
 
     def readings(self) -> list[tuple[Trip, tuple[float, ...]]]:
-        windows = [np.linspace(t, until, math.ceil((until - t) / SAMPLE) + 1) for t, until in self.each("t", "until")]
+        windows = [
+            np.linspace(t, until, math.ceil((until - t) / SAMPLE) + 1)
+            for t, until in self.each("t", "until")
+        ]
         times = [tuple(round(t, 3) for t in window.tolist()) for window in windows]
         return list(zip(self._trips(), times, strict=True))
 
@@ -377,7 +421,16 @@ class Swept(Track):
 AnyRopeMeasurement = RopeMeasurement | Markers
 Measurements = Sequence[AnyRopeMeasurement]
 MeasurementEntry = Annotated[
-    LoopWidth | Mass | SampleTorque | SampleRotation | SampleExtension | AtRest | Track | Swept | Swing | Markers,
+    LoopWidth
+    | Mass
+    | SampleTorque
+    | SampleRotation
+    | SampleExtension
+    | AtRest
+    | Track
+    | Swept
+    | Swing
+    | Markers,
     Field(discriminator="what"),
 ]
 
@@ -388,7 +441,9 @@ class CalibrationProblem:
 
     catalogue_rope: rope_model.KnownRope
     scene: Scene
-    sought: Mapping[str, Datum] = field(default_factory=dict)  # ranges of parameters beside the properties
+    sought: Mapping[str, Datum] = field(
+        default_factory=dict
+    )  # ranges of parameters beside the properties
 
     @property
     def data(self) -> dict[str, Datum]:
@@ -407,7 +462,10 @@ class CalibrationProblem:
     def rope(self, norm_params: Array) -> rope_model.Rope:
         """Return the rope at these shares of the ranges; what the file fixes beyond the properties is the scene's."""
         data = self.catalogue_rope.data
-        values = {name: self.value(name, norm_params) if name in self.names else data[name].low for name in data}
+        values = {
+            name: self.value(name, norm_params) if name in self.names else data[name].low
+            for name in data
+        }
         made = self.catalogue_rope.rope(**values)
         return replace(self.scene.rope, **{name: getattr(made, name) for name in FOLLOWING})
 
@@ -420,11 +478,15 @@ class CalibrationProblem:
         """Return the predictor for the rope with these normalised parameters."""
         return RopePredictor(self.scene_at(norm_params))
 
-    def predict(self, norm_params: Array, measurements: Measurements, predictor: RopePredictor | None = None) -> Array:
+    def predict(
+        self, norm_params: Array, measurements: Measurements, predictor: RopePredictor | None = None
+    ) -> Array:
         """Predict all values of the measurements in turn; ``norm_params`` are the rope's, then those of starts."""
         predictor = predictor or self.predictor(norm_params)
         predictor.plan(measurements)
         starts = iter(norm_params[len(self.names) :].tolist())
-        predictions = [m.predict(predictor, *islice(starts, getattr(m, "starts", 0))) for m in measurements]
+        predictions = [
+            m.predict(predictor, *islice(starts, getattr(m, "starts", 0))) for m in measurements
+        ]
         predictor.windings += sum(isinstance(m, Markers) for m in measurements)
         return np.array([value for values in predictions for value in values])

@@ -8,7 +8,16 @@ from hoist_demo.calibration.fit import CONFIDENCE, SIGNIFICANCE
 from hoist_demo.calibration.identify import CalibrationResult
 from hoist_demo.calibration.tracks import Markers
 from hoist_demo.files.rope_file import FOLLOWING
-from hoist_demo.report.html.page import Bar, bars, engineering, number, paragraphs, plain_table, unit_text, write_sheet
+from hoist_demo.report.html.page import (
+    Bar,
+    bars,
+    engineering,
+    number,
+    paragraphs,
+    plain_table,
+    unit_text,
+    write_sheet,
+)
 from hoist_demo.report.rows import SummaryRow, provenance_table, status_rows
 from rope_model import SIGNALS
 from rope_model.files import write_text
@@ -60,14 +69,21 @@ def at_ends(result: CalibrationResult) -> list[tuple[str, str]]:
         text += "more: " if held > 0 else "less: "
         table = "[sought]" if name in result.measurement_file.problem.sought else "[known]"
         # a range that begins at 0 ends there by nature
-        widen = f"widen the range of {name} in {table}, if the rope may lie beyond it, or " if end else ""
+        widen = (
+            f"widen the range of {name} in {table}, if the rope may lie beyond it, or "
+            if end
+            else ""
+        )
         rows.append((name, f"{text}{widen}check the measured values, their units, signs and sigma"))
     return rows
 
 
 def complaints(result: CalibrationResult) -> list[str]:
     """Return the warnings on a fit: measurements that it cannot meet, and ends of ranges that it reaches."""
-    reached = [f"{name} = {text}; no interval is stated, the range stands" for name, text in at_ends(result)]
+    reached = [
+        f"{name} = {text}; no interval is stated, the range stands"
+        for name, text in at_ends(result)
+    ]
     return [*filter(None, [misfit(result)]), *reached]
 
 
@@ -80,11 +96,23 @@ def write_page(result: CalibrationResult, path: Path) -> Path:
     """Write the HTML page of an identification and return its path."""
     problem = result.measurement_file.problem
     ranges = [
-        Bar(f"{name.replace('_', ' ')}", float(low), float(high), float(share), result.is_determined(name))
-        for name, share, (low, high) in zip(result.names, result.fit.norm_params, result.intervals, strict=True)
+        Bar(
+            f"{name.replace('_', ' ')}",
+            float(low),
+            float(high),
+            float(share),
+            result.is_determined(name),
+        )
+        for name, share, (low, high) in zip(
+            result.names, result.fit.norm_params, result.intervals, strict=True
+        )
     ]
-    residuals = [Bar(name, 0.5, 0.5 + x / (2 * SIDE), 0.5 + x / (2 * SIDE)) for name, x in _residuals(result)]
-    steps = [(0.5 + x / (2 * SIDE), f"{x:+.0f}" if x else "0") for x in (-4, -3, -2, -1, 0, 1, 2, 3, 4)]
+    residuals = [
+        Bar(name, 0.5, 0.5 + x / (2 * SIDE), 0.5 + x / (2 * SIDE)) for name, x in _residuals(result)
+    ]
+    steps = [
+        (0.5 + x / (2 * SIDE), f"{x:+.0f}" if x else "0") for x in (-4, -3, -2, -1, 0, 1, 2, 3, 4)
+    ]
     interval = f"found, with the interval of {100 * CONFIDENCE:.0f} %"
     head = ("property", interval, "unit", "known before", "status before")
     properties = []
@@ -97,7 +125,9 @@ def write_page(result: CalibrationResult, path: Path) -> Path:
         (name, number(value), number(predicted), number(sigma), unit_text(unit))
         for name, value, predicted, sigma, unit in _values(result)
     ]
-    left = [(c.measurement.name, f"{number(c.error)} {_wanted_unit(result)}") for c in result.candidates]
+    left = [
+        (c.measurement.name, f"{number(c.error)} {_wanted_unit(result)}") for c in result.candidates
+    ]
     title, data = provenance_table(result.provenance())
     pairs = _pairs(result)
     none = paragraphs(["None."])
@@ -106,24 +136,45 @@ def write_page(result: CalibrationResult, path: Path) -> Path:
         ("", paragraphs(notes) + plain_table(head, properties)),
         (
             "Values in the ranges known before",
-            paragraphs(["Axis: the range known before, from its lower to its upper end. Grey: undetermined."])
-            + bars(ranges, [(0.0, "lower end"), (0.5, "middle"), (1.0, "upper end")], "intervals in the ranges"),
+            paragraphs(
+                [
+                    "Axis: the range known before, from its lower to its upper end. Grey: undetermined."
+                ]
+            )
+            + bars(
+                ranges,
+                [(0.0, "lower end"), (0.5, "middle"), (1.0, "upper end")],
+                "intervals in the ranges",
+            ),
         ),
         (
             "Model less measurement",
-            paragraphs(["In standard errors."]) + bars(residuals, steps, "residuals in standard errors"),
+            paragraphs(["In standard errors."])
+            + bars(residuals, steps, "residuals in standard errors"),
         ),
-        ("Measured and fitted", plain_table(("measurement", "measured", "fitted", "sigma", "unit"), fitted)),
+        (
+            "Measured and fitted",
+            plain_table(("measurement", "measured", "fitted", "sigma", "unit"), fitted),
+        ),
         ("Undetermined by the data", paragraphs(_open(result)) or none),
-        ("Determined only together", plain_table(("properties", "correlation"), pairs) if pairs else none),
+        (
+            "Determined only together",
+            plain_table(("properties", "correlation"), pairs) if pairs else none,
+        ),
         (
             f"Best next measurement of {result.measurement_file.wanted.signal}",
-            paragraphs([f"It is {number(result.wanted)} {_wanted_unit(result)}, its standard error {_error(result)}."])
+            paragraphs(
+                [
+                    f"It is {number(result.wanted)} {_wanted_unit(result)}, its standard error {_error(result)}."
+                ]
+            )
             + plain_table(("measurement", "standard error that it leaves"), left),
         ),
         (title, plain_table(("datum", "value", "unit", "status"), data)),
-    ]  # fmt: skip
-    return write_sheet(path, f"A rope from measurements: {result.measurement_file.path.name}", parts)
+    ]
+    return write_sheet(
+        path, f"A rope from measurements: {result.measurement_file.path.name}", parts
+    )
 
 
 def _properties(result: CalibrationResult) -> list[tuple[str, str, str]]:
@@ -151,7 +202,10 @@ def _open(result: CalibrationResult) -> list[str]:
 
 
 def _pairs(result: CalibrationResult) -> list[tuple[str, str]]:
-    return [(f"{one} and {other}", f"{value:+.2f}") for one, other, value in result.strong_correlations()]
+    return [
+        (f"{one} and {other}", f"{value:+.2f}")
+        for one, other, value in result.strong_correlations()
+    ]
 
 
 def _error(result: CalibrationResult) -> str:
@@ -179,7 +233,9 @@ def _values(result: CalibrationResult) -> list[tuple[str, float, float, float, s
 
 
 def _residuals(result: CalibrationResult) -> list[tuple[str, float]]:
-    return [(name, (predicted - value) / sigma) for name, value, predicted, sigma, _ in _values(result)]
+    return [
+        (name, (predicted - value) / sigma) for name, value, predicted, sigma, _ in _values(result)
+    ]
 
 
 def write_rope_file(result: CalibrationResult, path: Path) -> Path:
@@ -190,7 +246,11 @@ def write_rope_file(result: CalibrationResult, path: Path) -> Path:
     lines = [
         f"# Found by balance-rope identify from {printable(file.path.name)}. wind and export take it as",
         '# --rope FILE, studies, duties and ropes as [fixed] from = "FILE".',
-        *(f"# {printable(line)}" for text in complaints(result) for line in textwrap.wrap(text, 110)),
+        *(
+            f"# {printable(line)}"
+            for text in complaints(result)
+            for line in textwrap.wrap(text, 110)
+        ),
         "[rope]",
         f"construction = {toml_string(calibrated_rope.construction)}",
         f"diameter = {calibrated_rope.diameter!r}",

@@ -81,13 +81,21 @@ class Markers(Table):
     ends: Attachment = "plumb"
     unit: Literal["m", "cm", "mm"] = "m"  # unit of length in the file
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)  # upward direction in the axes of the file
-    skip: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # s from the start of which nothing is compared
-    settle: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # s from rest into the motion in which the file begins
-    offset: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # m, standard error of where a marker sits
+    skip: float = Field(
+        0.0, ge=0.0, allow_inf_nan=False
+    )  # s from the start of which nothing is compared
+    settle: float = Field(
+        0.0, ge=0.0, allow_inf_nan=False
+    )  # s from rest into the motion in which the file begins
+    offset: float = Field(
+        0.0, ge=0.0, allow_inf_nan=False
+    )  # m, standard error of where a marker sits
     delay: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # s, standard error of the camera's time
     _t: Array = PrivateAttr()  # (n,), s from the first of the file, whose frames are the last ones
     _spacing: float = PrivateAttr()  # m, of the ends at the start
-    _end_paths: Array = PrivateAttr()  # (3, n, 2, 5), values, rates and accelerations of the ends' places and leans
+    _end_paths: Array = (
+        PrivateAttr()
+    )  # (3, n, 2, 5), values, rates and accelerations of the ends' places and leans
     _places: Array = PrivateAttr()  # (frames, markers, 3), m; NaN where lost or not compared
 
     @model_validator(mode="after")
@@ -117,7 +125,9 @@ class Markers(Table):
     @property
     def unknowns(self) -> int:
         """Number of the nuisance and of the arc lengths of unlabelled points, all of which are found."""
-        return self.nuisance + int(np.isfinite(self._places[:, len(self.places) :]).all(axis=2).sum())
+        return self.nuisance + int(
+            np.isfinite(self._places[:, len(self.places) :]).all(axis=2).sum()
+        )
 
     @property
     def values(self) -> Array:
@@ -143,20 +153,28 @@ class Markers(Table):
         h = (self._t[t.size] - t[0]) / STEPS
         for k, offset in enumerate(start):
             s = np.clip(t - t[0] - k * h, 0.0, h)[:, None, None]
-            paths[:, : t.size, :, :3] += quintic.rates(quintic.coefficients(h, offset, 0.0, 0.0, 0.0, 0.0, 0.0), s)
-        motions = np.concatenate((*paths[..., :3], np.zeros((*paths.shape[1:3], 2)), paths[0, ..., 3:]), axis=2)
+            paths[:, : t.size, :, :3] += quintic.rates(
+                quintic.coefficients(h, offset, 0.0, 0.0, 0.0, 0.0, 0.0), s
+            )
+        motions = np.concatenate(
+            (*paths[..., :3], np.zeros((*paths.shape[1:3], 2)), paths[0, ..., 3:]), axis=2
+        )
         return [(EndMotion(*left), EndMotion(*right)) for left, right in motions.tolist()]
 
     def wind(self, scene: Scene, start: Array) -> Array:
         """Places, speeds and, of the unlabelled, tangents (3, n, markers, 3); ``start`` is in standard errors."""
         displacements = SLACK * (scene.rope.length - self.apart) * start.reshape(-1, 2, 3)
-        left, right = (replace(swivel, attachment=self.ends) for swivel in (scene.left, scene.right))
+        left, right = (
+            replace(swivel, attachment=self.ends) for swivel in (scene.left, scene.right)
+        )
         layout = replace(scene.layout, spacing=self._spacing)
         before = len(self._t) - len(self._places)
         rope = balance_rope(scene.with_(left=left, right=right, layout=layout))
         samples = []
         labelled = np.array([*self.places.values()])
-        for k, (t, ends) in enumerate(zip(self._t.tolist(), self.motions(displacements), strict=True)):
+        for k, (t, ends) in enumerate(
+            zip(self._t.tolist(), self.motions(displacements), strict=True)
+        ):
             status = (rope.advance_to if k else rope.initialize)(t, *ends)
             if not status.valid:
                 raise RuntimeError(f"{self.file}, {t:g} s from its first time: {status.message}")
@@ -167,7 +185,9 @@ class Markers(Table):
                     free = _nearest(curve, self._places[k - before, labelled.size :])
                     s, tangents = np.append(labelled, free), np.vstack((tangents, curve(free, 1)))
                 at = elements_at(s, np.diff(rows[:, 0]))
-                samples.append([at_places(rows[:, 1:7], *at), at_places(rows[:, 7:], *at), tangents])
+                samples.append(
+                    [at_places(rows[:, 1:7], *at), at_places(rows[:, 7:], *at), tangents]
+                )
         return np.array(samples).swapaxes(0, 1)
 
     def predict(self, predictor: Any, *start: float) -> Array:
@@ -196,7 +216,11 @@ def _nearest(curve: CubicHermiteSpline, points: Array) -> Array:
     s = s[np.linalg.norm(points[:, None] - curve(s), axis=2).argmin(axis=1)]
     for _ in range(3):  # each leaves of the error as much as curvature times distance
         tangent = curve(s, 1)
-        s = np.clip(s + ((points - curve(s)) * tangent).sum(axis=1) / (tangent**2).sum(axis=1), curve.x[0], curve.x[-1])
+        s = np.clip(
+            s + ((points - curve(s)) * tangent).sum(axis=1) / (tangent**2).sum(axis=1),
+            curve.x[0],
+            curve.x[-1],
+        )
     return np.asarray(s)
 
 
@@ -204,27 +228,46 @@ def _read(path: Path, track: Markers) -> _Frames:
     """Read the columns of a CSV file; a ValueError names one that is missing."""
     _require_commas(path, track.file)
     try:
-        columns = np.genfromtxt(path, delimiter=",", names=True, deletechars="", loose=False, encoding="utf-8-sig")
+        columns = np.genfromtxt(
+            path, delimiter=",", names=True, deletechars="", loose=False, encoding="utf-8-sig"
+        )
     except (OSError, ValueError) as error:
-        raise ValueError(f"{track.file} is no table of numbers ({error}): give a CSV file, names in line 1") from error
+        raise ValueError(
+            f"{track.file} is no table of numbers ({error}): give a CSV file, names in line 1"
+        ) from error
     names = columns.dtype.names or ()
 
     def vectors(of: Sequence[str], axis: str = "", unit: float = 1.0) -> Array:
         wanted = [f"{name}.{axis}{k}" for name in of for k in "xyz"]
         if missing := [one for one in wanted if one not in names]:
-            raise ValueError(f"{track.file} has no column {missing[0]}: its columns are {', '.join(names)}")
+            raise ValueError(
+                f"{track.file} has no column {missing[0]}: its columns are {', '.join(names)}"
+            )
         return unit * np.array([columns[one] for one in wanted]).T.reshape(-1, len(of), 3)
 
     if taken := [side for side in SIDES if side in track.places]:
-        raise ValueError(f"places.{taken[0]} has the name of an end of the rope: give the marker another name")
+        raise ValueError(
+            f"places.{taken[0]} has the name of an end of the rope: give the marker another name"
+        )
     t = columns["t"] if "t" in names else np.array([])
     if t.size < 2 * FIRST or not (np.diff(t) > 0).all():
-        raise ValueError(f"{track.file} needs a column t with {2 * FIRST} times or more, in s, in ascending order")
-    if (leaning := any(f"{side}.d{k}" in names for side in SIDES for k in "xyz")) and track.ends != "clamped":
-        raise ValueError(f'{track.file} has directions, and ends = "{track.ends}" must be "clamped" to take them')
+        raise ValueError(
+            f"{track.file} needs a column t with {2 * FIRST} times or more, in s, in ascending order"
+        )
+    if (
+        leaning := any(f"{side}.d{k}" in names for side in SIDES for k in "xyz")
+    ) and track.ends != "clamped":
+        raise ValueError(
+            f'{track.file} has directions, and ends = "{track.ends}" must be "clamped" to take them'
+        )
     unit = {"m": 1.0, "cm": 0.01, "mm": 1e-3}[track.unit]
     directions = vectors(SIDES, "d") if leaning else np.zeros((t.size, 0, 3))
-    return _Frames(t, vectors(SIDES, unit=unit), directions, vectors([*track.places, *track.unlabelled], unit=unit))
+    return _Frames(
+        t,
+        vectors(SIDES, unit=unit),
+        directions,
+        vectors([*track.places, *track.unlabelled], unit=unit),
+    )
 
 
 def _require_commas(path: Path, name: str) -> None:
@@ -257,29 +300,53 @@ def _checked(frames: _Frames, track: Markers) -> _Frames:
         where = ", ".join(f"{SIDES[side]}.d{axis}" for axis in "xyz")
         is_none = f"{', '.join(f'{x:g}' for x in frames.directions[k, side])} is no direction"
         cure = "give a vector of finite length, or empty fields for a lost one"
-        raise ValueError(f"{track.file}, row {k + 2}, t = {t[k]:.10g} s: {where} = {is_none}: {cure}")
+        raise ValueError(
+            f"{track.file}, row {k + 2}, t = {t[k]:.10g} s: {where} = {is_none}: {cure}"
+        )
     if (both := np.flatnonzero(frames.whole)).size < 2 * FIRST:
-        raise ValueError(f"{track.file} has both ends at {both.size} times, needed are {2 * FIRST}: give more")
+        raise ValueError(
+            f"{track.file} has both ends at {both.size} times, needed are {2 * FIRST}: give more"
+        )
     if (gaps := np.diff(t[both])).max() > (GAP + 0.5) * frames.period:
         lost = f"lacks an end or its direction for {gaps.max():g} s after t = {t[both[gaps.argmax()]]:.10g} s"
         raise ValueError(
             f"{track.file} {lost}, over {GAP} frames = {GAP * frames.period:g} s: fill the gap or end there"
         )
     between = slice(both[0], both[-1] + 1)
-    return _Frames(t[between] - t[0], frames.ends[between], frames.directions[between], frames.markers[between])
+    return _Frames(
+        t[between] - t[0], frames.ends[between], frames.directions[between], frames.markers[between]
+    )
 
 
 def _turned(frames: _Frames, track: Markers) -> tuple[float, Array, Array]:
     """Spacing of the ends at the start (m), their places and leans (n, 2, 5), and the markers in the rope's axes."""
     start, end = frames.ends[frames.whole][:FIRST].mean(axis=0)
     if not np.linalg.norm(np.cross(track.up, end - start)) > 0.0:
-        raise ValueError(f"{track.file}: the ends hang above each other with up = {track.up}: give the direction of up")
-    axes, _ = Rotation.align_vectors([[0, 1, 0], [1, 0, 0]], [track.up, end - start], weights=[np.inf, 1.0])
-    matrix, middle, spacing = axes.as_matrix().T, 0.5 * (start + end), float(axes.apply(end - start)[0])
-    ends = (frames.ends - middle) @ matrix - 0.5 * spacing * np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
-    directions = frames.directions @ matrix if frames.directions.size else np.broadcast_to([0.0, -1.0, 0.0], ends.shape)
+        raise ValueError(
+            f"{track.file}: the ends hang above each other with up = {track.up}: give the direction of up"
+        )
+    axes, _ = Rotation.align_vectors(
+        [[0, 1, 0], [1, 0, 0]], [track.up, end - start], weights=[np.inf, 1.0]
+    )
+    matrix, middle, spacing = (
+        axes.as_matrix().T,
+        0.5 * (start + end),
+        float(axes.apply(end - start)[0]),
+    )
+    ends = (frames.ends - middle) @ matrix - 0.5 * spacing * np.array(
+        [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]
+    )
+    directions = (
+        frames.directions @ matrix
+        if frames.directions.size
+        else np.broadcast_to([0.0, -1.0, 0.0], ends.shape)
+    )
     across = np.linalg.norm(directions[..., ::2], axis=2, keepdims=True)
-    leans = directions[..., ::2] / np.maximum(across, 1e-300) * np.arctan2(across, -directions[..., 1:2])
+    leans = (
+        directions[..., ::2]
+        / np.maximum(across, 1e-300)
+        * np.arctan2(across, -directions[..., 1:2])
+    )
     return spacing, np.concatenate((ends, leans), axis=2), (frames.markers - middle) @ matrix
 
 
@@ -287,12 +354,18 @@ def _smoothed(frames: _Frames, end_paths: Array, settle: float) -> tuple[Array, 
     """Times (s), with those before the file begins, and values, rates and accelerations (3, n, 2, 5) of the ends."""
     frame = frames.period
     before = frames.t[0] + np.arange(-math.ceil(settle / frame) if settle else -REST, 0) * frame
-    times, seen, t = frames.t[frames.whole], end_paths[frames.whole].reshape(-1, 10), np.concatenate((before, frames.t))
+    times, seen, t = (
+        frames.t[frames.whole],
+        end_paths[frames.whole].reshape(-1, 10),
+        np.concatenate((before, frames.t)),
+    )
     if not settle:
         times = np.concatenate((before, times))
         seen = np.vstack((np.tile(seen[:FIRST].mean(axis=0), (REST, 1)), seen))
     smooth = np.zeros((3, t.size, 2, 5))
-    for k, x in enumerate(seen.T):  # unit of time: a frame, as cross-validation seeks its parameter to 1e-5
+    for k, x in enumerate(
+        seen.T
+    ):  # unit of time: a frame, as cross-validation seeks its parameter to 1e-5
         spline = make_smoothing_spline(times / frame, x)
         smooth[..., k // 5, k % 5] = [spline(t / frame, order) / frame**order for order in range(3)]
     if settle:
@@ -305,7 +378,13 @@ def _smoothed(frames: _Frames, end_paths: Array, settle: float) -> tuple[Array, 
 
 def _masked(markers: Array, sigma: float) -> Array:
     """``markers`` (n, markers, 3) without those that leap away from their running median."""
-    with warnings.catch_warnings(category=RuntimeWarning, action="ignore"):  # markers that were long lost warn
-        away = np.abs(markers - generic_filter(markers, np.nanmedian, size=(MEDIAN, 1, 1), mode="mirror"))
-        usual = np.maximum(1.4826 * np.nanmedian(away, axis=0), sigma)  # a normal error's, from its median
+    with warnings.catch_warnings(
+        category=RuntimeWarning, action="ignore"
+    ):  # markers that were long lost warn
+        away = np.abs(
+            markers - generic_filter(markers, np.nanmedian, size=(MEDIAN, 1, 1), mode="mirror")
+        )
+        usual = np.maximum(
+            1.4826 * np.nanmedian(away, axis=0), sigma
+        )  # a normal error's, from its median
     return np.where((away > LEAP * usual).any(axis=2, keepdims=True), np.nan, markers)

@@ -13,9 +13,19 @@ from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.quantity import Value
 from rope_model import Level
 
-FOLDER = Path(str(files("hoist_demo"))) / "hoists"  #: Folder of the hoists that come with the project.
+FOLDER = (
+    Path(str(files("hoist_demo"))) / "hoists"
+)  #: Folder of the hoists that come with the project.
 # names of hoists, and of scenarios in which something goes wrong, in the order of help texts
-HOISTS = ("rope-120", "rope-240", "kiruna-355", "kiruna-710", "monopol-1000", "robert-1096", "palabora-1282")
+HOISTS = (
+    "rope-120",
+    "rope-240",
+    "kiruna-355",
+    "kiruna-710",
+    "monopol-1000",
+    "robert-1096",
+    "palabora-1282",
+)
 SCENARIOS = ("overwind", "slack-rope", "seized-swivel", "jammed-conveyance", "caught-rope")
 BUILTIN_HOISTS = (*HOISTS, *SCENARIOS)
 DEFAULT_HOIST = "rope-120"
@@ -47,9 +57,13 @@ class Case:
     hoist: Hoist
     winding: Winding
     gains: Gains
-    host: Mapping[str, ParameterValue]  # stated and derived values of controller, hoist.*, winding.* and others
+    host: Mapping[
+        str, ParameterValue
+    ]  # stated and derived values of controller, hoist.*, winding.* and others
     balance_ropes: tuple[BalanceRopeData, ...]
-    rope: Mapping[str, Value]  # parameters of the first rope by FMI name; the rest is the rope's own
+    rope: Mapping[
+        str, Value
+    ]  # parameters of the first rope by FMI name; the rest is the rope's own
     source: str = ""
     level: Level = "standard"
     signals: tuple[str, ...] = ()
@@ -74,4 +88,6 @@ class Case:
 
     def alone(self, rope: BalanceRopeData) -> Case:
         """Return the hoist with one of its ropes."""
-        return replace(self, balance_ropes=(BalanceRopeData(rope.name, rope.values),), rope=rope.parameters)
+        return replace(
+            self, balance_ropes=(BalanceRopeData(rope.name, rope.values),), rope=rope.parameters
+        )

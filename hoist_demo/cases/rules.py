@@ -44,12 +44,32 @@ class Rule(NamedTuple):
     value: Callable[[RuleInputs], Value]
 
 
-LENGTH = Rule("rope.length", f"hoist.shaft_travel + {TAIL_SPARE:g} m", lambda k: k.hoist.shaft_travel + TAIL_SPARE)
+LENGTH = Rule(
+    "rope.length",
+    f"hoist.shaft_travel + {TAIL_SPARE:g} m",
+    lambda k: k.hoist.shaft_travel + TAIL_SPARE,
+)
 RULES = (
-    Rule("hoist.tail_rope_number", "number of equal ropes; 1 of ropes that differ", lambda k: k.rope.tail_rope_number),
-    Rule("hoist.tail_rope_mass", "rope.mass_per_length; of unequal ropes the sum", lambda k: k.rope.tail_rope_mass),
-    Rule("hoist.tail_rope_length", "rope.length; of unequal ropes the mean by mass", lambda k: k.rope.tail_rope_length),
-    Rule("winding.travel", "hoist.shaft_travel, from landing to landing", lambda k: k.hoist.shaft_travel),
+    Rule(
+        "hoist.tail_rope_number",
+        "number of equal ropes; 1 of ropes that differ",
+        lambda k: k.rope.tail_rope_number,
+    ),
+    Rule(
+        "hoist.tail_rope_mass",
+        "rope.mass_per_length; of unequal ropes the sum",
+        lambda k: k.rope.tail_rope_mass,
+    ),
+    Rule(
+        "hoist.tail_rope_length",
+        "rope.length; of unequal ropes the mean by mass",
+        lambda k: k.rope.tail_rope_length,
+    ),
+    Rule(
+        "winding.travel",
+        "hoist.shaft_travel, from landing to landing",
+        lambda k: k.hoist.shaft_travel,
+    ),
     Rule(
         "hoist.head_rope_mass",
         "the balance ropes' mass per length over hoist.head_rope_number: balanced",
@@ -71,7 +91,9 @@ RULES = (
 )
 
 
-def apply_rules(host: Mapping[str, ParameterValue], ropes: Iterable[BalanceRopeData], **header: Any) -> Case:
+def apply_rules(
+    host: Mapping[str, ParameterValue], ropes: Iterable[BalanceRopeData], **header: Any
+) -> Case:
     """Return the hoist of what is stated of its host and ropes, with all that follows; ValueError where none can be."""
     host = dict(host)
     if "hoist.shaft_travel" not in host and "winding.travel" in host:
@@ -84,10 +106,17 @@ def apply_rules(host: Mapping[str, ParameterValue], ropes: Iterable[BalanceRopeD
     with Problems() as problems:
         for k, rope in enumerate(ropes, 1):
             with problems.at(f"rope {k}"):
-                filled.append(replace(rope, values={"rope.length": length, **_of_catalogue(rope), **rope.values}))
+                filled.append(
+                    replace(
+                        rope, values={"rope.length": length, **_of_catalogue(rope), **rope.values}
+                    )
+                )
     ropes = tuple(filled)
     drive = rope_totals(ropes)
-    if host.get("hoist.tail_rope_number", ParameterValue(drive.tail_rope_number)).value != drive.tail_rope_number:
+    if (
+        host.get("hoist.tail_rope_number", ParameterValue(drive.tail_rope_number)).value
+        != drive.tail_rope_number
+    ):
         raise ValueError(
             f"hoist.tail_rope_number = {host['hoist.tail_rope_number'].value} must be {drive.tail_rope_number}, as "
             "number of the [[rope]] says: leave it out"
@@ -108,7 +137,15 @@ def apply_rules(host: Mapping[str, ParameterValue], ropes: Iterable[BalanceRopeD
     worth = dict.fromkeys(line for one in ropes for line in notes(sections["hoist"], one))
     data = {name: sections[name] for name in ("hoist", "winding", "gains")}
     first = ropes[0].parameters
-    return Case(**header, **data, host=host, balance_ropes=ropes, rope=first, remarks=tuple(far), notes=tuple(worth))
+    return Case(
+        **header,
+        **data,
+        host=host,
+        balance_ropes=ropes,
+        rope=first,
+        remarks=tuple(far),
+        notes=tuple(worth),
+    )
 
 
 def _of_catalogue(rope: BalanceRopeData) -> dict[str, ParameterValue]:
@@ -118,7 +155,10 @@ def _of_catalogue(rope: BalanceRopeData) -> dict[str, ParameterValue]:
     diameter = float(rope.parameters.get("rope.diameter", 0.0))
     mean = catalogue_rope(rope.construction, diameter, lay=rope.lay).middle  # type: ignore[arg-type]  # checks the lay
     source = f"catalogue, {rope.construction}, middle of its range"
-    return {f"rope.{name}": ParameterValue(getattr(mean, name), DERIVED, source, follows=True) for name in OF_CATALOGUE}
+    return {
+        f"rope.{name}": ParameterValue(getattr(mean, name), DERIVED, source, follows=True)
+        for name in OF_CATALOGUE
+    }
 
 
 def _has_a_place(rope: BalanceRopeData) -> bool:
@@ -129,7 +169,10 @@ def _has_a_place(rope: BalanceRopeData) -> bool:
 def _require_totals(host: Mapping[str, ParameterValue], drive: Hoist) -> None:
     """Refuse mass or length of the balance ropes that are not those of several [[rope]]: the drive takes theirs."""
     with Problems() as problems:
-        for key, own in (("tail_rope_mass", drive.tail_rope_mass), ("tail_rope_length", drive.tail_rope_length)):
+        for key, own in (
+            ("tail_rope_mass", drive.tail_rope_mass),
+            ("tail_rope_length", drive.tail_rope_length),
+        ):
             entry = host.get(f"hoist.{key}")
             if entry is not None and not math.isclose(float(entry.value), own, rel_tol=1e-3):
                 problems.append(
@@ -140,14 +183,19 @@ def _require_totals(host: Mapping[str, ParameterValue], drive: Hoist) -> None:
 def rope_totals(ropes: tuple[BalanceRopeData, ...]) -> Hoist:
     """Return a hoist with number, mass and length of the balance ropes as the drive takes them."""
     mass = rope_parameters()["rope.mass_per_length"].start
-    each = [(rope.parameters.get("rope.mass_per_length", mass), rope.parameters["rope.length"]) for rope in ropes]
+    each = [
+        (rope.parameters.get("rope.mass_per_length", mass), rope.parameters["rope.length"])
+        for rope in ropes
+    ]
     masses_and_lengths = [(float(m), float(length)) for m, length in each]
     number = sum(rope.number for rope in ropes)
     if len(ropes) == 1 and not _has_a_place(ropes[0]):
         ((own, length),) = masses_and_lengths
         return Hoist(tail_rope_number=number, tail_rope_mass=own, tail_rope_length=length)
     if number > len(ropes):
-        raise ValueError("number must be 1 where ropes hang at places of their own: give each its own [[rope]]")
+        raise ValueError(
+            "number must be 1 where ropes hang at places of their own: give each its own [[rope]]"
+        )
     return hoist_with(Hoist(), masses_and_lengths)
 
 
@@ -155,7 +203,9 @@ def with_values(case: Case, values: Mapping[str, Value | ParameterValue]) -> Cas
     """Return the hoist with values as if they stood in its file: what follows by rules follows anew."""
     if not values:
         return case
-    entries = {k: v if isinstance(v, ParameterValue) else ParameterValue(v) for k, v in values.items()}
+    entries = {
+        k: v if isinstance(v, ParameterValue) else ParameterValue(v) for k, v in values.items()
+    }
     of_host = {key: entry for key, entry in entries.items() if key in host_parameters()}
     of_rope = {key: entry for key, entry in entries.items() if key not in of_host}
     ropes = [replace(rope, values=_stated(rope.values) | of_rope) for rope in case.balance_ropes]
@@ -198,7 +248,12 @@ def remarks(values: Mapping[str, Value]) -> Iterable[str]:
     units = {**rope_parameters(), **host_parameters()}
     for key, (low, high) in USUAL.items():
         value = values.get(key)
-        if isinstance(value, float) and value != 0.0 and math.isfinite(value) and not low <= abs(value) <= high:
+        if (
+            isinstance(value, float)
+            and value != 0.0
+            and math.isfinite(value)
+            and not low <= abs(value) <= high
+        ):
             unit = units[key].unit
             yield (
                 f"{key} = {value:g} {unit} is far from what hoists have, {low:g} to {high:g} {unit} [assumed]: check "

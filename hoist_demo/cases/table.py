@@ -21,7 +21,9 @@ def find_case(name: str) -> Case:
         return read_builtin(name).case
     if name.endswith(".toml"):
         return _read(path := Path(name), path.stat().st_mtime_ns if path.is_file() else 0)
-    raise ValueError(f"hoist = {name!r} must be a file, NAME.toml, or one of {', '.join(BUILTIN_HOISTS)}: choose one")
+    raise ValueError(
+        f"hoist = {name!r} must be a file, NAME.toml, or one of {', '.join(BUILTIN_HOISTS)}: choose one"
+    )
 
 
 @cache

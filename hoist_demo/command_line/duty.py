@@ -11,7 +11,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hoist_demo.command_line.support import Commands, add_command, add_results, interruption, results_folder
+from hoist_demo.command_line.support import (
+    Commands,
+    add_command,
+    add_results,
+    interruption,
+    results_folder,
+)
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.recording.exposure import STATION_SIGNALS, exposure, flatten, gather, together
@@ -31,7 +37,9 @@ if TYPE_CHECKING:
     from hoist_demo.ropes.definition import Ropes
 
 _STATION = "station.s[1]"  #: Column of a duty's state that shows that exposure was counted.
-STATE = "last_trip.npz"  #: File in the output folder with the state after the last trip that is wound.
+STATE = (
+    "last_trip.npz"  #: File in the output folder with the state after the last trip that is wound.
+)
 
 _DESCRIPTION = """\
 Wind the trips of a schedule one after the other with the rope in this process: yaw, swing and swivel angles go on from
@@ -53,8 +61,15 @@ def add_duty(commands: Commands) -> None:
     """Add the subcommand `duty`."""
     text = "wind many trips as one run, each from where the last has left the rope"
     duty = add_command(commands, "duty", _duty, text, _DESCRIPTION, _EPILOG)
-    duty.add_argument("schedule", type=Path, metavar="SCHEDULE.toml", help="the trips, see docs/reference/files.md")
-    duty.add_argument("--repeat", type=int, metavar="N", help="how often they are wound, instead of the file's")
+    duty.add_argument(
+        "schedule",
+        type=Path,
+        metavar="SCHEDULE.toml",
+        help="the trips, see docs/reference/files.md",
+    )
+    duty.add_argument(
+        "--repeat", type=int, metavar="N", help="how often they are wound, instead of the file's"
+    )
     text = "also count what each place in the rope goes through: exposure.csv"
     duty.add_argument("--exposure", action="store_true", help=text)
     add_results(duty, "duty")
@@ -80,26 +95,50 @@ def _duty(options: argparse.Namespace) -> int:
     if trips is None:
         print("balance-rope: interrupted before the first trip's end", file=sys.stderr)
         return 130
-    exposed = {rope.prefix: table for rope in ropes.data() if (table := _exposed(trips, rope.prefix)) is not None}
+    exposed = {
+        rope.prefix: table
+        for rope in ropes.data()
+        if (table := _exposed(trips, rope.prefix)) is not None
+    }
     run, status, header = schedule.pattern[0], schedule.status_by_name, schedule.header
     data = [*host_provenance(run, status), *ropes.provenance(status)]
     written = [*_write(trips, exposed, out), write_data(data, out / "data.csv")]
-    print(f"{header.title}: hoist {header.hoist}, level {schedule.level}, {trips['trip'].size} trips\n")
-    exposures = [row for prefix, table in exposed.items() for row in exposure_rows(prefix.rstrip("."), table)]
+    print(
+        f"{header.title}: hoist {header.hoist}, level {schedule.level}, {trips['trip'].size} trips\n"
+    )
+    exposures = [
+        row for prefix, table in exposed.items() for row in exposure_rows(prefix.rstrip("."), table)
+    ]
     recording = _as_it_is(ropes) if last is None else last.result.recording
     remarks = [remark(rope_signals(recording, rope.name)) for rope in ropes.data()]
-    counted = (f"{text} ({count} of {len(of_trips)} trips)" for text, count in remarks_of(of_trips).items())
-    drives = () if ropes.case.distinct_ropes else (contradictions(run.hoist, ropes.data()[0].parameters),)
+    counted = (
+        f"{text} ({count} of {len(of_trips)} trips)" for text, count in remarks_of(of_trips).items()
+    )
+    drives = (
+        ()
+        if ropes.case.distinct_ropes
+        else (contradictions(run.hoist, ropes.data()[0].parameters),)
+    )
     warned = [*filter(None, dict.fromkeys((*drives, *remarks, *counted)))]
-    print(render([*_summary(trips, last, len(schedule.pattern), warned), *exposures, *status_rows(data)]))
+    print(
+        render(
+            [*_summary(trips, last, len(schedule.pattern), warned), *exposures, *status_rows(data)]
+        )
+    )
     print(f"\n{ASSUMED_DATA}\n")
     print("written: " + ", ".join(str(path) for path in written))
     if interrupted():
         print("balance-rope: interrupted; the same command goes on", file=sys.stderr)
         return 130
     if trips["trip"].size < schedule.count or (last is not None and last.result.end is None):
-        cause = "" if last is None else last.result.cause or _ended(last.result).removeprefix("completed; ")
-        print(f"balance-rope: the duty ends with trip {trips['trip'].size}: {cause}", file=sys.stderr)
+        cause = (
+            ""
+            if last is None
+            else last.result.cause or _ended(last.result).removeprefix("completed; ")
+        )
+        print(
+            f"balance-rope: the duty ends with trip {trips['trip'].size}: {cause}", file=sys.stderr
+        )
         return 1
     return 0
 
@@ -122,12 +161,16 @@ def _wind(
         saved_rows, after = read_state(state, rope, schedule)
         rows = saved_rows[: schedule.count]
         if counted != (station in rows[0]):
-            raise ValueError(f"'{state}' was begun {'without' if counted else 'with'} --exposure: go on so")
+            raise ValueError(
+                f"'{state}' was begun {'without' if counted else 'with'} --exposure: go on so"
+            )
         print(f"{len(rows)} of {schedule.count} trips are there already")
     with progress_bar() as bar:
 
         def progress(number: int) -> Callable[[float, float], bool]:
-            return lambda part, t: bar((number - 1 + part) / schedule.count, t) and not interrupted()
+            return lambda part, t: (
+                bar((number - 1 + part) / schedule.count, t) and not interrupted()
+            )
 
         torque_free = {one.name: one.torque_free for one in identities}
         for trip in wind_duty(schedule, rope, torque_free, progress, after, len(rows)):
@@ -136,10 +179,21 @@ def _wind(
             last = trip
             row = trip_row(trip, rest)
             for one in identities:
-                if (exposed := exposure(rope_signals(trip.result.recording, one.name), one.parameters)) is not None:
-                    row |= {f"{one.prefix}{name}": value for name, value in flatten(exposed).items()}
+                if (
+                    exposed := exposure(
+                        rope_signals(trip.result.recording, one.name), one.parameters
+                    )
+                ) is not None:
+                    row |= {
+                        f"{one.prefix}{name}": value for name, value in flatten(exposed).items()
+                    }
             rows.append(row)
-            warned.append([*slip_warnings(trip.result, trip.data.hoist), *landing_warnings(rows[-1], trip.data)])
+            warned.append(
+                [
+                    *slip_warnings(trip.result, trip.data.hoist),
+                    *landing_warnings(rows[-1], trip.data),
+                ]
+            )
             if trip.result.end is not None:
                 write_state(state, trip_table(rows, cycle), trip.result.end, rope, schedule)
     return (trip_table(rows, cycle) if rows else None), last, warned
@@ -152,7 +206,11 @@ def _exposed(trips: Recording, prefix: str) -> Recording | None:
     if f"{prefix}{_STATION}" not in trips:
         return None
     own = [
-        {key.removeprefix(prefix): value for key, value in row.items() if key.startswith(f"{prefix}station.")}
+        {
+            key.removeprefix(prefix): value
+            for key, value in row.items()
+            if key.startswith(f"{prefix}station.")
+        }
         for row in table_rows(trips)
     ]
     return together([gather(row) for row in own])
@@ -161,7 +219,10 @@ def _exposed(trips: Recording, prefix: str) -> Recording | None:
 def _as_it_is(ropes: Ropes) -> Recording:
     """Return a recording of one row: the ropes' present signals, masked by their fidelities."""
     names = [*ropes.plant.units()]
-    signals = {TIME: np.zeros(1), **dict(zip(names, ropes.plant.reader(names)()[:, None], strict=True))}
+    signals = {
+        TIME: np.zeros(1),
+        **dict(zip(names, ropes.plant.reader(names)()[:, None], strict=True)),
+    }
     return computed(Recording(signals, {}), {rope.name: rope.torque_free for rope in ropes.data()})
 
 
@@ -171,7 +232,9 @@ def _ended(result: Result) -> str:
     return words if at is None else f"{words}; {circuit_stop(result.recording, at)}"
 
 
-def _summary(trips: Recording, last: WoundTrip | None, cycle: int, warned: Sequence[str]) -> list[SummaryRow]:
+def _summary(
+    trips: Recording, last: WoundTrip | None, cycle: int, warned: Sequence[str]
+) -> list[SummaryRow]:
     from hoist_demo.duty.table import STEADY, steady_from, unit_of, worst
 
     rows = []
@@ -188,7 +251,9 @@ def _summary(trips: Recording, last: WoundTrip | None, cycle: int, warned: Seque
     if math.isfinite(change := float(trips["difference"][-1])):
         rows.append(SummaryRow(group, "last trip's change", 100.0 * change, "%"))
     for one in worst(trips, cycle):
-        (value, unit), (first, _) = (in_display_unit(x, unit_of(one.name)) for x in (one.value, one.first_cycle))
+        (value, unit), (first, _) = (
+            in_display_unit(x, unit_of(one.name)) for x in (one.value, one.first_cycle)
+        )
         text = f"{number(value)} {unit}".rstrip() + f" in trip {one.trip} ({number(first)})"
         rows.append(SummaryRow("Worst trip (in the first cycle, from rest)", one.name, text))
     return rows

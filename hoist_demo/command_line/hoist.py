@@ -41,22 +41,43 @@ def add_hoist_commands(commands: Commands) -> None:
     new = add_command(commands, "new", _new, "write the file of your hoist", _NEW, _NEW_EXAMPLES)
     new.add_argument("name", metavar="NAME", help="of the hoist, and of the file NAME.toml")
     for p in WISHES:
-        start = f" ({p.start:g})" if isinstance(p.start, float) and p.start else f" ({p.start})" if p.start else ""
-        new.add_argument(f"--{p.name}", required=p.start == "", metavar="X", help=f"{p.help_text}{start}")
+        start = (
+            f" ({p.start:g})"
+            if isinstance(p.start, float) and p.start
+            else f" ({p.start})"
+            if p.start
+            else ""
+        )
+        new.add_argument(
+            f"--{p.name}", required=p.start == "", metavar="X", help=f"{p.help_text}{start}"
+        )
     new.add_argument("--out", type=Path, metavar="FILE", help="(NAME.toml)")
-    new.add_argument("--schema", action="store_true", help="also a JSON Schema beside it, for editors")
+    new.add_argument(
+        "--schema", action="store_true", help="also a JSON Schema beside it, for editors"
+    )
     new.add_argument("--force", action="store_true", help="write over a file that is there")
-    for name, text in (("show", "print a hoist and what follows from it"), ("check", "only what is wrong with it")):
-        show = add_command(commands, name, partial(_show, everything=name == "show"), text, _SHOW, "")
-        show.add_argument("hoist", metavar="HOIST", help=f"a file, or one of {', '.join(BUILTIN_HOISTS)}")
+    for name, text in (
+        ("show", "print a hoist and what follows from it"),
+        ("check", "only what is wrong with it"),
+    ):
+        show = add_command(
+            commands, name, partial(_show, everything=name == "show"), text, _SHOW, ""
+        )
+        show.add_argument(
+            "hoist", metavar="HOIST", help=f"a file, or one of {', '.join(BUILTIN_HOISTS)}"
+        )
         show.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help=SET)
     text = "the catalogue's ropes, or one as [[rope]] of a file"
     example = "example: balance-rope rope 34x7 --diameter 52mm"
     rope = add_command(commands, "rope", _rope, text, f"Print {text}.", example)
-    rope.add_argument("construction", nargs="?", metavar="KIND", help="one of the catalogue; all without it")
+    rope.add_argument(
+        "construction", nargs="?", metavar="KIND", help="one of the catalogue; all without it"
+    )
     rope.add_argument("--diameter", default="44mm", metavar="D", help="[m] (%(default)s)")
     rope.add_argument("--length", default="120", metavar="L", help="[m] (%(default)s)")
-    rope.add_argument("--lay", choices=("right-hand", "left-hand"), default="right-hand", help="(%(default)s)")
+    rope.add_argument(
+        "--lay", choices=("right-hand", "left-hand"), default="right-hand", help="(%(default)s)"
+    )
 
 
 def _new(options: argparse.Namespace) -> int:
@@ -86,22 +107,34 @@ def _rope(options: argparse.Namespace) -> int:
     from rope_model import rope as catalogue_rope
 
     p = rope_parameters()
-    diameter, length = (read_value(p[f"rope.{name}"], getattr(options, name)) for name in ("diameter", "length"))
+    diameter, length = (
+        read_value(p[f"rope.{name}"], getattr(options, name)) for name in ("diameter", "length")
+    )
     if options.construction is None:
-        print(f"{'KIND':<12} {'kg/m':>18} {'EI, N m2':>20} {'torque factor':>20}     at {diameter:g} m")
+        print(
+            f"{'KIND':<12} {'kg/m':>18} {'EI, N m2':>20} {'torque factor':>20}     at {diameter:g} m"
+        )
         for kind in CONSTRUCTIONS:
             data = catalogue_rope(kind, float(diameter)).data
-            cells = (data[name] for name in ("mass_per_length", "bending_stiffness", "torque_factor"))
-            print(f"{kind:<12} " + " ".join(f"{one.low:>9.3g} to {one.high:<8.3g}" for one in cells))
+            cells = (
+                data[name] for name in ("mass_per_length", "bending_stiffness", "torque_factor")
+            )
+            print(
+                f"{kind:<12} " + " ".join(f"{one.low:>9.3g} to {one.high:<8.3g}" for one in cells)
+            )
         return 0
     rope = catalogue_rope(options.construction, float(diameter), float(length), options.lay)
     print(f'[[rope]]\nconstruction = "{options.construction}"\nlay = "{options.lay}"')
     print(f"diameter = {rope.diameter!r}  # m\nlength = {rope.length!r}  # m")
     for name in OF_CATALOGUE:
         unit = p[f"rope.{name}"].unit
-        print(f"# {name} = {getattr(rope.middle, name):.6g}  # {unit}, the middle of the catalogue's range")
+        print(
+            f"# {name} = {getattr(rope.middle, name):.6g}  # {unit}, the middle of the catalogue's range"
+        )
     for name, datum in rope.data.items():
-        print(f"# {name}: {datum.low:.4g} to {datum.high:.4g} {datum.unit}, {datum.status}: {datum.source}")
+        print(
+            f"# {name}: {datum.low:.4g} to {datum.high:.4g} {datum.unit}, {datum.status}: {datum.source}"
+        )
     return 0
 
 

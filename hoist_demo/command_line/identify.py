@@ -38,14 +38,22 @@ def add_identify(commands: Commands) -> None:
 def _identify(options: argparse.Namespace) -> int:
     from hoist_demo.calibration.definition import MeasurementFile
     from hoist_demo.calibration.identify import identify
-    from hoist_demo.calibration.page import complaints, exit_code, summary, write_page, write_rope_file
+    from hoist_demo.calibration.page import (
+        complaints,
+        exit_code,
+        summary,
+        write_page,
+        write_rope_file,
+    )
     from hoist_demo.files.reading import read
     from hoist_demo.study.provenance import write_data
 
     file = read(options.measured, MeasurementFile)
     if options.check:
         file.require_hangs()
-        print(f"{options.measured}: {sum(len(m.values) for m in file.measurements)} values, nothing wrong")
+        print(
+            f"{options.measured}: {sum(len(m.values) for m in file.measurements)} values, nothing wrong"
+        )
         return 0
     out = results_folder(options.out or Path("out") / "identify" / options.measured.stem)
     windings = 0

@@ -41,19 +41,33 @@ docs/howto/control.md.
 
 def add_linear(commands: Commands) -> None:
     """Add the subcommands `linearise` and `modes`."""
-    linearise = _add(commands, "linearise", _linearise, "linear models for controller design", _LINEARISE)
+    linearise = _add(
+        commands, "linearise", _linearise, "linear models for controller design", _LINEARISE
+    )
     modes = _add(commands, "modes", _modes, "frequencies and damping along the trip", _MODES)
     text = "of the left conveyance, upwards (%(default)s)"
     linearise.add_argument("--speed", type=float, default=0.0, metavar="M/S", help=text)
-    linearise.add_argument("--held-by", choices=("motor", "brake"), default="motor", help="(%(default)s)")
+    linearise.add_argument(
+        "--held-by", choices=("motor", "brake"), default="motor", help="(%(default)s)"
+    )
     text = "of each model (the fewest whose measured error is small enough to use them)"
     linearise.add_argument("--states", type=int, metavar="N", help=text)
     for name, channels in zip(("--inputs", "--outputs"), _CHANNELS, strict=True):
-        linearise.add_argument(name, nargs="+", default=channels, metavar="NAME", help=f"({' '.join(channels)})")
-    modes.add_argument("--count", type=int, default=8, metavar="N", help="modes printed at each height (%(default)s)")
+        linearise.add_argument(
+            name, nargs="+", default=channels, metavar="NAME", help=f"({' '.join(channels)})"
+        )
+    modes.add_argument(
+        "--count",
+        type=int,
+        default=8,
+        metavar="N",
+        help="modes printed at each height (%(default)s)",
+    )
 
 
-def _add(commands: Commands, name: str, run: RunCommand, text: str, description: str) -> argparse.ArgumentParser:
+def _add(
+    commands: Commands, name: str, run: RunCommand, text: str, description: str
+) -> argparse.ArgumentParser:
     """Add a subcommand with the options that both have."""
     command = add_command(commands, name, run, text, description, _EPILOG.format(name=name))
     text = f"a file, or one of {', '.join(BUILTIN_HOISTS)} (%(default)s)"
@@ -62,8 +76,12 @@ def _add(commands: Commands, name: str, run: RunCommand, text: str, description:
     command.add_argument("--at", type=float, nargs="+", default=_HEIGHTS, metavar="PART", help=text)
     swivels = ("as given", "locked", "free", "sticking")
     command.add_argument("--swivels", choices=swivels, default=swivels[0], help="(%(default)s)")
-    command.add_argument("--band", type=float, default=2.0, metavar="HZ", help="highest frequency (%(default)s)")
-    command.add_argument("--out", type=named, default=Path("out") / name, metavar="DIR", help="results (%(default)s)")
+    command.add_argument(
+        "--band", type=float, default=2.0, metavar="HZ", help="highest frequency (%(default)s)"
+    )
+    command.add_argument(
+        "--out", type=named, default=Path("out") / name, metavar="DIR", help="results (%(default)s)"
+    )
     return command
 
 
@@ -72,7 +90,9 @@ def _hoist(options: argparse.Namespace) -> Case:
     from hoist_demo.design.reduction import SLOWEST
 
     if not SLOWEST < options.band < math.inf:
-        raise ValueError(f"--band {options.band:g} must be above {SLOWEST:g} Hz: 2 suits a hoist, 10 a stiff one")
+        raise ValueError(
+            f"--band {options.band:g} must be above {SLOWEST:g} Hz: 2 suits a hoist, 10 a stiff one"
+        )
     return find_case(options.hoist)
 
 
@@ -82,7 +102,9 @@ def _linearise(options: argparse.Namespace) -> int:
     from hoist_demo.design.reduction import reduced
 
     case = _hoist(options)
-    models = linearise(case, options.at, options.swivels, options.held_by, case.level, options.speed)
+    models = linearise(
+        case, options.at, options.swivels, options.held_by, case.level, options.speed
+    )
     selected = [model.selected(options.inputs, options.outputs) for model in models]
     small = reduced(selected, options.states, options.band)
     written = small.write(results_folder(options.out))
@@ -91,7 +113,10 @@ def _linearise(options: argparse.Namespace) -> int:
     for k, at in enumerate(small.at):
         for i, output in enumerate(small.outputs):
             for j, input_name in enumerate(small.inputs):
-                errors = "".join(f"{float(x[k, i, j]):10.2g}" for x in (small.decibels, small.degrees, small.share))
+                errors = "".join(
+                    f"{float(x[k, i, j]):10.2g}"
+                    for x in (small.decibels, small.degrees, small.share)
+                )
                 print(f"{at:6.3g}{output:>16}{input_name:>18}{errors}")
     print("\nwritten: " + ", ".join(map(str, written)))
     return 0
@@ -116,7 +141,9 @@ def _modes(options: argparse.Namespace) -> int:
     from hoist_demo.report.linear_figures import write_modes_figure
 
     if options.count < 1:
-        raise ValueError(f"--count {options.count} must be at least 1: give how many modes to print")
+        raise ValueError(
+            f"--count {options.count} must be at least 1: give how many modes to print"
+        )
     case, band, out = _hoist(options), options.band, results_folder(options.out)
     models = linearise(case, options.at, options.swivels, level=case.level)
     head = ("at", "frequency [Hz]", "damping", "felt by the drive", *PARTS)
@@ -124,15 +151,28 @@ def _modes(options: argparse.Namespace) -> int:
     print("".join(f"{name:>18}" for name in head), flush=True)
     for model in models:
         with tqdm(
-            total=1.0, desc=f"at {model.at:g}", bar_format=_BAR, file=sys.stderr, leave=False, disable=None
+            total=1.0,
+            desc=f"at {model.at:g}",
+            bar_format=_BAR,
+            file=sys.stderr,
+            leave=False,
+            disable=None,
         ) as bar:
             modes.append(own := model.modes(band, _followed(bar)))
         felt = telling(model.selected(*_CHANNELS), own, band)
-        table = np.column_stack((np.full(felt.size, model.at), own.frequencies, own.damping, felt, own.shares.T))
+        table = np.column_stack(
+            (np.full(felt.size, model.at), own.frequencies, own.damping, felt, own.shares.T)
+        )
         rows += table.tolist()
         for j in np.sort(np.argsort(-felt)[: options.count]):
-            print("".join(f"{x:18.4g}" if k < 4 else f"{x:18.2f}" for k, x in enumerate(table[j])), flush=True)
-    with whole_file(out / "modes.csv") as draft, draft.open("w", newline="", encoding="utf-8") as file:
+            print(
+                "".join(f"{x:18.4g}" if k < 4 else f"{x:18.2f}" for k, x in enumerate(table[j])),
+                flush=True,
+            )
+    with (
+        whole_file(out / "modes.csv") as draft,
+        draft.open("w", newline="", encoding="utf-8") as file,
+    ):
         csv.writer(file).writerows([head, *rows])
     without = linearise_hoist(case, options.at[len(options.at) // 2], level=case.level)
     figure = write_modes_figure(models, modes, without, band, out / "modes.png")

@@ -13,7 +13,9 @@ from hoist_demo.parameters.quantity import Parameter, Value
 from rope_model import Level
 from rope_model.scene_names import choices_of
 
-KERNELS = choices_of("solver.kernels")  #: Choices of the FMU's integer parameter, in the order of its codes.
+KERNELS = choices_of(
+    "solver.kernels"
+)  #: Choices of the FMU's integer parameter, in the order of its codes.
 TRIP = ("speed", "travel", "creep_distance", "creep_speed")  #: Values of the trip that are options.
 SET = """\
 a parameter of the rope by its name in docs/reference/variables.md, or of the host as hoist.payload_left, in SI or with
@@ -24,7 +26,9 @@ def add_trip(wind: argparse.ArgumentParser) -> None:
     """Add the options that change the hoist's trip."""
     for name in TRIP:
         text = f"{host_parameters()[f'winding.{name}'].help_text} (that of the hoist)"
-        wind.add_argument(f"--{name.replace('_', '-')}", type=float, metavar=name[0].upper(), help=text)
+        wind.add_argument(
+            f"--{name.replace('_', '-')}", type=float, metavar=name[0].upper(), help=text
+        )
     text = "emergency stop from time T [s], at the hoist's winding.emergency_deceleration"
     wind.add_argument("--estop-at", type=float, metavar="T", help=text)
     text = "who stops: the drive, along its reference; or the brake of a hoist that has one (that of the hoist)"
@@ -50,9 +54,13 @@ def settings(texts: Iterable[str], parameters: Mapping[str, Parameter]) -> dict[
     for text in texts:
         name, equals, value = (part.strip() for part in text.partition("="))
         if not equals:
-            raise ValueError(f"--set {text} must be NAME=VALUE, as in --set rope.EI=450: give the value")
+            raise ValueError(
+                f"--set {text} must be NAME=VALUE, as in --set rope.EI=450: give the value"
+            )
         if name not in parameters:
-            raise ValueError(f"--set {text}: {name} is not a parameter: {cure_of(name, [*parameters])}")
+            raise ValueError(
+                f"--set {text}: {name} is not a parameter: {cure_of(name, [*parameters])}"
+            )
         parameter = parameters[name]
         content = {"true": True, "false": False}.get(value.lower(), value)
         if name in values:

@@ -57,7 +57,9 @@ class WoundRun:
     @cached_property
     def exposed(self) -> dict[str, Recording]:
         """Load history of each place in the ropes that have stations, by the ropes' names."""
-        tables_by_rope = {rope.name: exposure(self.own(rope), rope.parameters) for rope in self.ropes}
+        tables_by_rope = {
+            rope.name: exposure(self.own(rope), rope.parameters) for rope in self.ropes
+        }
         return {name: table for name, table in tables_by_rope.items() if table is not None}
 
     @cached_property
@@ -70,7 +72,12 @@ class WoundRun:
         rows = summarize(self.result, run.hoist, run.winding, run.coupling, names, run.arrival)
         rows += tuple(row for exposed in self.exposed.items() for row in exposure_rows(*exposed))
         rows += tuple(status_rows(self.provenance))
-        parts = {"Hoist": run.hoist, "Winding": run.winding, "Coupling": run.coupling, "Gains": run.gains}
+        parts = {
+            "Hoist": run.hoist,
+            "Winding": run.winding,
+            "Coupling": run.coupling,
+            "Gains": run.gains,
+        }
         data_tables = parameter_tables(parts, status)
         for rope in self.ropes:
             data_tables += rope_tables(rope, fidelities_of(self.own(rope)), status)
@@ -86,7 +93,12 @@ class WoundRun:
         for data in find_case(self.run.case).distinct_ropes:
             before |= {f"{data.name}.{key}": value for key, value in data.parameters.items()}
         rows: list[Row] = [
-            (one.name, word(one.value), unit_text(one.unit), word(before.get(one.name, "the default")))
+            (
+                one.name,
+                word(one.value),
+                unit_text(one.unit),
+                word(before.get(one.name, "the default")),
+            )
             for one in self.provenance
             if {one.name, one.name.partition(".")[2]} & {*self.set_names}
             and values.get(one.name, one.value) != before.get(one.name)
@@ -99,7 +111,10 @@ def missing_outputs(units: Mapping[str, str]) -> str:
     groups = [group for group in _DRAWN if not any(name.startswith(group) for name in units)]
     if not groups:
         return ""
-    outputs, lacking = ", ".join(f"{group}*" for group in groups), ", no ".join(_DRAWN[group] for group in groups)
+    outputs, lacking = (
+        ", ".join(f"{group}*" for group in groups),
+        ", no ".join(_DRAWN[group] for group in groups),
+    )
     return (
         f"the FMU was exported without the outputs {outputs}, so the report has no {lacking}; "
         "`balance-rope export --outputs all` has them"

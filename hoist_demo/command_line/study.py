@@ -29,12 +29,20 @@ file or arguments, 130 interrupted.
 
 def add_study(commands: Commands) -> None:
     """Add the subcommand `study`."""
-    study = add_command(commands, "study", _study, "wind many times over chosen parameters", _DESCRIPTION, _EPILOG)
-    study.add_argument("study", type=Path, metavar="STUDY.toml", help="what to vary, see docs/reference/files.md")
+    study = add_command(
+        commands, "study", _study, "wind many times over chosen parameters", _DESCRIPTION, _EPILOG
+    )
+    study.add_argument(
+        "study", type=Path, metavar="STUDY.toml", help="what to vary, see docs/reference/files.md"
+    )
     study.add_argument("--fmu", type=Path, metavar="PATH", help="the rope, instead of the file's")
     where = study.add_mutually_exclusive_group()
-    where.add_argument("--workers", type=int, metavar="N", help="processes on this machine (one per core)")
-    where.add_argument("--scheduler", metavar="ADDRESS", help="a dask scheduler, e.g. tcp://host:8786")
+    where.add_argument(
+        "--workers", type=int, metavar="N", help="processes on this machine (one per core)"
+    )
+    where.add_argument(
+        "--scheduler", metavar="ADDRESS", help="a dask scheduler, e.g. tcp://host:8786"
+    )
     add_results(study, "study")
 
 
@@ -46,14 +54,18 @@ def _study(options: argparse.Namespace) -> int:
         from hoist_demo.study.perform import run_study, write_what_is_there
         from hoist_demo.study.store import Store, read_results
     except ModuleNotFoundError as error:
-        raise ValueError(f"a study needs {error.name}: pip install 'balance-rope[study]'") from error
+        raise ValueError(
+            f"a study needs {error.name}: pip install 'balance-rope[study]'"
+        ) from error
     from hoist_demo.cosimulation.participants.fmu_description import read_fmu
     from hoist_demo.report.rows import provenance_table, render, status_rows
     from hoist_demo.study.definition import read_study
     from hoist_demo.study.provenance import study_provenance, write_data
 
     if options.workers is not None and options.workers < 1:
-        raise ValueError(f"--workers {options.workers} must be at least 1: leave it out for one per core")
+        raise ValueError(
+            f"--workers {options.workers} must be at least 1: leave it out for one per core"
+        )
     watched = partial(tqdm, desc="checking", unit="run", file=sys.stderr, leave=False, disable=None)
     study = read_study(options.study, options.fmu, watched)
     if options.check:
@@ -61,7 +73,9 @@ def _study(options: argparse.Namespace) -> int:
         return 0
 
     store = Store(results_folder(options.out or Path("out") / "study" / options.study.stem))
-    keys = [sample.data.key(study.fmu_hash) for sample in study.samples] if study.plan is None else []
+    keys = (
+        [sample.data.key(study.fmu_hash) for sample in study.samples] if study.plan is None else []
+    )
     total = len(set(keys)) or None
     there = len(store.finished_keys(keys))
     if there:
@@ -69,14 +83,27 @@ def _study(options: argparse.Namespace) -> int:
     try:
         with (
             cluster(options.workers, options.scheduler) as client,
-            tqdm(total=total, initial=there, desc="winding", unit="run", file=sys.stderr, disable=None) as bar,
+            tqdm(
+                total=total,
+                initial=there,
+                desc="winding",
+                unit="run",
+                file=sys.stderr,
+                disable=None,
+            ) as bar,
         ):
             result = run_study(
-                study, store, partial(run_samples, client, study, store=store, finished=lambda *_: bar.update())
+                study,
+                store,
+                partial(run_samples, client, study, store=store, finished=lambda *_: bar.update()),
             )
     except KeyboardInterrupt:
         table_path = write_what_is_there(study, store)
-        left = "no run was finished" if table_path is None else f"what is finished is kept in {table_path}"
+        left = (
+            "no run was finished"
+            if table_path is None
+            else f"what is finished is kept in {table_path}"
+        )
         print(f"\ninterrupted: {left}; the same command goes on", file=sys.stderr)
         return 130
     for run, passed in result.passages.items():
@@ -92,7 +119,11 @@ def _study(options: argparse.Namespace) -> int:
     if result.best is not None:
         print(result.best.text, file=sys.stdout if result.best.feasible else sys.stderr)
     results = read_results(result.table)
-    parameters = [name for name in results.table.columns if name in study.units or name in ("variant", "controller")]
+    parameters = [
+        name
+        for name in results.table.columns
+        if name in study.units or name in ("variant", "controller")
+    ]
     meta: dict[str, Any] = {
         "title": study.title,
         "parameters": parameters,
@@ -100,7 +131,10 @@ def _study(options: argparse.Namespace) -> int:
         "hoist": study.hoist,
     }
     meta |= {"FMU": study.fmu.name, "SHA-256": study.fmu_hash}
-    meta |= {"FMI version": read_fmu(study.fmu).description.fmiVersion, "version": version("balance-rope")}
+    meta |= {
+        "FMI version": read_fmu(study.fmu).description.fmiVersion,
+        "version": version("balance-rope"),
+    }
     provenance = study_provenance(study)
     write_data(provenance, store.directory / "data.csv")
     print("\n" + render(status_rows(provenance)) + "\n")

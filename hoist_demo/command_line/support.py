@@ -12,18 +12,31 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeAlias
 
-INTERRUPTED = 130  #: Exit code of every command that an interrupt (Ctrl-C) has stopped: 128 + SIGINT.
+INTERRUPTED = (
+    130  #: Exit code of every command that an interrupt (Ctrl-C) has stopped: 128 + SIGINT.
+)
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 RunCommand = Callable[[argparse.Namespace], int]
 
 
 def add_command(
-    commands: Commands, name: str, run: RunCommand, text: str, description: str, epilog: str, *others: str
+    commands: Commands,
+    name: str,
+    run: RunCommand,
+    text: str,
+    description: str,
+    epilog: str,
+    *others: str,
 ) -> argparse.ArgumentParser:
     """Add a subcommand, which may have other names; its options hold the function to run as `run`."""
     form = argparse.RawDescriptionHelpFormatter
     made = commands.add_parser(
-        name, help=text, description=description, epilog=epilog, formatter_class=form, aliases=others
+        name,
+        help=text,
+        description=description,
+        epilog=epilog,
+        formatter_class=form,
+        aliases=others,
     )
     made.set_defaults(run=run)
     return made
@@ -31,7 +44,9 @@ def add_command(
 
 def add_results(command: argparse.ArgumentParser, name: str) -> None:
     """Add --out and --check to a command that reads a file."""
-    command.add_argument("--out", type=named, metavar="DIR", help=f"results (out/{name}/ and the file's name)")
+    command.add_argument(
+        "--out", type=named, metavar="DIR", help=f"results (out/{name}/ and the file's name)"
+    )
     command.add_argument("--check", action="store_true", help="check only")
 
 
@@ -45,11 +60,15 @@ def writable(out: Path) -> Path:
     """Return ``out``; ValueError, before anything is computed, if it cannot be made or written to."""
     try:
         # a broken link counts as existing: no folder can be made of it
-        there = next(path for path in (out, *out.absolute().parents) if path.exists() or path.is_symlink())
+        there = next(
+            path for path in (out, *out.absolute().parents) if path.exists() or path.is_symlink()
+        )
         with tempfile.TemporaryFile(dir=there):
             pass
     except OSError as error:
-        raise ValueError(f"{out} cannot be written to ({error.strerror}): choose another --out") from error
+        raise ValueError(
+            f"{out} cannot be written to ({error.strerror}): choose another --out"
+        ) from error
     return out
 
 

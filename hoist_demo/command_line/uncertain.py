@@ -31,7 +31,9 @@ def add_uncertain(commands: Commands) -> None:
     """Add the subcommand `uncertain`."""
     text = "what a winding may be, with all that is not known of its rope"
     uncertain = add_command(commands, "uncertain", _uncertain, text, _DESCRIPTION, _EPILOG)
-    uncertain.add_argument("scene", type=Path, metavar="SCENE.toml", help="what is wound, see docs/reference/files.md")
+    uncertain.add_argument(
+        "scene", type=Path, metavar="SCENE.toml", help="what is wound, see docs/reference/files.md"
+    )
     uncertain.add_argument("--workers", type=int, metavar="N", help="processes (one per core)")
     add_results(uncertain, "uncertain")
 
@@ -49,10 +51,19 @@ def _uncertain(options: argparse.Namespace) -> int:
     file = read(options.scene, UncertaintyFile)
     file.require_hangs()
     if options.check:
-        print(f"{options.scene}: {file.header.samples} windings over {', '.join(file.data)}, nothing wrong")
+        print(
+            f"{options.scene}: {file.header.samples} windings over {', '.join(file.data)}, nothing wrong"
+        )
         return 0
     out = results_folder(options.out or Path("out") / "uncertain" / options.scene.stem)
-    watched = partial(tqdm, desc="winding", unit="winding", total=file.header.samples, file=sys.stderr, disable=None)
+    watched = partial(
+        tqdm,
+        desc="winding",
+        unit="winding",
+        total=file.header.samples,
+        file=sys.stderr,
+        disable=None,
+    )
     result = run_windings(file, workers, watched)
     print(render(summary(result)))
     written = (

@@ -12,7 +12,14 @@ from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, SCENARIOS, Case
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.options import KERNELS, TRIP, add_data, add_trip, settings
 from hoist_demo.command_line.run_results import REPORT, WoundRun, missing_outputs, write_results
-from hoist_demo.command_line.support import INTERRUPTED, Commands, add_command, interruption, named, results_folder
+from hoist_demo.command_line.support import (
+    INTERRUPTED,
+    Commands,
+    add_command,
+    interruption,
+    named,
+    results_folder,
+)
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.host import Host
@@ -35,7 +42,9 @@ from hoist_demo.ropes.definition import OneRope, Ropes, ropes_of
 from hoist_demo.study.provenance import host_provenance
 from hoist_demo.study.run import Probe, RunData, build, contradictions, fmu_part, from_landing
 
-LAST_GOOD = "last_good.npz"  #: File in the output folder with the last good state of a run that stopped.
+LAST_GOOD = (
+    "last_good.npz"  #: File in the output folder with the last good state of a run that stopped.
+)
 STOPPED = "stopped"  #: Folder in the output folder for a run that stopped, beside results of an earlier one.
 #: Trip of --quick; scenarios keep their travel, as what goes wrong in them does so later.
 _QUICK = {"travel": 10.0, "settle": 2.0}
@@ -78,13 +87,24 @@ def add_wind(commands: Commands, fmu: Path) -> None:
     rope = wind.add_mutually_exclusive_group()
     text = f"the rope, FMI 2.0 or 3.0 ({fmu} for {DEFAULT_HOIST}, if it is there)"
     rope.add_argument("--fmu", type=Path, metavar="PATH", help=text)
-    rope.add_argument("--in-process", action="store_true", help="run the rope in this process, without an FMU")
-    wind.add_argument("--out", type=named, metavar="DIR", help="results (out/wind and the hoist's name)")
+    rope.add_argument(
+        "--in-process", action="store_true", help="run the rope in this process, without an FMU"
+    )
+    wind.add_argument(
+        "--out", type=named, metavar="DIR", help="results (out/wind and the hoist's name)"
+    )
     wind.add_argument("--check", action="store_true", help="read and check the hoist, wind nothing")
-    wind.add_argument("--step", type=float, metavar="H", help="communication step [s] (that of the hoist)")
+    wind.add_argument(
+        "--step", type=float, metavar="H", help="communication step [s] (that of the hoist)"
+    )
     text = f"how drive and rope exchange, see docs/howto/hoist.md: {', '.join(SCHEMES)} (that of the hoist)"
     wind.add_argument("--scheme", choices=tuple(SCHEMES), metavar="NAME", help=text)
-    wind.add_argument("--resume", type=Path, metavar="FILE", help="go on from the last_good.npz of a run that stopped")
+    wind.add_argument(
+        "--resume",
+        type=Path,
+        metavar="FILE",
+        help="go on from the last_good.npz of a run that stopped",
+    )
     add_trip(wind)
     add_data(wind)
     wind.add_argument(
@@ -98,7 +118,9 @@ def add_wind(commands: Commands, fmu: Path) -> None:
 def _wind(options: argparse.Namespace, default: Path) -> int:
     if options.case is not None:
         if options.hoist is not None:
-            raise ValueError(f"--case {options.case} and {options.hoist} are both a hoist: leave one out")
+            raise ValueError(
+                f"--case {options.case} and {options.hoist} are both a hoist: leave one out"
+            )
         options.hoist = options.case
     resume = Checkpoint.read(options.resume) if options.resume else None
     options.hoist = options.hoist or (resume.hoist if resume else "") or DEFAULT_HOIST
@@ -106,7 +128,9 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
         options.out = Path("out") / "wind" / Path(options.hoist).stem
     case = find_case(options.hoist)
     if case.distinct_ropes and options.fmu:
-        raise ValueError(f"--fmu {options.fmu} is for a hoist with one [[rope]]: leave it out, several run in process")
+        raise ValueError(
+            f"--fmu {options.fmu} is for a hoist with one [[rope]]: leave it out, several run in process"
+        )
     _choose_rope(options, default if options.hoist == DEFAULT_HOIST else None)
     own = settings(options.set, parameters(_parameters(options)))
     identified = read(options.rope, RopeFile).values() if options.rope else {}
@@ -126,15 +150,29 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
     try:
         with warnings_of("hoist_demo") as warnings:
             made = run.design()
-            host = Host(hung.plant, run.hoist, run.winding, run.coupling, made.gains, trajectory=made.trajectory)
-            host.name = options.hoist if options.hoist in BUILTIN_HOISTS else str(Path(options.hoist).resolve())
+            host = Host(
+                hung.plant,
+                run.hoist,
+                run.winding,
+                run.coupling,
+                made.gains,
+                trajectory=made.trajectory,
+            )
+            host.name = (
+                options.hoist
+                if options.hoist in BUILTIN_HOISTS
+                else str(Path(options.hoist).resolve())
+            )
             with interruption() as stopped_by_user:
                 result = _run(host, options.out / LAST_GOOD, resume, stopped_by_user)
         ropes, remarked = hung.data(), _remarks(hung)
         rope_sources = hung.provenance(statuses)
     finally:
         hung.plant.close()
-    result = replace(result, recording=computed(result.recording, {rope.name: rope.torque_free for rope in ropes}))
+    result = replace(
+        result,
+        recording=computed(result.recording, {rope.name: rope.torque_free for rope in ropes}),
+    )
     run = replace(run, winding=result.winding)
     provenance = [*host_provenance(run, statuses), *rope_sources]
     trip, at = run.winding, run.winding.emergency_at
@@ -150,8 +188,20 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
         written = write_results(wound, out, signals)
     report = wound.report
     name, rows = report.changed
-    changed = [SummaryRow(name, key, f"{f'{value} {unit}'.rstrip()}, not {own}") for key, value, unit, own in rows]
-    print("\n\n".join([report.title, render_verdict(report.verdict), *filter(None, [render(changed)]), ASSUMED_DATA]))
+    changed = [
+        SummaryRow(name, key, f"{f'{value} {unit}'.rstrip()}, not {own}")
+        for key, value, unit, own in rows
+    ]
+    print(
+        "\n\n".join(
+            [
+                report.title,
+                render_verdict(report.verdict),
+                *filter(None, [render(changed)]),
+                ASSUMED_DATA,
+            ]
+        )
+    )
     for text in report.verdict.remarks:
         print(f"balance-rope: {text}", file=sys.stderr)
     print("written: " + ", ".join(str(path) for path in written))
@@ -160,7 +210,10 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
     if not result.completed:
         print(f"balance-rope: {_stop(result, out, by_user=by_user)}", file=sys.stderr)
     elif by_user:
-        print(f"balance-rope: interrupted when the run was over: all its results are in {out}", file=sys.stderr)
+        print(
+            f"balance-rope: interrupted when the run was over: all its results are in {out}",
+            file=sys.stderr,
+        )
     return INTERRUPTED if by_user else 0 if result.completed else 1
 
 
@@ -170,7 +223,11 @@ def _stop(result: Result, out: Path, *, by_user: bool) -> str:
     if result.saved is None:
         return f"{words}, no state is kept to go on from"
     go_on = f"the same command with --resume {result.saved} goes on"
-    return f"{words}; {go_on}" if by_user else f"{words}; the last good state is in {result.saved}: {go_on} from it"
+    return (
+        f"{words}; {go_on}"
+        if by_user
+        else f"{words}; the last good state is in {result.saved}: {go_on} from it"
+    )
 
 
 def _remarks(hung: Ropes) -> list[str]:
@@ -186,7 +243,16 @@ def _remarks(hung: Ropes) -> list[str]:
             f"level = {hung.case.level!r} of {hung.case.name} is not that of the FMU, {data.level!r}, which was "
             "wound: export one of that level, or --in-process"
         )
-    return [*filter(None, (missing_outputs(hung.plant.units()), contradictions(hung.hoist, data.parameters), level))]
+    return [
+        *filter(
+            None,
+            (
+                missing_outputs(hung.plant.units()),
+                contradictions(hung.hoist, data.parameters),
+                level,
+            ),
+        )
+    ]
 
 
 def _choose_rope(options: argparse.Namespace, default: Path | None) -> None:
@@ -196,13 +262,18 @@ def _choose_rope(options: argparse.Namespace, default: Path | None) -> None:
         options.in_process = options.fmu is None
         if options.in_process and default is not None:
             cure = "`balance-rope export --outputs all` makes it"
-            print(f"balance-rope: {default} is not there: the rope runs in this process; {cure}", file=sys.stderr)
+            print(
+                f"balance-rope: {default} is not there: the rope runs in this process; {cure}",
+                file=sys.stderr,
+            )
 
 
 def _winding(options: argparse.Namespace, case: Case) -> dict[str, Value]:
     """Return trip and coupling by their names in files; options given by hand override --quick."""
     if options.estop_law and options.estop_at is None:
-        raise ValueError(f"--estop-law {options.estop_law} needs the time of the stop: give --estop-at T")
+        raise ValueError(
+            f"--estop-law {options.estop_law} needs the time of the stop: give --estop-at T"
+        )
     chosen = {name: getattr(options, name) for name in TRIP}
     chosen |= {"emergency_at": options.estop_at, "emergency_law": options.estop_law}
     overrides: dict[str, Any] = {name: value for name, value in chosen.items() if value is not None}
@@ -211,7 +282,9 @@ def _winding(options: argparse.Namespace, case: Case) -> dict[str, Value]:
         quick = {"settle": _QUICK["settle"]} if options.hoist in SCENARIOS else _QUICK
     winding = replace(case.winding, **(quick | overrides))
     if options.creep_speed is not None and not winding.creeps:
-        raise ValueError(f"--creep-speed {options.creep_speed:g} needs a creep's length: give --creep-distance S")
+        raise ValueError(
+            f"--creep-speed {options.creep_speed:g} needs a creep's length: give --creep-distance S"
+        )
     values = {f"winding.{name}": value for name, value in (quick | overrides).items()}
     coupling = {"coupling.step": options.step, "coupling.scheme": options.scheme}
     return values | {name: value for name, value in coupling.items() if value is not None}
@@ -229,9 +302,13 @@ def _parameters(options: argparse.Namespace) -> dict[str, Parameter] | None:
     return read_parameters(options.fmu)
 
 
-def _ropes(options: argparse.Namespace, case: Case, run: RunData, overrides: Mapping[str, Value]) -> Ropes:
+def _ropes(
+    options: argparse.Namespace, case: Case, run: RunData, overrides: Mapping[str, Value]
+) -> Ropes:
     """Return the hoist's ropes, of which values are `chosen`; a chosen FMU is asked whether it takes its own."""
-    kernels = {} if options.kernels == "auto" else {"solver.kernels": KERNELS.index(options.kernels)}
+    kernels = (
+        {} if options.kernels == "auto" else {"solver.kernels": KERNELS.index(options.kernels)}
+    )
     if options.in_process:
         return ropes_of(case, run, {**overrides, **kernels}, options.level or case.level)
     if options.level:
@@ -250,7 +327,11 @@ def _ropes(options: argparse.Namespace, case: Case, run: RunData, overrides: Map
     return Ropes(case, run, (OneRope("", run.rope_values, case.level, case, fmu=load),))
 
 
-def _run(host: Host, save_to: Path, resume: Checkpoint | None, interrupted: Callable[[], bool]) -> Result:
+def _run(
+    host: Host, save_to: Path, resume: Checkpoint | None, interrupted: Callable[[], bool]
+) -> Result:
     """Run the host under a progress bar, until it is interrupted."""
     with progress_bar() as progress:
-        return host.run(lambda fraction, t: progress(fraction, t) and not interrupted(), save_to, resume)
+        return host.run(
+            lambda fraction, t: progress(fraction, t) and not interrupted(), save_to, resume
+        )

@@ -37,11 +37,19 @@ class Gains(ValidatedData, of="gain "):
     speed: float = parameter(1.5e5, "N s/m", "k_v")
     integral_time: float = parameter(1.0, "s", "T_i")
     position: float = parameter(1.0, "1/s", "k_s")
-    feed_forward: float = parameter(1.0, "1", "share of the feed-forward that is used", Bounds(0.0, 1.0))
+    feed_forward: float = parameter(
+        1.0, "1", "share of the feed-forward that is used", Bounds(0.0, 1.0)
+    )
 
 
 def emergency_brake(
-    hoist: Hoist, gains: Gains, braking: Braking, speed: float, resistance: float, state: BrakeState | None, h: float
+    hoist: Hoist,
+    gains: Gains,
+    braking: Braking,
+    speed: float,
+    resistance: float,
+    state: BrakeState | None,
+    h: float,
 ) -> tuple[float, BrakeState | None]:
     """Return the fraction of the full torque for the step of h [s] that begins now, and the state to go on with.
 
@@ -58,7 +66,9 @@ def emergency_brake(
     """
     brake = hoist.brake
     if brake is None:
-        raise ValueError(f"emergency_law = {braking.law!r} must be 'drive' for a hoist without a brake: fit one")
+        raise ValueError(
+            f"emergency_law = {braking.law!r} must be 'drive' for a hoist without a brake: fit one"
+        )
     if braking.elapsed < brake.delay:
         return 0.0, None
     if braking.law == "torque":
@@ -72,11 +82,15 @@ def emergency_brake(
     if target_speed <= 0.0:
         return 1.0, state
     error = math.copysign(1.0, state.bite_speed) * speed - target_speed
-    wanted = hoist.moving_mass * braking.deceleration - resistance + gains.speed * error + state.integral
+    wanted = (
+        hoist.moving_mass * braking.deceleration - resistance + gains.speed * error + state.integral
+    )
     fraction = wanted * hoist.sheave_radius / brake.torque
     if not 0.0 <= fraction <= 1.0:
         return min(max(fraction, 0.0), 1.0), state
-    return fraction, BrakeState(state.bite_speed, state.integral + h * gains.speed * error / gains.integral_time)
+    return fraction, BrakeState(
+        state.bite_speed, state.integral + h * gains.speed * error / gains.integral_time
+    )
 
 
 class Measurement(NamedTuple):
@@ -110,7 +124,9 @@ class Controller(Protocol):
     and the host hands over a copy, which may be changed.
     """
 
-    def command(self, reference: TrajectoryPoint, measured: Measurement, state: Any, h: float) -> Command:
+    def command(
+        self, reference: TrajectoryPoint, measured: Measurement, state: Any, h: float
+    ) -> Command:
         """Command for the step of length h [s] that begins now; `state` is the last command's, None at first."""
 
 
@@ -127,7 +143,11 @@ class SpeedController:
         self._hoist = hoist
 
     def command(
-        self, reference: TrajectoryPoint, measured: Measurement, state: ControllerState | None, h: float
+        self,
+        reference: TrajectoryPoint,
+        measured: Measurement,
+        state: ControllerState | None,
+        h: float,
     ) -> Command:
         """Torque command for the step of length h [s] that begins now."""
         state = ControllerState() if state is None else state
@@ -137,7 +157,9 @@ class SpeedController:
         torque, limited, integral = self.law(motion, *measured, state.integral, h)
         return Command(torque, limited, ControllerState(integral))
 
-    def law(self, motion: Sequence[Any], travel: Any, speed: Any, integral: Any, h: Any) -> tuple[Any, Any, Any]:
+    def law(
+        self, motion: Sequence[Any], travel: Any, speed: Any, integral: Any, h: Any
+    ) -> tuple[Any, Any, Any]:
         """Return (torque [N m], limited, integral after h), also of symbols; `motion` is s, v, a of the reference."""
         force, error = self.force(motion, travel, speed, integral)
         wanted = self._holding_torque + self._radius * force
@@ -148,21 +170,31 @@ class SpeedController:
         grown = integral + h * self._gains.speed * error / self._gains.integral_time
         return torque, torque != wanted, where(stands, integral, grown)
 
-    def force(self, motion: Sequence[Any], travel: Any, speed: Any, integral: Any) -> tuple[Any, Any]:
+    def force(
+        self, motion: Sequence[Any], travel: Any, speed: Any, integral: Any
+    ) -> tuple[Any, Any]:
         """Return the force at the rim beyond the one that holds [N], and the error of the speed [m/s]."""
         error = motion[1] + self._gains.position * (motion[0] - travel) - speed
-        return self._gains.feed_forward * self.ahead(motion) + self._gains.speed * error + integral, error
+        return self._gains.feed_forward * self.ahead(
+            motion
+        ) + self._gains.speed * error + integral, error
 
     def ahead(self, motion: Sequence[Any]) -> Any:
         """Return the force at the rim that a full feed-forward asks for, beyond the one that holds [N]."""
         position, speed, acceleration = motion
         return self._mass * acceleration + self._imbalance_rate * position + self._loss(speed)
 
-    def _brake(self, braking: Braking, measured: Measurement, state: ControllerState, h: float) -> Command:
+    def _brake(
+        self, braking: Braking, measured: Measurement, state: ControllerState, h: float
+    ) -> Command:
         """Return the command of a stop by the brake: no motor torque, and the brake by its law."""
         holding_force = self._holding_torque / self._radius + self._imbalance_rate * measured.travel
-        resistance = math.copysign(1.0, measured.speed) * holding_force + abs(self._loss(measured.speed))
-        fraction, brake = emergency_brake(self._hoist, self._gains, braking, measured.speed, resistance, state.brake, h)
+        resistance = math.copysign(1.0, measured.speed) * holding_force + abs(
+            self._loss(measured.speed)
+        )
+        fraction, brake = emergency_brake(
+            self._hoist, self._gains, braking, measured.speed, resistance, state.brake, h
+        )
         return Command(0.0, False, ControllerState(0.0, brake), fraction)
 
     def _loss(self, speed: Any) -> Any:

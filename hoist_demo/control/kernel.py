@@ -12,7 +12,16 @@ from hoist_demo.parameters import Hoist
 from hoist_demo.parameters.hoist import with_numbers
 
 #: What the law takes before the gains and the hoist's numbers, in their own orders.
-ARGUMENTS = ("position", "speed_asked", "acceleration", "travel", "speed", "holding_torque", "integral", "h")
+ARGUMENTS = (
+    "position",
+    "speed_asked",
+    "acceleration",
+    "travel",
+    "speed",
+    "holding_torque",
+    "integral",
+    "h",
+)
 
 
 @cache
@@ -25,5 +34,7 @@ def law_kernel(structure: Hoist) -> Any:
     arguments, p = ca.SX.sym("arguments", len(ARGUMENTS)), ca.SX.sym("p", len(structure.numbers))
     hoist = with_numbers(structure, ca.vertsplit(p))
     s, v, a, travel, speed, hold, integral, h = ca.vertsplit(arguments)
-    outputs = SpeedController(hoist, hold, SimpleNamespace(**gains)).law((s, v, a), travel, speed, integral, h)
+    outputs = SpeedController(hoist, hold, SimpleNamespace(**gains)).law(
+        (s, v, a), travel, speed, integral, h
+    )
     return ca.Function("law", [ca.vertcat(arguments, *gains.values(), p)], [ca.vertcat(*outputs)])

@@ -57,7 +57,9 @@ class Trajectory:
 
     starts: tuple[float, ...]  # s, ascending, one per segment, the last is where rest begins
     points: tuple[TrajectoryPoint, ...]  # motion at each start
-    trip: Braking | None = None  # emergency stop with the brake, its `elapsed` counted at time 0: minus the trip's time
+    trip: Braking | None = (
+        None  # emergency stop with the brake, its `elapsed` counted at time 0: minus the trip's time
+    )
 
     @property
     def duration(self) -> float:
@@ -68,7 +70,11 @@ class Trajectory:
         """Times [s] from which the given magnitude of speed [m/s] is held."""
         pairs = zip(self.starts, self.points, strict=True)
         # rounding of the segments before
-        return tuple(t for t, p in pairs if p.jerk == 0.0 and abs(abs(p.speed) - speed) + abs(p.acceleration) < 1e-9)
+        return tuple(
+            t
+            for t, p in pairs
+            if p.jerk == 0.0 and abs(abs(p.speed) - speed) + abs(p.acceleration) < 1e-9
+        )
 
     def at(self, t: float) -> TrajectoryPoint:
         """Return the reference at time t [s]."""
@@ -84,7 +90,9 @@ class Trajectory:
         """Position, speed, acceleration and jerk as columns, one row per time."""
         k = np.searchsorted(self.starts, times, side="right") - 1
         begun = np.array([point[:4] for point in self.points])[np.maximum(k, 0)]
-        rows = np.column_stack(TrajectoryPoint(*begun.T).after(times - np.array(self.starts)[k])[:4])
+        rows = np.column_stack(
+            TrajectoryPoint(*begun.T).after(times - np.array(self.starts)[k])[:4]
+        )
         rows[k < 0] = rest(self.points[0].position)[:4]
         return rows
 
@@ -96,7 +104,9 @@ def s_curve(winding: Winding) -> Trajectory:
         signs, times = _creep_profile(winding)
         jerks = tuple(s * j for s in signs)
     else:
-        t_jerk, t_constant, t_cruise = _phases(abs(winding.travel), winding.speed, winding.acceleration, winding.jerk)
+        t_jerk, t_constant, t_cruise = _phases(
+            abs(winding.travel), winding.speed, winding.acceleration, winding.jerk
+        )
         jerks = (j, 0.0, -j, 0.0, -j, 0.0, j)
         times = (t_jerk, t_constant, t_jerk, t_cruise, t_jerk, t_constant, t_jerk)
     trip = chain(winding.start_delay, rest(0.0), jerks, times, end=winding.travel)
@@ -139,7 +149,9 @@ def emergency_stop(trip: Trajectory, at: float, deceleration: float, jerk: float
     return _cut(trip, at, brake)
 
 
-def _phases(distance: float, speed: float, acceleration: float, jerk: float) -> tuple[float, float, float]:
+def _phases(
+    distance: float, speed: float, acceleration: float, jerk: float
+) -> tuple[float, float, float]:
     """Durations [s] of one jerk ramp, of the constant acceleration and of the cruise, for a trip of `distance` [m]."""
     t_jerk, t_constant = _ramp(speed, acceleration, jerk)
     distance_to_speed = speed * (2.0 * t_jerk + t_constant)
@@ -220,7 +232,11 @@ def rest(position: float) -> TrajectoryPoint:
 
 
 def chain(
-    t: float, point: TrajectoryPoint, jerks: Sequence[float], times: Sequence[float], end: float | None
+    t: float,
+    point: TrajectoryPoint,
+    jerks: Sequence[float],
+    times: Sequence[float],
+    end: float | None,
 ) -> Trajectory:
     """Segments of given jerk and duration from `point` at t, then rest at `end` (None: where they lead)."""
     starts: list[float] = []
@@ -240,7 +256,9 @@ def chain(
 def _cut(trip: Trajectory, at: float, then: Trajectory) -> Trajectory:
     """Join `trip` before time `at` [s] and `then` from it on."""
     before = [(t, p) for t, p in zip(trip.starts, trip.points, strict=True) if t < at]
-    return Trajectory(tuple(t for t, _ in before) + then.starts, tuple(p for _, p in before) + then.points)
+    return Trajectory(
+        tuple(t for t, _ in before) + then.starts, tuple(p for _, p in before) + then.points
+    )
 
 
 @dataclass(frozen=True)
@@ -260,4 +278,7 @@ class Course:
         begun = self.winding.emergency_at
         if at >= self.trajectory.duration or (begun is not None and begun <= at):
             return self
-        return Course(with_emergency_stop(self.trajectory, at, self.winding), replace(self.winding, emergency_at=at))
+        return Course(
+            with_emergency_stop(self.trajectory, at, self.winding),
+            replace(self.winding, emergency_at=at),
+        )

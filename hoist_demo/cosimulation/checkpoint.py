@@ -38,7 +38,9 @@ class Checkpoint:
     input: Vector  # that acts on the drive, in the order of INPUT_NAMES
     scheme_state: SchemeState
     rope: bytes  # b"" when the rope cannot save its state
-    recording: Recording  # rows of the run until it stopped; a resumed run goes on behind this sample's
+    recording: (
+        Recording  # rows of the run until it stopped; a resumed run goes on behind this sample's
+    )
     data: str  # data that a resumed run must share: see Host.data
     cause: str  # reason why the run stopped
     hoist: str = ""  # name or file of the hoist, if known
@@ -79,13 +81,24 @@ class Checkpoint:
             there, controller = text.pop("version", "an earlier one"), text.pop("controller", None)
             checkpoint = None
             if there == here:
-                checkpoint = replace(_checkpoint(text, arrays), controller=decode(controller, arrays))
+                checkpoint = replace(
+                    _checkpoint(text, arrays), controller=decode(controller, arrays)
+                )
         except OSError as error:
             raise ValueError(
                 f"'{path}': {(error.strerror or str(error)).lower()}: give a run's last_good.npz"
             ) from error
-        except (KeyError, ValueError, TypeError, AttributeError, EOFError, zipfile.BadZipFile) as error:
-            raise ValueError(f"'{path}' must be a checkpoint of a run, but: {error}: give another file") from error
+        except (
+            KeyError,
+            ValueError,
+            TypeError,
+            AttributeError,
+            EOFError,
+            zipfile.BadZipFile,
+        ) as error:
+            raise ValueError(
+                f"'{path}' must be a checkpoint of a run, but: {error}: give another file"
+            ) from error
         if checkpoint is None:
             raise ValueError(
                 f"'{path}' must be of version {here}, it was written by {there}: go on with that version, or start "
@@ -96,10 +109,14 @@ class Checkpoint:
 
 def _checkpoint(text: dict[str, Any], arrays: dict[str, Array]) -> Checkpoint:
     """Decode a checkpoint from an archive's text and arrays, without the controller's state."""
-    checkpoint = Checkpoint(controller=None, **{name: decode(value, arrays) for name, value in text.items()})
+    checkpoint = Checkpoint(
+        controller=None, **{name: decode(value, arrays) for name, value in text.items()}
+    )
     kinds = {"plant": PlantState, "scheme_state": SchemeState, "recording": Recording}
     kinds |= {"rope": bytes, "input": np.ndarray}
-    if wrong := [name for name, kind in kinds.items() if not isinstance(getattr(checkpoint, name), kind)]:
+    if wrong := [
+        name for name, kind in kinds.items() if not isinstance(getattr(checkpoint, name), kind)
+    ]:
         raise TypeError(f"{', '.join(wrong)} of other kinds")
     return checkpoint
 

@@ -18,7 +18,13 @@ from hoist_demo.control.kernel import ARGUMENTS, law_kernel
 from hoist_demo.control.trajectory import Trajectory
 from hoist_demo.cosimulation.drive_signals import ROW
 from hoist_demo.cosimulation.participants.fmi_versions import DISCARD, WARNING
-from hoist_demo.cosimulation.participants.library_calls import CALLS, FUNCTIONS, HEARD, Access, RopeLibrary
+from hoist_demo.cosimulation.participants.library_calls import (
+    CALLS,
+    FUNCTIONS,
+    HEARD,
+    Access,
+    RopeLibrary,
+)
 from hoist_demo.cosimulation.run_state import RunState
 from hoist_demo.cosimulation.schemes.interface import ENDS, HISTORY, ROPE_FORCES, Sample, Stopwatch
 from hoist_demo.drive import integrator, plant
@@ -29,16 +35,30 @@ from hoist_demo.parameters import Coupling, Hoist
 from rope_model import EndMotion
 from rope_model.numerics.kernels import cache_folder, compile_library, find_compiler, generate_c
 
-_STOPS = ("WELL", "LOOK", "DRIVE", *CALLS)  #: How samples end: well, before one to be looked at, or what has failed.
+_STOPS = (
+    "WELL",
+    "LOOK",
+    "DRIVE",
+    *CALLS,
+)  #: How samples end: well, before one to be looked at, or what has failed.
 _SIDES = slice(INPUT_NAMES.index("fx_left"), len(INPUT_NAMES))
 _SPELT = {"y": "y", "vy": "v", "ay": "a"}  #: Names in OUTPUTS, where they are others.
 #: -1: a hoist has nothing that leans
-_ENDS = [OUTPUT_INDEX.get(f"{_SPELT.get(name, name)}_{s}", -1) for s in ENDS for name in EndMotion.__dataclass_fields__]
-_MOTIONS = " ".join(f"double {name};" for name in EndMotion.__dataclass_fields__)  #: Members of it in rope.h.
+_ENDS = [
+    OUTPUT_INDEX.get(f"{_SPELT.get(name, name)}_{s}", -1)
+    for s in ENDS
+    for name in EndMotion.__dataclass_fields__
+]
+_MOTIONS = " ".join(
+    f"double {name};" for name in EndMotion.__dataclass_fields__
+)  #: Members of it in rope.h.
 _MEMORY = ("arg", "res", "iw", "w")  #: Of a function of CasADi.
 #: What trip.c takes from here for all hoists, by name.
 _NUMBERS: dict[str, float] = {
-    **{name: getattr(integrator, name) for name in ("MIN_STEP", "SAFETY", "SHRINKS", "GROWS", "ORDER")},
+    **{
+        name: getattr(integrator, name)
+        for name in ("MIN_STEP", "SAFETY", "SHRINKS", "GROWS", "ORDER")
+    },
     "MIN_ROPE": plant.MIN_ROPE,
     "HISTORY": HISTORY,
     "WARNING": WARNING,
@@ -90,9 +110,16 @@ class CompiledTrip:
     """The trip of a run in C; the rows of its samples and its state are the run's."""
 
     def __init__(
-        self, run: RunState, rope: RopeLibrary, hoist: Hoist, gains: Gains, coupling: Coupling, start_height: float,
-        clocks: tuple[Stopwatch, Stopwatch], most: int,
-    ) -> None:  # fmt: skip
+        self,
+        run: RunState,
+        rope: RopeLibrary,
+        hoist: Hoist,
+        gains: Gains,
+        coupling: Coupling,
+        start_height: float,
+        clocks: tuple[Stopwatch, Stopwatch],
+        most: int,
+    ) -> None:
         """`clocks` are stopwatches of drive and rope, `most` is the largest number of samples of one call."""
         self._run, self._rope, self._coupling, self._clocks = run, rope, coupling, clocks
         self._drive = drive = run.drive.plant.stick_integrator
@@ -115,13 +142,19 @@ class CompiledTrip:
             y=drive.y.ctypes.data,
             law_arguments=self._law_arguments.ctypes.data,
             **{name: getattr(rope, name) or Access() for name in ("step", "motions", "valid")},
-            **{name: next(iter(getattr(self, f"_{name}").accesses), Access()) for name in ("forces", "sides", "guard")},
+            **{
+                name: next(iter(getattr(self, f"_{name}").accesses), Access())
+                for name in ("forces", "sides", "guard")
+            },
             recorded=addressof(self._recorded),
             records=len(self._recorded),
             **{name: cast(getattr(rope, name), c_void_p) for name in ("warning", "warned", "text")},
             heard=cast(self._heard, c_void_p),
             warnings=len(rope.warned or ()),
-            **{name: getattr(coupling, name) for name in ("start", "period", "per_sample", "per_step")},
+            **{
+                name: getattr(coupling, name)
+                for name in ("start", "period", "per_sample", "per_step")
+            },
             H=coupling.step,
             radius=hoist.sheave_radius,
             start_height=start_height,
@@ -134,7 +167,9 @@ class CompiledTrip:
     def samples(self, first: int, last: int) -> SampleReached:
         """Wind the samples from ``first`` to before ``last``, and the steps behind each."""
         run, trip = self._run, self._trip
-        if run.course.trajectory.trip is not None or (run.controller is not None and run.controller.brake is not None):
+        if run.course.trajectory.trip is not None or (
+            run.controller is not None and run.controller.brake is not None
+        ):
             return SampleReached(first)
         begun = run.course.winding.emergency_at
         trip.watched = begun is None or begun > first * self._coupling.period
@@ -151,7 +186,10 @@ class CompiledTrip:
         run.recorder.count += done
         if done:
             self._copy_from_c()
-            t = self._coupling.start + (run.steps - (1 if stop == "WELL" else 0)) * self._coupling.step
+            t = (
+                self._coupling.start
+                + (run.steps - (1 if stop == "WELL" else 0)) * self._coupling.step
+            )
             cause = run.coupled.rope_stepped(t, self._rope.status(stop, trip.status))
             return SampleReached(reached.value, cause, within=stop == "DRIVE")
         return SampleReached(first)
@@ -168,15 +206,29 @@ class CompiledTrip:
 
     def _copy_to_c(self) -> None:
         """Give the run's state to C."""
-        run, trip, drive, scheme_state = self._run, self._trip, self._run.drive, self._run.scheme_state
+        run, trip, drive, scheme_state = (
+            self._run,
+            self._trip,
+            self._run.drive,
+            self._run.scheme_state,
+        )
         state, slices = drive.state, self._drive.result
-        parts = {"x": state.x, "work_totals": state.work_totals, "applied_input": drive.input, "outputs": drive.outputs}
+        parts = {
+            "x": state.x,
+            "work_totals": state.work_totals,
+            "applied_input": drive.input,
+            "outputs": drive.outputs,
+        }
         self._drive.give(l0=state.free_lengths, H=self._coupling.step, path=0.0, added_mass=0.0)
         for name, values in parts.items():
             self._drive.y[slices[name]] = values
         for row, sample in zip(self._samples, scheme_state.samples, strict=False):
             row[...] = np.concatenate([[sample.t], *sample[1:]])
-        trip.sample_count, trip.step_next, trip.steps = len(scheme_state.samples), state.step_next, run.steps
+        trip.sample_count, trip.step_next, trip.steps = (
+            len(scheme_state.samples),
+            state.step_next,
+            run.steps,
+        )
         trip.integral = 0.0 if run.controller is None else run.controller.integral
         trip.residual, trip.exchanges = scheme_state.residual, scheme_state.exchanges
         trip.evaluations = trip.drive_time = trip.rope_time = 0
@@ -185,12 +237,16 @@ class CompiledTrip:
         """Take the run's state from C."""
         run, trip, slices = self._run, self._trip, self._drive.result
         last = {name: self._drive.y[place].copy() for name, place in slices.items()}
-        state = run.drive.state._replace(x=last["x"], work_totals=last["work_totals"], step_next=trip.step_next)
+        state = run.drive.state._replace(
+            x=last["x"], work_totals=last["work_totals"], step_next=trip.step_next
+        )
         run.drive.arrive(state, last["applied_input"], last["outputs"])
         rows = self._samples[: trip.sample_count].copy()
         samples = tuple(Sample(row.item(0), row[1:3], row[3:5], row[5:]) for row in rows)
         exchanges = int(trip.exchanges)
-        run.scheme_state = run.scheme_state._replace(samples=samples, exchanges=exchanges, residual=trip.residual)
+        run.scheme_state = run.scheme_state._replace(
+            samples=samples, exchanges=exchanges, residual=trip.residual
+        )
         run.controller, run.steps = ControllerState(trip.integral), trip.steps
         run.commands = [Command(trip.torque, False, run.controller)]
         run.drive.command(trip.torque, 0.0, self._drive.arguments["path"][_SIDES])
@@ -206,11 +262,20 @@ def _library(structure: Hoist, kernels: integrator.DriveKernels) -> CDLL:
         raise RuntimeError("no C compiler found")
     law, results = law_kernel(structure), kernels.result
     numbers = _NUMBERS | {
-        **{f"AT_{name.upper()}": kernels.argument_slices[name].start for name in ("s", "h", "path", "l0")},
-        **{f"AT_{name.upper()}": results[name].start for name in ("work_totals", "error", "outputs")},
+        **{
+            f"AT_{name.upper()}": kernels.argument_slices[name].start
+            for name in ("s", "h", "path", "l0")
+        },
+        **{
+            f"AT_{name.upper()}": results[name].start
+            for name in ("work_totals", "error", "outputs")
+        },
         "REACHED": results["work_totals"].stop,
         "SIZE": results["outputs"].stop,
-        **{f"SZ_{n.upper()}": 1 + max(getattr(f, f"sz_{n}")() for f in (law, kernels.advance)) for n in _MEMORY},
+        **{
+            f"SZ_{n.upper()}": 1 + max(getattr(f, f"sz_{n}")() for f in (law, kernels.advance))
+            for n in _MEMORY
+        },
     }
     sources = {
         "trip.c": files(__package__).joinpath("trip.c").read_text(encoding="utf-8"),

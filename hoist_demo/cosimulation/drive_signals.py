@@ -15,8 +15,14 @@ from hoist_demo.recording.time_series import TIME, Recording
 _REFERENCE = ("position", "speed", "acceleration", "jerk")
 DRIVE_UNITS = {
     TIME: "s",
-    **dict(zip((f"reference.{name}" for name in _REFERENCE), ("m", "m/s", "m/s2", "m/s3"), strict=True)),
-    **{f"conveyance.{side}.{n}": unit for side in SIDES for n, unit in (("y", "m"), ("vy", "m/s"), ("ay", "m/s2"))},
+    **dict(
+        zip((f"reference.{name}" for name in _REFERENCE), ("m", "m/s", "m/s2", "m/s3"), strict=True)
+    ),
+    **{
+        f"conveyance.{side}.{n}": unit
+        for side in SIDES
+        for n, unit in (("y", "m"), ("vy", "m/s"), ("ay", "m/s2"))
+    },
     "drive.angle": "rad",
     "drive.rate": "rad/s",
     "drive.torque_command": "N.m",
@@ -30,8 +36,15 @@ DRIVE_UNITS = {
     "drive.slip_safety": "1",
     "drive.slip": "m",
     "drive.slip_speed": "m/s",
-    **{f"drive.{name}_{side}": unit for name, unit in (("pull", "N"), ("slack", "m"), ("jam", "N")) for side in SIDES},
-    **{f"drive.work_{name}": "J" for name in ("motor", "losses", "slip", "rope_damping", "from_balance_rope")},
+    **{
+        f"drive.{name}_{side}": unit
+        for name, unit in (("pull", "N"), ("slack", "m"), ("jam", "N"))
+        for side in SIDES
+    },
+    **{
+        f"drive.work_{name}": "J"
+        for name in ("motor", "losses", "slip", "rope_damping", "from_balance_rope")
+    },
     **{f"drive.energy_{name}": "J" for name in ("kinetic", "potential", "residual")},
     "coupling.energy": "J",
     "coupling.exchanges": "1",
@@ -40,9 +53,20 @@ DRIVE_UNITS = {
 _MOTION = {"y": "y", "v": "vy", "a": "ay"}
 #: Signals that are numbers of OUTPUTS.
 _SHOWN_AS = {
-    **{f"{name}_{side}": f"conveyance.{side}.{spelt}" for side in SIDES for name, spelt in _MOTION.items()},
-    **{f"{name}_{side}": f"drive.{name}_{side}" for side in SIDES for name in ("tension", "pull", "slack", "jam")},
-    **{n: f"drive.{n}" for n in ("angle", "rate", "torque", "brake_torque", "energy_kinetic", "energy_potential")},
+    **{
+        f"{name}_{side}": f"conveyance.{side}.{spelt}"
+        for side in SIDES
+        for name, spelt in _MOTION.items()
+    },
+    **{
+        f"{name}_{side}": f"drive.{name}_{side}"
+        for side in SIDES
+        for name in ("tension", "pull", "slack", "jam")
+    },
+    **{
+        n: f"drive.{n}"
+        for n in ("angle", "rate", "torque", "brake_torque", "energy_kinetic", "energy_potential")
+    },
 }
 _BESIDE = "beside."  #: Before the names of what a row has beside them.
 #: What `drive_row` gives, by name.
@@ -58,12 +82,27 @@ ROW = (
 
 
 def drive_row(
-    t: float, reference: TrajectoryPoint, command: Command, drive: HoistPartner, scheme_state: SchemeState
+    t: float,
+    reference: TrajectoryPoint,
+    command: Command,
+    drive: HoistPartner,
+    scheme_state: SchemeState,
 ) -> tuple[tuple[float, ...], Vector, Vector]:
     """Return the drive's record at a sample, in parts; `with_drive_signals` computes the rest."""
     slip_state = drive.state.slip_state
-    numbers = (t, *reference[:4], command.torque, command.limited, slip_state.slid_distance, slip_state.speed)
-    return (*numbers, scheme_state.residual, scheme_state.exchanges), drive.outputs, drive.state.work_totals
+    numbers = (
+        t,
+        *reference[:4],
+        command.torque,
+        command.limited,
+        slip_state.slid_distance,
+        slip_state.speed,
+    )
+    return (
+        (*numbers, scheme_state.residual, scheme_state.exchanges),
+        drive.outputs,
+        drive.state.work_totals,
+    )
 
 
 def with_drive_signals(rows: Recording, hoist: Hoist) -> Recording:

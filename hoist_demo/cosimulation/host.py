@@ -48,7 +48,10 @@ _log = logging.getLogger(__name__)
 #: Called after every step with the fraction done and the time [s]; False stops the run.
 Progress = Callable[[float, float], bool]
 SAVE_INTERVAL = 5.0  #: Simulated time from one state that is kept to the next [s].
-LOADING_PARTS = (0.25, 0.75)  #: Parts of a dwell between which the payload changes to that of the next trip [assumed].
+LOADING_PARTS = (
+    0.25,
+    0.75,
+)  #: Parts of a dwell between which the payload changes to that of the next trip [assumed].
 _GUARD = ("guard.tripped", "guard.time")
 _Y_LEFT, _RATE = OUTPUT_INDEX["y_left"], OUTPUT_INDEX["rate"]
 _PULLS = [OUTPUT_INDEX["pull_left"], OUTPUT_INDEX["pull_right"]]
@@ -93,7 +96,9 @@ class Host:
         require_trip_fits(self.hoist, self.winding)
         self._gains = gains
         self._own = controller is not None
-        self._controller = partial(SpeedController, gains=gains) if controller is None else controller
+        self._controller = (
+            partial(SpeedController, gains=gains) if controller is None else controller
+        )
         self.trajectory = s_curve(self.winding) if trajectory is None else trajectory
         self.drive_clock, self.rope_clock, self.start_clock = Stopwatch(), Stopwatch(), Stopwatch()
         self.stability: StabilityEstimate | None = None
@@ -109,7 +114,9 @@ class Host:
     @property
     def samples(self) -> int:
         """Number of the controller's samples in the whole run, the first not counted."""
-        return math.ceil((self.trajectory.duration + self.winding.settle) / self.coupling.period - 1e-9)
+        return math.ceil(
+            (self.trajectory.duration + self.winding.settle) / self.coupling.period - 1e-9
+        )
 
     @property
     def data(self) -> str:
@@ -122,7 +129,10 @@ class Host:
         return f"{repr(data)[:-1]}{recorded}, controller={controller})"
 
     def run(
-        self, progress: Progress | None = None, save_to: Path | None = None, resume: Checkpoint | None = None
+        self,
+        progress: Progress | None = None,
+        save_to: Path | None = None,
+        resume: Checkpoint | None = None,
     ) -> Result:
         """Wind once; `progress` hears of every sample and may stop the run.
 
@@ -154,7 +164,9 @@ class Host:
             t = self.coupling.start + self.samples * self.coupling.period
             landing = self._start_height + self.trajectory.points[-1].position
             end = TripEnd(t, landing, run.drive.state, run.drive.input, run.scheme_state)
-        result = self._result(with_drive_signals(run.recorder.recording(), self.hoist), run.steps, cause, run.course)
+        result = self._result(
+            with_drive_signals(run.recorder.recording(), self.hoist), run.steps, cause, run.course
+        )
         return replace(result, checkpoint=checkpoint, saved=saved, end=end)
 
     def _start(self) -> RunState | str:
@@ -180,8 +192,12 @@ class Host:
         coupled = CoupledSystem(drive, self.rope, self.rope_clock)
         scheme_state = coupled.start(start) if after is None else after.scheme_state
         if after is None:
-            self.stability = predict_stability(self.scheme, self.coupling.scheme, coupled, start, self.coupling.step)
-        return RunState(drive, coupled, scheme_state, rest.x.item(0), self._recorder(), self._course)
+            self.stability = predict_stability(
+                self.scheme, self.coupling.scheme, coupled, start, self.coupling.step
+            )
+        return RunState(
+            drive, coupled, scheme_state, rest.x.item(0), self._recorder(), self._course
+        )
 
     def _checkpoint(self, run: RunState, cause: str) -> Checkpoint | None:
         """Return the saved state with the cause of the stop; None if no state was saved."""
@@ -196,13 +212,28 @@ class Host:
             except RuntimeError as error:
                 _log.warning("the rope's last good state is lost: %s", error)
         record = run.recorder.recording()
-        return Checkpoint(k, t, plant, controller, drive_input, scheme_state, rope, record, self.data, cause, self.name)
+        return Checkpoint(
+            k,
+            t,
+            plant,
+            controller,
+            drive_input,
+            scheme_state,
+            rope,
+            record,
+            self.data,
+            cause,
+            self.name,
+        )
 
     def _recorder(self) -> Recorder:
         """Return a recorder of all signals, without those of the rope that the drive has too."""
         units = self.rope.units()
         names = [name for name in units if name not in DRIVE_UNITS]
-        self._read_signals, self._read_sides = self.rope.reader(names), self.rope.reader(SIDE_FORCES)
+        self._read_signals, self._read_sides = (
+            self.rope.reader(names),
+            self.rope.reader(SIDE_FORCES),
+        )
         self._guard = tuple(names.index(name) for name in _GUARD if name in names)
         return Recorder([*ROW, *names], units | DRIVE_UNITS, self.samples + 1)
 
@@ -211,7 +242,10 @@ class Host:
         controller = _made(self._controller, self.hoist, run.holding_torque)
         start, T, last = self.coupling.start, self.coupling.period, self.samples
         if self.coupling.per_step > 1:
-            run.drive.per_step, run.drive.next_command = self.coupling.per_step, self._sampler(run, controller)
+            run.drive.per_step, run.drive.next_command = (
+                self.coupling.per_step,
+                self._sampler(run, controller),
+            )
         compiled = self._compiled(run)
         k = run.first
         while k <= last:
@@ -265,22 +299,35 @@ class Host:
         compiled = run.drive.plant.stick_integrator.kernels.library is not None
         if library is None or not (plain and compiled) or self.hoist.lining is not None:
             return None
-        gains, clocks, most = self._gains or Gains(), (self.drive_clock, self.rope_clock), self._save_interval
+        gains, clocks, most = (
+            self._gains or Gains(),
+            (self.drive_clock, self.rope_clock),
+            self._save_interval,
+        )
         try:
-            return CompiledTrip(run, library, self.hoist, gains, self.coupling, self._start_height, clocks, most)
+            return CompiledTrip(
+                run, library, self.hoist, gains, self.coupling, self._start_height, clocks, most
+            )
         except (OSError, RuntimeError, CalledProcessError) as error:
             _log.warning("the trip is wound in Python, four times as long: %s", last_words(error))
             return None
 
     def _under_safety_circuit(self, run: RunState, t: float, signals: Array) -> Course:
         """Return the course at t [s], with an emergency stop if the safety circuit opens."""
-        course, start, T, least = run.course, self.coupling.start, self.coupling.period, self.hoist.slack_tension
+        course, start, T, least = (
+            run.course,
+            self.coupling.start,
+            self.coupling.period,
+            self.hoist.slack_tension,
+        )
         if least is not None and min(run.drive.outputs[_PULLS]) < least:
             course = course.with_emergency_stop(t - start)
         if not self._guard or not signals.item(self._guard[0]) > 0.0:
             return course
         time = signals.item(self._guard[1])
-        return course.with_emergency_stop(start + T * max(0, math.ceil((time - start) / T - 1e-9)) - start)
+        return course.with_emergency_stop(
+            start + T * max(0, math.ceil((time - start) / T - 1e-9)) - start
+        )
 
     @property
     def _course(self) -> Course:
@@ -293,13 +340,19 @@ class Host:
         run.recorder.add(*drive_row(t, point, command, run.drive, run.scheme_state), signals)
         return command
 
-    def _command(self, controller: Controller, point: TrajectoryPoint, outputs: Vector, state: Any) -> Command:
+    def _command(
+        self, controller: Controller, point: TrajectoryPoint, outputs: Vector, state: Any
+    ) -> Command:
         """Ask the controller for its command, by the reference and the OUTPUTS of the drive."""
         travel = outputs.item(_Y_LEFT) - self._start_height
         speed = self.hoist.sheave_radius * outputs.item(_RATE)
-        command = controller.command(point, Measurement(travel, speed), state, self.coupling.sample_time)
+        command = controller.command(
+            point, Measurement(travel, speed), state, self.coupling.sample_time
+        )
         if not isinstance(command, Command):
-            raise ValueError(f"command() must return Command(torque, limited, state), not {type(command).__name__}")
+            raise ValueError(
+                f"command() must return Command(torque, limited, state), not {type(command).__name__}"
+            )
         return command
 
     def _sampler(self, run: RunState, controller: Controller) -> NextCommand:
@@ -321,7 +374,11 @@ class Host:
             numbers = f"torque = {command.torque:g} N m and brake = {command.brake:g}"
             return f"t = {t:.6g} s: the controller's {numbers} must be finite: check its command()"
         # the rope's forces on conveyances with play are held until the next sample
-        sides = np.nan_to_num(self._read_sides(), nan=0.0) if self.hoist.play is not None else _NO_FORCES
+        sides = (
+            np.nan_to_num(self._read_sides(), nan=0.0)
+            if self.hoist.play is not None
+            else _NO_FORCES
+        )
         run.commands = [command]
         run.drive.command(command.torque, command.brake, sides)
         return self._steps(run, k)
@@ -344,8 +401,13 @@ class Host:
 
     def _payload_changes(self, k: int) -> bool:
         """Return True if a payload changes in a step between sample k and the next."""
-        first, last = (self.trajectory.duration + part * self.winding.settle for part in LOADING_PARTS)
-        return self._next_hoist is not None and first < (k + 1) * self.coupling.period < last + 2 * self.coupling.period
+        first, last = (
+            self.trajectory.duration + part * self.winding.settle for part in LOADING_PARTS
+        )
+        return (
+            self._next_hoist is not None
+            and first < (k + 1) * self.coupling.period < last + 2 * self.coupling.period
+        )
 
     def _set_payloads(self, plant: HoistPlant, t: float) -> None:
         """Change the payloads before a step that begins t [s] after the start, in the middle of the dwell.
@@ -355,7 +417,11 @@ class Host:
         dwelt = t - self.trajectory.duration
         if self._next_hoist is not None and dwelt > LOADING_PARTS[0] * self.winding.settle:
             first, last = (part * self.winding.settle for part in LOADING_PARTS)
-            part, now, then = min((dwelt - first) / (last - first), 1.0), self.hoist, self._next_hoist
+            part, now, then = (
+                min((dwelt - first) / (last - first), 1.0),
+                self.hoist,
+                self._next_hoist,
+            )
             left = now.payload_left + part * (then.payload_left - now.payload_left)
             right = now.payload_right + part * (then.payload_right - now.payload_right)
             plant.reload(replace(now, payload_left=left, payload_right=right))
@@ -375,11 +441,15 @@ class Host:
             drive_clock=self.drive_clock,
             rope_clock=self.rope_clock,
             start_clock=self.start_clock,
-            warning=seen.warning(self.coupling.scheme, self.coupling.step) if seen is not None else "",
+            warning=seen.warning(self.coupling.scheme, self.coupling.step)
+            if seen is not None
+            else "",
         )
 
 
-def _made(make: Callable[[Hoist, float], Controller], hoist: Hoist, holding_torque: float) -> Controller:
+def _made(
+    make: Callable[[Hoist, float], Controller], hoist: Hoist, holding_torque: float
+) -> Controller:
     """Make the controller of a run; ValueError if ``make`` is no class or function, or it gives no commands."""
     if not callable(make):
         raise ValueError(

@@ -36,9 +36,15 @@ def encode(value: Any, name: str, arrays: Arrays) -> Any:
     if kind is bytes:
         return {"bytes": _store_array(np.frombuffer(value, np.uint8), name, arrays)}
     if isinstance(value, np.ndarray | np.generic) and value.dtype.kind in "biufc":
-        return {"array" if kind is np.ndarray else "number": _store_array(np.asarray(value), name, arrays)}
+        return {
+            "array" if kind is np.ndarray else "number": _store_array(
+                np.asarray(value), name, arrays
+            )
+        }
     if (names := _fields(kind)) is not None and _class(kind.__module__, kind.__qualname__) is kind:
-        contents = {field: encode(getattr(value, field), f"{name}.{field}", arrays) for field in names}
+        contents = {
+            field: encode(getattr(value, field), f"{name}.{field}", arrays) for field in names
+        }
         return {"class": [kind.__module__, kind.__qualname__, contents]}
     at_top = ", and classes must stand at the top of their module" if names is not None else ""
     raise ValueError(
@@ -52,7 +58,8 @@ def to_bytes(value: Any) -> bytes:
     arrays: Arrays = {}
     text = json.dumps(encode(value, "state", arrays))
     file = BytesIO()
-    np.savez(file, text=np.frombuffer(text.encode(), np.uint8), **{f"array {k}": x for k, x in arrays.items()})  # type: ignore[arg-type]
+    named = {f"array {k}": x for k, x in arrays.items()}
+    np.savez(file, text=np.frombuffer(text.encode(), np.uint8), **named)  # type: ignore[arg-type]
     return file.getvalue()
 
 
@@ -63,7 +70,9 @@ def from_bytes(data: bytes) -> Any:
             arrays = {name.removeprefix("array "): file[name] for name in file.files}
         return decode(json.loads(arrays.pop("text").tobytes()), arrays)
     except (KeyError, TypeError, ValueError, EOFError, zipfile.BadZipFile) as error:
-        raise ValueError(f"the state must be plain data of this version, but: {error}: start anew") from error
+        raise ValueError(
+            f"the state must be plain data of this version, but: {error}: start anew"
+        ) from error
 
 
 def _store_array(array: NDArray[Any], name: str, arrays: Arrays) -> str:
@@ -87,7 +96,9 @@ def _fields(kind: type[Any]) -> tuple[str, ...] | None:
     """Return the field names of a data class or named tuple; None for another class."""
     if is_dataclass(kind):
         return tuple(field.name for field in fields(kind))
-    names: tuple[str, ...] | None = getattr(kind, "_fields", None) if issubclass(kind, tuple) else None
+    names: tuple[str, ...] | None = (
+        getattr(kind, "_fields", None) if issubclass(kind, tuple) else None
+    )
     return names
 
 
@@ -114,7 +125,9 @@ def _construct(content: list[Any], arrays: Arrays) -> Any:
         return tuple.__new__(kind, (values[field] for field in names))
     made = object.__new__(kind)
     for field, x in values.items():
-        object.__setattr__(made, field, x)  # frozen ones too, and without __post_init__, which might change them
+        object.__setattr__(
+            made, field, x
+        )  # frozen ones too, and without __post_init__, which might change them
     return made
 
 

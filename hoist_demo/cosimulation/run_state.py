@@ -31,7 +31,9 @@ class TripEnd:
     def with_zeroed_totals(self) -> TripEnd:
         """Return the state with work and exchanges counted anew."""
         slip_state = self.plant.slip_state._replace(slid_distance=0.0)
-        plant = self.plant._replace(work_totals=np.zeros_like(self.plant.work_totals), slip_state=slip_state)
+        plant = self.plant._replace(
+            work_totals=np.zeros_like(self.plant.work_totals), slip_state=slip_state
+        )
         scheme_state = self.scheme_state._replace(exchanges=0, taken_back=0, residual=0.0)
         return replace(self, plant=plant, scheme_state=scheme_state)
 
@@ -47,7 +49,9 @@ class RunState:
     recorder: Recorder
     course: Course
     controller: Any = None  # the controller's state
-    commands: list[Command] = field(default_factory=list)  # commands since the latest recorded communication point
+    commands: list[Command] = field(
+        default_factory=list
+    )  # commands since the latest recorded communication point
     first: int = 0  # sample from which it goes on
     steps: int = 0  # communication steps done
     #: latest sample that is kept, states of drive and rope, the controller's, the scheme's
@@ -68,6 +72,10 @@ class Result:
     rope_clock: Stopwatch  # time of the rope's steps, reading its outputs included
     start_clock: Stopwatch  # time of the rope's initialization
     warning: str = ""  # warning about the coupling's stability
-    checkpoint: Checkpoint | None = None  # the last state that was kept, when the run stopped after its first sample
+    checkpoint: Checkpoint | None = (
+        None  # the last state that was kept, when the run stopped after its first sample
+    )
     saved: Path | None = None  # file of the checkpoint
-    end: TripEnd | None = None  # start of the next trip, when completed without a guard's emergency stop
+    end: TripEnd | None = (
+        None  # start of the next trip, when completed without a guard's emergency stop
+    )

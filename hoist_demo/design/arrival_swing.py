@@ -64,7 +64,11 @@ class SpeedLoop:
         proportional = rim * gains.speed
         coulomb, _ = hoist.travel_loss
         return SpeedLoop(
-            rim, error, proportional, proportional / gains.integral_time, coulomb / hoist.loss_speed * rim**2
+            rim,
+            error,
+            proportional,
+            proportional / gains.integral_time,
+            coulomb / hoist.loss_speed * rim**2,
         )
 
     @property
@@ -99,7 +103,9 @@ def swing_at_arrival(case: Case, start: float) -> ArrivalSwing:
     except ValueError as error:
         pole = pole_of_sparse(selected, loop)
         if pole is None:
-            raise ValueError(f"{error}; nor has the complete model a swing that lasts: give shaper.frequency") from None
+            raise ValueError(
+                f"{error}; nor has the complete model a swing that lasts: give shaper.frequency"
+            ) from None
     else:
         pole = _pole_of_small(small, loop)
         if pole is None:
@@ -125,7 +131,9 @@ def _pole_of_small(small: ReducedModel, loop: SpeedLoop) -> complex | None:
     states = np.column_stack((A, np.zeros(len(A)))) + B @ fed_back
     closed = np.vstack((states, loop.integral * (loop.error @ outputs)))
     poles, shapes = np.linalg.eig(closed)
-    commanded = np.append(B @ inverse[:, _COMMAND], loop.integral * (loop.error @ D @ inverse[:, _COMMAND]))
+    commanded = np.append(
+        B @ inverse[:, _COMMAND], loop.integral * (loop.error @ D @ inverse[:, _COMMAND])
+    )
     excited = np.linalg.solve(shapes, commanded.astype(complex))
     moved = np.abs(loop.swings @ outputs @ shapes).max(axis=0)
     swings = moved * np.abs(excited / poles**2)

@@ -37,8 +37,12 @@ class Task:
     gains: Gains
     shaper: Shaper
     trajectory: TrajectoryOptions
-    nominal: Hoist | None = field(default=None, kw_only=True)  # hoist of the design; None: the one that is wound
-    start: float | None = field(default=None, kw_only=True)  # m, left conveyance before the trip; None: at a landing
+    nominal: Hoist | None = field(
+        default=None, kw_only=True
+    )  # hoist of the design; None: the one that is wound
+    start: float | None = field(
+        default=None, kw_only=True
+    )  # m, left conveyance before the trip; None: at a landing
 
     @property
     def start_height(self) -> float:
@@ -49,7 +53,9 @@ class Task:
     def require_possible(self) -> None:
         """Reject an unknown controller, a designed trip with an emergency stop, and an optimised one with creep."""
         if self.controller not in DESIGNS:
-            raise ValueError(f"controller = {self.controller!r} must be one of {', '.join(DESIGNS)}: choose one")
+            raise ValueError(
+                f"controller = {self.controller!r} must be one of {', '.join(DESIGNS)}: choose one"
+            )
         if self.controller in _OWN_TRIP and self.winding.emergency_at is not None:
             raise ValueError(
                 f"emergency_at = {self.winding.emergency_at:g} s must not be given with controller = "

@@ -72,7 +72,9 @@ class LinearModel:
         C, C_v, C_a = self.maps
         responses = []
         for z in s:
-            x = splu((z * z * self.mass + z * self.damping + self.stiffness).tocsc()).solve(self.B.astype(complex))
+            x = splu((z * z * self.mass + z * self.damping + self.stiffness).tocsc()).solve(
+                self.B.astype(complex)
+            )
             responses.append((C + z * C_v + z * z * C_a) @ x + self.through)
         return np.array(responses)
 
@@ -89,16 +91,24 @@ class LinearModel:
         else:
             squares, shapes = sparse_modes(K, M, largest, progress)
         omega = np.sqrt(np.maximum(squares, 0.0))
-        damping = np.einsum("ij,ij->j", shapes, self.damping[:n, :n] @ shapes) / (2 * np.maximum(omega, _SLOWEST))
+        damping = np.einsum("ij,ij->j", shapes, self.damping[:n, :n] @ shapes) / (
+            2 * np.maximum(omega, _SLOWEST)
+        )
         # kinetic energy by the coordinates' first part: the hoist, or a direction of the rope
-        kind = ["hoist" if not x.startswith("rope.") else PARTS[1 + _DIRECTION[int(x[-1])]] for x in self.names[:n]]
+        kind = [
+            "hoist" if not x.startswith("rope.") else PARTS[1 + _DIRECTION[int(x[-1])]]
+            for x in self.names[:n]
+        ]
         energy = shapes * (M @ shapes)
         shares = np.array([energy[[part == x for x in kind]].sum(axis=0) for part in PARTS])
         return Modes(omega / (2 * np.pi), damping, shapes, shares)
 
     def selected(self, inputs: Iterable[str], outputs: Iterable[str]) -> LinearModel:
         """Return the model with these inputs and outputs only; ValueError for others than it has."""
-        columns, rows = _places(inputs, self.inputs, "inputs"), _places(outputs, self.outputs, "outputs")
+        columns, rows = (
+            _places(inputs, self.inputs, "inputs"),
+            _places(outputs, self.outputs, "outputs"),
+        )
         return replace(
             self,
             inputs=tuple(self.inputs[k] for k in columns),
@@ -114,5 +124,7 @@ class LinearModel:
 def _places(wanted: Iterable[str], there: tuple[str, ...], what: str) -> list[int]:
     wanted = tuple(wanted)
     if missing := [name for name in wanted if name not in there]:
-        raise ValueError(f"{what} {', '.join(missing)} must be among {', '.join(there)}: choose from them")
+        raise ValueError(
+            f"{what} {', '.join(missing)} must be among {', '.join(there)}: choose from them"
+        )
     return [there.index(name) for name in wanted]

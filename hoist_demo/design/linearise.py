@@ -37,7 +37,18 @@ HeldBy = Literal["motor", "brake"]
 _MODES = {"locked": 0, "free": 1, "sticking": 2}  #: codes of swivel.mode
 #: Coordinates of an end, and places in a node's row; their accelerations are inputs but for the shared height.
 _END = {"x": 0, "y": 1, "z": 2, "yaw": 6}
-_SHOWN = ("angle", "rate", "motor_rate", "torque", "y_left", "y_right", "v_left", "v_right", "pull_left", "pull_right")
+_SHOWN = (
+    "angle",
+    "rate",
+    "motor_rate",
+    "torque",
+    "y_left",
+    "y_right",
+    "v_left",
+    "v_right",
+    "pull_left",
+    "pull_right",
+)
 _TENSIONS = ("tension_left", "tension_right")
 
 
@@ -84,15 +95,29 @@ def linearise(
     return tuple(_assembled(x, *_parts(hoist, specs, x, held_by, speed)) for x in at)
 
 
-def linearise_hoist(case: Case, at: float, held_by: HeldBy = "motor", level: Level = "standard") -> LinearModel:
+def linearise_hoist(
+    case: Case, at: float, held_by: HeldBy = "motor", level: Level = "standard"
+) -> LinearModel:
     """Return the model of a hoist under the constant forces of ropes at rest: what a controller sees without them."""
     _, drive = _parts(_smooth(case.hoist, held_by), _rope_specs(case, level=level), at, held_by)
     M, D, K = (sp.csc_matrix(A) for A in drive.matrices)
     C, C_v, C_a = (sp.csr_matrix(A) for A in drive.maps)
     return LinearModel(
-        at, (*drive.coordinates, *drive.lags), 0, len(drive.lags), M, D, K, drive.inputs, drive.B, drive.outputs,
-        (C, C_v, C_a), drive.through, drive.rest_inputs, drive.rest_outputs,
-    )  # fmt: skip
+        at,
+        (*drive.coordinates, *drive.lags),
+        0,
+        len(drive.lags),
+        M,
+        D,
+        K,
+        drive.inputs,
+        drive.B,
+        drive.outputs,
+        (C, C_v, C_a),
+        drive.through,
+        drive.rest_inputs,
+        drive.rest_outputs,
+    )
 
 
 def linearise_rope(scene: Scene, left: EndMotion, right: EndMotion) -> LinearModel:
@@ -110,7 +135,9 @@ class LinearRopeSpec(NamedTuple):
     suspension: SuspensionOffset = SuspensionOffset()
 
 
-def _rope_specs(case: Case, swivels: Swivels = "as given", level: Level = "standard") -> list[LinearRopeSpec]:
+def _rope_specs(
+    case: Case, swivels: Swivels = "as given", level: Level = "standard"
+) -> list[LinearRopeSpec]:
     """Return the balance ropes of a hoist, ready to hang."""
     if not case.distinct_ropes:
         scene = rope_scene({**case.rope, **_swivels(swivels)}, level)
@@ -131,7 +158,9 @@ def _swivels(wanted: Swivels) -> dict[str, int]:
     if wanted == "as given":
         return {}
     if wanted not in _MODES:
-        raise ValueError(f"swivels = {wanted!r} must be 'as given', {', '.join(map(repr, _MODES))}: choose one")
+        raise ValueError(
+            f"swivels = {wanted!r} must be 'as given', {', '.join(map(repr, _MODES))}: choose one"
+        )
     return dict.fromkeys(("left.swivel.mode", "right.swivel.mode"), _MODES[wanted])
 
 
@@ -142,7 +171,9 @@ def _rope(scene: Scene) -> RopeSimulator:
 def _hung(rope: RopeSimulator, left: EndMotion, right: EndMotion, speed: float = 0.0) -> LinearRope:
     status = rope.initialize(0.0, left, right)
     if not status.valid:
-        raise ValueError(f"rope at rest with left.y = {left.y:g} m and right.y = {right.y:g} m: {status.message}")
+        raise ValueError(
+            f"rope at rest with left.y = {left.y:g} m and right.y = {right.y:g} m: {status.message}"
+        )
     let_turn(rope)
     return linear_rope(rope, speed)
 
@@ -176,15 +207,24 @@ class LinearHoist:
     def none() -> LinearHoist:
         """Return an empty model, for a rope alone."""
         empty = np.zeros((0, 0))
-        return LinearHoist((), (), (empty,) * 3, (), empty, (), (empty,) * 3, empty, np.zeros(0), np.zeros(0))
+        return LinearHoist(
+            (), (), (empty,) * 3, (), empty, (), (empty,) * 3, empty, np.zeros(0), np.zeros(0)
+        )
 
 
 @cache
 def _derivatives(structure: Hoist) -> Any:
     """(x, a, u, l0, p) -> derivatives of Lagrange's rows and tensions, rates and outputs to x, a and u; values."""
     of = equations(structure)
-    x, a = ca.SX.sym("x", len(state_names(structure))), ca.SX.sym("a", 3 + len(extra_coordinates(structure)))
-    u, l0, p = ca.SX.sym("u", len(INPUT_NAMES)), ca.SX.sym("l0", 2), ca.SX.sym("p", len(structure.numbers))
+    x, a = (
+        ca.SX.sym("x", len(state_names(structure))),
+        ca.SX.sym("a", 3 + len(extra_coordinates(structure))),
+    )
+    u, l0, p = (
+        ca.SX.sym("u", len(INPUT_NAMES)),
+        ca.SX.sym("l0", 2),
+        ca.SX.sym("p", len(structure.numbers)),
+    )
     rows = ca.vertcat(of.lagrange(x, a, u, l0, p), of.rates(x, u, l0, p))
     outputs = of.outputs(x, u, l0, p)
     values = ca.vertcat(rows, *(outputs[OUTPUT_INDEX[name]] for name in _SHOWN))
@@ -193,11 +233,19 @@ def _derivatives(structure: Hoist) -> Any:
 
 
 def _linear_hoist(
-    hoist: Hoist, heights: tuple[float, float], forces: tuple[float, float], held_by: HeldBy, speed: float
+    hoist: Hoist,
+    heights: tuple[float, float],
+    forces: tuple[float, float],
+    held_by: HeldBy,
+    speed: float,
 ) -> LinearHoist:
     """Return the hoist's part with its conveyances at these heights and this speed, under forces of one rope."""
     plant = HoistPlant(hoist, "portable")
-    state = plant.equilibrium(*heights, *forces) if held_by == "motor" else plant.hanging_state(*heights, *forces)
+    state = (
+        plant.equilibrium(*heights, *forces)
+        if held_by == "motor"
+        else plant.hanging_state(*heights, *forces)
+    )
     x, names, torque = state.x.copy(), list(state_names(hoist)), float(state.x[0])
     u = np.zeros(len(INPUT_NAMES))
     # the asked pressure counts as within its limits, where it acts
@@ -228,9 +276,13 @@ def _linear_hoist(
     derivatives = _derivatives(hoist.equation_structure)
     still = np.zeros(n)
     if speed:  # the motor makes up for the losses
-        by_x, _, _, values = (np.array(part) for part in derivatives(x, still, u, state.free_lengths, numbers))
+        by_x, _, _, values = (
+            np.array(part) for part in derivatives(x, still, u, state.free_lengths, numbers)
+        )
         u[0] = x[0] = x[0] - values[0, 0] / by_x[0, 0]
-    by_x, by_a, by_u, values = (np.array(part) for part in derivatives(x, still, u, state.free_lengths, numbers))
+    by_x, by_a, by_u, values = (
+        np.array(part) for part in derivatives(x, still, u, state.free_lengths, numbers)
+    )
     # rows: Lagrange's, tensions, rates, what is shown
     rates, shown = n + 2, n + 2 + len(names)
     late = [rates + k for k in lag]
@@ -251,10 +303,17 @@ def _linear_hoist(
     C = by_x[seen][:, [*q, *lag]]
     C_v, C_a = (np.hstack((by[seen], np.zeros((len(seen), len(lag))))) for by in (by_x[:, v], by_a))
     return LinearHoist(
-        coordinates, tuple(names[k] for k in lag), (M, D, K), (*commands, "torque", "force_left", "force_right"), B,
-        (*_TENSIONS, *_SHOWN), (C, C_v, C_a), np.zeros((len(seen), B.shape[1])),
-        np.array([x[0], *([1.0] if held_by == "brake" else []), 0.0, 0.0, 0.0]), values[seen].ravel(),
-    )  # fmt: skip
+        coordinates,
+        tuple(names[k] for k in lag),
+        (M, D, K),
+        (*commands, "torque", "force_left", "force_right"),
+        B,
+        (*_TENSIONS, *_SHOWN),
+        (C, C_v, C_a),
+        np.zeros((len(seen), B.shape[1])),
+        np.array([x[0], *([1.0] if held_by == "brake" else []), 0.0, 0.0, 0.0]),
+        values[seen].ravel(),
+    )
 
 
 _Hung = Sequence[tuple[LinearRopeSpec, LinearRope]]
@@ -269,11 +328,16 @@ def _parts(
     left, right = at * hoist.shaft_travel, (1.0 - at) * hoist.shaft_travel
     specs = list(specs)
     ends = EndMotion(y=left), EndMotion(y=right)
-    ropes = {id(rope): _hung(rope, *ends, speed) for rope in {id(spec.rope): spec.rope for spec in specs}.values()}
+    ropes = {
+        id(rope): _hung(rope, *ends, speed)
+        for rope in {id(spec.rope): spec.rope for spec in specs}.values()
+    }
     hung = [(spec, ropes[id(spec.rope)]) for spec in specs]
     # the hoist takes its ropes for so many equal ones
     pulls = [
-        sum_of(spec.number * float(rope.rest[rope.outputs.index(f"{side}.fy")]) for spec, rope in hung)
+        sum_of(
+            spec.number * float(rope.rest[rope.outputs.index(f"{side}.fy")]) for spec, rope in hung
+        )
         / hoist.tail_rope_number
         for side in SIDES
     ]
@@ -289,10 +353,14 @@ def _end_coordinates(rope: LinearRope) -> dict[str, int]:
 def _is_moved(spec: LinearRopeSpec, rope: LinearRope, name: str) -> bool:
     """Return True if a conveyance that moves so takes the rope's end along."""
     side, _, direction = name.partition(".")
-    return not rope.free[_end_coordinates(rope)[name]] or (direction == "yaw" and any(spec.suspension.at(side)))
+    return not rope.free[_end_coordinates(rope)[name]] or (
+        direction == "yaw" and any(spec.suspension.at(side))
+    )
 
 
-def _carried(spec: LinearRopeSpec, rope: LinearRope, first: int, shared: Mapping[str, int], size: int) -> sp.csc_matrix:
+def _carried(
+    spec: LinearRopeSpec, rope: LinearRope, first: int, shared: Mapping[str, int], size: int
+) -> sp.csc_matrix:
     """Return a rope's coordinates by those of the model: its own from `first` on, its ends' by the `shared` ones."""
     ends = _end_coordinates(rope)
     entries = [(k, first + j, 1.0) for j, k in enumerate(np.flatnonzero(rope.free).tolist())]
@@ -314,7 +382,9 @@ def _carried(spec: LinearRopeSpec, rope: LinearRope, first: int, shared: Mapping
 def _assembled(at: float, hung: _Hung, hoist: LinearHoist) -> LinearModel:
     """Return hoist and ropes, joined at the heights of the ends."""
     drives, n_lags, ropes = len(hoist.coordinates), len(hoist.lags), [rope for _, rope in hung]
-    heights = {f"{side}.y": hoist.coordinates.index(f"y_{side}") for side in SIDES} if drives else {}
+    heights = (
+        {f"{side}.y": hoist.coordinates.index(f"y_{side}") for side in SIDES} if drives else {}
+    )
     held = [
         name
         for name in _end_coordinates(ropes[0])
@@ -323,14 +393,23 @@ def _assembled(at: float, hung: _Hung, hoist: LinearHoist) -> LinearModel:
     firsts = drives + np.cumsum([0, *(np.count_nonzero(rope.free) for rope in ropes)])
     first_held = int(firsts[-1])
     first_lag = first_held + len(held)
-    total, shared = first_lag + n_lags, heights | dict(zip(held, range(first_held, first_lag), strict=True))
-    Ts = [_carried(*one, first, shared, total) for one, first in zip(hung, firsts.tolist(), strict=False)]
+    total, shared = (
+        first_lag + n_lags,
+        heights | dict(zip(held, range(first_held, first_lag), strict=True)),
+    )
+    Ts = [
+        _carried(*one, first, shared, total)
+        for one, first in zip(hung, firsts.tolist(), strict=False)
+    ]
     mine = [*range(drives), *range(first_lag, total)]
     S = sp.csc_matrix((np.ones(len(mine)), (range(len(mine)), mine)), shape=(len(mine), total))
     keep = sp.diags([0.0 if first_held <= k < first_lag else 1.0 for k in range(total)])
     M, D, K = (
         sum(
-            (keep @ (spec.number * (T.T @ getattr(rope, part) @ T)) for (spec, rope), T in zip(hung, Ts, strict=True)),
+            (
+                keep @ (spec.number * (T.T @ getattr(rope, part) @ T))
+                for (spec, rope), T in zip(hung, Ts, strict=True)
+            ),
             keep @ (S.T @ sp.csc_matrix(H) @ S),
         ).tocsc()
         for part, H in zip(("mass", "damping", "stiffness"), hoist.matrices, strict=True)
@@ -339,18 +418,37 @@ def _assembled(at: float, hung: _Hung, hoist: LinearHoist) -> LinearModel:
     B[mine, : len(hoist.inputs)] = hoist.B
     B[first_held:first_lag, len(hoist.inputs) :] = np.eye(len(held))
     C = [
-        sp.vstack([sp.csr_matrix(H) @ S, *(rope.maps[k] @ T for rope, T in zip(ropes, Ts, strict=True))]).tocsr()
+        sp.vstack(
+            [sp.csr_matrix(H) @ S, *(rope.maps[k] @ T for rope, T in zip(ropes, Ts, strict=True))]
+        ).tocsr()
         for k, H in enumerate(hoist.maps)
     ]
     prefixed = [(f"{spec.name}." if spec.name else "", rope) for spec, rope in hung]
-    own = [f"rope.{prefix}{k // 7}.{k % 7}" for prefix, rope in prefixed for k in np.flatnonzero(rope.free)]
+    own = [
+        f"rope.{prefix}{k // 7}.{k % 7}"
+        for prefix, rope in prefixed
+        for k in np.flatnonzero(rope.free)
+    ]
     names = (*hoist.coordinates, *own, *held, *hoist.lags)
     outputs = [f"{prefix}{name}" for prefix, rope in prefixed for name in rope.outputs]
     return LinearModel(
-        at, names, len(held), n_lags, (M + sp.eye(total) - keep).tocsc(), D, K,
-        (*hoist.inputs, *held), B, (*hoist.outputs, *outputs), (C[0], C[1], C[2]),
-        np.vstack((np.hstack((hoist.through, np.zeros((len(hoist.outputs), len(held))))),
-                   np.zeros((len(outputs), B.shape[1])))),
+        at,
+        names,
+        len(held),
+        n_lags,
+        (M + sp.eye(total) - keep).tocsc(),
+        D,
+        K,
+        (*hoist.inputs, *held),
+        B,
+        (*hoist.outputs, *outputs),
+        (C[0], C[1], C[2]),
+        np.vstack(
+            (
+                np.hstack((hoist.through, np.zeros((len(hoist.outputs), len(held))))),
+                np.zeros((len(outputs), B.shape[1])),
+            )
+        ),
         np.concatenate((hoist.rest_inputs, np.zeros(len(held)))),
         np.concatenate((hoist.rest_outputs, *(rope.rest for rope in ropes))),
-    )  # fmt: skip
+    )

@@ -43,7 +43,9 @@ class LowFidelityModel:
 
 def low_fidelity(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> LowFidelityModel:
     """Return the closed loop for a trip that begins at rest with the conveyances at these heights [m]."""
-    hoist = replace(hoist, head_rope_modes=0, drive_shaft=None, brake=None, lining=None, power_limit=None)
+    hoist = replace(
+        hoist, head_rope_modes=0, drive_shaft=None, brake=None, lining=None, power_limit=None
+    )
     hoist = replace(hoist, guides=None, play=None, jam_left=None, jam_right=None)
     plant = HoistPlant(hoist)
     R = hoist.sheave_radius
@@ -73,7 +75,9 @@ def low_fidelity(hoist: Hoist, gains: Gains, y_left: float, y_right: float) -> L
     start = np.zeros(STATES)
     start[9] = held
     x = ca.vertcat(reference, q, v, motor, integral)
-    fed = ca.Function("ahead", motion, [held + controller.ahead(motion)], ["r0", "r1", "r2"], ["force"])
+    fed = ca.Function(
+        "ahead", motion, [held + controller.ahead(motion)], ["r0", "r1", "r2"], ["force"]
+    )
     rates = ca.cse(rates)  # the mass matrix is in the accelerations and in B
     return LowFidelityModel(ca.Function("low_fidelity", [x, jerk], [rates]), fed, start)
 
@@ -83,7 +87,9 @@ def _accelerations(plant: HoistPlant, rest: PlantState) -> Any:
     x, F = ca.SX.sym("x", len(STATE_NAMES)), ca.SX.sym("F", 2)
     u = ca.SX.zeros(len(INPUT_NAMES))
     u[list(FORCES)] = F
-    moved = equations(plant.hoist.equation_structure).rates(x, u, rest.free_lengths, plant.hoist.numbers)[4:7]
+    moved = equations(plant.hoist.equation_structure).rates(
+        x, u, rest.free_lengths, plant.hoist.numbers
+    )[4:7]
     B = ca.jacobian(moved, F)
     M, c = _mass_and_load(plant.hoist)(x[2:4], x[5:7])
     a_0 = ca.substitute(moved, F, -c)
@@ -103,4 +109,6 @@ def _mass_and_load(hoist: Hoist) -> Any:
 
 def _legs(hoist: Hoist, y_left: Any, y_right: Any) -> tuple[Any, Any]:
     """Return the lengths of a balance rope's legs [m]."""
-    return (hoist.tail_rope_length + y_left - y_right) / 2, (hoist.tail_rope_length - y_left + y_right) / 2
+    return (hoist.tail_rope_length + y_left - y_right) / 2, (
+        hoist.tail_rope_length - y_left + y_right
+    ) / 2

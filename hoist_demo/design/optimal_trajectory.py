@@ -31,11 +31,17 @@ _IPOPT: dict[str, Any] = {
     "tol": 1e-5,
     "hessian_approximation": "limited-memory",
 }
-_SMOOTHNESS = 1e-2  # s, price of a jerk that jumps by j_max at every interval's end, over all of them
+_SMOOTHNESS = (
+    1e-2  # s, price of a jerk that jumps by j_max at every interval's end, over all of them
+)
 
 
 def optimise(
-    hoist: Hoist, winding: Winding, gains: Gains, limits: TrajectoryOptions, start: float | None = None
+    hoist: Hoist,
+    winding: Winding,
+    gains: Gains,
+    limits: TrajectoryOptions,
+    start: float | None = None,
 ) -> Trajectory:
     """Return the optimised trip; a solver that does not converge is an error with its status.
 
@@ -55,7 +61,11 @@ def optimise(
 
     # the reference is a chain of integrators between nodes; the hoist follows it from the start to the hold's end
     opti = ca.Opti()
-    T, J, r = opti.variable(), opti.variable(1, N), opti.variable(3, N + 1)  # r: s [10 m], v [10 m/s], a [m/s^2]
+    T, J, r = (
+        opti.variable(),
+        opti.variable(1, N),
+        opti.variable(3, N + 1),
+    )  # r: s [10 m], v [10 m/s], a [m/s^2]
     scale, h, j = ca.DM([10.0, 10.0, 1.0]), T / N, winding.jerk * J
     s, v, a = (scale[i] * r[i, :] for i in range(3))
     ends = (
@@ -92,7 +102,13 @@ def optimise(
         ) from error
     duration = float(solution.value(T))
     optimal_jerks = winding.jerk * np.asarray(solution.value(J), dtype=np.float64).ravel()
-    return chain(winding.start_delay, rest(0.0), optimal_jerks.tolist(), [duration / N] * N, end=winding.travel)
+    return chain(
+        winding.start_delay,
+        rest(0.0),
+        optimal_jerks.tolist(),
+        [duration / N] * N,
+        end=winding.travel,
+    )
 
 
 def require_no_creep(winding: Winding) -> None:
@@ -119,5 +135,7 @@ def _swing(model: LowFidelityModel, N: int, N_hold: int, substeps: int) -> Any:
     step = ca.Function("step", [x, j, h], [z, squares])
     T, jerks = ca.MX.sym("T"), ca.MX.sym("jerks", 1, N)
     rest = ca.DM.zeros(1, N_hold)
-    _, squared_speeds = step.mapaccum(N + N_hold)(model.start, ca.horzcat(jerks, rest), ca.repmat(T / N, 1, N + N_hold))
+    _, squared_speeds = step.mapaccum(N + N_hold)(
+        model.start, ca.horzcat(jerks, rest), ca.repmat(T / N, 1, N + N_hold)
+    )
     return ca.Function("swing", [T, jerks], [ca.sum2(squared_speeds[N:]) / N_hold])

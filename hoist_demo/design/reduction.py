@@ -40,9 +40,13 @@ from rope_model.files import whole_file, write_text
 SLOWEST = 0.02  #: Hz, lower end of the band in which errors are measured.
 BEYOND = 5.0  #: Modes up to so many times the band's upper end are looked at.
 ALPHA = 2 * np.pi * SLOWEST  #: 1/s.
-MAX_DECIBELS = 0.5  #: Error of a channel's gain up to which a small model stands for the sparse one: 6 %.
+MAX_DECIBELS = (
+    0.5  #: Error of a channel's gain up to which a small model stands for the sparse one: 6 %.
+)
 MAX_DEGREES = 5.0  #: Error of a channel's phase likewise.
-FEWEST_STATES = 8  #: States beside those of lags and moved ends from which a sufficient number is looked for.
+FEWEST_STATES = (
+    8  #: States beside those of lags and moved ends from which a sufficient number is looked for.
+)
 MOST_STATES = 41  #: States up to which it is looked for.
 _log = logging.getLogger(__name__)
 _FIT = 1e-2  #: Price of a change of C and D by the fit, over that of an error.
@@ -50,8 +54,12 @@ _SHIFT = 0.3  #: Re s / 2 pi of the basis [Hz].
 _FIRST_SHIFT = 0.5  #: Im s of the first shift, over the band.
 _SHIFT_STEP = 0.447  #: Im s from one shift to the next, over the band.
 _SHIFT_WRAP = 1.2  #: Im s at which the shifts begin again, over the band.
-_RANK_TOLERANCE = 1e-3  #: Least kinetic energy of a motion that is new to a basis, over all that are new.
-_RELATIVE_RANK_TOLERANCE = 1e-12  #: Least kinetic energy of the new motions, over that of what they come from.
+_RANK_TOLERANCE = (
+    1e-3  #: Least kinetic energy of a motion that is new to a basis, over all that are new.
+)
+_RELATIVE_RANK_TOLERANCE = (
+    1e-12  #: Least kinetic energy of the new motions, over that of what they come from.
+)
 _LEAST = 1e-9  #: Of a channel's largest gain: less is no response.
 
 
@@ -93,7 +101,9 @@ class ReducedModel:
 
     def response(self, height: int, s: Iterable[complex]) -> NDArray[np.complex128]:
         """Transfer functions (len(s), outputs, inputs) at a height, by its place in `at`."""
-        return _response(self.A[height], self.B[height], self.C[height], self.D[height], np.asarray(list(s)))
+        return _response(
+            self.A[height], self.B[height], self.C[height], self.D[height], np.asarray(list(s))
+        )
 
     def state_space(self, height: int) -> Any:
         """Return a height's model as control.StateSpace; ImportError without python-control."""
@@ -105,12 +115,17 @@ class ReducedModel:
             ) from error
         matrices = (part[height] for part in (self.A, self.B, self.C, self.D))
         # a point is for names of systems there
-        inputs, outputs = ([name.replace(".", "_") for name in names] for names in (self.inputs, self.outputs))
+        inputs, outputs = (
+            [name.replace(".", "_") for name in names] for names in (self.inputs, self.outputs)
+        )
         return control.StateSpace(*matrices, inputs=inputs, outputs=outputs)
 
     def scheduled(self) -> Any:
         """CasADi function (part of the travel, X, u) -> X', y, of cubic splines between heights, constant beyond."""
-        part, X, u = (ca.MX.sym(x, size) for x, size in (("at", 1), ("X", self.A.shape[1]), ("u", self.B.shape[2])))
+        part, X, u = (
+            ca.MX.sym(x, size)
+            for x, size in (("at", 1), ("X", self.A.shape[1]), ("u", self.B.shape[2]))
+        )
         at = self.at
         options = {"degree": [min(3, len(self.at) - 1)]}
         inside = ca.fmin(ca.fmax(part, at[0]), at[-1])
@@ -120,13 +135,17 @@ class ReducedModel:
                 return ca.DM(values[0])
             # CasADi has columns first
             flat = values.transpose(0, 2, 1).ravel()
-            return ca.reshape(ca.interpolant("part", "bspline", [at], flat, options)(inside), *values.shape[1:])
+            return ca.reshape(
+                ca.interpolant("part", "bspline", [at], flat, options)(inside), *values.shape[1:]
+            )
 
         A, B, C, D = (between(values) for values in (self.A, self.B, self.C, self.D))
         interpolated_A = ca.Function("A", [part], [A])
         largest_rate = max(0.0, np.linalg.eigvals(self.A).real.max())
         for x in np.interp(np.arange(0, len(at) - 0.9, 0.25), range(len(at)), at):
-            if (rate := np.linalg.eigvals(interpolated_A(x).full()).real.max()) > largest_rate + ALPHA:
+            if (
+                rate := np.linalg.eigvals(interpolated_A(x).full()).real.max()
+            ) > largest_rate + ALPHA:
                 raise ValueError(
                     f"the model at = {x:.3g}, between heights, grows by {rate:.3g} 1/s and must by no more than "
                     f"{largest_rate + ALPHA:.3g}: take more heights, denser at the ends, or fewer states"
@@ -143,12 +162,18 @@ class ReducedModel:
         named = {name: np.array(data[name], dtype=object) for name in ("inputs", "outputs")}
         # MATLAB has the heights last
         with whole_file(mat) as draft:
-            savemat(draft, {name: np.moveaxis(x, 0, -1) if x.ndim == 3 else x for name, x in data.items()} | named)
+            savemat(
+                draft,
+                {name: np.moveaxis(x, 0, -1) if x.ndim == 3 else x for name, x in data.items()}
+                | named,
+            )
         write_text(text, json.dumps({name: x.tolist() for name, x in data.items()}))
         return npz, mat, text
 
 
-def reduced(models: Sequence[LinearModel], states: int | None = None, band: float = 2.0) -> ReducedModel:
+def reduced(
+    models: Sequence[LinearModel], states: int | None = None, band: float = 2.0
+) -> ReducedModel:
     """Return small models of all heights.
 
     Parameters
@@ -203,8 +228,12 @@ class _Reduction:
             if not small.excess:
                 return small
         if small is None:
-            raise ValueError(f"inputs that take {others} states must take fewer than {MOST_STATES}: select fewer")
-        raise ValueError(f"{small.excess}: state the number of states to take such a model, or select other channels")
+            raise ValueError(
+                f"inputs that take {others} states must take fewer than {MOST_STATES}: select fewer"
+            )
+        raise ValueError(
+            f"{small.excess}: state the number of states to take such a model, or select other channels"
+        )
 
     def of(self, states: int) -> ReducedModel:
         """Return the models of so many states, with their errors."""
@@ -220,9 +249,20 @@ class _Reduction:
         rest_inputs = np.array([m.rest_inputs for m in self._models])
         rest_outputs = np.array([m.rest_outputs for m in self._models])
         return ReducedModel(
-            tuple(m.at for m in self._models), first.inputs, first.outputs, A, B, C, D, rest_inputs, rest_outputs,
-            band, decibels, degrees, share,
-        )  # fmt: skip
+            tuple(m.at for m in self._models),
+            first.inputs,
+            first.outputs,
+            A,
+            B,
+            C,
+            D,
+            rest_inputs,
+            rest_outputs,
+            band,
+            decibels,
+            degrees,
+            share,
+        )
 
     def _bases(self, states: int) -> list[Array]:
         """Return motions (free, count) of each height, orthonormal by M, with the same meaning at all heights."""
@@ -250,7 +290,9 @@ Complex = NDArray[np.complex128]
 def _line(band: float) -> NDArray[np.complex128]:
     """Return the complex frequencies at which errors are measured [rad/s]."""
     # a response on this line has no detail finer than alpha
-    return np.asarray(ALPHA + 2j * np.pi * np.arange(SLOWEST, band, SLOWEST / 2), dtype=np.complex128)
+    return np.asarray(
+        ALPHA + 2j * np.pi * np.arange(SLOWEST, band, SLOWEST / 2), dtype=np.complex128
+    )
 
 
 def _response(A: Array, B: Array, C: Array, D: Array, s: Complex) -> Complex:
@@ -284,7 +326,9 @@ def _require_states(states: int, count: int, fewest: int, most: int, others: int
         raise ValueError(f"states = {states} must be within {low} and {high}: take as many")
 
 
-def _krylov_bases(models: Sequence[LinearModel], band: float, states: int, count: int, others: int) -> list[Array]:
+def _krylov_bases(
+    models: Sequence[LinearModel], band: float, states: int, count: int, others: int
+) -> list[Array]:
     """Bases of the hoist's own motions and of responses to the inputs and to these; ``others`` are further states."""
     n = models[0].free
     own = [k for k, name in enumerate(models[0].names[:3]) if not name.startswith("rope.")]
@@ -303,8 +347,13 @@ def _krylov_bases(models: Sequence[LinearModel], band: float, states: int, count
         T = _new_at_all([x.T @ (M @ x) for x, M in zip(news, masses, strict=True)], missing)
         if not T.size:
             most = 2 * bases[0].shape[1] + others + 1
-            raise ValueError(f"states = {states} must be at most {most}, for the inputs move no more: take fewer")
-        bases = [np.hstack((W, _orthonormal(x @ T, M))) for W, x, M in zip(bases, news, masses, strict=True)]
+            raise ValueError(
+                f"states = {states} must be at most {most}, for the inputs move no more: take fewer"
+            )
+        bases = [
+            np.hstack((W, _orthonormal(x @ T, M)))
+            for W, x, M in zip(bases, news, masses, strict=True)
+        ]
     return bases
 
 
@@ -312,7 +361,10 @@ def _followed(model: LinearModel, own: Sequence[int]) -> Array:
     """Slow motions (free, own) of the hoist's ``own`` coordinates, which the rest follows."""
     n = model.free
     rest = np.setdiff1d(np.arange(n), own)
-    K, W = (model.stiffness[:n, :n] + (2 * np.pi * _SHIFT) ** 2 * model.mass[:n, :n]).tocsc(), np.eye(n)[:, own]
+    K, W = (
+        (model.stiffness[:n, :n] + (2 * np.pi * _SHIFT) ** 2 * model.mass[:n, :n]).tocsc(),
+        np.eye(n)[:, own],
+    )
     W[rest] = -splu(K[rest][:, rest].tocsc()).solve(K[rest][:, own].toarray())
     return W
 
@@ -320,7 +372,9 @@ def _followed(model: LinearModel, own: Sequence[int]) -> Array:
 def _answers(model: LinearModel, M: sp.csc_matrix, W: Array, push: Array, s: complex) -> Array:
     """Motions at ``s`` under the ``push``, real and imaginary parts, without what the basis ``W`` has of them."""
     n = model.free
-    z = splu((s * s * model.mass + s * model.damping + model.stiffness)[:n, :n].tocsc()).solve(push.astype(complex))
+    z = splu((s * s * model.mass + s * model.damping + model.stiffness)[:n, :n].tocsc()).solve(
+        push.astype(complex)
+    )
     x = np.hstack((z.real, z.imag))
     x = x / np.sqrt(np.maximum(np.einsum("ij,ij->j", x, M @ x), 1e-300))
     for _ in range(2):  # once is not enough for rounding
@@ -334,7 +388,10 @@ def _new_at_all(energies: Sequence[Array], most: int) -> Array:
         return np.empty((len(energies[0]), 0))
     shares = [energy / np.trace(energy) for energy in energies]
     T = np.linalg.eigh(sum(shares))[1][:, ::-1][:, :most]
-    while T.shape[1] > 1 and min(np.linalg.eigvalsh(T.T @ share @ T)[0] for share in shares) < _RANK_TOLERANCE:
+    while (
+        T.shape[1] > 1
+        and min(np.linalg.eigvalsh(T.T @ share @ T)[0] for share in shares) < _RANK_TOLERANCE
+    ):
         T = T[:, :-1]
     return T
 
@@ -347,13 +404,20 @@ def _orthonormal(W: Array, M: sp.csc_matrix) -> Array:
 
 def _projected(model: LinearModel, basis: Array) -> _System:
     """First-order model of the motions, what follows held ends, and what lags."""
-    n, total, count, driven = model.free, len(model.names), basis.shape[1], driven_coordinates(model)
+    n, total, count, driven = (
+        model.free,
+        len(model.names),
+        basis.shape[1],
+        driven_coordinates(model),
+    )
     others = np.eye(total)[:, [*driven, *range(n + model.held, total)]]
     W = np.hstack((np.vstack((basis, np.zeros((total - n, count)))), others))
     V = W.copy()
     if driven:
         stiff = (model.stiffness[:n, :n] + ALPHA**2 * model.mass[:n, :n]).tocsc()
-        V[:n, count : count + len(driven)] = -splu(stiff).solve(model.stiffness[:n, driven].toarray())
+        V[:n, count : count + len(driven)] = -splu(stiff).solve(
+            model.stiffness[:n, driven].toarray()
+        )
     return _first_order(model, V, W)
 
 
@@ -373,7 +437,9 @@ def telling(model: LinearModel, modes: Modes, band: float) -> Array:
     for i, k in np.ndindex(model.through.shape):
         parts = b[:, :, k] * (c[0][i] + s * c[1][i] + s**2 * c[2][i])
         whole = np.abs(parts.sum(axis=1, keepdims=True))
-        share = np.maximum(share, (np.abs(parts) / np.maximum(whole, _LEAST * whole.max() + 1e-300)).max(axis=0))
+        share = np.maximum(
+            share, (np.abs(parts) / np.maximum(whole, _LEAST * whole.max() + 1e-300)).max(axis=0)
+        )
     return share
 
 
@@ -382,7 +448,9 @@ def _pushes(model: LinearModel, s: NDArray[np.complex128]) -> NDArray[np.complex
     n = model.free
     others = slice(n, len(model.names))
     M, D, K = (A[:n, others].toarray() for A in (model.mass, model.damping, model.stiffness))
-    M_o, D_o, K_o = (A[others, others].toarray() for A in (model.mass, model.damping, model.stiffness))
+    M_o, D_o, K_o = (
+        A[others, others].toarray() for A in (model.mass, model.damping, model.stiffness)
+    )
     forces = []
     for z in s:
         moved = np.linalg.solve(z * z * M_o + z * D_o + K_o, model.B[others])
@@ -402,13 +470,22 @@ def _first_order(model: LinearModel, V: Array, W: Array) -> _System:
     pushed = inverse @ B[:m]
     A = np.vstack((rate, a, late))
     out = np.hstack((C[:, :m], C_v[:, :m], C[:, m:])) + C_a[:, :m] @ a
-    return A, np.vstack((np.zeros_like(pushed), pushed, B[m:])), out, model.through + C_a[:, :m] @ pushed
+    return (
+        A,
+        np.vstack((np.zeros_like(pushed), pushed, B[m:])),
+        out,
+        model.through + C_a[:, :m] @ pushed,
+    )
 
 
-def _fitted(A: Array, B: Array, C: Array, D: Array, s: Complex, exact: Complex) -> tuple[Array, Array]:
+def _fitted(
+    A: Array, B: Array, C: Array, D: Array, s: Complex, exact: Complex
+) -> tuple[Array, Array]:
     """Return C and D changed as little as the fit to samples needs, channels without response as they are."""
     x = _states(A, B, s)
-    regressors = np.concatenate((x, np.broadcast_to(np.eye(B.shape[1]), (len(s), *[B.shape[1]] * 2))), axis=1)
+    regressors = np.concatenate(
+        (x, np.broadcast_to(np.eye(B.shape[1]), (len(s), *[B.shape[1]] * 2))), axis=1
+    )
     missing = exact - (C @ x + D)
     coefficients = np.hstack((C, D))
     for i, row in enumerate(missing.swapaxes(0, 1)):

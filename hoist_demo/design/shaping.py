@@ -22,7 +22,9 @@ def impulses(shaper: Shaper) -> tuple[tuple[float, float], ...]:
     """Return pairs of time [s] and amplitude [1]; the amplitudes sum to 1."""
     K = math.exp(-shaper.damping * math.pi / math.sqrt(1.0 - shaper.damping**2))
     weights = (1.0, K) if shaper.kind == "ZV" else (1.0, 2.0 * K, K**2)
-    return tuple((0.5 * k / shaper.frequency, weight / sum_of(weights)) for k, weight in enumerate(weights))
+    return tuple(
+        (0.5 * k / shaper.frequency, weight / sum_of(weights)) for k, weight in enumerate(weights)
+    )
 
 
 def shape(trip: Trajectory, shaper: Shaper) -> Trajectory:
@@ -37,7 +39,9 @@ def shape(trip: Trajectory, shaper: Shaper) -> Trajectory:
             TrajectoryPoint(
                 position=sum_of(w * trip.at(start - delay).position for delay, w in sequence),
                 speed=sum_of(w * trip.at(start - delay).speed for delay, w in sequence),
-                acceleration=sum_of(w * trip.at(start - delay).acceleration for delay, w in sequence),
+                acceleration=sum_of(
+                    w * trip.at(start - delay).acceleration for delay, w in sequence
+                ),
                 jerk=sum_of(w * trip.at(middle - delay).jerk for delay, w in sequence),
             )
         )

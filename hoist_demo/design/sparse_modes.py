@@ -18,7 +18,9 @@ from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, splu
 Array = NDArray[np.float64]
 Progress = Callable[[float], None]  #: Hears which part of the band is done.
 MOST_IN_PART = 40  #: Modes that one run of ARPACK finds: more take longer each, fewer need more factorisations.
-_BEGIN = -0.1  #: First lower bound of the eigenvalues [1/s^2], below the rounding of motions without stiffness.
+_BEGIN = (
+    -0.1
+)  #: First lower bound of the eigenvalues [1/s^2], below the rounding of motions without stiffness.
 _LOWER = 16.0  #: Factor by which the lower bound sinks while eigenvalues are below it.
 _NUDGE = 1e-7  #: Relative change of a shift that is an eigenvalue.
 _TRIES = 6  #: Shifts that are tried, and runs of ARPACK for one part.
@@ -34,7 +36,9 @@ class _Shifted:
     solve: Callable[[Array], Array]
 
 
-def sparse_modes(K: sp.csc_matrix, M: sp.csc_matrix, highest: float, progress: Progress) -> tuple[Array, Array]:
+def sparse_modes(
+    K: sp.csc_matrix, M: sp.csc_matrix, highest: float, progress: Progress
+) -> tuple[Array, Array]:
     """Return eigenvalues up to `highest` [1/s^2] in ascending order and vectors (n, modes) of unit mass.
 
     Raises RuntimeError, with the band, where ARPACK does not find all that are there.
@@ -78,7 +82,15 @@ def _part(K: sp.csc_matrix, M: sp.csc_matrix, low: _Shifted, high: _Shifted) -> 
         start = random.standard_normal(K.shape[0])
         try:
             values, shapes = eigsh(
-                K, wanted, M, sigma=at.shift, which="LM", ncv=vectors, v0=start, OPinv=inverse, tol=1e-8
+                K,
+                wanted,
+                M,
+                sigma=at.shift,
+                which="LM",
+                ncv=vectors,
+                v0=start,
+                OPinv=inverse,
+                tol=1e-8,
             )
         except ArpackNoConvergence as error:
             values, shapes = error.eigenvalues, error.eigenvectors
@@ -87,7 +99,9 @@ def _part(K: sp.csc_matrix, M: sp.csc_matrix, low: _Shifted, high: _Shifted) -> 
         if found == count:
             return values[inside], shapes[:, inside]
     edges = " to ".join(f"{np.sqrt(max(one.shift, 0.0)) / (2 * np.pi):.4g}" for one in (low, high))
-    raise RuntimeError(f"of {count} modes within {edges} Hz only {found} are found: choose another --band or --at")
+    raise RuntimeError(
+        f"of {count} modes within {edges} Hz only {found} are found: choose another --band or --at"
+    )
 
 
 def _factorised(K: sp.csc_matrix, M: sp.csc_matrix, shift: float) -> _Shifted:
@@ -96,10 +110,15 @@ def _factorised(K: sp.csc_matrix, M: sp.csc_matrix, shift: float) -> _Shifted:
         near = shift * (1.0 + k * _NUDGE)
         try:
             factors = splu(
-                (K - near * M).tocsc(), "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+                (K - near * M).tocsc(),
+                "MMD_AT_PLUS_A",
+                diag_pivot_thresh=0.0,
+                options={"SymmetricMode": True},
             )
         except RuntimeError:  # singular: the shift is an eigenvalue
             continue
         if np.array_equal(factors.perm_r, factors.perm_c):
             return _Shifted(near, int(np.count_nonzero(factors.U.diagonal() < 0.0)), factors.solve)
-    raise RuntimeError(f"the model at {shift:.6g} 1/s^2 has no factors with pivots on the diagonal: change --band")
+    raise RuntimeError(
+        f"the model at {shift:.6g} 1/s^2 has no factors with pivots on the diagonal: change --band"
+    )

@@ -30,9 +30,16 @@ def pulls(hoist: Hoist, height: float, acceleration: float = 0.0) -> tuple[float
     legs, whose lengths differ by twice the conveyances' distance from the middle.
     """
     tensions = []
-    for mass, y, sign in ((hoist.mass_left, height, 1.0), (hoist.mass_right, hoist.shaft_travel - height, -1.0)):
+    for mass, y, sign in (
+        (hoist.mass_left, height, 1.0),
+        (hoist.mass_right, hoist.shaft_travel - height, -1.0),
+    ):
         leg = 0.5 * (hoist.tail_rope_length + 2.0 * y - hoist.shaft_travel)
-        moved = mass + hoist.rope_mass * (hoist.sheave_height - y) + hoist.tail_rope_number * hoist.tail_rope_mass * leg
+        moved = (
+            mass
+            + hoist.rope_mass * (hoist.sheave_height - y)
+            + hoist.tail_rope_number * hoist.tail_rope_mass * leg
+        )
         tensions.append(moved * (GRAVITY + sign * acceleration))
     return tensions[0], tensions[1]
 
@@ -40,7 +47,9 @@ def pulls(hoist: Hoist, height: float, acceleration: float = 0.0) -> tuple[float
 def reached(winding: Winding) -> Winding:
     """Return the trip with the speed and the acceleration that it reaches."""
     points = s_curve(winding).points
-    speed, acceleration = (max(abs(getattr(x, name)) for x in points) for name in ("speed", "acceleration"))
+    speed, acceleration = (
+        max(abs(getattr(x, name)) for x in points) for name in ("speed", "acceleration")
+    )
     return replace(winding, speed=speed, acceleration=acceleration)
 
 
@@ -51,8 +60,14 @@ def static_slip_safeties(hoist: Hoist, winding: Winding) -> list[StaticSlipSafet
     """
     instants = []
     up, law = 1.0 if winding.travel > 0.0 else -1.0, winding.emergency_law
-    full = hoist.brake if law in ("torque", "two-stage") else None  # nothing regulates it: the imbalance counts
-    stop = full.torque / hoist.sheave_radius / hoist.moving_mass if full else winding.emergency_deceleration
+    full = (
+        hoist.brake if law in ("torque", "two-stage") else None
+    )  # nothing regulates it: the imbalance counts
+    stop = (
+        full.torque / hoist.sheave_radius / hoist.moving_mass
+        if full
+        else winding.emergency_deceleration
+    )
     for when, acceleration, falls, required in (
         ("at rest", 0.0, False, AT_REST),
         ("speeding up", up * winding.acceleration, False, MOVING),
@@ -63,17 +78,23 @@ def static_slip_safeties(hoist: Hoist, winding: Winding) -> list[StaticSlipSafet
         ratios = []
         for height in (0.0, hoist.shaft_travel):
             left, right = pulls(hoist, height)
-            left, right = pulls(hoist, height, acceleration - falls * (left - right) / hoist.moving_mass)
+            left, right = pulls(
+                hoist, height, acceleration - falls * (left - right) / hoist.moving_mass
+            )
             ratios.append(max(left, right) / min(left, right) if min(left, right) > 0.0 else np.inf)
         ratio = max(ratios)
         instants.append(StaticSlipSafety(when, ratio, hoist.slip_safety(ratio), required))
     return instants
 
 
-def at_rest(rope: BalanceRope, hoist: Hoist, heights: Sequence[float]) -> Iterator[tuple[float, Mapping[str, float]]]:
+def at_rest(
+    rope: BalanceRope, hoist: Hoist, heights: Sequence[float]
+) -> Iterator[tuple[float, Mapping[str, float]]]:
     """Yield the rope's signals with the left conveyance at rest at each height [m]; RuntimeError where it cannot be."""
     for height in heights:
         status = rope.initialize(0.0, EndMotion(y=height), EndMotion(y=hoist.shaft_travel - height))
         if not status.valid:
-            raise RuntimeError(f"at rest with the left conveyance at {height:g} m: {status.message}")
+            raise RuntimeError(
+                f"at rest with the left conveyance at {height:g} m: {status.message}"
+            )
         yield height, rope.signals()

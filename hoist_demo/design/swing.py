@@ -25,7 +25,10 @@ class SwingMode:
 
 def fit_swing(time: Array, x: Array) -> SwingMode | str:
     """Return the strongest mode of an evenly sampled record; else why there is none, in words."""
-    from scipy.optimize import OptimizeWarning, curve_fit  # as slow to load as all the rest of a demo
+    from scipy.optimize import (
+        OptimizeWarning,
+        curve_fit,
+    )  # as slow to load as all the rest of a demo
 
     t = time - time[0]
     rest = x - np.polynomial.Polynomial.fit(t, x, 1)(t)
@@ -44,13 +47,20 @@ def fit_swing(time: Array, x: Array) -> SwingMode | str:
 
     def derivatives(t: Array, w: float, decay: float, *c: float) -> Array:
         _, _, cosine, sine = (A := columns(t, w, decay)).T
-        return np.column_stack([t * (c[3] * cosine - c[2] * sine), -t * (c[2] * cosine + c[3] * sine), A])
+        return np.column_stack(
+            [t * (c[3] * cosine - c[2] * sine), -t * (c[2] * cosine + c[3] * sine), A]
+        )
 
     start = w0, 0.03 * w0
     linear = np.linalg.lstsq(columns(t, *start), x, rcond=None)[0]
-    with np.errstate(all="ignore"), warnings.catch_warnings(action="ignore", category=OptimizeWarning):
+    with (
+        np.errstate(all="ignore"),
+        warnings.catch_warnings(action="ignore", category=OptimizeWarning),
+    ):
         try:  # a mode takes ten evaluations
-            w_d, decay, *c = curve_fit(swing, t, x, [*start, *linear], jac=derivatives, maxfev=25)[0].tolist()
+            w_d, decay, *c = curve_fit(swing, t, x, [*start, *linear], jac=derivatives, maxfev=25)[
+                0
+            ].tolist()
         except RuntimeError:
             return _NO_MODE
     # a fit that ends far from where it began has found a drift or a bump, not a mode

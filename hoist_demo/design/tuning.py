@@ -76,15 +76,24 @@ class SearchResult:
 
 def search(evaluate: Evaluate, dimensions: int, plan: Plan) -> SearchResult:
     """Minimise by a Latin hypercube and COBYQA from its best ``plan.searches`` points; return all points tried."""
-    from scipy.stats import qmc  # slow to load, as the methods of minimise: most studies search nothing
+    from scipy.stats import (
+        qmc,
+    )  # slow to load, as the methods of minimise: most studies search nothing
 
-    points = qmc.LatinHypercube(d=dimensions, rng=np.random.default_rng(plan.seed)).random(plan.sample)
+    points = qmc.LatinHypercube(d=dimensions, rng=np.random.default_rng(plan.seed)).random(
+        plan.sample
+    )
     judged = list(evaluate(points))
     finite = [k for k, point in enumerate(judged) if point.finite]
     if not finite:
-        raise RuntimeError("search: no run of it completed: look at the causes in the results, or narrow the ranges")
+        raise RuntimeError(
+            "search: no run of it completed: look at the causes in the results, or narrow the ranges"
+        )
     starts = sorted(finite, key=lambda k: judged[k].rank)[: plan.searches]
-    walks = _walks([_Walk(evaluate, points[k], judged[k], [judged[i] for i in finite]) for k in starts], plan.steps)
+    walks = _walks(
+        [_Walk(evaluate, points[k], judged[k], [judged[i] for i in finite]) for k in starts],
+        plan.steps,
+    )
     return SearchResult(
         np.vstack([points, *(x for walk in walks for x in walk.points)]),
         (*judged, *(point for walk in walks for point in walk.scores)),
@@ -108,7 +117,9 @@ def _walks(walks: Sequence[_Walk], steps: int) -> Sequence[_Walk]:
 class _Walk:
     """One search from a point, and the points that it tries beyond that."""
 
-    def __init__(self, evaluate: Evaluate, start: Array, judged: Score, sample: Sequence[Score]) -> None:
+    def __init__(
+        self, evaluate: Evaluate, start: Array, judged: Score, sample: Sequence[Score]
+    ) -> None:
         costs = [point.cost for point in sample]
         # a run that failed scores worse than any, but makes no cliff for the quadratic models
         self._failed = Score(2.0 * max(costs) - min(costs), tuple(1.0 for _ in judged.violations))
@@ -122,14 +133,20 @@ class _Walk:
         from scipy.optimize import Bounds, NonlinearConstraint, minimize
 
         bounds = len(self._failed.violations)
-        within = NonlinearConstraint(lambda x: self._at(x).violations, np.full(bounds, -np.inf), np.zeros(bounds))
+        within = NonlinearConstraint(
+            lambda x: self._at(x).violations, np.full(bounds, -np.inf), np.zeros(bounds)
+        )
         minimize(
             lambda x: self._at(x).cost,
             self._start,
             method="COBYQA",
             bounds=Bounds(np.zeros(self._start.size), np.ones(self._start.size)),
             constraints=[within] if bounds else [],
-            options={"maxfev": steps, "initial_tr_radius": FIRST_STEP, "final_tr_radius": LAST_STEP},
+            options={
+                "maxfev": steps,
+                "initial_tr_radius": FIRST_STEP,
+                "final_tr_radius": LAST_STEP,
+            },
         )
 
     def _at(self, x: Array) -> Score:

@@ -35,7 +35,15 @@ from hoist_demo.drive.legs import Friction, Leg, make_leg
 from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.parameters.hoist import with_numbers
 
-STATE_NAMES = ("torque", "phi", "y_left", "y_right", "phi_rate", "v_left", "v_right")  #: First entries of every state.
+STATE_NAMES = (
+    "torque",
+    "phi",
+    "y_left",
+    "y_right",
+    "phi_rate",
+    "v_left",
+    "v_right",
+)  #: First entries of every state.
 
 INPUT_NAMES = (
     *("torque_command", "force_left", "force_right", "brake"),
@@ -43,7 +51,9 @@ INPUT_NAMES = (
 )
 WORK_NAMES = ("motor", "losses", "ropes", "left", "right")
 LOSS_NAMES = ("rim", "guides", "brake", "shaft", "lining")  #: The parts of the losses.
-FORCES = tuple(INPUT_NAMES.index(f"force_{side}") for side in SIDES)  #: Places of the two vertical forces in an input.
+FORCES = tuple(
+    INPUT_NAMES.index(f"force_{side}") for side in SIDES
+)  #: Places of the two vertical forces in an input.
 #: Places of the two vertical accelerations in the rates.
 ACCELERATIONS = tuple(STATE_NAMES.index(f"v_{side}") for side in SIDES)
 
@@ -66,7 +76,9 @@ def state_names(hoist: Hoist) -> tuple[str, ...]:
     """
     extra = extra_coordinates(hoist)
     brake = ("brake_pressure", "brake_deflection") if hoist.brake is not None else ()
-    jams = tuple(f"jam_deflection_{side}" for side in SIDES if getattr(hoist, f"jam_{side}") is not None)
+    jams = tuple(
+        f"jam_deflection_{side}" for side in SIDES if getattr(hoist, f"jam_{side}") is not None
+    )
     sense = ("sense",) if hoist.lining is not None else ()
     return STATE_NAMES + extra + tuple(f"{name}_rate" for name in extra) + brake + jams + sense
 
@@ -120,17 +132,27 @@ def equations(structure: Hoist) -> Equations:
     legs = [make_leg(hoist, coords, side, l0[i], inputs) for i, side in enumerate(SIDES)]
     K, V, shaft_damping = _rotation(hoist, coords)
     K, V = K + sum(leg.kinetic for leg in legs), V + sum(leg.potential for leg in legs)
-    rope_damping, rope_power = sum(leg.rope_damping for leg in legs), sum(leg.rope_power for leg in legs)
+    rope_damping, rope_power = (
+        sum(leg.rope_damping for leg in legs),
+        sum(leg.rope_power for leg in legs),
+    )
     play_damping = sum(leg.play_damping for leg in legs)
     D = shaft_damping + rope_damping + play_damping
 
     # generalised forces: what acts from outside, and dry friction
-    rim = hoist.loss_coulomb * ca.tanh(rim_speed / hoist.loss_speed) + hoist.loss_viscous * rim_speed
+    rim = (
+        hoist.loss_coulomb * ca.tanh(rim_speed / hoist.loss_speed) + hoist.loss_viscous * rim_speed
+    )
     brake = _brake_friction(hoist, inputs["brake"], rim_speed)
     outside = {"phi": motor - R * rim - brake.force, "twist": motor}
     for side, leg in zip(SIDES, legs, strict=True):
         y, x, z, yaw = ca.vertsplit(leg.side_force)
-        outside |= {f"y_{side}": y - leg.friction, f"x_{side}": x, f"z_{side}": z, f"yaw_{side}": yaw}
+        outside |= {
+            f"y_{side}": y - leg.friction,
+            f"x_{side}": x,
+            f"z_{side}": z,
+            f"yaw_{side}": yaw,
+        }
     Q = ca.vertcat(*(outside.get(name, 0.0) for name in coords.names))
 
     # Lagrange's equation: mass matrix times acceleration = everything else
@@ -144,27 +166,56 @@ def equations(structure: Hoist) -> Equations:
         return ca.ldl_solve(forces, *factors)
 
     def tensions(a: Any) -> list[Any]:
-        return [_tension(hoist, coords, sign, leg, a, rope_speed) for sign, leg in zip((1.0, -1.0), legs, strict=True)]
+        return [
+            _tension(hoist, coords, sign, leg, a, rope_speed)
+            for sign, leg in zip((1.0, -1.0), legs, strict=True)
+        ]
 
-    lining, a = _sliding_friction(hoist, accelerations(forces), accelerations(along_slip), tensions, rope_speed)
+    lining, a = _sliding_friction(
+        hoist, accelerations(forces), accelerations(along_slip), tensions, rope_speed
+    )
 
     dry = (brake, *(leg.jam for leg in legs), lining)
     x = ca.vertcat(torque, q[:3], v[:3], q[3:], v[3:], *(z for one in dry for z in one.states))
     lag = (command - torque) / hoist.torque_lag
-    rates = ca.vertcat(lag, v[:3], a[:3], v[3:], a[3:], *(rate for one in dry for rate in one.rates))
-    ends = [ca.dot(leg.side_force, ca.vertcat(*(coords(f"{n}_{s}")[1] for n in ("y", "x", "z", "yaw"))))
-            for s, leg in zip(SIDES, legs, strict=True)]  # fmt: skip
-    guides = sum(leg.friction * coords(f"y_{s}")[1] for s, leg in zip(SIDES, legs, strict=True)) + 2 * play_damping
+    rates = ca.vertcat(
+        lag, v[:3], a[:3], v[3:], a[3:], *(rate for one in dry for rate in one.rates)
+    )
+    ends = [
+        ca.dot(leg.side_force, ca.vertcat(*(coords(f"{n}_{s}")[1] for n in ("y", "x", "z", "yaw"))))
+        for s, leg in zip(SIDES, legs, strict=True)
+    ]
+    guides = (
+        sum(leg.friction * coords(f"y_{s}")[1] for s, leg in zip(SIDES, legs, strict=True))
+        + 2 * play_damping
+    )
     losses = ca.vertcat(
-        rim * rim_speed, guides, brake.force * rate, 2 * shaft_damping, lining.force * sum(lining.states) * slip_rate
+        rim * rim_speed,
+        guides,
+        brake.force * rate,
+        2 * shaft_damping,
+        lining.force * sum(lining.states) * slip_rate,
     )
     powers = ca.vertcat(motor * (rate + twist_rate), ca.sum1(losses), rope_power, *ends, losses)
 
     outputs = ca.vertcat(
-        q[1:3], v[1:3], a[1:3], phi, rate, motor, *tensions(a), K, V,
-        rate + twist_rate, brake.force, *(leg.static_tension for leg in legs), *_lateral_motion(coords, a),
-        *(leg.pull for leg in legs), *(leg.slack for leg in legs), *(leg.jam.force for leg in legs),
-    )  # fmt: skip
+        q[1:3],
+        v[1:3],
+        a[1:3],
+        phi,
+        rate,
+        motor,
+        *tensions(a),
+        K,
+        V,
+        rate + twist_rate,
+        brake.force,
+        *(leg.static_tension for leg in legs),
+        *_lateral_motion(coords, a),
+        *(leg.pull for leg in legs),
+        *(leg.slack for leg in legs),
+        *(leg.jam.force for leg in legs),
+    )
     accelerance = ca.jacobian(rates, u)[list(ACCELERATIONS), list(FORCES)]
     arguments, a_in = [x, u, l0, p], ca.SX.sym("a", len(coords.names))
     return Equations(
@@ -174,7 +225,9 @@ def equations(structure: Hoist) -> Equations:
         accelerance=_function("accelerance", arguments, accelerance),
         hold=_function("hold", [x, l0, p], ca.gradient(V, q)[0]),
         lagrange=_function(
-            "lagrange", [x, a_in, *arguments[1:]], ca.vertcat(mass_matrix @ a_in - forces, *tensions(a_in))
+            "lagrange",
+            [x, a_in, *arguments[1:]],
+            ca.vertcat(mass_matrix @ a_in - forces, *tensions(a_in)),
         ),
     )
 
@@ -183,11 +236,17 @@ def _function(name: str, arguments: list[Any], value: Any) -> Any:
     return ca.Function(name, arguments, [ca.cse(value)])
 
 
-def _tension(hoist: Hoist, coords: Coordinates, sign: float, leg: Leg, a: Any, rope_speed: Any) -> Any:
+def _tension(
+    hoist: Hoist, coords: Coordinates, sign: float, leg: Leg, a: Any, rope_speed: Any
+) -> Any:
     """Return the tension of a leg's head ropes at the sheave [N]: Lagrange's row of the leg is its moment there."""
     phi, rate = coords("phi")
     row = ca.gradient(leg.kinetic, rate)
-    change = ca.jtimes(row, coords.q, coords.v) + ca.jtimes(row, coords.v, a) - ca.gradient(leg.kinetic, phi)
+    change = (
+        ca.jtimes(row, coords.q, coords.v)
+        + ca.jtimes(row, coords.v, a)
+        - ca.gradient(leg.kinetic, phi)
+    )
     moment = change + ca.gradient(leg.potential, phi) + ca.gradient(leg.rope_damping, rate)
     return sign * moment / hoist.sheave_radius + hoist.rope_mass * rope_speed**2 / 2
 

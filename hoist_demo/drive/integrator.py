@@ -39,19 +39,30 @@ from hoist_demo.parameters import Hoist
 from rope_model.numerics.kernels import Kernel, KernelForm, build_library, cache_folder, prepare
 
 Vector = NDArray[np.float64]
-Watch = Callable[[Vector], float]  #: Of a state and OUTPUTS there, as one vector; positive once the steps are to end.
+Watch = Callable[
+    [Vector], float
+]  #: Of a state and OUTPUTS there, as one vector; positive once the steps are to end.
 #: Where steps have ended: all that `advance` gives there, size of the next one, s.
 StepEnd = tuple[Vector, float, float]
 MIN_STEP = 1e-7  #: Step of the integrator [s] below which it gives up.
 SAFETY = 0.9  #: Factor on the step that the error allows.
 SHRINKS = 0.5  #: Smallest factor from one step to the next.
 GROWS = 1.5  #: Largest factor from one step to the next.
-LOCATED = 1e-9  #: How long before the end of the steps what is watched may have become positive [s].
+LOCATED = (
+    1e-9  #: How long before the end of the steps what is watched may have become positive [s].
+)
 TOLERANCE = 1e-8  #: Of a step's error, relative and in SI units.
 WORK_COUNT = len(drive.WORK_NAMES) + len(drive.LOSS_NAMES)
 PATH = 3 * len(drive.INPUT_NAMES)  #: Numbers of a path: u_0, u_1 and u_2.
 ORDER = 5
-_B = (35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84)  #: Weights b of the result, the last stage.
+_B = (
+    35 / 384,
+    0.0,
+    500 / 1113,
+    125 / 192,
+    -2187 / 6784,
+    11 / 84,
+)  #: Weights b of the result, the last stage.
 WEIGHTS = (  #: Weights a of the stages; the last ones are b.
     (1 / 5,),
     (3 / 40, 9 / 40),
@@ -61,10 +72,20 @@ WEIGHTS = (  #: Weights a of the stages; the last ones are b.
     _B,
 )
 _C = (1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0)
-_ERROR = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40)  #: Weights b - b*.
+_ERROR = (
+    71 / 57600,
+    0.0,
+    -71 / 16695,
+    71 / 1920,
+    -17253 / 339200,
+    22 / 525,
+    -1 / 40,
+)  #: Weights b - b*.
 
 
-def runge_kutta_step(f: Callable[[Any, Any], Any], t: Any, y: Any, k: Any, h: Any) -> tuple[Any, Any, Any]:
+def runge_kutta_step(
+    f: Callable[[Any, Any], Any], t: Any, y: Any, k: Any, h: Any
+) -> tuple[Any, Any, Any]:
     """State after h, f there, and the error of a step of fifth order; k is f(t, y).
 
         k_i = f(t + c_i h, y + h sum_j a_ij k_j) ,   y_new = y + h sum_i b_i k_i ,   error = h sum_i (b_i - b*_i) k_i
@@ -104,7 +125,9 @@ def drive_kernels(structure: Hoist, form: KernelForm = "auto") -> DriveKernels:
     """Return the kernels for all hoists of this `Hoist.equation_structure`."""
     eqs, names = drive.equations(structure), drive.state_names(structure)
     step_params = {"H": 1, "path": PATH, "added_mass": 2, "l0": 2, "p": len(structure.numbers)}
-    argument_slices = _slices({"x": len(names), "work_totals": WORK_COUNT, "s": 1, "h": 1, **step_params})
+    argument_slices = _slices(
+        {"x": len(names), "work_totals": WORK_COUNT, "s": 1, "h": 1, **step_params}
+    )
     outputs = {"error": 1, "applied_input": len(drive.INPUT_NAMES), "outputs": len(OUTPUTS)}
     result = _slices({"x": len(names), "work_totals": WORK_COUNT, **outputs})
     functions = [_advance(eqs, argument_slices), eqs.accelerance]
@@ -133,9 +156,13 @@ def _advance(eqs: drive.Equations, argument_slices: dict[str, slice]) -> Any:
     error = ca.norm_inf(error / (TOLERANCE * (1 + ca.fabs(y) + ca.fabs(k))))
     applied_input, outputs = _loads_and_outputs(eqs, n, numbers)(new[:n], s + h, step_params)
     # a step with any value that is not finite fails; a comparison with NaN is false
-    error = ca.if_else(ca.sumsqr(ca.vertcat(new, error, applied_input, outputs)) < ca.inf, error, ca.inf)
+    error = ca.if_else(
+        ca.sumsqr(ca.vertcat(new, error, applied_input, outputs)) < ca.inf, error, ca.inf
+    )
     work_totals = z[argument_slices["work_totals"]] + new[n:]
-    return ca.Function("advance", [z], [ca.vertcat(new[:n], work_totals, error, applied_input, outputs)])
+    return ca.Function(
+        "advance", [z], [ca.vertcat(new[:n], work_totals, error, applied_input, outputs)]
+    )
 
 
 def _slope(eqs: drive.Equations, states: int, numbers: int) -> Any:
@@ -151,15 +178,25 @@ def _loads_and_outputs(eqs: drive.Equations, states: int, numbers: int) -> Any:
     """Return the CasADi function (x, s, step_params) -> input that acts, outputs."""
     x, s = ca.SX.sym("x", states), ca.SX.sym("s")
     step_params, _, u, l0, p = _symbols(eqs, numbers, x, s)
-    return ca.Function("loads_and_outputs", [x, s, step_params], ca.cse([u, eqs.outputs(x, u, l0, p)]))
+    return ca.Function(
+        "loads_and_outputs", [x, s, step_params], ca.cse([u, eqs.outputs(x, u, l0, p)])
+    )
 
 
 def _symbols(eqs: drive.Equations, numbers: int, x: Any, s: Any) -> tuple[Any, Any, Any, Any, Any]:
     """Symbols of what is held over a communication step, and of it H, the input that acts at s, l0 and p."""
     step_params = ca.SX.sym("step_params", numbers)
-    H, path, added_mass, l0, p = ca.vertsplit(step_params, [0, 1, 1 + PATH, 3 + PATH, 5 + PATH, numbers])
+    H, path, added_mass, l0, p = ca.vertsplit(
+        step_params, [0, 1, 1 + PATH, 3 + PATH, 5 + PATH, numbers]
+    )
     start, linear, quadratic = ca.vertsplit(path, len(drive.INPUT_NAMES))
-    return step_params, H, _applied_input(eqs, x, start + s * (linear + s * quadratic), added_mass, l0, p), l0, p
+    return (
+        step_params,
+        H,
+        _applied_input(eqs, x, start + s * (linear + s * quadratic), added_mass, l0, p),
+        l0,
+        p,
+    )
 
 
 def _applied_input(eqs: drive.Equations, x: Any, u: Any, added_mass: Any, l0: Any, p: Any) -> Any:
@@ -187,7 +224,10 @@ class Integrator:
     def __init__(self, hoist: Hoist, form: KernelForm) -> None:
         self.kernels = kernels = drive_kernels(hoist.equation_structure, form)
         self.names, self.result = kernels.names, kernels.result
-        self._error, self._reached = self.result["error"].start, slice(0, self.result["work_totals"].stop)
+        self._error, self._reached = (
+            self.result["error"].start,
+            slice(0, self.result["work_totals"].stop),
+        )
         self._advance = Kernel(kernels.advance, [(self.result["outputs"].stop,)])
         self.z, self.y = self._advance.inputs[0], self._advance.outputs[0]
         self.arguments = {name: self.z[index] for name, index in kernels.argument_slices.items()}
@@ -209,7 +249,9 @@ class Integrator:
         (columns,) = self._accelerance(x, u, np.array(lengths), self.arguments["p"])
         return columns.T
 
-    def integrate(self, h: float, size: float, s: float, end: float, watch: Watch | None = None) -> StepEnd | None:
+    def integrate(
+        self, h: float, size: float, s: float, end: float, watch: Watch | None = None
+    ) -> StepEnd | None:
         """Integrate in steps of `size` [parts of h] at first, to the end or where `watch` turns positive; else None."""
         largest_factor = GROWS
         while size * h > MIN_STEP:
@@ -237,7 +279,9 @@ class Integrator:
         self.evaluations += 1 if used > 0.0 else 0
         return self.y.copy()
 
-    def _first(self, y: Vector, s: float, used: float, h: float, watch: Watch) -> tuple[Vector, float]:
+    def _first(
+        self, y: Vector, s: float, used: float, h: float, watch: Watch
+    ) -> tuple[Vector, float]:
         """Locate where what is watched has just become positive; return the result there and the size of the step."""
         low = 0.0
         while (used - low) * h > LOCATED:

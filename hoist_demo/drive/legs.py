@@ -39,7 +39,9 @@ from numpy.typing import NDArray
 from hoist_demo.parameters import GRAVITY, Hoist
 from hoist_demo.parameters.components import Jam
 
-CoordinateLookup = Callable[[str], tuple[Any, Any]]  #: Symbols of a coordinate and its rate; zeros where it is lacking.
+CoordinateLookup = Callable[
+    [str], tuple[Any, Any]
+]  #: Symbols of a coordinate and its rate; zeros where it is lacking.
 
 
 class Friction(NamedTuple):
@@ -67,18 +69,35 @@ class Leg:
     static_tension: Any  # N at the sheave, were everything at rest here
 
 
-def make_leg(hoist: Hoist, coords: CoordinateLookup, side: str, l0: Any, inputs: dict[str, Any]) -> Leg:
+def make_leg(
+    hoist: Hoist, coords: CoordinateLookup, side: str, l0: Any, inputs: dict[str, Any]
+) -> Leg:
     """Energies and forces of the head ropes and the conveyance of one side, under the inputs by name."""
     sign, mass = (1.0, hoist.mass_left) if side == "left" else (-1.0, hoist.mass_right)
     other = "right" if side == "left" else "left"
-    EA, mu, g, R, n = hoist.rope_stiffness, hoist.rope_mass, GRAVITY, hoist.sheave_radius, hoist.head_rope_modes
+    EA, mu, g, R, n = (
+        hoist.rope_stiffness,
+        hoist.rope_mass,
+        GRAVITY,
+        hoist.sheave_radius,
+        hoist.head_rope_modes,
+    )
     (phi, rate), (slip, slip_rate), (y, vy) = coords("phi"), coords("slip"), coords(f"y_{side}")
     modes = [(j * np.pi, *coords(f"eta{j}_{side}")) for j in range(1, n + 1)]
-    length, height, w = l0 - sign * (R * phi + slip), hoist.sheave_height - y, sign * (R * rate + slip_rate)
+    length, height, w = (
+        l0 - sign * (R * phi + slip),
+        hoist.sheave_height - y,
+        sign * (R * rate + slip_rate),
+    )
 
     # head ropes: the square of their velocity, integrated over zeta for each pair of its shapes
     flow = w / length
-    speeds = [vy, height * flow, *(rate for _, _, rate in modes), *(eta * flow for _, eta, _ in modes)]
+    speeds = [
+        vy,
+        height * flow,
+        *(rate for _, _, rate in modes),
+        *(eta * flow for _, eta, _ in modes),
+    ]
     kinetic, potential = mass * vy**2 / 2, mass * g * y
     speed_vector = ca.vertcat(*speeds)
     kinetic += mu * length / 2 * ca.bilin(ca.DM(_shape_products(n)), speed_vector, speed_vector)
@@ -87,7 +106,10 @@ def make_leg(hoist: Hoist, coords: CoordinateLookup, side: str, l0: Any, inputs:
     kinetic = kinetic + lateral.kinetic
     # slack ones hang as far down as their weight stretches them
     hanging_free = length + mu * g * length**2 / (2 * EA)
-    slack, elastic = ca.fmax(hanging_free - stretched, 0.0), EA * ca.fmax(stretched - hanging_free, 0.0) / length
+    slack, elastic = (
+        ca.fmax(hanging_free - stretched, 0.0),
+        EA * ca.fmax(stretched - hanging_free, 0.0) / length,
+    )
     potential -= mu * g * length * (height + slack) / 2
     potential += lateral.potential + EA * (stretched + slack - length) ** 2 / (2 * length)
 
@@ -97,14 +119,18 @@ def make_leg(hoist: Hoist, coords: CoordinateLookup, side: str, l0: Any, inputs:
     damped = ca.fmin(ca.fmax(stretching, -most), most)
     damping, damping_power = c * (damped * stretching - damped**2 / 2), c * (damped * stretching)
     for k, eta, eta_rate in modes:
-        potential += EA * (k * eta) ** 2 / (4 * length) + mu * g * length * (1 - np.cos(k)) / k * eta
+        potential += (
+            EA * (k * eta) ** 2 / (4 * length) + mu * g * length * (1 - np.cos(k)) / k * eta
+        )
         damping += c * (k * eta_rate) ** 2 / 4
         damping_power += c * (k * eta_rate) ** 2 / 2
 
     jam = _jam_friction(getattr(hoist, f"jam_{side}"), side, y, vy)
     friction = jam.force
     if hoist.guides is not None:
-        friction += hoist.guides.coulomb * ca.tanh(vy / hoist.loss_speed) + hoist.guides.viscous * vy
+        friction += (
+            hoist.guides.coulomb * ca.tanh(vy / hoist.loss_speed) + hoist.guides.viscous * vy
+        )
     if hoist.play is not None:
         friction += hoist.play.friction * lateral.normal * ca.tanh(vy / hoist.loss_speed)
     pulls = [inputs[f"force_{side}"], *(inputs[f"{name}_{side}"] for name in ("fx", "fz", "my"))]
@@ -142,7 +168,9 @@ class _Lateral(NamedTuple):
     normal: Any = 0.0  # N, sum of the contact forces' sizes
 
 
-def _lateral(hoist: Hoist, coords: CoordinateLookup, side: str, mass: float, rope_mass: Any) -> _Lateral:
+def _lateral(
+    hoist: Hoist, coords: CoordinateLookup, side: str, mass: float, rope_mass: Any
+) -> _Lateral:
     """Return the energies in x, z and yaw; a shoe at the arm a has the play c / a and the stiffness k a^2 in yaw."""
     if (play := hoist.play) is None:
         return _Lateral()

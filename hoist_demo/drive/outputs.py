@@ -20,7 +20,10 @@ OUTPUTS = (
     *("energy_kinetic", "energy_potential"),  # J
     "motor_rate",  # rad/s
     "brake_torque",  # N m, on the sheave, positive against positive rotation
-    *("static_tension_left", "static_tension_right"),  # N, at the sheave, were everything at rest here
+    *(
+        "static_tension_left",
+        "static_tension_right",
+    ),  # N, at the sheave, were everything at rest here
     # place of a conveyance in its guides: x in the plane of the loop, z out of it, yaw about the vertical,
     # each with its rate and second derivative
     *(
@@ -29,7 +32,10 @@ OUTPUTS = (
         for axis in _AXES
         for name in (_TURNING if axis == "yaw" else _LATERAL)
     ),
-    *("pull_left", "pull_right"),  # N, of all head ropes on a conveyance, without their inertia; never negative
+    *(
+        "pull_left",
+        "pull_right",
+    ),  # N, of all head ropes on a conveyance, without their inertia; never negative
     *("slack_left", "slack_right"),  # m, of the head ropes
     *("jam_left", "jam_right"),  # N, of a jam on a conveyance, positive against upward motion
 )

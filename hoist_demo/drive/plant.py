@@ -31,8 +31,12 @@ from rope_model.physics.elementary import sqrt
 
 #: The rope's signals that act on conveyances with play.
 SIDE_FORCES = tuple(f"{side}.{name}" for side in SIDES for name in ("fx", "fz", "my"))
-MIN_ROPE = 0.1  #: Head rope between sheave and conveyance [m] below which a conveyance is in the headgear.
-MAX_SWITCHES = 200  #: Within one step of the drive, between head ropes that hold and head ropes that slide.
+MIN_ROPE = (
+    0.1  #: Head rope between sheave and conveyance [m] below which a conveyance is in the headgear.
+)
+MAX_SWITCHES = (
+    200  #: Within one step of the drive, between head ropes that hold and head ropes that slide.
+)
 _TENSIONS = (OUTPUT_INDEX["tension_left"], OUTPUT_INDEX["tension_right"])
 _RATE = STATE_NAMES.index("phi_rate")
 
@@ -43,7 +47,9 @@ class SlipState(NamedTuple):
     sense: float = 0.0  # 1 or -1 while they slide, 0 while they hold
     speed: float = 0.0  # m/s, of the ropes on the sheave
     slid_distance: float = 0.0  # m, since the start
-    slip: float = 0.0  # m, the part of it that is not in the free lengths: since they hold no longer
+    slip: float = (
+        0.0  # m, the part of it that is not in the free lengths: since they hold no longer
+    )
 
 
 class PlantState(NamedTuple):
@@ -71,7 +77,9 @@ class HoistPlant:
 
     def __init__(self, hoist: Hoist, form: KernelForm = "auto") -> None:
         self.hoist, self._form = hoist, form
-        self.stick_integrator = Integrator(_without_lining(hoist), form)  # for head ropes that hold on the sheave
+        self.stick_integrator = Integrator(
+            _without_lining(hoist), form
+        )  # for head ropes that hold on the sheave
         self.state_names = self.stick_integrator.names
 
     @cached_property
@@ -94,7 +102,9 @@ class HoistPlant:
         """Evaluations by the integrator so far."""
         return sum(integrator.evaluations for integrator in self._made)
 
-    def equilibrium(self, y_left: float, y_right: float, force_left: float, force_right: float) -> PlantState:
+    def equilibrium(
+        self, y_left: float, y_right: float, force_left: float, force_right: float
+    ) -> PlantState:
         """Return the state at rest at these heights [m], under forces of one balance rope [N], held by the motor."""
         state = self.hanging_state(y_left, y_right, force_left, force_right)
         if not abs(state.x[0]) <= self.hoist.torque_limit:
@@ -104,7 +114,9 @@ class HoistPlant:
             )
         return state
 
-    def hanging_state(self, y_left: float, y_right: float, force_left: float, force_right: float) -> PlantState:
+    def hanging_state(
+        self, y_left: float, y_right: float, force_left: float, force_right: float
+    ) -> PlantState:
         """Return the equilibrium, with whatever torque it takes."""
         heights, forces = (y_left, y_right), (force_left, force_right)
         for side, y, force in zip(SIDES, heights, forces, strict=True):
@@ -119,7 +131,13 @@ class HoistPlant:
         return PlantState(x, np.zeros(WORK_COUNT), lengths)
 
     def advance(
-        self, state: PlantState, h: float, path: Vector, added_mass: Vector, begin: float = 0.0, end: float = 1.0
+        self,
+        state: PlantState,
+        h: float,
+        path: Vector,
+        added_mass: Vector,
+        begin: float = 0.0,
+        end: float = 1.0,
     ) -> PlantStep:
         """Advance from s = begin to end of a step h [s]; `path` has u_0, u_1, u_2 of inputs u_0 + u_1 s + u_2 s^2."""
         old = state
@@ -138,24 +156,40 @@ class HoistPlant:
             wound = self.hoist.sheave_radius * state.x.item(1) + state.slip_state.slip
             left, right = state.free_lengths
             if (free := min(left - wound, right + wound)) <= MIN_ROPE:
-                return PlantStep(False, f"drive: head rope of {free:.3g} m left at the sheave: overwind", old)
+                return PlantStep(
+                    False, f"drive: head rope of {free:.3g} m left at the sheave: overwind", old
+                )
             if begin >= end:
                 return PlantStep(True, "", state, y[result["applied_input"]], y[result["outputs"]])
             state = _switched(state, y[result["outputs"]])
         often = f"more than {MAX_SWITCHES} times in {h:g} s"
-        return PlantStep(False, f"drive: the head ropes slip and hold {often}: shorten the step", old)
+        return PlantStep(
+            False, f"drive: the head ropes slip and hold {often}: shorten the step", old
+        )
 
     def _at(self, state: PlantState) -> tuple[Integrator, Vector, Watch | None]:
         """Return the integrator for a state, the state in its coordinates, and the function to watch."""
         slip_state = state.slip_state
         if slip_state.sense == 0.0:
-            return self.stick_integrator, state.x, None if self.hoist.lining is None else self._excess
+            return (
+                self.stick_integrator,
+                state.x,
+                None if self.hoist.lining is None else self._excess,
+            )
         names = self._sliding.names
         values = dict(zip(self.state_names, state.x.tolist(), strict=True))
-        values |= {"slip": slip_state.slip, "slip_rate": slip_state.speed, "sense": slip_state.sense}
+        values |= {
+            "slip": slip_state.slip,
+            "slip_rate": slip_state.speed,
+            "sense": slip_state.sense,
+        }
         rate = names.index("slip_rate")
         # they hold again once they slide the other way
-        return self._sliding, np.array([values[name] for name in names]), lambda y: -slip_state.sense * y.item(rate)
+        return (
+            self._sliding,
+            np.array([values[name] for name in names]),
+            lambda y: -slip_state.sense * y.item(rate),
+        )
 
     def _excess(self, y: Vector) -> float:
         """Return the tension beyond what friction holds [N], of ropes that hold."""
@@ -165,14 +199,18 @@ class HoistPlant:
         low, high = sorted(y.item(outputs + k) for k in _TENSIONS)
         return high - off - hoist.tension_ratio_limit * max(low - off, 0.0)
 
-    def _reached(self, state: PlantState, x: Vector, work_totals: Vector, step_next: float) -> PlantState:
+    def _reached(
+        self, state: PlantState, x: Vector, work_totals: Vector, step_next: float
+    ) -> PlantState:
         """Return the state in which the integrator has ended, from its coordinates x."""
         slip_state = state.slip_state
         if slip_state.sense != 0.0:
             values = dict(zip(self._sliding.names, x.tolist(), strict=True))
             slid_distance = slip_state.slid_distance + (values["slip"] - slip_state.slip)
             x = np.array([values[name] for name in self.state_names])
-            slip_state = SlipState(slip_state.sense, values["slip_rate"], slid_distance, values["slip"])
+            slip_state = SlipState(
+                slip_state.sense, values["slip_rate"], slid_distance, values["slip"]
+            )
         return PlantState(x, work_totals, state.free_lengths, step_next, slip_state)
 
     def accelerance(self, state: PlantState) -> Vector:
@@ -180,7 +218,9 @@ class HoistPlant:
         integrator, x, _ = self._at(state)
         return integrator.accelerance(x, np.zeros(len(INPUT_NAMES)), state.free_lengths)
 
-    def loads_and_outputs(self, state: PlantState, path: Vector, added_mass: Vector, s: float) -> tuple[Vector, Vector]:
+    def loads_and_outputs(
+        self, state: PlantState, path: Vector, added_mass: Vector, s: float
+    ) -> tuple[Vector, Vector]:
         """Return the input that acts at s, and OUTPUTS."""
         integrator, x, _ = self._at(state)
         start = {"x": x, "work_totals": state.work_totals, "l0": state.free_lengths}
@@ -191,10 +231,16 @@ class HoistPlant:
     def _require_taut(self, name: str, y: float, force: float) -> None:
         """Refuse a height [m] at or above the sheave, and a force [N] that leaves the head ropes slack."""
         if not self.hoist.sheave_height - y > 0.0:
-            raise ValueError(f"{name} = {y!r} m must be below the sheave at {self.hoist.sheave_height:g} m: lower it")
+            raise ValueError(
+                f"{name} = {y!r} m must be below the sheave at {self.hoist.sheave_height:g} m: lower it"
+            )
         mass = self.hoist.mass_left if name == "y_left" else self.hoist.mass_right
-        if not (math.isfinite(force) and mass * GRAVITY - self.hoist.tail_rope_number * force > 0.0):
-            raise ValueError(f"rope force {force!r} N at {name} must leave the head ropes taut: check its sign")
+        if not (
+            math.isfinite(force) and mass * GRAVITY - self.hoist.tail_rope_number * force > 0.0
+        ):
+            raise ValueError(
+                f"rope force {force!r} N at {name} must leave the head ropes taut: check its sign"
+            )
 
 
 def free_lengths(hoist: Hoist, heights: Sequence[Any], forces: Sequence[Any]) -> tuple[Any, Any]:
@@ -218,14 +264,20 @@ def hanging_places(hoist: Hoist, heights: Sequence[Any], lengths: Sequence[Any])
     for j in range(1, hoist.head_rope_modes + 1):
         k = j * math.pi
         sag = 2.0 * hoist.rope_mass * GRAVITY * (1.0 - (-1.0) ** j) / (hoist.rope_stiffness * k**3)
-        places |= {f"eta{j}_{side}": -sag * length**2 for side, length in zip(SIDES, lengths, strict=True)}
+        places |= {
+            f"eta{j}_{side}": -sag * length**2 for side, length in zip(SIDES, lengths, strict=True)
+        }
     return places
 
 
 def _not_finite(path: Vector, h: float, added_mass: Vector) -> str:
     """Name the inputs that are not finite, now or later in a step that cannot be integrated; else the likely cause."""
     numbers = path.reshape(3, -1).T.tolist()
-    bad = [name for name, moving in zip(INPUT_NAMES, numbers, strict=True) if not all(map(math.isfinite, moving))]
+    bad = [
+        name
+        for name, moving in zip(INPUT_NAMES, numbers, strict=True)
+        if not all(map(math.isfinite, moving))
+    ]
     if not (math.isfinite(h) and np.isfinite(added_mass).all()):
         bad.append("step or added mass")
     if bad:
@@ -245,4 +297,6 @@ def _switched(state: PlantState, outputs: Vector) -> PlantState:
         sense = 1.0 if outputs[_TENSIONS[1]] > outputs[_TENSIONS[0]] else -1.0
         return state._replace(slip_state=SlipState(sense, slid_distance=slip_state.slid_distance))
     lengths = (left - slip_state.slip, right + slip_state.slip)
-    return state._replace(slip_state=SlipState(slid_distance=slip_state.slid_distance), free_lengths=lengths)
+    return state._replace(
+        slip_state=SlipState(slid_distance=slip_state.slid_distance), free_lengths=lengths
+    )

@@ -23,9 +23,24 @@ from hoist_demo.drive_fmu.interface import (
     drive_table,
     holding,
 )
-from hoist_demo.drive_fmu.kernels import KERNELS, Kernels, complete, kernels, largest_step, places_of_yaw
+from hoist_demo.drive_fmu.kernels import (
+    KERNELS,
+    Kernels,
+    complete,
+    kernels,
+    largest_step,
+    places_of_yaw,
+)
 from hoist_demo.drive_fmu.omissions import leave_out, obstacles
-from hoist_demo.parameters import ASSUMED_DATA, GRAVITY, SIDES, Hoist, Winding, require_trip_fits, start_heights
+from hoist_demo.parameters import (
+    ASSUMED_DATA,
+    GRAVITY,
+    SIDES,
+    Hoist,
+    Winding,
+    require_trip_fits,
+    start_heights,
+)
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.suspension import MOVED
 from rope_model import Inputs
@@ -49,7 +64,9 @@ class DriveModel:
     variables: tuple[Variable, ...]  # of the compiled drive, by value reference
     described: dict[int, Variable]  # those that this hoist has
     sources: dict[str, str]  # file name -> text; those that end in .c are compiled
-    data: tuple[float, ...]  # numbers of hoist and trip, which the sources read behind the start values
+    data: tuple[
+        float, ...
+    ]  # numbers of hoist and trip, which the sources read behind the start values
     attachments: dict[str, bytes]  # path in the FMU -> documentation and picture
     duration: float  # s, of the trip with what waits before and after it
     initial: dict[str, tuple[str, ...]]  # output -> what it follows while the drive is initialised
@@ -57,12 +74,19 @@ class DriveModel:
 
 def duration(winding: Winding, trajectory: Trajectory | None = None) -> float:
     """Return a trip's duration with waits, in whole seconds; ``trajectory``, without waits, replaces the S-curve."""
-    reached = s_curve(winding).duration if trajectory is None else winding.start_delay + trajectory.duration
+    reached = (
+        s_curve(winding).duration
+        if trajectory is None
+        else winding.start_delay + trajectory.duration
+    )
     return float(math.ceil(reached + winding.settle))
 
 
 def drive_model(
-    case: Case, ropes: Sequence[DriveRope] = (), trajectory: Trajectory | None = None, period: float = SAMPLE_PERIOD
+    case: Case,
+    ropes: Sequence[DriveRope] = (),
+    trajectory: Trajectory | None = None,
+    period: float = SAMPLE_PERIOD,
 ) -> DriveModel:
     """Hoist and trip of ``case`` in C; the trip is part of the export.
 
@@ -77,10 +101,14 @@ def drive_model(
         )
     case = leave_out(case, ())
     # the wait before the trip is a parameter of its own
-    reference = s_curve(replace(case.winding, start_delay=0.0)) if trajectory is None else trajectory
+    reference = (
+        s_curve(replace(case.winding, start_delay=0.0)) if trajectory is None else trajectory
+    )
     require_trip_fits(case.hoist, case.winding)
     table = drive_table(case, largest_step(case), period, ropes)
-    trip = f"{abs(case.winding.travel):g} m {'up' if case.winding.travel > 0.0 else 'down'} at up to"
+    trip = (
+        f"{abs(case.winding.travel):g} m {'up' if case.winding.travel > 0.0 else 'down'} at up to"
+    )
     text = (
         "Drive of a friction hoist with motor, sheave, head ropes and two conveyances, S-curve reference and speed "
         f"controller; left conveyance {trip} {case.winding.speed:g} m/s{_creep(case.winding)}"
@@ -109,7 +137,9 @@ def sources(structure: Hoist) -> dict[str, str]:
     }
 
 
-def initial(described: Sequence[Variable], ropes: Sequence[DriveRope] = ()) -> dict[str, tuple[str, ...]]:
+def initial(
+    described: Sequence[Variable], ropes: Sequence[DriveRope] = ()
+) -> dict[str, tuple[str, ...]]:
     """Return the inputs, and the parameters in their place, that the outputs follow during initialisation.
 
     Conveyances and sheave rest at the landings whatever the forces, and the reference waits there.  What holds the
@@ -135,7 +165,9 @@ def _data(case: Case, ropes: Sequence[DriveRope], reference: Trajectory) -> dict
             f"the trip has {len(reference.starts)} segments of constant jerk: it must have at most {MOST_SEGMENTS} "
             "in an exported drive; shape it less"
         )
-    trip = [(start, *point[:4]) for start, point in zip(reference.starts, reference.points, strict=True)]
+    trip = [
+        (start, *point[:4]) for start, point in zip(reference.starts, reference.points, strict=True)
+    ]
     trip += [(0.0,) * 5] * (MOST_SEGMENTS - len(trip))
     places = [rope.suspension.at(side) for rope in ropes for side in SIDES]
     places += [(0.0, 0.0)] * (2 * MOST_ROPES - len(places))
@@ -193,10 +225,15 @@ def _table(structure: Hoist, generated: Kernels) -> str:
     motions = list(MOTIONS)
     bounds = [(v.minimum, v.maximum) for v in table if v.causality == "parameter"]
     centre = [[motions.index(f"{side}.{name}") for name in MOVED] for side in SIDES]
-    turn = [[PLANT.index(f"{name}_{side}") for name in ("yaw", "yaw_rate", "yaw_acceleration")] for side in SIDES]
+    turn = [
+        [PLANT.index(f"{name}_{side}") for name in ("yaw", "yaw_rate", "yaw_acceleration")]
+        for side in SIDES
+    ]
     stages = len(integrator.WEIGHTS)
     return _TABLE.format(
-        sizes="\n".join(f"    DRIVE_{name} = {value}," for name, value in _sizes(structure, generated).items()),
+        sizes="\n".join(
+            f"    DRIVE_{name} = {value}," for name, value in _sizes(structure, generated).items()
+        ),
         min_rope=MIN_ROPE,
         hardest=Inputs().acceleration_max,
         hold=LONGEST_HOLD,
@@ -276,7 +313,9 @@ def attachments(description: str, table: Sequence[Variable]) -> dict[str, bytes]
         for v in table
     )
     page = files(__package__).joinpath("page.html").read_text(encoding="utf-8")
-    page = page.format(description=html_text(description), assumed=html_text(ASSUMED_DATA), rows=rows)
+    page = page.format(
+        description=html_text(description), assumed=html_text(ASSUMED_DATA), rows=rows
+    )
     return {
         "documentation/index.html": page.encode(),
         "model.png": files(__package__).joinpath("icon.png").read_bytes(),

@@ -34,7 +34,9 @@ MOST_ROPES = 8  #: Balance ropes that one drive takes.
 PERIOD = "controller.period"
 LONGEST_PERIOD = 0.1  #: Longest sample time of the controller [s], that of `Coupling.step`.
 #: outputs of the drive that a rope at the centre of a conveyance without play takes in, and their names in OUTPUTS
-UPRIGHT = {f"{side}.{name}": f"{field}_{side}" for side in SIDES for name, field in _UPRIGHT.items()}
+UPRIGHT = {
+    f"{side}.{name}": f"{field}_{side}" for side in SIDES for name, field in _UPRIGHT.items()
+}
 #: the same with play
 MOTIONS = UPRIGHT | {f"{side}.{name}": f"{name}_{side}" for side in SIDES for name in _LATERAL}
 
@@ -45,8 +47,16 @@ _DRIVE = {
     "torque": ("drive.torque", "N.m", "torque of the motor"),
     "tension_left": ("drive.tension_left", "N", "tension of all head ropes at the sheave, left"),
     "tension_right": ("drive.tension_right", "N", "tension of all head ropes at the sheave, right"),
-    "energy_kinetic": ("drive.energy_kinetic", "J", "kinetic energy of drive, head ropes and conveyances"),
-    "energy_potential": ("drive.energy_potential", "J", "potential energy of head ropes and conveyances"),
+    "energy_kinetic": (
+        "drive.energy_kinetic",
+        "J",
+        "kinetic energy of drive, head ropes and conveyances",
+    ),
+    "energy_potential": (
+        "drive.energy_potential",
+        "J",
+        "potential energy of head ropes and conveyances",
+    ),
 }
 #: OUTPUTS that the compiled drive computes, in the order of its table but for the ropes' places
 PLANT = (*MOTIONS.values(), *(f"yaw_acceleration_{side}" for side in SIDES), *_DRIVE)
@@ -121,7 +131,9 @@ def motions(hoist: Hoist) -> dict[str, str]:
 
 def offset_ropes(hoist: Hoist, ropes: Sequence[DriveRope]) -> list[DriveRope]:
     """Ropes beside the centres of conveyances that may yaw."""
-    return [rope for rope in ropes if hoist.play is not None and rope.suspension != SuspensionOffset()]
+    return [
+        rope for rope in ropes if hoist.play is not None and rope.suspension != SuspensionOffset()
+    ]
 
 
 class DriveTable(NamedTuple):
@@ -131,7 +143,9 @@ class DriveTable(NamedTuple):
     described: dict[int, Variable]
 
 
-def drive_table(case: Case, step: float, period: float, ropes: Sequence[DriveRope] = ()) -> DriveTable:
+def drive_table(
+    case: Case, step: float, period: float, ropes: Sequence[DriveRope] = ()
+) -> DriveTable:
     """Return the FMI variables; ``step`` is the largest internal step, ``period`` the controller's [s]."""
     parameters = list(_parameters(case, step, period, ropes))
     rows = [_Row(variable) for variable in parameters]
@@ -157,7 +171,8 @@ def drive_table(case: Case, step: float, period: float, ropes: Sequence[DriveRop
     rows += [_Row(_output(*texts)) for texts in _DRIVE.values()]
     rows += [_Row(_output(name, *texts)) for name, texts in _CONTROL.items()]
     rows += [
-        _Row(Variable(f"status.{name}", "output", "discrete", kind, "", None, text)) for name, kind, text in _STATUS
+        _Row(Variable(f"status.{name}", "output", "discrete", kind, "", None, text))
+        for name, kind, text in _STATUS
     ]
     whole = tuple(row.variable for row in rows)
     return DriveTable(whole, {k: row.described() for k, row in enumerate(rows) if row.there})
@@ -183,9 +198,13 @@ def _output(name: str, unit: str, description: str) -> Variable:
     return Variable(name, "output", "continuous", "Real", unit, None, description)
 
 
-def _parameters(case: Case, step: float, period: float, ropes: Sequence[DriveRope]) -> Iterator[Variable]:
+def _parameters(
+    case: Case, step: float, period: float, ropes: Sequence[DriveRope]
+) -> Iterator[Variable]:
     text = "wait before the trip begins"
-    yield Variable("trip.start", "parameter", "fixed", "Real", "s", case.winding.start_delay, text, 0.0, _MOST)
+    yield Variable(
+        "trip.start", "parameter", "fixed", "Real", "s", case.winding.start_delay, text, 0.0, _MOST
+    )
     pulls = np.sum([rest_forces(case, rope) for rope in ropes or (None,)], axis=0)
     for side, name, pull in zip(SIDES, START_PULLS, pulls, strict=True):
         text = f"pull of all balance ropes on the {side} conveyance at the start, where no input gives one (0 N)"
@@ -197,7 +216,17 @@ def _parameters(case: Case, step: float, period: float, ropes: Sequence[DriveRop
     for p in leaves(Gains):
         low, high = 1e-6 if p.bounds.opens else p.bounds.low, p.bounds.high or _MOST
         value, description = getattr(case.gains, p.name), _GAINS[p.name]
-        yield Variable(f"controller.{p.name}", "parameter", "tunable", "Real", p.unit, value, description, low, high)
+        yield Variable(
+            f"controller.{p.name}",
+            "parameter",
+            "tunable",
+            "Real",
+            p.unit,
+            value,
+            description,
+            low,
+            high,
+        )
 
 
 def _texts(table: Mapping[str, tuple[str, str]], name: str) -> tuple[str, str]:

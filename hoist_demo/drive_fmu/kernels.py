@@ -33,7 +33,14 @@ from hoist_demo.parameters.suspension import MOVED, moment_at, motion_at
 LIMIT = 0.25
 #: Factor on a torque limit [rad/s]: a power of two, so that (limit * _FAST) / _FAST is the limit to the bit.
 _FAST = 2.0**40
-KERNELS = ("rates", "outputs", "control", "rest", "moment", "point")  #: Names of the C functions behind "drive_".
+KERNELS = (
+    "rates",
+    "outputs",
+    "control",
+    "rest",
+    "moment",
+    "point",
+)  #: Names of the C functions behind "drive_".
 #: Highest number of head rope modes of a side with which the installed package brings the drive compiled.
 MOST_MODES = 4
 
@@ -54,7 +61,11 @@ def complete(hoist: Hoist) -> Hoist:
 
 def structures() -> list[Hoist]:
     """Return the structures of the drives that the installed package brings compiled."""
-    hoists = [Hoist(head_rope_modes=n, drive_shaft=s) for n in range(MOST_MODES + 1) for s in (None, DriveShaft())]
+    hoists = [
+        Hoist(head_rope_modes=n, drive_shaft=s)
+        for n in range(MOST_MODES + 1)
+        for s in (None, DriveShaft())
+    ]
     return [complete(hoist).equation_structure for hoist in hoists]
 
 
@@ -84,7 +95,9 @@ def kernels_file(package: Path, structure: Hoist) -> Path:
     """Return the JSON file of the kernels of ``structure`` if the folder ``package`` brings them."""
     digest = hashlib.sha256(repr(structure).encode())
     for path in sorted(package.rglob("*.py")):
-        digest.update(f"{path.relative_to(package).as_posix()}\0{path.read_text(encoding='utf-8')}\0".encode())
+        digest.update(
+            f"{path.relative_to(package).as_posix()}\0{path.read_text(encoding='utf-8')}\0".encode()
+        )
     return package / "drive_fmu" / "prebuilt" / f"kernels-{digest.hexdigest()[:20]}.json"
 
 
@@ -98,10 +111,14 @@ def generate(structure: Hoist) -> Kernels:
         moment_function(),
         point_function(),
     ]
-    generator = ca.CodeGenerator("drive_kernels", {"with_header": False, "casadi_int": "int", "indent": 4})
+    generator = ca.CodeGenerator(
+        "drive_kernels", {"with_header": False, "casadi_int": "int", "indent": 4}
+    )
     for function in functions:
         generator.add(function)
-    work = tuple(max(getattr(f, size)() for f in functions) for size in ("sz_arg", "sz_res", "sz_iw", "sz_w"))
+    work = tuple(
+        max(getattr(f, size)() for f in functions) for size in ("sz_arg", "sz_res", "sz_iw", "sz_w")
+    )
     return Kernels(
         c=str(generator.dump()),
         states=len(state_names(structure)),
@@ -113,7 +130,12 @@ def generate(structure: Hoist) -> Kernels:
 def _arguments(structure: Hoist) -> tuple[Any, Any, Any, Any]:
     """Return symbols of state, input, free lengths and the hoist's numbers."""
     states, numbers = len(state_names(structure)), len(structure.numbers)
-    return ca.SX.sym("x", states), ca.SX.sym("u", len(INPUT_NAMES)), ca.SX.sym("l0", 2), ca.SX.sym("p", numbers)
+    return (
+        ca.SX.sym("x", states),
+        ca.SX.sym("u", len(INPUT_NAMES)),
+        ca.SX.sym("l0", 2),
+        ca.SX.sym("p", numbers),
+    )
 
 
 def _rates(structure: Hoist) -> Any:
@@ -126,7 +148,9 @@ def _outputs(structure: Hoist) -> Any:
     """Return the function (x, u, l0, p) -> PLANT."""
     arguments = _arguments(structure)
     outputs = equations(structure).outputs(*arguments)
-    return ca.Function("drive_outputs", arguments, [ca.vertcat(*(outputs[OUTPUT_INDEX[name]] for name in PLANT))])
+    return ca.Function(
+        "drive_outputs", arguments, [ca.vertcat(*(outputs[OUTPUT_INDEX[name]] for name in PLANT))]
+    )
 
 
 def _control(structure: Hoist) -> Any:
@@ -139,7 +163,11 @@ def _control(structure: Hoist) -> Any:
 
 def _rest(structure: Hoist) -> Any:
     """Return the function (heights, forces, p) -> x, l0 at rest, as HoistPlant.hanging_state finds them."""
-    heights, forces, p = ca.SX.sym("y", 2), ca.SX.sym("F", 2), ca.SX.sym("p", len(structure.numbers))
+    heights, forces, p = (
+        ca.SX.sym("y", 2),
+        ca.SX.sym("F", 2),
+        ca.SX.sym("p", len(structure.numbers)),
+    )
     hoist, names = with_numbers(structure, ca.vertsplit(p)), state_names(structure)
     lengths = free_lengths(hoist, ca.vertsplit(heights), ca.vertsplit(forces))
     places = hanging_places(hoist, ca.vertsplit(heights), lengths)
@@ -155,7 +183,9 @@ def moment_function() -> Any:
     """Return the function (x and z of a point, yaw, force there) -> moment about the vertical."""
     offset, yaw, force = ca.SX.sym("p", 2), ca.SX.sym("yaw"), ca.SX.sym("F", 3)
     x, z = ca.vertsplit(offset)
-    return ca.Function("drive_moment", [offset, yaw, force], [moment_at((x, z), yaw, ca.vertsplit(force))[1]])
+    return ca.Function(
+        "drive_moment", [offset, yaw, force], [moment_at((x, z), yaw, ca.vertsplit(force))[1]]
+    )
 
 
 def point_function() -> Any:
@@ -170,14 +200,18 @@ def largest_step(case: Case) -> float:
     """Return the largest step in two digits [s], of the fastest oscillation: the shortest head rope, at a landing."""
     plant = HoistPlant(case.hoist, "portable")
     x, u, l0, p = _arguments(structure := case.hoist.equation_structure)
-    jacobian = ca.Function("J", [x, u, l0, p], [ca.jacobian(equations(structure).rates(x, u, l0, p), x)])
+    jacobian = ca.Function(
+        "J", [x, u, l0, p], [ca.jacobian(equations(structure).rates(x, u, l0, p), x)]
+    )
     fastest = 0.0
     for force in (0.0, -GRAVITY * case.hoist.tail_rope_mass * case.hoist.tail_rope_length):
         for heights in ((low := start_heights(case.hoist, case.winding)), low[::-1]):
             state = plant.hanging_state(*heights, force, force)
             held = np.zeros(u.size1())
             held[:3] = state.x[0], force, force
-            matrix = np.asarray(jacobian(state.x, held, list(state.free_lengths), case.hoist.numbers))
+            matrix = np.asarray(
+                jacobian(state.x, held, list(state.free_lengths), case.hoist.numbers)
+            )
             fastest = max(fastest, float(np.abs(np.linalg.eigvals(matrix)).max()))
     step = LIMIT / fastest
     unit = 10.0 ** (math.floor(math.log10(step)) - 1)

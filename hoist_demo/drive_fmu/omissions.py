@@ -17,9 +17,16 @@ class Omission(NamedTuple):
 
 OMISSIONS = {
     "emergency-stop": Omission(winding=("emergency_at",), reason="an exported drive has no brake"),
-    "jam": Omission(hoist=("jam_left", "jam_right"), reason="an exported drive's steps are too long for what sticks"),
-    "lining": Omission(hoist=("lining",), reason="in an exported drive the head ropes hold on the sheave"),
-    "slack-rope": Omission(hoist=("slack_tension",), reason="an exported drive has no safety circuit that stops it"),
+    "jam": Omission(
+        hoist=("jam_left", "jam_right"),
+        reason="an exported drive's steps are too long for what sticks",
+    ),
+    "lining": Omission(
+        hoist=("lining",), reason="in an exported drive the head ropes hold on the sheave"
+    ),
+    "slack-rope": Omission(
+        hoist=("slack_tension",), reason="an exported drive has no safety circuit that stops it"
+    ),
     "play": Omission(hoist=("play",)),
 }
 

@@ -39,7 +39,11 @@ class Schedule(RunFile):
     @property
     def status_by_name(self) -> dict[str, str]:
         """Status of each value that is set, by name; varied if it differs between trips."""
-        status = {key: status for values in (self.fixed, *self.trips) for key, status in statuses(values).items()}
+        status = {
+            key: status
+            for values in (self.fixed, *self.trips)
+            for key, status in statuses(values).items()
+        }
         runs = [plain({**self.fixed, **trip}) for trip in self.trips]
         return status | {key: VARIED for key in status if len({run.get(key) for run in runs}) > 1}
 
@@ -101,7 +105,9 @@ class Schedule(RunFile):
 
     def ropes(self, outputs: Collection[str] | None = None) -> Ropes:
         """Return the balance ropes, of which these `outputs` are recorded, as of `OneRope`."""
-        return ropes_of(find_case(self.header.hoist), self.pattern[0], self.fixed, self.level, outputs)
+        return ropes_of(
+            find_case(self.header.hoist), self.pattern[0], self.fixed, self.level, outputs
+        )
 
     @model_validator(mode="after")
     def _ropes_hang(self) -> Self:
@@ -123,7 +129,9 @@ class Schedule(RunFile):
                     f"hoist.shaft_travel = {top:g} m: shorten it, or let the trips lead back"
                 )
             if winding.emergency_at is not None:
-                raise ValueError(f"trip {k}: winding.emergency_at must be left out: a trip of a duty ends at a landing")
+                raise ValueError(
+                    f"trip {k}: winding.emergency_at must be left out: a trip of a duty ends at a landing"
+                )
             if winding.settle == 0.0 and _payloads(self.trip(k)) != _payloads(self.trip(k + 1)):
                 raise ValueError(
                     f"trip {k}: winding.settle = 0 s must be above 0, for the payload changes: give the dwell's time"

@@ -23,8 +23,23 @@ READ = ROPE_SIGNALS | {"loop.turns"}  #: Outputs of the rope that the table is m
 
 #: Metrics of a study; sway is from where the loop hung at rest before the first trip.
 _MEASURED = (
-    *("rope_force_ripple", "rope_force_peak", "rope_force_range", "bending_stress", "sway", "sway_across", "loop_yaw"),
-    *("clearance", "left_swivel_torque", "right_swivel_torque", "left_slip", "right_slip", "slip_safety"),
+    *(
+        "rope_force_ripple",
+        "rope_force_peak",
+        "rope_force_range",
+        "bending_stress",
+        "sway",
+        "sway_across",
+        "loop_yaw",
+    ),
+    *(
+        "clearance",
+        "left_swivel_torque",
+        "right_swivel_torque",
+        "left_slip",
+        "right_slip",
+        "slip_safety",
+    ),
     *("position_error", "torque_rms", "motor_energy_drawn"),
 )
 
@@ -47,10 +62,25 @@ _UNITS = {name: unit for name, (unit, _) in COLUMNS.items()} | {"difference": "1
 _SMALLEST_IS_WORST = ("clearance", "slip_safety")
 #: Columns of which the worst trip is told.
 JUDGED = (
-    *("rope_force_ripple", "rope_force_range", "sway", "sway_across", "loop_yaw", "turns", "clearance"),
+    *(
+        "rope_force_ripple",
+        "rope_force_range",
+        "sway",
+        "sway_across",
+        "loop_yaw",
+        "turns",
+        "clearance",
+    ),
     *("left_swivel_torque", "right_swivel_torque", "slip_safety", "position_error"),
 )
-REPEATING = ("rope_force_ripple", "sway", "sway_across", "loop_yaw", "yaw_start", "left_swivel_torque")
+REPEATING = (
+    "rope_force_ripple",
+    "sway",
+    "sway_across",
+    "loop_yaw",
+    "yaw_start",
+    "left_swivel_torque",
+)
 STEADY = 0.01
 NEGLIGIBLE = {"N": 1.0, "m": 1e-3, "rad": 1e-3, "N.m": 0.1}
 
@@ -78,12 +108,17 @@ def unit_of(column: str) -> str:
     return _UNITS.get(own_name(column), "")
 
 
-def place_at_rest(schedule: Schedule, rope: RopePlant, names: Sequence[str] = ("",)) -> dict[str, RestPlace]:
+def place_at_rest(
+    schedule: Schedule, rope: RopePlant, names: Sequence[str] = ("",)
+) -> dict[str, RestPlace]:
     """Return the place of each rope's loop at rest before the first trip, by its name; NaN if it does not hang."""
     left = schedule.landing(0)
     rope.initialize(0.0, EndMotion(y=left), EndMotion(y=schedule.trip(1).hoist.shaft_travel - left))
     prefixes = {name: f"{name}." if name else "" for name in names}
-    places = [rope.reader([f"{prefix}loop.x", f"{prefix}loop.z"])().tolist() for prefix in prefixes.values()]
+    places = [
+        rope.reader([f"{prefix}loop.x", f"{prefix}loop.z"])().tolist()
+        for prefix in prefixes.values()
+    ]
     return {name: RestPlace(*place) for name, place in zip(names, places, strict=True)}
 
 
@@ -121,10 +156,15 @@ def _of_rope(recording: Recording, rest: RestPlace, arrived: float) -> dict[str,
 def landing_warnings(row: Mapping[str, float], data: RunData) -> list[str]:
     """Warn of a trip whose dwell ends far from the landing: the drive alone holds the hoist while it is loaded."""
     error, band = abs(row["position_error"]), data.arrival.position_band
-    return [
-        f"the left conveyance ends its dwell {error:.3g} m from the landing, not within arrival.position_band = "
-        f"{band:g} m: the drive alone holds it while payloads change; lengthen winding.settle, or raise gains.position"
-    ] if error > band else []  # fmt: skip
+    return (
+        [
+            f"the left conveyance ends its dwell {error:.3g} m from the landing, not within arrival.position_band = "
+            f"{band:g} m: the drive alone holds it while payloads change; lengthen winding.settle, "
+            "or raise gains.position"
+        ]
+        if error > band
+        else []
+    )
 
 
 def _yaw(recording: Recording, arrived: float) -> dict[str, float]:
@@ -153,7 +193,9 @@ def differences(columns: Mapping[str, Array], cycle: int) -> Array:
     for name, values in columns.items():
         if own_name(name) in REPEATING and np.isfinite(values).all():
             largest = max(float(np.max(np.abs(values))), NEGLIGIBLE[unit_of(name)] / STEADY)
-            changes[cycle:] = np.maximum(changes[cycle:], np.abs(values[cycle:] - values[:-cycle]) / largest)
+            changes[cycle:] = np.maximum(
+                changes[cycle:], np.abs(values[cycle:] - values[:-cycle]) / largest
+            )
     return changes
 
 
@@ -167,7 +209,9 @@ def steady_from(trips: Recording, cycle: int) -> int | None:
 def worst(trips: Recording, cycle: int) -> list[Worst]:
     """Return the worst trip by each column of JUDGED that the rope's fidelity shows."""
     worst_trips = []
-    for name in (column for judged in JUDGED for column in trips.signals if own_name(column) == judged):
+    for name in (
+        column for judged in JUDGED for column in trips.signals if own_name(column) == judged
+    ):
         values = trips[name]
         if np.isfinite(values).all():
             sign = -1.0 if own_name(name) in _SMALLEST_IS_WORST else 1.0

@@ -49,18 +49,26 @@ def wind_duty(
     for number in range(done + 1, schedule.count + 1):
         run = schedule.trip(number)
         told = None if progress is None else progress(number)
-        made = drives[(number - 1) % len(drives)] if closed or number <= len(drives) else run.design()
-        result = wind_run(run, rope, told, made, after=after, next_hoist=schedule.trip(number + 1).hoist)
+        made = (
+            drives[(number - 1) % len(drives)] if closed or number <= len(drives) else run.design()
+        )
+        result = wind_run(
+            run, rope, told, made, after=after, next_hoist=schedule.trip(number + 1).hoist
+        )
         if guard_trip(result.recording) is not None or jams(result.recording):
             # a hoist with an open safety circuit does not start again
             result = replace(result, end=None)
-        yield WoundTrip(number, run, replace(result, recording=computed(result.recording, torque_free)))
+        yield WoundTrip(
+            number, run, replace(result, recording=computed(result.recording, torque_free))
+        )
         after = result.end
         if after is None:
             return
 
 
-def write_state(path: Path, trips: Recording, end: TripEnd, rope: RopePlant, schedule: Schedule) -> None:
+def write_state(
+    path: Path, trips: Recording, end: TripEnd, rope: RopePlant, schedule: Schedule
+) -> None:
     """Write the state after the last row of `trips`, whole or not at all."""
     checkpoint = Checkpoint(
         sample=trips["trip"].size,
@@ -77,12 +85,16 @@ def write_state(path: Path, trips: Recording, end: TripEnd, rope: RopePlant, sch
     checkpoint.write(path)
 
 
-def read_state(path: Path, rope: RopePlant, schedule: Schedule) -> tuple[list[dict[str, float]], TripEnd]:
+def read_state(
+    path: Path, rope: RopePlant, schedule: Schedule
+) -> tuple[list[dict[str, float]], TripEnd]:
     """Read rows and the last trip's end, and put the rope into its state; raise ValueError for another duty's file."""
     try:
         last = Checkpoint.read(path)
     except ValueError as error:
-        raise ValueError(f"{error}; or delete {path}: the trips are then wound again from the first") from error
+        raise ValueError(
+            f"{error}; or delete {path}: the trips are then wound again from the first"
+        ) from error
     if last.data != schedule.data:
         changes = differences(last.data, schedule.data)
         raise ValueError(f"'{path}' must be of this schedule, but {changes}: give another --out")
@@ -100,4 +112,7 @@ def read_state(path: Path, rope: RopePlant, schedule: Schedule) -> tuple[list[di
 def table_rows(trips: Recording) -> list[dict[str, float]]:
     """Return the rows of a table of trips."""
     columns: Mapping[str, np.ndarray] = trips.signals
-    return [{name: float(values[k]) for name, values in columns.items()} for k in range(trips["trip"].size)]
+    return [
+        {name: float(values[k]) for name, values in columns.items()}
+        for k in range(trips["trip"].size)
+    ]

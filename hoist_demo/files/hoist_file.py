@@ -11,15 +11,37 @@ from dataclasses import replace
 from functools import cache, cached_property
 from typing import Annotated, Any, Self
 
-from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, create_model, model_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    ValidationInfo,
+    WithJsonSchema,
+    create_model,
+    model_validator,
+)
 from pydantic.json_schema import GenerateJsonSchema
 
 from hoist_demo.cases.case import BUILTIN_HOISTS, FOLDER, BalanceRopeData, Case
 from hoist_demo.cases.rules import apply_rules
 from hoist_demo.files.reading import File, Flat, beside, contents, opened_by, read, table_of
-from hoist_demo.files.registry import at_both_ends, host_parameters, rope_parameters, run_fields, swivel_parameters
+from hoist_demo.files.registry import (
+    at_both_ends,
+    host_parameters,
+    rope_parameters,
+    run_fields,
+    swivel_parameters,
+)
 from hoist_demo.files.rope_file import RopeValues
-from hoist_demo.files.values import GIVEN, ParameterValue, ParameterValues, Status, Text, read_text, stated, value_type
+from hoist_demo.files.values import (
+    GIVEN,
+    ParameterValue,
+    ParameterValues,
+    Status,
+    Text,
+    read_text,
+    stated,
+    value_type,
+)
 from hoist_demo.parameters import SIDES
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter, leaves
@@ -30,12 +52,17 @@ SUSPENSION_KEYS = ("x_left", "x_right", "z")
 BREAK = ("breaks_at", "breaks_s")
 _BREAKS = (
     Parameter("rope.breaks_at", "s", "Real", meaning="time of the rope's break; none without it"),
-    Parameter("rope.breaks_s", "m", "Real", meaning="place of the break, from the left end along the rope"),
+    Parameter(
+        "rope.breaks_s", "m", "Real", meaning="place of the break, from the left end along the rope"
+    ),
 )
 #: Parameters of the suspension and break of one of several ropes, by name.
 SUSPENSION_PARAMETERS = {p.name: p for p in (*leaves(SuspensionOffset, "rope."), *_BREAKS)}
 _DECIDES = ("construction", "from")  #: Keys that decide for another rope.
-_CATALOGUE_INPUTS = ("rope.length", "rope.diameter")  #: Parameters that the catalogue does not know.
+_CATALOGUE_INPUTS = (
+    "rope.length",
+    "rope.diameter",
+)  #: Parameters that the catalogue does not know.
 
 
 def _rope_parameters() -> list[Parameter]:
@@ -59,13 +86,20 @@ class RopeTable(table_of("rope", _rope_parameters())):  # type: ignore[misc]
 def _stated_values(table: RopeTable) -> dict[str, Any]:
     """Return all that a [[rope]] sets; values by FMI name."""
     values = at_both_ends(contents(table)).items()
-    return {f"rope.{key}" if isinstance(v, ParameterValue) and "." not in key else key: v for key, v in values}
+    return {
+        f"rope.{key}" if isinstance(v, ParameterValue) and "." not in key else key: v
+        for key, v in values
+    }
 
 
 def _base(content: Any, info: ValidationInfo) -> HoistFile:
     """Return the hoist that `like` names."""
     name = read_text(content)
-    return read_builtin(name) if name in BUILTIN_HOISTS else read(beside(info, name), HoistFile, opened_by(info))
+    return (
+        read_builtin(name)
+        if name in BUILTIN_HOISTS
+        else read(beside(info, name), HoistFile, opened_by(info))
+    )
 
 
 @cache
@@ -74,7 +108,9 @@ def read_builtin(name: str) -> HoistFile:
     return read(FOLDER / f"{name}.toml", HoistFile)
 
 
-_OF_ALL = {name: field for name, field in run_fields(value_type).items() if name not in ("rope", *SIDES)}
+_OF_ALL = {
+    name: field for name, field in run_fields(value_type).items() if name not in ("rope", *SIDES)
+}
 
 
 class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: ignore[misc]
@@ -98,7 +134,11 @@ class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: igno
         ropes = [rope | stated(rope.items(), self.status) for rope in self.rope]
         if ropes and "rope" in below:
             # ropes of another number go on from the first
-            bases = below["rope"] if len(below["rope"]) == len(ropes) else below["rope"][:1] * len(ropes)
+            bases = (
+                below["rope"]
+                if len(below["rope"]) == len(ropes)
+                else below["rope"][:1] * len(ropes)
+            )
             ropes = [_inherited(base, rope) | rope for base, rope in zip(bases, ropes, strict=True)]
         return {**below, **own, **({"rope": ropes} if ropes else {})}
 
@@ -109,12 +149,23 @@ class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: igno
         values = stated(settings.items())
         host = {key: entry for key, entry in values.items() if key in host_parameters()}
         shared = {key: entry for key, entry in values.items() if key not in host}
-        with Problems([] if "rope" in settings else ["rope is missing: write [[rope]] above what it has"]) as problems:
-            ropes = [_balance_rope(k, rope, shared, problems) for k, rope in enumerate(settings.get("rope", ()), 1)]
+        with Problems(
+            [] if "rope" in settings else ["rope is missing: write [[rope]] above what it has"]
+        ) as problems:
+            ropes = [
+                _balance_rope(k, rope, shared, problems)
+                for k, rope in enumerate(settings.get("rope", ()), 1)
+            ]
             names = [rope.name for rope in ropes]
-            problems += [f"rope name = {n!r} must be given once: name each rope" for n in names if names.count(n) > 1]
+            problems += [
+                f"rope name = {n!r} must be given once: name each rope"
+                for n in names
+                if names.count(n) > 1
+            ]
         header = {name: settings[name] for name in ("source", "level") if name in settings}
-        return apply_rules(host, ropes, name=self.name, signals=tuple(settings.get("signals", ())), **header)
+        return apply_rules(
+            host, ropes, name=self.name, signals=tuple(settings.get("signals", ())), **header
+        )
 
     @model_validator(mode="after")
     def _is_a_hoist(self) -> Self:
@@ -130,20 +181,34 @@ def _inherited(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
         key: entry
         for key, entry in base.items()
         if key not in (*_DECIDES, "lay")
-        and (key in _CATALOGUE_INPUTS or not key.startswith("rope.") or key in SUSPENSION_PARAMETERS)
+        and (
+            key in _CATALOGUE_INPUTS or not key.startswith("rope.") or key in SUSPENSION_PARAMETERS
+        )
     }
 
 
-def _balance_rope(k: int, settings: dict[str, Any], shared: ParameterValues, problems: list[str]) -> BalanceRopeData:
+def _balance_rope(
+    k: int, settings: dict[str, Any], shared: ParameterValues, problems: list[str]
+) -> BalanceRopeData:
     """Return a rope; add what is wrong to the problems."""
-    own = {key: entry for key, entry in stated(settings.items()).items() if key not in SUSPENSION_PARAMETERS}
-    at = {key: float(settings[f"rope.{key}"].value) for key in (*SUSPENSION_KEYS, *BREAK) if f"rope.{key}" in settings}
+    own = {
+        key: entry
+        for key, entry in stated(settings.items()).items()
+        if key not in SUSPENSION_PARAMETERS
+    }
+    at = {
+        key: float(settings[f"rope.{key}"].value)
+        for key in (*SUSPENSION_KEYS, *BREAK)
+        if f"rope.{key}" in settings
+    }
     number = settings.get("number", 1)
     breaks = {key: at.pop(key) for key in BREAK if key in at}
     if len(breaks) == 1:
         problems.append(f"rope {k}: breaks_at and breaks_s must stand together: give both or none")
     if breaks and number > 1:
-        problems.append(f"rope {k}: number = {number} must be 1 for a rope that breaks: give each its own [[rope]]")
+        problems.append(
+            f"rope {k}: number = {number} must be 1 for a rope that breaks: give each its own [[rope]]"
+        )
     values = {**shared, **settings.get("from", {}), **own}
     kind = {name: settings[name] for name in ("construction", "lay") if name in settings}
     return BalanceRopeData(settings.get("name") or f"rope{k}", values, number, at, breaks, **kind)

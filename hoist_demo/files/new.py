@@ -25,7 +25,14 @@ WISHES = (
     Parameter("depth", "m", "Real", "", Bounds(1.0, 4000.0), meaning="way between the landings"),
     Parameter("payload", "kg", "Real", "", Bounds(1.0), meaning="in the left conveyance"),
     Parameter("speed", "m/s", "Real", "", Bounds(0.1, 30.0), meaning="limit of the trip"),
-    Parameter("conveyance", "kg", "Real", 0.0, Bounds(1.0), meaning="each, with its attachments; 0.9 of the payload"),
+    Parameter(
+        "conveyance",
+        "kg",
+        "Real",
+        0.0,
+        Bounds(1.0),
+        meaning="each, with its attachments; 0.9 of the payload",
+    ),
     Parameter("head-ropes", "1", "Integer", 4, Bounds(1, 20), meaning="head ropes"),
     Parameter("ropes", "1", "Integer", 1, Bounds(1, 20), meaning="balance ropes"),
     Parameter("rope", "1", "String", "34x7", meaning="the catalogue's construction"),
@@ -41,7 +48,9 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
     """Return the text of a file by values of WISHES; ValueError where the rope is not in the catalogue."""
     inputs = {p.name: ParameterValue(p.start, "assumed") for p in WISHES}
     inputs |= {wish: ParameterValue(value) for wish, value in chosen.items()}
-    wish = {key: float(entry.value) for key, entry in inputs.items() if not isinstance(entry.value, str)}
+    wish = {
+        key: float(entry.value) for key, entry in inputs.items() if not isinstance(entry.value, str)
+    }
     kind, payload, depth = str(inputs["rope"].value), wish["payload"], wish["depth"]
     mass = catalogue_rope(kind, wish["diameter"]).middle.mass_per_length
     if "conveyance" not in chosen:
@@ -51,7 +60,9 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
     head_diameter = math.sqrt(head_mass / 4000.0)
     radius, sheave = _rounded(50.0 * head_diameter), _rounded(1.5 * payload)
     motor = _rounded(0.4 * sheave)
-    stiffness = _rounded((2.0 * math.pi * _SHAFT) ** 2 * motor * (sheave - motor) / sheave * radius**2)
+    stiffness = _rounded(
+        (2.0 * math.pi * _SHAFT) ** 2 * motor * (sheave - motor) / sheave * radius**2
+    )
 
     def rule(value: float, expression: str) -> ParameterValue:
         return ParameterValue(value, DERIVED, expression)
@@ -64,20 +75,28 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
         "hoist.payload_left": inputs["payload"],
         "hoist.conveyance_mass": inputs["conveyance"],
         "hoist.head_rope_number": inputs["head-ropes"],
-        "hoist.head_rope_mass": rule(head_mass, "the balance ropes' mass over the head ropes' number"),
+        "hoist.head_rope_mass": rule(
+            head_mass, "the balance ropes' mass over the head ropes' number"
+        ),
         "hoist.head_rope_stiffness": rule(HEAD_ROPE_STIFFNESS * head_mass, "110 GPa of the steel"),
         "hoist.head_rope_damping": ours(0.02),
         "hoist.head_rope_length_up": ours(40.0),
         "hoist.head_rope_modes": ours(2),
-        "hoist.sheave_radius": rule(radius, f"50 times {head_diameter:.3f} m, a head rope of 4000 kg/m3 d2"),
+        "hoist.sheave_radius": rule(
+            radius, f"50 times {head_diameter:.3f} m, a head rope of 4000 kg/m3 d2"
+        ),
         "hoist.sheave_mass": rule(sheave, "1.5 times the payload"),
-        "hoist.loss_coulomb": rule(_rounded(0.01 * conveyance * GRAVITY), "1 % of a conveyance's weight"),
+        "hoist.loss_coulomb": rule(
+            _rounded(0.01 * conveyance * GRAVITY), "1 % of a conveyance's weight"
+        ),
         "hoist.loss_viscous": rule(_rounded(0.02 * payload), "0.02 1/s of the payload"),
         "hoist.friction_coefficient": ours(0.25),
         "hoist.wrap_angle": ours(math.pi),
         "hoist.drive_shaft.motor_mass": rule(motor, "0.4 of the sheave's"),
         "hoist.drive_shaft.stiffness": rule(stiffness, f"{_SHAFT:g} Hz"),
-        "hoist.guides.coulomb": rule(_rounded(0.005 * conveyance * GRAVITY), "0.5 % of a conveyance's weight"),
+        "hoist.guides.coulomb": rule(
+            _rounded(0.005 * conveyance * GRAVITY), "0.5 % of a conveyance's weight"
+        ),
         "hoist.guides.viscous": rule(_rounded(0.01 * payload), "0.01 1/s of the payload"),
         "hoist.play.clearance": ours(5e-3),
         "winding.travel": rule(depth, "from landing to landing"),
@@ -90,14 +109,25 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
     }
     parts = data_of(plain(values))
     whole = hoist_with(parts["hoist"], [(number * mass, depth + TAIL_SPARE)])
-    torque = _rounded(max(2.6 * payload * GRAVITY * radius, 1.5 * RuleInputs(whole, parts["winding"], whole).torque()))
-    values["hoist.torque_limit"] = rule(torque, "2.6 times what lifts the payload, or 1.5 times what the trip asks for")
-    stopping = radius * (whole.moving_mass * parts["winding"].emergency_deceleration + payload * GRAVITY)
+    torque = _rounded(
+        max(
+            2.6 * payload * GRAVITY * radius,
+            1.5 * RuleInputs(whole, parts["winding"], whole).torque(),
+        )
+    )
+    values["hoist.torque_limit"] = rule(
+        torque, "2.6 times what lifts the payload, or 1.5 times what the trip asks for"
+    )
+    stopping = radius * (
+        whole.moving_mass * parts["winding"].emergency_deceleration + payload * GRAVITY
+    )
     brake = _rounded(max(3.0 * payload * GRAVITY * radius, stopping))
     values["hoist.brake.torque"] = rule(
         brake, "3 times the payload's, or an emergency stop's with the payload going down"
     )
-    values["hoist.power_limit"] = rule(_rounded(torque * wish["speed"] / radius), "of the torque at full speed")
+    values["hoist.power_limit"] = rule(
+        _rounded(torque * wish["speed"] / radius), "of the torque at full speed"
+    )
     alternate = inputs["lay"].value == LAYS[-1] and number > 1
     lays = [LAYS[k % 2] for k in range(number)] if alternate else [inputs["lay"].value]
     ropes = []
@@ -105,7 +135,10 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
         rope = {} if alternate else {"rope.number": ParameterValue(number)}
         if alternate:
             z = round(0.25 * wish["spacing"] * (k - 0.5 * (number - 1)), 3)
-            rope = {"rope.name": ParameterValue(f"rope{k + 1}"), "rope.z": rule(z, "a quarter of the spacing apart")}
+            rope = {
+                "rope.name": ParameterValue(f"rope{k + 1}"),
+                "rope.z": rule(z, "a quarter of the spacing apart"),
+            }
         rope |= {"rope.construction": ParameterValue(kind), "rope.lay": ParameterValue(lay)}
         rope["rope.diameter"] = inputs["diameter"]
         rope["rope.length"] = rule(depth + TAIL_SPARE, f"travel and {TAIL_SPARE:g} m")

@@ -26,13 +26,17 @@ class FileError(ValueError):
 
     def __init__(self, path: Path, problems: Iterable[str]) -> None:
         self.problems = tuple(dict.fromkeys(map(printable, problems)))
-        super().__init__("\n".join(f"{printable(str(path))}: {problem}" for problem in self.problems))
+        super().__init__(
+            "\n".join(f"{printable(str(path))}: {problem}" for problem in self.problems)
+        )
 
 
 class Table(pydantic.BaseModel):
     """TOML table whose keys are all known."""
 
-    model_config = pydantic.ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True, defer_build=True)
+    model_config = pydantic.ConfigDict(
+        extra="forbid", frozen=True, arbitrary_types_allowed=True, defer_build=True
+    )
 
 
 class File(Table):
@@ -62,23 +66,31 @@ class Flat:
     model: type[Table]
     make: Callable[[Any], Any]
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: pydantic.GetCoreSchemaHandler) -> Any:
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: pydantic.GetCoreSchemaHandler
+    ) -> Any:
         """Return pydantic's schema."""
         return handler.generate_schema(Annotated[self.model, pydantic.AfterValidator(self.make)])
 
 
-def table_of(name: str, parameters: Iterable[Parameter], leaf: Callable[[Parameter], Any] = value_type) -> type[Table]:
+def table_of(
+    name: str, parameters: Iterable[Parameter], leaf: Callable[[Parameter], Any] = value_type
+) -> type[Table]:
     """Return the model of a table with these parameters, whose names may have more dots; `leaf` gives their types."""
     inside: dict[str, list[Parameter]] = {}
     for parameter in parameters:
-        inside.setdefault(parameter.name.removeprefix(f"{name}.").partition(".")[0], []).append(parameter)
+        inside.setdefault(parameter.name.removeprefix(f"{name}.").partition(".")[0], []).append(
+            parameter
+        )
     fields: dict[str, Any] = {}
     for number, (key, members) in enumerate(inside.items()):
         plain = members[0].name == f"{name}.{key}"
         kind = leaf(members[0]) if plain else table_of(f"{name}.{key}", members, leaf)
         # brackets in a key are no identifier
         fields[f"key{number}"] = (kind, pydantic.Field(default=None, alias=key))
-    made: type[Table] = pydantic.create_model("".join(map(str.title, name.split("."))), __base__=Table, **fields)
+    made: type[Table] = pydantic.create_model(
+        "".join(map(str.title, name.split("."))), __base__=Table, **fields
+    )
     return made
 
 
@@ -86,7 +98,10 @@ def contents(table: pydantic.BaseModel, prefix: str = "") -> Iterator[tuple[str,
     """Yield all that a table and those in it set, by dotted names."""
     for name in type(table).model_fields:
         if name in table.model_fields_set:
-            content, key = getattr(table, name), f"{prefix}{type(table).model_fields[name].alias or name}"
+            content, key = (
+                getattr(table, name),
+                f"{prefix}{type(table).model_fields[name].alias or name}",
+            )
             inner = isinstance(content, Table) and not isinstance(content, File)
             yield from contents(content, f"{key}.") if inner else [(key, content)]
 
@@ -98,7 +113,10 @@ def flat(name: str, fields: Mapping[str, Any], make: Callable[[Any], Any] | None
 
 
 def read(
-    path: Path, model: type[T], opened: Sequence[Path] = (), over: Mapping[str, Mapping[str, object]] | None = None
+    path: Path,
+    model: type[T],
+    opened: Sequence[Path] = (),
+    over: Mapping[str, Mapping[str, object]] | None = None,
 ) -> T:
     """Return a file's contents or raise FileError; files `opened` led to it, keys of `over` replace the file's."""
     if path.resolve() in (one.resolve() for one in opened):
@@ -106,14 +124,18 @@ def read(
     try:
         tables = _tables(path)
     except RecursionError as error:
-        raise FileError(path, ["is nested too deeply: write [table]s, and values without more of them"]) from error
+        raise FileError(
+            path, ["is nested too deeply: write [table]s, and values without more of them"]
+        ) from error
     for key, table in (over or {}).items():
         if isinstance(below := tables.setdefault(key, {}), dict):
             below |= table
     try:
         return model.model_validate(tables, context=(*opened, path))
     except pydantic.ValidationError as error:
-        raise FileError(path, [line for one in error.errors() for line in _problems(_keys(model), one)]) from error
+        raise FileError(
+            path, [line for one in error.errors() for line in _problems(_keys(model), one)]
+        ) from error
 
 
 @contextmanager
@@ -173,7 +195,10 @@ def _position(error: tomllib.TOMLDecodeError) -> tuple[int, int]:
 
 
 _END = (sys.maxsize, 0)  # the text ends too soon
-_ONE, _SEVERAL = "one table: write [{key_path}] above it", "a list: write [[{key_path}]] above each table, or [a, b]"
+_ONE, _SEVERAL = (
+    "one table: write [{key_path}] above it",
+    "a list: write [[{key_path}]] above each table, or [a, b]",
+)
 _MUST = {
     **dict.fromkeys(("model_type", "dict_type", "model_attributes_type"), _ONE),
     **dict.fromkeys(("list_type", "tuple_type"), _SEVERAL),
@@ -196,7 +221,10 @@ def _problems(names: Sequence[str], error: Any) -> list[str]:
     context, key_path, short = error.get("ctx", {}), _key_path(loc), repr(error["input"])
     if error["type"] == "value_error":
         return [_located(key_path, line) for line in str(context["error"]).splitlines()]
-    placeholders = {"key_path": key_path, "short": short if len(short) <= 60 else f"{short[:57]}..."}
+    placeholders = {
+        "key_path": key_path,
+        "short": short if len(short) <= 60 else f"{short[:57]}...",
+    }
     cure = cure_of(".".join(part for part in loc if isinstance(part, str)), names)
     if "." in str(loc[-1]):
         cure = "leave out the quotation marks"

@@ -41,7 +41,10 @@ def data_of(values: Mapping[str, Value]) -> dict[str, Any]:
     try:
         return dict(_Data.model_validate(nested))
     except ValidationError as error:
-        lines = (f"{one['loc'][0]}: {one.get('ctx', {}).get('error', one['msg'])}" for one in error.errors())
+        lines = (
+            f"{one['loc'][0]}: {one.get('ctx', {}).get('error', one['msg'])}"
+            for one in error.errors()
+        )
         raise ValueError("\n".join(lines)) from error
 
 
@@ -51,7 +54,9 @@ def rope_parameters() -> dict[str, Parameter]:
     by_name = dict[str, Parameter]()
     for p in named_parameters(Scene()):
         bounds, choices = Bounds(p.minimum, p.maximum), choices_of(p.name)
-        by_name[p.name] = Parameter(p.name, p.facts.unit or "1", p.kind, p.value, bounds, choices, p.facts.description)
+        by_name[p.name] = Parameter(
+            p.name, p.facts.unit or "1", p.kind, p.value, bounds, choices, p.facts.description
+        )
     return by_name
 
 
@@ -70,7 +75,9 @@ def at_both_ends(values: Iterable[tuple[str, Any]]) -> dict[str, Any]:
     expanded = dict[str, Any]()
     for key, value in sorted(values, key=lambda item: not item[0].startswith(f"{SWIVELS}.")):
         table, dot, name = key.partition(f"{SWIVELS}.")
-        expanded |= {key: value} if table or not dot else {f"{end}.swivel.{name}": value for end in SIDES}
+        expanded |= (
+            {key: value} if table or not dot else {f"{end}.swivel.{name}": value for end in SIDES}
+        )
     return expanded
 
 
@@ -99,4 +106,7 @@ def run_fields(leaf: Callable[[Parameter], Any]) -> dict[str, Any]:
 def parameters(rope: Mapping[str, Parameter] | None = None) -> dict[str, Parameter]:
     """Return all parameters of runs by name; `rope` are those of an FMU, in the place of a scene's."""
     own = rope_parameters() if rope is None else rope
-    return {**host_parameters(), **{name: p for name, p in own.items() if name != "inputs_at_step_end"}}
+    return {
+        **host_parameters(),
+        **{name: p for name, p in own.items() if name != "inputs_at_step_end"},
+    }

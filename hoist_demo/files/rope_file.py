@@ -45,8 +45,13 @@ _BY_RULE = ("rope.rhoJ", "hoist.tail_rope_mass")  #: Those that are no property 
 
 def following_statuses(statuses: Mapping[str, str]) -> dict[str, str]:
     """Return the statuses of the parameters that follow from properties of a rope with these statuses."""
-    following = {name: status for key, status in statuses.items() for name in _FOLLOWING.get(key, ())}
-    return {name: DERIVED if name in _BY_RULE and one != VARIED else one for name, one in following.items()}
+    following = {
+        name: status for key, status in statuses.items() for name in _FOLLOWING.get(key, ())
+    }
+    return {
+        name: DERIVED if name in _BY_RULE and one != VARIED else one
+        for name, one in following.items()
+    }
 
 
 def _known_there(content: Any, info: ValidationInfo) -> KnownFile | None:
@@ -56,7 +61,9 @@ def _known_there(content: Any, info: ValidationInfo) -> KnownFile | None:
 class CatalogueQuery(Table):
     """Table [rope]: the query to the catalogue."""
 
-    file: Annotated[Any, BeforeValidator(_known_there), WithJsonSchema({"type": "string"})] = Field(None, alias="from")
+    file: Annotated[Any, BeforeValidator(_known_there), WithJsonSchema({"type": "string"})] = Field(
+        None, alias="from"
+    )
     construction: Text = ""
     diameter: value_type(rope_parameters()["rope.diameter"]) = None  # type: ignore[valid-type]
     length: value_type(rope_parameters()["rope.length"]) = None  # type: ignore[valid-type]
@@ -64,8 +71,13 @@ class CatalogueQuery(Table):
 
 
 _BOUNDS = dict.fromkeys(PROPERTIES, POSITIVE) | {"torque_factor": NONNEGATIVE}
-_KNOWN = [Parameter(name, p.unit, "Real", bounds=_BOUNDS[name], meaning=name) for name, p in PROPERTIES.items()]
-Properties = Annotated[ParameterValues, flat("Properties", {p.name: (value_type(p), None) for p in _KNOWN})]
+_KNOWN = [
+    Parameter(name, p.unit, "Real", bounds=_BOUNDS[name], meaning=name)
+    for name, p in PROPERTIES.items()
+]
+Properties = Annotated[
+    ParameterValues, flat("Properties", {p.name: (value_type(p), None) for p in _KNOWN})
+]
 
 
 class KnownFile(File):
@@ -79,7 +91,9 @@ class KnownFile(File):
         """Known ranges by property, those of the file that [rope] names included."""
         ranges = self.rope.file.ranges if self.rope.file else {}
         for name, entry in self.known.items():
-            low, high = (float(entry.value if end is None else end) for end in (entry.low, entry.high))
+            low, high = (
+                float(entry.value if end is None else end) for end in (entry.low, entry.high)
+            )
             status, source = entry.status or GIVEN, entry.source or printable(self.path.name)
             ranges = ranges | {name: Datum(low, high, PROPERTIES[name].unit, status, source)}  # type: ignore[arg-type]
         return ranges
@@ -94,10 +108,16 @@ class KnownFile(File):
     def catalogue_rope(self) -> KnownRope:
         """Rope of the catalogue with these ranges, or of these alone; a ValueError lists all that is wrong."""
         arguments = {key: entry for key, entry in self.catalogue_arguments.items() if entry != ""}
-        needed = [] if "construction" in arguments else [name for name in PROPERTIES if name not in self.ranges]
+        needed = (
+            []
+            if "construction" in arguments
+            else [name for name in PROPERTIES if name not in self.ranges]
+        )
         if "diameter" not in arguments or needed:
             also = f", without a construction [known] {', '.join(needed)}" if needed else ""
-            raise ValueError(f"[rope] construction or diameter is missing: the catalogue needs both{also}")
+            raise ValueError(
+                f"[rope] construction or diameter is missing: the catalogue needs both{also}"
+            )
         if "construction" not in arguments:
             return KnownRope("", **arguments, data={name: self.ranges[name] for name in PROPERTIES})
         try:
@@ -108,7 +128,11 @@ class KnownFile(File):
             for name, datum in self.ranges.items():
                 low, high = whole.data[name].low / FAR_OFF, FAR_OFF * whole.data[name].high
                 if not (low <= datum.low and datum.high <= high):
-                    text = f"{datum.low:g} to {datum.high:g}" if datum.low < datum.high else f"{datum.high:g}"
+                    text = (
+                        f"{datum.low:g} to {datum.high:g}"
+                        if datum.low < datum.high
+                        else f"{datum.high:g}"
+                    )
                     problems.append(
                         f"[known] {name} = {text} must be within {low:.3g} and {high:.3g} {datum.unit}, {FAR_OFF:g} "
                         "times less and more than the catalogue has: check its unit"
@@ -124,14 +148,17 @@ class RopeFile(_OtherFile):
     """Parameter file of a rope, as balance-rope identify writes it."""
 
     fixed: Annotated[
-        ParameterValues, flat("Fixed", {group: (group_table(group, value_type), None) for group in ("rope", "air")})
+        ParameterValues,
+        flat("Fixed", {group: (group_table(group, value_type), None) for group in ("rope", "air")}),
     ]
 
     def values(self) -> dict[str, ParameterValue]:
         """Return the values of a rope and of its air with their statuses."""
         following = following_statuses({name: datum.status for name, datum in self.ranges.items()})
         return {
-            name: ParameterValue(entry.value, entry.status or following.get(name, GIVEN), printable(self.path.name))
+            name: ParameterValue(
+                entry.value, entry.status or following.get(name, GIVEN), printable(self.path.name)
+            )
             for name, entry in self.fixed.items()
         }
 
@@ -144,5 +171,7 @@ def _values_there(content: Any, info: ValidationInfo) -> dict[str, ParameterValu
 RopeValues = Annotated[
     dict[str, ParameterValue],
     BeforeValidator(_values_there),
-    WithJsonSchema({"type": "string", "description": "parameter file that balance-rope identify wrote"}),
+    WithJsonSchema(
+        {"type": "string", "description": "parameter file that balance-rope identify wrote"}
+    ),
 ]

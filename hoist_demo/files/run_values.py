@@ -29,7 +29,11 @@ class FileHeader(Table):
     @field_validator("hoist")
     @classmethod
     def _is_there(cls, name: str, info: ValidationInfo) -> str:
-        path = str(beside(info, name)) if name.endswith(".toml") and name not in BUILTIN_HOISTS else name
+        path = (
+            str(beside(info, name))
+            if name.endswith(".toml") and name not in BUILTIN_HOISTS
+            else name
+        )
         find_case(path)
         return path
 
@@ -42,14 +46,20 @@ _BOTH = {SWIVELS: (group_table(SWIVELS, value_type), Field(default=None))}
 #: a table with values of runs, by name; `from` names a rope's parameter file, which counts less
 Values = Annotated[
     dict[str, ParameterValue],
-    flat("Values", {"file": (RopeValues, Field({}, alias="from")), **run_fields(value_type), **_BOTH}, _values),
+    flat(
+        "Values",
+        {"file": (RopeValues, Field({}, alias="from")), **run_fields(value_type), **_BOTH},
+        _values,
+    ),
 ]
 
 
 class LevelHeader(FileHeader):
     """Head of a file that is wound in process."""
 
-    level: Level | None = Field(None, description="accuracy against speed of the rope; else the hoist's")
+    level: Level | None = Field(
+        None, description="accuracy against speed of the rope; else the hoist's"
+    )
 
 
 class RunFile(File):

@@ -9,7 +9,14 @@ from functools import cache, partial
 from tokenize import TokenError
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, PlainValidator, WithJsonSchema
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    PlainValidator,
+    WithJsonSchema,
+)
 
 from hoist_demo.parameters.quantity import Parameter, Value, fmi_unit
 from rope_model import DatumStatus
@@ -27,9 +34,21 @@ _SHARES = {"%": Fraction(1, 100)}  #: Units of pure numbers.
 _UNCLEAR = ("ton", "tons")  #: Units that are refused: a US ton is no tonne.
 _WITH_UNIT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
 #: raised by pint and by the tokenizer that it takes
-_COMMA = re.compile(r"\s*([-+]?\d+),(\d+)")  #: A number with a comma in it, for decimals or thousands.
-_JOINED = re.compile(r"\b([kMG]?N|kg)m(?=$|[0-9./^])")  #: Products without a sign: kNm, Nm/rad, kgm2.
-_NO_UNIT = (ArithmeticError, AssertionError, AttributeError, LookupError, SyntaxError, TypeError, ValueError)
+_COMMA = re.compile(
+    r"\s*([-+]?\d+),(\d+)"
+)  #: A number with a comma in it, for decimals or thousands.
+_JOINED = re.compile(
+    r"\b([kMG]?N|kg)m(?=$|[0-9./^])"
+)  #: Products without a sign: kNm, Nm/rad, kgm2.
+_NO_UNIT = (
+    ArithmeticError,
+    AssertionError,
+    AttributeError,
+    LookupError,
+    SyntaxError,
+    TypeError,
+    ValueError,
+)
 
 
 def read_text(content: Any) -> str:
@@ -38,13 +57,17 @@ def read_text(content: Any) -> str:
     if not isinstance(content, str | int | float):
         raise ValueError(f"{text[:MAX_TEXT]!r} must be a text: put it in quotation marks")
     if len(text) > MAX_TEXT:
-        raise ValueError(f"{text[:20]!r}... of {len(text)} characters must have at most {MAX_TEXT}: shorten it")
+        raise ValueError(
+            f"{text[:20]!r}... of {len(text)} characters must have at most {MAX_TEXT}: shorten it"
+        )
     if printable(text) != text:
         raise ValueError(f"{text!r} must be a line of printable characters: leave out the others")
     return text
 
 
-Text = Annotated[str, PlainValidator(read_text), WithJsonSchema({"type": "string", "maxLength": MAX_TEXT})]
+Text = Annotated[
+    str, PlainValidator(read_text), WithJsonSchema({"type": "string", "maxLength": MAX_TEXT})
+]
 
 
 @dataclass(frozen=True)
@@ -61,7 +84,10 @@ class ParameterValue:
 
 def plain(values: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values without status and source, by name."""
-    return {key: entry.value if isinstance(entry, ParameterValue) else entry for key, entry in values.items()}
+    return {
+        key: entry.value if isinstance(entry, ParameterValue) else entry
+        for key, entry in values.items()
+    }
 
 
 def statuses(values: Mapping[str, ParameterValue]) -> dict[str, str]:
@@ -71,7 +97,9 @@ def statuses(values: Mapping[str, ParameterValue]) -> dict[str, str]:
 
 def stated(values: Iterable[tuple[str, object]], status: str = GIVEN) -> dict[str, ParameterValue]:
     """Return the values among what a table sets, with this status where they state none."""
-    return {k: replace(v, status=v.status or status) for k, v in values if isinstance(v, ParameterValue)}
+    return {
+        k: replace(v, status=v.status or status) for k, v in values if isinstance(v, ParameterValue)
+    }
 
 
 def unreached(given: Mapping[str, ParameterValue], reached: Mapping[str, Value]) -> Iterable[str]:
@@ -101,22 +129,33 @@ class ValueTable(BaseModel):
 def value_type(parameter: Parameter) -> Any:
     """Return the type of a key for pydantic: what it holds is a ParameterValue."""
     read = AfterValidator(partial(_parameter_value, parameter))
-    table = BeforeValidator(lambda content: content if isinstance(content, dict) else {"value": content})
+    table = BeforeValidator(
+        lambda content: content if isinstance(content, dict) else {"value": content}
+    )
     return Annotated[ValueTable, table, read, WithJsonSchema(value_schema(parameter))]
 
 
 def _parameter_value(parameter: Parameter, table: ValueTable) -> ParameterValue:
-    low, high = (None if x is None else float(read_value(parameter, x, table.unit)) for x in (table.low, table.high))
+    low, high = (
+        None if x is None else float(read_value(parameter, x, table.unit))
+        for x in (table.low, table.high)
+    )
     if low is not None and high is not None and low > high:
-        raise ValueError(f"{parameter.name}: low = {low:g} must be at most high = {high:g}: exchange them")
+        raise ValueError(
+            f"{parameter.name}: low = {low:g} must be at most high = {high:g}: exchange them"
+        )
     value = None if table.value is None else read_value(parameter, table.value, table.unit)
     if value is None and low is not None and high is not None:
         value = 0.5 * (low + high)
     if value is None:
-        raise ValueError(f"{parameter.name} has no value: write {{ value = ..., unit = ... }}, or low and high")
+        raise ValueError(
+            f"{parameter.name} has no value: write {{ value = ..., unit = ... }}, or low and high"
+        )
     least, most = -math.inf if low is None else low, math.inf if high is None else high
     if not isinstance(value, str) and not least <= value <= most:
-        raise ValueError(f"{parameter.name} = {value:g} must be within low and high, {least:g} to {most:g}: correct it")
+        raise ValueError(
+            f"{parameter.name} = {value:g} must be within low and high, {least:g} to {most:g}: correct it"
+        )
     return ParameterValue(value, table.status, table.source, low, high)
 
 
@@ -158,7 +197,13 @@ def _converted(parameter: Parameter, number: str | float, unit: str) -> float:
 def _factor(unit: str, to: str) -> Fraction | None:
     """Return what one `unit` is in `to`; None where they measure different things, or one is unknown."""
     # turns, radians and hertz are one to pint, and a pure number may be anything
-    if unit == to or to == "1" or unit in _UNCLEAR or ("Hz" in unit) != ("Hz" in to) or not _UNIT.fullmatch(unit):
+    if (
+        unit == to
+        or to == "1"
+        or unit in _UNCLEAR
+        or ("Hz" in unit) != ("Hz" in to)
+        or not _UNIT.fullmatch(unit)
+    ):
         return Fraction(1) if unit == to else _SHARES.get(unit) if to == "1" else None
     import pint  # loads slowly, and most files need it not
 
@@ -191,7 +236,12 @@ def _alone(parameter: Parameter) -> Iterable[dict[str, Any]]:
     low, high, opens, _ = parameter.bounds
     bounds = {"exclusiveMinimum" if opens else "minimum": low, "maximum": high}
     if parameter.choices:
-        yield {"enum": [*parameter.choices, *(() if parameter.kind == "String" else range(len(parameter.choices)))]}
+        yield {
+            "enum": [
+                *parameter.choices,
+                *(() if parameter.kind == "String" else range(len(parameter.choices))),
+            ]
+        }
     elif not parameter.numeric:
         yield {"type": parameter.kind.lower()}
     else:

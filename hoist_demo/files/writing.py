@@ -10,20 +10,34 @@ from hoist_demo.parameters.quantity import Parameter
 from rope_model.texts import printable, toml_string
 
 _PARAMETERS = {**SUSPENSION_PARAMETERS, **host_parameters(), **rope_parameters()}
-_ORDER = list(dict.fromkeys(name.partition(".")[0] for name in (*host_parameters(), *rope_parameters())))
+_ORDER = list(
+    dict.fromkeys(name.partition(".")[0] for name in (*host_parameters(), *rope_parameters()))
+)
 
 
-def hoist_text(name: str, values: ParameterValues, ropes: Iterable[ParameterValues], comment: str = "") -> str:
+def hoist_text(
+    name: str, values: ParameterValues, ropes: Iterable[ParameterValues], comment: str = ""
+) -> str:
     """Return a hoist's file with these values by name, and a [[rope]] with those of each rope."""
-    parts = [*(f"# {printable(text)}" for text in comment.splitlines()), f"name = {toml_string(name)}", ""]
+    parts = [
+        *(f"# {printable(text)}" for text in comment.splitlines()),
+        f"name = {toml_string(name)}",
+        "",
+    ]
     tables: dict[str, list[str]] = {}
-    for key, entry in sorted(values.items(), key=lambda kv: "." in kv[0] and _ORDER.index(kv[0].partition(".")[0])):
+    for key, entry in sorted(
+        values.items(), key=lambda kv: "." in kv[0] and _ORDER.index(kv[0].partition(".")[0])
+    ):
         table, _, own = key.rpartition(".")
         tables.setdefault(table, []).append(_line(key, own, entry))
     for table, lines in tables.items():
         parts += [*([f"[{table}]"] if table else []), *lines, ""]
     for rope in ropes:
-        parts += ["[[rope]]", *(_line(key, key.removeprefix("rope."), entry) for key, entry in rope.items()), ""]
+        parts += [
+            "[[rope]]",
+            *(_line(key, key.removeprefix("rope."), entry) for key, entry in rope.items()),
+            "",
+        ]
     return "\n".join(parts).rstrip() + "\n"
 
 
@@ -37,11 +51,17 @@ def _line(name: str, key: str, entry: ParameterValue) -> str:
 
 
 def _value(parameter: Parameter, entry: ParameterValue) -> str:
-    value = parameter.choices[entry.value] if parameter.choices and type(entry.value) is int else entry.value
+    value = (
+        parameter.choices[entry.value]
+        if parameter.choices and type(entry.value) is int
+        else entry.value
+    )
     if isinstance(value, str | bool):
         text = toml_string(value) if isinstance(value, str) else str(value).lower()
         with_status = parameter.name in _PARAMETERS and entry.status != GIVEN
-        return f"{{ value = {text}, status = {toml_string(entry.status)} }}" if with_status else text
+        return (
+            f"{{ value = {text}, status = {toml_string(entry.status)} }}" if with_status else text
+        )
     if parameter.kind == "String":  # a count, and no datum
         return repr(value)
     unit = "" if parameter.unit == "1" else f", unit = {toml_string(parameter.unit)}"

@@ -37,8 +37,12 @@ class Brake(ValidatedData, of="brake."):
     torque: float = parameter(5.5e5, "N m", "full braking torque, of both directions of rotation")
     delay: float = parameter(0.15, "s", "from the trip to the first torque", NONNEGATIVE)
     lag: float = parameter(0.10, "s", "time constant of the pressure")
-    travel: float = parameter(2.0e-3, "m", "at the rim: elastic deflection of the stuck brake at its full torque")
-    first_stage: float = parameter(0.5, "-", "fraction of the torque in the first stage of a two-stage stop", FRACTION)
+    travel: float = parameter(
+        2.0e-3, "m", "at the rim: elastic deflection of the stuck brake at its full torque"
+    )
+    first_stage: float = parameter(
+        0.5, "-", "fraction of the torque in the first stage of a two-stage stop", FRACTION
+    )
     first_stage_time: float = parameter(1.5, "s", "from the trip to the second stage")
 
 
@@ -73,11 +77,19 @@ class Play(ValidatedData, of="play."):
     )
     damping: float = parameter(500.0, "N s/m", "of air and rollers, at any place", NONNEGATIVE)
     arm: float = parameter(
-        1.5, "m", "from the conveyance's axis to the shoes: play and stiffness in yaw are c / a and k a^2"
+        1.5,
+        "m",
+        "from the conveyance's axis to the shoes: play and stiffness in yaw are c / a and k a^2",
     )
-    gyration: float = parameter(1.2, "m", "radius of gyration of the loaded conveyance about the vertical")
-    rope_spread: float = parameter(0.4, "m", "radius of gyration of the head ropes' attachments about the vertical")
-    friction: float = parameter(0.1, "-", "shoe on guide: contact brakes the conveyance along the guides", NONNEGATIVE)
+    gyration: float = parameter(
+        1.2, "m", "radius of gyration of the loaded conveyance about the vertical"
+    )
+    rope_spread: float = parameter(
+        0.4, "m", "radius of gyration of the head ropes' attachments about the vertical"
+    )
+    friction: float = parameter(
+        0.1, "-", "shoe on guide: contact brakes the conveyance along the guides", NONNEGATIVE
+    )
 
 
 @dataclass(frozen=True)
@@ -88,8 +100,16 @@ class Jam(ValidatedData, of="jam."):
     conveyance that is pulled or carried through is free behind it.
     """
 
-    height: float = parameter(45.0, "m", "of the place, by the conveyance's suspension", NONNEGATIVE)
-    distance: float = parameter(2.0, "m", "from the place to where the guides begin to hold, up and down")
+    height: float = parameter(
+        45.0, "m", "of the place, by the conveyance's suspension", NONNEGATIVE
+    )
+    distance: float = parameter(
+        2.0, "m", "from the place to where the guides begin to hold, up and down"
+    )
     force: float = parameter(8.0e5, "N", "that holds the conveyance at the place")
-    travel: float = parameter(0.01, "m", "elastic deflection of the stuck conveyance at its full force")
-    damping: float = parameter(5.0e-3, "s", "of the stuck conveyance: damping over stiffness", NONNEGATIVE)
+    travel: float = parameter(
+        0.01, "m", "elastic deflection of the stuck conveyance at its full force"
+    )
+    damping: float = parameter(
+        5.0e-3, "s", "of the stuck conveyance: damping over stiffness", NONNEGATIVE
+    )

@@ -11,12 +11,18 @@ from hoist_demo.parameters.quantity import UNBOUNDED, Bounds, ValidatedData, par
 class Coupling(ValidatedData):
     """Exchange of data between drive and rope."""
 
-    step: float = parameter(0.01, "s", "communication step H", Bounds(0.0, 0.1, True, "take 0.005 to 0.02 s"))
+    step: float = parameter(
+        0.01, "s", "communication step H", Bounds(0.0, 0.1, True, "take 0.005 to 0.02 s")
+    )
     start: float = parameter(0.0, "s", "time at the start", UNBOUNDED)
     #: one of hoist_demo.cosimulation.schemes.catalogue
-    scheme: str = parameter("gauss-seidel-1", "-", "coupling scheme, listed by wind --help", UNBOUNDED)
+    scheme: str = parameter(
+        "gauss-seidel-1", "-", "coupling scheme, listed by wind --help", UNBOUNDED
+    )
     sample: float | None = parameter(
-        None, "s", "sample time of the controller, a multiple of step or a whole part of it; left out: the step"
+        None,
+        "s",
+        "sample time of the controller, a multiple of step or a whole part of it; left out: the step",
     )
 
     def __post_init__(self) -> None:

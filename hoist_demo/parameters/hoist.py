@@ -43,58 +43,95 @@ class Hoist(ValidatedData):
     conveyance_mass: float = parameter(10.0e3, "kg", "each conveyance with its attachments")
     payload_left: float = parameter(5.0e3, "kg", "", NONNEGATIVE)
     payload_right: float = parameter(0.0, "kg", "", NONNEGATIVE)
-    sheave_mass: float = parameter(8.0e3, "kg", "inertia of sheave and motor referred to the rope, J / R^2")
+    sheave_mass: float = parameter(
+        8.0e3, "kg", "inertia of sheave and motor referred to the rope, J / R^2"
+    )
     sheave_radius: float = parameter(1.25, "m")
     torque_lag: float = parameter(0.05, "s", "time constant of the motor torque")
     torque_limit: float = parameter(2.2e5, "N m", "motor with service brake")
     head_rope_number: int = parameter(4, "-", "", _COUNT)
     head_rope_stiffness: float = parameter(2.6e7, "N", "EA of one rope", _STIFFNESS)
     head_rope_mass: float = parameter(2.0, "kg/m", "of one rope")
-    head_rope_damping: float = parameter(0.03, "-", "damping ratio of a conveyance on its ropes", NONNEGATIVE)
-    head_rope_length_up: float = parameter(15.0, "m", "sheave axis above a conveyance at the upper landing")
+    head_rope_damping: float = parameter(
+        0.03, "-", "damping ratio of a conveyance on its ropes", NONNEGATIVE
+    )
+    head_rope_length_up: float = parameter(
+        15.0, "m", "sheave axis above a conveyance at the upper landing"
+    )
     loss_coulomb: float = parameter(4.0e3, "N", "at the sheave's rim", NONNEGATIVE)
     loss_viscous: float = parameter(200.0, "N s/m", "at the sheave's rim", NONNEGATIVE)
-    loss_speed: float = parameter(0.02, "m/s", "width of the smooth Coulomb law F tanh(v / loss_speed)")
+    loss_speed: float = parameter(
+        0.02, "m/s", "width of the smooth Coulomb law F tanh(v / loss_speed)"
+    )
     friction_coefficient: float = parameter(0.25, "-", "rope on lining", _FRICTION)
     wrap_angle: float = parameter(math.pi, "rad", "", _ANGLE)
     shaft_travel: float = parameter(90.0, "m", "between the landings")
     tail_rope_mass: float = parameter(
-        8.0, "kg/m", "of one balance rope, of ropes that differ the sum, for feed-forward and statics", NONNEGATIVE
+        8.0,
+        "kg/m",
+        "of one balance rope, of ropes that differ the sum, for feed-forward and statics",
+        NONNEGATIVE,
     )
     tail_rope_length: float = parameter(120.0, "m", "likewise", NONNEGATIVE)
     tail_rope_number: int = parameter(
-        1, "-", "of equal balance ropes, one of which is computed; of ropes that differ 1, their sum", _COUNT
+        1,
+        "-",
+        "of equal balance ropes, one of which is computed; of ropes that differ 1, their sum",
+        _COUNT,
     )
     conveyance_mass_right: float | None = parameter(
         None, "kg", "of a counterweight or another conveyance; left out: as the left one"
     )
-    power_limit: float | None = parameter(None, "W", "of the motor and its converter, in both directions")
-    head_rope_modes: int = parameter(0, "-", "longitudinal, of a side's head ropes, beyond their mean strain", _MODES)
+    power_limit: float | None = parameter(
+        None, "W", "of the motor and its converter, in both directions"
+    )
+    head_rope_modes: int = parameter(
+        0, "-", "longitudinal, of a side's head ropes, beyond their mean strain", _MODES
+    )
     drive_shaft: DriveShaft | None = parameter(None, "", "none: rigid")
     brake: Brake | None = parameter(None, "", "none: no brake but the motor")
-    lining: Lining | None = parameter(None, "", "none: the head ropes hold on the sheave whatever they pull")
+    lining: Lining | None = parameter(
+        None, "", "none: the head ropes hold on the sheave whatever they pull"
+    )
     guides: Guides | None = parameter(None, "", "none: no friction along the guides")
     play: Play | None = parameter(None, "", "none: conveyances move along straight lines")
     jam_left: Jam | None = parameter(None, "", "none: the left conveyance passes everywhere")
     jam_right: Jam | None = parameter(None, "", "none: the right conveyance passes everywhere")
     slack_tension: float | None = parameter(
-        None, "N", "of the head ropes at either conveyance, below which the safety circuit opens; left out: not watched"
+        None,
+        "N",
+        "of the head ropes at either conveyance, below which the safety circuit opens; left out: not watched",
     )
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.drive_shaft is not None:
-            mass, bound = self.drive_shaft.motor_mass, f"below sheave_mass = {self.sheave_mass:g} kg, which contains it"
-            require(mass, mass < self.sheave_mass, "drive_shaft.motor_mass", bound, "give the motor's share")
+            mass, bound = (
+                self.drive_shaft.motor_mass,
+                f"below sheave_mass = {self.sheave_mass:g} kg, which contains it",
+            )
+            require(
+                mass,
+                mass < self.sheave_mass,
+                "drive_shaft.motor_mass",
+                bound,
+                "give the motor's share",
+            )
 
         for name in ("jam_left", "jam_right"):
             jam = getattr(self, name)
             if jam is not None:
-                bound, cure = f"within 0 and shaft_travel = {self.shaft_travel:g} m", "give a place that it passes"
+                bound, cure = (
+                    f"within 0 and shaft_travel = {self.shaft_travel:g} m",
+                    "give a place that it passes",
+                )
                 require(jam.height, jam.height <= self.shaft_travel, f"{name}.height", bound, cure)
         if self.slack_tension is not None:
             lightest = GRAVITY * min(self.mass_left, self.mass_right)
-            tension, bound = self.slack_tension, f"below {lightest:.6g} N, the weight of the lighter conveyance"
+            tension, bound = (
+                self.slack_tension,
+                f"below {lightest:.6g} N, the weight of the lighter conveyance",
+            )
             require(tension, tension < lightest, "slack_tension", bound, "give a part of it")
 
     @property
@@ -130,7 +167,11 @@ class Hoist(ValidatedData):
     @property
     def mass_right(self) -> float:
         """Right conveyance with its payload [kg]."""
-        empty = self.conveyance_mass if self.conveyance_mass_right is None else self.conveyance_mass_right
+        empty = (
+            self.conveyance_mass
+            if self.conveyance_mass_right is None
+            else self.conveyance_mass_right
+        )
         return empty + self.payload_right
 
     @property
@@ -189,7 +230,9 @@ def with_numbers(data: T, numbers: Iterable[Any]) -> T:
     """Return a hoist or a part of it with other numbers, or symbols, in their places; none of them is checked."""
     left = iter(numbers)
     made = object.__new__(type(data))
-    changed = {name: with_numbers(v, left) if is_dataclass(v) else next(left) for name, v in _items(data)}
+    changed = {
+        name: with_numbers(v, left) if is_dataclass(v) else next(left) for name, v in _items(data)
+    }
     made.__dict__.update({**vars(data), **changed})
     return made
 
@@ -202,7 +245,9 @@ def _numbers(data: Any) -> Iterator[float]:
 def _items(data: Any) -> list[tuple[str, Any]]:
     """Numbers and parts of a hoist or of a part of it, by name; counts of equations and what is None are none."""
     pairs = ((field.name, getattr(data, field.name)) for field in fields(data))
-    return [(name, value) for name, value in pairs if value is not None and name != "head_rope_modes"]
+    return [
+        (name, value) for name, value in pairs if value is not None and name != "head_rope_modes"
+    ]
 
 
 def hoist_with(hoist: Hoist, ropes: Sequence[tuple[float, float]]) -> Hoist:

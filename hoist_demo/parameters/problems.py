@@ -21,7 +21,10 @@ class Problems(list[str]):
         try:
             yield
         except ValueError as error:
-            self += [f"{key_path}: {line}" if key_path else line for line in str(error).splitlines() or [repr(error)]]
+            self += [
+                f"{key_path}: {line}" if key_path else line
+                for line in str(error).splitlines() or [repr(error)]
+            ]
 
     def refuse(self) -> None:
         """Raise a ValueError with all problems, if there are any."""

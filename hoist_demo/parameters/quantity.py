@@ -60,7 +60,9 @@ Value = float | int | bool | str
 
 def word_of(choices: Iterable[str], value: object) -> str | None:
     """Return the choice that a text names, whatever its case; None if it is none."""
-    return next((word for word in choices if isinstance(value, str) and word.lower() == value.lower()), None)
+    return next(
+        (word for word in choices if isinstance(value, str) and word.lower() == value.lower()), None
+    )
 
 
 @dataclass(frozen=True)
@@ -90,7 +92,11 @@ class Parameter:
             return word
         if self.choices:
             value = self._code(value)
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= _MOST:
+        if (
+            isinstance(value, bool)
+            or not isinstance(value, (int, float))
+            or not abs(value) <= _MOST
+        ):
             raise ValueError(f"{bad} must be a finite number: give it in {self.unit_words}")
         if self.kind != "Real" and float(value) != round(value):
             raise ValueError(f"{bad} must be a whole number: round it")
@@ -136,7 +142,9 @@ def leaves(data: Any, prefix: str = "") -> Iterator[Parameter]:
         if get_origin(hint) is Literal:
             yield Parameter(name, "1", "String", start, choices=get_args(hint), meaning=meaning)
         elif kind := next((_KINDS[t] for t in kinds if t in _KINDS), None):
-            yield Parameter(name, unit, kind, start, metadata.get("bounds", UNBOUNDED), meaning=meaning)
+            yield Parameter(
+                name, unit, kind, start, metadata.get("bounds", UNBOUNDED), meaning=meaning
+            )
         for part in kinds:
             if isinstance(part, type) and is_dataclass(part):
                 yield from leaves(part, f"{name}.")

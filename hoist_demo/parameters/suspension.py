@@ -24,11 +24,17 @@ class SuspensionOffset:
     """Offset of a rope's suspension from the centres of the conveyances."""
 
     x_left: float = parameter(
-        0.0, "m", "from the left conveyance's centre to where the rope hangs, to the right", UNBOUNDED
+        0.0,
+        "m",
+        "from the left conveyance's centre to where the rope hangs, to the right",
+        UNBOUNDED,
     )
     x_right: float = parameter(0.0, "m", "the same at the right conveyance", UNBOUNDED)
     z: float = parameter(
-        0.0, "m", "from the conveyances' centres to where the rope hangs, out of their plane", UNBOUNDED
+        0.0,
+        "m",
+        "from the conveyances' centres to where the rope hangs, out of their plane",
+        UNBOUNDED,
     )
 
     @property

@@ -23,23 +23,39 @@ class Winding(ValidatedData):
     jerk: float = parameter(0.5, "m/s^3", "limit")
     creep_speed: float = parameter(0.5, "m/s", "of a creep, where there is one")
     creep_distance: float = parameter(
-        0.0, "m", "to the landing from where creep speed is reached, final stop included; 0: no creep", NONNEGATIVE
+        0.0,
+        "m",
+        "to the landing from where creep speed is reached, final stop included; 0: no creep",
+        NONNEGATIVE,
     )
-    departure_creep_distance: float = parameter(0.0, "m", "to where creep speed is left; 0: no creep", NONNEGATIVE)
+    departure_creep_distance: float = parameter(
+        0.0, "m", "to where creep speed is left; 0: no creep", NONNEGATIVE
+    )
     start_delay: float = parameter(1.0, "s", "", NONNEGATIVE)
     settle: float = parameter(10.0, "s", "recorded after the reference has arrived", NONNEGATIVE)
-    emergency_at: float | None = parameter(None, "s", "emergency stop begins; left out: no emergency stop", NONNEGATIVE)
+    emergency_at: float | None = parameter(
+        None, "s", "emergency stop begins; left out: no emergency stop", NONNEGATIVE
+    )
     emergency_deceleration: float = parameter(5.0, "m/s^2")
     emergency_jerk: float = parameter(50.0, "m/s^3", "the short ramp of the emergency deceleration")
     emergency_law: EmergencyLaw = "drive"
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        require(self.travel, self.travel != 0.0, "travel", "finite and not 0", "give the length of the trip in m")
+        require(
+            self.travel,
+            self.travel != 0.0,
+            "travel",
+            "finite and not 0",
+            "give the length of the trip in m",
+        )
         creep, bound = self.creep_speed, f"above 0 and at most the speed limit {self.speed:g} m/s"
         slow = creep > 0.0 and (not self.creeps or creep <= self.speed)
         require(creep, slow, "creep_speed", bound, "creep more slowly")
-        value, bound = self.emergency_deceleration, f"at least the acceleration limit {self.acceleration:g} m/s^2"
+        value, bound = (
+            self.emergency_deceleration,
+            f"at least the acceleration limit {self.acceleration:g} m/s^2",
+        )
         cure = "brake harder or wind more gently"
         require(value, value >= self.acceleration, "emergency_deceleration", bound, cure)
         value, bound = self.emergency_jerk, f"at least the jerk limit {self.jerk:g} m/s^3"
@@ -53,7 +69,11 @@ class Winding(ValidatedData):
     @property
     def tracking_end(self) -> float:
         """Time [s] until which the drive follows the reference: an emergency stop with the brake ends that."""
-        return math.inf if self.emergency_at is None or self.emergency_law == "drive" else self.emergency_at
+        return (
+            math.inf
+            if self.emergency_at is None or self.emergency_law == "drive"
+            else self.emergency_at
+        )
 
 
 @dataclass(frozen=True)
@@ -76,10 +96,19 @@ def require_trip_fits(hoist: Hoist, winding: Winding) -> None:
             f"emergency_law = {winding.emergency_law!r} must be 'drive' for a hoist without a brake: "
             "give it one, as hoist.brake.torque = 5.5e5 (N m)"
         )
-    deceleration, capacity = winding.emergency_deceleration, hoist.brake.torque / hoist.sheave_radius
+    deceleration, capacity = (
+        winding.emergency_deceleration,
+        hoist.brake.torque / hoist.sheave_radius,
+    )
     enough = winding.emergency_law != "deceleration" or deceleration * hoist.moving_mass <= capacity
     bound = f"at most {capacity / hoist.moving_mass:.3g} m/s^2, what brake.torque gives all moving masses"
-    require(deceleration, enough, "emergency_deceleration", bound, "brake more gently or fit a stronger brake")
+    require(
+        deceleration,
+        enough,
+        "emergency_deceleration",
+        bound,
+        "brake more gently or fit a stronger brake",
+    )
 
 
 def require_jams_on_the_way(hoist: Hoist, winding: Winding) -> None:

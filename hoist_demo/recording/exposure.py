@@ -15,7 +15,9 @@ import rainflow
 from hoist_demo.recording.time_series import Array, Recording
 from rope_model import SIGNALS
 
-MIN_PERIODS = 2.0  #: Least periods in half the record; slower motion is the trip, no vibration [assumed].
+MIN_PERIODS = (
+    2.0  #: Least periods in half the record; slower motion is the trip, no vibration [assumed].
+)
 #: Least ratio of a spectral peak to the valleys beside it; a trip without vibration has lower ones [assumed].
 MIN_PEAK_RATIO = 2.0
 MIN_ROWS = 16  #: Rows of the shortest record that has a spectrum.
@@ -43,7 +45,12 @@ def spectra(time: Array, values: Array) -> Spectra:
     step = float(np.median(np.diff(time)))
     finite = np.isfinite(values).all(axis=0)
     frequency, power = welch(
-        np.where(finite, values, 0.0), 1.0 / step, nperseg=rows // 2, detrend="linear", scaling="spectrum", axis=0
+        np.where(finite, values, 0.0),
+        1.0 / step,
+        nperseg=rows // 2,
+        detrend="linear",
+        scaling="spectrum",
+        axis=0,
     )
     vibrates = frequency * step * (rows // 2) >= MIN_PERIODS
     return Spectra(frequency[vibrates], np.where(finite, np.sqrt(2.0 * power[vibrates]), np.nan))
@@ -69,17 +76,24 @@ def strongest(spectrum: Spectra) -> tuple[Array, Array]:
 
 QUANTITIES = ("tension", "curvature", "torque")
 #: Outputs of the rope from which the exposure follows.
-STATION_SIGNALS = tuple(name for of in QUANTITIES for name in SIGNALS if name.startswith(f"station.{of}["))
+STATION_SIGNALS = tuple(
+    name for of in QUANTITIES for name in SIGNALS if name.startswith(f"station.{of}[")
+)
 COUNTED = 0.25  #: Part of the largest range from which on a cycle is counted [assumed].
 BENT = 0.5  #: Part of the sharpest curvature from which on a place is in a bend [assumed].
-VIBRATING = ("tension", "torque")  #: Quantities with spectra: what bends as it passes the loop does so once.
+VIBRATING = (
+    "tension",
+    "torque",
+)  #: Quantities with spectra: what bends as it passes the loop does so once.
 #: First and last power of ten at which bins of ranges begin, in N, 1/m and N m.
 _DECADES = {"tension": (1, 5), "curvature": (-3, 0), "torque": (-1, 2)}
 
 #: Where the bins of the ranges of each quantity begin; each ends at the next one, the last has no end. The same for all
 #: ropes, so that what several records have adds up.
 BINS = {
-    name: tuple(float(f"{digit}e{power}") for power in range(first, last + 1) for digit in (1, 2, 5))
+    name: tuple(
+        float(f"{digit}e{power}") for power in range(first, last + 1) for digit in (1, 2, 5)
+    )
     for name, (first, last) in _DECADES.items()
 }
 
@@ -121,8 +135,13 @@ def exposure(recording: Recording, parameters: Mapping[str, Any]) -> Recording |
     if any(values.size == 0 for values in rows.values()):
         return None
     count = rows["tension"].shape[1]
-    first, last, length = (float(parameters[name]) for name in ("station.first", "station.last", "rope.length"))
-    columns = {"station": np.arange(1.0, count + 1.0), "s": length * np.linspace(first, last, count)}
+    first, last, length = (
+        float(parameters[name]) for name in ("station.first", "station.last", "rope.length")
+    )
+    columns = {
+        "station": np.arange(1.0, count + 1.0),
+        "s": length * np.linspace(first, last, count),
+    }
     for name, values in rows.items():
         columns |= _extremes(name, recording.time, values) | _counted(name, values)
         if name in VIBRATING:
@@ -138,7 +157,9 @@ def spectra_table(recording: Recording) -> Recording:
     columns, units = dict[str, Array](), {"frequency": "Hz"}
     for name in VIBRATING:
         of_stations = spectra(recording.time, at_stations(recording, name))
-        amplitudes = {f"{name}[{k + 1}]": column for k, column in enumerate(of_stations.amplitude.T)}
+        amplitudes = {
+            f"{name}[{k + 1}]": column for k, column in enumerate(of_stations.amplitude.T)
+        }
         columns |= {"frequency": of_stations.frequency} | amplitudes
         units |= dict.fromkeys(amplitudes, UNITS[f"{name}.amplitude"])
     return Recording(columns, units)
@@ -180,7 +201,9 @@ def gather(row: Mapping[str, float]) -> Recording:
 
 def at_stations(recording: Recording, name: str) -> Array:
     """Return one of QUANTITIES, shape (rows, stations); empty if it was not recorded."""
-    columns = [values for key, values in recording.signals.items() if key.startswith(f"station.{name}[")]
+    columns = [
+        values for key, values in recording.signals.items() if key.startswith(f"station.{name}[")
+    ]
     return np.array(columns, dtype=np.float64).T
 
 
@@ -199,10 +222,18 @@ def _counted(name: str, values: Array) -> dict[str, Array]:
     keys = [f"{name}.range", f"{name}.cycles", *bin_columns(name)]
     if not np.isfinite(values).all():
         return dict.fromkeys(keys, np.full(values.shape[1], np.nan))
-    cycles = [[(size, count) for size, _, count, _, _ in rainflow.extract_cycles(column)] for column in values.T]
+    cycles = [
+        [(size, count) for size, _, count, _, _ in rainflow.extract_cycles(column)]
+        for column in values.T
+    ]
     ranges = np.array([max((size for size, _ in station), default=0.0) for station in cycles])
     least = COUNTED * float(np.max(ranges))
-    counted = np.array([sum(count for size, count in station if size >= least > 0.0) for station in cycles])
+    counted = np.array(
+        [sum(count for size, count in station if size >= least > 0.0) for station in cycles]
+    )
     edges = (*BINS[name], np.inf)
-    binned = [np.histogram([x for x, _ in station], edges, weights=[n for _, n in station])[0] for station in cycles]
+    binned = [
+        np.histogram([x for x, _ in station], edges, weights=[n for _, n in station])[0]
+        for station in cycles
+    ]
     return dict(zip(keys, (ranges, counted, *np.transpose(binned)), strict=True))

@@ -29,7 +29,11 @@ def mask_neglected(recording: Recording, torque_free: bool) -> Recording:
     signals = dict(recording.signals)
     for fidelity in FIDELITIES:
         rows = recording[FIDELITY] == code_of(fidelity)
-        effects = tuple(effect for effect in neglected_effects(fidelity) if not (effect.by_torque and torque_free))
+        effects = tuple(
+            effect
+            for effect in neglected_effects(fidelity)
+            if not (effect.by_torque and torque_free)
+        )
         for name in _names(effects, tuple(recording.signals)) if bool(rows.any()) else ():
             signals[name] = np.where(rows, np.nan, signals[name])
     return replace(recording, signals=signals)
@@ -39,15 +43,20 @@ def fidelities_of(recording: Recording) -> list[str]:
     """Return the fidelities that ran, from the first row to the last."""
     codes = recording[FIDELITY] if FIDELITY in recording else np.array([])
     finite_codes = codes[np.isfinite(codes)].astype(int)
-    return [CODES[code] for k, code in enumerate(finite_codes) if k == 0 or code != finite_codes[k - 1]]
+    return [
+        CODES[code] for k, code in enumerate(finite_codes) if k == 0 or code != finite_codes[k - 1]
+    ]
 
 
 def remark(recording: Recording) -> str:
     """Return the signals that `mask_neglected` left out of a recording, in words; "" for none."""
     for fidelity in FIDELITIES:
         names = tuple(recording.signals)
-        effects = [effect for effect in neglected_effects(fidelity)
-                   if any(np.isnan(recording[name]).any() for name in _names((effect,), names))]  # fmt: skip
+        effects = [
+            effect
+            for effect in neglected_effects(fidelity)
+            if any(np.isnan(recording[name]).any() for name in _names((effect,), names))
+        ]
         if effects and fidelity in fidelities_of(recording):
             label = ", ".join(effect.words for effect in effects)
             return (

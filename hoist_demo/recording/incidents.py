@@ -18,7 +18,9 @@ class JamEvent(NamedTuple):
     side: str
     t: float  # s, of the first sample that shows it
     height: float  # m, of the suspension there
-    stopping_distance: float | None  # m, from there to where it first stood still; None: it went through
+    stopping_distance: (
+        float | None
+    )  # m, from there to where it first stood still; None: it went through
     deceleration: float  # m/s^2, largest change of speed, until then
 
 
@@ -52,7 +54,9 @@ def jams(recording: Recording) -> list[JamEvent]:
         if not held.size:
             continue
         k = int(held[0])
-        y, vy, ay = (recording[f"conveyance.{side}.{quantity}"][k:] for quantity in ("y", "vy", "ay"))
+        y, vy, ay = (
+            recording[f"conveyance.{side}.{quantity}"][k:] for quantity in ("y", "vy", "ay")
+        )
         turned = _stands(vy)
         stood = turned is not None and recording[name][k + turned] != 0.0
         last = turned if turned is not None and stood else int(held[-1]) - k
@@ -78,7 +82,9 @@ def stops(recording: Recording, begin: float | None, radius: float) -> list[Stop
     Whether it is held is judged by the head ropes on the sheave of this radius [m]: a conveyance swings on them, in a
     deep shaft for longer than any brake lets them run.
     """
-    if begin is None or not recording.has("drive.rate", *(f"conveyance.{side}.vy" for side in SIDES)):
+    if begin is None or not recording.has(
+        "drive.rate", *(f"conveyance.{side}.vy" for side in SIDES)
+    ):
         return []
     conveyances = []
     k = int(np.searchsorted(recording.time - recording.time[0], begin))
@@ -90,15 +96,23 @@ def stops(recording: Recording, begin: float | None, radius: float) -> list[Stop
         last = t.size - 1 if turned is None else turned
         way, then = np.abs(y - y[0]), max((y[last:] - y[last]).tolist(), key=abs)
         time = None if turned is None else float(t[last] - t[0])
-        way_stopped, farthest, speed = float(np.max(way[: last + 1])), float(np.max(way)), float(vy[-1])
-        conveyances.append(Stop(side, way_stopped, time, then, held and turned is not None, speed, farthest))
+        way_stopped, farthest, speed = (
+            float(np.max(way[: last + 1])),
+            float(np.max(way)),
+            float(vy[-1]),
+        )
+        conveyances.append(
+            Stop(side, way_stopped, time, then, held and turned is not None, speed, farthest)
+        )
     return conveyances
 
 
 def _rope_speed(recording: Recording, radius: float) -> Array:
     """Return the speed of the head ropes on the sheave [m/s]: of its rim, and of their slip."""
     rim = radius * recording["drive.rate"]
-    return np.asarray(rim + recording["drive.slip_speed"] if "drive.slip_speed" in recording else rim)
+    return np.asarray(
+        rim + recording["drive.slip_speed"] if "drive.slip_speed" in recording else rim
+    )
 
 
 def _holds(time: Array, speeds: Array) -> bool:
@@ -110,7 +124,10 @@ def _holds(time: Array, speeds: Array) -> bool:
     if sense[-1] != 0.0:
         return False
     turns = [0, *(np.flatnonzero(np.diff(sense)) + 1).tolist(), len(sense)]
-    return not any(sense[i] != 0.0 and time[stood + j] - time[stood + i] > RECOIL for i, j in pairwise(turns[:-1]))
+    return not any(
+        sense[i] != 0.0 and time[stood + j] - time[stood + i] > RECOIL
+        for i, j in pairwise(turns[:-1])
+    )
 
 
 def slack_ropes(recording: Recording) -> list[SlackRopes]:
@@ -121,7 +138,11 @@ def slack_ropes(recording: Recording) -> list[SlackRopes]:
         if name in recording and bool(np.any(recording[name] > 0.0)):
             slack, time = recording[name], recording.time
             duration = float(np.sum(np.diff(time)[slack[:-1] > 0.0]))
-            sides.append(SlackRopes(side, float(time[np.argmax(slack > 0.0)]), duration, float(np.max(slack))))
+            sides.append(
+                SlackRopes(
+                    side, float(time[np.argmax(slack > 0.0)]), duration, float(np.max(slack))
+                )
+            )
     return sorted(sides, key=attrgetter("t"))
 
 
@@ -173,7 +194,9 @@ def tension_ratios(recording: Recording, limit: float) -> Array:
     return ratio
 
 
-GUARD_SIGNALS = frozenset({"guard.tripped", "guard.cause", "guard.time"})  #: Outputs of the rope's guards.
+GUARD_SIGNALS = frozenset(
+    {"guard.tripped", "guard.cause", "guard.time"}
+)  #: Outputs of the rope's guards.
 GUARD_CODES = dict(enumerate(GUARD_CAUSES, start=1))  #: What `guard.cause` stands for.
 
 
@@ -191,7 +214,11 @@ class GuardTrip(NamedTuple):
 
 def guard_trip(recording: Recording) -> GuardTrip | None:
     """Return the guard's trip in a run; None if there was none."""
-    if not recording.has(*GUARD_SIGNALS) or not recording["guard.tripped"].size or recording["guard.tripped"][-1] < 0.5:
+    if (
+        not recording.has(*GUARD_SIGNALS)
+        or not recording["guard.tripped"].size
+        or recording["guard.tripped"][-1] < 0.5
+    ):
         return None
     return GuardTrip(float(recording["guard.time"][-1]), int(recording["guard.cause"][-1]))
 
@@ -203,7 +230,9 @@ def incidents(recording: Recording) -> str:
         sentences.append(f"its guard tripped at t = {trip.t:.4g} s ({trip.cause})")
     for jam in jams(recording):
         through = jam.stopping_distance is None
-        course = "was held by a narrow place of its guides, and went through," if through else "jammed"
+        course = (
+            "was held by a narrow place of its guides, and went through," if through else "jammed"
+        )
         sentences.append(f"the {jam.side} conveyance {course} at t = {jam.t:.4g} s")
     sentences += [
         f"the head ropes of the {slack.side} conveyance were slack from t = {slack.t:.4g} s on, by "
@@ -222,5 +251,9 @@ def incidents(recording: Recording) -> str:
 def circuit_stop(recording: Recording, at: float) -> str:
     """Describe a stop that the safety circuit began `at` [s] after the start of the record."""
     t, trip = float(recording.time[0]) + at, guard_trip(recording)
-    why = "" if trip is not None and trip.t <= t + 1e-6 else ": head ropes pulled less than hoist.slack_tension"
+    why = (
+        ""
+        if trip is not None and trip.t <= t + 1e-6
+        else ": head ropes pulled less than hoist.slack_tension"
+    )
     return f"emergency stop at t = {t:.4g} s{why}"

@@ -57,7 +57,9 @@ def polygon_distance(one: Array, other: Array) -> tuple[float, Array]:
     dr, er = (d * r).sum(-1), (e * r).sum(-1)
     across = dd * ee - de * de
     # parallel sides are nearest at an end, too
-    a = np.where(across > 1e-12 * dd * ee, (de * er - dr * ee) / np.where(across > 0.0, across, 1.0), 0.0)
+    a = np.where(
+        across > 1e-12 * dd * ee, (de * er - dr * ee) / np.where(across > 0.0, across, 1.0), 0.0
+    )
     b = np.clip((de * np.clip(a, 0.0, 1.0) + er) / ee, 0.0, 1.0)
     a = np.clip((de * b - dr) / dd, 0.0, 1.0)
     gap = r + a[..., None] * d - b[..., None] * e
@@ -75,7 +77,11 @@ def pairs(
 
     A broken rope has no shape any more, and one whose model leaves out what leads it out of its plane has none either.
     """
-    every = max(1, round(LOOKED_AT / (recording.time[1] - recording.time[0]))) if recording.time.size > 1 else 1
+    every = (
+        max(1, round(LOOKED_AT / (recording.time[1] - recording.time[0])))
+        if recording.time.size > 1
+        else 1
+    )
     shapes = {name: _shapes(recording, name, origin, every) for name, origin, _ in ropes}
     rope_pairs = []
     for (one, _, thick), (other, _, thin) in combinations(ropes, 2):
@@ -83,12 +89,18 @@ def pairs(
         times = recording.time[::every][:count]
         points = shapes[one][:count], shapes[other][:count]
         both = np.isfinite(points[0] + points[1]).all(axis=(1, 2))
-        near = nearest(times[both], points[0][both], points[1][both], 0.5 * (thick + thin)) if both.any() else None
+        near = (
+            nearest(times[both], points[0][both], points[1][both], 0.5 * (thick + thin))
+            if both.any()
+            else None
+        )
         rope_pairs.append(RopePair(one, other, near, accounts.get((one, other))))
     return rope_pairs
 
 
-def _shapes(recording: Recording, name: str, origin: tuple[float, float, float], every: int) -> Array:
+def _shapes(
+    recording: Recording, name: str, origin: tuple[float, float, float], every: int
+) -> Array:
     """Return shapes of a rope (instants, points, 3) [m] until it breaks; x from between the conveyances' centres."""
     own = rope_signals(recording, name)
     shapes = own.shapes_at(range(0, len(own.time), every))

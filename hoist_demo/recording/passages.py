@@ -13,7 +13,14 @@ _DISSIPATED = "energy.dissipated_contact"
 
 #: Outputs of the rope from which `passages` follow.
 PASSAGE_SIGNALS = frozenset(
-    {"loop.crossings", "loop.crossed_at", "loop.crossed_y", "loop.overlap", "loop.touched_at", "loop.touched_y"}
+    {
+        "loop.crossings",
+        "loop.crossed_at",
+        "loop.crossed_y",
+        "loop.overlap",
+        "loop.touched_at",
+        "loop.touched_y",
+    }
     | {f"nearest.{name}.{key}" for name in BODIES for key in ("clearance", "touched_at", "y")}
     | {f"contact.{name}" for name in (*BODIES, "rope")}
     | {_DISSIPATED}
@@ -34,7 +41,9 @@ def passages(recording: Recording, rope: str = "the rope") -> str:
     # contact for a moment between two rows leaves its dissipated energy
     itself = _pressed(recording, "rope")
     dissipated = _DISSIPATED in recording and bool(np.any(_shows(recording, _DISSIPATED)))
-    held = any(_pressed(recording, name) for name in BODIES) or (dissipated and not itself and bool(met))
+    held = any(_pressed(recording, name) for name in BODIES) or (
+        dissipated and not itself and bool(met)
+    )
     itself |= dissipated and not held
     struck, into, through = (met, [], []) if held else ([], met, [])
     if _last(recording, "loop.crossings") > 0.0:
@@ -46,7 +55,9 @@ def passages(recording: Recording, rope: str = "the rope") -> str:
         legs = _met(recording, "its other leg", "loop.touched_at", "loop.touched_y")
         (struck if itself else into).append(legs)
     elif itself:
-        struck.append(_briefly(recording, "itself", ["contact.rope", *([] if held else [_DISSIPATED])]))
+        struck.append(
+            _briefly(recording, "itself", ["contact.rope", *([] if held else [_DISSIPATED])])
+        )
     sentences = [f"struck {' and '.join(struck)}"] if struck else []
     sentences += [f"passed into {' and '.join(into)}"] if into else []
     sentences += [f"passed through {' and '.join(through)}"] if through else []

@@ -22,7 +22,11 @@ def rope_signals(recording: Recording, name: str) -> Recording:
 def as_only_rope(recording: Recording, name: str) -> Recording:
     """Return the record as if the hoist had this rope alone: its signals under their own names, beside the hoist's."""
     own = _own(recording, name)
-    return replace(recording, signals={**recording.signals, **own.signals}, units={**recording.units, **own.units})
+    return replace(
+        recording,
+        signals={**recording.signals, **own.signals},
+        units={**recording.units, **own.units},
+    )
 
 
 def computed(recording: Recording, torque_free: Mapping[str, bool]) -> Recording:
@@ -37,13 +41,19 @@ def computed(recording: Recording, torque_free: Mapping[str, bool]) -> Recording
             if key != TIME:
                 signals[f"{name}.{key}"] = values
             if key != TIME and key in signals:
-                signals[key] = np.where(np.isnan(values) & np.isfinite(before[key]), np.nan, signals[key])
+                signals[key] = np.where(
+                    np.isnan(values) & np.isfinite(before[key]), np.nan, signals[key]
+                )
     return replace(recording, signals=signals)
 
 
 def _own(recording: Recording, name: str) -> Recording:
     if not name:
         return recording
-    own = {key.removeprefix(f"{name}."): key for key in recording.signals if key.startswith(f"{name}.")}
+    own = {
+        key.removeprefix(f"{name}."): key for key in recording.signals if key.startswith(f"{name}.")
+    }
     units = {key: recording.units.get(whole, "") for key, whole in own.items()}
-    return Recording({TIME: recording.time, **{key: recording[whole] for key, whole in own.items()}}, units)
+    return Recording(
+        {TIME: recording.time, **{key: recording[whole] for key, whole in own.items()}}, units
+    )

@@ -57,12 +57,16 @@ class Recording:
         count = sum(1 for name in self.signals if name.startswith("shape.x["))
         if count == 0:
             return None
-        columns = [[self.signals[f"shape.{axis}[{i + 1}]"][rows] for i in range(count)] for axis in "xyz"]
+        columns = [
+            [self.signals[f"shape.{axis}[{i + 1}]"][rows] for i in range(count)] for axis in "xyz"
+        ]
         return np.ascontiguousarray(np.array(columns, dtype=np.float64).T)
 
     def along(self, name: str) -> Array | None:
         """Return `tension` or its like at the rope's points, shape (rows, n); None if not recorded."""
-        columns = [values for key, values in self.signals.items() if key.startswith(f"shape.{name}[")]
+        columns = [
+            values for key, values in self.signals.items() if key.startswith(f"shape.{name}[")
+        ]
         return np.array(columns, dtype=np.float64).T if columns else None
 
 
@@ -109,7 +113,9 @@ def match_signals(patterns: Iterable[str], available: Sequence[str]) -> tuple[st
         names = [name for name in available if expression.fullmatch(name)]
         if not names:
             near = difflib.get_close_matches(pattern, available, n=3)
-            cure = f"did you mean {' or '.join(near)}?" if near else "see docs/reference/variables.md"
+            cure = (
+                f"did you mean {' or '.join(near)}?" if near else "see docs/reference/variables.md"
+            )
             raise ValueError(f"signals has {pattern!r}, which nothing shows: {cure}")
         matches |= dict.fromkeys(names)
     return tuple(matches)
@@ -138,7 +144,10 @@ def write_shapes(recording: Recording, rows: Sequence[int], path: Path) -> None:
             if shape is not None:
                 t = _number(recording.time[row])
                 points = np.column_stack([shape, *(v[row] for v in along.values())])
-                writer.writerows([t, k + 1, *(_number(value) for value in point)] for k, point in enumerate(points))
+                writer.writerows(
+                    [t, k + 1, *(_number(value) for value in point)]
+                    for k, point in enumerate(points)
+                )
 
 
 def shape_rows(recording: Recording, count: int = 7) -> list[int]:

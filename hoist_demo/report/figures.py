@@ -48,7 +48,10 @@ _FIGURES = {
 _STYLES: dict[str, dict[str, Any]] = {
     **{end: {"color": COLOURS[end], "ls": DASHES[end]} for end in COLOURS},
     "asked": {"color": "black", "lw": 0.8, "ls": (0, (4, 3))},
-    **{letter: {"color": colour} for letter, colour in zip("abcde", (*ACCENTS, "black"), strict=True)},
+    **{
+        letter: {"color": colour}
+        for letter, colour in zip("abcde", (*ACCENTS, "black"), strict=True)
+    },
 }
 
 
@@ -60,7 +63,9 @@ def write_figures(
     ropes: Sequence[RopeData] = (UNKNOWN,),
 ) -> list[Path]:
     """Write the PNG files, `marks` as dashed lines over time, and return their paths in reading order."""
-    signals = dict(recording.signals) | {name: x for name, (x, _) in derived_signals(recording, hoist).items()}
+    signals = dict(recording.signals) | {
+        name: x for name, (x, _) in derived_signals(recording, hoist).items()
+    }
     names = [rope.name for rope in ropes]
     shown = [panel for panel in panels(recording, hoist, names) if not quiet(recording, panel)]
     paths: list[Path] = []
@@ -114,7 +119,12 @@ def _show_slip(axes: Sequence[Axes], recording: Recording) -> None:
 
 #: Title, label of the axis, factor, and columns of a table of trips in one panel with their words.
 _OVER_TRIPS: tuple[tuple[str, str, float, Mapping[str, str]], ...] = (
-    ("Yaw of the loop", "yaw [deg]", 180.0 / math.pi, {"loop_yaw": "largest", "yaw_start": "as the trip begins"}),
+    (
+        "Yaw of the loop",
+        "yaw [deg]",
+        180.0 / math.pi,
+        {"loop_yaw": "largest", "yaw_start": "as the trip begins"},
+    ),
     ("Sway of the loop", "[m]", 1.0, {"sway": "in plane", "sway_across": "out of plane"}),
     ("Ripple of the end forces", "[N]", 1.0, {"rope_force_ripple": "worse end"}),
     ("Smallest clearance between the legs", "[m]", 1.0, {"clearance": ""}),
@@ -124,7 +134,10 @@ _OVER_TRIPS: tuple[tuple[str, str, float, Mapping[str, str]], ...] = (
 
 def write_duty_figure(trips: Recording, path: Path) -> Path:
     """Draw the table of `hoist_demo.duty` over the number of the trip; a panel without numbers is left out."""
-    panels = [(title, unit, factor, _curves_over_trips(trips, curves)) for title, unit, factor, curves in _OVER_TRIPS]
+    panels = [
+        (title, unit, factor, _curves_over_trips(trips, curves))
+        for title, unit, factor, curves in _OVER_TRIPS
+    ]
     shown = [panel for panel in panels if panel[-1]]
     with matplotlib.rc_context(STYLE):
         figure, axes = stacked_panels([title for title, *_ in shown])
@@ -154,8 +167,16 @@ def shapes(recording: Recording, ropes: Sequence[RopeData]) -> Figure | None:
     """Draw the ropes and their loops, enlarged, from the front and the side at a few instants."""
     drawn = []
     for row in shape_rows(recording, 6):
-        hanging = [(rope, own) for rope in ropes if row < len((own := rope_signals(recording, rope.name)).time)]
-        points = [shape + rope.suspension.origin for rope, own in hanging if (shape := own.shape_at(row)) is not None]
+        hanging = [
+            (rope, own)
+            for rope in ropes
+            if row < len((own := rope_signals(recording, rope.name)).time)
+        ]
+        points = [
+            shape + rope.suspension.origin
+            for rope, own in hanging
+            if (shape := own.shape_at(row)) is not None
+        ]
         if curves := [shape for shape in points if np.isfinite(shape).all()]:
             drawn.append((recording.time[row], curves))
     if not drawn:
@@ -177,7 +198,9 @@ def shapes(recording: Recording, ropes: Sequence[RopeData]) -> Figure | None:
                 ax.set_xlabel(f"{axis} [m]")
                 ax.set_ylim(low - 0.3, low + 6.0)
         _widen(grid[0, column], 0.05, axis="x")
-    figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=len(drawn))
+    figure.legend(
+        *grid[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=len(drawn)
+    )
     return figure
 
 
@@ -203,7 +226,9 @@ def _mark(figure: Figure, marks: Sequence[Mark]) -> None:
     """Draw marks as dashed lines in all panels, with their names over the first one, whose title makes room."""
     top = figure.axes[0]
     first, last = top.get_xlim()
-    lines: list[float] = []  # end of the last name in each line of names, as a share of the panel's width
+    lines: list[
+        float
+    ] = []  # end of the last name in each line of names, as a share of the panel's width
     for mark in marks:
         for ax in figure.axes:
             ax.axvline(mark.t, color="black", lw=0.8, ls=(0, (4, 3)))

@@ -29,7 +29,9 @@ YAWS = 3.0  #: Most yaw of a loop in a trip over that at rest [assumed]: 2.1 in 
 Values = Mapping[str, Value]
 
 
-def complete_file(case: Case, run: RunData, ropes: Sequence[RopeData], provenance: Iterable[SourcedValue]) -> str:
+def complete_file(
+    case: Case, run: RunData, ropes: Sequence[RopeData], provenance: Iterable[SourcedValue]
+) -> str:
     """Return a hoist's file with every value of a run and its status; wound again, it gives the same bits."""
     status, stated = statuses(provenance), case.values
     stated_of = {"": stated} | {f"{one.name}.": one.values for one in case.distinct_ropes}
@@ -38,29 +40,50 @@ def complete_file(case: Case, run: RunData, ropes: Sequence[RopeData], provenanc
         source_status = status.get(f"{of}{name}", SETTING)
         file_status = source_status if source_status in STATUSES else GIVEN
         own = stated_of.get(of, {}).get(name) or stated.get(name)
-        if source_status == SETTING or name == _SPACING:  # that of several ropes has their places in it
+        if (
+            source_status == SETTING or name == _SPACING
+        ):  # that of several ropes has their places in it
             file_status = GIVEN if isinstance(value, str | bool) else "assumed"
             file_status = own.status if own is not None and own.value == value else file_status
-        return ParameterValue(value, file_status, own.source if own is not None and name in stated else "")
+        return ParameterValue(
+            value, file_status, own.source if own is not None and name in stated else ""
+        )
 
     level = ropes[0].level or case.level
     lines = {"controller": entry("controller", run.controller), "level": entry("level", level)}
     lines |= {one.name: entry(one.name, one.value) for one in host_provenance(run, {})}
     names = rope_parameters()
-    ropes = [replace(one, parameters={**one.parameters, _SPACING: _spacing(one, run)}) for one in ropes]
+    ropes = [
+        replace(one, parameters={**one.parameters, _SPACING: _spacing(one, run)}) for one in ropes
+    ]
     first = ropes[0]
-    alike = {key for key in names if all(one.parameters.get(key) == first.parameters[key] for one in ropes)}
+    alike = {
+        key
+        for key in names
+        if all(one.parameters.get(key) == first.parameters[key] for one in ropes)
+    }
     shared = {key for key in alike if not key.startswith(("rope.", "left.", "right."))}
-    lines |= {key: entry(key, first.parameters[key], first.prefix) for key in names if key in shared}
+    lines |= {
+        key: entry(key, first.parameters[key], first.prefix) for key in names if key in shared
+    }
     tables = []
     for rope in ropes:
-        own = {key: value for key, value in rope.parameters.items() if key in names and key not in shared}
+        own = {
+            key: value
+            for key, value in rope.parameters.items()
+            if key in names and key not in shared
+        }
         placed: dict[str, Value] = {"rope.number": run.hoist.tail_rope_number}
         if rope.name:
-            placed = {"rope.name": rope.name, **{f"rope.{key}": x for key, x in vars(rope.suspension).items()}}
+            placed = {
+                "rope.name": rope.name,
+                **{f"rope.{key}": x for key, x in vars(rope.suspension).items()},
+            }
         if rope.breaks:
             placed |= dict(zip(("rope.breaks_at", "rope.breaks_s"), rope.breaks, strict=True))
-        tables.append({key: entry(key, value, rope.prefix) for key, value in {**placed, **own}.items()})
+        tables.append(
+            {key: entry(key, value, rope.prefix) for key, value in {**placed, **own}.items()}
+        )
     return hoist_text(case.name, lines, tables)
 
 
@@ -71,7 +94,11 @@ def _spacing(rope: RopeData, run: RunData) -> float:
     """Return the spacing of the conveyances' centres [m]: a rope's own, less what its place adds."""
     own, offset = float(rope.parameters[_SPACING]), rope.suspension
     set_spacing = float(run.rope_values.get(_SPACING, rope_parameters()[_SPACING].start))
-    return set_spacing if set_spacing + offset.x_right - offset.x_left == own else own - offset.x_right + offset.x_left
+    return (
+        set_spacing
+        if set_spacing + offset.x_right - offset.x_left == own
+        else own - offset.x_right + offset.x_left
+    )
 
 
 def as_file(case: Case, name: str, values: Values) -> str:
@@ -85,7 +112,9 @@ def hoist_provenance(case: Case, name: str, values: Values | None = None) -> lis
     return _wound(case, name, values or {})[2]
 
 
-def _wound(case: Case, name: str, values: Values) -> tuple[RunData, list[RopeData], list[SourcedValue]]:
+def _wound(
+    case: Case, name: str, values: Values
+) -> tuple[RunData, list[RopeData], list[SourcedValue]]:
     """Return the run that winds the hoist, its ropes and the sources of both."""
     run = from_landing(build(name, values))
     ropes = ropes_of(case, run, {}, case.level)
@@ -178,10 +207,25 @@ def _drive_checks(case: Case) -> Iterator[CheckRow]:
                 f"of which the first stage gives {first:.3g} N m to hold the heavier side: until first_stage_time = "
                 f"{brake.first_stage_time:g} s it runs on; raise the first stage, or shorten it"
             )
-            limits.append(("brake.first_stage", brake.first_stage, holding / brake.torque, "of brake.torque", asks))
+            limits.append(
+                (
+                    "brake.first_stage",
+                    brake.first_stage,
+                    holding / brake.torque,
+                    "of brake.torque",
+                    asks,
+                )
+            )
     for name, limit, asked, unit, asks in limits:
         problem = f"hoist.{name} = {limit:g} {unit} must be at least {asked:.3g} {unit}, {asks}"
-        yield CheckRow(_DRIVE, f"hoist.{name}", f"{limit:g} {unit}", f"{asked:.3g} {unit}", limit >= asked, problem)
+        yield CheckRow(
+            _DRIVE,
+            f"hoist.{name}",
+            f"{limit:g} {unit}",
+            f"{asked:.3g} {unit}",
+            limit >= asked,
+            problem,
+        )
 
 
 def examine(case: Case, name: str, values: Values) -> tuple[str, HoistCheck]:
@@ -191,7 +235,9 @@ def examine(case: Case, name: str, values: Values) -> tuple[str, HoistCheck]:
     return text, HoistCheck(tuple(checked), (*case.remarks, *warned))
 
 
-def _consequences(case: Case, name: str, values: Values, checked: Sequence[CheckRow]) -> tuple[str, list[str]]:
+def _consequences(
+    case: Case, name: str, values: Values, checked: Sequence[CheckRow]
+) -> tuple[str, list[str]]:
     """Return the table of what follows, and the ropes' warnings at rest; RuntimeError where a rope cannot hang."""
     hoist = case.hoist
     rows = [row.summary for row in checked if row.group == _HOLD]
@@ -207,12 +253,18 @@ def _consequences(case: Case, name: str, values: Values, checked: Sequence[Check
     for rope in ropes:
         whose = f"{rope.name}: " if rope.name else ""
         plant = balance_rope(rope.scene)
-        for height, signals in at_rest(plant, hoist, [0.0, 0.5 * hoist.shaft_travel, hoist.shaft_travel]):
+        for height, signals in at_rest(
+            plant, hoist, [0.0, 0.5 * hoist.shaft_travel, hoist.shaft_travel]
+        ):
             group = f"{whose}{_AT_REST} {height:g} m"
             yaws[rope.name] = max(yaws.get(rope.name, 0.0), signals["loop.yaw"], key=abs)
             pull = [-1e-3 * signals[f"{end}.fy"] for end in SIDES]
             rows += [
-                SummaryRow(group, "its pull on the left and right conveyance", f"{pull[0]:.4g} and {pull[1]:.4g} kN"),
+                SummaryRow(
+                    group,
+                    "its pull on the left and right conveyance",
+                    f"{pull[0]:.4g} and {pull[1]:.4g} kN",
+                ),
                 SummaryRow(group, "loop's lowest point", signals["loop.y"], "m"),
                 SummaryRow(group, "loop's yaw", math.degrees(signals["loop.yaw"]), "deg"),
                 SummaryRow(group, "torque at the left end", abs(signals["left.my"]), "N.m"),
@@ -225,7 +277,11 @@ def _consequences(case: Case, name: str, values: Values, checked: Sequence[Check
         model = f"{plant.fidelity} with {plant.elements} elements ({plant.fidelity_reason})"
         rows.append(SummaryRow(f"{whose}Model", "fidelity and mesh", model))
         warned += [f"{whose}{text}" for text in plant.warnings().values()]
-        rows.append(SummaryRow(f"{whose}Model", "frequencies, mid-trip", _frequencies(plant, hoist.shaft_travel)))
+        rows.append(
+            SummaryRow(
+                f"{whose}Model", "frequencies, mid-trip", _frequencies(plant, hoist.shaft_travel)
+            )
+        )
     return render(rows), list(dict.fromkeys([*warned, *_neighbours(ropes, yaws)]))
 
 
@@ -234,7 +290,9 @@ def _neighbours(ropes: Sequence[OneRope], yaws: Mapping[str, float]) -> Iterator
     for one, other in combinations(ropes, 2):
         (x, _, z), (x1, _, z1) = one.suspension.origin, other.suspension.origin
         reach, reach1 = (
-            0.5 * r.scene.layout.spacing * math.sin(max(-0.5 * math.pi, min(YAWS * yaws[r.name], 0.5 * math.pi)))
+            0.5
+            * r.scene.layout.spacing
+            * math.sin(max(-0.5 * math.pi, min(YAWS * yaws[r.name], 0.5 * math.pi)))
             for r in (one, other)
         )
         least = abs(reach - reach1) + 0.5 * (one.scene.rope.diameter + other.scene.rope.diameter)
@@ -259,4 +317,6 @@ def _frequencies(rope: BalanceRope, travel: float) -> str:
     except ValueError as error:
         return str(error)
     modes_shown = zip(modes.frequencies, modes.out_of_plane, strict=True)
-    return ", ".join(f"{f:.3g} Hz {'out of' if out > 0.5 else 'in'} plane" for f, out in modes_shown)
+    return ", ".join(
+        f"{f:.3g} Hz {'out of' if out > 0.5 else 'in'} plane" for f, out in modes_shown
+    )

@@ -17,13 +17,19 @@ _SHOWN = (
     ("rate", "Torque to sheave speed", "[rad/s per N m]"),
     ("pull_left", "Torque to head-rope pull, left", "[N per N m]"),
 )
-_EVEN_STEPS = 70  #: Frequencies at equal distances: 0.03 Hz in a band of 2 Hz, where alpha / 2 pi is 0.02 Hz.
+_EVEN_STEPS = (
+    70  #: Frequencies at equal distances: 0.03 Hz in a band of 2 Hz, where alpha / 2 pi is 0.02 Hz.
+)
 _EVEN_RATIOS = 30  #: Frequencies at equal ratios.
 _COLOURS = "viridis"  #: Of heights, and of the hoist's share.
 
 
 def write_modes_figure(
-    models: Sequence[LinearModel], modes: Sequence[Modes], without: LinearModel, band: float, path: Path
+    models: Sequence[LinearModel],
+    modes: Sequence[Modes],
+    without: LinearModel,
+    band: float,
+    path: Path,
 ) -> Path:
     """Draw models of all heights and their modes; `without` is the hoist at a middle height without ropes."""
     with matplotlib.rc_context(STYLE):
@@ -32,16 +38,22 @@ def write_modes_figure(
         _frequencies(figure, axes[0, 0], models, modes, band)
         _poles(axes[0, 1], models, modes)
         # even steps show each peak that is as wide as alpha, even ratios the slopes below
-        frequencies = np.union1d(np.linspace(SLOWEST, band, _EVEN_STEPS), np.geomspace(SLOWEST, band, _EVEN_RATIOS))
+        frequencies = np.union1d(
+            np.linspace(SLOWEST, band, _EVEN_STEPS), np.geomspace(SLOWEST, band, _EVEN_RATIOS)
+        )
         names = [name for name, _, _ in _SHOWN]
         some = [models[k] for k in sorted({0, len(models) // 2, len(models) - 1})]
         curves: list[tuple[LinearModel, str, dict[str, Any]]] = [
             (m, f"at {m.at:g}", {"color": _colour(m.at)}) for m in some
         ]
-        curves.append((without, f"no balance rope, at {without.at:g}", {"color": REFERENCE, "ls": "--"}))
+        curves.append(
+            (without, f"no balance rope, at {without.at:g}", {"color": REFERENCE, "ls": "--"})
+        )
         for model, label, style in curves:
             # narrow peaks as a record of some 1/alpha shows them
-            G = model.selected(("torque_command",), names).response(ALPHA + 2j * np.pi * frequencies)[:, :, 0]
+            G = model.selected(("torque_command",), names).response(
+                ALPHA + 2j * np.pi * frequencies
+            )[:, :, 0]
             for one, (gain, phase) in zip(G.T, axes[1:].T, strict=True):
                 gain.loglog(frequencies, np.abs(one), label=label, lw=1.2, **style)
                 phase.semilogx(frequencies, np.degrees(np.unwrap(np.angle(one))), lw=1.2, **style)
@@ -58,12 +70,16 @@ def _colour(at: float) -> tuple[float, ...]:
     return tuple(matplotlib.colormaps[_COLOURS](0.9 * at))
 
 
-def _frequencies(figure: Figure, ax: Axes, models: Sequence[LinearModel], modes: Sequence[Modes], band: float) -> None:
+def _frequencies(
+    figure: Figure, ax: Axes, models: Sequence[LinearModel], modes: Sequence[Modes], band: float
+) -> None:
     for model, own in zip(models, modes, strict=True):
         order = np.argsort(own.shares[0])
         size, share = 3.0 + 30.0 * own.shares[0][order], own.shares[0][order]
         at = np.full(share.size, model.at)
-        drawn = ax.scatter(at, own.frequencies[order], size, share, cmap="Blues", vmin=-0.4, vmax=1.0, lw=0.0)
+        drawn = ax.scatter(
+            at, own.frequencies[order], size, share, cmap="Blues", vmin=-0.4, vmax=1.0, lw=0.0
+        )
     bar = figure.colorbar(drawn, ax=ax, label="hoist's share of the kinetic energy")
     bar.ax.set_ylim(0.0, 1.0)  # the map begins below, for a share of 0 is to be seen
     ax.set_title("Natural frequencies along the trip")

@@ -27,7 +27,11 @@ def render_markdown(report: Report, figures: Sequence[Path]) -> str:
     parts.append(ASSUMED_DATA)
     parts += [f"![{_caption(path)}]({path.name})\n\n{_caption(path)}" for path in figures]
     for group, rows in rows_by_group(report.rows).items():
-        parts += _table(("quantity", "value", "unit"), [(row.quantity, row.text, row.unit) for row in rows], group)
+        parts += _table(
+            ("quantity", "value", "unit"),
+            [(row.quantity, row.text, row.unit) for row in rows],
+            group,
+        )
     for name, lines in report.data_tables:
         parts += _table(("parameter", "value", "unit", "status"), lines, f"Data: {name}")
     return "\n\n".join(parts) + "\n"
@@ -37,7 +41,10 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]], title: str = "") 
     """Return a heading and a table, nothing without rows; a row that is short has empty cells."""
     if not rows:
         return []
-    lines = [f"| {' | '.join(map(_cell, cells))} |" for cells in (head, *((*row, "")[: len(head)] for row in rows))]
+    lines = [
+        f"| {' | '.join(map(_cell, cells))} |"
+        for cells in (head, *((*row, "")[: len(head)] for row in rows))
+    ]
     lines.insert(1, "|---|---:" + "|---" * (len(head) - 2) + "|")
     return [*([f"## {_inline(title)}"] if title else []), "\n".join(lines)]
 

@@ -64,7 +64,10 @@ def derived_signals(recording: Recording, hoist: Hoist) -> dict[str, tuple[Array
     if recording.has("reference.position", "conveyance.left.y"):
         travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
         derived["derived.tracking_error"] = recording["reference.position"] - travel, "m"
-        derived["derived.reference_height"] = recording["conveyance.left.y"][0] + recording["reference.position"], "m"
+        derived["derived.reference_height"] = (
+            recording["conveyance.left.y"][0] + recording["reference.position"],
+            "m",
+        )
     if hoist.lining is not None and recording.has("drive.rate", "drive.slip_speed"):
         rim = hoist.sheave_radius * recording["drive.rate"]
         derived["derived.rim_speed"] = rim, "m/s"
@@ -77,8 +80,12 @@ def derived_signals(recording: Recording, hoist: Hoist) -> dict[str, tuple[Array
 def panels(recording: Recording, hoist: Hoist, names: Sequence[str] = ("",)) -> list[Panel]:
     """Return all panels of which a line can be drawn, with those lines only; `names` are those of the ropes."""
     # signals that a fidelity leaves out are NaN throughout
-    shown_at_all = {name for name, values in recording.signals.items() if bool(np.isfinite(values).any())}
-    drawable = {name for name in shown_at_all if loses(recording, name)} | set(derived_signals(recording, hoist))
+    shown_at_all = {
+        name for name, values in recording.signals.items() if bool(np.isfinite(values).any())
+    }
+    drawable = {name for name in shown_at_all if loses(recording, name)} | set(
+        derived_signals(recording, hoist)
+    )
     shown: list[Panel] = []
     for panel in (part for whole in _all(hoist) for part in _of_ropes(whole, drawable, names)):
         lines = tuple(line for line in panel.lines if line.signal in drawable)
@@ -96,7 +103,9 @@ def _of_ropes(panel: Panel, drawable: Collection[str], names: Sequence[str]) -> 
     if len(own) == 1:
         (line,) = own
         styled = zip(names, cycle("abcde"), strict=False)
-        lines = tuple(replace(line, signal=f"{n}.{line.signal}", label=n, style=s) for n, s in styled)
+        lines = tuple(
+            replace(line, signal=f"{n}.{line.signal}", label=n, style=s) for n, s in styled
+        )
         yield replace(panel, lines=lines)
     else:
         for n in names:
@@ -106,7 +115,11 @@ def _of_ropes(panel: Panel, drawable: Collection[str], names: Sequence[str]) -> 
 
 def quiet(recording: Recording, panel: Panel) -> bool:
     """Return True if all recorded signals of a panel keep one value, rounding errors apart."""
-    recorded = [abs(line.factor) * np.ptp(recording[line.signal]) for line in panel.lines if line.signal in recording]
+    recorded = [
+        abs(line.factor) * np.ptp(recording[line.signal])
+        for line in panel.lines
+        if line.signal in recording
+    ]
     return len(recorded) == len(panel.lines) and bool(max(recorded) <= 1e-6 * panel.least)
 
 
@@ -116,9 +129,14 @@ def _ends(pattern: str, factor: float = 1.0) -> tuple[Line, Line]:
     return left, right
 
 
-def _lines(names: dict[str, str], factor: float = 1.0, from_start: bool = False) -> tuple[Line, ...]:
+def _lines(
+    names: dict[str, str], factor: float = 1.0, from_start: bool = False
+) -> tuple[Line, ...]:
     """Return lines by signal and label, one style after the other."""
-    return tuple(Line(*item, style, factor, from_start) for item, style in zip(names.items(), "abcde", strict=False))
+    return tuple(
+        Line(*item, style, factor, from_start)
+        for item, style in zip(names.items(), "abcde", strict=False)
+    )
 
 
 def _followed(quantity: str, component: str) -> tuple[Line, ...]:
@@ -132,7 +150,10 @@ def _all(hoist: Hoist) -> Iterator[Panel]:
         ("Head ropes slipped on the sheave", "m", _lines({"drive.slip": "way"}), 0.01),
         ("Speeds at the sheave's rim", "m/s", _lines(_SPEEDS)),
     ]
-    torque = Line("drive.torque_command", "command", REFERENCE, kilo), Line("drive.torque", "motor", "a", kilo)
+    torque = (
+        Line("drive.torque_command", "command", REFERENCE, kilo),
+        Line("drive.torque", "motor", "a", kilo),
+    )
     ratio = (Line("drive.tension_ratio", "larger / smaller", "b"),)
     clearances = {f"clearance.{kind}": words for kind, words in BODIES.items()}
     # title, unit, lines and the further fields of Panel, by group
@@ -146,9 +167,19 @@ def _all(hoist: Hoist) -> Iterator[Panel]:
         "Drive": [
             ("Motor torque", "kN m", torque),
             ("Motor power", "kW", _lines({"drive.motor_power": "power"}, kilo)),
-            ("Brake torque on the sheave", "kN m", (Line("drive.brake_torque", "brake", "c", kilo),)),
+            (
+                "Brake torque on the sheave",
+                "kN m",
+                (Line("drive.brake_torque", "brake", "c", kilo),),
+            ),
             ("Head rope tension at the sheave", "kN", _ends("drive.tension_{}", kilo)),
-            ("Tension ratio on the sheave", "1", ratio, 0.0, Limit(limit, f"ropes slip at exp(µα) = {limit:.2f}")),
+            (
+                "Tension ratio on the sheave",
+                "1",
+                ratio,
+                0.0,
+                Limit(limit, f"ropes slip at exp(µα) = {limit:.2f}"),
+            ),
             *(slip if hoist.lining is not None else []),
         ],
         "Balance rope": [
@@ -166,7 +197,12 @@ def _all(hoist: Hoist) -> Iterator[Panel]:
             ("Swivel angle", "deg", _ends("{}.swivel.angle", _DEGREES), 0.1),
             ("Swivel rate", "rad/s", _ends("{}.swivel.rate"), 0.01),
             ("Moment of the swivel on the rope", "N m", _ends("{}.swivel.torque"), 0.1),
-            ("Twist of the rope", "rad/m", (*_ends("{}.twist"), Line("loop.twist", "loop", "c")), 1e-3),
+            (
+                "Twist of the rope",
+                "rad/m",
+                (*_ends("{}.twist"), Line("loop.twist", "loop", "c")),
+                1e-3,
+            ),
         ],
         "Stress": [("Largest nominal stress of the rope", "MPa", _lines(_STRESSES, mega))],
         "Energy": [
@@ -181,7 +217,10 @@ def _all(hoist: Hoist) -> Iterator[Panel]:
 
 
 _SPEEDS = {"derived.rim_speed": "sheave", "derived.rope_speed": "head ropes"}
-_SIDEWAYS = {"loop.x": "in plane, from the rope's place", "loop.z": "out of plane, from the rope's place"}
+_SIDEWAYS = {
+    "loop.x": "in plane, from the rope's place",
+    "loop.z": "out of plane, from the rope's place",
+}
 _STRESSES = {"stress.bending_max": "bending", "stress.torsion_max": "torsion"}
 _DRIVE_ENERGIES = {
     "drive.work_motor": "motor",
@@ -219,18 +258,24 @@ def marks(result: Result) -> list[Mark]:
     # Host's reference counts from the start of the record
     start = float(times[0])
     instants = [Mark(jam.t, f"{jam.side} conveyance jams") for jam in jams(result.recording)]
-    instants += [Mark(slack.t, f"{slack.side} head ropes slack") for slack in slack_ropes(result.recording)]
+    instants += [
+        Mark(slack.t, f"{slack.side} head ropes slack") for slack in slack_ropes(result.recording)
+    ]
     if (slid := slip(result.recording)) is not None:
         instants.append(Mark(slid.t, "head ropes slip"))
     if winding.creeps:
-        instants += [Mark(start + t, "creep") for t in result.trajectory.cruise_times(winding.creep_speed)]
+        instants += [
+            Mark(start + t, "creep") for t in result.trajectory.cruise_times(winding.creep_speed)
+        ]
     if (trip := guard_trip(result.recording)) is not None:
         instants.append(Mark(trip.t, f"guard: {trip.cause}"))
     if winding.emergency_at is not None:
         instants.append(Mark(start + winding.emergency_at, "emergency stop"))
     instants.append(Mark(start + result.trajectory.duration, "reference at rest"))
     # inside the record only
-    instants = sorted((mark for mark in instants if start <= mark.t <= float(times[-1])), key=lambda mark: mark.t)
+    instants = sorted(
+        (mark for mark in instants if start <= mark.t <= float(times[-1])), key=lambda mark: mark.t
+    )
     return instants if result.completed else [*instants, Mark(float(times[-1]), "run stopped")]
 
 
@@ -243,7 +288,9 @@ def transformations(recording: Recording, names: Sequence[str] = ("",)) -> list[
     return sorted(instants)
 
 
-def slips(recording: Recording, end: str, names: Sequence[str] = ("",)) -> list[tuple[float, float]]:
+def slips(
+    recording: Recording, end: str, names: Sequence[str] = ("",)
+) -> list[tuple[float, float]]:
     """Intervals [s] during which a swivel of `end` slips, each recorded state holding until the next row."""
     intervals = list[tuple[float, float]]()
     for own in (rope_signals(recording, name) for name in names):
@@ -251,5 +298,7 @@ def slips(recording: Recording, end: str, names: Sequence[str] = ("",)) -> list[
             inside = np.concatenate([[False], own[signal] > 0.5, [False]])
             edges = np.flatnonzero(inside[1:] != inside[:-1])
             times, last = own.time, len(own.time) - 1
-            intervals += [(float(times[a]), float(times[min(b, last)])) for a, b in edges.reshape(-1, 2)]
+            intervals += [
+                (float(times[a]), float(times[min(b, last)])) for a, b in edges.reshape(-1, 2)
+            ]
     return sorted(intervals)

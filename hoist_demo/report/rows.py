@@ -13,7 +13,9 @@ from hoist_demo.study.provenance import SETTING, STATUSES, SourcedValue
 
 OUTCOME = "Outcome"  #: Group of the rows on how a run went.
 WARNING = "warning"  #: Quantity of the rows that every report shows first.
-DIGITS = 4  #: Significant digits of a number in the summary, which the rope's standard accuracy leaves.
+DIGITS = (
+    4  #: Significant digits of a number in the summary, which the rope's standard accuracy leaves.
+)
 WHOLE = 10  #: Significant digits of a whole number.
 LONG = 40  #: Characters from which a text has lines of its own in the table.
 
@@ -31,7 +33,11 @@ class SummaryRow:
     def text(self) -> str:
         """Value as text, in DIGITS."""
         whole = not isinstance(self.value, str) and float(self.value).is_integer()
-        return self.value if isinstance(self.value, str) else number(self.value, WHOLE if whole else DIGITS)
+        return (
+            self.value
+            if isinstance(self.value, str)
+            else number(self.value, WHOLE if whole else DIGITS)
+        )
 
 
 @dataclass(frozen=True)
@@ -53,7 +59,12 @@ def rows_by_group(rows: Sequence[SummaryRow]) -> dict[str, list[SummaryRow]]:
     return groups
 
 
-CHANGED = ("parameter", "value", "unit", "of the case")  #: Head of the table of settings that differ.
+CHANGED = (
+    "parameter",
+    "value",
+    "unit",
+    "of the case",
+)  #: Head of the table of settings that differ.
 
 
 def in_display_unit(value: float, unit: str) -> tuple[float, str]:
@@ -69,9 +80,13 @@ def render(rows: Sequence[SummaryRow]) -> str:
         if k == 0 or row.group != rows[k - 1].group:
             lines += ["", row.group]
         if len(row.text) > LONG:
-            lines += textwrap.wrap(f"{row.quantity}: {row.text}", 110, initial_indent="  ", subsequent_indent="    ")
+            lines += textwrap.wrap(
+                f"{row.quantity}: {row.text}", 110, initial_indent="  ", subsequent_indent="    "
+            )
         else:
-            lines.append(f"  {row.quantity:<{width}}  {row.text:>14} {unit_text(row.unit)}".rstrip())
+            lines.append(
+                f"  {row.quantity:<{width}}  {row.text:>14} {unit_text(row.unit)}".rstrip()
+            )
     return "\n".join(lines[1:])
 
 
@@ -80,7 +95,10 @@ def render_verdict(verdict: Verdict) -> str:
     lines = textwrap.wrap(verdict.summary, 110)
     cells = [COLUMNS, *(row.cells for row in verdict.rows)] if verdict.rows else []
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    table = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in cells]
+    table = [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in cells
+    ]
     return "\n".join([*lines, "", *table])
 
 
@@ -95,7 +113,11 @@ def status_rows(data: Sequence[SourcedValue]) -> list[SummaryRow]:
         names = [one.name for one in data if one.status == status]
         if names and status != SETTING:
             kinds = Counter(name.rpartition(".")[0] for name in names)
-            text = ", ".join(names if len(names) <= MAX_LISTED_NAMES else (f"{n} of {k}" for k, n in kinds.items()))
+            text = ", ".join(
+                names
+                if len(names) <= MAX_LISTED_NAMES
+                else (f"{n} of {k}" for k, n in kinds.items())
+            )
             rows.append(SummaryRow(TITLE, status, text))
     return rows
 
@@ -103,7 +125,12 @@ def status_rows(data: Sequence[SourcedValue]) -> list[SummaryRow]:
 def provenance_table(data: Sequence[SourcedValue]) -> TitledRows:
     """Return the data without settings, sorted by STATUSES."""
     rows: list[Row] = [
-        (one.name, one.value if isinstance(one.value, str) else number(one.value), unit_text(one.unit), one.status)
+        (
+            one.name,
+            one.value if isinstance(one.value, str) else number(one.value),
+            unit_text(one.unit),
+            one.status,
+        )
         for one in sorted(data, key=lambda one: STATUSES.index(one.status))
         if one.status != SETTING
     ]

@@ -13,7 +13,13 @@ from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRo
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.cosimulation.participants.rope_data import RopeData
-from hoist_demo.cosimulation.participants.rope_group import CONTACT_ENERGIES, SUMS, Member, RopeGroup, WholeRope
+from hoist_demo.cosimulation.participants.rope_group import (
+    CONTACT_ENERGIES,
+    SUMS,
+    Member,
+    RopeGroup,
+    WholeRope,
+)
 from hoist_demo.cosimulation.schemes.interface import ENDS, RopePlant
 from hoist_demo.files.registry import rope_parameters
 from hoist_demo.files.values import DERIVED, ParameterValue, plain
@@ -29,7 +35,9 @@ from rope_model import Level, Neighbours, Scene
 
 _PRESSED = "contact.rope_stiffness"
 #: With what other signals begin, as a rope's begin with its name.
-_TAKEN = tuple(dict.fromkeys(signal.partition(".")[0] for signal in (*SUMS, *CONTACT_ENERGIES, *DRIVE_UNITS)))
+_TAKEN = tuple(
+    dict.fromkeys(signal.partition(".")[0] for signal in (*SUMS, *CONTACT_ENERGIES, *DRIVE_UNITS))
+)
 
 
 @dataclass(frozen=True)
@@ -42,7 +50,9 @@ class OneRope:
     case: Case  # the hoist with this rope alone
     suspension: SuspensionOffset = field(default_factory=SuspensionOffset)
     breaks: Break | None = None
-    outputs: Collection[str] | None = None  # recorded outputs; None: all but the expensive added masses
+    outputs: Collection[str] | None = (
+        None  # recorded outputs; None: all but the expensive added masses
+    )
     fmu: Callable[[], FmuRope] | None = None  # loads the one that is wound instead
 
     @cached_property
@@ -84,7 +94,9 @@ class Ropes:
         group = [Member(rope.name, rope.plant, rope.suspension) for rope in self.ropes]
         if not self.touching:
             return RopeGroup(group)
-        neighbours = Neighbours([rope.scene for rope in self.ropes], [rope.suspension.origin for rope in self.ropes])
+        neighbours = Neighbours(
+            [rope.scene for rope in self.ropes], [rope.suspension.origin for rope in self.ropes]
+        )
         return RopeGroup(group, neighbours)
 
     @property
@@ -108,7 +120,9 @@ class Ropes:
         """Return the pairs of ropes in the record of a run."""
         if not (isinstance(self.plant, RopeGroup) and recording.signals):
             return []
-        ropes = [(rope.name, rope.suspension.origin, rope.scene.rope.diameter) for rope in self.ropes]
+        ropes = [
+            (rope.name, rope.suspension.origin, rope.scene.rope.diameter) for rope in self.ropes
+        ]
         return pairs(recording, ropes, self.plant.accounts())
 
     def provenance(self, status_by_name: Mapping[str, str]) -> list[SourcedValue]:
@@ -135,12 +149,21 @@ def ropes_of(
         own = {**run.rope_values, **fmu_part(plain(overrides))}
         return Ropes(case, run, (OneRope("", own, level, case, outputs=outputs),))
     case = with_values(case, overrides)
-    values = [*run.rope_values.items(), *(item for rope in case.distinct_ropes for item in rope.parameters.items())]
+    values = [
+        *run.rope_values.items(),
+        *(item for rope in case.distinct_ropes for item in rope.parameters.items()),
+    ]
     defaults = rope_parameters()
     ropes = []
     with Problems() as problems:
-        if guards := sorted(key for key, value in values if key.startswith("guard.") and value != defaults[key].start):
-            problems.append(f"{guards[0]} must be left out: guards of several ropes are not computed")
+        if guards := sorted(
+            key
+            for key, value in values
+            if key.startswith("guard.") and value != defaults[key].start
+        ):
+            problems.append(
+                f"{guards[0]} must be left out: guards of several ropes are not computed"
+            )
         for rope in case.distinct_ropes:
             if rope.name in _TAKEN:
                 taken = f"signals of the rope begin with it, and {', '.join(_TAKEN)} are taken"
@@ -183,13 +206,17 @@ def _require_apart(ropes: Sequence[OneRope]) -> None:
     problems.refuse()
 
 
-def _rope(rope: BalanceRopeData, parameters: Mapping[str, Value], level: Level, case: Case) -> OneRope:
+def _rope(
+    rope: BalanceRopeData, parameters: Mapping[str, Value], level: Level, case: Case
+) -> OneRope:
     """Return the rope between its own points of the conveyances, the centres of which are layout.spacing apart."""
     suspension = SuspensionOffset(**rope.suspension)
     spacing = rope_scene(parameters, level, suspension).layout.spacing
     breaks = Break(rope.breaks["breaks_at"], rope.breaks["breaks_s"]) if rope.breaks else None
     apart = ParameterValue(spacing, DERIVED, "the rope's place")
     alone = case.alone(replace(rope, values={**rope.values, "layout.spacing": apart}))
-    one = OneRope(rope.name, {**parameters, "layout.spacing": spacing}, level, alone, suspension, breaks)
+    one = OneRope(
+        rope.name, {**parameters, "layout.spacing": spacing}, level, alone, suspension, breaks
+    )
     _ = one.scene  # checks it
     return one

@@ -14,7 +14,15 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import dask
-from dask.distributed import Client, Future, LocalCluster, Worker, WorkerPlugin, as_completed, get_worker
+from dask.distributed import (
+    Client,
+    Future,
+    LocalCluster,
+    Worker,
+    WorkerPlugin,
+    as_completed,
+    get_worker,
+)
 
 from hoist_demo.study.definition import Study, StudyRun
 from hoist_demo.study.metrics import UNITS
@@ -23,8 +31,12 @@ from hoist_demo.study.store import Store
 from rope_model.files import write_bytes
 
 _log = logging.getLogger(__name__)
-Finished = Callable[[str, Outcome], None]  #: Called with the key and the outcome of every run as it is recorded.
-BATCH = 0.5  #: Time that a worker works on what it is given at once, if that is more than one run [s].
+Finished = Callable[
+    [str, Outcome], None
+]  #: Called with the key and the outcome of every run as it is recorded.
+BATCH = (
+    0.5  #: Time that a worker works on what it is given at once, if that is more than one run [s].
+)
 AHEAD = 2  #: Batches per thread given before others have ended.
 MIN_THREADS = 16  #: Threads that are counted at least: workers may join.
 
@@ -69,18 +81,33 @@ def cluster(workers: int | None, scheduler: str | None) -> Iterator[Client]:
     # distributed tells every coming and going of its parts; what matters of it is each run's cause
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     count = os.cpu_count() if workers is None else workers
-    options = {"threads_per_worker": 1, "processes": True, "dashboard_address": ":0", "silence_logs": logging.CRITICAL}
-    with dask.config.set(_UNWATCHED), LocalCluster(n_workers=count, **options) as local, Client(local) as client:
+    options = {
+        "threads_per_worker": 1,
+        "processes": True,
+        "dashboard_address": ":0",
+        "silence_logs": logging.CRITICAL,
+    }
+    with (
+        dask.config.set(_UNWATCHED),
+        LocalCluster(n_workers=count, **options) as local,
+        Client(local) as client,
+    ):
         yield client
 
 
 def run_samples(
-    client: Client, study: Study, samples: Sequence[StudyRun], store: Store, finished: Finished = lambda *_: None
+    client: Client,
+    study: Study,
+    samples: Sequence[StudyRun],
+    store: Store,
+    finished: Finished = lambda *_: None,
 ) -> list[str]:
     """Carry out what the store does not hold yet, and return the key of each sample."""
     keys = [sample.data.key(study.fmu_hash) for sample in samples]
     done = store.finished_keys(keys)
-    waiting = {key: sample.data for key, sample in zip(keys, samples, strict=True) if key not in done}
+    waiting = {
+        key: sample.data for key, sample in zip(keys, samples, strict=True) if key not in done
+    }
     if not waiting:
         return keys
     client.register_plugin(FmuOnWorkers(study.fmu_hash, study.fmu.read_bytes()))
@@ -115,7 +142,9 @@ def run_samples(
             worker = ""
         for key, outcome in zip(batch, outcomes, strict=True):
             store.write(key, waiting[key], outcome, worker)
-            _log.info("%s %s on %s: %s", key, outcome.status, worker, outcome.cause or "wound to the end")
+            _log.info(
+                "%s %s on %s: %s", key, outcome.status, worker, outcome.cause or "wound to the end"
+            )
             finished(key, outcome)
     return keys
 

@@ -10,13 +10,30 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema, WrapValidator, model_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    PlainValidator,
+    WithJsonSchema,
+    WrapValidator,
+    model_validator,
+)
 
 from hoist_demo.cases.table import NATIVE, find_case, fmu_name
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs
 from hoist_demo.design.tuning import Plan
-from hoist_demo.files.reading import EMPTY, File, Flat, Table, contents, errors_of_file, flat, read, table_of
+from hoist_demo.files.reading import (
+    EMPTY,
+    File,
+    Flat,
+    Table,
+    contents,
+    errors_of_file,
+    flat,
+    read,
+    table_of,
+)
 from hoist_demo.files.registry import parameters, run_fields
 from hoist_demo.files.run_values import FileHeader, Values
 from hoist_demo.files.values import VARIED, ParameterValue, Text, plain, statuses
@@ -33,7 +50,9 @@ LOADS = ("hoist.payload_left", "hoist.payload_right")
 Count = Annotated[int, Field(ge=1, strict=True)]
 Seed = Annotated[int, Field(ge=0, strict=True)]
 Varied = tuple[Value, ...] | Range
-Weights = Annotated[Any, PlainValidator(read_weights), WithJsonSchema({"type": ["string", "object"]})]
+Weights = Annotated[
+    Any, PlainValidator(read_weights), WithJsonSchema({"type": ["string", "object"]})
+]
 
 
 class Grid(Table):
@@ -61,15 +80,25 @@ class Tune(Table):
 
     def plan(self, dimensions: int) -> Plan:
         """Return the extent of the search; ValueError where it is too small."""
-        plan = Plan(self.points or 4 * dimensions, self.searches, self.steps or 8 * dimensions, self.seed)
+        plan = Plan(
+            self.points or 4 * dimensions, self.searches, self.steps or 8 * dimensions, self.seed
+        )
         if plan.searches > plan.sample:
-            raise ValueError(f"searches = {plan.searches} must be at most points = {plan.sample}: each begins at one")
+            raise ValueError(
+                f"searches = {plan.searches} must be at most points = {plan.sample}: each begins at one"
+            )
         if plan.steps < (least := 2 * dimensions + 2):
-            raise ValueError(f"steps = {plan.steps} must be at least {least}, two per range and two more: give more")
+            raise ValueError(
+                f"steps = {plan.steps} must be at least {least}, two per range and two more: give more"
+            )
         return plan
 
 
-_METRICS = table_of("subject_to", [Parameter(f"subject_to.{m}", u, "Real") for m, u in UNITS.items()], constraints_on)
+_METRICS = table_of(
+    "subject_to",
+    [Parameter(f"subject_to.{m}", u, "Real") for m, u in UNITS.items()],
+    constraints_on,
+)
 
 
 class StudyHeader(FileHeader):
@@ -80,7 +109,8 @@ class StudyHeader(FileHeader):
     minimise: Weights = None
     maximise: Weights = None
     constraints: Annotated[
-        tuple[Constraint, ...], Flat(_METRICS, lambda table: tuple(b for _, pair in contents(table) for b in pair))
+        tuple[Constraint, ...],
+        Flat(_METRICS, lambda table: tuple(b for _, pair in contents(table) for b in pair)),
     ] = Field((), alias="subject_to")
     judge: Judge = "worst"
     over: list[Text] | None = None
@@ -88,11 +118,15 @@ class StudyHeader(FileHeader):
     @model_validator(mode="after")
     def _is_one(self) -> Self:
         if self.minimise and self.maximise:
-            raise ValueError(f"minimise = {self.minimise!r} must stand without maximise: keep one of them")
+            raise ValueError(
+                f"minimise = {self.minimise!r} must stand without maximise: keep one of them"
+            )
         if self.judge == "share" and not self.constraints:
             raise ValueError("judge = 'share' must have bounds: give subject_to")
         if self.constraints and not (self.minimise or self.maximise or self.judge == "share"):
-            raise ValueError("subject_to must have minimise or maximise beside it, or judge = 'share': give one")
+            raise ValueError(
+                "subject_to must have minimise or maximise beside it, or judge = 'share': give one"
+            )
         return self
 
     @property
@@ -135,7 +169,9 @@ class StudyFile(File):
     vary: Annotated[dict[str, Varied], WrapValidator(_in_order), _VARY] = Field({})
     sample: Annotated[
         Annotated[Grid | LatinHypercube | Tune, Field(discriminator="method")],
-        BeforeValidator(lambda table: {"method": "grid", **table} if isinstance(table, dict) else table),
+        BeforeValidator(
+            lambda table: {"method": "grid", **table} if isinstance(table, dict) else table
+        ),
     ] = Grid()
 
     @model_validator(mode="after")
@@ -154,7 +190,10 @@ class StudyFile(File):
     @property
     def variants(self) -> dict[str, dict[str, ParameterValue]]:
         """Fixed values of each variant, by its name."""
-        variants = {one.name or str(k): {**self.fixed, **one.values} for k, one in enumerate(self.variant, 1)}
+        variants = {
+            one.name or str(k): {**self.fixed, **one.values}
+            for k, one in enumerate(self.variant, 1)
+        }
         if len(variants) < len(self.variant):
             raise ValueError(f"names {', '.join(variants)} must be given once each: name others")
         return variants or {"": self.fixed}
@@ -166,17 +205,27 @@ class StudyFile(File):
         sample, objective = self.sample, self.study.objective
         if isinstance(sample, Grid):
             if ranges:
-                raise ValueError(f"{next(iter(ranges))} is a range, a grid needs a list: give {{ values = [...] }}")
+                raise ValueError(
+                    f"{next(iter(ranges))} is a range, a grid needs a list: give {{ values = [...] }}"
+                )
             return None, grid(lists)
         if not ranges:
-            raise ValueError(f"method = {sample.method!r} needs ranges: give at least one {{ low, high }} in [vary]")
+            raise ValueError(
+                f"method = {sample.method!r} needs ranges: give at least one {{ low, high }} in [vary]"
+            )
         if isinstance(sample, LatinHypercube):
             if lists:
-                raise ValueError(f"{next(iter(lists))} is a list, {sample.method} needs {{ low, high }}: give a range")
+                raise ValueError(
+                    f"{next(iter(lists))} is a list, {sample.method} needs {{ low, high }}: give a range"
+                )
             return None, latin_hypercube(ranges, sample.runs, sample.seed)
         if objective is None or objective.judge == "share":
-            raise ValueError("method = 'tune' must have a cost: give minimise in [study], and no judge = 'share'")
-        return sample.plan(len(ranges)), grid({**lists, **{key: (r.at(0.0), r.at(1.0)) for key, r in ranges.items()}})
+            raise ValueError(
+                "method = 'tune' must have a cost: give minimise in [study], and no judge = 'share'"
+            )
+        return sample.plan(len(ranges)), grid(
+            {**lists, **{key: (r.at(0.0), r.at(1.0)) for key, r in ranges.items()}}
+        )
 
     def design_keys(self) -> tuple[str, ...]:
         """Return the varied keys that tell one choice from another; the rest is what they are compared over."""
@@ -184,11 +233,20 @@ class StudyFile(File):
             return tuple(key for key, v in self.vary.items() if isinstance(v, Range))
         over = self.study.over
         if over is None:
-            over = list(self.vary) if len(self.variant) > 1 else [key for key in self.vary if key in LOADS]
+            over = (
+                list(self.vary)
+                if len(self.variant) > 1
+                else [key for key in self.vary if key in LOADS]
+            )
         for key in {*over} - {*self.vary}:
             raise ValueError(f"over = {key!r} must be varied: name keys of [vary]")
         design_keys = tuple(key for key in self.vary if key not in over)
-        if self.study.objective and self.sample.method == "latin-hypercube" and over and design_keys:
+        if (
+            self.study.objective
+            and self.sample.method == "latin-hypercube"
+            and over
+            and design_keys
+        ):
             raise ValueError(
                 f"over = {over!r} must be all of [vary], or none: a hypercube meets each choice once, so its best "
                 "would be the luckiest. Compare [[variant]]s, take a grid, or write over = [] to compare single runs"
@@ -224,8 +282,14 @@ class Study:
     @property
     def status_by_name(self) -> dict[str, str]:
         """Status of each value that is set; varied if it differs between runs."""
-        status_by_key = {key: status for values in self.variants.values() for key, status in statuses(values).items()}
-        differing = [k for k in status_by_key if len({sample.values.get(k) for sample in self.samples}) > 1]
+        status_by_key = {
+            key: status
+            for values in self.variants.values()
+            for key, status in statuses(values).items()
+        }
+        differing = [
+            k for k in status_by_key if len({sample.values.get(k) for sample in self.samples}) > 1
+        ]
         return status_by_key | dict.fromkeys([*differing, *self.varied], VARIED)
 
     @property
@@ -241,17 +305,24 @@ class Study:
         run = from_landing(build(self.hoist, {**fixed, **chosen}, self.signals, varied=met))
         asked = [name for name in ARRIVALS if self.objective and name in self.objective.metrics]
         if (at := run.winding.emergency_at) is not None and asked:
-            raise ValueError(f"{asked[0]} must be left out, for winding.emergency_at = {at:g} s: judge stop_distance")
+            raise ValueError(
+                f"{asked[0]} must be left out, for winding.emergency_at = {at:g} s: judge stop_distance"
+            )
         return StudyRun(variant, {**plain(fixed), **values}, run)
 
     def samples_at(self, values: Mapping[str, Value]) -> list[StudyRun]:
         """Return the runs of a search at a point: for every variant and all values of the lists."""
         lists = {key: v for key, v in self.varied.items() if isinstance(v, tuple)}
-        return [self.run(name, {**values, **drawn}) for name in self.variants for drawn in grid(lists)]
+        return [
+            self.run(name, {**values, **drawn}) for name in self.variants for drawn in grid(lists)
+        ]
 
     def choice(self, sample: StudyRun) -> tuple[Value, ...]:
         """Return what is chosen in a run; runs of one choice are judged together."""
-        return ("" if self.plan else sample.variant, *(sample.values[key] for key in self.design_keys))
+        return (
+            "" if self.plan else sample.variant,
+            *(sample.values[key] for key in self.design_keys),
+        )
 
 
 def _require_one_rope(hoist: str) -> None:
@@ -280,7 +351,9 @@ def read_study(path: Path, fmu: Path | None = None, progress: CheckProgress = li
         rope = fmu or Path(header.fmu or f"build/{fmu_name(header.hoist, NATIVE)}")
         with Problems() as problems:
             with problems.at("study"):
-                signals = match_signals(header.signals, [*DRIVE_UNITS, *read_outputs(rope, header.hoist)])
+                signals = match_signals(
+                    header.signals, [*DRIVE_UNITS, *read_outputs(rope, header.hoist)]
+                )
             with problems.at("study"):
                 design_keys = file.design_keys()
             with problems.at("variant"):
@@ -289,15 +362,28 @@ def read_study(path: Path, fmu: Path | None = None, progress: CheckProgress = li
                 plan, points = file.drawn()
         digest = hashlib.sha256(rope.read_bytes()).hexdigest()
         study = Study(
-            header.title, header.hoist, rope, digest, header.objective, signals, variants, file.vary, design_keys, plan
+            header.title,
+            header.hoist,
+            rope,
+            digest,
+            header.objective,
+            signals,
+            variants,
+            file.vary,
+            design_keys,
+            plan,
         )
         probe, samples = Probe(rope), list[StudyRun]()
         every = math.ceil(len(points) * len(variants) / MAX_TRIED)
         with Problems() as problems:
-            for values, name in ((values, name) for values in progress(points) for name in variants):
+            for values, name in (
+                (values, name) for values in progress(points) for name in variants
+            ):
                 with problems.at(f"variant {name}" if name else ""):
                     samples.append(study.run(name, values))
                     if not len(samples) % every:
                         probe.require_hoist(samples[-1].data)
                         probe.require_start(samples[-1].data)
-        return replace(study, samples=tuple(one for name in variants for one in samples if one.variant == name))
+        return replace(
+            study, samples=tuple(one for name in variants for one in samples if one.variant == name)
+        )

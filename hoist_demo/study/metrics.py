@@ -28,42 +28,78 @@ _STOPPED = "swing_frequency: the run stopped before it arrived"
 METRICS = {
     "cycle_time": ("s", "from the reference's start until the conveyances have arrived for good"),
     "trajectory_time": ("s", "duration of the reference's motion"),
-    "stop_time": ("s", "from an emergency stop's beginning until both conveyances stand, if both are held"),
+    "stop_time": (
+        "s",
+        "from an emergency stop's beginning until both conveyances stand, if both are held",
+    ),
     "stop_distance": ("m", "farthest from there, if both are held"),
-    "position_error": ("m", "of the left conveyance at the record's end, positive below the landing; bounded by size"),
+    "position_error": (
+        "m",
+        "of the left conveyance at the record's end, positive below the landing; bounded by size",
+    ),
     "tracking_error": ("m", "largest, of the left conveyance against the reference"),
     "torque_rms": ("N.m", "of the motor, from the reference's start to its arrival"),
     "torque_peak": ("N.m", "of the motor, magnitude"),
     "torque_limited_time": ("s", "at the torque limit"),
     "motor_energy": ("J", "work of the motor"),
     "motor_energy_drawn": ("J", "the same without what the motor feeds back"),
-    "rope_force_ripple": ("N", "end force of the balance rope less its mean over 1 s, RMS, the worse end"),
+    "rope_force_ripple": (
+        "N",
+        "end force of the balance rope less its mean over 1 s, RMS, the worse end",
+    ),
     "rope_force_peak": ("N", "largest pull of the balance rope on a conveyance"),
-    "rope_force_range": ("N", "largest less smallest pull on the same conveyance, the worse one: a trip's load cycle"),
-    "bending_stress": ("Pa", "largest in the balance rope, once a trip for what passes through the loop"),
-    **dict.fromkeys(("swing_left", "swing_right"), ("m", "residual swing on the head ropes, peak to peak")),
+    "rope_force_range": (
+        "N",
+        "largest less smallest pull on the same conveyance, the worse one: a trip's load cycle",
+    ),
+    "bending_stress": (
+        "Pa",
+        "largest in the balance rope, once a trip for what passes through the loop",
+    ),
+    **dict.fromkeys(
+        ("swing_left", "swing_right"), ("m", "residual swing on the head ropes, peak to peak")
+    ),
     "swing_frequency": ("Hz", "damped, of the strongest mode of the larger swing"),
     "swing_damping": ("1", "its damping ratio"),
-    "sway": ("m", "largest in-plane distance of the loop's lowest point from its place at rest, whole trip"),
+    "sway": (
+        "m",
+        "largest in-plane distance of the loop's lowest point from its place at rest, whole trip",
+    ),
     "sway_across": ("m", "likewise, out of the plane"),
     "loop_swing": ("m", "of the loop's lowest point in the plane after arrival, peak to peak"),
     "loop_yaw": ("rad", "largest magnitude"),
-    "loop_sideways": ("m", "largest distance of the loop's lowest point from midway between the ends"),
+    "loop_sideways": (
+        "m",
+        "largest distance of the loop's lowest point from midway between the ends",
+    ),
     "loop_rise": ("m", "largest height of the loop's lowest point over its quasi-static place"),
-    "loop_turns": ("1", "largest magnitude, of one side about the other; half a turn: the loop is over"),
+    "loop_turns": (
+        "1",
+        "largest magnitude, of one side about the other; half a turn: the loop is over",
+    ),
     "clearance": ("m", "smallest, between the legs"),
-    **{f"clearance_{name}": ("m", f"smallest, from {description}") for name, description in BODIES.items()},
+    **{
+        f"clearance_{name}": ("m", f"smallest, from {description}")
+        for name, description in BODIES.items()
+    },
     **dict.fromkeys(("left_slip", "right_slip"), ("rad", "path of the swivel's slip")),
     **dict.fromkeys(("left_slip_time", "right_slip_time"), ("s", "during which the swivel slips")),
     **dict.fromkeys(
-        ("left_starting_torque", "right_starting_torque"), ("N.m", "at the last instant before it first slips")
+        ("left_starting_torque", "right_starting_torque"),
+        ("N.m", "at the last instant before it first slips"),
     ),
     **dict.fromkeys(("left_swivel_torque", "right_swivel_torque"), ("N.m", "largest magnitude")),
     "guard_tripped": ("1", "whether a guard of the loop has tripped, and stopped the hoist"),
-    "guard_cause": ("1", f"which: {', '.join(f'{k} {c}' for k, c in incidents.GUARD_CODES.items())}"),
+    "guard_cause": (
+        "1",
+        f"which: {', '.join(f'{k} {c}' for k, c in incidents.GUARD_CODES.items())}",
+    ),
     "guard_time": ("s", "when, in the record's time"),
     "slack_time": ("s", "of slack head ropes, the worse side"),
-    "slip_safety": ("1", "(exp(mu alpha) - 1) / (largest ratio of the head rope tensions - 1): up to 1 they slip"),
+    "slip_safety": (
+        "1",
+        "(exp(mu alpha) - 1) / (largest ratio of the head rope tensions - 1): up to 1 they slip",
+    ),
     "head_rope_slip": ("m", "to and fro on the sheave; 0 without hoist.lining"),
     "simulated_time": ("s", "of the record"),
     "coupling_energy": ("J", "largest energy that the coupling's delay creates"),
@@ -72,21 +108,47 @@ METRICS = {
 #: Metrics of which more is better; of those that are neither better nor worse nothing is chosen.
 MORE_IS_BETTER = frozenset({"slip_safety", "clearance", *(f"clearance_{name}" for name in BODIES)})
 NEUTRAL = frozenset(
-    {"position_error", "swing_frequency", "swing_damping", "guard_cause", "guard_time", "simulated_time"}
+    {
+        "position_error",
+        "swing_frequency",
+        "swing_damping",
+        "guard_cause",
+        "guard_time",
+        "simulated_time",
+    }
 )
 
-SIGNED = frozenset({"position_error"})  #: Errors with a direction: bounds and objectives count their magnitude.
-ARRIVALS = ("cycle_time", "trajectory_time", "position_error")  #: Metrics that only a trip to the landing has.
-STOPS = frozenset({"stop_time", "stop_distance", "guard_tripped", "guard_cause", "guard_time"})  #: Those of stops.
+SIGNED = frozenset(
+    {"position_error"}
+)  #: Errors with a direction: bounds and objectives count their magnitude.
+ARRIVALS = (
+    "cycle_time",
+    "trajectory_time",
+    "position_error",
+)  #: Metrics that only a trip to the landing has.
+STOPS = frozenset(
+    {"stop_time", "stop_distance", "guard_tripped", "guard_cause", "guard_time"}
+)  #: Those of stops.
 
 UNITS = {name: unit for name, (unit, _) in METRICS.items()}
 
 #: Metrics that each of several ropes has of its own; the others are the hoist's.
 ROPE_METRICS = frozenset(
-    {"rope_force_ripple", "rope_force_peak", "rope_force_range", "bending_stress", "sway", "sway_across"}
+    {
+        "rope_force_ripple",
+        "rope_force_peak",
+        "rope_force_range",
+        "bending_stress",
+        "sway",
+        "sway_across",
+    }
     | {f"loop_{name}" for name in ("swing", "yaw", "sideways", "rise", "turns")}
     | {"clearance", *(f"clearance_{name}" for name in BODIES)}
-    | {f"{end}_{name}" for end in SIDES for name in ("slip", "slip_time", "starting_torque", "swivel_torque")}
+    | {
+        f"{end}_{name}"
+        for end in SIDES
+        for name in ("slip", "slip_time", "starting_torque", "swivel_torque")
+    }
 )
 
 
@@ -104,7 +166,11 @@ def own_name(name: str) -> str:
 
 #: Outputs of the rope that the host and the metrics use; a study reads no others unless it keeps them.
 ROPE_SIGNALS = frozenset(
-    {f"{end}.{n}" for end in SIDES for n in ("fy", "fy_mean", *(f"swivel.{s}" for s in ("rate", "slipping", "torque")))}
+    {
+        f"{end}.{n}"
+        for end in SIDES
+        for n in ("fy", "fy_mean", *(f"swivel.{s}" for s in ("rate", "slipping", "torque")))
+    }
     | {f"loop.{name}" for name in ("x", "z", "yaw", "clearance", "rise", "sideways", "turns")}
     | {"stress.bending_max", "energy.work_ends", FIDELITY}
     | PASSAGE_SIGNALS
@@ -141,11 +207,17 @@ def measure(result: Result, hoist: Hoist, arrival: Arrival) -> Measures:
     return Measures(metrics | swing, missing)
 
 
-def measure_ropes(result: Result, hoist: Hoist, arrival: Arrival, ropes: Sequence[str]) -> dict[str, float]:
+def measure_ropes(
+    result: Result, hoist: Hoist, arrival: Arrival, ropes: Sequence[str]
+) -> dict[str, float]:
     """Return all metrics of a run by their `names_of` for these ropes."""
     if tuple(ropes) == ("",):
         return measure(result, hoist, arrival).metrics
-    metrics = {key: x for key, x in measure(result, hoist, arrival).metrics.items() if key not in ROPE_METRICS}
+    metrics = {
+        key: x
+        for key, x in measure(result, hoist, arrival).metrics.items()
+        if key not in ROPE_METRICS
+    }
     for rope in ropes:
         alone = replace(result, recording=as_only_rope(result.recording, rope))
         own = measure(alone, hoist, arrival).metrics
@@ -173,7 +245,9 @@ def trip_metrics(result: Result, arrival: Arrival) -> dict[str, float]:
         "torque_rms": float(np.sqrt(np.mean(torque**2))),
     }
     if winding.emergency_at is not None:
-        return followed  # stopped on its way, as asked for or by the safety circuit: it never arrives
+        return (
+            followed  # stopped on its way, as asked for or by the safety circuit: it never arrives
+        )
     landing = recording["reference.position"][-1]
     outside = np.abs(travel - landing) > arrival.position_band
     for end in SIDES:
@@ -181,16 +255,24 @@ def trip_metrics(result: Result, arrival: Arrival) -> dict[str, float]:
     last = int(np.flatnonzero(outside)[-1]) if outside.any() else 0
     return followed | {
         "trajectory_time": result.trajectory.duration - winding.start_delay,
-        "cycle_time": max(0.0, float(t[last + 1]) - winding.start_delay) if last + 1 < t.size else math.nan,
+        "cycle_time": max(0.0, float(t[last + 1]) - winding.start_delay)
+        if last + 1 < t.size
+        else math.nan,
         "position_error": float(landing - travel[-1]),
     }
 
 
 def _incidents(recording: Recording, hoist: Hoist, winding: Winding) -> dict[str, float]:
     metrics = {
-        "slack_time": max((slack.duration for slack in incidents.slack_ropes(recording)), default=0.0),
-        "slip_safety": hoist.slip_safety(np.max(incidents.tension_ratios(recording, hoist.tension_ratio_limit))),
-        "head_rope_slip": 0.0 if (slid := incidents.slip(recording)) is None else slid.slid_distance,
+        "slack_time": max(
+            (slack.duration for slack in incidents.slack_ropes(recording)), default=0.0
+        ),
+        "slip_safety": hoist.slip_safety(
+            np.max(incidents.tension_ratios(recording, hoist.tension_ratio_limit))
+        ),
+        "head_rope_slip": 0.0
+        if (slid := incidents.slip(recording)) is None
+        else slid.slid_distance,
     }
     ended = incidents.stops(recording, winding.emergency_at, hoist.sheave_radius)
     if ended and all(stop.held for stop in ended):
@@ -228,7 +310,9 @@ def _rope(recording: Recording) -> dict[str, float]:
             metrics[name] = _largest(recording[signal] - recording[signal][0])
     for name in ("yaw", "turns", "sideways", "rise"):
         if (values := recording.signals.get(f"loop.{name}")) is not None:
-            metrics[f"loop_{name}"] = float(np.max(values)) if name == "rise" else _largest(values)  # a fall is no rise
+            metrics[f"loop_{name}"] = (
+                float(np.max(values)) if name == "rise" else _largest(values)
+            )  # a fall is no rise
     for name in BODIES:
         if f"nearest.{name}.clearance" in recording:
             smallest = float(recording[f"nearest.{name}.clearance"][-1])
@@ -257,11 +341,15 @@ def _swing(recording: Recording, hoist: Hoist, arrived: float, arrival: Arrival)
     t = recording.time - recording.time[0]
     in_window = (t >= arrived) & (t <= arrived + arrival.window)
     if np.count_nonzero(in_window) < 2:
-        return Measures({}, "swing_frequency: the record ends as the reference arrives: give winding.settle")
+        return Measures(
+            {}, "swing_frequency: the record ends as the reference arrives: give winding.settle"
+        )
     # heights of the conveyances against their ropes' ends at the sheave
     rim = hoist.sheave_radius * recording["drive.angle"]
     signs = zip(SIDES, (1.0, -1.0), strict=True)
-    swings = {end: (recording[f"conveyance.{end}.y"] - sign * rim)[in_window] for end, sign in signs}
+    swings = {
+        end: (recording[f"conveyance.{end}.y"] - sign * rim)[in_window] for end, sign in signs
+    }
     metrics = {f"swing_{end}": float(np.ptp(swing)) for end, swing in swings.items()}
     if "loop.x" in recording:
         metrics["loop_swing"] = float(np.ptp(recording["loop.x"][in_window]))

@@ -44,13 +44,19 @@ def size_of(metric: str, metrics: Mapping[str, float]) -> float:
 
 def constraints_on(parameter: Parameter) -> Any:
     """Return the type of a metric in subject_to for pydantic: what it holds is a tuple of Constraints."""
-    return Annotated[Any, PlainValidator(partial(_read_constraints, parameter)), WithJsonSchema({"type": "object"})]
+    return Annotated[
+        Any,
+        PlainValidator(partial(_read_constraints, parameter)),
+        WithJsonSchema({"type": "object"}),
+    ]
 
 
 def _read_constraints(parameter: Parameter, content: Any) -> tuple[Constraint, ...]:
     name, words = parameter.name, {*content} if isinstance(content, Mapping) else set()
     if not words & {*_SENSES} or not words <= {*_SENSES, "unit"}:
-        raise ValueError(f"{name} = {content!r} must have below or above, and may have unit: write {{ below = 0.3 }}")
+        raise ValueError(
+            f"{name} = {content!r} must have below or above, and may have unit: write {{ below = 0.3 }}"
+        )
     metric, unit = name.rpartition(".")[2], content.get("unit")
     return tuple(
         Constraint(metric, float(read_value(parameter, content[word], unit)), sense)
@@ -63,11 +69,17 @@ def read_weights(content: Any) -> dict[str, float]:
     """Return the weights of metrics: of a name it is 1; a ValueError names metric, value and cure."""
     weights = {content: 1.0} if isinstance(content, str) else content
     if not isinstance(weights, Mapping) or not weights:
-        raise ValueError(f"{content!r} must be a metric, or metrics with weights: write {{ cycle_time = 1.0 }}")
+        raise ValueError(
+            f"{content!r} must be a metric, or metrics with weights: write {{ cycle_time = 1.0 }}"
+        )
     for name, weight in weights.items():
         if name not in UNITS:
             raise ValueError(f"{name} is not a metric: choose one of {', '.join(UNITS)}")
-        if isinstance(weight, bool) or not isinstance(weight, int | float) or not math.isfinite(weight):
+        if (
+            isinstance(weight, bool)
+            or not isinstance(weight, int | float)
+            or not math.isfinite(weight)
+        ):
             raise ValueError(f"{name} = {weight!r} must be a finite number: give its weight")
     return {name: float(weight) for name, weight in weights.items()}
 
@@ -120,7 +132,9 @@ class Objective:
         feasible = [run for run in runs if run.feasible]
         costs = [run.cost for run in (feasible or runs if self.judge == "share" else runs)]
         cost = max(costs) if self.judge == "worst" else sum_of(costs) / len(costs)
-        violation = tuple(max(violations) for violations in zip(*(run.violations for run in runs), strict=True))
+        violation = tuple(
+            max(violations) for violations in zip(*(run.violations for run in runs), strict=True)
+        )
         return ChoiceScore(Score(cost, violation), len(feasible) / len(runs), self.judge == "share")
 
     @property
@@ -131,7 +145,9 @@ class Objective:
     @property
     def expression(self) -> str:
         """Weighted sum of the metrics in words."""
-        return " + ".join(name if weight == 1.0 else f"{weight:g} {name}" for name, weight in self.weights.items())
+        return " + ".join(
+            name if weight == 1.0 else f"{weight:g} {name}" for name, weight in self.weights.items()
+        )
 
     @property
     def unit(self) -> str:

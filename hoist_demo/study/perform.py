@@ -45,7 +45,9 @@ class StudyResult:
     runs: int
     causes: Mapping[str, str]  # causes of the runs that did not complete, by number and name
     passages: Mapping[str, str]  # bodies that the rope struck or passed through, by number and name
-    warnings: Mapping[str, list[str]]  # numbers and names of the runs, by the first text of each kind
+    warnings: Mapping[
+        str, list[str]
+    ]  # numbers and names of the runs, by the first text of each kind
     remarks: Sequence[str]  # sentences on results that are not monotonic in what varies
     choices: Sequence[int]  # number of each run's choice
     best: Best | None  # None where nothing says what is best, or no run can be compared
@@ -77,10 +79,16 @@ def write_what_is_there(study: Study, store: Store) -> Path | None:
         return store.directory if any((store.directory / "runs").glob("*.json")) else None
     pairs = [(s, s.data.key(study.fmu_hash)) for s in study.samples]
     there = [(s, key) for s, key in pairs if store.read(key)]
-    return _write(study, store, [s for s, _ in there], [key for _, key in there]).table if there else None
+    return (
+        _write(study, store, [s for s, _ in there], [key for _, key in there]).table
+        if there
+        else None
+    )
 
 
-def _search(study: Study, plan: Plan, store: Store, run: RunSamples) -> tuple[list[StudyRun], list[str]]:
+def _search(
+    study: Study, plan: Plan, store: Store, run: RunSamples
+) -> tuple[list[StudyRun], list[str]]:
     """Search, and return all its runs in their order, with their keys."""
     ranges = {key: r for key, r in study.varied.items() if isinstance(r, Range)}
     assert study.objective is not None
@@ -88,35 +96,52 @@ def _search(study: Study, plan: Plan, store: Store, run: RunSamples) -> tuple[li
 
     def samples_of(points: Array) -> list[list[StudyRun]]:
         return [
-            study.samples_at({key: r.at(float(u)) for (key, r), u in zip(ranges.items(), x, strict=True)})
+            study.samples_at(
+                {key: r.at(float(u)) for (key, r), u in zip(ranges.items(), x, strict=True)}
+            )
             for x in points
         ]
 
     def judged(points: Array) -> list[Score]:
         each = samples_of(points)
         keys = iter(run([sample for samples in each for sample in samples]))
-        return [objective.assess([_record(store, next(keys))["outcome"] for _ in samples]).score for samples in each]
+        return [
+            objective.assess([_record(store, next(keys))["outcome"] for _ in samples]).score
+            for samples in each
+        ]
 
-    samples = [sample for samples in samples_of(search(judged, len(ranges), plan).points) for sample in samples]
+    samples = [
+        sample
+        for samples in samples_of(search(judged, len(ranges), plan).points)
+        for sample in samples
+    ]
     return samples, [sample.data.key(study.fmu_hash) for sample in samples]
 
 
 def _record(store: Store, key: str) -> dict[str, Any]:
     if (record := store.read(key)) is None:
-        raise RuntimeError(f"run {key} has left no record in {store.directory}: start the study again")
+        raise RuntimeError(
+            f"run {key} has left no record in {store.directory}: start the study again"
+        )
     return record
 
 
-def _write(study: Study, store: Store, samples: Sequence[StudyRun], keys: Sequence[str]) -> StudyResult:
+def _write(
+    study: Study, store: Store, samples: Sequence[StudyRun], keys: Sequence[str]
+) -> StudyResult:
     outcomes = [_record(store, key)["outcome"] for key in keys]
-    varied = [name for name in study.units if len({sample.values.get(name) for sample in samples}) > 1]
+    varied = [
+        name for name in study.units if len({sample.values.get(name) for sample in samples}) > 1
+    ]
     named = [f"run {number}{_named(sample, varied)}" for number, sample in enumerate(samples, 1)]
     numbers: dict[tuple[Value, ...], int] = {}
     choices = [numbers.setdefault(study.choice(sample), len(numbers)) for sample in samples]
     scores = _choice_scores(study.objective, choices, outcomes)
     rows = [
         _row(study, number, sample, key, outcome, scores[choice] if scores else None)
-        for number, (sample, key, outcome, choice) in enumerate(zip(samples, keys, outcomes, choices, strict=True), 1)
+        for number, (sample, key, outcome, choice) in enumerate(
+            zip(samples, keys, outcomes, choices, strict=True), 1
+        )
     ]
     warnings: dict[str, list[str]] = {}
     for name, outcome in zip(named, outcomes, strict=True):
@@ -127,7 +152,11 @@ def _write(study: Study, store: Store, samples: Sequence[StudyRun], keys: Sequen
     return StudyResult(
         table=store.write_table(rows, {**study.units, **UNITS, **judged}, study.title),
         runs=len(rows),
-        causes={n: o["cause"] for n, o in zip(named, outcomes, strict=True) if o["status"] != "completed"},
+        causes={
+            n: o["cause"]
+            for n, o in zip(named, outcomes, strict=True)
+            if o["status"] != "completed"
+        },
         passages={n: o["passed"] for n, o in zip(named, outcomes, strict=True) if o["passed"]},
         warnings=warnings,
         remarks=not_monotonic(study, samples, outcomes),
@@ -149,10 +178,22 @@ def _choice_scores(
 
 
 def _row(
-    study: Study, number: int, sample: StudyRun, key: str, outcome: Mapping[str, Any], choice_score: ChoiceScore | None
+    study: Study,
+    number: int,
+    sample: StudyRun,
+    key: str,
+    outcome: Mapping[str, Any],
+    choice_score: ChoiceScore | None,
 ) -> dict[str, object]:
-    head = {"run": number, "key": key, "variant": sample.variant, "controller": sample.data.controller}
-    row: dict[str, object] = head | {name: sample.values.get(name) for name in study.units if name != "controller"}
+    head = {
+        "run": number,
+        "key": key,
+        "variant": sample.variant,
+        "controller": sample.data.controller,
+    }
+    row: dict[str, object] = head | {
+        name: sample.values.get(name) for name in study.units if name != "controller"
+    }
     row |= {name: outcome[name] for name in ("status", "cause", "fidelity")}
     if outcome["passed"]:
         row["status"] = f"{outcome['status']}, but {outcome['passed']}"
@@ -161,7 +202,9 @@ def _row(
         cost = study.objective.sense * choice_score.score.cost
         row |= {JUDGED: cost if math.isfinite(cost) else math.nan, WITHIN: choice_score.within}
         if study.objective.constraints:
-            row[EXCESS] = max(choice_score.score.violations) if choice_score.score.finite else math.nan
+            row[EXCESS] = (
+                max(choice_score.score.violations) if choice_score.score.finite else math.nan
+            )
     return row | {name: outcome["metrics"].get(name, math.nan) for name in UNITS}
 
 
@@ -174,11 +217,17 @@ def _best(
 ) -> Best | None:
     """Return the best choice in words, with what its runs warn of."""
     objective = study.objective
-    finite = [k for k, one in scores.items() if one.score.finite or (one.by_share and one.within > 0.0)]
+    finite = [
+        k for k, one in scores.items() if one.score.finite or (one.by_share and one.within > 0.0)
+    ]
     if objective is None:
         return None
     if not finite:
-        return Best((), "no choice can be compared: each has a run that stopped, or misses a metric", feasible=False)
+        return Best(
+            (),
+            "no choice can be compared: each has a run that stopped, or misses a metric",
+            feasible=False,
+        )
     first = min(finite, key=lambda k: scores[k].rank)
     if not scores[first].comparable:
         first = min(finite, key=lambda k: scores[k].score.rank)
@@ -187,7 +236,9 @@ def _best(
     variant, *values = study.choice(samples[runs[0]])
     shown = [str(variant)] if variant else []
     chosen = zip(study.design_keys, values, strict=True)
-    shown += [f"{key} = {_number(value)} {_unit(study.units[key])}".rstrip() for key, value in chosen]
+    shown += [
+        f"{key} = {_number(value)} {_unit(study.units[key])}".rstrip() for key, value in chosen
+    ]
     what = ", ".join(shown) or f"run {runs[0] + 1}"
     if one.by_share:
         judged = f"{100.0 * one.within:.4g} % of its {len(runs)} runs keep the bounds"
@@ -200,13 +251,21 @@ def _best(
         sentence = f"no choice keeps subject_to; nearest is {what}, where {exceeded}: loosen it, or vary more"
     else:
         equal = sum(scores[k].rank == one.rank for k in finite)
-        sentence = f"best is {what}: {judged}" + (f", the first of {equal} equal choices" if equal > 1 else "")
-    texts = dict.fromkeys(text for k in runs for text in (outcomes[k]["passed"], *outcomes[k]["warnings"]) if text)
+        sentence = f"best is {what}: {judged}" + (
+            f", the first of {equal} equal choices" if equal > 1 else ""
+        )
+    texts = dict.fromkeys(
+        text for k in runs for text in (outcomes[k]["passed"], *outcomes[k]["warnings"]) if text
+    )
     # a warning of all runs says least about this choice
     common = Counter(kind_of(text) for outcome in outcomes for text in outcome["warnings"])
     warned = sorted(texts, key=lambda text: common[kind_of(text)])
     sentence += "".join(f". Warning: {text}" for text in warned[:MAX_WARNINGS])
-    sentence += f". {len(warned) - MAX_WARNINGS} more warnings of its runs" if len(warned) > MAX_WARNINGS else ""
+    sentence += (
+        f". {len(warned) - MAX_WARNINGS} more warnings of its runs"
+        if len(warned) > MAX_WARNINGS
+        else ""
+    )
     return Best(runs, sentence, one.comparable)
 
 
@@ -220,8 +279,15 @@ def _number(value: Value) -> str:
 
 def _named(sample: StudyRun, varied: Sequence[str]) -> str:
     """Return the variant and the varied values in brackets; "" if there are none."""
-    values = {name: sample.values[name] for name in varied if name in sample.values and name != "controller"}
-    words = [f"{name} = {v:.4g}" if isinstance(v, float) else f"{name} = {v}" for name, v in values.items()]
+    values = {
+        name: sample.values[name]
+        for name in varied
+        if name in sample.values and name != "controller"
+    }
+    words = [
+        f"{name} = {v:.4g}" if isinstance(v, float) else f"{name} = {v}"
+        for name, v in values.items()
+    ]
     controller = sample.data.controller if "controller" in varied else ""
     text = ", ".join(filter(None, [sample.variant or controller, *words]))
     return f" ({text})" if text else ""

@@ -24,7 +24,17 @@ from rope_model.texts import csv_cell
 
 SETTING = "setting"
 #: Statuses in the order of the reports.
-_FIRST = ("contradicted", VARIED, GIVEN, "data sheet", "measured", "calibrated", DERIVED, "published", "exported")
+_FIRST = (
+    "contradicted",
+    VARIED,
+    GIVEN,
+    "data sheet",
+    "measured",
+    "calibrated",
+    DERIVED,
+    "published",
+    "exported",
+)
 STATUSES = (*_FIRST, "assumed", SETTING)
 #: Groups of the host and of the rope whose values are no data.
 _SETTINGS = ("coupling", "arrival", "mesh", "accuracy", "solver", "model", "station")
@@ -44,15 +54,24 @@ def host_provenance(run: RunData, status_by_name: Mapping[str, str]) -> list[Sou
     sourced = []
     for name, value, unit in _leaves(run):
         is_datum = name.partition(".")[0] not in _SETTINGS and _is_number(value)
-        status = status_by_name.get(name, run.status_by_name.get(name, "assumed") if is_datum else SETTING)
+        status = status_by_name.get(
+            name, run.status_by_name.get(name, "assumed") if is_datum else SETTING
+        )
         sourced.append(SourcedValue(name, VARIED if status == VARIED else value, unit, status))
     return sourced
 
 
-def rope_provenance(case: Case, rope: RopeData, status_by_name: Mapping[str, str]) -> list[SourcedValue]:
+def rope_provenance(
+    case: Case, rope: RopeData, status_by_name: Mapping[str, str]
+) -> list[SourcedValue]:
     """Return the sources of one balance rope's data; ``status_by_name`` has those of set values."""
     return [
-        SourcedValue(name, VARIED if status == VARIED else rope.display(name), rope.units.get(name, ""), status)
+        SourcedValue(
+            name,
+            VARIED if status == VARIED else rope.display(name),
+            rope.units.get(name, ""),
+            status,
+        )
         for name, value in rope.parameters.items()
         for status in (_status_of(name, value, case, status_by_name),)
     ]
@@ -75,7 +94,9 @@ def _status_of(name: str, value: Value, case: Case, status_by_name: Mapping[str,
     parameter = rope_parameters().get(name)
     own = case.rope.get(name, None if parameter is None else parameter.start)
     is_ours = parameter is not None and "[assumed]" in parameter.meaning
-    is_datum = is_ours or name in case.status_by_name or (name in case.rope and name.startswith("rope."))
+    is_datum = (
+        is_ours or name in case.status_by_name or (name in case.rope and name.startswith("rope."))
+    )
     if not _is_number(value) or not (is_datum or value != own):
         return SETTING
     if value != own:
@@ -86,7 +107,10 @@ def _status_of(name: str, value: Value, case: Case, status_by_name: Mapping[str,
 def _leaves(run: RunData) -> Iterator[tuple[str, Value, str]]:
     """Yield name, value and unit of each single value of the host that the run uses, without parts that are None."""
     for name, value in run.host_values().items():
-        if CONTROLLER_OF.get(name.partition(".")[0], run.controller) == run.controller and name != CONTROLLER.name:
+        if (
+            CONTROLLER_OF.get(name.partition(".")[0], run.controller) == run.controller
+            and name != CONTROLLER.name
+        ):
             yield name, value, host_parameters()[name].unit
 
 

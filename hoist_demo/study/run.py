@@ -56,8 +56,14 @@ CONTROLLER_OF = {"shaper": "input-shaping", "trajectory": "optimised-trajectory"
 #: Data of the winding that is not part of the key of runs without creep.
 _CREEP = ("creep_speed", "creep_distance", "departure_creep_distance")
 
-_OF_DESIGN = ("nominal", "start")  #: Fields that say for what a trip was designed, where that is not what is wound.
-_RECORD_KEYS = {"rope_values": "fmu", "status_by_name": "given"}  #: Keys of fields in records, where they differ.
+_OF_DESIGN = (
+    "nominal",
+    "start",
+)  #: Fields that say for what a trip was designed, where that is not what is wound.
+_RECORD_KEYS = {
+    "rope_values": "fmu",
+    "status_by_name": "given",
+}  #: Keys of fields in records, where they differ.
 
 
 @dataclass(frozen=True)
@@ -69,12 +75,18 @@ class RunData(Task):
     arrival: Arrival
     rope_values: Mapping[str, Value]  # parameters of the case's rope, and those that the study sets
     signals: tuple[str, ...] = ()  # time series to keep
-    status_by_name: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)  # statuses by name
+    status_by_name: Mapping[str, str] = field(
+        default_factory=dict, compare=False, repr=False
+    )  # statuses by name
 
     def record(self) -> dict[str, Any]:
         """Return the data by their keys in records."""
         data = {_RECORD_KEYS.get(name, name): value for name, value in asdict(self).items()}
-        return {name: value for name, value in data.items() if name not in _OF_DESIGN or value is not None}
+        return {
+            name: value
+            for name, value in data.items()
+            if name not in _OF_DESIGN or value is not None
+        }
 
     def host_values(self) -> dict[str, Value]:
         """Return the host's values by their names in files, without parts that are None."""
@@ -91,7 +103,9 @@ class RunData(Task):
         """Return the name of the run, 24 hexadecimal digits."""
         data = self.record() | {"fmu": dict(sorted(self.rope_values.items())), "version": _VERSION}
         del data["case"], data["given"]  # all that its file says is in the rest
-        if self.controller != "optimised-trajectory":  # of the others all that was designed is in the rest
+        if (
+            self.controller != "optimised-trajectory"
+        ):  # of the others all that was designed is in the rest
             for name in _OF_DESIGN:
                 data.pop(name, None)
         for tuning, controller in CONTROLLER_OF.items():
@@ -100,7 +114,9 @@ class RunData(Task):
         if not self.winding.creeps:
             for name in _CREEP:
                 del data["winding"][name]
-        return hashlib.sha256(json.dumps([data, fmu_hash], sort_keys=True).encode()).hexdigest()[:24]
+        return hashlib.sha256(json.dumps([data, fmu_hash], sort_keys=True).encode()).hexdigest()[
+            :24
+        ]
 
 
 @dataclass(frozen=True)
@@ -135,7 +151,9 @@ def build(
     hoist_case = with_values(find_case(case), values)
     varied = dict(varied or {})
     differing = plain(varied)
-    varied_statuses = {k: v.status if isinstance(v, ParameterValue) else GIVEN for k, v in varied.items()}
+    varied_statuses = {
+        k: v.status if isinstance(v, ParameterValue) else GIVEN for k, v in varied.items()
+    }
     host = {**plain(hoist_case.host), **differing}
     run = RunData(
         case=case,
@@ -152,7 +170,9 @@ def build(
     run.require_possible()
     if run.controller == "input-shaping" and run.shaper.frequency == 0.0:
         swing = _swing(replace(designed, winding=run.winding, gains=run.gains), run.start_height)
-        run = replace(run, shaper=replace(run.shaper, frequency=swing.frequency, damping=swing.damping))
+        run = replace(
+            run, shaper=replace(run.shaper, frequency=swing.frequency, damping=swing.damping)
+        )
     require_trip_fits(run.hoist, run.winding)
     s_curve(run.winding)
     return run
@@ -164,7 +184,9 @@ def _designed(case: Case, nominal: Mapping[str, Value]) -> Case:
     return replace(case, hoist=hoist, rope={**case.rope, **fmu_part(nominal)})
 
 
-_SWINGS = dict[str, "ArrivalSwing"]()  #: Swings by all that decides them: many runs of a study share one design.
+_SWINGS = dict[
+    str, "ArrivalSwing"
+]()  #: Swings by all that decides them: many runs of a study share one design.
 
 
 def _swing(case: Case, start: float) -> "ArrivalSwing":
@@ -172,7 +194,9 @@ def _swing(case: Case, start: float) -> "ArrivalSwing":
     from hoist_demo.design.arrival_swing import swing_at_arrival  # scipy is slow to load
 
     ropes = [(rope.parameters, rope.number, rope.suspension) for rope in case.distinct_ropes]
-    key = repr((sorted(case.rope.items()), ropes, case.hoist, case.winding.travel, case.gains, start))
+    key = repr(
+        (sorted(case.rope.items()), ropes, case.hoist, case.winding.travel, case.gains, start)
+    )
     if key not in _SWINGS:
         _SWINGS[key] = swing_at_arrival(case, start)
     return _SWINGS[key]
@@ -210,13 +234,19 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
         metrics, missing = measure(result, run.hoist, run.arrival)
     except Exception as error:  # recorded, so that the other runs go on
         where = traceback.extract_tb(error.__traceback__)[-1]
-        cause = f"{type(error).__name__}: {error} ({Path(where.filename).name}, line {where.lineno})"
+        cause = (
+            f"{type(error).__name__}: {error} ({Path(where.filename).name}, line {where.lineno})"
+        )
         return Outcome(ERROR, cause, dict.fromkeys(UNITS, float("nan")), {})
     # a series means nothing without its instants
     names = dict.fromkeys((TIME, *run.signals)) if run.signals else {}
     series = {name: result.recording[name].tolist() for name in names if name in result.recording}
     units = {name: result.recording.units[name] for name in series}
-    status, cause, at = "completed" if result.completed else "stopped", result.cause, result.winding.emergency_at
+    status, cause, at = (
+        "completed" if result.completed else "stopped",
+        result.cause,
+        result.winding.emergency_at,
+    )
     if result.completed and at is not None and at != run.winding.emergency_at:
         status, cause = CUT_SHORT, circuit_stop(result.recording, at) + incidents(result.recording)
     sentences = tuple(filter(None, (*slip_warnings(result, run.hoist), contradicted)))
@@ -225,16 +255,25 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
 
 
 def wind_run(
-    run: RunData, rope: RopePlant, progress: Progress | None = None, made: Drive | None = None, **trips: Any
+    run: RunData,
+    rope: RopePlant,
+    progress: Progress | None = None,
+    made: Drive | None = None,
+    **trips: Any,
 ) -> Result:
     """Return the co-simulation of a run with any rope; `progress` as of `Host.run`, `trips` beside it as of `Host`."""
     made = made or run.design()
-    host = Host(rope, run.hoist, run.winding, run.coupling, made.gains, trajectory=made.trajectory, **trips)
+    host = Host(
+        rope, run.hoist, run.winding, run.coupling, made.gains, trajectory=made.trajectory, **trips
+    )
     return host.run(progress)
 
 
 #: Parameters of the rope of which the hoist has a copy for its controller, and their unit.
-SHARED = (("rope.mass_per_length", "tail_rope_mass", "kg/m"), ("rope.length", "tail_rope_length", "m"))
+SHARED = (
+    ("rope.mass_per_length", "tail_rope_mass", "kg/m"),
+    ("rope.length", "tail_rope_length", "m"),
+)
 
 
 def contradictions(hoist: Hoist, rope: Mapping[str, Value]) -> str:
@@ -248,7 +287,9 @@ def contradictions(hoist: Hoist, rope: Mapping[str, Value]) -> str:
                 f"the drive holds and accelerates by its own number; set hoist.{copy} = {computed:g}, too"
             )
     if (g := float(rope.get("layout.gravity", GRAVITY))) != GRAVITY:
-        sentences.append(f"layout.gravity = {g:g} m/s2 and the drive's {GRAVITY:g} contradict each other: leave it out")
+        sentences.append(
+            f"layout.gravity = {g:g} m/s2 and the drive's {GRAVITY:g} contradict each other: leave it out"
+        )
     return "; ".join(sentences)
 
 
@@ -268,8 +309,13 @@ class Probe:
         own = find_case(run.case).rope
         set_here = {key: value for key, value in run.rope_values.items() if own.get(key) != value}
         alone = {key: self._ask({**own, key: value}, heights) for key, value in set_here.items()}
-        blamed = [f"{key} = {run.rope_values[key]!r}: {answer}" for key, answer in alone.items() if answer]
-        differing = ", ".join(f"{key} = {value!r}" for key, value in set_here.items()) or "the FMU's own parameters"
+        blamed = [
+            f"{key} = {run.rope_values[key]!r}: {answer}" for key, answer in alone.items() if answer
+        ]
+        differing = (
+            ", ".join(f"{key} = {value!r}" for key, value in set_here.items())
+            or "the FMU's own parameters"
+        )
         Problems(blamed or [f"{differing}: {together}"]).refuse()
 
     def require_hoist(self, run: RunData) -> None:
@@ -277,16 +323,23 @@ class Probe:
 
         The settings of accuracy may be those of any level.
         """
-        there = {name: p.start for name, p in read_parameters(self._fmu).items() if name not in run.rope_values}
+        there = {
+            name: p.start
+            for name, p in read_parameters(self._fmu).items()
+            if name not in run.rope_values
+        }
         levels = sorted(get_args(Level), key=lambda level: level != find_case(run.case).level)
         differing = list[dict[str, Value]]()
         for level in levels:
             with suppress(ValueError):  # the hoist's own settings do not fit this level
                 here = rope_data_of(rope_scene(run.rope_values, level)).parameters
                 differing.append(_differing(there, here))
-        if fewest := min(differing, key=len, default={}):  # settings that fit no level are told when the rope starts
+        if fewest := min(
+            differing, key=len, default={}
+        ):  # settings that fit no level are told when the rope starts
             listed = "; ".join(
-                f"{key} is {there[key]} there, {value} here" for key, value in [*fewest.items()][:MAX_LISTED]
+                f"{key} is {there[key]} there, {value} here"
+                for key, value in [*fewest.items()][:MAX_LISTED]
             )
             more = f"; and {len(fewest) - MAX_LISTED} more" if len(fewest) > MAX_LISTED else ""
             raise ValueError(
@@ -329,4 +382,6 @@ def _answer(fmu: Path, parameters: Mapping[str, Value], left: EndMotion, right: 
             status = rope.initialize(0.0, left, right)
     finally:
         rope.close()
-    return "" if status.valid else status.message or "the FMU does not initialize, without a message"
+    return (
+        "" if status.valid else status.message or "the FMU does not initialize, without a message"
+    )

@@ -11,7 +11,15 @@ from functools import partial
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, BeforeValidator, Discriminator, Field, Tag, WithJsonSchema
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    Tag,
+    WithJsonSchema,
+)
 
 from hoist_demo.files.values import read_value
 from hoist_demo.parameters.quantity import Parameter, Value
@@ -29,7 +37,9 @@ class Range:
     def at(self, share: float) -> float | int:
         """Return the value at a share between 0 and 1 of the interval."""
         if self.logarithmic:
-            value = math.exp(math.log(self.low) + share * (math.log(self.high) - math.log(self.low)))
+            value = math.exp(
+                math.log(self.low) + share * (math.log(self.high) - math.log(self.low))
+            )
         else:
             value = self.low + share * (self.high - self.low)
         return round(value) if self.whole else min(max(value, self.low), self.high)
@@ -45,7 +55,10 @@ def latin_hypercube(ranges: Mapping[str, Range], runs: int, seed: int) -> list[d
     from scipy.stats import qmc  # slow to load, and a grid needs none
 
     shares = qmc.LatinHypercube(d=len(ranges), rng=np.random.default_rng(seed)).random(runs)
-    return [{key: r.at(float(u)) for (key, r), u in zip(ranges.items(), row, strict=True)} for row in shares]
+    return [
+        {key: r.at(float(u)) for (key, r), u in zip(ranges.items(), row, strict=True)}
+        for row in shares
+    ]
 
 
 class _Interval(BaseModel, extra="forbid"):
@@ -64,7 +77,9 @@ def varied(parameter: Parameter) -> Any:
     """Return the type of a key of [vary] for pydantic: what it holds is a tuple of values, or a Range."""
     return Annotated[
         Annotated[_List, Tag("list")] | Annotated[_Interval, Tag("range")],
-        Discriminator(lambda table: "list" if isinstance(table, dict) and "values" in table else "range"),
+        Discriminator(
+            lambda table: "list" if isinstance(table, dict) and "values" in table else "range"
+        ),
         BeforeValidator(partial(_table, parameter.name)),
         AfterValidator(partial(_read, parameter)),
         WithJsonSchema({"type": ["array", "object"], "description": parameter.help_text}),
@@ -75,7 +90,9 @@ def _table(name: str, content: Any) -> Any:
     if isinstance(content, list):
         return {"values": content}
     if not isinstance(content, dict) or not content.keys() & {"values", "low", "high"}:
-        raise ValueError(f"{name} = {content!r} must be a list with values, or {{ low, high }}: fix it in [fixed]")
+        raise ValueError(
+            f"{name} = {content!r} must be a list with values, or {{ low, high }}: fix it in [fixed]"
+        )
     return content
 
 
@@ -87,7 +104,11 @@ def _read(parameter: Parameter, table: _List | _Interval) -> tuple[Value, ...] |
     if parameter.choices or not parameter.numeric:
         raise ValueError(f"{name} must be a list, for it is no number: list its values")
     if not low < high:
-        raise ValueError(f"{name} has low = {low!r}, which must be below high = {high!r}: exchange them")
+        raise ValueError(
+            f"{name} has low = {low!r}, which must be below high = {high!r}: exchange them"
+        )
     if table.scale == "log" and low <= 0.0:
-        raise ValueError(f"{name} has low = {low!r}, which must be above 0 for scale = 'log': raise it or take linear")
+        raise ValueError(
+            f"{name} has low = {low!r}, which must be above 0 for scale = 'log': raise it or take linear"
+        )
     return Range(low, high, table.scale == "log", parameter.kind == "Integer")

@@ -28,7 +28,11 @@ class SlipSafety(NamedTuple):
     def text(self) -> str:
         """Return the number, with words where its digits would be those of what is asked for."""
         number = f"{self.safety:.2f}"
-        return f"just below {self.required:g}" if not self.enough and float(number) == self.required else number
+        return (
+            f"just below {self.required:g}"
+            if not self.enough and float(number) == self.required
+            else number
+        )
 
     @property
     def enough(self) -> bool:

@@ -28,7 +28,10 @@ if TYPE_CHECKING:
 
 Units = Mapping[str, str]
 _log = logging.getLogger(__name__)
-_OUTCOME = {one.name for one in fields(Outcome)} - {"signals", "units"}  #: Keys of an outcome in a record.
+_OUTCOME = {one.name for one in fields(Outcome)} - {
+    "signals",
+    "units",
+}  #: Keys of an outcome in a record.
 SEPARATOR = " | "  #: Between the warnings of a run in the table.
 _NUMBER = re.compile(r"\d[\d.e+-]*")
 
@@ -57,7 +60,11 @@ class Store:
 
     def finished_keys(self, keys: Sequence[str]) -> set[str]:
         """Return the keys that need no further run."""
-        return {key for key in keys if (record := self.read(key)) and record["outcome"]["status"] in FINISHED}
+        return {
+            key
+            for key in keys
+            if (record := self.read(key)) and record["outcome"]["status"] in FINISHED
+        }
 
     def read(self, key: str) -> dict[str, Any] | None:
         """Read the record of a run, None if there is none.
@@ -78,7 +85,9 @@ class Store:
         except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
             if path not in self._broken:
                 self._broken.add(path)
-                _log.warning("%s is no whole record of a run (%s): its run is wound again", path, error)
+                _log.warning(
+                    "%s is no whole record of a run (%s): its run is wound again", path, error
+                )
             return None
         return record
 
@@ -88,11 +97,18 @@ class Store:
             import pyarrow as pa
             import pyarrow.parquet as pq
 
-            fields = [pa.field(n, pa.float64(), metadata={"unit": outcome.units.get(n, "")}) for n in outcome.signals]
-            table = pa.table([pa.array(values) for values in outcome.signals.values()], schema=pa.schema(fields))
+            fields = [
+                pa.field(n, pa.float64(), metadata={"unit": outcome.units.get(n, "")})
+                for n in outcome.signals
+            ]
+            table = pa.table(
+                [pa.array(values) for values in outcome.signals.values()], schema=pa.schema(fields)
+            )
             with whole_file(self.directory / "signals" / f"{key}.parquet") as path:
                 pq.write_table(table, path)
-        plain_outcome = {name: value for name, value in vars(outcome).items() if name not in ("signals", "units")}
+        plain_outcome = {
+            name: value for name, value in vars(outcome).items() if name not in ("signals", "units")
+        }
         record = {"key": key, "data": run.record(), "outcome": plain_outcome, "worker": worker}
         write_text(self._path(key), json.dumps(record, indent=1))
 
@@ -104,13 +120,20 @@ class Store:
 
         frame = pd.DataFrame(list(rows))
         table = pa.Table.from_pandas(frame, preserve_index=False)
-        fields = [field.with_metadata({"unit": units.get(field.name, "")}) for field in table.schema]
+        fields = [
+            field.with_metadata({"unit": units.get(field.name, "")}) for field in table.schema
+        ]
         schema = pa.schema(fields, metadata={**(table.schema.metadata or {}), "title": title})
         with whole_file(self.directory / "results.parquet") as path:
             pq.write_table(table.cast(schema), path)
-        header = [csv_cell(f"{name} [{unit}]" if (unit := units.get(name)) else str(name)) for name in frame.columns]
+        header = [
+            csv_cell(f"{name} [{unit}]" if (unit := units.get(name)) else str(name))
+            for name in frame.columns
+        ]
         with whole_file(self.directory / "results.csv") as path:
-            frame.map(csv_cell).to_csv(path, index=False, header=header, float_format="%.9g", lineterminator="\n")
+            frame.map(csv_cell).to_csv(
+                path, index=False, header=header, float_format="%.9g", lineterminator="\n"
+            )
         return self.directory / "results.parquet"
 
     def _path(self, key: str) -> Path:
@@ -122,5 +145,7 @@ def read_results(path: Path) -> Results:
     import pyarrow.parquet as pq
 
     table = pq.read_table(path)
-    units = {field.name: (field.metadata or {}).get(b"unit", b"").decode() for field in table.schema}
+    units = {
+        field.name: (field.metadata or {}).get(b"unit", b"").decode() for field in table.schema
+    }
     return Results(table.to_pandas(), units)

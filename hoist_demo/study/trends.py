@@ -18,11 +18,17 @@ from hoist_demo.study.objective import Constraint, Objective
 
 PROMINENCE = 0.1  #: Least height of an extremum, in parts of the range of a result.
 NOISE = 0.01  #: Least height of an extremum, in parts of the largest size of a result.
-_WATCHED = ("slip_safety", "clearance", "loop_turns")  #: Metrics of a study that does not say what matters.
+_WATCHED = (
+    "slip_safety",
+    "clearance",
+    "loop_turns",
+)  #: Metrics of a study that does not say what matters.
 OutcomeRecord = Mapping[str, Any]
 
 
-def not_monotonic(study: Study, samples: Sequence[StudyRun], outcomes: Sequence[OutcomeRecord]) -> list[str]:
+def not_monotonic(
+    study: Study, samples: Sequence[StudyRun], outcomes: Sequence[OutcomeRecord]
+) -> list[str]:
     """Return a sentence for each result that is not monotonic, with the place where it shows first."""
     sentences = dict[tuple[str, str], list[str]]()
     lists = {key: v for key, v in study.varied.items() if isinstance(v, tuple)}
@@ -30,23 +36,37 @@ def not_monotonic(study: Study, samples: Sequence[StudyRun], outcomes: Sequence[
         for key in (key for key in lists if not parameters()[key].choices):
             for rest, runs in _lines(key, lists, samples, outcomes):
                 for what, sentence in _along(study.objective, key, runs):
-                    sentences.setdefault((key, what), []).append(f"{sentence} ({rest})" if rest else sentence)
-    return [own[0] + (f", and so in {len(own) - 1} more rows" if len(own) > 1 else "") for own in sentences.values()]
+                    sentences.setdefault((key, what), []).append(
+                        f"{sentence} ({rest})" if rest else sentence
+                    )
+    return [
+        own[0] + (f", and so in {len(own) - 1} more rows" if len(own) > 1 else "")
+        for own in sentences.values()
+    ]
 
 
 RunLine = Sequence[tuple[float, OutcomeRecord]]
 
 
 def _lines(
-    key: str, lists: Mapping[str, Sequence[Value]], samples: Sequence[StudyRun], outcomes: Sequence[OutcomeRecord]
+    key: str,
+    lists: Mapping[str, Sequence[Value]],
+    samples: Sequence[StudyRun],
+    outcomes: Sequence[OutcomeRecord],
 ) -> Iterator[tuple[str, RunLine]]:
     """Yield the runs along a number, from its smallest value, behind all else that was varied."""
     lines: dict[str, dict[float, OutcomeRecord]] = {}
     for sample, outcome in zip(samples, outcomes, strict=True):
         value = sample.values[key]
         if isinstance(value, int | float) and not isinstance(value, bool):
-            others = [f"{name} = {sample.values[name]}" for name in lists if name != key and len(lists[name]) > 1]
-            lines.setdefault(", ".join(filter(None, [sample.variant, *others])), {})[value] = outcome
+            others = [
+                f"{name} = {sample.values[name]}"
+                for name in lists
+                if name != key and len(lists[name]) > 1
+            ]
+            lines.setdefault(", ".join(filter(None, [sample.variant, *others])), {})[value] = (
+                outcome
+            )
     for rest, line in lines.items():
         if len(line) > 2:
             yield rest, sorted(line.items(), key=lambda pair: pair[0])
@@ -61,20 +81,30 @@ def _along(objective: Objective | None, key: str, runs: RunLine) -> Iterator[tup
         changes = sum(before != after for before, after in pairwise(happens))
         expected = 0 if happens[0] and not happens[-1] else 1
         if any(happens) and changes > expected:
-            yield what, f"{what} at {key} = {_values(runs, happens, True)}, not at {_values(runs, happens, False)}"
+            yield (
+                what,
+                f"{what} at {key} = {_values(runs, happens, True)}, not at {_values(runs, happens, False)}",
+            )
     for metric in objective.metrics if objective else _WATCHED:
-        pairs = [(x, _metric(outcome, metric)) for x, outcome in runs if outcome["status"] in counted]
+        pairs = [
+            (x, _metric(outcome, metric)) for x, outcome in runs if outcome["status"] in counted
+        ]
         if turn := _turn([pair for pair in pairs if math.isfinite(pair[1])]):
             x, y, word = turn
             shown = f"{y:.4g}" if UNITS[metric] == "1" else f"{y:.4g} {UNITS[metric]}"
-            yield metric + word, f"{metric} has its {word}, {shown}, at {key} = {x:g}, inside its range"
+            yield (
+                metric + word,
+                f"{metric} has its {word}, {shown}, at {key} = {x:g}, inside its range",
+            )
 
 
 def _metric(outcome: OutcomeRecord, name: str) -> float:
     return float(outcome["metrics"].get(name, math.nan))
 
 
-def _events(objective: Objective | None, counted: Set[str]) -> Iterator[tuple[str, Callable[[OutcomeRecord], bool]]]:
+def _events(
+    objective: Objective | None, counted: Set[str]
+) -> Iterator[tuple[str, Callable[[OutcomeRecord], bool]]]:
     yield "The rope struck or passed through something", lambda outcome: bool(outcome["passed"])
     yield "Runs stopped early", lambda outcome: outcome["status"] not in counted
     for bound in objective.constraints if objective else ():
@@ -86,7 +116,9 @@ def _is_beyond(bound: Constraint, outcome: OutcomeRecord) -> bool:
     return bound.violation({bound.metric: _metric(outcome, bound.metric)}) > 0.0
 
 
-def _values(runs: Sequence[tuple[float, OutcomeRecord]], happens: Sequence[bool], wanted: bool) -> str:
+def _values(
+    runs: Sequence[tuple[float, OutcomeRecord]], happens: Sequence[bool], wanted: bool
+) -> str:
     """List the values of some runs: 12, 14 to 18."""
     groups: list[list[float]] = []
     for k, ((x, _), one) in enumerate(zip(runs, happens, strict=True)):

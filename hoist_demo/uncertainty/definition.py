@@ -29,7 +29,9 @@ from rope_model.scene_names import choices_of
 MEASURES = ("clearance", "loop_yaw", "left_swivel_torque", "rope_force_ripple")
 
 
-TORSIONAL = choices_of("model.fidelity").index("torsional")  #: Code of the model that yaw and torques need.
+TORSIONAL = choices_of("model.fidelity").index(
+    "torsional"
+)  #: Code of the model that yaw and torques need.
 _COUPLING = ("rope.Qb", "rope.Qc")  #: Parameters whose sign is that of the lay.
 Drawn = Value | ParameterValue
 
@@ -46,7 +48,9 @@ class UncertaintyHeader(LevelHeader):
     @classmethod
     def _power_of_two(cls, samples: int) -> int:
         if samples & (samples - 1):
-            raise ValueError(f"samples = {samples} must be a power of two from 8 on: 64 suits a first look")
+            raise ValueError(
+                f"samples = {samples} must be a power of two from 8 on: 64 suits a first look"
+            )
         return samples
 
 
@@ -60,12 +64,16 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
         """Rope with its ranges, as long as the hoist's unless the file states a length."""
         if "length" in self.catalogue_arguments:
             return self.catalogue_rope
-        return replace(self.catalogue_rope, length=find_case(self.header.hoist).hoist.tail_rope_length)
+        return replace(
+            self.catalogue_rope, length=find_case(self.header.hoist).hoist.tail_rope_length
+        )
 
     @property
     def data(self) -> dict[str, Datum]:
         """Ranges of the data that vary, by name."""
-        ranges = {name: datum for name, datum in self.known_rope.data.items() if datum.high > datum.low}
+        ranges = {
+            name: datum for name, datum in self.known_rope.data.items() if datum.high > datum.low
+        }
         return ranges | (BEARINGS[self.header.bearing] if self.header.bearing else {})
 
     @model_validator(mode="after")
@@ -82,7 +90,9 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
             # each rope has the distance of its own suspension points
             given.pop("layout.spacing", None)
         for rope in ropes.ropes:
-            Problems(unreached(given, {**ropes.run.host_values(), **values_by_name(rope.scene)})).refuse()
+            Problems(
+                unreached(given, {**ropes.run.host_values(), **values_by_name(rope.scene)})
+            ).refuse()
         return self
 
     def _require_friction(self, scenes: Sequence[Scene]) -> None:
@@ -103,7 +113,9 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
             "hoist.tail_rope_length": "the rope's [rope] length",
         }
         if self.header.bearing:
-            friction = (f"{side}.swivel.{name}" for side in SIDES for name in ("mu_kinetic", "mu_static"))
+            friction = (
+                f"{side}.swivel.{name}" for side in SIDES for name in ("mu_kinetic", "mu_static")
+            )
             places |= dict.fromkeys(friction, f"[uncertain] bearing = {self.header.bearing!r}")
         for name, entry in self.fixed.items():
             if name in places:
@@ -123,22 +135,34 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
     @property
     def _fixed(self) -> Mapping[str, ParameterValue]:
         """Values of [fixed]; the rope is torsional where neither it nor the hoist says another."""
-        stated = any("model.fidelity" in rope.values for rope in find_case(self.header.hoist).balance_ropes)
+        stated = any(
+            "model.fidelity" in rope.values for rope in find_case(self.header.hoist).balance_ropes
+        )
         return self.fixed if stated else {"model.fidelity": ParameterValue(TORSIONAL), **self.fixed}
 
     def provenance(self) -> list[SourcedValue]:
         """Return the provenance of the data; a property that varies has the status of its range."""
         data = self.data
         ropes = self.middle_ropes()
-        status_of = {name: VARIED if name in data else datum.status for name, datum in self.known_rope.data.items()}
+        status_of = {
+            name: VARIED if name in data else datum.status
+            for name, datum in self.known_rope.data.items()
+        }
         status = {"rope.diameter": GIVEN, **statuses(self.fixed), **following_statuses(status_of)}
         if "length" in self.catalogue_arguments:
             status |= dict.fromkeys(("rope.length", "hoist.tail_rope_length"), GIVEN)
         if self.header.bearing:
-            status |= {f"{side}.swivel.{name}": VARIED for side in SIDES for name in ("mu_kinetic", "mu_static")}
+            status |= {
+                f"{side}.swivel.{name}": VARIED
+                for side in SIDES
+                for name in ("mu_kinetic", "mu_static")
+            }
         if not ropes.case.distinct_ropes:
             rope = rope_data_of(ropes.ropes[0].scene)
-            return [*host_provenance(ropes.run, status), *rope_provenance(find_case(self.header.hoist), rope, status)]
+            return [
+                *host_provenance(ropes.run, status),
+                *rope_provenance(find_case(self.header.hoist), rope, status),
+            ]
         return [*host_provenance(ropes.run, status), *ropes.provenance(status)]
 
     def ropes(self, values: Mapping[str, float]) -> Ropes:
@@ -153,11 +177,16 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
             return ropes_of(case, self._run(drawn), {}, self.level, ROPE_SIGNALS)
         first = case.distinct_ropes[0]
         each = [
-            replace(rope, values={**rope.values, **self._for_rope(rope, first, drawn)}) for rope in case.distinct_ropes
+            replace(rope, values={**rope.values, **self._for_rope(rope, first, drawn)})
+            for rope in case.distinct_ropes
         ]
-        of_ropes = {name: value for name, value in drawn.items() if name.startswith("hoist.tail_rope")}
+        of_ropes = {
+            name: value for name, value in drawn.items() if name.startswith("hoist.tail_rope")
+        }
         run = self._run({name: value for name, value in drawn.items() if name not in of_ropes})
-        ropes = ropes_of(replace(case, balance_ropes=tuple(each)), run, {}, self.level, ROPE_SIGNALS)
+        ropes = ropes_of(
+            replace(case, balance_ropes=tuple(each)), run, {}, self.level, ROPE_SIGNALS
+        )
         return replace(ropes, run=replace(run, hoist=ropes.hoist))
 
     @property
@@ -211,8 +240,12 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
 
     def _drawn(self, values: Mapping[str, float]) -> dict[str, Drawn]:
         """Return the values of rope and drive that follow from these of what varies."""
-        held = {name: datum.low for name, datum in self.known_rope.data.items() if name not in self.data}
-        rope = self.known_rope.rope(**held, **{name: values[name] for name in self.known_rope.data if name in values})
+        held = {
+            name: datum.low for name, datum in self.known_rope.data.items() if name not in self.data
+        }
+        rope = self.known_rope.rope(
+            **held, **{name: values[name] for name in self.known_rope.data if name in values}
+        )
         drawn: dict[str, Drawn] = {
             **{f"rope.{name}": float(getattr(rope, name)) for name in FOLLOWING},
             "hoist.tail_rope_mass": rope.mass_per_length,
@@ -221,7 +254,9 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
         if self.header.bearing:
             for side in SIDES:
                 drawn[f"{side}.swivel.mu_kinetic"] = values["running_friction"]
-                drawn[f"{side}.swivel.mu_static"] = values["running_friction"] * values["starting_ratio"]
+                drawn[f"{side}.swivel.mu_static"] = (
+                    values["running_friction"] * values["starting_ratio"]
+                )
         return drawn
 
 

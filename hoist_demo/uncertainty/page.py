@@ -14,14 +14,18 @@ MIN_LISTED_SHARE = 0.05  #: Share of a spread from which on a datum is named in 
 
 def summary(result: UncertaintyResult) -> list[SummaryRow]:
     """Return the rows of the terminal's summary."""
-    rows = [SummaryRow("Windings", "that count", f"{result.completed} of {result.file.header.samples}")]
+    rows = [
+        SummaryRow("Windings", "that count", f"{result.completed} of {result.file.header.samples}")
+    ]
     for name in _measured(result):
         (low, middle, high), unit = _in_display_unit(result.quantiles(name), UNITS[own_name(name)])
         group = f"{name}, {METRICS[own_name(name)][1]}"
         rows.append(SummaryRow(group, "half of the ropes below", middle, unit))
         rows.append(SummaryRow(group, "nine in ten within", f"{low} to {high}", unit))
         rows += [
-            SummaryRow(group, key if key == "unexplained" else f"caused by {key}", f"{100 * x:.0f} %")
+            SummaryRow(
+                group, key if key == "unexplained" else f"caused by {key}", f"{100 * x:.0f} %"
+            )
             for key, x in _sorted(result, name)
             if x > MIN_LISTED_SHARE
         ]
@@ -52,7 +56,9 @@ def _too_few(result: UncertaintyResult) -> Iterator[str]:
             f"no causes are known of {', '.join(few)}: {len(result.file.data)} varied data need {need} completed "
             f"windings, 64 for a first look; raise samples = {result.file.header.samples}"
         )
-    if spoiled := [f"{name} {number(times)}" for name in measures if (times := result.spoiled(name))]:
+    if spoiled := [
+        f"{name} {number(times)}" for name in measures if (times := result.spoiled(name))
+    ]:
         yield (
             f"no causes are known of {', '.join(spoiled)}: the shares of the data add up to so many times their "
             f"spread; {result.file.header.samples} windings are too few to separate the data; raise samples"
@@ -61,7 +67,10 @@ def _too_few(result: UncertaintyResult) -> Iterator[str]:
 
 def remarks(result: UncertaintyResult) -> list[str]:
     """Return the rope's warnings and why windings do not count, each with its number of windings."""
-    return [f"in {count} of {result.file.header.samples} windings: {text}" for text, count in result.remarks.items()]
+    return [
+        f"in {count} of {result.file.header.samples} windings: {text}"
+        for text, count in result.remarks.items()
+    ]
 
 
 def write_table(result: UncertaintyResult, path: Path) -> Path:
@@ -82,7 +91,11 @@ def write_page(result: UncertaintyResult, path: Path) -> Path:
         results.append((name, METRICS[own_name(name)][1], *quantiles, unit))
     causes = "".join(
         paragraphs([name])
-        + bars([Bar(key.replace("_", " "), 0.0, x, x, key != "unexplained") for key, x in shares], _TICKS, name)
+        + bars(
+            [Bar(key.replace("_", " "), 0.0, x, x, key != "unexplained") for key, x in shares],
+            _TICKS,
+            name,
+        )
         for name in file.measured
         if (shares := _sorted(result, name))
     )
@@ -122,4 +135,6 @@ def _measured(result: UncertaintyResult) -> list[str]:
 
 def _sorted(result: UncertaintyResult, name: str) -> list[tuple[str, float]]:
     """Return the causes of a spread, the largest first, what is unexplained last."""
-    return sorted(result.causes(name).items(), key=lambda cause: (cause[0] == "unexplained", -cause[1]))
+    return sorted(
+        result.causes(name).items(), key=lambda cause: (cause[0] == "unexplained", -cause[1])
+    )

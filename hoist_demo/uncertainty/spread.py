@@ -31,7 +31,9 @@ QUANTILES = (0.05, 0.5, 0.95)  #: Quantiles of each measure in the results.
 #: sum of the shares of data that vary independently, from which on their correlation in the sample spoils them
 SPOILED = 1.1
 STOPPED = "stopped: "  #: Prefix of the cause of a winding's stop.
-LEFT_OUT = "left out: "  #: Prefix of what a rope passed through: its winding describes no real rope.
+LEFT_OUT = (
+    "left out: "  #: Prefix of what a rope passed through: its winding describes no real rope.
+)
 _NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 
 
@@ -45,7 +47,9 @@ class UncertaintyResult:
 
     file: UncertaintyFile
     columns: Mapping[str, Array]
-    remarks: Mapping[str, int] = field(default_factory=dict)  # warnings and causes of stops: in how many windings
+    remarks: Mapping[str, int] = field(
+        default_factory=dict
+    )  # warnings and causes of stops: in how many windings
 
     def has(self, name: str) -> Array:
         """Select the windings that have this measure."""
@@ -54,13 +58,19 @@ class UncertaintyResult:
     def quantiles(self, name: str) -> tuple[float, ...]:
         """Return the QUANTILES of a measure."""
         values = self.columns[name][self.has(name)]
-        return tuple(float(x) for x in np.quantile(values, QUANTILES)) if values.size else (math.nan,) * len(QUANTILES)
+        return (
+            tuple(float(x) for x in np.quantile(values, QUANTILES))
+            if values.size
+            else (math.nan,) * len(QUANTILES)
+        )
 
     @property
     def completed(self) -> int:
         """Number of windings that came to their end with a rope that passed through nothing."""
         unfit = (STOPPED, LEFT_OUT)
-        return self.file.header.samples - sum(count for text, count in self.remarks.items() if text.startswith(unfit))
+        return self.file.header.samples - sum(
+            count for text, count in self.remarks.items() if text.startswith(unfit)
+        )
 
     @property
     def exit_code(self) -> int:
@@ -96,7 +106,9 @@ class UncertaintyResult:
 
 
 def run_windings(
-    file: UncertaintyFile, workers: int, progress: Callable[[Iterable[WindingResult]], Iterable[WindingResult]] = iter
+    file: UncertaintyFile,
+    workers: int,
+    progress: Callable[[Iterable[WindingResult]], Iterable[WindingResult]] = iter,
 ) -> UncertaintyResult:
     """Wind the sampled ropes in ``workers`` processes, and return the spread of the measures."""
     samples = draw(file)
@@ -106,7 +118,9 @@ def run_windings(
         with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
             results = list(progress(pool.map(wind_once, [file] * len(samples), samples)))
     columns = {name: np.array([values[name] for values in samples]) for name in file.data}
-    columns |= {name: np.array([measures[name] for measures, _ in results]) for name in file.measured}
+    columns |= {
+        name: np.array([measures[name] for measures, _ in results]) for name in file.measured
+    }
     return UncertaintyResult(file, columns, remarks_of([texts for _, texts in results]))
 
 
@@ -114,7 +128,10 @@ def draw(file: UncertaintyFile) -> list[dict[str, float]]:
     """Draw the values of what varies, one set per winding."""
     sequence = scipy.stats.qmc.Sobol(len(file.data), rng=np.random.default_rng(file.header.seed))
     shares = sequence.random_base2(round(math.log2(file.header.samples)))
-    return [{key: datum.at(float(u)) for (key, datum), u in zip(file.data.items(), row, strict=True)} for row in shares]
+    return [
+        {key: datum.at(float(u)) for (key, datum), u in zip(file.data.items(), row, strict=True)}
+        for row in shares
+    ]
 
 
 def wind_once(file: UncertaintyFile, values: Mapping[str, float]) -> WindingResult:
@@ -124,24 +141,38 @@ def wind_once(file: UncertaintyFile, values: Mapping[str, float]) -> WindingResu
     with warnings_of("hoist_demo") as warnings:
         result = wind_run(run, ropes.plant)
     identities = ropes.data()
-    result = replace(result, recording=computed(result.recording, {rope.name: rope.torque_free for rope in identities}))
-    of_ropes = {rope.prefix: passages(rope_signals(result.recording, rope.name)) for rope in identities}
-    passed = "; ".join(f"{prefix.replace('.', ' ')}{text}" for prefix, text in of_ropes.items() if text)
+    result = replace(
+        result,
+        recording=computed(result.recording, {rope.name: rope.torque_free for rope in identities}),
+    )
+    of_ropes = {
+        rope.prefix: passages(rope_signals(result.recording, rope.name)) for rope in identities
+    }
+    passed = "; ".join(
+        f"{prefix.replace('.', ' ')}{text}" for prefix, text in of_ropes.items() if text
+    )
     if result.completed and PASSED not in passed:
         metrics = measure_ropes(result, run.hoist, run.arrival, [rope.name for rope in identities])
-        return {name: metrics[name] for name in file.measured}, tuple(f"warning: {text}" for text in warnings)
+        return {name: metrics[name] for name in file.measured}, tuple(
+            f"warning: {text}" for text in warnings
+        )
     reason = f"{LEFT_OUT}{passed}" if result.completed else f"{STOPPED}{result.cause}"
     return dict.fromkeys(file.measured, math.nan), (reason,)
 
 
 def remarks_of(remarks: Sequence[Iterable[str]]) -> dict[str, int]:
     """Return remarks with the number of windings of each; numbers that differ between windings become ranges."""
-    numbers_by_words = dict[tuple[str, ...], dict[int, set[tuple[str, ...]]]]()  # numbers by words and by winding
+    numbers_by_words = dict[
+        tuple[str, ...], dict[int, set[tuple[str, ...]]]
+    ]()  # numbers by words and by winding
     for k, texts in enumerate(remarks):
         for text in texts:
             of_winding = numbers_by_words.setdefault(tuple(_NUMBER.split(text)), {})
             of_winding.setdefault(k, set()).add(tuple(_NUMBER.findall(text)))
-    return {_with_numbers(words, set().union(*of.values())): len(of) for words, of in numbers_by_words.items()}
+    return {
+        _with_numbers(words, set().union(*of.values())): len(of)
+        for words, of in numbers_by_words.items()
+    }
 
 
 def _with_numbers(words: Sequence[str], numbers: Collection[Sequence[str]]) -> str:

@@ -83,13 +83,20 @@ def library() -> Path:
             "the native rope needs a C compiler; install one, or ziglang: pip install 'balance-rope[compiler]'"
         )
     detection = {name: sources()[name] for name in ("processor.c", "processor.h")}
-    answer = ctypes.CDLL(str(compile_library(detection, compiler, cache_folder(), "processor"))).processor_lanes()
+    answer = ctypes.CDLL(
+        str(compile_library(detection, compiler, cache_folder(), "processor"))
+    ).processor_lanes()
     return library_of(answer, compiler)
 
 
 def library_of(lanes: int, compiler: Sequence[str]) -> Path:
     """Compile the library for vectors of ``lanes`` numbers only, as processor.c reports them, in half the time."""
-    others = (form for form, numbers in {"plain": 2, "wide": 4, "widest": 8}.items() if numbers != lanes)
-    texts = {f"rope_kernels_{x}.c": f'#include "rope_system.h"\nconst Chain chains_{x}[3];\n' for x in others}
+    others = (
+        form for form, numbers in {"plain": 2, "wide": 4, "widest": 8}.items() if numbers != lanes
+    )
+    texts = {
+        f"rope_kernels_{x}.c": f'#include "rope_system.h"\nconst Chain chains_{x}[3];\n'
+        for x in others
+    }
     texts["processor.c"] = f"int processor_lanes(void) {{\n    return {lanes};\n}}\n"
     return compile_library(sources() | texts, compiler, cache_folder(), NAME)

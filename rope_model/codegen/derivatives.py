@@ -18,8 +18,14 @@ def path_change(
     sample = filter_sample(state, settings, given_at, stop - path.stop, end)
     following = filter_path(path, sample, stop, settings.observer)
     quintics = [*following.coefficients, *following.leans]
-    ca.GlobalOptions.setSimplificationOnTheFly(True)  # else most of the derivative's terms are products with 0
+    ca.GlobalOptions.setSimplificationOnTheFly(
+        True
+    )  # else most of the derivative's terms are products with 0
     inputs, direction = ca.vertcat(*vars(end).values()), ca.vertcat(*change)
-    moved = iter(ca.vertsplit(ca.jtimes(ca.vertcat(*(c for row in quintics for c in row)), inputs, direction)))
+    moved = iter(
+        ca.vertsplit(
+            ca.jtimes(ca.vertcat(*(c for row in quintics for c in row)), inputs, direction)
+        )
+    )
     ca.GlobalOptions.setSimplificationOnTheFly(False)
     return tuple(tuple(next(moved) for _ in row) for row in quintics)

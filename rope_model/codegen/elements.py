@@ -17,7 +17,9 @@ from rope_model.physics.wire_element import wire_functions
 
 def element_code() -> str:
     """Return all element functions, as ``torsional_tangent``; arguments are arrays of Vec, the last is the result."""
-    return "\n".join(_function_code(name, f) for fidelity in ELEMENT_DOF for name, f in _functions(fidelity))
+    return "\n".join(
+        _function_code(name, f) for fidelity in ELEMENT_DOF for name, f in _functions(fidelity)
+    )
 
 
 def _functions(fidelity: ElementFidelity) -> Iterator[tuple[str, ca.Function]]:
@@ -36,7 +38,9 @@ def _functions(fidelity: ElementFidelity) -> Iterator[tuple[str, ca.Function]]:
     yield f"{fidelity}_wire_residual", wires.residual
     yield f"{fidelity}_wire_energy", wires.energy
     inputs = wires.tangent.sx_in()
-    tangent = ca.vertcat(_upper_half("wire_tangent", wires.tangent)(*inputs), wires.latest(*inputs[:-1]))
+    tangent = ca.vertcat(
+        _upper_half("wire_tangent", wires.tangent)(*inputs), wires.latest(*inputs[:-1])
+    )
     yield f"{fidelity}_wire_tangent", ca.Function("wire_tangent", inputs, [ca.cse(tangent)])
     if fidelity == "torsional":
         curved = curved_functions()
@@ -63,5 +67,11 @@ def _function_code(name: str, f: ca.Function) -> str:
     arguments = "".join(f"const Vec *RESTRICT x{i}, " for i in inputs)
     lines, texts = statements(ca.Function(name, symbols, f.call(symbols)), "Vec")
     lines = [*(f"(void)x{i};" for i in inputs), *lines]
-    lines += [f"y[{k}] = {f'SPLAT({text})' if is_number(text) else text};" for k, text in enumerate(texts)]
-    return f"static void {name}({arguments}Vec *RESTRICT y) {{\n" + "".join(f"    {line}\n" for line in lines) + "}\n"
+    lines += [
+        f"y[{k}] = {f'SPLAT({text})' if is_number(text) else text};" for k, text in enumerate(texts)
+    ]
+    return (
+        f"static void {name}({arguments}Vec *RESTRICT y) {{\n"
+        + "".join(f"    {line}\n" for line in lines)
+        + "}\n"
+    )

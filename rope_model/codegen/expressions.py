@@ -9,13 +9,36 @@ from typing import Any, NamedTuple
 import casadi as ca
 
 _CHOICE, _LOGIC, _COMPARISON, _SUM, _PRODUCT, _SIGN, _ATOM = range(7)
-_OPERATORS = {ca.OP_ADD: ("+", _SUM), ca.OP_SUB: ("-", _SUM), ca.OP_MUL: ("*", _PRODUCT), ca.OP_DIV: ("/", _PRODUCT)}
+_OPERATORS = {
+    ca.OP_ADD: ("+", _SUM),
+    ca.OP_SUB: ("-", _SUM),
+    ca.OP_MUL: ("*", _PRODUCT),
+    ca.OP_DIV: ("/", _PRODUCT),
+}
 _LOGICAL = {ca.OP_AND: "&&", ca.OP_OR: "||"}
 _OPERATORS |= {ca.OP_LT: ("<", _COMPARISON), ca.OP_LE: ("<=", _COMPARISON)}
 _OPERATORS |= {ca.OP_EQ: ("==", _COMPARISON), ca.OP_NE: ("!=", _COMPARISON)}
-_LIBM = ("sqrt", "ceil", "floor", "exp", "log", "sin", "cos", "atan2", "hypot", "fabs", "pow", "copysign")
+_LIBM = (
+    "sqrt",
+    "ceil",
+    "floor",
+    "exp",
+    "log",
+    "sin",
+    "cos",
+    "atan2",
+    "hypot",
+    "fabs",
+    "pow",
+    "copysign",
+)
 _CALLS = {getattr(ca, f"OP_{name.upper()}"): name for name in _LIBM}
-_CALLS |= {ca.OP_CONSTPOW: "pow", ca.OP_FMAX: "maximum", ca.OP_FMIN: "minimum", ca.OP_SIGN: "sign_of"}
+_CALLS |= {
+    ca.OP_CONSTPOW: "pow",
+    ca.OP_FMAX: "maximum",
+    ca.OP_FMIN: "minimum",
+    ca.OP_SIGN: "sign_of",
+}
 _INFINITE = {math.inf: "INFINITY", -math.inf: "-INFINITY"}
 #: length above which an expression gets a name
 _LONG = 80
@@ -66,7 +89,11 @@ def statements(f: ca.Function, kind: str = "double") -> tuple[list[str], list[st
         return reciprocals[x.text]
 
     for k in range(f.n_instructions()):
-        operation, sources, target = f.instruction_id(k), f.instruction_input(k), f.instruction_output(k)
+        operation, sources, target = (
+            f.instruction_id(k),
+            f.instruction_input(k),
+            f.instruction_output(k),
+        )
         if operation == ca.OP_OUTPUT:
             results[tuple(target)] = values[sources[0]].text
             continue
@@ -80,10 +107,18 @@ def statements(f: ca.Function, kind: str = "double") -> tuple[list[str], list[st
             operands = [values[s] for s in sources]
             if kind == "Vec" and operation in (ca.OP_DIV, ca.OP_INV):
                 *above, below = operands
-                expression = _expression(ca.OP_MUL, [*above, reciprocal(below)], kind) if above else reciprocal(below)
+                expression = (
+                    _expression(ca.OP_MUL, [*above, reciprocal(below)], kind)
+                    if above
+                    else reciprocal(below)
+                )
             else:
                 expression = _expression(operation, operands, kind)
-            if (uses[k] > 1 or len(expression.text) > _LONG) and not expression.value and operation != ca.OP_NOT:
+            if (
+                (uses[k] > 1 or len(expression.text) > _LONG)
+                and not expression.value
+                and operation != ca.OP_NOT
+            ):
                 expression = named(expression.text)
         values[target[0]] = expression
     return lines, [results[index] for index in sorted(results)]
@@ -127,7 +162,9 @@ def _expression(operation: int, operands: Sequence[_Text], kind: str) -> _Text:
         return _Text(f"{condition} ? {value} : 0.0", _CHOICE, condition, value)
     left, right = operands
     if operation in _LOGICAL:  # compilers warn without brackets where both meet
-        return _Text(f"{left.within(_COMPARISON)} {_LOGICAL[operation]} {right.within(_COMPARISON)}", _LOGIC)
+        return _Text(
+            f"{left.within(_COMPARISON)} {_LOGICAL[operation]} {right.within(_COMPARISON)}", _LOGIC
+        )
     if left.value and right.value and _opposite(left.condition, right.condition):
         return _Text(f"{left.condition} ? {left.value} : {right.value}", _CHOICE)
     sign, binds = _OPERATORS[operation]

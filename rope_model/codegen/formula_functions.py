@@ -64,7 +64,9 @@ def formulas() -> dict[str, Callable[..., Any]]:
 def formulas_code() -> str:
     """Return the text of formulas.h."""
     structures = map(_definition, DEFINED_HERE)
-    written = formulas() | {_prototype(text): derivative for text, derivative in DERIVATIVES.items()}
+    written = formulas() | {
+        _prototype(text): derivative for text, derivative in DERIVATIVES.items()
+    }
     functions = (function_code(prototype, formula) for prototype, formula in written.items())
     constants = "".join(f"#define {name} {_value(value)}\n" for name, value in CONSTANTS.items())
     return "\n".join((_HEAD, constants, *structures, *functions, "#endif\n"))
@@ -77,7 +79,10 @@ def _value(value: float | str | tuple[Any, ...]) -> str:
 
 
 def _definition(kind: type[Any]) -> str:
-    lengths = {name: "".join(f"[{n}]" for n in shape_of(hint)) for name, hint in get_type_hints(kind).items()}
+    lengths = {
+        name: "".join(f"[{n}]" for n in shape_of(hint))
+        for name, hint in get_type_hints(kind).items()
+    }
     members = "".join(f"    double {name}{length};\n" for name, length in lengths.items())
     return f"/* {kind.__module__}.{kind.__name__} */\ntypedef struct {{\n{members}}} {kind.__name__};\n"
 
@@ -96,16 +101,24 @@ def function_code(prototype: str, formula: Callable[..., Any]) -> str:
     parameters = arguments[:-1] if result == "void" else arguments
     with no_simplification():
         symbols = [symbols_of(argument) for argument in parameters]
-        inputs = [x for s in symbols for x in _numbers(s)]  # before the formula stores results in the objects
+        inputs = [
+            x for s in symbols for x in _numbers(s)
+        ]  # before the formula stores results in the objects
         lines, texts = statements(ca.Function("formula", inputs, _numbers(formula(*symbols))))
     if result == "void":
         taker = arguments[-1]
         indices = product(*map(range, taker.shape))
-        lines += [f"{taker.name}{''.join(f'[{k}]' for k in at)} = {x};" for at, x in zip(indices, texts, strict=True)]
+        lines += [
+            f"{taker.name}{''.join(f'[{k}]' for k in at)} = {x};"
+            for at, x in zip(indices, texts, strict=True)
+        ]
     elif result == "double":
         lines += [f"return {texts[0]};"]
     else:
-        lines += [f"const {result} result = {_initializer(STRUCTURES[result], texts)};", "return result;"]
+        lines += [
+            f"const {result} result = {_initializer(STRUCTURES[result], texts)};",
+            "return result;",
+        ]
     body = "".join(f"    {line}\n" for line in lines)
     return f"/* {formula.__module__}.{formula.__qualname__} */\nstatic inline {prototype} {{\n{body}}}\n"
 
@@ -123,7 +136,9 @@ def _prototype(written: str) -> str:
 def _declared(written: str) -> str:
     """Return the declaration of an argument."""
     kind, _, name = written.rpartition(" ")
-    kind = kind or {re.sub(r"\B([A-Z])", r"_\1", kind).lower(): kind for kind in STRUCTURES}.get(name, "double")
+    kind = kind or {re.sub(r"\B([A-Z])", r"_\1", kind).lower(): kind for kind in STRUCTURES}.get(
+        name, "double"
+    )
     if kind != "double":
         return f"const {kind} *{name}"
     return f"const double {name}" if "[" in name else f"double {name}"
@@ -133,7 +148,9 @@ def argument_of(text: str) -> Argument:
     """Return the argument that a prototype declares by ``text``."""
     match = re.fullmatch(r"(const )?(\w+) \*?(\w+)((?:\[\d+\])*)", text)
     assert match, text
-    return Argument(bool(match[1]), match[2], match[3], tuple(int(n) for n in re.findall(r"\d+", match[4])))
+    return Argument(
+        bool(match[1]), match[2], match[3], tuple(int(n) for n in re.findall(r"\d+", match[4]))
+    )
 
 
 def symbols_of(argument: Argument) -> Any:
@@ -144,7 +161,11 @@ def symbols_of(argument: Argument) -> Any:
 
 
 def _array(name: str, shape: tuple[int, ...]) -> Any:
-    return ca.SX.sym(name) if not shape else tuple(_array(f"{name}[{k}]", shape[1:]) for k in range(shape[0]))
+    return (
+        ca.SX.sym(name)
+        if not shape
+        else tuple(_array(f"{name}[{k}]", shape[1:]) for k in range(shape[0]))
+    )
 
 
 def structure_at(kind: type[Any], prefix: str) -> Any:
@@ -168,7 +189,11 @@ def _numbers(x: Any) -> list[ca.SX]:
     """Return the numbers in tuples and objects, nested ones included."""
     if isinstance(x, ca.SX | float):
         return [ca.SX(x)]
-    return [number for part in (x if isinstance(x, tuple) else vars(x).values()) for number in _numbers(part)]
+    return [
+        number
+        for part in (x if isinstance(x, tuple) else vars(x).values())
+        for number in _numbers(part)
+    ]
 
 
 def _initializer(kind: type[Any], texts: list[str]) -> str:
@@ -176,6 +201,8 @@ def _initializer(kind: type[Any], texts: list[str]) -> str:
     rest = iter(texts)
 
     def member(shape: tuple[int, ...]) -> str:
-        return f"{{{', '.join(member(shape[1:]) for _ in range(shape[0]))}}}" if shape else next(rest)
+        return (
+            f"{{{', '.join(member(shape[1:]) for _ in range(shape[0]))}}}" if shape else next(rest)
+        )
 
     return f"{{{', '.join(member(shape_of(hint)) for hint in get_type_hints(kind).values())}}}"

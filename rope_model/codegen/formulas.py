@@ -190,16 +190,40 @@ DERIVATIVES: dict[str, Callable[..., Any]] = {
 }
 #: structures of results, which are generated for C
 DEFINED_HERE: tuple[type[Any], ...] = (
-    *(inextensible.Flow, inextensible.RigidTensions, initial_shape.InitialShape, shaft.Body, air.AirCoefficients),
-    *(contact.ContactTerms, contact_points.Probe, wire_friction.BoucWenStep, input_filter.FilterSettings),
-    *(events.Bracket, mesh_fit.FittedMesh, generalized_alpha.Coefficients, accuracy.StepLimits, accuracy.NextStep),
+    *(
+        inextensible.Flow,
+        inextensible.RigidTensions,
+        initial_shape.InitialShape,
+        shaft.Body,
+        air.AirCoefficients,
+    ),
+    *(
+        contact.ContactTerms,
+        contact_points.Probe,
+        wire_friction.BoucWenStep,
+        input_filter.FilterSettings,
+    ),
+    *(
+        events.Bracket,
+        mesh_fit.FittedMesh,
+        generalized_alpha.Coefficients,
+        accuracy.StepLimits,
+        accuracy.NextStep,
+    ),
 )
 #: structures that a formula may take or return
 STRUCTURES: dict[str, type[Any]] = {
     kind.__name__: kind
     for kind in (
         *(Rope, Layout, Scene, Solver, *PARTS.values(), EndMotion),
-        *(EnergyBalance, accuracy.ErrorSums, contact_error.ContactSums, Audit, guard.GuardState, InputFilter),
+        *(
+            EnergyBalance,
+            accuracy.ErrorSums,
+            contact_error.ContactSums,
+            Audit,
+            guard.GuardState,
+            InputFilter,
+        ),
         *DEFINED_HERE,
     )
 } | {"Path": EndPath}
@@ -238,7 +262,9 @@ _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
     ("WIRE_", wire_friction, "POINT_STATE_SIZE"),
 )
 CONSTANTS: dict[str, float | tuple[Any, ...]] = {
-    prefix + name: getattr(module, name) for prefix, module, names in _SHARED for name in names.split()
+    prefix + name: getattr(module, name)
+    for prefix, module, names in _SHARED
+    for name in names.split()
 } | {
     "PARAMETERS": len(element.PARAMETERS),
     "BALANCE": element.BALANCE.index("damping_power"),

@@ -30,7 +30,12 @@ _TYPES = {float: "double ", int: "int ", str: "const char *"}
 
 def texts() -> dict[str, Template]:
     """Return all texts by name."""
-    return {name: text for module in SPOKEN for name, text in vars(module).items() if isinstance(text, Template)}
+    return {
+        name: text
+        for module in SPOKEN
+        for name, text in vars(module).items()
+        if isinstance(text, Template)
+    }
 
 
 def messages_code() -> str:

@@ -57,4 +57,10 @@ def prebuilt_platforms(package: Path) -> set[str]:
 def text_hash(package: Path) -> str:
     """Return the hash of a package's Python text; generated files belong to one hash."""
     files = sorted(package.rglob("*.py"))
-    return short_hash(*(x for f in files for x in (f.relative_to(package).as_posix(), f.read_text(encoding="utf-8"))))
+    return short_hash(
+        *(
+            x
+            for f in files
+            for x in (f.relative_to(package).as_posix(), f.read_text(encoding="utf-8"))
+        )
+    )

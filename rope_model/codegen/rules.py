@@ -37,7 +37,9 @@ from rope_model.simulation.outputs.state_signals import remembered
 from rope_model.simulation.state import RopeState
 
 #: rules of each warning that numbers decide
-BY_NUMBERS = {name: warning.args[0] for name, warning in WARNINGS.items() if isinstance(warning, partial)}
+BY_NUMBERS = {
+    name: warning.args[0] for name, warning in WARNINGS.items() if isinstance(warning, partial)
+}
 BY_NUMBERS["extrapolation"] = warning_rules.LONG_EXTRAPOLATION
 #: tables by their name in C behind tell_: each returns whether a case applied
 TABLES: dict[str, Rules] = BY_NUMBERS | {
@@ -56,9 +58,19 @@ NUMBERS: tuple[Callable[..., Any], ...] = (
     *(fidelity_rules.carries_torque, fidelity_rules.out_of_plane, fidelity_rules.held_input),
     *(fidelity_rules.not_plumb, fidelity_rules.unsupported_input),
     *(warning_rules.leaves_out, warning_rules.yawed_far_at_rest),
-    *(mesh_pattern.fine_share, mesh_pattern.inner_length, mesh_pattern.min_outer, mesh_pattern.pattern_centre),
+    *(
+        mesh_pattern.fine_share,
+        mesh_pattern.inner_length,
+        mesh_pattern.min_outer,
+        mesh_pattern.pattern_centre,
+    ),
     *(mesh_pattern.distance_past_limit, mesh_pattern.transformation_due, mesh_pattern.window_place),
-    *(swivel_phases.frictionless, swivel_phases.released_at, swivel_phases.relaxes, swivel_phases.swivel_friction),
+    *(
+        swivel_phases.frictionless,
+        swivel_phases.released_at,
+        swivel_phases.relaxes,
+        swivel_phases.swivel_friction,
+    ),
     *(swivel_phases.beyond_rest, swivel_phases.moment_of_swivel, swivel_phases.swivel_excess),
 )
 _HEAD = """\
@@ -106,7 +118,9 @@ def state_signals() -> str:
     values = remembered(_members_at(StateStructure, "state->"))
     with no_simplification():
         lines, texts = texts_of([*values.values()])
-    lines += [f"values[{constant(name)}] = {text};" for name, text in zip(values, texts, strict=True)]
+    lines += [
+        f"values[{constant(name)}] = {text};" for name, text in zip(values, texts, strict=True)
+    ]
     return (
         "/* Generated from rope_model.simulation.outputs.state_signals by rope_model.codegen.rules. */\n"
         "static void state_signals(Simulator *sim, double *values) {\n    const State *state = sim->state;\n"
@@ -118,7 +132,8 @@ def _warnings() -> str:
     """Return the enum of the warnings' indices, and a function for those that are tables."""
     names = ", ".join(name.upper() for name in WARNINGS | BY_NUMBERS)
     cases = "".join(
-        f"    case {name.upper()}:\n        return tell_{name}(scene, state, message);\n" for name in BY_NUMBERS
+        f"    case {name.upper()}:\n        return tell_{name}(scene, state, message);\n"
+        for name in BY_NUMBERS
     )
     head = "static inline int tell_by_numbers(int warning, const Scene *scene, const State *state, char *message)"
     body = f"    switch (warning) {{\n{cases}    default:\n        return 0;\n    }}\n"
@@ -133,7 +148,11 @@ def _fact(name: str) -> _Fact:
         return _Fact("const Pattern *pattern", _members_at(PatternStructure, "pattern->"))
     if name == "counts":
         return _Fact("const int counts[5]", _members_at(c_int * 5, "counts"))
-    return _Fact("int fidelity", Word(name, name)) if name == "fidelity" else _Fact(f"double {name}", ca.SX.sym(name))
+    return (
+        _Fact("int fidelity", Word(name, name))
+        if name == "fidelity"
+        else _Fact(f"double {name}", ca.SX.sym(name))
+    )
 
 
 def _symbols(kind: type[Any], prefix: str) -> Any:
@@ -160,7 +179,9 @@ def _members_at(kind: Any, expression: str) -> Any:
     """Return symbols for the numbers of a structure or array with the expression ``expression`` in C."""
     if issubclass(kind, ctypes.Structure):
         expression += "" if expression.endswith("->") else "."
-        return SimpleNamespace(**{name: _members_at(part, f"{expression}{name}") for name, part in kind._fields_})
+        return SimpleNamespace(
+            **{name: _members_at(part, f"{expression}{name}") for name, part in kind._fields_}
+        )
     if issubclass(kind, ctypes.Array):
         return tuple(_members_at(kind._type_, f"{expression}[{k}]") for k in range(kind._length_))
     return ca.SX.sym(expression if kind is ctypes.c_double else f"(double){expression}")
@@ -183,17 +204,26 @@ def _table(name: str, rules: Rules) -> str:
     facts = _facts_of(next(iter(rules.values())))
     assert all(_facts_of(formula).keys() == facts.keys() for formula in rules.values()), name
     body = "".join(_rule(message, formula, facts) for message, formula in rules.items())
-    unused = "".join(f"    (void){fact};\n" for fact in facts if not re.search(rf"\b{fact}\b", body))
+    unused = "".join(
+        f"    (void){fact};\n" for fact in facts if not re.search(rf"\b{fact}\b", body)
+    )
     declared = "".join(f"{fact.declared}, " for fact in facts.values())
     return f"static inline int tell_{name}({declared}char *message) {{\n{unused}{body}    return 0;\n}}\n"
 
 
-def _rule(message: Template, formula: Callable[..., tuple[Any, ...]], facts: Mapping[str, _Fact]) -> str:
+def _rule(
+    message: Template, formula: Callable[..., tuple[Any, ...]], facts: Mapping[str, _Fact]
+) -> str:
     """Return a block that writes the message if it applies."""
     results = formula(*(fact.symbols for fact in facts.values()))
     lines, texts = _texts([x for x in results if not isinstance(x, Word)])
-    applies, *numbers = (f"fidelity_name({x.text})" if isinstance(x, Word) else texts.pop(0) for x in results)
-    arguments = [f"(int)({x})" if kind is int else x for x, kind in zip(numbers, message.kinds.values(), strict=True)]
+    applies, *numbers = (
+        f"fidelity_name({x.text})" if isinstance(x, Word) else texts.pop(0) for x in results
+    )
+    arguments = [
+        f"(int)({x})" if kind is int else x
+        for x, kind in zip(numbers, message.kinds.values(), strict=True)
+    ]
     call = f"return !say_{_NAMES[message]}({', '.join(('message', *arguments))});"
     body = "".join(f"        {line}\n" for line in (*lines, f"if ({applies}) {call}"))
     return f"    {{\n{body}    }}\n"

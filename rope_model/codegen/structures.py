@@ -29,7 +29,9 @@ class Member(NamedTuple):
 def members(kind: type[Any]) -> tuple[Member, ...]:
     """Return the members of a group's structure."""
     hints = _hints(kind).items()
-    lengths = {name: len(get_args(hint)) if get_origin(hint) is tuple else 0 for name, hint in hints}
+    lengths = {
+        name: len(get_args(hint)) if get_origin(hint) is tuple else 0 for name, hint in hints
+    }
     unsorted = [Member(name, hint is float, lengths[name]) for name, hint in hints]
     return tuple(sorted(unsorted, key=lambda member: not member.real))
 
@@ -37,7 +39,9 @@ def members(kind: type[Any]) -> tuple[Member, ...]:
 def _hints(kind: type[Any]) -> dict[str, Any]:
     """Return the types of the parameters that C has, by name."""
     if kind not in _KNOWN:
-        _KNOWN[kind] = {name: hint for name, hint in get_type_hints(kind).items() if name not in NOT_IN_C}
+        _KNOWN[kind] = {
+            name: hint for name, hint in get_type_hints(kind).items() if name not in NOT_IN_C
+        }
     return _KNOWN[kind]
 
 
@@ -58,13 +62,20 @@ class ShaftStructure(ctypes.Structure):
 
 
 _OF_SCENE: dict[Any, Any] = {**GROUPS, Shaft: ShaftStructure, Swivel: GROUPS[Swivel] * 2}
-_NAMES = {"left": "swivels", "right": "swivels"}  #: names of parts of a scene in C, where they differ
+_NAMES = {
+    "left": "swivels",
+    "right": "swivels",
+}  #: names of parts of a scene in C, where they differ
 
 
 class SceneStructure(ctypes.Structure):
     """All parameters of a rope."""
 
-    _fields_ = tuple({_NAMES.get(name, name): _OF_SCENE[of] for name, of in get_type_hints(Scene).items()}.items())
+    _fields_ = tuple(
+        {
+            _NAMES.get(name, name): _OF_SCENE[of] for name, of in get_type_hints(Scene).items()
+        }.items()
+    )
 
 
 class EndMotionStructure(ctypes.Structure):
@@ -83,7 +94,9 @@ def scene_structure(scene: Scene) -> SceneStructure:
 def _fill(group: Any) -> ctypes.Structure:
     if isinstance(group, Shaft):
         return ShaftStructure(**{name: _fill(part) for name, part in vars(group).items()})
-    values = {name: _value(getattr(group, name), hint) for name, hint in _hints(type(group)).items()}
+    values = {
+        name: _value(getattr(group, name), hint) for name, hint in _hints(type(group)).items()
+    }
     return GROUPS[type(group)](**values)
 
 

@@ -10,7 +10,14 @@ import casadi as ca
 from rope_model.codegen.expressions import texts_of
 from rope_model.codegen.formula_functions import structure_at
 from rope_model.codegen.state_structures import structure_code
-from rope_model.codegen.structures import GROUPS, NOT_IN_C, EndMotionStructure, SceneStructure, ShaftStructure, members
+from rope_model.codegen.structures import (
+    GROUPS,
+    NOT_IN_C,
+    EndMotionStructure,
+    SceneStructure,
+    ShaftStructure,
+    members,
+)
 from rope_model.numerics.program import no_simplification
 from rope_model.parameter_table import CrossCheck, Parameter, check_order, parameters_of
 from rope_model.parameters import GROUPS as GROUPS_BY_NAME
@@ -65,15 +72,23 @@ def constant(name: str) -> str:
 def parameter_structures() -> str:
     """Return the text of parameters.h: bounds of motions, codes of choices, a structure for each group."""
     parts = [f"enum {{ MAX_ELEMENTS = {MAX_ELEMENTS} }};\n"]
-    names, reach = ", ".join(map(c_string, MOTION_BOUNDS)), ", ".join(map(repr, MOTION_BOUNDS.values()))
+    names, reach = (
+        ", ".join(map(c_string, MOTION_BOUNDS)),
+        ", ".join(map(repr, MOTION_BOUNDS.values())),
+    )
     parts.append(
         "/* of the values of an EndMotion: names and largest sizes */\n"
         f"#define END_MOTION_NAMES {{{names}}}\n#define END_MOTION_BOUNDS {{{reach}}}\n"
     )
     curvatures = ", ".join(f"&(rope).{name}" for name in CURVATURES)
-    parts.append(f"/* all values of a Rope's permanent curvature */\n#define CURVATURES_OF(rope) {{{curvatures}}}\n")
+    parts.append(
+        f"/* all values of a Rope's permanent curvature */\n#define CURVATURES_OF(rope) {{{curvatures}}}\n"
+    )
     parts.append(f"/* s, of rope_advance_to */\n#define ROPE_MIN_INTERVAL {MIN_INTERVAL}\n")
-    parts += [*(_codes(*choice) for kind in GROUPS for choice in _choices(kind)), *map(_structure, GROUPS)]
+    parts += [
+        *(_codes(*choice) for kind in GROUPS for choice in _choices(kind)),
+        *map(_structure, GROUPS),
+    ]
     parts += map(structure_code, (ShaftStructure, SceneStructure, EndMotionStructure))
     text = "\n".join(parts)
     return f"{_HEAD}#ifndef PARAMETERS_H\n#define PARAMETERS_H\n\n{text}\n#endif\n"
@@ -99,7 +114,11 @@ def _codes(name: str, words: tuple[str, ...]) -> str:
 
 def code_name(name: str, word: str) -> str:
     """Return the name in C of the code of a ``word`` of the choice ``name``."""
-    suffix = f"_{_SPELT.get(name, name.upper())}" if word == "auto" or name in ("given", "mode", "start") else ""
+    suffix = (
+        f"_{_SPELT.get(name, name.upper())}"
+        if word == "auto" or name in ("given", "mode", "start")
+        else ""
+    )
     return word.upper() + suffix
 
 
@@ -127,7 +146,9 @@ def _structure(kind: type[Any]) -> str:
     for m in members(kind):
         unit, text = table[m.name].unit, table[m.name].description
         array = f"[{m.length}]" if m.length else ""
-        lines.append(f"    {'double' if m.real else 'int'} {m.name}{array}; /* {unit}{', ' * bool(unit)}{text} */\n")
+        lines.append(
+            f"    {'double' if m.real else 'int'} {m.name}{array}; /* {unit}{', ' * bool(unit)}{text} */\n"
+        )
     return f"typedef struct {{\n{''.join(lines)}}} {kind.__name__};\n"
 
 
@@ -136,11 +157,18 @@ def _bounds(kind: type[Any]) -> str:
     known = {m.name: m for m in members(kind)}
     table = [(name, p) for name, p in check_order(kind) if name in known and not known[name].length]
     calls = [_choice(name, p) for name, p in table if p.choices]
-    calls += [f'require_finite(check, "{name}", x->{name})' for name, _ in table if known[name].real]
+    calls += [
+        f'require_finite(check, "{name}", x->{name})' for name, _ in table if known[name].real
+    ]
     calls += [_range(name, p, known[name].real) for name, p in table if p.bound and not p.choices]
     with no_simplification():
-        body = "".join([f"    {call};\n" for call in calls] + [_cross_check(kind, x) for x in kind.cross_checks])
-    head = f"static void check_{kind.__name__.lower()}(const Check *check, const {kind.__name__} *x)"
+        body = "".join(
+            [f"    {call};\n" for call in calls]
+            + [_cross_check(kind, x) for x in kind.cross_checks]
+        )
+    head = (
+        f"static void check_{kind.__name__.lower()}(const Check *check, const {kind.__name__} *x)"
+    )
     return f"\n{head} {{\n{body}}}\n"
 
 
@@ -168,13 +196,21 @@ def _cross_check(kind: type[Any], check: CrossCheck) -> str:
     value_text, bound = written[0], c_string(check.bound)
     if isinstance(value, tuple):
         form = ", ".join("%s" for _ in value)
-        lines += ["char given[96];", f'snprintf(given, sizeof given, "({form})", {", ".join(written)});']
+        lines += [
+            "char given[96];",
+            f'snprintf(given, sizeof given, "({form})", {", ".join(written)});',
+        ]
         value_text = "given"
     if placeholder := re.search(r"\{(?::\.(\d)g|!r)\}", check.bound):
         text = f"ROUNDED({numbers[-1]}, {placeholder[1]})" if placeholder[1] else written[-1]
-        before, behind = c_string(check.bound[: placeholder.start()]), c_string(check.bound[placeholder.end() :])
+        before, behind = (
+            c_string(check.bound[: placeholder.start()]),
+            c_string(check.bound[placeholder.end() :]),
+        )
         bound = f"JOINED({before}, {text}, {behind})"
-    refused = f"refuse(check, {c_string(check.what)}, {value_text}, {bound}, {c_string(check.cure)})"
+    refused = (
+        f"refuse(check, {c_string(check.what)}, {value_text}, {bound}, {c_string(check.cure)})"
+    )
     body = "".join(f"        {line}\n" for line in (*lines, f"if (!({condition})) {refused};"))
     return f"    {{\n{body}    }}\n"
 
@@ -188,7 +224,13 @@ def _range(name: str, p: Parameter, real: bool) -> str:
     """Return the check of one parameter; a bound is a number, another parameter or none."""
 
     def limit(bound: float | str | None, without: str) -> str:
-        return f"x->{bound}" if isinstance(bound, str) else without if bound is None else repr(float(bound))
+        return (
+            f"x->{bound}"
+            if isinstance(bound, str)
+            else without
+            if bound is None
+            else repr(float(bound))
+        )
 
     limits = f"{limit(p.lower, '-INFINITY')}, {limit(p.upper, 'INFINITY')}"
     before, _, behind = p.bound.partition("{}")

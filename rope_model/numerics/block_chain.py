@@ -96,7 +96,12 @@ def chain_functions(n: int, parts: ChainParts, dof: int, rows: tuple[int, ...]) 
     m, parameters = len(rows), parts.residual.size1_in(5)
     names = ("q", "v", "a", "R", "load", "friction_load", "node_mass", "free")
     q, v, a, R, load, friction_load, node_mass, free = (ca.MX.sym(name, m, n + 1) for name in names)
-    l, P, c, scale = ca.MX.sym("l", 1, n), ca.MX.sym("P", parameters), ca.MX.sym("c", 3), ca.MX.sym("scale", m)
+    l, P, c, scale = (
+        ca.MX.sym("l", 1, n),
+        ca.MX.sym("P", parameters),
+        ca.MX.sym("c", 3),
+        ca.MX.sym("scale", m),
+    )
     before = ca.MX.sym("before", m, n + 1)
     tolerance, error_fraction = ca.MX.sym("tolerance"), ca.MX.sym("error_fraction")
     F, Ps = ca.MX.sym("F", parts.residual.size1_in(4), n), ca.repmat(P, 1, n)
@@ -126,9 +131,15 @@ def chain_functions(n: int, parts: ChainParts, dof: int, rows: tuple[int, ...]) 
     iteration = newton(
         ca.Function("factorize", [x, *fixed], list(new_factors)),
         ca.Function("correct", [x, *factors, *fixed], [step, norm]),
-        ca.Function("apply", [x, dx, *fixed], [ca.horzcat(q_x, v_x, a_x, residual(q_x, v_x, a_x, motions[3]), q_x)]),
+        ca.Function(
+            "apply",
+            [x, dx, *fixed],
+            [ca.horzcat(q_x, v_x, a_x, residual(q_x, v_x, a_x, motions[3]), q_x)],
+        ),
     )
-    solution, progress = iteration(ca.horzcat(q, v, a, residual(q, v, a, R), before), *fixed, tolerance, error_fraction)
+    solution, progress = iteration(
+        ca.horzcat(q, v, a, residual(q, v, a, R), before), *fixed, tolerance, error_fraction
+    )
     solved = ca.horzsplit(solution, n + 1)
 
     def sums(q: ca.MX, v: ca.MX) -> ca.MX:
@@ -144,7 +155,12 @@ def chain_functions(n: int, parts: ChainParts, dof: int, rows: tuple[int, ...]) 
     system = {"l": l, "F": F, "load": load, "friction_load": friction_load, "node_mass": node_mass}
     motion = {"q": q, "v": v, "a": a, "R": R}
     method = {"free": free, "P": P, "c": c}
-    limits = {"scale": scale, "tolerance": tolerance, "before": before, "error_fraction": error_fraction}
+    limits = {
+        "scale": scale,
+        "tolerance": tolerance,
+        "before": before,
+        "error_fraction": error_fraction,
+    }
     after = dict(zip(("q", "v", "a", "R"), solved[:4], strict=True))
 
     function = partial(_widen, dof, rows)
@@ -156,12 +172,16 @@ def chain_functions(n: int, parts: ChainParts, dof: int, rows: tuple[int, ...]) 
             carried=("q", "v", "a"),
         ),
         newton_step=function("newton_step", motion | system | method, {"q": correction, "R": R_a}),
-        evaluate=function("evaluate", motion | system | {"P": P}, {"R": R_a, "balance": sums(q, v)}),
+        evaluate=function(
+            "evaluate", motion | system | {"P": P}, {"R": R_a, "balance": sums(q, v)}
+        ),
         losses=function("losses", {"q": q, "v": v, "l": l, "F": F, "P": P}, {"powers": losses}),
         strains=function("strains", {"q": q, "v": v, "l": l, "F": F}, {"strains": strains}),
         momentum=function("momentum", {"q": q, "v": v, "l": l, "P": P}, {"sums": momentum}),
         reference=function("reference", {"q": q, "l": l}, {"F": reference}),
-        transport=function("transport", {"q": q, "v": v, "a": a, "l": l, "F": F}, {"transport": transport}),
+        transport=function(
+            "transport", {"q": q, "v": v, "a": a, "l": l, "F": F}, {"transport": transport}
+        ),
     )
 
 
@@ -184,7 +204,10 @@ def _widen(
     narrow = ca.Function(name, [*inputs.values()], [*outputs.values()])
     if rows == tuple(range(dof)):
         return narrow
-    wide = {key: ca.MX.sym(key, dof if key in _NODAL else x.shape[0], x.shape[1]) for key, x in inputs.items()}
+    wide = {
+        key: ca.MX.sym(key, dof if key in _NODAL else x.shape[0], x.shape[1])
+        for key, x in inputs.items()
+    }
     results = narrow.call([x[list(rows), :] if key in _NODAL else x for key, x in wide.items()])
     for i, key in enumerate(outputs):
         if key in _NODAL:
@@ -236,7 +259,9 @@ def _factorize(n: int, parts: ChainParts, m: int) -> ca.Function:
         _both_ends(before),
     )
     last = parts.factor_last(Ds[:, -m:])
-    return ca.Function("factorized", [q, v, a, l, F, node_mass, free, P, c, before], [factors, Ws, Ls, last])
+    return ca.Function(
+        "factorized", [q, v, a, l, F, node_mass, free, P, c, before], [factors, Ws, Ls, last]
+    )
 
 
 def _substitution(m: int) -> tuple[ca.Function, ca.Function, ca.Function]:
@@ -253,7 +278,10 @@ def _substitution(m: int) -> tuple[ca.Function, ca.Function, ca.Function]:
 
 def _substitute(n: int, parts: ChainParts, m: int) -> ca.Function:
     """Build (factors, R (m, n + 1)) -> x (m, n + 1) with J x = -R."""
-    forward, backward = parts.forward.mapaccum("forward_sweep", n), parts.backward.mapaccum("backward_sweep", n)
+    forward, backward = (
+        parts.forward.mapaccum("forward_sweep", n),
+        parts.backward.mapaccum("backward_sweep", n),
+    )
     Fs, Ws, Ls = (ca.MX.sym(s, m, m * n) for s in ("Fs", "Ws", "Ls"))
     last, R = ca.MX.sym("last", m, m), ca.MX.sym("R", m, n + 1)
     ys, zs = forward(R[:, 0], Fs, Ls, R[:, 1:])

@@ -47,7 +47,9 @@ class Coupled(NamedTuple):
     norm: Callable[[Array], float]
 
 
-def conjugate_gradients(solve: Callable[[Array], Array], coupling: Callable[[Array], Array], R: Array) -> Array:
+def conjugate_gradients(
+    solve: Callable[[Array], Array], coupling: Callable[[Array], Array], R: Array
+) -> Array:
     """Solve (J + C) x = -R, where ``solve`` solves J x = -R and ``coupling`` multiplies with C."""
     p = solve(R)
     error = first = -float(np.vdot(R, p))
@@ -68,7 +70,12 @@ def conjugate_gradients(solve: Callable[[Array], Array], coupling: Callable[[Arr
 
 
 def newton(
-    system: Coupled, x: Iterate, c: Array, tolerance: float, limits: NewtonLimits, error_fraction: float
+    system: Coupled,
+    x: Iterate,
+    c: Array,
+    tolerance: float,
+    limits: NewtonLimits,
+    error_fraction: float,
 ) -> tuple[Iterate, NewtonReport]:
     """Correct ``x`` until its residual is zero where free; v and a follow by c[1] and c[2] times the corrections."""
     progress = control.initial_progress(error_fraction)
@@ -76,14 +83,17 @@ def newton(
         solve = system.factorized(x)
         for k in range(int(limits.per_round)):
             if k > 0 and not (
-                progress[control.STATUS] == control.RUNNING and progress[control.CONTRACTION] < limits.slow
+                progress[control.STATUS] == control.RUNNING
+                and progress[control.CONTRACTION] < limits.slow
             ):
                 break
             coupling = system.coupling(x)
             dx = solve(x.R) if coupling is None else conjugate_gradients(solve, coupling, x.R)
             progress = control.judge(limits)(progress, system.norm(dx), tolerance, k == 0)
             if progress[control.APPLIES] != 0:
-                q, v, a = (part + factor * dx for part, factor in zip(x[:3], c.tolist(), strict=True))
+                q, v, a = (
+                    part + factor * dx for part, factor in zip(x[:3], c.tolist(), strict=True)
+                )
                 x = Iterate(q, v, a, system.residual(q, v, a, x.R))
         if progress[control.STATUS] != control.RUNNING:
             break

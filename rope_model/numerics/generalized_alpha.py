@@ -93,14 +93,23 @@ class System(Protocol[B]):
         """Return full arrays of q, v and a (3, ...), of which the prescribed entries count."""
 
     def solve(
-        self, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float, before: Array
+        self,
+        q: Array,
+        v: Array,
+        a: Array,
+        reaction: Array,
+        c: Array,
+        tolerance: float,
+        before: Array,
     ) -> Solution[B]:
         """Find the equilibrium by corrections x of the free q, to which v and a follow by c[1] x and c[2] x.
 
         Stresses at the guess q may be far off: the derivatives take the strains of the configuration ``before``.
         """
 
-    def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
+    def newton_step(
+        self, q: Array, v: Array, a: Array, reaction: Array, c: Array
+    ) -> tuple[Array, Array]:
         """Return x and R: J x = -R on the free degrees of freedom with J = c[0] dR/dq + c[1] dR/dv + c[2] dR/da."""
 
     def evaluate(self, q: Array, v: Array, a: Array, reaction: Array) -> B:
@@ -144,7 +153,9 @@ class Coefficients:
     def prediction(self, h: float, recentring: float, ahead: float) -> Array:
         """Return q, v, a at the end of a step ``h`` as weights (3, 5) of q, v, a, b, a_rate; see prediction_weights."""
         q_a, v_a, q_b, v_b, q_rate, v_rate = prediction_weights(self, h, recentring, ahead)
-        return np.array([[1.0, h, q_a, q_b, q_rate], [0.0, 1.0, v_a, v_b, v_rate], [0.0, 0.0, 1.0, 0.0, ahead]])
+        return np.array(
+            [[1.0, h, q_a, q_b, q_rate], [0.0, 1.0, v_a, v_b, v_rate], [0.0, 0.0, 1.0, 0.0, ahead]]
+        )
 
 
 def recentring_time(method: Coefficients, h: Any, before: Any) -> Any:
@@ -168,7 +179,9 @@ def newton_coefficients(method: Coefficients, h: Any) -> tuple[Any, Any, Any]:
     return 1.0, method.gamma / (method.beta * h), (1 - m) / (method.beta * h * h * (1 - f))
 
 
-def prediction_weights(method: Coefficients, h: Any, recentring: Any, ahead: Any) -> tuple[Any, ...]:
+def prediction_weights(
+    method: Coefficients, h: Any, recentring: Any, ahead: Any
+) -> tuple[Any, ...]:
     """Return the weights of a, b and a_rate in q and in v at the end of a step ``h``.
 
     b is moved by ``recentring``; the acceleration continues at its rate for the time ``ahead``.
@@ -205,13 +218,20 @@ class StepResult(Generic[B]):
     a_rate: Array | None
 
 
-def step(system: System[B], old: Motion, h: float, method: Coefficients, tolerance: float) -> StepResult[B]:
+def step(
+    system: System[B], old: Motion, h: float, method: Coefficients, tolerance: float
+) -> StepResult[B]:
     """Take a trial step of length ``h``; ``tolerance`` is Newton's, in ``System.norm``."""
     t, free = old.t + h, system.free
     past = np.array((old.q, old.v, old.a, old.b, old.a_rate))
-    correction_motion, ahead = recentring(method, h, old.h), h if system.smooth and rate_known(h, old.h) else 0.0
+    correction_motion, ahead = (
+        recentring(method, h, old.h),
+        h if system.smooth and rate_known(h, old.h) else 0.0,
+    )
     flat = past.reshape(len(past), -1)
-    q, v, a = guess = (method.prediction(h, correction_motion, ahead) @ flat).reshape(3, *old.q.shape)
+    q, v, a = guess = (method.prediction(h, correction_motion, ahead) @ flat).reshape(
+        3, *old.q.shape
+    )
     np.copyto(guess, system.prescribed_motion(t), where=~free)
     with np.errstate(all="ignore"):  # a diverging trial shows in its norm
         solution = system.solve(q, v, a, old.reaction, method.newton(h), tolerance, old.q)

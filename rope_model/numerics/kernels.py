@@ -45,7 +45,9 @@ FLAGS = ("-std=c99", "-O3", "-fPIC", "-shared", "-ffp-contract=off", "-fno-math-
 _AN_ERROR = re.compile(r"\berror:|undefined reference")
 _ANNOUNCED = "compiling %s with %s, once on this machine: up to a minute"
 #: names that a C file includes, kept as it takes milliseconds in the longest, which fifty others include
-_names_included = lru_cache(maxsize=256)(re.compile(r'^[ \t]*#[ \t]*include[ \t]+"([^"]+)"', re.MULTILINE).findall)
+_names_included = lru_cache(maxsize=256)(
+    re.compile(r'^[ \t]*#[ \t]*include[ \t]+"([^"]+)"', re.MULTILINE).findall
+)
 LIBRARY_SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 
 
@@ -61,7 +63,9 @@ class Kernel:
     def __init__(self, function: ca.Function, shapes: Sequence[tuple[int, ...]]) -> None:
         self.function = function
         buffer: Any
-        buffer, self.evaluate = function.buffer()  # the stubs of casadi do not know the buffer's methods
+        buffer, self.evaluate = (
+            function.buffer()
+        )  # the stubs of casadi do not know the buffer's methods
         self._buffer = buffer
         self.inputs = [np.zeros(function.numel_in(i)) for i in range(function.n_in())]
         self.outputs = [np.zeros(function.numel_out(i)) for i in range(function.n_out())]
@@ -69,12 +73,17 @@ class Kernel:
             buffer.set_arg(i, x.data)
         for i, x in enumerate(self.outputs):
             buffer.set_res(i, x.data)
-        self._taken: list[Array] = []  # views of the inputs in the shapes of the arguments, which never change
+        self._taken: list[
+            Array
+        ] = []  # views of the inputs in the shapes of the arguments, which never change
         self._returned = [x.reshape(shape) for x, shape in zip(self.outputs, shapes, strict=True)]
 
     def __call__(self, *arguments: Array | float) -> list[Array]:
         if not self._taken:
-            self._taken = [x.reshape(np.shape(argument)) for x, argument in zip(self.inputs, arguments, strict=True)]
+            self._taken = [
+                x.reshape(np.shape(argument))
+                for x, argument in zip(self.inputs, arguments, strict=True)
+            ]
         for destination, source in zip(self._taken, arguments, strict=True):
             destination[...] = source
         self.evaluate()
@@ -82,7 +91,10 @@ class Kernel:
 
 
 def prepare(
-    functions: Sequence[ca.Function], build: Build, form: KernelForm = "auto", bundle: Path | None = None
+    functions: Sequence[ca.Function],
+    build: Build,
+    form: KernelForm = "auto",
+    bundle: Path | None = None,
 ) -> tuple[list[ca.Function], str]:
     """Return the functions in the wanted form, and the form obtained: ``compiled`` or ``portable``.
 
@@ -110,16 +122,26 @@ def prepare(
         except (OSError, subprocess.CalledProcessError, RuntimeError) as error:
             cause = f"{' '.join(compiler)} failed: {last_words(error)}"
     if form == "compiled":
-        raise RuntimeError(f"compiled kernels asked for, but {cause}; install a C compiler or use kernels='portable'")
+        raise RuntimeError(
+            f"compiled kernels asked for, but {cause}; install a C compiler or use kernels='portable'"
+        )
     # expected without a compiler, unless a bundle was to spare it; a compiler that fails is not expected
     level = logging.INFO if compiler is None and bundle is None else logging.WARNING
-    log.log(level, "kernels: portable (CasADi virtual machine, 5 to 10 times as long), because %s", cause)
+    log.log(
+        level,
+        "kernels: portable (CasADi virtual machine, 5 to 10 times as long), because %s",
+        cause,
+    )
     return list(functions), "portable"
 
 
 def last_words(error: Exception) -> str:
     """Return the error's text with the first error, or else the last line, of the compiler's or the linker's output."""
-    output = str(error.stderr).strip().splitlines() if isinstance(error, subprocess.CalledProcessError) else []
+    output = (
+        str(error.stderr).strip().splitlines()
+        if isinstance(error, subprocess.CalledProcessError)
+        else []
+    )
     first = next((line for line in output if _AN_ERROR.search(line)), output[-1] if output else "")
     return f"{error} {first}".rstrip()
 
@@ -129,7 +151,11 @@ def find_compiler() -> tuple[str, ...] | None:
     for command in (shlex.split(os.environ.get("CC", "")), ["cc"], ["gcc"], ["clang"]):
         if command and (path := shutil.which(command[0])):
             return (path, *command[1:])
-    return (sys.executable, "-m", "ziglang", "cc") if importlib.util.find_spec("ziglang") is not None else None
+    return (
+        (sys.executable, "-m", "ziglang", "cc")
+        if importlib.util.find_spec("ziglang") is not None
+        else None
+    )
 
 
 def cache_folder() -> Path:
@@ -177,7 +203,9 @@ def _temporary_cache(temporary: Path) -> Path:
     seen = folder.lstat()
     if stat.S_ISDIR(seen.st_mode) and seen.st_uid == user and not seen.st_mode & 0o022:
         return folder
-    return Path(tempfile.mkdtemp(prefix="balance-rope-", dir=temporary))  # somebody else has taken the name
+    return Path(
+        tempfile.mkdtemp(prefix="balance-rope-", dir=temporary)
+    )  # somebody else has taken the name
 
 
 def build_library(
@@ -191,7 +219,9 @@ def build_library(
 
     ``objects`` contain functions that these call.
     """
-    return compile_library({"kernels.c": generate_c(tuple(functions))}, compiler, folder, name, objects)
+    return compile_library(
+        {"kernels.c": generate_c(tuple(functions))}, compiler, folder, name, objects
+    )
 
 
 def build_parts(
@@ -199,12 +229,19 @@ def build_parts(
 ) -> tuple[Path, Path]:
     """Compile functions once for all that call them; return library to load, and object file to link callers with."""
     sources = {f"{name}.c": generate_c(tuple(functions), "parts")}
-    library, objects = compile_library(sources, compiler, folder, name), object_files(sources, compiler, FLAGS, folder)
+    library, objects = (
+        compile_library(sources, compiler, folder, name),
+        object_files(sources, compiler, FLAGS, folder),
+    )
     return library, objects[f"{name}.c"]
 
 
 def compile_library(
-    sources: Mapping[str, str], compiler: Sequence[str], folder: Path, name: str, linked: Sequence[Path] = ()
+    sources: Mapping[str, str],
+    compiler: Sequence[str],
+    folder: Path,
+    name: str,
+    linked: Sequence[Path] = (),
 ) -> Path:
     """Compile the C files among ``sources`` (text by file name) into a library in ``folder``, once; return its path.
 
@@ -213,12 +250,16 @@ def compile_library(
     command = [*compiler, *FLAGS]
     objects = object_files(sources, compiler, FLAGS, folder)
     files = [*objects.values(), *linked]
-    library = folder / f"{name}-{short_hash(*command, *(file.name for file in files))}{LIBRARY_SUFFIX}"
+    library = (
+        folder / f"{name}-{short_hash(*command, *(file.name for file in files))}{LIBRARY_SUFFIX}"
+    )
 
     def link() -> None:
         # announce long waits only; Python runs ziglang
         if sum(map(len, sources.values())) > 10_000:
-            progress.warning(_ANNOUNCED, name, "ziglang" if "ziglang" in command else Path(command[0]).name)
+            progress.warning(
+                _ANNOUNCED, name, "ziglang" if "ziglang" in command else Path(command[0]).name
+            )
         compile_objects(sources, command, objects)
         link_library(command, files, library, library.name)
 
@@ -226,7 +267,11 @@ def compile_library(
 
 
 def link_library(
-    command: Sequence[str], objects: Iterable[Path], library: Path, name: str, more: Sequence[str] = ()
+    command: Sequence[str],
+    objects: Iterable[Path],
+    library: Path,
+    name: str,
+    more: Sequence[str] = (),
 ) -> None:
     """Link the ``objects`` and ``more`` into the file ``library``, whose own ``name`` may differ."""
     with tempfile.TemporaryDirectory(dir=library.parent) as folder:
@@ -271,16 +316,23 @@ def object_files(
     The hash of a file, its includes, the compiler and its flags is in the name: libraries share common files.
     """
     # the path of Python does not count: the same ziglang compiles the same elsewhere
-    made_by = (compiler_version(tuple(compiler)), *compiler[compiler[0] == sys.executable :], *flags)
+    made_by = (
+        compiler_version(tuple(compiler)),
+        *compiler[compiler[0] == sys.executable :],
+        *flags,
+    )
     digests = {file: short_hash(file, text) for file, text in sources.items()}
     return {
-        file: folder / f"{Path(file).stem}-{short_hash(*made_by, *(digests[f] for f in _included(file, sources)))}.o"
+        file: folder
+        / f"{Path(file).stem}-{short_hash(*made_by, *(digests[f] for f in _included(file, sources)))}.o"
         for file in sorted(sources)
         if file.endswith(".c")
     }
 
 
-def compile_objects(sources: Mapping[str, str], command: Sequence[str], objects: Mapping[str, Path]) -> None:
+def compile_objects(
+    sources: Mapping[str, str], command: Sequence[str], objects: Mapping[str, Path]
+) -> None:
     """Make the missing ``object_files``, as many at a time as the machine has cores."""
     # longest files first, includes counted
     missing = sorted(
@@ -290,7 +342,10 @@ def compile_objects(sources: Mapping[str, str], command: Sequence[str], objects:
     if not missing:
         return
     folder = objects[missing[0]].parent
-    with tempfile.TemporaryDirectory(dir=folder) as scratch, ThreadPoolExecutor(os.cpu_count()) as threads:
+    with (
+        tempfile.TemporaryDirectory(dir=folder) as scratch,
+        ThreadPoolExecutor(os.cpu_count()) as threads,
+    ):
         for file, code in sources.items():
             (Path(scratch) / file).write_text(code, encoding="utf-8", newline="\n")
 
@@ -308,7 +363,11 @@ def _included(file: str, sources: Mapping[str, str]) -> list[str]:
     """Return the file and those of the ``sources`` that it includes, each once."""
     included = [file]
     for part in included:
-        included += (name for name in _names_included(sources[part]) if name in sources and name not in included)
+        included += (
+            name
+            for name in _names_included(sources[part])
+            if name in sources and name not in included
+        )
     return list(dict.fromkeys(included))
 
 
@@ -329,7 +388,9 @@ def short_hash(*parts: str) -> str:
 @cache
 def compiler_version(compiler: tuple[str, ...]) -> str:
     """Return the first line of the compiler's answer to ``--version``."""
-    output = subprocess.run([*compiler, "--version"], capture_output=True, text=True, check=False).stdout
+    output = subprocess.run(
+        [*compiler, "--version"], capture_output=True, text=True, check=False
+    ).stdout
     return output.partition("\n")[0]
 
 
@@ -357,7 +418,12 @@ def load_portable(path: Path) -> list[ca.Function]:
         return [file.unpack() for _ in range(file.unpack())]
     except RuntimeError as error:  # an older CasADi refuses the file of a newer one
         cause = str(error).strip().splitlines()[-1]
-        log.warning("kernels: CasADi %s cannot read %s, they are built anew (%s)", ca.CasadiMeta.version(), path, cause)
+        log.warning(
+            "kernels: CasADi %s cannot read %s, they are built anew (%s)",
+            ca.CasadiMeta.version(),
+            path,
+            cause,
+        )
         return []
 
 

@@ -41,7 +41,10 @@ class NewtonStatus(Enum):
 
     TOO_MANY = 0, "Newton iteration did not converge within the allowed iterations"
     CONVERGED = 1, "Newton iteration converged"
-    DIVERGED = 2, "Newton iteration diverged: the step is too large or the elements are too long for this motion"
+    DIVERGED = (
+        2,
+        "Newton iteration diverged: the step is too large or the elements are too long for this motion",
+    )
     NOT_FINITE = 3, "Newton iteration met a value that is not finite"
 
     def __init__(self, code: int, text: str) -> None:
@@ -86,7 +89,11 @@ def report(progress: list[float]) -> NewtonReport:
 @cache
 def judge(limits: NewtonLimits = SMOOTH) -> ca.Function:
     """Build (progress, norm of the correction, tolerance, 1 if its factorization is new) -> progress after it."""
-    before, norm, tolerance = ca.SX.sym("progress", len(PROGRESS)), ca.SX.sym("norm"), ca.SX.sym("tolerance")
+    before, norm, tolerance = (
+        ca.SX.sym("progress", len(PROGRESS)),
+        ca.SX.sym("norm"),
+        ca.SX.sym("tolerance"),
+    )
     fresh = ca.SX.sym("fresh")
     _, iterations, _, previous, _, error_fraction = ca.vertsplit(before)
     contraction = ca.if_else(previous > 0, norm / previous, 0.0)
@@ -100,12 +107,18 @@ def judge(limits: NewtonLimits = SMOOTH) -> ca.Function:
     after = ca.vertcat(RUNNING, 1, norm, error, contraction)
     done = ca.vertcat(NewtonStatus.CONVERGED.code, 1, norm, error, contraction)
     after = ca.if_else(error <= tolerance, done, after)
-    after = ca.if_else(diverged, ca.vertcat(NewtonStatus.DIVERGED.code, 1, norm, norm, contraction), after)
+    after = ca.if_else(
+        diverged, ca.vertcat(NewtonStatus.DIVERGED.code, 1, norm, norm, contraction), after
+    )
     # a cheap correction that contracts badly only shows that a new factorization is due
     after = ca.if_else(useless, ca.vertcat(RUNNING, 0, previous, ca.inf, ca.inf), after)
     finite = norm < HUGE  # false for NaN too
-    after = ca.if_else(finite, after, ca.vertcat(NewtonStatus.NOT_FINITE.code, 1, norm, ca.inf, contraction))
-    return ca.Function("judge", [before, norm, tolerance, fresh], [ca.vertcat(after[0], iterations + 1, after[1:])])
+    after = ca.if_else(
+        finite, after, ca.vertcat(NewtonStatus.NOT_FINITE.code, 1, norm, ca.inf, contraction)
+    )
+    return ca.Function(
+        "judge", [before, norm, tolerance, fresh], [ca.vertcat(after[0], iterations + 1, after[1:])]
+    )
 
 
 def newton(factorize: ca.Function, correct: ca.Function, apply: ca.Function) -> ca.Function:
@@ -128,15 +141,22 @@ def newton(factorize: ca.Function, correct: ca.Function, apply: ca.Function) -> 
         inputs = [x, progress, *factors, *fixed, tolerance]
         return ca.Function(name, inputs, [moved(after[APPLIES], x, step, *fixed), after])
 
-    first, again = one_correction("newton_first", True), _where(one_correction("newton_again", False), 2)
+    first, again = (
+        one_correction("newton_first", True),
+        _where(one_correction("newton_again", False), 2),
+    )
     after = first(x, progress, *factors, *fixed, tolerance)
     for _ in range(int(SMOOTH.per_round) - 1):
         goes_on = ca.logic_and(after[1][STATUS] == RUNNING, after[1][CONTRACTION] < SMOOTH.slow)
         after = again(goes_on, *after, *factors, *fixed, tolerance)
-    corrections = ca.Function("newton_corrections", [x, progress, *factors, *fixed, tolerance], [*after])
+    corrections = ca.Function(
+        "newton_corrections", [x, progress, *factors, *fixed, tolerance], [*after]
+    )
     inputs = [x, progress, *fixed, tolerance]
     factors_x = factorize.call([x, *fixed])
-    one_round = ca.Function("newton_round", inputs, corrections.call([x, progress, *factors_x, *fixed, tolerance]))
+    one_round = ca.Function(
+        "newton_round", inputs, corrections.call([x, progress, *factors_x, *fixed, tolerance])
+    )
     another = _where(one_round, 2)
     error_fraction = ca.MX.sym("error_fraction")
     result = one_round(x, initial_progress(error_fraction), *fixed, tolerance)

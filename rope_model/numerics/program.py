@@ -42,10 +42,14 @@ class Program:
 
     def __init__(self, formula: Callable[[Sequence[Any]], Sequence[Any]], numbers: int) -> None:
         traced = trace(formula, numbers)
-        self._inputs, self._outputs = (struct.Struct(f"{n}d") for n in (traced.numel_in(0), traced.numel_out(0)))
+        self._inputs, self._outputs = (
+            struct.Struct(f"{n}d") for n in (traced.numel_in(0), traced.numel_out(0))
+        )
         self._input, self._output = bytearray(self._inputs.size), bytearray(self._outputs.size)
         buffer: Any
-        buffer, self._evaluate = traced.buffer()  # the stubs of casadi do not know the buffer's methods
+        buffer, self._evaluate = (
+            traced.buffer()
+        )  # the stubs of casadi do not know the buffer's methods
         buffer.set_arg(0, memoryview(self._input))
         buffer.set_res(0, memoryview(self._output))
         self._buffer = buffer

@@ -17,7 +17,11 @@ def coefficients(h: Any, x0: Any, v0: Any, a0: Any, x1: Any, v1: Any, a1: Any) -
 def rates(c: Any, s: Any) -> tuple[Any, Any, Any]:
     """Return value, rate and acceleration at ``s``."""
     _, c1, c2, c3, c4, c5 = c
-    return (value(c, s), c1 + s * (2 * c2 + s * (3 * c3 + s * (4 * c4 + s * 5 * c5))), acceleration(c, s))
+    return (
+        value(c, s),
+        c1 + s * (2 * c2 + s * (3 * c3 + s * (4 * c4 + s * 5 * c5))),
+        acceleration(c, s),
+    )
 
 
 def value(c: Any, s: Any) -> Any:

@@ -18,14 +18,27 @@ x^2 v^2 / g against its weight.
 
 from typing import Any, NamedTuple
 
-from rope_model.physics.elementary import ceil, cos, less, logical_and, logical_or, maximum, minimum, sin, sqrt, where
+from rope_model.physics.elementary import (
+    ceil,
+    cos,
+    less,
+    logical_and,
+    logical_or,
+    maximum,
+    minimum,
+    sin,
+    sqrt,
+    where,
+)
 from rope_model.physics.estimates import axial_frequency, bending_length
 
 # fractions of allowed errors that a step may leave, tuned on seeded ropes of 60 to 1200 m (`make promise`)
 FORCE_FRACTION = 22.0  #: fraction of the end force error
 LOOP_FRACTION = 0.01  #: fraction of the loop's error, for the position of a node
 FLOW_FRACTION = 0.6  #: fraction of the loop's error, for the flow through it
-RATE_ERROR_FACTOR = 2.0  #: total phase error of a wave over that by the strain alone: its rate is not measured
+RATE_ERROR_FACTOR = (
+    2.0  #: total phase error of a wave over that by the strain alone: its rate is not measured
+)
 # the loop hangs too high by LOOP_HEIGHT w x^2 N / (1 + N), N = LOCKING x^4 EA w^2 / EI: evidence.mesh_rule.laws
 LOOP_HEIGHT = 0.0214
 LOCKING = 0.0028
@@ -51,7 +64,9 @@ GROWTH_DELAY_STEPS = 100.0  #: steps, where these take less
 ACCEPT_BELOW = 2.0
 GROW_BELOW = 0.05  #: fraction of the tolerance below which an error is small
 TINY = 1e-300
-STEP_ITERATIONS = 12  #: Newton iterations of a step where they are bounded: the largest number in recorded trips
+STEP_ITERATIONS = (
+    12  #: Newton iterations of a step where they are bounded: the largest number in recorded trips
+)
 # errors (m and rad) that Newton's method may leave where work is bounded to one step
 BOUNDED_STEP_ERROR = 1e-4
 BOUNDED_MESH_ERROR = 2e-3  #: on a new mesh
@@ -91,7 +106,9 @@ class ErrorSums(NamedTuple):
 
 def wave_duration(rope: Any, omega: Any) -> Any:
     """Return the duration (s) of a wave of frequency ``omega`` (rad/s)."""
-    return 2.0 / maximum(rope.beta_K * (omega * omega), 2.0 * maximum(omega / MAX_PHASE, 1.0 / MAX_WAVE))
+    return 2.0 / maximum(
+        rope.beta_K * (omega * omega), 2.0 * maximum(omega / MAX_PHASE, 1.0 / MAX_WAVE)
+    )
 
 
 def step_limits(scene: Any, sums: Any, s: Any, end_speed: Any, error_constant: Any) -> StepLimits:
@@ -108,14 +125,26 @@ def step_limits(scene: Any, sums: Any, s: Any, end_speed: Any, error_constant: A
     allowed = FORCE_FRACTION * maximum(1.0 - used, MIN_LEFT) * accuracy.end_force / duration
     strain = rope.mass_per_length * scene.layout.gravity * leg / rope.Qa
     shortest = sqrt(allowed / (BRAKED * error_constant * (omega * omega * omega)))
-    longest_squared = FLOW_FRACTION * accuracy.loop / maximum(flow_error(scene, end_speed, 1.0), TINY)
+    longest_squared = (
+        FLOW_FRACTION * accuracy.loop / maximum(flow_error(scene, end_speed, 1.0), TINY)
+    )
     rubs = less(rope.EI, rope.EI_stick)
     powers = where(rubs, RUBBING_POSITION_POWER, 1.0), where(rubs, RUBBING_STRAIN_POWER, 1.0)
-    return StepLimits(LOOP_FRACTION * accuracy.loop, allowed * strain, shortest, sqrt(longest_squared), *powers)
+    return StepLimits(
+        LOOP_FRACTION * accuracy.loop, allowed * strain, shortest, sqrt(longest_squared), *powers
+    )
 
 
 def add_errors(
-    scene: Any, sums: Any, s: Any, end_speed: Any, h: Any, constant: Any, strain_tt: Any, position: Any, force: Any
+    scene: Any,
+    sums: Any,
+    s: Any,
+    end_speed: Any,
+    h: Any,
+    constant: Any,
+    strain_tt: Any,
+    position: Any,
+    force: Any,
 ) -> ErrorSums:
     """Return ``sums`` after a step ``h`` with a ``position`` error (m) and end forces of up to ``force`` (N).
 
@@ -131,18 +160,34 @@ def add_errors(
         decay, phase = duration / (duration + h), omega * h
         cosine, sine = decay * cos(phase), decay * sin(phase)
         present, later = sums.waves[2 * side], sums.waves[2 * side + 1]
-        local = constant * (h * h) / (1.0 + constant * (phase * phase)) * (strain_tt[side] - sums.strain_tt[side])
+        local = (
+            constant
+            * (h * h)
+            / (1.0 + constant * (phase * phase))
+            * (strain_tt[side] - sums.strain_tt[side])
+        )
         waves += [cosine * present + sine * later + local, cosine * later - sine * present]
         squares.append(sums.squares[side] + h * (waves[-2] * waves[-2]))
     largest = maximum(sums.position, position), maximum(sums.flow, flow_error(scene, end_speed, h))
     wave_sums = (waves[0], waves[1], waves[2], waves[3]), (squares[0], squares[1])
-    return ErrorSums(sums.time + h, *largest, maximum(sums.force, force), *wave_sums, (strain_tt[0], strain_tt[1]))
+    return ErrorSums(
+        sums.time + h,
+        *largest,
+        maximum(sums.force, force),
+        *wave_sums,
+        (strain_tt[0], strain_tt[1]),
+    )
 
 
 def end_force_error(rope: Any, sums: Any) -> Any:
     """Return the error of the end forces, root mean square since the start, relative to the largest force."""
     squares = maximum(sums.squares[0], sums.squares[1])
-    return RATE_ERROR_FACTOR * rope.Qa * sqrt(squares / maximum(sums.time, TINY)) / maximum(sums.force, TINY)
+    return (
+        RATE_ERROR_FACTOR
+        * rope.Qa
+        * sqrt(squares / maximum(sums.time, TINY))
+        / maximum(sums.force, TINY)
+    )
 
 
 def locking_error(scene: Any, l: Any) -> Any:
@@ -156,7 +201,9 @@ def locking_error(scene: Any, l: Any) -> Any:
 def mesh_error(scene: Any, l: Any, grading_length: Any) -> Any:
     """Return the loop's position error (m) on elements of length ``l``, with ``grading_length`` in the legs."""
     slip_factor = 1.0 + SLIPPED * _slip_fraction(scene, l, SLIPS_FROM)
-    return locking_error(scene, l) * slip_factor + LEG_MESH_ERROR * grading_length * scene.rope.length
+    return (
+        locking_error(scene, l) * slip_factor + LEG_MESH_ERROR * grading_length * scene.rope.length
+    )
 
 
 def turned_by_mesh(scene: Any, l: Any) -> Any:
@@ -191,7 +238,9 @@ def step_error(limits: Any, h: Any, position_error: Any, strain_error: Any) -> A
     its limit, and (h / longest)^4 for the flow through the loop.
     """
     flow = h / limits.longest
-    position = maximum((position_error / limits.position) ** limits.position_power, flow * flow * (flow * flow))
+    position = maximum(
+        (position_error / limits.position) ** limits.position_power, flow * flow * (flow * flow)
+    )
     strain = (strain_error / (h * limits.strain_rate)) ** limits.strain_power
     return where(less(limits.shortest, h), maximum(position, strain), position)
 
@@ -200,7 +249,9 @@ def loop_error(scene: Any, sums: Any, l: Any, grading_length: Any) -> Any:
     """Return the largest error (m) of the loop's position since the start, by elements, legs and steps."""
     mesh = mesh_error(scene, l, grading_length)
     steps = STEP_ERROR_TO_LOOP * sums.position
-    return sqrt(mesh * mesh + steps * steps + sums.flow * sums.flow)  # the three occur at different instants
+    return sqrt(
+        mesh * mesh + steps * steps + sums.flow * sums.flow
+    )  # the three occur at different instants
 
 
 def growth_delay(h: Any, step_next: Any) -> Any:
@@ -217,7 +268,9 @@ class NextStep(NamedTuple):
     given_up: float
 
 
-def next_step(solver: Any, h: Any, step_next: Any, error: Any, rejected: Any, t: Any, calm_since: Any) -> NextStep:
+def next_step(
+    solver: Any, h: Any, step_next: Any, error: Any, rejected: Any, t: Any, calm_since: Any
+) -> NextStep:
     """Choose the step after one of length ``h`` to ``t`` with ``error`` over the allowed one.
 
     An error above the tolerance halves the next step; small errors for the time growth_delay double it.  A larger error
@@ -226,7 +279,9 @@ def next_step(solver: Any, h: Any, step_next: Any, error: Any, rejected: Any, t:
     calm_since = where(logical_or(rejected, error > GROW_BELOW * solver.tolerance), t, calm_since)
     given_up = error > ACCEPT_BELOW * solver.tolerance
     keeps = logical_or(given_up, error <= solver.tolerance)
-    grows = logical_and(keeps, t - calm_since > growth_delay(h, step_next), step_next < solver.step_max)
+    grows = logical_and(
+        keeps, t - calm_since > growth_delay(h, step_next), step_next < solver.step_max
+    )
     longer = where(grows, minimum(2.0 * step_next, solver.step_max), step_next)
     return NextStep(
         where(keeps, longer, maximum(0.5 * h, solver.step_min)),

@@ -76,7 +76,12 @@ def flow(air: AirCoefficients, conveyances: Sequence[Passing], point: Any, l: An
     x, z = fraction * x, fraction * z
     for underside, speed in conveyances:
         h = point[1] - underside[1]
-        aside = air.buffet * speed / air.spacing * (_bell((h - air.height) / air.spacing) - _bell(h / air.spacing))
+        aside = (
+            air.buffet
+            * speed
+            / air.spacing
+            * (_bell((h - air.height) / air.spacing) - _bell(h / air.spacing))
+        )
         x, z = x + aside * (point[0] - underside[0]), z + aside * (point[2] - underside[2])
     return [x, y, z]
 
@@ -95,7 +100,9 @@ def _bell(h: Any) -> Any:
     return 1.0 / (square * sqrt(square))
 
 
-def drag(air: AirCoefficients, velocity: Any, slope: Any, speed: Any) -> tuple[list[Any], list[list[Any]]]:
+def drag(
+    air: AirCoefficients, velocity: Any, slope: Any, speed: Any
+) -> tuple[list[Any], list[list[Any]]]:
     """Return the force per length in air of this ``velocity``, and -df/dv (3, 3); r' is ``slope``, r_t is ``speed``."""
     relative = [speed[i] - velocity[i] for i in range(3)]
     square = dot(slope, slope)
@@ -105,5 +112,6 @@ def drag(air: AirCoefficients, velocity: Any, slope: Any, speed: Any) -> tuple[l
     force = [-air.factor * size * x for x in across]
     normal = [[float(i == j) - slope[i] * slope[j] / square for j in range(3)] for i in range(3)]
     return force, [
-        [air.factor * (size * normal[i][j] + across[i] * across[j] / size) for j in range(3)] for i in range(3)
+        [air.factor * (size * normal[i][j] + across[i] * across[j] / size) for j in range(3)]
+        for i in range(3)
     ]

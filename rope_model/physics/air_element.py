@@ -15,7 +15,13 @@ import casadi as ca
 
 from rope_model.physics import hermite
 from rope_model.physics.air import AirCoefficients, Passing, drag, flow
-from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, PARAMETERS, ElementFidelity, ElementFunctions
+from rope_model.physics.element import (
+    ELEMENT_DOF,
+    NODE_DOF,
+    PARAMETERS,
+    ElementFidelity,
+    ElementFunctions,
+)
 from rope_model.physics.elementary import cross, dot
 
 #: number of entries of AirCoefficients; AIR_SIZE includes both conveyances
@@ -53,7 +59,11 @@ def air_functions(fidelity: ElementFidelity) -> AirFunctions:
     for x, symbol in zip((q, v), symbols, strict=True):
         x[entries] = symbol
     air, conveyances = _numbers(ca.vertsplit(A))
-    R, J, sums = ca.SX.zeros(2 * NODE_DOF), ca.SX.zeros(2 * NODE_DOF, 2 * NODE_DOF), ca.SX.zeros(len(AIR_BALANCE))
+    R, J, sums = (
+        ca.SX.zeros(2 * NODE_DOF),
+        ca.SX.zeros(2 * NODE_DOF, 2 * NODE_DOF),
+        ca.SX.zeros(len(AIR_BALANCE)),
+    )
     for xi, weight in hermite.GAUSS:
         nodes = dict(_nodes(hermite.shape_functions(xi, l)))
         (point, slope), (speed, _) = (_at(xi, l, x) for x in (q, v))
@@ -80,15 +90,25 @@ def air_element(fidelity: ElementFidelity, base: ElementFunctions) -> ElementFun
     """Build the functions of the ``base`` element in air, with A behind its P and AIR_BALANCE behind its balance."""
     air, m = air_functions(fidelity), len(ELEMENT_DOF[fidelity])
     q, v, a, q_prestress = (ca.SX.sym(name, 2 * m) for name in ("q", "v", "a", "q_prestress"))
-    l, F, P = ca.SX.sym("l"), ca.SX.sym("F", base.residual.size1_in(4)), ca.SX.sym("P", len(PARAMETERS) + AIR_SIZE)
+    l, F, P = (
+        ca.SX.sym("l"),
+        ca.SX.sym("F", base.residual.size1_in(4)),
+        ca.SX.sym("P", len(PARAMETERS) + AIR_SIZE),
+    )
     cq, cv, c_a = (ca.SX.sym(name) for name in ("cq", "cv", "ca"))
     base_args, air_inputs = (l, F, P[: len(PARAMETERS)]), (q, v, l, P[len(PARAMETERS) :])
     R, J = base.tangent(q, v, a, *base_args, cq, cv, c_a, q_prestress)
     force = air.residual(*air_inputs)
     return base.replaced(
         residual=([q, v, a, l, F, P], [base.residual(q, v, a, *base_args) + force]),
-        tangent=([q, v, a, l, F, P, cq, cv, c_a, q_prestress], [R + force, J + air.tangent(*air_inputs, cv)]),
-        balance=([q, v, l, F, P], [ca.vertcat(base.balance(q, v, *base_args), air.sums(*air_inputs))]),
+        tangent=(
+            [q, v, a, l, F, P, cq, cv, c_a, q_prestress],
+            [R + force, J + air.tangent(*air_inputs, cv)],
+        ),
+        balance=(
+            [q, v, l, F, P],
+            [ca.vertcat(base.balance(q, v, *base_args), air.sums(*air_inputs))],
+        ),
         losses=([q, v, l, F, P], [base.losses(q, v, *base_args)]),
         momentum=([q, v, l, P], [base.momentum(q, v, l, base_args[2])]),
     )
@@ -96,12 +116,18 @@ def air_element(fidelity: ElementFidelity, base: ElementFunctions) -> ElementFun
 
 def _numbers(A: Any) -> tuple[AirCoefficients, list[Passing]]:
     air = AirCoefficients(A[0], (A[1], A[2], A[3]), *A[4:COEFFICIENTS_SIZE])
-    return air, [Passing((A[k], A[k + 1], A[k + 2]), A[k + 3]) for k in (COEFFICIENTS_SIZE, COEFFICIENTS_SIZE + 4)]
+    return air, [
+        Passing((A[k], A[k + 1], A[k + 2]), A[k + 3])
+        for k in (COEFFICIENTS_SIZE, COEFFICIENTS_SIZE + 4)
+    ]
 
 
 def _at(xi: float, l: ca.SX, x: ca.SX) -> tuple[list[ca.SX], list[ca.SX]]:
     """Return r and r', or their rates, at ``xi`` of the element."""
-    pairs = [hermite.interpolate(xi, l, x[i], x[3 + i], x[NODE_DOF + i], x[NODE_DOF + 3 + i]) for i in range(3)]
+    pairs = [
+        hermite.interpolate(xi, l, x[i], x[3 + i], x[NODE_DOF + i], x[NODE_DOF + 3 + i])
+        for i in range(3)
+    ]
     return [value for value, _ in pairs], [slope for _, slope in pairs]
 
 

@@ -15,11 +15,19 @@ _BENDING = BALANCE.index("bending")
 Part = Callable[..., Any]
 
 
-def bending_element(base: ElementFunctions, size: int, force: Part, tangent: Part, energy: Part) -> ElementFunctions:
+def bending_element(
+    base: ElementFunctions, size: int, force: Part, tangent: Part, energy: Part
+) -> ElementFunctions:
     """Add force, tangent and energy of a part with ``size`` numbers to the ``base`` element; the energy is bending."""
     frame = base.residual.size1_in(4)
-    q, v, a, q_prestress = (ca.SX.sym(name, base.residual.size1_in(0)) for name in ("q", "v", "a", "q_prestress"))
-    l, F, P = ca.SX.sym("l"), ca.SX.sym("F", frame + size), ca.SX.sym("P", base.residual.size1_in(5))
+    q, v, a, q_prestress = (
+        ca.SX.sym(name, base.residual.size1_in(0)) for name in ("q", "v", "a", "q_prestress")
+    )
+    l, F, P = (
+        ca.SX.sym("l"),
+        ca.SX.sym("F", frame + size),
+        ca.SX.sym("P", base.residual.size1_in(5)),
+    )
     cq, cv, c_a = (ca.SX.sym(name) for name in ("cq", "cv", "ca"))
     base_F, numbers = F[:frame], F[frame:]
     R, J = base.tangent(q, v, a, l, base_F, P, cq, cv, c_a, q_prestress)
@@ -29,7 +37,10 @@ def bending_element(base: ElementFunctions, size: int, force: Part, tangent: Par
 
     return base.replaced(
         residual=([q, v, a, l, F, P], [base.residual(q, v, a, l, base_F, P) + added]),
-        tangent=([q, v, a, l, F, P, cq, cv, c_a, q_prestress], [R + added, J + tangent(q, l, base_F, numbers, cq)]),
+        tangent=(
+            [q, v, a, l, F, P, cq, cv, c_a, q_prestress],
+            [R + added, J + tangent(q, l, base_F, numbers, cq)],
+        ),
         balance=([q, v, l, F, P], [balance]),
         losses=([q, v, l, F, P], [base.losses(q, v, l, base_F, P)]),
         strains=([q, v, l, F], [base.strains(q, v, l, base_F)]),

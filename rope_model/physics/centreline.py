@@ -12,7 +12,9 @@ from rope_model.physics.elementary import atan2, cos, dot, maximum, minimum, sin
 from rope_model.physics.hermite import interpolate
 
 
-def suspension_points(layout: Any, left: Any, right: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+def suspension_points(
+    layout: Any, left: Any, right: Any
+) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """Return the suspension points (2, 3) of ends whose motions count from their nominal points."""
     half = 0.5 * layout.spacing
     return (-half + left.x, left.y, left.z), (half + right.x, right.y, right.z)
@@ -32,7 +34,11 @@ def squared_distance(point: Any, start: Any, along: Any) -> Any:
     """Return the squared distance (m^2) of ``point`` from the straight piece from ``start`` along ``along``."""
     across = point[0] - start[0], point[1] - start[1], point[2] - start[2]
     fraction = minimum(maximum(dot(across, along) / dot(along, along), 0.0), 1.0)
-    x, y, z = across[0] - fraction * along[0], across[1] - fraction * along[1], across[2] - fraction * along[2]
+    x, y, z = (
+        across[0] - fraction * along[0],
+        across[1] - fraction * along[1],
+        across[2] - fraction * along[2],
+    )
     return x * x + y * y + z * z
 
 
@@ -76,7 +82,11 @@ def box_between(bounds: Any) -> tuple[Any, ...]:
 
 def enclosing_box(length: Any, a: Any, b: Any) -> tuple[Any, ...]:
     """Return centre and half widths (6,) of an upright box that contains the cubic between ``a`` and ``b``."""
-    bounds = [of(a[k], length, a[k], a[3 + k], b[k], b[3 + k]) for of in (lower_bound, upper_bound) for k in range(3)]
+    bounds = [
+        of(a[k], length, a[k], a[3 + k], b[k], b[3 + k])
+        for of in (lower_bound, upper_bound)
+        for k in range(3)
+    ]
     return box_between(bounds)
 
 
@@ -96,7 +106,11 @@ def plane_between(left: Any, right: Any, start: Any, direction: Any) -> tuple[An
     At the height of the higher end the plane passes midway between the ends ``left`` and ``right``.
     """
     rise = maximum(left[1], right[1]) - start[1]
-    return direction[0], -0.5 * (reach(left, start, direction) + reach(right, start, direction)) / rise, direction[1]
+    return (
+        direction[0],
+        -0.5 * (reach(left, start, direction) + reach(right, start, direction)) / rise,
+        direction[1],
+    )
 
 
 def reach(point: Any, start: Any, direction: Any) -> Any:
@@ -118,7 +132,15 @@ def margin(point: Any, lowest_point: Any, diameter: Any, above: Any) -> Any:
 
 
 def side_gap(
-    side: Any, length: Any, outer: Any, inner: Any, top: Any, start: Any, normal: Any, diameter: Any, above: Any
+    side: Any,
+    length: Any,
+    outer: Any,
+    inner: Any,
+    top: Any,
+    start: Any,
+    normal: Any,
+    diameter: Any,
+    above: Any,
 ) -> Any:
     """Return the least gap (m) of an element of a leg, from its ``outer`` to its ``inner`` node, excluding the latter.
 
@@ -153,4 +175,6 @@ def turns(yaw: Any, line: Any, passages: Any) -> Any:
 
 def angle_between(before: Any, after: Any) -> Any:
     """Return the angle (rad) about Y from one horizontal vector (X, Z) to another."""
-    return atan2(before[1] * after[0] - before[0] * after[1], before[0] * after[0] + before[1] * after[1])
+    return atan2(
+        before[1] * after[0] - before[0] * after[1], before[0] * after[0] + before[1] * after[1]
+    )

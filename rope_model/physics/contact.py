@@ -56,7 +56,14 @@ class ContactTerms(NamedTuple):
 
 
 def contact_law(
-    contact: Any, diameter: Any, body: Any, body_velocity: Any, point: Any, velocity: Any, cq: Any, cv: Any
+    contact: Any,
+    diameter: Any,
+    body: Any,
+    body_velocity: Any,
+    point: Any,
+    velocity: Any,
+    cq: Any,
+    cv: Any,
 ) -> ContactTerms:
     """Return the contact of the centre line at ``point`` with a body, per length, for their velocities (m/s).
 
@@ -76,13 +83,19 @@ def contact_law(
     pressure = spring * damped
     slip = sqrt(dot(u, u) + contact.slip_speed * contact.slip_speed)
     drag = contact.friction * pressure / slip
-    force = pressure * n[0] - drag * u[0], pressure * n[1] - drag * u[1], pressure * n[2] - drag * u[2]
+    force = (
+        pressure * n[0] - drag * u[0],
+        pressure * n[1] - drag * u[1],
+        pressure * n[2] - drag * u[2],
+    )
 
     normal_stiffness = cq * damped * contact.stiffness * soft / onset
     normal_stiffness = normal_stiffness + cv * (less(0.0, damped) * contact.damping * spring - drag)
     softening, viscous = cv * drag / (slip * slip), cv * drag
     pairs = ((i, j) for i in range(3) for j in range(i, 3))
-    xx, xy, xz, yy, yz, zz = (normal_stiffness * n[i] * n[j] - softening * u[i] * u[j] for i, j in pairs)
+    xx, xy, xz, yy, yz, zz = (
+        normal_stiffness * n[i] * n[j] - softening * u[i] * u[j] for i, j in pairs
+    )
     dissipated = (spring - pressure) * normal_speed + drag * dot(u, u)
     sums = energy, dissipated, dot(force, body_velocity), *force, *cross(point, force), pressure
     return ContactTerms(force, (xx + viscous, xy, xz, yy + viscous, yz, zz + viscous), sums)

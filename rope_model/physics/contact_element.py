@@ -34,7 +34,9 @@ CONTACT_BALANCE = (
 
 
 @cache
-def contact_element(fidelity: ElementFidelity, base: ElementFunctions, kinds: tuple[int, ...]) -> ElementFunctions:
+def contact_element(
+    fidelity: ElementFidelity, base: ElementFunctions, kinds: tuple[int, ...]
+) -> ElementFunctions:
     """Build the functions of the ``base`` element of a fidelity with a body of each of the ``kinds``.
 
     F has a further entry for each body, 1 where the element is near it, else 0; P has LAW and the bodies behind its own
@@ -56,7 +58,10 @@ def contact_element(fidelity: ElementFidelity, base: ElementFunctions, kinds: tu
     balance = added(sums)
     return base.replaced(
         residual=([q, v, a, l, F, P], [base.residual(q, v, a, l, *base_args) + added(R)]),
-        tangent=([q, v, a, l, F, P, cq, cv, c_a, q_prestress], [R_base + added(R), J_base + added(J, cq, cv)]),
+        tangent=(
+            [q, v, a, l, F, P, cq, cv, c_a, q_prestress],
+            [R_base + added(R), J_base + added(J, cq, cv)],
+        ),
         balance=([q, v, l, F, P], [ca.vertcat(base.balance(q, v, l, *base_args), balance)]),
         losses=([q, v, l, F, P], [ca.vertcat(base.losses(q, v, l, *base_args), balance[1:3])]),
         strains=([q, v, l, F], [base.strains(q, v, l, base_args[0])]),
@@ -65,7 +70,9 @@ def contact_element(fidelity: ElementFidelity, base: ElementFunctions, kinds: tu
     )
 
 
-def _integrals(dofs: tuple[int, ...], kinds: tuple[int, ...]) -> tuple[ca.Function, ca.Function, ca.Function]:
+def _integrals(
+    dofs: tuple[int, ...], kinds: tuple[int, ...]
+) -> tuple[ca.Function, ca.Function, ca.Function]:
     """Build (q, v, l, near, P) -> R (2 m,), the same with (cq, cv) -> J (2 m, 2 m), and -> sums of CONTACT_BALANCE."""
     m = len(dofs)
     q, v, l = ca.MX.sym("q", 2 * m), ca.MX.sym("v", 2 * m), ca.MX.sym("l")
@@ -73,9 +80,19 @@ def _integrals(dofs: tuple[int, ...], kinds: tuple[int, ...]) -> tuple[ca.Functi
     cq, cv = ca.MX.sym("cq"), ca.MX.sym("cv")
     # index in the element of component i of node value k, which is r or r' of a node
     index = {dof: i for i, dof in enumerate(dofs) if dof < 6}
-    entries = {(i, k): index[i + 3 * (k % 2)] + m * (k // 2) for i in range(3) if i in index for k in range(4)}
+    entries = {
+        (i, k): index[i + 3 * (k % 2)] + m * (k // 2)
+        for i in range(3)
+        if i in index
+        for k in range(4)
+    }
     rows, speeds = (
-        ca.horzcat(*(ca.vertcat(*(x[entries[i, k]] if (i, k) in entries else 0 for i in range(3))) for k in range(4)))
+        ca.horzcat(
+            *(
+                ca.vertcat(*(x[entries[i, k]] if (i, k) in entries else 0 for i in range(3)))
+                for k in range(4)
+            )
+        )
         for x in (q, v)
     )
 
@@ -128,10 +145,19 @@ def _body_function(stiff: bool) -> ca.Function:
     bracket = halve.fold(contact_points.HALVINGS)(ca.horzcat(*ends), rows, l, P)
     turn_xi = ca.if_else(ends[0][2] * ends[1][2] < 0, _turning_function()(bracket), stop)
     probes = ca.horzcat(ends[0], probe_at(turn_xi, rows, l, P), ends[1])
-    cell = _where_near(_cell_function(stiff))(ca.mmax(probes[1, :]) > 0, probes, rows, speeds, l, P, *c)
-    cell_function = ca.Function("cell", [start, stop, rows, speeds, l, P, *c], list(cell) if not stiff else [cell])
-    bounds = ca.DM([[(k + end) / contact_points.CELLS for k in range(contact_points.CELLS)] for end in (0, 1)])
-    terms = [cell_function(bounds[0, k], bounds[1, k], rows, speeds, l, P, *c) for k in range(contact_points.CELLS)]
+    cell = _where_near(_cell_function(stiff))(
+        ca.mmax(probes[1, :]) > 0, probes, rows, speeds, l, P, *c
+    )
+    cell_function = ca.Function(
+        "cell", [start, stop, rows, speeds, l, P, *c], list(cell) if not stiff else [cell]
+    )
+    bounds = ca.DM(
+        [[(k + end) / contact_points.CELLS for k in range(contact_points.CELLS)] for end in (0, 1)]
+    )
+    terms = [
+        cell_function(bounds[0, k], bounds[1, k], rows, speeds, l, P, *c)
+        for k in range(contact_points.CELLS)
+    ]
     totals = [sum(x) for x in (zip(*terms, strict=True) if not stiff else [terms])]
     return ca.Function("pressed_tangent" if stiff else "pressed", [rows, speeds, l, P, *c], totals)
 
@@ -150,8 +176,12 @@ def _cell_function(stiff: bool) -> ca.Function:
         start = deeper[0]
         for fraction in contact_points.LEVELS:
             level = fraction * P[LAW.index("diameter")]
-            reached = reach.fold(contact_points.STEPS)(ca.vertcat(other, deeper[0]), rows, l, P, level)[0]
-            stop = ca.if_else(deeper[1] <= level, deeper[0], ca.if_else(other[1] >= level, other[0], reached))
+            reached = reach.fold(contact_points.STEPS)(
+                ca.vertcat(other, deeper[0]), rows, l, P, level
+            )[0]
+            stop = ca.if_else(
+                deeper[1] <= level, deeper[0], ca.if_else(other[1] >= level, other[0], reached)
+            )
             pieces += [
                 contact_points.point_in(*point, start, stop)
                 for point in zip(contact_points.PARTS, contact_points.WEIGHTS, strict=True)
@@ -160,9 +190,9 @@ def _cell_function(stiff: bool) -> ca.Function:
     xi_points, weights = (ca.vertcat(*x) for x in zip(*pieces, strict=True))
     number = len(pieces)
     xi, length = ca.SX.sym("xi"), ca.SX.sym("l")
-    shape_functions = ca.Function("shares", [xi, length], [ca.horzcat(*hermite.shape_functions(xi, length))]).map(
-        number
-    )
+    shape_functions = ca.Function(
+        "shares", [xi, length], [ca.horzcat(*hermite.shape_functions(xi, length))]
+    ).map(number)
     N = ca.reshape(shape_functions(xi_points.T, l), 4, number)  # a column for each point
     loads, tangents = (f.map(number) for f in _touch_functions())
     repeated = rows @ N, speeds @ N, ca.repmat(P, 1, number)
@@ -171,9 +201,13 @@ def _cell_function(stiff: bool) -> ca.Function:
     if stiff:
         T = tangents(*repeated, *(ca.repmat(x, 1, number) for x in c))
         pairs = [N[k, :] * N[n, :] for k in range(4) for n in range(k, 4)]
-        return ca.Function("cell_tangent", inputs, [T @ (ca.vertcat(*pairs).T * ca.repmat(weights, 1, len(pairs)))])
+        return ca.Function(
+            "cell_tangent", inputs, [T @ (ca.vertcat(*pairs).T * ca.repmat(weights, 1, len(pairs)))]
+        )
     force, sums = loads(*repeated)
-    return ca.Function("cell_force", inputs, [force @ (N.T * ca.repmat(weights, 1, 4)), sums @ weights])
+    return ca.Function(
+        "cell_force", inputs, [force @ (N.T * ca.repmat(weights, 1, 4)), sums @ weights]
+    )
 
 
 @cache
@@ -182,7 +216,12 @@ def _search_functions() -> tuple[ca.Function, ca.Function, ca.Function]:
     rows, l, P = ca.SX.sym("r", 3, 4), ca.SX.sym("l"), ca.SX.sym("P", len(LAW) + BODY_SIZE)
     a, b = ([*ca.vertsplit(rows[:, k]), *ca.vertsplit(rows[:, k + 1])] for k in (0, 2))
     diameter, (body, _) = P[LAW.index("diameter")], _body(P[len(LAW) :])
-    ends, state, xi, level = ca.SX.sym("ends", 3, 2), ca.SX.sym("at", 4), ca.SX.sym("place"), ca.SX.sym("level")
+    ends, state, xi, level = (
+        ca.SX.sym("ends", 3, 2),
+        ca.SX.sym("at", 4),
+        ca.SX.sym("place"),
+        ca.SX.sym("level"),
+    )
 
     def probe_at(xi: Any) -> Any:
         return ca.vertcat(*contact_points.probe(xi, l, a, b, diameter, body))
@@ -193,7 +232,11 @@ def _search_functions() -> tuple[ca.Function, ca.Function, ca.Function]:
     start = where(logical_and(turns, first), middle, start)
     stop = where(logical_and(turns, ca.logic_not(first)), middle, stop)
     next_probe = probe_at(contact_points.reaching(_probe(state[:3]), state[3], level))
-    nearer = where(next_probe[1] < level, ca.vertcat(next_probe, state[3]), ca.vertcat(state[:3], next_probe[0]))
+    nearer = where(
+        next_probe[1] < level,
+        ca.vertcat(next_probe, state[3]),
+        ca.vertcat(state[:3], next_probe[0]),
+    )
     return (
         ca.Function("probe", [xi, rows, l, P], [probe_at(xi)]),
         ca.Function("halve", [ends, rows, l, P], [ca.cse(ca.horzcat(start, stop))]),
@@ -204,7 +247,9 @@ def _search_functions() -> tuple[ca.Function, ca.Function, ca.Function]:
 @cache
 def _turning_function() -> ca.Function:
     ends = ca.SX.sym("ends", 3, 2)
-    return ca.Function("turning", [ends], [contact_points.turning(_probe(ends[:, 0]), _probe(ends[:, 1]))])
+    return ca.Function(
+        "turning", [ends], [contact_points.turning(_probe(ends[:, 0]), _probe(ends[:, 1]))]
+    )
 
 
 def _probe(x: Any) -> contact_points.Probe:
@@ -218,11 +263,21 @@ def _body(x: Any) -> tuple[Body, Any]:
 @cache
 def _touch_functions() -> tuple[ca.Function, ca.Function]:
     """Build (point, velocity, P) -> force (3,) and SUMS of one body per length, and with (cq, cv) -> tangent."""
-    point, speed, P = ca.SX.sym("point", 3), ca.SX.sym("speed", 3), ca.SX.sym("P", len(LAW) + BODY_SIZE)
+    point, speed, P = (
+        ca.SX.sym("point", 3),
+        ca.SX.sym("speed", 3),
+        ca.SX.sym("P", len(LAW) + BODY_SIZE),
+    )
     cq, cv = ca.SX.sym("cq"), ca.SX.sym("cv")
     law = SimpleNamespace(**dict(zip(LAW, ca.vertsplit(P[: len(LAW)]), strict=True)))
     terms = contact_law(law, law.diameter, *_body(P[len(LAW) :]), point, speed, cq, cv)
     return (
-        ca.Function("contact_law", [point, speed, P], ca.cse([ca.vertcat(*terms.force), ca.vertcat(*terms.sums)])),
-        ca.Function("touch_tangent", [point, speed, P, cq, cv], [ca.cse(ca.vertcat(*terms.tangent))]),
+        ca.Function(
+            "contact_law",
+            [point, speed, P],
+            ca.cse([ca.vertcat(*terms.force), ca.vertcat(*terms.sums)]),
+        ),
+        ca.Function(
+            "touch_tangent", [point, speed, P, cq, cv], [ca.cse(ca.vertcat(*terms.tangent))]
+        ),
     )

@@ -32,7 +32,9 @@ TINY = 1e-300
 class ContactSums(NamedTuple):
     """Contact impulses and error integrals since the start of the run."""
 
-    impulses: tuple[float, float, float, float, float, float] = (0.0,) * 6  # N s, of KINDS and of the rope on itself
+    impulses: tuple[float, float, float, float, float, float] = (
+        0.0,
+    ) * 6  # N s, of KINDS and of the rope on itself
     time: float = 0.0  # s, duration of the contact with bodies
     largest: float = 0.0  # N, largest pressure of the bodies
     followed: tuple[float, float] = (0.0, 0.0)  # N, filtered pressures s1 and s2
@@ -50,7 +52,9 @@ def add_contact(scene: Any, sums: Any, h: Any, pressures: Any, longest: Any) -> 
     first = first + fraction * (pressure - first)
     second = second + fraction * (pressure - first - second)
     unresolved = pressure - first - second
-    a, b, c, d, e, f = (before + h * pressure_k for before, pressure_k in zip(sums.impulses, pressures, strict=True))
+    a, b, c, d, e, f = (
+        before + h * pressure_k for before, pressure_k in zip(sums.impulses, pressures, strict=True)
+    )
     return ContactSums(
         (a, b, c, d, e, f),
         sums.time + where(less(0.0, pressure), h, 0.0),
@@ -71,7 +75,11 @@ def length_for(scene: Any, tau: Any) -> Any:
     """Return the length (m) of the elements whose delay is ``tau`` (s)."""
     rope, tension = scene.rope, _tension(scene)
     bent = 4.0 * rope.EI * rope.mass_per_length / (tau * tau)
-    return math.pi * tau * sqrt((tension + sqrt(tension * tension + bent)) / (2.0 * rope.mass_per_length))
+    return (
+        math.pi
+        * tau
+        * sqrt((tension + sqrt(tension * tension + bent)) / (2.0 * rope.mass_per_length))
+    )
 
 
 def _tension(scene: Any) -> Any:
@@ -85,10 +93,15 @@ def contact_error(sums: Any) -> Any:
 
 def add_contact_end_error(error: Any, sums: Any, time: Any, force: Any) -> Any:
     """Add the error by contact in ``time`` (s) to the ``error`` of the end forces over the largest ``force`` (N)."""
-    return hypot(error, TO_END_FORCES * sqrt(sums.square / maximum(time, TINY)) / maximum(force, TINY))
+    return hypot(
+        error, TO_END_FORCES * sqrt(sums.square / maximum(time, TINY)) / maximum(force, TINY)
+    )
 
 
 def add_contact_loop_error(scene: Any, error: Any, sums: Any) -> Any:
     """Add the error by contact to ``error`` (m) of the loop's position."""
     rope, g, w = scene.rope, scene.layout.gravity, bending_length(scene)
-    return hypot(error, TO_LOOP * sqrt(sums.square / (2.0 * math.pi * sqrt(w / g))) / (rope.mass_per_length * g))
+    return hypot(
+        error,
+        TO_LOOP * sqrt(sums.square / (2.0 * math.pi * sqrt(w / g))) / (rope.mass_per_length * g),
+    )

@@ -23,7 +23,9 @@ from rope_model.physics.shaft import distance, normal
 #: parts of an element that are checked one by one: an element in the loop turns by half a radian, legs are nearly
 #: straight
 CELLS = 4
-HALVINGS = 10  #: bisections for the extremum of the depth, which one secant step of the slopes follows
+HALVINGS = (
+    10  #: bisections for the extremum of the depth, which one secant step of the slopes follows
+)
 STEPS = 10  #: Newton steps for a level of the depth
 #: m, tolerance of a depth that is searched for
 DEPTH_TOLERANCE = 1e-12

@@ -23,7 +23,12 @@ import casadi as ca
 from rope_model.physics import element
 from rope_model.physics.bending_element import bending_element
 from rope_model.physics.elementary import dot, sqrt
-from rope_model.physics.frame import parallel_transport, rational_cos_sin, rotate_about_tangent, smallest_rotation_rate
+from rope_model.physics.frame import (
+    parallel_transport,
+    rational_cos_sin,
+    rotate_about_tangent,
+    smallest_rotation_rate,
+)
 from rope_model.physics.initial_curvature import TO_POINTS, curvature_vectors
 
 #: number of entries of an element: k0 at its points, angles, and EI
@@ -61,16 +66,27 @@ def curved_functions() -> CurvedFunctions:
         for row, xi in zip(TO_POINTS, element.POINTS, strict=True)
     ]
     angles: list[Any] = [
-        (1 - xi) * before[0] + xi * before[1] + dot(row, f) for row, xi in zip(parts, element.POINTS, strict=True)
+        (1 - xi) * before[0] + xi * before[1] + dot(row, f)
+        for row, xi in zip(parts, element.POINTS, strict=True)
     ]
     W, W_z, W_zz = zip(
-        *(bend(z[i], frames[i][:3], C[3 * i : 3 * i + 3], angles[i]) for i in range(len(B))), strict=True
+        *(bend(z[i], frames[i][:3], C[3 * i : 3 * i + 3], angles[i]) for i in range(len(B))),
+        strict=True,
     )
-    R, J, U = ca.SX.zeros(relative.shape[0]), ca.SX.zeros(relative.shape[0], relative.shape[0]), ca.SX(0)
+    R, J, U = (
+        ca.SX.zeros(relative.shape[0]),
+        ca.SX.zeros(relative.shape[0], relative.shape[0]),
+        ca.SX(0),
+    )
     for i, (w, B_p) in enumerate(zip(element.WEIGHTS, B, strict=True)):
         # derivative of the angle at this point, and the effect of this point's turning on all angles
-        angle_x: Any = sum((parts[i][k] * B[k].T @ f_z[k] for k in range(len(B))), start=ca.SX.zeros(relative.shape[0]))
-        coupled_weight: Any = sum(element.WEIGHTS[k] * W_z[k][6] * parts[k][i] for k in range(len(B)))
+        angle_x: Any = sum(
+            (parts[i][k] * B[k].T @ f_z[k] for k in range(len(B))),
+            start=ca.SX.zeros(relative.shape[0]),
+        )
+        coupled_weight: Any = sum(
+            element.WEIGHTS[k] * W_z[k][6] * parts[k][i] for k in range(len(B))
+        )
         R += B_p.T @ (w * W_z[i] - coupled_weight * f_z[i])
         J += B_p.T @ element.symmetric(w * W_zz[i] - coupled_weight * f_zz[i]) @ B_p
         coupled = w * (B_p.T @ W_zz[i][:, 6] - 0.5 * W_zz[i][6, 6] * angle_x)
@@ -92,11 +108,17 @@ def curvature_along(elements: int) -> ca.Function:
 
     Columns belong to elements.
     """
-    start, l, nodes = ca.SX.sym("start", 3), ca.SX.sym("l"), ca.SX.sym("nodes", 2 * element.NODE_DOF)
+    start, l, nodes = (
+        ca.SX.sym("start", 3),
+        ca.SX.sym("l"),
+        ca.SX.sym("nodes", 2 * element.NODE_DOF),
+    )
     components = ca.SX.sym("components", 2 * len(element.POINTS))
     *k0, x, y, z = curvature_vectors(components, l, nodes, start)
     inputs = [start, components, l, nodes]
-    return ca.Function("curvature_vectors", inputs, [ca.vertcat(x, y, z), ca.vertcat(*k0)]).mapaccum(elements)
+    return ca.Function(
+        "curvature_vectors", inputs, [ca.vertcat(x, y, z), ca.vertcat(*k0)]
+    ).mapaccum(elements)
 
 
 def _turn_function() -> ca.Function:
@@ -109,15 +131,24 @@ def _turn_function() -> ca.Function:
 
 def _bend_function() -> ca.Function:
     """Build (z, p, k0 in the reference, angle there) -> k . k0 at a point z = (r', r'', theta), and its derivatives."""
-    z, p, before, angle = ca.SX.sym("z", 7), ca.SX.sym("p", 3), ca.SX.sym("before", 3), ca.SX.sym("angle")
+    z, p, before, angle = (
+        ca.SX.sym("z", 7),
+        ca.SX.sym("p", 3),
+        ca.SX.sym("before", 3),
+        ca.SX.sym("angle"),
+    )
     d, c = z[0:3], z[3:6]
     square = dot(d, d)
     length = sqrt(square)
     t = [d[k] / length for k in range(3)]
-    director = rotate_about_tangent(t, parallel_transport(p, t, before), *rational_cos_sin(z[6] - angle))
+    director = rotate_about_tangent(
+        t, parallel_transport(p, t, before), *rational_cos_sin(z[6] - angle)
+    )
     along = dot(ca.cross(d, c), director) / square
     along_zz, along_z = ca.hessian(along, z)
-    return ca.Function("curved_bend", [z, p, before, angle], [ca.cse(x) for x in (along, along_z, along_zz)])
+    return ca.Function(
+        "curved_bend", [z, p, before, angle], [ca.cse(x) for x in (along, along_z, along_zz)]
+    )
 
 
 @cache

@@ -93,7 +93,11 @@ def torsional_slowness(rope: Any) -> Any:
     axial, torsional = rope.Qa * rope.rhoJ, rope.Qd * rope.mass_per_length
     slower, shared = axial - torsional, rope.mass_per_length * rope.rhoJ * (rope.Qs * rope.Qs)
     root = sqrt(slower * slower + 4 * shared)
-    return 0.5 * (axial + torsional + where(less(0.0, slower), root, -root)) / (rope.Qa * rope.Qd - rope.Qs * rope.Qs)
+    return (
+        0.5
+        * (axial + torsional + where(less(0.0, slower), root, -root))
+        / (rope.Qa * rope.Qd - rope.Qs * rope.Qs)
+    )
 
 
 #: entries of an element's balance, in order
@@ -117,7 +121,10 @@ FRAME_SIZE = 21
 
 _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(3)
 #: Gauss points as element coordinates xi, and weights
-POINTS, WEIGHTS = tuple((0.5 + 0.5 * _GAUSS_POINTS).tolist()), tuple((0.5 * _GAUSS_WEIGHTS).tolist())
+POINTS, WEIGHTS = (
+    tuple((0.5 + 0.5 * _GAUSS_POINTS).tolist()),
+    tuple((0.5 * _GAUSS_WEIGHTS).tolist()),
+)
 
 
 @dataclass(frozen=True)
@@ -151,7 +158,9 @@ class ElementFunctions:
 
     def replaced(self, **terms: tuple[list[Any], list[Any]]) -> "ElementFunctions":
         """Return the element with other functions, each given by its inputs and outputs."""
-        return replace(self, **{name: ca.Function(f"element_{name}", *x) for name, x in terms.items()})
+        return replace(
+            self, **{name: ca.Function(f"element_{name}", *x) for name, x in terms.items()}
+        )
 
 
 @cache
@@ -178,20 +187,28 @@ def element_functions(
     point = _point_functions(frame_rate, torsional)
 
     # means over the element: axial and torsional strain and their rates; the torque follows
-    means = sum((w * point["means"](z_p, v_p, F_p) for w, _, z_p, v_p, _, F_p in points), start=ca.SX.zeros(5))
+    means = sum(
+        (w * point["means"](z_p, v_p, F_p) for w, _, z_p, v_p, _, F_p in points),
+        start=ca.SX.zeros(5),
+    )
     theta_x = ca.vertcat(-1 / l, 1 / l) if torsional else ca.SX.zeros(2)
     tau, tau_t = means[1] + ca.dot(theta_x, q[[6, 13]]), means[4] + ca.dot(theta_x, v[[6, 13]])
     torque, elastic = _torque(P, ca.vertcat(means[0], tau), ca.vertcat(means[3], tau_t))
 
     mass, weight = _translational_mass(l, P), _weight(l, P)
     balance = ca.SX.zeros(len(BALANCE))
-    balance[BALANCE.index("kinetic")], balance[BALANCE.index("gravity")] = 0.5 * ca.dot(v, mass @ v), -ca.dot(weight, q)
+    balance[BALANCE.index("kinetic")], balance[BALANCE.index("gravity")] = (
+        0.5 * ca.dot(v, mass @ v),
+        -ca.dot(weight, q),
+    )
     R_r, J_r = ca.SX.zeros(11), ca.SX.zeros(11, 11)
     e_z, tau_z = ca.SX.zeros(11), ca.SX.zeros(11)
     tau_z[9:] = theta_x
     for w, B_p, z_p, v_p, a_p, F_p in points:
         shift = ca.norm_2((B_p @ relative @ q_prestress)[:3]) - ca.norm_2(z_p[:3])
-        R_p, J_p, strains_z = point["tangent"](z_p, v_p, a_p, F_p, tau, tau_t, torque, elastic, P, cq, cv, c_a, shift)
+        R_p, J_p, strains_z = point["tangent"](
+            z_p, v_p, a_p, F_p, tau, tau_t, torque, elastic, P, cq, cv, c_a, shift
+        )
         R_r += B_p.T @ (w * l * R_p)
         J_r += B_p.T @ (w * l * J_p) @ B_p
         e_z += w * B_p.T @ strains_z[0, :].T
@@ -220,7 +237,9 @@ def element_functions(
     if torsional:
         right = slice(NODE_DOF + 3, NODE_DOF + 6)
         reference = ca.vertcat(*(_frame(z_p) for z_p in z), q[right] / ca.norm_2(q[right]))
-        transport = ca.vertcat(l * means[1], *_spin(frame_rate, F[-3:], q[right], v[right], a[right]))
+        transport = ca.vertcat(
+            l * means[1], *_spin(frame_rate, F[-3:], q[right], v[right], a[right])
+        )
     q, v, a, q_prestress = symbols
     return ElementFunctions(
         residual=function("element_residual", [q, v, a, l, F, P], [R]),
@@ -244,7 +263,9 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     z, z_t, z_tt = ca.SX.sym("z", 7), ca.SX.sym("z_t", 7), ca.SX.sym("z_tt", 7)
     P, F = ca.SX.sym("P", len(PARAMETERS)), ca.SX.sym("F", 6 if torsional else 0)
     cq, cv, c_a = ca.SX.sym("cq"), ca.SX.sym("cv"), ca.SX.sym("ca")
-    tau, tau_t, torque, elastic, shift = (ca.SX.sym(name) for name in ("tau", "tau_t", "torque", "elastic", "shift"))
+    tau, tau_t, torque, elastic, shift = (
+        ca.SX.sym(name) for name in ("tau", "tau_t", "torque", "elastic", "shift")
+    )
     p = named(P)
 
     # strains, and the spin of the section
@@ -298,7 +319,9 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     shared = [tau, tau_t, torque, elastic, P, cq, cv, c_a]
     return {
         "means": function("means", [z, z_t, F], [ca.vertcat(strain[:2], ca.dot(k, k), rate[:2])]),
-        "tangent": function("tangent", [z, z_t, z_tt, F, *shared, shift], [force, J, ca.jacobian(strain[:2], z)]),
+        "tangent": function(
+            "tangent", [z, z_t, z_tt, F, *shared, shift], [force, J, ca.jacobian(strain[:2], z)]
+        ),
         "balance": function("balance", [z, z_t, F, tau, tau_t, P], [balance]),
     }
 
@@ -309,7 +332,9 @@ def _frame(z: ca.SX) -> ca.SX:
     return ca.vertcat(d / ca.norm_2(d), ca.cross(d, c) / ca.dot(d, d))
 
 
-def _spin(frame_rate: FrameRate, p: ca.SX, d: ca.SX, d_t: ca.SX, d_tt: ca.SX) -> tuple[ca.SX, ca.SX]:
+def _spin(
+    frame_rate: FrameRate, p: ca.SX, d: ca.SX, d_t: ca.SX, d_tt: ca.SX
+) -> tuple[ca.SX, ca.SX]:
     """Return the spin of the frame where r' is ``d``, and its rate."""
     spin = frame_rate(p, ca.SX.zeros(3), d, d_t)
     return spin, ca.jtimes(spin, d, d_t) + ca.jtimes(spin, d_t, d_tt)
@@ -325,11 +350,17 @@ def _energies(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX
     p = named(P)
 
     def quadratic(x: ca.SX) -> Any:
-        return costello.strain_energy(p.Qa, p.Qs, p.Qd, x[0], x[1]) + 0.5 * p.EI * ca.dot(x[2:], x[2:])
+        return costello.strain_energy(p.Qa, p.Qs, p.Qd, x[0], x[1]) + 0.5 * p.EI * ca.dot(
+            x[2:], x[2:]
+        )
 
     power = costello.nonconservative_power(p.Qk, strain[0], strain[1], rate[0], rate[1])
     U = quadratic(strain) + costello.stiffening_energy(p.Qe, strain[0], strain[1])
-    return U, p.beta_K * quadratic(ca.vertcat(rate[0], p.root_a * rate[1], p.root_b * rate[2:])), power
+    return (
+        U,
+        p.beta_K * quadratic(ca.vertcat(rate[0], p.root_a * rate[1], p.root_b * rate[2:])),
+        power,
+    )
 
 
 def _torque(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX]:
@@ -339,7 +370,9 @@ def _torque(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX]:
     elastic = ca.gradient(U, e)[1] + ca.gradient(P_n, e_t)[1]
     no_bending = ca.SX.zeros(3)
     values = ca.vertcat(e, e_t), ca.vertcat(strain, no_bending, rate, no_bending)
-    torque, elastic = (ca.substitute(x, *values) for x in (elastic + ca.gradient(D, e_t)[1], elastic))
+    torque, elastic = (
+        ca.substitute(x, *values) for x in (elastic + ca.gradient(D, e_t)[1], elastic)
+    )
     return torque, elastic
 
 
@@ -371,14 +404,18 @@ def _translational_mass(l: ca.SX, P: ca.SX) -> ca.SX:
         dofs = (i, 3 + i, 7 + i, 10 + i)
         for m in range(4):
             for n in range(4):
-                M[dofs[m], dofs[n]] = named(P).rho * (PRODUCTS[m][n] / 420) * l ** (1 + m % 2 + n % 2)
+                M[dofs[m], dofs[n]] = (
+                    named(P).rho * (PRODUCTS[m][n] / 420) * l ** (1 + m % 2 + n % 2)
+                )
     return M
 
 
 def _momentum(q: ca.SX, v: ca.SX, mass: ca.SX, l: ca.SX, P: ca.SX) -> ca.SX:
     """Return MOMENTUM (9,), with the spin rhoJ w t, w and t linear in the element, and that of theta's slope."""
     u, s = mass @ v, mass @ q
-    angular = sum((ca.cross(q[k : k + 3], u[k : k + 3]) for k in (0, 3, 7, 10)), start=ca.SX.zeros(3))
+    angular = sum(
+        (ca.cross(q[k : k + 3], u[k : k + 3]) for k in (0, 3, 7, 10)), start=ca.SX.zeros(3)
+    )
     (left, right), (w1, w2) = (d / ca.norm_2(d) for d in (q[3:6], q[10:13])), (v[6], v[13])
     p = named(P)
     angular += p.rhoJ * l / 6 * ((2 * w1 + w2) * left + (w1 + 2 * w2) * right)

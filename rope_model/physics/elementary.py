@@ -93,7 +93,9 @@ def where(condition: Any, x: Any, y: Any) -> Any:
 
 def logical_and(*conditions: Any) -> Any:
     """Return whether all of the conditions hold; all are computed."""
-    return reduce(ca.logic_and, map(ca.SX, conditions)) if _symbolic(conditions) else all(conditions)
+    return (
+        reduce(ca.logic_and, map(ca.SX, conditions)) if _symbolic(conditions) else all(conditions)
+    )
 
 
 def logical_or(*conditions: Any) -> Any:

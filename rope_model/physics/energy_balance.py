@@ -18,7 +18,9 @@ def with_energies(energy_balance: Any, balance: Any, contact: Any) -> Any:
     return energy_balance._replace(kinetic=kinetic, strain=strain, gravity=gravity, contact=contact)
 
 
-def after_step(energy_balance: Any, h: Any, before: Any, after: Any, losses: Any, wires: Any, air: Any) -> Any:
+def after_step(
+    energy_balance: Any, h: Any, before: Any, after: Any, losses: Any, wires: Any, air: Any
+) -> Any:
     """Return the balance after a step ``h``.
 
     ``before`` and ``after`` are Powers at its ends, ``losses`` are rope_system.Losses (W); ``wires`` is the energy
@@ -39,12 +41,23 @@ def after_step(energy_balance: Any, h: Any, before: Any, after: Any, losses: Any
 
 def total(energy_balance: Any) -> Any:
     """Return kinetic, strain, potential and contact energy."""
-    return energy_balance.kinetic + energy_balance.strain + energy_balance.gravity + energy_balance.contact
+    return (
+        energy_balance.kinetic
+        + energy_balance.strain
+        + energy_balance.gravity
+        + energy_balance.contact
+    )
 
 
 def residual(energy_balance: Any) -> Any:
     """Return the energy that the integrator has dissipated (negative) or created."""
     x = energy_balance
-    explained = x.work_ends + x.transformations - x.dissipated_material - x.dissipated_swivel - x.dissipated_contact
+    explained = (
+        x.work_ends
+        + x.transformations
+        - x.dissipated_material
+        - x.dissipated_swivel
+        - x.dissipated_contact
+    )
     explained = explained - x.dissipated_wires - x.given_to_air
     return total(x) - x.start - explained + x.nonconservative

@@ -80,21 +80,31 @@ def held_error(scene: Any, travel: Any) -> Any:
     rope, psi = scene.rope, loop_yaw(scene)
     flow = travel.speed * travel.speed / (scene.layout.gravity * natural_width(scene))
     kappa = rope.Qs * rope.Qs / (rope.Qa * rope.Qd)
-    return kappa * longitudinal_error(scene, travel) + psi * psi * lean_error(scene, travel) + WHIP * (flow * flow)
+    return (
+        kappa * longitudinal_error(scene, travel)
+        + psi * psi * lean_error(scene, travel)
+        + WHIP * (flow * flow)
+    )
 
 
 def release_error(scene: Any, travel: Any) -> Any:
     """Return the tension of the torsional wave that a released swivel sends off, over the longer leg's weight."""
     rope, g = scene.rope, scene.layout.gravity
-    return abs(rope.Qs) * held_torque(rope, g) / (rope.Qa * rope.rhoJ * g * _long_leg(scene, travel))
+    return (
+        abs(rope.Qs) * held_torque(rope, g) / (rope.Qa * rope.rhoJ * g * _long_leg(scene, travel))
+    )
 
 
 def loop_yaw(scene: Any) -> Any:
     """Return the yaw (rad) of the loop under the torque of a held rope; legs are strings under their own weight."""
     rope, g = scene.rope, scene.layout.gravity
-    width = 0.5 * (scene.layout.spacing + natural_width(scene))  # mean of the widths at both ends of the legs
+    width = 0.5 * (
+        scene.layout.spacing + natural_width(scene)
+    )  # mean of the widths at both ends of the legs
     height = maximum(0.5 * rope.length / width, 1.0)
-    return 4 * abs(held_torque(rope, g)) * log(height) / (rope.mass_per_length * g * (width * width))
+    return (
+        4 * abs(held_torque(rope, g)) * log(height) / (rope.mass_per_length * g * (width * width))
+    )
 
 
 def held_torque(rope: Any, gravity: Any) -> Any:

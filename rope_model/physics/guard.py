@@ -36,7 +36,9 @@ class GuardState(NamedTuple):
     rest: float = 0.0  # m, loop_height at rest
     cause: float = 0.0  # code of the first trip; 0: none
     time: float = 0.0  # s, instant of that trip
-    since: tuple[float, float, float, float, float] = (NEVER,) * 5  # s, instants at which the thresholds were passed
+    since: tuple[float, float, float, float, float] = (
+        NEVER,
+    ) * 5  # s, instants at which the thresholds were passed
 
 
 def thresholds(guard: Any) -> tuple[Any, ...]:
@@ -74,11 +76,20 @@ def off_plumb(height: Any, a: Any, b: Any, end: Any) -> Any:
 def watch(guard: Any, state: Any, t: Any, values: Any) -> GuardState:
     """Return the state of the guards after the instant ``t`` (s), when their quantities have these ``values`` (5,)."""
     limits = thresholds(guard)
-    delays = guard.rise_delay, guard.window_delay, guard.clearance_delay, guard.turns_delay, guard.torque_delay
+    delays = (
+        guard.rise_delay,
+        guard.window_delay,
+        guard.clearance_delay,
+        guard.turns_delay,
+        guard.torque_delay,
+    )
     excess = [value - limit for value, limit in zip(values, limits, strict=True)]
     excess[2] = -excess[2]
     exceeded = [less(0.0, limit) * less(0.0, x) for limit, x in zip(limits, excess, strict=True)]
-    since = [where(less(0.5, x), minimum(before, t), NEVER) for x, before in zip(exceeded, state.since, strict=True)]
+    since = [
+        where(less(0.5, x), minimum(before, t), NEVER)
+        for x, before in zip(exceeded, state.since, strict=True)
+    ]
     first: Any = 0.0
     for code, (start, delay) in reversed([*enumerate(zip(since, delays, strict=True), start=1)]):
         first = where(less(t - start, delay), first, float(code))

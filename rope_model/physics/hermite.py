@@ -9,7 +9,10 @@ from typing import Any
 import numpy as np
 
 #: Gauss points in [0, 1] and weights; exact for the product of two cubics
-GAUSS = tuple((0.5 + 0.5 * float(x), 0.5 * float(w)) for x, w in zip(*np.polynomial.legendre.leggauss(4), strict=True))
+GAUSS = tuple(
+    (0.5 + 0.5 * float(x), 0.5 * float(w))
+    for x, w in zip(*np.polynomial.legendre.leggauss(4), strict=True)
+)
 #: 420 times the mean products of the shape functions of r1, s1, r2, s2 for an element of length 1; each s brings a
 #: factor l, and the integral another
 PRODUCTS = ((156, 22, 54, -13), (22, 4, 13, -3), (54, 13, 156, -22), (-13, -3, -22, 4))
@@ -39,7 +42,12 @@ def node_values(xi: Any, l: Any, nodes: Any) -> tuple[Any, ...]:
 def shape_functions(xi: Any, l: Any) -> tuple[Any, Any, Any, Any]:
     """Return the shape functions at ``xi``: the factors of r1, s1, r2, s2 in the value."""
     rest = 1 - xi
-    return 1 - xi * xi * (3 - 2 * xi), xi * rest * rest * l, xi * xi * (3 - 2 * xi), xi * xi * (xi - 1) * l
+    return (
+        1 - xi * xi * (3 - 2 * xi),
+        xi * rest * rest * l,
+        xi * xi * (3 - 2 * xi),
+        xi * xi * (xi - 1) * l,
+    )
 
 
 def shape_products(l: Any) -> tuple[Any, ...]:
@@ -49,7 +57,9 @@ def shape_products(l: Any) -> tuple[Any, ...]:
     return tuple(part * (PRODUCTS[m][n] * powers[m % 2 + n % 2]) for m, n in pairs)
 
 
-def missing_load(start: Any, stop: Any, s: Any, l: Any, old_s: Any, old_l: Any, old: Any, new: Any) -> tuple[Any, ...]:
+def missing_load(
+    start: Any, stop: Any, s: Any, l: Any, old_s: Any, old_l: Any, old: Any, new: Any
+) -> tuple[Any, ...]:
     """Integrate ``old`` minus ``new`` (14,) times the shape functions over the common part of both elements.
 
     The elements begin at ``s`` and ``old_s``.  The result (14,) has r1, s1, r2, s2 with three components each, then

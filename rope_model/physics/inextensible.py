@@ -57,21 +57,32 @@ def rigid_tensions(rope: Any, layout: Any, left: Any, right: Any) -> RigidTensio
     common = 0.5 * (arc * (g + rate.w) + 2 * rho * u * u)
     below = common + 0.5 * arc * rate.u, common - 0.5 * arc * rate.u
     return RigidTensions(
-        (below[0] + rho * l1 * (g + left.ay), below[1] + rho * l2 * (g + right.ay)), below, (l1, l2), arc, radius
+        (below[0] + rho * l1 * (g + left.ay), below[1] + rho * l2 * (g + right.ay)),
+        below,
+        (l1, l2),
+        arc,
+        radius,
     )
 
 
 def min_tension(tensions: Any) -> Any:
     """Return the smallest tension (N)."""
-    return minimum(minimum(tensions.below[0], tensions.below[1]), minimum(tensions.at_ends[0], tensions.at_ends[1]))
+    return minimum(
+        minimum(tensions.below[0], tensions.below[1]),
+        minimum(tensions.at_ends[0], tensions.at_ends[1]),
+    )
 
 
 def energies(rope: Any, layout: Any, tensions: Any, left: Any, right: Any) -> tuple[Any, Any]:
     """Return kinetic energy and potential energy of the weight (J) for ends with these motions."""
     rho, (l1, l2), (u, w) = rope.mass_per_length, tensions.legs, flow(left.vy, right.vy)
-    kinetic = 0.5 * rho * (l1 * (left.vy * left.vy) + l2 * (right.vy * right.vy)) + 0.5 * tensions.arc * (w * w + u * u)
+    kinetic = 0.5 * rho * (
+        l1 * (left.vy * left.vy) + l2 * (right.vy * right.vy)
+    ) + 0.5 * tensions.arc * (w * w + u * u)
     middle = left.y - l1 - 2 * tensions.radius / math.pi
-    weights = rho * l1 * (left.y - 0.5 * l1) + rho * l2 * (right.y - 0.5 * l2) + tensions.arc * middle
+    weights = (
+        rho * l1 * (left.y - 0.5 * l1) + rho * l2 * (right.y - 0.5 * l2) + tensions.arc * middle
+    )
     return kinetic, layout.gravity * weights
 
 

@@ -26,7 +26,11 @@ import numpy as np
 from rope_model.physics import hermite
 from rope_model.physics.element import POINTS, WEIGHTS
 from rope_model.physics.elementary import cos, dot, hypot, maximum, sin, sqrt
-from rope_model.physics.frame import parallel_transport, rotate_about_tangent, smallest_rotation_rate
+from rope_model.physics.frame import (
+    parallel_transport,
+    rotate_about_tangent,
+    smallest_rotation_rate,
+)
 
 #: the left end's tangent where it is plumb, and e1 there
 PLUMB = (0.0, -1.0, 0.0)
@@ -43,13 +47,29 @@ def _integrals_to(bounds: tuple[float, ...]) -> tuple[tuple[float, ...], ...]:
     """Return weights of the values at POINTS in the integral from 0 to each of the ``bounds``, exact for a parabola."""
     powers = np.arange(3)
     coefficients = np.linalg.inv(np.array(POINTS)[:, None] ** powers)
-    return tuple(map(tuple, (np.array(bounds)[:, None] ** (powers + 1) / (powers + 1) @ coefficients).tolist()))
+    return tuple(
+        map(
+            tuple,
+            (np.array(bounds)[:, None] ** (powers + 1) / (powers + 1) @ coefficients).tolist(),
+        )
+    )
 
 
 #: hat functions of added curvature, by the end of the parameter's name: centre and half width in sixths of the length
-_HATS = {"left": (0, 3), "1": (1, 1), "2": (2, 1), "middle": (3, 3), "4": (4, 1), "5": (5, 1), "right": (6, 3)}
+_HATS = {
+    "left": (0, 3),
+    "1": (1, 1),
+    "2": (2, 1),
+    "middle": (3, 3),
+    "4": (4, 1),
+    "5": (5, 1),
+    "right": (6, 3),
+}
 #: names of a rope's parameters of permanent curvature, 1/m
-CURVATURES = ("initial_curvature", *(f"curvature_{name}{way}" for way in ("", "_across") for name in _HATS))
+CURVATURES = (
+    "initial_curvature",
+    *(f"curvature_{name}{way}" for way in ("", "_across") for name in _HATS),
+)
 
 
 def max_curvature(rope: Any) -> Any:
@@ -90,7 +110,9 @@ def curvature_vectors(components: Any, l: Any, nodes: Any, start: Any) -> tuple[
     slopes = [[hermite.interpolate(xi, l, *values)[1] for values in ends] for xi in POINTS]
     bends = [[hermite.bend(xi, l, *values) for values in ends] for xi in POINTS]
     p = _unit(nodes[3:6])
-    turning = [smallest_rotation_rate(p, (0.0, 0.0, 0.0), d, c) for d, c in zip(slopes, bends, strict=True)]
+    turning = [
+        smallest_rotation_rate(p, (0.0, 0.0, 0.0), d, c) for d, c in zip(slopes, bends, strict=True)
+    ]
     vectors: list[Any] = []
     for k, (xi, to, d) in enumerate(zip(POINTS, TO_POINTS, slopes, strict=True)):
         angle = (1 - xi) * nodes[6] + xi * nodes[13] - l * dot(to, turning)

@@ -22,7 +22,9 @@ class InitialShape(NamedTuple):
 
 def initial_shape(length: Any, middle: Any, width: Any, cell: Any) -> InitialShape:
     """Return the shape of a rope of ``length`` (m), lowest at arc length ``middle``, on elements of ``cell`` (m)."""
-    radius = maximum(0.5 * width, minimum(4 * cell / math.pi, 0.25 * minimum(middle, length - middle)))
+    radius = maximum(
+        0.5 * width, minimum(4 * cell / math.pi, 0.25 * minimum(middle, length - middle))
+    )
     left_leg, right_leg = middle - 0.5 * math.pi * radius, length - middle - 0.5 * math.pi * radius
     return InitialShape(radius, left_leg, right_leg, radius - 0.5 * width)
 
@@ -40,7 +42,9 @@ def position_and_tangent(shape: Any, s: Any, phi: Any) -> tuple[Any, Any, Any, A
 
 def node_row(shape: Any, left: Any, across: Any, s: Any) -> tuple[Any, ...]:
     """Return r, r' and theta (7,) at arc length ``s`` of a rope from ``left`` (3,) in the direction ``across`` (3,)."""
-    phi = minimum(maximum((s - shape.left_leg) / shape.radius, 0.0), math.pi)  # rad, angle by which the rope has turned
+    phi = minimum(
+        maximum((s - shape.left_leg) / shape.radius, 0.0), math.pi
+    )  # rad, angle by which the rope has turned
     along, down, slope, rise = position_and_tangent(shape, s, phi)
     legs_lean = where(phi >= math.pi, shape.lean / shape.right_leg, 0.0)
     slope = slope - where(phi <= 0, shape.lean / shape.left_leg, legs_lean)

@@ -65,7 +65,9 @@ def nearer_xi(xi: Any, l: Any, point: Any, a: Any, b: Any) -> Any:
     return minimum(maximum(xi - dot(gap, slope) / (l * second), 0.0), 1.0)
 
 
-def self_contact_law(contact: Any, diameter: Any, separation: Any, velocity: Any, cq: Any, cv: Any) -> ContactTerms:
+def self_contact_law(
+    contact: Any, diameter: Any, separation: Any, velocity: Any, cq: Any, cv: Any
+) -> ContactTerms:
     """Return the contact, per length, of a point at ``separation`` (3,) from another with relative ``velocity``."""
     law = SimpleNamespace(**(vars(contact) | {"stiffness": contact.rope_stiffness}))
     other = Body((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.5 * diameter, 1.0, 0.0, 1.0)

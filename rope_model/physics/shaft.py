@@ -41,13 +41,17 @@ class Body(NamedTuple):
 
 def distance(point: Any, body: Any) -> Any:
     """Return the distance (m) of ``point`` (3,) from the body's surface; negative inside of the body."""
-    x, y, z = _in_axes(point[0] - body.centre[0], point[1] - body.centre[1], point[2] - body.centre[2], body)
+    x, y, z = _in_axes(
+        point[0] - body.centre[0], point[1] - body.centre[1], point[2] - body.centre[2], body
+    )
     return _distance(abs(x) - body.half[0], abs(y) - body.half[1], abs(z) - body.half[2], body)
 
 
 def least_distance(point: Any, extent: Any, body: Any) -> Any:
     """Return the least distance (m) over the upright box about ``point`` with half widths ``extent`` along X, Y, Z."""
-    x, y, z = _in_axes(point[0] - body.centre[0], point[1] - body.centre[1], point[2] - body.centre[2], body)
+    x, y, z = _in_axes(
+        point[0] - body.centre[0], point[1] - body.centre[1], point[2] - body.centre[2], body
+    )
     c, s = abs(body.cosine), abs(body.sine)
     across, along = c * extent[0] + s * extent[2], s * extent[0] + c * extent[2]
     return _distance(
@@ -60,14 +64,19 @@ def least_distance(point: Any, extent: Any, body: Any) -> Any:
 
 def normal(point: Any, body: Any) -> tuple[Any, Any, Any]:
     """Return the unit normal at ``point`` (3,), away from the body: the gradient of its distance."""
-    local = _in_axes(point[0] - body.centre[0], point[1] - body.centre[1], point[2] - body.centre[2], body)
+    local = _in_axes(
+        point[0] - body.centre[0], point[1] - body.centre[1], point[2] - body.centre[2], body
+    )
     q = [abs(x) - h for x, h in zip(local, (body.half[0], body.half[1], body.half[2]), strict=True)]
     out = [maximum(x, 0.0) for x in q]
     root = sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2] + TINY)
     # within the box the normal is that of the nearest face
     largest = maximum(maximum(q[0], q[1]), q[2])
     faces = [(1.0 - less(0.0, x)) * (1.0 - less(x, largest)) for x in q]
-    x, y, z = (body.side * unit_sign(p) * (o / root + face) for p, o, face in zip(local, out, faces, strict=True))
+    x, y, z = (
+        body.side * unit_sign(p) * (o / root + face)
+        for p, o, face in zip(local, out, faces, strict=True)
+    )
     return body.cosine * x + body.sine * z, y, body.cosine * z - body.sine * x
 
 
@@ -85,7 +94,9 @@ def lining(lining: Any) -> Body:
     """Return the wall, with the rope inside."""
     x, z = 0.5 * lining.width, 0.5 * lining.depth
     radius = lining.rounding * minimum(x, z)
-    return Body((lining.x, 0.0, lining.z), (x - radius, ENDLESS, z - radius), radius, 1.0, 0.0, -1.0)
+    return Body(
+        (lining.x, 0.0, lining.z), (x - radius, ENDLESS, z - radius), radius, 1.0, 0.0, -1.0
+    )
 
 
 def conveyance(conveyance: Any, end: Any) -> Body:
@@ -104,7 +115,14 @@ def divider(divider: Any) -> Body:
     """Return a horizontal beam."""
     radius = 0.5 * divider.rounding * divider.size
     half, c, s = 0.5 * divider.size - radius, cos(divider.direction), sin(divider.direction)
-    return Body((divider.offset * c, divider.y, -divider.offset * s), (half, half, ENDLESS), radius, c, s, 1.0)
+    return Body(
+        (divider.offset * c, divider.y, -divider.offset * s),
+        (half, half, ENDLESS),
+        radius,
+        c,
+        s,
+        1.0,
+    )
 
 
 def floor(sump: Any) -> Body:

@@ -23,7 +23,13 @@ import casadi as ca
 from rope_model.physics import element
 from rope_model.physics.bending_element import bending_element
 from rope_model.physics.frame import smallest_rotation_rate
-from rope_model.physics.wire_friction import POINT_STATE_SIZE, REGULARIZATION, bouc_wen_step, section, within
+from rope_model.physics.wire_friction import (
+    POINT_STATE_SIZE,
+    REGULARIZATION,
+    bouc_wen_step,
+    section,
+    within,
+)
 
 #: number of entries of an element: state of its points, k0 and C
 HISTORY_SIZE = POINT_STATE_SIZE * len(element.POINTS) + 2
@@ -49,13 +55,27 @@ class WireFunctions(NamedTuple):
 @cache
 def wire_functions(fidelity: element.ElementFidelity) -> WireFunctions:
     """Build the functions for a fidelity."""
-    dofs = [*element.ELEMENT_DOF[fidelity], *(element.NODE_DOF + k for k in element.ELEMENT_DOF[fidelity])]
+    dofs = [
+        *element.ELEMENT_DOF[fidelity],
+        *(element.NODE_DOF + k for k in element.ELEMENT_DOF[fidelity]),
+    ]
     symbol, q = ca.SX.sym("q", len(dofs)), ca.SX.zeros(2 * element.NODE_DOF)
     q[dofs] = symbol
-    l, H, latest, cq = ca.SX.sym("l"), ca.SX.sym("H", HISTORY_SIZE), ca.SX.sym("latest", TANGENT_SIZE), ca.SX.sym("cq")
-    *points, k0, C = ca.vertsplit(H, [*range(0, HISTORY_SIZE - 1, POINT_STATE_SIZE), HISTORY_SIZE - 1, HISTORY_SIZE])
+    l, H, latest, cq = (
+        ca.SX.sym("l"),
+        ca.SX.sym("H", HISTORY_SIZE),
+        ca.SX.sym("latest", TANGENT_SIZE),
+        ca.SX.sym("cq"),
+    )
+    *points, k0, C = ca.vertsplit(
+        H, [*range(0, HISTORY_SIZE - 1, POINT_STATE_SIZE), HISTORY_SIZE - 1, HISTORY_SIZE]
+    )
     relative, point = element.relative_coordinates(), _point_function()
-    R, J, energy = ca.SX.zeros(relative.shape[0]), ca.SX.zeros(relative.shape[0], relative.shape[0]), ca.SX(0)
+    R, J, energy = (
+        ca.SX.zeros(relative.shape[0]),
+        ca.SX.zeros(relative.shape[0], relative.shape[0]),
+        ca.SX(0),
+    )
     latest_tangents = []
     for xi, weight, before, last in zip(
         element.POINTS, element.WEIGHTS, points, ca.vertsplit(latest, _OF_POINT), strict=True
@@ -66,7 +86,10 @@ def wire_functions(fidelity: element.ElementFidelity) -> WireFunctions:
         J += B.T @ (weight * l * C * stiffness) @ B
         energy += 0.5 * weight * l * C * square
         latest_tangents.append(tangent_numbers)
-    R, J = (relative.T @ R)[dofs], element.symmetric(cq * (relative.T @ element.symmetric(J) @ relative))[dofs, dofs]
+    R, J = (
+        (relative.T @ R)[dofs],
+        element.symmetric(cq * (relative.T @ element.symmetric(J) @ relative))[dofs, dofs],
+    )
     inputs = [symbol, l, H]
     return WireFunctions(
         ca.Function("wire_residual", inputs, [ca.cse(R)]),
@@ -78,7 +101,11 @@ def wire_functions(fidelity: element.ElementFidelity) -> WireFunctions:
 
 def _point_function() -> ca.Function:
     """Build (at = (r', r'', theta), before, k0, latest) -> B^T z, B^T (dz/dk) B for Newton's method, |z|^2, latest."""
-    at, at_t, before = ca.SX.sym("at", 7), ca.SX.sym("at_t", 7), ca.SX.sym("before", POINT_STATE_SIZE)
+    at, at_t, before = (
+        ca.SX.sym("at", 7),
+        ca.SX.sym("at_t", 7),
+        ca.SX.sym("before", POINT_STATE_SIZE),
+    )
     k0, latest = ca.SX.sym("k0"), ca.SX.sym("latest", _OF_POINT)
     d, c = at[0:3], at[3:6]
     k = ca.cross(d, c) / ca.dot(d, d)
@@ -108,13 +135,17 @@ def _upper_half(A: ca.SX) -> ca.SX:
 
 
 @cache
-def wire_element(fidelity: element.ElementFidelity, base: element.ElementFunctions) -> element.ElementFunctions:
+def wire_element(
+    fidelity: element.ElementFidelity, base: element.ElementFunctions
+) -> element.ElementFunctions:
     """Build the functions of the ``base`` element with friction between its wires, whose energy is bending."""
     wires = wire_functions(fidelity)
     return bending_element(
         base,
         HISTORY_SIZE + TANGENT_SIZE,
         lambda q, l, _, numbers: wires.residual(q, l, numbers[:HISTORY_SIZE]),
-        lambda q, l, _, numbers, cq: wires.tangent(q, l, numbers[:HISTORY_SIZE], numbers[HISTORY_SIZE:], cq),
+        lambda q, l, _, numbers, cq: wires.tangent(
+            q, l, numbers[:HISTORY_SIZE], numbers[HISTORY_SIZE:], cq
+        ),
         lambda q, l, _, numbers: wires.energy(q, l, numbers[:HISTORY_SIZE]),
     )

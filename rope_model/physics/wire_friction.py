@@ -108,7 +108,9 @@ def bouc_wen_step(before: Any, after: Any, k0: Any) -> BoucWenStep:
 def _carried(before: Any, after: Any, x: Any) -> list[Any]:
     """Return the vector ``x`` across the rope, turned as the section is from ``before`` to ``after``."""
     p, t = before[0:3], after[0:3]
-    return rotate_about_tangent(t, parallel_transport(p, t, x), *rational_cos_sin(after[6] - before[6]))
+    return rotate_about_tangent(
+        t, parallel_transport(p, t, x), *rational_cos_sin(after[6] - before[6])
+    )
 
 
 def within(x: Any) -> Any:

@@ -56,7 +56,9 @@ def choose_fidelity(scene: Scene, ends: Ends, forces: int = 0) -> Choice:
 
 def lowest_sufficient(scene: Scene, ends: Ends, forces: int = 0) -> Fidelity:
     """Return the lowest fidelity that can follow the ends and forces."""
-    return next(fidelity for fidelity in FIDELITIES if not unsupported_motion(scene, fidelity, ends, forces))
+    return next(
+        fidelity for fidelity in FIDELITIES if not unsupported_motion(scene, fidelity, ends, forces)
+    )
 
 
 def unsupported_motion(scene: Scene, fidelity: Fidelity, ends: Ends, forces: int = 0) -> str:
@@ -64,7 +66,10 @@ def unsupported_motion(scene: Scene, fidelity: Fidelity, ends: Ends, forces: int
     if fidelity == "torsional":
         return ""
     if number := int(fidelity_rules.unsupported_input(scene, fidelity, *ends)):
-        reason, held = _input_text(ends, number), fidelity == "spatial" and fidelity_rules.out_of_plane(number)
+        reason, held = (
+            _input_text(ends, number),
+            fidelity == "spatial" and fidelity_rules.out_of_plane(number),
+        )
         return fidelity_messages.while_swivels_hold(reason) if held else reason
     if scene.model.fidelity == "auto":
         return first_text(fidelity_rules.UNSUPPORTED, scene, fidelity, *ends, forces)
@@ -75,14 +80,21 @@ def _lowest(scene: Scene, ends: Ends, forces: int) -> Choice:
     if why := first_text(fidelity_rules.COMPLETE, scene, forces):
         return Choice("torsional", why)
     if number := int(fidelity_rules.held_input(*ends)):
-        return Choice("torsional", fidelity_messages.held_where_initialised(_input_text(ends, number)))
+        return Choice(
+            "torsional", fidelity_messages.held_where_initialised(_input_text(ends, number))
+        )
     estimated = scene.model.force_tolerance > 0
     fidelity = lowest_sufficient(scene, ends, forces) if estimated else "torsional"
     if why := first_text(fidelity_rules.SUFFICIENT, scene, fidelity, *ends):
-        return Choice(fidelity if fidelity_rules.carries_torque(scene) or fidelity == "rigid" else "planar", why)
+        return Choice(
+            fidelity if fidelity_rules.carries_torque(scene) or fidelity == "rigid" else "planar",
+            why,
+        )
     below = unsupported_motion(scene, "spatial", ends, forces) if estimated else ""
     torque = first_text(fidelity_rules.TORQUE, scene)
-    return Choice("torsional", fidelity_messages.torque_and_more(torque, below) if below else torque)
+    return Choice(
+        "torsional", fidelity_messages.torque_and_more(torque, below) if below else torque
+    )
 
 
 def _input_text(ends: Ends, number: int) -> str:

@@ -104,7 +104,9 @@ class BalanceRope(ABC):
         """
 
     @abstractmethod
-    def advance_to(self, t: float, left: EndMotion, right: EndMotion, given_at: float | None = None) -> Status:
+    def advance_to(
+        self, t: float, left: EndMotion, right: EndMotion, given_at: float | None = None
+    ) -> Status:
         """Follow the conveyances to ``t``.
 
         Parameters
@@ -218,7 +220,9 @@ class BalanceRope(ABC):
         """
         for old, new in zip(named_parameters(self.scene), named_parameters(scene), strict=True):
             if new.value != old.value and not old.facts.tunable:
-                raise ValueError(f"{old.name} = {new.value:g} must stay {old.value:g} during a run: make a new rope")
+                raise ValueError(
+                    f"{old.name} = {new.value:g} must stay {old.value:g} during a run: make a new rope"
+                )
         self._retune(scene)
 
     @abstractmethod

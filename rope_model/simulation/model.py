@@ -10,7 +10,13 @@ import numpy as np
 
 from rope_model.numerics import generalized_alpha as alpha
 from rope_model.parameters import Scene
-from rope_model.physics.accuracy import BOUNDED_STEP_ERROR, add_errors, effective_tolerance, step_error, step_limits
+from rope_model.physics.accuracy import (
+    BOUNDED_STEP_ERROR,
+    add_errors,
+    effective_tolerance,
+    step_error,
+    step_limits,
+)
 from rope_model.physics.contact_error import add_contact
 from rope_model.physics.element import parameters
 from rope_model.physics.elementary import sum_of
@@ -25,9 +31,24 @@ from rope_model.simulation.ends.paths import END_NODE, EndPath
 from rope_model.simulation.ends.swivel_phases import Phase
 from rope_model.simulation.fidelity import flexible
 from rope_model.simulation.mesh.partition import NO_DIVIDERS, mesh_dividers
-from rope_model.simulation.outputs.audit import NO_LOAD, Audit, Load, after_interval, after_step, axial_share, end_load
+from rope_model.simulation.outputs.audit import (
+    NO_LOAD,
+    Audit,
+    Load,
+    after_interval,
+    after_step,
+    axial_share,
+    end_load,
+)
 from rope_model.simulation.rope_kernels import KernelCache
-from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, Evaluation, RopeSystem, air_parameters
+from rope_model.simulation.rope_system import (
+    ANGLE,
+    POSITION,
+    SLOPE,
+    Evaluation,
+    RopeSystem,
+    air_parameters,
+)
 from rope_model.simulation.scene_kernels import acting_along
 from rope_model.simulation.state import EnergyBalance, Powers, RopeState
 
@@ -39,13 +60,17 @@ class RopeModel:
     scene: Scene
     kernels: KernelCache
     forces: PointForces = NO_FORCES
-    _latest: list[tuple[tuple[Any, ...], RopeSystem]] = field(default_factory=list, init=False, compare=False)
+    _latest: list[tuple[tuple[Any, ...], RopeSystem]] = field(
+        default_factory=list, init=False, compare=False
+    )
 
     def system(self, state: RopeState) -> RopeSystem:
         """Return the equations of motion of ``state``: its mesh, swivel phases, end paths and frame."""
         rubs = state.hysteresis.size > 0
         scene, key = self.scene, (state.partition, state.swivels, state.fidelity, rubs)
-        if self._latest and all(one is other for one, other in zip(self._latest[0][0], key, strict=True)):
+        if self._latest and all(
+            one is other for one, other in zip(self._latest[0][0], key, strict=True)
+        ):
             latest = self._latest[0][1]
             ends = ends_of(latest)
             alike = ends.paths is state.paths and ends.offsets is state.offsets
@@ -55,10 +80,17 @@ class RopeModel:
         else:
             node_mass = np.zeros((state.partition.lengths.size + 1, 7))
             node_mass[[0, -1], ANGLE] = scene.left.inertia, scene.right.inertia
-            rope_parameters, air = np.array(parameters(scene.rope, scene.layout.gravity)), air_parameters(scene)
+            rope_parameters, air = (
+                np.array(parameters(scene.rope, scene.layout.gravity)),
+                air_parameters(scene),
+            )
             fidelity, obstacles = flexible(state.fidelity), find_obstacles(scene)
             along = acting_along(scene, fidelity, rubs)
-            make_system = partial(SelfContactSystem, scene) if scene.shaft.contact.rope_stiffness > 0 else RopeSystem
+            make_system = (
+                partial(SelfContactSystem, scene)
+                if scene.shaft.contact.rope_stiffness > 0
+                else RopeSystem
+            )
             system = make_system(
                 self.kernels.of(fidelity, along),
                 state.partition.lengths,
@@ -67,7 +99,9 @@ class RopeModel:
                 state.motion.q,
                 node_mass,
                 obstacles,
-                partial(self.kernels.of, fidelity, (*along, *obstacles.kinds) if obstacles else along),
+                partial(
+                    self.kernels.of, fidelity, (*along, *obstacles.kinds) if obstacles else along
+                ),
                 scene.rope,
                 state.hysteresis,
                 state.director,
@@ -77,13 +111,19 @@ class RopeModel:
 
     def with_host_forces(self, system: RopeSystem, t: float) -> RopeSystem:
         """Return ``system`` with the forces that act at ``t``."""
-        return system.with_forces(nodal_forces(self.forces, system.lengths, t)) if self.forces.s.size else system
+        return (
+            system.with_forces(nodal_forces(self.forces, system.lengths, t))
+            if self.forces.s.size
+            else system
+        )
 
     def ends(self, state: RopeState) -> HangingEnds:
         """Return the boundary at the ends of ``state``."""
         scene = self.scene
         points = nominal_points(scene.layout.spacing)
-        return HangingEnds(points, state.paths, (scene.left, scene.right), state.swivels, state.offsets)
+        return HangingEnds(
+            points, state.paths, (scene.left, scene.right), state.swivels, state.offsets
+        )
 
     @cached_property
     def method(self) -> alpha.Coefficients:
@@ -98,14 +138,20 @@ class RopeModel:
         constant = alpha.local_error(self.method, 1.0, 1.0)
         limits = step_limits(self.scene, old.errors, s, relative_end_speed(old.motion), constant)
         assert result.a_rate is not None
-        rates = (abs(end_strain(self.scene, result.motion.q, result.a_rate, side)) for side in (0, 1))
+        rates = (
+            abs(end_strain(self.scene, result.motion.q, result.a_rate, side)) for side in (0, 1)
+        )
         strain = alpha.local_error(self.method, h, h * max(rates))
         return float(step_error(limits, h, result.error, strain))
 
-    def trial(self, system: RopeSystem, old: alpha.Motion, h: float) -> alpha.StepResult[Evaluation]:
+    def trial(
+        self, system: RopeSystem, old: alpha.Motion, h: float
+    ) -> alpha.StepResult[Evaluation]:
         """Take a step that is not accepted yet."""
         solver = self.scene.solver
-        tolerance = float(effective_tolerance(solver.newton_tolerance, solver.work_max, BOUNDED_STEP_ERROR))
+        tolerance = float(
+            effective_tolerance(solver.newton_tolerance, solver.work_max, BOUNDED_STEP_ERROR)
+        )
         return alpha.step(self.with_host_forces(system, old.t + h), old, h, self.method, tolerance)
 
     def bottom_s(self, paths: tuple[EndPath, EndPath], t: float) -> float:
@@ -114,7 +160,11 @@ class RopeModel:
 
     def dividers(self, paths: tuple[EndPath, EndPath], t: float) -> Sequence[float]:
         """Return the arc lengths of the dividers along the legs, from the ends' heights: mesh_fit.divider_positions."""
-        return mesh_dividers(self.scene, paths[0].height(t), paths[1].height(t)) if self._has_dividers else NO_DIVIDERS
+        return (
+            mesh_dividers(self.scene, paths[0].height(t), paths[1].height(t))
+            if self._has_dividers
+            else NO_DIVIDERS
+        )
 
     @cached_property
     def _has_dividers(self) -> bool:
@@ -129,27 +179,43 @@ class RopeModel:
         audit = restart_audit(state.audit, load_on(ends_of(system), motion, system))
         return state._replace(motion=motion, powers=powers(system, motion), audit=audit)
 
-    def commit(self, old: RopeState, system: RopeSystem, result: alpha.StepResult[Evaluation]) -> RopeState:
+    def commit(
+        self, old: RopeState, system: RopeSystem, result: alpha.StepResult[Evaluation]
+    ) -> RopeState:
         """Return the state after an accepted step, with energies and work; angles count along its own curve."""
         motion, evaluation = result.motion, result.evaluation
         assert motion is not None
         assert evaluation is not None
         after, before, h = powers(system, motion), old.powers, motion.t - old.motion.t
         s, force = self.bottom_s(old.paths, old.motion.t), largest_end_force(motion)
-        strain_tt = [end_strain(self.scene, motion.q, motion.v - old.motion.v, side) / h for side in (0, 1)]
+        strain_tt = [
+            end_strain(self.scene, motion.q, motion.v - old.motion.v, side) / h for side in (0, 1)
+        ]
         constant, speed = alpha.local_error(self.method, 1.0, 1.0), relative_end_speed(old.motion)
-        errors = add_errors(self.scene, old.errors, s, speed, h, constant, strain_tt, result.error, force)
+        errors = add_errors(
+            self.scene, old.errors, s, speed, h, constant, strain_tt, result.error, force
+        )
         # the material's dissipation follows from the strains' differences over the step: the rates at its ends contain
         # the integrator's own oscillation, whose square does not average out
         middle, rate = 0.5 * (old.motion.q + motion.q), (motion.q - old.motion.q) / h
         halfway = self.with_host_forces(system, old.motion.t + 0.5 * h)
         losses, update = halfway.losses(middle, rate), system.update_hysteresis(motion.q)
-        energy, external = energies(old.energy_balance, evaluation.balance), system.external_sums(middle, rate)
-        energy = account_of_step(energy, h, before, after, losses, update.dissipated, external["given_to_air"])
+        energy, external = (
+            energies(old.energy_balance, evaluation.balance),
+            system.external_sums(middle, rate),
+        )
+        energy = account_of_step(
+            energy, h, before, after, losses, update.dissipated, external["given_to_air"]
+        )
         pressures = [external[kind] for kind in (*KINDS, "rope")]
         contact = add_contact(self.scene, old.contact, h, pressures, system.longest_near(middle))
         state = old._replace(
-            motion=motion, hysteresis=update.z, energy_balance=energy, errors=errors, powers=after, contact=contact
+            motion=motion,
+            hysteresis=update.z,
+            energy_balance=energy,
+            errors=errors,
+            powers=after,
+            contact=contact,
         )
         return self._audit_step(old.motion, update_angles(system, state), system)
 
@@ -175,7 +241,9 @@ class RopeModel:
             return state
         m, system = state.motion, self.system(state)
         audit = restart_audit(state.audit, load_on(ends_of(system), m, system))
-        return state._replace(audit=audit._replace(sums=system.momentum(m.q, m.v), impulse=NO_LOAD, interval=0.0))
+        return state._replace(
+            audit=audit._replace(sums=system.momentum(m.q, m.v), impulse=NO_LOAD, interval=0.0)
+        )
 
     def audit_interval(self, before: RopeState, state: RopeState) -> RopeState:
         """Return ``state`` with the audit of a communication step from ``before``: momentum against loads."""
@@ -235,7 +303,8 @@ def load_on(ends: HangingEnds, motion: alpha.Motion, system: RopeSystem) -> Load
 
 
 _CONTACT_LOAD, _AIR_LOAD = (
-    tuple(f"{of}_{name}" for name in ("fx", "fy", "fz", "mx", "my", "mz")) for of in ("contact", "air")
+    tuple(f"{of}_{name}" for name in ("fx", "fy", "fz", "mx", "my", "mz"))
+    for of in ("contact", "air")
 )
 
 
@@ -246,7 +315,9 @@ def restart_audit(audit: Audit, load: Load) -> Audit:
 
 def energies(energy_balance: EnergyBalance, balance: dict[str, float]) -> EnergyBalance:
     """Return the energy balance with the energies (J) of a state, from its element balance."""
-    account: EnergyBalance = with_energies(energy_balance, tuple(balance.values()), balance["contact"])
+    account: EnergyBalance = with_energies(
+        energy_balance, tuple(balance.values()), balance["contact"]
+    )
     return account
 
 

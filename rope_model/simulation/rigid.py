@@ -12,7 +12,14 @@ import numpy as np
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.parameters import Scene
 from rope_model.physics.centreline import suspension_points
-from rope_model.physics.inextensible import Flow, energies, flow, min_tension, rigid_tensions, tension
+from rope_model.physics.inextensible import (
+    Flow,
+    energies,
+    flow,
+    min_tension,
+    rigid_tensions,
+    tension,
+)
 from rope_model.simulation.ends.ends import HangingEnds
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.messages import messages
@@ -49,11 +56,20 @@ def rigid_rope(scene: Scene, ends: Ends, t: float, nodes_s: Array) -> RigidRope:
     kinetic, gravity = energies(scene.rope, scene.layout, tensions, left, right)
 
     q = hanging_guess(nodes_s, *np.array(suspension_points(scene.layout, left, right)))
-    v, a, reaction = _flow_velocities(q, flow(left.vy, right.vy)), np.zeros_like(q), np.zeros_like(q)
-    for node, end, tension_there in ((0, left, tensions.at_ends[0]), (-1, right, tensions.at_ends[1])):
+    v, a, reaction = (
+        _flow_velocities(q, flow(left.vy, right.vy)),
+        np.zeros_like(q),
+        np.zeros_like(q),
+    )
+    for node, end, tension_there in (
+        (0, left, tensions.at_ends[0]),
+        (-1, right, tensions.at_ends[1]),
+    ):
         v[node, POSITION], a[node, POSITION] = end.velocity, end.acceleration
         reaction[node, 1] = tension_there
-    return RigidRope(tensions.at_ends, kinetic, gravity, Motion(t, q, v, a, a, np.zeros_like(q), 0.0, reaction))
+    return RigidRope(
+        tensions.at_ends, kinetic, gravity, Motion(t, q, v, a, a, np.zeros_like(q), 0.0, reaction)
+    )
 
 
 def rigid_tension(motion: Motion, s: Array, y: Array, rho: float, gravity: float) -> Array:
@@ -73,7 +89,9 @@ def flexible_start(system: RopeSystem, ends: HangingEnds, rigid: Motion) -> Moti
     coasting = replace(ends, paths=(left, right))
     rest = find_equilibrium(system.with_boundary(coasting), rigid.q, t)
     coasting = replace(coasting, offsets=(ends.offsets[0], ends.offsets[1] + rest.end_rotation))
-    before, after = (find_equilibrium(system.with_boundary(coasting), rest.q, at) for at in (t - d, t + d))
+    before, after = (
+        find_equilibrium(system.with_boundary(coasting), rest.q, at) for at in (t - d, t + d)
+    )
     for shape in (rest, before, after):  # all angles count from the rigid rope
         shape.q[:, ANGLE] -= system.frame_turn(shape.q)
     v, a = (after.q - before.q) / (2 * d), (after.q - 2 * rest.q + before.q) / d**2

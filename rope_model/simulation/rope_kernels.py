@@ -46,9 +46,15 @@ class RopeKernels:
         fidelity: ElementFidelity = "torsional",
         features: Features = (),
     ) -> None:
-        library, portable = _bundle_files(bundle, elements, fidelity, features) if bundle else (None, None)
+        library, portable = (
+            _bundle_files(bundle, elements, fidelity, features) if bundle else (None, None)
+        )
         with EXPRESSIONS:
-            bundled = compiling.load_portable(portable) if portable is not None and portable.exists() else []
+            bundled = (
+                compiling.load_portable(portable)
+                if portable is not None and portable.exists()
+                else []
+            )
             functions = bundled or [*rope_functions(elements, fidelity, features)]
             kernels, self.form = compiling.prepare(
                 functions, partial(_build, elements, fidelity, features), form, library
@@ -57,9 +63,14 @@ class RopeKernels:
         nodes, balance = (elements + 1, NODE_DOF), (evaluate.size1_out(1),)
         self.elements, self.fidelity, self.features = elements, fidelity, features
         # entries of the balance of solve and evaluate
-        air, contact = AIR_BALANCE if AIR in features else (), CONTACT_BALANCE if _touched(features) else ()
+        air, contact = (
+            AIR_BALANCE if AIR in features else (),
+            CONTACT_BALANCE if _touched(features) else (),
+        )
         self.balance = (*element.BALANCE, *air, *contact)
-        self.solve = compiling.Kernel(solve, (nodes, nodes, nodes, nodes, balance, (len(PROGRESS),)))
+        self.solve = compiling.Kernel(
+            solve, (nodes, nodes, nodes, nodes, balance, (len(PROGRESS),))
+        )
         self.newton_step = compiling.Kernel(newton_step, (nodes, nodes))
         self.evaluate = compiling.Kernel(evaluate, (nodes, balance))
         self.losses = compiling.Kernel(losses, ((losses.size1_out(0),),))
@@ -72,18 +83,24 @@ class RopeKernels:
 class KernelCache:
     """Kernels of every fidelity for one number of elements, made when first needed."""
 
-    def __init__(self, elements: int, form: compiling.KernelForm = "auto", bundle: Path | None = None) -> None:
+    def __init__(
+        self, elements: int, form: compiling.KernelForm = "auto", bundle: Path | None = None
+    ) -> None:
         self.elements, self._form, self._bundle = elements, form, bundle
         self._kernels: dict[tuple[ElementFidelity, Features], RopeKernels] = {}
 
     def of(self, fidelity: ElementFidelity, features: Features = ()) -> RopeKernels:
         """Return the kernels for this fidelity and these features, built on first use."""
         if (fidelity, features) not in self._kernels:
-            self._kernels[fidelity, features] = RopeKernels(self.elements, self._form, self._bundle, fidelity, features)
+            self._kernels[fidelity, features] = RopeKernels(
+                self.elements, self._form, self._bundle, fidelity, features
+            )
         return self._kernels[fidelity, features]
 
 
-def write_bundle(elements: int, folder: Path, needed: Iterable[tuple[ElementFidelity, Features]]) -> list[Path]:
+def write_bundle(
+    elements: int, folder: Path, needed: Iterable[tuple[ElementFidelity, Features]]
+) -> list[Path]:
     """Write the portable kernels ``needed`` and, with a compiler, those for this platform into ``folder``."""
     folder.mkdir(parents=True, exist_ok=True)
     written, compiler = [], compiling.find_compiler()
@@ -103,32 +120,47 @@ def write_bundle(elements: int, folder: Path, needed: Iterable[tuple[ElementFide
     return written
 
 
-def _build(elements: int, fidelity: ElementFidelity, features: Features, compiler: Sequence[str]) -> Path:
+def _build(
+    elements: int, fidelity: ElementFidelity, features: Features, compiler: Sequence[str]
+) -> Path:
     """Compile the library; the element's part, common to ropes of any length, is compiled only once."""
     kind = "-".join((fidelity, *(_WORDS[kind] for kind in features)))
     folder = compiling.cache_folder()
-    library, linked = compiling.build_parts(rope_parts(fidelity, features), compiler, folder, f"element-{kind}")
+    library, linked = compiling.build_parts(
+        rope_parts(fidelity, features), compiler, folder, f"element-{kind}"
+    )
     functions = _linked_functions(elements, fidelity, features, library)
-    return compiling.build_library(functions, compiler, folder, f"kernels-{kind}-{elements}", [linked])
+    return compiling.build_library(
+        functions, compiler, folder, f"kernels-{kind}-{elements}", [linked]
+    )
 
 
 @cache
-def _linked_functions(elements: int, fidelity: ElementFidelity, features: Features, library: Path) -> ChainFunctions:
+def _linked_functions(
+    elements: int, fidelity: ElementFidelity, features: Features, library: Path
+) -> ChainFunctions:
     """Return ``rope_functions`` that call the parts shared by ropes of any size."""
     parts = ChainParts(*compiling.load_compiled(rope_parts(fidelity, features), library))
     return chain_functions(elements, parts, NODE_DOF, ELEMENT_DOF[fidelity])
 
 
-def _bundle_files(folder: Path, elements: int, fidelity: ElementFidelity, features: Features) -> tuple[Path, Path]:
+def _bundle_files(
+    folder: Path, elements: int, fidelity: ElementFidelity, features: Features
+) -> tuple[Path, Path]:
     name = "-".join((fidelity, *(_WORDS[kind] for kind in features), str(elements)))
-    return folder / f"{name}-{compiling.platform_tag()}{compiling.LIBRARY_SUFFIX}", folder / f"{name}.casadi"
+    return (
+        folder / f"{name}-{compiling.platform_tag()}{compiling.LIBRARY_SUFFIX}",
+        folder / f"{name}.casadi",
+    )
 
 
 @cache
 def rope_parts(fidelity: ElementFidelity, features: Features = ()) -> ChainParts:
     """Return the CasADi functions that ropes of any number of elements have in common."""
     e = rope_element(fidelity, features)
-    return chain_parts(e.tangent, e.residual, e.balance, e.losses, e.strains, e.momentum, e.reference, e.transport)
+    return chain_parts(
+        e.tangent, e.residual, e.balance, e.losses, e.strains, e.momentum, e.reference, e.transport
+    )
 
 
 def rope_element(fidelity: ElementFidelity, features: Features = ()) -> element.ElementFunctions:
@@ -149,6 +181,10 @@ def _touched(features: Features) -> Features:
 
 
 @cache
-def rope_functions(elements: int, fidelity: ElementFidelity = "torsional", features: Features = ()) -> ChainFunctions:
+def rope_functions(
+    elements: int, fidelity: ElementFidelity = "torsional", features: Features = ()
+) -> ChainFunctions:
     """Return the CasADi functions of a rope of ``elements`` elements with these features."""
-    return chain_functions(elements, rope_parts(fidelity, features), NODE_DOF, ELEMENT_DOF[fidelity])
+    return chain_functions(
+        elements, rope_parts(fidelity, features), NODE_DOF, ELEMENT_DOF[fidelity]
+    )

@@ -27,7 +27,13 @@ from rope_model.physics.point_forces import point_load
 from rope_model.physics.wire_element import HISTORY_SIZE, TANGENT_SIZE
 from rope_model.simulation.curvature import Director, curved_reference, is_curved
 from rope_model.simulation.rope_kernels import RopeKernels
-from rope_model.simulation.wires import NO_HYSTERESIS, HysteresisUpdate, history, latest_tangent, update_hysteresis
+from rope_model.simulation.wires import (
+    NO_HYSTERESIS,
+    HysteresisUpdate,
+    history,
+    latest_tangent,
+    update_hysteresis,
+)
 
 Array = NDArray[np.float64]
 #: matrix (elements, bodies): true if an element may touch a body
@@ -43,7 +49,9 @@ _Solver = Callable[[Array], Array]
 def air_parameters(scene: Scene) -> Array:
     """Return the element's parameters for air, with conveyances at rest; empty without air."""
     c = air_coefficients(scene.shaft.air, scene.rope.diameter, scene.layout.spacing)
-    return np.array([c.factor, *c.velocity, *c[2:], *(AIR_SIZE - COEFFICIENTS_SIZE) * [0.0]] if c.factor else [])
+    return np.array(
+        [c.factor, *c.velocity, *c[2:], *(AIR_SIZE - COEFFICIENTS_SIZE) * [0.0]] if c.factor else []
+    )
 
 
 def arc_lengths(lengths: Array) -> Array:
@@ -115,11 +123,19 @@ class RopeSystem:
     """
 
     def __init__(
-        self, kernels: RopeKernels, lengths: Array, P: Array, boundary: Boundary, reference: Array,
-        node_mass: Array | None = None, obstacles: Obstacles | None = None,
-        contact_kernels: Callable[[], RopeKernels] | None = None, rope: Rope | None = None, z: Array = NO_HYSTERESIS,
+        self,
+        kernels: RopeKernels,
+        lengths: Array,
+        P: Array,
+        boundary: Boundary,
+        reference: Array,
+        node_mass: Array | None = None,
+        obstacles: Obstacles | None = None,
+        contact_kernels: Callable[[], RopeKernels] | None = None,
+        rope: Rope | None = None,
+        z: Array = NO_HYSTERESIS,
         director: Director = START,
-    ) -> None:  # fmt: skip
+    ) -> None:
         nodes = lengths.size + 1
         self.obstacles, self._contact_kernels = obstacles, contact_kernels
         # the rope at the last search for bodies, and its distance from them, m
@@ -127,7 +143,9 @@ class RopeSystem:
         # weights of a node's coordinates in largest_motion
         longest = np.maximum(np.append(lengths, 0.0), np.append(0.0, lengths))
         units = np.eye(NODE_DOF)[:, :, None].repeat(nodes, axis=2)
-        self._motion = np.array([largest_motion(longest, unit, np.zeros_like(unit)) for unit in units]).T
+        self._motion = np.array(
+            [largest_motion(longest, unit, np.zeros_like(unit)) for unit in units]
+        ).T
         self.kernels, self.lengths, self.P, self.boundary = kernels, lengths, P, boundary
         self.reference, self.z, self._rope = reference, z, rope
         self.director = director
@@ -145,12 +163,19 @@ class RopeSystem:
         self.frames = self.kernels.reference(self.reference, self.lengths)[0]
         if self._rope is not None and is_curved(self._rope, self.kernels.fidelity):
             self.frames = np.hstack(
-                (self.frames, curved_reference(self._rope, self.reference, self.lengths, self.director))
+                (
+                    self.frames,
+                    curved_reference(self._rope, self.reference, self.lengths, self.director),
+                )
             )
         if self._rope is not None and self.z.size:
-            self.frames = np.hstack((self.frames, np.zeros((self.lengths.size, HISTORY_SIZE + TANGENT_SIZE))))
+            self.frames = np.hstack(
+                (self.frames, np.zeros((self.lengths.size, HISTORY_SIZE + TANGENT_SIZE)))
+            )
             strains = self.strains(self.reference, np.zeros_like(self.reference))
-            self._history = history(self._rope, self._sections_of(self.reference), self.lengths, self.z, strains)
+            self._history = history(
+                self._rope, self._sections_of(self.reference), self.lengths, self.z, strains
+            )
             self.frames[:, -HISTORY_SIZE - TANGENT_SIZE : -TANGENT_SIZE] = self._history
         self._constants = self.lengths, self.frames, *self._loads
 
@@ -170,9 +195,13 @@ class RopeSystem:
 
     def carried_director(self, q: Array) -> Director:
         """Return e1 of the permanent curvature at the left end as the rope moves from the reference to ``q``."""
-        return carried_director(self.director, self.reference[0, SLOPE].tolist(), q[0, SLOPE].tolist())
+        return carried_director(
+            self.director, self.reference[0, SLOPE].tolist(), q[0, SLOPE].tolist()
+        )
 
-    def with_reference(self, q: Array, z: Array = NO_HYSTERESIS, director: Director | None = None) -> RopeSystem:
+    def with_reference(
+        self, q: Array, z: Array = NO_HYSTERESIS, director: Director | None = None
+    ) -> RopeSystem:
         """Return this system with the frame counted from ``q``, where its wires have ``z``.
 
         ``director`` is e1 of the permanent curvature at the left end; None if the rope moves there from the reference.
@@ -209,7 +238,11 @@ class RopeSystem:
 
     def _sections_of(self, q: Array) -> Array:
         """Return ``q`` for the wires: theta is 0 if the fidelity computes no torsion, whatever the ends prescribe."""
-        return q if self.kernels.fidelity == "torsional" else np.where(np.arange(NODE_DOF) == ANGLE, 0.0, q)
+        return (
+            q
+            if self.kernels.fidelity == "torsional"
+            else np.where(np.arange(NODE_DOF) == ANGLE, 0.0, q)
+        )
 
     def frame_turn(self, q: Array) -> Array:
         """Return the increase of theta (nodes,), rad, when ``q`` becomes the reference."""
@@ -225,7 +258,14 @@ class RopeSystem:
         return not self.z.size
 
     def solve(
-        self, q: Array, v: Array, a: Array, reaction: Array, c: Array, tolerance: float, before: Array | None = None
+        self,
+        q: Array,
+        v: Array,
+        a: Array,
+        reaction: Array,
+        c: Array,
+        tolerance: float,
+        before: Array | None = None,
     ) -> Solution[Evaluation]:
         """Solve R = 0 by Newton's method; repeat with the bodies that the solution touches until none is new."""
         near, x = self._near(q, CONTACT_MARGIN), Iterate(q, v, a, reaction)
@@ -237,7 +277,9 @@ class RopeSystem:
             x = Iterate(solution.q, solution.v, solution.a, solution.evaluation.reaction)
             near, before = near | more, None
 
-    def _newton(self, near: Near, x: Iterate, c: Array, tolerance: float, before: Array | None) -> Solution[Evaluation]:
+    def _newton(
+        self, near: Near, x: Iterate, c: Array, tolerance: float, before: Array | None
+    ) -> Solution[Evaluation]:
         """Solve with contact of the bodies ``near`` only."""
         if self.z.size:
             return self._iterate(near, x, c, tolerance)
@@ -246,12 +288,29 @@ class RopeSystem:
         if friction is not None:
             return self._rubbed(near, x, c, tolerance, friction)
         # the friction of a swivel depends on the reaction, which the tangent leaves out
-        good = before is not None and tolerance <= SMALL and not near.any() and not self._constants[3].any()
-        method = self._free, P, c, self._scale, tolerance, x.q if before is None else before, GOOD if good else UNKNOWN
+        good = (
+            before is not None
+            and tolerance <= SMALL
+            and not near.any()
+            and not self._constants[3].any()
+        )
+        method = (
+            self._free,
+            P,
+            c,
+            self._scale,
+            tolerance,
+            x.q if before is None else before,
+            GOOD if good else UNKNOWN,
+        )
         q, v, a, reaction, sums, progress = kernels.solve(*x, *constants, *method)
-        return Solution(q, v, a, self._evaluation(v, reaction, kernels.balance, sums), report(progress.tolist()))
+        return Solution(
+            q, v, a, self._evaluation(v, reaction, kernels.balance, sums), report(progress.tolist())
+        )
 
-    def _rubbed(self, near: Near, x: Iterate, c: Array, tolerance: float, friction: Array) -> Solution[Evaluation]:
+    def _rubbed(
+        self, near: Near, x: Iterate, c: Array, tolerance: float, friction: Array
+    ) -> Solution[Evaluation]:
         """Solve with the ``friction`` of swivels whose ends may lean, until it is that of the solution's tensions."""
         kernels, constants, P = self._with_bodies(near, x.q, x.v)
         method = self._free, P, c, self._scale, tolerance, x.q, UNKNOWN
@@ -261,10 +320,15 @@ class RopeSystem:
             newton_report = report(progress.tolist())
             after = self.boundary.slanted_friction(q, reaction)
             assert after is not None
-            if not newton_report.converged or np.abs(after - friction).max() <= FRICTION_ERROR * np.abs(after).max():
+            if (
+                not newton_report.converged
+                or np.abs(after - friction).max() <= FRICTION_ERROR * np.abs(after).max()
+            ):
                 break
             x, friction = Iterate(q, v, a, reaction), after
-        return Solution(q, v, a, self._evaluation(v, reaction, kernels.balance, sums), newton_report)
+        return Solution(
+            q, v, a, self._evaluation(v, reaction, kernels.balance, sums), newton_report
+        )
 
     @staticmethod
     def _with_friction(constants: tuple[Array, ...], friction: Array | None) -> tuple[Array, ...]:
@@ -287,7 +351,9 @@ class RopeSystem:
             nonlocal latest, solve
             solve = self._solver(kernels, self._following(constants, latest), P, at, c)
             if self.z.size:
-                latest = latest_tangent(self._history, self._sections_of(at.q), self.lengths, latest)
+                latest = latest_tangent(
+                    self._history, self._sections_of(at.q), self.lengths, latest
+                )
             return solve
 
         def resolve(change: Array) -> Array:
@@ -295,7 +361,12 @@ class RopeSystem:
             return np.asarray(c[2] * self._free * solve(without - x.R))
 
         x, newton_report = newton(
-            Coupled(factorized, lambda at: self._coupling(at, c), lambda *at: evaluated(*at).reaction, self.norm),
+            Coupled(
+                factorized,
+                lambda at: self._coupling(at, c),
+                lambda *at: evaluated(*at).reaction,
+                self.norm,
+            ),
             x._replace(R=evaluated(*x).reaction),
             c,
             tolerance,
@@ -312,14 +383,18 @@ class RopeSystem:
             frames[:, own - TANGENT_SIZE : own] = latest
         return lengths, frames, *loads
 
-    def _solver(self, kernels: RopeKernels, constants: tuple[Array, ...], P: Array, at: Iterate, c: Array) -> _Solver:
+    def _solver(
+        self, kernels: RopeKernels, constants: tuple[Array, ...], P: Array, at: Iterate, c: Array
+    ) -> _Solver:
         """Return a solver of J x = -R with the chain's tangent J; the kernels take R as a load."""
         lengths, frames, load, friction_load, mass = constants
         known = kernels.evaluate(*at, *constants, P)[0]
 
         def solve(R: Array) -> Array:
             shifted = load + known - R
-            x: Array = kernels.newton_step(*at, lengths, frames, shifted, friction_load, mass, self._free, P, c)[0]
+            x: Array = kernels.newton_step(
+                *at, lengths, frames, shifted, friction_load, mass, self._free, P, c
+            )[0]
             return x
 
         return solve
@@ -332,7 +407,9 @@ class RopeSystem:
         """Add the forces of the rope on itself to ``evaluation``; a rope that can touch itself overrides it."""
         return evaluation
 
-    def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
+    def newton_step(
+        self, q: Array, v: Array, a: Array, reaction: Array, c: Array
+    ) -> tuple[Array, Array]:
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
         loaded = self._with_friction(constants, self.boundary.slanted_friction(q, reaction))
         x, R = kernels.newton_step(q, v, a, reaction, *loaded, self._free, P, c)
@@ -354,19 +431,29 @@ class RopeSystem:
     def external_sums(self, q: Array, v: Array) -> dict[str, float]:
         """Return the sums of bodies and air by name: contact_element.CONTACT_BALANCE, air.AIR_BALANCE, and "rope"."""
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
-        external = _NO_EXTERNAL_SUMS if self.host_forces is None else _NO_EXTERNAL_SUMS | _push(self.host_forces, q, v)
+        external = (
+            _NO_EXTERNAL_SUMS
+            if self.host_forces is None
+            else _NO_EXTERNAL_SUMS | _push(self.host_forces, q, v)
+        )
         if len(kernels.balance) == len(BALANCE):
             return external
         zeros = np.zeros_like(q)
         sums = kernels.evaluate(q, v, zeros, zeros, *constants, P)[1].tolist()
-        return external | {name: external.get(name, 0.0) + x for name, x in zip(kernels.balance, sums, strict=True)}
+        return external | {
+            name: external.get(name, 0.0) + x for name, x in zip(kernels.balance, sums, strict=True)
+        }
 
     def losses(self, q: Array, v: Array) -> Losses:
         """Return the powers that the rope and its contacts lose [W]."""
         kernels, constants, P = self._with_bodies(self._near(q, 0.0), q, v)
         losses = Losses(*kernels.losses(q, v, *constants[:2], P)[0].tolist())
         forces = self.host_forces
-        return losses if forces is None else losses._replace(moved=losses.moved + float(np.vdot(forces, v)))
+        return (
+            losses
+            if forces is None
+            else losses._replace(moved=losses.moved + float(np.vdot(forces, v)))
+        )
 
     def longest_near(self, q: Array) -> float:
         """Return the length of the longest element that may touch a body [m]; 0 for none."""
@@ -380,13 +467,18 @@ class RopeSystem:
         if self._last_search:
             # a distant body stays distant while the rope has hardly moved
             before, gap = self._last_search[0]
-            if gap > margin and gap - (np.abs(q - before) * self._motion).sum(axis=1).max() > margin:
+            if (
+                gap > margin
+                and gap - (np.abs(q - before) * self._motion).sum(axis=1).max() > margin
+            ):
                 return _NOTHING
         distances = self.obstacles.distances(q, self.lengths)
         self._last_search[:] = [(q, float(distances.min()))]
         return distances < margin
 
-    def _with_bodies(self, near: Near, q: Array, v: Array) -> tuple[RopeKernels, tuple[Array, ...], Array]:
+    def _with_bodies(
+        self, near: Near, q: Array, v: Array
+    ) -> tuple[RopeKernels, tuple[Array, ...], Array]:
         """Return kernels, their constants and parameters, with or without bodies."""
         P = self._air_parameters(q, v)
         if self.obstacles is None or self._contact_kernels is None or not near.any():
@@ -400,7 +492,9 @@ class RopeSystem:
         if self.P.size == len(PARAMETERS):
             return self.P
         P = self.P.copy()
-        P[COEFFICIENTS_SIZE - AIR_SIZE :].reshape(2, 4)[:] = np.column_stack((q[[0, -1], POSITION], v[[0, -1], 1]))
+        P[COEFFICIENTS_SIZE - AIR_SIZE :].reshape(2, 4)[:] = np.column_stack(
+            (q[[0, -1], POSITION], v[[0, -1], 1])
+        )
         return P
 
     def element_data(self, q: Array, v: Array) -> tuple[Array, Array]:
@@ -423,7 +517,20 @@ class RopeSystem:
 
 def _push(forces: Array, q: Array, v: Array) -> dict[str, float]:
     """Return the load of ``forces`` on the nodes (nodes, 7), and their power."""
-    of_r, of_slope = (point_load(q[:, columns].T, forces[:, columns].T) for columns in (POSITION, SLOPE))
-    load = [float(x.sum()) for x in (*of_r[:3], *(a + b for a, b in zip(of_r[3:], of_slope[3:], strict=True)))]
-    names = ("contact_fx", "contact_fy", "contact_fz", "contact_mx", "contact_my", "contact_mz", "contact_moved")
+    of_r, of_slope = (
+        point_load(q[:, columns].T, forces[:, columns].T) for columns in (POSITION, SLOPE)
+    )
+    load = [
+        float(x.sum())
+        for x in (*of_r[:3], *(a + b for a, b in zip(of_r[3:], of_slope[3:], strict=True)))
+    ]
+    names = (
+        "contact_fx",
+        "contact_fy",
+        "contact_fz",
+        "contact_mx",
+        "contact_my",
+        "contact_mz",
+        "contact_moved",
+    )
     return dict(zip(names, (*load, float(np.vdot(forces, v))), strict=True))

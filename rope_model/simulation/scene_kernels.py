@@ -12,7 +12,11 @@ from rope_model.simulation.rope_system import air_parameters
 
 def acting_along(scene: Scene, fidelity: ElementFidelity, rubs: bool) -> Features:
     """Return the features all along the rope; ``rubs``: true if its wires rub."""
-    present = {CURVED: is_curved(scene.rope, fidelity), WIRES: rubs, AIR: air_parameters(scene).size > 0}
+    present = {
+        CURVED: is_curved(scene.rope, fidelity),
+        WIRES: rubs,
+        AIR: air_parameters(scene).size > 0,
+    }
     return tuple(kind for kind, there in present.items() if there)
 
 
@@ -25,11 +29,17 @@ def kernels_needed(scene: Scene, ends: Ends) -> tuple[tuple[ElementFidelity, Fea
     higher = FIDELITIES[FIDELITIES.index(chosen) :] if scene.model.fidelity == "auto" else [chosen]
     obstacles = find_obstacles(scene)
     needed: list[tuple[ElementFidelity, Features]] = [(fidelity, ()) for fidelity in ELEMENT_DOF]
-    straight = scene.with_(rope=partly_curved(scene.rope, 0.0))  # every rope is first hung up straight
+    straight = scene.with_(
+        rope=partly_curved(scene.rope, 0.0)
+    )  # every rope is first hung up straight
     needed += [
         (fidelity, (*acting_along(hung, fidelity, rubs), *near))
         for fidelity in map(flexible, higher)
-        for hung, rubs in ((straight, False), (scene, False), (scene, wire_stiffness(scene.rope) > 0))
+        for hung, rubs in (
+            (straight, False),
+            (scene, False),
+            (scene, wire_stiffness(scene.rope) > 0),
+        )
         for near in ((), obstacles.kinds if obstacles else ())
     ]
     return tuple(dict.fromkeys(needed))

@@ -21,7 +21,12 @@ from rope_model.parameters import Scene
 from rope_model.physics.centreline import suspension_points
 from rope_model.physics.inextensible import rigid_tensions
 from rope_model.simulation.contact.bodies import NO_ROOM
-from rope_model.simulation.contact.point_forces import PointForces, at_places, elements_at, nodal_forces
+from rope_model.simulation.contact.point_forces import (
+    PointForces,
+    at_places,
+    elements_at,
+    nodal_forces,
+)
 from rope_model.simulation.contact.shaft import MONITOR_INTERVAL, update_passages
 from rope_model.simulation.curvature import start_director
 from rope_model.simulation.ends.ends import HangingEnds, refusal, right_offset, stale_input_error
@@ -149,13 +154,21 @@ class RopeSimulator(BalanceRope):
         self._accept(state)
 
     def _require_fitting(self, state: RopeState) -> None:
-        elements, model, length = self.model.kernels.elements, self.scene.model.fidelity, self.scene.rope.length
+        elements, model, length = (
+            self.model.kernels.elements,
+            self.scene.model.fidelity,
+            self.scene.rope.length,
+        )
         remembers = 0 if state.fidelity == "rigid" else start_hysteresis(self.scene, elements).size
         saved_length = float(state.partition.lengths.sum())
         for what, saved, here in (
             ("elements", state.partition.lengths.size, elements),
             ("model.fidelity", state.fidelity, state.fidelity if model == "auto" else model),
-            ("rope.length", saved_length, saved_length if math.isclose(saved_length, length) else length),
+            (
+                "rope.length",
+                saved_length,
+                saved_length if math.isclose(saved_length, length) else length,
+            ),
             (
                 "counts of II to VI, of I and VII, end_levels, grading_length and l",
                 _pattern(state.partition),
@@ -194,14 +207,22 @@ class RopeSimulator(BalanceRope):
                 return Status(False, fidelity_messages.fixed_model_cannot_follow(fidelity, why))
             if no_room := first_text(NO_ROOM, scene, fidelity, left, right):
                 return Status(False, no_room)
-            cells = partition(self._mesh, rope.length, self.model.bottom_s(paths, t), self.model.dividers(paths, t))
+            cells = partition(
+                self._mesh,
+                rope.length,
+                self.model.bottom_s(paths, t),
+                self.model.dividers(paths, t),
+            )
             guess = hanging_guess(cells.nodes_s, *ends)
             zeros = np.zeros_like(guess)
             state = RopeState(
                 motion=Motion(t, guess, zeros, zeros, zeros, zeros, 0.0, zeros),
                 partition=cells,
                 offsets=(0.0, right_offset(*ends.tolist())),
-                swivels=(SwivelState(Phase.LOCKED, 0.0, 0.0), SwivelState(Phase.LOCKED, rope.installed_twist, 0.0)),
+                swivels=(
+                    SwivelState(Phase.LOCKED, 0.0, 0.0),
+                    SwivelState(Phase.LOCKED, rope.installed_twist, 0.0),
+                ),
                 paths=paths,
                 filters=(InputFilter.at_rest(t, left), InputFilter.at_rest(t, right)),
                 step_next=scene.solver.step_max,
@@ -213,7 +234,11 @@ class RopeSimulator(BalanceRope):
                 fidelity_reason=reason,
                 director=start_director(guess),
             )
-            state = as_rigid(self.model, state, t) if fidelity == "rigid" else hang(self.model, state, (left, right))
+            state = (
+                as_rigid(self.model, state, t)
+                if fidelity == "rigid"
+                else hang(self.model, state, (left, right))
+            )
         except (StaticsError, ValueError) as error:
             return Status(False, str(error))
         if fidelity != "rigid":
@@ -225,16 +250,23 @@ class RopeSimulator(BalanceRope):
         self._accept(update_guards(scene, state, self.model.ends(state)))
         return Status(True)
 
-    def advance_to(self, t: float, left: EndMotion, right: EndMotion, given_at: float | None = None) -> Status:
+    def advance_to(
+        self, t: float, left: EndMotion, right: EndMotion, given_at: float | None = None
+    ) -> Status:
         scene, state = self.scene, self.state
         start = state.motion.t
         if abs(t - start) < MIN_INTERVAL:
             return Status(True)
         if not (math.isfinite(t) and t > start):
             return Status(False, messages.time_goes_back(start, t))
-        step_max, steps_before = self.scene.solver.step_max, state.counts.steps + state.counts.rejections
+        step_max, steps_before = (
+            self.scene.solver.step_max,
+            state.counts.steps + state.counts.rejections,
+        )
         if t - start > MAX_STEPS * step_max:
-            return Status(False, messages.too_far_at_once(start, t, MAX_STEPS, step_max, MAX_STEPS * step_max))
+            return Status(
+                False, messages.too_far_at_once(start, t, MAX_STEPS, step_max, MAX_STEPS * step_max)
+            )
         at, earliest = t if given_at is None else given_at, start - scene.inputs.hold_max
         if not earliest <= at <= t + MIN_INTERVAL:
             return Status(False, messages.motions_of_another_time(at, earliest, t))
@@ -242,7 +274,9 @@ class RopeSimulator(BalanceRope):
         bottom_s = self.model.bottom_s(state.paths, start)
         legs = bottom_s, scene.rope.length - bottom_s
         for k, (side, end) in enumerate(zip(SIDES, (left, right), strict=True)):
-            filtered = filter_step(self._filter, state.filters[k], state.paths[k], settings, at, t, end, legs[k])
+            filtered = filter_step(
+                self._filter, state.filters[k], state.paths[k], settings, at, t, end, legs[k]
+            )
             refused = refusal(scene, end, filtered.measures, side)
             if message := refused or stale_input_error(scene.inputs, t, filtered.filter, side):
                 return Status(False, message)
@@ -251,9 +285,13 @@ class RopeSimulator(BalanceRope):
         state = state._replace(paths=paths, filters=filters, events=())
         if scene.inputs.given != "all":
             left, right = ends_at((paths[0], paths[1]), t)
-        if why := unsupported_motion(self.scene, state.fidelity, (left, right), self.model.forces.s.size):
+        if why := unsupported_motion(
+            self.scene, state.fidelity, (left, right), self.model.forces.s.size
+        ):
             if self.scene.model.fidelity != "auto":
-                return Status(False, fidelity_messages.fixed_model_cannot_follow(state.fidelity, why))
+                return Status(
+                    False, fidelity_messages.fixed_model_cannot_follow(state.fidelity, why)
+                )
             try:
                 state = self.model.begin_audit(raise_fidelity(self.model, state, why))
             except StaticsError as error:
@@ -264,7 +302,9 @@ class RopeSimulator(BalanceRope):
         while state.motion.t < t:
             before = state.motion
             if state.counts.newton - newton >= most:
-                return Status(False, messages.too_much_work(before.t, state.counts.newton - newton, start, t))
+                return Status(
+                    False, messages.too_much_work(before.t, state.counts.newton - newton, start, t)
+                )
             if state.counts.steps + state.counts.rejections - steps_before >= MAX_STEPS:
                 return Status(False, messages.too_many_steps(before.t, MAX_STEPS, start, t))
             advanced = step_towards(self.model, state, t, newton_limit)
@@ -278,10 +318,15 @@ class RopeSimulator(BalanceRope):
                 middle = ends_at(state.paths, 0.5 * (before.t + after.t))
                 between = rigid_tensions(scene.rope, scene.layout, *middle).at_ends
                 for node in (0, -1):
-                    forces = float(before.reaction[node, 1] + after.reaction[node, 1]) + 4.0 * between[node]
+                    forces = (
+                        float(before.reaction[node, 1] + after.reaction[node, 1])
+                        + 4.0 * between[node]
+                    )
                     impulse[node] += (after.t - before.t) / 6.0 * forces
         sums = zip(audited, state.audit.impulse[END_LOADS:], impulse, strict=True)
-        left_mean, right_mean = (-(now - before_it + rigid) / (t - start) for before_it, now, rigid in sums)
+        left_mean, right_mean = (
+            -(now - before_it + rigid) / (t - start) for before_it, now, rigid in sums
+        )
         if state.counts.given_up and not self.state.counts.given_up:
             state = state._replace(given_up_since=start)
         state = self.model.audit_interval(self.state, state)
@@ -298,10 +343,15 @@ class RopeSimulator(BalanceRope):
 
     def displacement(self, forces: PointForces) -> Array:
         forces.require_on(self.scene.rope.length)
-        m, system, c = self.state.motion, self.system, self.model.method.newton(self.state.last_interval)
+        m, system, c = (
+            self.state.motion,
+            self.system,
+            self.model.method.newton(self.state.last_interval),
+        )
         nodal = nodal_forces(forces, system.lengths, forces.start)
         alone, moved = (
-            system.with_forces(fraction * nodal).newton_step(m.q, m.v, m.a, m.reaction, c)[0] for fraction in (0.0, 1.0)
+            system.with_forces(fraction * nodal).newton_step(m.q, m.v, m.a, m.reaction, c)[0]
+            for fraction in (0.0, 1.0)
         )
         return at_places(moved - alone, *elements_at(forces.s, system.lengths))
 
@@ -311,4 +361,10 @@ class RopeSimulator(BalanceRope):
 
 def _pattern(cells: Partition) -> tuple[tuple[int, ...], int, int, float, float]:
     """Return the part of the mesh that does not depend on the position of the loop."""
-    return cells.counts[1:6], sum(cells.counts[::6]), cells.end_levels, cells.grading_length, cells.coarse
+    return (
+        cells.counts[1:6],
+        sum(cells.counts[::6]),
+        cells.end_levels,
+        cells.grading_length,
+        cells.coarse,
+    )

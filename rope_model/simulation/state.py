@@ -131,7 +131,9 @@ class RopeState(NamedTuple):
     contact: ContactSums = ContactSums()
     powers: Powers = Powers()
     counts: Counts = Counts()
-    snap_twist: float = 0.0  # rad, twist at which the rope last snapped through when it was hung up; 0: never
+    snap_twist: float = (
+        0.0  # rad, twist at which the rope last snapped through when it was hung up; 0: never
+    )
     given_up_since: float = 0.0  # s, instant of the first of counts.given_up
     audit: Audit = Audit()
     nearest: tuple[Nearest, ...] = (Nearest(),) * len(KINDS)

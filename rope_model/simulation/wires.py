@@ -15,7 +15,13 @@ from numpy.typing import NDArray
 from rope_model.parameters import Rope, Scene
 from rope_model.physics.element import POINTS, WEIGHTS
 from rope_model.physics.wire_element import wire_functions
-from rope_model.physics.wire_friction import POINT_STATE_SIZE, bouc_wen_step, section_at, slip_curvature, wire_stiffness
+from rope_model.physics.wire_friction import (
+    POINT_STATE_SIZE,
+    bouc_wen_step,
+    section_at,
+    slip_curvature,
+    wire_stiffness,
+)
 
 Array = NDArray[np.float64]
 
@@ -32,7 +38,11 @@ class HysteresisUpdate(NamedTuple):
 
 def start_hysteresis(scene: Scene, elements: int) -> Array:
     """Return z of a flexible rope that has come to rest with no moment between its wires."""
-    return np.zeros((elements, NO_HYSTERESIS.shape[1])) if wire_stiffness(scene.rope) else NO_HYSTERESIS
+    return (
+        np.zeros((elements, NO_HYSTERESIS.shape[1]))
+        if wire_stiffness(scene.rope)
+        else NO_HYSTERESIS
+    )
 
 
 def history(rope: Rope, q: Array, lengths: Array, z: Array, strains: Array) -> Array:
@@ -48,8 +58,13 @@ def history(rope: Rope, q: Array, lengths: Array, z: Array, strains: Array) -> A
 
 def update_hysteresis(history: Array, q: Array, lengths: Array) -> HysteresisUpdate:
     """Return the update from the ``history`` to the rope ``q``."""
-    before, (k0, stiffness) = history[:, :-2].reshape(lengths.size, -1, POINT_STATE_SIZE), history[:, -2:].T
-    step = bouc_wen_step(before.transpose(2, 0, 1), _sections(q, lengths).transpose(2, 0, 1), k0[:, None])
+    before, (k0, stiffness) = (
+        history[:, :-2].reshape(lengths.size, -1, POINT_STATE_SIZE),
+        history[:, -2:].T,
+    )
+    step = bouc_wen_step(
+        before.transpose(2, 0, 1), _sections(q, lengths).transpose(2, 0, 1), k0[:, None]
+    )
     work = float(stiffness * lengths @ (step.dissipated @ np.array(WEIGHTS)))
     return HysteresisUpdate(np.stack(step.z, axis=2).reshape(lengths.size, -1), work)
 

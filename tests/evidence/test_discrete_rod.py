@@ -49,7 +49,9 @@ def energy(rod: Rod, y: Array) -> Array:
     strain = 0.5 * c.Qa * l.T @ e**2 + (L.T @ (c.Qb * mean * tau + 0.5 * c.Qd * tau**2))
     bending = 0.5 * c.EI * (1 / L).T @ (4 * (1 - cosine) / (1 + cosine))
     gravity = c.mass_per_length * GRAVITY * L.T @ x[:, 1]
-    motion = 0.5 * c.mass_per_length * L[1:-1].T @ (p.v**2).sum(axis=1) + 0.5 * c.rhoJ * l.T @ p.w**2
+    motion = (
+        0.5 * c.mass_per_length * L[1:-1].T @ (p.v**2).sum(axis=1) + 0.5 * c.rhoJ * l.T @ p.w**2
+    )
     return np.asarray((strain + bending + gravity + motion)[0])
 
 
@@ -86,7 +88,8 @@ def test_a_spinning_limp_chain_keeps_its_angular_momentum() -> None:
     rates = split(loads.rates[:, 0])
     ends = rod.ends(0.0)[0]
     edge, edge_t = (
-        np.diff(np.vstack((a, z, b)), axis=0) for z, a, b in ((p.x, *ends), (p.v, 0 * ends[0], 0 * ends[1]))
+        np.diff(np.vstack((a, z, b)), axis=0)
+        for z, a, b in ((p.x, *ends), (p.v, 0 * ends[0], 0 * ends[1]))
     )
     t = edge / np.linalg.norm(edge, axis=1)[:, None]
     t_t = (edge_t - t * np.sum(t * edge_t, axis=1)[:, None]) / np.linalg.norm(edge, axis=1)[:, None]
@@ -98,7 +101,9 @@ def test_a_spinning_limp_chain_keeps_its_angular_momentum() -> None:
     end_weight = c.mass_per_length * rod.cells[[0, -1], None] * weight
     couple += np.sum(np.cross(ends, loads.reaction[:, :, 0] + end_weight), axis=0)
     assert np.linalg.norm(spin) > 1.0
-    np.testing.assert_allclose(change, couple, atol=1e-9 * np.abs(loads.reaction).max() * SHORT.length)
+    np.testing.assert_allclose(
+        change, couple, atol=1e-9 * np.abs(loads.reaction).max() * SHORT.length
+    )
 
 
 def test_the_sparse_jacobian_is_the_derivative_of_the_rates() -> None:
@@ -113,7 +118,9 @@ def judge(case: Case) -> dict[str, Comparison]:
     """Every quantity of ours within what the two codes' own convergence allows; the comparisons."""
     compared = case.compare()
     for name, c in compared.items():
-        assert c.differences[-1] <= c.acceptance, f"{case.name}, {name}: {c.differences} against {c.acceptance}"
+        assert c.differences[-1] <= c.acceptance, (
+            f"{case.name}, {name}: {c.differences} against {c.acceptance}"
+        )
     return compared
 
 
@@ -135,11 +142,15 @@ def test_the_rope_vibrates_in_and_out_of_plane_as_the_discrete_rod_does() -> Non
 @pytest.mark.slow
 def test_a_swivel_lets_the_rope_go_as_it_does_the_discrete_rod() -> None:
     times = np.linspace(0.0, 0.5, 51)
-    ours, rod = (partial(release, times=times) for release in (cases.release_ours, cases.release_rod))
+    ours, rod = (
+        partial(release, times=times) for release in (cases.release_ours, cases.release_rod)
+    )
     assert "sticks at [s]" in judge(Case("release", ours, rod, (80, 160), (40, 80)))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", [REST_120, UNCOUPLED, COUPLED, WINDING, RELEASE], ids=lambda case: case.name)
+@pytest.mark.parametrize(
+    "case", [REST_120, UNCOUPLED, COUPLED, WINDING, RELEASE], ids=lambda case: case.name
+)
 def test_the_page_shows_no_disagreement(case: Case) -> None:
     judge(case)

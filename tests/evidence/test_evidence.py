@@ -23,7 +23,9 @@ def test_every_page_is_the_one_that_the_recorded_data_make(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", BLOCKS)
-def test_every_table_in_a_hand_written_page_is_the_one_that_the_recorded_data_make(name: str, tmp_path: Path) -> None:
+def test_every_table_in_a_hand_written_page_is_the_one_that_the_recorded_data_make(
+    name: str, tmp_path: Path
+) -> None:
     block = BLOCKS[name]
     written = (DOCS.parent / block.file).read_text(encoding="utf-8")
     for data in (block.data, *block.further):
@@ -39,7 +41,10 @@ def test_a_number_that_the_data_do_not_have_is_an_error() -> None:
 
 
 def test_a_block_is_filled_in_between_its_marks_only() -> None:
-    assert fill_block("x\n<!-- a -->\nold\n<!-- /a -->\ny\n", "a", "new\n") == "x\n<!-- a -->\nnew\n<!-- /a -->\ny\n"
+    assert (
+        fill_block("x\n<!-- a -->\nold\n<!-- /a -->\ny\n", "a", "new\n")
+        == "x\n<!-- a -->\nnew\n<!-- /a -->\ny\n"
+    )
     with pytest.raises(ValueError, match="must have one place for b"):
         fill_block("x\n<!-- a -->\n<!-- /a -->\n", "b", "new")
 
@@ -48,7 +53,9 @@ TABLES = read(DOCS / "data" / "coupling")
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
-def test_every_scheme_has_its_order_on_the_hoist_to_half_an_order_or_a_higher_one(scheme: str) -> None:
+def test_every_scheme_has_its_order_on_the_hoist_to_half_an_order_or_a_higher_one(
+    scheme: str,
+) -> None:
     assert order(TABLES["schemes"], scheme) > theory(scheme) - 0.5
 
 
@@ -63,7 +70,8 @@ ENTRIES = [entry for part in CHAPTERS.values() for entry in part]
 
 
 @pytest.mark.parametrize(
-    "entry", [pytest.param(e, id=e.key, marks=[pytest.mark.slow] if e.slow else []) for e in ENTRIES]
+    "entry",
+    [pytest.param(e, id=e.key, marks=[pytest.mark.slow] if e.slow else []) for e in ENTRIES],
 )
 def test_the_counterexample_breaks_and_ours_holds(entry: Entry) -> None:
     finding = entry.measure()

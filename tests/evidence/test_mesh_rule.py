@@ -21,7 +21,13 @@ from hoist_demo.parameters import Winding
 from rope_model import Accuracy, Layout, Rope, Scene
 from rope_model.numerics.kernels import find_compiler
 from rope_model.physics.estimates import axial_frequency
-from rope_model.simulation.mesh.mesh_fit import LEG_GRADING, LEG_WAVES, LOCKING_SHARE, PUMPED_LEG, pumped_grading
+from rope_model.simulation.mesh.mesh_fit import (
+    LEG_GRADING,
+    LEG_WAVES,
+    LOCKING_SHARE,
+    PUMPED_LEG,
+    pumped_grading,
+)
 from rope_model.simulation.mesh.partition import fit_mesh, partition
 
 TABLES = read(DOCS / "data" / "mesh_rule")
@@ -30,7 +36,9 @@ shares = cache(partial(rule.shares, FOUND))
 
 
 @pytest.mark.parametrize("asked", [0.05, 5e-3, 1e-3, 2e-4])
-def test_the_loop_s_elements_take_their_share_of_what_is_asked_and_at_least_a_third_of_it(asked: float) -> None:
+def test_the_loop_s_elements_take_their_share_of_what_is_asked_and_at_least_a_third_of_it(
+    asked: float,
+) -> None:
     share = shares(asked).loop / LOCKING_SHARE
     assert share.max() < 1.05  # the constants are the law's, rounded
     assert asked == 0.05 or np.median(share) > 1 / 3
@@ -79,7 +87,12 @@ def pumped_errors(sample: Sample, asked: Accuracy, coarser: float) -> list[tuple
     """Errors of end forces and loop of the mesh by the rule and of one with legs that much coarser."""
     mesh = fit_mesh(sample.scene.with_(accuracy=asked))
     finer, *found = (
-        wind(sample, sample.interval, accuracy=asked, mesh=replace(mesh, grading_length=share * mesh.grading_length))
+        wind(
+            sample,
+            sample.interval,
+            accuracy=asked,
+            mesh=replace(mesh, grading_length=share * mesh.grading_length),
+        )
         for share in (0.4, 1.0, coarser)
     )
     return [errors(one, finer) for one in found]
@@ -88,20 +101,34 @@ def pumped_errors(sample: Sample, asked: Accuracy, coarser: float) -> list[tuple
 @pytest.mark.slow
 def test_after_an_emergency_stop_pumped_waves_leave_the_end_forces_of_a_long_rope_right() -> None:
     rope = Rope(
-        length=596.488, mass_per_length=11.8576, EI=600.7, Qa=2.250751e8, Qb=147094.7, Qc=147094.7, Qd=5180.572,
-        rhoJ=4.253205e-3, diameter=0.053568,
-    )  # fmt: skip
+        length=596.488,
+        mass_per_length=11.8576,
+        EI=600.7,
+        Qa=2.250751e8,
+        Qb=147094.7,
+        Qc=147094.7,
+        Qd=5180.572,
+        rhoJ=4.253205e-3,
+        diameter=0.053568,
+    )
     trip = Winding(
-        travel=351.404, speed=17.54, acceleration=1.044, jerk=2.5643, start_delay=0.0, emergency_at=20.5691,
+        travel=351.404,
+        speed=17.54,
+        acceleration=1.044,
+        jerk=2.5643,
+        start_delay=0.0,
+        emergency_at=20.5691,
         emergency_deceleration=4.9024,
-    )  # fmt: skip
+    )
     sample = Sample(0, Scene(rope, Layout(2.6084)), trip, 0.01)
     by_rule, coarser = pumped_errors(sample, sample.scene.accuracy, 3.3)
     assert by_rule[0] < 0.5 * sample.scene.accuracy.end_force < 0.5 * coarser[0]
 
 
 @pytest.mark.slow
-def test_pumped_waves_leave_the_loop_right_where_a_tenth_of_the_default_error_is_asked_for() -> None:
+def test_pumped_waves_leave_the_loop_right_where_a_tenth_of_the_default_error_is_asked_for() -> (
+    None
+):
     sample = next(islice(samples(733, 27), 26, None))  # 356 m, an emergency stop
     by_rule, coarser = pumped_errors(sample, REQUESTS["tight"], 10**0.5)
     assert by_rule[1] < 0.5 * REQUESTS["tight"].loop < 0.5 * coarser[1]
@@ -124,5 +151,7 @@ def test_a_rope_of_the_judging_seed_hangs_too_high_by_the_law() -> None:
     for length in (0.14, 0.28, 0.5):
         fine, finest = (statics.pattern(drawn, x) for x in (length, statics.FINEST))
         found = statics.shift(drawn, fine, finest, 0.1)[1]
-        law = float(laws.loop_error(FOUND.loop.values, np.array(length * drawn.w), np.array(drawn.w), S))
+        law = float(
+            laws.loop_error(FOUND.loop.values, np.array(length * drawn.w), np.array(drawn.w), S)
+        )
         assert_allclose(found, law, rtol=math.exp(3 * FOUND.loop.spread) - 1)

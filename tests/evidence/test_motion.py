@@ -18,7 +18,11 @@ def test_a_folder_of_pickled_lists_is_fitted_and_judged(
 ) -> None:
     grippers, ways = camera().grippers, camera().ways
     monkeypatch.setattr(motion, "RATE", 1.0 / camera().FRAME)
-    held = [grippers[:, 0] - 0.02 * ways[0].T, *grippers.swapaxes(0, 1), grippers[:, 1] - 0.02 * ways[1].T]
+    held = [
+        grippers[:, 0] - 0.02 * ways[0].T,
+        *grippers.swapaxes(0, 1),
+        grippers[:, 1] - 0.02 * ways[1].T,
+    ]
     vertices = np.stack([*held[:2], *markers().swapaxes(0, 1), *held[2:]], axis=2)[:, [0, 2, 1]]
     vertices[:, 1] *= -1.0
     for kind in ("train", "eval"):
@@ -26,8 +30,12 @@ def test_a_folder_of_pickled_lists_is_fitted_and_judged(
         (tmp_path / kind / "1.pkl").write_bytes(pickle.dumps(vertices.tolist()))
     cable = tmp_path / "cable.toml"
     text = (EXAMPLES / "measurements" / "swing.toml").read_text(encoding="utf-8")
-    text = text.replace("a = 0.2, b = 0.4, c = 0.6, d = 0.8", "v2 = 0.2, v3 = 0.4, v4 = 0.6, v5 = 0.8")
-    cable.write_text(text.replace('"mm"', '"m"').replace("0.0, 1.0, 0.0", "0.0, 0.0, 1.0"), encoding="utf-8")
+    text = text.replace(
+        "a = 0.2, b = 0.4, c = 0.6, d = 0.8", "v2 = 0.2, v3 = 0.4, v4 = 0.6, v5 = 0.8"
+    )
+    cable.write_text(
+        text.replace('"mm"', '"m"').replace("0.0, 1.0, 0.0", "0.0, 0.0, 1.0"), encoding="utf-8"
+    )
     motion.main(str(tmp_path), str(cable), str(tmp_path))
     *found, judged = capsys.readouterr().out.splitlines()
     values = [float(line.split()[2]) for line in found]

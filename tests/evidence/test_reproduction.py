@@ -52,12 +52,23 @@ def test_veering_is_told_from_curves_that_only_come_close() -> None:
         low = np.stack((-np.sin(angle), np.cos(angle)), axis=1)
         high = np.stack((np.cos(angle), np.sin(angle)), axis=1)
         if swaps:
-            shapes, f = np.stack((low, high), axis=1)[..., None], np.stack((sum_ - half, sum_ + half), axis=1)
+            shapes, f = (
+                np.stack((low, high), axis=1)[..., None],
+                np.stack((sum_ - half, sum_ + half), axis=1),
+            )
         else:
             shapes = np.tile(np.eye(2)[None, ..., None], (81, 1, 1, 1))
             f = np.stack((sum_ - 0.1 - difference**2, sum_ + 0.1 + difference**2), axis=1)
         rows = frequencies.approaches(heights, f, shapes)
-        names = ("lower mode", "H [m]", "gap [Hz]", "gap [%]", *frequencies.SWAPPED, *frequencies.KEPT, "along")
+        names = (
+            "lower mode",
+            "H [m]",
+            "gap [Hz]",
+            "gap [%]",
+            *frequencies.SWAPPED,
+            *frequencies.KEPT,
+            "along",
+        )
         assert [row[1] for row in rows] == [0.0]
         assert list(frequencies.exchange_rows(table(names, rows))) == [swaps]
 
@@ -67,7 +78,9 @@ def test_veering_is_told_from_curves_that_only_come_close() -> None:
 
 # the mesh to the left of the loop is not quite the mirror of the mesh to the right; the reference's meshes differ more
 @pytest.mark.parametrize(("height", "tolerance"), [(30.0, 1e-5), (-30.0, 2e-3)])
-def test_frequencies_come_out_as_in_the_file_on_either_side(height: float, tolerance: float) -> None:
+def test_frequencies_come_out_as_in_the_file_on_either_side(
+    height: float, tolerance: float
+) -> None:
     t = TABLES["frequencies"]
     at = np.abs(t["H [m]"] - height) < 1e-6
     for plane, (f, _) in frequencies.modes(height).items():
@@ -78,17 +91,28 @@ def test_frequencies_come_out_as_in_the_file_on_either_side(height: float, toler
 def test_the_first_seconds_of_the_winding_come_out_as_in_the_file() -> None:
     until = 5.0
     reference = s_curve(Trip())
-    scene, settle = windings.scene_of("coupled", windings.MESHES["TMN-ETM"]), until - reference.duration
-    portable = scene.with_(solver=replace(scene.solver, kernels="portable"))  # what looks on needs no compiler
+    scene, settle = (
+        windings.scene_of("coupled", windings.MESHES["TMN-ETM"]),
+        until - reference.duration,
+    )
+    portable = scene.with_(
+        solver=replace(scene.solver, kernels="portable")
+    )  # what looks on needs no compiler
     stresses_seen = windings.Stresses(RopeSimulator(portable))
-    run = wind(scene, reference, windings.TRAVEL, settle, windings.SAMPLE, watch=stresses_seen.watch)
+    run = wind(
+        scene, reference, windings.TRAVEL, settle, windings.SAMPLE, watch=stresses_seen.watch
+    )
     filed, places = TABLES["winding-coupled"], TABLES["stress-places"]
     n = len(run.t)
     observed = np.array(run.observed)
     np.testing.assert_allclose(run.t, filed["t [s]"][:n], rtol=1e-5)
     # a thousandth of the values; 5 s at up to 3.4 m/s
-    np.testing.assert_allclose(1e3 * observed[:, 0, 2], filed["TMN-ETM left out of plane [mm]"][:n], rtol=1e-3)
-    np.testing.assert_allclose(np.array(run.kinetic)[-1], filed["TMN-ETM kinetic [J]"][n - 1], rtol=1e-3)
+    np.testing.assert_allclose(
+        1e3 * observed[:, 0, 2], filed["TMN-ETM left out of plane [mm]"][:n], rtol=1e-3
+    )
+    np.testing.assert_allclose(
+        np.array(run.kinetic)[-1], filed["TMN-ETM kinetic [J]"][n - 1], rtol=1e-3
+    )
     largest = [row[windings.PLACES.index("bending largest [MPa]")] for row in stresses_seen.rows]
     np.testing.assert_allclose(largest, places["TMN-ETM bending largest [MPa]"][:n], rtol=1e-3)
     first = next(event for event in run.events if event.what == "transformation")

@@ -27,16 +27,23 @@ def row(value: float, bound: float) -> Row:
 
 
 @pytest.mark.parametrize(
-    ("value", "bound", "missed"), [(0.5, 1.0, False), (1.0, 1.0, True), (math.nan, 1.0, True), (5.0, math.nan, False)]
+    ("value", "bound", "missed"),
+    [(0.5, 1.0, False), (1.0, 1.0, True), (math.nan, 1.0, True), (5.0, math.nan, False)],
 )
-def test_a_row_misses_where_an_acceptance_is_stated_and_not_met(value: float, bound: float, missed: bool) -> None:
+def test_a_row_misses_where_an_acceptance_is_stated_and_not_met(
+    value: float, bound: float, missed: bool
+) -> None:
     assert row(value, bound).misses is missed
 
 
 def test_the_black_wire_throws_its_loop_as_measured_with_one_of_the_published_pairs() -> None:
     # angles are good for half a step; the other pairs miss, to both sides
     half = 0.5 * STEP
-    assert min(BLACK.twists) - half < thrown(BLACK, *BLACK.stiffness[1], GAP) < max(BLACK.twists) + half
+    assert (
+        min(BLACK.twists) - half
+        < thrown(BLACK, *BLACK.stiffness[1], GAP)
+        < max(BLACK.twists) + half
+    )
 
 
 def test_a_hanging_rope_swings_with_the_zeros_of_j0() -> None:
@@ -56,7 +63,11 @@ LONG = ("divider", "every kind", "falls", "flat", "legs", "rod", "swing")
 
 
 @pytest.mark.parametrize(
-    "case", [pytest.param(c, marks=[pytest.mark.slow] if any(word in c for word in LONG) else []) for c in CASES]
+    "case",
+    [
+        pytest.param(c, marks=[pytest.mark.slow] if any(word in c for word in LONG) else [])
+        for c in CASES
+    ],
 )
 def test_exact_case(case: str) -> None:
     for measurement in CASES[case]():
@@ -79,13 +90,19 @@ def test_the_closed_form_of_a_plectoneme_is_where_its_energy_is_least(tension: f
     assert energy(x.angle, x.radius) == pytest.approx(0.0, abs=1e-8 * tension)
     da, dR = 1e-3 * x.angle, 1e-3 * x.radius
     around = [
-        energy(x.angle + i * da, x.radius + j * dR) for i, j in ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1))
+        energy(x.angle + i * da, x.radius + j * dR)
+        for i, j in ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1))
     ]
     assert all(0.0 < more < 1e-4 * tension for more in around)
 
 
 LINEAR = [
-    pytest.param(name, at, id=f"{name}-{at}", marks=[] if (name, at) == ("rope-120", 0.3) else [pytest.mark.slow])
+    pytest.param(
+        name,
+        at,
+        id=f"{name}-{at}",
+        marks=[] if (name, at) == ("rope-120", 0.3) else [pytest.mark.slow],
+    )
     for name in ("rope-120", "monopol-1000")
     for at in (0.0, 0.3, 0.9)
 ]
@@ -110,7 +127,9 @@ def test_linear_models_at_rest_answer_as_the_co_simulation_does(name: str, at: f
 @pytest.mark.parametrize("part", [5, pytest.param(17, marks=pytest.mark.slow)])
 def test_a_schedule_is_as_good_between_its_heights_as_promised_at_them(part: int) -> None:
     """The lowest quarter of the shaft, or all of it."""
-    models = [m.selected(TORQUE, DRIVE[:3]) for m in linearise(find_case("rope-120"), dense(17)[:part])]
+    models = [
+        m.selected(TORQUE, DRIVE[:3]) for m in linearise(find_case("rope-120"), dense(17)[:part])
+    ]
     decibels, degrees = between(models, 17)
     assert decibels < 1.0
     assert degrees < 5.0

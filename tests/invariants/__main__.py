@@ -22,9 +22,13 @@ def main() -> int:
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--minutes", type=float, default=60.0)
     parser.add_argument("--case", type=int, help="this case alone")
-    parser.add_argument("--relation", default="", choices=["", *RELATIONS], help="this relation alone")
+    parser.add_argument(
+        "--relation", default="", choices=["", *RELATIONS], help="this relation alone"
+    )
     parser.add_argument("--without", default="", help="features to be left out, between blanks")
-    parser.add_argument("--log", action="store_true", help=f"add what was found to {LOG.relative_to(ROOT)}")
+    parser.add_argument(
+        "--log", action="store_true", help=f"add what was found to {LOG.relative_to(ROOT)}"
+    )
     options = parser.parse_args()
     logging.disable(logging.WARNING)  # of trips whose results need care
     hunt, begun = Hunt(options.seed), time.monotonic()
@@ -44,7 +48,10 @@ def main() -> int:
         if time.monotonic() - told > 60.0:
             told = time.monotonic()
             minutes = (told - begun) / 60.0
-            print(f"{minutes:.0f} min: cases to {number - 1}, {len(hunt.findings)} findings", flush=True)
+            print(
+                f"{minutes:.0f} min: cases to {number - 1}, {len(hunt.findings)} findings",
+                flush=True,
+            )
     print(hunt.table())
     for words, times in hunt.refusals.most_common(12):
         print(f"refused {times} times: {words}")

@@ -29,7 +29,12 @@ SHARE = 3.0
 def feels_weight_alone(case: Case) -> bool:
     """Whether nothing but weight and ends acts on the rope: no air, no bodies, no dead load."""
     shaft = case.scene.shaft
-    bodies = (shaft.lining.width, shaft.conveyance.width, shaft.head_ropes.diameter, shaft.divider_1.size)
+    bodies = (
+        shaft.lining.width,
+        shaft.conveyance.width,
+        shaft.head_ropes.diameter,
+        shaft.divider_1.size,
+    )
     stands = shaft.contact.stiffness > 0 and (any(bodies) or shaft.sump.level > -1e6)
     return case.force is None and shaft.air.density == 0 and not stands
 
@@ -46,7 +51,9 @@ def integrals(rope: BalanceRope) -> tuple[Array, Array, Array]:
     l = np.diff(s)[:, None]
     momentum, first = np.zeros(3), np.zeros(3)
     for xi, weight in GAUSS:
-        momentum += (weight * l * interpolate(xi, l, v[:-1], d_t[:-1], v[1:], d_t[1:])[0]).sum(axis=0)
+        momentum += (weight * l * interpolate(xi, l, v[:-1], d_t[:-1], v[1:], d_t[1:])[0]).sum(
+            axis=0
+        )
         first += (weight * l * interpolate(xi, l, r[:-1], d[:-1], r[1:], d[1:])[0]).sum(axis=0)
     return momentum, first, np.asarray(l.sum())
 
@@ -80,7 +87,9 @@ def momentum(case: Case, draws: Draws) -> Iterator[Compared]:
         )
         yield Compared("audited force", 0.0 if told else audited, MISSING_FORCE * record.force)
         mean = abs(float((missing * h).sum())) / float(h.sum())
-        yield Compared("force missing in the mean of the run", mean, MISSING_IN_THE_MEAN * record.force)
+        yield Compared(
+            "force missing in the mean of the run", mean, MISSING_IN_THE_MEAN * record.force
+        )
 
 
 def rest(case: Case, draws: Draws) -> Iterator[Compared]:
@@ -91,19 +100,30 @@ def rest(case: Case, draws: Draws) -> Iterator[Compared]:
     rope, row = case.scene.rope, record.rope.rows()
     _, first, length = integrals(record.rope)
     weight = rope.mass_per_length * case.scene.layout.gravity
-    forces, moments = record.several(FORCES)[0].reshape(2, 3), record.several(MOMENTS)[0].reshape(2, 3)
+    forces, moments = (
+        record.several(FORCES)[0].reshape(2, 3),
+        record.several(MOMENTS)[0].reshape(2, 3),
+    )
     if record.rope.fidelity != "torsional":
         moments = np.zeros((2, 3))
     ends = row[[0, -1], 1:4]
     missing_force = forces.sum(axis=0) + np.array([0.0, weight * float(length), 0.0])
-    yield Compared("force missing at rest", float(np.abs(missing_force).max()), MISSING_AT_REST * record.force)
+    yield Compared(
+        "force missing at rest", float(np.abs(missing_force).max()), MISSING_AT_REST * record.force
+    )
     if record.rope.fidelity == "torsional":
         down = np.cross(first, [0.0, -weight, 0.0])
         middle = ends.mean(axis=0)
-        arms = np.cross(ends - middle, forces).sum(axis=0) - (down - np.cross(middle * float(length), [0, -weight, 0]))
+        arms = np.cross(ends - middle, forces).sum(axis=0) - (
+            down - np.cross(middle * float(length), [0, -weight, 0])
+        )
         missing = moments.sum(axis=0) + arms
         arm = float(np.abs(ends[1] - ends[0]).max()) + case.scene.layout.spacing
-        yield Compared("moment missing at rest", float(np.abs(missing).max()), MISSING_MOMENT * record.force * arm)
+        yield Compared(
+            "moment missing at rest",
+            float(np.abs(missing).max()),
+            MISSING_MOMENT * record.force * arm,
+        )
 
 
 def energy(case: Case, draws: Draws) -> Iterator[Compared]:
@@ -125,7 +145,12 @@ def energy_throughput(record: Record) -> float:
     moved = float((np.abs((forces * speeds).sum(axis=2)).sum(axis=1) * h).sum())
     strain = record["energy.strain"]
     # at rest waves of a thousandth of the strain energy are nothing
-    return moved + float(record["energy.kinetic"].max()) + float(np.ptp(strain)) + 1e-3 * float(strain.max())
+    return (
+        moved
+        + float(record["energy.kinetic"].max())
+        + float(np.ptp(strain))
+        + 1e-3 * float(strain.max())
+    )
 
 
 RELATIONS: tuple[Callable[[Case, Draws], Iterator[Compared]], ...] = (momentum, rest, energy)

@@ -52,7 +52,9 @@ class Case:
             return None
         place, load = self.force
         rows = np.array([load])
-        return PointForces(np.array([place]), rows, rows, float(self.times[0]), float(self.times[-1]))
+        return PointForces(
+            np.array([place]), rows, rows, float(self.times[0]), float(self.times[-1])
+        )
 
     def moves_in_plane(self) -> bool:
         """Whether nothing leads the rope out of the plane of the loop."""
@@ -112,12 +114,26 @@ class Sketch:
             self.features.append("point force")
             draws = self.draws("point force")
             weight = 0.02 * drawn.length * drawn.values["rope.mass_per_length"] * 9.81
-            load = np.array([draws.evenly(-0.2, 0.2), draws.evenly(-1.0, 0.5), draws.evenly(-0.2, 0.2)]) * weight
+            load = (
+                np.array(
+                    [draws.evenly(-0.2, 0.2), draws.evenly(-1.0, 0.5), draws.evenly(-0.2, 0.2)]
+                )
+                * weight
+            )
             self.force = (draws.evenly(0.05, 0.95) * drawn.length, load)
 
     def case(self) -> Case:
         scene = with_values(Scene(mesh=Mesh("auto")), self.values)
-        return Case(self.seed, self.number, tuple(self.features), scene, self.motion, self.times, self.late, self.force)
+        return Case(
+            self.seed,
+            self.number,
+            tuple(self.features),
+            scene,
+            self.motion,
+            self.times,
+            self.late,
+            self.force,
+        )
 
 
 REST = EndMotion()

@@ -81,13 +81,21 @@ HOIST_LINES: dict[str, dict[str, str]] = {
         "play": "hoist.play.clearance = 0.005",
         "guides": "hoist.guides.coulomb = 1000.0",
     },
-    "brake": {"none": "", "strong": "hoist.brake.torque = 5.5e5", "weak": "hoist.brake.torque = 4e4"},
+    "brake": {
+        "none": "",
+        "strong": "hoist.brake.torque = 5.5e5",
+        "weak": "hoist.brake.torque = 4e4",
+    },
     "payload": {
         "left": "",
         "right": "hoist.payload_left = 0.0\nhoist.payload_right = 5000.0",
         "none": "hoist.payload_left = 0.0",
     },
-    "bodies": {"none": "", "divider": "divider_1.size = 0.2\ndivider_1.y = -12.5", "sump": "sump.level = -18.0"},
+    "bodies": {
+        "none": "",
+        "divider": "divider_1.size = 0.2\ndivider_1.y = -12.5",
+        "sump": "sump.level = -18.0",
+    },
     "guard": {"none": "", "far": "guard.turns = 0.4", "near": "guard.torque = 0.5"},
     "air": {"none": "", "still": "air.density = 1.2", "wind": "air.density = 1.2\nair.vx = 3.0"},
     "contact": {"none": "", "of the rope with itself": "contact.rope_stiffness = 1e7"},
@@ -224,19 +232,26 @@ def rows(seed: int | None = None) -> list[dict[str, str]]:
         for choices in factors.values():
             generator.shuffle(choices)
     names = [*factors]
-    pairs = AllPairs([*factors.values()], filter_func=lambda row: _may_be(dict(zip(names, row, strict=False))))
+    pairs = AllPairs(
+        [*factors.values()], filter_func=lambda row: _may_be(dict(zip(names, row, strict=False)))
+    )
     return [dict(zip(names, row, strict=True)) for row in pairs]
 
 
 def _may_be(row: Mapping[str, str]) -> bool:
     """Return whether no choices of a row, or of a part of it, exclude each other."""
-    return not any(all(row.get(name) in choices for name, choices in refusal) for refusal in REFUSALS)
+    return not any(
+        all(row.get(name) in choices for name, choices in refusal) for refusal in REFUSALS
+    )
 
 
 def default_row() -> dict[str, str]:
     """Return the first choice of every factor."""
     factors = {**HOIST_LINES, **ROPE_LINES}
-    return {name: next(iter(choices)) for name, choices in factors.items()} | {"ropes": "one", "command": "check"}
+    return {name: next(iter(choices)) for name, choices in factors.items()} | {
+        "ropes": "one",
+        "command": "check",
+    }
 
 
 def text_of(row: Mapping[str, str]) -> str:
@@ -269,7 +284,9 @@ def _judge_refused_hoist(bench: Bench, row: Mapping[str, str], file: Path) -> st
 def _is_refusal(err: str) -> bool:
     """Return whether the last words are a message of ours, and no traceback."""
     lines = err.strip().splitlines()
-    ours = bool(lines) and any(line.startswith("balance-rope: ") or ": error: " in line for line in lines)
+    ours = bool(lines) and any(
+        line.startswith("balance-rope: ") or ": error: " in line for line in lines
+    )
     return ours and "Traceback" not in err and "internal error" not in err
 
 
@@ -292,7 +309,10 @@ def _require_physics(row: Mapping[str, str], wound: Wound) -> None:
         weight = GRAVITY * data[f"{prefix}rope.mass_per_length"] * data[f"{prefix}rope.length"]
         pull = -sum(float(signals[f"{prefix}{side}.fy [N]"][0]) for side in ("left", "right"))
         # wind blows on the legs, so that its own drag is the tolerance; else statics is solved to 1e-6
-        if abs(pull - weight) > (1e-2 if row["air"] == "wind" or row["bodies"] == "sump" else 1e-5) * weight:
+        if (
+            abs(pull - weight)
+            > (1e-2 if row["air"] == "wind" or row["bodies"] == "sump" else 1e-5) * weight
+        ):
             _refuse(row, f"at rest the ropes pull with {pull} N and weigh {weight} N")
     stopped = "Stopped" in wound.messages or "stopped:" in wound.messages
     if stopped != (wound.code == STOPPED):
@@ -318,7 +338,9 @@ def _metrics(wound: Wound, rope: str) -> dict[str, float]:
     }
 
 
-def _require_equal(row: Mapping[str, str], found: Mapping[str, float], wound: Wound, tolerance: float) -> None:
+def _require_equal(
+    row: Mapping[str, str], found: Mapping[str, float], wound: Wound, tolerance: float
+) -> None:
     values = dict[str, float]()
     for rope in ("front.", "back.") if row["ropes"] == "two" else ("",):
         values |= _metrics(wound, rope)
@@ -327,7 +349,9 @@ def _require_equal(row: Mapping[str, str], found: Mapping[str, float], wound: Wo
             _refuse(row, f"{row['command']}: {name} = {found[name]}, and {value} in wind")
 
 
-def _require_same_record(row: Mapping[str, str], other: Wound, wound: Wound, tolerance: float) -> None:
+def _require_same_record(
+    row: Mapping[str, str], other: Wound, wound: Wound, tolerance: float
+) -> None:
     """Require equal signals, to a part of the largest value of each quantity's unit."""
     a, b = other.signals, wound.signals
     if len(a) != len(b):
@@ -372,8 +396,12 @@ def _resume(bench: Bench, row: Mapping[str, str], wound: Wound) -> str:
     """An interrupted run goes on to the same bits."""
     asked = iter(range(10**6))
     with bench.patch.context() as patch:
-        patch.setattr(wind_command, "interruption", lambda *_: nullcontext(lambda: next(asked) > 120))
-        cut = bench.call(row, "wind", str(wound.file), "--in-process", "--out", str(bench.folder / "cut"))
+        patch.setattr(
+            wind_command, "interruption", lambda *_: nullcontext(lambda: next(asked) > 120)
+        )
+        cut = bench.call(
+            row, "wind", str(wound.file), "--in-process", "--out", str(bench.folder / "cut")
+        )
     kept = bench.folder / "cut" / "last_good.npz"
     if cut.code == REFUSED:
         _refuse(row, "an interrupted run is refused", cut.err)
@@ -407,7 +435,9 @@ def _fmu(bench: Bench, row: Mapping[str, str], wound: Wound) -> str:
     return "right"
 
 
-def _table(bench: Bench, row: Mapping[str, str], words: tuple[str, ...], table: str) -> pd.DataFrame | None:
+def _table(
+    bench: Bench, row: Mapping[str, str], words: tuple[str, ...], table: str
+) -> pd.DataFrame | None:
     out = bench.folder / "table"
     done = bench.call(row, *words, "--out", str(out))
     return None if done.code == REFUSED else pd.read_csv(out / table)
@@ -420,7 +450,9 @@ def _duty(bench: Bench, row: Mapping[str, str], wound: Wound) -> str:
     trips = _table(bench, row, ("duty", str(file)), "trips.csv")
     if trips is None:
         return "refused"
-    _require_equal(row, {name.partition(" ")[0]: float(trips[name][0]) for name in trips}, wound, 1e-8)
+    _require_equal(
+        row, {name.partition(" ")[0]: float(trips[name][0]) for name in trips}, wound, 1e-8
+    )
     return "right"
 
 
@@ -429,8 +461,12 @@ def _study(bench: Bench, row: Mapping[str, str], wound: Wound) -> str:
     if (fmu := _export(bench, row, wound)) is None:
         return "refused"
     file = bench.folder / "study.toml"
-    file.write_text(f'[study]\nhoist = "{wound.file.name}"\n[vary]\ngains.position = [1.0]\n', encoding="utf-8")
-    runs = _table(bench, row, ("study", str(file), "--fmu", str(fmu), "--workers", "1"), "results.csv")
+    file.write_text(
+        f'[study]\nhoist = "{wound.file.name}"\n[vary]\ngains.position = [1.0]\n', encoding="utf-8"
+    )
+    runs = _table(
+        bench, row, ("study", str(file), "--fmu", str(fmu), "--workers", "1"), "results.csv"
+    )
     if runs is None:
         return "refused"
     _require_equal(row, {name.partition(" ")[0]: runs[name][0] for name in runs}, wound, 1e-6)

@@ -86,7 +86,12 @@ def catalogue_rope(drawn: Drawn) -> None:
     construction, diameter = draws.one_of(*CONSTRUCTIONS), draws.evenly(*DIAMETER)
     length, lay = draws.in_logarithms(*LENGTH), draws.one_of("right-hand", "left-hand")
     known = rope(construction, diameter, length, lay)
-    made = rope_of(diameter, length, lay, **{name: draws.evenly(x.low, x.high) for name, x in known.data.items()})
+    made = rope_of(
+        diameter,
+        length,
+        lay,
+        **{name: draws.evenly(x.low, x.high) for name, x in known.data.items()},
+    )
     names = ("length", "mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ", "diameter")
     drawn.values |= {f"rope.{name}": getattr(made, name) for name in names}
     drawn.values["rope.beta_K"] = draws.in_logarithms(3e-4, 5e-3)
@@ -122,7 +127,9 @@ def permanent_curvature(drawn: Drawn) -> None:
     # of ropes that do not roll over: below 4 Qd / L, see docs/theory/rope.md
     most = min(0.05, 0.4 * drawn.values["rope.Qd"] / (drawn.length * drawn.values["rope.EI"]))
     drawn.values["rope.initial_curvature"] = draws.evenly(0.2, 1.0) * most
-    drawn.values["rope.initial_curvature_angle"] = draws.evenly(-0.5, 0.5) if draws.chance(0.5) else 0.0
+    drawn.values["rope.initial_curvature_angle"] = (
+        draws.evenly(-0.5, 0.5) if draws.chance(0.5) else 0.0
+    )
     if draws.chance(0.5):
         for place in ("left", "1", "2", "middle", "4", "5", "right"):
             for across in ("", "_across"):
@@ -174,12 +181,16 @@ def mesh(drawn: Drawn) -> None:
     draws, kind = drawn.draws, drawn.draws.one_of("eem", "tmn", "auto")
     drawn.values["mesh.kind"] = drawn.code("mesh.kind", kind)
     if kind == "eem":
-        drawn.values["mesh.elements"] = int(min(max(drawn.length / draws.evenly(0.5, 1.0), 20), 600))
+        drawn.values["mesh.elements"] = int(
+            min(max(drawn.length / draws.evenly(0.5, 1.0), 20), 600)
+        )
     elif kind == "tmn":
         # the fine segments take counts . coarse / (2, 4, 8, 4, 2), 12 coarse lengths and more
         coarse = draws.evenly(0.6, 1.0) * min(2.0, drawn.length / 40)
         loop = 8 * draws.one_of(4, 5, 6)
-        counts = draws.one_of((2, 4, loop, 4, 2), (4, 8, loop, 8, 4), (2, 0, loop, 0, 2), (0, 0, loop, 0, 0))
+        counts = draws.one_of(
+            (2, 4, loop, 4, 2), (4, 8, loop, 8, 4), (2, 0, loop, 0, 2), (0, 0, loop, 0, 0)
+        )
         drawn.values |= {f"mesh.counts[{i + 1}]": count for i, count in enumerate(counts)}
         drawn.values |= {
             "mesh.coarse_length": coarse,
@@ -261,7 +272,8 @@ def dividers(drawn: Drawn) -> None:
         drawn.values |= {
             f"divider_{k + 1}.size": draws.evenly(0.05, 0.4),
             f"divider_{k + 1}.y": -draws.evenly(0.02, 0.6) * drawn.length,
-            f"divider_{k + 1}.offset": drawn.spacing * draws.one_of(0.0, draws.evenly(-0.2, 0.2), draws.evenly(0.6, 2)),
+            f"divider_{k + 1}.offset": drawn.spacing
+            * draws.one_of(0.0, draws.evenly(-0.2, 0.2), draws.evenly(0.6, 2)),
             f"divider_{k + 1}.direction": draws.one_of(0.0, 0.0, draws.evenly(-0.2, 0.2)),
             f"divider_{k + 1}.rounding": draws.one_of(0.0, 1.0),
         }
@@ -288,7 +300,12 @@ def self_contact(drawn: Drawn) -> None:
 
 def guards(drawn: Drawn) -> None:
     draws, low = drawn.draws, -0.45 * drawn.length
-    thresholds = {"rise": (0.05, 2.0), "window": (0.05, 2.0), "clearance": (0.02, 0.5), "turns": (0.1, 0.5)}
+    thresholds = {
+        "rise": (0.05, 2.0),
+        "window": (0.05, 2.0),
+        "clearance": (0.02, 0.5),
+        "turns": (0.1, 0.5),
+    }
     thresholds["torque"] = (1.0, 200.0)
     for name, bounds in thresholds.items():
         if draws.chance(0.6):
@@ -310,7 +327,10 @@ def air(drawn: Drawn) -> None:
             "air.cross_height": draws.evenly(2.0, 10.0),
         }
     if draws.chance(0.4):
-        drawn.values |= {"air.buffet": draws.evenly(0.02, 0.5), "air.buffet_length": draws.evenly(2.0, 8.0)}
+        drawn.values |= {
+            "air.buffet": draws.evenly(0.02, 0.5),
+            "air.buffet_length": draws.evenly(2.0, 8.0),
+        }
 
 
 #: features of a scene, and the share of cases that have each

@@ -21,7 +21,18 @@ from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
 from invariants.case import Array, Case, Sketch
 from invariants.features import Draws
-from invariants.runs import FORCES, MEANS, MOMENTS, PLACE, Compared, Finding, Record, Refused, rms, start
+from invariants.runs import (
+    FORCES,
+    MEANS,
+    MOMENTS,
+    PLACE,
+    Compared,
+    Finding,
+    Record,
+    Refused,
+    rms,
+    start,
+)
 from invariants.symmetries import values_of
 
 #: of the largest value: compilers contract products otherwise in FMU and library
@@ -67,7 +78,9 @@ def _compared(case: Case, record: Record, host: Host) -> Iterator[Compared]:
         said = host.step(begin, h)
         status = record.rope.advance_to(begin + h, *case.at(at), at)
         if bool(said) == status.valid:
-            raise Finding(f"one alone refuses the step to {begin + h:g} s: {said or status.message}")
+            raise Finding(
+                f"one alone refuses the step to {begin + h:g} s: {said or status.message}"
+            )
         if said:
             break
         rows.append(host.get(*COMPARED))
@@ -78,7 +91,9 @@ def _compared(case: Case, record: Record, host: Host) -> Iterator[Compared]:
         largest = max(float(np.abs(here[:, chosen]).max()), 1.0)
         # rounding of positions of 1000 m on elements of some 0.1 m
         yield Compared(
-            group[0], float(np.abs(there - here)[:, chosen].max()), ROUNDING * largest + 1e-5 * (group != PLACE)
+            group[0],
+            float(np.abs(there - here)[:, chosen].max()),
+            ROUNDING * largest + 1e-5 * (group != PLACE),
         )
 
 
@@ -142,7 +157,9 @@ def trip_in_c(case: Case, draws: Draws) -> Iterator[Compared]:
     trip = _trip(case, draws)
     one, two = trip.run(), trip.run(in_python=True)
     if (one.cause, one.completed, one.steps) != (two.cause, two.completed, two.steps):
-        raise Finding(f"one ends with {one.cause!r} after {one.steps} steps, one with {two.cause!r} after {two.steps}")
+        raise Finding(
+            f"one ends with {one.cause!r} after {one.steps} steps, one with {two.cause!r} after {two.steps}"
+        )
     if not one.recording.signals:
         raise Refused(f"hung: {one.cause}")
     for name, values in two.recording.signals.items():
@@ -154,14 +171,18 @@ def _apart(name: str, one: Array, two: Array) -> Compared:
         raise Finding(f"{name} is missing in one of two")
     finite = np.isfinite(two)
     largest = float(np.abs(two[finite]).max(initial=0.0))
-    return Compared(name, float(np.abs(one[finite] - two[finite]).max(initial=0.0)), ROUNDING * largest)
+    return Compared(
+        name, float(np.abs(one[finite] - two[finite]).max(initial=0.0)), ROUNDING * largest
+    )
 
 
 def mirrored_hoist(case: Case, draws: Draws) -> Iterator[Compared]:
     """The left conveyance up against the right one up, with payloads and masses exchanged."""
     trip = _trip(case, draws)
     # the wind stays where it is, an emergency stop is the same, and guards count heights alike
-    trip = replace(trip, rope={n: x for n, x in trip.rope.items() if not n.startswith(("air.", "guard."))})
+    trip = replace(
+        trip, rope={n: x for n, x in trip.rope.items() if not n.startswith(("air.", "guard."))}
+    )
     hoist = trip.hoist
     other = replace(
         trip,
@@ -177,7 +198,9 @@ def mirrored_hoist(case: Case, draws: Draws) -> Iterator[Compared]:
     )
     one, two = trip.run(), other.run()
     if one.completed != two.completed or one.steps != two.steps:
-        raise Finding(f"one ends with {one.cause!r} after {one.steps} steps, one with {two.cause!r} after {two.steps}")
+        raise Finding(
+            f"one ends with {one.cause!r} after {one.steps} steps, one with {two.cause!r} after {two.steps}"
+        )
     if not one.recording.signals:
         raise Refused(f"hung: {one.cause}")
     # the drive's first step differs by the sign of its rounding; the rope's own decisions may differ

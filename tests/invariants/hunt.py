@@ -63,7 +63,13 @@ class Outcome:
 def judge(name: str, seed: int, number: int, without: frozenset[str] = frozenset()) -> Outcome:
     """The outcome of a relation on a case."""
     features = tuple(Sketch(seed, number, without).features)
-    known = {"relation": name, "seed": seed, "number": number, "features": features, "without": without}
+    known = {
+        "relation": name,
+        "seed": seed,
+        "number": number,
+        "features": features,
+        "without": without,
+    }
     try:
         case = draw(seed, number, without)
         found = list(RELATIONS[name](case, Draws(seed, number, name)))
@@ -122,7 +128,13 @@ class Hunt:
     drawn: int = 0
     scenes_refused: int = 0
 
-    def case(self, number: int, only: str = "", without: frozenset[str] = frozenset(), shrink: bool = True) -> None:
+    def case(
+        self,
+        number: int,
+        only: str = "",
+        without: frozenset[str] = frozenset(),
+        shrink: bool = True,
+    ) -> None:
         """Try a case's relations."""
         self.drawn += 1
         refused = False
@@ -151,11 +163,15 @@ class Hunt:
 
     def table(self) -> str:
         """Relations by what was found."""
-        lines = [f"{'relation':<24}{'cases':>7}{'refused':>9}{'findings':>10}{'worst/bound':>13}{'s':>8}"]
+        lines = [
+            f"{'relation':<24}{'cases':>7}{'refused':>9}{'findings':>10}{'worst/bound':>13}{'s':>8}"
+        ]
         for name in RELATIONS:
             if row := self.rows.get(name):
                 lines.append(
                     f"{name:<24}{row.cases:>7}{row.refused:>9}{row.findings:>10}{row.worst:>13.2g}{row.seconds:>8.1f}"
                 )
-        lines.append(f"{self.drawn} cases, {self.scenes_refused} refused, {len(self.findings)} findings")
+        lines.append(
+            f"{self.drawn} cases, {self.scenes_refused} refused, {len(self.findings)} findings"
+        )
         return "\n".join(lines)

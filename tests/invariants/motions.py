@@ -20,7 +20,11 @@ Ends = tuple[EndMotion, EndMotion]
 #: parts of the rope's length that the ends may be apart in height
 APART = (-0.75, 0.75)
 #: share of cases that have each feature of the motion
-_CANNOT_FOLLOW = {"spatial": ("yaw",), "planar": ("aside", "yaw", "apart"), "rigid": ("aside", "yaw", "apart")}
+_CANNOT_FOLLOW = {
+    "spatial": ("yaw",),
+    "planar": ("aside", "yaw", "apart"),
+    "rigid": ("aside", "yaw", "apart"),
+}
 MOVES = {"unequal ends": 0.25, "aside": 0.3, "yaw": 0.25, "lean": 0.7, "apart": 0.2}
 
 
@@ -99,7 +103,12 @@ def _vertical(draws: Draws, length: float, duration: float, start: float) -> tup
         return kind, _rest(0.0)
     if kind == "small moves":
         moves = [
-            _move(0.0, draws.evenly(-0.05, 0.05), draws.evenly(0.0, 0.6) * duration, draws.evenly(0.5, 1.0))
+            _move(
+                0.0,
+                draws.evenly(-0.05, 0.05),
+                draws.evenly(0.0, 0.6) * duration,
+                draws.evenly(0.5, 1.0),
+            )
             for _ in range(3)
         ]
         return kind, _sum(moves)
@@ -125,7 +134,9 @@ def _moves_aside(draws: Draws, duration: float, size: float) -> Coordinate:
     return _move(0.0, draws.evenly(-size, size), begin, draws.evenly(1.0, 2.0))
 
 
-def draw_motion(seed: int, number: int, drawn: Drawn, without: frozenset[str]) -> tuple[list[str], Motion]:
+def draw_motion(
+    seed: int, number: int, drawn: Drawn, without: frozenset[str]
+) -> tuple[list[str], Motion]:
     """The motion of a case, and the names of its features."""
     code = drawn.values.get("model.fidelity", 0)
 
@@ -172,7 +183,10 @@ def draw_motion(seed: int, number: int, drawn: Drawn, without: frozenset[str]) -
         draws = Draws(seed, number, "lean")
         for side, end in zip(SIDES, ends, strict=True):
             name = f"{side}.swivel.attachment"
-            leans = {axis: (draws.evenly(-0.3, 0.3), draws.evenly(-0.05, 0.05)) for axis in ("lean", "lean_z")}
+            leans = {
+                axis: (draws.evenly(-0.3, 0.3), draws.evenly(-0.05, 0.05))
+                for axis in ("lean", "lean_z")
+            }
             if drawn.values.get(name) == drawn.code(name, "clamped"):
                 model = choices_of("model.fidelity")[code]
                 names.append(f"{side} lean")

@@ -13,16 +13,41 @@ from invariants.books import require
 from invariants.case import Case
 from invariants.features import Draws
 from invariants.runs import READ, Compared, Record, wind
-from invariants.symmetries import ALL, Values, both, both_of, compared, meshes_agree, values_of, with_changes
+from invariants.symmetries import (
+    ALL,
+    Values,
+    both,
+    both_of,
+    compared,
+    meshes_agree,
+    values_of,
+    with_changes,
+)
 from rope_model import BalanceRope, PointForces
 
 #: changes that leave every bit alone, and the values that a scene must have so that each has no effect
 WITHOUT_EFFECT: Mapping[str, tuple[Mapping[str, float], Mapping[str, float]]] = {
-    "air that is not there": ({"air.drag": 3.0, "air.buffet": 0.5, "air.vx": 5.0}, {"air.density": 0.0}),
-    "friction of wires that do not rub": ({"rope.slip_moment": 7.0, "rope.slip_factor": 0.05}, {"rope.EI_stick": 0.0}),
+    "air that is not there": (
+        {"air.drag": 3.0, "air.buffet": 0.5, "air.vx": 5.0},
+        {"air.density": 0.0},
+    ),
+    "friction of wires that do not rub": (
+        {"rope.slip_moment": 7.0, "rope.slip_factor": 0.05},
+        {"rope.EI_stick": 0.0},
+    ),
     "contact with nothing": (
-        {"contact.stiffness": 3e5, "contact.damping": 1.0, "contact.friction": 0.7, "contact.slip_speed": 0.1},
-        {"lining.width": 0.0, "conveyance.width": 0.0, "head_ropes.diameter": 0.0, "sump.level": -1e6}
+        {
+            "contact.stiffness": 3e5,
+            "contact.damping": 1.0,
+            "contact.friction": 0.7,
+            "contact.slip_speed": 0.1,
+        },
+        {
+            "lining.width": 0.0,
+            "conveyance.width": 0.0,
+            "head_ropes.diameter": 0.0,
+            "sump.level": -1e6,
+        }
         | {f"divider_{k}.size": 0.0 for k in (1, 2, 3, 4)}
         | {"contact.rope_stiffness": 0.0},
     ),
@@ -44,10 +69,16 @@ WITHOUT_EFFECT: Mapping[str, tuple[Mapping[str, float], Mapping[str, float]]] = 
         {},
     ),
     "friction of a held swivel": (
-        {f"left.swivel.{name}": 0.1 for name in ("mu_kinetic", "mu_static", "seal_moment", "release_time")},
+        {
+            f"left.swivel.{name}": 0.1
+            for name in ("mu_kinetic", "mu_static", "seal_moment", "release_time")
+        },
         {"left.swivel.mode": 0},
     ),
-    "elements of another kind of mesh": ({"mesh.elements": 77, "mesh.coarse_length": 1.5}, {"mesh.kind": 2}),
+    "elements of another kind of mesh": (
+        {"mesh.elements": 77, "mesh.coarse_length": 1.5},
+        {"mesh.kind": 2},
+    ),
 }
 
 
@@ -74,8 +105,16 @@ def switched_on(case: Case, draws: Draws) -> Iterator[Compared]:
 def bodies_far_away(case: Case, draws: Draws) -> Iterator[Compared]:
     """Bodies a kilometre away, none nearer: the code for contact runs and finds nothing."""
     values = values_of(case.scene)
-    none: Values = {"lining.width": 0.0, "conveyance.width": 0.0, "head_ropes.diameter": 0.0, "sump.level": -1e6}
-    none |= {f"divider_{k}.size": 0.0 for k in (1, 2, 3, 4)} | {"guard.clearance": 0.0, "contact.stiffness": 1e6}
+    none: Values = {
+        "lining.width": 0.0,
+        "conveyance.width": 0.0,
+        "head_ropes.diameter": 0.0,
+        "sump.level": -1e6,
+    }
+    none |= {f"divider_{k}.size": 0.0 for k in (1, 2, 3, 4)} | {
+        "guard.clearance": 0.0,
+        "contact.stiffness": 1e6,
+    }
     case = case.with_(scene=with_changes(case.scene, {**values, **none}))
     far: Values = draws.one_of(
         {"lining.width": 5e3, "lining.depth": 5e3, "lining.rounding": 0.0},
@@ -83,7 +122,9 @@ def bodies_far_away(case: Case, draws: Draws) -> Iterator[Compared]:
         {"divider_2.size": 0.2, "divider_2.y": -7.0, "divider_2.offset": 9e3},
         {"divider_2.size": 0.2, "divider_2.y": 9e3},
     )
-    one, two = both(case, case.with_(scene=with_changes(case.scene, {**values_of(case.scene), **far})))
+    one, two = both(
+        case, case.with_(scene=with_changes(case.scene, {**values_of(case.scene), **far}))
+    )
     # the mesh is fitted before the ends have heights: a divider between the legs has finer elements, however high it is
     require(meshes_agree(one, two), "another mesh")
     yield from compared(one, two, {name: one[name] for name in ALL})
@@ -94,7 +135,9 @@ def legs_that_do_not_meet(case: Case, draws: Draws) -> Iterator[Compared]:
     values = values_of(case.scene)
     case = case.with_(scene=with_changes(case.scene, {**values, "contact.rope_stiffness": 0.0}))
     pressing = {**values_of(case.scene), "contact.rope_stiffness": 1e6, "model.fidelity": 1}
-    case = case.with_(scene=with_changes(case.scene, {**values_of(case.scene), "model.fidelity": 1}))
+    case = case.with_(
+        scene=with_changes(case.scene, {**values_of(case.scene), "model.fidelity": 1})
+    )
     alone = wind(case)
     require(alone.rope.signals(("loop.overlap",))["loop.overlap"] == 0.0, "legs that meet")
     one, two = both_of(alone, case.with_(scene=with_changes(case.scene, pressing)))

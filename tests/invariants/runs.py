@@ -17,15 +17,35 @@ MEANS = tuple(f"{side}.fy_mean" for side in SIDES)
 PLACE = ("loop.x", "loop.y", "loop.z")
 SWIVELS = tuple(f"{side}.swivel.{name}" for side in SIDES for name in ("angle", "rate", "torque"))
 ENERGIES = ("energy.kinetic", "energy.strain", "energy.work_ends", "energy.residual")
-COUNTS = ("count.steps", "count.rejections", "count.newton", "count.transformations", "count.swivel_events")
-BODIES = tuple(f"contact.{kind}" for kind in ("lining", "conveyance", "head_ropes", "divider", "floor", "rope"))
+COUNTS = (
+    "count.steps",
+    "count.rejections",
+    "count.newton",
+    "count.transformations",
+    "count.swivel_events",
+)
+BODIES = tuple(
+    f"contact.{kind}" for kind in ("lining", "conveyance", "head_ropes", "divider", "floor", "rope")
+)
 GUARDS = ("guard.tripped", "guard.cause", "guard.time")
 ESTIMATES = ("status.end_force_error", "status.loop_error", "audit.momentum")
 #: elements times steps of a run, some 0.2 s of a processor; a longer run is cut to the communication steps so far
 WORK = 40_000
 #: work of an element in contact with the rope's others, over that without
 PAIRS = 10
-READ = (*FORCES, *MOMENTS, *MEANS, *PLACE, "loop.yaw", *SWIVELS, *ENERGIES, *COUNTS, *BODIES, *GUARDS, *ESTIMATES)
+READ = (
+    *FORCES,
+    *MOMENTS,
+    *MEANS,
+    *PLACE,
+    "loop.yaw",
+    *SWIVELS,
+    *ENERGIES,
+    *COUNTS,
+    *BODIES,
+    *GUARDS,
+    *ESTIMATES,
+)
 _STEPS = READ.index("count.steps")
 
 
@@ -180,7 +200,9 @@ def same_end(one: Record, other: Record) -> None:
     """Both runs end at the same step, or a relation is broken."""
     if len(one.rows) != len(other.rows):
         ended, words = min((len(x.rows), x.failure) for x in (one, other))
-        raise Finding(f"one run of two ends at step {ended} of {len(one.case.times) - 1}: {words[:200]}")
+        raise Finding(
+            f"one run of two ends at step {ended} of {len(one.case.times) - 1}: {words[:200]}"
+        )
 
 
 def rms(x: Array) -> float:

@@ -11,7 +11,20 @@ from invariants.books import require
 from invariants.case import Array, Case
 from invariants.features import Draws
 from invariants.motions import Ends
-from invariants.runs import COUNTS, FORCES, MEANS, PLACE, SIDES, Compared, Record, Refused, rms, start, step, wind
+from invariants.runs import (
+    COUNTS,
+    FORCES,
+    MEANS,
+    PLACE,
+    SIDES,
+    Compared,
+    Record,
+    Refused,
+    rms,
+    start,
+    step,
+    wind,
+)
 from invariants.symmetries import ALL, SHARE, both, compared, values_of, with_changes
 from rope_model import EndMotion
 from rope_model.engine import NativeRope
@@ -70,7 +83,12 @@ def rounded_inputs(case: Case, draws: Draws) -> Iterator[Compared]:
     """Motions rounded in the fifteenth digit."""
 
     def rounded(motion: EndMotion) -> EndMotion:
-        return EndMotion(**{name: x * (1.0 + ROUNDED * draws.evenly(-1.0, 1.0)) for name, x in vars(motion).items()})
+        return EndMotion(
+            **{
+                name: x * (1.0 + ROUNDED * draws.evenly(-1.0, 1.0))
+                for name, x in vars(motion).items()
+            }
+        )
 
     def motion(t: float) -> Ends:
         left, right = case.at(t)
@@ -86,7 +104,9 @@ def small_coupling(case: Case, draws: Draws) -> Iterator[Compared]:
     case = case.with_(scene=with_changes(case.scene, values))
     tiny = {"rope.Qb": 1e-9 * case.scene.rope.Qa * case.scene.rope.diameter}
     tiny["rope.Qc"] = tiny["rope.Qb"] * draws.one_of(1.0, 1.0 + 1e-15, 0.9)
-    one, two = both(case, case.with_(scene=with_changes(case.scene, {**values_of(case.scene), **tiny})))
+    one, two = both(
+        case, case.with_(scene=with_changes(case.scene, {**values_of(case.scene), **tiny}))
+    )
     yield from compared(one, two, {name: one[name] for name in ALL})
 
 
@@ -95,11 +115,28 @@ def flat(case: Case, draws: Draws) -> Iterator[Compared]:
     require(case.moves_in_plane(), "motion out of plane")
     values = values_of(case.scene)
     for name in values:
-        if name.startswith(("rope.curvature_", "rope.initial_curvature", "rope.installed_twist", "guard.")):
+        if name.startswith(
+            ("rope.curvature_", "rope.initial_curvature", "rope.installed_twist", "guard.")
+        ):
             values[name] = 0.0 if not name.endswith("_y") else -1e6
-    values |= {"rope.Qb": 0.0, "rope.Qc": 0.0, "air.vz": 0.0, "air.vx": 0.0, "air.buffet": 0.0, "rope.EI_stick": 0.0}
-    values |= {"lining.width": 0.0, "conveyance.width": 0.0, "head_ropes.diameter": 0.0, "sump.level": -1e6}
-    values |= {f"divider_{k}.size": 0.0 for k in (1, 2, 3, 4)} | {"contact.rope_stiffness": 0.0, "air.density": 0.0}
+    values |= {
+        "rope.Qb": 0.0,
+        "rope.Qc": 0.0,
+        "air.vz": 0.0,
+        "air.vx": 0.0,
+        "air.buffet": 0.0,
+        "rope.EI_stick": 0.0,
+    }
+    values |= {
+        "lining.width": 0.0,
+        "conveyance.width": 0.0,
+        "head_ropes.diameter": 0.0,
+        "sump.level": -1e6,
+    }
+    values |= {f"divider_{k}.size": 0.0 for k in (1, 2, 3, 4)} | {
+        "contact.rope_stiffness": 0.0,
+        "air.density": 0.0,
+    }
     coarse = draws.one_of(2, 3)
     case = case.with_(scene=with_changes(case.scene, {**values, "model.fidelity": 1}), force=None)
     other = case.with_(scene=with_changes(case.scene, {**values, "model.fidelity": coarse}))
@@ -125,7 +162,11 @@ def derivatives(case: Case, draws: Draws) -> Iterator[Compared]:
     leans = ("lean", "lean_z") if end.attachment == "clamped" else ()
     name = draws.one_of("y", "vy", "ay", "ay", *names, *leans)
     order = (name[0] == "v" or name == "yaw_rate") + 2 * (name[0] == "a")
-    size = LEAN if name in leans else JERK * float(case.times[last] - case.times[last - 1]) ** (3 - order)
+    size = (
+        LEAN
+        if name in leans
+        else JERK * float(case.times[last] - case.times[last - 1]) ** (3 - order)
+    )
 
     def loads(change: float) -> tuple[Array, list[float]]:
         rope.restore_native(kept)

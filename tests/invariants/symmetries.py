@@ -105,7 +105,11 @@ def decisions_agree(one: Record, other: Record) -> bool:
 
 
 def compared(
-    one: Record, other: Record, expected: Mapping[str, Array], names: tuple[str, ...] = ALL, exact: bool = True
+    one: Record,
+    other: Record,
+    expected: Mapping[str, Array],
+    names: tuple[str, ...] = ALL,
+    exact: bool = True,
 ) -> Iterator[Compared]:
     """``other`` against ``expected``, the signals that follow from ``one``; ``exact`` up to rounding."""
     # what lies on the floor pulls at nothing: its place at rest is a matter of rounding, as is its lowest point
@@ -141,12 +145,21 @@ def compared(
             continue
         differences = {name: rms(other[name] - expected[name]) for name in chosen}
         worst = max(differences, key=lambda name: differences[name])
-        yield Compared(f"RMS of {worst}{'' if alike else ', steps differ'}", differences[worst], tolerance)
+        yield Compared(
+            f"RMS of {worst}{'' if alike else ', steps differ'}", differences[worst], tolerance
+        )
 
 
 def mirrored(case: Case, draws: Draws) -> Iterator[Compared]:
     """Reflected in the plane of the loop: a rope of the other lay."""
-    flipped = ("rope.Qb", "rope.Qc", "rope.installed_twist", "rope.initial_curvature_angle", "lining.z", "air.vz")
+    flipped = (
+        "rope.Qb",
+        "rope.Qc",
+        "rope.installed_twist",
+        "rope.initial_curvature_angle",
+        "lining.z",
+        "air.vz",
+    )
     flipped += tuple(f"rope.curvature_{place}_across" for place in PLACES)
     flipped += tuple(f"{name}.direction" for name in DIVIDERS)
     values = {name: -x if name in flipped else x for name, x in values_of(case.scene).items()}
@@ -159,7 +172,9 @@ def mirrored(case: Case, draws: Draws) -> Iterator[Compared]:
     force = case.force and (case.force[0], case.force[1] * [1.0, 1.0, -1.0])
     other = case.with_(scene=with_changes(case.scene, values), motion=motion, force=force)
     one, two = both(case, other)
-    signs = {name: -1.0 for side in SIDES for name in (f"{side}.fz", f"{side}.mx", f"{side}.my")} | {"loop.z": -1.0}
+    signs = {
+        name: -1.0 for side in SIDES for name in (f"{side}.fz", f"{side}.mx", f"{side}.my")
+    } | {"loop.z": -1.0}
     yield from compared(one, two, _with_signs(one, signs))
 
 
@@ -173,7 +188,10 @@ def seen_from_behind(case: Case, draws: Draws) -> Iterator[Compared]:
                 values[name.replace(side, opposite, 1)] = x
     for name in ("lining.x", "lining.z", "air.vx", "air.vz", *(f"{x}.offset" for x in DIVIDERS)):
         values[name] = -old[name]
-    values["station.first"], values["station.last"] = 1.0 - old["station.last"], 1.0 - old["station.first"]
+    values["station.first"], values["station.last"] = (
+        1.0 - old["station.last"],
+        1.0 - old["station.first"],
+    )
     # the direction of the curvature is that at the other end, which the installed twist has turned
     if is_bent(case):
         angle = -old["rope.initial_curvature_angle"] - old["rope.installed_twist"]
@@ -187,7 +205,10 @@ def seen_from_behind(case: Case, draws: Draws) -> Iterator[Compared]:
         left, right = case.at(t)
         return negated(right, axes), negated(left, axes)
 
-    force = case.force and (case.scene.rope.length - case.force[0], case.force[1] * [-1.0, 1.0, -1.0])
+    force = case.force and (
+        case.scene.rope.length - case.force[0],
+        case.force[1] * [-1.0, 1.0, -1.0],
+    )
     other = case.with_(scene=with_changes(case.scene, values), motion=motion, force=force)
     one, two = both(case, other)
     expected = {}
@@ -249,7 +270,9 @@ def turned(case: Case, draws: Draws) -> Iterator[Compared]:
     if case.force:
         fx, fy, fz = case.force[1]
         force = (case.force[0], np.array([c * fx + s * fz, fy, c * fz - s * fx]))
-    one, two = both(case, case.with_(scene=with_changes(case.scene, values), motion=motion, force=force))
+    one, two = both(
+        case, case.with_(scene=with_changes(case.scene, values), motion=motion, force=force)
+    )
     expected = {name: one[name] for name in ALL}
     for what in ("left.f", "left.m", "right.f", "right.m", "loop."):
         x, z = one[f"{what}x"], one[f"{what}z"]
@@ -299,7 +322,9 @@ def later(case: Case, draws: Draws) -> Iterator[Compared]:
         if values[f"{side}.swivel.release_time"] > 0:
             values[f"{side}.swivel.release_time"] += delay
     scene = with_changes(case.scene, values)
-    one, two = both(case, case.with_(scene=scene, motion=lambda t: case.at(t - delay), times=case.times + delay))
+    one, two = both(
+        case, case.with_(scene=scene, motion=lambda t: case.at(t - delay), times=case.times + delay)
+    )
     yield from compared(one, two, _with_signs(one, {}))
 
 
@@ -313,7 +338,14 @@ class Units:
 
     def factor(self, unit: str) -> float:
         """How a number of this unit changes, as of N.m2 or kg/m."""
-        sizes = {"m": self.m, "s": self.s, "kg": self.kg, "N": self.kg * self.m / self.s**2, "rad": 1.0, "1": 1.0}
+        sizes = {
+            "m": self.m,
+            "s": self.s,
+            "kg": self.kg,
+            "N": self.kg * self.m / self.s**2,
+            "rad": 1.0,
+            "1": 1.0,
+        }
         sizes |= {"Pa": sizes["N"] / self.m**2, "J": sizes["N"] * self.m, "": 1.0}
         factor, sign = 1.0, 1
         for part in unit.split("/"):
@@ -336,7 +368,8 @@ def in_units(case: Case, units: Units) -> Case:
 
     def motion(t: float) -> Ends:
         left, right = (
-            EndMotion(**{name: x * factors[name] for name, x in vars(end).items()}) for end in case.at(t / units.s)
+            EndMotion(**{name: x * factors[name] for name, x in vars(end).items()})
+            for end in case.at(t / units.s)
         )
         return left, right
 
@@ -359,7 +392,9 @@ def other_units(case: Case, draws: Draws) -> Iterator[Compared]:
     scale = draws.one_of(2.0, 0.5)
     units = Units(scale**2, scale, draws.one_of(0.5, 1.0, 4.0))
     one, two = both(case, in_units(case, units))
-    yield from compared(one, in_units_of(two, units), {name: one[name] for name in ALL}, exact=False)
+    yield from compared(
+        one, in_units_of(two, units), {name: one[name] for name in ALL}, exact=False
+    )
 
 
 def in_units_of(record: Record, units: Units) -> Record:

@@ -53,7 +53,13 @@ class Piece:
 
     @staticmethod
     def of(
-        t: float, mass: float, length: float, leg: float, end: EndMotion, other: EndMotion, gravity: float = GRAVITY
+        t: float,
+        mass: float,
+        length: float,
+        leg: float,
+        end: EndMotion,
+        other: EndMotion,
+        gravity: float = GRAVITY,
     ) -> Piece:
         """Return the piece of a rope whose leg at this end was `leg` long [m]."""
         if length <= leg:
@@ -75,7 +81,9 @@ class BreakingRope:
 
     def __init__(self, rope: WholeRope, mass: float, length: float, at: Break) -> None:
         if not 0.0 <= at.s <= length:
-            raise ValueError(f"breaks_s = {at.s:g} m must be within 0 and rope.length = {length:g} m: move it there")
+            raise ValueError(
+                f"breaks_s = {at.s:g} m must be within 0 and rope.length = {length:g} m: move it there"
+            )
         self._rope, self._mass, self._length, self._at = rope, mass, length, at
         self._ends: tuple[EndMotion, EndMotion] = (EndMotion(), EndMotion())
         self._pieces: tuple[Piece, Piece] | None = None
@@ -102,7 +110,9 @@ class BreakingRope:
         if self._pieces is None:
             return self._rope.step(t, h, left, right)
         before, now = self._shown, self._forces(t + h, (left, right))
-        self._shown = now | {f"{end}.fy_mean": 0.5 * (before[f"{end}.fy"] + now[f"{end}.fy"]) for end in ENDS}
+        self._shown = now | {
+            f"{end}.fy_mean": 0.5 * (before[f"{end}.fy"] + now[f"{end}.fy"]) for end in ENDS
+        }
         return Status(True)
 
     def _break(self, t: float) -> tuple[Piece, Piece]:
@@ -110,14 +120,20 @@ class BreakingRope:
         at, leg = self._at, 0.5 * (self._length + left.y - right.y)
         return (
             Piece.of(t, self._mass, at.s, leg, left, right, at.gravity),
-            Piece.of(t, self._mass, self._length - at.s, self._length - leg, right, left, at.gravity),
+            Piece.of(
+                t, self._mass, self._length - at.s, self._length - leg, right, left, at.gravity
+            ),
         )
 
     def _forces(self, t: float, ends: tuple[EndMotion, EndMotion]) -> dict[str, float]:
         forces = dict.fromkeys(_NOTHING, 0.0)
         for name, piece, end in zip(ENDS, self._pieces or (), ends, strict=True):
             force, hanging = piece.force(t, end)
-            forces |= {f"{name}.fy": force, f"{name}.fy_mean": force, f"{name}.added_mass": self._mass * hanging}
+            forces |= {
+                f"{name}.fy": force,
+                f"{name}.fy_mean": force,
+                f"{name}.added_mass": self._mass * hanging,
+            }
         return forces
 
     def reader(self, names: Sequence[str]) -> Reader:
@@ -133,7 +149,11 @@ class BreakingRope:
 
     def save(self) -> Any:
         rope_snapshot = self._rope.save()
-        return None if rope_snapshot is None else (rope_snapshot, self._ends, self._pieces, self._shown)
+        return (
+            None
+            if rope_snapshot is None
+            else (rope_snapshot, self._ends, self._pieces, self._shown)
+        )
 
     def restore(self, snapshot: Any) -> None:
         """Go back to a snapshot, to before the break, too."""

@@ -27,7 +27,9 @@ from hoist_demo.cosimulation.participants.library_calls import TEXT, Access, acc
 from hoist_demo.parameters.quantity import Value
 
 CallError = FMICallException  #: A call that the FMU answers with discard, error or fatal.
-WARNING = 1  #: Status of a message that fails no call; those of errors are larger, in both versions.
+WARNING = (
+    1  #: Status of a message that fails no call; those of errors are larger, in both versions.
+)
 DISCARD = 2  #: Status of a step that is not done.
 _CLOSED = "the FMU is closed, its memory is gone: read from it before close(), or load it anew"
 #: What every doStep says by noSetFMUStatePriorToCurrentPoint: the estimate of a coupling's stability goes back by
@@ -55,7 +57,12 @@ class FmuState:
 @lru_cache
 def _load(fmpy_class: Callable[..., Any], directory: Path, guid: str, identifier: str) -> Any:
     """FMPy's object with the FMU's library, which stays loaded for the next instance and until this process ends."""
-    made = fmpy_class(guid=guid, modelIdentifier=identifier, unzipDirectory=str(directory), instanceName="balance_rope")
+    made = fmpy_class(
+        guid=guid,
+        modelIdentifier=identifier,
+        unzipDirectory=str(directory),
+        instanceName="balance_rope",
+    )
     atexit.register(made.freeLibrary)
     return made
 
@@ -75,7 +82,9 @@ class Instance(ABC):
         self._hear = hear
         self._loaded: Any = None  # FMPy's; None once it is freed
         self._t, self._h = c_double(), c_double()  # begin and length of the next step
-        self._states = WeakKeyDictionary[FmuState, Callable[[], Any]]()  # referenced states, and their finalizers
+        self._states = WeakKeyDictionary[
+            FmuState, Callable[[], Any]
+        ]()  # referenced states, and their finalizers
         identifier = description.coSimulation.modelIdentifier
         try:
             self._loaded = copy(_load(self._fmpy_class, directory, description.guid, identifier))
@@ -108,11 +117,17 @@ class Instance(ABC):
         self._t.value, self._h.value = t, h
         self._do_step()
 
-    def buffer(self, what: Literal["Get", "Set"], variables: Sequence[Variable], rows: int = 1) -> Buffer:
+    def buffer(
+        self, what: Literal["Get", "Set"], variables: Sequence[Variable], rows: int = 1
+    ) -> Buffer:
         """Return a reusable buffer for all elements of variables of one type."""
         names = [name for v in variables for name in v.elements]
         type_ = self._enumeration if variables[0].type == "Enumeration" else variables[0].type
-        dtype = TEXT if type_ == "String" else np.dtype(getattr(self._fmpy_module, f"{self._prefix}{type_}"))
+        dtype = (
+            TEXT
+            if type_ == "String"
+            else np.dtype(getattr(self._fmpy_module, f"{self._prefix}{type_}"))
+        )
         values = np.zeros((rows, len(names)), dtype)
         references = (c_uint32 * len(variables))(*(v.reference for v in variables))
         name = f"{what}{type_}"
@@ -125,7 +140,9 @@ class Instance(ABC):
             def call() -> None:
                 values[0, 0] = text()
 
-        return Buffer(names, call, values, access(self.name_in_c(name), function, rope, references, values))
+        return Buffer(
+            names, call, values, access(self.name_in_c(name), function, rope, references, values)
+        )
 
     def text(self, variable: Variable) -> Callable[[], str]:
         """Return a function that reads a String variable."""
@@ -160,7 +177,9 @@ class Instance(ABC):
 
         The arguments have their types of C, which a function without a prototype takes as they are, in half the time.
         """
-        call: Callable[[], int] = partial(self._function(name), c_void_p(self.fmpy.component), *arguments)
+        call: Callable[[], int] = partial(
+            self._function(name), c_void_p(self.fmpy.component), *arguments
+        )
 
         def checked() -> None:
             if self._loaded is None:
@@ -210,11 +229,18 @@ class Instance(ABC):
         for give_back in [*self._states.values()]:
             give_back()
         fmu, self._loaded = self._loaded, None
-        getattr(fmu, self.name_in_c("FreeInstance"))(fmu.component)  # FMPy's freeInstance unloads the library, too
+        getattr(fmu, self.name_in_c("FreeInstance"))(
+            fmu.component
+        )  # FMPy's freeInstance unloads the library, too
 
 
 class _Instance2(Instance):
-    _fmpy_class, _fmpy_module, _prefix, _enumeration = fmpy.fmi2.FMU2Slave, fmpy.fmi2, "fmi2", "Integer"
+    _fmpy_class, _fmpy_module, _prefix, _enumeration = (
+        fmpy.fmi2.FMU2Slave,
+        fmpy.fmi2,
+        "fmi2",
+        "Integer",
+    )
     _tells_lengths = False
 
     def _instantiate(self) -> None:
@@ -237,7 +263,12 @@ class _Instance2(Instance):
 
 
 class _Instance3(Instance):
-    _fmpy_class, _fmpy_module, _prefix, _enumeration = fmpy.fmi3.FMU3Slave, fmpy.fmi3, "fmi3", "Int64"
+    _fmpy_class, _fmpy_module, _prefix, _enumeration = (
+        fmpy.fmi3.FMU3Slave,
+        fmpy.fmi3,
+        "fmi3",
+        "Int64",
+    )
     _tells_lengths = True
 
     def _instantiate(self) -> None:
@@ -255,4 +286,6 @@ class _Instance3(Instance):
             raise CallError("fmi3DoStep", DISCARD)
 
 
-VERSIONS: Mapping[str, type[Instance]] = dict(zip(FMI_VERSIONS, (_Instance2, _Instance3), strict=True))
+VERSIONS: Mapping[str, type[Instance]] = dict(
+    zip(FMI_VERSIONS, (_Instance2, _Instance3), strict=True)
+)

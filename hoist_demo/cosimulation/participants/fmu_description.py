@@ -21,10 +21,17 @@ from hoist_demo.parameters.quantity import Bounds, Parameter, Value, fmi_unit
 from hoist_demo.recording.fidelity import FIDELITY
 from rope_model.scene_names import choices_of
 
-FMI_VERSIONS = ("2.0", "3.0")  #: Versions of FMI that the host drives, as model descriptions state them.
+FMI_VERSIONS = (
+    "2.0",
+    "3.0",
+)  #: Versions of FMI that the host drives, as model descriptions state them.
 NUMBERS = ("Real", "Integer", "Enumeration", "Boolean")
 _KINDS = {"Enumeration": "Integer"}
-_NOT_TO_RUN = ("sources/", "documentation/", "terminalsAndIcons/")  #: Folders that no instance reads.
+_NOT_TO_RUN = (
+    "sources/",
+    "documentation/",
+    "terminalsAndIcons/",
+)  #: Folders that no instance reads.
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,11 +169,17 @@ def _read(path: Path, changed: int, size: int) -> Fmu:
         with ZipFile(path) as archive:
             if "modelDescription.xml" not in archive.namelist():
                 system = "SystemStructure.ssd" in archive.namelist()
-                what = "a system of FMUs (SSP)" if system else "an archive without modelDescription.xml"
+                what = (
+                    "a system of FMUs (SSP)"
+                    if system
+                    else "an archive without modelDescription.xml"
+                )
                 raise ValueError(f"'{path}' must be an FMU, it is {what}: give the rope's .fmu")
         description = fmpy.read_model_description(str(path))
     except (ValidationError, BadZipFile) as error:
-        raise ValueError(f"FMU '{path}' must be a valid FMU, but: {error}: export it anew") from error
+        raise ValueError(
+            f"FMU '{path}' must be a valid FMU, but: {error}: export it anew"
+        ) from error
     if description.coSimulation is None or description.fmiVersion not in FMI_VERSIONS:
         kind = "co-simulation" if description.coSimulation is not None else "no co-simulation"
         raise ValueError(

@@ -17,9 +17,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hoist_demo.cosimulation.participants.fmi_versions import VERSIONS, WARNING, Buffer, CallError, Instance
-from hoist_demo.cosimulation.participants.fmu_description import NUMBERS, Variable, read_fmu, unpacked, version_of
-from hoist_demo.cosimulation.participants.library_calls import TEXT, OutputTable, RopeLibrary, codes_of
+from hoist_demo.cosimulation.participants.fmi_versions import (
+    VERSIONS,
+    WARNING,
+    Buffer,
+    CallError,
+    Instance,
+)
+from hoist_demo.cosimulation.participants.fmu_description import (
+    NUMBERS,
+    Variable,
+    read_fmu,
+    unpacked,
+    version_of,
+)
+from hoist_demo.cosimulation.participants.library_calls import (
+    TEXT,
+    OutputTable,
+    RopeLibrary,
+    codes_of,
+)
 from hoist_demo.cosimulation.participants.rope_data import RopeData, stamp, unstamp
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, ENDS, ROPE_FORCES, Reader
 from hoist_demo.parameters.quantity import Value
@@ -35,7 +52,10 @@ class FmuRope:
     """A RopePlant that lives in an .fmu file."""
 
     def __init__(
-        self, path: Path, parameters: Mapping[str, Value] | None = None, recorded: Collection[str] | None = None
+        self,
+        path: Path,
+        parameters: Mapping[str, Value] | None = None,
+        recorded: Collection[str] | None = None,
     ) -> None:
         """Load the FMU and set its parameters; `recorded` outputs are read, by default all but the added masses."""
         self._started = False
@@ -43,10 +63,16 @@ class FmuRope:
         self._errors: list[str] = []  # the FMU's messages about the call that fails
         self._path = Path(path)
         fmu = read_fmu(self._path)
-        self._description, self._described, self._variables = fmu.description, fmu.parameters, fmu.named
+        self._description, self._described, self._variables = (
+            fmu.description,
+            fmu.parameters,
+            fmu.named,
+        )
         inputs = [self._variable(f"{end}.{name}") for end in ENDS for name in INPUTS]
         if missing := [name for name in ROPE_FORCES if name not in fmu.shown]:
-            raise ValueError(f"FMU '{path}' must have the outputs {', '.join(missing)}: export it anew")
+            raise ValueError(
+                f"FMU '{path}' must have the outputs {', '.join(missing)}: export it anew"
+            )
         wanted = fmu.shown.keys() - {*ADDED_MASSES} if recorded is None else recorded
         self._units = {name: unit for name, unit in fmu.shown.items() if name in wanted}
         self._chosen: dict[str, Value] = {"inputs_at_step_end": True, **(parameters or {})}
@@ -55,7 +81,9 @@ class FmuRope:
                 unpacked(*version_of(self._path)), self._description, self._hear
             )
         except RuntimeError as error:
-            raise ValueError(f"the FMU must instantiate, but: {self._explanation(error)}: export it anew") from error
+            raise ValueError(
+                f"the FMU must instantiate, but: {self._explanation(error)}: export it anew"
+            ) from error
         self._motions = self._fmu.buffer("Set", inputs)
         valid = self._variables.get("status.valid")
         self._valid = self._fmu.buffer("Get", [valid]) if valid is not None else None
@@ -101,21 +129,29 @@ class FmuRope:
     def library(self) -> RopeLibrary:
         """Return the FMU's functions for trip.c."""
         valid = None if self._valid is None else self._valid.access
-        return RopeLibrary(self._fmu.stepping, self._motions.access, self._table, self._status_of, valid)
+        return RopeLibrary(
+            self._fmu.stepping, self._motions.access, self._table, self._status_of, valid
+        )
 
     def _table(self, names: Sequence[str], rows: int) -> OutputTable:
         buffers, values = self._outputs(names, rows)
         return OutputTable([buffer.access for buffer in buffers], values)
 
-    def _outputs(self, names: Sequence[str], rows: int) -> tuple[list[Buffer], Callable[[int], NDArray[np.float64]]]:
+    def _outputs(
+        self, names: Sequence[str], rows: int
+    ) -> tuple[list[Buffer], Callable[[int], NDArray[np.float64]]]:
         """Buffers of outputs by type, and a function that puts their first rows in the order of the names."""
-        variables = dict.fromkeys(self._variables[name] for name in names if name in self._variables)
+        variables = dict.fromkeys(
+            self._variables[name] for name in names if name in self._variables
+        )
         readable = [v for v in variables if v.kind in NUMBERS or v.name == FIDELITY]
         parts = []
         for type_ in dict.fromkeys(v.type for v in readable):
             buffer = self._fmu.buffer("Get", [v for v in readable if v.type == type_], rows)
             index = {name: k for k, name in enumerate(buffer.names)}
-            there, here = np.array([(index[name], k) for k, name in enumerate(names) if name in index]).T
+            there, here = np.array(
+                [(index[name], k) for k, name in enumerate(names) if name in index]
+            ).T
             parts.append((buffer, there, here))
 
         def values(count: int) -> NDArray[np.float64]:
@@ -205,12 +241,17 @@ class FmuRope:
 
     def _set(self, variable: Variable) -> None:
         """Set a parameter, of an array all elements, to what is chosen, by its FMI type."""
-        chosen = [self._chosen[n] if n in self._chosen else self._described[n].start for n in variable.elements]
+        chosen = [
+            self._chosen[n] if n in self._chosen else self._described[n].start
+            for n in variable.elements
+        ]
         values = [_typed(variable, value) for value in chosen]
         try:
             self._fmu.set(variable, values)
         except CallError as error:
-            raise ValueError(f"the FMU must take {variable.name}, but: {self._explanation(error)}") from error
+            raise ValueError(
+                f"the FMU must take {variable.name}, but: {self._explanation(error)}"
+            ) from error
 
     def _set_motions(self, left: EndMotion, right: EndMotion) -> None:
         self._motions.values[0] = *vars(left).values(), *vars(right).values()
@@ -276,7 +317,9 @@ def _typed(v: Variable, value: Value) -> Value:
     """Convert a value to the variable's FMI type, an enumeration's item to its number."""
     if v.kind == "Enumeration" and isinstance(value, str):
         if value not in v.items:
-            raise ValueError(f"parameter {v.name} = '{value}' must be one of {', '.join(v.items)}: choose one")
+            raise ValueError(
+                f"parameter {v.name} = '{value}' must be one of {', '.join(v.items)}: choose one"
+            )
         return v.items[value]
     types: Mapping[str, type[Value]] = {"Real": float, "Boolean": bool, "String": str}
     return types.get(v.kind, int)(value)

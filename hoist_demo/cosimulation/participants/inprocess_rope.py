@@ -15,7 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 import rope_model
-from hoist_demo.cosimulation.participants.library_calls import TEXT, OutputTable, RopeLibrary, access, codes_of
+from hoist_demo.cosimulation.participants.library_calls import (
+    TEXT,
+    OutputTable,
+    RopeLibrary,
+    access,
+    codes_of,
+)
 from hoist_demo.cosimulation.participants.rope_data import RopeData, stamp, unstamp
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, Reader
 from hoist_demo.parameters.quantity import Value
@@ -30,7 +36,9 @@ _TAG = b"rope in process\n"
 class InProcessRope:
     """A RopePlant around rope_model's BalanceRope."""
 
-    def __init__(self, scene: rope_model.Scene, read: Collection[str] | None = None, name: str = "") -> None:
+    def __init__(
+        self, scene: rope_model.Scene, read: Collection[str] | None = None, name: str = ""
+    ) -> None:
         """`read` are recorded outputs, None: all but the expensive added masses; warnings begin with `name`."""
         self._rope = rope_model.balance_rope(scene)
         self._recorded = rope_model.SIGNALS.keys() - {*ADDED_MASSES} if read is None else read
@@ -42,11 +50,15 @@ class InProcessRope:
         """Rope of rope_model that this one wraps."""
         return self._rope
 
-    def initialize(self, t0: float, left: rope_model.EndMotion, right: rope_model.EndMotion) -> rope_model.Status:
+    def initialize(
+        self, t0: float, left: rope_model.EndMotion, right: rope_model.EndMotion
+    ) -> rope_model.Status:
         self._warned.clear()
         return self._log_warnings(self._rope.initialize(t0, left, right))
 
-    def step(self, t: float, h: float, left: rope_model.EndMotion, right: rope_model.EndMotion) -> rope_model.Status:
+    def step(
+        self, t: float, h: float, left: rope_model.EndMotion, right: rope_model.EndMotion
+    ) -> rope_model.Status:
         return self._log_warnings(self._rope.advance_to(t + h, left, right))
 
     def _log_warnings(self, status: rope_model.Status) -> rope_model.Status:
@@ -59,7 +71,10 @@ class InProcessRope:
 
     def data(self) -> RopeData:
         """Identity of the rope: its engine, and all parameters by FMI name."""
-        model = {"rope": f"in process, {type(self._rope).__name__}", "version": version("balance-rope")}
+        model = {
+            "rope": f"in process, {type(self._rope).__name__}",
+            "version": version("balance-rope"),
+        }
         reason = ""
         with suppress(RuntimeError):  # a rope that could not be initialised has no state
             reason = self._rope.fidelity_reason
@@ -91,14 +106,25 @@ class InProcessRope:
         def table(names: Sequence[str], rows: int) -> OutputTable:
             indices = [k for k, name in enumerate(names) if name in rope_model.SIGNALS]
             fidelities = [k for k, name in enumerate(names) if name == FIDELITY]
-            numbers = (c_int * len(indices))(*([*rope_model.SIGNALS].index(names[k]) for k in indices))
+            numbers = (c_int * len(indices))(
+                *([*rope_model.SIGNALS].index(names[k]) for k in indices)
+            )
             values, texts = np.zeros((rows, len(indices))), np.zeros((rows, len(fidelities)), TEXT)
-            accesses = [access("rope_signals", lib.rope_signals, rope, numbers, values)] if indices else []
-            accesses += [access("rope_fidelity", lib.rope_fidelity, rope, numbers, texts)] if fidelities else []
+            accesses = (
+                [access("rope_signals", lib.rope_signals, rope, numbers, values)] if indices else []
+            )
+            accesses += (
+                [access("rope_fidelity", lib.rope_fidelity, rope, numbers, texts)]
+                if fidelities
+                else []
+            )
 
             def read(count: int) -> NDArray[np.float64]:
                 outputs = np.full((count, len(names)), np.nan)
-                outputs[:, indices], outputs[:, fidelities] = values[:count], codes_of(texts[:count])
+                outputs[:, indices], outputs[:, fidelities] = (
+                    values[:count],
+                    codes_of(texts[:count]),
+                )
                 return outputs
 
             return OutputTable(accesses, read)
@@ -126,12 +152,18 @@ class InProcessRope:
 
     def from_bytes(self, data: bytes) -> rope_model.RopeState:
         if not data.startswith(_TAG):
-            raise ValueError("the state must be that of a rope in process, it is of an FMU: give that with --fmu FILE")
-        return rope_model.RopeState.from_bytes(unstamp(data.removeprefix(_TAG), self.data().parameters))
+            raise ValueError(
+                "the state must be that of a rope in process, it is of an FMU: give that with --fmu FILE"
+            )
+        return rope_model.RopeState.from_bytes(
+            unstamp(data.removeprefix(_TAG), self.data().parameters)
+        )
 
     def units(self) -> dict[str, str]:
         """Unit of each output of the record, and of the fidelity's code."""
-        return {name: str(s.unit) for name, s in rope_model.SIGNALS.items() if name in self._recorded} | {FIDELITY: "1"}
+        return {
+            name: str(s.unit) for name, s in rope_model.SIGNALS.items() if name in self._recorded
+        } | {FIDELITY: "1"}
 
     def close(self) -> None:
         """Do nothing: no resources are held."""
@@ -140,7 +172,9 @@ class InProcessRope:
 def rope_data_of(scene: rope_model.Scene) -> RopeData:
     """Return the parameters of a scene by FMI name, with their units."""
     named = [*named_parameters(scene)]
-    return RopeData({}, {p.name: p.value for p in named}, {p.name: p.facts.unit or "1" for p in named})
+    return RopeData(
+        {}, {p.name: p.value for p in named}, {p.name: p.facts.unit or "1" for p in named}
+    )
 
 
 def values_by_name(scene: rope_model.Scene) -> dict[str, Value]:
@@ -149,7 +183,9 @@ def values_by_name(scene: rope_model.Scene) -> dict[str, Value]:
 
 
 def rope_scene(
-    parameters: Mapping[str, Value], level: rope_model.Level = "standard", suspension: SuspensionOffset | None = None
+    parameters: Mapping[str, Value],
+    level: rope_model.Level = "standard",
+    suspension: SuspensionOffset | None = None,
 ) -> rope_model.Scene:
     """Return the scene of a level with parameters by FMI name, choices by code; `suspension` adds to the spacing."""
     scene = with_values(rope_model.at_level(rope_model.Scene(), level), parameters)

@@ -11,7 +11,18 @@ from numpy.typing import NDArray
 from hoist_demo.recording.fidelity import code_of
 from rope_model import Status
 
-_FMI3_NUMBERS = ("Float32", "Float64", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
+_FMI3_NUMBERS = (
+    "Float32",
+    "Float64",
+    "Int8",
+    "UInt8",
+    "Int16",
+    "UInt16",
+    "Int32",
+    "UInt32",
+    "Int64",
+    "UInt64",
+)
 #: Functions that trip.c calls, each by its own type in C; trip.c knows them by their places here.
 FUNCTIONS = (
     "rope_signals",
@@ -64,8 +75,12 @@ class RopeLibrary:
 
     step: Access  # the function alone
     motions: Access  # motions of the ends, to be set
-    table: Callable[[Sequence[str], int], OutputTable]  # makes a table of outputs with this many rows
-    status: Callable[[str, int], Status]  # status of a step whose call, one of CALLS, has returned this
+    table: Callable[
+        [Sequence[str], int], OutputTable
+    ]  # makes a table of outputs with this many rows
+    status: Callable[
+        [str, int], Status
+    ]  # status of a step whose call, one of CALLS, has returned this
     valid: Access | None = None
     warning: Any = None  # rope_warning, where somebody must ask
     warned: Any = None  # a flag for each of the warnings, whether it was heard

@@ -12,7 +12,11 @@ from rope_model import Level, Scene, at_level
 from rope_model.physics.initial_curvature import CURVATURES
 from rope_model.scene_names import choices_of, named_parameters
 
-_LEVEL_GROUPS = ("mesh.", "solver.", "model.")  #: Groups of the numbers that a level of accuracy sets.
+_LEVEL_GROUPS = (
+    "mesh.",
+    "solver.",
+    "model.",
+)  #: Groups of the numbers that a level of accuracy sets.
 _LEVEL_CHOICES = ("mesh.kind", "model.fidelity")  #: Choices that a level of accuracy sets.
 _FREE = "solver.kernels"  #: What may differ when a run goes on.
 _TORQUE = tuple(f"rope.{name}" for name in ("Qb", "Qc", "installed_twist", *CURVATURES))
@@ -29,7 +33,9 @@ def unstamp(data: bytes, parameters: Mapping[str, Value]) -> bytes:
     try:
         there = json.loads(stamp)
     except ValueError as error:
-        raise ValueError("the state must tell its rope's parameters: give a checkpoint of this version") from error
+        raise ValueError(
+            "the state must tell its rope's parameters: give a checkpoint of this version"
+        ) from error
     names = sorted({*there, *parameters} - {_FREE})
     differences = [
         f"{name} is {there.get(name, 'missing')} there, {parameters.get(name, 'missing')} here"
@@ -37,7 +43,9 @@ def unstamp(data: bytes, parameters: Mapping[str, Value]) -> bytes:
         if there.get(name) != parameters.get(name)
     ]
     if differences:
-        raise ValueError(f"the rope's parameters must be those of the state, but {', '.join(differences)}: set them so")
+        raise ValueError(
+            f"the rope's parameters must be those of the state, but {', '.join(differences)}: set them so"
+        )
     return state
 
 
@@ -51,7 +59,9 @@ class RopeData:
     fidelity_reason: str = ""  # why the fidelity runs that runs
     name: str = ""  # prefix of its signals where there are several ropes
     suspension: SuspensionOffset = field(default_factory=SuspensionOffset)
-    breaks: tuple[float, float] | None = None  # time [s] and place of its break [m], along the rope from its left end
+    breaks: tuple[float, float] | None = (
+        None  # time [s] and place of its break [m], along the rope from its left end
+    )
 
     @property
     def prefix(self) -> str:
@@ -76,14 +86,26 @@ class RopeData:
     def display(self, name: str) -> Value:
         """Return a parameter's value, a code with its word."""
         value, words = self.parameters[name], choices_of(name)
-        return f"{value} ({words[value]})" if isinstance(value, int) and 0 <= value < len(words) else value
+        return (
+            f"{value} ({words[value]})"
+            if isinstance(value, int) and 0 <= value < len(words)
+            else value
+        )
 
     @property
     def level(self) -> str:
         """Name of the level whose mesh, solver and model these are, "" for none."""
         for level in get_args(Level):
-            numbers = [p for p in named_parameters(at_level(Scene(), level)) if p.name.startswith(_LEVEL_GROUPS)]
-            wanted = {p.name: p.value for p in numbers if isinstance(p.value, float) or p.name in _LEVEL_CHOICES}
+            numbers = [
+                p
+                for p in named_parameters(at_level(Scene(), level))
+                if p.name.startswith(_LEVEL_GROUPS)
+            ]
+            wanted = {
+                p.name: p.value
+                for p in numbers
+                if isinstance(p.value, float) or p.name in _LEVEL_CHOICES
+            }
             if all(self.parameters.get(name) == value for name, value in wanted.items()):
                 return str(level)
         return ""

@@ -25,7 +25,9 @@ from rope_model import Account, BalanceRope, EndMotion, Neighbours, Status
 _TAG = "ropes of one hoist"
 MEANS = tuple(f"{end}.fy_mean" for end in ENDS)
 _ACTIONS = tuple(f"{end}.{name}" for end in ENDS for name in ("fx", "fy", "fz", "mx", "my", "mz"))
-_PLAIN = tuple(f"{end}.{name}" for end in ENDS for name in ("fy_mean", "added_mass"))  #: What is added up as it is.
+_PLAIN = tuple(
+    f"{end}.{name}" for end in ENDS for name in ("fy_mean", "added_mass")
+)  #: What is added up as it is.
 #: Signals of the group: those of all its ropes together, moments about the conveyances' centres.
 SUMS = (*_ACTIONS, *_PLAIN)
 #: Of ropes that press each other: stored, done on them, dissipated, and made by the steps [J].
@@ -60,19 +62,29 @@ class RopeGroup:
         """With `neighbours` the members, each a WholeRope, press each other."""
         names = [member.name for member in members]
         if not names or len({*names}) < len(names):
-            raise ValueError(f"the ropes' names {', '.join(names)} must be different: name each rope")
+            raise ValueError(
+                f"the ropes' names {', '.join(names)} must be different: name each rope"
+            )
         self.members, self.neighbours = tuple(members), neighbours
         self._last: _Ends = EndMotion(), EndMotion()  # motions of the conveyances
         self._placed = list[_Ends]()  # motions of the ropes' ends
-        self._means: list[NDArray[np.float64] | None] = [None] * len(names)  # mean forces of a halved step
-        self._read_means = [] if neighbours is None else [member.rope.reader(MEANS) for member in members]
+        self._means: list[NDArray[np.float64] | None] = [None] * len(
+            names
+        )  # mean forces of a halved step
+        self._read_means = (
+            [] if neighbours is None else [member.rope.reader(MEANS) for member in members]
+        )
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
         self._last = left, right
         self._placed = [self._ends(m.suspension, 0.0, left, right) for m in self.members]
-        statuses = [m.rope.initialize(t0, *ends) for m, ends in zip(self.members, self._placed, strict=True)]
+        statuses = [
+            m.rope.initialize(t0, *ends) for m, ends in zip(self.members, self._placed, strict=True)
+        ]
         if self.neighbours is not None and all(status.valid for status in statuses):
-            self.neighbours.begin(t0, [whole for m in self.members if (whole := _whole(m.rope)) is not None])
+            self.neighbours.begin(
+                t0, [whole for m in self.members if (whole := _whole(m.rope)) is not None]
+            )
         self._means = [None] * len(self.members)
         return self._all(statuses)
 
@@ -81,7 +93,9 @@ class RopeGroup:
         self._last = left, right
         before, self._placed = self._placed, ends
         if self.neighbours is None:
-            return self._all([m.rope.step(t, h, *pair) for m, pair in zip(self.members, ends, strict=True)])
+            return self._all(
+                [m.rope.step(t, h, *pair) for m, pair in zip(self.members, ends, strict=True)]
+            )
         parts = zip(self.members, self._read_means, before, ends, strict=True)
         turns = [Turn(m.rope, read, t, h, *motions) for m, read, *motions in parts]
         self.neighbours.step(t, h, turns)
@@ -92,10 +106,19 @@ class RopeGroup:
         name_set = set(names)
         plain = [name for name in _PLAIN if name in name_set]
         summed = [*_ACTIONS, *plain] if name_set.intersection(SUMS) else []
-        own = [[n.removeprefix(f"{m.name}.") for n in names if n.startswith(f"{m.name}.")] for m in self.members]
-        readers = [m.rope.reader([*summed, *part]) for m, part in zip(self.members, own, strict=True)]
+        own = [
+            [n.removeprefix(f"{m.name}.") for n in names if n.startswith(f"{m.name}.")]
+            for m in self.members
+        ]
+        readers = [
+            m.rope.reader([*summed, *part]) for m, part in zip(self.members, own, strict=True)
+        ]
         contact = [*self._contact()]
-        shown = [*contact, *summed, *(f"{m.name}.{n}" for m, part in zip(self.members, own, strict=True) for n in part)]
+        shown = [
+            *contact,
+            *summed,
+            *(f"{m.name}.{n}" for m, part in zip(self.members, own, strict=True) for n in part),
+        ]
         index = {name: k for k, name in enumerate(shown)}
         order = [index.get(name, len(shown)) for name in names]
 
@@ -116,7 +139,9 @@ class RopeGroup:
         first = self.members[0].rope.units()
         units = {name: first.get(name, "") for name in SUMS if name not in ADDED_MASSES}
         units |= {name: "N" if name.endswith(".force") else "J" for name in self._contact()}
-        return units | {f"{m.name}.{name}": unit for m in self.members for name, unit in m.rope.units().items()}
+        return units | {
+            f"{m.name}.{name}": unit for m in self.members for name, unit in m.rope.units().items()
+        }
 
     def save(self) -> Any:
         """Return the snapshots of all ropes; None if one of them cannot save."""
@@ -143,7 +168,9 @@ class RopeGroup:
         tag, names, ropes, own = from_bytes(data)
         here = [m.name for m in self.members]
         if (tag, names) != (_TAG, here):
-            raise ValueError(f"the state must be that of the ropes {', '.join(here)}: give one of this hoist")
+            raise ValueError(
+                f"the state must be that of the ropes {', '.join(here)}: give one of this hoist"
+            )
         return [m.rope.from_bytes(one) for m, one in zip(self.members, ropes, strict=True)], own
 
     def close(self) -> None:
@@ -153,19 +180,27 @@ class RopeGroup:
     def accounts(self) -> dict[tuple[str, str], Account]:
         """Contact accounts of each two ropes that may press each other, by their names."""
         by_place = {} if self.neighbours is None else self.neighbours.contacts.accounts
-        return {(self.members[i].name, self.members[j].name): account for (i, j), account in by_place.items()}
+        return {
+            (self.members[i].name, self.members[j].name): account
+            for (i, j), account in by_place.items()
+        }
 
     def _contact(self) -> dict[str, float]:
         """Return the signals of contact between the ropes; none if they pass each other."""
         if self.neighbours is None:
             return {}
         accounts = self.accounts()
-        forces = {f"neighbours.{one}.{other}.force": account.pressure for (one, other), account in accounts.items()}
+        forces = {
+            f"neighbours.{one}.{other}.force": account.pressure
+            for (one, other), account in accounts.items()
+        }
         energies = [(x.energy, x.work, x.dissipated, x.made) for x in accounts.values()]
         sums = np.array(energies).reshape(-1, 4).sum(axis=0)
         return forces | dict(zip(CONTACT_ENERGIES, sums.tolist(), strict=True))
 
-    def _over_parts(self, k: int, summed: Sequence[str], values: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _over_parts(
+        self, k: int, summed: Sequence[str], values: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
         """Return a rope's values, with the mean forces of the whole step where it was halved."""
         if (means := self._means[k]) is not None:
             for name, mean in zip(MEANS, means, strict=True):
@@ -173,7 +208,9 @@ class RopeGroup:
                     values[summed.index(name)] = mean
         return values
 
-    def _ends(self, suspension: SuspensionOffset, h: float, left: EndMotion, right: EndMotion) -> _Ends:
+    def _ends(
+        self, suspension: SuspensionOffset, h: float, left: EndMotion, right: EndMotion
+    ) -> _Ends:
         """Motions of a rope's ends at the end of a step."""
         was_left, was_right = self._last
         return (
@@ -190,9 +227,18 @@ class RopeGroup:
 class Turn:
     """A rope's part in a step of all, which it may have to take several times, or in parts."""
 
-    def __init__(self, rope: RopePlant, read: Reader, t: float, h: float, before: _Ends, after: _Ends) -> None:
+    def __init__(
+        self, rope: RopePlant, read: Reader, t: float, h: float, before: _Ends, after: _Ends
+    ) -> None:
         self.status, self.parts, self._impulse = Status(True), 0, np.zeros(len(MEANS))
-        self._rope, self._read, self._t, self._h, self._before, self._after = rope, read, t, h, before, after
+        self._rope, self._read, self._t, self._h, self._before, self._after = (
+            rope,
+            read,
+            t,
+            h,
+            before,
+            after,
+        )
         self._part = (t, h)
         self._kept = None
 
@@ -236,19 +282,29 @@ def _whole(rope: RopePlant) -> BalanceRope | None:
     return getattr(rope, "whole", None)
 
 
-def _end(conveyance: EndMotion, offset: tuple[float, float], rate_before: float, h: float) -> EndMotion:
+def _end(
+    conveyance: EndMotion, offset: tuple[float, float], rate_before: float, h: float
+) -> EndMotion:
     """Return the motion of a conveyance's point at this offset, from its own nominal position."""
-    if offset == (0.0, 0.0) or (conveyance.yaw == 0.0 and conveyance.yaw_rate == 0.0 and rate_before == 0.0):
+    if offset == (0.0, 0.0) or (
+        conveyance.yaw == 0.0 and conveyance.yaw_rate == 0.0 and rate_before == 0.0
+    ):
         return conveyance
     yaw_rate, c = conveyance.yaw_rate, conveyance
     yaw_acceleration = (yaw_rate - rate_before) / h if h > 0.0 else 0.0
-    moved = motion_at(offset, [getattr(c, name) for name in MOVED], c.yaw, yaw_rate, yaw_acceleration)
+    moved = motion_at(
+        offset, [getattr(c, name) for name in MOVED], c.yaw, yaw_rate, yaw_acceleration
+    )
     return replace(c, **dict(zip(MOVED, moved, strict=True)))
 
 
-def _moments(values: NDArray[np.float64], suspension: SuspensionOffset, conveyances: _Ends) -> NDArray[np.float64]:
+def _moments(
+    values: NDArray[np.float64], suspension: SuspensionOffset, conveyances: _Ends
+) -> NDArray[np.float64]:
     """Return the moments of a rope's forces about the centres, in the order of _ACTIONS."""
     moments = np.zeros((len(ENDS), 6))
     for k, end in enumerate(ENDS):
-        moments[k, 3:] = moment_at(suspension.at(end), conveyances[k].yaw, values[6 * k : 6 * k + 3].tolist())
+        moments[k, 3:] = moment_at(
+            suspension.at(end), conveyances[k].yaw, values[6 * k : 6 * k + 3].tolist()
+        )
     return moments.ravel()

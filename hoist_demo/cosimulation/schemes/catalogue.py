@@ -1,7 +1,12 @@
 """The schemes by name, for whoever chooses one in a file or on a command line."""
 
 from hoist_demo.cosimulation.schemes.energy import EnergyControlled
-from hoist_demo.cosimulation.schemes.explicit import GaussSeidel, ImpulsePreserving, Jacobi, SemiImplicit
+from hoist_demo.cosimulation.schemes.explicit import (
+    GaussSeidel,
+    ImpulsePreserving,
+    Jacobi,
+    SemiImplicit,
+)
 from hoist_demo.cosimulation.schemes.interface import Scheme
 from hoist_demo.cosimulation.schemes.iterative import ACCELERATORS, Iterative
 

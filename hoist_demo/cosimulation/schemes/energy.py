@@ -33,7 +33,9 @@ class EnergyControlled:
     def weights(self) -> tuple[float, ...]:
         return self.inner.weights
 
-    def advance(self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float) -> Advance:
+    def advance(
+        self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float
+    ) -> Advance:
         """Steps of the scheme's own, the last of which ends at t + h."""
         done = 0.0
         target_step = scheme_state.step_next or h
@@ -45,11 +47,15 @@ class EnergyControlled:
             if advance.cause:
                 return advance
             power = abs(advance.scheme_state.residual - scheme_state.residual) / step
-            factor = SAFETY * (self.bound / power) ** (1.0 / self.order) if power > 0.0 else math.inf
+            factor = (
+                SAFETY * (self.bound / power) ** (1.0 / self.order) if power > 0.0 else math.inf
+            )
             if power > self.bound:
                 target_step = step * min(max(factor, 0.1), 0.5)
                 coupled.restore(before)
-                scheme_state = scheme_state.with_taken_back(advance.scheme_state.exchanges - scheme_state.exchanges)
+                scheme_state = scheme_state.with_taken_back(
+                    advance.scheme_state.exchanges - scheme_state.exchanges
+                )
                 if target_step < self.smallest:
                     return Advance(
                         scheme_state,

@@ -12,14 +12,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from hoist_demo.cosimulation.schemes import interface
-from hoist_demo.cosimulation.schemes.interface import Advance, CoupledSystem, Load, SchemeState, Vector
+from hoist_demo.cosimulation.schemes.interface import (
+    Advance,
+    CoupledSystem,
+    Load,
+    SchemeState,
+    Vector,
+)
 
 Coefficients = tuple[Vector, Vector, Vector]
 #: Weights of the samples, latest first, in the mean of the extrapolated step, by order (Adams-Bashforth).
 MEAN_WEIGHTS = ((1.0,), (1.5, -0.5), (23.0 / 12.0, -16.0 / 12.0, 5.0 / 12.0))
 
 
-def extrapolation_coefficients(samples: Sequence[interface.Sample], name: str, order: int, h: float) -> Coefficients:
+def extrapolation_coefficients(
+    samples: Sequence[interface.Sample], name: str, order: int, h: float
+) -> Coefficients:
     """Coefficients c0, c1, c2 of s = 0 .. 1 over the step of h [s] that follows the last sample; `name` is a field."""
     latest = samples[-1]
     last: Vector = getattr(latest, name)
@@ -55,9 +63,15 @@ class Extrapolated:
 class GaussSeidel(Extrapolated):
     """The drive first with extrapolated forces, then the rope along the motion that the drive made."""
 
-    def advance(self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float) -> Advance:
-        start, linear, quadratic = extrapolation_coefficients(scheme_state.samples, "force", self.order, h)
-        return coupled.exchange(scheme_state, t, h, Load(start, linear, quadratic, np.zeros(start.shape)))
+    def advance(
+        self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float
+    ) -> Advance:
+        start, linear, quadratic = extrapolation_coefficients(
+            scheme_state.samples, "force", self.order, h
+        )
+        return coupled.exchange(
+            scheme_state, t, h, Load(start, linear, quadratic, np.zeros(start.shape))
+        )
 
 
 class Jacobi(Extrapolated):
@@ -71,8 +85,12 @@ class Jacobi(Extrapolated):
     holding the place itself would move the rope's end by jumps.
     """
 
-    def advance(self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float) -> Advance:
-        start, linear, quadratic = extrapolation_coefficients(scheme_state.samples, "force", self.order, h)
+    def advance(
+        self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float
+    ) -> Advance:
+        start, linear, quadratic = extrapolation_coefficients(
+            scheme_state.samples, "force", self.order, h
+        )
         c0, c1, c2 = extrapolation_coefficients(scheme_state.samples, "acceleration", self.order, h)
         load = Load(start, linear, quadratic, np.zeros_like(start))
         now = coupled.drive.motion(load, 0.0)
@@ -101,10 +119,14 @@ class SemiImplicit(Extrapolated):
 
     needs_added_mass: bool = True
 
-    def advance(self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float) -> Advance:
+    def advance(
+        self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float
+    ) -> Advance:
         added = coupled.added_mass()
         force = extrapolation_coefficients(scheme_state.samples, "force", self.order, h)
-        acceleration = extrapolation_coefficients(scheme_state.samples, "acceleration", self.order, h)
+        acceleration = extrapolation_coefficients(
+            scheme_state.samples, "acceleration", self.order, h
+        )
         start, linear, quadratic = (f + added * a for f, a in zip(force, acceleration, strict=True))
         return coupled.exchange(scheme_state, t, h, Load(start, linear, quadratic, added))
 
@@ -121,5 +143,7 @@ class ImpulsePreserving:
     needs_rollback: bool = False
     needs_added_mass: bool = False
 
-    def advance(self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float) -> Advance:
+    def advance(
+        self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float
+    ) -> Advance:
         return coupled.exchange(scheme_state, t, h, Load.constant(scheme_state.last.mean))

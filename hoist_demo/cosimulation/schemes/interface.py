@@ -69,7 +69,9 @@ class SchemeState(NamedTuple):
     step_next: float = 0.0  # s, that the energy control would like; 0: not chosen yet
     exchanges: int = 0  # steps of the rope, those taken back included
     taken_back: int = 0  # exchanges that were taken back
-    residual: float = 0.0  # J, work that one partner gave and the other did not get, since the start
+    residual: float = (
+        0.0  # J, work that one partner gave and the other did not get, since the start
+    )
 
     @property
     def last(self) -> Sample:
@@ -173,13 +175,18 @@ class Stopwatch:
 class CoupledSystem:
     """Two partners of a co-simulation: a scheme steps and asks the rope here, and the drive itself."""
 
-    def __init__(self, drive: DrivePartner, rope: RopePlant, clock: Stopwatch | None = None) -> None:
+    def __init__(
+        self, drive: DrivePartner, rope: RopePlant, clock: Stopwatch | None = None
+    ) -> None:
         """`rope` hangs; `clock` counts the time that it takes."""
         self.drive, self.rope = drive, rope
         self._clock = Stopwatch() if clock is None else clock
         self._read, self._read_added_masses = rope.reader(ROPE_FORCES), rope.reader(ADDED_MASSES)
         self._forces: Vector | None = None
-        self._before = 0.0, np.zeros(len(ENDS))  # work on the drive [J] and its place [m] where the step began
+        self._before = (
+            0.0,
+            np.zeros(len(ENDS)),
+        )  # work on the drive [J] and its place [m] where the step began
 
     def step_rope(self, t: float, h: float, motion: InterfaceMotion) -> str:
         """Advance the rope from t to t + h [s], where the motion holds; "" or the cause why not."""
@@ -237,7 +244,9 @@ class CoupledSystem:
     def start(self, t: float) -> SchemeState:
         """Return the state of a scheme that begins at t [s]; before it everything counts as at rest."""
         force, mean = self.forces()
-        return SchemeState((Sample(t, force, mean, self.drive.motion(Load.constant(force), 1.0).acceleration),))
+        return SchemeState(
+            (Sample(t, force, mean, self.drive.motion(Load.constant(force), 1.0).acceleration),)
+        )
 
     def exchanged(self, scheme_state: SchemeState, t: float, load: Load) -> SchemeState:
         """State with the step that has ended at t, where the load acts, and with the energy that it made up.
@@ -248,7 +257,9 @@ class CoupledSystem:
         sample = Sample(t, force, mean, self.drive.motion(load, 1.0).acceleration)
         made = self.drive.work() - work - float((mean * (self.drive.position() - position)).sum())
         samples, exchanges = (*scheme_state.samples, sample)[-HISTORY:], scheme_state.exchanges + 1
-        return scheme_state._replace(samples=samples, exchanges=exchanges, residual=scheme_state.residual + made)
+        return scheme_state._replace(
+            samples=samples, exchanges=exchanges, residual=scheme_state.residual + made
+        )
 
     def exchange(self, scheme_state: SchemeState, t: float, h: float, load: Load) -> Advance:
         """Do the step under a load, drive first, and return the new state."""
@@ -264,7 +275,9 @@ def forces_or_error(status: Status, read: Reader) -> Vector | str:
     forces = read()
     if math.isfinite(sum(forces.tolist())):
         return forces
-    bad = [name for name, force in zip(ROPE_FORCES, forces, strict=True) if not math.isfinite(force)]
+    bad = [
+        name for name, force in zip(ROPE_FORCES, forces, strict=True) if not math.isfinite(force)
+    ]
     return f"{', '.join(bad)} missing or not finite: check the rope plant"
 
 
@@ -283,5 +296,7 @@ class Scheme(Protocol):
     def needs_added_mass(self) -> bool:
         """True if the rope must give its added mass."""
 
-    def advance(self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float) -> Advance:
+    def advance(
+        self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float
+    ) -> Advance:
         """Both partners from t to t + h [s]; when it fails their states may lie anywhere between."""

@@ -20,7 +20,13 @@ from typing import Literal, Protocol
 import numpy as np
 
 from hoist_demo.cosimulation.schemes.explicit import extrapolation_coefficients
-from hoist_demo.cosimulation.schemes.interface import Advance, CoupledSystem, Load, SchemeState, Vector
+from hoist_demo.cosimulation.schemes.interface import (
+    Advance,
+    CoupledSystem,
+    Load,
+    SchemeState,
+    Vector,
+)
 
 AcceleratorName = Literal["jacobian", "aitken", "secant"]
 ACCELERATORS: tuple[AcceleratorName, ...] = ("jacobian", "aitken", "secant")
@@ -107,10 +113,14 @@ class Iterative:
         """None when the mean is held; the parabola's bound is about that of a force held explicitly."""
         return () if self.hold_mean else (1.0,)
 
-    def advance(self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float) -> Advance:
+    def advance(
+        self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float
+    ) -> Advance:
         before = coupled.save()
         force = scheme_state.last.force
-        _, linear, quadratic = extrapolation_coefficients(scheme_state.samples, "force", 1 if self.hold_mean else 2, h)
+        _, linear, quadratic = extrapolation_coefficients(
+            scheme_state.samples, "force", 1 if self.hold_mean else 2, h
+        )
         x = self._unknown(force + linear / 2.0 + quadratic / 3.0, force + linear + quadratic)
         accelerator = self._accelerator(coupled)
         for tried in range(MAX_EXCHANGES):
@@ -140,4 +150,6 @@ class Iterative:
         response: Vector = -coupled.added_mass()[:, None] * coupled.drive.accelerance()
         if self.hold_mean:
             return InterfaceJacobian(response)
-        return InterfaceJacobian(np.block([[response, np.zeros_like(response)], [response, 0.5 * response]]))
+        return InterfaceJacobian(
+            np.block([[response, np.zeros_like(response)], [response, 0.5 * response]])
+        )

@@ -71,9 +71,16 @@ def predict_stability(
         return None
     # the worst end and the smallest mass: either end of the rope may become the long leg in the course of a trip
     mass = 1.0 / float(np.max(np.diag(coupled.drive.accelerance())))
-    added = added_mass_of_step(coupled, t, H) if isinstance(scheme, SemiImplicit) else np.zeros(response.shape[1])
+    added = (
+        added_mass_of_step(coupled, t, H)
+        if isinstance(scheme, SemiImplicit)
+        else np.zeros(response.shape[1])
+    )
     ends = zip(response.T, added.tolist(), strict=True)
-    worst = max((growth_per_step(scheme, end, mass, added_mass) for end, added_mass in ends), default=math.nan)
+    worst = max(
+        (growth_per_step(scheme, end, mass, added_mass) for end, added_mass in ends),
+        default=math.nan,
+    )
     seen = StabilityEstimate(worst, float(np.max(response[0])), mass)
     if warning := seen.warning(name, H):
         _log.warning("%s", warning)
@@ -95,7 +102,9 @@ def measure_response(coupled: CoupledSystem, t: float, H: float) -> tuple[Vector
     return (response[0] - response[1]) / sign, ""
 
 
-def _pushed(coupled: CoupledSystem, t: float, H: float, at_rest: Vector, pulse: Vector, forces: Vector) -> str:
+def _pushed(
+    coupled: CoupledSystem, t: float, H: float, at_rest: Vector, pulse: Vector, forces: Vector
+) -> str:
     """Fill `forces` with the rope's response to a pulse; return the cause of a failure, else ""."""
     snapshot = coupled.rope.save()
     try:
@@ -106,7 +115,11 @@ def _pushed(coupled: CoupledSystem, t: float, H: float, at_rest: Vector, pulse: 
             if cause := coupled.step_rope(t + k * H, H, motion):
                 return cause
             forces[k] = coupled.forces()[0]
-            if k == STILL_STEPS and not pulse.any() and np.allclose(forces[:k], forces[k], rtol=STILL_CHANGE, atol=0.0):
+            if (
+                k == STILL_STEPS
+                and not pulse.any()
+                and np.allclose(forces[:k], forces[k], rtol=STILL_CHANGE, atol=0.0)
+            ):
                 forces[k:] = forces[k]
                 break
         return ""
@@ -134,4 +147,6 @@ def growth_per_step(scheme: Scheme, response: Vector, mass: float, added_mass: f
         return 0.0
     past = -np.convolve(w, response)  # F_(k-i) by the accelerations a_k, a_(k-1), ...
     past[: w.size] += w * added_mass
-    return float(np.max(np.abs(np.roots(np.concatenate([[1.0], -past / (mass + added_mass)]))), initial=0.0))
+    return float(
+        np.max(np.abs(np.roots(np.concatenate([[1.0], -past / (mass + added_mass)]))), initial=0.0)
+    )

@@ -13,7 +13,10 @@ import numpy as np
 from hoist_demo.recording.time_series import Array, Recording
 
 Packed = dict[str, str | float]
-CODES = {"u8": 254, "u16": 65534}  #: Largest integer that stands for a number, per kind; the next one is NaN.
+CODES = {
+    "u8": 254,
+    "u16": 65534,
+}  #: Largest integer that stands for a number, per kind; the next one is NaN.
 
 
 def pack(values: Array, kind: str = "u16") -> Packed:
@@ -50,7 +53,9 @@ def thin(values: Array, most: int) -> Array:
         if np.isnan(part).all():
             extremes += [math.nan, math.nan]
         else:
-            extremes += [float(part[k]) for k in sorted((int(np.nanargmin(part)), int(np.nanargmax(part))))]
+            extremes += [
+                float(part[k]) for k in sorted((int(np.nanargmin(part)), int(np.nanargmax(part))))
+            ]
     return np.array(extremes)
 
 
@@ -95,7 +100,10 @@ def along(recording: Recording, name: str) -> dict[str, object]:
     curves = recording.shapes_at(rows)
     assert curves is not None
     # arc lengths of the points [m]
-    positions = [np.append(0.0, np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))) for curve in curves]
+    positions = [
+        np.append(0.0, np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1)))
+        for curve in curves
+    ]
     length = max(float(position[-1]) for position in positions)
     maps, missing = [], []
     for quantity, title, unit, factor in MAPS:
@@ -107,10 +115,20 @@ def along(recording: Recording, name: str) -> dict[str, object]:
             continue
         picture = factor * over_length(values[rows], positions, length)
         titled = f"{title}, {name}" if name else title
-        entry = {"id": quantity, "title": titled, "unit": unit, "quiet": bool(np.ptp(picture) == 0.0)}
+        entry = {
+            "id": quantity,
+            "title": titled,
+            "unit": unit,
+            "quiet": bool(np.ptp(picture) == 0.0),
+        }
         maps.append(entry | {"values": pack(picture, "u8")})
     note = MISSING.format(" and ".join(missing)) if missing else ""
-    size = {"length": length, "rows": ROPE_ROWS, "columns": len(rows), "span": recording.time[[0, -1]].tolist()}
+    size = {
+        "length": length,
+        "rows": ROPE_ROWS,
+        "columns": len(rows),
+        "span": recording.time[[0, -1]].tolist(),
+    }
     return {"maps": [one | size for one in maps], "note": note}
 
 

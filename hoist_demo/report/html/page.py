@@ -67,7 +67,11 @@ def titled_table(title: str, rows: Sequence[Row]) -> str:
         + "</tr>"
         for quantity, value, *more in rows
     ]
-    return f"<section><h3>{html_text(title)}</h3><table>{''.join(lines)}</table></section>" if lines else ""
+    return (
+        f"<section><h3>{html_text(title)}</h3><table>{''.join(lines)}</table></section>"
+        if lines
+        else ""
+    )
 
 
 def _value(text: str) -> str:
@@ -83,7 +87,10 @@ def number(value: float, digits: int = 5) -> str:
 def engineering(largest: float, unit: str) -> tuple[float, str]:
     """Return the factor to a unit in which this magnitude has few digits, and that unit: 9.96e7 J are 99.6 MJ."""
     steps = _PREFIXES if re.split(r"[.\s/]", unit)[0] in ("J", "N", "W", "Pa") else ()
-    return next(((1.0 / size, prefix + unit) for size, prefix in steps if largest >= 10.0 * size), (1.0, unit))
+    return next(
+        ((1.0 / size, prefix + unit) for size, prefix in steps if largest >= 10.0 * size),
+        (1.0, unit),
+    )
 
 
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
@@ -149,8 +156,12 @@ def bars(rows: Sequence[Bar], ticks: Sequence[tuple[float, str]], title: str) ->
 
 def plain_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Return an HTML table with a head row."""
-    cells = "".join(f"<tr>{''.join(f'<td>{html_text(cell)}</td>' for cell in row)}</tr>" for row in rows)
-    return f"<table><tr>{''.join(f'<th>{html_text(name)}</th>' for name in head)}</tr>{cells}</table>"
+    cells = "".join(
+        f"<tr>{''.join(f'<td>{html_text(cell)}</td>' for cell in row)}</tr>" for row in rows
+    )
+    return (
+        f"<table><tr>{''.join(f'<th>{html_text(name)}</th>' for name in head)}</tr>{cells}</table>"
+    )
 
 
 def paragraphs(texts: Sequence[str]) -> str:
@@ -160,7 +171,9 @@ def paragraphs(texts: Sequence[str]) -> str:
 
 def write_sheet(path: Path, title: str, parts: Sequence[tuple[str, str]]) -> Path:
     """Write a page of headings with HTML under them; a part without a heading stands first."""
-    body = "\n".join((f"<h2>{html_text(heading)}</h2>\n" if heading else "") + part for heading, part in parts)
+    body = "\n".join(
+        (f"<h2>{html_text(heading)}</h2>\n" if heading else "") + part for heading, part in parts
+    )
     return write_html(path, render_page("study", title, f'<main class="sheet">\n{body}\n</main>'))
 
 

@@ -13,10 +13,14 @@ TitledRows = tuple[str, list[Row]]  #: Title and rows.
 
 def parameter_tables(data: Mapping[str, object], statuses: Mapping[str, str]) -> list[TitledRows]:
     """Return a table for each dataclass, under the section's title."""
-    return [(title, parameter_rows(part, f"{title.lower()}.", statuses)) for title, part in data.items()]
+    return [
+        (title, parameter_rows(part, f"{title.lower()}.", statuses)) for title, part in data.items()
+    ]
 
 
-def rope_tables(rope: RopeData, fidelities: Sequence[str], statuses: Mapping[str, str]) -> list[TitledRows]:
+def rope_tables(
+    rope: RopeData, fidelities: Sequence[str], statuses: Mapping[str, str]
+) -> list[TitledRows]:
     """Return tables of the balance rope's source, of the fidelity computed, and of all its parameters."""
     ran = ", then ".join(fidelities) or "not known"
     head: list[Row] = [(name, text, "") for name, text in rope.model.items()]
@@ -27,10 +31,18 @@ def rope_tables(rope: RopeData, fidelities: Sequence[str], statuses: Mapping[str
     if rope.fidelity_reason:
         head.append(("because", rope.fidelity_reason, ""))
     parameters: list[Row] = [
-        (name, word(rope.display(name)), unit_text(rope.units.get(name, "")), statuses.get(f"{rope.prefix}{name}", ""))
+        (
+            name,
+            word(rope.display(name)),
+            unit_text(rope.units.get(name, "")),
+            statuses.get(f"{rope.prefix}{name}", ""),
+        )
         for name in rope.parameters
     ]
-    return [(rope.whose("Balance rope"), head), (rope.whose("Parameters of the balance rope"), parameters)]
+    return [
+        (rope.whose("Balance rope"), head),
+        (rope.whose("Parameters of the balance rope"), parameters),
+    ]
 
 
 def word(value: object) -> str:

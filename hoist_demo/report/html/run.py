@@ -30,12 +30,21 @@ def run_report(
 ) -> Path:
     """Write the report of a run, the same bytes but the clock's; the shaft drawn is that of the first of `ropes`."""
     numbers = "".join(
-        page.titled_table(group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in rows])
+        page.titled_table(
+            group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in rows]
+        )
         for group, rows in rows_by_group(report.rows).items()
     )
-    body = page.fill("run.html", numbers=numbers, tables="".join(page.titled_table(*t) for t in report.data_tables))
+    body = page.fill(
+        "run.html",
+        numbers=numbers,
+        tables="".join(page.titled_table(*t) for t in report.data_tables),
+    )
     data = _data(result, hoist, ropes)
-    data |= {"shaft": drawn_shaft(ropes[0].parameters, result.recording), "open": report.verdict.when}
+    data |= {
+        "shaft": drawn_shaft(ropes[0].parameters, result.recording),
+        "open": report.verdict.when,
+    }
     scripts = page.running(("player.js", "plots.js", "rope.js", "shaft.js", "run.js"), data)
     note = _verdict(report.verdict, report.changed)
     return page.write_html(path, page.render_page("run", report.title, body, note, scripts))
@@ -50,7 +59,10 @@ def _verdict(verdict: Verdict, changed: parameter_tables.TitledRows) -> str:
     if verdict.rows:
         rows = page.plain_table(COLUMNS, [row.cells for row in verdict.rows])
         parts.append(f'<div class="scroll">{rows.replace("<td>NO</td>", _NO)}</div>')
-    parts += [f'<p class="note stopped"><strong>Warning.</strong> {html_text(text)}</p>' for text in verdict.remarks]
+    parts += [
+        f'<p class="note stopped"><strong>Warning.</strong> {html_text(text)}</p>'
+        for text in verdict.remarks
+    ]
     if changed[1]:
         parts.append(
             f"<details open><summary>{html_text(changed[0])}</summary>{page.plain_table(CHANGED, changed[1])}</details>"
@@ -111,7 +123,9 @@ def _curve(own: Recording, rope: RopeData) -> Mapping[str, object]:
         "places": [rope.suspension.at(end) for end in SIDES],
         "points": curves.shape[1],
         "t": packing.pack_to(own.time[rows], 1e-4),
-        **{axis: packing.pack_to(curves[:, :, k], SHAPE_RESOLUTION) for k, axis in enumerate("xyz")},
+        **{
+            axis: packing.pack_to(curves[:, :, k], SHAPE_RESOLUTION) for k, axis in enumerate("xyz")
+        },
     }
 
 

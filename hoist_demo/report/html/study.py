@@ -24,11 +24,27 @@ from rope_model.texts import html_text
 
 STATUS = "status"
 CAUSE = "cause"
-_NO_COLUMNS = (STATUS, CAUSE, "run", "key", WARNINGS, MISSING)  #: Columns of the table that the page does not plot.
+_NO_COLUMNS = (
+    STATUS,
+    CAUSE,
+    "run",
+    "key",
+    WARNINGS,
+    MISSING,
+)  #: Columns of the table that the page does not plot.
 ROUNDING = 1e-9  #: Relative difference within which two numbers are one.
 _OWN = ("title", "parameters")
 #: columns that are shown first behind what varies and what is judged
-_FIRST = ("judged", "within", "excess", "slip_safety", "clearance", "loop_turns", "rope_force_peak", "sway")
+_FIRST = (
+    "judged",
+    "within",
+    "excess",
+    "slip_safety",
+    "clearance",
+    "loop_turns",
+    "rope_force_peak",
+    "sway",
+)
 
 
 def study_report(
@@ -45,7 +61,10 @@ def study_report(
     `more` are tables of the data, `result` the study's outcome, which is judged by `objective`.
     """
     best = result.best if result else None
-    by, limits = tuple(objective.metrics) if objective else (), objective.constraints if objective else ()
+    by, limits = (
+        tuple(objective.metrics) if objective else (),
+        objective.constraints if objective else (),
+    )
     parameters = [str(name) for name in meta.get("parameters", ())]
     causes = ["" if pd.isna(cause) else str(cause) for cause in table[CAUSE]]
     values, units, factors = _in_engineering_units(
@@ -59,7 +78,9 @@ def study_report(
     listed = [name for name in names if name not in {*fixed, *nowhere}]
     # parameters first: they are read before what follows from them; what does not differ comes last
     place = {name: k for k, name in enumerate(dict.fromkeys(first))}
-    listed.sort(key=lambda name: (name not in parameters, name not in varied, place.get(name, len(first))))
+    listed.sort(
+        key=lambda name: (name not in parameters, name not in varied, place.get(name, len(first)))
+    )
     columns = [
         {
             "name": name,
@@ -68,8 +89,14 @@ def study_report(
             # without anything that differs, as with a single run, all numbers have one
             "axis": name in varied if varied else True,
             "values": values[name],
-            "bounds": [[factors[name] * one.value, one.sense] for one in limits if one.metric == name],
-            "better": 0 if name in NEUTRAL or name not in UNITS else -1 if name in MORE_IS_BETTER else 1,
+            "bounds": [
+                [factors[name] * one.value, one.sense] for one in limits if one.metric == name
+            ],
+            "better": 0
+            if name in NEUTRAL or name not in UNITS
+            else -1
+            if name in MORE_IS_BETTER
+            else 1,
         }
         for name in listed
     ]
@@ -83,7 +110,9 @@ def study_report(
     }
     title = str(meta.get("title", "Study"))
     rest = [(str(name), _text(value), "") for name, value in meta.items() if name not in _OWN]
-    sentences = [f"{len(causes)} runs, {sum(cause != '' for cause in causes)} failed. {_passed(table)}{_early(table)}"]
+    sentences = [
+        f"{len(causes)} runs, {sum(cause != '' for cause in causes)} failed. {_passed(table)}{_early(table)}"
+    ]
     sentences += [f"{best.text[:1].upper()}{best.text[1:]}."] if best else []
     body = page.fill(
         "study.html",
@@ -93,7 +122,8 @@ def study_report(
         + _list("Missing", _by_text(table, MISSING)),
         tables=page.titled_table("Study", rest)
         + page.titled_table(
-            "The same in all runs", [(n, _describe(values[n]), page.unit_text(units.get(n, ""))) for n in fixed]
+            "The same in all runs",
+            [(n, _describe(values[n]), page.unit_text(units.get(n, ""))) for n in fixed],
         )
         + page.titled_table("Not shown by any run", [(name, "", "") for name in nowhere])
         + "".join(page.titled_table(title, rows) for title, rows in more),
@@ -131,16 +161,26 @@ def _in_engineering_units(
     """Return the columns, their units with prefixes where the numbers are large, and the factors."""
     shown, units, factors = dict(values), dict(stated), dict[str, float]()
     for name, column in values.items():
-        numbers = [abs(value) for value in column if isinstance(value, float) and math.isfinite(value)]
-        factors[name], units[name] = page.engineering(max(numbers, default=0.0), stated.get(name, ""))
-        shown[name] = [factors[name] * value if isinstance(value, float) else value for value in column]
+        numbers = [
+            abs(value) for value in column if isinstance(value, float) and math.isfinite(value)
+        ]
+        factors[name], units[name] = page.engineering(
+            max(numbers, default=0.0), stated.get(name, "")
+        )
+        shown[name] = [
+            factors[name] * value if isinstance(value, float) else value for value in column
+        ]
     return shown, units, factors
 
 
 def _passed(table: pd.DataFrame) -> str:
     """Return a sentence on runs in which the rope passed through something; "" for none."""
     runs = [k + 1 for k, text in enumerate(table[STATUS]) if PASSED in str(text)]
-    return f"In {_listed(runs)} the rope passed into or through something, the status says what." if runs else ""
+    return (
+        f"In {_listed(runs)} the rope passed into or through something, the status says what."
+        if runs
+        else ""
+    )
 
 
 def _listed(runs: Sequence[int]) -> str:
@@ -156,7 +196,9 @@ def _early(table: pd.DataFrame) -> str:
     cycle, trajectory = (pd.to_numeric(table[name]) for name in ("cycle_time", "trajectory_time"))
     early = [k + 1 for k, sooner in enumerate(cycle < trajectory) if sooner]
     words = "the conveyances were within the band of arrival, and stayed there, before the reference was at rest."
-    return f" cycle_time is shorter than trajectory_time in {_listed(early)}: {words}" if early else ""
+    return (
+        f" cycle_time is shorter than trajectory_time in {_listed(early)}: {words}" if early else ""
+    )
 
 
 def _plain(value: Any) -> float | str | None:

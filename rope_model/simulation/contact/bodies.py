@@ -34,7 +34,9 @@ def placed_bodies(shaft: Shaft, ends: Sequence[Any]) -> Iterator[Placed]:
         if shaft.conveyance.width > 0:
             yield Placed(CONVEYANCE, side, physics.conveyance(shaft.conveyance, end))
         if shaft.head_ropes.diameter > 0:
-            yield Placed(HEAD_ROPES, side, physics.head_ropes(shaft.head_ropes, shaft.conveyance, end))
+            yield Placed(
+                HEAD_ROPES, side, physics.head_ropes(shaft.head_ropes, shaft.conveyance, end)
+            )
     for divider in (shaft.divider_1, shaft.divider_2, shaft.divider_3, shaft.divider_4):
         if divider.size > 0:
             yield Placed(DIVIDER, FIXED, physics.divider(divider))
@@ -57,7 +59,10 @@ def least_passage(scene: Any) -> Any:
     """
     shaft, diameter = scene.shaft, scene.rope.diameter
     dividers = shaft.divider_1, shaft.divider_2, shaft.divider_3, shaft.divider_4
-    thin = [where(body > 0, body, math.inf) for body in (*(x.size for x in dividers), shaft.head_ropes.diameter)]
+    thin = [
+        where(body > 0, body, math.inf)
+        for body in (*(x.size for x in dividers), shaft.head_ropes.diameter)
+    ]
     return where(shaft.contact.stiffness > 0, reduce(minimum, thin), math.inf) + diameter
 
 
@@ -66,19 +71,27 @@ def _in_lining(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, .
     least = _least_distance(scene, left, right, physics.lining(lining))
     # ends are accepted while their centre line is free
     beyond = logical_or(least < 0, minimum(lining.width, lining.depth) < diameter)
-    applies = logical_and(fidelity != "rigid", shaft.contact.stiffness > 0, lining.width > 0, beyond)
+    applies = logical_and(
+        fidelity != "rigid", shaft.contact.stiffness > 0, lining.width > 0, beyond
+    )
     return applies, 0.5 * diameter - least, lining.width, lining.depth, lining.x, lining.z
 
 
 def _below_floor(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, ...]:
     shaft, level = scene.shaft, scene.shaft.sump.level
     least = _least_distance(scene, left, right, physics.floor(shaft.sump))
-    return logical_and(fidelity != "rigid", shaft.contact.stiffness > 0, level > -FAR, least < 0), -least, level
+    return (
+        logical_and(fidelity != "rigid", shaft.contact.stiffness > 0, level > -FAR, least < 0),
+        -least,
+        level,
+    )
 
 
 def _least_distance(scene: Any, left: Any, right: Any, body: Body) -> Any:
     """Return the least distance (m) of the rope's ends from the body."""
-    return minimum(*(physics.distance(point, body) for point in suspension_points(scene.layout, left, right)))
+    return minimum(
+        *(physics.distance(point, body) for point in suspension_points(scene.layout, left, right))
+    )
 
 
 #: reasons why a rope finds no equilibrium between bodies

@@ -32,7 +32,14 @@ from rope_model.numerics.coupled_newton import conjugate_gradients
 from rope_model.numerics.generalized_alpha import Coefficients
 from rope_model.parameter_table import require
 from rope_model.parameters import Scene
-from rope_model.simulation.contact.pair_contact import NO_CONTACTS, Numbers, Pair, PairContact, Rows, rows_of
+from rope_model.simulation.contact.pair_contact import (
+    NO_CONTACTS,
+    Numbers,
+    Pair,
+    PairContact,
+    Rows,
+    rows_of,
+)
 from rope_model.simulation.contact.point_forces import NO_FORCES, PointForces
 from rope_model.simulation.interface import BalanceRope
 from rope_model.simulation.rope_system import Array
@@ -116,20 +123,41 @@ class Neighbours:
         If contact is off, differs between ropes, or a model leaves it out.
     """
 
-    def __init__(self, scenes: Sequence[Scene], origins: Sequence[tuple[float, float, float]]) -> None:
+    def __init__(
+        self, scenes: Sequence[Scene], origins: Sequence[tuple[float, float, float]]
+    ) -> None:
         law = scenes[0].shaft.contact
-        require(law.rope_stiffness > 0, "contact.rope_stiffness", law.rope_stiffness, "above 0", "use 1e6 N/m2")
+        require(
+            law.rope_stiffness > 0,
+            "contact.rope_stiffness",
+            law.rope_stiffness,
+            "above 0",
+            "use 1e6 N/m2",
+        )
         for scene in scenes:
             cure = "give all ropes the same contact"
-            require(scene.shaft.contact == law, "contact", scene.shaft.contact, "that of the first rope", cure)
+            require(
+                scene.shaft.contact == law,
+                "contact",
+                scene.shaft.contact,
+                "that of the first rope",
+                cure,
+            )
             model, bound = scene.model.fidelity, "auto, torsional or spatial"
             require(model not in ("planar", "rigid"), "model.fidelity", model, bound, "set it so")
         self._origins = [np.array(origin) for origin in origins]
         self._method = Coefficients(scenes[0].solver.rho_inf)
         self._least = 0.5 * scenes[0].rope.mass_per_length * SLOW**2
-        self._pairs = {(i, j): Pair(scenes[i], scenes[j]) for i, j in combinations(range(len(scenes)), 2)}
-        nothing, unused = dict.fromkeys(self._pairs, NO_CONTACTS), dict.fromkeys(self._pairs, Account())
-        self.contacts = self._begun = Contacts(0.0, dict.fromkeys(self._pairs, 0.0), nothing, unused)
+        self._pairs = {
+            (i, j): Pair(scenes[i], scenes[j]) for i, j in combinations(range(len(scenes)), 2)
+        }
+        nothing, unused = (
+            dict.fromkeys(self._pairs, NO_CONTACTS),
+            dict.fromkeys(self._pairs, Account()),
+        )
+        self.contacts = self._begun = Contacts(
+            0.0, dict.fromkeys(self._pairs, 0.0), nothing, unused
+        )
 
     def begin(self, t: float, ropes: Sequence[BalanceRope]) -> None:
         """Take ``ropes`` at rest at ``t`` (s)."""
@@ -144,7 +172,9 @@ class Neighbours:
             partner.begin(t, h)
         missed = self._whole_step(t, h, partners)
         shortest = 0.5 * h < MIN_STEP
-        if missed is not None and (shortest or (missed <= TOLERANCE and not self._too_long(before))):
+        if missed is not None and (
+            shortest or (missed <= TOLERANCE and not self._too_long(before))
+        ):
             for partner in partners:
                 partner.accept()
             return True
@@ -157,7 +187,8 @@ class Neighbours:
 
     def _too_long(self, before: Contacts) -> bool:
         return any(
-            abs(account.made - before.accounts[key].made) > CREATED_FRACTION * max(account.largest, self._least)
+            abs(account.made - before.accounts[key].made)
+            > CREATED_FRACTION * max(account.largest, self._least)
             or account.approach > LEAP * self._pairs[key].diameter
             for key, account in self.contacts.accounts.items()
         )
@@ -188,7 +219,11 @@ class Neighbours:
         law, grown = {}, min((t - self.contacts.start) / GROWTH, 1.0)
         for (i, j), pair in self._pairs.items():
             one, other, inset = rows[i], rows[j], (1.0 - grown) * self.contacts.insets[i, j]
-            law[i, j] = NO_CONTACTS if one is None or other is None else pair.find_contacts(one, other, c, inset)
+            law[i, j] = (
+                NO_CONTACTS
+                if one is None or other is None
+                else pair.find_contacts(one, other, c, inset)
+            )
         return law
 
     def _apply(self, t: float, h: float, partners: Sequence[Partner], end: Forces) -> None:
@@ -196,17 +231,29 @@ class Neighbours:
         present = self.contacts.forces
         for k, partner in enumerate(partners):
             starts, stops = (  # arc lengths on rope k, and forces there
-                [(f.s[0], f.force) if key[0] == k else (f.s[1], -f.force) for key, f in x.items() if k in key]
+                [
+                    (f.s[0], f.force) if key[0] == k else (f.s[1], -f.force)
+                    for key, f in x.items()
+                    if k in key
+                ]
                 for x in (present, end)
             )
             s = np.concatenate([s for s, _ in (*starts, *stops)])
             forces = [np.concatenate([f for _, f in x]) for x in (starts, stops)]
-            first, last = (np.concatenate(x) for x in ((forces[0], 0 * forces[1]), (0 * forces[0], forces[1])))
+            first, last = (
+                np.concatenate(x) for x in ((forces[0], 0 * forces[1]), (0 * forces[0], forces[1]))
+            )
             if partner.rope is not None:
                 order = np.argsort(s, kind="stable")
-                partner.rope.apply(PointForces(s[order], first[order], last[order], t, t + h) if s.size else NO_FORCES)
+                partner.rope.apply(
+                    PointForces(s[order], first[order], last[order], t, t + h)
+                    if s.size
+                    else NO_FORCES
+                )
 
-    def _book(self, t: float, before: Present, after: Present, end: Forces, law: Forces, missed: float) -> None:
+    def _book(
+        self, t: float, before: Present, after: Present, end: Forces, law: Forces, missed: float
+    ) -> None:
         """Add work, dissipation and created energy of a step to the accounts of the pairs, by the trapezoidal rule."""
         present, accounts = self.contacts.forces, dict(self.contacts.accounts)
         for key, account in self.contacts.accounts.items():
@@ -217,7 +264,10 @@ class Neighbours:
                 motion = _relative_motion(key, forces, before, after)
                 work += 0.5 * float(np.vdot(forces.force, motion))
                 spring_work += 0.5 * float(np.vdot(forces.spring, motion))
-                approach = max(approach, -float(np.einsum("mi,mi->m", motion, _along(forces.force)).min(initial=0.0)))
+                approach = max(
+                    approach,
+                    -float(np.einsum("mi,mi->m", motion, _along(forces.force)).min(initial=0.0)),
+                )
             contact = law[key]
             pressure = float(contact.pressure.sum())
             account = account._replace(
@@ -244,13 +294,19 @@ class _Iterate:
     """
 
     def __init__(self, tried: Forces, law_forces: Forces) -> None:
-        self._keys = [key for key in tried if tried[key].point_id.size or law_forces[key].point_id.size]
+        self._keys = [
+            key for key in tried if tried[key].point_id.size or law_forces[key].point_id.size
+        ]
         self.ropes = {k for key in self._keys for k in key}
         parts = [(_union(tried[key], law_forces[key]), law_forces[key]) for key in self._keys]
-        self.forces = dict.fromkeys(tried, NO_CONTACTS) | dict(zip(self._keys, (x for x, _ in parts), strict=True))
+        self.forces = dict.fromkeys(tried, NO_CONTACTS) | dict(
+            zip(self._keys, (x for x, _ in parts), strict=True)
+        )
         self._tried = _stacked([x.force for x, _ in parts])
         # rows of each pair of ropes in `_tried`
-        own = np.split(np.arange(len(self._tried)), np.cumsum([x.point_id.size for x, _ in parts]))[:-1]
+        own = np.split(np.arange(len(self._tried)), np.cumsum([x.point_id.size for x, _ in parts]))[
+            :-1
+        ]
         self._own = dict(zip(self._keys, own, strict=True))
         law = _stacked([_spread(one, x.point_id, one.force) for x, one in parts])
         self._missing = law - self._tried
@@ -263,7 +319,9 @@ class _Iterate:
         resisted = partial(np.einsum, "mij,mj->mi", K)
         x = conjugate_gradients(lambda f: self._answer(partners, -f), resisted, -self._missing)
         force = self._tried + self._missing - resisted(x)
-        changed = {key: self.forces[key]._replace(force=force[own]) for key, own in self._own.items()}
+        changed = {
+            key: self.forces[key]._replace(force=force[own]) for key, own in self._own.items()
+        }
         return self.forces | changed
 
     def _answer(self, partners: Sequence[Partner], force: Array) -> Array:
@@ -271,7 +329,9 @@ class _Iterate:
         moved = np.zeros_like(force)
         for k in sorted(self.ropes):
             mine = [key for key in self._keys if k in key]
-            sense = np.concatenate([np.full(self._own[key].size, 1.0 - 2.0 * key.index(k)) for key in mine])
+            sense = np.concatenate(
+                [np.full(self._own[key].size, 1.0 - 2.0 * key.index(k)) for key in mine]
+            )
             index = np.concatenate([self._own[key] for key in mine])
             s = np.concatenate([self.forces[key].s[key.index(k)] for key in mine])
             order = np.argsort(s, kind="stable")
@@ -289,7 +349,9 @@ def _relative_motion(key: PairKey, forces: PairContact, before: Present, after: 
     for side, k in enumerate(key):
         before_k, after_k = before[k], after[k]
         if before_k is not None and after_k is not None:
-            motion += (1 - 2 * side) * (after_k.positions(forces.s[side]) - before_k.positions(forces.s[side]))
+            motion += (1 - 2 * side) * (
+                after_k.positions(forces.s[side]) - before_k.positions(forces.s[side])
+            )
     return motion
 
 

@@ -38,7 +38,9 @@ class Obstacles:
     def distances(self, q: Array, lengths: Array) -> Array:
         """Return the least distance (m) of each element's surface from each body (elements, bodies)."""
         box = np.array(enclosing_box(lengths, q[:-1].T, q[1:].T))[:, :, None]
-        _, ends, placed = zip(*placed_bodies(self.scene.shaft, q[[0, -1], POSITION].tolist()), strict=True)
+        _, ends, placed = zip(
+            *placed_bodies(self.scene.shaft, q[[0, -1], POSITION].tolist()), strict=True
+        )
         distances = least_distance(box[:3], box[3:], _together(placed))
         along = np.cumsum(lengths) - 0.5 * lengths
         own = np.array([along, along[-1] + 0.5 * lengths[-1] - along]) < OWN_LENGTH

@@ -67,7 +67,9 @@ class PairContact(NamedTuple):
 
 
 _NO = np.zeros((0, 3))
-NO_CONTACTS = PairContact(np.zeros(0, np.int64), _NO.T[:2], _NO, _NO, np.zeros((0, 3, 3)), np.zeros(0), 0.0, _NO)
+NO_CONTACTS = PairContact(
+    np.zeros(0, np.int64), _NO.T[:2], _NO, _NO, np.zeros((0, 3, 3)), np.zeros(0), 0.0, _NO
+)
 
 
 class Pair:
@@ -77,7 +79,9 @@ class Pair:
         self._law = one.shaft.contact
         self._lossless = SimpleNamespace(**(vars(self._law) | {"damping": 0.0, "friction": 0.0}))
         self.diameter = 0.5 * (one.rope.diameter + other.rope.diameter)
-        self._spacing = one.rope.length / math.ceil(one.rope.length / (rope_contact.SPACING * self.diameter))
+        self._spacing = one.rope.length / math.ceil(
+            one.rope.length / (rope_contact.SPACING * self.diameter)
+        )
 
     def find_contacts(self, one: Rows, other: Rows, c: Array, inset: float = 0.0) -> PairContact:
         """Return the points in contact, with the tangent with respect to (c[0], c[1]) times positions and velocities.
@@ -88,7 +92,11 @@ class Pair:
         if not near[0].size:
             return NO_CONTACTS
         number, s = self._touching(*self._nearest(one, other, *near), self.diameter - inset)
-        return self._law_at(number, s, one, other, c, self.diameter - inset) if number.size else NO_CONTACTS
+        return (
+            self._law_at(number, s, one, other, c, self.diameter - inset)
+            if number.size
+            else NO_CONTACTS
+        )
 
     def inset(self, one: Rows, other: Rows) -> float:
         """Return the largest penetration depth (m)."""
@@ -99,7 +107,8 @@ class Pair:
     def _near(self, one: Rows, other: Rows) -> tuple[Numbers, Numbers]:
         """Return pairs of elements that may touch (broad phase)."""
         (low, high), (their_low, their_high) = (
-            ((x.boxes[:3] - x.boxes[3:]).min(axis=1), (x.boxes[:3] + x.boxes[3:]).max(axis=1)) for x in (one, other)
+            ((x.boxes[:3] - x.boxes[3:]).min(axis=1), (x.boxes[:3] + x.boxes[3:]).max(axis=1))
+            for x in (one, other)
         )
         if (low - their_high >= self.diameter).any() or (their_low - high >= self.diameter).any():
             return NO_CONTACTS.point_id, NO_CONTACTS.point_id
@@ -108,7 +117,9 @@ class Pair:
         pairs = np.nonzero((gaps < self.diameter).all(axis=0))
         return pairs[0], pairs[1]
 
-    def _nearest(self, one: Rows, other: Rows, mine: Numbers, theirs: Numbers) -> tuple[Numbers, Array, Array, Array]:
+    def _nearest(
+        self, one: Rows, other: Rows, mine: Numbers, theirs: Numbers
+    ) -> tuple[Numbers, Array, Array, Array]:
         """Return numbers and s of points on ``one``, s of the nearest points on ``other``, and their distances (m)."""
         # numbers of the points on each of my elements, in groups; far groups are left out by their middles
         first = np.ceil(one.s / self._spacing - 0.5).astype(np.int64)
@@ -134,7 +145,10 @@ class Pair:
         order = np.lexsort((their_s, distance, number))
         order = order[distance[order] < diameter]
         _, begin, counts = np.unique(number[order], return_index=True, return_counts=True)
-        alone = np.abs(their_s[order] - their_s[order[begin]].repeat(counts)) < rope_contact.MIN_ARC * self.diameter
+        alone = (
+            np.abs(their_s[order] - their_s[order[begin]].repeat(counts))
+            < rope_contact.MIN_ARC * self.diameter
+        )
         parts = [(order[begin], 0 * begin)]
         for k in begin[~np.logical_and.reduceat(alone, begin)] if begin.size else ():
             here = order[number[order] == number[order[k]]]
@@ -147,16 +161,26 @@ class Pair:
         touching = touching[np.argsort(label)]
         return np.sort(label), np.array((s[touching], their_s[touching]))
 
-    def _law_at(self, number: Numbers, s: Array, one: Rows, other: Rows, c: Array, diameter: float) -> PairContact:
+    def _law_at(
+        self, number: Numbers, s: Array, one: Rows, other: Rows, c: Array, diameter: float
+    ) -> PairContact:
         r, their_r = one.positions(s[0]), other.positions(s[1])
         separation, velocity = (r - their_r).T, (one.velocities(s[0]) - other.velocities(s[1])).T
-        law = rope_contact.self_contact_law(self._law, diameter, separation, velocity, float(c[0]), float(c[1]))
-        spring = rope_contact.self_contact_law(self._lossless, diameter, separation, velocity, 1.0, 0.0)
-        entries = np.array([np.broadcast_to(x, number.shape) for x in law.tangent]).T[:, TANGENT_ENTRIES]
+        law = rope_contact.self_contact_law(
+            self._law, diameter, separation, velocity, float(c[0]), float(c[1])
+        )
+        spring = rope_contact.self_contact_law(
+            self._lossless, diameter, separation, velocity, 1.0, 0.0
+        )
+        entries = np.array([np.broadcast_to(x, number.shape) for x in law.tangent]).T[
+            :, TANGENT_ENTRIES
+        ]
         tangent, pressure = self._spacing * entries, self._spacing * np.asarray(law.sums[-1])
         energy = float(np.sum(law.sums[0]) * self._spacing)
         force, spring_force = (self._spacing * np.array(x.force).T for x in (law, spring))
-        return PairContact(number, s, force, spring_force, tangent, pressure, energy, 0.5 * (r + their_r))
+        return PairContact(
+            number, s, force, spring_force, tangent, pressure, energy, 0.5 * (r + their_r)
+        )
 
 
 def _expanded(counts: Numbers) -> tuple[Numbers, Numbers]:
@@ -182,7 +206,9 @@ def _ends(rope: Rows, elements: Numbers) -> Array:
 
 def _probed(ends: Array, l: Array, points: Array) -> Array:
     """Return the distances (probes, m) of points from the PROBES of elements."""
-    return np.array([_distances(ends, l, points, np.full(l.size, xi)) for xi in rope_contact.PROBES])
+    return np.array(
+        [_distances(ends, l, points, np.full(l.size, xi)) for xi in rope_contact.PROBES]
+    )
 
 
 def _distances(ends: Array, l: Array, points: Array, xi: Array) -> Array:

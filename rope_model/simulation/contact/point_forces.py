@@ -31,15 +31,21 @@ class PointForces:
         shape = (self.s.size, 3)
         if not (self.at_start.shape == shape == self.at_stop.shape):
             shapes = f"{self.at_start.shape} and {self.at_stop.shape}"
-            raise ValueError(f"forces have the shapes {shapes}, both must be {shape}: give three components per place")
+            raise ValueError(
+                f"forces have the shapes {shapes}, both must be {shape}: give three components per place"
+            )
         if not self.start < self.stop:
-            raise ValueError(f"start = {self.start:g} s must be before stop = {self.stop:g} s: give the step's ends")
+            raise ValueError(
+                f"start = {self.start:g} s must be before stop = {self.stop:g} s: give the step's ends"
+            )
         if not (np.diff(self.s) >= 0.0).all():
             raise ValueError("s goes back along the rope and must ascend: sort the places")
 
     def require_on(self, length: float) -> None:
         """Raise ValueError unless all points are on a rope of this ``length`` (m), up to rounding."""
-        if self.s.size and not (-ROUNDING * length <= self.s[0] and self.s[-1] <= (1.0 + ROUNDING) * length):
+        if self.s.size and not (
+            -ROUNDING * length <= self.s[0] and self.s[-1] <= (1.0 + ROUNDING) * length
+        ):
             reach = f"from {self.s[0]:g} m to {self.s[-1]:g} m"
             raise ValueError(
                 f"s goes {reach} and must be between 0 and the rope's length = {length:g} m: mend the places"
@@ -47,7 +53,9 @@ class PointForces:
 
     def at(self, t: float) -> Array:
         """Return the forces (n, 3) at ``t``, N."""
-        return np.asarray(self.at_start + time_fraction(self.start, self.stop, t) * (self.at_stop - self.at_start))
+        return np.asarray(
+            self.at_start + time_fraction(self.start, self.stop, t) * (self.at_stop - self.at_start)
+        )
 
 
 NO_FORCES = PointForces(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 3)), 0.0, 1.0)

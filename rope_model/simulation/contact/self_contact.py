@@ -38,11 +38,16 @@ class SelfContacts:
 
     def __init__(self, contacts: list[SelfContact]) -> None:
         self.any = bool(contacts)
-        self._nodes = np.array([x.elements for x in contacts], dtype=int).reshape(-1, 2).repeat(2, axis=1) + _ENDS
+        self._nodes = (
+            np.array([x.elements for x in contacts], dtype=int).reshape(-1, 2).repeat(2, axis=1)
+            + _ENDS
+        )
         self._N = np.array([x.N for x in contacts]).reshape(-1, 4, 2)
         self._weights = np.array([x.weight for x in contacts])
         self._forces = np.array([x.terms.force for x in contacts]).reshape(-1, 3)
-        self._tangents = np.array([x.terms.tangent for x in contacts]).reshape(-1, 6)[:, TANGENT_ENTRIES]
+        self._tangents = np.array([x.terms.tangent for x in contacts]).reshape(-1, 6)[
+            :, TANGENT_ENTRIES
+        ]
         self._sums = np.array([x.terms.sums for x in contacts]).reshape(-1, len(SUMS))
 
     def sums(self) -> dict[str, float]:
@@ -70,13 +75,17 @@ class SelfContacts:
             np.add.at(y[:, columns], self._nodes, self._N[..., k, None] * weighted[:, None, :])
 
 
-def find_self_contacts(scene: Scene, q: Array, v: Array, lengths: Array, cq: float, cv: float) -> SelfContacts:
+def find_self_contacts(
+    scene: Scene, q: Array, v: Array, lengths: Array, cq: float, cv: float
+) -> SelfContacts:
     """Return the contacts of a rope with itself, with the tangent with respect to (cq, cv) times q and v."""
     rows, speeds, contacts = _rows(q), _rows(v), []
     diameter, law, l = scene.rope.diameter, scene.shaft.contact, lengths.tolist()
     start = (np.cumsum(lengths) - lengths).tolist()
     for e, N, weight, point, touching in _touching(q, rows, lengths, diameter):
-        for n in strands([start[o] + xi * l[o] for _, o, xi in touching], rope_contact.MIN_ARC * diameter):
+        for n in strands(
+            [start[o] + xi * l[o] for _, o, xi in touching], rope_contact.MIN_ARC * diameter
+        ):
             _, other, xi = touching[n]
             partner = hermite.shape_functions(xi, l[other])
             separation = _difference(point, _at(rows, other, partner))
@@ -89,12 +98,17 @@ def find_self_contacts(scene: Scene, q: Array, v: Array, lengths: Array, cq: flo
 def overlap_of(q: Array, lengths: Array, diameter: float) -> tuple[float, float]:
     """Return the largest depth (m) of the rope in itself, and its height (m); 0 and NaN without contact."""
     candidates = _touching(q, _rows(q), lengths, diameter)
-    return max(((diameter - near[0][0], point[1]) for *_, point, near in candidates if near), default=(0.0, math.nan))
+    return max(
+        ((diameter - near[0][0], point[1]) for *_, point, near in candidates if near),
+        default=(0.0, math.nan),
+    )
 
 
 def _touching(
     q: Array, rows: list[list[float]], lengths: Array, diameter: float
-) -> Iterator[tuple[int, tuple[float, ...], float, tuple[float, float, float], list[tuple[float, int, float]]]]:
+) -> Iterator[
+    tuple[int, tuple[float, ...], float, tuple[float, float, float], list[tuple[float, int, float]]]
+]:
     """Yield points of candidate elements (element, N, length, position) with near ones (distance, element, xi)."""
     l = lengths.tolist()
     for e, others in _near_elements(q, lengths, diameter):
@@ -119,7 +133,9 @@ class SelfContactSystem(RopeSystem):
         """Return the contacts of the rope with itself, with the tangent with respect to (cq, cv) times q and v."""
         return find_self_contacts(self.scene, q, v, self.lengths, cq, cv)
 
-    def _newton(self, near: Near, x: Iterate, c: Array, tolerance: float, before: Array | None) -> Solution[Evaluation]:
+    def _newton(
+        self, near: Near, x: Iterate, c: Array, tolerance: float, before: Array | None
+    ) -> Solution[Evaluation]:
         if not self.self_contacts(x.q, x.v).any:
             solution = super()._newton(near, x, c, tolerance, before)
             if not self.self_contacts(solution.q, solution.v).any:
@@ -134,15 +150,21 @@ class SelfContactSystem(RopeSystem):
         R = evaluation.reaction.copy()
         contacts.take_force(R)
         return Evaluation(
-            R, evaluation.balance | {"contact": evaluation.balance["contact"] + contacts.sums()["contact"]}
+            R,
+            evaluation.balance
+            | {"contact": evaluation.balance["contact"] + contacts.sums()["contact"]},
         )
 
-    def newton_step(self, q: Array, v: Array, a: Array, reaction: Array, c: Array) -> tuple[Array, Array]:
+    def newton_step(
+        self, q: Array, v: Array, a: Array, reaction: Array, c: Array
+    ) -> tuple[Array, Array]:
         contacts = self.self_contacts(q, v, float(c[0]), float(c[1]))
         if not contacts.any:
             return super().newton_step(q, v, a, reaction, c)
         R = self.evaluate(q, v, a, reaction).reaction
-        solve = self._solver(*self._with_bodies(self._near(q, 0.0), q, v), Iterate(q, v, a, reaction), c)
+        solve = self._solver(
+            *self._with_bodies(self._near(q, 0.0), q, v), Iterate(q, v, a, reaction), c
+        )
         return conjugate_gradients(solve, contacts.times, R), R
 
     def evaluate(self, q: Array, v: Array, a: Array, reaction: Array) -> Evaluation:
@@ -154,7 +176,9 @@ class SelfContactSystem(RopeSystem):
 
     def losses(self, q: Array, v: Array) -> Losses:
         losses = super().losses(q, v)
-        return losses._replace(contact=losses.contact + self.self_contacts(q, v).sums()["contact_dissipated"])
+        return losses._replace(
+            contact=losses.contact + self.self_contacts(q, v).sums()["contact_dissipated"]
+        )
 
 
 def _near_elements(q: Array, lengths: Array, diameter: float) -> list[tuple[int, list[int]]]:
@@ -163,7 +187,9 @@ def _near_elements(q: Array, lengths: Array, diameter: float) -> list[tuple[int,
     box = np.array(enclosing_box(lengths, rows[:, :-1], rows[:, 1:]))
     gaps = np.abs(box[:3, :, None] - box[:3, None, :]) - (box[3:, :, None] + box[3:, None, :])
     start = np.cumsum(lengths) - lengths
-    near = (gaps < diameter).all(axis=0) & (start - (start + lengths)[:, None] >= rope_contact.MIN_ARC * diameter)
+    near = (gaps < diameter).all(axis=0) & (
+        start - (start + lengths)[:, None] >= rope_contact.MIN_ARC * diameter
+    )
     return [(int(e), np.flatnonzero(near[e]).tolist()) for e in np.flatnonzero(near.any(axis=1))]
 
 
@@ -171,7 +197,9 @@ def strands(s: list[float], reach: float) -> list[int]:
     """Return the indices of points ``s``, nearest first, on separate strands: ``reach`` or more from those before."""
     chosen: list[int] = []
     for n, s_n in enumerate(s):
-        if len(chosen) < rope_contact.MAX_STRANDS and all(abs(s_n - s[before]) >= reach for before in chosen):
+        if len(chosen) < rope_contact.MAX_STRANDS and all(
+            abs(s_n - s[before]) >= reach for before in chosen
+        ):
             chosen.append(n)
     return chosen
 
@@ -199,7 +227,9 @@ def _nearest_point(
     """Return the distance (m) of the element from ``point``, the element, and xi of its nearest point."""
 
     def distance(xi: float) -> float:
-        return float(np.linalg.norm(_difference(_at(rows, element, hermite.shape_functions(xi, l)), point)))
+        return float(
+            np.linalg.norm(_difference(_at(rows, element, hermite.shape_functions(xi, l)), point))
+        )
 
     xi = min(rope_contact.PROBES, key=distance)
     for _ in range(rope_contact.CORRECTIONS):

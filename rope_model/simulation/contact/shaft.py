@@ -48,20 +48,27 @@ NOT_NEAR = (Nearest(),) * len(KINDS)
 class _Search:
     """Search for the point of the rope, from one node to another, that is nearest to a body."""
 
-    def __init__(self, placed: Placed, nodes: tuple[int, int], radius: float, t: float, known: Nearest) -> None:
+    def __init__(
+        self, placed: Placed, nodes: tuple[int, int], radius: float, t: float, known: Nearest
+    ) -> None:
         self.kind, self._body, self.nearest = placed.kind, placed.body, known
         self.first, self.last = nodes
         self._radius, self._t = radius, t
 
     def may_improve(self, box: Any) -> Any:
         """Return whether the contents of this box, or of each of several, may be nearer than the nearest point."""
-        return least_distance(box[:3], box[3:], self._body) - self._radius < self.nearest.clearance - RESOLUTION
+        return (
+            least_distance(box[:3], box[3:], self._body) - self._radius
+            < self.nearest.clearance - RESOLUTION
+        )
 
     def compare(self, s: float, point: Any) -> None:
         """Compare the point at arc length ``s`` with the nearest so far."""
         clearance = distance(point, self._body) - self._radius
         if clearance < self.nearest.clearance:
-            touched_at = self._t if clearance <= 0 < self.nearest.clearance else self.nearest.touched_at
+            touched_at = (
+                self._t if clearance <= 0 < self.nearest.clearance else self.nearest.touched_at
+            )
             self.nearest = Nearest(clearance, self._t, s, point[1], touched_at)
 
     def refine(self, s: float, length: float, a: Any, b: Any) -> None:
@@ -81,7 +88,9 @@ def _searches_of(scene: Scene, state: RopeState, known: Sequence[Nearest]) -> li
     lowest = int(q[:, 1].argmin()) if bodies else 0
     parts = (0, last), (lowest, last), (0, lowest)
     return [
-        _Search(placed, parts[placed.moves_with + 1], 0.5 * scene.rope.diameter, t, known[placed.kind])
+        _Search(
+            placed, parts[placed.moves_with + 1], 0.5 * scene.rope.diameter, t, known[placed.kind]
+        )
         for placed in bodies
     ]
 
@@ -98,7 +107,11 @@ def nearer(scene: Scene, state: RopeState, known: tuple[Nearest, ...]) -> tuple[
     """Return the nearest point of the present rope to each kind of bodies, or the ``known`` one if that is nearer."""
     if not (searches := _searches_of(scene, state, known)):
         return known
-    lengths, s, rows = state.partition.lengths, state.partition.nodes_s.tolist(), state.motion.q[:, : SLOPE.stop]
+    lengths, s, rows = (
+        state.partition.lengths,
+        state.partition.nodes_s.tolist(),
+        state.motion.q[:, : SLOPE.stop],
+    )
     box = np.array(enclosing_box(lengths, rows[:-1].T, rows[1:].T))
     for search in searches:
         part = slice(search.first, search.last)
@@ -137,12 +150,20 @@ def update_passages(scene: Scene, state: RopeState) -> RopeState:
     """
     q, lengths, t = state.motion.q, state.partition.lengths, state.motion.t
     near = not legs_apart(q, lengths, scene.rope.diameter, scene.layout.spacing)
-    crossing = _with_overlap(scene, state) if near or scene.shaft.contact.rope_stiffness > 0 else state.crossing
+    crossing = (
+        _with_overlap(scene, state)
+        if near or scene.shaft.contact.rope_stiffness > 0
+        else state.crossing
+    )
     if near or crossing.net != 0 or abs(state.loop_yaw - ends_yaw(q)) > TURNED_FAR:
         bottom = loop_bottom(q, lengths)
         sides, yaw = loop_turns(q, lengths, bottom), nearest_turn(bottom.yaw, state.loop_yaw)
         net = float(nearest_whole(turns(yaw, ends_yaw(q), sides.number)))
         if net != crossing.net:
             since, y = (crossing.since, crossing.y) if crossing.number else (t, sides.sharpest_y)
-            crossing = crossing._replace(net=net, number=crossing.number + abs(net - crossing.net), since=since, y=y)
-    return state._replace(nearest=nearer(scene, state, state.nearest), crossing=crossing, monitored_at=t)
+            crossing = crossing._replace(
+                net=net, number=crossing.number + abs(net - crossing.net), since=since, y=y
+            )
+    return state._replace(
+        nearest=nearer(scene, state, state.nearest), crossing=crossing, monitored_at=t
+    )

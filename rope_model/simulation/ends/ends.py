@@ -23,8 +23,21 @@ from rope_model.parameters import Scene, Swivel
 from rope_model.physics.elementary import atan2, cos, hypot, maximum, minimum, sin, sqrt, where
 from rope_model.physics.swivel import friction_moment, tension_along
 from rope_model.simulation.ends.input_filter import MAX_LAG, InputFilter, PathMeasures, settings_of
-from rope_model.simulation.ends.paths import END_NODE, LEANS, MOTION_BOUNDS, PATH, SIDES, EndMotion, EndPath
-from rope_model.simulation.ends.swivel_phases import Phase, SwivelState, moment_of_swivel, swivel_friction
+from rope_model.simulation.ends.paths import (
+    END_NODE,
+    LEANS,
+    MOTION_BOUNDS,
+    PATH,
+    SIDES,
+    EndMotion,
+    EndPath,
+)
+from rope_model.simulation.ends.swivel_phases import (
+    Phase,
+    SwivelState,
+    moment_of_swivel,
+    swivel_friction,
+)
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, Array
 from rope_model.solver_parameters import Inputs
@@ -32,7 +45,9 @@ from rope_model.solver_parameters import Inputs
 YAW_SENSE = (-1.0, 1.0)  #: sense of the conveyance's yaw in theta, left and right
 MIN_LEAN_SQUARE = 1e-24  #: rad^2, squared lean below which C and S take their limits
 SMALL_LEAN = 1e-5  #: rad^2, squared lean below which D and E take their limits
-HANGING_WIDTH = 0.4  #: width between the ends over the length of the loop in which a rope is first hung up
+HANGING_WIDTH = (
+    0.4  #: width between the ends over the length of the loop in which a rope is first hung up
+)
 
 
 @dataclass(frozen=True)
@@ -61,9 +76,13 @@ class HangingEnds:
         motion = np.zeros((3, nodes, 7))
         for side, node in enumerate((0, -1)):
             angle = self.offsets[side] + self.states[side].angle
-            motion[:, node] = held_end(self.paths[side], t, float(self.points[side, 0]), YAW_SENSE[side], angle)
+            motion[:, node] = held_end(
+                self.paths[side], t, float(self.points[side, 0]), YAW_SENSE[side], angle
+            )
             if self.swivels[side].attachment == "clamped":
-                motion[:, node, SLOPE] = -YAW_SENSE[side] * np.array(clamp_axis(*self.paths[side].lean_motion(t)))
+                motion[:, node, SLOPE] = -YAW_SENSE[side] * np.array(
+                    clamp_axis(*self.paths[side].lean_motion(t))
+                )
         return motion
 
     def load(self, nodes: int) -> Array:
@@ -73,17 +92,22 @@ class HangingEnds:
         """Return the friction per newton of vertical reaction, which is the tension at plumb ends; zero at others."""
         moments = (friction_moment(x.mu_kinetic, x.mean_diameter, 0.0, 1.0) for x in self.swivels)
         plumb = (x.attachment == "plumb" for x in self.swivels)
-        return self._slip_moments(nodes, [x if is_plumb else 0.0 for x, is_plumb in zip(moments, plumb, strict=True)])
+        return self._slip_moments(
+            nodes, [x if is_plumb else 0.0 for x, is_plumb in zip(moments, plumb, strict=True)]
+        )
 
     def slanted_friction(self, q: Array, reaction: Array) -> Array | None:
         pairs = zip(self.swivels, self.states, strict=True)
         if not any(x.attachment != "plumb" and s.phase is Phase.SLIP for x, s in pairs):
             return None
         moments = [
-            0.0 if x.attachment == "plumb"
-            else friction_moment(x.mu_kinetic, x.mean_diameter, 0.0, self.tension(side, q, reaction))
+            0.0
+            if x.attachment == "plumb"
+            else friction_moment(
+                x.mu_kinetic, x.mean_diameter, 0.0, self.tension(side, q, reaction)
+            )
             for side, x in enumerate(self.swivels)
-        ]  # fmt: skip
+        ]
         return self._slip_moments(q.shape[0], moments)
 
     def tension(self, side: int, q: Array, reaction: Array) -> float:
@@ -96,7 +120,9 @@ class HangingEnds:
     def _slip_moments(self, nodes: int, moments: Sequence[float]) -> Array:
         """Return ``moments`` against the slip at the ends that slip (nodes, 7)."""
         load = np.zeros((nodes, 7))
-        for node, state, swivel, moment in zip((0, -1), self.states, self.swivels, moments, strict=True):
+        for node, state, swivel, moment in zip(
+            (0, -1), self.states, self.swivels, moments, strict=True
+        ):
             if state.phase is Phase.SLIP and swivel.mode != "free":
                 load[node, ANGLE] = -state.sign * moment
         return load
@@ -115,10 +141,14 @@ class HangingEnds:
     def relative(self, side: int, t: float, theta: float, theta_t: float) -> tuple[float, float]:
         """Return the swivel's angle b (rad) and rate b_t (rad/s)."""
         yaw, yaw_rate = self.paths[side].yaw(t)
-        return theta - self.offsets[side] - YAW_SENSE[side] * yaw, theta_t - YAW_SENSE[side] * yaw_rate
+        return theta - self.offsets[side] - YAW_SENSE[side] * yaw, theta_t - YAW_SENSE[
+            side
+        ] * yaw_rate
 
 
-def held_end(path: EndPath, t: float, nominal_x: float, sense: float, angle: float) -> tuple[tuple[Any, ...], ...]:
+def held_end(
+    path: EndPath, t: float, nominal_x: float, sense: float, angle: float
+) -> tuple[tuple[Any, ...], ...]:
     """Return position, velocity and acceleration (3, 7) at ``t`` of an end held at ``angle`` against its conveyance."""
     (x, y, z, yaw), (vx, vy, vz, yaw_rate), (ax, ay, az, yaw_acceleration) = path.motion(t)
     return (
@@ -150,10 +180,16 @@ def clamp_axis(lean: Any, lean_z: Any) -> tuple[tuple[Any, ...], ...]:
 def partly_placed(scene: Any, own: Any, other: Any, sense: Any, fraction: Any) -> EndMotion:
     """Return the end ``own`` on its way from a rope hung in a loop (0) to its position and lean (1)."""
     x, z = other.x - own.x - sense * scene.layout.spacing, other.z - own.z
-    narrow = HANGING_WIDTH * (scene.rope.length - abs(other.y - own.y)) / maximum(hypot(x, z), MIN_LEAN_SQUARE)
+    narrow = (
+        HANGING_WIDTH
+        * (scene.rope.length - abs(other.y - own.y))
+        / maximum(hypot(x, z), MIN_LEAN_SQUARE)
+    )
     shift = 0.5 * (1.0 - minimum(narrow, 1.0)) * (1.0 - fraction)
     x, z = own.x + shift * x, own.z + shift * z
-    return EndMotion(x, own.y, z, yaw=own.yaw, lean=fraction * own.lean, lean_z=fraction * own.lean_z)
+    return EndMotion(
+        x, own.y, z, yaw=own.yaw, lean=fraction * own.lean, lean_z=fraction * own.lean_z
+    )
 
 
 def nominal_points(spacing: float) -> Array:
@@ -193,16 +229,22 @@ def refusal(scene: Scene, target: EndMotion, measures: PathMeasures, side: str) 
     if all(size <= bound for sizes, bound in zip(measures, bounds, strict=True) for size in sizes):
         return ""
     worst = [_largest(sizes) for sizes in measures]
-    for sizes, k, units in zip(measures[1:], worst[1:], (("m", "rad"), ("m/s", "rad/s")), strict=True):
+    for sizes, k, units in zip(
+        measures[1:], worst[1:], (("m", "rad"), ("m/s", "rad/s")), strict=True
+    ):
         if not sizes[k] <= inputs.misfit_max:
             if inputs.given != "all":
                 bandwidth = float(settings_of(scene).estimate)
                 lag = MAX_LAG / bandwidth
-                return messages.input_jump(side, PATH[k], sizes[k], units[k == 3], inputs.misfit_max, lag, bandwidth)
+                return messages.input_jump(
+                    side, PATH[k], sizes[k], units[k == 3], inputs.misfit_max, lag, bandwidth
+                )
             return messages.input_misfit(side, PATH[k], sizes[k], units[k == 3], inputs.misfit_max)
     if not measures.peaks[worst[0]] <= inputs.acceleration_max:
         name, unit = (*PATH, *LEANS)[worst[0]], "m/s^2" if worst[0] < 3 else "rad/s^2"
-        return messages.inputs_do_not_fit(side, name, measures.peaks[worst[0]], unit, inputs.acceleration_max)
+        return messages.inputs_do_not_fit(
+            side, name, measures.peaks[worst[0]], unit, inputs.acceleration_max
+        )
     return ""
 
 

@@ -47,7 +47,10 @@ def _maker(example: Any) -> Callable[[Iterator[Any]], Any]:
 
 _NO_PATH = EndPath(0.0, 0.0, ((0.0,) * 6,) * len(PATH))  # type: ignore[arg-type]
 _NOTHING = (0.0,) * len(PATH)
-_NO_SETTINGS, _NO_MOTION = FilterSettings(*(0.0,) * len(FilterSettings._fields)), tuple(vars(EndMotion()).values())
+_NO_SETTINGS, _NO_MOTION = (
+    FilterSettings(*(0.0,) * len(FilterSettings._fields)),
+    tuple(vars(EndMotion()).values()),
+)
 _ARGUMENTS = InputFilter(), _NO_PATH, _NO_SETTINGS, 0.0, 0.0, _NO_MOTION, 0.0
 _RESULT = FilterStep(InputFilter(), _NO_PATH, PathMeasures((0.0,) * 6, _NOTHING, _NOTHING))  # type: ignore[arg-type]
 _make_arguments, _make_result = _maker(_ARGUMENTS), _maker(_RESULT)
@@ -60,7 +63,9 @@ def _step_of(rope: Rope) -> Callable[[Sequence[Any]], list[Any]]:
 
     def step(x: Sequence[Any]) -> list[Any]:
         state, path, settings, given_at, stop, end, leg = _make_arguments(iter(x))
-        state = input_filter.filter_sample(state, settings, given_at, stop - path.stop, EndMotion(*end))
+        state = input_filter.filter_sample(
+            state, settings, given_at, stop - path.stop, EndMotion(*end)
+        )
         path = input_filter.filter_path(path, state, stop, settings.observer)
         after = add_misfit(state, path, settings, rope, leg)
         numbers: list[Any] = []
@@ -82,9 +87,15 @@ def filter_program(rope: Rope) -> Program:
 
 
 def filter_step(
-    program: Program, state: InputFilter, path: EndPath, settings: FilterSettings, given_at: float, stop: float,
-    end: EndMotion, leg: float,
-) -> FilterStep:  # fmt: skip
+    program: Program,
+    state: InputFilter,
+    path: EndPath,
+    settings: FilterSettings,
+    given_at: float,
+    stop: float,
+    end: EndMotion,
+    leg: float,
+) -> FilterStep:
     """Return the path to ``stop`` of an end that moves as ``end`` at the instant ``given_at``, according to the host.
 
     ``leg`` is the length (m) of the rope from this end to the loop.

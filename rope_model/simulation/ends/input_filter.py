@@ -25,7 +25,16 @@ from typing import Any, NamedTuple
 
 from rope_model.numerics import quintic
 from rope_model.parameters import CHOICES, Scene
-from rope_model.physics.elementary import exp, floor, logical_and, logical_or, maximum, minimum, sqrt, where
+from rope_model.physics.elementary import (
+    exp,
+    floor,
+    logical_and,
+    logical_or,
+    maximum,
+    minimum,
+    sqrt,
+    where,
+)
 from rope_model.physics.estimates import axial_frequency
 from rope_model.simulation.ends.paths import RESTS_BELOW, EndMotion, EndPath
 
@@ -66,7 +75,9 @@ ALL, POSITION_SPEED, POSITION, SPEED = range(len(CHOICES["inputs.given"]))
 
 Four = tuple[float, float, float, float]
 Axis = tuple[float, float, float]
-Sample = tuple[float, float, float, float, float, float, float, float, float, float, float, float, float]
+Sample = tuple[
+    float, float, float, float, float, float, float, float, float, float, float, float, float
+]
 
 
 class InputFilter(NamedTuple):
@@ -74,7 +85,9 @@ class InputFilter(NamedTuple):
 
     given: Sample = (0.0,) * 13
     given_at: float = 0.0  # s, instant of the latest sample that is no repetition
-    motion: tuple[Axis, Axis, Axis, Axis] = ((0.0, 0.0, 0.0),) * 4  # PATH at that instant, with estimates
+    motion: tuple[Axis, Axis, Axis, Axis] = (
+        (0.0, 0.0, 0.0),
+    ) * 4  # PATH at that instant, with estimates
     end_accelerations: Four = (0.0,) * 4  # accelerations of the samples at the path's end
     recent_changes: Four = (0.0,) * 4  # largest recent changes of these between two steps
     time: float = 0.0  # s
@@ -82,7 +95,10 @@ class InputFilter(NamedTuple):
     speed_misfit: float = 0.0  # m/s, largest
     acceleration_misfit: float = 0.0  # m/s^2, largest
     misfit_squares: Axis = (0.0, 0.0, 0.0)  # time integrals of the squares of the three
-    wave: tuple[float, float] = (0.0, 0.0)  # m/s^2, slowest axial wave of the leg, now and a quarter period later
+    wave: tuple[float, float] = (
+        0.0,
+        0.0,
+    )  # m/s^2, slowest axial wave of the leg, now and a quarter period later
     lag: float = 0.0  # m/s^2, lag of an estimated acceleration of y
     force_error_square: float = 0.0  # N^2 s, time integral of the square of the end force's error
     drift: float = 0.0  # m, slow part of the misfit of y
@@ -97,9 +113,14 @@ class InputFilter(NamedTuple):
     broken_at: float = 0.0  # s, instant of that break
     breaks: float = 0.0  # number of breaks after straight pieces as long as the one before
     table_every: float = 0.0  # s, time between the latest two
-    position_jumps: Four = (NOT_ESTIMATED,) * 4  # m (yaw: rad), by which the latest sample is off any expected motion
+    position_jumps: Four = (
+        NOT_ESTIMATED,
+    ) * 4  # m (yaw: rad), by which the latest sample is off any expected motion
     speed_jumps: Four = (NOT_ESTIMATED,) * 4  # m/s (yaw: rad/s), the same of its speed
-    lean_rates: tuple[float, float] = (0.0, 0.0)  # rad/s, mean rates of the leans between the latest two samples
+    lean_rates: tuple[float, float] = (
+        0.0,
+        0.0,
+    )  # rad/s, mean rates of the leans between the latest two samples
 
     @staticmethod
     def at_rest(t: float, motion: EndMotion) -> InputFilter:
@@ -150,20 +171,33 @@ def filter_sample(state: Any, settings: Any, given_at: Any, h: Any, end: Any) ->
     repeated = _repeated(state, settings, is_later, since, values, speeds)
     motion = []
     # FMI gives no yaw acceleration: take the mean since the sample before
-    accelerations = (*end.acceleration, (end.yaw_rate - state.motion[3][1]) / maximum(since, MIN_MEAN_TIME))
-    for old_axis, x, v, a in zip(state.motion, (*end.position, end.yaw), speeds, accelerations, strict=True):
+    accelerations = (
+        *end.acceleration,
+        (end.yaw_rate - state.motion[3][1]) / maximum(since, MIN_MEAN_TIME),
+    )
+    for old_axis, x, v, a in zip(
+        state.motion, (*end.position, end.yaw), speeds, accelerations, strict=True
+    ):
         new = _completed(old_axis, settings, since, (x, v, a))
-        motion.append(tuple(where(repeated, old, value) for old, value in zip(old_axis, new, strict=True)))
+        motion.append(
+            tuple(where(repeated, old, value) for old, value in zip(old_axis, new, strict=True))
+        )
     fades = exp(-settings.estimate * h)
     recent_changes = tuple(
         maximum(abs(axis[2] - acceleration), fades * before)
-        for axis, acceleration, before in zip(motion, state.end_accelerations, state.recent_changes, strict=True)
+        for axis, acceleration, before in zip(
+            motion, state.end_accelerations, state.recent_changes, strict=True
+        )
     )
     moves = logical_or(*(abs(axis[1]) > RESTS_BELOW for axis in motion))
     new_signs = _signs(state, given_at, since, end, motion[1][2], moves)
-    signs = {name: where(repeated, getattr(state, name), value) for name, value in new_signs.items()}
+    signs = {
+        name: where(repeated, getattr(state, name), value) for name, value in new_signs.items()
+    }
     keeps_rates = logical_or(repeated, since < MIN_AIM_TIME)
-    means = ((x - old) / since for x, old in zip((end.lean, end.lean_z), state.given[-2:], strict=True))
+    means = (
+        (x - old) / since for x, old in zip((end.lean, end.lean_z), state.given[-2:], strict=True)
+    )
     position_jumps, speed_jumps = _jumps(state, settings, since, (*end.position, end.yaw), speeds)
     result: InputFilter = state._replace(
         given=values,
@@ -175,7 +209,9 @@ def filter_sample(state: Any, settings: Any, given_at: Any, h: Any, end: Any) ->
         repeats=state.repeats + where(logical_and(repeated, is_later), 1.0, 0.0),
         steps_held=where(repeated, state.steps_held + where(is_later, 1.0, 0.0), 0.0),
         sent_every=where(logical_and(state.steps_held > 0, 1 - repeated), since, state.sent_every),
-        lean_rates=tuple(where(keeps_rates, old, mean) for old, mean in zip(state.lean_rates, means, strict=True)),
+        lean_rates=tuple(
+            where(keeps_rates, old, mean) for old, mean in zip(state.lean_rates, means, strict=True)
+        ),
         **signs,
     )
     return result
@@ -201,12 +237,16 @@ def _jumps(state: Any, settings: Any, since: Any, positions: Any, speeds: Any) -
         position_jump = maximum(abs(x - x_before - since * mean) - slow * since, 0.0)
         speed_jump = maximum(abs(v - v_before - since * axis[2]) - 2.0 * hardest * since, 0.0)
         estimated = settings.acceleration_trust < 1
-        position_jumps.append(where(estimated, where(settings.position_trust > 0, position_jump, 0.0), NOT_ESTIMATED))
+        position_jumps.append(
+            where(estimated, where(settings.position_trust > 0, position_jump, 0.0), NOT_ESTIMATED)
+        )
         speed_jumps.append(where(estimated, where(known, speed_jump, 0.0), NOT_ESTIMATED))
     return tuple(position_jumps), tuple(speed_jumps)
 
 
-def _repeated(state: Any, settings: Any, is_later: Any, since: Any, values: Any, speeds: Any) -> Any:
+def _repeated(
+    state: Any, settings: Any, is_later: Any, since: Any, values: Any, speeds: Any
+) -> Any:
     """Return whether the trusted part of a sample repeats the latest one to the bit and cannot be a new one.
 
     A sample of the same instant is held through an event.  The position of a moving end cannot stay.  If positions
@@ -216,10 +256,24 @@ def _repeated(state: Any, settings: Any, is_later: Any, since: Any, values: Any,
     moves = logical_or(*(abs(speed) > RESTS_BELOW for speed in speeds))
     stops_below = settings.max_deceleration * (since + 1.0 / settings.estimate)
     too_fast = logical_or(*(abs(axis[1]) > stops_below for axis in state.motion))
-    trusted = [getattr(settings, f"{kind}_trust") for kind in ("position", "speed", "acceleration") for _ in range(3)]
-    trusted += settings.position_trust, settings.speed_trust, settings.position_trust, settings.position_trust
-    same = (logical_or(trust < 1, a == b) for trust, a, b in zip(trusted, values, state.given, strict=True))
-    cannot_stay = logical_and(settings.position_trust > 0, where(settings.speed_trust > 0, moves, too_fast))
+    trusted = [
+        getattr(settings, f"{kind}_trust")
+        for kind in ("position", "speed", "acceleration")
+        for _ in range(3)
+    ]
+    trusted += (
+        settings.position_trust,
+        settings.speed_trust,
+        settings.position_trust,
+        settings.position_trust,
+    )
+    same = (
+        logical_or(trust < 1, a == b)
+        for trust, a, b in zip(trusted, values, state.given, strict=True)
+    )
+    cannot_stay = logical_and(
+        settings.position_trust > 0, where(settings.speed_trust > 0, moves, too_fast)
+    )
     # the first sample is of the instant of the start
     return logical_and(where(is_later, cannot_stay, state.time > 0), *same)
 
@@ -227,19 +281,30 @@ def _repeated(state: Any, settings: Any, is_later: Any, since: Any, values: Any,
 def _completed(old: Any, settings: Any, h: Any, sample: Any) -> tuple[Any, Any, Any]:
     """Return position, speed and acceleration ``h`` after ``old``, from the trusted part of a ``sample``."""
     (x, v, a), knows_speed = old, settings.speed_trust > 0
-    retained = exp(-settings.estimate * h)  # fraction of an old error: 1 - alpha = retained^2 or retained^3
+    retained = exp(
+        -settings.estimate * h
+    )  # fraction of an old error: 1 - alpha = retained^2 or retained^3
     gain = 1.0 - retained
     x_ahead, v_ahead = quintic.extrapolate(x, v, a, h)
     speed_gap, position_gap = sample[1] - v_ahead, sample[0] - x_ahead
-    speed, acceleration = v_ahead + (1.0 - retained * retained) * speed_gap, a + gain * gain / h * speed_gap
+    speed, acceleration = (
+        v_ahead + (1.0 - retained * retained) * speed_gap,
+        a + gain * gain / h * speed_gap,
+    )
     integrated = x + 0.5 * h * (v + speed) + h * h / 12.0 * (a - acceleration)
     position = x_ahead + (1.0 - retained * retained * retained) * position_gap
     position_speed = v_ahead + 1.5 * gain * gain * (1.0 + retained) / h * position_gap
     position_acceleration = a + gain * gain * gain / (h * h) * position_gap
     return (
         where(settings.position_trust > 0, where(knows_speed, sample[0], position), integrated),
-        where(settings.acceleration_trust > 0, sample[1], where(knows_speed, speed, position_speed)),
-        where(settings.acceleration_trust > 0, sample[2], where(knows_speed, acceleration, position_acceleration)),
+        where(
+            settings.acceleration_trust > 0, sample[1], where(knows_speed, speed, position_speed)
+        ),
+        where(
+            settings.acceleration_trust > 0,
+            sample[2],
+            where(knows_speed, acceleration, position_acceleration),
+        ),
     )
 
 
@@ -274,7 +339,9 @@ def filter_path(path: Any, state: Any, stop: Any, bandwidth: Any) -> EndPath:
     h = maximum(stop - start, MIN_AIM_TIME)
     ahead = stop - state.given_at + (h - (stop - start))
     starts = zip(*path.motion(start), strict=True)
-    axes = zip(JERKS, starts, state.motion, state.end_accelerations, state.recent_changes, strict=True)
+    axes = zip(
+        JERKS, starts, state.motion, state.end_accelerations, state.recent_changes, strict=True
+    )
     x, y, z, yaw = (_axis_quintic(bandwidth, ahead, h, *axis) for axis in axes)
     latest = zip(path.lean_motion(start), state.given[-2:], state.lean_rates, strict=True)
     lean, lean_z = (_lean_quintic(h, ahead, *axis) for axis in latest)
@@ -293,19 +360,30 @@ def _lean_quintic(h: Any, ahead: Any, start: Any, sample: Any, mean: Any) -> tup
 
 
 def _axis_quintic(
-    w: Any, ahead: Any, h: Any, jerk: float, start: Any, sample: Any, last_acceleration: Any, recent_change: Any
+    w: Any,
+    ahead: Any,
+    h: Any,
+    jerk: float,
+    start: Any,
+    sample: Any,
+    last_acceleration: Any,
+    recent_change: Any,
 ) -> tuple[Any, ...]:
     """Return the quintic of one coordinate over the step ``h``, from ``start`` (x, v, a) to the observer's state."""
     (x, v, a), (sample_position, sample_speed, acceleration) = start, sample
     position, speed = quintic.extrapolate(sample_position, sample_speed, acceleration, ahead)
-    misfit = sample_misfit(h, (x, v), (last_acceleration, acceleration), (position, speed), recent_change, jerk)
+    misfit = sample_misfit(
+        h, (x, v), (last_acceleration, acceleration), (position, speed), recent_change, jerk
+    )
     rest_speed = misfit.speed_misfit - misfit.speed_misfit * misfit.speed_fits
     rest_position = misfit.position_misfit - misfit.position_misfit * misfit.position_fits
     stop = _observed(w, h, (rest_position, rest_speed), (position, speed, acceleration))
     return quintic.coefficients(h, x, v, a, *stop)
 
 
-def _observed(w: Any, h: Any, rest: tuple[Any, Any], sample: tuple[Any, Any, Any]) -> tuple[Any, Any, Any]:
+def _observed(
+    w: Any, h: Any, rest: tuple[Any, Any], sample: tuple[Any, Any, Any]
+) -> tuple[Any, Any, Any]:
     """Return the motion after a step ``h`` in which the observer reduces the ``rest`` of a ``sample`` (x, v, a)."""
     (rest_position, rest_speed), (position, speed, acceleration) = rest, sample
     at_start = rest_position - h * rest_speed
@@ -370,7 +448,9 @@ class PathMeasures(NamedTuple):
 def end_misfits(path: Any, state: Any) -> list[Axis]:
     """Return the misfits of position, speed and acceleration at the path's end, by PATH."""
     misfits, ahead = [], path.stop - state.given_at
-    for (position, speed, acceleration), x, v, a in zip(state.motion, *path.motion(path.stop), strict=True):
+    for (position, speed, acceleration), x, v, a in zip(
+        state.motion, *path.motion(path.stop), strict=True
+    ):
         x_ahead, v_ahead = quintic.extrapolate(position, speed, acceleration, ahead)
         misfits.append((x_ahead - x, v_ahead - v, acceleration - a))
     return misfits
@@ -378,7 +458,9 @@ def end_misfits(path: Any, state: Any) -> list[Axis]:
 
 def path_measures(path: Any, state: Any) -> PathMeasures:
     """Return the measures that decide whether the path can be followed; NaN where a coordinate is."""
-    position, speed, _ = (tuple(map(abs, sizes)) for sizes in zip(*end_misfits(path, state), strict=True))
+    position, speed, _ = (
+        tuple(map(abs, sizes)) for sizes in zip(*end_misfits(path, state), strict=True)
+    )
     jumps = state.position_jumps, state.speed_jumps
     x, v = (
         tuple(where(jump < 0, size, jump) for size, jump in zip(sizes, of, strict=True))

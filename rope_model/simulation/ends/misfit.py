@@ -39,26 +39,56 @@ def add_misfit(state: Any, path: Any, settings: Any, rope: Any, leg: Any) -> Inp
     # growth and lag of the acceleration, which is linear through the latest two samples
     grows = (state.motion[1][2] - state.end_accelerations[1]) / h
     order = where(settings.acceleration_trust > 0, 0.0, where(settings.speed_trust > 0, 2.0, 3.0))
-    lag = state.lag + (1.0 - exp(-settings.estimate * h)) * (order * grows / settings.estimate - state.lag)
+    lag = state.lag + (1.0 - exp(-settings.estimate * h)) * (
+        order * grows / settings.estimate - state.lag
+    )
     # part of the sample's misfit that one change of the acceleration's rate within the step explains
-    axes = zip(path.coefficients, state.end_accelerations, state.motion, state.recent_changes, JERKS, strict=True)
+    axes = zip(
+        path.coefficients,
+        state.end_accelerations,
+        state.motion,
+        state.recent_changes,
+        JERKS,
+        strict=True,
+    )
     samples = [
-        sample_misfit(h, c[:2], (before, a), quintic.extrapolate(x, v, a, path.stop - state.given_at), change, jerk)
+        sample_misfit(
+            h,
+            c[:2],
+            (before, a),
+            quintic.extrapolate(x, v, a, path.stop - state.given_at),
+            change,
+            jerk,
+        )
         for c, before, (x, v, a), change, jerk in axes
     ]
     sample = samples[1]
-    fits = maximum(1.0 - (path.stop - state.given_at) / h, 0.0) * sample.position_fits * sample.speed_fits
-    speed_misfit, most = sample.speed_misfit * fits, ONE_CHANGE * h * abs(sample.speed_misfit * fits)
+    fits = (
+        maximum(1.0 - (path.stop - state.given_at) / h, 0.0)
+        * sample.position_fits
+        * sample.speed_fits
+    )
+    speed_misfit, most = (
+        sample.speed_misfit * fits,
+        ONE_CHANGE * h * abs(sample.speed_misfit * fits),
+    )
     aside = minimum(maximum(sample.position_misfit * fits - 0.5 * h * speed_misfit, -most), most)
-    *_, b3, b4, b5 = quintic.coefficients(h, 0.0, 0.0, 0.0, 0.5 * h * speed_misfit + aside, speed_misfit, 0.0)
+    *_, b3, b4, b5 = quintic.coefficients(
+        h, 0.0, 0.0, 0.0, 0.5 * h * speed_misfit + aside, speed_misfit, 0.0
+    )
     # additional acceleration and its rates at the step's start
     begin = state.motion[1][2] + grows * (path.start - state.given_at) + lag
     added = 2.0 * c2 - begin, 6.0 * (c3 - b3) - grows, 24.0 * (c4 - b4), 120.0 * (c5 - b5)
     bent = speed - c1 - 0.5 * h * (2.0 * c2 + acceleration)
-    shifted = position - c0 - h * c1 - h * h / 6.0 * (4.0 * c2 + acceleration) - 0.5 * h * bent - aside
+    shifted = (
+        position - c0 - h * c1 - h * h / 6.0 * (4.0 * c2 + acceleration) - 0.5 * h * bent - aside
+    )
     wave, leg_force = _leg_response(state.wave, added, rope, leg, h)
     impedance = sqrt(rope.Qa * rope.mass_per_length)
-    wave_force, within_force = STEP_SPEED * impedance * shifted / h, WITHIN * impedance * speed_misfit
+    wave_force, within_force = (
+        STEP_SPEED * impedance * shifted / h,
+        WITHIN * impedance * speed_misfit,
+    )
     drift = state.drift + (1.0 - exp(-settings.observer * h)) * (misfit[1][0] - state.drift)
     result: InputFilter = state._replace(
         end_accelerations=tuple(axis[2] for axis in state.motion),
@@ -66,7 +96,9 @@ def add_misfit(state: Any, path: Any, settings: Any, rope: Any, leg: Any) -> Inp
         position_misfit=maximum(state.position_misfit, misfits[0]),
         speed_misfit=maximum(state.speed_misfit, misfits[1]),
         acceleration_misfit=maximum(state.acceleration_misfit, misfits[2]),
-        misfit_squares=tuple(s + h * (x * x) for s, x in zip(state.misfit_squares, misfits, strict=True)),
+        misfit_squares=tuple(
+            s + h * (x * x) for s, x in zip(state.misfit_squares, misfits, strict=True)
+        ),
         wave=wave,
         lag=lag,
         force_error_square=state.force_error_square

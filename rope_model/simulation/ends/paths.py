@@ -39,30 +39,50 @@ class EndMotion:
     Metres, seconds, radians; yaw about Y (up).  A clamp yaws first, then leans; as it leans on, it spins by yaw.
     """
 
-    x: float = _motion("m", "position of the {side} suspension point, in plane, from the nominal point", MAX_POSITION)
+    x: float = _motion(
+        "m",
+        "position of the {side} suspension point, in plane, from the nominal point",
+        MAX_POSITION,
+    )
     y: float = _motion("m", "position of the {side} suspension point, up", MAX_POSITION)
     z: float = _motion("m", "position of the {side} suspension point, out of plane", MAX_POSITION)
     vx: float = _motion("m/s", "speed of the {side} suspension point, in plane", MAX_SPEED)
     vy: float = _motion("m/s", "speed of the {side} suspension point, up", MAX_SPEED)
     vz: float = _motion("m/s", "speed of the {side} suspension point, out of plane", MAX_SPEED)
-    ax: float = _motion("m/s2", "acceleration of the {side} suspension point, in plane", MAX_ACCELERATION)
+    ax: float = _motion(
+        "m/s2", "acceleration of the {side} suspension point, in plane", MAX_ACCELERATION
+    )
     ay: float = _motion("m/s2", "acceleration of the {side} suspension point, up", MAX_ACCELERATION)
-    az: float = _motion("m/s2", "acceleration of the {side} suspension point, out of plane", MAX_ACCELERATION)
+    az: float = _motion(
+        "m/s2", "acceleration of the {side} suspension point, out of plane", MAX_ACCELERATION
+    )
     yaw: float = _motion("rad", "yaw of the {side} conveyance about Y", MAX_POSITION)
     yaw_rate: float = _motion("rad/s", "rate of {side}.yaw", MAX_SPEED)
-    lean: float = _motion("rad", "lean of the {side} end from plumb, in plane; of a clamp alone", math.pi)
-    lean_z: float = _motion("rad", "lean of the {side} end from plumb, out of plane; of a clamp alone", math.pi)
+    lean: float = _motion(
+        "rad", "lean of the {side} end from plumb, in plane; of a clamp alone", math.pi
+    )
+    lean_z: float = _motion(
+        "rad", "lean of the {side} end from plumb, out of plane; of a clamp alone", math.pi
+    )
 
     def on_the_way(self, to: EndMotion, h: float, after: float) -> EndMotion:
         """Return the motion ``after`` (s) from here, on quintics to the motion ``to``, ``h`` (s) from here."""
-        starts = *zip(self.position, self.velocity, self.acceleration, strict=True), (self.yaw, self.yaw_rate, 0.0)
-        stops = *zip(to.position, to.velocity, to.acceleration, strict=True), (to.yaw, to.yaw_rate, 0.0)
+        starts = (
+            *zip(self.position, self.velocity, self.acceleration, strict=True),
+            (self.yaw, self.yaw_rate, 0.0),
+        )
+        stops = (
+            *zip(to.position, to.velocity, to.acceleration, strict=True),
+            (to.yaw, to.yaw_rate, 0.0),
+        )
         motions = [
             quintic.rates(quintic.coefficients(h, *start, *stop), after)
             for start, stop in zip(starts, stops, strict=True)
         ]
         (x, vx, ax), (y, vy, ay), (z, vz, az), (yaw, yaw_rate, _) = motions
-        lean, lean_z = (x + after / h * (y - x) for x, y in ((self.lean, to.lean), (self.lean_z, to.lean_z)))
+        lean, lean_z = (
+            x + after / h * (y - x) for x, y in ((self.lean, to.lean), (self.lean_z, to.lean_z))
+        )
         return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate, lean, lean_z)
 
     @property
@@ -124,19 +144,36 @@ class EndPath(NamedTuple):
     def motion(self, t: float) -> tuple[OfAxes, OfAxes, OfAxes]:
         """Return position, velocity and acceleration at ``t``."""
         s = minimum(t, self.stop) - self.start
-        (x, vx, ax), (y, vy, ay), (z, vz, az), (yaw, yaw_t, yaw_tt) = [quintic.rates(c, s) for c in self.coefficients]
+        (x, vx, ax), (y, vy, ay), (z, vz, az), (yaw, yaw_t, yaw_tt) = [
+            quintic.rates(c, s) for c in self.coefficients
+        ]
         return (x, y, z, yaw), (vx, vy, vz, yaw_t), (ax, ay, az, yaw_tt)
 
     def at(self, t: float) -> EndMotion:
         """Return the motion at ``t``."""
         (x, y, z, yaw), (vx, vy, vz, yaw_rate), (ax, ay, az, _) = self.motion(t)
-        return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate, *(lean[0] for lean in self.lean_motion(t)))
+        return EndMotion(
+            x,
+            y,
+            z,
+            vx,
+            vy,
+            vz,
+            ax,
+            ay,
+            az,
+            yaw,
+            yaw_rate,
+            *(lean[0] for lean in self.lean_motion(t)),
+        )
 
     def peak_accelerations(self) -> tuple[Any, ...]:
         """Return the largest sampled accelerations of PATH and LEANS; NaN where the first sample is."""
         times = [fraction * (self.stop - self.start) for fraction in (0.0, 0.25, 0.5, 0.75, 1.0)]
         every = (*self.coefficients, *self.leans)
-        return tuple(reduce(maximum, (abs(quintic.acceleration(c, s)) for s in times)) for c in every)
+        return tuple(
+            reduce(maximum, (abs(quintic.acceleration(c, s)) for s in times)) for c in every
+        )
 
 
 def ends_at(paths: tuple[EndPath, EndPath], t: float) -> tuple[EndMotion, EndMotion]:
@@ -145,4 +182,6 @@ def ends_at(paths: tuple[EndPath, EndPath], t: float) -> tuple[EndMotion, EndMot
 
 
 #: bound of each value of EndMotion
-MOTION_BOUNDS = {name: float(numeric_bounds(EndMotion, name)[1] or 0.0) for name in parameters_of(EndMotion)}
+MOTION_BOUNDS = {
+    name: float(numeric_bounds(EndMotion, name)[1] or 0.0) for name in parameters_of(EndMotion)
+}

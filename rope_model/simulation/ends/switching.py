@@ -12,7 +12,13 @@ import numpy as np
 
 from rope_model.numerics.generalized_alpha import Motion, StepResult
 from rope_model.simulation.ends.paths import END_NODE, SIDES
-from rope_model.simulation.ends.swivel_phases import Phase, SwivelState, frictionless, released_at, swivel_excess
+from rope_model.simulation.ends.swivel_phases import (
+    Phase,
+    SwivelState,
+    frictionless,
+    released_at,
+    swivel_excess,
+)
 from rope_model.simulation.model import RopeModel, ends_of
 from rope_model.simulation.rope_system import ANGLE, Evaluation, RopeSystem
 from rope_model.simulation.state import Event, RopeState
@@ -54,13 +60,19 @@ def _excess_of(side: int, system: RopeSystem, motion: Motion) -> float:
     node, swivel_state, rate = END_NODE[side], ends.states[side], 0.0
     R = motion.reaction[node]
     if swivel_state.phase is Phase.SLIP:
-        rate = ends.relative(side, motion.t, float(motion.q[node, ANGLE]), float(motion.v[node, ANGLE]))[1]
+        rate = ends.relative(
+            side, motion.t, float(motion.q[node, ANGLE]), float(motion.v[node, ANGLE])
+        )[1]
     tension = ends.tension(side, motion.q, motion.reaction)
     return float(swivel_excess(ends.swivels[side], swivel_state, tension, float(R[ANGLE]), rate))
 
 
 def switching_step(
-    model: RopeModel, system: RopeSystem, state: RopeState, result: StepResult[Evaluation], iterations_left: int
+    model: RopeModel,
+    system: RopeSystem,
+    state: RopeState,
+    result: StepResult[Evaluation],
+    iterations_left: int,
 ) -> tuple[float, int] | None:
     """Return the step to the instant at which a swivel must switch, and the Newton iterations of the search.
 
@@ -85,7 +97,9 @@ def switching_step(
     at_start = excess(system, state.motion)
     if at_start >= 0:  # a slip that has just begun has no rate yet
         at_start = -1e-12
-    return float(locate(at, 0.0, result.motion.t - state.motion.t, at_start, at_end, EVENT_WIDTH)), iterations
+    return float(
+        locate(at, 0.0, result.motion.t - state.motion.t, at_start, at_end, EVENT_WIDTH)
+    ), iterations
 
 
 def switch_swivels(model: RopeModel, state: RopeState) -> RopeState:
@@ -95,7 +109,11 @@ def switch_swivels(model: RopeModel, state: RopeState) -> RopeState:
         if _excess_of(side, system, motion) < 0:
             continue
         swivels[side] = _next_phase(side, model, state._replace(swivels=(swivels[0], swivels[1])))
-        what = "sticks" if swivels[side].phase is Phase.STICK else f"slips {'+' if swivels[side].sign > 0 else '-'}"
+        what = (
+            "sticks"
+            if swivels[side].phase is Phase.STICK
+            else f"slips {'+' if swivels[side].sign > 0 else '-'}"
+        )
         events.append(Event(motion.t, f"{SIDES[side]} swivel {what}"))
         log.debug("t = %.9f s: %s", *events[-1][:2])
     state = state._replace(
@@ -116,12 +134,18 @@ def _next_phase(side: int, model: RopeModel, state: RopeState) -> SwivelState:
     """Return the next phase of a swivel that cannot stay in its own: stick if its friction can hold, else slip."""
     swivel_state, motion = state.swivels[side], state.motion
     if swivel_state.phase is Phase.SLIP:
-        angle = ends_of(model.system(state)).relative(side, motion.t, motion.q[END_NODE[side], ANGLE], 0.0)[0]
+        angle = ends_of(model.system(state)).relative(
+            side, motion.t, motion.q[END_NODE[side], ANGLE], 0.0
+        )[0]
         swivel_state = SwivelState(Phase.STICK, float(angle), 0.0)
-        swivels = (swivel_state, state.swivels[1]) if side == 0 else (state.swivels[0], swivel_state)
+        swivels = (
+            (swivel_state, state.swivels[1]) if side == 0 else (state.swivels[0], swivel_state)
+        )
         state = model.restart(state._replace(swivels=swivels))
         if _excess_of(side, model.system(state), state.motion) < 0:
             return swivel_state
     return SwivelState(
-        Phase.SLIP, swivel_state.angle, math.copysign(1.0, -state.motion.reaction[END_NODE[side], ANGLE])
+        Phase.SLIP,
+        swivel_state.angle,
+        math.copysign(1.0, -state.motion.reaction[END_NODE[side], ANGLE]),
     )

@@ -35,7 +35,9 @@ class SwivelState(NamedTuple):
 
 def frictionless(swivel: Any) -> Any:
     """Return whether the swivel turns without friction."""
-    return logical_or(swivel.mode == "free", logical_and(swivel.mu_kinetic == 0.0, swivel.seal_moment == 0.0))
+    return logical_or(
+        swivel.mode == "free", logical_and(swivel.mu_kinetic == 0.0, swivel.seal_moment == 0.0)
+    )
 
 
 def released_at(swivel: Any, swivel_state: Any) -> Any:
@@ -51,7 +53,11 @@ def relaxes(swivel: Any, swivel_state: Any, t: Any) -> Any:
 
 def swivel_friction(swivel: Any, mu: Any, tension: Any) -> Any:
     """Return the largest moment (N m) of its friction with this coefficient."""
-    return where(swivel.mode == "free", 0.0, friction_moment(mu, swivel.mean_diameter, swivel.seal_moment, tension))
+    return where(
+        swivel.mode == "free",
+        0.0,
+        friction_moment(mu, swivel.mean_diameter, swivel.seal_moment, tension),
+    )
 
 
 def beyond_rest(swivel: Any, tension: Any, constraint_moment: Any) -> Any:
@@ -67,8 +73,12 @@ def moment_of_swivel(swivel: Any, swivel_state: Any, tension: Any, constraint_mo
     return where(swivel_state.phase == Phase.SLIP, -swivel_state.sign * friction, constraint_moment)
 
 
-def swivel_excess(swivel: Any, swivel_state: Any, tension: Any, constraint_moment: Any, rate: Any) -> Any:
+def swivel_excess(
+    swivel: Any, swivel_state: Any, tension: Any, constraint_moment: Any, rate: Any
+) -> Any:
     """Return the event function: negative while the swivel may stay in its phase."""
     phase, beyond = swivel_state.phase, beyond_rest(swivel, tension, constraint_moment)
-    stays = logical_or(phase == Phase.LOCKED, logical_and(phase == Phase.SLIP, frictionless(swivel)))
+    stays = logical_or(
+        phase == Phase.LOCKED, logical_and(phase == Phase.SLIP, frictionless(swivel))
+    )
     return where(stays, -math.inf, where(phase == Phase.STICK, beyond, -swivel_state.sign * rate))

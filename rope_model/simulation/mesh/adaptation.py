@@ -34,7 +34,9 @@ def transform_if_due(model: RopeModel, state: RopeState) -> RopeState | str:
     """Return the state on the transformed mesh if a transformation is due, or the reason for a failure."""
     t = state.motion.t
     bottom, places = model.bottom_s(state.paths, t), model.dividers(state.paths, t)
-    while (direction := transformation_due(state.partition, bottom, DUE_EARLY)) or window_due(state.partition, places):
+    while (direction := transformation_due(state.partition, bottom, DUE_EARLY)) or window_due(
+        state.partition, places
+    ):
         transformed = _on_partition(model, state, transform(state.partition, direction, places))
         if isinstance(transformed, str):
             return transformed
@@ -54,31 +56,48 @@ def _on_partition(model: RopeModel, state: RopeState, new: Partition) -> RopeSta
     reaction = np.zeros_like(m.reaction)
     reaction[[0, -1]] = m.reaction[[0, -1]]
     z = carry(state.hysteresis, state.partition.lengths, new.lengths)
-    moved = state._replace(partition=new, motion=replace(m, **carried, reaction=reaction), hysteresis=z)
+    moved = state._replace(
+        partition=new, motion=replace(m, **carried, reaction=reaction), hysteresis=z
+    )
     solver = model.scene.solver
     time, step_min = RELAXATION_TIME, solver.step_min
-    tolerance = float(effective_tolerance(solver.newton_tolerance, solver.work_max, BOUNDED_MESH_ERROR))
+    tolerance = float(
+        effective_tolerance(solver.newton_tolerance, solver.work_max, BOUNDED_MESH_ERROR)
+    )
     while not (solution := _dynamic_equilibrium(model, moved, time, tolerance)).newton.converged:
-        log.debug("t = %.6f s: transformation within %.3g s rejected: %s", m.t, time, solution.newton.status.text)
+        log.debug(
+            "t = %.6f s: transformation within %.3g s rejected: %s",
+            m.t,
+            time,
+            solution.newton.status.text,
+        )
         if time <= step_min:
             return messages.transformation_fails(step_min, solution.newton.status.text)
         time = max(0.5 * time, step_min)
         moved = moved._replace(counts=moved.counts.plus(rejections=1))
-    moved = moved._replace(counts=moved.counts.plus(given_up=int(solution.newton.error > solver.newton_tolerance)))
+    moved = moved._replace(
+        counts=moved.counts.plus(given_up=int(solution.newton.error > solver.newton_tolerance))
+    )
     system = model.system(moved)
     z = system.update_hysteresis(solution.q).z
-    moved = update_angles(system, moved._replace(motion=replace(moved.motion, q=solution.q), hysteresis=z))
+    moved = update_angles(
+        system, moved._replace(motion=replace(moved.motion, q=solution.q), hysteresis=z)
+    )
     return _with_energy_change(model, moved)
 
 
-def _dynamic_equilibrium(model: RopeModel, state: RopeState, time: float, tolerance: float) -> Solution[Evaluation]:
+def _dynamic_equilibrium(
+    model: RopeModel, state: RopeState, time: float, tolerance: float
+) -> Solution[Evaluation]:
     """Return the equilibrium of the state with its accelerations.
 
     Where elements merge, the new cubic is a little too short or too long, which the stiffness would turn into a blow.
     An inertia that corresponds to this ``time`` (s) lets the stiff part relax and holds the rest.
     """
     m = state.motion
-    return model.system(state).solve(m.q, m.v, m.a, m.reaction, np.array([1.0, 0.0, time**-2]), tolerance)
+    return model.system(state).solve(
+        m.q, m.v, m.a, m.reaction, np.array([1.0, 0.0, time**-2]), tolerance
+    )
 
 
 def raise_fidelity(model: RopeModel, state: RopeState, why: str) -> RopeState:
@@ -88,13 +107,18 @@ def raise_fidelity(model: RopeModel, state: RopeState, why: str) -> RopeState:
     next higher fidelity at once; a rigid one, which has no shape of its own, also takes the equilibrium's shape and
     motion.
     """
-    fidelity = lowest_sufficient(model.scene, ends_at(state.paths, state.paths[0].stop), model.forces.s.size)
+    fidelity = lowest_sufficient(
+        model.scene, ends_at(state.paths, state.paths[0].stop), model.forces.s.size
+    )
     reason = fidelity_messages.cannot_follow(state.fidelity, why)
     log.info("t = %.6f s: model: %s, because %s", state.motion.t, fidelity, reason)
     event = Event(state.motion.t, f"model {fidelity}")
     ends = state.motion.q[[0, -1], POSITION].tolist()
     above = state._replace(
-        fidelity=fidelity, fidelity_reason=reason, events=(*state.events, event), offsets=(0.0, right_offset(*ends))
+        fidelity=fidelity,
+        fidelity_reason=reason,
+        events=(*state.events, event),
+        offsets=(0.0, right_offset(*ends)),
     )
     if state.fidelity != "rigid" and not carries_torque(model.scene):
         return model.restart(above)
@@ -108,9 +132,13 @@ def raise_fidelity(model: RopeModel, state: RopeState, why: str) -> RopeState:
     m, before = above.motion, state.energy_balance
     after = energies(before, model.system(above).evaluate(m.q, m.v, m.a, m.reaction).balance)
     if not above.hysteresis.size:
-        above = above._replace(hysteresis=start_hysteresis(model.scene, state.partition.lengths.size))
+        above = above._replace(
+            hysteresis=start_hysteresis(model.scene, state.partition.lengths.size)
+        )
     return above._replace(
-        energy_balance=after._replace(transformations=before.transformations + after.total - before.total)
+        energy_balance=after._replace(
+            transformations=before.transformations + after.total - before.total
+        )
     )
 
 

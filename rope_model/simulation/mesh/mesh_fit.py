@@ -15,7 +15,17 @@ from typing import Any, NamedTuple
 
 from rope_model.physics import contact_error
 from rope_model.physics.accuracy import BRAKED, length_for, wave_duration
-from rope_model.physics.elementary import ceil, cos, less, logical_and, logical_or, maximum, minimum, sqrt, where
+from rope_model.physics.elementary import (
+    ceil,
+    cos,
+    less,
+    logical_and,
+    logical_or,
+    maximum,
+    minimum,
+    sqrt,
+    where,
+)
 from rope_model.physics.estimates import axial_frequency, bending_length
 
 #: distance (l) of the loop from the middle of segment IV at which a transformation is due: the neighbouring mesh fits
@@ -26,7 +36,9 @@ MAX_LEVELS = 8  #: largest end_levels
 MESH_SHARE = 0.5  #: fraction of the loop's allowed error that the mesh may take
 # upper bounds of grading_length
 LEG_GRADING = 7.5e5  #: m, times loop_error / length: lag allowed to short waves on a long trip
-LEG_WAVES = 1000.0  #: m^2, over the length: short waves of an emergency stop (evidence.mesh_rule.trips)
+LEG_WAVES = (
+    1000.0  #: m^2, over the length: short waves of an emergency stop (evidence.mesh_rule.trips)
+)
 #: times w: at a height y above the loop elements are sqrt(grading_length y) long, and waves of the loop's own frequency
 #: sqrt(g / w) are 2 pi sqrt(w y) long
 LEG_SWAY = 1.0
@@ -73,7 +85,9 @@ def fit_lengths(scene: Any, loop_error: Any, decades: Any) -> FittedLengths:
     fade = w * maximum(FADE + FADE_DECADE * decades, 0.0)
     layer = sqrt(rope.EI / (0.5 * (rope.mass_per_length * scene.layout.gravity) * rope.length))
     grading = minimum(minimum(LEG_GRADING * loop_error, LEG_WAVES) / rope.length, LEG_SWAY * w)
-    grading = minimum(grading, pumped_grading(scene) * sqrt(minimum(loop_error / PUMPED_ERROR, 1.0)))
+    grading = minimum(
+        grading, pumped_grading(scene) * sqrt(minimum(loop_error / PUMPED_ERROR, 1.0))
+    )
     return FittedLengths(radius, fine_length, fade, END_LENGTH * layer * shorter, grading)
 
 
@@ -127,14 +141,24 @@ class FittedMesh(NamedTuple):
 
 def fit_elements(scene: Any, loop_error: Any, decades: Any) -> FittedMesh:
     """Return the mesh for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
-    length, lengths, longest = scene.rope.length, fit_lengths(scene, loop_error, decades), pressed_length(scene)
+    length, lengths, longest = (
+        scene.rope.length,
+        fit_lengths(scene, loop_error, decades),
+        pressed_length(scene),
+    )
     # no part of the pattern may be cut off while the loop is MIN_END_DISTANCE or farther from an end
     coarse = minimum(RATIO * lengths.fine_length, longest)
-    coarse = minimum(coarse, 2 * MIN_END_DISTANCE * length / _inner_length(_fine_count(lengths, coarse)))
+    coarse = minimum(
+        coarse, 2 * MIN_END_DISTANCE * length / _inner_length(_fine_count(lengths, coarse))
+    )
     fine = _fine_count(lengths, coarse)
     short = coarse * (0.5 * _inner_length(fine) - DUE) > MIN_END_DISTANCE * length
-    equal = where(short, maximum(ceil(length / minimum(lengths.fine_length, 0.5 * longest)), 8.0), 0.0)
-    end_levels = sum((less(lengths.end * 2**k, coarse) for k in range(1, MAX_LEVELS)), less(lengths.end, coarse))
+    equal = where(
+        short, maximum(ceil(length / minimum(lengths.fine_length, 0.5 * longest)), 8.0), 0.0
+    )
+    end_levels = sum(
+        (less(lengths.end * 2**k, coarse) for k in range(1, MAX_LEVELS)), less(lengths.end, coarse)
+    )
     grading = where(longest < math.inf, 0.0, lengths.grading)  # no joined elements in I and VII
     return FittedMesh(equal, coarse, fine, end_levels, grading)
 

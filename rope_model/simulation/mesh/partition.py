@@ -33,7 +33,12 @@ import numpy as np
 from rope_model.parameters import Scene
 from rope_model.physics.elementary import nearest_whole
 from rope_model.simulation.mesh import mesh_pattern as tmn
-from rope_model.simulation.mesh.mesh_fit import FADE_ERROR, MESH_SHARE, divider_positions, fit_elements
+from rope_model.simulation.mesh.mesh_fit import (
+    FADE_ERROR,
+    MESH_SHARE,
+    divider_positions,
+    fit_elements,
+)
 from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import Array, arc_lengths
 from rope_model.solver_parameters import MAX_ELEMENTS, Mesh
@@ -73,7 +78,11 @@ class Partition:
     @property
     def fine_length(self) -> float:
         """Length of the loop's elements, m."""
-        return self.coarse * tmn.fine_share(self.counts[1:6]) if self.coarse else float(self.lengths[0])
+        return (
+            self.coarse * tmn.fine_share(self.counts[1:6])
+            if self.coarse
+            else float(self.lengths[0])
+        )
 
     @property
     def centre(self) -> float:
@@ -87,7 +96,10 @@ def fit_mesh(scene: Scene) -> Mesh:
     if mesh.kind != "auto":
         return mesh
     loop_error = mesh.loop_error or MESH_SHARE * scene.accuracy.loop
-    fitted, mesh = fit_elements(scene, loop_error, math.log10(FADE_ERROR / loop_error)), replace(mesh, loop_error=0.0)
+    fitted, mesh = (
+        fit_elements(scene, loop_error, math.log10(FADE_ERROR / loop_error)),
+        replace(mesh, loop_error=0.0),
+    )
     if fitted.equal:
         return replace(mesh, kind="eem", elements=int(fitted.equal))
     return replace(
@@ -108,13 +120,21 @@ def mesh_dividers(scene: Scene, left: float, right: float) -> Sequence[float]:
 def mesh_elements(scene: Scene) -> int:
     """Return the number of elements of the scene's rope; ValueError if the mesh does not fit it."""
     length = scene.rope.length
-    return int(partition(fit_mesh(scene), length, 0.5 * length, mesh_dividers(scene, 0.0, 0.0)).lengths.size)
+    return int(
+        partition(
+            fit_mesh(scene), length, 0.5 * length, mesh_dividers(scene, 0.0, 0.0)
+        ).lengths.size
+    )
 
 
-def partition(mesh: Mesh, length: float, bottom_s: float, divider_s: Sequence[float] = NO_DIVIDERS) -> Partition:
+def partition(
+    mesh: Mesh, length: float, bottom_s: float, divider_s: Sequence[float] = NO_DIVIDERS
+) -> Partition:
     """Return the partition of a rope of ``length``, its loop at ``bottom_s`` (m) and dividers where ``divider_s``."""
     if mesh.kind == "auto":
-        raise ValueError("mesh.kind = 'auto' needs the rope's data: fit the mesh first with fit_mesh(scene)")
+        raise ValueError(
+            "mesh.kind = 'auto' needs the rope's data: fit the mesh first with fit_mesh(scene)"
+        )
     if mesh.kind == "eem":
         return Partition(np.full(mesh.elements, length / mesh.elements))
     inner = float(tmn.inner_length(mesh.counts))
@@ -124,17 +144,26 @@ def partition(mesh: Mesh, length: float, bottom_s: float, divider_s: Sequence[fl
     if outer < 2:
         raise ValueError(messages.too_few_lengths(inner * mesh.coarse_length, length))
     coarse = length / (outer + inner)
-    elements = _leg_elements(int(outer), mesh.grading_length / coarse) + 2 * mesh.end_levels + sum(mesh.counts)
+    elements = (
+        _leg_elements(int(outer), mesh.grading_length / coarse)
+        + 2 * mesh.end_levels
+        + sum(mesh.counts)
+    )
     elements += tmn.WINDOW * (tmn.WINDOW_PARTS - 1) * int(np.isfinite(divider_s).sum())
     if elements > MAX_ELEMENTS:
         raise ValueError(messages.too_many_elements(elements, MAX_ELEMENTS))
     least = tmn.min_outer(mesh.counts)
     first = int(np.clip(nearest_whole(bottom_s / coarse - 0.5 * inner), least, outer - least))
     counts = (first, *mesh.counts, int(outer) - first)
-    return _tmn(Partition(np.empty(elements), counts, coarse, mesh.end_levels, mesh.grading_length), divider_s)
+    return _tmn(
+        Partition(np.empty(elements), counts, coarse, mesh.end_levels, mesh.grading_length),
+        divider_s,
+    )
 
 
-def transform(old: Partition, direction: float, divider_s: Sequence[float] = NO_DIVIDERS) -> Partition:
+def transform(
+    old: Partition, direction: float, divider_s: Sequence[float] = NO_DIVIDERS
+) -> Partition:
     """Return the next partition: ``direction`` is +1 if the loop travels to the right, -1 to the left.
 
     The windows follow the dividers.
@@ -147,7 +176,9 @@ def window_due(pattern: Partition, divider_s: Sequence[float]) -> bool:
     """Return whether a window is so far from its divider that it moves without the loop."""
     return pattern.coarse > 0 and any(
         abs(tmn.window_place(pattern, s) - window) > tmn.WINDOW_DUE
-        for s, window in {*zip(divider_s, pattern.windows, strict=True)}  # the set is mostly one pair
+        for s, window in {
+            *zip(divider_s, pattern.windows, strict=True)
+        }  # the set is mostly one pair
     )
 
 
@@ -157,7 +188,9 @@ def _tmn(pattern: Partition, divider_s: Sequence[float]) -> Partition:
     inner = np.repeat(tmn.relative_lengths(counts[1:6]), counts[1:6])
     first, last = max(counts[0], 1), max(counts[6], 1)
     # lengths of II to VI within the ends of the rope
-    within = np.diff(np.clip(arc_lengths(inner), first - counts[0], np.sum(inner) - (last - counts[6])))
+    within = np.diff(
+        np.clip(arc_lengths(inner), first - counts[0], np.sum(inner) - (last - counts[6]))
+    )
     inner_lengths = within[within > 0.0]
     growth, fine = pattern.grading_length / coarse, tmn.fine_share(counts[1:6])
     # the loop bends the rope up to its end where the pattern is cut off
@@ -175,7 +208,9 @@ def _tmn(pattern: Partition, divider_s: Sequence[float]) -> Partition:
 def _end(levels: int, longest: float) -> Array:
     """Return the elements of the outermost l, in l, from the end on: halves of halves, none above ``longest``."""
     sizes = [0.5**levels, *(0.5**k for k in range(levels, 0, -1))]
-    return np.concatenate([np.full(int(max(size / longest, 1.0)), min(size, longest)) for size in sizes])
+    return np.concatenate(
+        [np.full(int(max(size / longest, 1.0)), min(size, longest)) for size in sizes]
+    )
 
 
 def _leg(units: int, growth: float) -> list[float]:
@@ -215,7 +250,9 @@ def _legs(
     spare = elements - len(both[0]) - len(both[1])
     for side, leg in enumerate(both):
         for k in range(len(leg) - 1, 0, -1):
-            if spare >= tmn.WINDOW_PARTS - 1 and any(0 <= k - window < tmn.WINDOW for window in windows[side::2]):
+            if spare >= tmn.WINDOW_PARTS - 1 and any(
+                0 <= k - window < tmn.WINDOW for window in windows[side::2]
+            ):
                 leg[k : k + 1] = [leg[k] / tmn.WINDOW_PARTS] * tmn.WINDOW_PARTS
                 spare -= tmn.WINDOW_PARTS - 1
     for _ in range(spare):

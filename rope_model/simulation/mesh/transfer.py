@@ -50,7 +50,9 @@ def transfer_fields(fields: Array, old_s: Array, new_s: Array) -> Array:
     old, new = old[merges], new[merges]
     elements = new_s[new], new_s[new + 1] - new_s[new], old_s[old], old_s[old + 1] - old_s[old]
     before, after = _element_values(fields, old), _element_values(y, new)
-    load = np.array(hermite.missing_load(knots[:-1][merges], knots[1:][merges], *elements, before, after))
+    load = np.array(
+        hermite.missing_load(knots[:-1][merges], knots[1:][merges], *elements, before, after)
+    )
     nodes, lengths = new_s.size, np.diff(new_s)
     # band, rows of a node, their columns, and their slice of the fields
     for band, rows, columns, part in (

@@ -46,7 +46,9 @@ def expected_travel(ends: Sequence[Any]) -> estimates.Travel:
 def force_error(scene: Any, fidelity: Any, travel: Any) -> Any:
     """Return the estimated error of the end forces against the complete model; inf if the loop may turn far."""
     locked = logical_and(scene.left.mode == "locked", scene.right.mode == "locked")
-    torque_error = estimates.held_error(scene, travel) + where(locked, 0.0, estimates.release_error(scene, travel))
+    torque_error = estimates.held_error(scene, travel) + where(
+        locked, 0.0, estimates.release_error(scene, travel)
+    )
     torque_error = where(estimates.loop_yaw(scene) > estimates.MAX_YAW, math.inf, torque_error)
     error = where(logical_and(fidelity != "torsional", carries_torque(scene)), torque_error, 0.0)
     loop_error = estimates.longitudinal_error(scene, travel) + estimates.lean_error(scene, travel)
@@ -67,7 +69,9 @@ def first_input(left: Any, right: Any, turned: Any, across: Any, along: Any) -> 
 
 def out_of_plane(number: Any) -> Any:
     """Return whether the input of this number acts out of the plane."""
-    numbers = (before + 1 + INPUTS.index(name) for before in (0, len(INPUTS)) for name in OUT_OF_PLANE)
+    numbers = (
+        before + 1 + INPUTS.index(name) for before in (0, len(INPUTS)) for name in OUT_OF_PLANE
+    )
     return logical_or(*(number == own for own in numbers))
 
 
@@ -85,7 +89,9 @@ def unsupported_input(scene: Any, fidelity: Any, left: Any, right: Any) -> Any:
 
 def _turns_freely(scene: Any) -> Any:
     """Return whether both swivels turn from the start of any run; one that waits for 0 is held before."""
-    free = (logical_and(x.mode == "free", x.release_time <= AT_START) for x in (scene.left, scene.right))
+    free = (
+        logical_and(x.mode == "free", x.release_time <= AT_START) for x in (scene.left, scene.right)
+    )
     return logical_and(*free)
 
 
@@ -103,12 +109,19 @@ def _curved(scene: Any) -> tuple[Any, ...]:
     return largest > 0, largest
 
 
-def _errs_too_much(scene: Any, fidelity: Any, left: Any, right: Any, forces: Any) -> tuple[Any, ...]:
-    error, tolerance = force_error(scene, fidelity, expected_travel((left, right))), scene.model.force_tolerance
+def _errs_too_much(
+    scene: Any, fidelity: Any, left: Any, right: Any, forces: Any
+) -> tuple[Any, ...]:
+    error, tolerance = (
+        force_error(scene, fidelity, expected_travel((left, right))),
+        scene.model.force_tolerance,
+    )
     return error > tolerance, 100 * tolerance, 100 * error
 
 
-def _would_go_slack(scene: Any, fidelity: Any, left: Any, right: Any, forces: Any) -> tuple[Any, ...]:
+def _would_go_slack(
+    scene: Any, fidelity: Any, left: Any, right: Any, forces: Any
+) -> tuple[Any, ...]:
     tension = min_tension(rigid_tensions(scene.rope, scene.layout, left, right))
     return logical_and(fidelity == "rigid", tension < 0), tension
 
@@ -128,7 +141,9 @@ TORQUE: Rules = {fidelity_messages.coupled: _coupled, fidelity_messages.twisted:
 #: reasons for the complete model wherever the ends are; ``forces`` is the number of points with applied forces
 COMPLETE: Rules = {
     fidelity_messages.may_touch: lambda scene, forces: (may_touch(scene.shaft),),
-    fidelity_messages.may_touch_itself: lambda scene, forces: (scene.shaft.contact.rope_stiffness > 0,),
+    fidelity_messages.may_touch_itself: lambda scene, forces: (
+        scene.shaft.contact.rope_stiffness > 0,
+    ),
     fidelity_messages.guards_watch: lambda scene, forces: (has_guards(scene.shaft.guard) > 0,),
     fidelity_messages.in_air: lambda scene, forces: (scene.shaft.air.density > 0,),
     fidelity_messages.is_curved: lambda scene, forces: _curved(scene),
@@ -142,4 +157,7 @@ UNSUPPORTED: Rules = {
     fidelity_messages.would_go_slack: _would_go_slack,
 }
 #: reasons why a fidelity below the complete one serves; without torque the planar one does, except for a rigid rope
-SUFFICIENT: Rules = {fidelity_messages.no_torque: _no_torque, fidelity_messages.errs_little: _errs_little}
+SUFFICIENT: Rules = {
+    fidelity_messages.no_torque: _no_torque,
+    fidelity_messages.errs_little: _errs_little,
+}

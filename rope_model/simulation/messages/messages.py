@@ -10,7 +10,9 @@ start_time_out_of_range = Template(
     "the start time t = {t} s is out of range: it must be within {bound:g} s of 0, or steps are lost in rounding; "
     "count from another instant"
 )
-moves_at_start = Template("the {side:s} end moves at the start; a run starts from rest: give zero speeds")
+moves_at_start = Template(
+    "the {side:s} end moves at the start; a run starts from rest: give zero speeds"
+)
 ends_above_each_other = Template(
     "the ends hang exactly above each other, {apart:g} m apart, so that the loop has no plane; move one sideways"
 )
@@ -47,7 +49,9 @@ fails_at_curvature = Template(
     "{why:.380}"
 )
 # its mesh
-fit_fails = Template("{why:.400} (mesh.kind = auto takes them from EI, mass_per_length, spacing and accuracy.loop)")
+fit_fails = Template(
+    "{why:.400} (mesh.kind = auto takes them from EI, mass_per_length, spacing and accuracy.loop)"
+)
 too_many_lengths = Template(
     "coarse_length = {coarse:g} m divides a rope of {length:g} m into {outer:.0f} lengths, more than {most:d}; use "
     "longer elements"
@@ -56,10 +60,14 @@ too_few_lengths = Template(
     "the mesh's segments II to VI need {inner:g} m of a rope of {length:g} m and leave nothing for I and VII; lower "
     "coarse_length or the counts"
 )
-too_many_elements = Template("coarse_length and counts make {elements:.0f} elements, more than {most:d}; use fewer")
+too_many_elements = Template(
+    "coarse_length and counts make {elements:.0f} elements, more than {most:d}; use fewer"
+)
 
 # motions of its ends
-input_not_finite = Template("input {side:s}.{name:s} = {value} is not finite; check the signal connected to it")
+input_not_finite = Template(
+    "input {side:s}.{name:s} = {value} is not finite; check the signal connected to it"
+)
 input_out_of_range = Template(
     "input {side:s}.{name:s} = {value:g} is beyond +-{bound:g} (SI units); check its unit and connection"
 )
@@ -115,7 +123,9 @@ transformation_fails = Template(
     "the transformation of the mesh fails, within step_min = {step_min:g} s too: {why:s}. Use equal elements "
     "(mesh.kind = eem), a smaller step_min, or a gentler motion"
 )
-swivel_chatters = Template("a swivel chatters between stick and slip; check its friction, and whether the end is slack")
+swivel_chatters = Template(
+    "a swivel chatters between stick and slip; check its friction, and whether the end is slack"
+)
 rope_goes_slack = Template(
     "the rope goes slack: tension {tension:.4g} N at t = {t:g} s, which the rigid model cannot follow; use a flexible "
     "one (model.fidelity = auto, planar or torsional) or a gentler motion"
@@ -123,8 +133,12 @@ rope_goes_slack = Template(
 
 # use
 no_state = Template("the rope has no state yet; call initialize first")
-no_finite_derivative = Template("the equations of this state have no finite derivative; take a smaller step_max")
-no_derivative = Template("the derivatives of the last communication step cannot be computed: {why:.400}")
+no_finite_derivative = Template(
+    "the equations of this state have no finite derivative; take a smaller step_max"
+)
+no_derivative = Template(
+    "the derivatives of the last communication step cannot be computed: {why:.400}"
+)
 too_many_to_differentiate = Template(
     "it took {steps:d} internal steps, and derivatives are those of at most {most:d}; take shorter communication steps"
 )
@@ -134,7 +148,9 @@ no_memory = Template("no memory for {elements:d} elements ({megabytes:.3g} MB); 
 wrong_number_of_bytes = Template(
     "the saved state has {found:d} bytes, one of this rope {own:d}; restore it into a rope with the same parameters"
 )
-no_state_in_bytes = Template("these bytes are not a state of this rope; save one anew, or restore it into its own rope")
+no_state_in_bytes = Template(
+    "these bytes are not a state of this rope; save one anew, or restore it into its own rope"
+)
 native_alone = Template(
     "the Python form of the rope does not compute {name:s}; take the native one, form='native' of balance_rope or an "
     "FMU of the native flavour"

@@ -45,7 +45,9 @@ def passed_bodies(scene: Scene, state: RopeState) -> str:
     text = ""
     for name, x in zip(KINDS, state.nearest, strict=True):
         if x.clearance <= 0:
-            passed = warning_messages.passed_into(BODIES[name], x.touched_at, -x.clearance, x.time, x.s, x.y)
+            passed = warning_messages.passed_into(
+                BODIES[name], x.touched_at, -x.clearance, x.time, x.s, x.y
+            )
             text = warning_messages.and_another(text, passed) if text else passed
     if not text or not may_touch(scene.shaft):
         return warning_messages.rope_passed_into(text) if text else ""

@@ -11,7 +11,10 @@ class Template:
 
     def __init__(self, template: str) -> None:
         #: text before each placeholder, its name and its format, '' behind the last
-        self.parts = [(before, name or "", spec or "") for before, name, spec, _ in Formatter().parse(template)]
+        self.parts = [
+            (before, name or "", spec or "")
+            for before, name, spec, _ in Formatter().parse(template)
+        ]
         #: type of each value by name
         self.kinds = {name: _kind(spec) for _, name, spec in self.parts if name}
         self._template = template

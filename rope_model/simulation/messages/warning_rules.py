@@ -5,7 +5,12 @@ from typing import Any
 
 from rope_model.physics.accuracy import length_for, mesh_error, turned_by_mesh
 from rope_model.physics.elementary import floor, logical_and, logical_or, minimum, where
-from rope_model.physics.estimates import bending_length, coupling_torque, curvature_torque, twist_torque
+from rope_model.physics.estimates import (
+    bending_length,
+    coupling_torque,
+    curvature_torque,
+    twist_torque,
+)
 from rope_model.physics.initial_curvature import max_curvature
 from rope_model.shaft_parameters import FAR
 from rope_model.simulation.ends.input_filter import MIN_BREAKS, POSITION, filter_settings
@@ -33,19 +38,27 @@ REST_SPEED = 1e-3
 def rests(scene: Any, state: Any) -> Any:
     """Return whether the rope is at rest."""
     data = scene.rope
-    return state.energy_balance.kinetic < 0.5 * data.mass_per_length * data.length * (REST_SPEED * REST_SPEED)
+    return state.energy_balance.kinetic < 0.5 * data.mass_per_length * data.length * (
+        REST_SPEED * REST_SPEED
+    )
 
 
 def leaves_out(scene: Any, state: Any) -> Any:
     """Return whether the rope moves in a way that its fidelity leaves out."""
-    blown = logical_and(state.fidelity == "planar", scene.shaft.air.density > 0, abs(scene.shaft.air.vz) > 0)
+    blown = logical_and(
+        state.fidelity == "planar", scene.shaft.air.density > 0, abs(scene.shaft.air.vz) > 0
+    )
     return logical_or(state.fidelity == "rigid", carries_torque(scene), blown)
 
 
 def yawed_far_at_rest(scene: Any, state: Any, yaw: Any) -> Any:
     """Return whether the loop hangs out of its ends' plane by ``yaw`` (rad) at rest, and no worse warning applies."""
-    free = logical_and(state.crossing.number == 0, state.crossing.overlap == 0, abs(yaw) < HALF_A_TURN)
-    return logical_and(state.fidelity == "torsional", free, rests(scene, state), abs(yaw) > YAWED_FAR)
+    free = logical_and(
+        state.crossing.number == 0, state.crossing.overlap == 0, abs(yaw) < HALF_A_TURN
+    )
+    return logical_and(
+        state.fidelity == "torsional", free, rests(scene, state), abs(yaw) > YAWED_FAR
+    )
 
 
 def _passages(state: Any) -> tuple[Any, ...]:
@@ -64,7 +77,11 @@ def _legs_touch(scene: Any, state: Any, yaw: Any) -> tuple[Any, ...]:
 
 def _torque_of_coupling(scene: Any, turned: Any) -> tuple[Any, ...]:
     coupling, curvature, installed, ends = _torques(scene, turned)
-    return logical_and(coupling >= curvature, coupling >= installed, coupling >= ends), scene.rope.Qb, scene.rope.Qc
+    return (
+        logical_and(coupling >= curvature, coupling >= installed, coupling >= ends),
+        scene.rope.Qb,
+        scene.rope.Qc,
+    )
 
 
 def _torque_of_curvature(scene: Any, turned: Any) -> tuple[Any, ...]:
@@ -98,8 +115,16 @@ def _shown_below(number: Any) -> Any:
 def _waves_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
     audit, steps = state.audit, audits.signal_values(state.audit)[4]
     large = audits.LARGE_CHANGE * audit.force
-    applies = logical_and(audit.period_fraction * audits.MIN_STEPS > 1.0, audit.force_change > large)
-    return applies, audit.force_change, _shown_below(steps), audits.MIN_STEPS, audits.axial_step(scene.rope)
+    applies = logical_and(
+        audit.period_fraction * audits.MIN_STEPS > 1.0, audit.force_change > large
+    )
+    return (
+        applies,
+        audit.force_change,
+        _shown_below(steps),
+        audits.MIN_STEPS,
+        audits.axial_step(scene.rope),
+    )
 
 
 def _bend_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
@@ -110,13 +135,20 @@ def _bend_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
 def _positions_rounded(scene: Any, end_filter: Any, step: Any) -> tuple[Any, ...]:
     x = end_filter
     on_grid = logical_and(x.samples >= MIN_SAMPLES, x.grid >= COARSEST_ROUNDING, x.grid < 1)
-    return logical_and(scene.inputs.given != "speed", on_grid, x.position_misfit > 0.25 * x.grid), x.grid
+    return logical_and(
+        scene.inputs.given != "speed", on_grid, x.position_misfit > 0.25 * x.grid
+    ), x.grid
 
 
 def _motion_misfits(scene: Any, end_filter: Any, step: Any) -> tuple[Any, ...]:
     x = end_filter
     disturbs = x.acceleration_misfit > scene.accuracy.end_force * scene.layout.gravity
-    return logical_and(scene.inputs.given == "all", disturbs), x.position_misfit, x.speed_misfit, x.acceleration_misfit
+    return (
+        logical_and(scene.inputs.given == "all", disturbs),
+        x.position_misfit,
+        x.speed_misfit,
+        x.acceleration_misfit,
+    )
 
 
 def _estimates_lag(scene: Any, end_filter: Any, step: Any) -> tuple[Any, ...]:
@@ -129,10 +161,14 @@ def _estimates_lag(scene: Any, end_filter: Any, step: Any) -> tuple[Any, ...]:
 def _loop_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
     mesh, allowed = scene.mesh, scene.accuracy.loop
     equal = mesh.kind == "eem"
-    fine_length = where(equal, scene.rope.length / mesh.elements, mesh.coarse_length * fine_share(mesh.counts))
+    fine_length = where(
+        equal, scene.rope.length / mesh.elements, mesh.coarse_length * fine_share(mesh.counts)
+    )
     error = mesh_error(scene, fine_length, where(equal, 0.0, mesh.grading_length))
     yaw = where(state.fidelity == "planar", 0.0, turned_by_mesh(scene, fine_length))
-    sufficient = minimum(length_for(scene, allowed), MAX_LENGTH * NATURAL_RADIUS * bending_length(scene))
+    sufficient = minimum(
+        length_for(scene, allowed), MAX_LENGTH * NATURAL_RADIUS * bending_length(scene)
+    )
     applies = logical_and(mesh.kind != "auto", state.fidelity != "rigid", error > allowed)
     return applies, fine_length, error, allowed, yaw, sufficient
 
@@ -174,7 +210,10 @@ TORQUE_SOURCE: Rules = {
     texts.torque_of_ends: lambda scene, turned: (True, turned),
 }
 OTHER_RESTS: Rules = {
-    texts.other_rests: lambda scene, state: (logical_and(state.snap_twist != 0, rests(scene, state)), state.snap_twist)
+    texts.other_rests: lambda scene, state: (
+        logical_and(state.snap_twist != 0, rests(scene, state)),
+        state.snap_twist,
+    )
 }
 MISSING_LOADS: Rules = {
     texts.forces_missing: lambda scene, state: _missing(
@@ -185,7 +224,10 @@ MISSING_LOADS: Rules = {
     ),
 }
 UNRESOLVED_WAVES: Rules = {texts.waves_unresolved: _waves_unresolved}
-UNRESOLVED_BEND: Rules = {texts.bend_unresolved: _bend_unresolved, texts.loop_unresolved: _loop_unresolved}
+UNRESOLVED_BEND: Rules = {
+    texts.bend_unresolved: _bend_unresolved,
+    texts.loop_unresolved: _loop_unresolved,
+}
 LONG_EXTRAPOLATION: Rules = {
     # the interval is the difference of two instants, whose rounding grows with them
     texts.extrapolated_too_far: lambda scene, state: (
@@ -207,11 +249,17 @@ BLIND_GUARDS: Rules = {
         state, state.fidelity != "torsional", scene.shaft.guard.torque
     ),
     texts.no_turns_to_guard: lambda scene, state: _blind(
-        state, logical_or(state.fidelity == "planar", state.fidelity == "rigid"), scene.shaft.guard.turns
+        state,
+        logical_or(state.fidelity == "planar", state.fidelity == "rigid"),
+        scene.shaft.guard.turns,
     ),
-    texts.no_swing_to_guard: lambda scene, state: _blind(state, state.fidelity == "rigid", scene.shaft.guard.window),
+    texts.no_swing_to_guard: lambda scene, state: _blind(
+        state, state.fidelity == "rigid", scene.shaft.guard.window
+    ),
     texts.no_rise_to_guard: lambda scene, state: _blind(
-        state, logical_and(state.fidelity == "rigid", scene.shaft.guard.rise_y <= -FAR), scene.shaft.guard.rise
+        state,
+        logical_and(state.fidelity == "rigid", scene.shaft.guard.rise_y <= -FAR),
+        scene.shaft.guard.rise,
     ),
 }
 ACCURACY_GIVEN_UP: Rules = {

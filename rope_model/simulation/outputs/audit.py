@@ -67,7 +67,9 @@ class Audit(NamedTuple):
     force_change: float = 0.0  # N, largest change of an end force in one step
     period_fraction: float = 0.0  # largest fraction of an axial period that a step took
     bend: float = 0.0  # largest squared change of r' over an element
-    interval: float = 0.0  # s, since the reference, of communication steps that were too short to judge
+    interval: float = (
+        0.0  # s, since the reference, of communication steps that were too short to judge
+    )
 
 
 def end_load(q: Any, f: Any, torque: Any) -> tuple[Any, ...]:
@@ -97,10 +99,19 @@ def signal_values(audit: Any) -> tuple[Any, ...]:
     fraction, bend = (where(x > 0, x, 1.0) for x in (audit.period_fraction, audit.bend))
     steps = where(audit.period_fraction > 0, 1.0 / fraction, 0.0)
     elements = where(audit.bend > 0, elements_per_bend(bend), 0.0)
-    return audit.missing_force, audit.missing_moment, audit.energy, audit.force_change, steps, elements
+    return (
+        audit.missing_force,
+        audit.missing_moment,
+        audit.energy,
+        audit.force_change,
+        steps,
+        elements,
+    )
 
 
-def after_step(audit: Any, method: Any, h: Any, recentring: Any, load: Any, force: Any, change: Any, ratio: Any) -> Any:
+def after_step(
+    audit: Any, method: Any, h: Any, recentring: Any, load: Any, force: Any, change: Any, ratio: Any
+) -> Any:
     """Return ``audit`` after a time step to ``load``, with the largest end force and ``change`` of one (N)."""
     load_weight, auxiliary_weight, _, next_weight = auxiliary_weights(method, 0.0)
     gamma, impulse, auxiliary, rate = method.gamma, [], [], []
@@ -121,12 +132,17 @@ def after_step(audit: Any, method: Any, h: Any, recentring: Any, load: Any, forc
     )
 
 
-def after_interval(audit: Any, h: Any, mass: Any, gravity: Any, sums: Any, about: Any, residual: Any, bend: Any) -> Any:
+def after_interval(
+    audit: Any, h: Any, mass: Any, gravity: Any, sums: Any, about: Any, residual: Any, bend: Any
+) -> Any:
     """Return ``audit`` after a communication step ``h`` to ``sums``; ``residual`` (J) is new in the balance."""
     before, h = audit.sums, audit.interval + h
     judged = h >= MIN_INTERVAL
     # the first moment is a cubic with p as its rate at both ends
-    x, z = (0.5 * h * (before[6 + k] + sums[6 + k]) + h * h / 12.0 * (before[k] - sums[k]) for k in (0, 2))
+    x, z = (
+        0.5 * h * (before[6 + k] + sums[6 + k]) + h * h / 12.0 * (before[k] - sums[k])
+        for k in (0, 2)
+    )
     weight = (0.0, -mass * gravity * h, 0.0, gravity * z, 0.0, -gravity * x)
     missing = [(sums[k] - before[k] - audit.impulse[k] - weight[k]) / h for k in range(6)]
     moment = [m - shift for m, shift in zip(missing[3:], cross(about, missing), strict=True)]

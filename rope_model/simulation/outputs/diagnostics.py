@@ -49,7 +49,9 @@ def loop_bottom(q: Array, lengths: Array) -> LoopBottom:
     return LoopBottom(float(s_lowest), point[POSITION], math.atan2(-d[2], d[0]))
 
 
-def leg_clearance(q: Array, lengths: Array, bottom: LoopBottom, loop: float, diameter: float, above: float) -> float:
+def leg_clearance(
+    q: Array, lengths: Array, bottom: LoopBottom, loop: float, diameter: float, above: float
+) -> float:
     """Return the smallest free distance (m) between the legs, from ``above`` (m) over the lowest point upwards.
 
     Points of each leg are compared with straight pieces of the other, both denser near the loop.
@@ -77,8 +79,12 @@ def legs_apart(q: Array, lengths: Array, diameter: float, above: float) -> bool:
     low, left = rows[:, k], np.arange(lengths.size) < k
     normal, a, b = centreline.plane_between(q[0], q[-1], low, across), rows[:, :-1], rows[:, 1:]
     ends = np.where(left, a, b), np.where(left, b, a), np.where(left, q[0, 1], q[-1, 1])
-    gaps = centreline.side_gap(np.where(left, -1.0, 1.0), lengths, *ends, low, normal, diameter, above)
-    advances = (centreline.least_advance(lengths[i], rows[:, i], rows[:, i + 1], across) for i in (k - 1, k))
+    gaps = centreline.side_gap(
+        np.where(left, -1.0, 1.0), lengths, *ends, low, normal, diameter, above
+    )
+    advances = (
+        centreline.least_advance(lengths[i], rows[:, i], rows[:, i + 1], across) for i in (k - 1, k)
+    )
     return bool(gaps.min() >= 0 and min(advances) > 0)
 
 
@@ -100,15 +106,28 @@ def loop_turns(q: Array, lengths: Array, bottom: LoopBottom) -> LoopTurns:
     between PIECES of each element, straight from one to the next.  Rope that hangs lower than rope below it is skipped.
     """
     nodes = arc_lengths(lengths)
-    s = np.append((nodes[:-1, None] + lengths[:, None] * np.arange(PIECES) / PIECES).ravel(), nodes[-1])
-    k, points = int(np.clip(np.searchsorted(s, bottom.s), 1, s.size - 1)), interpolate(q, nodes, s)[:, POSITION]
-    legs = [_rising(np.vstack((bottom.position[None, :], leg))) for leg in (points[k - 1 :: -1], points[k:])]
+    s = np.append(
+        (nodes[:-1, None] + lengths[:, None] * np.arange(PIECES) / PIECES).ravel(), nodes[-1]
+    )
+    k, points = (
+        int(np.clip(np.searchsorted(s, bottom.s), 1, s.size - 1)),
+        interpolate(q, nodes, s)[:, POSITION],
+    )
+    legs = [
+        _rising(np.vstack((bottom.position[None, :], leg)))
+        for leg in (points[k - 1 :: -1], points[k:])
+    ]
     heights = np.union1d(legs[0][:, 1], legs[1][:, 1])
-    left, right = (np.array([np.interp(heights[1:], leg[:, 1], leg[:, k]) for k in (0, 2)]) for leg in legs)
+    left, right = (
+        np.array([np.interp(heights[1:], leg[:, 1], leg[:, k]) for k in (0, 2)]) for leg in legs
+    )
     across = np.hstack((np.array(centreline.heading(bottom.yaw))[:, None], right - left))
     turned = centreline.angle_between(across[:, :-1], across[:, 1:])
     sharpest = int(np.argmax(np.abs(turned)))
-    return LoopTurns(-float(np.sum(turned)) / (2 * math.pi), float(0.5 * (heights[sharpest] + heights[sharpest + 1])))
+    return LoopTurns(
+        -float(np.sum(turned)) / (2 * math.pi),
+        float(0.5 * (heights[sharpest] + heights[sharpest + 1])),
+    )
 
 
 def _rising(leg: Array) -> Array:
@@ -119,7 +138,9 @@ def _rising(leg: Array) -> Array:
 def _distance(points: Array, line: Array) -> float:
     """Return the smallest distance of ``points`` (n, 3) from the pieces of a polygon ``line`` (m, 3)."""
     return math.sqrt(
-        centreline.squared_distance(points.T[:, :, None], line[:-1].T[:, None], np.diff(line.T)[:, None]).min()
+        centreline.squared_distance(
+            points.T[:, :, None], line[:-1].T[:, None], np.diff(line.T)[:, None]
+        ).min()
     )
 
 
@@ -145,7 +166,9 @@ def shape_places(lengths: Array, bottom_s: float, loop: float, points: int) -> A
 
 def shape(q: Array, lengths: Array, bottom_s: float, loop: float, points: int) -> Array:
     """Return points (points, 3) of the centre line, denser around the loop's lowest point."""
-    return interpolate(q, arc_lengths(lengths), shape_places(lengths, bottom_s, loop, points))[:, POSITION]
+    return interpolate(q, arc_lengths(lengths), shape_places(lengths, bottom_s, loop, points))[
+        :, POSITION
+    ]
 
 
 def interpolate_midpoints(values: Array, lengths: Array, s: Array) -> Array:
@@ -169,7 +192,9 @@ def tension(motion: Motion, lengths: Array, s: Array, rho: float, gravity: float
     before = np.concatenate((np.zeros((1, 3)), np.cumsum(change, axis=0)))[i]
     left, right, l = left[i], right[i], l[i]
     xi = (s - nodes[i])[:, None] / l
-    within = integral_to(xi, l, left[:, POSITION], left[:, SLOPE], right[:, POSITION], right[:, SLOPE])
+    within = integral_to(
+        xi, l, left[:, POSITION], left[:, SLOPE], right[:, POSITION], right[:, SLOPE]
+    )
     force = rho * (before + within) - motion.reaction[0, POSITION]
     force[:, 1] += rho * gravity * s
     d = interpolate(motion.q, nodes, s)[:, SLOPE]

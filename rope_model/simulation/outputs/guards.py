@@ -19,7 +19,10 @@ from rope_model.simulation.state import Nearest, RopeState
 def rise(scene: Scene, state: RopeState, bottom: LoopBottom) -> float:
     """Return the height (m) of the loop's lowest point above its quasi-static position."""
     left, right = state.motion.q[[0, -1], 1].tolist()
-    return float(loop_height(scene.rope, scene.layout, float(bottom.position[1]), left, right) - state.guard.rest)
+    return float(
+        loop_height(scene.rope, scene.layout, float(bottom.position[1]), left, right)
+        - state.guard.rest
+    )
 
 
 def set_rise_reference(scene: Scene, state: RopeState) -> RopeState:
@@ -36,7 +39,9 @@ def update_guards(scene: Scene, state: RopeState, ends: HangingEnds) -> RopeStat
     q, lengths = state.motion.q, state.partition.lengths
     bottom, known = loop_bottom(q, lengths), (Nearest(guard.clearance),) * len(KINDS)
     values = (
-        rise(scene, state, bottom) if guard.rise_y <= -FAR else float(bottom.position[1]) - guard.rise_y,
+        rise(scene, state, bottom)
+        if guard.rise_y <= -FAR
+        else float(bottom.position[1]) - guard.rise_y,
         _sideways(q[:, POSITION], guard.window_y, bottom),
         min(nearest.clearance for nearest in nearer(scene, state, known)),
         abs(turns(nearest_turn(bottom.yaw, state.loop_yaw), ends_yaw(q), state.crossing.net)),
@@ -51,4 +56,7 @@ def _sideways(r: Array, height: float, bottom: LoopBottom) -> float:
         return float(sideways(bottom.position, r[0], r[-1]))
     below, lowest = r[:, 1] < height, int(np.argmin(r[:, 1]))
     passing = np.flatnonzero(below[1:] != below[:-1])
-    return max((float(off_plumb(height, r[k], r[k + 1], r[END_NODE[int(k >= lowest)]])) for k in passing), default=0.0)
+    return max(
+        (float(off_plumb(height, r[k], r[k + 1], r[END_NODE[int(k >= lowest)]])) for k in passing),
+        default=0.0,
+    )

@@ -77,9 +77,14 @@ def linear_rope(rope: SignalSource, speed: float = 0.0) -> LinearRope:
     if not_plumb(rope.scene):
         raise ValueError("both ends must be plumb for a linear model: set attachment = 'plumb'")
     if system.longest_near(q) > 0.0:
-        raise ValueError("the rope at rest touches a body in the shaft and has no linear model there: choose a height")
+        raise ValueError(
+            "the rope at rest touches a body in the shaft and has no linear model there: choose a height"
+        )
     nodes_s, lengths = arc_lengths(system.lengths), system.lengths[None, :]
-    derivatives, rho = _derivatives(system.kernels.features).map(n), float(system.P[PARAMETERS.index("rho")])
+    derivatives, rho = (
+        _derivatives(system.kernels.features).map(n),
+        float(system.P[PARAMETERS.index("rho")]),
+    )
     along = _along(system.lengths)
 
     def evaluated(q: Array) -> tuple[Array, tuple[sp.csc_matrix, ...]]:
@@ -95,7 +100,9 @@ def linear_rope(rope: SignalSource, speed: float = 0.0) -> LinearRope:
 
     def flow(speeds: Array) -> tuple[sp.csc_matrix, sp.csc_matrix]:
         """G and H of nodes that slide."""
-        G, H = (np.asarray(x) for x in _flow().map(n)(lengths, np.vstack((speeds[:-1], speeds[1:]))))
+        G, H = (
+            np.asarray(x) for x in _flow().map(n)(lengths, np.vstack((speeds[:-1], speeds[1:])))
+        )
         return assembled(rho * G, n), assembled(rho * H, n)
 
     R, (K, D, M) = evaluated(q)
@@ -105,18 +112,28 @@ def linear_rope(rope: SignalSource, speed: float = 0.0) -> LinearRope:
         for _ in range(_CORRECTIONS):
             missing = (R - (through @ q.ravel()).reshape(q.shape) - system.load).ravel()[free]
             change = np.zeros(q.size)
-            change[free] = splu((K - speed * D @ along - through).tocsc()[free][:, free]).solve(missing)
+            change[free] = splu((K - speed * D @ along - through).tocsc()[free][:, free]).solve(
+                missing
+            )
             q = q - change.reshape(q.shape)
             R, (K, D, M) = evaluated(q)
             if np.abs(change).max() < _TOLERANCE:
                 break
         else:
-            raise ValueError(f"speed = {speed:g} m/s must leave the rope a steady flow: take a lower one")
+            raise ValueError(
+                f"speed = {speed:g} m/s must leave the rope a steady flow: take a lower one"
+            )
         pulled = np.zeros_like(q)
         pulled[0, :3], pulled[-1, :3] = -q[0, 3:6], q[-1, 3:6]
-        reaction = R - (through @ q.ravel()).reshape(q.shape) + rho * speed**2 * pulled - system.load
+        reaction = (
+            R - (through @ q.ravel()).reshape(q.shape) + rho * speed**2 * pulled - system.load
+        )
         span = float(np.linalg.norm(q[-1, :3:2] - q[0, :3:2]))
-        slide = np.interp(nodes_s, [0.0, rope.loop.s - span, rope.loop.s + span, nodes_s[-1]], [0.0, *[speed] * 2, 0.0])
+        slide = np.interp(
+            nodes_s,
+            [0.0, rope.loop.s - span, rope.loop.s + span, nodes_s[-1]],
+            [0.0, *[speed] * 2, 0.0],
+        )
         G, H = flow(slide)
         K = (K - D @ sp.diags(np.repeat(slide, NODE_DOF)) @ along - H).tocsc()
         D = (D - 2 * G).tocsc()
@@ -135,10 +152,18 @@ def linear_rope(rope: SignalSource, speed: float = 0.0) -> LinearRope:
     loop = np.zeros((len(_LOOP), q.size))
     loop[:, NODE_DOF * i : NODE_DOF * (i + 2)] = by_q
     rows.append([loop, np.zeros_like(loop), np.zeros_like(loop)])
-    maps = [sp.csr_matrix(sp.vstack([sp.csr_matrix(part) for part in parts])) for parts in zip(*rows, strict=True)]
-    names = (*(f"{side}.{load}" for side in SIDES for load in _LOADS), *(f"loop.{x}" for x in _LOOP))
+    maps = [
+        sp.csr_matrix(sp.vstack([sp.csr_matrix(part) for part in parts]))
+        for parts in zip(*rows, strict=True)
+    ]
+    names = (
+        *(f"{side}.{load}" for side in SIDES for load in _LOADS),
+        *(f"loop.{x}" for x in _LOOP),
+    )
     values.append(at_rest.ravel())
-    return LinearRope(M, D, K, system.free.ravel(), names, np.concatenate(values), (maps[0], maps[1], maps[2]))
+    return LinearRope(
+        M, D, K, system.free.ravel(), names, np.concatenate(values), (maps[0], maps[1], maps[2])
+    )
 
 
 def let_turn(rope: RopeSimulator) -> None:
@@ -149,7 +174,9 @@ def let_turn(rope: RopeSimulator) -> None:
         for swivel_state, swivel in zip(state.swivels, swivels, strict=True)
     ]
     if any(swivel_state.phase is Phase.SLIP for swivel_state in phases):
-        rope.restore(equilibrium_in_frame(rope.model, state._replace(swivels=(phases[0], phases[1])))[0])
+        rope.restore(
+            equilibrium_in_frame(rope.model, state._replace(swivels=(phases[0], phases[1])))[0]
+        )
 
 
 @cache
@@ -158,7 +185,9 @@ def _derivatives(features: Features) -> Any:
     residual = rope_element("torsional", features).residual
     x = [ca.SX.sym(f"x{k}", residual.size1_in(k)) for k in range(residual.n_in())]
     R = residual(*x)
-    return ca.Function("derivatives", x, ca.cse([R, *(ca.densify(ca.jacobian(R, x[k])) for k in range(3))]))
+    return ca.Function(
+        "derivatives", x, ca.cse([R, *(ca.densify(ca.jacobian(R, x[k])) for k in range(3))])
+    )
 
 
 def _along(lengths: Array) -> sp.csr_matrix:
@@ -169,9 +198,9 @@ def _along(lengths: Array) -> sp.csr_matrix:
         slope = [q[NODE_DOF * node + k] for k in (3, 4, 5)]
         bends = [bend(node, l, *(q[j + k] for j in (0, 3, 7, 10))) for k in range(3)]
         sides += [*slope, *bends, (q[13] - q[6]) / l]
-    parts = ca.Function("along", [l], [ca.densify(ca.jacobian(ca.vertcat(*sides), q))]).map(lengths.size)(
-        lengths[None, :]
-    )
+    parts = ca.Function("along", [l], [ca.densify(ca.jacobian(ca.vertcat(*sides), q))]).map(
+        lengths.size
+    )(lengths[None, :])
     weight = np.full(NODE_DOF * (lengths.size + 1), 0.5)
     weight[:NODE_DOF] = weight[-NODE_DOF:] = 1.0
     return sp.csr_matrix(sp.diags(weight) @ assembled(np.asarray(parts), lengths.size))
@@ -194,7 +223,9 @@ def _end_load() -> Any:
     """Build (coordinates, reaction) of an end -> derivatives of its load with respect to both, and the load."""
     q, f = ca.SX.sym("q", NODE_DOF), ca.SX.sym("f", NODE_DOF)
     load = ca.vertcat(*conveyance_load(ca.vertsplit(q), ca.vertsplit(f), f[6]))
-    return ca.Function("end_load", [q, f], [ca.densify(ca.jacobian(load, x)) for x in (q, f)] + [load])
+    return ca.Function(
+        "end_load", [q, f], [ca.densify(ca.jacobian(load, x)) for x in (q, f)] + [load]
+    )
 
 
 @cache
@@ -203,5 +234,9 @@ def _loop() -> Any:
     q, xi, l = ca.SX.sym("q", 2 * NODE_DOF), ca.SX.sym("xi"), ca.SX.sym("l")
     point = node_values(xi, l, ca.vertsplit(q))
     position = ca.vertcat(*point[:3], ca.atan2(-point[5], point[3]))
-    moved = ca.jacobian(position, xi) @ ca.jacobian(point[4], q) / (l * bend(xi, l, *(q[k] for k in (1, 4, 8, 11))))
+    moved = (
+        ca.jacobian(position, xi)
+        @ ca.jacobian(point[4], q)
+        / (l * bend(xi, l, *(q[k] for k in (1, 4, 8, 11))))
+    )
     return ca.Function("loop", [q, xi, l], [ca.densify(ca.jacobian(position, q) - moved), position])

@@ -41,7 +41,9 @@ def natural_modes(system: RopeSystem, q: Array, count: int = 8) -> Modes:
             f"the equilibrium is unstable: its softest stiffness, {soft:.3g} N/m, is negative; use less twist"
         )
     free = np.flatnonzero(system.free.ravel())
-    stiffness, mass = (assemble_matrix(system, q, c)[free][:, free] for c in ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
+    stiffness, mass = (
+        assemble_matrix(system, q, c)[free][:, free] for c in ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+    )
     start = np.ones(free.size)  # ARPACK's own start is random
     squares, vectors = eigsh(0.5 * (stiffness + stiffness.T), count, mass, sigma=0.0, v0=start)
     order = np.argsort(squares)
@@ -73,11 +75,23 @@ def assemble_matrix(system: RopeSystem, q: Array, c: tuple[float, float, float])
     frames, P = system.with_reference(q, system.z).element_data(q, zeros)
     if system.kernels.fidelity != "torsional":  # whose frames have no entries of the section's
         sides = np.hstack((q[:-1], q[1:])).T
-        frames = np.hstack((np.asarray(element_functions().reference.map(n)(sides, system.lengths[None, :])).T, frames))
+        frames = np.hstack(
+            (
+                np.asarray(element_functions().reference.map(n)(sides, system.lengths[None, :])).T,
+                frames,
+            )
+        )
     angles = np.column_stack((q[:, :ANGLE], q[:, ANGLE] + system.frame_turn(q)))
     q_e, v_e = (np.hstack((x[:-1], x[1:])).T for x in (angles, zeros))
     J = rope_element("torsional", system.kernels.features).tangent.map(n)(
-        q_e, v_e, v_e, system.lengths[None, :], frames.T, np.tile(P[:, None], n), *(np.full((1, n), x) for x in c), q_e
+        q_e,
+        v_e,
+        v_e,
+        system.lengths[None, :],
+        frames.T,
+        np.tile(P[:, None], n),
+        *(np.full((1, n), x) for x in c),
+        q_e,
     )[1]
     return assembled(np.asarray(J), n) + sp.diags(c[2] * system.node_mass.ravel())
 

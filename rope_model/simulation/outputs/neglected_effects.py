@@ -32,7 +32,10 @@ EFFECTS = (
         by_torque=False,
     ),
     Effect(
-        "spatial", "yaw and all else out of the plane", ("fz", "mx", "loop.z", "loop.yaw", "loop.turns"), by_torque=True
+        "spatial",
+        "yaw and all else out of the plane",
+        ("fz", "mx", "loop.z", "loop.yaw", "loop.turns"),
+        by_torque=True,
     ),
     Effect(
         "torsional",
@@ -48,7 +51,9 @@ EFFECTS = (
 
 def neglected_effects(fidelity: Fidelity) -> tuple[Effect, ...]:
     """Return the effects that the fidelity leaves out."""
-    return tuple(effect for effect in EFFECTS if FIDELITIES.index(effect.lowest) > FIDELITIES.index(fidelity))
+    return tuple(
+        effect for effect in EFFECTS if FIDELITIES.index(effect.lowest) > FIDELITIES.index(fidelity)
+    )
 
 
 def neglected_text(fidelity: Fidelity) -> str:

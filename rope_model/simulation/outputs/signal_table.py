@@ -29,30 +29,54 @@ def _table() -> Iterator[tuple[str, Signal]]:
     for side in SIDES:
         for k, axis in enumerate("xyz"):
             what = ("horizontal, in plane", "vertical", "horizontal, out of plane")[k]
-            yield f"{side}.f{axis}", Signal("N", f"force of the rope on the {side} conveyance, {what}")
+            yield (
+                f"{side}.f{axis}",
+                Signal("N", f"force of the rope on the {side} conveyance, {what}"),
+            )
         for axis in "xyz":
-            yield f"{side}.m{axis}", Signal("N.m", f"moment of the rope on the {side} conveyance about {axis.upper()}")
+            yield (
+                f"{side}.m{axis}",
+                Signal("N.m", f"moment of the rope on the {side} conveyance about {axis.upper()}"),
+            )
         yield f"{side}.fy_mean", Signal("N", f"mean of {side}.fy over the last communication step")
-        yield f"{side}.swivel.angle", Signal("rad", f"angle of the rope's {side} end against the conveyance")
+        yield (
+            f"{side}.swivel.angle",
+            Signal("rad", f"angle of the rope's {side} end against the conveyance"),
+        )
         yield f"{side}.swivel.rate", Signal("rad/s", f"rate of {side}.swivel.angle")
-        yield f"{side}.swivel.torque", Signal("N.m", f"moment of the {side} swivel on the rope, about the tangent")
+        yield (
+            f"{side}.swivel.torque",
+            Signal("N.m", f"moment of the {side} swivel on the rope, about the tangent"),
+        )
         yield f"{side}.swivel.slipping", Signal("1", f"whether the {side} swivel turns", "boolean")
         text = f"fall of {side}.fy per acceleration of the end that grows from 0 over the last communication step"
         yield f"{side}.added_mass", Signal("kg", text)
     for axis in "xyz":
         yield f"loop.{axis}", Signal("m", f"{axis.upper()} of the rope's lowest point")
-    yield "loop.yaw", Signal("rad", "yaw of the loop at its lowest point, counted through full turns")
-    yield "loop.clearance", Signal("m", "smallest free distance between the legs, from one spacing above the bottom")
+    yield (
+        "loop.yaw",
+        Signal("rad", "yaw of the loop at its lowest point, counted through full turns"),
+    )
+    yield (
+        "loop.clearance",
+        Signal("m", "smallest free distance between the legs, from one spacing above the bottom"),
+    )
     text = "turns of one side (leg, conveyance and head ropes) about the other, over the height"
     yield "loop.turns", Signal("1", text)
     yield "loop.crossings", Signal("1", "passages of one side through the other so far")
     yield "loop.crossed_at", Signal("s", "time of the first passage; 0 before")
     yield "loop.crossed_y", Signal("m", "height of the first passage; 0 before")
-    yield "loop.overlap", Signal("m", "largest depth of the rope in itself so far, leg in leg or coil in coil")
+    yield (
+        "loop.overlap",
+        Signal("m", "largest depth of the rope in itself so far, leg in leg or coil in coil"),
+    )
     yield "loop.touched_at", Signal("s", "time at which the rope first touched itself; 0 before")
     yield "loop.touched_y", Signal("m", "height of loop.overlap")
     yield "loop.rise", Signal("m", "height of the lowest point over its quasi-static place")
-    yield "loop.sideways", Signal("m", "horizontal distance of the lowest point from midway between the ends")
+    yield (
+        "loop.sideways",
+        Signal("m", "horizontal distance of the lowest point from midway between the ends"),
+    )
     yield "guard.tripped", Signal("1", "whether a guard has tripped", "boolean")
     causes = ", ".join(f"{code} {cause}" for code, cause in enumerate(("none", *CAUSES)))
     yield "guard.cause", Signal("1", f"the first guard that has tripped: {causes}", "integer")
@@ -60,7 +84,10 @@ def _table() -> Iterator[tuple[str, Signal]]:
     for point in (*SIDES, "loop"):
         where = "at the loop's lowest point" if point == "loop" else f"at the {point} end"
         yield f"{point}.twist", Signal("rad/m", f"twist {where}: change of the lay")
-    yield "stress.bending_max", Signal("Pa", "largest nominal bending stress, 32 EI kappa / (pi d^3)")
+    yield (
+        "stress.bending_max",
+        Signal("Pa", "largest nominal bending stress, 32 EI kappa / (pi d^3)"),
+    )
     yield "stress.torsion_max", Signal("Pa", "largest nominal torsional stress, 16 M / (pi d^3)")
     for name, what in (
         ("kinetic", "kinetic energy"),
@@ -81,7 +108,10 @@ def _table() -> Iterator[tuple[str, Signal]]:
         yield f"energy.{name}", Signal("J", what)
     for kind in KINDS:
         words = "dividers" if kind == "divider" else kind.replace("_", " ")
-        yield f"contact.{kind}", Signal("N", f"pressure between rope and {words}, summed along the rope")
+        yield (
+            f"contact.{kind}",
+            Signal("N", f"pressure between rope and {words}, summed along the rope"),
+        )
     yield "contact.rope", Signal("N", "pressure of the rope on itself, summed along it")
     for kind in (*KINDS, "rope"):
         text = f"impulse of contact.{kind} since the start; it hardly depends on contact.stiffness"
@@ -114,15 +144,24 @@ def _table() -> Iterator[tuple[str, Signal]]:
         ("elements_per_bend", "1", "fewest elements in half a turn of the sharpest bend so far"),
     ):
         yield f"audit.{name}", Signal(unit, what)
-    yield "status.given_up", Signal("1", "time steps that gave up accuracy for solver.work_max", "integer")
-    yield "status.given_up_since", Signal("s", "time of the first step that gave up accuracy; 0 before")
+    yield (
+        "status.given_up",
+        Signal("1", "time steps that gave up accuracy for solver.work_max", "integer"),
+    )
+    yield (
+        "status.given_up_since",
+        Signal("s", "time of the first step that gave up accuracy; 0 before"),
+    )
     for kind in KINDS:
         yield f"clearance.{kind}", Signal("m", f"least distance from {BODIES[kind]}; 1e6: none")
     for kind in KINDS:
         name = f"nearest.{kind}"
         yield f"{name}.clearance", Signal("m", f"smallest clearance.{kind} so far")
         yield f"{name}.time", Signal("s", f"time of {name}.clearance")
-        yield f"{name}.s", Signal("m", f"place of {name}.clearance along the rope, from its left end")
+        yield (
+            f"{name}.s",
+            Signal("m", f"place of {name}.clearance along the rope, from its left end"),
+        )
         yield f"{name}.y", Signal("m", f"height of {name}.clearance")
         yield f"{name}.touched_at", Signal("s", "time of the first contact; 0 before")
     for name, unit, what in (
@@ -133,7 +172,10 @@ def _table() -> Iterator[tuple[str, Signal]]:
         ("torsion", "Pa", "nominal torsional stress"),
     ):
         for i in range(1, SHAPE_POINTS + 1):
-            yield f"shape.{name}[{i}]", Signal(unit, f"{what} at point {i} of {SHAPE_POINTS} along the rope")
+            yield (
+                f"shape.{name}[{i}]",
+                Signal(unit, f"{what} at point {i} of {SHAPE_POINTS} along the rope"),
+            )
     for name, unit, what in (
         ("tension", "N", "tension"),
         ("curvature", "1/m", "curvature"),
@@ -141,7 +183,10 @@ def _table() -> Iterator[tuple[str, Signal]]:
         *_COORDINATES,
     ):
         for i in range(1, SHAPE_POINTS + 1):
-            yield f"station.{name}[{i}]", Signal(unit, f"{what} at station {i} of {SHAPE_POINTS}, fixed in the rope")
+            yield (
+                f"station.{name}[{i}]",
+                Signal(unit, f"{what} at station {i} of {SHAPE_POINTS}, fixed in the rope"),
+            )
 
 
 #: Signal by name, in the order of the FMI interface
@@ -160,5 +205,7 @@ def checked_names(names: Iterable[str] | None) -> tuple[str, ...]:
     wanted = tuple(names)
     for name in wanted:
         if name not in SIGNALS:
-            raise ValueError(f"{name!r} is no signal of the rope; SIGNALS has their names, left.fy for one")
+            raise ValueError(
+                f"{name!r} is no signal of the rope; SIGNALS has their names, left.fy for one"
+            )
     return wanted

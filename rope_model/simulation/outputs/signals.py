@@ -8,7 +8,11 @@ import numpy as np
 from rope_model.parameters import Scene
 from rope_model.physics.accuracy import end_force_error, loop_error
 from rope_model.physics.centreline import turns
-from rope_model.physics.contact_error import add_contact_end_error, add_contact_loop_error, contact_error
+from rope_model.physics.contact_error import (
+    add_contact_end_error,
+    add_contact_loop_error,
+    contact_error,
+)
 from rope_model.physics.estimates import loop_width
 from rope_model.physics.frame import conveyance_load
 from rope_model.physics.guard import sideways
@@ -57,7 +61,12 @@ def group_of(name: str) -> Callable[[SignalSource], dict[str, float]]:
         return stress_signals
     if name.startswith(("shape.s", "shape.tension", "shape.bending", "shape.torsion")):
         return along_signals
-    groups = {"loop": loop_signals, "stress": stress_signals, "shape": shape_signals, "station": station_signals}
+    groups = {
+        "loop": loop_signals,
+        "stress": stress_signals,
+        "shape": shape_signals,
+        "station": station_signals,
+    }
     groups |= {"status": error_signals, "audit": audit_signals}
     groups |= {"contact": contact_signals, "clearance": clearance_signals}
     return groups.get(name.partition(".")[0], end_signals)
@@ -83,9 +92,20 @@ def end_signals(rope: SignalSource) -> dict[str, float]:
     out: dict[str, float] = {}
     for side, (name, node) in enumerate(zip(SIDES, END_NODE, strict=True)):
         q, torque = m.q[node].tolist(), ends.moment(side, m.q, m.reaction)
-        load, slips = conveyance_load(q, m.reaction[node].tolist(), torque), ends.states[side].phase is Phase.SLIP
-        values = *load, means[side], *ends.relative(side, m.t, q[ANGLE], m.v[node, ANGLE]), torque, slips
-        out |= {f"{name}.{key}": float(value) for key, value in zip(_OF_AN_END, values, strict=True)}
+        load, slips = (
+            conveyance_load(q, m.reaction[node].tolist(), torque),
+            ends.states[side].phase is Phase.SLIP,
+        )
+        values = (
+            *load,
+            means[side],
+            *ends.relative(side, m.t, q[ANGLE], m.v[node, ANGLE]),
+            torque,
+            slips,
+        )
+        out |= {
+            f"{name}.{key}": float(value) for key, value in zip(_OF_AN_END, values, strict=True)
+        }
     return out
 
 
@@ -94,7 +114,11 @@ def loop_signals(rope: SignalSource) -> dict[str, float]:
     state, scene = rope.state, rope.scene
     bottom = rope.loop
     out = {f"loop.{axis}": float(x) for axis, x in zip("xyz", bottom.position, strict=True)}
-    q, lengths, yaw = state.motion.q, state.partition.lengths, nearest_turn(bottom.yaw, state.loop_yaw)
+    q, lengths, yaw = (
+        state.motion.q,
+        state.partition.lengths,
+        nearest_turn(bottom.yaw, state.loop_yaw),
+    )
     clearance = diagnostics.leg_clearance(
         q, lengths, bottom, loop_width(scene), scene.rope.diameter, scene.layout.spacing
     )
@@ -110,7 +134,10 @@ def loop_signals(rope: SignalSource) -> dict[str, float]:
 def clearance_signals(rope: SignalSource) -> dict[str, float]:
     """Return the distances of the rope from the bodies of its scene."""
     nearest_of_kind = clearances(rope.scene, rope.state)
-    return {f"clearance.{kind}": nearest.clearance for kind, nearest in zip(KINDS, nearest_of_kind, strict=True)}
+    return {
+        f"clearance.{kind}": nearest.clearance
+        for kind, nearest in zip(KINDS, nearest_of_kind, strict=True)
+    }
 
 
 def stress_signals(rope: SignalSource) -> dict[str, float]:
@@ -137,9 +164,18 @@ def contact_signals(rope: SignalSource) -> dict[str, float]:
 
 def error_signals(rope: SignalSource) -> dict[str, float]:
     """Return the error estimates of the run so far."""
-    scene, errors, cells, contact = rope.scene, rope.state.errors, rope.state.partition, rope.state.contact
-    at_ends = add_contact_end_error(end_force_error(scene.rope, errors), contact, errors.time, errors.force)
-    at_loop = add_contact_loop_error(scene, loop_error(scene, errors, cells.fine_length, cells.grading_length), contact)
+    scene, errors, cells, contact = (
+        rope.scene,
+        rope.state.errors,
+        rope.state.partition,
+        rope.state.contact,
+    )
+    at_ends = add_contact_end_error(
+        end_force_error(scene.rope, errors), contact, errors.time, errors.force
+    )
+    at_loop = add_contact_loop_error(
+        scene, loop_error(scene, errors, cells.fine_length, cells.grading_length), contact
+    )
     return {
         "status.end_force_error": float(add_misfit_error(at_ends, errors, *rope.state.filters)),
         "status.loop_error": float(add_drift_error(at_loop, *rope.state.filters)),
@@ -164,17 +200,31 @@ def along_signals(rope: SignalSource) -> dict[str, float]:
     """Return arc lengths, tension and stresses at the points of the shape."""
     lengths = rope.state.partition.lengths
     s = diagnostics.shape_places(lengths, rope.loop.s, loop_width(rope.scene), SHAPE_POINTS)
-    bending, torsion = (diagnostics.interpolate_midpoints(stress, lengths, s) for stress in _material(rope)[:2])
-    return _rows("shape", {"s": s, "tension": pull_at(rope, s), "bending": bending, "torsion": torsion})
+    bending, torsion = (
+        diagnostics.interpolate_midpoints(stress, lengths, s) for stress in _material(rope)[:2]
+    )
+    return _rows(
+        "shape", {"s": s, "tension": pull_at(rope, s), "bending": bending, "torsion": torsion}
+    )
 
 
 def station_signals(rope: SignalSource) -> dict[str, float]:
     """Return tension, curvature, torque and position of points that stay in the rope."""
     where, lengths = rope.scene.station, rope.state.partition.lengths
     s = float(np.sum(lengths)) * np.linspace(where.first, where.last, SHAPE_POINTS)
-    curvature, torque = (diagnostics.interpolate_midpoints(values, lengths, s) for values in _material(rope)[2:4])
-    points = dict(zip("xyz", interpolate(rope.state.motion.q, arc_lengths(lengths), s)[:, POSITION].T, strict=True))
-    return _rows("station", {"tension": pull_at(rope, s), "curvature": curvature, "torque": torque} | points)
+    curvature, torque = (
+        diagnostics.interpolate_midpoints(values, lengths, s) for values in _material(rope)[2:4]
+    )
+    points = dict(
+        zip(
+            "xyz",
+            interpolate(rope.state.motion.q, arc_lengths(lengths), s)[:, POSITION].T,
+            strict=True,
+        )
+    )
+    return _rows(
+        "station", {"tension": pull_at(rope, s), "curvature": curvature, "torque": torque} | points
+    )
 
 
 def pull_at(rope: SignalSource, s: Array) -> Array:
@@ -187,7 +237,11 @@ def pull_at(rope: SignalSource, s: Array) -> Array:
 
 
 def _rows(group: str, rows: dict[str, Array]) -> dict[str, float]:
-    return {f"{group}.{name}[{i}]": float(x) for name, row in rows.items() for i, x in enumerate(row, start=1)}
+    return {
+        f"{group}.{name}[{i}]": float(x)
+        for name, row in rows.items()
+        for i, x in enumerate(row, start=1)
+    }
 
 
 def _material(rope: SignalSource) -> tuple[Array, ...]:
@@ -196,4 +250,6 @@ def _material(rope: SignalSource) -> tuple[Array, ...]:
     Stresses are those of a solid round bar; bending is root mean square along it.  Without torsion there is no torque.
     """
     strains = rope.system.strains(rope.state.motion.q, rope.state.motion.v)
-    return *material_values(rope.scene.rope, float(rope.state.fidelity == "torsional"), strains.T), strains[:, 1]
+    return *material_values(
+        rope.scene.rope, float(rope.state.fidelity == "torsional"), strains.T
+    ), strains[:, 1]

@@ -31,11 +31,15 @@ def remembered(state: Any) -> dict[str, Any]:
         "energy.total": total(state.energy_balance),
         "energy.residual": residual(state.energy_balance),
     }
-    values |= {f"energy.{name}": getattr(state.energy_balance, name) for name in EnergyBalance._fields}
+    values |= {
+        f"energy.{name}": getattr(state.energy_balance, name) for name in EnergyBalance._fields
+    }
     values |= {"guard.cause": guard.cause, "guard.time": guard.time}
     values |= {f"count.{name}": getattr(state.counts, name) for name in Counts._fields}
     for k, name in enumerate(("position", "speed", "acceleration")):
-        values[f"inputs.misfit.{name}"] = maximum(*(getattr(x, f"{name}_misfit") for x in (left, right)))
+        values[f"inputs.misfit.{name}"] = maximum(
+            *(getattr(x, f"{name}_misfit") for x in (left, right))
+        )
         mean = maximum(left.misfit_squares[k], right.misfit_squares[k]) / maximum(left.time, TINY)
         values[f"inputs.misfit.{name}_rms"] = sqrt(mean)
     impulses = zip((*KINDS, "rope"), state.contact.impulses, strict=True)
@@ -45,7 +49,16 @@ def remembered(state: Any) -> dict[str, Any]:
     return {name: value for name, value in values.items() if name in SIGNALS}
 
 
-_START: dict[str, Any] = {"crossing": Crossing(), "guard": GuardState(), "filters": (InputFilter(),) * 2}
-_START |= {"counts": Counts(), "given_up_since": 0.0, "energy_balance": EnergyBalance(), "contact": ContactSums()}
+_START: dict[str, Any] = {
+    "crossing": Crossing(),
+    "guard": GuardState(),
+    "filters": (InputFilter(),) * 2,
+}
+_START |= {
+    "counts": Counts(),
+    "given_up_since": 0.0,
+    "energy_balance": EnergyBalance(),
+    "contact": ContactSums(),
+}
 #: names of these signals
 STATE_SIGNALS = tuple(remembered(SimpleNamespace(**_START, nearest=(Nearest(),) * len(KINDS))))

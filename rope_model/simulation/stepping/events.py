@@ -11,7 +11,9 @@ from typing import Any, NamedTuple
 from rope_model.physics.elementary import logical_and, maximum, minimum, where
 
 
-def locate(f: Callable[[float], float], low: float, high: float, f_low: float, f_high: float, width: float) -> float:
+def locate(
+    f: Callable[[float], float], low: float, high: float, f_low: float, f_high: float, width: float
+) -> float:
     """Return the right end of an interval of ``width`` in which ``f`` changes from negative to not negative.
 
     ``f_low`` < 0 <= ``f_high`` are the values at the ends.  Neighbouring floating-point numbers may be further apart

@@ -34,7 +34,9 @@ from rope_model.simulation.stepping.statics import StaticsError, find_equilibriu
 FLOOR_STEP = 0.25  #: m, by which the floor rises beneath a rope that is laid down on it
 MAX_FLOOR_STEPS = 40
 CURVATURE_STEPS = 8  #: increments of the permanent curvature
-PLACING_STEPS = 32  #: increments of the position and lean of ends that are not plumb: 0.1 rad each at most
+PLACING_STEPS = (
+    32  #: increments of the position and lean of ends that are not plumb: 0.1 rad each at most
+)
 TWIST_STEP = 1.0  #: rad, largest increment of twist
 MIN_TWIST_STEP = 0.01  #: rad, smallest increment of twist
 #: rad, largest turn of the frame at the right end, twice the loop's yaw, on the branch of equilibria
@@ -52,10 +54,15 @@ def hang(model: RopeModel, state: RopeState, ends: tuple[EndMotion, EndMotion]) 
     return _relax(model, None, state) if not_plumb(model.scene) else state
 
 
-def paths_at_rest(scene: Scene, t: float, ends: tuple[EndMotion, EndMotion], placed: float) -> tuple[EndPath, EndPath]:
+def paths_at_rest(
+    scene: Scene, t: float, ends: tuple[EndMotion, EndMotion], placed: float
+) -> tuple[EndPath, EndPath]:
     """Return the paths of both ends at rest on their way; those of plumb ends at their positions."""
     left, right, placed = *ends, placed if not_plumb(scene) else 1.0
-    first, second = partly_placed(scene, left, right, -1.0, placed), partly_placed(scene, right, left, 1.0, placed)
+    first, second = (
+        partly_placed(scene, left, right, -1.0, placed),
+        partly_placed(scene, right, left, 1.0, placed),
+    )
     return EndPath.at_rest(t, first), EndPath.at_rest(t, second)
 
 
@@ -78,7 +85,9 @@ def _lay_down(model: RopeModel, state: RopeState) -> tuple[RopeState, int]:
     parts = min(math.ceil(below / FLOOR_STEP), MAX_FLOOR_STEPS) if below > 0 else 0
     for k in range(parts):
         raised = replace(shaft, sump=replace(shaft.sump, level=lowest + below * k / parts))
-        state, corrections = equilibrium_in_frame(replace(model, scene=model.scene.with_(shaft=raised)), state)
+        state, corrections = equilibrium_in_frame(
+            replace(model, scene=model.scene.with_(shaft=raised)), state
+        )
         total += corrections
     state, corrections = equilibrium_in_frame(model, state)
     return state, total + corrections
@@ -89,9 +98,13 @@ def _let_curve(model: RopeModel, state: RopeState) -> tuple[RopeState, int]:
     rope = model.scene.rope
     if not is_curved(rope, flexible(state.fidelity)):
         return _lay_down(model, state)
-    state, total = _lay_down(replace(model, scene=model.scene.with_(rope=partly_curved(rope, 0.0))), state)
+    state, total = _lay_down(
+        replace(model, scene=model.scene.with_(rope=partly_curved(rope, 0.0))), state
+    )
     for k in range(1, CURVATURE_STEPS + 1):
-        part = replace(model, scene=model.scene.with_(rope=partly_curved(rope, k / CURVATURE_STEPS)))
+        part = replace(
+            model, scene=model.scene.with_(rope=partly_curved(rope, k / CURVATURE_STEPS))
+        )
         try:
             state, corrections = equilibrium_in_frame(part, state)
         except StaticsError as error:
@@ -115,10 +128,14 @@ def _turn_in(model: RopeModel, state: RopeState, total: int, twist: float) -> Ro
         last = abs(step) <= MIN_TWIST_STEP
         if total >= MAX_CORRECTIONS:
             raise StaticsError(
-                messages.fails_at_twist(twist - left, twist, abs(step), total, messages.takes_too_long())
+                messages.fails_at_twist(
+                    twist - left, twist, abs(step), total, messages.takes_too_long()
+                )
             )
         try:
-            after, corrections = equilibrium_in_frame(model, _twist_evenly(state, step), math.inf if last else MAX_TURN)
+            after, corrections = equilibrium_in_frame(
+                model, _twist_evenly(state, step), math.inf if last else MAX_TURN
+            )
         except StaticsError as error:
             total += error.corrections
             if not error.turned:
@@ -143,9 +160,13 @@ def _relax(model: RopeModel, straight: list[RopeState] | None, state: RopeState)
     the first swivel slips, or else, without them, from ``state``.
     """
     slips: dict[int, SwivelState] = {}
-    while loose := {side: friction for side, friction in _loose(model, state).items() if side not in slips}:
+    while loose := {
+        side: friction for side, friction in _loose(model, state).items() if side not in slips
+    }:
         side = min(loose, key=loose.__getitem__)
-        slips[side] = SwivelState(Phase.SLIP, 0.0, math.copysign(1.0, -state.motion.reaction[END_NODE[side], ANGLE]))
+        slips[side] = SwivelState(
+            Phase.SLIP, 0.0, math.copysign(1.0, -state.motion.reaction[END_NODE[side], ANGLE])
+        )
         if straight and len(slips) == 1:
             state, _ = _let_curve(model, _with_swivels(straight[side], slips))
         else:
@@ -185,17 +206,25 @@ def _with_swivels(state: RopeState, swivels: dict[int, SwivelState]) -> RopeStat
     return state._replace(swivels=(left, right))
 
 
-def equilibrium_in_frame(model: RopeModel, state: RopeState, max_turn: float = math.inf) -> tuple[RopeState, int]:
+def equilibrium_in_frame(
+    model: RopeModel, state: RopeState, max_turn: float = math.inf
+) -> tuple[RopeState, int]:
     """Return ``state`` in equilibrium, and the number of corrections."""
     m, zeros = state.motion, np.zeros_like(state.motion.q)
     equilibrium = find_equilibrium(model.system(state), m.q, m.t, max_turn=max_turn)
     motion = Motion(m.t, equilibrium.q, zeros, zeros, zeros, zeros, 0.0, equilibrium.reaction)
-    state = _turn_right_end(state._replace(motion=motion, director=equilibrium.director), equilibrium.end_rotation)
-    balance = model.system(state).evaluate(equilibrium.q, zeros, zeros, equilibrium.reaction).balance
+    state = _turn_right_end(
+        state._replace(motion=motion, director=equilibrium.director), equilibrium.end_rotation
+    )
+    balance = (
+        model.system(state).evaluate(equilibrium.q, zeros, zeros, equilibrium.reaction).balance
+    )
     # a loop that yaws by psi turns the frame of the right end by -2 psi: this shows full turns
     yaw = state.loop_yaw - 0.5 * equilibrium.end_rotation
     books = energies(state.energy_balance, balance)
-    return update_loop_yaw(state._replace(energy_balance=books, loop_yaw=yaw)), equilibrium.iterations
+    return update_loop_yaw(
+        state._replace(energy_balance=books, loop_yaw=yaw)
+    ), equilibrium.iterations
 
 
 def _turn_right_end(state: RopeState, angle: float) -> RopeState:

@@ -71,7 +71,11 @@ class Equilibrium:
 
 
 def find_equilibrium(
-    system: RopeSystem, guess: Array, t: float = 0.0, max_iterations: int = 10000, max_turn: float = math.inf
+    system: RopeSystem,
+    guess: Array,
+    t: float = 0.0,
+    max_iterations: int = 10000,
+    max_turn: float = math.inf,
 ) -> Equilibrium:
     """Find the equilibrium near ``guess`` (nodes, 7), whose angles count along it, with the ends held as at ``t``.
 

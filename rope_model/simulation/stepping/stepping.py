@@ -24,14 +24,18 @@ log = logging.getLogger(__name__)
 
 #: largest number of Newton iterations of a communication step: over 6 times that of 120 drawn trips
 MAX_ITERATIONS = 5_000.0
-LIMIT_INTERVAL = 0.05  #: s, length of the communication step above which that number grows in proportion
+LIMIT_INTERVAL = (
+    0.05  #: s, length of the communication step above which that number grows in proportion
+)
 
 
 #: accepted trial step, the state before it with updated counts and step control, and true if it ends at the stop
 _Accepted = tuple[StepResult[Evaluation], RopeState, bool]
 
 
-def step_towards(model: RopeModel, state: RopeState, t_end: float, newton_limit: int) -> RopeState | str:
+def step_towards(
+    model: RopeModel, state: RopeState, t_end: float, newton_limit: int
+) -> RopeState | str:
     """Return the state after one accepted step towards ``t_end``, or the reason for a failure.
 
     ``newton_limit`` is the number of Newton iterations since the start beyond which accuracy is given up.
@@ -54,7 +58,9 @@ def step_towards(model: RopeModel, state: RopeState, t_end: float, newton_limit:
         end = result.motion.t
         # reserve iterations for the step to the event and one after it
         iterations_left = newton_limit - counts.newton - 2 * STEP_ITERATIONS
-        if (event := switching.switching_step(model, system, state, result, iterations_left)) is None:
+        if (
+            event := switching.switching_step(model, system, state, result, iterations_left)
+        ) is None:
             break
         h, iterations = event
         counts = counts.plus(newton=iterations, given_up=int(iterations >= iterations_left))
@@ -68,7 +74,11 @@ def step_towards(model: RopeModel, state: RopeState, t_end: float, newton_limit:
         shorter = max(0.5 * (end - state.motion.t), model.scene.solver.step_min)
         if shorter > 0.75 * (end - state.motion.t):
             return messages.step_to_event_fails(result.newton.status.text)
-        log.debug("t = %.6f s: step to a swivel event rejected: %s", state.motion.t, result.newton.status.text)
+        log.debug(
+            "t = %.6f s: step to a swivel event rejected: %s",
+            state.motion.t,
+            result.newton.status.text,
+        )
         state = state._replace(step_next=shorter, counts=counts.plus(rejections=1))
     after = model.commit(state, system, result)._replace(counts=counts.plus(steps=1))
     if reaches_stop and after.motion.t == end:
@@ -120,7 +130,9 @@ def _accepted_step(
             step_next = h
             break
         cause = (
-            result.newton.status.text if result.motion is None else messages.error_too_large(error / solver.tolerance)
+            result.newton.status.text
+            if result.motion is None
+            else messages.error_too_large(error / solver.tolerance)
         )
         log.debug("t = %.6f s: step %.3g s rejected: %s", t, h, cause)
         rejections += 1
@@ -131,7 +143,11 @@ def _accepted_step(
     then = next_step(solver, h, step_next, error, bool(cause), t + h, state.calm_since)
     given_up = int(then.given_up or result.newton.error > solver.newton_tolerance)
     counts = state.counts.plus(newton=iterations, rejections=rejections, given_up=given_up)
-    return result, state._replace(step_next=then.length, calm_since=then.calm_since, counts=counts), parts == 1
+    return (
+        result,
+        state._replace(step_next=then.length, calm_since=then.calm_since, counts=counts),
+        parts == 1,
+    )
 
 
 def _next_stop(model: RopeModel, state: RopeState, t_end: float) -> float:
@@ -162,13 +178,17 @@ def as_rigid(model: RopeModel, state: RopeState, t: float) -> RopeState:
     state = transformed
     rope = rigid_rope(model.scene, ends_at(state.paths, t), t, state.partition.nodes_s)
     return state._replace(
-        motion=rope.motion, energy_balance=state.energy_balance._replace(kinetic=rope.kinetic, gravity=rope.gravity)
+        motion=rope.motion,
+        energy_balance=state.energy_balance._replace(kinetic=rope.kinetic, gravity=rope.gravity),
     )
 
 
 def max_iterations(interval: Any, step_max: Any) -> Any:
     """Return the Newton iterations after which a communication step fails; a short step_max needs more."""
-    return MAX_ITERATIONS * maximum(interval / LIMIT_INTERVAL, 1.0) + 2.0 * STEP_ITERATIONS * interval / step_max
+    return (
+        MAX_ITERATIONS * maximum(interval / LIMIT_INTERVAL, 1.0)
+        + 2.0 * STEP_ITERATIONS * interval / step_max
+    )
 
 
 def _steps_left(iterations_left: int) -> int:
