@@ -350,6 +350,7 @@ def ends(t: float) -> tuple[EndMotion, EndMotion]:
 
 
 #: coupling, and height of the left end, m; in the way of the floor legs stood on it as bars, with forces of some MN
+@pytest.mark.parametrize("form", ["native"], indirect=True)
 @pytest.mark.parametrize(("coupling", "left"), [(0.0, -10.0), (1.0, 0.0)])
 def test_a_rope_whose_floor_is_high_lies_on_it_and_hangs_from_its_ends(
     form: Any, coupling: float, left: float

@@ -7,6 +7,7 @@ The reason is a comment at the place, above it or above the function, a docstrin
 from __future__ import annotations
 
 import ast
+import re
 import tokenize
 import tomllib
 from collections.abc import Iterator
@@ -80,13 +81,17 @@ def places(path: Path) -> tuple[Place, ...]:
     return tuple(_places(path))
 
 
+#: a comment for a tool, which gives no reason
+DIRECTIVE = re.compile(r"# (noqa|type|fmt|mypy|ruff)\b")
+
+
 def _places(path: Path) -> Iterator[Place]:
     text = path.read_text(encoding="utf-8")
     with path.open("rb") as file:
         comments = {
             token.start[0]
             for token in tokenize.tokenize(file.readline)
-            if token.type == tokenize.COMMENT
+            if token.type == tokenize.COMMENT and not DIRECTIVE.match(token.string)
         }
     explained: set[int] = set()
     tree = ast.parse(text)

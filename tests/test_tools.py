@@ -183,6 +183,7 @@ def test_fmpy_meets_the_reference_experiment_inside(
         )
 
 
+# equal steps, whatever their error: the instants of the events are the claim
 EVENTS = {
     "solver.step_max": 0.005,
     "solver.tolerance": 1e6,
