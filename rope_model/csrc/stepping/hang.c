@@ -55,6 +55,9 @@ static int turn_in(Simulator *sim, State *state, double twist, char *message) {
     return 1;
 }
 
+/* Corrections after which laying a rope down is given up: more than twice the largest number of 200 drawn ropes. */
+enum { MAX_LAYING = 20000 };
+
 static void put_floor(Simulator *sim, double level) {
     sim->scene.shaft.sump.level = level;
     sim->obstacles->cache.free = 0; /* distances to the floor are others now */
@@ -72,6 +75,10 @@ static int lay_down(Simulator *sim, State *state, char *message) {
     for (int k = 0; k < parts && found; k++) {
         put_floor(sim, lowest + below * k / parts);
         found = equilibrium_in_frame(sim, state, INFINITY, message);
+        if (found && sim->corrections > MAX_LAYING) {
+            say_not_laid_down(message, (int)sim->corrections, below * k / parts, below, shaft.sump.level);
+            found = 0;
+        }
     }
     if (parts > 0) put_floor(sim, shaft.sump.level);
     return found && equilibrium_in_frame(sim, state, INFINITY, message);

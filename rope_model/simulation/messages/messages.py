@@ -29,6 +29,11 @@ winds_about_itself = Template(
     "after {most:d} solutions for its contact; lower the coupling, the installed twist or the length, or hang it "
     "without this contact: contact.rope_stiffness = 0"
 )
+not_laid_down = Template(
+    "no equilibrium: {corrections:d} corrections laid the rope down by {laid:.3g} of the {below:.3g} m "
+    "by which the sump's floor is higher than the loop of a rope that hangs freely; lower sump.level = "
+    "{level:g} m, or start with the ends higher"
+)
 end_in_lining = Template(
     "no equilibrium: an end of the rope lies {inside:.3g} m in the shaft's lining, which is {width:g} m wide and "
     "{depth:g} m deep about x = {x:g} m, z = {z:g} m; both ends must hang within it: change lining.*, or lower "
