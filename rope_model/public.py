@@ -4,6 +4,7 @@ import logging
 import subprocess
 from typing import Literal
 
+from rope_model.analysis.neighbours import Account, Contacts, Neighbours
 from rope_model.cases import ROPE_CASES, Level, RopeCase, at_level, rope_120, rope_240
 from rope_model.catalogue import BEARINGS, CONSTRUCTIONS, Datum, DatumStatus, KnownRope, rope
 from rope_model.engine import NativeRope
@@ -22,7 +23,6 @@ from rope_model.shaft_parameters import (
     Shaft,
     Sump,
 )
-from rope_model.simulation.contact.neighbours import Account, Contacts, Neighbours
 from rope_model.simulation.contact.point_forces import PointForces
 from rope_model.simulation.contact.shaft import BODIES
 from rope_model.simulation.ends.paths import EndMotion
