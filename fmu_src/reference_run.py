@@ -11,6 +11,7 @@ from functools import cache
 from fmu_src.interface import MOTION, variables
 from fmu_src.xml import node, xml_bytes
 from rope_model.cases import RopeCase
+from rope_model.codegen.build import NoEngine
 from rope_model.engine import NativeRope
 from rope_model.simulation.ends.paths import EndMotion
 
@@ -39,7 +40,7 @@ def reference_files(case: RopeCase, name: str, described: Collection[str]) -> di
     """
     try:
         NativeRope(case.scene)
-    except RuntimeError as error:  # no C compiler
+    except NoEngine as error:
         log.warning("the FMU has no reference run to check it by: %s", error)
         return {}
     inputs, results = _run(case)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rope_model.codegen import state_structures as layout
-from rope_model.codegen.build import library
+from rope_model.codegen.build import failed, library
 from rope_model.codegen.structures import scene_structure
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.parameters import Scene
@@ -89,7 +89,11 @@ class ChainMatrix(NamedTuple):
 
 @cache
 def _load() -> ctypes.CDLL:
-    return declare(ctypes.CDLL(str(library())))
+    path = library()
+    try:
+        return declare(ctypes.CDLL(str(path)))
+    except OSError as error:
+        raise failed(error) from error
 
 
 def declare(lib: ctypes.CDLL) -> ctypes.CDLL:
@@ -138,8 +142,8 @@ class NativeHandle(NamedTuple):
 class NativeRope(BalanceRope):
     """Rope in C; it takes the same steps as RopeSimulator, several times as fast.
 
-    Raises ValueError as RopeSimulator does, RuntimeError without a C compiler, and OSError or CalledProcessError when
-    the library does not load or the compiler fails.
+    Raises ValueError as RopeSimulator does, NoEngine without a C compiler or when it fails, and WriteError when its
+    library cannot be kept.
     """
 
     _library = staticmethod(_load)
