@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from evidence.tables import Array
 from rope_model.parameters import Rope
 from rope_model.physics.element import parameters
+from rope_model.physics.node import ANGLE
 from rope_model.simulation.rope_kernels import RopeKernels
-from rope_model.simulation.rope_system import ANGLE, RopeSystem
+from rope_model.simulation.rope_system import RopeSystem
 from rope_model.simulation.stepping.statics import Equilibrium, find_equilibrium
 
 

@@ -3,8 +3,9 @@
 The deeper the shaft, the slower the rope swings out of the plane of its loop: like a pendulum, with 1 / sqrt(depth).
 """
 
-from rope_model import EndMotion, Model, Rope, RopeSimulator, Scene, Solver, Swivel
-from rope_model.simulation.outputs.modal import natural_modes
+from rope_model import EndMotion, Model, Rope, Scene, Swivel
+from rope_model.analysis.modes import natural_modes
+from rope_model.engine import NativeRope
 
 
 def frequencies(length: float) -> tuple[float, float]:
@@ -13,13 +14,12 @@ def frequencies(length: float) -> tuple[float, float]:
         rope=Rope(length=length, Qb=0.0, Qc=0.0),
         right=Swivel(mode="free"),
         model=Model("torsional"),  # by itself it would leave out what is out of plane
-        solver=Solver(kernels="portable"),  # interpreted: one equilibrium is no reason to compile
     )
-    rope = RopeSimulator(scene)  # the Python form: its equations of motion can be looked at
+    rope = NativeRope(scene)  # it gives its matrices
     if not (status := rope.initialize(0.0, EndMotion(), EndMotion())).valid:
         raise RuntimeError(status.message)
-    rope.advance_to(0.02, EndMotion(), EndMotion())  # the start is at rest, with the swivels locked
-    modes = natural_modes(rope.system, rope.state.motion.q)
+    rope.let_turn()  # a rope that has just been hung has its swivels locked
+    modes = natural_modes(rope)
     out = modes.out_of_plane > 0.5
     return float(modes.frequencies[out][0]), float(modes.frequencies[~out][0])
 

@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rope_model.codegen import state_structures as layout
-from rope_model.codegen.build import library
+from rope_model.codegen.build import failed, library
 from rope_model.codegen.structures import scene_structure
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.parameters import Scene
+from rope_model.physics.element import NODE_DOF
 from rope_model.simulation.contact.point_forces import NO_FORCES, PointForces
 from rope_model.simulation.ends.paths import SIDES, EndMotion
 from rope_model.simulation.ends.swivel_phases import Phase
@@ -54,9 +55,45 @@ class _PointForces(Structure):
     _fields_ = (("count", c_int), ("start", c_double), ("stop", c_double), ("places", c_void_p))
 
 
+class LinearFactsStructure(Structure):
+    """LinearFacts of rope.h."""
+
+    _fields_ = (
+        ("free", (c_int * NODE_DOF) * 2),
+        ("near_bodies", c_int),
+        ("curved", c_int),
+        ("rubs", c_int),
+        ("frame_size", c_int),
+        ("lowest_s", c_double),
+    )
+
+
+class LinearFacts(NamedTuple):
+    """Facts about the present state for linear models."""
+
+    free: NDArray[np.bool_]  #: (nodes, 7), true for coordinates that are not prescribed
+    near_bodies: bool  #: true if an element may touch a body of the shaft
+    curved: bool  #: true if permanent curvature acts
+    rubs: bool  #: true if wires rub
+    lowest_s: float  #: m, arc length of the loop's lowest point
+
+
+class ChainMatrix(NamedTuple):
+    """Symmetric matrix of a chain whose nodes couple with their neighbours only."""
+
+    nodes: NDArray[np.float64]  #: (nodes, 7, 7), blocks on the diagonal
+    next: NDArray[
+        np.float64
+    ]  #: (elements, 7, 7), blocks of each node (rows) with the next (columns)
+
+
 @cache
 def _load() -> ctypes.CDLL:
-    return declare(ctypes.CDLL(str(library())))
+    path = library()
+    try:
+        return declare(ctypes.CDLL(str(path)))
+    except OSError as error:
+        raise failed(error) from error
 
 
 def declare(lib: ctypes.CDLL) -> ctypes.CDLL:
@@ -80,6 +117,10 @@ def declare(lib: ctypes.CDLL) -> ctypes.CDLL:
         "rope_signals": (None, (rope, c_size_t, POINTER(c_int), POINTER(c_double))),
         "rope_load_derivative": (c_int, (rope, c_int, c_int, POINTER(c_double))),
         "rope_repeated_steps": (c_size_t, (rope,)),
+        "rope_linear_facts": (None, (rope, POINTER(LinearFactsStructure))),
+        "rope_frames": (None, (rope, c_void_p)),
+        "rope_tangent": (None, (rope, POINTER(c_double), c_void_p, c_void_p)),
+        "rope_let_turn": (c_int, (rope,)),
         "rope_state_bytes": (c_size_t, (rope,)),
         "rope_restore": (c_int, (rope, c_char_p, c_size_t)),
     }
@@ -101,8 +142,8 @@ class NativeHandle(NamedTuple):
 class NativeRope(BalanceRope):
     """Rope in C; it takes the same steps as RopeSimulator, several times as fast.
 
-    Raises ValueError as RopeSimulator does, RuntimeError without a C compiler, and OSError or CalledProcessError when
-    the library does not load or the compiler fails.
+    Raises ValueError as RopeSimulator does, NoEngine without a C compiler or when it fails, and WriteError when its
+    library cannot be kept.
     """
 
     _library = staticmethod(_load)
@@ -224,6 +265,54 @@ class NativeRope(BalanceRope):
         structure, displacement = _forces(forces), np.empty((forces.s.size, 3))
         self._lib.rope_displacement(self._rope, byref(structure[0]), displacement.ctypes.data)
         return displacement
+
+    def linear_facts(self) -> LinearFacts:
+        """Return what linear models need to know of the present state."""
+        facts = self._linear_facts()
+        free = np.ones((self.elements + 1, NODE_DOF), dtype=np.bool_)
+        free[[0, -1]] = np.array(facts.free)
+        return LinearFacts(
+            free, bool(facts.near_bodies), bool(facts.curved), bool(facts.rubs), facts.lowest_s
+        )
+
+    def _linear_facts(self) -> LinearFactsStructure:
+        self._require_state()
+        facts = LinearFactsStructure()
+        self._lib.rope_linear_facts(self._rope, byref(facts))
+        return facts
+
+    def frames(self) -> NDArray[np.float64]:
+        """Return F (elements, ...) of the functions of physics.rope_element, without the wires' latest tangents.
+
+        Raises ValueError unless the fidelity is torsional: others have no frames.
+        """
+        if self.fidelity != "torsional":
+            raise ValueError(
+                f"a {self.fidelity} rope has no frames: set model.fidelity = 'torsional'"
+            )
+        frames = np.empty((self.elements, self._linear_facts().frame_size))
+        self._lib.rope_frames(self._rope, frames.ctypes.data)
+        return frames
+
+    def tangent(self, q: float = 0.0, v: float = 0.0, a: float = 0.0) -> ChainMatrix:
+        """Return q dR/dq + v dR/dv + a dR/da of the torsional model at the present state, without contact.
+
+        It is the symmetric tangent of Newton's method: the parts of the residual R without energy are left out.
+        """
+        self._require_state()
+        matrix = ChainMatrix(
+            np.empty((self.elements + 1, NODE_DOF, NODE_DOF)),
+            np.empty((self.elements, NODE_DOF, NODE_DOF)),
+        )
+        factors = (c_double * 3)(q, v, a)
+        self._lib.rope_tangent(
+            self._rope, factors, matrix.nodes.ctypes.data, matrix.next.ctypes.data
+        )
+        return matrix
+
+    def let_turn(self) -> Status:
+        """Let the free swivels of a rope that has just been hung turn until it is at rest; others hold."""
+        return self.status_of(self._lib.rope_let_turn(self._rope))
 
     def warnings(self) -> dict[str, str]:
         self._require_state()

@@ -1,14 +1,12 @@
 """Public names of the rope, to be imported from ``rope_model``; docs/reference/python.md describes them."""
 
 import logging
-import subprocess
 from typing import Literal
 
+from rope_model.analysis.neighbours import Account, Contacts, Neighbours
 from rope_model.cases import ROPE_CASES, Level, RopeCase, at_level, rope_120, rope_240
 from rope_model.catalogue import BEARINGS, CONSTRUCTIONS, Datum, DatumStatus, KnownRope, rope
 from rope_model.engine import NativeRope
-from rope_model.files import WriteError
-from rope_model.numerics.kernels import last_words
 from rope_model.parameters import CHOICES, Layout, Rope, Scene, Swivel
 from rope_model.shaft_parameters import (
     FAR,
@@ -22,7 +20,6 @@ from rope_model.shaft_parameters import (
     Shaft,
     Sump,
 )
-from rope_model.simulation.contact.neighbours import Account, Contacts, Neighbours
 from rope_model.simulation.contact.point_forces import PointForces
 from rope_model.simulation.contact.shaft import BODIES
 from rope_model.simulation.ends.paths import EndMotion
@@ -108,8 +105,7 @@ def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
     scene : Scene
         Rope, layout, swivels, mesh, solver and surroundings, in SI units.
     form : {"auto", "native", "python"}
-        ``auto`` takes the native form. It takes the Python form where there is no native one, or where
-        ``scene.solver.kernels`` names kernels of the Python form.
+        ``auto`` takes the native form, unless ``scene.solver.kernels`` names kernels of the Python form.
 
     Returns
     -------
@@ -123,9 +119,10 @@ def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
     ValueError
         If the mesh does not fit the rope, or ``form`` is unknown.
     RuntimeError
-        If ``native`` finds no C compiler, or ``python`` lacks compiled kernels that the scene asks for.
-    OSError, subprocess.CalledProcessError
-        If ``native`` finds a C compiler that fails.
+        If there is no native rope: no library came with the package, and no C compiler is here or it fails. Or if
+        ``python`` lacks compiled kernels that the scene asks for.
+    OSError
+        If the library cannot be kept in the cache folder.
     """
     if not isinstance(scene, Scene):
         kind = type(scene).__name__
@@ -134,7 +131,7 @@ def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
         )
     if form not in ("auto", "native", "python"):
         raise ValueError(
-            f"form = {form!r} must be 'auto', 'native' or 'python'; 'auto' takes the fastest to be had"
+            f"form = {form!r} must be 'auto', 'native' or 'python'; 'auto' takes the native one"
         )
     rope = _rope(scene, form)
     log.info(
@@ -144,22 +141,7 @@ def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
 
 
 def _rope(scene: Scene, form: Form) -> BalanceRope:
-    if form == "native":
-        return NativeRope(scene)
-    if form == "auto" and scene.solver.kernels == "auto":
-        try:
-            return NativeRope(scene)
-        except RuntimeError as error:  # no compiler
-            log.info("the native rope cannot be had: %s", error)
-        except WriteError as error:
-            log.warning(
-                "the native rope cannot be had: %s; the Python form takes some ten times as long",
-                error,
-            )
-        except (OSError, subprocess.CalledProcessError) as error:
-            log.warning(
-                "the native rope cannot be had: %s; the Python form takes some ten times as long. Repair the compiler, "
-                "name another in CC, or ask for form='python'",
-                last_words(error),
-            )
-    return RopeSimulator(scene)
+    asks_for_kernels = form == "auto" and scene.solver.kernels != "auto"
+    if form == "python" or asks_for_kernels:
+        return RopeSimulator(scene)
+    return NativeRope(scene)

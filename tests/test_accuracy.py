@@ -34,8 +34,8 @@ from rope_model.numerics.generalized_alpha import Coefficients, local_error
 from rope_model.numerics.kernels import find_compiler
 from rope_model.physics import accuracy
 from rope_model.physics.accuracy import turned_by_mesh
+from rope_model.physics.node import Array
 from rope_model.simulation.ends.ends import HangingEnds
-from rope_model.simulation.rope_system import Array
 
 ROPE = Rope(length=400.0, beta_K=0.0)
 CONSTANT = float(local_error(Coefficients(0.6), 1.0, 1.0))

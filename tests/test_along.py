@@ -20,10 +20,10 @@ from rope_model import (
     balance_rope,
 )
 from rope_model.physics.estimates import loop_width, natural_width
+from rope_model.physics.node import arc_lengths
 from rope_model.simulation.fidelity import Fidelity
 from rope_model.simulation.outputs.diagnostics import shape, shape_places
 from rope_model.simulation.outputs.signal_table import SHAPE_POINTS
-from rope_model.simulation.rope_system import arc_lengths
 
 HIGH, TRAVEL, H = 12.0, 8.0, 0.01
 #: 30 m rope; its mesh is transformed on the way

@@ -18,15 +18,15 @@ from rope_model import (
     Layout,
     Mesh,
     Rope,
-    RopeSimulator,
     Scene,
     Solver,
     Swivel,
     balance_rope,
 )
+from rope_model.analysis.modes import natural_modes
+from rope_model.engine import NativeRope
 from rope_model.simulation.ends.ends import end_strain
 from rope_model.simulation.ends.swivel_phases import Phase
-from rope_model.simulation.outputs.modal import natural_modes
 from rope_model.solver_parameters import Model
 
 Array = NDArray[np.float64]
@@ -132,13 +132,10 @@ def test_a_plane_across_is_as_good_as_that_of_the_loop() -> None:
 def test_a_straight_rope_without_weight_swings_as_a_beam(
     attachment: str, roots: tuple[float, float]
 ) -> None:
-    rope = balance_rope(
-        scene(attachment).with_(layout=Layout(spacing=CABLE.length, gravity=1e-9)), "python"
-    )
+    rope = NativeRope(scene(attachment).with_(layout=Layout(spacing=CABLE.length, gravity=1e-9)))
     leans = (0.5 * math.pi, -0.5 * math.pi) if attachment == "clamped" else (0.0, 0.0)
     hung(rope, *(EndMotion(lean=lean) for lean in leans))
-    assert isinstance(rope, RopeSimulator)
-    modes = natural_modes(rope.system, rope.state.motion.q, 6).frequencies
+    modes = natural_modes(rope, 6).frequencies
     exact = (
         np.square(np.divide(roots, CABLE.length))
         * math.sqrt(CABLE.EI / CABLE.mass_per_length)

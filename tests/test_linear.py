@@ -29,9 +29,9 @@ from hoist_demo.files.hoist_file import HoistFile
 from hoist_demo.files.reading import read
 from hoist_demo.parameters import GRAVITY
 from hoist_demo.parameters.components import Brake
-from rope_model import EndMotion, RopeSimulator
-from rope_model.simulation.outputs.linear import let_turn
-from rope_model.simulation.outputs.modal import natural_modes
+from rope_model import EndMotion
+from rope_model.analysis.modes import natural_modes
+from rope_model.engine import NativeRope
 
 TORQUE, SEEN = (
     ("torque_command",),
@@ -83,10 +83,10 @@ def test_rope_alone_has_its_natural_modes(mode: int, more: dict[str, float]) -> 
     )
     scene = scene.with_(model=replace(scene.model, fidelity="torsional"))
     ends = EndMotion(y=20.0), EndMotion(y=70.0)
-    rope = RopeSimulator(scene)
+    rope = NativeRope(scene)
     assert rope.initialize(0.0, *ends).valid
-    let_turn(rope)
-    modes = natural_modes(rope.system, rope.state.motion.q, 8)
+    assert rope.let_turn().valid
+    modes = natural_modes(rope, 8)
     found = linearise_rope(scene, *ends)
     # ARPACK stops at sqrt(eps); a rope in free swivels spins
     assert_allclose(found.modes(1.0).frequencies[mode:8], modes.frequencies[mode:], rtol=1e-6)

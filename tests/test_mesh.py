@@ -20,6 +20,7 @@ from hoist_demo.parameters import Winding
 from rope_model import Model, RopeSimulator, Scene, Swivel, balance_rope
 from rope_model.numerics.kernels import find_compiler
 from rope_model.physics.element import PARAMETERS, element_functions
+from rope_model.physics.node import ANGLE, POSITION, SLOPE
 from rope_model.simulation.mesh import mesh_pattern as tmn
 from rope_model.simulation.mesh import partition as cells
 from rope_model.simulation.mesh.mesh_fit import DUE
@@ -33,7 +34,6 @@ from rope_model.simulation.mesh.partition import (
     window_due,
 )
 from rope_model.simulation.mesh.transfer import interpolate, transfer_fields
-from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE
 from rope_model.solver_parameters import Mesh
 
 

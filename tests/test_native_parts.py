@@ -16,6 +16,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from rope_model import Contact, Divider, Layout, Mesh, Rope, Scene, Shaft
 from rope_model.codegen.structures import scene_structure
 from rope_model.physics.centreline import heading
+from rope_model.physics.node import arc_lengths
 from rope_model.simulation.contact.self_contact import overlap_of
 from rope_model.simulation.mesh.adaptation import nearest_turn
 from rope_model.simulation.mesh.mesh_pattern import (
@@ -40,7 +41,6 @@ from rope_model.simulation.outputs.diagnostics import (
     legs_apart,
     loop_bottom,
 )
-from rope_model.simulation.rope_system import arc_lengths
 from rope_model.simulation.stepping.statics import hanging_guess
 
 hangings = st.tuples(

@@ -23,9 +23,9 @@ from contact_scenes import (
 from numpy.testing import assert_allclose, assert_array_equal
 
 from rope_model import Air, Contact, EndMotion, Rope, Shaft, Solver
+from rope_model.analysis.pair_contact import Pair, Rows, rows_of
 from rope_model.physics.centreline import enclosing_box
 from rope_model.physics.contact import ONSET
-from rope_model.simulation.contact.pair_contact import Pair, Rows, rows_of
 
 D, K = Rope().diameter, STIFFNESS
 

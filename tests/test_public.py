@@ -32,6 +32,7 @@ from fmu_src.native.build import PLATFORMS
 from fmu_src.native.export import native_table, rope_sources, shell_sources
 from fmu_src.native.start import without_start
 from fmu_src.native.table import start_values
+from fmu_src.reference_run import reference_files
 from release.bill import bill_of_materials
 from release.libraries import libraries
 from release.trial import try_wheel
@@ -44,10 +45,13 @@ from rope_model import (
     Scene,
     Solver,
     balance_rope,
+    engine,
     public,
     rope_120,
 )
+from rope_model.codegen import build as rope_build
 from rope_model.codegen.build import library
+from rope_model.engine import NativeRope
 from rope_model.numerics.kernels import cache_folder, find_compiler, last_words
 
 PYTHON = "Use the rope in Python"
@@ -154,6 +158,53 @@ def test_auto_takes_the_native_form_unless_kernels_are_asked_for_by_name() -> No
             ValueError, match=r"rope\.EI = 9 must stay .* during a run: make a new rope"
         ):
             rope.retune(replace(SMALL, rope=replace(SMALL.rope, EI=9.0)))
+
+
+@pytest.fixture
+def compiler(monkeypatch: Patch) -> Callable[[tuple[str, ...] | None], None]:
+    """A function that gives the rope this compiler, where neither package nor process has its library."""
+
+    def give(command: tuple[str, ...] | None) -> None:
+        monkeypatch.setattr(rope_build, "find_compiler", lambda: command)
+        monkeypatch.setattr(rope_build, "prebuilt_file", lambda *_: Path("nowhere"))
+        monkeypatch.setattr(engine, "library", rope_build.library.__wrapped__)
+        monkeypatch.setattr(NativeRope, "_library", staticmethod(engine._load.__wrapped__))
+
+    return give
+
+
+@pytest.mark.parametrize(
+    ("command", "told"),
+    [
+        (
+            None,
+            r"needs a C compiler; install one, or ziglang: pip install 'balance-rope\[compiler\]'",
+        ),
+        (
+            ("no-such-cc",),
+            r"cannot be had: .*no-such-cc.*; repair the compiler, name another in CC",
+        ),
+        ((sys.executable,), r"cannot be had: .*; repair the compiler, name another in CC"),
+    ],
+)
+def test_a_rope_without_a_working_compiler_is_refused_in_a_sentence_that_names_the_extra(
+    compiler: Callable[[tuple[str, ...] | None], None],
+    command: tuple[str, ...] | None,
+    told: str,
+) -> None:
+    compiler(command)
+    with pytest.raises(RuntimeError, match=told) as refused:
+        balance_rope(SMALL.with_(solver=Solver()))
+    assert "\n" not in str(refused.value)
+    assert balance_rope(SMALL, "python").elements == 20
+
+
+def test_an_fmu_that_is_exported_without_a_compiler_has_no_reference_run_and_says_so(
+    compiler: Callable[[tuple[str, ...] | None], None], caplog: pytest.LogCaptureFixture
+) -> None:
+    compiler(None)
+    assert reference_files(rope_120(), "rope", ["left.fy"]) == {}
+    assert "the FMU has no reference run to check it by: the native rope needs" in caplog.text
 
 
 @needs_compiler

@@ -8,17 +8,19 @@ import numpy as np
 import pytest
 from conftest import Array, Chain, portable_system, straight
 from numpy.testing import assert_allclose
-from scipy.linalg import eigvals_banded
 from scipy.optimize import brentq, fsolve
 
 from rope_model import Mesh, Rope
+from rope_model.analysis.modes import Modes, modes_of
+from rope_model.analysis.modes import softest as softest_of
 from rope_model.physics.element import PARAMETERS, parameters
 from rope_model.physics.frame import end_moment
+from rope_model.physics.node import ANGLE, POSITION, SLOPE, arc_lengths
 from rope_model.simulation.mesh.partition import partition
 from rope_model.simulation.outputs.diagnostics import loop_bottom
-from rope_model.simulation.outputs.modal import assemble_matrix, natural_modes
+from rope_model.simulation.outputs.modal import assemble_matrix
 from rope_model.simulation.rope_kernels import RopeKernels
-from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, RopeSystem, arc_lengths
+from rope_model.simulation.rope_system import RopeSystem
 from rope_model.simulation.stepping.statics import (
     Equilibrium,
     StaticsError,
@@ -72,6 +74,12 @@ def test_the_loop_yaws_and_so_relieves_the_torque_of_its_legs() -> None:
     assert_allclose(M - D * twist / 120.0, 4.583, rtol=2e-3)
     # each leg is twisted by the yaw of the loop between them, which is not quite rigid
     assert_allclose(abs(twist), 2 * abs(loop_bottom(e.q, system.lengths).yaw), rtol=0.06)
+
+
+def natural_modes(system: RopeSystem, q: Array, count: int) -> Modes:
+    stiffness = assemble_matrix(system, q, (1.0, 0.0, 0.0))
+    mass = assemble_matrix(system, q, (0.0, 0.0, 1.0))
+    return modes_of(stiffness, mass, system.free, count)
 
 
 def test_axial_and_torsional_waves_run_at_the_coupled_speeds() -> None:
@@ -239,13 +247,7 @@ def softest(system: RopeSystem, q: Array, twist: float) -> float:
     """Smallest eigenvalue of the tangent with the far end turned by ``twist``."""
     q = q.copy()
     q[:, ANGLE] = twist * arc_lengths(system.lengths) / arc_lengths(system.lengths)[-1]
-    free = np.flatnonzero(system.free.ravel())
-    stiffness = assemble_matrix(system, q, (1.0, 0.0, 0.0))[free][:, free]
-    # the chain couples neighbouring nodes only
-    band = np.zeros((14, free.size))
-    for k in range(14):
-        band[k, : free.size - k] = stiffness.diagonal(-k)
-    return float(eigvals_banded(band, lower=True, select="i", select_range=(0, 0))[0])
+    return softest_of(assemble_matrix(system, q, (1.0, 0.0, 0.0)), system.free)
 
 
 def test_a_clamped_rod_buckles_at_the_known_twist() -> None:

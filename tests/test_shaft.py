@@ -20,6 +20,7 @@ from hoist_demo.recording.passages import PASSAGE_SIGNALS, passages
 from hoist_demo.recording.time_series import Recording
 from rope_model import EndMotion, Layout, Mesh, Model, Rope, Scene, balance_rope, rope_120
 from rope_model.physics import shaft as physics
+from rope_model.physics.node import arc_lengths
 from rope_model.physics.shaft import KINDS, Body, distance, least_distance
 from rope_model.shaft_parameters import Contact, Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
 from rope_model.simulation.contact.bodies import NO_ROOM
@@ -28,7 +29,6 @@ from rope_model.simulation.mesh.partition import Partition
 from rope_model.simulation.mesh.transfer import interpolate
 from rope_model.simulation.messages.rules import first_text
 from rope_model.simulation.outputs.diagnostics import LoopBottom, loop_turns, shape
-from rope_model.simulation.rope_system import arc_lengths
 
 #: of the distances: sqrt(TINY), and places to 1e4 m in double precision
 EXACT = 1e-10

@@ -16,12 +16,13 @@ from rope_model.numerics.kernels import find_compiler
 PACKAGE = Path(rope_model.__file__).parent
 CSRC = PACKAGE / "csrc"
 FILES = {path.name: path for path in sorted(CSRC.rglob("*")) if path.suffix in (".c", ".h", ".inc")}
-#: files without a Python module: a communication step and its derivatives,
+#: files without a Python module: a communication step and its derivatives, matrices for analysis,
 #: what the files declare to each other and to hosts, memory that is taken before the
 #: first step, numbers written as Python does, vectors of several elements and the processor's
 ENGINE = {
     "host_step.c",
     "sensitivity.c",
+    "linearisation.c",
     "core.h",
     "rope.h",
     "memory.c",
@@ -68,6 +69,9 @@ C_ONLY = {
     "chain_frames_bytes",
     "fastest_chains",
     "rope_advance_to_event",
+    "rope_let_turn",
+    "arc_lengths",
+    "let_turn",
 }
 
 

@@ -20,9 +20,9 @@ from evidence.ropes import at_rest, follow
 from evidence.tables import Array
 from rope_model import EndMotion
 from rope_model.parameters import Layout, Rope, Scene
+from rope_model.physics.node import arc_lengths
 from rope_model.shaft_parameters import Air, Contact, Shaft
 from rope_model.simulation.mesh.transfer import interpolate
-from rope_model.simulation.rope_system import arc_lengths
 from rope_model.solver_parameters import Mesh
 
 #: m, m, elements; s that the ends turn, by how many turns each, and s, half of that where the legs strike each other

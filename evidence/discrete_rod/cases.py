@@ -32,12 +32,12 @@ from rope_model import (
     Mesh,
     Model,
     Rope,
-    RopeSimulator,
     Scene,
     Solver,
     Swivel,
 )
-from rope_model.simulation.outputs.modal import natural_modes
+from rope_model.analysis.modes import natural_modes
+from rope_model.engine import NativeRope
 
 Results = dict[str, Array]
 
@@ -168,9 +168,9 @@ def modes_ours(case: str, elements: int) -> Results:
     """120 m, swivels locked, in one of VIBRATIONS."""
     rope, height, named = VIBRATIONS[case]
     r = rope_of(Scene(rope=rope, mesh=Mesh("eem", elements=elements)), Winding(height, np.inf))
-    form = RopeSimulator(r.scene.with_(solver=Solver(kernels="portable")))
-    form.restore(r.state)
-    found = natural_modes(form.system, r.state.motion.q, 10)
+    engine = NativeRope(r.scene)
+    engine.restore(r.state)
+    found = natural_modes(engine, 10)
     return named(found.frequencies, found.out_of_plane)
 
 

@@ -11,9 +11,9 @@ from evidence.exudyn.exudyn_rope import ELEMENTS, Method, PeerRope
 from evidence.exudyn.runs import UNCOUPLED, Run, exudyn, hanging_shape, measure_times, ours
 from evidence.ropes import require
 from evidence.tables import Measures, Tables, table
+from rope_model.analysis.modes import natural_modes
+from rope_model.engine import NativeRope
 from rope_model.simulation.ends.paths import EndMotion
-from rope_model.simulation.outputs.modal import natural_modes
-from rope_model.simulation.simulator import RopeSimulator
 from rope_model.solver_parameters import Mesh, Model
 
 ROUNDS, SHORT = 3, 3.0  # s
@@ -109,11 +109,9 @@ def frequencies() -> Tables:
 
 def our_modes(height: float) -> list[float]:
     """Return ours, Hz."""
-    rope = RopeSimulator(
-        UNCOUPLED.with_(mesh=Mesh(kind="eem", elements=600), model=Model("planar"))
-    )
+    rope = NativeRope(UNCOUPLED.with_(mesh=Mesh(kind="eem", elements=600), model=Model("planar")))
     require(rope.initialize(0.0, EndMotion(y=height), EndMotion()))
-    modes = natural_modes(rope.system, rope.state.motion.q, 3 * MODES)
+    modes = natural_modes(rope, 3 * MODES)
     return [float(f) for f in modes.frequencies[modes.out_of_plane < 0.5][:MODES]]
 
 

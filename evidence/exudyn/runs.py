@@ -14,8 +14,8 @@ from evidence.tables import Array
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import EndMotion, Mesh, Scene, rope_120
+from rope_model.physics.node import arc_lengths
 from rope_model.simulation.outputs.diagnostics import loop_bottom
-from rope_model.simulation.rope_system import arc_lengths
 
 CASE = rope_120()
 TRAVEL = CASE.travel  # m

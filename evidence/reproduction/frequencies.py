@@ -12,11 +12,11 @@ from evidence.drawing import CURVES, figure
 from evidence.reproduction.claim import Claim, Section
 from evidence.ropes import require
 from evidence.tables import Array, Table, Tables, table
-from rope_model import EndMotion, Model, RopeSimulator, Swivel, rope_120
-from rope_model.simulation.ends.swivel_phases import Phase, SwivelState
+from rope_model import EndMotion, Model, Swivel, rope_120
+from rope_model.analysis.modes import natural_modes
+from rope_model.engine import NativeRope
+from rope_model.physics.node import arc_lengths
 from rope_model.simulation.mesh.transfer import interpolate
-from rope_model.simulation.outputs.modal import natural_modes
-from rope_model.simulation.rope_system import arc_lengths
 
 #: an independent discrete-rod model, Hz
 REFERENCE_HZ = {
@@ -46,14 +46,14 @@ def modes(height: float) -> dict[str, tuple[Array, Array]]:
     """
     scene = rope_120().scene
     ends = {"left": Swivel(), "right": Swivel(mode="free", inertia=1e-12)}
-    rope = RopeSimulator(
+    rope = NativeRope(
         scene.with_(rope=replace(scene.rope, Qb=0.0, Qc=0.0), model=Model("torsional"), **ends)
     )
     require(rope.initialize(0.0, EndMotion(y=0.5 * height), EndMotion(y=-0.5 * height)))
-    q, s, found = rope.state.motion.q, arc_lengths(rope.state.partition.lengths), {}
     # one end that turns is enough to free the rope of torsion; two would let it spin as a whole
-    turning = rope.state.swivels[0], SwivelState(Phase.SLIP, 0.0, 1.0)
-    lowest = natural_modes(rope.model.system(rope.state._replace(swivels=turning)), q, 14)
+    require(rope.let_turn())
+    s, found = arc_lengths(rope.state.partition.lengths), {}
+    lowest = natural_modes(rope, 14)
     for plane, columns in (("out", [2]), ("in", [0, 1])):
         chosen = np.flatnonzero((lowest.out_of_plane > 0.5) == (plane == "out"))[:COUNT]
         shapes = [interpolate(lowest.shapes[k], s, GRID)[:, columns] for k in chosen]

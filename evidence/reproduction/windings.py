@@ -11,9 +11,9 @@ from evidence.tables import Table, Tables, table
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import BalanceRope, Mesh, Model, RopeSimulator, Scene, rope_120
+from rope_model.physics.node import arc_lengths
 from rope_model.physics.stress import material_values
 from rope_model.simulation.mesh.partition import fit_mesh
-from rope_model.simulation.rope_system import arc_lengths
 
 COUPLINGS = ("uncoupled", "coupled")
 SCENE = rope_120().scene

@@ -19,7 +19,7 @@ from evidence.ropes import AT_ZERO, at_rest, moving, require
 from evidence.tables import Array, Table, table
 from rope_model import EndMotion
 from rope_model.parameters import Layout, Rope, Scene
-from rope_model.simulation.rope_system import ANGLE, POSITION
+from rope_model.physics.node import ANGLE, POSITION
 from rope_model.solver_parameters import Mesh, Model
 
 ROPE, GRAVITY = Rope(Qb=0.0, Qc=0.0), Layout().gravity

@@ -17,11 +17,13 @@ from scipy.special import jn_zeros
 from evidence.statics import OUT_OF_PLANE, StaticBoundary
 from evidence.tables import Array, Table, table
 from evidence.validation.falling import CHAIN, GRAVITY, Fall, exact_fall, fall
+from rope_model.analysis.modes import modes_of
 from rope_model.parameters import Rope
 from rope_model.physics.element import parameters
-from rope_model.simulation.outputs.modal import natural_modes
+from rope_model.physics.node import POSITION
+from rope_model.simulation.outputs.modal import assemble_matrix
 from rope_model.simulation.rope_kernels import RopeKernels
-from rope_model.simulation.rope_system import POSITION, RopeSystem
+from rope_model.simulation.rope_system import RopeSystem
 from rope_model.simulation.stepping.statics import find_equilibrium
 
 WEIGHT = Rope.mass_per_length * GRAVITY  # N/m
@@ -65,7 +67,10 @@ def swings(elements: int = 80) -> Table:
         RopeKernels(elements), np.diff(s), np.array(parameters(rope, GRAVITY)), boundary, q
     )
     q = find_equilibrium(system, q).q
-    ours = natural_modes(system.with_reference(q), q, MODES).frequencies
+    system = system.with_reference(q)
+    stiffness = assemble_matrix(system, q, (1.0, 0.0, 0.0))
+    mass = assemble_matrix(system, q, (0.0, 0.0, 1.0))
+    ours = modes_of(stiffness, mass, system.free, MODES).frequencies
     chain = jn_zeros(0, MODES) / (4 * np.pi) * math.sqrt(GRAVITY / rope.length)
     return table(
         ("mode", "ours", "chain"), list(zip(range(1, MODES + 1), ours, chain, strict=True))

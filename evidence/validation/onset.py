@@ -14,9 +14,11 @@ from scipy.optimize import brentq
 
 from evidence.statics import clamped, rod
 from evidence.tables import Array, Table, table
+from rope_model.analysis.modes import ROUNDING, softest
 from rope_model.parameters import Rope
-from rope_model.simulation.outputs.modal import ROUNDING, softest
-from rope_model.simulation.rope_system import ANGLE, RopeSystem, arc_lengths
+from rope_model.physics.node import ANGLE, arc_lengths
+from rope_model.simulation.outputs.modal import assemble_matrix
+from rope_model.simulation.rope_system import RopeSystem
 
 BEND, TWIST_STIFFNESS, AXIAL, TENSION = 1.0, 0.7, 1e3, 1.0  # N m^2, N m^2, N, N
 
@@ -41,7 +43,8 @@ def is_stable(system: RopeSystem, q: Array, torque: float) -> bool:
     """Whether no small motion lowers the straight rod's energy, its end turned until it carries ``torque`` (N m)."""
     q = q.copy()
     q[:, ANGLE] = torque / TWIST_STIFFNESS * arc_lengths(system.lengths)
-    return softest(system.with_boundary(clamped(q)).with_reference(q), q) > -ROUNDING
+    system = system.with_boundary(clamped(q)).with_reference(q)
+    return softest(assemble_matrix(system, q, (1.0, 0.0, 0.0)), system.free) > -ROUNDING
 
 
 def theory(slenderness: float) -> float:

@@ -21,7 +21,7 @@ from scipy.spatial.transform import Rotation
 from evidence.statics import StaticBoundary, rod
 from evidence.tables import Array, Table, read, rows, table
 from evidence.validation.wires import GRAVITY, WIRES, Wire
-from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE
+from rope_model.physics.node import ANGLE, POSITION, SLOPE
 from rope_model.simulation.stepping.statics import find_equilibrium
 
 LENGTH, ELEMENTS = 0.4, 60  # m

@@ -16,7 +16,8 @@ import numpy as np
 from evidence.statics import clamped, rod, turned
 from evidence.tables import Array, Table, rows, table
 from rope_model.parameters import Rope
-from rope_model.simulation.rope_system import ANGLE, SLOPE, RopeSystem
+from rope_model.physics.node import ANGLE, SLOPE
+from rope_model.simulation.rope_system import RopeSystem
 from rope_model.simulation.stepping.statics import find_equilibrium
 
 LENGTH, GRAVITY = 1.5, 9.81  # m, m/s^2; of the published set-up

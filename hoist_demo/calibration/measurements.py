@@ -29,10 +29,11 @@ from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.files.values import Text
 from hoist_demo.parameters import Winding
 from rope_model import SIGNALS, Datum, EndMotion, Scene
+from rope_model.analysis.modes import Modes, natural_modes
 from rope_model.catalogue import properties_of
+from rope_model.engine import NativeRope
 from rope_model.physics.estimates import natural_width
 from rope_model.scene_names import with_values
-from rope_model.simulation.outputs.modal import Modes, natural_modes
 
 Array = NDArray[np.float64]
 MAX_TIME = 3600.0  #: Latest time of a value after a trip's start [s]: no swing lasts longer, and tracks are slow.
@@ -165,12 +166,9 @@ class RopePredictor:
     def frequencies(self, plane: str, left: float, right: float) -> Array:
         """Return the frequencies of the lowest modes in or out of plane [Hz]."""
         if (left, right) not in self._modes:
-            # the mesh differs from rope to rope, and to compile for each takes longer than to interpret
-            rope = rope_model.RopeSimulator(
-                self.scene.with_(solver=replace(self.scene.solver, kernels="portable"))
-            )
+            rope = NativeRope(self.scene)
             _require_rest(rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right)), left, right)
-            self._modes[left, right] = natural_modes(rope.system, rope.state.motion.q, MODES)
+            self._modes[left, right] = natural_modes(rope, MODES)
         modes = self._modes[left, right]
         return np.asarray(
             modes.frequencies[(modes.out_of_plane > 0.5) == (plane == "out of plane")]

@@ -1,7 +1,7 @@
 """Linear models of hoist and balance ropes at rest or at constant speed, anywhere along the trip.
 
 The coordinates x of `linear_model` are those of the hoist, of the ropes' nodes, and of what lags behind: motor torque
-and brake. The rope's part is `rope_model.simulation.outputs.linear`, the hoist's the derivative of Lagrange's equation
+and brake. The rope's part is `rope_model.analysis.linear`, the hoist's the derivative of Lagrange's equation
 in `drive/equations.py`. Ropes and conveyances share the heights of the ends; each of n equal ropes counts n times. Rows
 of M are 0 for what lags. Sideways motion and yaw of the conveyances are given: their accelerations are inputs.
 
@@ -28,9 +28,10 @@ from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.drive.plant import HoistPlant
 from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.parameters.suspension import SuspensionOffset
-from rope_model import EndMotion, Level, RopeSimulator, Scene
+from rope_model import EndMotion, Level, Scene
+from rope_model.analysis.linear import LinearRope, linear_rope
+from rope_model.engine import NativeRope
 from rope_model.physics.elementary import sum_of
-from rope_model.simulation.outputs.linear import LinearRope, let_turn, linear_rope
 
 Swivels = Literal["as given", "locked", "free", "sticking"]
 HeldBy = Literal["motor", "brake"]
@@ -129,7 +130,7 @@ def linearise_rope(scene: Scene, left: EndMotion, right: EndMotion) -> LinearMod
 class LinearRopeSpec(NamedTuple):
     """One balance rope, or several equal ones."""
 
-    rope: RopeSimulator
+    rope: NativeRope
     number: int = 1
     name: str = ""  # name of one of several ropes that differ
     suspension: SuspensionOffset = SuspensionOffset()
@@ -144,7 +145,7 @@ def _rope_specs(
         return [LinearRopeSpec(_rope(scene), case.hoist.tail_rope_number)]
     specs = []
     # ropes that differ in their places alone hang alike: they are hung, and have their derivatives, once
-    known = dict[Scene, RopeSimulator]()
+    known = dict[Scene, NativeRope]()
     for rope in case.distinct_ropes:
         suspension = SuspensionOffset(**rope.suspension)
         scene = rope_scene({**rope.parameters, **_swivels(swivels)}, level, suspension)
@@ -164,17 +165,18 @@ def _swivels(wanted: Swivels) -> dict[str, int]:
     return dict.fromkeys(("left.swivel.mode", "right.swivel.mode"), _MODES[wanted])
 
 
-def _rope(scene: Scene) -> RopeSimulator:
-    return RopeSimulator(scene.with_(model=replace(scene.model, fidelity="torsional")))
+def _rope(scene: Scene) -> NativeRope:
+    return NativeRope(scene.with_(model=replace(scene.model, fidelity="torsional")))
 
 
-def _hung(rope: RopeSimulator, left: EndMotion, right: EndMotion, speed: float = 0.0) -> LinearRope:
+def _hung(rope: NativeRope, left: EndMotion, right: EndMotion, speed: float = 0.0) -> LinearRope:
     status = rope.initialize(0.0, left, right)
+    if status.valid:
+        status = rope.let_turn()
     if not status.valid:
         raise ValueError(
             f"rope at rest with left.y = {left.y:g} m and right.y = {right.y:g} m: {status.message}"
         )
-    let_turn(rope)
     return linear_rope(rope, speed)
 
 

@@ -18,8 +18,9 @@ from hoist_demo.report.rows import SummaryRow, render
 from hoist_demo.ropes.definition import OneRope, ropes_of
 from hoist_demo.study.provenance import SETTING, SourcedValue, host_provenance, statuses
 from hoist_demo.study.run import RunData, build, from_landing
-from rope_model import BalanceRope, EndMotion, RopeSimulator, balance_rope
-from rope_model.simulation.outputs.modal import natural_modes
+from rope_model import EndMotion, Scene, balance_rope
+from rope_model.analysis.modes import natural_modes
+from rope_model.engine import NativeRope
 
 MODES = 4  #: Number of the rope's lowest modes in the table.
 _AT_REST = "Rope at rest, left conveyance at"
@@ -279,7 +280,9 @@ def _consequences(
         warned += [f"{whose}{text}" for text in plant.warnings().values()]
         rows.append(
             SummaryRow(
-                f"{whose}Model", "frequencies, mid-trip", _frequencies(plant, hoist.shaft_travel)
+                f"{whose}Model",
+                "frequencies, mid-trip",
+                _frequencies(rope.scene, hoist.shaft_travel),
             )
         )
     return render(rows), list(dict.fromkeys([*warned, *_neighbours(ropes, yaws)]))
@@ -305,15 +308,14 @@ def _neighbours(ropes: Sequence[OneRope], yaws: Mapping[str, float]) -> Iterator
             )
 
 
-def _frequencies(rope: BalanceRope, travel: float) -> str:
+def _frequencies(scene: Scene, travel: float) -> str:
+    # a rope that is computed as rigid or planar swings out of its plane too
+    rope = NativeRope(scene.with_(model=replace(scene.model, fidelity="torsional")))
     status = rope.initialize(0.0, EndMotion(y=0.5 * travel), EndMotion(y=0.5 * travel))
     if not status.valid:
         return status.message
-    # matrices are those of the rope in Python, which is not hung up again: without a compiler that takes seconds
-    scene, state = rope.scene, rope.state
-    model = RopeSimulator(scene.with_(solver=replace(scene.solver, kernels="portable"))).model
     try:
-        modes = natural_modes(model.system(state), state.motion.q, MODES)
+        modes = natural_modes(rope, MODES)
     except ValueError as error:
         return str(error)
     modes_shown = zip(modes.frequencies, modes.out_of_plane, strict=True)

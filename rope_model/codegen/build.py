@@ -7,6 +7,7 @@ generates different text.
 import ctypes
 import importlib.metadata
 import json
+import subprocess
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
@@ -18,11 +19,21 @@ from rope_model.codegen.platforms import host_platform, prebuilt_file, text_hash
 from rope_model.codegen.rules import rules_code, state_signals
 from rope_model.codegen.state_structures import state_structures
 from rope_model.codegen.tables import parameter_bounds, parameter_structures, signal_numbers
-from rope_model.files import write_text
-from rope_model.numerics.kernels import cache_folder, compile_library, find_compiler, make_once
+from rope_model.files import WriteError, write_text
+from rope_model.numerics.kernels import (
+    cache_folder,
+    compile_library,
+    find_compiler,
+    last_words,
+    make_once,
+)
 
 _FOLDER = Path(__file__).resolve().parent.parent / "csrc"
 NAME = "rope"
+
+
+class NoEngine(RuntimeError):
+    """There is no native rope here; the text names cause and cure."""
 
 
 @cache
@@ -74,19 +85,30 @@ def generated_file(package: Path) -> Path:
 def library() -> Path:
     """Return the compiled library: the package's, the cached one, or one compiled for this machine's processor.
 
-    Raises RuntimeError without a C compiler, CalledProcessError if it fails.
+    Raises NoEngine without a C compiler, or if it fails, and WriteError if the cache cannot be written.
     """
     if (packaged := prebuilt_file(_FOLDER, sources(), NAME, host_platform())).exists():
         return packaged
     if (compiler := find_compiler()) is None:
-        raise RuntimeError(
+        raise NoEngine(
             "the native rope needs a C compiler; install one, or ziglang: pip install 'balance-rope[compiler]'"
         )
     detection = {name: sources()[name] for name in ("processor.c", "processor.h")}
-    answer = ctypes.CDLL(
-        str(compile_library(detection, compiler, cache_folder(), "processor"))
-    ).processor_lanes()
-    return library_of(answer, compiler)
+    try:
+        question = compile_library(detection, compiler, cache_folder(), "processor")
+        return library_of(ctypes.CDLL(str(question)).processor_lanes(), compiler)
+    except WriteError:
+        raise
+    except (OSError, subprocess.CalledProcessError) as error:
+        raise failed(error) from error
+
+
+def failed(error: Exception) -> NoEngine:
+    """Return the error of a compiler that fails, or of a library that does not load."""
+    return NoEngine(
+        f"the native rope cannot be had: {last_words(error)}; repair the compiler, name another in CC, or take "
+        "ziglang: pip install 'balance-rope[compiler]', and CC='python -m ziglang cc'"
+    )
 
 
 def library_of(lanes: int, compiler: Sequence[str]) -> Path:

@@ -6,7 +6,7 @@ from types import ModuleType
 from typing import Any
 
 from rope_model.codegen.derivatives import path_change
-from rope_model.numerics import coupled_newton, generalized_alpha, newton
+from rope_model.numerics import conjugate_gradients, generalized_alpha, newton
 from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics import (
     accuracy,
@@ -256,7 +256,7 @@ _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
     ("", switching, "EVENT_WIDTH CHATTER_TIME"),
     ("", warning_rules, "YAWED_FAR"),
     ("CONTACT_", contact_points, "CELLS HALVINGS STEPS LEVELS PARTS WEIGHTS"),
-    ("", coupled_newton, "CG_MAX_STEPS CG_TOLERANCE"),
+    ("", conjugate_gradients, "CG_MAX_STEPS CG_TOLERANCE"),
     ("NEWTON_", newton, "SMOOTH KINKED HUGE UNKNOWN GOOD SMALL"),
     ("WIRE_", wire_element, "HISTORY_SIZE TANGENT_SIZE"),
     ("WIRE_", wire_friction, "POINT_STATE_SIZE"),

@@ -77,6 +77,26 @@ int rope_load_derivative(Simulator *sim, int input, int at_step_end, double deri
    2 for each input and each added mass. */
 size_t rope_repeated_steps(const Simulator *sim);
 
+/* What linear models and natural modes need of the present state, in the complete (torsional) model. */
+typedef struct {
+    int free[2][DOF]; /* true for coordinates of an end that are not prescribed */
+    int near_bodies;  /* true if an element may touch a body */
+    int curved;       /* true if permanent curvature acts */
+    int rubs;         /* true if wires rub */
+    int frame_size;   /* numbers of an element in rope_frames */
+    double lowest_s;  /* arc length of the loop's lowest point, m */
+} LinearFacts;
+void rope_linear_facts(Simulator *sim, LinearFacts *facts);
+/* Write frame_size numbers of each element, which its functions take: the frame's reference, then the permanent
+   curvature and the history of its wires, where these act.  The state must be torsional. */
+void rope_frames(Simulator *sim, double *frames);
+/* Write the matrix c[0] dR/dq + c[1] dR/dv + c[2] dR/da of Newton's method: symmetric, without the parts that have no
+   energy, and without contact.  `nodes` (elements + 1) are the blocks of each node, `next` (elements) those of each
+   node (row) with the next one (column); held coordinates are among them. */
+void rope_tangent(Simulator *sim, const double c[3], double (*nodes)[DOF][DOF], double (*next)[DOF][DOF]);
+/* Let the swivels of a rope at rest turn that are free to, and bring it to rest again.  The others hold. */
+int rope_let_turn(Simulator *sim);
+
 /* The complete state is a block of bytes without addresses, valid in every process. */
 size_t rope_state_bytes(const Simulator *sim);
 void rope_save(const Simulator *sim, void *to);

@@ -132,6 +132,11 @@ typedef struct {
     void (*refer)(const System *, const double *q);
     /* Refer the frames to q, and return the change of each element's angles (`transport` of physics.element). */
     void (*transport)(const System *, const double *q, const double *v, const double *a, double (*gained)[3]);
+    /* Write the blocks of the tangent J: those of each node, and those of each node (row) with the next (column). */
+    void (*blocks)(const System *, void *work, const double *q, const double *v, const double *a, const double c[3],
+                   double (*nodes)[DOF][DOF], double (*next)[DOF][DOF]);
+    /* Write the frame of each element to the begin of its row, which has `length` numbers. */
+    void (*frame_rows)(const System *, size_t length, double *rows);
 } Chain;
 
 /* contact/bodies.c */

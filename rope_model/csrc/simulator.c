@@ -146,6 +146,15 @@ int rope_initialize(Simulator *sim, double t, const EndMotion ends[2]) {
     return refer_after_failure(sim, initialize(sim, t, ends));
 }
 
+int rope_let_turn(Simulator *sim) {
+    if (!sim->initialized) return say_no_state(sim->message);
+    if (sim->scene.swivels[LEFT].mode != FREE_MODE && sim->scene.swivels[RIGHT].mode != FREE_MODE) return 1;
+    state_copy(sim, sim->next, sim->state);
+    if (!let_turn(sim, sim->next, sim->message)) return refer_after_failure(sim, 0);
+    sim->last.taken = 0;
+    return accept(sim);
+}
+
 /* Advance to the host's stop, or to an event; *event tells which.  Keep the state before as the start. */
 static int advance_to(Simulator *sim, const HostStep *host, int *event) {
     const double t = host->stop, begin = sim->state->t, step_max = sim->scene.solver.step_max;

@@ -1,26 +1,17 @@
 """Newton's method for a chain with forces between nodes far apart: (J + C) x = -R.
 
 J is the chain's block tridiagonal matrix, for which the chain has a solver; C contains the tangents of forces between
-far nodes, symmetric and positive semidefinite.  Conjugate gradients, preconditioned with J, find x: J^-1 C has rank r,
-so that exact arithmetic ends after r + 1 steps.  Each step takes one solution with J and no product, because J p
-follows from the recurrence of p.  Factorizations and corrections are controlled as in numerics.newton.
+far nodes.  numerics.conjugate_gradients finds x.  Factorizations and corrections are controlled as in numerics.newton.
 """
 
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rope_model.numerics import newton as control
+from rope_model.numerics.conjugate_gradients import Array, conjugate_gradients
 from rope_model.numerics.newton import NewtonLimits, NewtonReport
-
-Array = NDArray[np.float64]
-
-#: fraction of the initial squared error, in J's norm, at which conjugate gradients end
-CG_TOLERANCE = 1e-16
-#: largest number of steps of conjugate gradients
-CG_MAX_STEPS = 200
 
 
 class Iterate(NamedTuple):
@@ -45,28 +36,6 @@ class Coupled(NamedTuple):
     coupling: Callable[[Iterate], Callable[[Array], Array] | None]
     residual: Callable[[Array, Array, Array, Array], Array]
     norm: Callable[[Array], float]
-
-
-def conjugate_gradients(
-    solve: Callable[[Array], Array], coupling: Callable[[Array], Array], R: Array
-) -> Array:
-    """Solve (J + C) x = -R, where ``solve`` solves J x = -R and ``coupling`` multiplies with C."""
-    p = solve(R)
-    error = first = -float(np.vdot(R, p))
-    g, Jp, x = R, -R, np.zeros_like(R)
-    for _ in range(CG_MAX_STEPS):
-        Ap = Jp + coupling(p)
-        curvature = float(np.vdot(p, Ap))
-        if not curvature > 0:
-            return x if x.any() else p
-        alpha = error / curvature
-        x, g = x + alpha * p, g + alpha * Ap
-        z = solve(g)
-        before, error = error, -float(np.vdot(g, z))
-        if not error > CG_TOLERANCE * first:
-            break
-        p, Jp = z + error / before * p, error / before * Jp - g
-    return x
 
 
 def newton(

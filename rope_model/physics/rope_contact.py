@@ -29,6 +29,8 @@ MAX_POINTS = 1000
 MIN_ARC = 10.0 * math.pi
 #: largest number of strands of equal diameter around one
 MAX_STRANDS = 6
+#: places in ContactTerms.tangent of the entries of the symmetric matrix (3, 3)
+TANGENT_ENTRIES = ((0, 1, 2), (1, 3, 4), (2, 4, 5))
 PROBES = (0.0, 0.25, 0.5, 0.75, 1.0)  #: xi at which the search for the nearest point starts
 CORRECTIONS = 4  #: Newton corrections from the nearest of these
 #: bound of the distance of two points over their arc length
@@ -51,6 +53,15 @@ def points_skipped(distance: Any, diameter: Any, spacing: Any, number: Any) -> A
 def max_points(length: Any, elements: Any, diameter: Any) -> Any:
     """Return the largest number of points of a rope in any mesh of so many elements."""
     return minimum(length / (SPACING * diameter) + elements, MAX_POINTS * elements)
+
+
+def strands(s: list[float], reach: float) -> list[int]:
+    """Return the indices of points ``s``, nearest first, on separate strands: ``reach`` or more from those before."""
+    chosen: list[int] = []
+    for n, s_n in enumerate(s):
+        if len(chosen) < MAX_STRANDS and all(abs(s_n - s[before]) >= reach for before in chosen):
+            chosen.append(n)
+    return chosen
 
 
 def nearer_xi(xi: Any, l: Any, point: Any, a: Any, b: Any) -> Any:

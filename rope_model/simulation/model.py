@@ -22,6 +22,7 @@ from rope_model.physics.element import parameters
 from rope_model.physics.elementary import sum_of
 from rope_model.physics.energy_balance import after_step as account_of_step
 from rope_model.physics.energy_balance import with_energies
+from rope_model.physics.node import ANGLE, POSITION, SLOPE
 from rope_model.physics.shaft import KINDS
 from rope_model.simulation.contact.obstacles import find_obstacles
 from rope_model.simulation.contact.point_forces import NO_FORCES, PointForces, nodal_forces
@@ -41,14 +42,7 @@ from rope_model.simulation.outputs.audit import (
     end_load,
 )
 from rope_model.simulation.rope_kernels import KernelCache
-from rope_model.simulation.rope_system import (
-    ANGLE,
-    POSITION,
-    SLOPE,
-    Evaluation,
-    RopeSystem,
-    air_parameters,
-)
+from rope_model.simulation.rope_system import Evaluation, RopeSystem, air_parameters
 from rope_model.simulation.scene_kernels import acting_along
 from rope_model.simulation.state import EnergyBalance, Powers, RopeState
 

@@ -20,10 +20,11 @@ from rope_model.physics.inextensible import (
     rigid_tensions,
     tension,
 )
+from rope_model.physics.node import ANGLE, POSITION, SLOPE, Array
 from rope_model.simulation.ends.ends import HangingEnds
 from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.messages import messages
-from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
+from rope_model.simulation.rope_system import RopeSystem
 from rope_model.simulation.stepping.statics import find_equilibrium, hanging_guess
 
 Ends = tuple[EndMotion, EndMotion]

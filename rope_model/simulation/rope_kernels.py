@@ -14,19 +14,14 @@ from rope_model.numerics.block_chain import ChainFunctions, ChainParts, chain_fu
 from rope_model.numerics.newton import PROGRESS
 from rope_model.numerics.program import EXPRESSIONS
 from rope_model.physics import element
-from rope_model.physics.air_element import AIR_BALANCE, air_element
-from rope_model.physics.contact_element import CONTACT_BALANCE, contact_element
-from rope_model.physics.curved_element import curved_element
+from rope_model.physics.air_element import AIR_BALANCE
+from rope_model.physics.contact_element import CONTACT_BALANCE
 from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, ElementFidelity
+from rope_model.physics.rope_element import AIR, Features, kinds_touched, rope_element
 from rope_model.physics.shaft import KINDS
-from rope_model.physics.wire_element import wire_element
 
 log = logging.getLogger(__name__)
 
-#: kinds of the bodies that a rope may touch; before them AIR, WIRES for friction between wires, and CURVED for
-#: permanent curvature
-Features = tuple[int, ...]
-AIR, WIRES, CURVED = range(len(KINDS), len(KINDS) + 3)
 _WORDS = (*KINDS, "air", "wires", "curved")
 
 
@@ -65,7 +60,7 @@ class RopeKernels:
         # entries of the balance of solve and evaluate
         air, contact = (
             AIR_BALANCE if AIR in features else (),
-            CONTACT_BALANCE if _touched(features) else (),
+            CONTACT_BALANCE if kinds_touched(features) else (),
         )
         self.balance = (*element.BALANCE, *air, *contact)
         self.solve = compiling.Kernel(
@@ -161,23 +156,6 @@ def rope_parts(fidelity: ElementFidelity, features: Features = ()) -> ChainParts
     return chain_parts(
         e.tangent, e.residual, e.balance, e.losses, e.strains, e.momentum, e.reference, e.transport
     )
-
-
-def rope_element(fidelity: ElementFidelity, features: Features = ()) -> element.ElementFunctions:
-    """Return the element with all features."""
-    functions = element.element_functions(fidelity)
-    if CURVED in features:
-        functions = curved_element(functions)
-    if WIRES in features:
-        functions = wire_element(fidelity, functions)
-    if AIR in features:
-        functions = air_element(fidelity, functions)
-    touched = _touched(features)
-    return contact_element(fidelity, functions, touched) if touched else functions
-
-
-def _touched(features: Features) -> Features:
-    return tuple(kind for kind in features if kind < len(KINDS))
 
 
 @cache

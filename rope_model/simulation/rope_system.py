@@ -23,6 +23,7 @@ from rope_model.physics.contact import CONTACT_MARGIN, largest_motion
 from rope_model.physics.contact_element import CONTACT_BALANCE
 from rope_model.physics.element import BALANCE, NODE_DOF, PARAMETERS
 from rope_model.physics.initial_curvature import START, carried_director
+from rope_model.physics.node import ANGLE, POSITION, SLOPE, Array
 from rope_model.physics.point_forces import point_load
 from rope_model.physics.wire_element import HISTORY_SIZE, TANGENT_SIZE
 from rope_model.simulation.curvature import Director, curved_reference, is_curved
@@ -35,12 +36,9 @@ from rope_model.simulation.wires import (
     update_hysteresis,
 )
 
-Array = NDArray[np.float64]
 #: matrix (elements, bodies): true if an element may touch a body
 Near = NDArray[np.bool_]
 
-#: columns of r, r' and theta in a node's row
-POSITION, SLOPE, ANGLE = slice(0, 3), slice(3, 6), 6
 _NOTHING = np.zeros((1, 1), dtype=bool)
 _NO_EXTERNAL_SUMS = dict.fromkeys((*AIR_BALANCE, *CONTACT_BALANCE, "rope"), 0.0)
 _Solver = Callable[[Array], Array]
@@ -52,11 +50,6 @@ def air_parameters(scene: Scene) -> Array:
     return np.array(
         [c.factor, *c.velocity, *c[2:], *(AIR_SIZE - COEFFICIENTS_SIZE) * [0.0]] if c.factor else []
     )
-
-
-def arc_lengths(lengths: Array) -> Array:
-    """Return the arc lengths (m) of the nodes from the left end, for element lengths from left to right."""
-    return np.concatenate(([0.0], np.cumsum(lengths)))
 
 
 class Obstacles(Protocol):

@@ -20,6 +20,7 @@ from rope_model.numerics.generalized_alpha import Motion
 from rope_model.parameters import Scene
 from rope_model.physics.centreline import suspension_points
 from rope_model.physics.inextensible import rigid_tensions
+from rope_model.physics.node import ANGLE, Array
 from rope_model.simulation.contact.bodies import NO_ROOM
 from rope_model.simulation.contact.point_forces import (
     PointForces,
@@ -48,7 +49,7 @@ from rope_model.simulation.outputs.guards import set_rise_reference, update_guar
 from rope_model.simulation.outputs.signal_table import checked_names
 from rope_model.simulation.outputs.signals import group_of
 from rope_model.simulation.rope_kernels import KernelCache
-from rope_model.simulation.rope_system import ANGLE, Array, RopeSystem
+from rope_model.simulation.rope_system import RopeSystem
 from rope_model.simulation.state import RopeState
 from rope_model.simulation.stepping.hang import hang, paths_at_rest
 from rope_model.simulation.stepping.statics import StaticsError, hanging_guess

@@ -189,3 +189,12 @@ int hang(Simulator *sim, State *state, const EndMotion ends[2], char *message) {
     }
     return found && (steps == 0 || relax(sim, state, NULL, message));
 }
+
+int let_turn(Simulator *sim, State *state, char *message) {
+    for (int side = LEFT; side <= RIGHT; side++)
+        if (sim->scene.swivels[side].mode == FREE_MODE) state->swivels[side].phase = SLIP;
+    state->rubs = 0; /* as while the rope was hung up: wires begin at rest without a moment */
+    if (!equilibrium_in_frame(sim, state, INFINITY, message)) return 0;
+    if (start_hysteresis(sim, state)) rope_system_refer(sim, state, state_arrays(state).q);
+    return 1;
+}

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from rope_model.physics import hermite
+from rope_model.physics.node import ANGLE, POSITION, SLOPE, Array
 from rope_model.physics.point_forces import time_fraction
-from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, Array
 
 #: tolerance for points beyond the rope's ends, over its length
 ROUNDING = 1e-9

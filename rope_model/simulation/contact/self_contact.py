@@ -10,16 +10,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rope_model.numerics.coupled_newton import Iterate, conjugate_gradients
+from rope_model.numerics.conjugate_gradients import conjugate_gradients
+from rope_model.numerics.coupled_newton import Iterate
 from rope_model.numerics.generalized_alpha import Solution
 from rope_model.parameters import Scene
 from rope_model.physics import hermite, rope_contact
 from rope_model.physics.centreline import enclosing_box
 from rope_model.physics.contact import SUMS, ContactTerms
-from rope_model.simulation.rope_system import SLOPE, Array, Evaluation, Losses, Near, RopeSystem
+from rope_model.physics.node import SLOPE, Array
+from rope_model.simulation.rope_system import Evaluation, Losses, Near, RopeSystem
 
-#: rows and columns of the entries of a symmetric matrix (3, 3), upper half row by row
-TANGENT_ENTRIES = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 #: offsets from the numbers of two elements to those of their nodes
 _ENDS = np.array([0, 1, 0, 1])
 
@@ -46,7 +46,7 @@ class SelfContacts:
         self._weights = np.array([x.weight for x in contacts])
         self._forces = np.array([x.terms.force for x in contacts]).reshape(-1, 3)
         self._tangents = np.array([x.terms.tangent for x in contacts]).reshape(-1, 6)[
-            :, TANGENT_ENTRIES
+            :, rope_contact.TANGENT_ENTRIES
         ]
         self._sums = np.array([x.terms.sums for x in contacts]).reshape(-1, len(SUMS))
 
@@ -83,7 +83,7 @@ def find_self_contacts(
     diameter, law, l = scene.rope.diameter, scene.shaft.contact, lengths.tolist()
     start = (np.cumsum(lengths) - lengths).tolist()
     for e, N, weight, point, touching in _touching(q, rows, lengths, diameter):
-        for n in strands(
+        for n in rope_contact.strands(
             [start[o] + xi * l[o] for _, o, xi in touching], rope_contact.MIN_ARC * diameter
         ):
             _, other, xi = touching[n]
@@ -191,17 +191,6 @@ def _near_elements(q: Array, lengths: Array, diameter: float) -> list[tuple[int,
         start - (start + lengths)[:, None] >= rope_contact.MIN_ARC * diameter
     )
     return [(int(e), np.flatnonzero(near[e]).tolist()) for e in np.flatnonzero(near.any(axis=1))]
-
-
-def strands(s: list[float], reach: float) -> list[int]:
-    """Return the indices of points ``s``, nearest first, on separate strands: ``reach`` or more from those before."""
-    chosen: list[int] = []
-    for n, s_n in enumerate(s):
-        if len(chosen) < rope_contact.MAX_STRANDS and all(
-            abs(s_n - s[before]) >= reach for before in chosen
-        ):
-            chosen.append(n)
-    return chosen
 
 
 def _rows(x: Array) -> list[list[float]]:

@@ -19,12 +19,12 @@ import numpy as np
 from rope_model.parameters import Scene
 from rope_model.physics.centreline import enclosing_box, middle, turns
 from rope_model.physics.elementary import nearest_whole
+from rope_model.physics.node import SLOPE
 from rope_model.physics.shaft import KINDS, distance, least_distance
 from rope_model.simulation.contact.bodies import Placed, placed_bodies
 from rope_model.simulation.contact.self_contact import overlap_of
 from rope_model.simulation.mesh.adaptation import nearest_turn
 from rope_model.simulation.outputs.diagnostics import ends_yaw, legs_apart, loop_bottom, loop_turns
-from rope_model.simulation.rope_system import SLOPE
 from rope_model.simulation.state import Crossing, Nearest, RopeState
 
 #: kinds of bodies in words

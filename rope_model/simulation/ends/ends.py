@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from rope_model.parameters import Scene, Swivel
 from rope_model.physics.elementary import atan2, cos, hypot, maximum, minimum, sin, sqrt, where
+from rope_model.physics.node import ANGLE, POSITION, SLOPE, Array
 from rope_model.physics.swivel import friction_moment, tension_along
 from rope_model.simulation.ends.input_filter import MAX_LAG, InputFilter, PathMeasures, settings_of
 from rope_model.simulation.ends.paths import (
@@ -39,7 +40,6 @@ from rope_model.simulation.ends.swivel_phases import (
     swivel_friction,
 )
 from rope_model.simulation.messages import messages
-from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, Array
 from rope_model.solver_parameters import Inputs
 
 YAW_SENSE = (-1.0, 1.0)  #: sense of the conveyance's yaw in theta, left and right

@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from rope_model.numerics.generalized_alpha import Motion, StepResult
+from rope_model.physics.node import ANGLE
 from rope_model.simulation.ends.paths import END_NODE, SIDES
 from rope_model.simulation.ends.swivel_phases import (
     Phase,
@@ -20,7 +21,7 @@ from rope_model.simulation.ends.swivel_phases import (
     swivel_excess,
 )
 from rope_model.simulation.model import RopeModel, ends_of
-from rope_model.simulation.rope_system import ANGLE, Evaluation, RopeSystem
+from rope_model.simulation.rope_system import Evaluation, RopeSystem
 from rope_model.simulation.state import Event, RopeState
 from rope_model.simulation.stepping.events import locate
 

@@ -10,6 +10,7 @@ import numpy as np
 from rope_model.numerics.generalized_alpha import Solution
 from rope_model.physics.accuracy import BOUNDED_MESH_ERROR, effective_tolerance
 from rope_model.physics.elementary import nearest_whole
+from rope_model.physics.node import POSITION, SLOPE
 from rope_model.simulation.ends.ends import right_offset
 from rope_model.simulation.ends.paths import ends_at
 from rope_model.simulation.fidelity import lowest_sufficient
@@ -20,7 +21,7 @@ from rope_model.simulation.messages import fidelity_messages, messages
 from rope_model.simulation.messages.fidelity_rules import carries_torque
 from rope_model.simulation.model import RopeModel, ends_of, energies, update_angles
 from rope_model.simulation.rigid import flexible_start, with_elastic_strain
-from rope_model.simulation.rope_system import POSITION, SLOPE, Evaluation
+from rope_model.simulation.rope_system import Evaluation
 from rope_model.simulation.state import Event, RopeState
 from rope_model.simulation.wires import carry, start_hysteresis
 

@@ -32,6 +32,7 @@ import numpy as np
 
 from rope_model.parameters import Scene
 from rope_model.physics.elementary import nearest_whole
+from rope_model.physics.node import Array, arc_lengths
 from rope_model.simulation.mesh import mesh_pattern as tmn
 from rope_model.simulation.mesh.mesh_fit import (
     FADE_ERROR,
@@ -40,7 +41,6 @@ from rope_model.simulation.mesh.mesh_fit import (
     fit_elements,
 )
 from rope_model.simulation.messages import messages
-from rope_model.simulation.rope_system import Array, arc_lengths
 from rope_model.solver_parameters import MAX_ELEMENTS, Mesh
 
 #: distance (l) beyond the limit of a transformation that a step carries the loop at most: 20 ms at 20 m/s with l = 1.6

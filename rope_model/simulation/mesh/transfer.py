@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rope_model.numerics.banded import solve_banded
 from rope_model.physics import hermite
-from rope_model.simulation.rope_system import ANGLE, Array
+from rope_model.physics.node import ANGLE, Array
 
 Indices = NDArray[np.intp]
 

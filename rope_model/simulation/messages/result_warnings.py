@@ -23,6 +23,7 @@ from collections.abc import Callable
 from functools import partial
 
 from rope_model.parameters import Scene
+from rope_model.physics.node import ANGLE
 from rope_model.physics.shaft import KINDS
 from rope_model.simulation.contact.bodies import may_touch
 from rope_model.simulation.contact.shaft import BODIES
@@ -31,7 +32,6 @@ from rope_model.simulation.messages import warning_messages, warning_rules
 from rope_model.simulation.messages.rules import first_text
 from rope_model.simulation.outputs.diagnostics import ends_yaw
 from rope_model.simulation.outputs.neglected_effects import neglected_text
-from rope_model.simulation.rope_system import ANGLE
 from rope_model.simulation.state import RopeState
 
 

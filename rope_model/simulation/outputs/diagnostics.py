@@ -9,8 +9,8 @@ import numpy as np
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.physics import centreline
 from rope_model.physics.hermite import integral, integral_to
+from rope_model.physics.node import POSITION, SLOPE, Array, arc_lengths
 from rope_model.simulation.mesh.transfer import interpolate
-from rope_model.simulation.rope_system import POSITION, SLOPE, Array, arc_lengths
 
 PIECES = 8  #: straight pieces of an element, for the turns: legs in contact must not seem to pass through each other
 FINE = 41  #: samples of two elements, for the lowest point

@@ -5,6 +5,7 @@ import numpy as np
 from rope_model.parameters import Scene
 from rope_model.physics.centreline import turns
 from rope_model.physics.guard import has_guards, loop_height, off_plumb, sideways, watch
+from rope_model.physics.node import POSITION, Array
 from rope_model.physics.shaft import KINDS
 from rope_model.shaft_parameters import FAR
 from rope_model.simulation.contact.shaft import nearer
@@ -12,7 +13,6 @@ from rope_model.simulation.ends.ends import HangingEnds
 from rope_model.simulation.ends.paths import END_NODE
 from rope_model.simulation.mesh.adaptation import nearest_turn
 from rope_model.simulation.outputs.diagnostics import LoopBottom, ends_yaw, loop_bottom
-from rope_model.simulation.rope_system import POSITION, Array
 from rope_model.simulation.state import Nearest, RopeState
 
 

@@ -16,6 +16,7 @@ from rope_model.physics.contact_error import (
 from rope_model.physics.estimates import loop_width
 from rope_model.physics.frame import conveyance_load
 from rope_model.physics.guard import sideways
+from rope_model.physics.node import ANGLE, POSITION, Array, arc_lengths
 from rope_model.physics.shaft import KINDS
 from rope_model.physics.stress import material_values
 from rope_model.simulation.contact.shaft import clearances
@@ -32,7 +33,7 @@ from rope_model.simulation.outputs.guards import rise
 from rope_model.simulation.outputs.signal_table import SHAPE_POINTS, SIGNALS
 from rope_model.simulation.outputs.state_signals import STATE_SIGNALS, remembered
 from rope_model.simulation.rigid import rigid_tension
-from rope_model.simulation.rope_system import ANGLE, POSITION, Array, RopeSystem, arc_lengths
+from rope_model.simulation.rope_system import RopeSystem
 from rope_model.simulation.state import RopeState
 
 

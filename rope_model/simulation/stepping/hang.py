@@ -18,6 +18,7 @@ import numpy as np
 from rope_model.numerics.generalized_alpha import Motion
 from rope_model.parameters import Scene
 from rope_model.physics.initial_curvature import max_curvature
+from rope_model.physics.node import ANGLE
 from rope_model.simulation.curvature import is_curved, partly_curved
 from rope_model.simulation.ends.ends import partly_placed
 from rope_model.simulation.ends.paths import END_NODE, EndMotion, EndPath
@@ -27,7 +28,6 @@ from rope_model.simulation.mesh.adaptation import update_loop_yaw
 from rope_model.simulation.messages import messages
 from rope_model.simulation.messages.fidelity_rules import not_plumb
 from rope_model.simulation.model import RopeModel, ends_of, energies
-from rope_model.simulation.rope_system import ANGLE
 from rope_model.simulation.state import RopeState
 from rope_model.simulation.stepping.statics import StaticsError, find_equilibrium
 

@@ -25,10 +25,11 @@ from rope_model.physics.accuracy import TINY
 from rope_model.physics.element import PARAMETERS
 from rope_model.physics.elementary import less, maximum
 from rope_model.physics.initial_shape import initial_shape, node_row
+from rope_model.physics.node import ANGLE, POSITION, SLOPE, Array
 from rope_model.simulation.contact.bodies import least_passage
 from rope_model.simulation.curvature import Director
 from rope_model.simulation.messages import messages
-from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE, Array, RopeSystem
+from rope_model.simulation.rope_system import RopeSystem
 
 #: last full Newton correction in ``system.norm``, over the rope's length
 REST_TOLERANCE = 1e-11

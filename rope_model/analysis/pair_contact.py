@@ -13,10 +13,9 @@ import numpy as np
 from rope_model.parameters import Scene
 from rope_model.physics import hermite, rope_contact
 from rope_model.physics.centreline import enclosing_box
+from rope_model.physics.node import Array
 from rope_model.simulation.contact.point_forces import at_places, elements_at
-from rope_model.simulation.contact.self_contact import TANGENT_ENTRIES, strands
 from rope_model.simulation.interface import BalanceRope
-from rope_model.simulation.rope_system import Array
 
 #: number of points in a group, which is first checked by its middle
 GROUP = 16
@@ -152,7 +151,9 @@ class Pair:
         parts = [(order[begin], 0 * begin)]
         for k in begin[~np.logical_and.reduceat(alone, begin)] if begin.size else ():
             here = order[number[order] == number[order[k]]]
-            chosen = here[strands(their_s[here].tolist(), rope_contact.MIN_ARC * self.diameter)]
+            chosen = here[
+                rope_contact.strands(their_s[here].tolist(), rope_contact.MIN_ARC * self.diameter)
+            ]
             ranks = np.argsort(np.argsort(their_s[chosen]))
             parts[0][1][parts[0][0] == chosen[0]] = ranks[0]
             parts.append((chosen[1:], ranks[1:]))
@@ -173,7 +174,7 @@ class Pair:
             self._lossless, diameter, separation, velocity, 1.0, 0.0
         )
         entries = np.array([np.broadcast_to(x, number.shape) for x in law.tangent]).T[
-            :, TANGENT_ENTRIES
+            :, rope_contact.TANGENT_ENTRIES
         ]
         tangent, pressure = self._spacing * entries, self._spacing * np.asarray(law.sums[-1])
         energy = float(np.sum(law.sums[0]) * self._spacing)

@@ -7,9 +7,9 @@ step before; those at t + h, F, satisfy the law f where the ropes are then:
     F = f(x(F)) ,    x: separations of the points and their rates, from advancing the ropes from t to t + h
 
 Newton's method solves this for all ropes at once.  With the law's tangent K and the ropes' compliance Y to such forces
-(BalanceRope.displacement) a correction is r - K dx, r = f - F, with (1 + Y K) dx = Y r: conjugate gradients of
-numerics.coupled_newton, in which each rope responds separately.  Where every rope takes one step of its own from t to t
-+ h this is its integrator's step of all ropes as one system.
+(BalanceRope.displacement) a correction is r - K dx, r = f - F, with (1 + Y K) dx = Y r: by conjugate gradients, in
+which each rope responds separately.  Where every rope takes one step of its own from t to t + h this is its
+integrator's step of all ropes as one system.
 
 The work of the springs and that of the other forces are accounted separately.  Energy that is missing in the first was
 created by the steps.  A blow that one step cannot resolve creates much of it: such a step is halved, repeatedly if need
@@ -28,11 +28,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from rope_model.numerics.coupled_newton import conjugate_gradients
-from rope_model.numerics.generalized_alpha import Coefficients
-from rope_model.parameter_table import require
-from rope_model.parameters import Scene
-from rope_model.simulation.contact.pair_contact import (
+from rope_model.analysis.pair_contact import (
     NO_CONTACTS,
     Numbers,
     Pair,
@@ -40,9 +36,13 @@ from rope_model.simulation.contact.pair_contact import (
     Rows,
     rows_of,
 )
+from rope_model.numerics.conjugate_gradients import conjugate_gradients
+from rope_model.numerics.generalized_alpha import Coefficients
+from rope_model.parameter_table import require
+from rope_model.parameters import Scene
+from rope_model.physics.node import Array
 from rope_model.simulation.contact.point_forces import NO_FORCES, PointForces
 from rope_model.simulation.interface import BalanceRope
-from rope_model.simulation.rope_system import Array
 
 ITERATIONS = 15  #: largest number of Newton iterations
 TOLERANCE = 1e-4  #: error of the law over the sum of the forces

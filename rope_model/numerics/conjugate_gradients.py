@@ -1,0 +1,39 @@
+"""Conjugate gradients for (J + C) x = -R, preconditioned with J, for which there is a solver.
+
+C is symmetric and positive semidefinite.  J^-1 C has rank r, so that exact arithmetic ends after r + 1 steps.  Each
+step takes one solution with J and no product, because J p follows from the recurrence of p.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+#: fraction of the initial squared error, in J's norm, at which conjugate gradients end
+CG_TOLERANCE = 1e-16
+#: largest number of steps of conjugate gradients
+CG_MAX_STEPS = 200
+
+
+def conjugate_gradients(
+    solve: Callable[[Array], Array], coupling: Callable[[Array], Array], R: Array
+) -> Array:
+    """Solve (J + C) x = -R, where ``solve`` solves J x = -R and ``coupling`` multiplies with C."""
+    p = solve(R)
+    error = first = -float(np.vdot(R, p))
+    g, Jp, x = R, -R, np.zeros_like(R)
+    for _ in range(CG_MAX_STEPS):
+        Ap = Jp + coupling(p)
+        curvature = float(np.vdot(p, Ap))
+        if not curvature > 0:
+            return x if x.any() else p
+        alpha = error / curvature
+        x, g = x + alpha * p, g + alpha * Ap
+        z = solve(g)
+        before, error = error, -float(np.vdot(g, z))
+        if not error > CG_TOLERANCE * first:
+            break
+        p, Jp = z + error / before * p, error / before * Jp - g
+    return x

@@ -1,0 +1,14 @@
+"""Nodes of a rope: rows of seven coordinates, and their arc lengths."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+#: columns of r, r' and theta in a node's row
+POSITION, SLOPE, ANGLE = slice(0, 3), slice(3, 6), 6
+
+
+def arc_lengths(lengths: Array) -> Array:
+    """Return the arc lengths (m) of the nodes from the left end, for element lengths from left to right."""
+    return np.concatenate(([0.0], np.cumsum(lengths)))
