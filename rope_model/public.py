@@ -2,7 +2,7 @@
 
 import logging
 import subprocess
-from typing import Literal
+from typing import Literal, get_args
 
 from rope_model.cases import ROPE_CASES, Level, RopeCase, at_level, rope_120, rope_240
 from rope_model.catalogue import BEARINGS, CONSTRUCTIONS, Datum, DatumStatus, KnownRope, rope
@@ -22,6 +22,7 @@ from rope_model.shaft_parameters import (
     Shaft,
     Sump,
 )
+from rope_model.reference.rope import ReferenceRope
 from rope_model.simulation.contact.neighbours import Account, Contacts, Neighbours
 from rope_model.simulation.contact.point_forces import PointForces
 from rope_model.simulation.contact.shaft import BODIES
@@ -97,7 +98,7 @@ __all__ = [
 
 log = logging.getLogger(__name__)
 
-Form = Literal["auto", "native", "python"]
+Form = Literal["auto", "native", "python", "reference"]
 
 
 def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
@@ -107,9 +108,10 @@ def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
     ----------
     scene : Scene
         Rope, layout, swivels, mesh, solver and surroundings, in SI units.
-    form : {"auto", "native", "python"}
+    form : {"auto", "native", "python", "reference"}
         ``auto`` takes the native form. It takes the Python form where there is no native one, or where
-        ``scene.solver.kernels`` names kernels of the Python form.
+        ``scene.solver.kernels`` names kernels of the Python form. ``reference`` is the published system alone, in
+        plain Python to be read: a hundred times slower, and it refuses scenes that hold more.
 
     Returns
     -------
@@ -121,7 +123,7 @@ def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
     TypeError
         If ``scene`` is no Scene.
     ValueError
-        If the mesh does not fit the rope, or ``form`` is unknown.
+        If the mesh does not fit the rope, ``form`` is unknown, or the scene holds more than ``reference`` knows.
     RuntimeError
         If ``native`` finds no C compiler, or ``python`` lacks compiled kernels that the scene asks for.
     OSError, subprocess.CalledProcessError
@@ -132,20 +134,24 @@ def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
         raise TypeError(
             f"scene is a {kind} and must be a Scene; that of a case is rope_120().scene"
         )
-    if form not in ("auto", "native", "python"):
+    if form not in get_args(Form):
         raise ValueError(
-            f"form = {form!r} must be 'auto', 'native' or 'python'; 'auto' takes the fastest to be had"
+            f"form = {form!r} must be 'auto', 'native', 'python' or 'reference'; "
+            "'auto' takes the fastest to be had"
         )
     rope = _rope(scene, form)
-    log.info(
-        "the rope runs in its %s form", "Python" if isinstance(rope, RopeSimulator) else "native"
-    )
+    log.info("the rope runs in its %s form", _NAMES.get(type(rope), "native"))
     return rope
+
+
+_NAMES: dict[type, str] = {RopeSimulator: "Python", ReferenceRope: "reference"}
 
 
 def _rope(scene: Scene, form: Form) -> BalanceRope:
     if form == "native":
         return NativeRope(scene)
+    if form == "reference":
+        return ReferenceRope(scene)
     if form == "auto" and scene.solver.kernels == "auto":
         try:
             return NativeRope(scene)
