@@ -22,7 +22,6 @@ from rope_model.shaft_parameters import (
     Shaft,
     Sump,
 )
-from rope_model.reference.rope import ReferenceRope
 from rope_model.simulation.contact.neighbours import Account, Contacts, Neighbours
 from rope_model.simulation.contact.point_forces import PointForces
 from rope_model.simulation.contact.shaft import BODIES
@@ -140,17 +139,17 @@ def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
             "'auto' takes the fastest to be had"
         )
     rope = _rope(scene, form)
-    log.info("the rope runs in its %s form", _NAMES.get(type(rope), "native"))
+    log.info("the rope runs as a %s", type(rope).__name__)
     return rope
-
-
-_NAMES: dict[type, str] = {RopeSimulator: "Python", ReferenceRope: "reference"}
 
 
 def _rope(scene: Scene, form: Form) -> BalanceRope:
     if form == "native":
         return NativeRope(scene)
     if form == "reference":
+        # imported here: it takes optimizers of scipy that no other form needs
+        from rope_model.reference.rope import ReferenceRope
+
         return ReferenceRope(scene)
     if form == "auto" and scene.solver.kernels == "auto":
         try:

@@ -1,13 +1,12 @@
-"""Balance of energy:
+"""Balance of energy.
 
-    change of (U + K + V) = W_ends - W_k - D_material - D_swivels + E_mesh + residual     (docs/theory/time.md, eq-balance)
+    change of (U + K + V) = W_ends - W_k - D_material - D_swivels + E_mesh + residual
 
-W_k is the work of the coupling's part Qk without an energy, E_mesh the change by transformations.  Numerical damping
-makes the residual negative.
+(docs/theory/time.md, eq-balance).  W_k is the work of the coupling's part Qk without an energy,
+E_mesh the change by transformations. Numerical damping makes the residual negative.
 """
 
 from dataclasses import dataclass, replace
-
 
 from rope_model.reference.ends import END_NODE, SENSE
 from rope_model.reference.equations import POSITION, Equations
@@ -66,8 +65,8 @@ def after_step(
 ) -> Energies:
     """Return the balance after a step: powers at the ends by the trapezoidal rule.
 
-    Material dissipation is that of the change of strains over the step: the rates at its ends contain numerical
-    oscillations.
+    Material dissipation is that of the change of strains over the step: the rates at its ends
+    contain numerical oscillations.
     """
     h = new.t - old.t
     before = powers(ends, old)

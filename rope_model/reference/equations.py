@@ -1,13 +1,13 @@
 """Equations of motion of a rope on one mesh.
 
-    R(q, v, a) = dK/dt + dU/dq + dD/dv - weight - loads                    (docs/theory/element.md, eq-energies)
+    R(q, v, a) = d/dt dK/dv - dK/dq + dU/dq + dD/dv + dV/dq - loads
 
-with the kinetic energy K, the strain energy U and the dissipation D of ``physics.element``, summed over the elements.
-R is zero where a degree of freedom is free.  Where it is held, R is the reaction: the force or moment of the
-surroundings on the rope.
+(docs/theory/element.md, eq-energies) with the kinetic energy K, the strain energy U and the
+dissipation D of ``physics.element``, summed over the elements. R is zero where a degree of freedom
+is free.  Where it is held, R is the reaction: the force or moment of the surroundings on the rope.
 
-A node has seven degrees of freedom: r (m), r' (1) and theta (rad).  Arrays of nodes are (nodes, 7), arrays of elements
-have their entries first: (entries, elements).
+A node has seven degrees of freedom: r (m), r' (1) and theta (rad).  Arrays of nodes are (nodes, 7),
+arrays of elements have their entries first: (entries, elements).
 """
 
 from __future__ import annotations
@@ -38,8 +38,6 @@ HEIGHT = 1  #: column of r_Y
 ELEMENT_DOF = 2 * NODE_DOF
 BAND = ELEMENT_DOF - 1  #: diagonals of the tangent on either side of the main one
 
-ELEMENT = element_functions()
-
 
 @dataclass(frozen=True)
 class Factors:
@@ -62,14 +60,16 @@ class Equations:
     material: Array  #: element.ElementParameters (13,)
     frame: Array  #: reference of the sections' frame (21, elements): see ``with_reference``
     held: Mask  #: true where a degree of freedom is held (nodes, 7)
-    motion: Callable[[float], Array]  #: time -> q, v, a (3, nodes, 7), of which the held entries count
+    motion: Callable[
+        [float], Array
+    ]  #: time -> q, v, a (3, nodes, 7), of which the held entries count
     load: Array  #: dead loads at the nodes (nodes, 7), N, N m and N m
     inertia: Array  #: additional inertia of the nodes (nodes, 7), kg, kg m^2 and kg m^2
     friction: Array  #: moment on theta per newton of the node's vertical reaction (nodes,), m
 
     @staticmethod
     def of(rope: Rope, gravity: float, lengths: Array, q: Array, held: Mask) -> Equations:
-        """Return the equations of a ``rope`` of which ``held`` stays where ``q`` is, free of loads."""
+        """Return the equations of a ``rope`` of which ``held`` stays where ``q`` is."""
         return Equations(
             lengths=lengths,
             material=np.array(parameters(rope, gravity)),
@@ -82,7 +82,7 @@ class Equations:
         )
 
     def with_reference(self, q: Array) -> Equations:
-        """Return the equations with sections whose angles count from the frame of ``q``: see ``turning``."""
+        """Return the equations with angles that count from the frame of ``q``: see ``turning``."""
         return replace(self, frame=frame_at(q, self.lengths))
 
     def held_at(self, q: Array) -> Equations:
@@ -94,7 +94,7 @@ class Equations:
     def residual(self, q: Array, v: Array, a: Array) -> Array:
         """Return R (nodes, 7), N and N m."""
         parts = self._of_elements(q, v, a)
-        return self._assembled(ELEMENT.residual(*parts, self.material).full(), a)
+        return self._assembled(element_functions().residual(*parts, self.material).full(), a)
 
     def linearised(
         self, q: Array, v: Array, a: Array, c: tuple[float, float, float], prestress: Array
@@ -105,13 +105,15 @@ class Equations:
         """
         parts = self._of_elements(q, v, a)
         before = of_elements(prestress)
-        R, J = ELEMENT.tangent(*parts, self.material, *c, before)
+        R, J = element_functions().tangent(*parts, self.material, *c, before)
         residual = self._assembled(R.full(), a)
         elements = J.full().reshape(ELEMENT_DOF, self.lengths.size, ELEMENT_DOF)
         band = np.zeros((2 * BAND + 1, q.size))
         for i in range(ELEMENT_DOF):
             for j in range(ELEMENT_DOF):
-                band[BAND + i - j, j : j + NODE_DOF * self.lengths.size : NODE_DOF] += elements[i, :, j]
+                band[BAND + i - j, j : j + NODE_DOF * self.lengths.size : NODE_DOF] += elements[
+                    i, :, j
+                ]
         band[BAND] += c[2] * self.inertia.ravel()
         self._add_friction(band, residual)
         self._hold(band)
@@ -133,15 +135,14 @@ class Equations:
 
     def _add_friction(self, band: Array, R: Array) -> None:
         """Add the change of the friction's moments with the vertical reactions ``R``."""
-        for node in np.flatnonzero((self.friction != 0) & (R[:, HEIGHT] > 0)):
+        acting = (self.friction != 0) & (R[:, HEIGHT] > 0)
+        for node in np.flatnonzero(acting).tolist():
             of_moment = NODE_DOF * node + ANGLE
             of_force = NODE_DOF * node + HEIGHT
             first = max(of_moment - BAND, 0)
             last = min(of_force + BAND, band.shape[1] - 1)
             for j in range(first, last + 1):
-                band[BAND + of_moment - j, j] -= (
-                    self.friction[node] * band[BAND + of_force - j, j]
-                )
+                band[BAND + of_moment - j, j] -= self.friction[node] * band[BAND + of_force - j, j]
 
     def _hold(self, band: Array) -> None:
         """Replace the rows of what is held by x = force."""
@@ -155,13 +156,13 @@ class Equations:
     # the frame of the sections
 
     def turning(self, q: Array, v: Array, a: Array) -> Array:
-        """Return the increase of theta, theta_t and theta_tt (3, nodes) when ``q`` becomes the reference.
+        """Return the increase of theta and its rates (3, nodes) when ``q`` becomes the reference.
 
-        Sections stay where they are.  The frame of the left end stays, too; along the rope the mean twist of each
-        element adds up (docs/theory/element.md, eq-frame).
+        Sections stay where they are.  The frame of the left end stays, too; along the rope the mean
+        twist of each element adds up (docs/theory/element.md, eq-frame).
         """
         gained = np.zeros((3, len(q)))
-        gained[:, 1:] = ELEMENT.transport(*self._of_elements(q, v, a)).full()
+        gained[:, 1:] = element_functions().transport(*self._of_elements(q, v, a)).full()
         gained[0] = gained[0].cumsum()
         return gained
 
@@ -170,7 +171,7 @@ class Equations:
     def balance(self, q: Array, v: Array) -> dict[str, float]:
         """Return energies (J) and powers (W) of the whole rope by the names of element.BALANCE."""
         parts = of_elements(q), of_elements(v), self.lengths[None, :], self.frame, self.material
-        sums = ELEMENT.balance(*parts).full().sum(axis=1)
+        sums = element_functions().balance(*parts).full().sum(axis=1)
         named = dict(zip(BALANCE, sums.tolist(), strict=True))
         named["kinetic"] += 0.5 * float(np.sum(self.inertia * v * v))
         return named
@@ -178,7 +179,7 @@ class Equations:
     def strains(self, q: Array, v: Array) -> Array:
         """Return the strains of the elements (5, elements): element.STRAINS."""
         parts = of_elements(q), of_elements(v), self.lengths[None, :], self.frame
-        return np.asarray(ELEMENT.strains(*parts).full()).reshape(len(STRAINS), -1)
+        return np.asarray(element_functions().strains(*parts).full()).reshape(len(STRAINS), -1)
 
     def size(self, x: Array) -> float:
         """Return the largest entry of a correction or error ``x`` (nodes, 7) of what is free.
@@ -203,7 +204,7 @@ def of_elements(x: Array) -> Array:
 
 def frame_at(q: Array, lengths: Array) -> Array:
     """Return the reference (21, elements) of sections whose frame is that of the rope ``q``."""
-    return np.asarray(ELEMENT.reference(of_elements(q), lengths[None, :]).full())
+    return np.asarray(element_functions().reference(of_elements(q), lengths[None, :]).full())
 
 
 def arc_lengths(lengths: Array) -> Array:

@@ -5,9 +5,9 @@
     v1 = v0 + h ((1 - gamma) b0 + gamma b1)
     R(q1, v1, a1) = 0
 
-(docs/theory/time.md, eq-alpha and eq-coefficients).  a is the acceleration, b the auxiliary one, which approximates a
-at t0 + (alpha_m - alpha_f) h.  A change of the step moves that instant, and b with it (eq-recentre), or the method falls
-to first order:
+(docs/theory/time.md, eq-alpha and eq-coefficients).  a is the acceleration, b the auxiliary one,
+which approximates a at t0 + (alpha_m - alpha_f) h.  A change of the step moves that instant, and b
+with it (eq-recentre), or the method falls to first order:
 
     b0 <- b0 + (alpha_m - alpha_f) (h - h_before) (a0 - a_before) / h_before
 
@@ -21,7 +21,8 @@ import numpy as np
 from rope_model.reference.equations import Array, Equations
 from rope_model.reference.newton import Cause, solve
 
-#: growth of the step above which the acceleration's rate over the shorter step is mostly noise, and is not used
+#: growth of the step above which the acceleration's rate over the shorter step is mostly noise, and
+#: is not used
 MAX_GROWTH = 5.0
 TOLERANCE = 3e-6  #: m and rad, last correction of Newton's method
 
@@ -70,7 +71,7 @@ class Step:
 
 
 def coefficients(rho_inf: float) -> Coefficients:
-    """Return the coefficients for the spectral radius ``rho_inf``, 0 to 1, at infinite frequency."""
+    """Return the coefficients for the spectral radius ``rho_inf`` at infinite frequency."""
     alpha_m = (2 * rho_inf - 1) / (rho_inf + 1)
     alpha_f = rho_inf / (rho_inf + 1)
     gamma = 0.5 + alpha_f - alpha_m
@@ -81,7 +82,7 @@ def coefficients(rho_inf: float) -> Coefficients:
 def step(
     equations: Equations, old: Motion, h: float, rho_inf: float, tolerance: float = TOLERANCE
 ) -> Step:
-    """Return a trial step of length ``h`` (s); ``tolerance`` (m and rad) is that of Newton's method."""
+    """Return a trial step of ``h`` (s); ``tolerance`` (m and rad) is that of Newton's method."""
     method = coefficients(rho_inf)
     alpha_m = method.alpha_m
     alpha_f = method.alpha_f

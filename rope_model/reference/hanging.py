@@ -1,9 +1,10 @@
 """The rope at rest at the start (docs/theory/ends.md, "Twist at the start" and "The start").
 
-The rope is hung straight and untwisted, then twisted: by its installed twist, by the yaws of its conveyances, and by
-the direction in which its ends are apart.  A swivel that starts relaxed and cannot hold the torque starts where it has
-slid to: the rope is hung once more while that swivel turns against its friction.  A straight rope at rest has the same
-torque all along, so only the swivel with the least friction turns.
+The rope is hung straight and untwisted, then twisted: by its installed twist, by the yaws of its
+conveyances, and by the direction in which its ends are apart.  A swivel that starts relaxed and
+cannot hold the torque starts where it has slid to: the rope is hung once more while that swivel
+turns against its friction.  A straight rope at rest has the same torque all along, so only the
+swivel with the least friction turns.
 """
 
 import math
@@ -32,7 +33,8 @@ from rope_model.simulation.ends.swivel_phases import (
 
 TWIST_STEP = 1.0  #: rad, largest increment of twist
 SHORTEST_TWIST_STEP = 0.01  #: rad
-#: rad, twice the loop's yaw in an increment above which a shorter one is tried; the shortest may pass a limit point
+#: rad, twice the loop's yaw in an increment above which a shorter one is tried; the shortest may
+#: pass a limit point
 LARGEST_TURN = 2.0
 
 
@@ -52,7 +54,8 @@ def hang(scene: Scene, t: float, paths: tuple[EndPath, EndPath]) -> State:
     left, right = straight.motion(t, 2)[0, :, POSITION]
     mesh = mesh_of(scene, 0.5 * (scene.rope.length + left[1] - right[1]))
     guess = hanging_guess(mesh.nodes_s, left, right)
-    # an untwisted rope in the plane of its ends, which is turned by psi, turns its right end by -2 psi
+    # an untwisted rope in the plane of its ends, which is turned by psi, turns its right end by -2
+    # psi
     offset = 2.0 * math.atan2(right[2] - left[2], right[0] - left[0])
     ends = replace(straight, offsets=(0.0, offset))
     first, last = ends.motion(t, 2)[0, :, ANGLE].tolist()
@@ -121,7 +124,7 @@ def _twisted(rest: Rest, mesh: Mesh, twist: float, t: float) -> Rest:
 
 
 def _loose(rest: Rest, t: float) -> int | None:
-    """Return the side of the swivel that slides at the start: of those that cannot hold, that with the least friction."""
+    """Return the side of the swivel that slides: of those that cannot hold, the easiest."""
     frictions = {}
     for side, node in enumerate(END_NODE):
         swivel = rest.ends.data(side)

@@ -1,15 +1,18 @@
 """Meshes of the rope: EEM and TMN-ETM (docs/theory/mesh.md).
 
-EEM has elements of equal length.  TMN-ETM, time-varying multi-segment non-equal-length elements, has seven segments
+EEM has elements of equal length.  TMN-ETM, time-varying multi-segment non-equal-length elements,
+has seven segments
 
-    I: l    II: l/2    III: l/4    IV: l/8    V: l/4    VI: l/2    VII: l                       (eq-ladder)
+    I: l    II: l/2    III: l/4    IV: l/8    V: l/4    VI: l/2    VII: l    (eq-ladder)
 
-with IV around the loop's lowest point.  For every l that the loop travels along the rope a transformation moves the
-pattern by l: segment I gains one element and VII loses one, or the reverse.  The nodes of a pattern are fixed in the
-rope: where it becomes coarser elements merge, where it becomes finer they split.
+with IV around the loop's lowest point.  For every l that the loop travels along the rope a
+transformation moves the pattern by l: segment I gains one element and VII loses one, or the
+reverse.  The nodes of a pattern are fixed in the rope: where it becomes coarser elements merge,
+where it becomes finer they split.
 
-Two refinements are added to the source's mesh.  The outermost elements are halved towards the clamped ends, and
-elements of I and VII at the distance y from the loop may be as long as sqrt(l_g y) (eq-grading).
+Two refinements are added to the source's mesh.  The outermost elements are halved towards the
+clamped ends, and elements of I and VII at the distance y from the loop may be as long as sqrt(l_g
+y) (eq-grading).
 """
 
 import math
@@ -30,8 +33,8 @@ from rope_model.simulation.mesh.mesh_pattern import (
 )
 from rope_model.solver_parameters import Mesh as MeshParameters
 
-#: lengths (l) of elements of I and VII, each at a multiple of its length from the end of the rope, so that its
-#: neighbours stay when it changes
+#: lengths (l) of elements of I and VII, each at a multiple of its length from the end of the rope,
+#: so that its neighbours stay when it changes
 LEG_LENGTHS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
 #: least distance of an element of m l from segments II to VI over (m - 1) l
 DISTANCE_TO_LOOP = 2
@@ -82,8 +85,8 @@ def mesh_of(scene: Scene, bottom_s: float) -> Mesh:
     outer = int(nearest_whole(length / given.coarse_length - inner))  # l, of I and VII
     if outer < 2:
         raise ValueError(
-            f"segments II to VI take {inner * given.coarse_length:.4g} m of a rope of {length:g} m: "
-            "shorten mesh.coarse_length or lower the element counts"
+            f"segments II to VI take {inner * given.coarse_length:.4g} m of a rope of "
+            f"{length:g} m: shorten mesh.coarse_length or lower the element counts"
         )
     coarse = length / (outer + inner)
     least = int(min_outer(given.counts))
@@ -95,7 +98,7 @@ def mesh_of(scene: Scene, bottom_s: float) -> Mesh:
 
 
 def transformed(mesh: Mesh, bottom_s: float) -> Mesh:
-    """Return the mesh for a loop at ``bottom_s`` (m): ``mesh`` itself if no transformation is due."""
+    """Return the mesh for a loop at ``bottom_s`` (m): ``mesh`` itself where it still serves."""
     while direction := int(transformation_due(mesh, bottom_s, DUE_EARLY)):
         counts = (mesh.counts[0] + direction, *mesh.counts[1:6], mesh.counts[6] - direction)
         moved = replace(mesh, counts=counts)
@@ -118,11 +121,11 @@ def _nodes(pattern: Mesh) -> Array:
     right = total - _leg_nodes(max(last, 1), growth, pattern.end_levels)
     nodes = np.sort(np.concatenate((left, inner, right)))
     nodes = nodes[(nodes > -SAME_NODE) & (nodes < total + SAME_NODE)]
-    return nodes[np.append(True, np.diff(nodes) > SAME_NODE)]
+    return np.asarray(nodes[np.append(True, np.diff(nodes) > SAME_NODE)])
 
 
 def _leg_nodes(units: int, growth: float, end_levels: int) -> Array:
-    """Return the distances (l) of the nodes of I or VII, ``units`` l long, from the end of the rope."""
+    """Return the distances (l) of the nodes of I or VII, ``units`` l long, from the rope's end."""
     nodes = [0.0, *(0.5**k for k in range(end_levels, 0, -1)), 1.0]
     position = 1
     while position < units:

@@ -2,7 +2,8 @@
 
     J x = -R,   q += c0 x,   v += c1 x,   a += c2 x,   J = c0 dR/dq + c1 dR/dv + c2 dR/da
 
-(docs/theory/time.md, eq-tangent).  A tangent serves as long as corrections become ten times smaller with each.
+(docs/theory/time.md, eq-tangent).  A tangent serves as long as corrections become ten times smaller
+with each.
 """
 
 from dataclasses import dataclass
@@ -49,9 +50,10 @@ def solve(
     tolerance: float,
     prestress: Array,
 ) -> Solution:
-    """Return the solution near ``q``, ``v``, ``a``, up to a last correction of ``tolerance`` (m and rad).
+    """Return the solution near q, v, a, up to a last correction of ``tolerance`` (m and rad).
 
-    The first guess may overstretch the rope: the first tangent takes its axial strains from ``prestress``.
+    The first guess may overstretch the rope: the first tangent takes its axial strains from
+    ``prestress``.
     """
     factors: Factors | None = None
     before = np.inf

@@ -1,7 +1,8 @@
-"""Outputs by the names of the signal table: end forces and torques, loop, twist, stress, energies, counts, shape.
+"""Outputs by the names of the signal table: end forces and torques, loop, twist, energies.
 
-The conveyance carries the opposite of the rope's reactions: the force -R, and the moment of the reaction to r' together
-with the torque M of the swivel (``physics.frame``).  The loop's lowest point is that of its cubic, where r'_Y = 0.
+The conveyance carries the opposite of the rope's reactions: the force -R, and the moment of the
+reaction to r' together with the torque M of the swivel (``physics.frame``).  The loop's lowest
+point is that of its cubic, where r'_Y = 0.
 """
 
 import math
@@ -165,7 +166,7 @@ Group = Callable[[Scene, State], Values]
 
 
 def group_of(name: str) -> Group | None:
-    """Return the function that computes the output ``name`` with related ones; None if there is none."""
+    """Return the function that computes the output ``name`` and related ones, or None."""
     part, _, rest = name.partition(".")
     if name in ("left.twist", "right.twist", "loop.twist") or part == "stress":
         return strain_values

@@ -1,7 +1,7 @@
 """ReferenceRope: the published system as a BalanceRope.
 
-Between two instants of the host the ends follow quintics, and the rope takes its own steps.  A start or an advance that
-fails leaves the state as it was and returns the cause.
+Between two instants of the host the ends follow quintics, and the rope takes its own steps.  A
+start or an advance that fails leaves the state as it was and returns the cause.
 """
 
 import math
@@ -115,11 +115,12 @@ class ReferenceRope(BalanceRope):
         if not (math.isfinite(t) and t > start):
             return Status(False, f"t = {t:g} s must be after {start:g} s: give the end of the step")
         age = 0.0 if given_at is None else t - given_at
-        if not -SHORTEST_ADVANCE <= age <= t - start + scene.inputs.hold_max:
+        earliest = start - scene.inputs.hold_max
+        if not earliest <= t - age <= t + SHORTEST_ADVANCE:
             return Status(
                 False,
-                f"given_at = {given_at:g} s must be between {start - scene.inputs.hold_max:g} s and "
-                f"{t:g} s: give the instant of the motions",
+                f"given_at = {t - age:g} s must be between {earliest:g} s and {t:g} s: "
+                "give the instant of the motions",
             )
         paths = []
         for side, path, motion in zip(SIDES, before.paths, (left, right), strict=True):
@@ -131,8 +132,8 @@ class ReferenceRope(BalanceRope):
                 return Status(
                     False,
                     f"the {side} end would accelerate by {peak:.4g} m/s^2 or rad/s^2, above "
-                    f"inputs.acceleration_max = {scene.inputs.acceleration_max:g}: give positions, speeds and "
-                    "accelerations of one motion",
+                    f"inputs.acceleration_max = {scene.inputs.acceleration_max:g}: give positions, "
+                    "speeds and accelerations of one motion",
                 )
             paths.append(ahead)
         state = replace(before, paths=(paths[0], paths[1]), events=())

@@ -21,7 +21,8 @@ PUBLISHED: dict[str, tuple[float, ...]] = {
     "guard.torque": (0,),
     "air.density": (0,),
 }
-#: values with which there are no bodies to be touched; they matter if the stiffness of contact is above 0
+#: values with which there are no bodies to be touched; they matter if the stiffness of contact is
+#: above 0
 NO_BODIES: dict[str, tuple[float, ...]] = {
     "lining.width": (0,),
     "lining.depth": (0,),
@@ -47,6 +48,6 @@ def require_published(scene: Scene) -> None:
             value = words[int(parameter.value)] if words else f"{parameter.value:g}"
             bound = " or ".join(words[int(x)] if words else f"{x:g}" for x in values)
             raise ValueError(
-                f"{parameter.name} = {value} must be {bound} for the reference rope, which knows the published "
-                "system only: take the engine, balance_rope(scene)"
+                f"{parameter.name} = {value} must be {bound} for the reference rope, which knows "
+                "the published system only: take the engine, balance_rope(scene)"
             )

@@ -53,7 +53,7 @@ class State:
     step_next: float  #: s, length of the next step
     calm_since: float  #: s, instant of the last step whose error was not small
     force_mean: tuple[float, float]  #: N, vertical force on the conveyances over the last advance
-    energies: Energies = Energies()
+    energies: Energies
     counts: Counts = Counts()
     events: tuple[Event, ...] = ()  #: of the last advance
 
@@ -71,7 +71,7 @@ class State:
         return float(0.5 * (scene.rope.length + left - right))
 
     def with_angles(self, equations: Equations) -> State:
-        """Return the state, whose angles count from the reference of ``equations``, as its own reference.
+        """Return the state as the reference of its own frame, instead of that of ``equations``.
 
         Sections stay where they are, and the rates of theta become their spins.
         """

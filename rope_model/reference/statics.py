@@ -4,9 +4,9 @@ Each correction is an implicit step of the inertia M in the time tau,
 
     (dR/dq + M / tau^2) x = -R
 
-tau grows as the forces fall, and the search ends as Newton's method.  Where forces grow, tau shrinks: the rope creeps to
-its equilibrium and does not depend on a good guess.  Each shape on the way is the reference of the next one's frame
-(docs/theory/element.md, "The frame of the section").
+tau grows as the forces fall, and the search ends as Newton's method.  Where forces grow, tau
+shrinks: the rope creeps to its equilibrium and does not depend on a good guess.  Each shape on the
+way is the reference of the next one's frame (docs/theory/element.md, "The frame of the section").
 
 Source: Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998), switched evolution relaxation.
 """
@@ -17,7 +17,7 @@ import numpy as np
 
 from rope_model.physics.element import PARAMETERS
 from rope_model.physics.initial_shape import initial_shape, node_row
-from rope_model.reference.equations import ANGLE, POSITION, SLOPE, Array, Equations
+from rope_model.reference.equations import ANGLE, SLOPE, Array, Equations
 
 TOLERANCE = 1e-11  #: last correction, m over the rope's length
 MAX_CORRECTIONS = 10_000
@@ -28,11 +28,12 @@ NEWTON_TIME = 1e8  #: s, tau above which corrections are Newton's
 LONGEST_TIME = 1e12  #: s
 SHRINK = 0.3  #: factor of tau after a correction that is not taken
 GROW = (3.0, 10.0)  #: least and largest factor of tau after one that is taken
-#: work of the forces after a correction over that before it, above which it is not taken: stretch by a sideways motion
-#: grows with the third power of the way and takes up the work of the first force
+#: work of the forces after a correction over that before it, above which it is not taken: stretch
+#: by a sideways motion grows with the third power of the way and takes up the work of the first
+#: force
 MAX_GAIN = 3.0
-#: corrections with forces balanced to rounding after which the remaining motion costs no energy, such as that of a
-#: buckled rod about its axis
+#: corrections with forces balanced to rounding after which the remaining motion costs no energy,
+#: such as that of a buckled rod about its axis
 BALANCED = 200
 
 
@@ -51,7 +52,10 @@ class Equilibrium:
 
 
 def find_equilibrium(equations: Equations, guess: Array, t: float = 0.0) -> Equilibrium:
-    """Return the equilibrium near ``guess`` (nodes, 7), whose angles count along it, held as at ``t`` (s)."""
+    """Return the equilibrium near ``guess`` (nodes, 7), held as at ``t`` (s).
+
+    Angles of the guess count along it; those of the equilibrium count along itself.
+    """
     q = np.where(equations.held, equations.motion(t)[0], guess)
     zeros = np.zeros_like(q)
     length = float(equations.lengths.sum())
@@ -95,26 +99,27 @@ def find_equilibrium(equations: Equations, guess: Array, t: float = 0.0) -> Equi
         tau *= min(max(force / max(force_left, 1e-300), GROW[0]), GROW[1])
         tau = min(tau, LONGEST_TIME)
     raise StaticsError(
-        f"no equilibrium in {k} corrections: forces of {force:.3g} N are left; check the rope's length and stiffness"
+        f"no equilibrium in {k} corrections: forces of {force:.3g} N are left; "
+        "check the rope's length and stiffness"
     )
 
 
 def _largest(equations: Equations, R: Array) -> float:
-    """Return the largest unbalanced force (N); moments and stretching forces are over the shortest element."""
+    """Return the largest unbalanced force (N); that of r' is over the shortest element."""
     weights = np.ones(R.shape[1])
     weights[SLOPE] = 1.0 / equations.lengths.min()
     return float(np.max(np.abs(R) * weights))
 
 
 def _rounding(equations: Equations) -> float:
-    """Return the force (N) by which rounding of positions stretches the shortest element, ten times."""
+    """Return ten times the force (N) by which rounding stretches the shortest element."""
     axial = equations.material[PARAMETERS.index("Qa")]
     strain = np.finfo(float).eps * equations.lengths.sum() / equations.lengths.min()
     return float(10.0 * axial * strain)
 
 
 def hanging_guess(s: Array, left: Array, right: Array) -> Array:
-    """Return two straight legs and a half circle between the suspension points (nodes, 7), at arc lengths ``s``."""
+    """Return straight legs and a half circle (nodes, 7) between two points (3,), at ``s`` (m)."""
     length = float(s[-1])
     across = np.array([right[0] - left[0], 0.0, right[2] - left[2]])
     width = float(np.linalg.norm(across))

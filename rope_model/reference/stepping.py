@@ -1,9 +1,10 @@
 """One step of the rope: step-size control, swivel events, transformations.
 
-A step is rejected and halved if Newton's method fails or its local error is above twice the allowed one; the smallest
-step that fails ends the run with its cause (docs/theory/time.md, "Step-size control").  A step across a swivel's event
-is shortened to end there; the swivel changes its phase and the integrator restarts (docs/theory/ends.md, "The swivel").
-The mesh is transformed at the end of the step in which that becomes due.
+A step is rejected and halved if Newton's method fails or its local error is above twice the allowed
+one; the smallest step that fails ends the run with its cause (docs/theory/time.md, "Step-size
+control").  A step across a swivel's event is shortened to end there; the swivel changes its phase
+and the integrator restarts (docs/theory/ends.md, "The swivel"). The mesh is transformed at the end
+of the step in which that becomes due.
 """
 
 import math
@@ -49,7 +50,7 @@ def step_towards(scene: Scene, state: State, t_end: float) -> State | Failure:
     """Return the state after one accepted step towards ``t_end`` (s)."""
     state = _released(scene, with_mesh_for(scene, state, state.motion.t))
     ends = state.ends(scene)
-    equations = state.equations(scene)
+    equations = ends.equations(state.mesh, state.motion.q)
     old = state.motion
     stop = min(t_end, _next_release(scene, state))
     step_next = min(state.step_next, scene.solver.step_max)
@@ -59,7 +60,7 @@ def step_towards(scene: Scene, state: State, t_end: float) -> State | Failure:
         h = (stop - old.t) / parts
         trial = _trial(scene, equations, old, h)
         state = state.counted(newton=trial.corrections)
-        error = _error(scene, state, trial)
+        error = _error(scene, state, equations, trial)
         new = trial.motion
         if new is not None and error <= ACCEPT_BELOW * scene.solver.tolerance:
             switches = _excess(ends, new) >= 0
@@ -99,8 +100,11 @@ def _trial(scene: Scene, equations: Equations, old: Motion, h: float) -> Step:
     return step(equations, old, h, scene.solver.rho_inf, scene.solver.newton_tolerance)
 
 
-def _error(scene: Scene, state: State, trial: Step) -> float:
-    """Return the local error of a trial step over the allowed one (docs/theory/errors.md, eq-share and eq-flow)."""
+def _error(scene: Scene, state: State, equations: Equations, trial: Step) -> float:
+    """Return the local error of a trial step over the allowed one.
+
+    (docs/theory/errors.md, eq-share and eq-flow)
+    """
     new = trial.motion
     if new is None:
         return math.inf
@@ -111,7 +115,7 @@ def _error(scene: Scene, state: State, trial: Step) -> float:
     limits = step_limits(scene, ErrorSums(), bottom, end_speed, constant)
     change = new.a - old.a
     at_ends = max(abs(float(change[node, STRETCH])) for node in END_NODE)
-    position = constant * new.h**2 * state.equations(scene).size(change)
+    position = constant * new.h**2 * equations.size(change)
     return float(step_error(limits, new.h, position, constant * new.h**2 * at_ends))
 
 
@@ -120,9 +124,7 @@ def _error(scene: Scene, state: State, trial: Step) -> float:
 
 def _released(scene: Scene, state: State) -> State:
     """Return the state with swivels free to slip whose release time has come."""
-    swivels = [
-        _released_swivel(scene, state, side) for side in range(len(SIDES))
-    ]
+    swivels = [_released_swivel(scene, state, side) for side in range(len(SIDES))]
     if swivels == list(state.swivels):
         return state
     state = _restarted(scene, replace(state, swivels=(swivels[0], swivels[1])))
@@ -150,7 +152,7 @@ def _excess(ends: Ends, motion: Motion) -> float:
 
 
 def _event_step(scene: Scene, equations: Equations, ends: Ends, old: Motion, h: float) -> float:
-    """Return the step (s) to the first instant at which a swivel leaves its phase; ``h`` is beyond it."""
+    """Return the step (s) to the instant at which a swivel leaves its phase, before ``h``."""
 
     def at(part: float) -> float:
         if part == 0:
@@ -165,7 +167,7 @@ def _switched(scene: Scene, state: State) -> State:
     """Return the state with the next phase of the swivels that cannot stay in theirs, restarted."""
     ends = state.ends(scene)
     excesses = [ends.excess(side, state.motion) for side in range(len(SIDES))]
-    due = min(0.0, *(max(excesses),))  # an event is located up to EVENT_WIDTH
+    due = min(0.0, max(excesses))  # an event is located up to EVENT_WIDTH
     for side, name in enumerate(SIDES):
         if excesses[side] < due:
             continue

@@ -1,16 +1,16 @@
-"""Balance rope suspension rotors (BRSR): stick and slip of both ends, and the rope's boundary conditions.
+"""Balance rope suspension rotors (BRSR): stick and slip of both ends, boundary conditions.
 
     stick:  b_t = 0 and |M| <= M_s          slip:  M = -M_k sgn b_t
-    M_s = 1/2 mu_s d_m T + M_seal           M_k = 1/2 mu_k d_m T + M_seal         (docs/theory/ends.md, eq-swivel)
+    M_s = 1/2 mu_s d_m T + M_seal           M_k = 1/2 mu_k d_m T + M_seal
 
-with the relative angle b and the moment M of the conveyance on the rope.  The tension T at a plumb end is its vertical
-reaction.  Position and tangent of an end are held; only its stretch |r'| is free.  theta is free while the swivel slips
-and else held at
+(docs/theory/ends.md, eq-swivel) with the relative angle b and the moment M of the conveyance on the
+rope.  The tension T at a plumb end is its vertical reaction.  Position and tangent of an end are
+held; only its stretch |r'| is free.  theta is free while the swivel slips and else held at
 
     theta = offset + s yaw + b,    s = -1 on the left, +1 on the right
 
-The offset belongs to the frame: theta counts along the rope from the left end, so that of the right end changes as the
-rope turns in space.
+The offset belongs to the frame: theta counts along the rope from the left end, so that of the right
+end changes as the rope turns in space.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class Ends:
     offsets: tuple[float, float]  #: rad
 
     def equations(self, mesh: Mesh, q: Array) -> Equations:
-        """Return the equations of the rope on ``mesh`` with its present shape ``q`` as the frame's reference."""
+        """Return the equations on ``mesh``; ``q`` is the reference of the frame."""
         held = np.zeros(q.shape, dtype=bool)
         inertia = np.zeros_like(q)
         load = np.zeros_like(q)
@@ -110,9 +110,7 @@ class Ends:
         R = motion.reaction[END_NODE[side]]
         rate = self.relative(side, motion)[1]
         state = self.swivels[side]
-        return float(
-            swivel_excess(self.data(side), state, float(R[HEIGHT]), float(R[ANGLE]), rate)
-        )
+        return float(swivel_excess(self.data(side), state, float(R[HEIGHT]), float(R[ANGLE]), rate))
 
 
 def slip(angle: float, moment: float) -> SwivelState:

@@ -2,10 +2,11 @@
 
 A transformation replaces each field u of the nodes by the nearest one on the new mesh,
 
-    min over w of  int |w - u|^2 ds                                     (docs/theory/mesh.md, eq-transfer)
+    min over w of  int |w - u|^2 ds             (docs/theory/mesh.md, eq-transfer)
 
-where r is a cubic between nodes and theta is linear.  The ends of the rope keep their values.  So the momentum stays
-where elements merge, except for what the held ends take up; elements that split represent the same field.
+where r is a cubic between nodes and theta is linear.  The ends of the rope keep their values.  So
+the momentum stays where elements merge, except for what the held ends take up; elements that split
+represent the same field.
 """
 
 import numpy as np
@@ -16,7 +17,7 @@ from rope_model.reference.equations import ANGLE, POSITION, SLOPE, Array
 
 
 def interpolated(x: Array, s: Array, at: Array) -> Array:
-    """Return r (points, 3) of the nodes ``x`` (nodes, 7), or its rate, at arc lengths ``at`` (m)."""
+    """Return r (points, 3), or its rate, at arc lengths ``at`` (m) between nodes at ``s``."""
     return _cubic_shapes(s, at) @ _cubic_values(x)
 
 

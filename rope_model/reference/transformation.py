@@ -1,8 +1,9 @@
 """Transformation of the mesh (docs/theory/mesh.md, "A transformation").
 
-The fields q, v, a, b and the rate of a are transferred to the new mesh.  A cubic through merged elements is slightly
-too short or too long, which the axial stiffness would turn into a blow.  So the rope is brought into equilibrium with
-its accelerations, restrained by an inertia that corresponds to the time T:
+The fields q, v, a, b and the rate of a are transferred to the new mesh.  A cubic through merged
+elements is slightly too short or too long, which the axial stiffness would turn into a blow.  So
+the rope is brought into equilibrium with its accelerations, restrained by an inertia that
+corresponds to the time T:
 
     R(q + x, v, a + x / T^2) = 0
 
@@ -25,7 +26,13 @@ FIELDS = ("q", "v", "a", "b", "a_rate")
 
 
 def with_mesh_for(scene: Scene, state: State, t: float) -> State:
-    """Return the state at ``t`` (s) on the mesh for the loop's place; RuntimeError if the rope does not relax."""
+    """Return the state on the mesh for the loop at ``t`` (s).
+
+    Raises
+    ------
+    RuntimeError
+        If the rope does not relax.
+    """
     mesh = transformed(state.mesh, state.bottom_s(scene, t))
     if mesh is state.mesh:
         return state
