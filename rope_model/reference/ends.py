@@ -17,8 +17,7 @@ SIDES = ("left", "right")
 END_NODE = (0, -1)  #: row of each end in arrays of nodes
 SENSE = (-1.0, 1.0)  #: of a rotation about Y in theta at each end, as of the tangent in Y
 RESTS_BELOW = 1e-6  #: m/s and rad/s, speed below which an end rests
-_POWERS = np.arange(6)
-#: values and first and second derivatives of the powers 0 to 5 at 0 and at 1 (6, 6), inverted
+#: values and first and second derivatives of the powers 0 to 5 of u at 0 and at 1 (6, 6), inverted
 _TO_POWERS = np.linalg.inv(
     np.array(
         [
@@ -39,28 +38,23 @@ class EndPath:
 
     start: float  #: s
     stop: float  #: s
-    first: Array  #: position, speed, acceleration of x, y, z, yaw at the start (3, 4)
-    last: Array  #: at the stop (3, 4)
+    powers: Array  #: coefficients of the powers 0 to 5 of u, 0 to 1, for x, y, z, yaw (6, 4)
 
     def at(self, t: float) -> Array:
         """Return position, speed and acceleration of x, y, z, yaw (3, 4) at ``t`` (s)."""
-        if self.stop == self.start:
-            return self.last
         h = self.stop - self.start
         u = (t - self.start) / h
-        units = np.array([[1.0], [h], [h * h]])
-        powers = _TO_POWERS @ np.vstack((units * self.first, units * self.last))
-        value = u**_POWERS
-        rate = _POWERS[1:] * u ** _POWERS[:-1]
-        second = _POWERS[2:] * _POWERS[1:-1] * u ** _POWERS[:-2]
-        return np.array([value @ powers, rate @ powers[1:] / h, second @ powers[2:] / (h * h)])
+        value = [1, u, u**2, u**3, u**4, u**5]
+        rate = [0, 1 / h, 2 * u / h, 3 * u**2 / h, 4 * u**3 / h, 5 * u**4 / h]
+        second = [0, 0, 2 / h**2, 6 * u / h**2, 12 * u**2 / h**2, 20 * u**3 / h**2]
+        return np.array([value, rate, second]) @ self.powers
 
 
 def resting(t: float, motion: EndMotion) -> EndPath:
-    """Return the path of an end that rests at the position of ``motion``."""
-    rows = np.zeros((3, 4))
-    rows[0] = (*motion.position, motion.yaw)
-    return EndPath(t, t, rows, rows)
+    """Return the path to ``t`` (s) of an end that rests at the position of ``motion``."""
+    powers = np.zeros((6, 4))
+    powers[0] = (*motion.position, motion.yaw)
+    return EndPath(t - 1.0, t, powers)
 
 
 def onwards(path: EndPath, t: float, motion: EndMotion, age: float) -> EndPath:
@@ -68,14 +62,21 @@ def onwards(path: EndPath, t: float, motion: EndMotion, age: float) -> EndPath:
 
     ``motion`` was given ``age`` (s) before ``t`` and goes on with its acceleration.
     """
-    yaw_acceleration = (motion.yaw_rate - path.last[1, 3]) / (t - path.stop)
+    h = t - path.stop
+    first = path.at(path.stop)
+    yaw_acceleration = (motion.yaw_rate - first[1, 3]) / h
     position = np.array([*motion.position, motion.yaw])
     speed = np.array([*motion.velocity, motion.yaw_rate])
     acceleration = np.array([*motion.acceleration, yaw_acceleration])
-    at_t = position + age * speed + 0.5 * age * age * acceleration
-    return EndPath(
-        path.stop, t, path.last, np.array([at_t, speed + age * acceleration, acceleration])
+    last = np.array(
+        [
+            position + age * speed + 0.5 * age * age * acceleration,
+            speed + age * acceleration,
+            acceleration,
+        ]
     )
+    units = np.array([[1.0], [h], [h * h]])
+    return EndPath(path.stop, t, _TO_POWERS @ np.vstack((units * first, units * last)))
 
 
 def refusal(motion: EndMotion, side: str) -> str:
