@@ -43,7 +43,7 @@ from rope_model.simulation.outputs.signal_table import SIGNALS
 GRAVITY = 9.81
 #: m, a step of the host in the scenes below
 H = 0.04
-SHORT = 30.0  # m
+SHORT = 20.0  # m
 
 
 # its methods, on ropes with conditions of their own
@@ -66,6 +66,7 @@ def soft_rope() -> tuple[Equations, Array, Array]:
     return Equations.of(rope, GRAVITY, lengths, q, held), q, v
 
 
+@cache
 def moved(pattern: tuple[float, ...], steps: int) -> Motion:
     """The motion after 0.6 s, in steps whose lengths follow the pattern."""
     equations, q, v = soft_rope()
@@ -82,13 +83,13 @@ def moved(pattern: tuple[float, ...], steps: int) -> Motion:
 def test_generalized_alpha_is_of_second_order_with_equal_and_unequal_steps(
     pattern: tuple[float, ...],
 ) -> None:
-    exact = moved((1.0,), 1024)
+    exact = moved((1.0,), 512)
     errors = []
-    for steps in (64, 128):
+    for steps in (32, 64):
         motion = moved(pattern, steps)
         force = motion.reaction[0] - exact.reaction[0]
         errors.append([np.abs(x).max() for x in (motion.q - exact.q, motion.v - exact.v, force)])
-    # 1024 steps err by 1/64 of what 128 do: orders are off by 0.02, and by as much for terms of third order
+    # 512 steps err by 1/64 of what 64 do: orders are off by 0.02, and by 0.1 for terms of third order
     assert_allclose(np.log2(np.array(errors[0]) / errors[1]), 2.0, atol=0.15)
 
 
@@ -114,7 +115,7 @@ def test_rope_that_hangs_between_held_ends_has_the_uniform_torque_of_the_theory(
 
 
 def test_tangent_is_the_derivative_of_the_residual_at_rest() -> None:
-    equations, q, v = soft_rope()
+    equations, q, _ = soft_rope()
     rng = np.random.default_rng(1)
     q = q + 0.1 * rng.standard_normal(q.shape)
     equations = replace(
@@ -123,13 +124,12 @@ def test_tangent_is_the_derivative_of_the_residual_at_rest() -> None:
         inertia=np.full_like(q, 0.3),
     )
     zeros = np.zeros_like(q)
-    a = rng.standard_normal(q.shape)
     c = (1.0, 0.0, 7.0)
-    R, tangent = equations.linearised(q, zeros, a, c, prestress=q)
+    _, tangent = equations.linearised(q, zeros, zeros, c, prestress=q)
     x = np.where(equations.held, 0.0, rng.standard_normal(q.shape))
     step = 1e-6
     ahead, behind = (
-        equations.residual(q + k * step * x, zeros, a + k * step * c[2] * x) for k in (1, -1)
+        equations.residual(q + k * step * x, zeros, k * step * c[2] * x) for k in (1, -1)
     )
     change = np.where(equations.held, 0.0, (ahead - behind) / (2 * step))
     # differences of forces of some 100 N in steps of 1e-6
@@ -161,17 +161,20 @@ def test_transfer_keeps_momentum_where_elements_merge_and_splits_exactly() -> No
 
 # the engine
 
+EQUAL = Mesh("eem", elements=20)
+LOCKED = Swivel()
+
 
 @dataclass(frozen=True)
 class Case:
-    """A rope of 30 m and the motion of its ends, for so many steps of the host."""
+    """A short rope and the motion of its ends, for so many steps of the host."""
 
     motion: Callable[[float], Ends]
     steps: int = 12
     rope: Rope = field(default_factory=lambda: Rope(length=SHORT))
-    mesh: Mesh = Mesh("eem", elements=20)
-    left: Swivel = Swivel()
-    right: Swivel = Swivel()
+    mesh: Mesh = EQUAL
+    left: Swivel = LOCKED
+    right: Swivel = LOCKED
 
     def scene(self, h: float) -> Scene:
         """The scene in fixed steps, so that halving them shows what they err by."""
@@ -186,25 +189,31 @@ class Case:
 
 
 def winding(t: float) -> Ends:
-    return smooth_trip(t, 8.0, 2.0, 8.0)
+    """By 4 m with up to 6 m/s^2: the rope stays taut."""
+    return smooth_trip(t, 4.0, 2.0, 4.0)
 
 
 #: from 2 m/s with 5 m/s^2
 STOP = s_curve(
-    Winding(travel=8.0, speed=3.0, acceleration=4.0, jerk=20.0, start_delay=0.0, emergency_at=0.3)
+    Winding(travel=4.0, speed=3.0, acceleration=4.0, jerk=20.0, start_delay=0.0, emergency_at=0.3)
 )
 
 
 def stopped(t: float) -> Ends:
-    return ends_at(STOP, 8.0, t)
+    return ends_at(STOP, 4.0, t)
 
 
-DRY = Swivel(mode="coulomb", mu_static=0.01, mu_kinetic=0.008, release_time=0.1, start="locked")
-TMN = Mesh("tmn", coarse_length=2.0, counts=(2, 0, 16, 0, 2), end_levels=1)
+#: few elements, where their errors are no claim
+FEW = Case(winding, mesh=Mesh("eem", elements=10))
+DRY = Swivel(mode="coulomb", mu_static=0.005, mu_kinetic=0.004, release_time=0.1)
+#: four segments of equal and two of half length
+SMALL_TMN = Mesh("tmn", coarse_length=2.0, counts=(2, 0, 8, 0, 2), end_levels=0)
+#: no end of the rope cuts it off on the way: there the meshes would differ
+TMN = Mesh("tmn", coarse_length=1.5, counts=(2, 0, 16, 0, 2), end_levels=1)
 CASES = {
     "coupled": Case(winding),
     "uncoupled": Case(winding, rope=Rope(length=SHORT, Qb=0.0, Qc=0.0)),
-    "two transformations": Case(winding, 20, mesh=TMN),
+    "two transformations": Case(winding, 27, mesh=TMN),
     "release": Case(winding, left=Swivel(mode="free", release_time=0.1)),
     "stick and slip": Case(winding, left=DRY, right=DRY),
     "emergency stop": Case(stopped, 16),
@@ -234,15 +243,15 @@ def test_engine_and_reference_have_the_same_limit(name: str) -> None:
     assert (found <= allowed + path).all(), (name, found, allowed)
     # and the acceptance is a small part of what is compared
     size = np.abs(limit[:, :seen]).max(axis=0)
-    assert allowed[1] < 0.02 * size[1]
+    assert allowed[1] < 0.04 * size[1]
 
 
 @pytest.mark.parametrize(
-    ("name", "event"), [("two transformations", 0), ("release", 1), ("stick and slip", 1)]
+    ("name", "event"), [("two transformations", EVENTS[0]), ("stick and slip", EVENTS[1])]
 )
-def test_scenes_contain_their_events(name: str, event: int) -> None:
+def test_scenes_contain_their_events(name: str, event: str) -> None:
     for form, h in (("reference", 0.01), ("native", 0.0025)):
-        assert run(name, form, h)[-1, len(MEASURED) + event] >= 2 - (name == "release") * 2
+        assert run(name, form, h)[-1, len(MEASURED) + EVENTS.index(event)] >= 2
 
 
 @pytest.mark.parametrize("mesh", [Mesh("eem", elements=60), replace(TMN, end_levels=2)])
@@ -250,7 +259,9 @@ def test_rope_at_rest_is_the_engines_on_the_same_mesh(mesh: Mesh) -> None:
     # the complete model in both; of the fitted mesh the engine keeps the number of elements, the reference does not
     scene = Scene(rope=Rope(length=SHORT), mesh=mesh, model=Model("torsional"))
     left, right = EndMotion(), EndMotion(y=4.0, z=0.2)
-    ours, theirs = (hung(balance_rope(scene, form), left, right) for form in ("reference", "native"))
+    ours, theirs = (
+        hung(balance_rope(scene, form), left, right) for form in ("reference", "native")
+    )
     assert_allclose(ours.rows()[:, 0], theirs.rows()[:, 0], atol=1e-12)  # arc lengths
     # 1e-11 of the length is the last correction of both
     assert_allclose(ours.rows()[:, 1:], theirs.rows()[:, 1:], atol=1e-6)
@@ -294,20 +305,21 @@ def test_winding_of_the_published_rope_has_the_engines_forces_and_loop() -> None
 
 
 def test_energy_that_is_not_explained_falls_with_the_square_of_the_step() -> None:
-    case = CASES["coupled"]
     residuals = []
     for h in (0.02, 0.01):
-        rope = wound(balance_rope(case.scene(h), "reference"), winding, 12, step=H)
+        rope = wound(balance_rope(FEW.scene(h), "reference"), winding, 12, step=H)
         values = rope.signals(["energy.residual", "energy.work_ends"])
         residuals.append(values["energy.residual"])
-        assert abs(values["energy.residual"]) < 1e-3 * abs(values["energy.work_ends"])
+        assert abs(values["energy.residual"]) < 5e-3 * abs(values["energy.work_ends"])
     assert residuals[0] < 0  # numerical damping
     # of order 2, with waves that are damped sooner on the longer steps
     assert residuals[0] < 2.5 * residuals[1]
 
 
 def test_friction_of_a_swivel_only_dissipates() -> None:
-    rope = hung(balance_rope(CASES["stick and slip"].scene(0.02), "reference"), *winding(0.0))
+    rope = hung(
+        balance_rope(replace(FEW, left=DRY, right=DRY).scene(0.02), "reference"), *winding(0.0)
+    )
     dissipated = [0.0]
     for k in range(1, 13):
         assert rope.advance_to(k * H, *winding(k * H)).valid
@@ -317,7 +329,7 @@ def test_friction_of_a_swivel_only_dissipates() -> None:
 
 
 def test_saved_rope_goes_on_to_the_bit() -> None:
-    scene = replace(CASES["stick and slip"], mesh=TMN).scene(0.02)
+    scene = replace(FEW, left=DRY, right=DRY, mesh=SMALL_TMN).scene(0.02)
     rope = wound(balance_rope(scene, "reference"), winding, 8, step=H)
     saved = rope.save()
     other = balance_rope(scene, "reference")
@@ -334,14 +346,13 @@ def test_saved_rope_goes_on_to_the_bit() -> None:
 
 
 def test_bytes_of_something_else_are_refused() -> None:
-    rope = balance_rope(CASES["coupled"].scene(0.02), "reference")
+    rope = balance_rope(FEW.scene(0.02), "reference")
     with pytest.raises(ValueError, match="no state of the reference rope"):
         rope.restore(b"{}")
-    with pytest.raises(ValueError, match="30 m and must be one of 31 m"):
-        wound_rope = hung(rope)
-        balance_rope(
-            Scene(rope=Rope(length=31.0), mesh=Mesh("eem", elements=20)), "reference"
-        ).restore(wound_rope.save())
+    saved = hung(rope).save()
+    longer = balance_rope(Scene(rope=Rope(length=31.0), mesh=EQUAL), "reference")
+    with pytest.raises(ValueError, match="20 m and must be one of 31 m"):
+        longer.restore(saved)
 
 
 def shaken(t: float) -> Ends:
@@ -354,7 +365,7 @@ def shaken(t: float) -> Ends:
 
 
 def test_steps_that_fail_are_repeated_smaller_and_reported_at_last() -> None:
-    scene = CASES["coupled"].scene(0.04)
+    scene = FEW.scene(0.04)
     # errors are checked here
     strict = Solver(step_max=0.04, tolerance=1.0)
     rope = hung(balance_rope(scene.with_(solver=strict), "reference"), *shaken(0.0))
@@ -398,14 +409,16 @@ def test_scene_that_holds_more_is_refused_and_sent_to_the_engine(
 
 
 def test_calls_and_motions_of_other_ropes_are_refused() -> None:
-    rope = balance_rope(CASES["coupled"].scene(0.02), "reference")
+    rope = balance_rope(FEW.scene(0.02), "reference")
     with pytest.raises(RuntimeError, match="initialize"):
         rope.signals(["left.fy"])
     assert "must rest" in rope.initialize(0.0, EndMotion(vy=1.0), REST).message
-    assert "left.lean = 0.1 rad must be 0" in rope.initialize(0.0, EndMotion(lean=0.1), REST).message
+    assert (
+        "left.lean = 0.1 rad must be 0" in rope.initialize(0.0, EndMotion(lean=0.1), REST).message
+    )
     hung(rope)
-    with pytest.raises(ValueError, match=r"does not compute contact.sump: take the engine"):
-        rope.signals(["contact.sump"])
+    with pytest.raises(ValueError, match=r"does not compute loop.clearance: take the engine"):
+        rope.signals(["loop.clearance"])
     one = PointForces(np.array([1.0]), np.zeros((1, 3)), np.zeros((1, 3)), 0.0, 1.0)
     with pytest.raises(ValueError, match="takes no point forces: take the engine"):
         rope.apply(one)
@@ -415,7 +428,7 @@ def test_calls_and_motions_of_other_ropes_are_refused() -> None:
 
 
 def test_outputs_are_those_of_the_signal_table() -> None:
-    rope = hung(balance_rope(CASES["coupled"].scene(0.02), "reference"))
+    rope = hung(balance_rope(FEW.scene(0.02), "reference"))
     values = rope.signals()
     assert tuple(values) == NAMES
     assert set(NAMES) <= set(SIGNALS)
