@@ -219,7 +219,18 @@ CASES = {
     "emergency stop": Case(stopped, 16),
     "twisted": Case(winding, rope=Rope(length=SHORT, installed_twist=1.0)),
 }
-MEASURED = ("left.fx", "left.fy", "left.fz", "left.swivel.torque", "loop.y", "left.swivel.angle")
+#: what is compared, and by how much it depends on the way to rest: theta is integrated along it with three Gauss points
+#: (docs/theory/errors.md), and both searches for rest differ
+WAY_TO_REST = {
+    "left.fx": 1e-3,  # N
+    "left.fy": 1e-3,
+    "left.fz": 1e-3,
+    "left.swivel.torque": 1e-3,  # N m
+    "loop.y": 1e-6,  # m
+    "left.swivel.angle": 1e-5,  # rad
+    "right.swivel.angle": 1e-5,
+}
+MEASURED = tuple(WAY_TO_REST)
 EVENTS = ("count.transformations", "count.swivel_events")
 
 
@@ -238,8 +249,7 @@ def test_engine_and_reference_have_the_same_limit(name: str) -> None:
     found = np.abs(fine - limit)[:, :seen].max(axis=0)
     # an error of order 2 is a third of its change when steps are halved; events leave order 1, where it is all of it
     allowed = (np.abs(coarse - fine) + np.abs(limit - before))[:, :seen].max(axis=0)
-    # theta is integrated with three Gauss points along the way to rest, which differs: docs/theory/errors.md
-    path = np.array([1e-3, 1e-3, 2e-3, 2e-3, 1e-6, 1e-6])
+    path = np.array([*WAY_TO_REST.values()])
     assert (found <= allowed + path).all(), (name, found, allowed)
     # and the acceptance is a small part of what is compared
     size = np.abs(limit[:, :seen]).max(axis=0)
@@ -277,7 +287,8 @@ def test_engine_and_reference_take_the_same_steps(name: str) -> None:
     """The same method on the same mesh in the same steps: equal but for Newton's tolerance and the way to rest."""
     ours, theirs = (run(name, form, 0.01) for form in ("reference", "native"))
     size = np.abs(theirs).max(axis=0) + 1e-9
-    loose = 2e-3 if name == "stick and slip" else 5e-4  # phases that end at other instants
+    # phases that end at other instants; new meshes that relax in another time, because Newton's method failed once
+    loose = 2e-3 if name in ("stick and slip", "two transformations") else 5e-4
     assert (np.abs(ours - theirs).max(axis=0) <= loose * size + 1e-4)[: len(MEASURED)].all()
 
 
@@ -356,11 +367,11 @@ def test_bytes_of_something_else_are_refused() -> None:
 
 
 def shaken(t: float) -> Ends:
-    """The left end begins to shake at 12 Hz, by 5 mm."""
-    grown = min(t / 0.1, 1.0) ** 3
+    """The left end begins to shake at 12 Hz, by 1 mm within 50 ms."""
+    grown = min(t / 0.05, 1.0) ** 3
     w = 24 * math.pi
-    y = 5e-3 * grown * math.sin(w * t)
-    v = 5e-3 * grown * w * math.cos(w * t)
+    y = 1e-3 * grown * math.sin(w * t)
+    v = 1e-3 * grown * w * math.cos(w * t)
     return EndMotion(y=y, vy=v, ay=-w * w * y), REST
 
 
@@ -369,7 +380,8 @@ def test_steps_that_fail_are_repeated_smaller_and_reported_at_last() -> None:
     # errors are checked here
     strict = Solver(step_max=0.04, tolerance=1.0)
     rope = hung(balance_rope(scene.with_(solver=strict), "reference"), *shaken(0.0))
-    assert rope.advance_to(0.12, *shaken(0.12)).valid
+    for t in (0.04, 0.08):
+        assert rope.advance_to(t, *shaken(t)).valid
     counts = rope.signals(["count.rejections", "count.steps"])
     assert counts["count.rejections"] > 0
     assert counts["count.steps"] > 3
@@ -377,7 +389,7 @@ def test_steps_that_fail_are_repeated_smaller_and_reported_at_last() -> None:
     bound = replace(strict, step_min=0.04)
     rope = hung(balance_rope(scene.with_(solver=bound), "reference"), *shaken(0.0))
     before = rope.save()
-    status = rope.advance_to(0.12, *shaken(0.12))
+    status = rope.advance_to(0.08, *shaken(0.08))
     assert not status.valid
     assert "the local error of the step is too large" in status.message
     assert rope.save() == before

@@ -55,6 +55,7 @@ def with_mesh_for(scene: Scene, state: State, t: float) -> State:
         if time <= scene.solver.step_min:
             raise RuntimeError(f"the transformation of the mesh fails: {found.cause.value}")
         time = max(0.5 * time, scene.solver.step_min)
+        moved = moved.counted(rejections=1)
     relaxed = replace(moved, motion=replace(motion, q=found.q)).with_angles(equations)
 
     after = with_energies(state.energies, relaxed.equations(scene), relaxed.motion)
