@@ -1,7 +1,7 @@
 """Public names of the rope, to be imported from ``rope_model``; docs/reference/python.md describes them."""
 
 import logging
-from typing import Literal
+from typing import Literal, get_args
 
 from rope_model.analysis.neighbours import Account, Contacts, Neighbours
 from rope_model.cases import ROPE_CASES, Level, RopeCase, at_level, rope_120, rope_240
@@ -94,7 +94,7 @@ __all__ = [
 
 log = logging.getLogger(__name__)
 
-Form = Literal["auto", "native", "python"]
+Form = Literal["auto", "native", "python", "reference"]
 
 
 def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
@@ -104,8 +104,10 @@ def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
     ----------
     scene : Scene
         Rope, layout, swivels, mesh, solver and surroundings, in SI units.
-    form : {"auto", "native", "python"}
+    form : {"auto", "native", "python", "reference"}
         ``auto`` takes the native form, unless ``scene.solver.kernels`` names kernels of the Python form.
+        ``reference`` is the published system alone, in plain Python to be read: a hundred times slower, and it
+        refuses scenes that hold more.
 
     Returns
     -------
@@ -117,7 +119,7 @@ def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
     TypeError
         If ``scene`` is no Scene.
     ValueError
-        If the mesh does not fit the rope, or ``form`` is unknown.
+        If the mesh does not fit the rope, ``form`` is unknown, or the scene holds more than ``reference`` knows.
     RuntimeError
         If there is no native rope: no library came with the package, and no C compiler is here or it fails. Or if
         ``python`` lacks compiled kernels that the scene asks for.
@@ -129,18 +131,22 @@ def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
         raise TypeError(
             f"scene is a {kind} and must be a Scene; that of a case is rope_120().scene"
         )
-    if form not in ("auto", "native", "python"):
+    if form not in get_args(Form):
         raise ValueError(
-            f"form = {form!r} must be 'auto', 'native' or 'python'; 'auto' takes the native one"
+            f"form = {form!r} must be 'auto', 'native', 'python' or 'reference'; "
+            "'auto' takes the native one"
         )
     rope = _rope(scene, form)
-    log.info(
-        "the rope runs in its %s form", "Python" if isinstance(rope, RopeSimulator) else "native"
-    )
+    log.info("the rope runs as a %s", type(rope).__name__)
     return rope
 
 
 def _rope(scene: Scene, form: Form) -> BalanceRope:
+    if form == "reference":
+        # imported here: it takes optimizers of scipy that no other form needs
+        from rope_model.reference.rope import ReferenceRope
+
+        return ReferenceRope(scene)
     asks_for_kernels = form == "auto" and scene.solver.kernels != "auto"
     if form == "python" or asks_for_kernels:
         return RopeSimulator(scene)

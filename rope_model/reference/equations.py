@@ -1,0 +1,212 @@
+"""Equations of motion of a rope on one mesh.
+
+    R(q, v, a) = d/dt dK/dv - dK/dq + dU/dq + dD/dv + dV/dq - loads
+
+(docs/theory/element.md, eq-energies) with the kinetic energy K, the strain energy U and the
+dissipation D of ``physics.element``, summed over the elements. R is zero where a degree of freedom
+is free.  Where it is held, R is the reaction: the force or moment of the surroundings on the rope.
+
+A node has seven degrees of freedom: r (m), r' (1) and theta (rad).  Arrays of nodes are (nodes, 7),
+arrays of elements have their entries first: (entries, elements).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg.lapack import dgbtrf, dgbtrs
+
+from rope_model.parameters import Rope
+from rope_model.physics.element import (
+    BALANCE,
+    NODE_DOF,
+    STRAINS,
+    element_functions,
+    parameters,
+)
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+POSITION = slice(0, 3)  #: columns of r
+SLOPE = slice(3, 6)  #: columns of r'
+ANGLE = 6  #: column of theta
+HEIGHT = 1  #: column of r_Y
+ELEMENT_DOF = 2 * NODE_DOF
+BAND = ELEMENT_DOF - 1  #: diagonals of the tangent on either side of the main one
+
+
+@dataclass(frozen=True)
+class Factors:
+    """Tangent J as a product of triangular matrices."""
+
+    lu: Array
+    pivots: NDArray[np.int32]
+
+    def solve(self, force: Array) -> Array:
+        """Return x (nodes, 7) with J x = ``force`` (nodes, 7)."""
+        x, _ = dgbtrs(self.lu, BAND, BAND, force.ravel(), self.pivots)
+        return np.asarray(x).reshape(force.shape)
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Equations of motion on a mesh, with any degrees of freedom held and loads at the nodes."""
+
+    lengths: Array  #: reference lengths of the elements (elements,), m
+    material: Array  #: element.ElementParameters (13,)
+    frame: Array  #: reference of the sections' frame (21, elements): see ``with_reference``
+    held: Mask  #: true where a degree of freedom is held (nodes, 7)
+    motion: Callable[
+        [float], Array
+    ]  #: time -> q, v, a (3, nodes, 7), of which the held entries count
+    load: Array  #: dead loads at the nodes (nodes, 7), N, N m and N m
+    inertia: Array  #: additional inertia of the nodes (nodes, 7), kg, kg m^2 and kg m^2
+    friction: Array  #: moment on theta per newton of the node's vertical reaction (nodes,), m
+
+    @staticmethod
+    def of(rope: Rope, gravity: float, lengths: Array, q: Array, held: Mask) -> Equations:
+        """Return the equations of a ``rope`` of which ``held`` stays where ``q`` is."""
+        return Equations(
+            lengths=lengths,
+            material=np.array(parameters(rope, gravity)),
+            frame=frame_at(q, lengths),
+            held=held,
+            motion=at_rest(q),
+            load=np.zeros_like(q),
+            inertia=np.zeros_like(q),
+            friction=np.zeros(len(q)),
+        )
+
+    def with_reference(self, q: Array) -> Equations:
+        """Return the equations with angles that count from the frame of ``q``: see ``turning``."""
+        return replace(self, frame=frame_at(q, self.lengths))
+
+    def held_at(self, q: Array) -> Equations:
+        """Return the equations of a rope whose held degrees of freedom rest where ``q`` is."""
+        return replace(self, motion=at_rest(q))
+
+    # forces
+
+    def residual(self, q: Array, v: Array, a: Array) -> Array:
+        """Return R (nodes, 7), N and N m."""
+        parts = self._of_elements(q, v, a)
+        return self._assembled(element_functions().residual(*parts, self.material).full(), a)
+
+    def linearised(
+        self, q: Array, v: Array, a: Array, c: tuple[float, float, float], prestress: Array
+    ) -> tuple[Array, Factors]:
+        """Return R and the tangent J = c[0] dR/dq + c[1] dR/dv + c[2] dR/da of what is free.
+
+        Tensions in J are those of the axial strains of the rope ``prestress`` (nodes, 7).
+        """
+        parts = self._of_elements(q, v, a)
+        before = of_elements(prestress)
+        R, J = element_functions().tangent(*parts, self.material, *c, before)
+        residual = self._assembled(R.full(), a)
+        elements = J.full().reshape(ELEMENT_DOF, self.lengths.size, ELEMENT_DOF)
+        band = np.zeros((2 * BAND + 1, q.size))
+        for i in range(ELEMENT_DOF):
+            for j in range(ELEMENT_DOF):
+                band[BAND + i - j, j : j + NODE_DOF * self.lengths.size : NODE_DOF] += elements[
+                    i, :, j
+                ]
+        band[BAND] += c[2] * self.inertia.ravel()
+        self._add_friction(band, residual)
+        self._hold(band)
+        above = np.zeros((BAND, q.size))  # room for the exchanges of rows
+        lu, pivots, _ = dgbtrf(np.vstack((above, band)), BAND, BAND)
+        return residual, Factors(lu, pivots)
+
+    def _of_elements(self, q: Array, v: Array, a: Array) -> tuple[Array, ...]:
+        """Return the first arguments of the element's functions."""
+        return of_elements(q), of_elements(v), of_elements(a), self.lengths[None, :], self.frame
+
+    def _assembled(self, forces: Array, a: Array) -> Array:
+        """Return the residual of the nodes from those of the elements (14, elements)."""
+        R = self.inertia * a - self.load
+        R[:-1] += forces[:NODE_DOF].T
+        R[1:] += forces[NODE_DOF:].T
+        R[:, ANGLE] -= self.friction * np.maximum(R[:, HEIGHT], 0.0)
+        return R
+
+    def _add_friction(self, band: Array, R: Array) -> None:
+        """Add the change of the friction's moments with the vertical reactions ``R``."""
+        acting = (self.friction != 0) & (R[:, HEIGHT] > 0)
+        for node in np.flatnonzero(acting).tolist():
+            of_moment = NODE_DOF * node + ANGLE
+            of_force = NODE_DOF * node + HEIGHT
+            first = max(of_moment - BAND, 0)
+            last = min(of_force + BAND, band.shape[1] - 1)
+            for j in range(first, last + 1):
+                band[BAND + of_moment - j, j] -= self.friction[node] * band[BAND + of_force - j, j]
+
+    def _hold(self, band: Array) -> None:
+        """Replace the rows of what is held by x = force."""
+        rows = np.flatnonzero(self.held)
+        for offset in range(-BAND, BAND + 1):
+            columns = rows - offset
+            inside = columns[(columns >= 0) & (columns < band.shape[1])]
+            band[BAND + offset, inside] = 0.0
+        band[BAND, rows] = 1.0
+
+    # the frame of the sections
+
+    def turning(self, q: Array, v: Array, a: Array) -> Array:
+        """Return the increase of theta and its rates (3, nodes) when ``q`` becomes the reference.
+
+        Sections stay where they are.  The frame of the left end stays, too; along the rope the mean
+        twist of each element adds up (docs/theory/element.md, eq-frame).
+        """
+        gained = np.zeros((3, len(q)))
+        gained[:, 1:] = element_functions().transport(*self._of_elements(q, v, a)).full()
+        gained[0] = gained[0].cumsum()
+        return gained
+
+    # energies and strains
+
+    def balance(self, q: Array, v: Array) -> dict[str, float]:
+        """Return energies (J) and powers (W) of the whole rope by the names of element.BALANCE."""
+        parts = of_elements(q), of_elements(v), self.lengths[None, :], self.frame, self.material
+        sums = element_functions().balance(*parts).full().sum(axis=1)
+        named = dict(zip(BALANCE, sums.tolist(), strict=True))
+        named["kinetic"] += 0.5 * float(np.sum(self.inertia * v * v))
+        return named
+
+    def strains(self, q: Array, v: Array) -> Array:
+        """Return the strains of the elements (5, elements): element.STRAINS."""
+        parts = of_elements(q), of_elements(v), self.lengths[None, :], self.frame
+        return np.asarray(element_functions().strains(*parts).full()).reshape(len(STRAINS), -1)
+
+    def size(self, x: Array) -> float:
+        """Return the largest entry of a correction or error ``x`` (nodes, 7) of what is free.
+
+        It is in m and rad.  A change of r' counts as that of the ends of the shortest element.
+        """
+        weights = np.ones(NODE_DOF)
+        weights[SLOPE] = self.lengths.min()
+        return float(np.max(np.abs(x) * weights, where=~self.held, initial=0.0))
+
+
+def at_rest(q: Array) -> Callable[[float], Array]:
+    """Return the motion of what rests where ``q`` is."""
+    still = np.array([q, np.zeros_like(q), np.zeros_like(q)])
+    return lambda t: still
+
+
+def of_elements(x: Array) -> Array:
+    """Return the values (14, elements) of both nodes of each element."""
+    return np.hstack((x[:-1], x[1:])).T
+
+
+def frame_at(q: Array, lengths: Array) -> Array:
+    """Return the reference (21, elements) of sections whose frame is that of the rope ``q``."""
+    return np.asarray(element_functions().reference(of_elements(q), lengths[None, :]).full())
+
+
+def arc_lengths(lengths: Array) -> Array:
+    """Return the arc lengths (nodes,), m, of the nodes from the left end."""
+    return np.concatenate(([0.0], np.cumsum(lengths)))

@@ -1,0 +1,132 @@
+"""Extended generalized-alpha method: one step of the equations of motion.
+
+    (1 - alpha_m) b1 + alpha_m b0 = (1 - alpha_f) a1 + alpha_f a0
+    q1 = q0 + h v0 + h^2 ((1/2 - beta) b0 + beta b1)
+    v1 = v0 + h ((1 - gamma) b0 + gamma b1)
+    R(q1, v1, a1) = 0
+
+(docs/theory/time.md, eq-alpha and eq-coefficients).  a is the acceleration, b the auxiliary one,
+which approximates a at t0 + (alpha_m - alpha_f) h.  A change of the step moves that instant, and b
+with it (eq-recentre), or the method falls to first order:
+
+    b0 <- b0 + (alpha_m - alpha_f) (h - h_before) (a0 - a_before) / h_before
+
+What is held follows its own motion; it takes part with its acceleration.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rope_model.reference.equations import Array, Equations
+from rope_model.reference.newton import Cause, solve
+
+#: growth of the step above which the acceleration's rate over the shorter step is mostly noise, and
+#: is not used
+MAX_GROWTH = 5.0
+TOLERANCE = 3e-6  #: m and rad, last correction of Newton's method
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Motion at an instant; arrays are (nodes, 7)."""
+
+    t: float  #: s
+    q: Array
+    v: Array
+    a: Array
+    b: Array  #: auxiliary acceleration
+    a_rate: Array  #: change of a over the step that led here, per time
+    h: float  #: s, length of that step; 0 after a restart
+    reaction: Array  #: R: zero where free, else force and moment of the surroundings
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """Coefficients of the method."""
+
+    alpha_m: float
+    alpha_f: float
+    gamma: float
+    beta: float
+
+    @property
+    def shift(self) -> float:
+        """Instant of b after that of a, in steps."""
+        return self.alpha_m - self.alpha_f
+
+    @property
+    def local_error(self) -> float:
+        """Local error of q over h^2 times the change of the acceleration in a step."""
+        return abs(self.beta + 0.5 * self.shift - 1 / 6)
+
+
+@dataclass(frozen=True)
+class Step:
+    """Trial step; ``motion`` is None if it failed for the ``cause``."""
+
+    motion: Motion | None
+    corrections: int
+    cause: Cause | None
+
+
+def coefficients(rho_inf: float) -> Coefficients:
+    """Return the coefficients for the spectral radius ``rho_inf`` at infinite frequency."""
+    alpha_m = (2 * rho_inf - 1) / (rho_inf + 1)
+    alpha_f = rho_inf / (rho_inf + 1)
+    gamma = 0.5 + alpha_f - alpha_m
+    beta = 0.25 * (1 + alpha_f - alpha_m) ** 2
+    return Coefficients(alpha_m, alpha_f, gamma, beta)
+
+
+def step(
+    equations: Equations, old: Motion, h: float, rho_inf: float, tolerance: float = TOLERANCE
+) -> Step:
+    """Return a trial step of ``h`` (s); ``tolerance`` (m and rad) is that of Newton's method."""
+    method = coefficients(rho_inf)
+    alpha_m = method.alpha_m
+    alpha_f = method.alpha_f
+    beta = method.beta
+    gamma = method.gamma
+
+    b_old = old.b
+    a = old.a
+    if 0 < h <= MAX_GROWTH * old.h:
+        b_old = old.b + method.shift * (h - old.h) * old.a_rate
+        a = old.a + h * old.a_rate
+
+    def auxiliary(a_new: Array) -> Array:
+        return ((1 - alpha_f) * a_new + alpha_f * old.a - alpha_m * b_old) / (1 - alpha_m)
+
+    b = auxiliary(a)
+    q = old.q + h * old.v + h * h * ((0.5 - beta) * b_old + beta * b)
+    v = old.v + h * ((1 - gamma) * b_old + gamma * b)
+    held_q, held_v, held_a = equations.motion(old.t + h)
+    q = np.where(equations.held, held_q, q)
+    v = np.where(equations.held, held_v, v)
+    a = np.where(equations.held, held_a, a)
+
+    of_v = gamma / (beta * h)
+    of_a = (1 - alpha_m) / (beta * h * h * (1 - alpha_f))
+    found = solve(equations, q, v, a, (1.0, of_v, of_a), tolerance, prestress=old.q)
+    if found.cause is not None:
+        return Step(None, found.corrections, found.cause)
+    a_rate = (found.a - old.a) / h
+    motion = Motion(
+        old.t + h, found.q, found.v, found.a, auxiliary(found.a), a_rate, h, found.reaction
+    )
+    return Step(motion, found.corrections, None)
+
+
+def restart(equations: Equations, t: float, q: Array, v: Array) -> Motion:
+    """Return the motion at ``t`` (s) with accelerations from equilibrium and without a history.
+
+    The residual is linear in the accelerations: one correction finds them.
+    """
+    held_q, held_v, held_a = equations.motion(t)
+    q = np.where(equations.held, held_q, q)
+    v = np.where(equations.held, held_v, v)
+    a = np.where(equations.held, held_a, 0.0)
+    R, mass = equations.linearised(q, v, a, (0.0, 0.0, 1.0), prestress=q)
+    a = a + mass.solve(np.where(equations.held, 0.0, -R))
+    return Motion(t, q, v, a, a, np.zeros_like(a), 0.0, equations.residual(q, v, a))

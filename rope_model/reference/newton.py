@@ -1,0 +1,79 @@
+"""Newton's method for R(q, v, a) = 0, where v and a follow a correction x of q.
+
+    J x = -R,   q += c0 x,   v += c1 x,   a += c2 x,   J = c0 dR/dq + c1 dR/dv + c2 dR/da
+
+(docs/theory/time.md, eq-tangent).  A tangent serves as long as corrections become ten times smaller
+with each.
+"""
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from rope_model.reference.equations import Array, Equations, Factors
+
+MAX_CORRECTIONS = 20
+CONTRACTION = 0.1  #: a correction over the one before it, above which a new tangent is made
+#: m and rad, correction beyond which the method diverges: many times what a rope moves in a step
+DIVERGED = 1e3
+
+
+class Cause(Enum):
+    """Cause of a failure; the value is a sentence's end."""
+
+    NOT_CONVERGED = f"Newton's method did not converge in {MAX_CORRECTIONS} corrections"
+    DIVERGED = "Newton's method diverged"
+    ERROR = "the local error of the step is too large"
+    CHATTER = "a swivel changes between stick and slip faster than a rope can move"
+    STEPS = "the communication step takes too many steps"
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Configuration with R = 0 where the rope is free; ``cause`` is None if there is one."""
+
+    q: Array
+    v: Array
+    a: Array
+    reaction: Array  #: R (nodes, 7), zero up to the tolerance where the rope is free
+    corrections: int
+    cause: Cause | None
+
+
+def solve(
+    equations: Equations,
+    q: Array,
+    v: Array,
+    a: Array,
+    c: tuple[float, float, float],
+    tolerance: float,
+    prestress: Array,
+) -> Solution:
+    """Return the solution near q, v, a, up to a last correction of ``tolerance`` (m and rad).
+
+    The first guess may overstretch the rope: the first tangent takes its axial strains from
+    ``prestress``.
+    """
+    factors: Factors | None = None
+    before = np.inf
+    with np.errstate(all="ignore"):  # a correction that is not finite ends the search
+        for k in range(1, MAX_CORRECTIONS + 1):
+            if factors is None:
+                R, factors = equations.linearised(q, v, a, c, prestress)
+            else:
+                R = equations.residual(q, v, a)
+            x = factors.solve(np.where(equations.held, 0.0, -R))
+            size = equations.size(x)
+            if not size < DIVERGED:
+                return Solution(q, v, a, R, k, Cause.DIVERGED)
+            q = q + c[0] * x
+            v = v + c[1] * x
+            a = a + c[2] * x
+            if size <= tolerance:
+                return Solution(q, v, a, equations.residual(q, v, a), k, None)
+            if size > CONTRACTION * before:
+                factors = None
+                prestress = q
+            before = size
+    return Solution(q, v, a, R, MAX_CORRECTIONS, Cause.NOT_CONVERGED)

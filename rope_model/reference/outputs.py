@@ -1,0 +1,187 @@
+"""Outputs by the names of the signal table: end forces and torques, loop, twist, energies.
+
+The conveyance carries the opposite of the rope's reactions: the force -R, and the moment of the
+reaction to r' together with the torque M of the swivel (``physics.frame``).  The loop's lowest
+point is that of its cubic, where r'_Y = 0.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from rope_model.parameters import Scene
+from rope_model.physics.centreline import sample_s
+from rope_model.physics.estimates import loop_width
+from rope_model.physics.frame import conveyance_load
+from rope_model.physics.hermite import bend, interpolate
+from rope_model.physics.stress import material_values
+from rope_model.reference.ends import END_NODE, SIDES
+from rope_model.reference.equations import HEIGHT, POSITION, SLOPE, Array
+from rope_model.reference.state import State
+from rope_model.reference.transfer import elements_at, interpolated
+from rope_model.simulation.ends.swivel_phases import Phase
+from rope_model.simulation.outputs.signal_table import SHAPE_POINTS, SIGNALS
+
+AXES = ("x", "y", "z")
+#: outputs of ``Energies``
+ENERGIES = (
+    "kinetic",
+    "strain",
+    "gravity",
+    "total",
+    "work_ends",
+    "dissipated_material",
+    "dissipated_swivel",
+    "nonconservative",
+    "transformations",
+    "residual",
+)
+COUNTS = ("steps", "rejections", "newton", "transformations", "swivel_events")
+
+#: outputs by name
+Values = dict[str, float]
+
+
+@dataclass(frozen=True)
+class LowestPoint:
+    """Lowest point of the rope."""
+
+    s: float  #: m, arc length from the left end
+    position: Array  #: m (3,)
+    yaw: float  #: rad, of the tangent about Y: 0 along X, positive towards -Z
+
+
+def lowest_point(q: Array, s: Array) -> LowestPoint:
+    """Return the lowest point of the rope ``q`` (nodes, 7) with nodes at arc lengths ``s`` (m)."""
+    node = int(np.clip(np.argmin(q[:, HEIGHT]), 1, s.size - 2))
+    candidates = [s[node - 1], s[node], s[node + 1]]
+    for left in (node - 1, node):
+        l = s[left + 1] - s[left]
+        y = (q[left, 1], q[left, 4], q[left + 1, 1], q[left + 1, 4])
+        # r'_Y is a parabola with these values at 0, 1/2 and 1
+        at = [interpolate(xi, l, *y)[1] for xi in (0.0, 0.5, 1.0)]
+        parabola = (2 * at[0] - 4 * at[1] + 2 * at[2], -3 * at[0] + 4 * at[1] - at[2], at[0])
+        roots = np.roots(parabola)
+        inside = roots[np.isreal(roots) & (roots.real > 0) & (roots.real < 1)].real
+        candidates += [s[left] + xi * l for xi in inside if bend(xi, l, *y) > 0]
+    points = interpolated(q, s, np.array(candidates))
+    lowest = int(np.argmin(points[:, HEIGHT]))
+    at_s = candidates[lowest]
+    element = int(elements_at(s, np.array([at_s]))[0])
+    l = s[element + 1] - s[element]
+    xi = (at_s - s[element]) / l
+    a = q[element]
+    b = q[element + 1]
+    slope = [interpolate(xi, l, a[k], a[3 + k], b[k], b[3 + k])[1] for k in range(3)]
+    return LowestPoint(float(at_s), points[lowest], math.atan2(-slope[2], slope[0]))
+
+
+def yaw_of(q: Array) -> float:
+    """Return the yaw (rad) of the tangent at the lowest node."""
+    slope = q[np.argmin(q[:, HEIGHT]), SLOPE]
+    return math.atan2(-slope[2], slope[0])
+
+
+def nearest_turn(angle: float, last: float) -> float:
+    """Return ``angle`` (rad) with the full turns that bring it closest to ``last``."""
+    return angle + 2.0 * math.pi * round((last - angle) / (2.0 * math.pi))
+
+
+def end_values(scene: Scene, state: State) -> Values:
+    """Return forces (N), moments (N m) and swivels of both ends."""
+    m = state.motion
+    ends = state.ends(scene)
+    values: Values = {}
+    for side, name in enumerate(SIDES):
+        node = END_NODE[side]
+        torque = ends.moment(side, m.reaction)
+        load = conveyance_load(m.q[node], m.reaction[node], torque)
+        angle, rate = ends.relative(side, m)
+        for axis, force, moment in zip(AXES, load[:3], load[3:], strict=True):
+            values[f"{name}.f{axis}"] = float(force)
+            values[f"{name}.m{axis}"] = float(moment)
+        values[f"{name}.fy_mean"] = state.force_mean[side]
+        values[f"{name}.swivel.angle"] = angle
+        values[f"{name}.swivel.rate"] = rate
+        values[f"{name}.swivel.torque"] = torque
+        values[f"{name}.swivel.slipping"] = float(state.swivels[side].phase is Phase.SLIP)
+    return values
+
+
+def loop_values(scene: Scene, state: State) -> Values:
+    """Return position (m) and yaw (rad) of the loop at its lowest point."""
+    lowest = lowest_point(state.motion.q, state.mesh.nodes_s)
+    values = {f"loop.{axis}": float(x) for axis, x in zip(AXES, lowest.position, strict=True)}
+    values["loop.yaw"] = nearest_turn(lowest.yaw, state.loop_yaw)
+    return values
+
+
+def strain_values(scene: Scene, state: State) -> Values:
+    """Return twist (rad/m) at ends and loop, and the largest nominal stresses (Pa)."""
+    m = state.motion
+    s = state.mesh.nodes_s
+    strains = state.equations(scene).strains(m.q, m.v)
+    twist = strains[1]
+    bending, torsion, _, _ = material_values(scene.rope, 1.0, strains)
+    at_loop = elements_at(s, np.array([lowest_point(m.q, s).s]))[0]
+    return {
+        "left.twist": float(twist[0]),
+        "right.twist": float(twist[-1]),
+        "loop.twist": float(twist[at_loop]),
+        "stress.bending_max": float(bending.max()),
+        "stress.torsion_max": float(torsion.max()),
+    }
+
+
+def energy_values(scene: Scene, state: State) -> Values:
+    """Return energies, work and losses (J)."""
+    return {f"energy.{name}": float(getattr(state.energies, name)) for name in ENERGIES}
+
+
+def count_values(scene: Scene, state: State) -> Values:
+    """Return numbers of steps, corrections and events."""
+    return {f"count.{name}": float(getattr(state.counts, name)) for name in COUNTS}
+
+
+def shape_values(scene: Scene, state: State) -> Values:
+    """Return points of the rope (m) from end to end, denser around the loop."""
+    q = state.motion.q
+    nodes = state.mesh.nodes_s
+    bottom = lowest_point(q, nodes).s
+    u = np.linspace(-1.0, 1.0, SHAPE_POINTS)
+    reach = np.where(u < 0, -bottom, nodes[-1] - bottom)
+    s = np.clip(sample_s(bottom, reach, np.abs(u), loop_width(scene)), 0.0, nodes[-1])
+    points = interpolated(q, nodes, s)
+    rows = {"s": s} | dict(zip(AXES, points[:, POSITION].T, strict=True))
+    return {
+        f"shape.{name}[{i}]": float(x)
+        for name, row in rows.items()
+        for i, x in enumerate(row, start=1)
+    }
+
+
+Group = Callable[[Scene, State], Values]
+
+
+def group_of(name: str) -> Group | None:
+    """Return the function that computes the output ``name`` and related ones, or None."""
+    part, _, rest = name.partition(".")
+    if name in ("left.twist", "right.twist", "loop.twist") or part == "stress":
+        return strain_values
+    if part in SIDES and rest != "added_mass":
+        return end_values
+    if part == "loop" and rest in (*AXES, "yaw"):
+        return loop_values
+    if part == "energy" and rest in ENERGIES:
+        return energy_values
+    if part == "count":
+        return count_values
+    if part == "shape" and rest.partition("[")[0] in (*AXES, "s"):
+        return shape_values
+    return None
+
+
+#: names of all outputs, in the order of the signal table
+NAMES = tuple(name for name in SIGNALS if group_of(name))

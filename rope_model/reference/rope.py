@@ -1,0 +1,224 @@
+"""ReferenceRope: the published system as a BalanceRope.
+
+Between two instants of the host the ends follow quintics, and the rope takes its own steps.  A
+start or an advance that fails leaves the state as it was and returns the cause.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rope_model.parameters import Scene
+from rope_model.reference.ends import (
+    RESTS_BELOW,
+    SIDES,
+    onwards,
+    peak_acceleration,
+    refusal,
+    resting,
+)
+from rope_model.reference.equations import HEIGHT
+from rope_model.reference.hanging import hang
+from rope_model.reference.mesh import mesh_of
+from rope_model.reference.newton import Cause
+from rope_model.reference.outputs import NAMES, group_of
+from rope_model.reference.scope import require_published
+from rope_model.reference.state import State
+from rope_model.reference.statics import StaticsError
+from rope_model.reference.stepping import Failure, step_towards
+from rope_model.simulation.contact.point_forces import PointForces
+from rope_model.simulation.ends.paths import EndMotion
+from rope_model.simulation.fidelity import Fidelity
+from rope_model.simulation.interface import BalanceRope, Snapshot, Status
+from rope_model.simulation.outputs.signal_table import checked_names
+from rope_model.simulation.state import RopeState
+
+SHORTEST_ADVANCE = 1e-9  #: s, a shorter one succeeds without a step
+MAX_STEPS = 20_000  #: of an advance, rejected ones included
+OTHERS = "take the engine, balance_rope(scene)"
+
+
+class ReferenceRope(BalanceRope):
+    """Published system in plain Python; ``state`` is a reference.state.State.
+
+    Raises
+    ------
+    ValueError
+        If the scene holds more than the published system, or the mesh does not fit the rope.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        require_published(scene)
+        self._elements = mesh_of(scene, 0.5 * scene.rope.length).lengths.size
+        self._scene = scene
+        self._state: State | None = None
+
+    @property
+    def scene(self) -> Scene:
+        return self._scene
+
+    @property
+    def form(self) -> str:
+        return "reference"
+
+    @property
+    def elements(self) -> int:
+        """Number of elements while no end of the rope cuts off the pattern."""
+        return self._elements if self._state is None else self._state.mesh.lengths.size
+
+    @property
+    def time(self) -> float:
+        return self.state.motion.t
+
+    @property
+    def fidelity(self) -> Fidelity:
+        return "torsional"
+
+    @property
+    def fidelity_reason(self) -> str:
+        return "the reference rope knows the complete model only"
+
+    @property
+    def state(self) -> State:  # type: ignore[override]  # the published system alone
+        if self._state is None:
+            raise RuntimeError("the rope has no state yet: call initialize first")
+        return self._state
+
+    def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
+        for side, motion in zip(SIDES, (left, right), strict=True):
+            if message := refusal(motion, side):
+                return Status(False, message)
+            speed = max(map(abs, (*motion.velocity, motion.yaw_rate)))
+            if speed > RESTS_BELOW:
+                return Status(
+                    False,
+                    f"the {side} end moves at {speed:g} m/s or rad/s at the start and must rest: "
+                    "start before it moves",
+                )
+        try:
+            self._state = hang(self._scene, t, (resting(t, left), resting(t, right)))
+        except (StaticsError, ValueError) as error:
+            return Status(False, str(error))
+        return Status(True)
+
+    def advance_to(
+        self, t: float, left: EndMotion, right: EndMotion, given_at: float | None = None
+    ) -> Status:
+        scene = self._scene
+        before = self.state
+        start = before.motion.t
+        if abs(t - start) < SHORTEST_ADVANCE:
+            return Status(True)
+        if not (math.isfinite(t) and t > start):
+            return Status(False, f"t = {t:g} s must be after {start:g} s: give the end of the step")
+        age = 0.0 if given_at is None else t - given_at
+        earliest = start - scene.inputs.hold_max
+        if not earliest <= t - age <= t + SHORTEST_ADVANCE:
+            return Status(
+                False,
+                f"given_at = {t - age:g} s must be between {earliest:g} s and {t:g} s: "
+                "give the instant of the motions",
+            )
+        paths = []
+        for side, path, motion in zip(SIDES, before.paths, (left, right), strict=True):
+            if message := refusal(motion, side):
+                return Status(False, message)
+            ahead = onwards(path, t, motion, age)
+            peak = peak_acceleration(ahead)
+            if not peak <= scene.inputs.acceleration_max:
+                return Status(
+                    False,
+                    f"the {side} end would accelerate by {peak:.4g} m/s^2 or rad/s^2, above "
+                    f"inputs.acceleration_max = {scene.inputs.acceleration_max:g}: give positions, "
+                    "speeds and accelerations of one motion",
+                )
+            paths.append(ahead)
+        state = replace(before, paths=(paths[0], paths[1]), events=())
+        impulse = np.zeros(2)
+        for _ in range(MAX_STEPS):
+            try:
+                after = step_towards(scene, state, t)
+            except RuntimeError as error:
+                return Status(False, f"at t = {state.motion.t:.6g} s {error}")
+            if isinstance(after, Failure):
+                return Status(False, told(after))
+            h = after.motion.t - state.motion.t
+            impulse -= 0.5 * h * (_pulls(state) + _pulls(after))
+            state = after
+            if state.motion.t >= t:
+                break
+        else:
+            return Status(False, told(Failure(Cause.STEPS, state.motion.t, state.step_next)))
+        mean = impulse / (t - start)
+        self._state = replace(state, force_mean=(float(mean[0]), float(mean[1])))
+        return Status(True)
+
+    def signals(self, names: Iterable[str] | None = None) -> dict[str, float]:
+        wanted = NAMES if names is None else checked_names(names)
+        values: dict[str, float] = {}
+        for name in wanted:
+            group = group_of(name)
+            if group is None:
+                raise ValueError(f"the reference rope does not compute {name}: {OTHERS}")
+            if name not in values:
+                values |= group(self._scene, self.state)
+        return {name: values[name] for name in wanted}
+
+    def apply(self, forces: PointForces) -> None:
+        if forces.s.size:
+            raise ValueError(f"the reference rope takes no point forces: {OTHERS}")
+
+    def rows(self) -> NDArray[np.float64]:
+        m = self.state.motion
+        return np.column_stack((self.state.mesh.nodes_s, m.q[:, :6], m.v[:, :6]))
+
+    def displacement(self, forces: PointForces) -> NDArray[np.float64]:
+        raise ValueError(f"the reference rope takes no point forces: {OTHERS}")
+
+    def warnings(self) -> dict[str, str]:
+        return {}
+
+    def save(self) -> bytes:
+        return self.state.to_bytes()
+
+    def snapshot(self) -> Snapshot:
+        return Snapshot(self.state, _no_engine_state)
+
+    def restore(self, data: bytes | RopeState | Snapshot) -> None:
+        kept = data.kept if isinstance(data, Snapshot) else data
+        state = State.from_bytes(kept) if isinstance(kept, bytes) else kept
+        if not isinstance(state, State):
+            raise ValueError("this is a state of the engine: restore one of the reference rope")
+        saved = float(state.mesh.lengths.sum())
+        length = self._scene.rope.length
+        if not math.isclose(saved, length):
+            raise ValueError(
+                f"this is a state of a rope of {saved:g} m and must be one of {length:g} m: "
+                "restore it into a rope with the same parameters"
+            )
+        self._state = state
+
+    def _retune(self, scene: Scene) -> None:
+        require_published(scene)
+        self._scene = scene
+
+
+def told(failure: Failure) -> str:
+    """Return cause and cure of a failed step."""
+    cause = failure.cause.value
+    return (
+        f"at t = {failure.t:.6g} s a step of {failure.h:.3g} s fails: {cause}; "
+        "check the motions of the ends, refine the mesh, or lower solver.step_min"
+    )
+
+
+def _pulls(state: State) -> NDArray[np.float64]:
+    """Return the vertical reactions at both ends (2,), N."""
+    return state.motion.reaction[[0, -1], HEIGHT]
+
+
+def _no_engine_state(kept: object) -> RopeState:
+    raise ValueError(f"a state of the reference rope is none of the engine: {OTHERS}")

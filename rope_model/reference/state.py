@@ -1,0 +1,151 @@
+"""State of the rope: all that its future depends on, and its form as bytes.
+
+A state never changes: a step makes a new one, and the old one serves a return.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, fields, is_dataclass, replace
+from enum import Enum
+from typing import NamedTuple, TypeAlias, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+from rope_model.parameters import Scene
+from rope_model.reference.ends import EndPath
+from rope_model.reference.energies import Energies
+from rope_model.reference.equations import ANGLE, Array, Equations
+from rope_model.reference.generalized_alpha import Motion
+from rope_model.reference.mesh import Mesh
+from rope_model.reference.swivel import Ends
+from rope_model.simulation.ends.swivel_phases import SwivelState
+
+
+@dataclass(frozen=True)
+class Counts:
+    """Numbers since the start."""
+
+    steps: int = 0
+    rejections: int = 0
+    newton: int = 0  #: corrections of accepted and rejected steps
+    transformations: int = 0
+    swivel_events: int = 0
+
+
+class Event(NamedTuple):
+    """Event between two steps."""
+
+    t: float  #: s
+    what: str
+
+
+@dataclass(frozen=True)
+class State:
+    """Complete state of a rope between conveyances."""
+
+    motion: Motion
+    mesh: Mesh
+    paths: tuple[EndPath, EndPath]
+    swivels: tuple[SwivelState, SwivelState]
+    offsets: tuple[float, float]  #: rad, of theta at both ends: see ``swivel``
+    loop_yaw: float  #: rad, at the lowest node, counted through full turns
+    step_next: float  #: s, length of the next step
+    calm_since: float  #: s, instant of the last step whose error was not small
+    force_mean: tuple[float, float]  #: N, vertical force on the conveyances over the last advance
+    energies: Energies
+    counts: Counts = Counts()
+    events: tuple[Event, ...] = ()  #: of the last advance
+
+    def ends(self, scene: Scene) -> Ends:
+        """Return the rope's ends."""
+        return Ends(scene, self.paths, self.swivels, self.offsets)
+
+    def equations(self, scene: Scene) -> Equations:
+        """Return the equations of motion: the present shape is the reference of its frame."""
+        return self.ends(scene).equations(self.mesh, self.motion.q)
+
+    def bottom_s(self, scene: Scene, t: float) -> float:
+        """Return the arc length (m) of the loop at ``t`` (s), from the heights of the ends."""
+        left, right = (path.at(t)[0, 1] for path in self.paths)
+        return float(0.5 * (scene.rope.length + left - right))
+
+    def with_angles(self, equations: Equations) -> State:
+        """Return the state as the reference of its own frame, instead of that of ``equations``.
+
+        Sections stay where they are, and the rates of theta become their spins.
+        """
+        m = self.motion
+        angle, spin, acceleration = equations.turning(m.q, m.v, m.a)
+        motion = replace(
+            m,
+            q=_with_more_angle(m.q, angle),
+            v=_with_more_angle(m.v, spin),
+            a=_with_more_angle(m.a, acceleration),
+            b=_with_more_angle(m.b, acceleration),
+        )
+        left, right = self.offsets
+        return replace(self, motion=motion, offsets=(left, right + float(angle[-1])))
+
+    def counted(self, **more: int) -> State:
+        """Return the state with some counts raised."""
+        raised = {name: getattr(self.counts, name) + n for name, n in more.items()}
+        return replace(self, counts=replace(self.counts, **raised))
+
+    def to_bytes(self) -> bytes:
+        """Return the state as JSON, whose numbers keep their bits."""
+        return json.dumps(_plain(self)).encode()
+
+    @staticmethod
+    def from_bytes(data: bytes) -> State:
+        """Return the state that ``to_bytes`` wrote; ValueError for anything else."""
+        try:
+            state = _rebuilt(State, json.loads(data))
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
+            raise ValueError(
+                f"these {len(data)} bytes are no state of the reference rope ({error})"
+            ) from error
+        assert isinstance(state, State)
+        return state
+
+
+def _with_more_angle(x: Array, more: Array) -> Array:
+    x = x.copy()
+    x[:, ANGLE] += more
+    return x
+
+
+#: what JSON has
+Plain: TypeAlias = "float | str | list[Plain] | dict[str, Plain]"
+
+
+def _plain(x: object) -> Plain:
+    """Return a record, an array, a choice or a number for JSON."""
+    if isinstance(x, np.ndarray):
+        values: list[Plain] = x.tolist()
+        return values
+    if is_dataclass(x):
+        return {field.name: _plain(getattr(x, field.name)) for field in fields(x)}
+    if isinstance(x, tuple):
+        return [_plain(part) for part in x]
+    if isinstance(x, Enum):
+        return int(x.value)
+    if isinstance(x, float | int | str):
+        return x
+    raise TypeError(f"a {type(x).__name__} has no place in a state")
+
+
+def _rebuilt(kind: type, plain: Plain) -> object:
+    """Return the value of this ``kind`` that became ``plain``."""
+    if isinstance(plain, dict):
+        hints = get_type_hints(kind)
+        return kind(**{name: _rebuilt(hints[name], value) for name, value in plain.items()})
+    if get_origin(kind) is np.ndarray:
+        return np.array(plain, dtype=np.float64)
+    if isinstance(plain, list) and hasattr(kind, "_fields"):
+        parts = list(get_type_hints(kind).values())
+        return kind(*(_rebuilt(part, x) for part, x in zip(parts, plain, strict=True)))
+    if isinstance(plain, list):
+        part = get_args(kind)[0]
+        return tuple(_rebuilt(part, x) for x in plain)
+    return kind(plain)

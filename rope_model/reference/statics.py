@@ -1,0 +1,137 @@
+"""Equilibrium R(q, 0, 0) = 0 by pseudo-transient continuation, and the guess from which it starts.
+
+Each correction is an implicit step of the inertia M in the time tau,
+
+    (dR/dq + M / tau^2) x = -R
+
+tau grows as the forces fall, and the search ends as Newton's method.  Where forces grow, tau
+shrinks: the rope creeps to its equilibrium and does not depend on a good guess.  Each shape on the
+way is the reference of the next one's frame (docs/theory/element.md, "The frame of the section").
+
+Source: Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998), switched evolution relaxation.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rope_model.physics.element import PARAMETERS
+from rope_model.physics.initial_shape import initial_shape, node_row
+from rope_model.reference.equations import ANGLE, SLOPE, Array, Equations
+
+TOLERANCE = 1e-11  #: last correction, m over the rope's length
+MAX_CORRECTIONS = 10_000
+MAX_MOVE = 0.3  #: m and rad, largest move by a correction
+FIRST_TIME = 1.0  #: s, first tau
+SHORTEST_TIME = 1e-7  #: s, tau at which the search gives up
+NEWTON_TIME = 1e8  #: s, tau above which corrections are Newton's
+LONGEST_TIME = 1e12  #: s
+SHRINK = 0.3  #: factor of tau after a correction that is not taken
+GROW = (3.0, 10.0)  #: least and largest factor of tau after one that is taken
+#: work of the forces after a correction over that before it, above which it is not taken: stretch
+#: by a sideways motion grows with the third power of the way and takes up the work of the first
+#: force
+MAX_GAIN = 3.0
+#: corrections with forces balanced to rounding after which the remaining motion costs no energy,
+#: such as that of a buckled rod about its axis
+BALANCED = 200
+
+
+class StaticsError(RuntimeError):
+    """No equilibrium was found; the message states the cause."""
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """Rope at rest."""
+
+    q: Array  #: (nodes, 7); angles count along it
+    reaction: Array  #: R (nodes, 7)
+    corrections: int
+    turn: float  #: rad, increase of the angle at the right end by changes of the frame
+
+
+def find_equilibrium(equations: Equations, guess: Array, t: float = 0.0) -> Equilibrium:
+    """Return the equilibrium near ``guess`` (nodes, 7), held as at ``t`` (s).
+
+    Angles of the guess count along it; those of the equilibrium count along itself.
+    """
+    q = np.where(equations.held, equations.motion(t)[0], guess)
+    zeros = np.zeros_like(q)
+    length = float(equations.lengths.sum())
+    rounding = _rounding(equations)
+    tau = FIRST_TIME
+    turn = 0.0
+    balanced = 0
+    force = np.inf
+    for k in range(1, MAX_CORRECTIONS + 1):
+        equations = equations.with_reference(q)
+        R, tangent = equations.linearised(q, zeros, zeros, (1.0, 0.0, tau**-2), prestress=q)
+        R = np.where(equations.held, 0.0, R)
+        force = _largest(equations, R)
+        x = tangent.solve(-R)
+        move = float(np.abs(x).max())
+        if not np.isfinite(move):
+            move = np.inf
+        trial = q + min(1.0, MAX_MOVE / max(move, 1e-300)) * np.nan_to_num(x)
+        reaction = equations.residual(trial, zeros, zeros)
+        left = np.where(equations.held, 0.0, reaction)
+        force_left = _largest(equations, left)
+
+        gain = -float(np.sum(R * x))  # work of the forces along the correction
+        gain_left = -float(np.sum(left * x))
+        downhill = gain >= 0 or force <= rounding
+        milder = abs(gain_left) <= MAX_GAIN * abs(gain) or force_left <= force + rounding
+        if not (np.isfinite(move) and np.isfinite(force_left) and downhill and milder):
+            tau *= SHRINK
+            if tau < SHORTEST_TIME:
+                break
+            continue
+
+        gained = equations.turning(trial, zeros, zeros)[0]
+        trial[:, ANGLE] += gained
+        turn += float(gained[-1])
+        q = trial
+        balanced += force_left <= rounding
+        settled = tau > NEWTON_TIME and equations.size(x) < TOLERANCE * length
+        if settled or balanced > BALANCED:
+            return Equilibrium(q, reaction, k, turn)
+        tau *= min(max(force / max(force_left, 1e-300), GROW[0]), GROW[1])
+        tau = min(tau, LONGEST_TIME)
+    raise StaticsError(
+        f"no equilibrium in {k} corrections: forces of {force:.3g} N are left; "
+        "check the rope's length and stiffness"
+    )
+
+
+def _largest(equations: Equations, R: Array) -> float:
+    """Return the largest unbalanced force (N); that of r' is over the shortest element."""
+    weights = np.ones(R.shape[1])
+    weights[SLOPE] = 1.0 / equations.lengths.min()
+    return float(np.max(np.abs(R) * weights))
+
+
+def _rounding(equations: Equations) -> float:
+    """Return ten times the force (N) by which rounding stretches the shortest element."""
+    axial = equations.material[PARAMETERS.index("Qa")]
+    strain = np.finfo(float).eps * equations.lengths.sum() / equations.lengths.min()
+    return float(10.0 * axial * strain)
+
+
+def hanging_guess(s: Array, left: Array, right: Array) -> Array:
+    """Return straight legs and a half circle (nodes, 7) between two points (3,), at ``s`` (m)."""
+    length = float(s[-1])
+    across = np.array([right[0] - left[0], 0.0, right[2] - left[2]])
+    width = float(np.linalg.norm(across))
+    if width == 0:
+        raise StaticsError("the ends are above each other: move one aside, by 0.1 m or more")
+    middle = 0.5 * (length + left[1] - right[1])  # arc length of the lowest point
+    cell = float(np.interp(middle, 0.5 * (s[:-1] + s[1:]), np.diff(s)))
+    legs = initial_shape(length, middle, width, cell)
+    if min(legs.left_leg, legs.right_leg) <= legs.lean:
+        raise StaticsError(
+            f"a rope of {length:g} m cannot hang between ends {width:.4g} m apart and "
+            f"{abs(left[1] - right[1]):.4g} m different in height: move them closer together"
+        )
+    row = node_row(legs, left, across / width, s)
+    return np.column_stack([np.broadcast_to(values, s.shape) for values in row])

@@ -1,0 +1,209 @@
+"""One step of the rope: step-size control, swivel events, transformations.
+
+A step is rejected and halved if Newton's method fails or its local error is above twice the allowed
+one; the smallest step that fails ends the run with its cause (docs/theory/time.md, "Step-size
+control").  A step across a swivel's event is shortened to end there; the swivel changes its phase
+and the integrator restarts (docs/theory/ends.md, "The swivel"). The mesh is transformed at the end
+of the step in which that becomes due.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+from scipy.optimize import brentq
+
+from rope_model.parameters import Scene
+from rope_model.physics.accuracy import ACCEPT_BELOW, ErrorSums, next_step, step_error, step_limits
+from rope_model.reference.ends import END_NODE, SIDES
+from rope_model.reference.energies import after_step
+from rope_model.reference.equations import ANGLE, HEIGHT, Equations
+from rope_model.reference.generalized_alpha import Motion, Step, coefficients, restart, step
+from rope_model.reference.newton import Cause
+from rope_model.reference.outputs import nearest_turn, yaw_of
+from rope_model.reference.state import Event, State
+from rope_model.reference.swivel import STRETCH, Ends, slip, stick
+from rope_model.reference.transformation import with_mesh_for
+from rope_model.simulation.ends.swivel_phases import (
+    Phase,
+    SwivelState,
+    frictionless,
+    released_at,
+)
+
+EVENT_WIDTH = 1e-9  #: s, width to which events are located
+JUST_BEFORE = -1e-12  #: event function of a slip that has just begun: it has no rate yet
+ROUNDING = 1e-9  #: steps: a rest of the interval below it needs no step of its own
+CHATTER_EVENTS = 50  #: swivel events of an advance in CHATTER_TIME that no rope can make
+CHATTER_TIME = 1e-3  #: s
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Step that cannot be taken."""
+
+    cause: Cause
+    t: float  #: s, instant from which it would have led
+    h: float  #: s, its length
+
+
+def step_towards(scene: Scene, state: State, t_end: float) -> State | Failure:
+    """Return the state after one accepted step towards ``t_end`` (s)."""
+    state = _released(scene, with_mesh_for(scene, state, state.motion.t))
+    ends = state.ends(scene)
+    equations = ends.equations(state.mesh, state.motion.q)
+    old = state.motion
+    stop = min(t_end, _next_release(scene, state))
+    step_next = min(state.step_next, scene.solver.step_max)
+    rejected = False
+    while True:
+        parts = max(math.ceil((stop - old.t) / step_next - ROUNDING), 1)
+        h = (stop - old.t) / parts
+        trial = _trial(scene, equations, old, h)
+        state = state.counted(newton=trial.corrections)
+        error = _error(scene, state, equations, trial)
+        new = trial.motion
+        if new is not None and error <= ACCEPT_BELOW * scene.solver.tolerance:
+            switches = _excess(ends, new) >= 0
+            if not switches:
+                break
+            trial = _trial(scene, equations, old, _event_step(scene, equations, ends, old, h))
+            state = state.counted(newton=trial.corrections)
+            new = trial.motion
+            if new is not None:
+                break
+        if h <= scene.solver.step_min:
+            return Failure(trial.cause or Cause.ERROR, old.t, h)
+        rejected = True
+        step_next = max(0.5 * h, scene.solver.step_min)
+        state = state.counted(rejections=1)
+
+    if parts == 1 and not switches:
+        new = replace(new, t=stop)  # exactly, not up to rounding
+    then = next_step(scene.solver, h, step_next, error, rejected, old.t + h, state.calm_since)
+    after = replace(
+        state,
+        motion=new,
+        energies=after_step(state.energies, equations, ends, old, new),
+        step_next=float(then.length),
+        calm_since=float(then.calm_since),
+    )
+    after = after.with_angles(equations).counted(steps=1)
+    after = replace(after, loop_yaw=nearest_turn(yaw_of(after.motion.q), after.loop_yaw))
+    if switches:
+        after = _switched(scene, after)
+    if _chatters(after):
+        return Failure(Cause.CHATTER, old.t, h)
+    return after
+
+
+def _trial(scene: Scene, equations: Equations, old: Motion, h: float) -> Step:
+    return step(equations, old, h, scene.solver.rho_inf, scene.solver.newton_tolerance)
+
+
+def _error(scene: Scene, state: State, equations: Equations, trial: Step) -> float:
+    """Return the local error of a trial step over the allowed one.
+
+    (docs/theory/errors.md, eq-share and eq-flow)
+    """
+    new = trial.motion
+    if new is None:
+        return math.inf
+    old = state.motion
+    constant = coefficients(scene.solver.rho_inf).local_error
+    bottom = state.bottom_s(scene, old.t)
+    end_speed = float(old.v[0, HEIGHT] - old.v[-1, HEIGHT])
+    limits = step_limits(scene, ErrorSums(), bottom, end_speed, constant)
+    change = new.a - old.a
+    at_ends = max(abs(float(change[node, STRETCH])) for node in END_NODE)
+    position = constant * new.h**2 * equations.size(change)
+    return float(step_error(limits, new.h, position, constant * new.h**2 * at_ends))
+
+
+# swivels
+
+
+def _released(scene: Scene, state: State) -> State:
+    """Return the state with swivels free to slip whose release time has come."""
+    swivels = [_released_swivel(scene, state, side) for side in range(len(SIDES))]
+    if swivels == list(state.swivels):
+        return state
+    state = _restarted(scene, replace(state, swivels=(swivels[0], swivels[1])))
+    beyond = _excess(state.ends(scene), state.motion) >= 0
+    return _switched(scene, state) if beyond else state
+
+
+def _released_swivel(scene: Scene, state: State, side: int) -> SwivelState:
+    swivel = state.ends(scene).data(side)
+    present = state.swivels[side]
+    if state.motion.t < released_at(swivel, present):
+        return present
+    return slip(present.angle, -1.0) if frictionless(swivel) else stick(present.angle)
+
+
+def _next_release(scene: Scene, state: State) -> float:
+    """Return the next instant (s) at which a locked swivel is released; infinity without one."""
+    left, right = state.swivels
+    return float(min(released_at(scene.left, left), released_at(scene.right, right)))
+
+
+def _excess(ends: Ends, motion: Motion) -> float:
+    """Return the event function of both swivels: negative while each may stay in its phase."""
+    return max(ends.excess(side, motion) for side in range(len(SIDES)))
+
+
+def _event_step(scene: Scene, equations: Equations, ends: Ends, old: Motion, h: float) -> float:
+    """Return the step (s) to the instant at which a swivel leaves its phase, before ``h``."""
+
+    def at(part: float) -> float:
+        if part == 0:
+            return min(_excess(ends, old), JUST_BEFORE)
+        trial = _trial(scene, equations, old, part)
+        return 1.0 if trial.motion is None else _excess(ends, trial.motion)
+
+    return float(brentq(at, 0.0, h, xtol=EVENT_WIDTH))
+
+
+def _switched(scene: Scene, state: State) -> State:
+    """Return the state with the next phase of the swivels that cannot stay in theirs, restarted."""
+    ends = state.ends(scene)
+    excesses = [ends.excess(side, state.motion) for side in range(len(SIDES))]
+    due = min(0.0, max(excesses))  # an event is located up to EVENT_WIDTH
+    for side, name in enumerate(SIDES):
+        if excesses[side] < due:
+            continue
+        phase = _next_phase(scene, state, side)
+        state = _with_swivel(state, side, phase)
+        what = "sticks" if phase.phase is Phase.STICK else f"slips {'+' if phase.sign > 0 else '-'}"
+        event = Event(state.motion.t, f"{name} swivel {what}")
+        state = replace(state, events=(*state.events, event)).counted(swivel_events=1)
+    return _restarted(scene, state)
+
+
+def _next_phase(scene: Scene, state: State, side: int) -> SwivelState:
+    """Return the next phase of a swivel: stick if its friction can hold, else slip."""
+    motion = state.motion
+    present = state.swivels[side]
+    if present.phase is Phase.SLIP:
+        present = stick(state.ends(scene).relative(side, motion)[0])
+        held = _restarted(scene, _with_swivel(state, side, present))
+        if held.ends(scene).excess(side, held.motion) < 0:
+            return present
+        motion = held.motion
+    return slip(present.angle, float(motion.reaction[END_NODE[side], ANGLE]))
+
+
+def _with_swivel(state: State, side: int, swivel: SwivelState) -> State:
+    left, right = state.swivels
+    return replace(state, swivels=(swivel, right) if side == 0 else (left, swivel))
+
+
+def _restarted(scene: Scene, state: State) -> State:
+    """Return the state with consistent accelerations and no history."""
+    m = state.motion
+    return replace(state, motion=restart(state.equations(scene), m.t, m.q, m.v))
+
+
+def _chatters(state: State) -> bool:
+    """Return whether the swivels switch back and forth faster than any rope can move."""
+    times = [event.t for event in state.events if "swivel" in event.what]
+    return len(times) >= CHATTER_EVENTS and times[-1] - times[-CHATTER_EVENTS] < CHATTER_TIME

@@ -1,0 +1,123 @@
+"""Balance rope suspension rotors (BRSR): stick and slip of both ends, boundary conditions.
+
+    stick:  b_t = 0 and |M| <= M_s          slip:  M = -M_k sgn b_t
+    M_s = 1/2 mu_s d_m T + M_seal           M_k = 1/2 mu_k d_m T + M_seal
+
+(docs/theory/ends.md, eq-swivel) with the relative angle b and the moment M of the conveyance on the
+rope.  The tension T at a plumb end is its vertical reaction.  Position and tangent of an end are
+held; only its stretch |r'| is free.  theta is free while the swivel slips and else held at
+
+    theta = offset + s yaw + b,    s = -1 on the left, +1 on the right
+
+The offset belongs to the frame: theta counts along the rope from the left end, so that of the right
+end changes as the rope turns in space.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from rope_model.parameters import Scene, Swivel
+from rope_model.physics.element import parameters
+from rope_model.physics.swivel import friction_moment
+from rope_model.reference.ends import END_NODE, SENSE, EndPath
+from rope_model.reference.equations import ANGLE, HEIGHT, POSITION, Array, Equations, frame_at
+from rope_model.reference.generalized_alpha import Motion
+from rope_model.reference.mesh import Mesh
+from rope_model.simulation.ends.swivel_phases import (
+    Phase,
+    SwivelState,
+    moment_of_swivel,
+    swivel_excess,
+)
+
+STRETCH = 4  #: column of the stretch of a plumb end, r'_Y
+
+
+@dataclass(frozen=True)
+class Ends:
+    """Both ends of a rope between conveyances."""
+
+    scene: Scene
+    paths: tuple[EndPath, EndPath]
+    swivels: tuple[SwivelState, SwivelState]
+    offsets: tuple[float, float]  #: rad
+
+    def equations(self, mesh: Mesh, q: Array) -> Equations:
+        """Return the equations on ``mesh``; ``q`` is the reference of the frame."""
+        held = np.zeros(q.shape, dtype=bool)
+        inertia = np.zeros_like(q)
+        load = np.zeros_like(q)
+        friction = np.zeros(len(q))
+        for side, node in enumerate(END_NODE):
+            swivel = self.data(side)
+            phase, _, sign = self.swivels[side]
+            held[node] = True
+            held[node, STRETCH] = False
+            inertia[node, ANGLE] = swivel.inertia
+            if phase is Phase.SLIP:
+                held[node, ANGLE] = False
+            if phase is Phase.SLIP and swivel.mode != "free":
+                load[node, ANGLE] = -sign * swivel.seal_moment
+                friction[node] = -sign * friction_moment(
+                    swivel.mu_kinetic, swivel.mean_diameter, 0.0, 1.0
+                )
+        return Equations(
+            lengths=mesh.lengths,
+            material=np.array(parameters(self.scene.rope, self.scene.layout.gravity)),
+            frame=frame_at(q, mesh.lengths),
+            held=held,
+            motion=lambda t: self.motion(t, len(q)),
+            load=load,
+            inertia=inertia,
+            friction=friction,
+        )
+
+    def data(self, side: int) -> Swivel:
+        """Return the parameters of the swivel on this side."""
+        return (self.scene.left, self.scene.right)[side]
+
+    def motion(self, t: float, nodes: int) -> Array:
+        """Return q, v, a (3, nodes, 7) at ``t`` (s), of which the held entries count."""
+        motion = np.zeros((3, nodes, 7))
+        for side, node in enumerate(END_NODE):
+            path = self.paths[side].at(t)
+            motion[:, node, POSITION] = path[:, :3]
+            motion[0, node, 0] += SENSE[side] * 0.5 * self.scene.layout.spacing
+            motion[:, node, ANGLE] = SENSE[side] * path[:, 3]
+            motion[0, node, ANGLE] += self.offsets[side] + self.swivels[side].angle
+        return motion
+
+    def relative(self, side: int, motion: Motion) -> tuple[float, float]:
+        """Return the swivel's angle b (rad) and its rate (rad/s)."""
+        node = END_NODE[side]
+        path = self.paths[side].at(motion.t)
+        angle = motion.q[node, ANGLE] - self.offsets[side] - SENSE[side] * path[0, 3]
+        rate = motion.v[node, ANGLE] - SENSE[side] * path[1, 3]
+        return float(angle), float(rate)
+
+    def moment(self, side: int, reaction: Array) -> float:
+        """Return the moment M (N m) of the conveyance on the rope's end, about the tangent."""
+        R = reaction[END_NODE[side]]
+        state = self.swivels[side]
+        return float(moment_of_swivel(self.data(side), state, float(R[HEIGHT]), float(R[ANGLE])))
+
+    def excess(self, side: int, motion: Motion) -> float:
+        """Return the event function of a swivel: negative while it may stay in its phase."""
+        R = motion.reaction[END_NODE[side]]
+        rate = self.relative(side, motion)[1]
+        state = self.swivels[side]
+        return float(swivel_excess(self.data(side), state, float(R[HEIGHT]), float(R[ANGLE]), rate))
+
+
+def slip(angle: float, moment: float) -> SwivelState:
+    """Return a swivel that begins to slip against the holding ``moment`` (N m)."""
+    return SwivelState(Phase.SLIP, angle, math.copysign(1.0, -moment))
+
+
+def stick(angle: float) -> SwivelState:
+    """Return a swivel that sticks at ``angle`` (rad)."""
+    return SwivelState(Phase.STICK, angle, 0.0)
