@@ -32,8 +32,8 @@ from fmu_src.native.table import c_table, start_values
 from fmu_src.own_modules import ROOT, import_from, modules_needed
 from fmu_src.profile import Profile, of_python
 from rope_model.cases import Level
+from rope_model.rules.end_paths import EndMotion
 from rope_model.scene_names import Value
-from rope_model.simulation.ends.paths import EndMotion
 from rope_model.simulation.mesh.partition import mesh_elements
 from rope_model.simulation.rope_kernels import write_bundle
 from rope_model.simulation.scene_kernels import kernels_needed

@@ -1,6 +1,6 @@
 """Table of the FMI variables, the source of XML, documentation and component.
 
-Parameters are those of rope_model.scene_names, outputs those of rope_model.simulation.outputs.signal_table.
+Parameters are those of rope_model.scene_names, outputs those of rope_model.rules.signal_table.
 """
 
 import dataclasses
@@ -10,10 +10,10 @@ from typing import Literal
 from rope_model.cases import ROPE_CASES, Level, RopeCase
 from rope_model.parameter_table import numeric_bounds, parameters_of
 from rope_model.parameters import Scene
+from rope_model.rules.end_paths import SIDES, EndMotion
+from rope_model.rules.signal_table import SIGNALS
 from rope_model.scene_names import Value, named_parameters, with_values
 from rope_model.scene_names import Variable as Variable
-from rope_model.simulation.ends.paths import SIDES, EndMotion
-from rope_model.simulation.outputs.signal_table import SIGNALS
 
 Kind = Literal["Real", "Integer", "Boolean", "String"]
 

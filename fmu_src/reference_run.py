@@ -13,7 +13,7 @@ from fmu_src.xml import node, xml_bytes
 from rope_model.cases import RopeCase
 from rope_model.codegen.build import NoEngine
 from rope_model.engine import NativeRope
-from rope_model.simulation.ends.paths import EndMotion
+from rope_model.rules.end_paths import EndMotion
 
 H = 0.01  #: s, communication step
 STEPS = 100

@@ -21,16 +21,16 @@ from pythonfmu import Fmi2Slave
 from fmu_src.interface import MOTION, case_with, variables
 from fmu_src.model_description import MODEL, Build, model_description
 from fmu_src.profile import Profile, of_python
+from rope_model.interface import Status
 from rope_model.parameters import Scene
+from rope_model.rules.end_paths import EndMotion
+from rope_model.rules.messages.result_warnings import WARNINGS
+from rope_model.rules.messages.rules import first_text
+from rope_model.rules.messages.warning_rules import LONG_EXTRAPOLATION
+from rope_model.rules.state import RopeState
 from rope_model.scene_names import Value, with_values
-from rope_model.simulation.ends.paths import EndMotion
-from rope_model.simulation.interface import Status
-from rope_model.simulation.messages.result_warnings import WARNINGS
-from rope_model.simulation.messages.rules import first_text
-from rope_model.simulation.messages.warning_rules import LONG_EXTRAPOLATION
 from rope_model.simulation.outputs.signals import group_of
 from rope_model.simulation.simulator import RopeSimulator
-from rope_model.simulation.state import RopeState
 
 log = logging.getLogger(__name__)
 

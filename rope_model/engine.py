@@ -15,20 +15,19 @@ from numpy.typing import NDArray
 from rope_model.codegen import state_structures as layout
 from rope_model.codegen.build import failed, library
 from rope_model.codegen.structures import scene_structure
-from rope_model.numerics.generalized_alpha import Motion
+from rope_model.interface import BalanceRope, Snapshot, Status, state_in
 from rope_model.parameters import Scene
 from rope_model.physics.element import NODE_DOF
-from rope_model.simulation.contact.point_forces import NO_FORCES, PointForces
-from rope_model.simulation.ends.paths import SIDES, EndMotion
-from rope_model.simulation.ends.swivel_phases import Phase
-from rope_model.simulation.fidelity import Fidelity
-from rope_model.simulation.interface import BalanceRope, Snapshot, Status, state_in
-from rope_model.simulation.mesh.partition import Partition
-from rope_model.simulation.messages import messages
-from rope_model.simulation.messages.result_warnings import WARNINGS
-from rope_model.simulation.outputs.signal_table import SIGNALS, checked_names
-from rope_model.simulation.state import Event, Powers, RopeState
-from rope_model.simulation.wires import NO_HYSTERESIS
+from rope_model.rules.end_paths import SIDES, EndMotion
+from rope_model.rules.fidelity import Fidelity
+from rope_model.rules.generalized_alpha import Motion
+from rope_model.rules.messages import messages
+from rope_model.rules.messages.result_warnings import WARNINGS
+from rope_model.rules.partition import Partition
+from rope_model.rules.point_forces import NO_FORCES, PointForces
+from rope_model.rules.signal_table import SIGNALS, checked_names
+from rope_model.rules.state import NO_HYSTERESIS, Event, Powers, RopeState
+from rope_model.rules.swivel_phases import Phase
 from rope_model.solver_parameters import FidelityChoice
 
 _MOTIONS = struct.Struct(f"{2 * len(EndMotion.__dataclass_fields__)}d")

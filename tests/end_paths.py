@@ -4,16 +4,11 @@ from dataclasses import dataclass, field
 from functools import cache
 
 from rope_model import Rope, Scene
-from rope_model.numerics import quintic
 from rope_model.numerics.program import Program
+from rope_model.rules import quintic
+from rope_model.rules.end_paths import EndMotion, EndPath
+from rope_model.rules.input_filter import FilterSettings, InputFilter, PathMeasures, settings_of
 from rope_model.simulation.ends.filter_program import FilterStep, filter_program, filter_step
-from rope_model.simulation.ends.input_filter import (
-    FilterSettings,
-    InputFilter,
-    PathMeasures,
-    settings_of,
-)
-from rope_model.simulation.ends.paths import EndMotion, EndPath
 from rope_model.solver_parameters import Inputs, Trusted
 
 NO_MEASURES = PathMeasures((0.0,) * 6, (0.0,) * 4, (0.0,) * 4)

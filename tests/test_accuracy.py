@@ -29,12 +29,12 @@ from rope_model import (
     Swivel,
     balance_rope,
 )
+from rope_model.arrays import Array
 from rope_model.engine import NativeRope
-from rope_model.numerics.generalized_alpha import Coefficients, local_error
 from rope_model.numerics.kernels import find_compiler
 from rope_model.physics import accuracy
 from rope_model.physics.accuracy import turned_by_mesh
-from rope_model.physics.node import Array
+from rope_model.rules.generalized_alpha import Coefficients, local_error
 from rope_model.simulation.ends.ends import HangingEnds
 
 ROPE = Rope(length=400.0, beta_K=0.0)

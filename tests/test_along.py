@@ -21,9 +21,9 @@ from rope_model import (
 )
 from rope_model.physics.estimates import loop_width, natural_width
 from rope_model.physics.node import arc_lengths
-from rope_model.simulation.fidelity import Fidelity
+from rope_model.rules.fidelity import Fidelity
+from rope_model.rules.signal_table import SHAPE_POINTS
 from rope_model.simulation.outputs.diagnostics import shape, shape_places
-from rope_model.simulation.outputs.signal_table import SHAPE_POINTS
 
 HIGH, TRAVEL, H = 12.0, 8.0, 0.01
 #: 30 m rope; its mesh is transformed on the way

@@ -25,8 +25,8 @@ from rope_model import (
 )
 from rope_model.analysis.modes import natural_modes
 from rope_model.engine import NativeRope
+from rope_model.rules.swivel_phases import Phase
 from rope_model.simulation.ends.ends import end_strain
-from rope_model.simulation.ends.swivel_phases import Phase
 from rope_model.solver_parameters import Model
 
 Array = NDArray[np.float64]

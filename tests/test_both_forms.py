@@ -29,7 +29,7 @@ from rope_model import (
     Scene,
     balance_rope,
 )
-from rope_model.simulation.outputs.audit import Audit
+from rope_model.rules.audit import Audit
 from rope_model.solver_parameters import FidelityChoice
 
 

@@ -41,9 +41,9 @@ from rope_model.physics.element import (
 )
 from rope_model.physics.rope_contact import points_skipped
 from rope_model.physics.shaft import KINDS, Body, distance, normal
+from rope_model.rules.mesh_fit import BLOW
+from rope_model.rules.mesh_pattern import WINDOW_DUE
 from rope_model.shaft_parameters import Contact, Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
-from rope_model.simulation.mesh.mesh_fit import BLOW
-from rope_model.simulation.mesh.mesh_pattern import WINDOW_DUE
 from rope_model.simulation.mesh.partition import fit_mesh, partition
 
 DIAMETER = 0.044

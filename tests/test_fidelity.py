@@ -11,9 +11,9 @@ from numpy.testing import assert_allclose
 from scenes import CHOICES, Choice, fixed_steps, smooth_step, wound
 
 from rope_model import BalanceRope, Mesh, Model, Rope, Scene, Swivel, balance_rope
-from rope_model.simulation.ends.paths import EndMotion, EndPath
-from rope_model.simulation.fidelity import FIDELITIES, choose_fidelity, lowest_sufficient
-from rope_model.simulation.messages.fidelity_rules import expected_travel, force_error
+from rope_model.rules.end_paths import EndMotion, EndPath
+from rope_model.rules.fidelity import FIDELITIES, choose_fidelity, lowest_sufficient
+from rope_model.rules.messages.fidelity_rules import expected_travel, force_error
 from rope_model.simulation.rigid import RigidRope, rigid_rope
 
 Ends = tuple[EndMotion, EndMotion]

@@ -13,23 +13,10 @@ from conftest import Array
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
-from rope_model.numerics.generalized_alpha import (
-    MAX_GROWTH,
-    Coefficients,
-    Motion,
-    Solution,
-    restart,
-    step,
-)
-from rope_model.numerics.newton import (
-    UNKNOWN,
-    NewtonReport,
-    NewtonStatus,
-    initial_progress,
-    judge,
-    newton,
-    report,
-)
+from rope_model.numerics.generalized_alpha import Solution, restart, step
+from rope_model.numerics.newton import NewtonReport, initial_progress, judge, newton, report
+from rope_model.rules.generalized_alpha import MAX_GROWTH, Coefficients, Motion
+from rope_model.rules.newton import UNKNOWN, NewtonStatus
 
 
 def verdict_on(norms: Iterator[float], tolerance: float, most: int) -> NewtonReport:

@@ -26,7 +26,7 @@ from rope_model import (
     rope_120,
 )
 from rope_model.engine import NativeRope
-from rope_model.simulation.ends.input_filter import settings_of
+from rope_model.rules.input_filter import settings_of
 from rope_model.solver_parameters import FidelityChoice, Trusted
 
 H, TRAVEL = 0.01, 20.0

@@ -21,18 +21,12 @@ from rope_model import Model, RopeSimulator, Scene, Swivel, balance_rope
 from rope_model.numerics.kernels import find_compiler
 from rope_model.physics.element import PARAMETERS, element_functions
 from rope_model.physics.node import ANGLE, POSITION, SLOPE
-from rope_model.simulation.mesh import mesh_pattern as tmn
+from rope_model.rules import mesh_pattern as tmn
+from rope_model.rules.mesh_fit import DUE
+from rope_model.rules.mesh_pattern import NO_DIVIDERS, inner_length, min_outer, transformation_due
+from rope_model.rules.partition import Partition
 from rope_model.simulation.mesh import partition as cells
-from rope_model.simulation.mesh.mesh_fit import DUE
-from rope_model.simulation.mesh.mesh_pattern import inner_length, min_outer, transformation_due
-from rope_model.simulation.mesh.partition import (
-    NO_DIVIDERS,
-    Partition,
-    fit_mesh,
-    partition,
-    transform,
-    window_due,
-)
+from rope_model.simulation.mesh.partition import fit_mesh, partition, transform, window_due
 from rope_model.simulation.mesh.transfer import interpolate, transfer_fields
 from rope_model.solver_parameters import Mesh
 

@@ -22,16 +22,16 @@ from rope_model import Rope, RopeCase, Scene, Swivel, scene_names
 from rope_model.codegen.state_structures import PARTS
 from rope_model.codegen.structures import EndMotionStructure, SceneStructure, scene_structure
 from rope_model.physics.node import arc_lengths
-from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT
-from rope_model.simulation.ends.ends import refusal, stale_input_error
-from rope_model.simulation.ends.input_filter import InputFilter, PathMeasures
-from rope_model.simulation.ends.paths import SIDES, EndMotion, EndPath, ends_at
-from rope_model.simulation.fidelity import (
+from rope_model.rules.end_paths import SIDES, EndMotion, EndPath, ends_at
+from rope_model.rules.fidelity import (
     FIDELITIES,
     choose_fidelity,
     lowest_sufficient,
     unsupported_motion,
 )
+from rope_model.rules.input_filter import InputFilter, PathMeasures
+from rope_model.shaft_parameters import PARTS as PARTS_OF_SHAFT
+from rope_model.simulation.ends.ends import refusal, stale_input_error
 from rope_model.simulation.rigid import rigid_rope
 from rope_model.simulation.stepping.statics import StaticsError
 from rope_model.solver_parameters import FidelityChoice, Inputs, Model

@@ -15,28 +15,22 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from rope_model import Contact, Divider, Layout, Mesh, Rope, Scene, Shaft
 from rope_model.codegen.structures import scene_structure
-from rope_model.physics.centreline import heading
+from rope_model.physics.centreline import heading, nearest_turn
 from rope_model.physics.node import arc_lengths
-from rope_model.simulation.contact.self_contact import overlap_of
-from rope_model.simulation.mesh.adaptation import nearest_turn
-from rope_model.simulation.mesh.mesh_pattern import (
+from rope_model.rules.mesh_pattern import (
+    NO_DIVIDERS,
     distance_past_limit,
     inner_length,
     transformation_due,
 )
-from rope_model.simulation.mesh.partition import (
-    NO_DIVIDERS,
-    Partition,
-    fit_mesh,
-    partition,
-    transform,
-    window_due,
-)
+from rope_model.rules.messages.result_warnings import ends_yaw
+from rope_model.rules.partition import Partition
+from rope_model.simulation.contact.self_contact import overlap_of
+from rope_model.simulation.mesh.partition import fit_mesh, partition, transform, window_due
 from rope_model.simulation.mesh.transfer import interpolate, transfer_fields
 from rope_model.simulation.outputs import diagnostics
 from rope_model.simulation.outputs.diagnostics import (
     LoopBottom,
-    ends_yaw,
     leg_clearance,
     legs_apart,
     loop_bottom,

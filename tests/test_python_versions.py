@@ -17,10 +17,10 @@ from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.hoist import hoist_with
 from hoist_demo.parameters.trip_design import Shaper
 from rope_model import Guard, Mesh, Rope, RopeSimulator, Scene, Shaft, Solver, Sump, Swivel
-from rope_model.numerics.generalized_alpha import Motion
-from rope_model.simulation.mesh.partition import Partition
+from rope_model.rules.generalized_alpha import Motion
+from rope_model.rules.partition import Partition
+from rope_model.rules.state import RopeState
 from rope_model.simulation.rope_kernels import RopeKernels
-from rope_model.simulation.state import RopeState
 
 #: a rope with all that its state can hold: guards, a floor that it presses, a swivel that slips, wires that rub
 FULL = Scene(

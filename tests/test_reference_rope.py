@@ -32,13 +32,15 @@ from rope_model import (
     Swivel,
     balance_rope,
 )
+from rope_model.arrays import Array
+from rope_model.physics.node import ANGLE, arc_lengths
 from rope_model.reference import generalized_alpha, statics
-from rope_model.reference.equations import ANGLE, Array, Equations, arc_lengths
+from rope_model.reference.equations import Equations
 from rope_model.reference.generalized_alpha import Motion
 from rope_model.reference.outputs import NAMES
 from rope_model.reference.rope import ReferenceRope
 from rope_model.reference.transfer import transferred
-from rope_model.simulation.outputs.signal_table import SIGNALS
+from rope_model.rules.signal_table import SIGNALS
 
 GRAVITY = 9.81
 #: m, a step of the host in the scenes below

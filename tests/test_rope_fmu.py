@@ -25,7 +25,7 @@ from fmu_src.export import export_fmu
 from fmu_src.native.build import PLATFORMS, available_platforms, host_platform
 from fmu_src.native.export import export_native
 from rope_model import RopeSimulator, Swivel, balance_rope, rope_120
-from rope_model.simulation.outputs.signal_table import LOADS, SHAPE_POINTS
+from rope_model.rules.signal_table import LOADS, SHAPE_POINTS
 
 H, LAST, HERE = 0.01, 160, (host_platform(),)
 #: steps as long as the host's

@@ -22,12 +22,12 @@ from rope_model import EndMotion, Layout, Mesh, Model, Rope, Scene, balance_rope
 from rope_model.physics import shaft as physics
 from rope_model.physics.node import arc_lengths
 from rope_model.physics.shaft import KINDS, Body, distance, least_distance
+from rope_model.rules.bodies import NO_ROOM, RESOLUTION
+from rope_model.rules.messages.rules import first_text
+from rope_model.rules.partition import Partition
 from rope_model.shaft_parameters import Contact, Conveyance, Divider, HeadRopes, Lining, Shaft, Sump
-from rope_model.simulation.contact.bodies import NO_ROOM
-from rope_model.simulation.contact.shaft import RESOLUTION, clearances, update_passages
-from rope_model.simulation.mesh.partition import Partition
+from rope_model.simulation.contact.shaft import clearances, update_passages
 from rope_model.simulation.mesh.transfer import interpolate
-from rope_model.simulation.messages.rules import first_text
 from rope_model.simulation.outputs.diagnostics import LoopBottom, loop_turns, shape
 
 #: of the distances: sqrt(TINY), and places to 1e4 m in double precision

@@ -23,14 +23,15 @@ from rope_model import (
     Swivel,
     balance_rope,
 )
-from rope_model.numerics.generalized_alpha import Motion, StepResult
+from rope_model.numerics.generalized_alpha import StepResult
 from rope_model.physics.swivel import friction_moment
+from rope_model.rules.generalized_alpha import Motion
+from rope_model.rules.state import Event
+from rope_model.rules.statics import lacks_symmetry
+from rope_model.rules.swivel_phases import Phase, SwivelState, swivel_excess
 from rope_model.simulation.ends.ends import HangingEnds
-from rope_model.simulation.ends.swivel_phases import Phase, SwivelState, swivel_excess
 from rope_model.simulation.model import RopeModel
 from rope_model.simulation.rope_system import Evaluation, RopeSystem
-from rope_model.simulation.state import Event
-from rope_model.simulation.stepping.statics import lacks_symmetry
 
 # a short soft rope whose axial waves an explicit reference integrator can follow
 SOFT = Rope(length=8.0, Qa=2e4, Qb=0.0, Qc=0.0, Qd=10.0, EI=60.0, rhoJ=0.02, beta_K=2e-3)

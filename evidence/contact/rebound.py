@@ -15,9 +15,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 from evidence.statics import OUT_OF_PLANE, StaticBoundary
-from rope_model.numerics.generalized_alpha import Coefficients, restart, step
+from rope_model.numerics.generalized_alpha import restart, step
 from rope_model.parameters import Rope, Scene
 from rope_model.physics.element import parameters
+from rope_model.rules.generalized_alpha import Coefficients
 from rope_model.shaft_parameters import Contact, Shaft, Sump
 from rope_model.simulation.contact.obstacles import find_obstacles
 from rope_model.simulation.rope_kernels import RopeKernels

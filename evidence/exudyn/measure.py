@@ -13,7 +13,7 @@ from evidence.ropes import require
 from evidence.tables import Measures, Tables, table
 from rope_model.analysis.modes import natural_modes
 from rope_model.engine import NativeRope
-from rope_model.simulation.ends.paths import EndMotion
+from rope_model.rules.end_paths import EndMotion
 from rope_model.solver_parameters import Mesh, Model
 
 ROUNDS, SHORT = 3, 3.0  # s

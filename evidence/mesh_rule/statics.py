@@ -9,8 +9,8 @@ import numpy as np
 from evidence.mesh_rule.scenes import Sample
 from evidence.tables import Array, Table, table
 from rope_model import EndMotion, balance_rope
-from rope_model.simulation.mesh.mesh_fit import LEG_WAVES
-from rope_model.simulation.mesh.partition import Partition
+from rope_model.rules.mesh_fit import LEG_WAVES
+from rope_model.rules.partition import Partition
 from rope_model.simulation.outputs.diagnostics import loop_bottom
 from rope_model.solver_parameters import Mesh
 

@@ -7,7 +7,7 @@ from evidence.ropes import at_rest, follow, smooth_step
 from evidence.stability.counterexamples import modified_element, tait_bryan_rate
 from evidence.stability.entry import Entry, Finding
 from rope_model.parameters import Rope, Scene
-from rope_model.simulation.ends.paths import EndMotion
+from rope_model.rules.end_paths import EndMotion
 from rope_model.solver_parameters import Mesh, Solver
 
 # Tait-Bryan angles

@@ -11,12 +11,12 @@ from evidence.claims import above, below
 from evidence.ropes import require, smooth_step
 from evidence.stability.entry import Entry, Finding, points
 from evidence.tables import Array
-from rope_model.numerics import quintic
 from rope_model.numerics.generalized_alpha import restart
 from rope_model.parameters import Rope, Scene, Swivel
 from rope_model.physics.node import ANGLE
-from rope_model.simulation.ends.paths import EndMotion, EndPath
-from rope_model.simulation.ends.swivel_phases import Phase, SwivelState
+from rope_model.rules import quintic
+from rope_model.rules.end_paths import EndMotion, EndPath
+from rope_model.rules.swivel_phases import Phase, SwivelState
 from rope_model.simulation.simulator import RopeSimulator
 from rope_model.solver_parameters import Mesh, Model
 

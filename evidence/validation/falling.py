@@ -9,10 +9,11 @@ from scipy.integrate import quad
 
 from evidence.statics import OUT_OF_PLANE, StaticBoundary
 from evidence.tables import Array
-from rope_model.numerics.generalized_alpha import Coefficients, restart, step
+from rope_model.numerics.generalized_alpha import restart, step
 from rope_model.parameters import Layout, Rope
 from rope_model.physics.element import parameters
 from rope_model.physics.node import POSITION
+from rope_model.rules.generalized_alpha import Coefficients
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import RopeSystem
 from rope_model.simulation.stepping.statics import find_equilibrium, hanging_guess

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from scipy.linalg import eigvals_banded
 from scipy.sparse.linalg import eigsh
 
+from rope_model.arrays import Array
 from rope_model.engine import NativeRope
 from rope_model.numerics.chain_matrices import of_blocks
 from rope_model.physics.element import NODE_DOF
-from rope_model.physics.node import POSITION, Array
+from rope_model.physics.node import POSITION
 
 #: N/m, rounding by Qa / l of a zero stiffness, as of a swivel that turns freely
 ROUNDING = 1e-5

@@ -14,8 +14,8 @@ import casadi as ca
 
 from rope_model.codegen.expressions import statements
 from rope_model.codegen.formulas import CONSTANTS, DEFINED_HERE, DERIVATIVES, FORMULAS, STRUCTURES
-from rope_model.numerics.program import no_simplification
 from rope_model.parameters import Layout, Rope
+from rope_model.physics.expressions import no_simplification
 from rope_model.shaft_parameters import PARTS, Shaft
 from rope_model.solver_parameters import Accuracy, Inputs
 from rope_model.texts import c_string

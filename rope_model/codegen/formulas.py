@@ -6,7 +6,7 @@ from types import ModuleType
 from typing import Any
 
 from rope_model.codegen.derivatives import path_change
-from rope_model.numerics import conjugate_gradients, generalized_alpha, newton
+from rope_model.numerics import conjugate_gradients
 from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics import (
     accuracy,
@@ -35,19 +35,29 @@ from rope_model.physics import (
     wire_element,
     wire_friction,
 )
+from rope_model.rules import (
+    audit,
+    bodies,
+    end_conditions,
+    end_paths,
+    events,
+    generalized_alpha,
+    input_filter,
+    input_misfit,
+    mesh_fit,
+    mesh_pattern,
+    newton,
+    sampling,
+    statics,
+    stepping,
+    swivel_phases,
+)
+from rope_model.rules.audit import Audit
+from rope_model.rules.end_paths import EndMotion, EndPath
+from rope_model.rules.input_filter import InputFilter, filter_sample
+from rope_model.rules.messages import warning_rules
+from rope_model.rules.state import EnergyBalance
 from rope_model.shaft_parameters import FAR, PARTS
-from rope_model.simulation import rigid, simulator
-from rope_model.simulation.contact import shaft as shaft_search
-from rope_model.simulation.ends import ends, input_filter, misfit, paths, switching
-from rope_model.simulation.ends.input_filter import InputFilter, filter_sample
-from rope_model.simulation.ends.paths import EndMotion, EndPath
-from rope_model.simulation.mesh import adaptation, mesh_fit, mesh_pattern
-from rope_model.simulation.mesh import partition as mesh
-from rope_model.simulation.messages import warning_rules
-from rope_model.simulation.outputs import audit, diagnostics
-from rope_model.simulation.outputs.audit import Audit
-from rope_model.simulation.state import EnergyBalance
-from rope_model.simulation.stepping import events, hang, statics, stepping
 from rope_model.solver_parameters import Solver
 
 #: C function -> formula.  An untyped parameter is a number, an array of numbers, or the structure of its name.  The
@@ -55,24 +65,24 @@ from rope_model.solver_parameters import Solver
 FORMULAS: dict[str, Callable[..., Any]] = {
     "dot(a[3], b[3])": elementary.dot,
     "nearest_whole(x)": elementary.nearest_whole,
-    "nearest_turn(angle, last)": adaptation.nearest_turn,
+    "nearest_turn(angle, last)": centreline.nearest_turn,
     "void conveyance_load(q[7], f[7], torque, load[6])": frame.conveyance_load,
-    "right_offset(left[3], right[3])": ends.right_offset,
+    "right_offset(left[3], right[3])": end_conditions.right_offset,
     "Path path_resting(t, EndMotion motion)": EndPath.at_rest,
     "InputFilter filter_resting(t, EndMotion motion)": InputFilter.at_rest,
     "FilterSettings filter_settings(scene, trusted)": input_filter.filter_settings,
     "InputFilter filter_sample(InputFilter state, FilterSettings settings, given_at, h, EndMotion end)": filter_sample,
     "Path filter_path(path, InputFilter state, stop, bandwidth)": input_filter.filter_path,
     "void path_measures(path, InputFilter state, measures[14])": input_filter.path_measures,
-    "InputFilter add_misfit(InputFilter state, path, FilterSettings settings, rope, leg)": misfit.add_misfit,
+    "InputFilter add_misfit(InputFilter state, path, FilterSettings settings, rope, leg)": input_misfit.add_misfit,
     "Path path_coasting(path, t)": EndPath.at_constant_acceleration,
     "EndMotion path_at(path, t)": EndPath.at,
     "path_height(path, t)": EndPath.height,
     "void path_motion(path, t, motion[3][4])": EndPath.motion,
-    "void held_end(path, t, nominal_x, sense, angle, rows[3][7])": ends.held_end,
+    "void held_end(path, t, nominal_x, sense, angle, rows[3][7])": end_conditions.held_end,
     "void path_lean_motion(path, t, leans[2][3])": EndPath.lean_motion,
-    "void clamp_axis(lean[3], lean_z[3], axis[3][3])": ends.clamp_axis,
-    "EndMotion partly_placed(scene, EndMotion own, EndMotion other, sense, fraction)": ends.partly_placed,
+    "void clamp_axis(lean[3], lean_z[3], axis[3][3])": end_conditions.clamp_axis,
+    "EndMotion partly_placed(scene, EndMotion own, EndMotion other, sense, fraction)": end_conditions.partly_placed,
     "void suspension_points(layout, EndMotion left, EndMotion right, points[2][3])": centreline.suspension_points,
     "void node_values(xi, l, nodes[14], values[7])": hermite.node_values,
     "void missing_load(start, stop, s, l, old_s, old_l, old[14], new[14], load[14])": hermite.missing_load,
@@ -148,7 +158,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "InitialShape initial_shape(length, middle, width, cell)": initial_shape.initial_shape,
     "void initial_node_row(initial_shape, left[3], across[3], s, row[7])": initial_shape.node_row,
     "FittedMesh fit_elements(scene, loop_error, decades)": mesh_fit.fit_elements,
-    f"void divider_positions(scene, left, right, places[{len(mesh.NO_DIVIDERS)}])": mesh_fit.divider_positions,
+    f"void divider_positions(scene, left, right, places[{len(mesh_pattern.NO_DIVIDERS)}])": mesh_fit.divider_positions,
     "void newton_coefficients(Coefficients method, h, c[3])": generalized_alpha.newton_coefficients,
     "void prediction_weights(Coefficients method, h, time_shift, ahead, w[6])": generalized_alpha.prediction_weights,
     "void auxiliary_weights(Coefficients method, time_shift, weights[4])": generalized_alpha.auxiliary_weights,
@@ -172,8 +182,8 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "add_contact_end_error(error, ContactSums sums, time, force)": contact_error.add_contact_end_error,
     "add_contact_loop_error(scene, error, ContactSums sums)": contact_error.add_contact_loop_error,
     "end_force_error(rope, ErrorSums sums)": accuracy.end_force_error,
-    "add_misfit_error(error, ErrorSums sums, InputFilter left, InputFilter right)": misfit.add_misfit_error,
-    "add_drift_error(error, InputFilter left, InputFilter right)": misfit.add_drift_error,
+    "add_misfit_error(error, ErrorSums sums, InputFilter left, InputFilter right)": input_misfit.add_misfit_error,
+    "add_drift_error(error, InputFilter left, InputFilter right)": input_misfit.add_drift_error,
     "loop_error(scene, ErrorSums sums, l, grading_length)": accuracy.loop_error,
     "tension_along(sense, d[3], force[3])": swivel.tension_along,
     "friction_moment(mu, mean_diameter, seal_moment, tension)": swivel.friction_moment,
@@ -230,30 +240,30 @@ STRUCTURES: dict[str, type[Any]] = {
 #: constants of formulas and control flow: prefix of their names in C, module, names
 _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
     ("", accuracy, "ACCEPT_BELOW STEP_ITERATIONS BOUNDED_STEP_ERROR BOUNDED_MESH_ERROR"),
-    ("", adaptation, "RELAXATION_TIME"),
+    ("", stepping, "RELAXATION_TIME"),
     ("", contact, "CONTACT_MARGIN OWN_LENGTH"),
     ("", curved_element, "CURVATURE_SIZE"),
-    ("", diagnostics, "PIECES FINE OUTLINE"),
+    ("", sampling, "PIECES FINE OUTLINE"),
     ("", element, "FRAME_SIZE"),
     ("", generalized_alpha, "MAX_GROWTH"),
     ("AUDIT_", audit, "LOADS END_LOADS"),
     ("", guard, "NEVER"),
     (
         "",
-        hang,
+        statics,
         "FLOOR_STEP MAX_FLOOR_STEPS CURVATURE_STEPS PLACING_STEPS TWIST_STEP MIN_TWIST_STEP MAX_TURN MAX_CORRECTIONS",
     ),
     ("", input_filter, "MAX_LAG MIN_AIM_TIME MIN_MEAN_TIME"),
-    ("", mesh, "LEG_LENGTHS GRADING MAX_OVERSHOOT"),
+    ("", mesh_pattern, "LEG_LENGTHS GRADING MAX_OVERSHOOT"),
     ("", mesh_fit, "FADE_ERROR MESH_SHARE DUE"),
     ("", mesh_pattern, "DUE_EARLY WINDOW WINDOW_PARTS WINDOW_DUE"),
-    ("", paths, "RESTS_BELOW"),
-    ("", rigid, "SETTLING_TIME DIFFERENCE"),
+    ("", end_paths, "RESTS_BELOW"),
+    ("", stepping, "SETTLING_TIME DIFFERENCE"),
     ("", rope_contact, "MIN_ARC MAX_STRANDS CORRECTIONS"),
-    ("", shaft_search, "RESOLUTION TURNED_FAR MONITOR_INTERVAL"),
-    ("", simulator, "MAX_START_TIME MAX_STEPS"),
+    ("", bodies, "RESOLUTION TURNED_FAR MONITOR_INTERVAL"),
+    ("", stepping, "MAX_START_TIME MAX_STEPS"),
     ("", statics, "SETTLED BALANCED MAX_MOVE PATIENCE REST_TOLERANCE"),
-    ("", switching, "EVENT_WIDTH CHATTER_TIME"),
+    ("", swivel_phases, "EVENT_WIDTH CHATTER_TIME"),
     ("", warning_rules, "YAWED_FAR"),
     ("CONTACT_", contact_points, "CELLS HALVINGS STEPS LEVELS PARTS WEIGHTS"),
     ("", conjugate_gradients, "CG_MAX_STEPS CG_TOLERANCE"),
@@ -275,8 +285,8 @@ CONSTANTS: dict[str, float | tuple[Any, ...]] = {
     **{status.name: status.code for status in newton.NewtonStatus},
     **{f"P_{name.upper()}": k for k, name in enumerate(element.PARAMETERS)},
     "FAR": FAR,
-    "DIVIDERS": len(mesh.NO_DIVIDERS),
-    "SETTLING_TOLERANCE": rigid.NEWTON_TOLERANCE,
+    "DIVIDERS": len(mesh_pattern.NO_DIVIDERS),
+    "SETTLING_TOLERANCE": stepping.NEWTON_TOLERANCE,
     "WIRE_CELLS": (0.0, *accumulate(element.WEIGHTS)),
     "MAX_PLACES": rope_contact.MAX_POINTS,
     "PROBES": len(rope_contact.PROBES),

@@ -6,8 +6,8 @@ numbers as Python does.
 
 import re
 
-from rope_model.simulation.messages import fidelity_messages, messages, warning_messages
-from rope_model.simulation.messages.text import Template
+from rope_model.rules.messages import fidelity_messages, messages, warning_messages
+from rope_model.rules.messages.text import Template
 from rope_model.texts import c_string
 
 #: modules of texts

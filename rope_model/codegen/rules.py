@@ -20,21 +20,20 @@ from rope_model.codegen.expressions import statements, texts_of
 from rope_model.codegen.messages import texts
 from rope_model.codegen.state_structures import PatternStructure, StateStructure
 from rope_model.codegen.tables import Word, constant
-from rope_model.numerics.program import no_simplification
 from rope_model.parameters import Scene, Swivel
+from rope_model.physics.expressions import no_simplification
+from rope_model.rules import mesh_pattern, swivel_phases
+from rope_model.rules.bodies import NO_ROOM, least_passage, may_touch
+from rope_model.rules.end_paths import EndMotion
+from rope_model.rules.input_filter import InputFilter
+from rope_model.rules.messages import fidelity_rules, warning_rules
+from rope_model.rules.messages.result_warnings import WARNINGS
+from rope_model.rules.messages.rules import Rules
+from rope_model.rules.messages.text import Template
+from rope_model.rules.state import RopeState
+from rope_model.rules.state_signals import remembered
+from rope_model.rules.swivel_phases import SwivelState
 from rope_model.shaft_parameters import Shaft
-from rope_model.simulation.contact.bodies import NO_ROOM, least_passage, may_touch
-from rope_model.simulation.ends import swivel_phases
-from rope_model.simulation.ends.input_filter import InputFilter
-from rope_model.simulation.ends.paths import EndMotion
-from rope_model.simulation.ends.swivel_phases import SwivelState
-from rope_model.simulation.mesh import mesh_pattern
-from rope_model.simulation.messages import fidelity_rules, warning_rules
-from rope_model.simulation.messages.result_warnings import WARNINGS
-from rope_model.simulation.messages.rules import Rules
-from rope_model.simulation.messages.text import Template
-from rope_model.simulation.outputs.state_signals import remembered
-from rope_model.simulation.state import RopeState
 
 #: rules of each warning that numbers decide
 BY_NUMBERS = {
@@ -114,7 +113,7 @@ def rules_code() -> str:
 
 
 def state_signals() -> str:
-    """Return the text of state_signals.h: the signals of simulation.outputs.state_signals."""
+    """Return the text of state_signals.h: the signals of rules.state_signals."""
     values = remembered(_members_at(StateStructure, "state->"))
     with no_simplification():
         lines, texts = texts_of([*values.values()])
@@ -122,7 +121,7 @@ def state_signals() -> str:
         f"values[{constant(name)}] = {text};" for name, text in zip(values, texts, strict=True)
     ]
     return (
-        "/* Generated from rope_model.simulation.outputs.state_signals by rope_model.codegen.rules. */\n"
+        "/* Generated from rope_model.rules.state_signals by rope_model.codegen.rules. */\n"
         "static void state_signals(Simulator *sim, double *values) {\n    const State *state = sim->state;\n"
         f"{''.join(f'    {line}{chr(10)}' for line in lines)}}}\n"
     )

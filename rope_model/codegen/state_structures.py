@@ -12,11 +12,9 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 from rope_model.physics.guard import CAUSES
 from rope_model.physics.shaft import KINDS
-from rope_model.simulation.ends.switching import CHATTER_EVENTS
-from rope_model.simulation.ends.swivel_phases import Phase, SwivelState
-from rope_model.simulation.mesh.partition import NO_DIVIDERS
-from rope_model.simulation.state import Counts, RopeState
-from rope_model.simulation.wires import NO_HYSTERESIS
+from rope_model.rules.mesh_pattern import NO_DIVIDERS
+from rope_model.rules.state import NO_HYSTERESIS, Counts, RopeState
+from rope_model.rules.swivel_phases import CHATTER_EVENTS, Phase, SwivelState
 
 MESSAGE = 512  #: bytes of a message
 SEGMENTS = 7  #: segments of TMN-ETM

@@ -10,8 +10,8 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hint
 
 from rope_model.parameters import GROUPS as GROUPS_BY_NAME
 from rope_model.parameters import Scene, Swivel
+from rope_model.rules.end_paths import EndMotion
 from rope_model.shaft_parameters import PARTS, Shaft
-from rope_model.simulation.ends.paths import EndMotion
 
 NOT_IN_C = {"kernels"}
 #: cache of the parameters' types by data class

@@ -18,19 +18,19 @@ from rope_model.codegen.structures import (
     ShaftStructure,
     members,
 )
-from rope_model.numerics.program import no_simplification
 from rope_model.parameter_table import CrossCheck, Parameter, check_order, parameters_of
 from rope_model.parameters import GROUPS as GROUPS_BY_NAME
 from rope_model.physics.elementary import logical_and
+from rope_model.physics.expressions import no_simplification
 from rope_model.physics.initial_curvature import CURVATURES
+from rope_model.rules.bodies import BODIES
+from rope_model.rules.end_paths import MOTION_BOUNDS, SIDES
+from rope_model.rules.fidelity import FIDELITIES
+from rope_model.rules.neglected_effects import neglected_text
+from rope_model.rules.signal_table import SHAPE_POINTS, SIGNALS
+from rope_model.rules.stepping import MIN_INTERVAL
 from rope_model.shaft_parameters import PARTS
-from rope_model.simulation.contact.shaft import BODIES
-from rope_model.simulation.ends.paths import MOTION_BOUNDS, SIDES
-from rope_model.simulation.fidelity import FIDELITIES
-from rope_model.simulation.outputs.neglected_effects import neglected_text
-from rope_model.simulation.outputs.signal_table import SHAPE_POINTS, SIGNALS
 from rope_model.simulation.outputs.signals import group_of
-from rope_model.simulation.simulator import MIN_INTERVAL
 from rope_model.solver_parameters import MAX_ELEMENTS, FidelityChoice
 from rope_model.texts import c_string
 

@@ -1,4 +1,4 @@
-/* Choice of the model's fidelity.  C version of rope_model/simulation/fidelity.py, which explains the estimates. */
+/* Choice of the model's fidelity.  C version of rope_model/rules/fidelity.py, which explains the estimates. */
 
 #include "rules.h"
 

@@ -1,9 +1,8 @@
 """Direct solver for symmetric positive definite band matrices."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from rope_model.arrays import Array
 
 
 def solve_banded(band: Array, b: Array) -> Array:

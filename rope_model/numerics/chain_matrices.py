@@ -2,9 +2,8 @@
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from rope_model.arrays import Array
 
 
 def of_elements(parts: Array, elements: int) -> sp.csc_matrix:

@@ -7,9 +7,8 @@ step takes one solution with J and no product, because J p follows from the recu
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from rope_model.arrays import Array
 
 #: fraction of the initial squared error, in J's norm, at which conjugate gradients end
 CG_TOLERANCE = 1e-16

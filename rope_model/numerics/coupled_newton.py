@@ -9,9 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rope_model.arrays import Array
 from rope_model.numerics import newton as control
-from rope_model.numerics.conjugate_gradients import Array, conjugate_gradients
-from rope_model.numerics.newton import NewtonLimits, NewtonReport
+from rope_model.numerics.conjugate_gradients import conjugate_gradients
+from rope_model.numerics.newton import NewtonReport
+from rope_model.rules.newton import NewtonLimits
 
 
 class Iterate(NamedTuple):

@@ -27,11 +27,10 @@ from typing import Any, Literal
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from rope_model.arrays import Array
 from rope_model.files import whole_file, write_error
 
-Array = NDArray[np.float64]
 KernelForm = Literal["auto", "compiled", "portable"]
 #: function that builds a library with a compiler's command, or finds it in the cache
 Build = Callable[[Sequence[str]], Path]

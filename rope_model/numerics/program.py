@@ -5,28 +5,13 @@ formulas of hundreds of operations in every step.
 """
 
 import struct
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from functools import cache
-from threading import RLock
 from typing import Any
 
 import casadi as ca
 
-#: lock for building expressions: CasADi's simplification is an option of the whole process
-EXPRESSIONS = RLock()
-
-
-@contextmanager
-def no_simplification() -> Iterator[None]:
-    """Keep every operation of expressions that are built meanwhile."""
-    with EXPRESSIONS:
-        before = ca.GlobalOptions.getSimplificationOnTheFly()
-        ca.GlobalOptions.setSimplificationOnTheFly(False)
-        try:
-            yield
-        finally:
-            ca.GlobalOptions.setSimplificationOnTheFly(before)
+from rope_model.physics.expressions import no_simplification
 
 
 @cache

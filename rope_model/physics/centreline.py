@@ -8,7 +8,7 @@ import math
 from functools import reduce
 from typing import Any
 
-from rope_model.physics.elementary import atan2, cos, dot, maximum, minimum, sin
+from rope_model.physics.elementary import atan2, cos, dot, maximum, minimum, nearest_whole, sin
 from rope_model.physics.hermite import interpolate
 
 
@@ -178,3 +178,8 @@ def angle_between(before: Any, after: Any) -> Any:
     return atan2(
         before[1] * after[0] - before[0] * after[1], before[0] * after[0] + before[1] * after[1]
     )
+
+
+def nearest_turn(angle: Any, last: Any) -> Any:
+    """Unwrap ``angle`` (rad): add the full turns that bring it closest to ``last``."""
+    return angle + 2 * math.pi * nearest_whole((last - angle) / (2 * math.pi))

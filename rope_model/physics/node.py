@@ -1,9 +1,8 @@
 """Nodes of a rope: rows of seven coordinates, and their arc lengths."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from rope_model.arrays import Array
 
 #: columns of r, r' and theta in a node's row
 POSITION, SLOPE, ANGLE = slice(0, 3), slice(3, 6), 6

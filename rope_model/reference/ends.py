@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rope_model.reference.equations import Array
-from rope_model.simulation.ends.paths import MOTION_BOUNDS, EndMotion
+from rope_model.arrays import Array
+from rope_model.rules.end_paths import MOTION_BOUNDS, EndMotion
 
 SIDES = ("left", "right")
 END_NODE = (0, -1)  #: row of each end in arrays of nodes

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dgbtrf, dgbtrs
 
+from rope_model.arrays import Array
 from rope_model.parameters import Rope
 from rope_model.physics.element import (
     BALANCE,
@@ -27,13 +28,10 @@ from rope_model.physics.element import (
     element_functions,
     parameters,
 )
+from rope_model.physics.node import ANGLE, SLOPE
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-POSITION = slice(0, 3)  #: columns of r
-SLOPE = slice(3, 6)  #: columns of r'
-ANGLE = 6  #: column of theta
 HEIGHT = 1  #: column of r_Y
 ELEMENT_DOF = 2 * NODE_DOF
 BAND = ELEMENT_DOF - 1  #: diagonals of the tangent on either side of the main one
@@ -205,8 +203,3 @@ def of_elements(x: Array) -> Array:
 def frame_at(q: Array, lengths: Array) -> Array:
     """Return the reference (21, elements) of sections whose frame is that of the rope ``q``."""
     return np.asarray(element_functions().reference(of_elements(q), lengths[None, :]).full())
-
-
-def arc_lengths(lengths: Array) -> Array:
-    """Return the arc lengths (nodes,), m, of the nodes from the left end."""
-    return np.concatenate(([0.0], np.cumsum(lengths)))

@@ -18,7 +18,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rope_model.reference.equations import Array, Equations
+from rope_model.arrays import Array
+from rope_model.reference.equations import Equations
 from rope_model.reference.newton import Cause, solve
 
 #: growth of the step above which the acceleration's rate over the shorter step is mostly noise, and

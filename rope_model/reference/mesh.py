@@ -20,11 +20,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rope_model.arrays import Array
 from rope_model.parameters import Scene
 from rope_model.physics.elementary import nearest_whole
-from rope_model.reference.equations import Array, arc_lengths
-from rope_model.simulation.mesh.mesh_fit import FADE_ERROR, MESH_SHARE, fit_elements
-from rope_model.simulation.mesh.mesh_pattern import (
+from rope_model.physics.node import arc_lengths
+from rope_model.rules.mesh_fit import FADE_ERROR, MESH_SHARE, fit_elements
+from rope_model.rules.mesh_pattern import (
     DUE_EARLY,
     inner_length,
     min_outer,

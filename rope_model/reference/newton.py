@@ -11,7 +11,8 @@ from enum import Enum
 
 import numpy as np
 
-from rope_model.reference.equations import Array, Equations, Factors
+from rope_model.arrays import Array
+from rope_model.reference.equations import Equations, Factors
 
 MAX_CORRECTIONS = 20
 CONTRACTION = 0.1  #: a correction over the one before it, above which a new tangent is made

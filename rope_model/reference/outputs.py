@@ -11,18 +11,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rope_model.arrays import Array
 from rope_model.parameters import Scene
 from rope_model.physics.centreline import sample_s
 from rope_model.physics.estimates import loop_width
 from rope_model.physics.frame import conveyance_load
 from rope_model.physics.hermite import bend, interpolate
+from rope_model.physics.node import POSITION, SLOPE
 from rope_model.physics.stress import material_values
 from rope_model.reference.ends import END_NODE, SIDES
-from rope_model.reference.equations import HEIGHT, POSITION, SLOPE, Array
+from rope_model.reference.equations import HEIGHT
 from rope_model.reference.state import State
 from rope_model.reference.transfer import elements_at, interpolated
-from rope_model.simulation.ends.swivel_phases import Phase
-from rope_model.simulation.outputs.signal_table import SHAPE_POINTS, SIGNALS
+from rope_model.rules.signal_table import SHAPE_POINTS, SIGNALS
+from rope_model.rules.swivel_phases import Phase
 
 AXES = ("x", "y", "z")
 #: outputs of ``Energies``

@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from rope_model.interface import BalanceRope, Snapshot, Status
 from rope_model.parameters import Scene
 from rope_model.reference.ends import (
     RESTS_BELOW,
@@ -29,12 +30,11 @@ from rope_model.reference.scope import require_published
 from rope_model.reference.state import State
 from rope_model.reference.statics import StaticsError
 from rope_model.reference.stepping import Failure, step_towards
-from rope_model.simulation.contact.point_forces import PointForces
-from rope_model.simulation.ends.paths import EndMotion
-from rope_model.simulation.fidelity import Fidelity
-from rope_model.simulation.interface import BalanceRope, Snapshot, Status
-from rope_model.simulation.outputs.signal_table import checked_names
-from rope_model.simulation.state import RopeState
+from rope_model.rules.end_paths import EndMotion
+from rope_model.rules.fidelity import Fidelity
+from rope_model.rules.point_forces import PointForces
+from rope_model.rules.signal_table import checked_names
+from rope_model.rules.state import RopeState
 
 SHORTEST_ADVANCE = 1e-9  #: s, a shorter one succeeds without a step
 MAX_STEPS = 20_000  #: of an advance, rejected ones included

@@ -15,9 +15,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rope_model.arrays import Array
 from rope_model.physics.element import PARAMETERS
 from rope_model.physics.initial_shape import initial_shape, node_row
-from rope_model.reference.equations import ANGLE, SLOPE, Array, Equations
+from rope_model.physics.node import ANGLE, SLOPE
+from rope_model.reference.equations import Equations
 
 TOLERANCE = 1e-11  #: last correction, m over the rope's length
 MAX_CORRECTIONS = 10_000

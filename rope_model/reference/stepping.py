@@ -14,21 +14,17 @@ from scipy.optimize import brentq
 
 from rope_model.parameters import Scene
 from rope_model.physics.accuracy import ACCEPT_BELOW, ErrorSums, next_step, step_error, step_limits
+from rope_model.physics.node import ANGLE
 from rope_model.reference.ends import END_NODE, SIDES
 from rope_model.reference.energies import after_step
-from rope_model.reference.equations import ANGLE, HEIGHT, Equations
+from rope_model.reference.equations import HEIGHT, Equations
 from rope_model.reference.generalized_alpha import Motion, Step, coefficients, restart, step
 from rope_model.reference.newton import Cause
 from rope_model.reference.outputs import nearest_turn, yaw_of
 from rope_model.reference.state import Event, State
 from rope_model.reference.swivel import STRETCH, Ends, slip, stick
 from rope_model.reference.transformation import with_mesh_for
-from rope_model.simulation.ends.swivel_phases import (
-    Phase,
-    SwivelState,
-    frictionless,
-    released_at,
-)
+from rope_model.rules.swivel_phases import Phase, SwivelState, frictionless, released_at
 
 EVENT_WIDTH = 1e-9  #: s, width to which events are located
 JUST_BEFORE = -1e-12  #: event function of a slip that has just begun: it has no rate yet

@@ -12,8 +12,9 @@ represent the same field.
 import numpy as np
 from numpy.typing import NDArray
 
+from rope_model.arrays import Array
 from rope_model.physics.hermite import GAUSS, shape_functions
-from rope_model.reference.equations import ANGLE, POSITION, SLOPE, Array
+from rope_model.physics.node import ANGLE, POSITION, SLOPE
 
 
 def interpolated(x: Array, s: Array, at: Array) -> Array:

@@ -4,8 +4,8 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rope_model.arrays import Array
 from rope_model.parameters import Rope
 from rope_model.physics.curved_element import curvature_along
 from rope_model.physics.element import ElementFidelity
@@ -18,7 +18,6 @@ from rope_model.physics.initial_curvature import (
     max_curvature,
 )
 
-Array = NDArray[np.float64]
 Director = tuple[float, float, float]
 
 

@@ -24,15 +24,7 @@ from rope_model.physics.energy_balance import after_step as account_of_step
 from rope_model.physics.energy_balance import with_energies
 from rope_model.physics.node import ANGLE, POSITION, SLOPE
 from rope_model.physics.shaft import KINDS
-from rope_model.simulation.contact.obstacles import find_obstacles
-from rope_model.simulation.contact.point_forces import NO_FORCES, PointForces, nodal_forces
-from rope_model.simulation.contact.self_contact import SelfContactSystem
-from rope_model.simulation.ends.ends import HangingEnds, end_strain, nominal_points
-from rope_model.simulation.ends.paths import END_NODE, EndPath
-from rope_model.simulation.ends.swivel_phases import Phase
-from rope_model.simulation.fidelity import flexible
-from rope_model.simulation.mesh.partition import NO_DIVIDERS, mesh_dividers
-from rope_model.simulation.outputs.audit import (
+from rope_model.rules.audit import (
     NO_LOAD,
     Audit,
     Load,
@@ -41,10 +33,20 @@ from rope_model.simulation.outputs.audit import (
     axial_share,
     end_load,
 )
+from rope_model.rules.end_paths import END_NODE, EndPath
+from rope_model.rules.fidelity import flexible
+from rope_model.rules.generalized_alpha import Coefficients, Motion, local_error
+from rope_model.rules.mesh_pattern import NO_DIVIDERS
+from rope_model.rules.point_forces import NO_FORCES, PointForces, nodal_forces
+from rope_model.rules.state import EnergyBalance, Powers, RopeState
+from rope_model.rules.swivel_phases import Phase
+from rope_model.simulation.contact.obstacles import find_obstacles
+from rope_model.simulation.contact.self_contact import SelfContactSystem
+from rope_model.simulation.ends.ends import HangingEnds, end_strain, nominal_points
+from rope_model.simulation.mesh.partition import mesh_dividers
 from rope_model.simulation.rope_kernels import KernelCache
 from rope_model.simulation.rope_system import Evaluation, RopeSystem, air_parameters
 from rope_model.simulation.scene_kernels import acting_along
-from rope_model.simulation.state import EnergyBalance, Powers, RopeState
 
 
 @dataclass(frozen=True)
@@ -120,27 +122,25 @@ class RopeModel:
         )
 
     @cached_property
-    def method(self) -> alpha.Coefficients:
+    def method(self) -> Coefficients:
         """Coefficients of the integration method."""
-        return alpha.Coefficients(self.scene.solver.rho_inf)
+        return Coefficients(self.scene.solver.rho_inf)
 
     def relative_error(self, old: RopeState, result: alpha.StepResult[Evaluation]) -> float:
         """Return the local error of a trial step over the allowed error; infinite if Newton's method failed."""
         if result.motion is None:
             return math.inf
         s, h = self.bottom_s(old.paths, old.motion.t), result.motion.h
-        constant = alpha.local_error(self.method, 1.0, 1.0)
+        constant = local_error(self.method, 1.0, 1.0)
         limits = step_limits(self.scene, old.errors, s, relative_end_speed(old.motion), constant)
         assert result.a_rate is not None
         rates = (
             abs(end_strain(self.scene, result.motion.q, result.a_rate, side)) for side in (0, 1)
         )
-        strain = alpha.local_error(self.method, h, h * max(rates))
+        strain = local_error(self.method, h, h * max(rates))
         return float(step_error(limits, h, result.error, strain))
 
-    def trial(
-        self, system: RopeSystem, old: alpha.Motion, h: float
-    ) -> alpha.StepResult[Evaluation]:
+    def trial(self, system: RopeSystem, old: Motion, h: float) -> alpha.StepResult[Evaluation]:
         """Take a step that is not accepted yet."""
         solver = self.scene.solver
         tolerance = float(
@@ -185,7 +185,7 @@ class RopeModel:
         strain_tt = [
             end_strain(self.scene, motion.q, motion.v - old.motion.v, side) / h for side in (0, 1)
         ]
-        constant, speed = alpha.local_error(self.method, 1.0, 1.0), relative_end_speed(old.motion)
+        constant, speed = local_error(self.method, 1.0, 1.0), relative_end_speed(old.motion)
         errors = add_errors(
             self.scene, old.errors, s, speed, h, constant, strain_tt, result.error, force
         )
@@ -213,7 +213,7 @@ class RopeModel:
         )
         return self._audit_step(old.motion, update_angles(system, state), system)
 
-    def _audit_step(self, old: alpha.Motion, state: RopeState, system: RopeSystem) -> RopeState:
+    def _audit_step(self, old: Motion, state: RopeState, system: RopeSystem) -> RopeState:
         """Return ``state`` with the impulse of a time step from ``old``, for the audit of the communication step."""
         m, method, (left, right) = state.motion, self.method, old.reaction[[0, -1], 1].tolist()
         forces, h = m.reaction[[0, -1], 1].tolist(), m.t - old.t
@@ -257,7 +257,7 @@ class RopeModel:
         return state._replace(audit=audit)
 
 
-def largest_end_force(motion: alpha.Motion) -> float:
+def largest_end_force(motion: Motion) -> float:
     """Return the largest component (N) of the forces at the ends."""
     return float(np.abs(motion.reaction[[0, -1], POSITION]).max())
 
@@ -273,7 +273,7 @@ def update_angles(system: RopeSystem, state: RopeState) -> RopeState:
     for x, more in zip(fields, (*gained, gained[2]), strict=True):
         x[:, ANGLE] += more
     offsets = state.offsets[0], state.offsets[1] + float(gained[0, -1])
-    motion = alpha.Motion(m.t, q, v, a, b, m.a_rate, m.h, m.reaction)
+    motion = Motion(m.t, q, v, a, b, m.a_rate, m.h, m.reaction)
     return state._replace(motion=motion, offsets=offsets, director=system.carried_director(m.q))
 
 
@@ -283,7 +283,7 @@ def ends_of(system: RopeSystem) -> HangingEnds:
     return system.boundary
 
 
-def load_on(ends: HangingEnds, motion: alpha.Motion, system: RopeSystem) -> Load:
+def load_on(ends: HangingEnds, motion: Motion, system: RopeSystem) -> Load:
     """Return the loads on the rope by the conveyances at its ends, by touched bodies, and by the air; audit.Load."""
     external, pulls = system.external_sums(motion.q, motion.v), motion.reaction[[0, -1], 1].tolist()
     loads = [tuple(external[name] for name in names) for names in (_CONTACT_LOAD, _AIR_LOAD)]
@@ -315,7 +315,7 @@ def energies(energy_balance: EnergyBalance, balance: dict[str, float]) -> Energy
     return account
 
 
-def powers(system: RopeSystem, motion: alpha.Motion) -> Powers:
+def powers(system: RopeSystem, motion: Motion) -> Powers:
     """Return the powers at the ends and in the swivels at this instant, W."""
     ends, at_ends, at_swivels = ends_of(system), 0.0, 0.0
     for side, node in enumerate(END_NODE):
@@ -333,6 +333,6 @@ def powers(system: RopeSystem, motion: alpha.Motion) -> Powers:
     return Powers(at_ends, at_swivels)
 
 
-def relative_end_speed(motion: alpha.Motion) -> float:
+def relative_end_speed(motion: Motion) -> float:
     """Return the vertical speed (m/s) of the left end against the right one."""
     return float(motion.v[0, 1] - motion.v[-1, 1])

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rope_model.numerics.generalized_alpha import Motion
+from rope_model.arrays import Array
 from rope_model.parameters import Scene
 from rope_model.physics.centreline import suspension_points
 from rope_model.physics.inextensible import (
@@ -20,22 +20,16 @@ from rope_model.physics.inextensible import (
     rigid_tensions,
     tension,
 )
-from rope_model.physics.node import ANGLE, POSITION, SLOPE, Array
+from rope_model.physics.node import ANGLE, POSITION, SLOPE
+from rope_model.rules.end_paths import EndMotion
+from rope_model.rules.generalized_alpha import Motion
+from rope_model.rules.messages import messages
+from rope_model.rules.stepping import DIFFERENCE, NEWTON_TOLERANCE, SETTLING_TIME
 from rope_model.simulation.ends.ends import HangingEnds
-from rope_model.simulation.ends.paths import EndMotion
-from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import RopeSystem
 from rope_model.simulation.stepping.statics import find_equilibrium, hanging_guess
 
 Ends = tuple[EndMotion, EndMotion]
-
-#: s, above 1/omega of the legs' longitudinal (0.02 s) and torsional modes (0.06 s), below that of the loop (1 s)
-SETTLING_TIME = 0.1
-#: m, tolerance of the strains
-NEWTON_TOLERANCE = 1e-7
-#: s, time between equilibria: around a loop of 1 m at 8 m/s both errors of their second differences, that of the method
-#: and that by rounding, are 1e-3 m/s^2
-DIFFERENCE = 2e-3
 
 
 @dataclass(frozen=True)

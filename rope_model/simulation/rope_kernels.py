@@ -12,11 +12,11 @@ from pathlib import Path
 from rope_model.numerics import kernels as compiling
 from rope_model.numerics.block_chain import ChainFunctions, ChainParts, chain_functions, chain_parts
 from rope_model.numerics.newton import PROGRESS
-from rope_model.numerics.program import EXPRESSIONS
 from rope_model.physics import element
 from rope_model.physics.air_element import AIR_BALANCE
 from rope_model.physics.contact_element import CONTACT_BALANCE
 from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, ElementFidelity
+from rope_model.physics.expressions import EXPRESSIONS
 from rope_model.physics.rope_element import AIR, Features, kinds_touched, rope_element
 from rope_model.physics.shaft import KINDS
 

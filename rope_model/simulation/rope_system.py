@@ -13,9 +13,10 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from rope_model.arrays import Array
 from rope_model.numerics.coupled_newton import Coupled, Iterate, newton
 from rope_model.numerics.generalized_alpha import Solution
-from rope_model.numerics.newton import GOOD, HUGE, KINKED, SMALL, SMOOTH, UNKNOWN, report
+from rope_model.numerics.newton import report
 from rope_model.parameters import Rope, Scene
 from rope_model.physics.air import air_coefficients
 from rope_model.physics.air_element import AIR_BALANCE, AIR_SIZE, COEFFICIENTS_SIZE
@@ -23,18 +24,14 @@ from rope_model.physics.contact import CONTACT_MARGIN, largest_motion
 from rope_model.physics.contact_element import CONTACT_BALANCE
 from rope_model.physics.element import BALANCE, NODE_DOF, PARAMETERS
 from rope_model.physics.initial_curvature import START, carried_director
-from rope_model.physics.node import ANGLE, POSITION, SLOPE, Array
+from rope_model.physics.node import ANGLE, POSITION, SLOPE
 from rope_model.physics.point_forces import point_load
 from rope_model.physics.wire_element import HISTORY_SIZE, TANGENT_SIZE
+from rope_model.rules.newton import GOOD, HUGE, KINKED, SMALL, SMOOTH, UNKNOWN
+from rope_model.rules.state import NO_HYSTERESIS
 from rope_model.simulation.curvature import Director, curved_reference, is_curved
 from rope_model.simulation.rope_kernels import RopeKernels
-from rope_model.simulation.wires import (
-    NO_HYSTERESIS,
-    HysteresisUpdate,
-    history,
-    latest_tangent,
-    update_hysteresis,
-)
+from rope_model.simulation.wires import HysteresisUpdate, history, latest_tangent, update_hysteresis
 
 #: matrix (elements, bodies): true if an element may touch a body
 Near = NDArray[np.bool_]

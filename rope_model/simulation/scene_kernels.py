@@ -4,9 +4,9 @@ from rope_model.parameters import Scene
 from rope_model.physics.element import ELEMENT_DOF, ElementFidelity
 from rope_model.physics.rope_element import AIR, CURVED, WIRES, Features
 from rope_model.physics.wire_friction import wire_stiffness
+from rope_model.rules.fidelity import FIDELITIES, Ends, choose_fidelity, flexible
 from rope_model.simulation.contact.obstacles import find_obstacles
 from rope_model.simulation.curvature import is_curved, partly_curved
-from rope_model.simulation.fidelity import FIDELITIES, Ends, choose_fidelity, flexible
 from rope_model.simulation.rope_system import air_parameters
 
 

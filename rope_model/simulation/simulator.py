@@ -16,56 +16,52 @@ from pathlib import Path
 
 import numpy as np
 
-from rope_model.numerics.generalized_alpha import Motion
+from rope_model.arrays import Array
+from rope_model.interface import BalanceRope, Snapshot, Status, state_in
 from rope_model.parameters import Scene
 from rope_model.physics.centreline import suspension_points
 from rope_model.physics.inextensible import rigid_tensions
-from rope_model.physics.node import ANGLE, Array
-from rope_model.simulation.contact.bodies import NO_ROOM
-from rope_model.simulation.contact.point_forces import (
-    PointForces,
-    at_places,
-    elements_at,
-    nodal_forces,
+from rope_model.physics.node import ANGLE
+from rope_model.rules.audit import END_LOADS
+from rope_model.rules.bodies import MONITOR_INTERVAL, NO_ROOM
+from rope_model.rules.end_conditions import right_offset
+from rope_model.rules.end_paths import RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
+from rope_model.rules.fidelity import choose_fidelity, unsupported_motion
+from rope_model.rules.generalized_alpha import Motion
+from rope_model.rules.input_filter import InputFilter, path_measures, settings_of
+from rope_model.rules.messages import fidelity_messages, messages
+from rope_model.rules.messages.result_warnings import WARNINGS, ends_yaw
+from rope_model.rules.messages.rules import first_text
+from rope_model.rules.partition import Partition
+from rope_model.rules.point_forces import PointForces, at_places, elements_at, nodal_forces
+from rope_model.rules.signal_table import checked_names
+from rope_model.rules.state import RopeState
+from rope_model.rules.stepping import (
+    MAX_START_TIME,
+    MAX_STEPS,
+    MIN_INTERVAL,
+    UNBOUNDED,
+    max_iterations,
 )
-from rope_model.simulation.contact.shaft import MONITOR_INTERVAL, update_passages
+from rope_model.rules.swivel_phases import Phase, SwivelState
+from rope_model.simulation.contact.shaft import update_passages
 from rope_model.simulation.curvature import start_director
-from rope_model.simulation.ends.ends import HangingEnds, refusal, right_offset, stale_input_error
+from rope_model.simulation.ends.ends import HangingEnds, refusal, stale_input_error
 from rope_model.simulation.ends.filter_program import filter_program, filter_step
-from rope_model.simulation.ends.input_filter import InputFilter, path_measures, settings_of
-from rope_model.simulation.ends.paths import RESTS_BELOW, SIDES, EndMotion, EndPath, ends_at
-from rope_model.simulation.ends.swivel_phases import Phase, SwivelState
-from rope_model.simulation.fidelity import choose_fidelity, unsupported_motion
-from rope_model.simulation.interface import BalanceRope, Snapshot, Status, state_in
 from rope_model.simulation.mesh.adaptation import raise_fidelity
-from rope_model.simulation.mesh.partition import Partition, fit_mesh, mesh_elements, partition
-from rope_model.simulation.messages import fidelity_messages, messages
-from rope_model.simulation.messages.result_warnings import WARNINGS
-from rope_model.simulation.messages.rules import first_text
+from rope_model.simulation.mesh.partition import fit_mesh, mesh_elements, partition
 from rope_model.simulation.model import RopeModel, ends_of
-from rope_model.simulation.outputs.audit import END_LOADS
-from rope_model.simulation.outputs.diagnostics import LoopBottom, ends_yaw, loop_bottom
+from rope_model.simulation.outputs.diagnostics import LoopBottom, loop_bottom
 from rope_model.simulation.outputs.guards import set_rise_reference, update_guards
-from rope_model.simulation.outputs.signal_table import checked_names
 from rope_model.simulation.outputs.signals import group_of
 from rope_model.simulation.rope_kernels import KernelCache
 from rope_model.simulation.rope_system import RopeSystem
-from rope_model.simulation.state import RopeState
 from rope_model.simulation.stepping.hang import hang, paths_at_rest
 from rope_model.simulation.stepping.statics import StaticsError, hanging_guess
-from rope_model.simulation.stepping.stepping import as_rigid, max_iterations, step_towards
+from rope_model.simulation.stepping.stepping import as_rigid, step_towards
 from rope_model.simulation.wires import start_hysteresis
 
 log = logging.getLogger(__name__)
-
-#: s, shorter intervals are skipped: hosts that end on a multiple of their step have such remainders
-MIN_INTERVAL = 1e-9
-#: largest number of steps, rejected ones included, of a communication step: some hundred seconds
-MAX_STEPS = 20000
-#: practically no bound
-UNBOUNDED = 2**31 - 1
-#: s, beyond it the shortest steps are lost in the rounding of the time
-MAX_START_TIME = 1e10
 
 
 class RopeSimulator(BalanceRope):

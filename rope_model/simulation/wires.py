@@ -10,8 +10,8 @@ integral of z stays, and that of z^2 can only fall.  Points with an unchanged le
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rope_model.arrays import Array
 from rope_model.parameters import Rope, Scene
 from rope_model.physics.element import POINTS, WEIGHTS
 from rope_model.physics.wire_element import wire_functions
@@ -22,11 +22,7 @@ from rope_model.physics.wire_friction import (
     slip_curvature,
     wire_stiffness,
 )
-
-Array = NDArray[np.float64]
-
-#: state z of a rope without friction between its wires
-NO_HYSTERESIS = np.zeros((0, 3 * len(POINTS)))
+from rope_model.rules.state import NO_HYSTERESIS
 
 
 class HysteresisUpdate(NamedTuple):

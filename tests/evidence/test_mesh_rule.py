@@ -21,7 +21,7 @@ from hoist_demo.parameters import Winding
 from rope_model import Accuracy, Layout, Rope, Scene
 from rope_model.numerics.kernels import find_compiler
 from rope_model.physics.estimates import axial_frequency
-from rope_model.simulation.mesh.mesh_fit import (
+from rope_model.rules.mesh_fit import (
     LEG_GRADING,
     LEG_WAVES,
     LOCKING_SHARE,

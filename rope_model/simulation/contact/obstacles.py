@@ -9,14 +9,15 @@ from typing import Any
 
 import numpy as np
 
+from rope_model.arrays import Array
 from rope_model.parameters import Scene
 from rope_model.physics.centreline import enclosing_box
 from rope_model.physics.contact import OWN_LENGTH
 from rope_model.physics.contact_element import LAW
-from rope_model.physics.node import POSITION, Array
+from rope_model.physics.node import POSITION
 from rope_model.physics.shaft import Body, least_distance
-from rope_model.simulation.contact.bodies import FIXED, may_touch, placed_bodies
-from rope_model.simulation.ends.paths import END_NODE
+from rope_model.rules.bodies import FIXED, may_touch, placed_bodies
+from rope_model.rules.end_paths import END_NODE
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from rope_model.arrays import Array
 from rope_model.numerics.conjugate_gradients import conjugate_gradients
 from rope_model.numerics.coupled_newton import Iterate
 from rope_model.numerics.generalized_alpha import Solution
@@ -17,7 +18,7 @@ from rope_model.parameters import Scene
 from rope_model.physics import hermite, rope_contact
 from rope_model.physics.centreline import enclosing_box
 from rope_model.physics.contact import SUMS, ContactTerms
-from rope_model.physics.node import SLOPE, Array
+from rope_model.physics.node import SLOPE
 from rope_model.simulation.rope_system import Evaluation, Losses, Near, RopeSystem
 
 #: offsets from the numbers of two elements to those of their nodes

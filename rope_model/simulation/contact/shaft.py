@@ -10,39 +10,21 @@ or one of them through conveyance or head ropes above the other's end, if the tu
 (diagnostics.loop_turns) jump by one, while the loop's yaw, which is counted in time, does not.
 """
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from rope_model.parameters import Scene
-from rope_model.physics.centreline import enclosing_box, middle, turns
+from rope_model.physics.centreline import enclosing_box, middle, nearest_turn, turns
 from rope_model.physics.elementary import nearest_whole
 from rope_model.physics.node import SLOPE
-from rope_model.physics.shaft import KINDS, distance, least_distance
-from rope_model.simulation.contact.bodies import Placed, placed_bodies
+from rope_model.physics.shaft import distance, least_distance
+from rope_model.rules.bodies import RESOLUTION, TURNED_FAR, Placed, placed_bodies
+from rope_model.rules.messages.result_warnings import ends_yaw
+from rope_model.rules.state import NOT_NEAR, Crossing, Nearest, RopeState
 from rope_model.simulation.contact.self_contact import overlap_of
-from rope_model.simulation.mesh.adaptation import nearest_turn
-from rope_model.simulation.outputs.diagnostics import ends_yaw, legs_apart, loop_bottom, loop_turns
-from rope_model.simulation.state import Crossing, Nearest, RopeState
-
-#: kinds of bodies in words
-BODIES = {
-    "lining": "the shaft's lining",
-    "conveyance": "a conveyance",
-    "head_ropes": "head ropes",
-    "divider": "a divider",
-    "floor": "the sump's floor",
-}
-#: m, possible excess of a clearance
-RESOLUTION = 1e-3
-#: rad, yaw of the loop beyond which legs that are apart have crossed
-TURNED_FAR = 0.5 * math.pi
-#: s, interval of the checks: a rope that swings at 10 m/s moves by less than bodies are thick
-MONITOR_INTERVAL = 0.01
-#: clearances of each kind before any search
-NOT_NEAR = (Nearest(),) * len(KINDS)
+from rope_model.simulation.outputs.diagnostics import legs_apart, loop_bottom, loop_turns
 
 
 class _Search:

@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 
 from rope_model.numerics.program import Program
 from rope_model.parameters import Rope
-from rope_model.simulation.ends import input_filter
-from rope_model.simulation.ends.input_filter import FilterSettings, InputFilter, PathMeasures
-from rope_model.simulation.ends.misfit import add_misfit
-from rope_model.simulation.ends.paths import PATH, EndMotion, EndPath
+from rope_model.rules import input_filter
+from rope_model.rules.end_paths import PATH, EndMotion, EndPath
+from rope_model.rules.input_filter import FilterSettings, InputFilter, PathMeasures
+from rope_model.rules.input_misfit import add_misfit
 
 
 class FilterStep(NamedTuple):

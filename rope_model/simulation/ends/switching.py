@@ -10,10 +10,15 @@ import math
 
 import numpy as np
 
-from rope_model.numerics.generalized_alpha import Motion, StepResult
+from rope_model.numerics.generalized_alpha import StepResult
 from rope_model.physics.node import ANGLE
-from rope_model.simulation.ends.paths import END_NODE, SIDES
-from rope_model.simulation.ends.swivel_phases import (
+from rope_model.rules.end_paths import END_NODE, SIDES
+from rope_model.rules.generalized_alpha import Motion
+from rope_model.rules.state import Event, RopeState
+from rope_model.rules.swivel_phases import (
+    CHATTER_EVENTS,
+    CHATTER_TIME,
+    EVENT_WIDTH,
     Phase,
     SwivelState,
     frictionless,
@@ -22,15 +27,9 @@ from rope_model.simulation.ends.swivel_phases import (
 )
 from rope_model.simulation.model import RopeModel, ends_of
 from rope_model.simulation.rope_system import Evaluation, RopeSystem
-from rope_model.simulation.state import Event, RopeState
 from rope_model.simulation.stepping.events import locate
 
 log = logging.getLogger(__name__)
-
-EVENT_WIDTH = 1e-9  #: s, width to which events are located
-# a swivel chatters with more events in a shorter time
-CHATTER_EVENTS = 50
-CHATTER_TIME = 1e-3  #: s
 
 
 def release_swivels(model: RopeModel, state: RopeState) -> RopeState:

@@ -9,26 +9,25 @@ import numpy as np
 
 from rope_model.numerics.generalized_alpha import Solution
 from rope_model.physics.accuracy import BOUNDED_MESH_ERROR, effective_tolerance
-from rope_model.physics.elementary import nearest_whole
+from rope_model.physics.centreline import nearest_turn
 from rope_model.physics.node import POSITION, SLOPE
-from rope_model.simulation.ends.ends import right_offset
-from rope_model.simulation.ends.paths import ends_at
-from rope_model.simulation.fidelity import lowest_sufficient
-from rope_model.simulation.mesh.mesh_pattern import DUE_EARLY, transformation_due
-from rope_model.simulation.mesh.partition import Partition, transform, window_due
+from rope_model.rules.end_conditions import right_offset
+from rope_model.rules.end_paths import ends_at
+from rope_model.rules.fidelity import lowest_sufficient
+from rope_model.rules.mesh_pattern import DUE_EARLY, transformation_due
+from rope_model.rules.messages import fidelity_messages, messages
+from rope_model.rules.messages.fidelity_rules import carries_torque
+from rope_model.rules.partition import Partition
+from rope_model.rules.state import Event, RopeState
+from rope_model.rules.stepping import RELAXATION_TIME
+from rope_model.simulation.mesh.partition import transform, window_due
 from rope_model.simulation.mesh.transfer import transfer_fields
-from rope_model.simulation.messages import fidelity_messages, messages
-from rope_model.simulation.messages.fidelity_rules import carries_torque
 from rope_model.simulation.model import RopeModel, ends_of, energies, update_angles
 from rope_model.simulation.rigid import flexible_start, with_elastic_strain
 from rope_model.simulation.rope_system import Evaluation
-from rope_model.simulation.state import Event, RopeState
 from rope_model.simulation.wires import carry, start_hysteresis
 
 log = logging.getLogger(__name__)
-
-#: s, slower motions keep their shape in a transformation, unless Newton's method needs a shorter time
-RELAXATION_TIME = 0.1
 
 
 def transform_if_due(model: RopeModel, state: RopeState) -> RopeState | str:
@@ -148,11 +147,6 @@ def update_loop_yaw(state: RopeState) -> RopeState:
     q = state.motion.q
     d = q[q[:, 1].argmin(), SLOPE].tolist()
     return state._replace(loop_yaw=nearest_turn(math.atan2(-d[2], d[0]), state.loop_yaw))
-
-
-def nearest_turn(angle: Any, last: Any) -> Any:
-    """Unwrap ``angle`` (rad): add the full turns that bring it closest to ``last``."""
-    return angle + 2 * math.pi * nearest_whole((last - angle) / (2 * math.pi))
 
 
 def _with_energy_change(model: RopeModel, state: RopeState) -> RopeState:

@@ -25,69 +25,21 @@ Where a leg faces a divider that may press it, WINDOW elements of l are divided 
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
+from rope_model.arrays import Array
 from rope_model.parameters import Scene
 from rope_model.physics.elementary import nearest_whole
-from rope_model.physics.node import Array, arc_lengths
-from rope_model.simulation.mesh import mesh_pattern as tmn
-from rope_model.simulation.mesh.mesh_fit import (
-    FADE_ERROR,
-    MESH_SHARE,
-    divider_positions,
-    fit_elements,
-)
-from rope_model.simulation.messages import messages
+from rope_model.physics.node import arc_lengths
+from rope_model.rules import mesh_pattern as tmn
+from rope_model.rules.mesh_fit import FADE_ERROR, MESH_SHARE, divider_positions, fit_elements
+from rope_model.rules.mesh_pattern import GRADING, LEG_LENGTHS, NO_DIVIDERS
+from rope_model.rules.messages import messages
+from rope_model.rules.partition import Partition
 from rope_model.solver_parameters import MAX_ELEMENTS, Mesh
-
-#: distance (l) beyond the limit of a transformation that a step carries the loop at most: 20 ms at 20 m/s with l = 1.6
-#: m
-MAX_OVERSHOOT = 0.25
-#: lengths (l) of elements of I or VII, each at a multiple of its length from the end of the rope, so that its
-#: neighbours stay when it changes (spare ones are halved, see _legs)
-LEG_LENGTHS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
-GRADING = 2  #: least distance of an element of m l from segments II to VI over (m - 1) l
-NO_DIVIDERS = (math.inf,) * 8  #: positions of dividers on a rope that none may press
-
-
-@dataclass(frozen=True)
-class Partition:
-    """Element lengths from left to right; for TMN-ETM also their pattern.
-
-    ``counts`` are the elements of the seven segments (0 for EEM) before the end elements are halved ``end_levels``
-    times and those of I and VII joined as ``grading_length`` (m) allows; ``coarse`` is l.  Below 1 in I or VII they
-    count the l that the end cuts off.  ``windows`` begin so many l from the ends, in the order of
-    mesh_fit.divider_positions; unused ones are beyond the rope.
-    """
-
-    lengths: Array
-    counts: tuple[int, ...] = (0,) * 7
-    coarse: float = 0.0
-    end_levels: int = 0
-    grading_length: float = 0.0
-    windows: tuple[int, ...] = (0,) * len(NO_DIVIDERS)
-
-    @property
-    def nodes_s(self) -> Array:
-        """Arc length of the nodes from the left end, m."""
-        return arc_lengths(self.lengths)
-
-    @property
-    def fine_length(self) -> float:
-        """Length of the loop's elements, m."""
-        return (
-            self.coarse * tmn.fine_share(self.counts[1:6])
-            if self.coarse
-            else float(self.lengths[0])
-        )
-
-    @property
-    def centre(self) -> float:
-        """Arc length of the middle of segment IV, m."""
-        return float(tmn.pattern_centre(self))
 
 
 def fit_mesh(scene: Scene) -> Mesh:

@@ -9,9 +9,10 @@ leg at every transformation.
 import numpy as np
 from numpy.typing import NDArray
 
+from rope_model.arrays import Array
 from rope_model.numerics.banded import solve_banded
 from rope_model.physics import hermite
-from rope_model.physics.node import ANGLE, Array
+from rope_model.physics.node import ANGLE
 
 Indices = NDArray[np.intp]
 

@@ -6,20 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rope_model.numerics.generalized_alpha import Motion
+from rope_model.arrays import Array
 from rope_model.physics import centreline
 from rope_model.physics.hermite import integral, integral_to
-from rope_model.physics.node import POSITION, SLOPE, Array, arc_lengths
+from rope_model.physics.node import POSITION, SLOPE, arc_lengths
+from rope_model.rules.generalized_alpha import Motion
+from rope_model.rules.messages.result_warnings import ends_yaw
+from rope_model.rules.sampling import FINE, OUTLINE, PIECES
 from rope_model.simulation.mesh.transfer import interpolate
-
-PIECES = 8  #: straight pieces of an element, for the turns: legs in contact must not seem to pass through each other
-FINE = 41  #: samples of two elements, for the lowest point
-OUTLINE = 161  #: samples of the rope, for the clearance of the legs
-
-
-def ends_yaw(q: Array) -> float:
-    """Return the yaw (rad) of the line from the left to the right end."""
-    return float(centreline.line_yaw(q[0], q[-1]))
 
 
 @dataclass(frozen=True)

@@ -2,18 +2,19 @@
 
 import numpy as np
 
+from rope_model.arrays import Array
 from rope_model.parameters import Scene
-from rope_model.physics.centreline import turns
+from rope_model.physics.centreline import nearest_turn, turns
 from rope_model.physics.guard import has_guards, loop_height, off_plumb, sideways, watch
-from rope_model.physics.node import POSITION, Array
+from rope_model.physics.node import POSITION
 from rope_model.physics.shaft import KINDS
+from rope_model.rules.end_paths import END_NODE
+from rope_model.rules.messages.result_warnings import ends_yaw
+from rope_model.rules.state import Nearest, RopeState
 from rope_model.shaft_parameters import FAR
 from rope_model.simulation.contact.shaft import nearer
 from rope_model.simulation.ends.ends import HangingEnds
-from rope_model.simulation.ends.paths import END_NODE
-from rope_model.simulation.mesh.adaptation import nearest_turn
-from rope_model.simulation.outputs.diagnostics import LoopBottom, ends_yaw, loop_bottom
-from rope_model.simulation.state import Nearest, RopeState
+from rope_model.simulation.outputs.diagnostics import LoopBottom, loop_bottom
 
 
 def rise(scene: Scene, state: RopeState, bottom: LoopBottom) -> float:

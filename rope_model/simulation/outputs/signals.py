@@ -1,13 +1,14 @@
-"""Values of the rope's outputs, by the names of simulation.outputs.signal_table."""
+"""Values of the rope's outputs, by the names of rules.signal_table."""
 
 from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
 
+from rope_model.arrays import Array
 from rope_model.parameters import Scene
 from rope_model.physics.accuracy import end_force_error, loop_error
-from rope_model.physics.centreline import turns
+from rope_model.physics.centreline import nearest_turn, turns
 from rope_model.physics.contact_error import (
     add_contact_end_error,
     add_contact_loop_error,
@@ -16,25 +17,25 @@ from rope_model.physics.contact_error import (
 from rope_model.physics.estimates import loop_width
 from rope_model.physics.frame import conveyance_load
 from rope_model.physics.guard import sideways
-from rope_model.physics.node import ANGLE, POSITION, Array, arc_lengths
+from rope_model.physics.node import ANGLE, POSITION, arc_lengths
 from rope_model.physics.shaft import KINDS
 from rope_model.physics.stress import material_values
+from rope_model.rules.audit import signal_values as audit_values
+from rope_model.rules.end_paths import END_NODE, SIDES
+from rope_model.rules.input_misfit import add_drift_error, add_misfit_error
+from rope_model.rules.messages import messages
+from rope_model.rules.messages.result_warnings import ends_yaw
+from rope_model.rules.signal_table import SHAPE_POINTS, SIGNALS
+from rope_model.rules.state import RopeState
+from rope_model.rules.state_signals import STATE_SIGNALS, remembered
+from rope_model.rules.swivel_phases import Phase
 from rope_model.simulation.contact.shaft import clearances
 from rope_model.simulation.ends.ends import HangingEnds
-from rope_model.simulation.ends.misfit import add_drift_error, add_misfit_error
-from rope_model.simulation.ends.paths import END_NODE, SIDES
-from rope_model.simulation.ends.swivel_phases import Phase
-from rope_model.simulation.mesh.adaptation import nearest_turn
 from rope_model.simulation.mesh.transfer import interpolate
-from rope_model.simulation.messages import messages
 from rope_model.simulation.outputs import diagnostics
-from rope_model.simulation.outputs.audit import signal_values as audit_values
 from rope_model.simulation.outputs.guards import rise
-from rope_model.simulation.outputs.signal_table import SHAPE_POINTS, SIGNALS
-from rope_model.simulation.outputs.state_signals import STATE_SIGNALS, remembered
 from rope_model.simulation.rigid import rigid_tension
 from rope_model.simulation.rope_system import RopeSystem
-from rope_model.simulation.state import RopeState
 
 
 class SignalSource(Protocol):
@@ -126,7 +127,7 @@ def loop_signals(rope: SignalSource) -> dict[str, float]:
     return out | {
         "loop.yaw": yaw,
         "loop.clearance": clearance,
-        "loop.turns": turns(yaw, diagnostics.ends_yaw(q), state.crossing.net),
+        "loop.turns": turns(yaw, ends_yaw(q), state.crossing.net),
         "loop.rise": rise(scene, state, bottom),
         "loop.sideways": float(sideways(bottom.position, q[0], q[-1])),
     }

@@ -4,11 +4,9 @@ It is the regula falsi with the Illinois modification.  It bisects after two rou
 interval, or where a value is infinite (the function may be kinked).  C has the formulas from here.
 """
 
-import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
 
-from rope_model.physics.elementary import logical_and, maximum, minimum, where
+from rope_model.rules.events import Bracket, narrowed, trial_x
 
 
 def locate(
@@ -26,48 +24,3 @@ def locate(
             break
         bracket = narrowed(bracket, x, f(x))
     return bracket.high
-
-
-class Bracket(NamedTuple):
-    """Interval, and the values at its ends, f_low < 0 <= f_high.
-
-    ``side`` is the end that moved last, -1 or 1, or 0; ``stalled`` the number of rounds in a row that did not halve it.
-    """
-
-    low: float
-    high: float
-    f_low: float
-    f_high: float
-    side: float
-    stalled: float
-
-
-def trial_x(bracket: Any, width: Any) -> Any:
-    """Return the next trial point; it is not between the ends if there is no number between them."""
-    low, high, f_low = bracket.low, bracket.high, bracket.f_low
-    falls, middle = _converges(bracket), 0.5 * (low + high)
-    x = low + (high - low) * f_low / where(falls, f_low - bracket.f_high, 1.0)
-    x = where(falls, minimum(maximum(x, low + 0.4 * width), high - 0.4 * width), middle)
-    return where(logical_and(low < x, x < high), x, middle)
-
-
-def narrowed(bracket: Any, x: Any, value: Any) -> Bracket:
-    """Return the remaining interval if the function has this ``value`` at ``x``."""
-    low, high, f_low, f_high, side, stalled = (getattr(bracket, name) for name in Bracket._fields)
-    below = value < 0
-    new_low, new_high = where(below, x, low), where(below, high, x)
-    stalls = 0.5 * (high - low) < new_high - new_low
-    return Bracket(
-        new_low,
-        new_high,
-        where(below, value, where(side > 0, 0.5 * f_low, f_low)),
-        where(below, where(side < 0, 0.5 * f_high, f_high), value),
-        where(below, -1.0, 1.0),
-        where(stalls, where(_converges(bracket), stalled, 0.0) + 1.0, 0.0),
-    )
-
-
-def _converges(bracket: Any) -> Any:
-    """Return whether the secant of its values may be used."""
-    finite = abs(bracket.f_low - bracket.f_high) < math.inf
-    return logical_and(bracket.stalled < 2, finite, bracket.f_low < bracket.f_high)

@@ -15,34 +15,31 @@ from dataclasses import replace
 
 import numpy as np
 
-from rope_model.numerics.generalized_alpha import Motion
 from rope_model.parameters import Scene
 from rope_model.physics.initial_curvature import max_curvature
 from rope_model.physics.node import ANGLE
-from rope_model.simulation.curvature import is_curved, partly_curved
-from rope_model.simulation.ends.ends import partly_placed
-from rope_model.simulation.ends.paths import END_NODE, EndMotion, EndPath
-from rope_model.simulation.ends.swivel_phases import Phase, SwivelState, beyond_rest, relaxes
-from rope_model.simulation.fidelity import flexible
-from rope_model.simulation.mesh.adaptation import update_loop_yaw
-from rope_model.simulation.messages import messages
-from rope_model.simulation.messages.fidelity_rules import not_plumb
-from rope_model.simulation.model import RopeModel, ends_of, energies
-from rope_model.simulation.state import RopeState
-from rope_model.simulation.stepping.statics import StaticsError, find_equilibrium
-
-FLOOR_STEP = 0.25  #: m, by which the floor rises beneath a rope that is laid down on it
-MAX_FLOOR_STEPS = 40
-CURVATURE_STEPS = 8  #: increments of the permanent curvature
-PLACING_STEPS = (
-    32  #: increments of the position and lean of ends that are not plumb: 0.1 rad each at most
+from rope_model.rules.end_conditions import partly_placed
+from rope_model.rules.end_paths import END_NODE, EndMotion, EndPath
+from rope_model.rules.fidelity import flexible
+from rope_model.rules.generalized_alpha import Motion
+from rope_model.rules.messages import messages
+from rope_model.rules.messages.fidelity_rules import not_plumb
+from rope_model.rules.state import RopeState
+from rope_model.rules.statics import (
+    CURVATURE_STEPS,
+    FLOOR_STEP,
+    MAX_CORRECTIONS,
+    MAX_FLOOR_STEPS,
+    MAX_TURN,
+    MIN_TWIST_STEP,
+    PLACING_STEPS,
+    TWIST_STEP,
 )
-TWIST_STEP = 1.0  #: rad, largest increment of twist
-MIN_TWIST_STEP = 0.01  #: rad, smallest increment of twist
-#: rad, largest turn of the frame at the right end, twice the loop's yaw, on the branch of equilibria
-MAX_TURN = 2.0
-#: corrections after which twisting is given up: a fifth above the largest number of 60 drawn ropes
-MAX_CORRECTIONS = 100_000
+from rope_model.rules.swivel_phases import Phase, SwivelState, beyond_rest, relaxes
+from rope_model.simulation.curvature import is_curved, partly_curved
+from rope_model.simulation.mesh.adaptation import update_loop_yaw
+from rope_model.simulation.model import RopeModel, ends_of, energies
+from rope_model.simulation.stepping.statics import StaticsError, find_equilibrium
 
 
 def hang(model: RopeModel, state: RopeState, ends: tuple[EndMotion, EndMotion]) -> RopeState:

@@ -17,34 +17,27 @@ Source: Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998), switched evolution rel
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from rope_model.physics.accuracy import TINY
+from rope_model.arrays import Array
 from rope_model.physics.element import PARAMETERS
-from rope_model.physics.elementary import less, maximum
 from rope_model.physics.initial_shape import initial_shape, node_row
-from rope_model.physics.node import ANGLE, POSITION, SLOPE, Array
-from rope_model.simulation.contact.bodies import least_passage
+from rope_model.physics.node import ANGLE, POSITION, SLOPE
+from rope_model.rules.bodies import least_passage
+from rope_model.rules.messages import messages
+from rope_model.rules.statics import (
+    BALANCED,
+    MAX_MOVE,
+    PATIENCE,
+    REST_TOLERANCE,
+    SETTLED,
+    lacks_symmetry,
+    relaxation,
+)
 from rope_model.simulation.curvature import Director
-from rope_model.simulation.messages import messages
 from rope_model.simulation.rope_system import RopeSystem
 
-#: last full Newton correction in ``system.norm``, over the rope's length
-REST_TOLERANCE = 1e-11
-#: s, pseudo-time step beyond which the inertia does not matter
-SETTLED = 1e3
-#: corrections with forces balanced to rounding, after which remaining motion costs no energy; tau takes at most 51 from
-#: its first value to its last
-BALANCED = 200
-#: m or rad, largest move by a correction; beside a thin body no more than half of the way through it
-MAX_MOVE = 0.3
-#: corrections after which none may end higher than it began: they may go to and fro between two shapes
-PATIENCE = 300
-#: Qk over Qs below which the coupling is symmetric for the search: what its tangent then lacks leaves this part of the
-#: error, and a correction is as good as full; rounding of Qb or Qc is no reason for shorter ones
-SYMMETRIC = 1e-6
 _QA, _QS, _QK = (PARAMETERS.index(name) for name in ("Qa", "Qs", "Qk"))
 
 
@@ -132,19 +125,6 @@ def find_equilibrium(
             return Equilibrium(q, reaction, k, end_rotation, system.director)
         tau = min(tau * min(10.0, max(1.5, previous / max(force, 1e-300))), 1e12)
     raise StaticsError(messages.no_equilibrium(k, previous), k, abs(end_rotation) > max_turn)
-
-
-def lacks_symmetry(Qs: Any, Qk: Any) -> Any:
-    """Return whether the part Qk of the coupling without energy is large enough to shorten corrections."""
-    return less(SYMMETRIC * abs(Qs), abs(Qk))
-
-
-def relaxation(change: Any, last: Any) -> Any:
-    """Return the part of a correction to take, from the ``change`` of the squared error by the part ``last`` before.
-
-    The part w of a correction that multiplies the error by i r changes its square by (1 - w)^2 + (w r)^2.
-    """
-    return 1.0 / (1.0 + maximum((change - (1.0 - last) ** 2) / maximum(last * last, TINY), 0.0))
 
 
 def _imbalance(system: RopeSystem, reaction: Array) -> float:

@@ -2,31 +2,23 @@
 
 import logging
 from dataclasses import replace
-from typing import Any
 
 from rope_model.numerics.generalized_alpha import StepResult
 from rope_model.physics.accuracy import ACCEPT_BELOW, STEP_ITERATIONS, next_step, substeps
-from rope_model.physics.elementary import maximum
+from rope_model.rules.end_paths import ends_at
+from rope_model.rules.mesh_pattern import MAX_OVERSHOOT, distance_past_limit
+from rope_model.rules.messages import messages
+from rope_model.rules.state import RopeState
+from rope_model.rules.swivel_phases import EVENT_WIDTH
 from rope_model.simulation.ends import switching
-from rope_model.simulation.ends.paths import ends_at
 from rope_model.simulation.mesh.adaptation import transform_if_due, update_loop_yaw
-from rope_model.simulation.mesh.mesh_pattern import distance_past_limit
-from rope_model.simulation.mesh.partition import MAX_OVERSHOOT
-from rope_model.simulation.messages import messages
 from rope_model.simulation.model import RopeModel, largest_end_force, powers
 from rope_model.simulation.rigid import rigid_rope
 from rope_model.simulation.rope_system import Evaluation, RopeSystem
-from rope_model.simulation.state import RopeState
 from rope_model.simulation.stepping.events import locate
 from rope_model.simulation.stepping.statics import StaticsError
 
 log = logging.getLogger(__name__)
-
-#: largest number of Newton iterations of a communication step: over 6 times that of 120 drawn trips
-MAX_ITERATIONS = 5_000.0
-LIMIT_INTERVAL = (
-    0.05  #: s, length of the communication step above which that number grows in proportion
-)
 
 
 #: accepted trial step, the state before it with updated counts and step control, and true if it ends at the stop
@@ -167,7 +159,7 @@ def _next_stop(model: RopeModel, state: RopeState, t_end: float) -> float:
     at_start = due(t)
     for time in (0.5 * (t + ahead), ahead):
         if at_start < 0 and (at_time := due(time)) >= MAX_OVERSHOOT * state.partition.coarse:
-            return min(locate(due, t, time, at_start, at_time, switching.EVENT_WIDTH), stop)
+            return min(locate(due, t, time, at_start, at_time, EVENT_WIDTH), stop)
     return stop
 
 
@@ -180,14 +172,6 @@ def as_rigid(model: RopeModel, state: RopeState, t: float) -> RopeState:
     return state._replace(
         motion=rope.motion,
         energy_balance=state.energy_balance._replace(kinetic=rope.kinetic, gravity=rope.gravity),
-    )
-
-
-def max_iterations(interval: Any, step_max: Any) -> Any:
-    """Return the Newton iterations after which a communication step fails; a short step_max needs more."""
-    return (
-        MAX_ITERATIONS * maximum(interval / LIMIT_INTERVAL, 1.0)
-        + 2.0 * STEP_ITERATIONS * interval / step_max
     )
 
 

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 from rope_model.physics.guard import CAUSES as CAUSES
 from rope_model.physics.shaft import KINDS
-from rope_model.simulation.contact.shaft import BODIES
-from rope_model.simulation.ends.paths import SIDES
+from rope_model.rules.bodies import BODIES
+from rope_model.rules.end_paths import SIDES
 
 SHAPE_POINTS = 81
 

@@ -7,8 +7,15 @@ segments and l as ``coarse``, all 0 for EEM.
 import math
 from typing import Any
 
-from rope_model.physics.elementary import floor, less, logical_or, maximum, minimum, where
-from rope_model.simulation.mesh.mesh_fit import DUE
+from rope_model.physics.elementary import (
+    floor,
+    less,
+    logical_or,
+    maximum,
+    minimum,
+    where,
+)
+from rope_model.rules.mesh_fit import DUE
 
 DUE_EARLY = (
     1e-7  #: m, distance before the limit at which a transformation is made, because of rounding
@@ -71,3 +78,13 @@ def transformation_due(pattern: Any, bottom_s: Any, slack: Any = 0.0) -> Any:
     """
     offset = bottom_s - pattern_centre(pattern)
     return where(_past_limit(pattern, offset) < -slack, 0.0, less(0.0, offset) - less(offset, 0.0))
+
+
+#: distance (l) beyond the limit of a transformation that a step carries the loop at most: 20 ms at 20 m/s with l = 1.6
+#: m
+MAX_OVERSHOOT = 0.25
+#: lengths (l) of elements of I or VII, each at a multiple of its length from the end of the rope, so that its
+#: neighbours stay when it changes (spare ones are halved, see _legs)
+LEG_LENGTHS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
+GRADING = 2  #: least distance of an element of m l from segments II to VI over (m - 1) l
+NO_DIVIDERS = (math.inf,) * 8  #: positions of dividers on a rope that none may press

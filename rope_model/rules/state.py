@@ -11,21 +11,25 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rope_model.numerics.generalized_alpha import Motion
+from rope_model.arrays import Array
 from rope_model.physics.accuracy import ErrorSums
 from rope_model.physics.contact_error import ContactSums
+from rope_model.physics.element import POINTS
 from rope_model.physics.energy_balance import residual, total
 from rope_model.physics.guard import GuardState
 from rope_model.physics.initial_curvature import START
 from rope_model.physics.shaft import KINDS
+from rope_model.rules.audit import Audit
+from rope_model.rules.end_paths import EndPath
+from rope_model.rules.fidelity import Fidelity
+from rope_model.rules.generalized_alpha import Motion
+from rope_model.rules.input_filter import InputFilter
+from rope_model.rules.partition import Partition
+from rope_model.rules.swivel_phases import Phase, SwivelState
 from rope_model.shaft_parameters import FAR
-from rope_model.simulation.ends.input_filter import InputFilter
-from rope_model.simulation.ends.paths import EndPath
-from rope_model.simulation.ends.swivel_phases import Phase, SwivelState
-from rope_model.simulation.fidelity import Fidelity
-from rope_model.simulation.mesh.partition import Partition
-from rope_model.simulation.outputs.audit import Audit
-from rope_model.simulation.wires import NO_HYSTERESIS, Array
+
+#: state z of a rope without friction between its wires
+NO_HYSTERESIS = np.zeros((0, 3 * len(POINTS)))
 
 
 class EnergyBalance(NamedTuple):
@@ -95,6 +99,10 @@ class Nearest(NamedTuple):
     s: float = 0.0  # m, arc length from the left end
     y: float = 0.0  # m, height
     touched_at: float = 0.0  # s, instant at which the clearance was first 0 or less
+
+
+#: clearances of each kind before any search
+NOT_NEAR = (Nearest(),) * len(KINDS)
 
 
 class Crossing(NamedTuple):

@@ -9,7 +9,7 @@ A torque-free rope has no coupling, no installed twist and no permanent curvatur
 freely as well, or its writhe twists it; they may hold at the start, which must be in the plane.  The omitted quantities
 are then zero in the complete model too.  Otherwise 'auto' takes a lower fidelity only if the estimated error of the
 vertical end forces (root mean square over a winding, relative to the largest) is within the scene's tolerance.
-physics.estimates has the estimates, simulation.messages.fidelity_rules the formulas of the decision.
+physics.estimates has the estimates, rules.messages.fidelity_rules the formulas of the decision.
 """
 
 import logging
@@ -17,9 +17,9 @@ from typing import Literal, NamedTuple
 
 from rope_model.parameters import Scene
 from rope_model.physics.element import ElementFidelity
-from rope_model.simulation.ends.paths import SIDES, EndMotion
-from rope_model.simulation.messages import fidelity_messages, fidelity_rules, messages
-from rope_model.simulation.messages.rules import first_text
+from rope_model.rules.end_paths import SIDES, EndMotion
+from rope_model.rules.messages import fidelity_messages, fidelity_rules, messages
+from rope_model.rules.messages.rules import first_text
 
 log = logging.getLogger(__name__)
 

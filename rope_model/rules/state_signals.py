@@ -9,9 +9,9 @@ from rope_model.physics.elementary import less, maximum, sqrt
 from rope_model.physics.energy_balance import residual, total
 from rope_model.physics.guard import GuardState
 from rope_model.physics.shaft import KINDS
-from rope_model.simulation.ends.input_filter import InputFilter
-from rope_model.simulation.outputs.signal_table import SIGNALS
-from rope_model.simulation.state import Counts, Crossing, EnergyBalance, Nearest
+from rope_model.rules.input_filter import InputFilter
+from rope_model.rules.signal_table import SIGNALS
+from rope_model.rules.state import Counts, Crossing, EnergyBalance, Nearest
 
 
 def remembered(state: Any) -> dict[str, Any]:

@@ -22,17 +22,17 @@ one, its conveyance and head ropes.  That is half a turn over the height (diagno
 from collections.abc import Callable
 from functools import partial
 
+from rope_model.arrays import Array
 from rope_model.parameters import Scene
+from rope_model.physics import centreline
 from rope_model.physics.node import ANGLE
 from rope_model.physics.shaft import KINDS
-from rope_model.simulation.contact.bodies import may_touch
-from rope_model.simulation.contact.shaft import BODIES
-from rope_model.simulation.ends.paths import SIDES
-from rope_model.simulation.messages import warning_messages, warning_rules
-from rope_model.simulation.messages.rules import first_text
-from rope_model.simulation.outputs.diagnostics import ends_yaw
-from rope_model.simulation.outputs.neglected_effects import neglected_text
-from rope_model.simulation.state import RopeState
+from rope_model.rules.bodies import BODIES, may_touch
+from rope_model.rules.end_paths import SIDES
+from rope_model.rules.messages import warning_messages, warning_rules
+from rope_model.rules.messages.rules import first_text
+from rope_model.rules.neglected_effects import neglected_text
+from rope_model.rules.state import RopeState
 
 
 def neglected_effects(scene: Scene, state: RopeState) -> str:
@@ -106,3 +106,8 @@ WARNINGS: dict[str, Callable[[Scene, RopeState], str]] = {
     "no_air": partial(first_text, warning_rules.NO_AIR),
     "unfit_inputs": unfit_inputs,
 }
+
+
+def ends_yaw(q: Array) -> float:
+    """Return the yaw (rad) of the line from the left to the right end."""
+    return float(centreline.line_yaw(q[0], q[-1]))

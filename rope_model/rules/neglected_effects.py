@@ -5,7 +5,7 @@ One table serves the warnings of both forms of the rope, the reports and the doc
 
 from typing import NamedTuple
 
-from rope_model.simulation.fidelity import FIDELITIES, Fidelity
+from rope_model.rules.fidelity import FIDELITIES, Fidelity
 
 
 class Effect(NamedTuple):

@@ -11,11 +11,11 @@ import math
 from functools import reduce
 from typing import Any
 
-from rope_model.numerics import quintic
 from rope_model.physics.accuracy import TINY, wave_duration
 from rope_model.physics.elementary import cos, exp, maximum, minimum, sin, sqrt, where
 from rope_model.physics.estimates import axial_frequency
-from rope_model.simulation.ends.input_filter import JERKS, InputFilter, end_misfits, sample_misfit
+from rope_model.rules import quintic
+from rope_model.rules.input_filter import JERKS, InputFilter, end_misfits, sample_misfit
 
 #: fraction of a leg's mass that swings in its slowest axial wave
 SWINGING = 8.0 / math.pi**2

@@ -82,3 +82,9 @@ def swivel_excess(
         phase == Phase.LOCKED, logical_and(phase == Phase.SLIP, frictionless(swivel))
     )
     return where(stays, -math.inf, where(phase == Phase.STICK, beyond, -swivel_state.sign * rate))
+
+
+EVENT_WIDTH = 1e-9  #: s, width to which events are located
+# a swivel chatters with more events in a shorter time
+CHATTER_EVENTS = 50
+CHATTER_TIME = 1e-3  #: s

@@ -6,12 +6,20 @@ from functools import reduce
 from typing import Any, NamedTuple
 
 from rope_model.physics import shaft as physics
-from rope_model.physics.centreline import suspension_points
-from rope_model.physics.elementary import logical_and, logical_or, minimum, sum_of, where
+from rope_model.physics.centreline import (
+    suspension_points,
+)
+from rope_model.physics.elementary import (
+    logical_and,
+    logical_or,
+    minimum,
+    sum_of,
+    where,
+)
 from rope_model.physics.shaft import KINDS, Body
+from rope_model.rules.messages import messages
+from rope_model.rules.messages.rules import Rules
 from rope_model.shaft_parameters import FAR, Shaft
-from rope_model.simulation.messages import messages
-from rope_model.simulation.messages.rules import Rules
 
 LINING, CONVEYANCE, HEAD_ROPES, DIVIDER, FLOOR = range(len(KINDS))
 #: motion of bodies at rest
@@ -96,3 +104,18 @@ def _least_distance(scene: Any, left: Any, right: Any, body: Body) -> Any:
 
 #: reasons why a rope finds no equilibrium between bodies
 NO_ROOM: Rules = {messages.end_in_lining: _in_lining, messages.end_below_floor: _below_floor}
+
+#: kinds of bodies in words
+BODIES = {
+    "lining": "the shaft's lining",
+    "conveyance": "a conveyance",
+    "head_ropes": "head ropes",
+    "divider": "a divider",
+    "floor": "the sump's floor",
+}
+#: m, possible excess of a clearance
+RESOLUTION = 1e-3
+#: rad, yaw of the loop beyond which legs that are apart have crossed
+TURNED_FAR = 0.5 * math.pi
+#: s, interval of the checks: a rope that swings at 10 m/s moves by less than bodies are thick
+MONITOR_INTERVAL = 0.01

@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from rope_model.arrays import Array
 from rope_model.physics import hermite
-from rope_model.physics.node import ANGLE, POSITION, SLOPE, Array
+from rope_model.physics.node import ANGLE, POSITION, SLOPE
 from rope_model.physics.point_forces import time_fraction
 
 #: tolerance for points beyond the rope's ends, over its length

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rope_model.parameters import Scene
+from rope_model.rules.end_paths import EndMotion
+from rope_model.rules.fidelity import Fidelity
+from rope_model.rules.point_forces import PointForces
+from rope_model.rules.signal_table import checked_names
+from rope_model.rules.state import RopeState
 from rope_model.scene_names import named_parameters
-from rope_model.simulation.contact.point_forces import PointForces
-from rope_model.simulation.ends.paths import EndMotion
-from rope_model.simulation.fidelity import Fidelity
-from rope_model.simulation.outputs.signal_table import checked_names
-from rope_model.simulation.state import RopeState
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Decision tables of the warnings: rules and bounds for simulation.messages.result_warnings and its C."""
+"""Decision tables of the warnings: rules and bounds for rules.messages.result_warnings and its C."""
 
 import math
 from typing import Any
@@ -12,14 +12,14 @@ from rope_model.physics.estimates import (
     twist_torque,
 )
 from rope_model.physics.initial_curvature import max_curvature
+from rope_model.rules import audit as audits
+from rope_model.rules.input_filter import MIN_BREAKS, POSITION, filter_settings
+from rope_model.rules.mesh_fit import MAX_LENGTH, NATURAL_RADIUS
+from rope_model.rules.mesh_pattern import fine_share
+from rope_model.rules.messages import warning_messages as texts
+from rope_model.rules.messages.fidelity_rules import carries_torque
+from rope_model.rules.messages.rules import Rules
 from rope_model.shaft_parameters import FAR
-from rope_model.simulation.ends.input_filter import MIN_BREAKS, POSITION, filter_settings
-from rope_model.simulation.mesh.mesh_fit import MAX_LENGTH, NATURAL_RADIUS
-from rope_model.simulation.mesh.mesh_pattern import fine_share
-from rope_model.simulation.messages import warning_messages as texts
-from rope_model.simulation.messages.fidelity_rules import carries_torque
-from rope_model.simulation.messages.rules import Rules
-from rope_model.simulation.outputs import audit as audits
 
 #: rad, yaw of a loop that is turned over
 HALF_A_TURN = math.pi

@@ -1,4 +1,4 @@
-"""Decision rules of the fidelity, with their error estimates; simulation.fidelity and its C apply them.
+"""Decision rules of the fidelity, with their error estimates; rules.fidelity and its C apply them.
 
 carries_torque, force_error and unsupported_input also serve mesh, stepping and outputs.
 """
@@ -14,10 +14,10 @@ from rope_model.physics.elementary import logical_and, logical_or, maximum, wher
 from rope_model.physics.guard import has_guards
 from rope_model.physics.inextensible import min_tension, rigid_tensions
 from rope_model.physics.initial_curvature import max_curvature
-from rope_model.simulation.contact.bodies import may_touch
-from rope_model.simulation.ends.paths import EndMotion
-from rope_model.simulation.messages import fidelity_messages
-from rope_model.simulation.messages.rules import Rules
+from rope_model.rules.bodies import may_touch
+from rope_model.rules.end_paths import EndMotion
+from rope_model.rules.messages import fidelity_messages
+from rope_model.rules.messages.rules import Rules
 
 TURNED = ("yaw", "yaw_rate")  #: inputs that turn a rope whose swivels hold
 OUT_OF_PLANE = ("z", "vz", "az", "lean_z")  #: inputs out of the plane

@@ -21,10 +21,10 @@ and the turn of the tangent in an element.
 import math
 from typing import Any, NamedTuple
 
-from rope_model.numerics.generalized_alpha import auxiliary_weights
 from rope_model.physics.elementary import atan2, cross, dot, maximum, sqrt, where
 from rope_model.physics.estimates import axial_frequency
 from rope_model.physics.frame import end_moment
+from rope_model.rules.generalized_alpha import auxiliary_weights
 
 #: force and moment of all loads, then the vertical forces of the left and of the right end alone
 Load = tuple[float, float, float, float, float, float, float, float]

@@ -1,0 +1,69 @@
+"""Conditions at the ends of the rope: the pose of a plumb or leaning end, and its motion."""
+
+from typing import Any
+
+from rope_model.physics.elementary import atan2, cos, hypot, maximum, minimum, sin, sqrt, where
+from rope_model.rules.end_paths import EndMotion, EndPath
+
+YAW_SENSE = (-1.0, 1.0)  #: sense of the conveyance's yaw in theta, left and right
+MIN_LEAN_SQUARE = 1e-24  #: rad^2, squared lean below which C and S take their limits
+SMALL_LEAN = 1e-5  #: rad^2, squared lean below which D and E take their limits
+
+
+def held_end(
+    path: EndPath, t: float, nominal_x: float, sense: float, angle: float
+) -> tuple[tuple[Any, ...], ...]:
+    """Return position, velocity and acceleration (3, 7) at ``t`` of an end held at ``angle`` against its conveyance."""
+    (x, y, z, yaw), (vx, vy, vz, yaw_rate), (ax, ay, az, yaw_acceleration) = path.motion(t)
+    return (
+        (nominal_x + x, y, z, 0.0, 0.0, 0.0, sense * yaw + angle),
+        (vx, vy, vz, 0.0, 0.0, 0.0, sense * yaw_rate),
+        (ax, ay, az, 0.0, 0.0, 0.0, sense * yaw_acceleration),
+    )
+
+
+def clamp_axis(lean: Any, lean_z: Any) -> tuple[tuple[Any, ...], ...]:
+    """Return the axis n of a clamp and its rates (3, 3), from the leans, a rotation vector, and their rates.
+
+    n = (S lean, -C, S lean_z) with C = cos a, S = sin(a)/a for the angle a.  With p = a a_t, C_t = -S p, S_t = D p and
+    D_t = E p.
+    """
+    (x, x_t, x_tt), (z, z_t, z_tt) = lean, lean_z
+    square, p = x * x + z * z, x * x_t + z * z_t
+    p_t, angle = x_t * x_t + z_t * z_t + x * x_tt + z * z_tt, sqrt(maximum(square, MIN_LEAN_SQUARE))
+    C, S, divisor = cos(angle), sin(angle) / angle, maximum(square, SMALL_LEAN)
+    D = where(square > SMALL_LEAN, (C - S) / divisor, -1.0 / 3.0)
+    E = where(square > SMALL_LEAN, -(S + 3.0 * D) / divisor, 1.0 / 15.0)
+    (n_x, v_x, a_x), (n_z, v_z, a_z) = (
+        (S * w, D * p * w + S * w_t, (E * p * p + D * p_t) * w + 2.0 * D * p * w_t + S * w_tt)
+        for w, w_t, w_tt in (lean, lean_z)
+    )
+    return (n_x, -C, n_z), (v_x, S * p, v_z), (a_x, D * p * p + S * p_t, a_z)
+
+
+def partly_placed(scene: Any, own: Any, other: Any, sense: Any, fraction: Any) -> EndMotion:
+    """Return the end ``own`` on its way from a rope hung in a loop (0) to its position and lean (1)."""
+    x, z = other.x - own.x - sense * scene.layout.spacing, other.z - own.z
+    narrow = (
+        HANGING_WIDTH
+        * (scene.rope.length - abs(other.y - own.y))
+        / maximum(hypot(x, z), MIN_LEAN_SQUARE)
+    )
+    shift = 0.5 * (1.0 - minimum(narrow, 1.0)) * (1.0 - fraction)
+    x, z = own.x + shift * x, own.z + shift * z
+    return EndMotion(
+        x, own.y, z, yaw=own.yaw, lean=fraction * own.lean, lean_z=fraction * own.lean_z
+    )
+
+
+def right_offset(left: Any, right: Any) -> Any:
+    """Return the offset (rad) of theta at the right end of an untwisted rope in the vertical plane of its ends.
+
+    Turning that plane by psi about Y turns the frame by psi at the left end, by -psi at the right.
+    """
+    return 2.0 * atan2(right[2] - left[2], right[0] - left[0])
+
+
+HANGING_WIDTH = (
+    0.4  #: width between the ends over the length of the loop in which a rope is first hung up
+)

@@ -1,0 +1,60 @@
+"""The layout of the engine's C: no cycles, and files that an editor compiles one by one."""
+
+import json
+import re
+import subprocess
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+import rope_model
+from release.editor import lay_out
+from rope_model.numerics.kernels import find_compiler
+
+PACKAGE = Path(rope_model.__file__).parent
+CSRC = PACKAGE / "csrc"
+FILES = {path.name: path for path in sorted(CSRC.rglob("*")) if path.suffix in (".c", ".h", ".inc")}
+
+
+def text_of(path: Path) -> str:
+    return re.sub(r"/\*.*?\*/", "", path.read_text(encoding="utf-8"), flags=re.DOTALL)
+
+
+def functions(path: Path) -> list[str]:
+    """Names of the functions that other files may call."""
+    return re.findall(
+        r"^(?!static|typedef|enum)\w[\w *]*?\b(\w+)\([^;{}]*\)\s*\{", text_of(path), re.MULTILINE
+    )
+
+
+def test_neither_calls_nor_includes_go_round() -> None:
+    home = {f: name for name, path in FILES.items() for f in functions(path)}
+    graph = {}
+    for name, path in FILES.items():
+        text = text_of(path)
+        calls = re.findall(r"(?<![\w.>])(\w+)\(", text) if path.suffix != ".h" else []
+        called = {home[f] for f in calls if f in home}
+        graph[name] = (called | set(re.findall(r'#include "(\w+\.\w+)"', text)) & set(FILES)) - {
+            name
+        }
+    assert len(list(TopologicalSorter(graph).static_order())) == len(FILES)
+
+
+@pytest.mark.parametrize("files", [2, pytest.param(None, marks=pytest.mark.slow)])
+def test_laid_out_for_an_editor_files_compile_by_their_entries_without_a_warning(
+    files: int | None, tmp_path: Path
+) -> None:
+    """The first two of them, or all."""
+    if (compiler := find_compiler()) is None:
+        pytest.skip("no C compiler")
+    lay_out(tmp_path)
+    lay_out(tmp_path)  # anew over what is there
+    entries = json.loads((tmp_path / "compile_commands.json").read_text(encoding="utf-8"))
+    assert {entry["file"] for entry in entries} == {name for name in FILES if name.endswith(".c")}
+    checks = [flag for flag in entries[0]["arguments"][1:] if flag.startswith(("-std", "-O", "-f"))]
+    checks += ["-fsyntax-only", "-Wall", "-Wextra", "-Werror"]
+    command = [*compiler, *checks, *(entry["file"] for entry in entries[:files])]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "model.c").resolve() == FILES["model.c"]
