@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 from rope_model.codegen.build import sources, written
-from rope_model.numerics.kernels import FLAGS
+from rope_model.compiler import FLAGS
 
 
 def lay_out(folder: Path) -> None:

@@ -22,7 +22,7 @@ from native_parts import parts as parts
 from numpy.typing import NDArray
 from stand_in import VERSIONS
 
-from rope_model.numerics.kernels import find_compiler, make_once
+from rope_model.compiler import find_compiler, make_once
 from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import RopeSystem
 

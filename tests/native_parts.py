@@ -17,9 +17,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from rope_model import compiler as kernels
 from rope_model.codegen.build import sources
 from rope_model.codegen.structures import GROUPS
-from rope_model.numerics import kernels
 from rope_model.simulation.outputs.diagnostics import LoopBottom
 from rope_model.solver_parameters import Mesh
 

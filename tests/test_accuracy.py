@@ -30,8 +30,8 @@ from rope_model import (
     balance_rope,
 )
 from rope_model.arrays import Array
+from rope_model.compiler import find_compiler
 from rope_model.engine import NativeRope
-from rope_model.numerics.kernels import find_compiler
 from rope_model.physics import accuracy
 from rope_model.physics.accuracy import turned_by_mesh
 from rope_model.rules.generalized_alpha import Coefficients, local_error

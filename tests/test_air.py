@@ -20,7 +20,7 @@ from rope_model import (
     Solver,
     balance_rope,
 )
-from rope_model.numerics import kernels
+from rope_model import compiler as kernels
 from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics.air import AirCoefficients, air_coefficients
 from rope_model.physics.air_element import AIR_BALANCE, air_functions

@@ -26,7 +26,7 @@ from packaging.requirements import Requirement
 from test_ssp import system
 
 from release.trial import readme_steps
-from rope_model.numerics.kernels import compile_library, find_compiler
+from rope_model.compiler import compile_library, find_compiler
 
 ROOT = Path(__file__).resolve().parent.parent
 HOST = Path(__file__).with_name("bare_host.py")

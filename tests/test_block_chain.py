@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from conftest import Array
 
-from rope_model.numerics import kernels
+from rope_model import compiler as kernels
 from rope_model.physics.element import NODE_DOF, element_functions
 from rope_model.simulation.rope_kernels import RopeKernels
 

@@ -10,7 +10,7 @@ import pytest
 
 import rope_model
 from release.editor import lay_out
-from rope_model.numerics.kernels import find_compiler
+from rope_model.compiler import find_compiler
 
 PACKAGE = Path(rope_model.__file__).parent
 CSRC = PACKAGE / "csrc"

@@ -12,7 +12,7 @@ import pytest
 from exports import FLAVOURS
 from numpy.testing import assert_allclose
 
-from rope_model.numerics.kernels import find_compiler
+from rope_model.compiler import find_compiler
 
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLES = ROOT / "examples"

@@ -12,9 +12,9 @@ import pytest
 from conftest import Patch
 
 from fmu_src.archive import write_archive
+from rope_model import compiler as kernels
 from rope_model import files
 from rope_model.files import WriteError, whole_file, write_text
-from rope_model.numerics import kernels
 
 ROOT = Path(__file__).parents[1]
 PRODUCT = ("rope_model", "fmu_src", "hoist_demo", "balance_rope.py", "hoist_export.py")
@@ -38,7 +38,7 @@ _LAST_NAMES = frozenset(name.rpartition(".")[2] for name in WRITERS)
 #: Writers of scratch files in temporary folders, and of a lock: nobody reads a part of them.
 SCRATCH = {
     "fmu_src/export.py": 5,  # the stage of the Python FMU
-    "rope_model/numerics/kernels.py": 3,  # C files to compile, kernels of the stage, the lock
+    "rope_model/compiler.py": 3,  # C files to compile, kernels of the stage, the lock
     "rope_model/simulation/rope_kernels.py": 1,  # a library, into the stage
     "hoist_demo/cosimulation/plain_data.py": 1,  # bytes in memory
 }

@@ -42,7 +42,7 @@ from hoist_demo.study.provenance import SourcedValue, write_data
 from hoist_demo.study.store import Store
 from hoist_demo.uncertainty.definition import UncertaintyFile
 from rope_model import Datum
-from rope_model.numerics.kernels import find_compiler
+from rope_model.compiler import find_compiler
 from rope_model.texts import (
     REPLACEMENT,
     c_string,

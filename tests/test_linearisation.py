@@ -6,10 +6,10 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from hoist_demo.report import hoist as hoist_report
 from rope_model import EndMotion, Model, Rope, Scene, Swivel, rope_120
+from rope_model.analysis.chain_matrices import of_blocks
 from rope_model.analysis.linear import linear_rope
 from rope_model.analysis.modes import natural_modes
 from rope_model.engine import NativeRope
-from rope_model.numerics.chain_matrices import of_blocks
 
 ENDS = EndMotion(y=10.0), EndMotion(y=-10.0)
 FREE = Swivel(mode="free")

@@ -18,7 +18,7 @@ from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.parameters import Winding
 from rope_model import Model, RopeSimulator, Scene, Swivel, balance_rope
-from rope_model.numerics.kernels import find_compiler
+from rope_model.compiler import find_compiler
 from rope_model.physics.element import PARAMETERS, element_functions
 from rope_model.physics.node import ANGLE, POSITION, SLOPE
 from rope_model.rules import mesh_pattern as tmn

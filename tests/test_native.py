@@ -32,8 +32,8 @@ from rope_model import (
 )
 from rope_model.cases import rope_120, rope_240
 from rope_model.codegen.build import library_of
+from rope_model.compiler import find_compiler
 from rope_model.engine import NativeRope, declare
-from rope_model.numerics.kernels import find_compiler
 from rope_model.parameters import Layout, Rope, Scene, Swivel
 from rope_model.shaft_parameters import Air, Contact, Lining, Shaft
 from rope_model.simulation import rope_system

@@ -51,8 +51,8 @@ from rope_model import (
 )
 from rope_model.codegen import build as rope_build
 from rope_model.codegen.build import library
+from rope_model.compiler import cache_folder, find_compiler, last_words
 from rope_model.engine import NativeRope
-from rope_model.numerics.kernels import cache_folder, find_compiler, last_words
 
 PYTHON = "Use the rope in Python"
 SMALL = Scene(

@@ -23,7 +23,7 @@ from rope_model import (
     Swivel,
     balance_rope,
 )
-from rope_model.numerics.conjugate_gradients import conjugate_gradients
+from rope_model.analysis.conjugate_gradients import conjugate_gradients
 from rope_model.physics.contact import ONSET
 from rope_model.simulation.contact.self_contact import SelfContacts, find_self_contacts
 

@@ -27,8 +27,8 @@ from fmu_src.interface import case_with
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
 from rope_model import EndMotion, RopeSimulator, balance_rope, rope_120
+from rope_model.compiler import find_compiler
 from rope_model.engine import NativeRope
-from rope_model.numerics.kernels import find_compiler
 
 H, TRAVEL = 0.01, 90.0
 REFERENCE = s_curve(Winding(travel=TRAVEL, start_delay=0.0))

@@ -13,10 +13,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from fmu_src.native.mach_o import universal
+from rope_model import compiler as kernels
 from rope_model.codegen.platforms import PLATFORMS as PLATFORMS
 from rope_model.codegen.platforms import host_platform as host_platform
 from rope_model.codegen.platforms import prebuilt_file, prebuilt_platforms
-from rope_model.numerics import kernels
 
 progress = logging.getLogger("balance_rope.progress")
 

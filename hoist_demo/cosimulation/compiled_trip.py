@@ -29,11 +29,12 @@ from hoist_demo.cosimulation.run_state import RunState
 from hoist_demo.cosimulation.schemes.interface import ENDS, HISTORY, ROPE_FORCES, Sample, Stopwatch
 from hoist_demo.drive import integrator, plant
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES, STATE_NAMES, WORK_NAMES
+from hoist_demo.drive.kernels import generate_c
 from hoist_demo.drive.outputs import OUTPUT_INDEX, OUTPUTS
 from hoist_demo.drive.plant import SIDE_FORCES
 from hoist_demo.parameters import Coupling, Hoist
 from rope_model import EndMotion
-from rope_model.numerics.kernels import cache_folder, compile_library, find_compiler, generate_c
+from rope_model.compiler import cache_folder, compile_library, find_compiler
 
 _STOPS = (
     "WELL",

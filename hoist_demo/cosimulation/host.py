@@ -42,7 +42,7 @@ from hoist_demo.drive.plant import SIDE_FORCES, HoistPlant
 from hoist_demo.parameters import Coupling, Hoist, Winding, require_trip_fits, start_heights
 from hoist_demo.recording.time_series import Array, Recorder, Recording
 from rope_model import EndMotion
-from rope_model.numerics.kernels import last_words
+from rope_model.compiler import last_words
 
 _log = logging.getLogger(__name__)
 #: Called after every step with the fraction done and the time [s]; False stops the run.

@@ -34,9 +34,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hoist_demo.drive import equations as drive
+from hoist_demo.drive.kernels import Kernel, KernelForm, build_library, prepare
 from hoist_demo.drive.outputs import OUTPUTS
 from hoist_demo.parameters import Hoist
-from rope_model.numerics.kernels import Kernel, KernelForm, build_library, cache_folder, prepare
+from rope_model.compiler import cache_folder
 
 Vector = NDArray[np.float64]
 Watch = Callable[

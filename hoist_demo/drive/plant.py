@@ -24,9 +24,9 @@ import numpy as np
 
 from hoist_demo.drive.equations import INPUT_NAMES, STATE_NAMES
 from hoist_demo.drive.integrator import MIN_STEP, WORK_COUNT, Integrator, Vector, Watch
+from hoist_demo.drive.kernels import KernelForm
 from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.parameters import GRAVITY, SIDES, Hoist
-from rope_model.numerics.kernels import KernelForm
 from rope_model.physics.elementary import sqrt
 
 #: The rope's signals that act on conveyances with play.

@@ -25,10 +25,10 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
+from rope_model.analysis import chain_matrices
 from rope_model.analysis.element_data import ElementData, element_data, of_elements, to_nodes
 from rope_model.arrays import Array
 from rope_model.engine import LinearFacts, NativeRope
-from rope_model.numerics import chain_matrices
 from rope_model.physics.element import NODE_DOF, PARAMETERS
 from rope_model.physics.frame import conveyance_load
 from rope_model.physics.hermite import GAUSS, bend, node_values

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from scipy.linalg import eigvals_banded
 from scipy.sparse.linalg import eigsh
 
+from rope_model.analysis.chain_matrices import of_blocks
 from rope_model.arrays import Array
 from rope_model.engine import NativeRope
-from rope_model.numerics.chain_matrices import of_blocks
 from rope_model.physics.element import NODE_DOF
 from rope_model.physics.node import POSITION
 

@@ -28,6 +28,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from rope_model.analysis.conjugate_gradients import conjugate_gradients
 from rope_model.analysis.pair_contact import (
     NO_CONTACTS,
     Numbers,
@@ -38,7 +39,6 @@ from rope_model.analysis.pair_contact import (
 )
 from rope_model.arrays import Array
 from rope_model.interface import BalanceRope
-from rope_model.numerics.conjugate_gradients import conjugate_gradients
 from rope_model.parameter_table import require
 from rope_model.parameters import Scene
 from rope_model.rules.generalized_alpha import Coefficients

@@ -19,14 +19,8 @@ from rope_model.codegen.platforms import host_platform, prebuilt_file, text_hash
 from rope_model.codegen.rules import rules_code, state_signals
 from rope_model.codegen.state_structures import state_structures
 from rope_model.codegen.tables import parameter_bounds, parameter_structures, signal_numbers
+from rope_model.compiler import cache_folder, compile_library, find_compiler, last_words, make_once
 from rope_model.files import WriteError, write_text
-from rope_model.numerics.kernels import (
-    cache_folder,
-    compile_library,
-    find_compiler,
-    last_words,
-    make_once,
-)
 
 _FOLDER = Path(__file__).resolve().parent.parent / "csrc"
 NAME = "rope"

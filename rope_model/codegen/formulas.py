@@ -5,8 +5,8 @@ from itertools import accumulate
 from types import ModuleType
 from typing import Any
 
+from rope_model.analysis import conjugate_gradients
 from rope_model.codegen.derivatives import path_change
-from rope_model.numerics import conjugate_gradients
 from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics import (
     accuracy,

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from rope_model.numerics.kernels import short_hash
+from rope_model.compiler import short_hash
 
 
 class Platform(NamedTuple):

@@ -30,7 +30,7 @@ from rope_model.rules.neglected_effects import neglected_text
 from rope_model.rules.signal_table import SHAPE_POINTS, SIGNALS
 from rope_model.rules.stepping import MIN_INTERVAL
 from rope_model.shaft_parameters import PARTS
-from rope_model.simulation.outputs.signals import group_of
+from rope_model.rules.signal_groups import group_of
 from rope_model.solver_parameters import MAX_ELEMENTS, FidelityChoice
 from rope_model.texts import c_string
 
@@ -42,18 +42,18 @@ _SPELT = {"kind": "MESH"}
 def signal_numbers() -> str:
     """Return the text of signal_numbers.h: the signals' numbers and groups, and the warning of each simplified model.
 
-    A number is the index in SIGNALS, a group the function of simulation.outputs.signals that computes the signal.
+    A number is the index in SIGNALS, a group the function of csrc/outputs/signals.c that computes the signal.
     """
     numbers = "".join(f"    {constant(name)},\n" for name in SIGNALS)
     functions = list(dict.fromkeys(map(group_of, SIGNALS)))
     groups = ", \\\n".join(f"    {functions.index(group_of(name))}" for name in SIGNALS)
-    names = ", ".join(function.__name__ for function in functions)
+    names = ", ".join(functions)
     texts = ", \\\n".join(
         f"    {c_string(neglected_text(fidelity) if fidelity in FIDELITIES else '')}"
         for fidelity in get_args(FidelityChoice)
     )
     return (
-        "/* Generated from rope_model.simulation.outputs.signals and neglected_effects "
+        "/* Generated from rope_model.rules.signal_groups and neglected_effects "
         "by rope_model.codegen.tables. */\n"
         "#ifndef SIGNAL_NUMBERS_H\n#define SIGNAL_NUMBERS_H\n\n"
         f"enum {{\n{numbers}    SIGNALS,\n    SHAPE_POINTS = {SHAPE_POINTS}\n}};\n\n"

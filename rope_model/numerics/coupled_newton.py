@@ -1,7 +1,7 @@
 """Newton's method for a chain with forces between nodes far apart: (J + C) x = -R.
 
 J is the chain's block tridiagonal matrix, for which the chain has a solver; C contains the tangents of forces between
-far nodes.  numerics.conjugate_gradients finds x.  Factorizations and corrections are controlled as in numerics.newton.
+far nodes.  analysis.conjugate_gradients finds x.  Factorizations and corrections are controlled as in numerics.newton.
 """
 
 from collections.abc import Callable
@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rope_model.analysis.conjugate_gradients import conjugate_gradients
 from rope_model.arrays import Array
 from rope_model.numerics import newton as control
-from rope_model.numerics.conjugate_gradients import conjugate_gradients
 from rope_model.numerics.newton import NewtonReport
 from rope_model.rules.newton import NewtonLimits
 

@@ -39,3 +39,9 @@ class NewtonStatus(Enum):
 
     def __init__(self, code: int, text: str) -> None:
         self.code, self.text = code, text
+
+
+#: fraction of the initial squared error, in J's norm, at which conjugate gradients end
+CG_TOLERANCE = 1e-16
+#: largest number of steps of conjugate gradients
+CG_MAX_STEPS = 200

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from functools import cache, partial
 from pathlib import Path
 
-from rope_model.numerics import kernels as compiling
+from rope_model import compiler as compiling
 from rope_model.numerics.block_chain import ChainFunctions, ChainParts, chain_functions, chain_parts
 from rope_model.numerics.newton import PROGRESS
 from rope_model.physics import element

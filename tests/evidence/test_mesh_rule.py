@@ -19,7 +19,7 @@ from evidence.rendering import DOCS
 from evidence.tables import read, rows
 from hoist_demo.parameters import Winding
 from rope_model import Accuracy, Layout, Rope, Scene
-from rope_model.numerics.kernels import find_compiler
+from rope_model.compiler import find_compiler
 from rope_model.physics.estimates import axial_frequency
 from rope_model.rules.mesh_fit import (
     LEG_GRADING,

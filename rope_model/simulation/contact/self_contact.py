@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from rope_model.analysis.conjugate_gradients import conjugate_gradients
 from rope_model.arrays import Array
-from rope_model.numerics.conjugate_gradients import conjugate_gradients
 from rope_model.numerics.coupled_newton import Iterate
 from rope_model.numerics.generalized_alpha import Solution
 from rope_model.parameters import Scene

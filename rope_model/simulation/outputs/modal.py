@@ -6,8 +6,8 @@ This module needs scipy; nothing in an FMU imports it.
 import numpy as np
 import scipy.sparse as sp
 
+from rope_model.analysis.chain_matrices import of_elements
 from rope_model.arrays import Array
-from rope_model.numerics.chain_matrices import of_elements
 from rope_model.physics.node import ANGLE
 from rope_model.physics.rope_element import rope_element
 from rope_model.simulation.rope_system import RopeSystem

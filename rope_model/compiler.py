@@ -1,8 +1,7 @@
-"""Compiler driver and loader of CasADi functions: compiled where there is a C compiler, else interpreted.
+"""Compiler driver: C sources to object files and libraries, each compiled once on a machine.
 
-The CasADi virtual machine is the reference and always works.  The compiled library is generated from the very same
-functions.  It is cached on disk under the hash of the generated C, the compiler and its flags, so that only a change of
-these compiles anew.
+Libraries and object files are cached on disk under the hash of their sources, the compiler and its flags, so that only
+a change of these compiles anew.
 """
 
 import getpass
@@ -23,17 +22,8 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from functools import cache, lru_cache
 from pathlib import Path
-from typing import Any, Literal
 
-import casadi as ca
-import numpy as np
-
-from rope_model.arrays import Array
 from rope_model.files import whole_file, write_error
-
-KernelForm = Literal["auto", "compiled", "portable"]
-#: function that builds a library with a compiler's command, or finds it in the cache
-Build = Callable[[Sequence[str]], Path]
 
 log = logging.getLogger(__name__)
 #: logger of long waits, at the level WARNING, which Python shows on stderr by default
@@ -48,90 +38,6 @@ _names_included = lru_cache(maxsize=256)(
     re.compile(r'^[ \t]*#[ \t]*include[ \t]+"([^"]+)"', re.MULTILINE).findall
 )
 LIBRARY_SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
-
-
-class Kernel:
-    """One CasADi function called on numpy arrays without copying through CasADi's own matrices.
-
-    Arrays are C-ordered with one row per CasADi column: shape (nodes, 7) for a (7, nodes) argument.  The returned
-    arrays belong to the caller.  Not to be shared between threads.
-
-    ``inputs`` and ``outputs`` are the arrays that ``evaluate`` reads and writes.
-    """
-
-    def __init__(self, function: ca.Function, shapes: Sequence[tuple[int, ...]]) -> None:
-        self.function = function
-        buffer: Any
-        buffer, self.evaluate = (
-            function.buffer()
-        )  # the stubs of casadi do not know the buffer's methods
-        self._buffer = buffer
-        self.inputs = [np.zeros(function.numel_in(i)) for i in range(function.n_in())]
-        self.outputs = [np.zeros(function.numel_out(i)) for i in range(function.n_out())]
-        for i, x in enumerate(self.inputs):
-            buffer.set_arg(i, x.data)
-        for i, x in enumerate(self.outputs):
-            buffer.set_res(i, x.data)
-        self._taken: list[
-            Array
-        ] = []  # views of the inputs in the shapes of the arguments, which never change
-        self._returned = [x.reshape(shape) for x, shape in zip(self.outputs, shapes, strict=True)]
-
-    def __call__(self, *arguments: Array | float) -> list[Array]:
-        if not self._taken:
-            self._taken = [
-                x.reshape(np.shape(argument))
-                for x, argument in zip(self.inputs, arguments, strict=True)
-            ]
-        for destination, source in zip(self._taken, arguments, strict=True):
-            destination[...] = source
-        self.evaluate()
-        return [x.copy() for x in self._returned]
-
-
-def prepare(
-    functions: Sequence[ca.Function],
-    build: Build,
-    form: KernelForm = "auto",
-    bundle: Path | None = None,
-) -> tuple[list[ca.Function], str]:
-    """Return the functions in the wanted form, and the form obtained: ``compiled`` or ``portable``.
-
-    ``build`` makes their library with a compiler.  ``bundle`` is a finished library that is tried first.
-
-    Raises RuntimeError if ``compiled`` is required and not available.
-    """
-    if form == "portable":
-        log.info("kernels: portable (CasADi virtual machine), as asked for")
-        return list(functions), "portable"
-    if bundle is not None and bundle.exists():
-        try:
-            compiled = load_compiled(functions, bundle)
-            log.info("kernels: compiled, %s", bundle)
-            return compiled, "compiled"
-        except RuntimeError as error:
-            log.warning("kernels: the library %s does not load here (%s)", bundle, error)
-    cause = "no C compiler found (tried CC, cc, gcc, clang and the ziglang package)"
-    if (compiler := find_compiler()) is not None:
-        try:
-            library = build(compiler)
-            compiled = load_compiled(functions, library)
-            log.info("kernels: compiled, %s", library)
-            return compiled, "compiled"
-        except (OSError, subprocess.CalledProcessError, RuntimeError) as error:
-            cause = f"{' '.join(compiler)} failed: {last_words(error)}"
-    if form == "compiled":
-        raise RuntimeError(
-            f"compiled kernels asked for, but {cause}; install a C compiler or use kernels='portable'"
-        )
-    # expected without a compiler, unless a bundle was to spare it; a compiler that fails is not expected
-    level = logging.INFO if compiler is None and bundle is None else logging.WARNING
-    log.log(
-        level,
-        "kernels: portable (CasADi virtual machine, 5 to 10 times as long), because %s",
-        cause,
-    )
-    return list(functions), "portable"
 
 
 def last_words(error: Exception) -> str:
@@ -205,34 +111,6 @@ def _temporary_cache(temporary: Path) -> Path:
     return Path(
         tempfile.mkdtemp(prefix="balance-rope-", dir=temporary)
     )  # somebody else has taken the name
-
-
-def build_library(
-    functions: Sequence[ca.Function],
-    compiler: Sequence[str],
-    folder: Path,
-    name: str = "kernels",
-    objects: Sequence[Path] = (),
-) -> Path:
-    """Generate C, compile it into ``folder`` unless it is there already, and return the library's path.
-
-    ``objects`` contain functions that these call.
-    """
-    return compile_library(
-        {"kernels.c": generate_c(tuple(functions))}, compiler, folder, name, objects
-    )
-
-
-def build_parts(
-    functions: Sequence[ca.Function], compiler: Sequence[str], folder: Path, name: str
-) -> tuple[Path, Path]:
-    """Compile functions once for all that call them; return library to load, and object file to link callers with."""
-    sources = {f"{name}.c": generate_c(tuple(functions), "parts")}
-    library, objects = (
-        compile_library(sources, compiler, folder, name),
-        object_files(sources, compiler, FLAGS, folder),
-    )
-    return library, objects[f"{name}.c"]
 
 
 def compile_library(
@@ -393,52 +271,6 @@ def compiler_version(compiler: tuple[str, ...]) -> str:
     return output.partition("\n")[0]
 
 
-@lru_cache(maxsize=32)  # each takes about 0.5 MB
-def generate_c(functions: tuple[ca.Function, ...], prefix: str = "kernels") -> str:
-    """Return one C source of the functions, with ``prefix`` before the names of their shared parts."""
-    generator = ca.CodeGenerator(prefix, {"with_header": False})
-    for function in functions:
-        generator.add(function)
-    return str(generator.dump())
-
-
-def save_portable(functions: Sequence[ca.Function], path: Path) -> None:
-    """Write the functions to a file for ``load_portable``, which then needs nothing that built them."""
-    serializer = ca.FileSerializer(str(path))
-    serializer.pack(len(functions))
-    for function in functions:
-        serializer.pack(function)
-
-
-def load_portable(path: Path) -> list[ca.Function]:
-    """Load the functions from a file written by ``save_portable``; none if this CasADi cannot read it."""
-    try:
-        file = ca.FileDeserializer(str(path))
-        return [file.unpack() for _ in range(file.unpack())]
-    except RuntimeError as error:  # an older CasADi refuses the file of a newer one
-        cause = str(error).strip().splitlines()[-1]
-        log.warning(
-            "kernels: CasADi %s cannot read %s, they are built anew (%s)",
-            ca.CasadiMeta.version(),
-            path,
-            cause,
-        )
-        return []
-
-
 def platform_tag() -> str:
     """Return operating system and processor, as in ``linux-x86_64``."""
     return f"{sys.platform}-{platform.machine().lower()}"
-
-
-def load_compiled(functions: Sequence[ca.Function], library: Path) -> list[ca.Function]:
-    """Load the functions from ``library``; RuntimeError if it lacks one, or has one of another size."""
-    loaded = [ca.external(function.name(), str(library)) for function in functions]
-    for ours, theirs in zip(functions, loaded, strict=True):
-        if _sizes(ours) != _sizes(theirs):
-            raise RuntimeError(f"{library} holds kernels of another mesh size")
-    return loaded
-
-
-def _sizes(f: ca.Function) -> list[tuple[int, int]]:
-    return [f.size_in(i) for i in range(f.n_in())] + [f.size_out(i) for i in range(f.n_out())]

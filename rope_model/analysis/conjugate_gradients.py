@@ -9,11 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from rope_model.arrays import Array
-
-#: fraction of the initial squared error, in J's norm, at which conjugate gradients end
-CG_TOLERANCE = 1e-16
-#: largest number of steps of conjugate gradients
-CG_MAX_STEPS = 200
+from rope_model.rules.newton import CG_MAX_STEPS, CG_TOLERANCE
 
 
 def conjugate_gradients(
