@@ -29,7 +29,6 @@ from rope_model.shaft_parameters import (
     Shaft,
     Sump,
 )
-from rope_model.simulation.simulator import RopeSimulator
 from rope_model.solver_parameters import Accuracy, Inputs, Mesh, Model, Solver, Stations
 
 __all__ = [
@@ -68,7 +67,6 @@ __all__ = [
     "PointForces",
     "Rope",
     "RopeCase",
-    "RopeSimulator",
     "RopeState",
     "Scene",
     "Shaft",
@@ -90,20 +88,19 @@ __all__ = [
 
 log = logging.getLogger(__name__)
 
-Form = Literal["auto", "native", "python", "reference"]
+Form = Literal["native", "reference"]
 
 
-def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
+def balance_rope(scene: Scene, form: Form = "native") -> BalanceRope:
     """Return a rope for the scene, not yet initialised.
 
     Parameters
     ----------
     scene : Scene
         Rope, layout, swivels, mesh, solver and surroundings, in SI units.
-    form : {"auto", "native", "python", "reference"}
-        ``auto`` takes the native form, unless ``scene.solver.kernels`` names kernels of the Python form.
-        ``reference`` is the published system alone, in plain Python to be read: a hundred times slower, and it
-        refuses scenes that hold more.
+    form : {"native", "reference"}
+        ``native`` is the engine, in C. ``reference`` is the published system alone, in plain Python to be read: a
+        hundred times slower, and it refuses scenes that hold more.
 
     Returns
     -------
@@ -117,8 +114,7 @@ def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
     ValueError
         If the mesh does not fit the rope, ``form`` is unknown, or the scene holds more than ``reference`` knows.
     RuntimeError
-        If there is no native rope: no library came with the package, and no C compiler is here or it fails. Or if
-        ``python`` lacks compiled kernels that the scene asks for.
+        If there is no native rope: no library came with the package, and no C compiler is here or it fails.
     OSError
         If the library cannot be kept in the cache folder.
     """
@@ -128,10 +124,7 @@ def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
             f"scene is a {kind} and must be a Scene; that of a case is rope_120().scene"
         )
     if form not in get_args(Form):
-        raise ValueError(
-            f"form = {form!r} must be 'auto', 'native', 'python' or 'reference'; "
-            "'auto' takes the native one"
-        )
+        raise ValueError(f"form = {form!r} must be 'native' or 'reference'")
     rope = _rope(scene, form)
     log.info("the rope runs as a %s", type(rope).__name__)
     return rope
@@ -143,7 +136,4 @@ def _rope(scene: Scene, form: Form) -> BalanceRope:
         from rope_model.reference.rope import ReferenceRope
 
         return ReferenceRope(scene)
-    asks_for_kernels = form == "auto" and scene.solver.kernels != "auto"
-    if form == "python" or asks_for_kernels:
-        return RopeSimulator(scene)
     return NativeRope(scene)

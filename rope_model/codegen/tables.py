@@ -27,10 +27,10 @@ from rope_model.rules.bodies import BODIES
 from rope_model.rules.end_paths import MOTION_BOUNDS, SIDES
 from rope_model.rules.fidelity import FIDELITIES
 from rope_model.rules.neglected_effects import neglected_text
+from rope_model.rules.signal_groups import group_of
 from rope_model.rules.signal_table import SHAPE_POINTS, SIGNALS
 from rope_model.rules.stepping import MIN_INTERVAL
 from rope_model.shaft_parameters import PARTS
-from rope_model.rules.signal_groups import group_of
 from rope_model.solver_parameters import MAX_ELEMENTS, FidelityChoice
 from rope_model.texts import c_string
 

@@ -1,1 +1,0 @@
-"""Numerical methods: time integration, Newton's method, linear solvers, polynomials, compiled kernels."""

@@ -1,1 +1,0 @@
-"""Ends of the rope: input filters, paths and swivels."""

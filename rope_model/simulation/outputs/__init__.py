@@ -1,1 +1,0 @@
-"""Outputs of a running rope: signals, audit, derivatives, modes and linear models."""

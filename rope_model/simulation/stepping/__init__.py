@@ -1,1 +1,0 @@
-"""Static equilibrium at the start, and single time steps with their events."""
