@@ -36,7 +36,7 @@ _FIDELITY_NAMES = get_args(FidelityChoice)
 
 
 def _event(event: layout.EventStructure) -> Event:
-    """Return the event with the words of RopeSimulator."""
+    """Return the event with its words."""
     side, fidelity = SIDES[event.which % 2], _FIDELITY_NAMES[event.which]
     words = (
         "transformation",
@@ -139,10 +139,10 @@ class NativeHandle(NamedTuple):
 
 
 class NativeRope(BalanceRope):
-    """Rope in C; it takes the same steps as RopeSimulator, several times as fast.
+    """Rope in C, complete.
 
-    Raises ValueError as RopeSimulator does, NoEngine without a C compiler or when it fails, and WriteError when its
-    library cannot be kept.
+    Raises ValueError if the mesh does not fit the rope, NoEngine without a C compiler or when it fails, and WriteError
+    when its library cannot be kept.
     """
 
     _library = staticmethod(_load)

@@ -1,4 +1,4 @@
-"""BalanceRope, the interface of the native and the Python rope, with Status and Snapshot."""
+"""BalanceRope, the interface of the engine and the reference rope, with Status and Snapshot."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
@@ -41,9 +41,8 @@ class Snapshot:
 class BalanceRope(ABC):
     """A balance rope between two conveyances: ``initialize``, then ``advance_to`` as often as needed.
 
-    SI units.  Both forms, native and Python, take the same steps to the same numbers.  A start or a step that fails
-    leaves the state as it was.  Before ``initialize`` all that needs a state raises RuntimeError.  One thread at a time
-    may use a rope.
+    SI units.  A start or a step that fails leaves the state as it was.  Before ``initialize`` all that needs a
+    state raises RuntimeError.  One thread at a time may use a rope.
     """
 
     @property
@@ -54,7 +53,7 @@ class BalanceRope(ABC):
     @property
     @abstractmethod
     def form(self) -> str:
-        """Form of the rope: native, or Python with compiled or portable (interpreted) kernels."""
+        """Form of the rope: native or reference."""
 
     @property
     @abstractmethod

@@ -1,1 +1,1 @@
-"""Generation of the C that both forms of the rope share, and the build of the native library."""
+"""Generation of the engine's C from formulas and tables, and the build of its library."""

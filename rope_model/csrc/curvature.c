@@ -1,4 +1,4 @@
-/* Permanent curvature of the rope.  C version of rope_model/simulation/curvature.py, which explains the method. */
+/* Permanent curvature along the present shape of a rope: physics.initial_curvature from the left end on. */
 
 #include "simulator.h"
 

@@ -1,4 +1,4 @@
-/* Choice of the model's fidelity.  C version of rope_model/rules/fidelity.py, which explains the estimates. */
+/* Choice of the model's fidelity. Formulas and tables: rope_model/rules/fidelity.py. */
 
 #include "rules.h"
 

@@ -1,4 +1,4 @@
-/* Trial and accepted steps.  C version of rope_model/simulation/model.py, which explains the method. */
+/* Equations of motion, trial steps and bookkeeping of a scene, for any state of the rope. */
 
 #include "simulator.h"
 

@@ -1,4 +1,5 @@
-/* Bounds of the parameters; the first violation gives the message.  C version of rope_model/parameter_table.py. */
+/* Bounds of the parameters; the first violation gives the message. Formulas and tables:
+   rope_model/parameter_table.py. */
 
 #include <stdio.h>
 

@@ -1,4 +1,9 @@
-/* Rigid rope: two straight legs and a half circle.  C version of rope_model/simulation/rigid.py. */
+/* Rigid rope, the lowest fidelity: physics.inextensible between the ends, and the transition to a flexible rope.
+
+   It has no side forces, torque or waves and serves the design of controllers. The rope must stay taut.
+
+   The flexible rope that replaces it starts from the equilibrium between the ends of that instant and moves with
+   it. */
 
 #include "messages.h"
 #include "simulator.h"

@@ -1,7 +1,6 @@
 /* The balance rope for C hosts: an FMI shell, or Python by ctypes.  SI units, angles in radians.
 
-   Simulates as rope_model/simulation/simulator.py does, step for step; tests hold the two equal.  rope_create allocates
-   all memory.  There are no globals: simulators are independent, and one thread at a time may use each of them. */
+   rope_create allocates all memory.  There are no globals: simulators are independent, and one thread at a time may use each of them. */
 #ifndef ROPE_H
 #define ROPE_H
 

@@ -1,4 +1,6 @@
-/* Equations of motion of a state.  C version of rope_model/simulation/rope_system.py, which explains the method. */
+/* Equations of motion of a state: its elements (physics.element) chained by block_chain.inc.
+
+   A System is made for one state and one set of boundary conditions; a change of any of them makes a new one. */
 
 #include "simulator.h"
 

@@ -1,4 +1,5 @@
-/* Equations of motion of a rope, and the forces on it.  C version of rope_model/simulation/rope_system.py and contact.
+/* Equations of motion of a rope, and the forces on it.
+
    Arrays q, v, a, x and R have DOF entries per node; degrees of freedom that a fidelity omits stay zero. */
 #ifndef ROPE_SYSTEM_H
 #define ROPE_SYSTEM_H

@@ -1,4 +1,10 @@
-/* The simulator.  C version of rope_model/simulation/simulator.py, which explains the method. */
+/* The simulator.
+
+   It advances a State from one instant of the host to the next. In between it chooses its
+   own steps, which end at the instants where a swivel is released or changes between stick and slip. A
+   transformation of the mesh waits for a step's end, unless the step would carry the loop MAX_OVERSHOOT l
+   beyond the limit. A step that does not converge or whose error is too large is rejected, halved and repeated.
+   When the smallest step fails too, the run returns the reason and keeps the state of the host's last instant. */
 
 #include "rules.h"
 #include "simulator.h"

@@ -1,4 +1,11 @@
-/* Hysteresis by friction between wires.  C version of rope_model/simulation/wires.py, which explains the method. */
+/* Hysteresis of rubbing wires along a rope: physics.wire_friction at the Gauss points of its elements.
+
+   z of each point is state: (elements, 9), empty without friction, which is off in the rigid rope and while a
+   rope is hung up, so that it begins with z = 0.
+
+   A transformation carries z as the mean over the length of rope that belongs to a point, its weight in the
+   element: the integral of z stays, and that of z^2 can only fall. Points with an unchanged length of rope keep z
+   to the bit. */
 
 #include "simulator.h"
 

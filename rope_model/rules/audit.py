@@ -10,7 +10,7 @@ the small impulse by which a transformation of the mesh corrects the motion woul
 
 f and m, mean missing force and moment, are zero for the exact motion.  The
 trapezoidal rule of the end forces has the error h^2 F_tt / 12, 20 N in an emergency stop.  Forces need the same weights
-as accelerations: with an auxiliary value b as in numerics.generalized_alpha, p balances to rounding, and L, which is
+as accelerations: with an auxiliary value b as in rules.generalized_alpha, p balances to rounding, and L, which is
 not linear in the motion, up to h^2.  The mean force of each end is its impulse in this sense, so that a conveyance that
 takes it gets the momentum that the rope loses.
 

@@ -1,4 +1,4 @@
-"""Mesh that suits a rope, for mesh.kind = auto; both forms of the rope have the formulas.
+"""Mesh that suits a rope, for mesh.kind = auto.
 
 With w = (EI / rho g)^(1/3), R is half the spacing, or the free loop's radius if that is less.  The error of the loop's
 position at rest limits the length of its elements: it grows with the second power of the length while they lock, with

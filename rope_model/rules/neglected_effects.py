@@ -1,6 +1,6 @@
 """Effects that a fidelity leaves out: their outputs are 0 and no results, or exact only without torque.
 
-One table serves the warnings of both forms of the rope, the reports and the documents.
+One table serves the warnings of the rope, the reports and the documents.
 """
 
 from typing import NamedTuple

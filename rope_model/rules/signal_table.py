@@ -1,6 +1,6 @@
 """Table of the rope's outputs, also those of the FMU: names, units and descriptions.
 
-simulation.outputs.signals and its C compute the values.
+csrc/outputs/signals.c computes the values.
 """
 
 from collections.abc import Iterable, Iterator

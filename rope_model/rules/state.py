@@ -92,7 +92,7 @@ class Powers(NamedTuple):
 
 
 class Nearest(NamedTuple):
-    """Nearest point of the rope to the bodies of a kind; see simulation.contact.shaft."""
+    """Nearest point of the rope to the bodies of a kind; see csrc/contact/shaft.c."""
 
     clearance: float = FAR  # m, distance of its surface
     time: float = 0.0  # s
@@ -106,7 +106,7 @@ NOT_NEAR = (Nearest(),) * len(KINDS)
 
 
 class Crossing(NamedTuple):
-    """Passages of one side of the rope through the other, and overlap of the rope: simulation.contact.shaft."""
+    """Passages of one side of the rope through the other, and overlap of the rope: csrc/contact/shaft.c."""
 
     net: float = 0.0  # passages that were not undone, with their sense
     number: float = 0.0  # all passages
@@ -149,7 +149,7 @@ class RopeState(NamedTuple):
     monitored_at: float = 0.0  # s, instant of nearest, crossing and guard
     guard: GuardState = GuardState()
     director: tuple[float, float, float] = START  # e1 of physics.initial_curvature at the left end
-    hysteresis: Array = NO_HYSTERESIS  # 1/m, z of simulation.wires
+    hysteresis: Array = NO_HYSTERESIS  # 1/m, z of physics.wire_friction
 
     def to_bytes(self) -> bytes:
         """Return the state as bytes that depend on the state alone: length of the JSON, JSON, all arrays."""

@@ -1,4 +1,4 @@
-/* The bodies of a scene at their present places.  C version of rope_model/rules/bodies.py. */
+/* The bodies of a scene at their present places. Formulas and tables: rope_model/rules/bodies.py. */
 
 #include "rope_system.h"
 

@@ -1,4 +1,7 @@
-/* Elements near the bodies of a scene.  C version of rope_model/simulation/contact/obstacles.py. */
+/* Bodies around a rope for its equations of motion: positions, velocities, and distances from its elements.
+
+   A moving body follows an end of the rope, whose rows in q and v give its position and velocity. Rope below a
+   conveyance touches neither it nor its head ropes within OWN_LENGTH of the suspension. */
 
 #include "rope_system.h"
 

@@ -1,4 +1,4 @@
-/* Point forces of a host.  C version of rope_model/rules/point_forces.py, which explains the method. */
+/* Point forces of a host. Formulas and tables: rope_model/rules/point_forces.py. */
 
 #include "rope_system.h"
 

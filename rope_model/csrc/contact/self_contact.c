@@ -1,4 +1,8 @@
-/* Contact of the rope with itself.  C version of rope_model/simulation/contact/self_contact.py. */
+/* Contact of the rope with itself.
+
+   Bounding boxes give the pairs of candidate elements. Along an element of such a pair the distance changes by no
+   more than the arc length, so that far points are skipped and a leg costs a few checks. Contact has no history
+   in the state. */
 
 #include "rope_system.h"
 

@@ -1,4 +1,16 @@
-/* The rope among the bodies of its scene.  C version of rope_model/simulation/contact/shaft.py. */
+/* The rope among the bodies of its scene.
+
+   Clearances of the rope from the bodies of its scene, and passages of the rope through itself.
+
+   The clearance from a kind of bodies is the least distance of the rope's surface from them, over the whole
+   centre line. A piece of an element is halved as long as the upright box about it is nearer to the body than the
+   nearest known point, by RESOLUTION or more. A straight leg along a wall fills no such box, so it costs no more
+   than its nodes. For a conveyance and its head ropes only the other leg counts, from the lowest node on: the
+   rope's own end hangs below them.
+
+   The rope overlaps itself where contact would press it, or presses it (self_contact). The legs pass through each
+   other, or one of them through conveyance or head ropes above the other's end, if the turns over the height
+   (diagnostics.loop_turns) jump by one, while the loop's yaw, which is counted in time, does not. */
 
 #include "simulator.h"
 

@@ -1,4 +1,17 @@
-/* Checks of the host's motions, and moments of the swivels.  C version of rope_model/simulation/ends/ends.py. */
+/* Checks of the host's motions, and moments of the swivels.
+
+   Boundary conditions at the rope's two ends: motion with the conveyances, and swivels.
+
+   An end is vertical (tangent -Y on the left, +Y on the right); its position and tangent direction are
+   prescribed, only the stretch |r'| is free. A clamp prescribes r' = n along its axis, without stretch; at a
+   hinge r' is free. In both cases the end's section follows the tangent without spin about it. theta is
+   prescribed while the swivel holds and free while it slips:
+
+       theta = offset + s yaw + b,   s = -1 on the left, +1 on the right
+
+   with the conveyance's yaw about Y, the swivel's relative angle b, and an offset that belongs to the frame:
+   theta counts along the rope from the left end (physics.frame), so the right end's offset changes as the rope
+   turns in space. */
 
 #include "rope_system.h"
 #include "rules.h"

@@ -1,4 +1,8 @@
-/* Stick and slip.  C version of rope_model/simulation/ends/switching.py, which explains the method. */
+/* Stick and slip of the swivels: location of the phase changes, and the next phase.
+
+   The event function of a swivel is negative while its phase may last: |M| / M_static - 1 while it sticks, the
+   rate against the sense of the slip while it slips. The step that would carry it past zero is shortened to end
+   there; then the swivel switches and the integrator restarts with consistent accelerations. */
 
 #include "rules.h"
 #include "simulator.h"

@@ -1,4 +1,5 @@
-/* Changes of mesh and fidelity.  C version of rope_model/simulation/mesh/adaptation.py, which explains the method. */
+/* Changes of mesh and fidelity during a run, which leave the rope's motion as it is; unwrapping of the loop's
+   yaw. */
 
 #include "rules.h"
 #include "simulator.h"

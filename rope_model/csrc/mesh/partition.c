@@ -1,4 +1,28 @@
-/* Partitions into elements.  C version of rope_model/simulation/mesh/partition.py, which explains the method. */
+/* Partitions of the rope into elements: EEM and TMN-ETM.
+
+   EEM, the equal-length element mesh, is fixed on the rope: the baseline against which the other is checked.
+
+   TMN-ETM, time-varying multi-segment non-equal-length elements, has seven segments with element lengths
+
+       I: l    II: l/2    III: l/4    IV: l/8    V: l/4    VI: l/2    VII: l
+
+   with IV around the loop's lowest point. For every l that the loop travels along the rope a transformation moves
+   the pattern by l: segment I gains one element and VII loses one, or the reverse; the other counts stay. Where
+   the pattern becomes coarser, elements merge; where it becomes finer, they split (see transfer). Without III and
+   V the elements of IV are l/4 long, without II and VI too l/2: IV then covers less between transformations. Near
+   an end of the rope the pattern continues beyond it. The outermost l stays, with the loop's elements where they
+   are shorter. The part cut off by the end, up to half of the pattern, halves the other leg's longest elements:
+   the number of elements stays.
+
+   Two additions are ours. The outermost element at each end is halved towards the end ``end_levels`` times and
+   stays so: the rope is clamped there with a vertical tangent, and the bending layer below the clamp, sqrt(EI /
+   T) = 0.2 to 0.5 m long, is shorter than l; unresolved, it leans the whole leg. And in I and VII the pattern
+   continues upwards with 2 l, 3 l, 4 l, 6 l ..., as far as the distances from end and loop allow: the tension
+   grows with the distance x from the loop, so waves of a swaying leg travel at sqrt(g x). An element may be as
+   long as sqrt(``grading_length`` x). Their number is the same for every position of the loop and grows with the
+   root of the rope's length for a given ``grading_length``.
+
+   Where a leg faces a divider that may press it, WINDOW elements of l are divided into WINDOW_PARTS each. */
 
 #include <limits.h>
 

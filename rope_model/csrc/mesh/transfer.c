@@ -1,4 +1,9 @@
-/* Transfer between meshes.  C version of rope_model/simulation/mesh/transfer.py, which explains the method. */
+/* Transfer of nodal fields between meshes, and interpolation between nodes.
+
+   A transformation carries q, the velocities and the accelerations to new elements: the new fields are those
+   nearest to the old ones in the mean square along the rope. So the momentum stays where two elements merge,
+   except for the part that the clamped ends take up. Dropping the middle node alone would lose its excess over
+   its neighbours: a blow to the leg at every transformation. */
 
 #include "formulas.h"
 

@@ -1,4 +1,4 @@
-/* Banded systems of equations.  C version of rope_model/numerics/banded.py. */
+/* Direct solver for symmetric positive definite band matrices. */
 
 #include "core.h"
 

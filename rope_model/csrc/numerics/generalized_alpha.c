@@ -1,4 +1,19 @@
-/* Generalized-alpha method.  C version of rope_model/numerics/generalized_alpha.py, which explains the method. */
+/* Generalized-alpha method with variable steps for second-order systems with prescribed degrees of freedom.
+
+       alpha_m = (2 rho - 1)/(rho + 1),  alpha_f = rho/(rho + 1),  gamma = 1/2 + alpha_f - alpha_m,
+       beta = (1 + alpha_f - alpha_m)^2 / 4
+       (1 - alpha_m) b_{n+1} + alpha_m b_n = (1 - alpha_f) a_{n+1} + alpha_f a_n
+       q_{n+1} = q_n + h v_n + h^2 ((1/2 - beta) b_n + beta b_{n+1})
+       v_{n+1} = v_n + h ((1 - gamma) b_n + gamma b_{n+1})
+
+   a is the acceleration, b the auxiliary one; equilibrium holds at t_{n+1} with a_{n+1}. b_n approximates the
+   acceleration at t_n + (alpha_m - alpha_f) h. A change of the step moves that instant, and b must be moved with
+   it (re-centring), or the method falls to first order:
+
+       b_n <- b_n + (alpha_m - alpha_f) (h_new - h_old) (a_n - a_{n-1}) / h_old
+
+   Sources: Chung and Hulbert, J. Appl. Mech. 60 (1993); Arnold and Brüls, Multibody Syst. Dyn. 18 (2007), for the
+   form with auxiliary accelerations; Brüls and Arnold, J. Comput. Nonlinear Dyn. 3 (2008), for variable steps. */
 
 #include "simulator.h"
 

@@ -1,4 +1,11 @@
-/* Convergence of Newton's method.  C version of rope_model/numerics/newton.py. */
+/* Convergence of Newton's method.
+
+   A full correction comes first, then cheap ones with the same factorization.
+
+   The error after correction k is estimated from the contraction theta = d_k / d_{k-1} of the corrections' norms,
+   error <= theta / (1 - theta) d_k (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.8). A round
+   begins with a new factorization and continues with it while the contraction pays; a slow round is followed by
+   another. */
 
 #include "rope_system.h"
 

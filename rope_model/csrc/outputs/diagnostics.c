@@ -1,4 +1,4 @@
-/* Results from the rope's shape.  C version of rope_model/simulation/outputs/diagnostics.py. */
+/* Shape of the rope for hoist engineers: lowest point, clearance and turns of the legs, tension along the rope. */
 
 #include "formulas.h"
 #include "messages.h"

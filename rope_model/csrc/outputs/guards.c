@@ -1,4 +1,4 @@
-/* Guards of the loop.  C version of rope_model/simulation/outputs/guards.py. */
+/* Guarded quantities of the present rope, for physics.guard. */
 
 #include "rope_system.h"
 

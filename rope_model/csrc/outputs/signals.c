@@ -1,4 +1,4 @@
-/* Values of the output signals.  C version of rope_model/simulation/outputs/signals.py. */
+/* Values of the rope's outputs, by the names of rules.signal_table. */
 
 #include "simulator.h"
 #include "state_signals.h" /* state_signals: generated */

@@ -1,4 +1,4 @@
-/* Contact of an element with bodies in the shaft.  C version of rope_model/physics/contact_element.py. */
+/* Contact of an element with bodies in the shaft. Formulas and tables: rope_model/physics/contact_element.py. */
 
 #include "rope_system.h"
 

@@ -1,4 +1,7 @@
-/* Location of events in time.  C version of rope_model/simulation/stepping/events.py. */
+/* Root search for events: the instant at which a function of time first leaves the negative side.
+
+   It is the regula falsi with the Illinois modification. It bisects after two rounds in a row that do not halve
+   the interval, or where a value is infinite (the function may be kinked). */
 
 #include "simulator.h"
 

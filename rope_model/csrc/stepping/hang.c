@@ -1,4 +1,17 @@
-/* The rope at rest.  C version of rope_model/simulation/stepping/hang.py, which explains the method. */
+/* The rope at rest.
+
+   Equilibrium at the start: the rope is hung up straight, takes its permanent curvature, then its twist.
+
+   Where the sump's floor is higher than the loop of a rope that hangs freely, the straight rope is laid down on
+   it first.
+
+   Its swivels hold. If one that starts relaxed cannot, the rope is hung up again while that one turns against the
+   friction of its slip: neither coupling nor installed twist winds up its loop. That friction is below the one
+   that holds it at rest. A straight rope at rest carries the same torque all along, so only the swivel with the
+   least friction turns. On a curved rope the other may have to turn as well.
+
+   A rope whose ends are not plumb hangs with ends close together; they move apart and lean step by step; it
+   relaxes again. */
 
 #include "messages.h"
 #include "rules.h"

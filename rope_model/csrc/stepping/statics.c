@@ -1,4 +1,19 @@
-/* Equilibrium by pseudo-transient continuation.  C version of rope_model/simulation/stepping/statics.py. */
+/* Static equilibrium by pseudo-transient continuation.
+
+   Each correction solves (K + M / tau^2) x = -R, an implicit Euler step of an inertia that the iteration is free
+   to choose; tau grows as the residual falls, and the method ends as Newton's. Without a residual that falls, tau
+   shrinks and the iteration creeps like a real rope: it does not depend on a good first guess. Each shape on the
+   way is the reference of the frame for the next, so that no tangent is far from it.
+
+   The tangent is symmetric and leaves out the part of Qk, which has no energy. Near the end of the search this
+   multiplies the error by i r, a rotation by 90 degrees, where r may exceed 1; corrections shortened by 1 / (1 +
+   r^2) reduce it fastest.
+
+   If a motion costs no energy, such as the rotation of a buckled rod's helix about its axis, corrections along it
+   never become small. The search ends when forces have been balanced to rounding often enough for other
+   corrections to vanish.
+
+   Source: Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998), switched evolution relaxation. */
 
 #include <float.h>
 

@@ -1,4 +1,4 @@
-/* Steps, with step-size control and events.  C version of rope_model/simulation/stepping/stepping.py. */
+/* One step of the rope: step-size control, swivel events and transformations. */
 
 #include "rules.h"
 #include "simulator.h"

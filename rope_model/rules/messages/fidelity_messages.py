@@ -1,4 +1,4 @@
-"""Reasons why a fidelity of the model serves, or does not: texts of both forms, as in messages."""
+"""Reasons why a fidelity of the model serves, or does not: texts as in messages."""
 
 from rope_model.rules.messages.text import Template
 

@@ -1,4 +1,4 @@
-"""Messages of refusals and failures, the same in both forms of the rope.
+"""Messages of refusals and failures.
 
 codegen.messages makes the C of them.  Warnings are in warning_messages, reasons for a fidelity in fidelity_messages.
 """

@@ -1,4 +1,4 @@
-"""Warnings about valid results: texts of both forms, as in messages."""
+"""Warnings about valid results: texts as in messages."""
 
 from rope_model.rules.messages.text import Template
 
