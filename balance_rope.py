@@ -1,4 +1,7 @@
-"""The console command ``balance-rope``: joins the FMU's export and the hoist, which know nothing of each other."""
+"""The console command ``balance-rope``.
+
+It joins the FMU's export and the hoist, which do not import each other.
+"""
 
 from __future__ import annotations
 
@@ -139,11 +142,12 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
     export = commands.add_parser(
         "export",
         help="write the rope as an FMU",
-        description="Export the balance rope as a co-simulation FMU. The Python flavour (FMI 2.0) needs Python with "
-        "numpy and casadi on the importing host; the native flavour (FMI 2.0 or 3.0) is self-contained C and needs "
-        "nothing. Both have the same variables, and the same C code answers the tool; every parameter can still be set "
-        "before initialisation. An installed wheel brings the libraries; in a checkout the first export compiles, with "
-        "a C compiler or ziglang, some 10 s per platform, a second version of FMI some more; "
+        description="Export the balance rope as a co-simulation FMU. The Python flavour (FMI 2.0) "
+        "needs Python with numpy and casadi on the importing host; the native flavour (FMI 2.0 or "
+        "3.0) is self-contained C and needs nothing. Both have the same variables, and the same C "
+        "code answers the tool; every parameter can still be set before initialisation. An "
+        "installed wheel brings the libraries; in a checkout the first export compiles, with a C "
+        "compiler or ziglang, some 10 s per platform, a second version of FMI some more; "
         "--platform host makes it short.",
     )
     export.add_argument("--python", action="store_true", help="the Python flavour (the default)")
@@ -156,14 +160,16 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         nargs="+",
         choices=("host", *PLATFORMS),
         metavar="NAME",
-        help=f"platforms of the libraries: host, {', '.join(PLATFORMS)} (all that can be built here)",
+        help=f"platforms of the libraries: host, {', '.join(PLATFORMS)} (all that can be built "
+        "here)",
     )
     export.add_argument(
         "hoist",
         nargs="?",
         default=DEFAULT_HOIST,
         metavar="HOIST",
-        help=f"start values: the rope of a hoist's file, or of {', '.join(BUILTIN_HOISTS)} (%(default)s)",
+        help=f"start values: the rope of a hoist's file, or of {', '.join(BUILTIN_HOISTS)} "
+        "(%(default)s)",
     )
     export.add_argument(
         "--rope",
@@ -176,8 +182,9 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         action="append",
         default=[],
         metavar="NAME=VALUE",
-        help="start value of a parameter by its name in docs/reference/variables.md, in SI units; with --ssp also of "
-        "the drive, as hoist.payload_left; may be repeated, and overrides HOIST and --rope",
+        help="start value of a parameter by its name in docs/reference/variables.md, in SI units; "
+        "with --ssp also of the drive, as hoist.payload_left; may be repeated, and overrides "
+        "HOIST and --rope",
     )
     export.add_argument(
         "--level",
@@ -190,8 +197,8 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         choices=("all", *GROUPS),
         default=list(DEFAULT),
         metavar="GROUP",
-        help=f"outputs that the FMU shows: all, or groups of {', '.join(GROUPS)} (all but shape and "
-        "station, points along the rope and places in it, which the demo's report draws)",
+        help=f"outputs that the FMU shows: all, or groups of {', '.join(GROUPS)} (all but shape "
+        "and station, points along the rope and places in it, which the demo's report draws)",
     )
     export.add_argument(
         "--scalar",
@@ -202,8 +209,8 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         "--model-identifier",
         default=MODEL,
         metavar="NAME",
-        help="model identifier of a native FMU: C functions of its sources and its libraries begin with it, and FMUs "
-        "that are linked into one program must differ in it (%(default)s)",
+        help="model identifier of a native FMU: C functions of its sources and its libraries "
+        "begin with it, and FMUs that are linked into one program must differ in it (%(default)s)",
     )
     export.add_argument(
         "--ssp",
@@ -222,7 +229,8 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         choices=WITHOUT,
         default=[],
         metavar="NAME",
-        help=f"leave this out of the system: {', '.join(WITHOUT)}; without it, what a system cannot hold is refused",
+        help=f"leave this out of the system: {', '.join(WITHOUT)}; without it, what a system "
+        "cannot hold is refused",
     )
     export.add_argument("--out", type=named, help=f"the .fmu to write, or a folder ({BUILD})")
     export.set_defaults(run=_export)
@@ -240,8 +248,8 @@ def _export(options: argparse.Namespace) -> int:
         raise ValueError(f"--without {options.without[0]} is for systems: add --ssp")
     if options.model_identifier != MODEL and (options.ssp or ("Python", 2) in wanted):
         raise ValueError(
-            f"--model-identifier {options.model_identifier} is for one native FMU: add --native, and leave out "
-            "--python and --ssp, whose FMUs have identifiers of their own"
+            f"--model-identifier {options.model_identifier} is for one native FMU: add --native, "
+            "and leave out --python and --ssp, whose FMUs have identifiers of their own"
         )
     if options.out is not None and options.out.suffix.lower() == ".ssp" and not options.ssp:
         raise ValueError(
@@ -326,7 +334,8 @@ def _set_values(case: Case, options: argparse.Namespace) -> dict[str, Any]:
     if case.distinct_ropes:
         if path is not None or len(of_host) < len(set_here):
             raise ValueError(
-                f"--rope and --set of a rope's value are for one rope: give them to a [[rope]] of {options.hoist}"
+                "--rope and --set of a rope's value are for one rope: give them to a [[rope]] of "
+                f"{options.hoist}"
             )
         return set_here
     from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
@@ -344,7 +353,7 @@ def _set_values(case: Case, options: argparse.Namespace) -> dict[str, Any]:
 
 
 def _paths(out: Path | None, hoist: str, wanted: Sequence[tuple[str, int]]) -> list[Path]:
-    """Return the path of each of ``wanted`` under --out, with its folder made and checked for writing.
+    """Return the path of each of ``wanted`` under --out; its folder exists and can be written to.
 
     A system is beside its rope, with the suffix .ssp.
     """
@@ -368,7 +377,7 @@ def _paths(out: Path | None, hoist: str, wanted: Sequence[tuple[str, int]]) -> l
 def _hoist(
     options: argparse.Namespace, own: Mapping[str, Any]
 ) -> tuple[Case, tuple[OneRope, ...], Trajectory | None]:
-    """Return the hoist to export, its ropes where it has several, and the trip of a controller that makes its own."""
+    """Return the hoist to export, its unequal ropes, and the trip of a controller that plans one."""
     case = with_values(find_case(options.hoist), own)
     for remark in case.remarks:
         print(f"balance-rope: {remark}", file=sys.stderr)

@@ -43,7 +43,8 @@ def _sought(parameter: Parameter) -> Any:
     def checked(entry: ParameterValue) -> ParameterValue:
         if parameter.name in {f"rope.{name}" for name in FOLLOWING}:
             raise ValueError(
-                f"{parameter.name} follows from the properties, all of which are sought: give [known]"
+                f"{parameter.name} follows from the properties, all of which are sought: give "
+                "[known]"
             )
         if entry.low is None or entry.high is None or entry.low >= entry.high:
             raise ValueError(
@@ -85,7 +86,8 @@ class MeasurementFile(RopeAnalysisFile):
     def _reaches_the_rope(self) -> Self:
         twice = sorted(self.fixed.keys() & self.sought.keys())
         problems = Problems(
-            f"[fixed] {name} = {self.fixed[name].value!r} is also in [sought], with a range: leave one of them out"
+            f"[fixed] {name} = {self.fixed[name].value!r} is also in [sought], with a range: leave "
+            "one of them out"
             for name in twice
         )
         fidelity = self.fixed.get(_FIDELITY)
@@ -104,7 +106,10 @@ class MeasurementFile(RopeAnalysisFile):
         return self
 
     def require_hangs(self) -> None:
-        """Refuse a rope of the ranges' middle that cannot hang where it is measured; FileError says why."""
+        """Refuse a rope of the ranges' middle that cannot hang where it is measured.
+
+        FileError says why.
+        """
         predictor = self.problem.predictor(np.full(len(self.problem.names), MIDDLE))
         for k, one in enumerate(self.measurements, 1):
             for left, right, _ in one.apart if isinstance(one, InShaft) else ():
@@ -119,15 +124,17 @@ class MeasurementFile(RopeAnalysisFile):
     def _is_within_reach(self) -> Self:
         length = self.problem.catalogue_rope.length
         problems = Problems(
-            f"measured {k}: left_y = {left:g}, right_y = {right:g}: the ends must be less than the rope's length = "
-            f"{length:g} m apart, before and after a trip, and are {abs(gap):g} m: correct left_y, right_y or travel"
+            f"measured {k}: left_y = {left:g}, right_y = {right:g}: the ends must be less than the "
+            f"rope's length = {length:g} m apart, before and after a trip, and are {abs(gap):g} m: "
+            "correct left_y, right_y or travel"
             for k, one in enumerate(self.measurements, 1)
             if isinstance(one, InShaft)
             for left, right, gap in one.apart
             if abs(gap) >= length
         )
         problems += [
-            f"measured {k}: {what} = {s:.6g} m must be from 0 to {length:g} m, its length: correct one or the unit"
+            f"measured {k}: {what} = {s:.6g} m must be from 0 to {length:g} m, its length: correct "
+            "one or the unit"
             for k, one in enumerate(self.measurements, 1)
             for what, s in (one.lengths.items() if isinstance(one, Markers) else ())
             if not 0.0 <= s <= length

@@ -1,10 +1,15 @@
-"""What a fit has found of a property: the one decision from which words, statuses and the exit code follow."""
+"""Finding of a fit on a property.
+
+Words, statuses and the exit code follow from it.
+"""
 
 from enum import Enum
 
 from hoist_demo.calibration.fit import Array, Fit
 
-OPEN = 0.25  #: Half width of an interval in shares from which on a property is undetermined: half that of a range.
+#: Half width of an interval in shares from which on a property is undetermined: half that of a
+#: range.
+OPEN = 0.25
 
 
 class Finding(Enum):
@@ -14,9 +19,8 @@ class Finding(Enum):
     UNDETERMINED = "undetermined"  # the data say no more than the range
     AT_LOWER_END = "at the lower end of its range"  # the data ask for less than the range allows
     AT_UPPER_END = "at the upper end of its range"  # the data ask for more than the range allows
-    CONTRADICTED = (
-        "contradicted"  # a compromise between measurements that contradict the model or one another
-    )
+    # a compromise between measurements that contradict the model or one another
+    CONTRADICTED = "contradicted"
 
     @property
     def at_end(self) -> bool:

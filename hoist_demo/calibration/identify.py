@@ -1,4 +1,7 @@
-"""A rope's properties from a file of measurements: values with intervals, what stays open, what to measure next."""
+"""A rope's properties from a file of measurements.
+
+Found are values with intervals, what stays undetermined, and what to measure next.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -29,16 +32,15 @@ from hoist_demo.files.values import GIVEN
 from hoist_demo.study.provenance import SourcedValue, rope_provenance
 from rope_model import Datum, KnownRope
 
-Computed = Callable[
-    [int], None
-]  #: Is told of each rope that was computed, with the number of its windings.
+#: Is told of each rope that was computed, with the number of its windings.
+Computed = Callable[[int], None]
 MIN_COMPONENT = 0.3  #: Least part of a property in a direction that names it.
 STRONG = 0.7  #: Least correlation that is reported.
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """A measurement that could be added, and the standard error of the wanted output that it would leave."""
+    """Measurement that could be added, and the standard error of the wanted output with it."""
 
     measurement: RopeMeasurement
     error: float
@@ -178,7 +180,10 @@ def residuals_of(
     sigmas: Array,
     computed: Computed = lambda windings: None,
 ) -> Residuals:
-    """Return the function (norm_params) -> (predictions - values) / sigmas, (m,); ``computed`` hears of each rope."""
+    """Return the function (norm_params) -> (predictions - values) / sigmas, (m,).
+
+    ``computed`` hears of each rope.
+    """
     lock = Lock()  # several ropes are computed at once
 
     def residuals(norm_params: Array) -> Array:
@@ -197,7 +202,10 @@ def residuals_of(
 def calibrated(
     file: MeasurementFile, findings: Mapping[str, Finding], ends: Array
 ) -> dict[str, Datum]:
-    """Replace ranges by calibrated intervals; if the model is contradicted, ranges stand with that status."""
+    """Replace ranges by calibrated intervals.
+
+    If the model is contradicted, ranges stand with that status.
+    """
     data = file.problem.data
     source = file.path.name
     for (name, finding), interval in zip(findings.items(), ends, strict=True):

@@ -35,7 +35,8 @@ from rope_model.scene_names import with_values
 from rope_model.simulation.outputs.modal import Modes, natural_modes
 
 Array = NDArray[np.float64]
-MAX_TIME = 3600.0  #: Latest time of a value after a trip's start [s]: no swing lasts longer, and tracks are slow.
+#: Latest time of a value after a trip's start [s]: no swing lasts longer, and tracks are slow.
+MAX_TIME = 3600.0
 COMMUNICATION = 0.02  #: Communication step of a track [s].
 SAMPLE = 0.1  #: Time between two values of which a largest and a smallest are taken [s].
 #: Fidelity at which all is predicted: torsion and its coupling to tension are among the properties.
@@ -110,7 +111,7 @@ class RopePredictor:
         return self._at_rest[left, right].signals([name])[name]
 
     def along(self, trip: Trip, signal: str, times: Iterable[float]) -> list[float]:
-        """Return an output at these times [s] of a trip that was planned, which is wound at the first question."""
+        """Return an output at these times [s] of a planned trip; the first call winds it."""
         if trip not in self._wound:
             self._wound[trip] = self._wind(trip, self._asked[trip])
         return [self._wound[trip][t][signal] for t in times]
@@ -165,7 +166,8 @@ class RopePredictor:
     def frequencies(self, plane: str, left: float, right: float) -> Array:
         """Return the frequencies of the lowest modes in or out of plane [Hz]."""
         if (left, right) not in self._modes:
-            # the mesh differs from rope to rope, and to compile for each takes longer than to interpret
+            # the mesh differs from rope to rope, and to compile for each takes longer than to
+            # interpret
             rope = rope_model.RopeSimulator(
                 self.scene.with_(solver=replace(self.scene.solver, kernels="portable"))
             )
@@ -197,7 +199,10 @@ Signal: Any = Literal[tuple(SIGNALS)]  #: Name of an output, docs/reference/vari
 
 
 class RopeMeasurement(Table):
-    """Values with their standard error, and the circumstances; a number that varies has as many as there are values."""
+    """Values with their standard error, and the circumstances.
+
+    A number that varies has as many as there are values.
+    """
 
     UNIT: ClassVar[str] = ""  # "": the signal's
     name: Text = ""
@@ -343,8 +348,8 @@ class Swing(InShaft):
             frequencies = predictor.frequencies(self.plane, left, right)
             if number > frequencies.size:
                 raise RuntimeError(
-                    f"{self.title}: number = {number:g} must be at most {frequencies.size}, as {MODES} modes hold so "
-                    f"many {self.plane}: give a lower one"
+                    f"{self.title}: number = {number:g} must be at most {frequencies.size}, as "
+                    f"{MODES} modes hold so many {self.plane}: give a lower one"
                 )
             predicted.append(float(frequencies[round(number) - 1]))
         return predicted
@@ -441,9 +446,8 @@ class CalibrationProblem:
 
     catalogue_rope: rope_model.KnownRope
     scene: Scene
-    sought: Mapping[str, Datum] = field(
-        default_factory=dict
-    )  # ranges of parameters beside the properties
+    # ranges of parameters beside the properties
+    sought: Mapping[str, Datum] = field(default_factory=dict)
 
     @property
     def data(self) -> dict[str, Datum]:
@@ -460,7 +464,10 @@ class CalibrationProblem:
         return self.data[name].at(float(norm_params[self.names.index(name)]))
 
     def rope(self, norm_params: Array) -> rope_model.Rope:
-        """Return the rope at these shares of the ranges; what the file fixes beyond the properties is the scene's."""
+        """Return the rope at these shares of the ranges.
+
+        What the file fixes beyond the properties is the scene's.
+        """
         data = self.catalogue_rope.data
         values = {
             name: self.value(name, norm_params) if name in self.names else data[name].low
@@ -481,7 +488,10 @@ class CalibrationProblem:
     def predict(
         self, norm_params: Array, measurements: Measurements, predictor: RopePredictor | None = None
     ) -> Array:
-        """Predict all values of the measurements in turn; ``norm_params`` are the rope's, then those of starts."""
+        """Predict all values of the measurements in turn.
+
+        ``norm_params`` are the rope's, then those of starts.
+        """
         predictor = predictor or self.predictor(norm_params)
         predictor.plan(measurements)
         starts = iter(norm_params[len(self.names) :].tolist())

@@ -1,4 +1,4 @@
-"""Result of a fit: as text for the terminal, as a page, and as the parameter file for other commands."""
+"""Result of a fit as text for the terminal, as a page, and as a parameter file."""
 
 import textwrap
 from pathlib import Path
@@ -27,7 +27,10 @@ SIDE = 4.0  #: Standard errors to either side in the picture of the residuals.
 
 
 def summary(result: CalibrationResult) -> list[SummaryRow]:
-    """Return the rows of the terminal's summary: properties, open directions, correlations, next measurements."""
+    """Return the rows of the terminal's summary.
+
+    They list properties, undetermined directions, correlations and next measurements.
+    """
     group = f"Properties, with the interval of {100 * CONFIDENCE:.0f} %"
     rows = [SummaryRow(group, *row[:2], row[2]) for row in _properties(result)]
     rows += [SummaryRow("At an end of its range", *row) for row in at_ends(result)]
@@ -48,15 +51,16 @@ def misfit(result: CalibrationResult) -> str:
         return ""
     worst, value = max(_residuals(result), key=lambda row: abs(row[1]))
     return (
-        "the measurements contradict the model or one another: the best fit misses them by more than sigma allows "
-        f"(probability {result.fit.p_value:.1g}, usual is {SIGNIFICANCE:g} or more). Worst is {worst}, by "
-        f"{value:.3g} sigma: look at it, at its sigma and at the ranges. What was found is a compromise: no interval "
-        "is stated, the ranges stand, and its status is contradicted"
+        "the measurements contradict the model or one another: the best fit misses them by more "
+        f"than sigma allows (probability {result.fit.p_value:.1g}, usual is {SIGNIFICANCE:g} or "
+        f"more). Worst is {worst}, by {value:.3g} sigma: look at it, at its sigma and at the "
+        "ranges. What was found is a compromise: no interval is stated, the ranges stand, and its "
+        "status is contradicted"
     )
 
 
 def at_ends(result: CalibrationResult) -> list[tuple[str, str]]:
-    """Return name and sentence for each property whose best value lies beyond an end of its range."""
+    """Return name and sentence of each property whose best value is beyond an end of its range."""
     rows = []
     for name, held in zip(result.names, result.fit.held.tolist(), strict=True):
         if not held:
@@ -65,7 +69,10 @@ def at_ends(result: CalibrationResult) -> list[tuple[str, str]]:
         factor, unit = engineering(datum.high, datum.unit)
         end = datum.high if held > 0 else datum.low
         text = f"{number(factor * end)} {unit_text(unit)}".rstrip()
-        text += f" is the {'upper' if held > 0 else 'lower'} end of its range, and the measurements ask for "
+        text += (
+            f" is the {'upper' if held > 0 else 'lower'} end of its range, and the measurements "
+            "ask for "
+        )
         text += "more: " if held > 0 else "less: "
         table = "[sought]" if name in result.measurement_file.problem.sought else "[known]"
         # a range that begins at 0 ends there by nature
@@ -79,7 +86,7 @@ def at_ends(result: CalibrationResult) -> list[tuple[str, str]]:
 
 
 def complaints(result: CalibrationResult) -> list[str]:
-    """Return the warnings on a fit: measurements that it cannot meet, and ends of ranges that it reaches."""
+    """Return the warnings on a fit: measurements that it misses, ends of ranges reached."""
     reached = [
         f"{name} = {text}; no interval is stated, the range stands"
         for name, text in at_ends(result)
@@ -138,7 +145,8 @@ def write_page(result: CalibrationResult, path: Path) -> Path:
             "Values in the ranges known before",
             paragraphs(
                 [
-                    "Axis: the range known before, from its lower to its upper end. Grey: undetermined."
+                    "Axis: the range known before, from its lower to its upper end. Grey: "
+                    "undetermined."
                 ]
             )
             + bars(
@@ -165,7 +173,8 @@ def write_page(result: CalibrationResult, path: Path) -> Path:
             f"Best next measurement of {result.measurement_file.wanted.signal}",
             paragraphs(
                 [
-                    f"It is {number(result.wanted)} {_wanted_unit(result)}, its standard error {_error(result)}."
+                    f"It is {number(result.wanted)} {_wanted_unit(result)}, its standard error "
+                    f"{_error(result)}."
                 ]
             )
             + plain_table(("measurement", "standard error that it leaves"), left),
@@ -244,7 +253,8 @@ def write_rope_file(result: CalibrationResult, path: Path) -> Path:
     file = result.measurement_file
     rope = file.problem.rope(result.fit.norm_params)
     lines = [
-        f"# Found by balance-rope identify from {printable(file.path.name)}. wind and export take it as",
+        f"# Found by balance-rope identify from {printable(file.path.name)}. wind and export take "
+        "it as",
         '# --rope FILE, studies, duties and ropes as [fixed] from = "FILE".',
         *(
             f"# {printable(line)}"

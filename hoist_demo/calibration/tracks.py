@@ -1,16 +1,20 @@
-"""Motion that somebody has measured: paths of a rope's ends and of markers, in a CSV file (docs/reference/files.md).
+"""Measured motion: paths of a rope's ends and of markers, in a CSV file.
 
-The file's axes are turned and moved to those of the rope: Y up, X from the left to the right end at the start.
-Ends follow smoothing splines (generalised cross-validation), at rest before the file begins, or led into its motion
-over ``settle``.  A marker that leaps away from its running median is masked, as one that was lost.
+docs/reference/files.md describes the file.
 
-The swing in which a file begins is a nuisance: both ends come to the file's first places in STEPS quintic steps from
-poses at rest that the fit finds, within four standard errors.
+The file's axes are turned and moved to those of the rope: Y up, X from the left to the right end at
+the start. Ends follow smoothing splines (generalised cross-validation), at rest before the file
+begins, or led into its motion over ``settle``.  A marker that leaps away from its running median is
+masked, as one that was lost.
 
-A residual r is the place of a marker on the rope, moved by an offset of its own and at a time that the camera's delay
-shifts, less the measured one; of an unlabelled point the part across the rope at the place nearest to it, which is seen
-late by its speed.  Offsets and delay have standard errors and are found anew for each rope (variable
-projection; G. Golub and V. Pereyra, SIAM J. Numer. Anal. 10, 1973, 413-432).  The loss is soft_l1, with c = ROBUST.
+The swing in which a file begins is a nuisance: both ends come to the file's first places in STEPS
+quintic steps from poses at rest that the fit finds, within four standard errors.
+
+A residual r is the place of a marker on the rope, moved by an offset of its own and at a time that
+the camera's delay shifts, less the measured one; of an unlabelled point the part across the rope at
+the place nearest to it, which is seen late by its speed.  Offsets and delay have standard errors
+and are found anew for each rope (variable projection; G. Golub and V. Pereyra, SIAM J. Numer. Anal.
+10, 1973, 413-432).  The loss is soft_l1, with c = ROBUST.
 """
 
 import math
@@ -41,7 +45,9 @@ Array = NDArray[np.float64]
 REST = 25  #: Samples at rest that are put before the file.
 FIRST = 5  #: First samples of the file, in the mean of which the ends rest.
 ROBUST = 3.0  #: Standard errors from which on a residual counts for less.
-GAP = 6  #: Most frames from one with both ends to the next: over longer gaps splines mistake the ends' paths.
+#: Most frames from one with both ends to the next: over longer gaps splines mistake the ends'
+#: paths.
+GAP = 6
 MEDIAN = 5  #: Samples of the running median.
 LEAP = 8.0  #: Standard errors from the running median that are a leap.
 STEPS = 2  #: Steps of the ends' path to where a file begins.
@@ -81,21 +87,17 @@ class Markers(Table):
     ends: Attachment = "plumb"
     unit: Literal["m", "cm", "mm"] = "m"  # unit of length in the file
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)  # upward direction in the axes of the file
-    skip: float = Field(
-        0.0, ge=0.0, allow_inf_nan=False
-    )  # s from the start of which nothing is compared
-    settle: float = Field(
-        0.0, ge=0.0, allow_inf_nan=False
-    )  # s from rest into the motion in which the file begins
-    offset: float = Field(
-        0.0, ge=0.0, allow_inf_nan=False
-    )  # m, standard error of where a marker sits
+    # s from the start of which nothing is compared
+    skip: float = Field(0.0, ge=0.0, allow_inf_nan=False)
+    # s from rest into the motion in which the file begins
+    settle: float = Field(0.0, ge=0.0, allow_inf_nan=False)
+    # m, standard error of where a marker sits
+    offset: float = Field(0.0, ge=0.0, allow_inf_nan=False)
     delay: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # s, standard error of the camera's time
     _t: Array = PrivateAttr()  # (n,), s from the first of the file, whose frames are the last ones
     _spacing: float = PrivateAttr()  # m, of the ends at the start
-    _end_paths: Array = (
-        PrivateAttr()
-    )  # (3, n, 2, 5), values, rates and accelerations of the ends' places and leans
+    # (3, n, 2, 5), values, rates and accelerations of the ends' places and leans
+    _end_paths: Array = PrivateAttr()
     _places: Array = PrivateAttr()  # (frames, markers, 3), m; NaN where lost or not compared
 
     @model_validator(mode="after")
@@ -108,7 +110,8 @@ class Markers(Table):
         self._places = np.hstack((_masked(labelled, self.sigma), free))
         if not np.isfinite(self._places).any():
             raise ValueError(
-                f"{self.file} has no marker behind skip = {self.skip:g} s with both ends: lower skip or name one"
+                f"{self.file} has no marker behind skip = {self.skip:g} s with both ends: lower "
+                "skip or name one"
             )
         return self
 
@@ -124,7 +127,7 @@ class Markers(Table):
 
     @property
     def unknowns(self) -> int:
-        """Number of the nuisance and of the arc lengths of unlabelled points, all of which are found."""
+        """Number of nuisance parameters and arc lengths of unlabelled points, which are fitted."""
         return self.nuisance + int(
             np.isfinite(self._places[:, len(self.places) :]).all(axis=2).sum()
         )
@@ -147,7 +150,10 @@ class Markers(Table):
         return lengths | {f"{self.file}: largest distance of the ends": self.apart}
 
     def motions(self, start: Array) -> list[tuple[EndMotion, EndMotion]]:
-        """Motions of the ends at each time, from poses ``start`` (steps, 2, 3) off the first places of the file, m."""
+        """Return the motions of the ends at each time.
+
+        ``start`` (steps, 2, 3) are poses from the first places of the file [m].
+        """
         paths = self._end_paths.copy()
         t = self._t[: -len(self._places)]
         h = (self._t[t.size] - t[0]) / STEPS
@@ -162,7 +168,10 @@ class Markers(Table):
         return [(EndMotion(*left), EndMotion(*right)) for left, right in motions.tolist()]
 
     def wind(self, scene: Scene, start: Array) -> Array:
-        """Places, speeds and, of the unlabelled, tangents (3, n, markers, 3); ``start`` is in standard errors."""
+        """Places, speeds and, of the unlabelled, tangents (3, n, markers, 3).
+
+        ``start`` is in standard errors.
+        """
         displacements = SLACK * (scene.rope.length - self.apart) * start.reshape(-1, 2, 3)
         left, right = (
             replace(swivel, attachment=self.ends) for swivel in (scene.left, scene.right)
@@ -191,7 +200,10 @@ class Markers(Table):
         return np.array(samples).swapaxes(0, 1)
 
     def predict(self, predictor: Any, *start: float) -> Array:
-        """Residuals (m) on the scene of a RopePredictor, and shares that tell its start; squares are the loss."""
+        """Residuals (m) on the scene of a RopePredictor, and shares that tell its start.
+
+        Squares are the loss.
+        """
         start_errors = ERRORS * np.subtract(start or [0.5] * self.starts, 0.5)
         labelled = len(self.places)
         t = self._t[-len(self._places) :]
@@ -252,7 +264,8 @@ def _read(path: Path, track: Markers) -> _Frames:
     t = columns["t"] if "t" in names else np.array([])
     if t.size < 2 * FIRST or not (np.diff(t) > 0).all():
         raise ValueError(
-            f"{track.file} needs a column t with {2 * FIRST} times or more, in s, in ascending order"
+            f"{track.file} needs a column t with {2 * FIRST} times or more, in s, in ascending "
+            "order"
         )
     if (
         leaning := any(f"{side}.d{k}" in names for side in SIDES for k in "xyz")
@@ -271,7 +284,7 @@ def _read(path: Path, track: Markers) -> _Frames:
 
 
 def _require_commas(path: Path, name: str) -> None:
-    """Refuse a table with semicolons or tabs between its columns, and so perhaps with decimal commas."""
+    """Refuse a table with semicolons or tabs between its columns: it may have decimal commas."""
     try:
         with path.open(encoding="utf-8-sig") as file:
             head, row = file.readline().strip(), file.readline().strip()
@@ -281,18 +294,21 @@ def _require_commas(path: Path, name: str) -> None:
         if separator in head:
             comma = f", and {row!r} may have decimal commas" if "," in row else ""
             raise ValueError(
-                f"{name} has {word} between its columns{comma}: give a CSV file with commas between columns and "
-                "decimal points"
+                f"{name} has {word} between its columns{comma}: give a CSV file with commas "
+                "between columns and decimal points"
             )
     if row.count(",") == 2 * head.count(",") + 1 and head.count(","):
         raise ValueError(
-            f"{name} has {row.count(',') + 1} fields in line 2 and {head.count(',') + 1} names in line 1, as with "
-            "decimal commas: give decimal points"
+            f"{name} has {row.count(',') + 1} fields in line 2 and {head.count(',') + 1} names in "
+            "line 1, as with decimal commas: give decimal points"
         )
 
 
 def _checked(frames: _Frames, track: Markers) -> _Frames:
-    """Return the frames from the first with both ends to the last; ValueError names where too much is lost."""
+    """Return the frames from the first with both ends to the last.
+
+    ValueError names where too much is lost.
+    """
     t = frames.t
     with np.errstate(over="ignore"):
         lengths = np.linalg.norm(frames.directions, axis=2)
@@ -308,9 +324,13 @@ def _checked(frames: _Frames, track: Markers) -> _Frames:
             f"{track.file} has both ends at {both.size} times, needed are {2 * FIRST}: give more"
         )
     if (gaps := np.diff(t[both])).max() > (GAP + 0.5) * frames.period:
-        lost = f"lacks an end or its direction for {gaps.max():g} s after t = {t[both[gaps.argmax()]]:.10g} s"
+        lost = (
+            f"lacks an end or its direction for {gaps.max():g} s after t = "
+            f"{t[both[gaps.argmax()]]:.10g} s"
+        )
         raise ValueError(
-            f"{track.file} {lost}, over {GAP} frames = {GAP * frames.period:g} s: fill the gap or end there"
+            f"{track.file} {lost}, over {GAP} frames = {GAP * frames.period:g} s: fill the gap or "
+            "end there"
         )
     between = slice(both[0], both[-1] + 1)
     return _Frames(
@@ -319,11 +339,15 @@ def _checked(frames: _Frames, track: Markers) -> _Frames:
 
 
 def _turned(frames: _Frames, track: Markers) -> tuple[float, Array, Array]:
-    """Spacing of the ends at the start (m), their places and leans (n, 2, 5), and the markers in the rope's axes."""
+    """Return spacing (m), places and leans of the ends (n, 2, 5), and markers in the rope's axes.
+
+    The spacing is that at the start.
+    """
     start, end = frames.ends[frames.whole][:FIRST].mean(axis=0)
     if not np.linalg.norm(np.cross(track.up, end - start)) > 0.0:
         raise ValueError(
-            f"{track.file}: the ends hang above each other with up = {track.up}: give the direction of up"
+            f"{track.file}: the ends hang above each other with up = {track.up}: give the "
+            "direction of up"
         )
     axes, _ = Rotation.align_vectors(
         [[0, 1, 0], [1, 0, 0]], [track.up, end - start], weights=[np.inf, 1.0]
@@ -351,7 +375,10 @@ def _turned(frames: _Frames, track: Markers) -> tuple[float, Array, Array]:
 
 
 def _smoothed(frames: _Frames, end_paths: Array, settle: float) -> tuple[Array, Array]:
-    """Times (s), with those before the file begins, and values, rates and accelerations (3, n, 2, 5) of the ends."""
+    """Return times (s) and values, rates and accelerations (3, n, 2, 5) of the ends.
+
+    They include times before the file begins.
+    """
     frame = frames.period
     before = frames.t[0] + np.arange(-math.ceil(settle / frame) if settle else -REST, 0) * frame
     times, seen, t = (
@@ -384,7 +411,6 @@ def _masked(markers: Array, sigma: float) -> Array:
         away = np.abs(
             markers - generic_filter(markers, np.nanmedian, size=(MEDIAN, 1, 1), mode="mirror")
         )
-        usual = np.maximum(
-            1.4826 * np.nanmedian(away, axis=0), sigma
-        )  # a normal error's, from its median
+        # a normal error's, from its median
+        usual = np.maximum(1.4826 * np.nanmedian(away, axis=0), sigma)
     return np.where((away > LEAP * usual).any(axis=2, keepdims=True), np.nan, markers)

@@ -1,4 +1,7 @@
-"""What a hoist's file leaves out and what follows from the rest, by stated rules; and values that no hoist has."""
+"""What a hoist's file leaves out and what follows from the rest, by stated rules.
+
+And values that no hoist has.
+"""
 
 import math
 from collections.abc import Callable, Iterable, Mapping
@@ -16,21 +19,25 @@ from hoist_demo.parameters.suspension import SuspensionOffset
 from rope_model import rope as catalogue_rope
 from rope_model.physics.estimates import NATURAL_WIDTH
 
-TAIL_SPARE = 40.0  #: Length of a balance rope beyond the travel [m, assumed]: loop, and sump below the lower landing.
+#: Length of a balance rope beyond the travel [m, assumed]: loop, and sump below the lower landing.
+TAIL_SPARE = 40.0
 #: EA of a head rope over its mass per length [m^2/s^2, assumed], a modulus of 110 GPa of the steel.
 HEAD_ROPE_STIFFNESS = 1.3e7
 
 
 @dataclass(frozen=True)
 class RuleInputs:
-    """Inputs of the rules: hoist and trip as stated so far, and the balance ropes as the drive sees them."""
+    """Inputs of the rules: hoist and trip as stated so far, and ropes as the drive sees them."""
 
     hoist: Hoist
     winding: Winding
     rope: Hoist  # hoist with number, mass and length of the balance ropes alone
 
     def torque(self, travelled: float = 0.0) -> float:
-        """Return the torque at the sheave that accelerates hoist and payload [N m], `travelled` [m] from a landing."""
+        """Return the torque at the sheave that accelerates the hoist [N m].
+
+        `travelled` is the way from a landing [m].
+        """
         hoist, (coulomb, viscous) = self.hoist, self.hoist.travel_loss
         force = hoist.moving_mass * self.winding.acceleration + hoist.imbalance(travelled)
         return hoist.sheave_radius * (force + (coulomb + viscous * self.winding.speed))
@@ -82,7 +89,8 @@ RULES = (
     ),
     Rule(
         "hoist.torque_limit",
-        "1.5 times that of the acceleration with the payload: R (m a + weight difference with ropes + losses)",
+        "1.5 times that of the acceleration with the payload: R (m a + weight difference with "
+        "ropes + losses)",
         lambda k: 1.5 * k.torque(),
     ),
     Rule("gains.speed", "3 1/s times all moving masses", lambda k: 3.0 * k.hoist.moving_mass),
@@ -94,7 +102,10 @@ RULES = (
 def apply_rules(
     host: Mapping[str, ParameterValue], ropes: Iterable[BalanceRopeData], **header: Any
 ) -> Case:
-    """Return the hoist of what is stated of its host and ropes, with all that follows; ValueError where none can be."""
+    """Return the hoist of what is stated of its host and ropes, with all that follows.
+
+    ValueError where none can be.
+    """
     host = dict(host)
     if "hoist.shaft_travel" not in host and "winding.travel" in host:
         deep = abs(float(host["winding.travel"].value))
@@ -118,8 +129,8 @@ def apply_rules(
         != drive.tail_rope_number
     ):
         raise ValueError(
-            f"hoist.tail_rope_number = {host['hoist.tail_rope_number'].value} must be {drive.tail_rope_number}, as "
-            "number of the [[rope]] says: leave it out"
+            f"hoist.tail_rope_number = {host['hoist.tail_rope_number'].value} must be "
+            f"{drive.tail_rope_number}, as number of the [[rope]] says: leave it out"
         )
     if any(map(_has_a_place, ropes)) or len(ropes) > 1:
         _require_totals(host, drive)
@@ -167,7 +178,7 @@ def _has_a_place(rope: BalanceRopeData) -> bool:
 
 
 def _require_totals(host: Mapping[str, ParameterValue], drive: Hoist) -> None:
-    """Refuse mass or length of the balance ropes that are not those of several [[rope]]: the drive takes theirs."""
+    """Refuse mass or length of the balance ropes that differ from the totals of the ropes."""
     with Problems() as problems:
         for key, own in (
             ("tail_rope_mass", drive.tail_rope_mass),
@@ -176,7 +187,8 @@ def _require_totals(host: Mapping[str, ParameterValue], drive: Hoist) -> None:
             entry = host.get(f"hoist.{key}")
             if entry is not None and not math.isclose(float(entry.value), own, rel_tol=1e-3):
                 problems.append(
-                    f"hoist.{key} = {float(entry.value):g} must be {own:.6g}, as the [[rope]] say: leave it out"
+                    f"hoist.{key} = {float(entry.value):g} must be {own:.6g}, as the [[rope]] say: "
+                    "leave it out"
                 )
 
 
@@ -200,7 +212,7 @@ def rope_totals(ropes: tuple[BalanceRopeData, ...]) -> Hoist:
 
 
 def with_values(case: Case, values: Mapping[str, Value | ParameterValue]) -> Case:
-    """Return the hoist with values as if they stood in its file: what follows by rules follows anew."""
+    """Return the hoist with values as if they stood in its file; derived values follow anew."""
     if not values:
         return case
     entries = {
@@ -256,12 +268,13 @@ def remarks(values: Mapping[str, Value]) -> Iterable[str]:
         ):
             unit = units[key].unit
             yield (
-                f"{key} = {value:g} {unit} is far from what hoists have, {low:g} to {high:g} {unit} [assumed]: check "
-                "its unit"
+                f"{key} = {value:g} {unit} is far from what hoists have, {low:g} to {high:g} "
+                f"{unit} [assumed]: check its unit"
             )
 
 
-#: Least spacing of the balance rope's ends over the sheave's diameter without deflection sheaves [assumed].
+#: Least spacing of the balance rope's ends over the sheave's diameter without deflection sheaves
+#: [assumed].
 LEAST_SPACING = 0.5
 
 
@@ -275,15 +288,15 @@ def notes(hoist: Hoist, rope: BalanceRopeData) -> Iterable[str]:
     diameter = 2.0 * hoist.sheave_radius
     if spacing < LEAST_SPACING * diameter:
         yield (
-            f"layout.spacing: the rope's ends are {spacing:.4g} m apart beside a sheave of {diameter:.4g} m diameter; "
-            f"{LEAST_SPACING * diameter:.4g} m or more is usual without deflection sheaves [assumed]: check both, and "
-            "that there are deflection sheaves"
+            f"layout.spacing: the rope's ends are {spacing:.4g} m apart beside a sheave of "
+            f"{diameter:.4g} m diameter; {LEAST_SPACING * diameter:.4g} m or more is usual without "
+            "deflection sheaves [assumed]: check both, and that there are deflection sheaves"
         )
     weight = value("rope.mass_per_length") * value("layout.gravity")
     width = NATURAL_WIDTH * (value("rope.EI") / weight) ** (1.0 / 3.0)
     if spacing < width:
         yield (
-            f"layout.spacing: the rope's ends are {spacing:.4g} m apart, less than the width of its free loop, "
-            f"2.543 (EI/(rho g))^(1/3) = {width:.4g} m: the loop bulges beyond its legs; give the distance of the "
-            "rope's ends, or check rope.EI"
+            f"layout.spacing: the rope's ends are {spacing:.4g} m apart, less than the width of "
+            f"its free loop, 2.543 (EI/(rho g))^(1/3) = {width:.4g} m: the loop bulges beyond its "
+            "legs; give the distance of the rope's ends, or check rope.EI"
         )

@@ -22,7 +22,8 @@ def find_case(name: str) -> Case:
     if name.endswith(".toml"):
         return _read(path := Path(name), path.stat().st_mtime_ns if path.is_file() else 0)
     raise ValueError(
-        f"hoist = {name!r} must be a file, NAME.toml, or one of {', '.join(BUILTIN_HOISTS)}: choose one"
+        f"hoist = {name!r} must be a file, NAME.toml, or one of {', '.join(BUILTIN_HOISTS)}: "
+        "choose one"
     )
 
 

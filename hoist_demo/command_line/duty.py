@@ -37,9 +37,8 @@ if TYPE_CHECKING:
     from hoist_demo.ropes.definition import Ropes
 
 _STATION = "station.s[1]"  #: Column of a duty's state that shows that exposure was counted.
-STATE = (
-    "last_trip.npz"  #: File in the output folder with the state after the last trip that is wound.
-)
+#: File in the output folder with the state after the last trip that is wound.
+STATE = "last_trip.npz"
 
 _DESCRIPTION = """\
 Wind the trips of a schedule one after the other with the rope in this process: yaw, swing and swivel angles go on from
@@ -104,7 +103,8 @@ def _duty(options: argparse.Namespace) -> int:
     data = [*host_provenance(run, status), *ropes.provenance(status)]
     written = [*_write(trips, exposed, out), write_data(data, out / "data.csv")]
     print(
-        f"{header.title}: hoist {header.hoist}, level {schedule.level}, {trips['trip'].size} trips\n"
+        f"{header.title}: hoist {header.hoist}, level {schedule.level}, {trips['trip'].size} "
+        "trips\n"
     )
     exposures = [
         row for prefix, table in exposed.items() for row in exposure_rows(prefix.rstrip("."), table)
@@ -146,7 +146,10 @@ def _duty(options: argparse.Namespace) -> int:
 def _wind(
     schedule: Schedule, ropes: Ropes, state: Path, interrupted: Callable[[], bool], counted: bool
 ) -> tuple[Recording | None, WoundTrip | None, list[list[str]]]:
-    """Wind those left; return the table of all trips, None for none, the last wound here, and warnings."""
+    """Wind those left.
+
+    Return the table of all trips, None for none, the last wound here, and warnings.
+    """
     from hoist_demo.duty.table import landing_warnings, place_at_rest, trip_row, trip_table
     from hoist_demo.duty.wind import read_state, wind_duty, write_state
     from hoist_demo.study.slip import slip_warnings
@@ -260,7 +263,10 @@ def _summary(
 
 
 def _write(trips: Recording, exposed: Mapping[str, Recording], out: Path) -> list[Path]:
-    """Write the tables and the figure; `exposed` has the table of each rope by the prefix of its names."""
+    """Write the tables and the figure.
+
+    `exposed` has the table of each rope by the prefix of its names.
+    """
     from hoist_demo.report.figures import write_duty_figure
 
     write_csv(trips, out / "trips.csv")

@@ -112,7 +112,8 @@ def _rope(options: argparse.Namespace) -> int:
     )
     if options.construction is None:
         print(
-            f"{'KIND':<12} {'kg/m':>18} {'EI, N m2':>20} {'torque factor':>20}     at {diameter:g} m"
+            f"{'KIND':<12} {'kg/m':>18} {'EI, N m2':>20} {'torque factor':>20}     at {diameter:g} "
+            "m"
         )
         for kind in CONSTRUCTIONS:
             data = catalogue_rope(kind, float(diameter)).data
@@ -129,11 +130,13 @@ def _rope(options: argparse.Namespace) -> int:
     for name in OF_CATALOGUE:
         unit = p[f"rope.{name}"].unit
         print(
-            f"# {name} = {getattr(rope.middle, name):.6g}  # {unit}, the middle of the catalogue's range"
+            f"# {name} = {getattr(rope.middle, name):.6g}  # {unit}, the middle of the catalogue's "
+            "range"
         )
     for name, datum in rope.data.items():
         print(
-            f"# {name}: {datum.low:.4g} to {datum.high:.4g} {datum.unit}, {datum.status}: {datum.source}"
+            f"# {name}: {datum.low:.4g} to {datum.high:.4g} {datum.unit}, {datum.status}: "
+            f"{datum.source}"
         )
     return 0
 

@@ -122,9 +122,12 @@ def missing_outputs(units: Mapping[str, str]) -> str:
 
 
 def write_results(wound: WoundRun, directory: Path, signals: Sequence[str]) -> list[Path]:
-    """Write all files of a run and return their paths, report.html last; without a row only the reports.
+    """Write all files of a run and return their paths, report.html last.
 
-    `signals` are the columns of signals.csv, none: the usual. Tables along one of several ropes begin with its name.
+    Without a row only the reports.
+
+    `signals` are the columns of signals.csv, none: the usual. Tables along one of several ropes
+    begin with its name.
     """
     from hoist_demo.report.figures import write_figures
     from hoist_demo.report.hoist import complete_file

@@ -52,7 +52,8 @@ def _uncertain(options: argparse.Namespace) -> int:
     file.require_hangs()
     if options.check:
         print(
-            f"{options.scene}: {file.header.samples} windings over {', '.join(file.data)}, nothing wrong"
+            f"{options.scene}: {file.header.samples} windings over {', '.join(file.data)}, nothing "
+            "wrong"
         )
         return 0
     out = results_folder(options.out or Path("out") / "uncertain" / options.scene.stem)

@@ -42,10 +42,10 @@ from hoist_demo.ropes.definition import OneRope, Ropes, ropes_of
 from hoist_demo.study.provenance import host_provenance
 from hoist_demo.study.run import Probe, RunData, build, contradictions, fmu_part, from_landing
 
-LAST_GOOD = (
-    "last_good.npz"  #: File in the output folder with the last good state of a run that stopped.
-)
-STOPPED = "stopped"  #: Folder in the output folder for a run that stopped, beside results of an earlier one.
+#: File in the output folder with the last good state of a run that stopped.
+LAST_GOOD = "last_good.npz"
+#: Folder in the output folder for a run that stopped, beside results of an earlier one.
+STOPPED = "stopped"
 #: Trip of --quick; scenarios keep their travel, as what goes wrong in them does so later.
 _QUICK = {"travel": 10.0, "settle": 2.0}
 
@@ -97,7 +97,10 @@ def add_wind(commands: Commands, fmu: Path) -> None:
     wind.add_argument(
         "--step", type=float, metavar="H", help="communication step [s] (that of the hoist)"
     )
-    text = f"how drive and rope exchange, see docs/howto/hoist.md: {', '.join(SCHEMES)} (that of the hoist)"
+    text = (
+        f"how drive and rope exchange, see docs/howto/hoist.md: {', '.join(SCHEMES)} (that of the "
+        "hoist)"
+    )
     wind.add_argument("--scheme", choices=tuple(SCHEMES), metavar="NAME", help=text)
     wind.add_argument(
         "--resume",
@@ -110,8 +113,8 @@ def add_wind(commands: Commands, fmu: Path) -> None:
     wind.add_argument(
         "--quick",
         action="store_true",
-        help="10 m of travel, but of a hoist in which something goes wrong all of it, and 2 s of settling: a check, "
-        "not a result",
+        help="10 m of travel, but of a hoist in which something goes wrong all of it, and 2 s of "
+        "settling: a check, not a result",
     )
 
 
@@ -129,7 +132,8 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
     case = find_case(options.hoist)
     if case.distinct_ropes and options.fmu:
         raise ValueError(
-            f"--fmu {options.fmu} is for a hoist with one [[rope]]: leave it out, several run in process"
+            f"--fmu {options.fmu} is for a hoist with one [[rope]]: leave it out, several run in "
+            "process"
         )
     _choose_rope(options, default if options.hoist == DEFAULT_HOIST else None)
     own = settings(options.set, parameters(_parameters(options)))
@@ -231,17 +235,20 @@ def _stop(result: Result, out: Path, *, by_user: bool) -> str:
 
 
 def _remarks(hung: Ropes) -> list[str]:
-    """Return what an only rope lacks, and where a rope is not the one that was asked for, or that the drive expects."""
+    """Return remarks on outputs that an only rope lacks, and on a rope of another hoist."""
     first, own_level, level = hung.ropes[0], hung.case.level, ""
     if first.level != own_level and first.scene == replace(first, level=own_level).scene:
-        level = f"--level {first.level} changes nothing: leave mesh, accuracy, solver and model out of the hoist's file"
+        level = (
+            f"--level {first.level} changes nothing: leave mesh, accuracy, solver and model out of "
+            "the hoist's file"
+        )
     if hung.case.distinct_ropes:
         return [*filter(None, (level,))]
     (data,) = hung.data()
     if isinstance(hung.plant, FmuRope) and data.level not in ("", hung.case.level):
         level = (
-            f"level = {hung.case.level!r} of {hung.case.name} is not that of the FMU, {data.level!r}, which was "
-            "wound: export one of that level, or --in-process"
+            f"level = {hung.case.level!r} of {hung.case.name} is not that of the FMU, "
+            f"{data.level!r}, which was wound: export one of that level, or --in-process"
         )
     return [
         *filter(
@@ -256,7 +263,7 @@ def _remarks(hung: Ropes) -> list[str]:
 
 
 def _choose_rope(options: argparse.Namespace, default: Path | None) -> None:
-    """Settle whether the rope is that of an FMU: one asked for, or the default where there is one."""
+    """Return options with the FMU that is wound: the given one, or the default where it exists."""
     if options.fmu is None and not options.in_process:
         options.fmu = default if default is not None and default.is_file() else None
         options.in_process = options.fmu is None
@@ -296,8 +303,8 @@ def _parameters(options: argparse.Namespace) -> dict[str, Parameter] | None:
         return None
     if not options.fmu.is_file():
         raise ValueError(
-            f"FMU '{options.fmu}' is missing: `balance-rope export --outputs all --out {options.fmu}` makes it; or "
-            "give another file with --fmu, or run with --in-process"
+            f"FMU '{options.fmu}' is missing: `balance-rope export --outputs all --out "
+            f"{options.fmu}` makes it; or give another file with --fmu, or run with --in-process"
         )
     return read_parameters(options.fmu)
 
@@ -305,7 +312,10 @@ def _parameters(options: argparse.Namespace) -> dict[str, Parameter] | None:
 def _ropes(
     options: argparse.Namespace, case: Case, run: RunData, overrides: Mapping[str, Value]
 ) -> Ropes:
-    """Return the hoist's ropes, of which values are `chosen`; a chosen FMU is asked whether it takes its own."""
+    """Return the hoist's ropes, of which values are `chosen`.
+
+    A chosen FMU is asked whether it takes its own.
+    """
     kernels = (
         {} if options.kernels == "auto" else {"solver.kernels": KERNELS.index(options.kernels)}
     )

@@ -1,7 +1,8 @@
 """Table of the trips of a duty, the worst of all, and the trip from which on they repeat.
 
-A trip repeats the one a cycle before when none of REPEATING has changed by more than STEADY of its largest value in the
-duty; what is below its unit's NEGLIGIBLE counts as nothing. The cycle is as many trips as the schedule lists.
+A trip repeats the one a cycle before when none of REPEATING has changed by more than STEADY of its
+largest value in the duty; what is below its unit's NEGLIGIBLE counts as nothing. The cycle is as
+many trips as the schedule lists.
 """
 
 import math
@@ -104,14 +105,20 @@ class RestPlace:
 
 
 def unit_of(column: str) -> str:
-    """Return the unit of a column, of a rope's own too; "" for one that the table does not state."""
+    """Return the unit of a column, of a rope's own too.
+
+    "" for one that the table does not state.
+    """
     return _UNITS.get(own_name(column), "")
 
 
 def place_at_rest(
     schedule: Schedule, rope: RopePlant, names: Sequence[str] = ("",)
 ) -> dict[str, RestPlace]:
-    """Return the place of each rope's loop at rest before the first trip, by its name; NaN if it does not hang."""
+    """Return the place of each rope's loop at rest before the first trip, by its name.
+
+    NaN if it does not hang.
+    """
     left = schedule.landing(0)
     rope.initialize(0.0, EndMotion(y=left), EndMotion(y=schedule.trip(1).hoist.shaft_travel - left))
     prefixes = {name: f"{name}." if name else "" for name in names}
@@ -123,7 +130,10 @@ def place_at_rest(
 
 
 def trip_row(trip: WoundTrip, rest: Mapping[str, RestPlace]) -> dict[str, float]:
-    """Return the row of a trip; `rest` has the place of each rope's loop at rest, by the rope's name."""
+    """Return the row of a trip.
+
+    `rest` has the place of each rope's loop at rest, by the rope's name.
+    """
     recording, data = trip.result.recording, trip.data
     measured = measure_ropes(trip.result, data.hoist, data.arrival, [*rest])
     measured |= {"trip": float(trip.number), "start": float(recording.time[0])}
@@ -154,13 +164,16 @@ def _of_rope(recording: Recording, rest: RestPlace, arrived: float) -> dict[str,
 
 
 def landing_warnings(row: Mapping[str, float], data: RunData) -> list[str]:
-    """Warn of a trip whose dwell ends far from the landing: the drive alone holds the hoist while it is loaded."""
+    """Warn of a trip whose dwell ends far from the landing.
+
+    The drive alone holds the hoist while it is loaded.
+    """
     error, band = abs(row["position_error"]), data.arrival.position_band
     return (
         [
-            f"the left conveyance ends its dwell {error:.3g} m from the landing, not within arrival.position_band = "
-            f"{band:g} m: the drive alone holds it while payloads change; lengthen winding.settle, "
-            "or raise gains.position"
+            f"the left conveyance ends its dwell {error:.3g} m from the landing, not within "
+            f"arrival.position_band = {band:g} m: the drive alone holds it while payloads change; "
+            "lengthen winding.settle, or raise gains.position"
         ]
         if error > band
         else []
@@ -185,7 +198,10 @@ def trip_table(rows: Sequence[Mapping[str, float]], cycle: int) -> Recording:
 
 
 def differences(columns: Mapping[str, Array], cycle: int) -> Array:
-    """Largest change of REPEATING against the trip a cycle before, as a part of the column's largest; NaN at first."""
+    """Return the largest change of REPEATING against the trip a cycle before.
+
+    It is a part of the column's largest value, NaN in the first cycle.
+    """
     changes = np.full(columns["trip"].size, math.nan)
     if changes.size <= cycle:
         return changes
@@ -200,7 +216,10 @@ def differences(columns: Mapping[str, Array], cycle: int) -> Array:
 
 
 def steady_from(trips: Recording, cycle: int) -> int | None:
-    """Return the first trip from which on each repeats the one a cycle before, for a cycle at least; else None."""
+    """Return the first trip from which on each repeats the one a cycle before; else None.
+
+    At least the trips of one cycle must repeat.
+    """
     unlike = np.flatnonzero(~(trips["difference"] <= STEADY))
     first = int(unlike[-1]) + 1 if unlike.size else 0
     return int(trips["trip"][first]) if first + cycle <= trips["trip"].size else None

@@ -1,8 +1,9 @@
 """A hoist's file: the hoist, its trip, controller, balance ropes and shaft.
 
-Tables are [hoist] [winding] [gains] [shaper] [trajectory] [coupling] [arrival] of the host; [layout] [air] [contact]
-[mesh] and others of all ropes; and a [[rope]] for each, with `swivels` for both of its own. What is left out is that of
-the hoist that `like` names, or follows by a rule, or is a default.
+Tables are [hoist] [winding] [gains] [shaper] [trajectory] [coupling] [arrival] of the host;
+[layout] [air] [contact] [mesh] and others of all ropes; and a [[rope]] for each, with `swivels` for
+both of its own. What is left out is that of the hoist that `like` names, or follows by a rule, or
+is a default.
 """
 
 from __future__ import annotations
@@ -59,10 +60,8 @@ _BREAKS = (
 #: Parameters of the suspension and break of one of several ropes, by name.
 SUSPENSION_PARAMETERS = {p.name: p for p in (*leaves(SuspensionOffset, "rope."), *_BREAKS)}
 _DECIDES = ("construction", "from")  #: Keys that decide for another rope.
-_CATALOGUE_INPUTS = (
-    "rope.length",
-    "rope.diameter",
-)  #: Parameters that the catalogue does not know.
+#: Parameters that the catalogue does not know.
+_CATALOGUE_INPUTS = ("rope.length", "rope.diameter")
 
 
 def _rope_parameters() -> list[Parameter]:
@@ -127,7 +126,10 @@ class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: igno
     rope: list[Annotated[dict[str, Any], Flat(RopeTable, _stated_values)]] = Field([])
 
     def says(self) -> dict[str, Any]:
-        """Return all values that the file sets, over those of the hoist that it is like; each with its status."""
+        """Return all values that the file sets, over those of the hoist that it is like.
+
+        Each with its status.
+        """
         below = self.like.says() if self.like else {}
         own = {key: entry for key, entry in contents(self) if key not in ("like", "status", "rope")}
         own |= stated(own.items(), self.status)
@@ -207,7 +209,8 @@ def _balance_rope(
         problems.append(f"rope {k}: breaks_at and breaks_s must stand together: give both or none")
     if breaks and number > 1:
         problems.append(
-            f"rope {k}: number = {number} must be 1 for a rope that breaks: give each its own [[rope]]"
+            f"rope {k}: number = {number} must be 1 for a rope that breaks: give each its own "
+            "[[rope]]"
         )
     values = {**shared, **settings.get("from", {}), **own}
     kind = {name: settings[name] for name in ("construction", "lay") if name in settings}

@@ -1,6 +1,9 @@
-"""A new hoist's file from a few numbers: what is not given follows by rules, each of which the file states.
+"""A new hoist's file from a few numbers.
 
-All rules are ours [assumed]: plausible for a tower hoist with skips, and taken from no installation.
+Other values follow by rules, which the file states.
+
+All rules are ours [assumed]: plausible for a tower hoist with skips, and taken from no
+installation.
 """
 
 import math
@@ -45,7 +48,10 @@ WISHES = (
 
 
 def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
-    """Return the text of a file by values of WISHES; ValueError where the rope is not in the catalogue."""
+    """Return the text of a file by values of WISHES.
+
+    ValueError where the rope is not in the catalogue.
+    """
     inputs = {p.name: ParameterValue(p.start, "assumed") for p in WISHES}
     inputs |= {wish: ParameterValue(value) for wish, value in chosen.items()}
     wish = {

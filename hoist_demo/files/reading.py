@@ -1,4 +1,4 @@
-"""Reading of TOML files against pydantic models: all errors at once, each with place, value and cure.
+"""Reading of TOML files by pydantic models: all errors at once, with place, value and cure.
 
 text -> tables -> model of that kind of file, which is the typed object
 """
@@ -61,7 +61,7 @@ EMPTY: Any = pydantic.Field(default={}, validate_default=True)
 
 @dataclass(frozen=True)
 class Flat:
-    """Annotation for pydantic: the key is a table of this model, and holds what `make` makes of it."""
+    """Annotation for pydantic: the key is a table of this model, and its value is `make` of it."""
 
     model: type[Table]
     make: Callable[[Any], Any]
@@ -76,7 +76,10 @@ class Flat:
 def table_of(
     name: str, parameters: Iterable[Parameter], leaf: Callable[[Parameter], Any] = value_type
 ) -> type[Table]:
-    """Return the model of a table with these parameters, whose names may have more dots; `leaf` gives their types."""
+    """Return the model of a table with these parameters, whose names may have more dots.
+
+    `leaf` gives their types.
+    """
     inside: dict[str, list[Parameter]] = {}
     for parameter in parameters:
         inside.setdefault(parameter.name.removeprefix(f"{name}.").partition(".")[0], []).append(
@@ -107,7 +110,7 @@ def contents(table: pydantic.BaseModel, prefix: str = "") -> Iterator[tuple[str,
 
 
 def flat(name: str, fields: Mapping[str, Any], make: Callable[[Any], Any] | None = None) -> Flat:
-    """Return the annotation of a table with these fields, which holds all that it sets, by dotted names."""
+    """Return the annotation of a table with these fields: its values by dotted names."""
     model: type[Table] = pydantic.create_model(name, __base__=Table, **fields)
     return Flat(model, make or (lambda table: dict(contents(table))))
 
@@ -118,7 +121,10 @@ def read(
     opened: Sequence[Path] = (),
     over: Mapping[str, Mapping[str, object]] | None = None,
 ) -> T:
-    """Return a file's contents or raise FileError; files `opened` led to it, keys of `over` replace the file's."""
+    """Return a file's contents or raise FileError.
+
+    Files `opened` led to it, keys of `over` replace the file's.
+    """
     if path.resolve() in (one.resolve() for one in opened):
         raise FileError(path, ["must not lead back to itself: break the circle"])
     try:
@@ -140,7 +146,7 @@ def read(
 
 @contextmanager
 def errors_of_file(path: Path) -> Iterator[None]:
-    """Raise what is refused inside, beyond what files say of themselves, as FileError of this one."""
+    """Raise refusals of the block as FileError of this file, unless they are FileErrors already."""
     try:
         yield
     except FileError:
@@ -175,7 +181,10 @@ def _tables(path: Path) -> dict[str, Any]:
 
 
 def _missing_comma(text: str, error: tomllib.TOMLDecodeError) -> str:
-    """Return the words on a comma with which the text can be read further; "" where that is not the trouble."""
+    """Return the words on a comma with which the text can be read further.
+
+    "" where that is not the trouble.
+    """
     if (position := _position(error)) == _END:
         return ""
     line, column = position
@@ -242,7 +251,10 @@ def _located(key_path: str, text: str) -> str:
 
 
 def _key_path(loc: Sequence[int | str]) -> str:
-    """Return the dotted path of a key; members of lists are counted from 1: `rope 2 left.swivel.mode`."""
+    """Return the dotted path of a key.
+
+    Members of lists are counted from 1: `rope 2 left.swivel.mode`.
+    """
     parts = (f" {part + 1} " if isinstance(part, int) else f".{part or repr(part)}" for part in loc)
     return "".join(parts).replace(" .", " ").strip(" .")
 

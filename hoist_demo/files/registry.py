@@ -1,7 +1,7 @@
-"""All parameters of runs: the host's data as `section.field`, and those of rope and shaft by FMI name.
+"""All parameters of runs: the host's as `section.field`, those of rope and shaft by FMI name.
 
-Every value is checked for its unit, its type and, one at a time, its bounds: the data classes check themselves, and
-the FMU is asked to initialize with the value.
+Every value is checked for its unit, its type and, one at a time, its bounds: the data classes check
+themselves, and the FMU is asked to initialize with the value.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -33,7 +33,10 @@ _Data = create_model("Data", **{name: (kind, kind()) for name, kind in SECTIONS.
 
 
 def data_of(values: Mapping[str, Value]) -> dict[str, Any]:
-    """Return the data of all sections with values by their names in files; a part of which none is given is None."""
+    """Return the data of all sections with values by their names in files.
+
+    A part of which none is given is None.
+    """
     nested = dict[str, Any]()
     for name in filter(host_parameters().__contains__, values):
         *tables, key = name.split(".")
@@ -96,7 +99,7 @@ def group_table(group: str, leaf: Callable[[Parameter], Any]) -> Any:
 
 
 def run_fields(leaf: Callable[[Parameter], Any]) -> dict[str, Any]:
-    """Return the fields of a model with all parameters of a run by their names, each of the type that `leaf` gives."""
+    """Return the fields of a model with all parameters of a run, of types by `leaf`."""
     names = (*host_parameters(), *rope_parameters())
     groups = dict.fromkeys(name.partition(".")[0] for name in names if name != CONTROLLER.name)
     tables = {group: (group_table(group, leaf), Field(default=None)) for group in groups}
@@ -104,7 +107,10 @@ def run_fields(leaf: Callable[[Parameter], Any]) -> dict[str, Any]:
 
 
 def parameters(rope: Mapping[str, Parameter] | None = None) -> dict[str, Parameter]:
-    """Return all parameters of runs by name; `rope` are those of an FMU, in the place of a scene's."""
+    """Return all parameters of runs by name.
+
+    `rope` are those of an FMU, in the place of a scene's.
+    """
     own = rope_parameters() if rope is None else rope
     return {
         **host_parameters(),

@@ -1,4 +1,4 @@
-"""Ropes in files: what is known of one, and the parameter files that balance-rope identify writes."""
+"""Ropes in files: known data, and the parameter files that balance-rope identify writes."""
 
 from __future__ import annotations
 
@@ -28,9 +28,11 @@ from rope_model import Datum, KnownRope, rope
 from rope_model.catalogue import PROPERTIES, Lay
 from rope_model.texts import printable
 
-#: a property that is known may lie outside of the catalogue's range, but not so many times: then its unit is wrong
+#: a property that is known may lie outside of the catalogue's range, but not so many times: then
+#: its unit is wrong
 FAR_OFF = 10.0
-#: parameters of a rope that follow from the properties, and those of rope and hoist by the property that decides them
+#: parameters of a rope that follow from the properties, and those of rope and hoist by the property
+#: that decides them
 OF_CATALOGUE = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ")
 FOLLOWING = (*OF_CATALOGUE, "length", "diameter")
 _FOLLOWING = {
@@ -44,7 +46,7 @@ _BY_RULE = ("rope.rhoJ", "hoist.tail_rope_mass")  #: Those that are no property 
 
 
 def following_statuses(statuses: Mapping[str, str]) -> dict[str, str]:
-    """Return the statuses of the parameters that follow from properties of a rope with these statuses."""
+    """Return the statuses of a rope's parameters, by the statuses of its properties."""
     following = {
         name: status for key, status in statuses.items() for name in _FOLLOWING.get(key, ())
     }
@@ -106,7 +108,10 @@ class KnownFile(File):
 
     @cached_property
     def catalogue_rope(self) -> KnownRope:
-        """Rope of the catalogue with these ranges, or of these alone; a ValueError lists all that is wrong."""
+        """Rope of the catalogue with these ranges, or of these alone.
+
+        A ValueError lists all that is wrong.
+        """
         arguments = {key: entry for key, entry in self.catalogue_arguments.items() if entry != ""}
         needed = (
             []
@@ -134,8 +139,9 @@ class KnownFile(File):
                         else f"{datum.high:g}"
                     )
                     problems.append(
-                        f"[known] {name} = {text} must be within {low:.3g} and {high:.3g} {datum.unit}, {FAR_OFF:g} "
-                        "times less and more than the catalogue has: check its unit"
+                        f"[known] {name} = {text} must be within {low:.3g} and {high:.3g} "
+                        f"{datum.unit}, {FAR_OFF:g} times less and more than the catalogue has: "
+                        "check its unit"
                     )
         return replace(whole, data={**whole.data, **self.ranges})
 

@@ -1,4 +1,4 @@
-"""What files of studies, duties, uncertain windings and measurements have in common: a head, and values of runs."""
+"""Head and values of runs in files of studies, duties, uncertain windings and measurements."""
 
 from typing import Annotated, Any, Self
 
@@ -16,7 +16,7 @@ from rope_model.texts import printable
 
 
 class FileHeader(Table):
-    """Title, and the hoist that is wound: a file, or the name of one that comes with the project."""
+    """Title, and the hoist that is wound: a file, or a name of one that the project brings."""
 
     title: Text = Field("", validate_default=True)
     hoist: Text = "rope-120"
@@ -74,7 +74,10 @@ class RunFile(File):
 
 
 class RopeAnalysisFile(KnownFile):
-    """A file that asks something of a rope of which properties are known; they decide some of its parameters."""
+    """A file that asks something of a rope of which properties are known.
+
+    They decide some of its parameters.
+    """
 
     fixed: Values = EMPTY
 

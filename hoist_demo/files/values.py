@@ -1,4 +1,4 @@
-"""A value as a file gives it: a number in SI, "22 t", or { value, unit, status, source, low, high }."""
+"""A value of a file: a number in SI, "22 t", or { value, unit, status, source, low, high }."""
 
 import math
 import re
@@ -34,12 +34,10 @@ _SHARES = {"%": Fraction(1, 100)}  #: Units of pure numbers.
 _UNCLEAR = ("ton", "tons")  #: Units that are refused: a US ton is no tonne.
 _WITH_UNIT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
 #: raised by pint and by the tokenizer that it takes
-_COMMA = re.compile(
-    r"\s*([-+]?\d+),(\d+)"
-)  #: A number with a comma in it, for decimals or thousands.
-_JOINED = re.compile(
-    r"\b([kMG]?N|kg)m(?=$|[0-9./^])"
-)  #: Products without a sign: kNm, Nm/rad, kgm2.
+#: A number with a comma in it, for decimals or thousands.
+_COMMA = re.compile(r"\s*([-+]?\d+),(\d+)")
+#: Products without a sign: kNm, Nm/rad, kgm2.
+_JOINED = re.compile(r"\b([kMG]?N|kg)m(?=$|[0-9./^])")
 _NO_UNIT = (
     ArithmeticError,
     AssertionError,
@@ -52,7 +50,10 @@ _NO_UNIT = (
 
 
 def read_text(content: Any) -> str:
-    """Return a title, a name or a source: a line of at most MAX_TEXT characters; ValueError for another."""
+    """Return a title, a name or a source: a line of at most MAX_TEXT characters.
+
+    ValueError for another.
+    """
     text = str(content)
     if not isinstance(content, str | int | float):
         raise ValueError(f"{text[:MAX_TEXT]!r} must be a text: put it in quotation marks")
@@ -72,7 +73,10 @@ Text = Annotated[
 
 @dataclass(frozen=True)
 class ParameterValue:
-    """A value with its source; `low` and `high` are how far it may be off, in the parameter's unit."""
+    """A value with its source.
+
+    `low` and `high` are how far it may be off, in the parameter's unit.
+    """
 
     value: Value
     status: str = GIVEN  # "": the file's
@@ -106,11 +110,14 @@ def unreached(given: Mapping[str, ParameterValue], reached: Mapping[str, Value])
     """Yield a sentence for each value of [fixed] that is not the one which a run has in the end."""
     for name, entry in given.items():
         if name not in reached:
-            yield f"[fixed] {name} = {entry.value!r} is a value that this command does not take: leave it out"
+            yield (
+                f"[fixed] {name} = {entry.value!r} is a value that this command does not take: "
+                "leave it out"
+            )
         elif reached[name] != entry.value:
             yield (
-                f"[fixed] {name} = {entry.value!r} does not reach the rope or the hoist, which has {reached[name]!r}: "
-                "leave it out"
+                f"[fixed] {name} = {entry.value!r} does not reach the rope or the hoist, which has "
+                f"{reached[name]!r}: leave it out"
             )
 
 
@@ -154,7 +161,8 @@ def _parameter_value(parameter: Parameter, table: ValueTable) -> ParameterValue:
     least, most = -math.inf if low is None else low, math.inf if high is None else high
     if not isinstance(value, str) and not least <= value <= most:
         raise ValueError(
-            f"{parameter.name} = {value:g} must be within low and high, {least:g} to {most:g}: correct it"
+            f"{parameter.name} = {value:g} must be within low and high, {least:g} to {most:g}: "
+            "correct it"
         )
     return ParameterValue(value, table.status, table.source, low, high)
 
@@ -165,13 +173,14 @@ def read_value(parameter: Parameter, content: Any, unit: str = "") -> Value:
         match = _WITH_UNIT.fullmatch(content)
         if comma := _COMMA.match(content):
             raise ValueError(
-                f"{parameter.name} = {content[:MAX_TEXT]!r} has a comma within its number: write a point for decimals "
-                f"and nothing between thousands, {comma[1]}.{comma[2]} or {comma[1]}{comma[2]}"
+                f"{parameter.name} = {content[:MAX_TEXT]!r} has a comma within its number: write a "
+                f"point for decimals and nothing between thousands, {comma[1]}.{comma[2]} or "
+                f"{comma[1]}{comma[2]}"
             )
         if match is None:
             raise ValueError(
-                f"{parameter.name} = {content[:MAX_TEXT]!r} must be a finite number, with a unit behind it or in "
-                f"{parameter.unit_words}: correct it"
+                f"{parameter.name} = {content[:MAX_TEXT]!r} must be a finite number, with a unit "
+                f"behind it or in {parameter.unit_words}: correct it"
             )
         return parameter.read(_converted(parameter, match[1], match[2] or unit))
     if unit and isinstance(content, int | float) and not isinstance(content, bool):
@@ -180,7 +189,10 @@ def read_value(parameter: Parameter, content: Any, unit: str = "") -> Value:
 
 
 def _converted(parameter: Parameter, number: str | float, unit: str) -> float:
-    """Return a number with this unit in the parameter's, rounded once: 52 mm are 0.052 m, to the last bit."""
+    """Return a number with this unit in the parameter's unit, rounded once.
+
+    52 mm are 0.052 m, to the last bit.
+    """
     factor = _factor(_JOINED.sub(r"\1.m", fmi_unit(unit)), parameter.unit) if unit else Fraction(1)
     if factor is None:
         raise ValueError(
@@ -195,7 +207,10 @@ def _converted(parameter: Parameter, number: str | float, unit: str) -> float:
 
 @cache
 def _factor(unit: str, to: str) -> Fraction | None:
-    """Return what one `unit` is in `to`; None where they measure different things, or one is unknown."""
+    """Return what one `unit` is in `to`.
+
+    None where they measure different things, or one is unknown.
+    """
     # turns, radians and hertz are one to pint, and a pure number may be anything
     if (
         unit == to

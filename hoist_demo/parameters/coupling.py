@@ -22,7 +22,8 @@ class Coupling(ValidatedData):
     sample: float | None = parameter(
         None,
         "s",
-        "sample time of the controller, a multiple of step or a whole part of it; left out: the step",
+        "sample time of the controller, a multiple of step or a whole part of it; left out: the "
+        "step",
     )
 
     def __post_init__(self) -> None:

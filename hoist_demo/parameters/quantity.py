@@ -1,4 +1,4 @@
-"""Parameters of files and data classes: fields that state their unit and meaning, units in one spelling, values read.
+"""Parameters of files and data classes: fields with unit, meaning and bounds; reading of values.
 
 The metadata have the same names as those of rope_model's parameters.
 """
@@ -45,12 +45,15 @@ FRACTION = Bounds(0.0, 1.0, True, "give a fraction")  #: Bounds of a share.
 
 
 def parameter(default: T, unit: str, meaning: str = "", bounds: Bounds = POSITIVE) -> T:
-    """Return a field with its unit ("-" of a pure number), its meaning beyond its name, and its bounds."""
+    """Return a field with unit ("-" of a pure number), meaning beyond its name, and bounds."""
     return field(default=default, metadata={"unit": unit, "description": meaning, "bounds": bounds})
 
 
 def fmi_unit(unit: str) -> str:
-    """Return the unit as FMI writes it: `N s/m`, `N*s/m` and `N.s/m` are one, `m/s^2` is `m/s2`, none is `1`."""
+    """Return the unit as FMI writes it.
+
+    `N s/m` and `N*s/m` are `N.s/m`, `m/s^2` is `m/s2`, none is `1`.
+    """
     text = re.sub(r"[\s*·]+", ".", unit.strip()).replace("^", "")
     return "1" if text in ("", "-") else text
 
@@ -133,7 +136,10 @@ _KINDS = {bool: "Boolean", int: "Integer", str: "String", float: "Real"}
 
 
 def leaves(data: Any, prefix: str = "") -> Iterator[Parameter]:
-    """Yield all single values of a data class by dotted names; `brake: Brake | None` stands for the brake's own."""
+    """Yield all single values of a data class by dotted names.
+
+    `brake: Brake | None` stands for the brake's own.
+    """
     hints = get_type_hints(data)
     for one in fields(data):
         hint, metadata, name = hints[one.name], one.metadata, f"{prefix}{one.name}"
@@ -151,7 +157,10 @@ def leaves(data: Any, prefix: str = "") -> Iterator[Parameter]:
 
 
 class ValidatedData:
-    """Data that are checked when they are made, each value alone; `of` stands before their names in messages."""
+    """Data that are checked when they are made, each value alone.
+
+    `of` stands before their names in messages.
+    """
 
     _of = ""
 

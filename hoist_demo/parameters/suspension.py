@@ -1,12 +1,12 @@
 """Suspension of a balance rope on its conveyances, and what follows from it.
 
-A rope hangs from a point p = (x, z) of either conveyance, counted from its centre. There the conveyance, turned by its
-yaw psi, moves the rope's end by its own motion and by
+A rope hangs from a point p = (x, z) of either conveyance, counted from its centre. There the
+conveyance, turned by its yaw psi, moves the rope's end by its own motion and by
 
     p' = R(psi) p ,    v = psi' e_Y x p' ,    a = psi'' e_Y x p' - psi'^2 p' ,
 
-and the rope's force f and moment m act on it, about its centre, as f and m + p' x f. The functions take numbers and
-CasADi expressions alike.
+and the rope's force f and moment m act on it, about its centre, as f and m + p' x f. The functions
+take numbers and CasADi expressions alike.
 """
 
 from collections.abc import Sequence
@@ -54,7 +54,10 @@ class SuspensionOffset:
 def motion_at(
     offset: tuple[Any, Any], centre: Sequence[Any], yaw: Any, yaw_rate: Any, yaw_acceleration: Any
 ) -> tuple[Any, ...]:
-    """Return MOVED of a conveyance's point, from its nominal place; ``centre`` is MOVED of the conveyance's centre."""
+    """Return MOVED of a conveyance's point, from its nominal place.
+
+    ``centre`` is MOVED of the conveyance's centre.
+    """
     cx, cz, cvx, cvz, cax, caz = centre
     x, z = _turned(offset, yaw)
     return (

@@ -8,14 +8,14 @@ from hoist_demo.parameters.components import require
 from hoist_demo.parameters.hoist import Hoist
 from hoist_demo.parameters.quantity import NONNEGATIVE, UNBOUNDED, ValidatedData, parameter
 
-#: Who stops the hoist: the drive along its reference, or the brake with a regulated deceleration, its full torque, or a
-#: part of it first and the whole later.
+#: Who stops the hoist: the drive along its reference, or the brake with a regulated deceleration,
+#: its full torque, or a part of it first and the whole later.
 EmergencyLaw = Literal["drive", "deceleration", "torque", "two-stage"]
 
 
 @dataclass(frozen=True)
 class Winding(ValidatedData):
-    """One trip of the left conveyance, up when travel is positive, with waiting times before and after."""
+    """One trip of the left conveyance, up if travel is positive, with waits before and after."""
 
     travel: float = parameter(90.0, "m", "negative lowers", UNBOUNDED)
     speed: float = parameter(8.0, "m/s", "limit")
@@ -68,7 +68,7 @@ class Winding(ValidatedData):
 
     @property
     def tracking_end(self) -> float:
-        """Time [s] until which the drive follows the reference: an emergency stop with the brake ends that."""
+        """Time [s] until which the drive follows the reference: an emergency stop by the brake."""
         return (
             math.inf
             if self.emergency_at is None or self.emergency_law == "drive"
@@ -86,22 +86,25 @@ class Arrival(ValidatedData):
 
 
 def require_trip_fits(hoist: Hoist, winding: Winding) -> None:
-    """Reject a trip longer than the shaft, and a law of emergency stops for a brake that is not there or too weak."""
+    """Reject a trip longer than the shaft, and a stop for which the brake is too weak."""
     travel, bound = winding.travel, f"within +- shaft_travel = {hoist.shaft_travel:g} m"
     require(travel, abs(travel) <= hoist.shaft_travel, "travel", bound, "shorten the trip")
     if winding.emergency_law == "drive":
         return
     if hoist.brake is None:
         raise ValueError(
-            f"emergency_law = {winding.emergency_law!r} must be 'drive' for a hoist without a brake: "
-            "give it one, as hoist.brake.torque = 5.5e5 (N m)"
+            f"emergency_law = {winding.emergency_law!r} must be 'drive' for a hoist without a "
+            "brake: give it one, as hoist.brake.torque = 5.5e5 (N m)"
         )
     deceleration, capacity = (
         winding.emergency_deceleration,
         hoist.brake.torque / hoist.sheave_radius,
     )
     enough = winding.emergency_law != "deceleration" or deceleration * hoist.moving_mass <= capacity
-    bound = f"at most {capacity / hoist.moving_mass:.3g} m/s^2, what brake.torque gives all moving masses"
+    bound = (
+        f"at most {capacity / hoist.moving_mass:.3g} m/s^2, what brake.torque gives all moving "
+        "masses"
+    )
     require(
         deceleration,
         enough,
@@ -112,7 +115,7 @@ def require_trip_fits(hoist: Hoist, winding: Winding) -> None:
 
 
 def require_jams_on_the_way(hoist: Hoist, winding: Winding) -> None:
-    """Reject a jam that its conveyance does not come to in a trip from landing: the trip would show nothing of it."""
+    """Reject a jam that its conveyance does not reach in a trip from its landing."""
     start, _ = start_heights(hoist, winding)
     low, high = sorted((start, start + winding.travel))
     for name, jam, (least, most) in (
@@ -121,12 +124,18 @@ def require_jams_on_the_way(hoist: Hoist, winding: Winding) -> None:
     ):
         if jam is not None:
             on_the_way = least - jam.distance < jam.height < most + jam.distance
-            bound = f"within {jam.distance:g} m of {least:g} to {most:g} m, where its conveyance comes in a trip of "
+            bound = (
+                f"within {jam.distance:g} m of {least:g} to {most:g} m, where its conveyance comes "
+                "in a trip of "
+            )
             cure = f"move the jam (hoist.{name}.height), or wind further (wind --quick winds 10 m)"
             require(jam.height, on_the_way, f"{name}.height", f"{bound}{winding.travel:g} m", cure)
 
 
 def start_heights(hoist: Hoist, winding: Winding) -> tuple[float, float]:
-    """Heights of left and right conveyance before a trip [m]: the landings, left below when it is to rise."""
+    """Return the heights of left and right conveyance before a trip [m].
+
+    They are the landings; left is the lower one if it rises.
+    """
     low, high = 0.0, hoist.shaft_travel
     return (low, high) if winding.travel > 0.0 else (high, low)

@@ -1,9 +1,10 @@
 """Load history of each place in the rope: extremes, cycles, vibrations, and the time in a bend.
 
-The places are the rope's stations, which stay in it while it flows through the loop. Cycles are counted by the rainflow
-method (ASTM E1049); what a record leaves open counts one half, so that trips to and fro add up to whole cycles. Counted
-are cycles of at least COUNTED of the largest range of that quantity in the rope: less is ripple.
-These are ranges, not lives: how many of them a rope bears is for its maker to say.
+The places are the rope's stations, which stay in it while it flows through the loop. Cycles are
+counted by the rainflow method (ASTM E1049); what a record leaves open counts one half, so that
+trips to and fro add up to whole cycles. Counted are cycles of at least COUNTED of the largest range
+of that quantity in the rope: less is ripple. These are ranges, not lives: how many of them a rope
+bears is for its maker to say.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,10 +16,10 @@ import rainflow
 from hoist_demo.recording.time_series import Array, Recording
 from rope_model import SIGNALS
 
-MIN_PERIODS = (
-    2.0  #: Least periods in half the record; slower motion is the trip, no vibration [assumed].
-)
-#: Least ratio of a spectral peak to the valleys beside it; a trip without vibration has lower ones [assumed].
+#: Least periods in half the record; slower motion is the trip, no vibration [assumed].
+MIN_PERIODS = 2.0
+#: Least ratio of a spectral peak to the valleys beside it; a trip without vibration has lower ones
+#: [assumed].
 MIN_PEAK_RATIO = 2.0
 MIN_ROWS = 16  #: Rows of the shortest record that has a spectrum.
 
@@ -31,11 +32,13 @@ class Spectra(NamedTuple):
 
 
 def spectra(time: Array, values: Array) -> Spectra:
-    """Return spectra of `values` (rows, places) at even times [s]; empty for a short record, NaN where values have NaN.
+    """Return spectra of `values` (rows, places) at even times [s].
 
-    Welch's method (scipy.signal.welch): halves of the record that overlap by half, each without its linear trend and
-    under a Hann window. An amplitude is that of a sine that has the power of its line. What has fewer than MIN_PERIODS
-    within such a half is the trip, no vibration.
+    Empty for a short record, NaN where values have NaN.
+
+    Welch's method (scipy.signal.welch): halves of the record that overlap by half, each without its
+    linear trend and under a Hann window. An amplitude is that of a sine that has the power of its
+    line. What has fewer than MIN_PERIODS within such a half is the trip, no vibration.
     """
     rows, places = values.shape
     if rows < MIN_ROWS:
@@ -57,7 +60,10 @@ def spectra(time: Array, values: Array) -> Spectra:
 
 
 def strongest(spectrum: Spectra) -> tuple[Array, Array]:
-    """Return frequency [Hz] and amplitude (places,) of the highest peak above MIN_PEAK_RATIO; NaN and 0 without one."""
+    """Return frequency [Hz] and amplitude (places,) of the highest peak above MIN_PEAK_RATIO.
+
+    NaN and 0 without one.
+    """
     places = spectrum.amplitude.shape[1]
     frequency, amplitude = np.full(places, np.nan), np.zeros(places)
     if spectrum.frequency.size:
@@ -81,15 +87,13 @@ STATION_SIGNALS = tuple(
 )
 COUNTED = 0.25  #: Part of the largest range from which on a cycle is counted [assumed].
 BENT = 0.5  #: Part of the sharpest curvature from which on a place is in a bend [assumed].
-VIBRATING = (
-    "tension",
-    "torque",
-)  #: Quantities with spectra: what bends as it passes the loop does so once.
+#: Quantities with spectra: what bends as it passes the loop does so once.
+VIBRATING = ("tension", "torque")
 #: First and last power of ten at which bins of ranges begin, in N, 1/m and N m.
 _DECADES = {"tension": (1, 5), "curvature": (-3, 0), "torque": (-1, 2)}
 
-#: Where the bins of the ranges of each quantity begin; each ends at the next one, the last has no end. The same for all
-#: ropes, so that what several records have adds up.
+#: Where the bins of the ranges of each quantity begin; each ends at the next one, the last has no
+#: end. The same for all ropes, so that what several records have adds up.
 BINS = {
     name: tuple(
         float(f"{digit}e{power}") for power in range(first, last + 1) for digit in (1, 2, 5)
@@ -130,7 +134,10 @@ _PLACES = ("station", "s")
 
 
 def exposure(recording: Recording, parameters: Mapping[str, Any]) -> Recording | None:
-    """Return a row per station from the left end on, at places by the rope's `parameters`; None without stations."""
+    """Return a row per station from the left end on, at places by the rope's `parameters`.
+
+    None without stations.
+    """
     rows = {name: at_stations(recording, name) for name in QUANTITIES}
     if any(values.size == 0 for values in rows.values()):
         return None
@@ -218,7 +225,10 @@ def _extremes(name: str, time: Array, values: Array) -> dict[str, Array]:
 
 
 def _counted(name: str, values: Array) -> dict[str, Array]:
-    """Largest range, number of counted cycles, and cycles by range at each station, of a record (rows, stations)."""
+    """Return the largest range, the counted cycles, and cycles by range at each station.
+
+    The record `values` has the shape (rows, stations).
+    """
     keys = [f"{name}.range", f"{name}.cycles", *bin_columns(name)]
     if not np.isfinite(values).all():
         return dict.fromkeys(keys, np.full(values.shape[1], np.nan))

@@ -1,6 +1,9 @@
-"""Signals that a fidelity leaves out. The rope shows them as zero, which looks like a result; here they are NaN.
+"""Signals that a fidelity leaves out.
 
-On a rope that carries no torque the zeros of what only torque makes are the complete model's own, so they stay.
+The rope shows them as zero, which looks like a result; here they are NaN.
+
+On a rope that carries no torque the zeros of what only torque makes are the complete model's own,
+so they stay.
 """
 
 from collections.abc import Iterable
@@ -60,8 +63,9 @@ def remark(recording: Recording) -> str:
         if effects and fidelity in fidelities_of(recording):
             label = ", ".join(effect.words for effect in effects)
             return (
-                f"the rope ran as its {fidelity} model{_when(fidelity, recording)}, which does not compute {label}; "
-                "none of that is shown. Set model.fidelity = 1 (torsional), or take the level standard"
+                f"the rope ran as its {fidelity} model{_when(fidelity, recording)}, which does not "
+                f"compute {label}; none of that is shown. Set model.fidelity = 1 (torsional), or "
+                "take the level standard"
             )
     return ""
 

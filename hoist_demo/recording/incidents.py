@@ -18,20 +18,23 @@ class JamEvent(NamedTuple):
     side: str
     t: float  # s, of the first sample that shows it
     height: float  # m, of the suspension there
-    stopping_distance: (
-        float | None
-    )  # m, from there to where it first stood still; None: it went through
+    # m, from there to where it first stood still; None: it went through
+    stopping_distance: float | None
     deceleration: float  # m/s^2, largest change of speed, until then
 
 
 class Stop(NamedTuple):
-    """An emergency stop of one conveyance, and where it goes from there: it swings, or the sheave does not hold it."""
+    """Emergency stop of one conveyance, and its way after it.
+
+    It swings, or the sheave does not hold it.
+    """
 
     side: str
     stopping_distance: float  # m, its own, until it first stands still
     time: float | None  # s, until then; None: it never does
     then: float = 0.0  # m, farthest from there later, positive upwards
-    held: bool = True  # by the head ropes on the sheave, from where these first stand to the end of the record
+    # by the head ropes on the sheave, from where these first stand to the end of the record
+    held: bool = True
     speed: float = 0.0  # m/s, at the end of the record
     farthest: float = 0.0  # m, from where the stop began
 
@@ -66,12 +69,19 @@ def jams(recording: Recording) -> list[JamEvent]:
     return sorted(events, key=attrgetter("t"))
 
 
-STILL = 0.05  #: Speed below which a conveyance or a sheave that is stopped counts as standing still [m/s, assumed].
-RECOIL = 2.0  #: Time within which a sheave that brake or motor holds turns back [s, assumed]; conveyances may swing on.
+#: Speed below which a conveyance or a sheave that is stopped counts as standing still [m/s,
+#: assumed].
+STILL = 0.05
+#: Time within which a sheave that brake or motor holds turns back [s, assumed]; conveyances may
+#: swing on.
+RECOIL = 2.0
 
 
 def _stands(speeds: Array, still: float = 0.0) -> int | None:
-    """Return the first sample at which what moved at first has at most this speed [m/s]; None where it goes on."""
+    """Return the first sample at which what moved at first has at most this speed [m/s].
+
+    None where it goes on.
+    """
     turned = np.flatnonzero(speeds * np.sign(speeds[0]) <= still)
     return int(turned[0]) if turned.size else None
 
@@ -79,8 +89,8 @@ def _stands(speeds: Array, still: float = 0.0) -> int | None:
 def stops(recording: Recording, begin: float | None, radius: float) -> list[Stop]:
     """Return the emergency stop of each conveyance, `begin` [s] after the start of the record.
 
-    Whether it is held is judged by the head ropes on the sheave of this radius [m]: a conveyance swings on them, in a
-    deep shaft for longer than any brake lets them run.
+    Whether it is held is judged by the head ropes on the sheave of this radius [m]: a conveyance
+    swings on them, in a deep shaft for longer than any brake lets them run.
     """
     if begin is None or not recording.has(
         "drive.rate", *(f"conveyance.{side}.vy" for side in SIDES)
@@ -116,7 +126,7 @@ def _rope_speed(recording: Recording, radius: float) -> Array:
 
 
 def _holds(time: Array, speeds: Array) -> bool:
-    """Return True if ropes that are stopped come to stand, and then neither run for long nor as the record ends."""
+    """Return True if stopped ropes come to stand, and then run neither for long nor at the end."""
     stood = _stands(speeds, STILL)
     if stood is None:
         return False
@@ -151,8 +161,9 @@ ALIKE = "make the two sides more alike in weight"  #: What gives friction more r
 
 #: Words on head ropes that hold where friction alone would not.
 IN_SPITE = (
-    "the model lets them hold, so nothing after that instant is a prediction. Let them slip (hoist.lining.sliding = "
-    f"0.8), brake or accelerate more gently (winding.emergency_deceleration, winding.acceleration), or {ALIKE}"
+    "the model lets them hold, so nothing after that instant is a prediction. Let them slip "
+    "(hoist.lining.sliding = 0.8), brake or accelerate more gently "
+    f"(winding.emergency_deceleration, winding.acceleration), or {ALIKE}"
 )
 
 
@@ -186,7 +197,10 @@ def slip(recording: Recording) -> Slip | None:
 
 
 def tension_ratios(recording: Recording, limit: float) -> Array:
-    """Return the ratios of the head ropes' tensions [-], just above the limit where they slid since the last sample."""
+    """Return the ratios of the head ropes' tensions [-].
+
+    Where the ropes slid since the last sample, the ratio is just above the limit.
+    """
     ratio = recording["drive.tension_ratio"].copy()
     if recording.has(*SLIP_SIGNALS):
         slid = np.flatnonzero(np.diff(recording["drive.slip"])) + 1
@@ -194,9 +208,8 @@ def tension_ratios(recording: Recording, limit: float) -> Array:
     return ratio
 
 
-GUARD_SIGNALS = frozenset(
-    {"guard.tripped", "guard.cause", "guard.time"}
-)  #: Outputs of the rope's guards.
+#: Outputs of the rope's guards.
+GUARD_SIGNALS = frozenset({"guard.tripped", "guard.cause", "guard.time"})
 GUARD_CODES = dict(enumerate(GUARD_CAUSES, start=1))  #: What `guard.cause` stands for.
 
 
@@ -242,8 +255,8 @@ def incidents(recording: Recording) -> str:
     if (slid := slip(recording)) is not None:
         still = f", and still slip at {abs(slid.last):.3g} m/s when it ends" if slid.last else ""
         sentences.append(
-            f"the head ropes slipped {slid.slid_distance:.3g} m on the sheave from t = {slid.t:.4g} s on, at up to "
-            f"{slid.speed:.3g} m/s{still}"
+            f"the head ropes slipped {slid.slid_distance:.3g} m on the sheave from t = "
+            f"{slid.t:.4g} s on, at up to {slid.speed:.3g} m/s{still}"
         )
     return "".join(f"; {text}" for text in sentences)
 

@@ -24,7 +24,7 @@ class Nearest:
 
 @dataclass(frozen=True)
 class RopePair:
-    """Two ropes, where they came nearest to each other, and what they did to each other if they may."""
+    """Two ropes, their nearest approach, and what their contact did where it is computed."""
 
     one: str
     other: str
@@ -33,7 +33,10 @@ class RopePair:
 
 
 def nearest(times: Array, one: Array, other: Array, radii: float) -> Nearest:
-    """Return the nearest approach of two ropes: points (instants, points, 3) [m], and the sum of their radii [m]."""
+    """Return the nearest approach of two ropes.
+
+    Their shapes are points (instants, points, 3) [m]; `radii` is the sum of their radii [m].
+    """
     best = Nearest(np.inf, float(times[0]), (np.nan, np.nan, np.nan))
     for k, t in enumerate(times):
         distance, position = polygon_distance(one[k], other[k])
@@ -44,11 +47,11 @@ def nearest(times: Array, one: Array, other: Array, radii: float) -> Nearest:
 
 
 def polygon_distance(one: Array, other: Array) -> tuple[float, Array]:
-    """Return the smallest distance of two polygons through points (n, 3), and the place half-way [m].
+    """Return the smallest distance of polygons through points (n, 3), and the place half-way [m].
 
-    Two sides p + a d, q + b e, a and b within 0 and 1, are nearest where both derivatives vanish, or at a bound
-    (C. Ericson, Real-Time Collision Detection, 2005, section 5.1.9). An arc of the radius r cut short by a side of the
-    length l is missed by l^2 / (8 r) at most.
+    Two sides p + a d, q + b e, a and b within 0 and 1, are nearest where both derivatives vanish,
+    or at a bound (C. Ericson, Real-Time Collision Detection, 2005, section 5.1.9). An arc of the
+    radius r cut short by a side of the length l is missed by l^2 / (8 r) at most.
     """
     p, d = one[:-1, None], np.diff(one, axis=0)[:, None]
     q, e = other[None, :-1], np.diff(other, axis=0)[None]
@@ -75,7 +78,8 @@ def pairs(
 ) -> list[RopePair]:
     """List all pairs of ropes with name, origin of their places [m] and diameter [m].
 
-    A broken rope has no shape any more, and one whose model leaves out what leads it out of its plane has none either.
+    A broken rope has no shape any more, and one whose model leaves out what leads it out of its
+    plane has none either.
     """
     every = (
         max(1, round(LOOKED_AT / (recording.time[1] - recording.time[0])))
@@ -101,7 +105,10 @@ def pairs(
 def _shapes(
     recording: Recording, name: str, origin: tuple[float, float, float], every: int
 ) -> Array:
-    """Return shapes of a rope (instants, points, 3) [m] until it breaks; x from between the conveyances' centres."""
+    """Return shapes of a rope (instants, points, 3) [m] until it breaks.
+
+    X from between the conveyances' centres.
+    """
     own = rope_signals(recording, name)
     shapes = own.shapes_at(range(0, len(own.time), every))
     assert shapes is not None

@@ -26,11 +26,15 @@ PASSAGE_SIGNALS = frozenset(
     | {_DISSIPATED}
 )
 
-PASSED = "passed"  #: Word of ``passages`` for bodies that did not hold the rope: later results describe no real rope.
+#: Word of ``passages`` for bodies that did not hold the rope: later results describe no real rope.
+PASSED = "passed"
 
 
 def passages(recording: Recording, rope: str = "the rope") -> str:
-    """Return what ``rope`` has struck or passed through so far, with times and places; "" for nothing."""
+    """Return what ``rope`` has struck or passed through so far, with times and places.
+
+    "" for nothing.
+    """
     met = [
         _met(recording, label, f"nearest.{name}.touched_at", f"nearest.{name}.y")
         if _last(recording, f"nearest.{name}.clearance", 1.0) <= 0.0
@@ -48,7 +52,8 @@ def passages(recording: Recording, rope: str = "the rope") -> str:
     struck, into, through = (met, [], []) if held else ([], met, [])
     if _last(recording, "loop.crossings") > 0.0:
         through.append(
-            f"its other leg or what hangs above that (t = {_last(recording, 'loop.crossed_at'):.4g} s, around y = "
+            "its other leg or what hangs above that (t = "
+            f"{_last(recording, 'loop.crossed_at'):.4g} s, around y = "
             f"{_last(recording, 'loop.crossed_y'):.4g} m)"
         )
     if _last(recording, "loop.overlap") > 0.0:
@@ -74,11 +79,14 @@ _PASSAGE_WARNINGS = ("the rope has struck", "the rope has passed into")
 
 
 def _met(recording: Recording, label: str, since: str, y: str) -> str:
-    return f"{label} (from t = {_last(recording, since):.4g} s on, deepest at y = {_last(recording, y):.4g} m)"
+    return (
+        f"{label} (from t = {_last(recording, since):.4g} s on, deepest at y = "
+        f"{_last(recording, y):.4g} m)"
+    )
 
 
 def _briefly(recording: Recording, label: str, names: Sequence[str]) -> str:
-    """Return ``words`` with the time of the first row that shows contact, where its depth is unknown or too small."""
+    """Return ``label`` with the time of the first row that shows contact in ``names``."""
     shown = [_shows(recording, name) for name in names if name in recording]
     return f"{label} (from t = {recording.time[np.argmax(np.any(shown, axis=0))]:.4g} s on)"
 

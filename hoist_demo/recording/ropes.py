@@ -1,4 +1,7 @@
-"""Records of several balance ropes: signals of each begin with its name. The only one of a hoist has none, ""."""
+"""Records of several balance ropes: signals of each begin with its name.
+
+The only one of a hoist has none, "".
+"""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -20,7 +23,10 @@ def rope_signals(recording: Recording, name: str) -> Recording:
 
 
 def as_only_rope(recording: Recording, name: str) -> Recording:
-    """Return the record as if the hoist had this rope alone: its signals under their own names, beside the hoist's."""
+    """Return the record as if the hoist had this rope alone.
+
+    The rope's signals stand under their plain names beside the hoist's.
+    """
     own = _own(recording, name)
     return replace(
         recording,
@@ -30,7 +36,10 @@ def as_only_rope(recording: Recording, name: str) -> Recording:
 
 
 def computed(recording: Recording, torque_free: Mapping[str, bool]) -> Recording:
-    """Return the record with NaN for what was not computed or is absent, and for its sums; `torque_free` by rope."""
+    """Return the record with NaN for what was not computed or is absent, and for its sums.
+
+    `torque_free` by rope.
+    """
     signals = dict(recording.signals)
     for name, free in torque_free.items():
         before = _own(recording, name)

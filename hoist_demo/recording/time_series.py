@@ -1,7 +1,8 @@
 """Time series of all signals, and their CSV files.
 
-The CSV files carry no clock and no date: the same run writes the same bytes. The rope's shape samples go into a file
-of their own, at a few instants, because hundreds of columns would bury the rest, as would those of the stations.
+The CSV files carry no clock and no date: the same run writes the same bytes. The rope's shape
+samples go into a file of their own, at a few instants, because hundreds of columns would bury the
+rest, as would those of the stations.
 """
 
 import csv
@@ -44,16 +45,22 @@ class Recording:
         return self.signals[TIME]
 
     def seconds(self, flag: str) -> float:
-        """Return the time during which a 0/1 signal is 1 [s], each value holding until the next row."""
+        """Return the time during which a 0/1 signal is 1 [s]; a value holds until the next row."""
         return float(np.sum(np.diff(self.time) * self[flag][:-1])) if flag in self else 0.0
 
     def shape_at(self, row: int) -> Array | None:
-        """Return the rope's points at a row from left to right, shape (n, 3) [m]; None if not recorded."""
+        """Return the rope's points at a row from left to right, shape (n, 3) [m].
+
+        None if not recorded.
+        """
         shapes = self.shapes_at([row])
         return None if shapes is None else shapes[0]
 
     def shapes_at(self, rows: Sequence[int]) -> Array | None:
-        """Return the rope's points at several rows, shape (rows, n, 3) [m]; None if not recorded."""
+        """Return the rope's points at several rows, shape (rows, n, 3) [m].
+
+        None if not recorded.
+        """
         count = sum(1 for name in self.signals if name.startswith("shape.x["))
         if count == 0:
             return None
@@ -63,7 +70,10 @@ class Recording:
         return np.ascontiguousarray(np.array(columns, dtype=np.float64).T)
 
     def along(self, name: str) -> Array | None:
-        """Return `tension` or its like at the rope's points, shape (rows, n); None if not recorded."""
+        """Return `tension` or its like at the rope's points, shape (rows, n).
+
+        None if not recorded.
+        """
         columns = [
             values for key, values in self.signals.items() if key.startswith(f"shape.{name}[")
         ]
@@ -106,7 +116,10 @@ def is_along(name: str) -> bool:
 
 
 def match_signals(patterns: Iterable[str], available: Sequence[str]) -> tuple[str, ...]:
-    """Return the available signals that match the patterns, in their order; a `*` stands for any letters."""
+    """Return the available signals that match the patterns, in their order.
+
+    A `*` stands for any letters.
+    """
     matches: dict[str, None] = {}
     for pattern in patterns:
         expression = re.compile(re.escape(pattern).replace(r"\*", ".*"))
@@ -122,7 +135,10 @@ def match_signals(patterns: Iterable[str], available: Sequence[str]) -> tuple[st
 
 
 def write_csv(recording: Recording, path: Path, names: Sequence[str] = ()) -> None:
-    """Write signals with their time, header `name [unit]`; without names all but those of `is_along`."""
+    """Write signals with their time, header `name [unit]`.
+
+    Without names all but those of `is_along`.
+    """
     chosen = [name for name in names if name in recording and name != TIME]
     names = [TIME, *chosen] if names else [name for name in recording.signals if not is_along(name)]
     with whole_file(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
@@ -133,7 +149,10 @@ def write_csv(recording: Recording, path: Path, names: Sequence[str] = ()) -> No
 
 
 def write_shapes(recording: Recording, rows: Sequence[int], path: Path) -> None:
-    """Write rope points at the given rows: time, point number from the left end, x, y, z, tension and stresses."""
+    """Write rope points at the given rows.
+
+    Columns: time, point number from the left end, x, y, z, tension and stresses.
+    """
     along = {name: values for name in _ALONG if (values := recording.along(name)) is not None}
     more = [_header(name, recording.units.get(f"shape.{name}[1]", "")) for name in along]
     with whole_file(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
@@ -157,7 +176,10 @@ def shape_rows(recording: Recording, count: int = 7) -> list[int]:
 
 
 def _number(value: float) -> str:
-    """Format with ten digits; minus zero is zero, so that the sign of a rounding error does not show."""
+    """Format with ten digits.
+
+    Minus zero is zero, so that the sign of a rounding error does not show.
+    """
     return f"{float(value) + 0.0:.10g}"
 
 

@@ -1,7 +1,7 @@
 """Figures of a run, as PNG files whose bytes depend on the data alone.
 
-Blue is always the left end, orange the right one, grey the reference or limit. A figure or panel whose signals were not
-recorded, or never move, is left out.
+Blue is always the left end, orange the right one, grey the reference or limit. A figure or panel
+whose signals were not recorded, or never move, is left out.
 """
 
 import math
@@ -62,7 +62,7 @@ def write_figures(
     marks: Sequence[Mark] = (),
     ropes: Sequence[RopeData] = (UNKNOWN,),
 ) -> list[Path]:
-    """Write the PNG files, `marks` as dashed lines over time, and return their paths in reading order."""
+    """Write PNG files, with `marks` as dashed lines, and return their paths in reading order."""
     signals = dict(recording.signals) | {
         name: x for name, (x, _) in derived_signals(recording, hoist).items()
     }
@@ -133,7 +133,10 @@ _OVER_TRIPS: tuple[tuple[str, str, float, Mapping[str, str]], ...] = (
 
 
 def write_duty_figure(trips: Recording, path: Path) -> Path:
-    """Draw the table of `hoist_demo.duty` over the number of the trip; a panel without numbers is left out."""
+    """Draw the table of `hoist_demo.duty` over the number of the trip.
+
+    A panel without numbers is left out.
+    """
     panels = [
         (title, unit, factor, _curves_over_trips(trips, curves))
         for title, unit, factor, curves in _OVER_TRIPS
@@ -154,7 +157,7 @@ def write_duty_figure(trips: Recording, path: Path) -> Path:
 
 
 def _curves_over_trips(trips: Recording, curves: Mapping[str, str]) -> dict[str, str]:
-    """Return the columns of a panel with their words, those of each of several ropes with its name."""
+    """Return the columns of a panel with their labels; of several ropes with each rope's name."""
     found = dict[str, str]()
     for column, values in trips.signals.items():
         rope, _, own = column.rpartition(".")
@@ -223,12 +226,11 @@ def stacked_panels(titles: Sequence[str]) -> tuple[Figure, list[Axes]]:
 
 
 def _mark(figure: Figure, marks: Sequence[Mark]) -> None:
-    """Draw marks as dashed lines in all panels, with their names over the first one, whose title makes room."""
+    """Draw marks as dashed lines in all panels, with their names over the first one."""
     top = figure.axes[0]
     first, last = top.get_xlim()
-    lines: list[
-        float
-    ] = []  # end of the last name in each line of names, as a share of the panel's width
+    # end of the last name in each line of names, as a share of the panel's width
+    lines: list[float] = []
     for mark in marks:
         for ax in figure.axes:
             ax.axvline(mark.t, color="black", lw=0.8, ls=(0, (4, 3)))
@@ -261,7 +263,7 @@ def legend(ax: Axes) -> None:
 
 
 def _widen(ax: Axes, least: float, axis: str = "y") -> None:
-    """Keep rounding errors from filling a panel: show at least a range of +- `least` about the middle."""
+    """Show at least +- `least` about the middle, so that no rounding error fills a panel."""
     low, high = ax.get_ylim() if axis == "y" else ax.get_xlim()
     if high - low < 2.0 * least and math.isfinite(high - low):
         middle = (low + high) / 2.0

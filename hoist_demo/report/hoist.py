@@ -1,4 +1,4 @@
-"""A hoist before it is wound, for people: its values with their sources, and what follows from them."""
+"""A hoist before it is wound: its values with their sources, and what follows from them."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -25,14 +25,18 @@ MODES = 4  #: Number of the rope's lowest modes in the table.
 _AT_REST = "Rope at rest, left conveyance at"
 _HOLD = "Hold on the sheave"
 _DRIVE = "Motor and brake"
-YAWS = 3.0  #: Most yaw of a loop in a trip over that at rest [assumed]: 2.1 in a trip of 870 m at 16 m/s.
+#: Most yaw of a loop in a trip over that at rest [assumed]: 2.1 in a trip of 870 m at 16 m/s.
+YAWS = 3.0
 Values = Mapping[str, Value]
 
 
 def complete_file(
     case: Case, run: RunData, ropes: Sequence[RopeData], provenance: Iterable[SourcedValue]
 ) -> str:
-    """Return a hoist's file with every value of a run and its status; wound again, it gives the same bits."""
+    """Return a hoist's file with every value of a run and its status.
+
+    Wound again, it gives the same bits.
+    """
     status, stated = statuses(provenance), case.values
     stated_of = {"": stated} | {f"{one.name}.": one.values for one in case.distinct_ropes}
 
@@ -91,7 +95,7 @@ _SPACING = "layout.spacing"
 
 
 def _spacing(rope: RopeData, run: RunData) -> float:
-    """Return the spacing of the conveyances' centres [m]: a rope's own, less what its place adds."""
+    """Return the spacing of the conveyances' centres [m], from a rope's and its place."""
     own, offset = float(rope.parameters[_SPACING]), rope.suspension
     set_spacing = float(run.rope_values.get(_SPACING, rope_parameters()[_SPACING].start))
     return (
@@ -102,13 +106,19 @@ def _spacing(rope: RopeData, run: RunData) -> float:
 
 
 def as_file(case: Case, name: str, values: Values) -> str:
-    """Return the complete file of a hoist; `name` is how it is found, `values` are set beside it."""
+    """Return the complete file of a hoist.
+
+    `name` is how it is found, `values` are set beside it.
+    """
     run, ropes, sources = _wound(case, name, values)
     return complete_file(case, run, ropes, sources)
 
 
 def hoist_provenance(case: Case, name: str, values: Values | None = None) -> list[SourcedValue]:
-    """Return the provenance of all values; `name` is how the hoist is found, `values` are set beside its file."""
+    """Return the provenance of all values.
+
+    `name` is how the hoist is found, `values` are set beside its file.
+    """
     return _wound(case, name, values or {})[2]
 
 
@@ -142,7 +152,7 @@ class CheckRow:
 
 @dataclass(frozen=True)
 class HoistCheck:
-    """All that is judged of a hoist before it is wound: its bounds, and remarks on its values and ropes.
+    """Return all judgements of a hoist before it is wound: bounds, remarks on values and on ropes.
 
     Sentences and exit code follow from the rows that the table prints.
     """
@@ -177,9 +187,9 @@ def _slip_checks(case: Case) -> Iterator[CheckRow]:
     limit = case.hoist.tension_ratio_limit
     for one in static_slip_safeties(case.hoist, case.winding):
         problem = (
-            f"slip safety {one.when} is {one.safety:.3g} (tension ratio {one.ratio:.3g}, limit {limit:.3g}), and "
-            f"{one.required:g} is asked for: more weight on the light side, a better lining, or a gentler "
-            f"{'stop' if 'stop' in one.when else 'trip'}"
+            f"slip safety {one.when} is {one.safety:.3g} (tension ratio {one.ratio:.3g}, limit "
+            f"{limit:.3g}), and {one.required:g} is asked for: more weight on the light side, a "
+            f"better lining, or a gentler {'stop' if 'stop' in one.when else 'trip'}"
         )
         holds = one.safety >= one.required
         quantity = f"slip safety {one.when}, without swing"
@@ -204,8 +214,9 @@ def _drive_checks(case: Case) -> Iterator[CheckRow]:
         if trip.emergency_law == "two-stage" and brake.torque >= holding:
             # the second stage holds what the first lets run
             asks = (
-                f"of which the first stage gives {first:.3g} N m to hold the heavier side: until first_stage_time = "
-                f"{brake.first_stage_time:g} s it runs on; raise the first stage, or shorten it"
+                f"of which the first stage gives {first:.3g} N m to hold the heavier side: until "
+                f"first_stage_time = {brake.first_stage_time:g} s it runs on; raise the first "
+                "stage, or shorten it"
             )
             limits.append(
                 (
@@ -229,7 +240,10 @@ def _drive_checks(case: Case) -> Iterator[CheckRow]:
 
 
 def examine(case: Case, name: str, values: Values) -> tuple[str, HoistCheck]:
-    """Return the table of what follows from a hoist, and its check; RuntimeError where a rope cannot hang."""
+    """Return the table of what follows from a hoist, and its check.
+
+    RuntimeError where a rope cannot hang.
+    """
     checked = checks(case)
     text, warned = _consequences(case, name, values, checked)
     return text, HoistCheck(tuple(checked), (*case.remarks, *warned))
@@ -238,7 +252,10 @@ def examine(case: Case, name: str, values: Values) -> tuple[str, HoistCheck]:
 def _consequences(
     case: Case, name: str, values: Values, checked: Sequence[CheckRow]
 ) -> tuple[str, list[str]]:
-    """Return the table of what follows, and the ropes' warnings at rest; RuntimeError where a rope cannot hang."""
+    """Return the table of what follows, and the ropes' warnings at rest.
+
+    RuntimeError where a rope cannot hang.
+    """
     hoist = case.hoist
     rows = [row.summary for row in checked if row.group == _HOLD]
     for height in (0.0, hoist.shaft_travel):
@@ -286,7 +303,10 @@ def _consequences(
 
 
 def _neighbours(ropes: Sequence[OneRope], yaws: Mapping[str, float]) -> Iterator[str]:
-    """Tell of ropes side by side that may touch as their loops yaw, more in a trip than at rest [rad]."""
+    """Return remarks on ropes that may touch as their loops yaw by `yaw` [rad] at rest.
+
+    They yaw more in a trip.
+    """
     for one, other in combinations(ropes, 2):
         (x, _, z), (x1, _, z1) = one.suspension.origin, other.suspension.origin
         reach, reach1 = (
@@ -299,9 +319,10 @@ def _neighbours(ropes: Sequence[OneRope], yaws: Mapping[str, float]) -> Iterator
         if abs(x - x1) < one.scene.layout.spacing and abs(z - z1) < least:
             angles = " and ".join(f"{math.degrees(yaws[r.name]):.2g}" for r in (one, other))
             yield (
-                f"{one.name} and {other.name}, {abs(z - z1):.3g} m apart in z, may touch: their loops yaw by up to "
-                f"{angles} degrees at rest, and in a trip by up to {YAWS:g} times that [assumed]: hang them "
-                f"{least:.2g} m apart, or see their clearance in wind's verdict"
+                f"{one.name} and {other.name}, {abs(z - z1):.3g} m apart in z, may touch: their "
+                f"loops yaw by up to {angles} degrees at rest, and in a trip by up to {YAWS:g} "
+                f"times that [assumed]: hang them {least:.2g} m apart, or see their clearance in "
+                "wind's verdict"
             )
 
 
@@ -309,7 +330,8 @@ def _frequencies(rope: BalanceRope, travel: float) -> str:
     status = rope.initialize(0.0, EndMotion(y=0.5 * travel), EndMotion(y=0.5 * travel))
     if not status.valid:
         return status.message
-    # matrices are those of the rope in Python, which is not hung up again: without a compiler that takes seconds
+    # matrices are those of the rope in Python, which is not hung up again: without a compiler that
+    # takes seconds
     scene, state = rope.scene, rope.state
     model = RopeSimulator(scene.with_(solver=replace(scene.solver, kernels="portable"))).model
     try:

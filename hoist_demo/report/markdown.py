@@ -1,4 +1,7 @@
-"""The run as Markdown with PNG figures, to quote and to compare line by line; html has the page to look at."""
+"""The run as Markdown with PNG figures, to quote and to compare line by line.
+
+Html has the page to look at.
+"""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,10 +12,13 @@ from hoist_demo.report.verdict import COLUMNS
 
 CAPTIONS = {
     "tracking": "Motion of both conveyances against the reference of the left one.",
-    "forces": "Motor torque and power, brake torque, head rope tensions and their ratio on the sheave.",
+    "forces": "Motor torque and power, brake torque, head rope tensions and their ratio on the "
+    "sheave.",
     "loop": "Pull of the balance rope, its loop, clearances and largest stresses.",
-    "shapes": "Balance rope from the front and the side at several instants; the axes are scaled differently.",
-    "swivels": "Swivels at both ends; tinted where they slip, above for the left one, below for the right one.",
+    "shapes": "Balance rope from the front and the side at several instants; the axes are scaled "
+    "differently.",
+    "swivels": "Swivels at both ends; tinted where they slip, above for the left one, below for "
+    "the right one.",
     "energies": "Energies, work and losses, and what each balance leaves over.",
 }
 

@@ -20,7 +20,8 @@ from hoist_demo.report.summary import LOSSES, loses
 from hoist_demo.study.metrics import exchange_energy
 from rope_model import BODIES
 
-# Line styles with a fixed meaning; the others are `a` to `e`. Colours and dashes are in assets/report.css.
+# Line styles with a fixed meaning; the others are `a` to `e`. Colours and dashes are in
+# assets/report.css.
 LEFT = "left"  #: Style of the left end.
 RIGHT = "right"  #: Style of the right end.
 REFERENCE = "asked"  #: Style of a reference.
@@ -48,7 +49,10 @@ class Limit:
 
 @dataclass(frozen=True)
 class Panel:
-    """Plot over time; `least` is the smallest height of its axis, so that rounding errors stay flat."""
+    """Plot over time.
+
+    `least` is the smallest height of its axis, so that rounding errors stay flat.
+    """
 
     group: str
     title: str
@@ -59,7 +63,7 @@ class Panel:
 
 
 def derived_signals(recording: Recording, hoist: Hoist) -> dict[str, tuple[Array, str]]:
-    """Return signals that follow from recorded ones, with units, by names that begin with `derived.`."""
+    """Return signals that follow from recorded ones, with units; names begin with `derived.`."""
     derived: dict[str, tuple[Array, str]] = {}
     if recording.has("reference.position", "conveyance.left.y"):
         travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
@@ -78,7 +82,10 @@ def derived_signals(recording: Recording, hoist: Hoist) -> dict[str, tuple[Array
 
 
 def panels(recording: Recording, hoist: Hoist, names: Sequence[str] = ("",)) -> list[Panel]:
-    """Return all panels of which a line can be drawn, with those lines only; `names` are those of the ropes."""
+    """Return all panels of which a line can be drawn, with those lines only.
+
+    `names` are those of the ropes.
+    """
     # signals that a fidelity leaves out are NaN throughout
     shown_at_all = {
         name for name, values in recording.signals.items() if bool(np.isfinite(values).any())
@@ -95,7 +102,10 @@ def panels(recording: Recording, hoist: Hoist, names: Sequence[str] = ("",)) -> 
 
 
 def _of_ropes(panel: Panel, drawable: Collection[str], names: Sequence[str]) -> Iterator[Panel]:
-    """Yield a panel for several ropes: one line of each to compare them, else a panel for each rope."""
+    """Yield the panels for several ropes.
+
+    A signal of one line is drawn for all ropes in one panel, others in a panel for each rope.
+    """
     yield panel
     own = [line for line in panel.lines if line.signal not in drawable]
     if not names[0] or not own:
@@ -253,7 +263,7 @@ class Mark:
 
 
 def marks(result: Result) -> list[Mark]:
-    """List faults, creep, the reference's arrival and the place where a run was stopped, in order of time."""
+    """List faults, creep, the reference's arrival and the stop of a run, in order of time."""
     times, winding = result.recording.time, result.winding
     # Host's reference counts from the start of the record
     start = float(times[0])
@@ -291,7 +301,10 @@ def transformations(recording: Recording, names: Sequence[str] = ("",)) -> list[
 def slips(
     recording: Recording, end: str, names: Sequence[str] = ("",)
 ) -> list[tuple[float, float]]:
-    """Intervals [s] during which a swivel of `end` slips, each recorded state holding until the next row."""
+    """Return intervals [s] during which the swivel of `end` slips.
+
+    A recorded state holds until the next row.
+    """
     intervals = list[tuple[float, float]]()
     for own in (rope_signals(recording, name) for name in names):
         if (signal := f"{end}.swivel.slipping") in own:

@@ -13,9 +13,8 @@ from hoist_demo.study.provenance import SETTING, STATUSES, SourcedValue
 
 OUTCOME = "Outcome"  #: Group of the rows on how a run went.
 WARNING = "warning"  #: Quantity of the rows that every report shows first.
-DIGITS = (
-    4  #: Significant digits of a number in the summary, which the rope's standard accuracy leaves.
-)
+#: Significant digits of a number in the summary, which the rope's standard accuracy leaves.
+DIGITS = 4
 WHOLE = 10  #: Significant digits of a whole number.
 LONG = 40  #: Characters from which a text has lines of its own in the table.
 
@@ -42,7 +41,10 @@ class SummaryRow:
 
 @dataclass(frozen=True)
 class Report:
-    """Content of a report, in reading order; `changed` are the settings that differ, `data_tables` have all data."""
+    """Content of a report, in reading order.
+
+    `changed` are the settings that differ, `data_tables` have all data.
+    """
 
     title: str
     verdict: Verdict
@@ -59,12 +61,8 @@ def rows_by_group(rows: Sequence[SummaryRow]) -> dict[str, list[SummaryRow]]:
     return groups
 
 
-CHANGED = (
-    "parameter",
-    "value",
-    "unit",
-    "of the case",
-)  #: Head of the table of settings that differ.
+#: Head of the table of settings that differ.
+CHANGED = ("parameter", "value", "unit", "of the case")
 
 
 def in_display_unit(value: float, unit: str) -> tuple[float, str]:

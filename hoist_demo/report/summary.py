@@ -57,7 +57,8 @@ _DRIVE, _ROPE, _WORK, _ENERGY = (
     "Energy of one balance rope",
 )
 
-#: Group and quantity, signals, factor and unit, and the function that reduces the signals to a value.
+#: Group and quantity, signals, factor and unit, and the function that reduces the signals to a
+#: value.
 _ROWS: tuple[tuple[str, str, tuple[str, ...], float, str, Callable[[Array], float | str]], ...] = (
     (_DRIVE, "peak speed", ("conveyance.left.vy",), 1.0, "m/s", _largest),
     (_DRIVE, "peak motor torque", ("drive.torque",), 1e-3, "kN m", _largest),
@@ -179,11 +180,15 @@ def _signals(recording: Recording, groups: Collection[str]) -> Iterator[SummaryR
 
 
 def loses(recording: Recording, name: str) -> bool:
-    """Return True if a loss of energy is to be shown: one that not every scene has only if it is not 0."""
+    """Return True if a loss of energy is shown.
+
+    A loss that not every scene has is shown if it is not 0.
+    """
     return not name.endswith((*ELSEWHERE, "drive.work_slip")) or bool(np.any(recording[name]))
 
 
-#: Columns of the table of exposure, what their largest value is called, and the column that tells when or how fast.
+#: Columns of the table of exposure, what their largest value is called, and the column that tells
+#: when or how fast.
 _MOST = {
     "curvature.range": ("largest range of curvature in a cycle", ""),
     "torque.range": ("largest range of torque in a cycle", ""),
@@ -196,7 +201,10 @@ _MOST = {
 
 
 def exposure_rows(rope: str, table: Recording) -> tuple[SummaryRow, ...]:
-    """Return rows on the most loaded places of a rope; `table` is one of `hoist_demo.recording.exposure`."""
+    """Return rows on the most loaded places of a rope.
+
+    `table` is one of `hoist_demo.recording.exposure`.
+    """
     group = f"Places in the rope {rope}".rstrip() + ", from its left end"
     rows: list[SummaryRow] = []
     for name, (label, beside) in _MOST.items():
@@ -244,7 +252,7 @@ def _tracking(group: str, error: Array, elapsed: Array, winding: Winding) -> lis
 
 
 def _swing(recording: Recording, arrival: float, window: float) -> list[SummaryRow]:
-    """Return the swing of both conveyances in a window [s] after the arrival of the reference [s]."""
+    """Return the swing of both conveyances in a window [s] after the reference's arrival [s]."""
     elapsed = recording.time - recording.time[0]
     in_window = (elapsed >= arrival) & (elapsed <= arrival + window)
     if not bool(in_window.any()):

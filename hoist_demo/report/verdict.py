@@ -1,6 +1,7 @@
-"""The verdict on a run: what a hoist engineer asks first, each number beside its bound, when and where.
+"""The verdict on a run: its most important numbers with bound, time and place.
 
-Terminal, Markdown and HTML show the rows that are declared here. Rows whose signals were not recorded are left out.
+Terminal, Markdown and HTML show the rows that are declared here. Rows whose signals were not
+recorded are left out.
 """
 
 import math
@@ -39,7 +40,10 @@ _SWINGS = (
 
 @dataclass(frozen=True)
 class VerdictRow:
-    """Row of the verdict: a quantity, its value, its bound and whether that holds; None without a bound."""
+    """Row of the verdict: a quantity, its value, its bound and whether that holds.
+
+    None without a bound.
+    """
 
     quantity: str
     value: str
@@ -145,7 +149,10 @@ def broken(rows: Sequence[VerdictRow]) -> list[VerdictRow]:
 
 
 def bounds_in_words(rows: Sequence[VerdictRow], *, completed: bool) -> str:
-    """Return a sentence that names every row whose bound does not hold, or says that all hold; "" without rows."""
+    """Return a sentence that names every row whose bound does not hold, or says that all hold.
+
+    "" without rows.
+    """
     if names := [row.quantity for row in broken(rows)]:
         return f"Not kept: {', '.join(names)}."
     if not rows:
@@ -175,13 +182,13 @@ def _broken(recording: Recording, name: str) -> str:
     if len(times) == len(recording.time):
         return ""
     return (
-        f"; rope {name} broke by t = {recording.time[len(times)]:.4g} s; its loop, torques and clearances are "
-        "those before"
+        f"; rope {name} broke by t = {recording.time[len(times)]:.4g} s; its loop, torques and "
+        "clearances are those before"
     )
 
 
 def _warnings(result: Result, hoist: Hoist, ropes: Sequence[_Rope], window: float) -> list[str]:
-    """List the warnings that readers of the numbers need: of coupling, head ropes' hold, ropes' fidelity and breaks."""
+    """List warnings on coupling, slip of the head ropes, the ropes' fidelity and breaks."""
     texts = [result.warning, *slip_warnings(result, hoist)]
     if limited := result.recording.seconds("drive.torque_limited"):
         cure = "raise hoist.torque_limit and power_limit, or accelerate and stop more gently"
@@ -197,8 +204,8 @@ def _warnings(result: Result, hoist: Hoist, ropes: Sequence[_Rope], window: floa
             and len(rope.recording.time) == len(result.recording.time)
         ):
             texts.append(
-                f"rope {name} was to break at breaks_at = {breaks[0]:g} s, and did not: the run ended at "
-                f"{rope.recording.time[-1]:.4g} s; break it earlier"
+                f"rope {name} was to break at breaks_at = {breaks[0]:g} s, and did not: the run "
+                f"ended at {rope.recording.time[-1]:.4g} s; break it earlier"
             )
     if result.completed and len(ropes) > 1:
         texts.append(
@@ -210,11 +217,17 @@ def _warnings(result: Result, hoist: Hoist, ropes: Sequence[_Rope], window: floa
 
 
 def _still_swinging(recordings: Sequence[Recording], window: float) -> str:
-    """Return a remark where neighbours end with more than half of their swing: they may yet strike; "" for none."""
+    """Return a remark where neighbours end with more than half of their swing: they may yet strike.
+
+    "" for none.
+    """
     for recording in recordings:
         sideways, time = np.abs(recording["loop.sideways"]), recording.time
         if (last := np.nanmax(sideways[time >= time[-1] - window])) > 0.5 * np.nanmax(sideways):
-            words = f"the loops still swing by {last:.2g} m where the record ends, and may strike each other later"
+            words = (
+                f"the loops still swing by {last:.2g} m where the record ends, and may strike each "
+                "other later"
+            )
             return f"{words}: wind on with a longer winding.settle"
     return ""
 
@@ -353,7 +366,7 @@ def _where(t: float, point: Sequence[float]) -> str:
 
 
 def _pulls(recording: Recording, hoist: Hoist, ropes: Sequence[_Rope]) -> Iterator[VerdictRow]:
-    """Yield the pull of all balance ropes on each conveyance, in the digits that its error leaves."""
+    """Yield the pull of all balance ropes on each conveyance, in digits that its error allows."""
     count = max(hoist.tail_rope_number, len(ropes))
     whose = "the rope" if count == 1 else f"all {count} ropes"
     kilo = 1e-3 * hoist.tail_rope_number
@@ -490,7 +503,10 @@ def _errors(rope: _Rope) -> Iterator[VerdictRow]:
 
 
 def rounded(value: float, error: float) -> str:
-    """Return a number with the decimals that its error allows, three at most; an unknown error leaves three digits."""
+    """Return a number with the decimals that its error allows, three at most.
+
+    An unknown error leaves three digits.
+    """
     if not error > 0.0:
         return number(value, 3)
     decimals = min(3, max(0, round(-math.log10(error))))

@@ -1,4 +1,4 @@
-"""The balance ropes of one hoist, checked before anything is wound: its file has a [[rope]] for each."""
+"""The balance ropes of one hoist, each a [[rope]] of its file, checked before winding."""
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -50,9 +50,8 @@ class OneRope:
     case: Case  # the hoist with this rope alone
     suspension: SuspensionOffset = field(default_factory=SuspensionOffset)
     breaks: Break | None = None
-    outputs: Collection[str] | None = (
-        None  # recorded outputs; None: all but the expensive added masses
-    )
+    # recorded outputs; None: all but the expensive added masses
+    outputs: Collection[str] | None = None
     fmu: Callable[[], FmuRope] | None = None  # loads the one that is wound instead
 
     @cached_property
@@ -126,7 +125,10 @@ class Ropes:
         return pairs(recording, ropes, self.plant.accounts())
 
     def provenance(self, status_by_name: Mapping[str, str]) -> list[SourcedValue]:
-        """Return the provenance of the ropes' data, under each rope's name; `status_by_name` as `rope_provenance`."""
+        """Return the provenance of the ropes' data, under each rope's name.
+
+        `status_by_name` as `rope_provenance`.
+        """
         return [
             one._replace(name=f"{data.prefix}{one.name}")
             for rope, data in zip(self.ropes, self.data(), strict=True)
@@ -141,7 +143,9 @@ def ropes_of(
     level: Level,
     outputs: Collection[str] | None = None,
 ) -> Ropes:
-    """Return the ropes of a hoist with `overrides` as if they stood in its file; a ValueError lists all problems.
+    """Return the ropes of a hoist with `overrides` as if they stood in its file.
+
+    A ValueError lists all problems.
 
     `outputs` are those that are recorded of each rope, as of `OneRope`.
     """
@@ -181,8 +185,8 @@ def require_unbroken(case: Case, what: str) -> None:
     for rope in case.distinct_ropes:
         if rope.breaks:
             raise ValueError(
-                f"rope {rope.name}: breaks_at = {rope.breaks['breaks_at']:g} s must be left out, for {what}: "
-                "`balance-rope wind` computes the break"
+                f"rope {rope.name}: breaks_at = {rope.breaks['breaks_at']:g} s must be left out, "
+                f"for {what}: `balance-rope wind` computes the break"
             )
 
 
@@ -191,8 +195,8 @@ def _require_apart(ropes: Sequence[OneRope]) -> None:
     pressed = f"{_PRESSED} = {ropes[0].scene.shaft.contact.rope_stiffness:g}"
     alone = f"or set {_PRESSED} = 0: each rope is then alone"
     problems = Problems(
-        f"rope {rope.name}: model.fidelity = {rope.scene.model.fidelity!r} must be torsional or spatial with "
-        f"{pressed}, for ropes press each other out of plane: choose one, {alone}"
+        f"rope {rope.name}: model.fidelity = {rope.scene.model.fidelity!r} must be torsional or "
+        f"spatial with {pressed}, for ropes press each other out of plane: choose one, {alone}"
         for rope in ropes
         if rope.scene.model.fidelity not in ("torsional", "spatial")
     )
@@ -200,8 +204,9 @@ def _require_apart(ropes: Sequence[OneRope]) -> None:
         apart = min(math.dist(one.suspension.at(end), other.suspension.at(end)) for end in ENDS)
         if apart < (least := 0.5 * (one.scene.rope.diameter + other.scene.rope.diameter)):
             problems.append(
-                f"rope {other.name}: an end that is {apart:g} m from that of {one.name} must be at least {least:g} m "
-                f"away with {pressed}, or they touch where they hang: move it by z or x_left and x_right, {alone}"
+                f"rope {other.name}: an end that is {apart:g} m from that of {one.name} must be at "
+                f"least {least:g} m away with {pressed}, or they touch where they hang: move it by "
+                f"z or x_left and x_right, {alone}"
             )
     problems.refuse()
 
@@ -209,7 +214,10 @@ def _require_apart(ropes: Sequence[OneRope]) -> None:
 def _rope(
     rope: BalanceRopeData, parameters: Mapping[str, Value], level: Level, case: Case
 ) -> OneRope:
-    """Return the rope between its own points of the conveyances, the centres of which are layout.spacing apart."""
+    """Return the rope between its points of suspension on the conveyances.
+
+    Their centres are layout.spacing apart.
+    """
     suspension = SuspensionOffset(**rope.suspension)
     spacing = rope_scene(parameters, level, suspension).layout.spacing
     breaks = Break(rope.breaks["breaks_at"], rope.breaks["breaks_s"]) if rope.breaks else None

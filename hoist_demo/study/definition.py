@@ -1,6 +1,9 @@
-"""A study's file: what varies between runs, and what is best; read and checked as a whole before anything runs.
+"""A study's file: what varies between runs, and what is best.
 
-Values count in this order: the hoist's, [fixed], [[variant]], [vary]. The runs of [vary] are made for every variant.
+Read and checked as a whole before anything runs.
+
+Values count in this order: the hoist's, [fixed], [[variant]], [vary]. The runs of [vary] are made
+for every variant.
 """
 
 import hashlib
@@ -85,11 +88,13 @@ class Tune(Table):
         )
         if plan.searches > plan.sample:
             raise ValueError(
-                f"searches = {plan.searches} must be at most points = {plan.sample}: each begins at one"
+                f"searches = {plan.searches} must be at most points = {plan.sample}: each begins "
+                "at one"
             )
         if plan.steps < (least := 2 * dimensions + 2):
             raise ValueError(
-                f"steps = {plan.steps} must be at least {least}, two per range and two more: give more"
+                f"steps = {plan.steps} must be at least {least}, two per range and two more: give "
+                "more"
             )
         return plan
 
@@ -180,7 +185,8 @@ class StudyFile(File):
             f"variant {one.name or k}": one.values for k, one in enumerate(self.variant, 1)
         }
         Problems(
-            f"{place} {name} = {entry.value!r} is also in [vary], whose values would replace it: leave one of them out"
+            f"{place} {name} = {entry.value!r} is also in [vary], whose values would replace it: "
+            "leave one of them out"
             for place, values in places.items()
             for name, entry in values.items()
             if name in self.vary
@@ -199,24 +205,30 @@ class StudyFile(File):
         return variants or {"": self.fixed}
 
     def drawn(self) -> tuple[Plan | None, list[dict[str, Value]]]:
-        """Return the plan of a search, and the points of [vary]: of a search the corners of its ranges."""
+        """Return the plan of a search, if it is one, and the points of [vary].
+
+        The points of a search are the corners of its ranges.
+        """
         lists = {key: v for key, v in self.vary.items() if isinstance(v, tuple)}
         ranges = {key: v for key, v in self.vary.items() if isinstance(v, Range)}
         sample, objective = self.sample, self.study.objective
         if isinstance(sample, Grid):
             if ranges:
                 raise ValueError(
-                    f"{next(iter(ranges))} is a range, a grid needs a list: give {{ values = [...] }}"
+                    f"{next(iter(ranges))} is a range, a grid needs a list: give {{ values = [...] "
+                    f"}}"
                 )
             return None, grid(lists)
         if not ranges:
             raise ValueError(
-                f"method = {sample.method!r} needs ranges: give at least one {{ low, high }} in [vary]"
+                f"method = {sample.method!r} needs ranges: give at least one {{ low, high }} in "
+                "[vary]"
             )
         if isinstance(sample, LatinHypercube):
             if lists:
                 raise ValueError(
-                    f"{next(iter(lists))} is a list, {sample.method} needs {{ low, high }}: give a range"
+                    f"{next(iter(lists))} is a list, {sample.method} needs {{ low, high }}: give a "
+                    "range"
                 )
             return None, latin_hypercube(ranges, sample.runs, sample.seed)
         if objective is None or objective.judge == "share":
@@ -228,7 +240,10 @@ class StudyFile(File):
         )
 
     def design_keys(self) -> tuple[str, ...]:
-        """Return the varied keys that tell one choice from another; the rest is what they are compared over."""
+        """Return the varied keys that tell one choice from another.
+
+        The rest is what they are compared over.
+        """
         if self.sample.method == "tune":
             return tuple(key for key, v in self.vary.items() if isinstance(v, Range))
         over = self.study.over
@@ -248,8 +263,9 @@ class StudyFile(File):
             and design_keys
         ):
             raise ValueError(
-                f"over = {over!r} must be all of [vary], or none: a hypercube meets each choice once, so its best "
-                "would be the luckiest. Compare [[variant]]s, take a grid, or write over = [] to compare single runs"
+                f"over = {over!r} must be all of [vary], or none: a hypercube meets each choice "
+                "once, so its best would be the luckiest. Compare [[variant]]s, take a grid, or "
+                "write over = [] to compare single runs"
             )
         return design_keys
 
@@ -306,7 +322,8 @@ class Study:
         asked = [name for name in ARRIVALS if self.objective and name in self.objective.metrics]
         if (at := run.winding.emergency_at) is not None and asked:
             raise ValueError(
-                f"{asked[0]} must be left out, for winding.emergency_at = {at:g} s: judge stop_distance"
+                f"{asked[0]} must be left out, for winding.emergency_at = {at:g} s: judge "
+                "stop_distance"
             )
         return StudyRun(variant, {**plain(fixed), **values}, run)
 
@@ -330,13 +347,15 @@ def _require_one_rope(hoist: str) -> None:
     if ropes := find_case(hoist).distinct_ropes:
         names = ", ".join(rope.name for rope in ropes)
         raise ValueError(
-            f"study.hoist = {hoist!r} must have equal ropes ([[rope]] with number = N), not the [[rope]] {names} with "
-            "places, data or breaks of their own, for a study winds one FMU: wind each variant with `balance-rope wind "
-            "--set NAME=VALUE`, trips with duty, and ranges with uncertain"
+            f"study.hoist = {hoist!r} must have equal ropes ([[rope]] with number = N), not the "
+            f"[[rope]] {names} with places, data or breaks of their own, for a study winds one "
+            "FMU: wind each variant with `balance-rope wind --set NAME=VALUE`, trips with duty, "
+            "and ranges with uncertain"
         )
 
 
-#: Starts tried before a study winds, spread evenly over more runs; what another refuses is the cause in its row.
+#: Starts tried before a study winds, spread evenly over more runs; what another refuses is the
+#: cause in its row.
 MAX_TRIED = 200
 #: Passes the drawn values on one by one while they are checked, which takes a while.
 CheckProgress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]

@@ -1,8 +1,10 @@
-"""Metrics of a run for drive engineers; NaN for those that the run, the rope or its fidelity does not provide.
+"""Metrics of a run for drive engineers.
 
-Arrival. The reference arrives at a known time; the conveyances have arrived when they stay within `Arrival` from
-then on. Residual swing is the height of a conveyance against the rope's end at the sheave, so that a slow creep of
-the drive is not counted as swing; it is counted as time.
+NaN for those that the run, the rope or its fidelity does not provide.
+
+Arrival. The reference arrives at a known time; the conveyances have arrived when they stay within
+`Arrival` from then on. Residual swing is the height of a conveyance against the rope's end at the
+sheave, so that a slow creep of the drive is not counted as swing; it is counted as time.
 """
 
 import math
@@ -118,17 +120,12 @@ NEUTRAL = frozenset(
     }
 )
 
-SIGNED = frozenset(
-    {"position_error"}
-)  #: Errors with a direction: bounds and objectives count their magnitude.
-ARRIVALS = (
-    "cycle_time",
-    "trajectory_time",
-    "position_error",
-)  #: Metrics that only a trip to the landing has.
-STOPS = frozenset(
-    {"stop_time", "stop_distance", "guard_tripped", "guard_cause", "guard_time"}
-)  #: Those of stops.
+#: Errors with a direction: bounds and objectives count their magnitude.
+SIGNED = frozenset({"position_error"})
+#: Metrics that only a trip to the landing has.
+ARRIVALS = ("cycle_time", "trajectory_time", "position_error")
+#: Those of stops.
+STOPS = frozenset({"stop_time", "stop_distance", "guard_tripped", "guard_cause", "guard_time"})
 
 UNITS = {name: unit for name, (unit, _) in METRICS.items()}
 
@@ -153,7 +150,10 @@ ROPE_METRICS = frozenset(
 
 
 def names_of(metric: str, ropes: Sequence[str]) -> list[str]:
-    """Return a metric's names, `ROPE.metric` for each of several ropes; the only rope's name is ""."""
+    """Return a metric's names, `ROPE.metric` for each of several ropes.
+
+    The only rope's name is "".
+    """
     if tuple(ropes) == ("",) or metric not in ROPE_METRICS:
         return [metric]
     return [f"{rope}.{metric}" for rope in ropes]
@@ -164,7 +164,8 @@ def own_name(name: str) -> str:
     return name.rpartition(".")[2]
 
 
-#: Outputs of the rope that the host and the metrics use; a study reads no others unless it keeps them.
+#: Outputs of the rope that the host and the metrics use; a study reads no others unless it keeps
+#: them.
 ROPE_SIGNALS = frozenset(
     {
         f"{end}.{n}"
@@ -226,7 +227,7 @@ def measure_ropes(
 
 
 def exchange_energy(recording: Recording, hoist: Hoist) -> Array:
-    """Return the energy that the exchange has made up since the start [J]: work on hoist and balance ropes."""
+    """Return the energy that the exchange has created since the start [J]."""
     ends = recording["energy.work_ends"] - recording["energy.work_ends"][0]
     return np.asarray(recording["drive.work_from_balance_rope"] + hoist.tail_rope_number * ends)
 
@@ -337,7 +338,7 @@ def _swivel(recording: Recording, end: str) -> dict[str, float]:
 
 
 def _swing(recording: Recording, hoist: Hoist, arrived: float, arrival: Arrival) -> Measures:
-    """Measure the swing of conveyances and loop within the window after the reference has arrived."""
+    """Measure the swing of conveyances and loop in the window after the reference's arrival."""
     t = recording.time - recording.time[0]
     in_window = (t >= arrived) & (t <= arrived + arrival.window)
     if np.count_nonzero(in_window) < 2:
@@ -360,7 +361,10 @@ def _swing(recording: Recording, hoist: Hoist, arrived: float, arrival: Arrival)
 
 
 def _ripple(time: Array, force: Array) -> float:
-    """Return the RMS of the force less its moving mean [N]; NaN for a record shorter than the window."""
+    """Return the RMS of the force less its moving mean [N].
+
+    NaN for a record shorter than the window.
+    """
     count = round(RIPPLE_WINDOW / (time[1] - time[0])) if time.size > 1 else 0
     if count < 2 or time.size <= count:
         return math.nan

@@ -1,7 +1,10 @@
-"""Objective of a study: it judges a choice by all its runs, against the same disturbances, and by bounds on every run.
+"""Objective of a study.
 
-A run that failed keeps no bound and has no finite cost; nor does one that the safety circuit cut short, unless its
-objective names a metric of stops. Runs are judged by the worst, by the mean, or by the share that keeps the bounds.
+It judges a choice by all its runs, against the same disturbances, and by bounds on every run.
+
+A run that failed keeps no bound and has no finite cost; nor does one that the safety circuit cut
+short, unless its objective names a metric of stops. Runs are judged by the worst, by the mean, or
+by the share that keeps the bounds.
 """
 
 import math
@@ -32,18 +35,21 @@ class Constraint:
     sense: float  # 1: below the value, -1: above it
 
     def violation(self, metrics: Mapping[str, float]) -> float:
-        """Return the violation of the bound, as a fraction of it unless it is 0; 0 or less if it is kept."""
+        """Return the violation of the bound, as a fraction of it unless it is 0.
+
+        0 or less if it is kept.
+        """
         return self.sense * (size_of(self.metric, metrics) - self.value) / (abs(self.value) or 1.0)
 
 
 def size_of(metric: str, metrics: Mapping[str, float]) -> float:
-    """Return a metric as bounds and objectives count it: an error by its magnitude, whatever its direction."""
+    """Return a metric as bounds and objectives count it: an error by its magnitude."""
     value = float(metrics[metric])
     return abs(value) if metric in SIGNED else value
 
 
 def constraints_on(parameter: Parameter) -> Any:
-    """Return the type of a metric in subject_to for pydantic: what it holds is a tuple of Constraints."""
+    """Return the type of a metric in subject_to for pydantic: a tuple of Constraints."""
     return Annotated[
         Any,
         PlainValidator(partial(_read_constraints, parameter)),
@@ -55,7 +61,8 @@ def _read_constraints(parameter: Parameter, content: Any) -> tuple[Constraint, .
     name, words = parameter.name, {*content} if isinstance(content, Mapping) else set()
     if not words & {*_SENSES} or not words <= {*_SENSES, "unit"}:
         raise ValueError(
-            f"{name} = {content!r} must have below or above, and may have unit: write {{ below = 0.3 }}"
+            f"{name} = {content!r} must have below or above, and may have unit: write {{ below = "
+            f"0.3 }}"
         )
     metric, unit = name.rpartition(".")[2], content.get("unit")
     return tuple(
@@ -66,7 +73,10 @@ def _read_constraints(parameter: Parameter, content: Any) -> tuple[Constraint, .
 
 
 def read_weights(content: Any) -> dict[str, float]:
-    """Return the weights of metrics: of a name it is 1; a ValueError names metric, value and cure."""
+    """Return the weights of metrics: of a name it is 1.
+
+    A ValueError names metric, value and cure.
+    """
     weights = {content: 1.0} if isinstance(content, str) else content
     if not isinstance(weights, Mapping) or not weights:
         raise ValueError(
@@ -114,11 +124,17 @@ class Objective:
 
     @property
     def counted(self) -> set[str]:
-        """Status of runs that count: a run that the safety circuit cut short does if a metric of stops is named."""
+        """Status of runs that count.
+
+        A run that the safety circuit cut short counts if a metric of stops is named.
+        """
         return {"completed"} if STOPS.isdisjoint(self.metrics) else {"completed", CUT_SHORT}
 
     def of_run(self, outcome: Mapping[str, Any]) -> Score:
-        """Return cost and violations of a run's recorded outcome; infinite where it failed or a metric is missing."""
+        """Return cost and violations of a run's recorded outcome.
+
+        Infinite where it failed or a metric is missing.
+        """
         metrics = outcome["metrics"]
         sizes = [weight * size_of(name, metrics) for name, weight in self.weights.items()]
         cost = self.sense * sum_of(sizes)
@@ -158,7 +174,8 @@ class Objective:
     def exceeded(self, judged: Score) -> str:
         """Return the bounds that are not kept, in words; "" for none."""
         return ", ".join(
-            f"{bound.metric} is {100.0 * violation:.3g} % {'above' if bound.sense > 0.0 else 'below'} {bound.value:g}"
+            f"{bound.metric} is {100.0 * violation:.3g} % "
+            f"{'above' if bound.sense > 0.0 else 'below'} {bound.value:g}"
             for bound, violation in zip(self.constraints, judged.violations, strict=True)
             if violation > 0.0
         )

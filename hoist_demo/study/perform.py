@@ -24,7 +24,8 @@ EXCESS = "excess"  #: Column with the largest excess over a bound, as a part of 
 WARNINGS = "warnings"  #: Column with a run's warnings.
 MISSING = "missing"  #: Column with the reason why a metric is missing.
 MAX_WARNINGS = 3  #: Most warnings in the text on the best choice.
-#: Carries out samples and returns their keys; `cluster.run_samples` with its first two arguments given.
+#: Carries out samples and returns their keys; `cluster.run_samples` with its first two arguments
+#: given.
 RunSamples = Callable[[Sequence[StudyRun]], list[str]]
 
 
@@ -45,16 +46,15 @@ class StudyResult:
     runs: int
     causes: Mapping[str, str]  # causes of the runs that did not complete, by number and name
     passages: Mapping[str, str]  # bodies that the rope struck or passed through, by number and name
-    warnings: Mapping[
-        str, list[str]
-    ]  # numbers and names of the runs, by the first text of each kind
+    # numbers and names of the runs, by the first text of each kind
+    warnings: Mapping[str, list[str]]
     remarks: Sequence[str]  # sentences on results that are not monotonic in what varies
     choices: Sequence[int]  # number of each run's choice
     best: Best | None  # None where nothing says what is best, or no run can be compared
 
     @property
     def summary(self) -> str:
-        """How many runs wound to the end, and in how many the rope struck or passed through something."""
+        """Number of runs that wound to the end, and of runs whose rope struck something."""
         count = len(self.passages)
         passed = f", in {count} the rope struck or passed through something" if count else ""
         return f"{self.runs - len(self.causes)} of {self.runs} runs wound to the end{passed}"
@@ -74,7 +74,10 @@ def run_study(study: Study, store: Store, run: RunSamples) -> StudyResult:
 
 
 def write_what_is_there(study: Study, store: Store) -> Path | None:
-    """Write the table of an interrupted study's runs, of a search return its folder; None without a run."""
+    """Write the table of an interrupted study's runs, of a search return its folder.
+
+    None without a run.
+    """
     if study.plan is not None:
         return store.directory if any((store.directory / "runs").glob("*.json")) else None
     pairs = [(s, s.data.key(study.fmu_hash)) for s in study.samples]
@@ -248,7 +251,10 @@ def _best(
         judged = f"{objective.expression} = {cost} {_unit(objective.unit)}".rstrip() + word
     if not one.comparable:
         exceeded = objective.exceeded(one.score)
-        sentence = f"no choice keeps subject_to; nearest is {what}, where {exceeded}: loosen it, or vary more"
+        sentence = (
+            f"no choice keeps subject_to; nearest is {what}, where {exceeded}: loosen it, or vary "
+            "more"
+        )
     else:
         equal = sum(scores[k].rank == one.rank for k in finite)
         sentence = f"best is {what}: {judged}" + (

@@ -1,8 +1,9 @@
 """Sources of the numbers that a run rests on, each with its status.
 
-What was set has the status that its file states, else ``given``: whoever set it knows its source.  What was not is of
-the case: ``published`` where the case's source states it, else ``assumed``, which is ours.  A rope's parameter that is
-neither is the FMU's, ``exported`` with it.  A ``setting`` is no datum: it says what is computed and how.
+What was set has the status that its file states, else ``given``: whoever set it knows its source.
+What was not is of the case: ``published`` where the case's source states it, else ``assumed``,
+which is ours.  A rope's parameter that is neither is the FMU's, ``exported`` with it.  A
+``setting`` is no datum: it says what is computed and how.
 """
 
 import csv
@@ -50,7 +51,10 @@ class SourcedValue(NamedTuple):
 
 
 def host_provenance(run: RunData, status_by_name: Mapping[str, str]) -> list[SourcedValue]:
-    """Return the sources of the host's data; ``status_by_name`` has those of values set beside those of the run."""
+    """Return the sources of the host's data.
+
+    ``status_by_name`` has those of values set beside those of the run.
+    """
     sourced = []
     for name, value, unit in _leaves(run):
         is_datum = name.partition(".")[0] not in _SETTINGS and _is_number(value)
@@ -105,7 +109,10 @@ def _status_of(name: str, value: Value, case: Case, status_by_name: Mapping[str,
 
 
 def _leaves(run: RunData) -> Iterator[tuple[str, Value, str]]:
-    """Yield name, value and unit of each single value of the host that the run uses, without parts that are None."""
+    """Yield name, value and unit of each single value of the host that the run uses.
+
+    Parts that are None are left out.
+    """
     for name, value in run.host_values().items():
         if (
             CONTROLLER_OF.get(name.partition(".")[0], run.controller) == run.controller

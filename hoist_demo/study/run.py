@@ -1,7 +1,8 @@
 """One run of a study: its complete data, its key, and its co-simulation with the FMU.
 
-The key is the hash of everything that decides the result: all data with their defaults, the FMU's bytes, and the
-version of this package. Equal keys are equal runs, so that a finished run is never repeated.
+The key is the hash of everything that decides the result: all data with their defaults, the FMU's
+bytes, and the version of this package. Equal keys are equal runs, so that a finished run is never
+repeated.
 """
 
 import hashlib
@@ -47,23 +48,22 @@ if TYPE_CHECKING:
     from hoist_demo.design.arrival_swing import ArrivalSwing
 
 CUT_SHORT = "cut short"  #: State of a run that the safety circuit stopped.
-#: States that a resumed study does not repeat: wound to the end, cut short, or ended by rope or drive with a cause.
+#: States that a resumed study does not repeat: wound to the end, cut short, or ended by rope or
+#: drive with a cause.
 FINISHED = ("completed", "stopped", CUT_SHORT)
-ERROR = "error"  #: State of a run that could not be carried out (a dead worker, an exception); resuming tries it again.
+#: State of a run that could not be carried out (a dead worker, an exception); resuming tries it
+#: again.
+ERROR = "error"
 _VERSION = version("balance-rope")
 #: Data that only one controller uses, and that is not part of the key of the others' runs.
 CONTROLLER_OF = {"shaper": "input-shaping", "trajectory": "optimised-trajectory"}
 #: Data of the winding that is not part of the key of runs without creep.
 _CREEP = ("creep_speed", "creep_distance", "departure_creep_distance")
 
-_OF_DESIGN = (
-    "nominal",
-    "start",
-)  #: Fields that say for what a trip was designed, where that is not what is wound.
-_RECORD_KEYS = {
-    "rope_values": "fmu",
-    "status_by_name": "given",
-}  #: Keys of fields in records, where they differ.
+#: Fields that say for what a trip was designed, where that is not what is wound.
+_OF_DESIGN = ("nominal", "start")
+#: Keys of fields in records, where they differ.
+_RECORD_KEYS = {"rope_values": "fmu", "status_by_name": "given"}
 
 
 @dataclass(frozen=True)
@@ -75,9 +75,8 @@ class RunData(Task):
     arrival: Arrival
     rope_values: Mapping[str, Value]  # parameters of the case's rope, and those that the study sets
     signals: tuple[str, ...] = ()  # time series to keep
-    status_by_name: Mapping[str, str] = field(
-        default_factory=dict, compare=False, repr=False
-    )  # statuses by name
+    # statuses by name
+    status_by_name: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)
 
     def record(self) -> dict[str, Any]:
         """Return the data by their keys in records."""
@@ -144,9 +143,10 @@ def build(
 ) -> RunData:
     """Return the data of a run; a `ValueError` names what does not fit together.
 
-    `values` count as if they stood in the hoist's file; `varied` differ between runs of one hoist, and nothing follows
-    from them: rules and the design of the trip take the `nominal` values in their place, or else those of the file.
-    `start` is the height of the left conveyance before the trip [m]; None: at a landing.
+    `values` count as if they stood in the hoist's file; `varied` differ between runs of one hoist,
+    and nothing follows from them: rules and the design of the trip take the `nominal` values in
+    their place, or else those of the file. `start` is the height of the left conveyance before the
+    trip [m]; None: at a landing.
     """
     hoist_case = with_values(find_case(case), values)
     varied = dict(varied or {})
@@ -261,7 +261,10 @@ def wind_run(
     made: Drive | None = None,
     **trips: Any,
 ) -> Result:
-    """Return the co-simulation of a run with any rope; `progress` as of `Host.run`, `trips` beside it as of `Host`."""
+    """Return the co-simulation of a run with any rope.
+
+    `progress` as of `Host.run`, `trips` beside it as of `Host`.
+    """
     made = made or run.design()
     host = Host(
         rope, run.hoist, run.winding, run.coupling, made.gains, trajectory=made.trajectory, **trips
@@ -277,18 +280,23 @@ SHARED = (
 
 
 def contradictions(hoist: Hoist, rope: Mapping[str, Value]) -> str:
-    """Return where the drive's copy of the balance rope's data differs from the rope's; "" if they agree."""
+    """Return where the drive's copy of the balance rope's data differs from the rope's.
+
+    "" if they agree.
+    """
     sentences = []
     for name, copy, unit in SHARED:
         computed, assumed = rope.get(name), getattr(hoist, copy)
         if isinstance(computed, int | float) and not math.isclose(computed, assumed, rel_tol=1e-3):
             sentences.append(
-                f"{name} = {computed:g} {unit} and hoist.{copy} = {assumed:g} {unit} contradict each other: "
-                f"the drive holds and accelerates by its own number; set hoist.{copy} = {computed:g}, too"
+                f"{name} = {computed:g} {unit} and hoist.{copy} = {assumed:g} {unit} contradict "
+                f"each other: the drive holds and accelerates by its own number; set hoist.{copy} "
+                f"= {computed:g}, too"
             )
     if (g := float(rope.get("layout.gravity", GRAVITY))) != GRAVITY:
         sentences.append(
-            f"layout.gravity = {g:g} m/s2 and the drive's {GRAVITY:g} contradict each other: leave it out"
+            f"layout.gravity = {g:g} m/s2 and the drive's {GRAVITY:g} contradict each other: leave "
+            "it out"
         )
     return "; ".join(sentences)
 
@@ -301,7 +309,10 @@ class Probe:
         self._answers: dict[str, str] = {}
 
     def require_start(self, run: RunData) -> None:
-        """Refuse a rope that does not start with the run's parameters, by the key if one alone is to blame."""
+        """Refuse a rope that does not start with the run's parameters.
+
+        The message names the key if a single one is the cause.
+        """
         heights = start_heights(run.hoist, run.winding)
         together = self._ask(run.rope_values, heights)
         if not together:
@@ -319,7 +330,9 @@ class Probe:
         Problems(blamed or [f"{differing}: {together}"]).refuse()
 
     def require_hoist(self, run: RunData) -> None:
-        """Refuse an FMU of another hoist: all that the run does not set must start with the value of its hoist.
+        """Refuse an FMU of another hoist.
+
+        All values that the run does not set must start with those of its hoist.
 
         The settings of accuracy may be those of any level.
         """
@@ -343,9 +356,10 @@ class Probe:
             )
             more = f"; and {len(fewest) - MAX_LISTED} more" if len(fewest) > MAX_LISTED else ""
             raise ValueError(
-                f"FMU '{self._fmu}' must be of this hoist, '{run.case}', but {len(fewest)} of its values that the "
-                f"hoist leaves out differ: {listed}{more}: export this hoist (`balance-rope export {run.case}`), wind "
-                "the FMU's own, or state them (a hoist's file, or --set NAME=VALUE)"
+                f"FMU '{self._fmu}' must be of this hoist, '{run.case}', but {len(fewest)} of its "
+                f"values that the hoist leaves out differ: {listed}{more}: export this hoist "
+                f"(`balance-rope export {run.case}`), wind the FMU's own, or state them (a hoist's "
+                "file, or --set NAME=VALUE)"
             )
 
     def _ask(self, parameters: Mapping[str, Value], heights: tuple[float, float]) -> str:

@@ -1,6 +1,7 @@
 """Values that a study varies: lists, and ranges to draw from.
 
-Latin hypercube: M. D. McKay, R. J. Beckman and W. J. Conover, Technometrics 21, 1979; scipy.stats.qmc draws it.
+Latin hypercube: M. D. McKay, R. J. Beckman and W. J. Conover, Technometrics 21, 1979;
+scipy.stats.qmc draws it.
 """
 
 import itertools
@@ -74,7 +75,7 @@ class _List(BaseModel, extra="forbid"):
 
 
 def varied(parameter: Parameter) -> Any:
-    """Return the type of a key of [vary] for pydantic: what it holds is a tuple of values, or a Range."""
+    """Return the type of a key of [vary] for pydantic: a tuple of values, or a Range."""
     return Annotated[
         Annotated[_List, Tag("list")] | Annotated[_Interval, Tag("range")],
         Discriminator(
@@ -91,7 +92,8 @@ def _table(name: str, content: Any) -> Any:
         return {"values": content}
     if not isinstance(content, dict) or not content.keys() & {"values", "low", "high"}:
         raise ValueError(
-            f"{name} = {content!r} must be a list with values, or {{ low, high }}: fix it in [fixed]"
+            f"{name} = {content!r} must be a list with values, or {{ low, high }}: fix it in "
+            "[fixed]"
         )
     return content
 
@@ -109,6 +111,7 @@ def _read(parameter: Parameter, table: _List | _Interval) -> tuple[Value, ...] |
         )
     if table.scale == "log" and low <= 0.0:
         raise ValueError(
-            f"{name} has low = {low!r}, which must be above 0 for scale = 'log': raise it or take linear"
+            f"{name} has low = {low!r}, which must be above 0 for scale = 'log': raise it or take "
+            "linear"
         )
     return Range(low, high, table.scale == "log", parameter.kind == "Integer")

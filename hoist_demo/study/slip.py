@@ -1,4 +1,4 @@
-"""The head ropes' hold on the sheave: slip safety in each part of a trip, beside what is asked of it."""
+"""Slip safety of the head ropes on the sheave in each part of a trip, with its required value."""
 
 from typing import NamedTuple
 
@@ -41,9 +41,12 @@ class SlipSafety(NamedTuple):
 
 
 def slip_safeties(result: Result, hoist: Hoist) -> list[SlipSafety]:
-    """Judge the hold at rest, in normal winding, and from the first event that is no part of that; [] if not recorded.
+    """Judge the hold at rest, in normal winding, and from the first event that is no part of that.
 
-    At rest counts the static ratio, without swing: where the trip begins, and where it ends without such an event.
+    [] if not recorded.
+
+    At rest counts the static ratio, without swing: where the trip begins, and where it ends without
+    such an event.
     """
     recording, winding = result.recording, result.winding
     if not recording.has("drive.tension_ratio", "drive.static_tension_ratio"):
@@ -78,7 +81,10 @@ def slip_warnings(result: Result, hoist: Hoist) -> list[str]:
 
 
 def _normal_until(recording: Recording, winding: Winding) -> tuple[float, str]:
-    """Return time [s] and name of the first event that is no part of normal winding; or the record's end."""
+    """Return time [s] and name of the first event that is no part of normal winding.
+
+    Or the record's end.
+    """
     events = [(jam.t, "the jam") for jam in jams(recording)]
     events += [(slack.t, "slack head ropes") for slack in slack_ropes(recording)]
     if winding.emergency_at is not None:

@@ -1,12 +1,13 @@
-"""A study's folder: every finished run in a file of its own, written at once and whole, and the table of all.
+"""A study's folder: a file for every finished run, written at once and whole, and the table.
 
     runs/KEY.json       data and outcome of a run; a file that exists is complete
     signals/KEY.parquet its time series and their instants, where the study keeps any; units as in results.parquet
     results.parquet     one row per run in the study's order, units in the schema's field metadata
     results.csv         the same, header `name [unit]`
 
-The table holds no date: the same study writes the same bytes. pandas and pyarrow are loaded where tables
-are written or read: no worker does, and they took a quarter of the time in which it loads all it needs.
+The table holds no date: the same study writes the same bytes. pandas and pyarrow are loaded where
+tables are written or read: no worker does, and they took a quarter of the time in which it loads
+all it needs.
 """
 
 from __future__ import annotations

@@ -1,7 +1,9 @@
-"""Sentences on results that do not rise or fall with what varies: what a reader of a few runs would take for granted.
+"""Sentences on results that neither only rise nor only fall with a varied number.
 
-Along one varied number, all else equal: whether the rope struck, the run failed, or a bound was exceeded, where that
-comes and goes; and metrics with an extremum inside, which stands out.
+A reader of a few runs would take a monotonic result for granted.
+
+Along one varied number, all else equal: whether the rope struck, the run failed, or a bound was
+exceeded, where that comes and goes; and metrics with an extremum inside, which stands out.
 """
 
 import math
@@ -18,18 +20,15 @@ from hoist_demo.study.objective import Constraint, Objective
 
 PROMINENCE = 0.1  #: Least height of an extremum, in parts of the range of a result.
 NOISE = 0.01  #: Least height of an extremum, in parts of the largest size of a result.
-_WATCHED = (
-    "slip_safety",
-    "clearance",
-    "loop_turns",
-)  #: Metrics of a study that does not say what matters.
+#: Metrics of a study that does not say what matters.
+_WATCHED = ("slip_safety", "clearance", "loop_turns")
 OutcomeRecord = Mapping[str, Any]
 
 
 def not_monotonic(
     study: Study, samples: Sequence[StudyRun], outcomes: Sequence[OutcomeRecord]
 ) -> list[str]:
-    """Return a sentence for each result that is not monotonic, with the place where it shows first."""
+    """Return a sentence, with the first place, for each result that is not monotonic."""
     sentences = dict[tuple[str, str], list[str]]()
     lists = {key: v for key, v in study.varied.items() if isinstance(v, tuple)}
     if study.plan is None and len(lists) == len(study.varied):
@@ -83,7 +82,8 @@ def _along(objective: Objective | None, key: str, runs: RunLine) -> Iterator[tup
         if any(happens) and changes > expected:
             yield (
                 what,
-                f"{what} at {key} = {_values(runs, happens, True)}, not at {_values(runs, happens, False)}",
+                f"{what} at {key} = {_values(runs, happens, True)}, not at "
+                f"{_values(runs, happens, False)}",
             )
     for metric in objective.metrics if objective else _WATCHED:
         pairs = [
@@ -130,7 +130,10 @@ def _values(
 
 
 def _turn(pairs: Sequence[tuple[float, float]]) -> tuple[float, float, str] | None:
-    """Return place, value and kind of an extremum inside; None for a result that only rises, or only falls."""
+    """Return place, value and kind of an extremum inside.
+
+    None for a result that only rises, or only falls.
+    """
     if len(pairs) < 3:
         return None
     y = [value for _, value in pairs]

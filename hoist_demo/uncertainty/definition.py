@@ -1,4 +1,4 @@
-"""A file that asks how uncertain a winding is: what is known of the rope varies within its ranges."""
+"""File of an uncertain winding: the rope's properties vary within their ranges."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -119,7 +119,10 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
             places |= dict.fromkeys(friction, f"[uncertain] bearing = {self.header.bearing!r}")
         for name, entry in self.fixed.items():
             if name in places:
-                yield f"[fixed] {name} = {entry.value!r} follows from {places[name]}: leave it out, and set that"
+                yield (
+                    f"[fixed] {name} = {entry.value!r} follows from {places[name]}: leave it out, "
+                    "and set that"
+                )
 
     @cached_property
     def measured(self) -> tuple[str, ...]:
@@ -166,10 +169,12 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
         return [*host_provenance(ropes.run, status), *ropes.provenance(status)]
 
     def ropes(self, values: Mapping[str, float]) -> Ropes:
-        """Return the balance ropes and their run with these values of what varies; the drive knows them as they are.
+        """Return the balance ropes and their run with these values of what varies.
 
-        All of several ropes are of the drawn kind: each keeps its place, its length unless the file states one, and
-        its sense of lay relative to the first rope's.
+        The drive knows them as they are.
+
+        All of several ropes are of the drawn kind: each keeps its place, its length unless the file
+        states one, and its sense of lay relative to the first rope's.
         """
         drawn = self._drawn(values)
         case = self._case
@@ -199,7 +204,10 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
         return self.ropes(self._middles)
 
     def require_hangs(self) -> None:
-        """Refuse a rope of the ranges' middle that cannot hang where the trip begins; FileError says why."""
+        """Refuse a rope of the ranges' middle that cannot hang where the trip begins.
+
+        FileError says why.
+        """
         ropes = self.middle_ropes()
         run = ropes.run
         left, right = start_heights(run.hoist, run.winding)
@@ -208,7 +216,10 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
             status = rope.initialize(run.coupling.start, EndMotion(y=left), EndMotion(y=right))
             if not status.valid:
                 name = each.name or "the rope"
-                where = f"at rest with its ends at {left:g} m and {right:g} m, in the middle of all ranges"
+                where = (
+                    f"at rest with its ends at {left:g} m and {right:g} m, in the middle of all "
+                    "ranges"
+                )
                 raise FileError(self.path, [f"{where}, {name} cannot hang: {status.message}"])
 
     def run(self, values: Mapping[str, float]) -> RunData:
@@ -232,7 +243,8 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
     def _run(self, drawn: Mapping[str, Drawn]) -> RunData:
         """Return the data of a winding with these values.
 
-        The drive's feed-forward takes the rope as it is; its trip is designed for the middle of all ranges.
+        The drive's feed-forward takes the rope as it is; its trip is designed for the middle of all
+        ranges.
         """
         middle = self._drawn(self._middles)
         nominal = {name: middle[name] for name in drawn}
@@ -261,5 +273,5 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
 
 
 def _lay(rope: BalanceRopeData) -> float:
-    """Return a number with the sign of the coupling of tension and torsion, which is that of the lay."""
+    """Return the number with the sign of the coupling of tension and torsion, that of the lay."""
     return float(rope.parameters.get(_COUPLING[0], rope_parameters()[_COUPLING[0]].start))

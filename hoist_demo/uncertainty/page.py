@@ -33,7 +33,10 @@ def summary(result: UncertaintyResult) -> list[SummaryRow]:
 
 
 def too_few(result: UncertaintyResult) -> str:
-    """Return a warning of results without windings, and of too few windings for causes; '' for neither."""
+    """Return a warning of results without windings, and of too few windings for causes.
+
+    '' for neither.
+    """
     return "; ".join(_too_few(result))
 
 
@@ -41,32 +44,34 @@ def _too_few(result: UncertaintyResult) -> Iterator[str]:
     measures = result.file.measured
     if none := [name for name in measures if result.completed and not result.has(name).any()]:
         yield (
-            f"no winding shows {', '.join(none)}: the rope's model does not compute it (set model.fidelity = "
-            "torsional), or its event did not happen"
+            f"no winding shows {', '.join(none)}: the rope's model does not compute it (set "
+            "model.fidelity = torsional), or its event did not happen"
         )
     if not result.completed:
         yield (
-            "no winding counts, so that nothing is known: see why above, and change the rope, what is near it, or the "
-            "trip, not the samples"
+            "no winding counts, so that nothing is known: see why above, and change the rope, "
+            "what is near it, or the trip, not the samples"
         )
         return
     counts, need = {name: int(result.has(name).sum()) for name in measures}, result.needed
     if few := [f"{name} {count}" for name, count in counts.items() if 0 < count < need]:
         yield (
-            f"no causes are known of {', '.join(few)}: {len(result.file.data)} varied data need {need} completed "
-            f"windings, 64 for a first look; raise samples = {result.file.header.samples}"
+            f"no causes are known of {', '.join(few)}: {len(result.file.data)} varied data need "
+            f"{need} completed windings, 64 for a first look; raise samples = "
+            f"{result.file.header.samples}"
         )
     if spoiled := [
         f"{name} {number(times)}" for name in measures if (times := result.spoiled(name))
     ]:
         yield (
-            f"no causes are known of {', '.join(spoiled)}: the shares of the data add up to so many times their "
-            f"spread; {result.file.header.samples} windings are too few to separate the data; raise samples"
+            f"no causes are known of {', '.join(spoiled)}: the shares of the data add up to so "
+            f"many times their spread; {result.file.header.samples} windings are too few to "
+            "separate the data; raise samples"
         )
 
 
 def remarks(result: UncertaintyResult) -> list[str]:
-    """Return the rope's warnings and why windings do not count, each with its number of windings."""
+    """Return the rope's warnings and why windings do not count, with numbers of windings."""
     return [
         f"in {count} of {result.file.header.samples} windings: {text}"
         for text, count in result.remarks.items()

@@ -1,11 +1,13 @@
-"""Windings over what is not known: a Sobol sequence over the ranges, and which datum causes the spread.
+"""Windings with samples of all uncertain data, and which datum causes the spread.
 
-The samples are a scrambled Sobol sequence in the shares of the ranges (A. B. Owen; scipy.stats.qmc).  What a datum
-causes is judged by ranks, which ask for monotony only: with the standardised ranks of the data x, of a result y,
+The samples are a scrambled Sobol sequence in the shares of the ranges (A. B. Owen;
+scipy.stats.qmc).  What a datum causes is judged by ranks, which ask for monotony only: with the
+standardised ranks of the data x, of a result y,
 
     y = sum_k b_k x_k + rest        share of datum k: b_k^2        unexplained: 1 - R^2
 
-The data vary independently, so that the shares add up to R^2 but for what the sample leaves of correlation.
+The data vary independently, so that the shares add up to R^2 but for what the sample leaves of
+correlation.
 """
 
 import math
@@ -28,12 +30,12 @@ from hoist_demo.uncertainty.definition import UncertaintyFile
 
 WindingResult = tuple[dict[str, float], tuple[str, ...]]  #: Measures by name, and remarks.
 QUANTILES = (0.05, 0.5, 0.95)  #: Quantiles of each measure in the results.
-#: sum of the shares of data that vary independently, from which on their correlation in the sample spoils them
+#: sum of the shares of data that vary independently, from which on their correlation in the sample
+#: spoils them
 SPOILED = 1.1
 STOPPED = "stopped: "  #: Prefix of the cause of a winding's stop.
-LEFT_OUT = (
-    "left out: "  #: Prefix of what a rope passed through: its winding describes no real rope.
-)
+#: Prefix of what a rope passed through: its winding describes no real rope.
+LEFT_OUT = "left out: "
 _NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 
 
@@ -41,15 +43,14 @@ _NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 class UncertaintyResult:
     """Results of all windings, a row each: what varied and what was measured.
 
-    NaN where the winding has stopped before, its rope has passed through something, or it shows no such thing: the
-    rope's model may not compute it.
+    NaN where the winding has stopped before, its rope has passed through something, or it shows no
+    such thing: the rope's model may not compute it.
     """
 
     file: UncertaintyFile
     columns: Mapping[str, Array]
-    remarks: Mapping[str, int] = field(
-        default_factory=dict
-    )  # warnings and causes of stops: in how many windings
+    # warnings and causes of stops: in how many windings
+    remarks: Mapping[str, int] = field(default_factory=dict)
 
     def has(self, name: str) -> Array:
         """Select the windings that have this measure."""
@@ -83,7 +84,10 @@ class UncertaintyResult:
         return len(self.file.data) + 2
 
     def causes(self, name: str) -> dict[str, float]:
-        """Return each datum's share in a measure's spread, and the unexplained; {} if too few or contradictory."""
+        """Return each datum's share in a measure's spread, and the unexplained.
+
+        {} if too few or contradictory.
+        """
         shares = self._shares(name)
         return {} if sum(shares.values()) > SPOILED else shares
 
@@ -135,7 +139,10 @@ def draw(file: UncertaintyFile) -> list[dict[str, float]]:
 
 
 def wind_once(file: UncertaintyFile, values: Mapping[str, float]) -> WindingResult:
-    """Return the measures of one winding with its warnings; NaN, with the reason, if it shows no real rope."""
+    """Return the measures of one winding with its warnings.
+
+    NaN, with the reason, if it shows no real rope.
+    """
     ropes = file.ropes(values)
     run = ropes.run
     with warnings_of("hoist_demo") as warnings:
@@ -161,7 +168,10 @@ def wind_once(file: UncertaintyFile, values: Mapping[str, float]) -> WindingResu
 
 
 def remarks_of(remarks: Sequence[Iterable[str]]) -> dict[str, int]:
-    """Return remarks with the number of windings of each; numbers that differ between windings become ranges."""
+    """Return remarks with the number of windings of each.
+
+    Numbers that differ between windings become ranges.
+    """
     numbers_by_words = dict[
         tuple[str, ...], dict[int, set[tuple[str, ...]]]
     ]()  # numbers by words and by winding

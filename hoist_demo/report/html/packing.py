@@ -1,8 +1,8 @@
 """Numbers as short text, and pictures of what was recorded along the rope.
 
-Numbers are quantised to 16 or 8 bits, or are 32-bit floats, in base64. A packed array {"kind", "lo", "hi", "data"}
-stands for lo + (hi - lo) q / top with integers q from 0 to top; the code above top is NaN. assets/common.js holds the
-inverse.
+Numbers are quantised to 16 or 8 bits, or are 32-bit floats, in base64. A packed array {"kind",
+"lo", "hi", "data"} stands for lo + (hi - lo) q / top with integers q from 0 to top; the code above
+top is NaN. assets/common.js holds the inverse.
 """
 
 import base64
@@ -13,14 +13,15 @@ import numpy as np
 from hoist_demo.recording.time_series import Array, Recording
 
 Packed = dict[str, str | float]
-CODES = {
-    "u8": 254,
-    "u16": 65534,
-}  #: Largest integer that stands for a number, per kind; the next one is NaN.
+#: Largest integer that stands for a number, per kind; the next one is NaN.
+CODES = {"u8": 254, "u16": 65534}
 
 
 def pack(values: Array, kind: str = "u16") -> Packed:
-    """Values of any shape, flattened row by row; the error is half a quantum, (hi - lo) / top / 2."""
+    """Values of any shape, flattened row by row.
+
+    The error is half a quantum, (hi - lo) / top / 2.
+    """
     flat = np.asarray(values, dtype=np.float64).ravel()
     finite = np.isfinite(flat)
     lo = float(np.min(flat[finite])) if finite.any() else 0.0
@@ -43,7 +44,10 @@ def pack_to(values: Array, resolution: float) -> Packed:
 
 
 def thin(values: Array, most: int) -> Array:
-    """Thin to at most `most` values (1-D), the lowest and highest of each interval, in order; fewer stay."""
+    """Thin to at most `most` values (1-D), the lowest and highest of each interval, in order.
+
+    Fewer stay.
+    """
     if len(values) <= most:
         return values
     width = interval(len(values), most)
@@ -91,11 +95,17 @@ MAPS = (
 
 MAX_COLUMNS = 240  #: Most instants in a picture.
 ROPE_ROWS = 160  #: Places along the rope in a picture.
-MISSING = "The rope has no outputs {}, so these are not shown along it; export its FMU anew and wind again."
+MISSING = (
+    "The rope has no outputs {}, so these are not shown along it; export its FMU anew and wind "
+    "again."
+)
 
 
 def along(recording: Recording, name: str) -> dict[str, object]:
-    """Return pictures of what was recorded along a rope, one `name` of several, and a note of what was not."""
+    """Return pictures of quantities along a rope, and a note of those that were not recorded.
+
+    `name` is that of one of several ropes.
+    """
     rows = frames(len(recording.time), MAX_COLUMNS)
     curves = recording.shapes_at(rows)
     assert curves is not None
@@ -133,7 +143,10 @@ def along(recording: Recording, name: str) -> dict[str, object]:
 
 
 def over_length(values: Array, positions: list[Array], length: float) -> Array:
-    """Return the largest value (frames, n) in each of ROPE_ROWS parts of the length; a loop may be within one part."""
+    """Return the largest value (frames, n) in each of ROPE_ROWS parts of the length.
+
+    A loop may be within one part.
+    """
     edges = np.linspace(0.0, length, ROPE_ROWS + 1)
     picture = np.full((ROPE_ROWS, len(values)), np.nan)
     for k, (column, position) in enumerate(zip(values, positions, strict=True)):

@@ -1,7 +1,9 @@
-"""Joins templates of assets/ with text, data, style and scripts into one file without any outside reference.
+"""Pages from templates of assets/, with text, data, style and scripts in one file.
 
-Every page forbids its browser the network (Content-Security-Policy), so a stray reference would be an error in the
-console and not a hidden dependence.
+A page refers to nothing outside of it.
+
+Every page forbids its browser the network (Content-Security-Policy), so a stray reference would be
+an error in the console and not a hidden dependence.
 """
 
 import json
@@ -85,7 +87,10 @@ def number(value: float, digits: int = 5) -> str:
 
 
 def engineering(largest: float, unit: str) -> tuple[float, str]:
-    """Return the factor to a unit in which this magnitude has few digits, and that unit: 9.96e7 J are 99.6 MJ."""
+    """Return the factor to a unit in which this magnitude has few digits, and that unit.
+
+    For 9.96e7 J these are 1e-6 and MJ.
+    """
     steps = _PREFIXES if re.split(r"[.\s/]", unit)[0] in ("J", "N", "W", "Pa") else ()
     return next(
         ((1.0 / size, prefix + unit) for size, prefix in steps if largest >= 10.0 * size),
@@ -131,7 +136,10 @@ class Bar:
 
 
 def bars(rows: Sequence[Bar], ticks: Sequence[tuple[float, str]], title: str) -> str:
-    """Draw rows over a common axis from 0 to 1, as SVG; `ticks` are places on it with their texts."""
+    """Draw rows over a common axis from 0 to 1, as SVG.
+
+    `ticks` are places on it with their texts.
+    """
     height = ROW * (len(rows) + 1)
     parts = [
         f'<line class="grid" x1="{_x(position):.1f}" x2="{_x(position):.1f}" y1="0" y2="{height - ROW}"/>'

@@ -1,4 +1,4 @@
-"""The data a run was given, as table rows: each parameter by the name that sets it, with unit, meaning and status."""
+"""The data of a run as table rows: each parameter's name, value, unit, meaning and status."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
@@ -21,7 +21,7 @@ def parameter_tables(data: Mapping[str, object], statuses: Mapping[str, str]) ->
 def rope_tables(
     rope: RopeData, fidelities: Sequence[str], statuses: Mapping[str, str]
 ) -> list[TitledRows]:
-    """Return tables of the balance rope's source, of the fidelity computed, and of all its parameters."""
+    """Return tables of the rope's source, of the fidelity computed, and of all its parameters."""
     ran = ", then ".join(fidelities) or "not known"
     head: list[Row] = [(name, text, "") for name, text in rope.model.items()]
     head += [
@@ -53,7 +53,7 @@ def word(value: object) -> str:
 
 
 def parameter_rows(data: Any, section: str, statuses: Mapping[str, str]) -> list[Row]:
-    """Return one row per number, flag or word of a dataclass, those of dataclasses within it included."""
+    """Return one row per number, flag or word of a dataclass and of the dataclasses within it."""
     listed: list[Row] = []
     for field in fields(data):
         value = getattr(data, field.name)

@@ -1,4 +1,4 @@
-"""The report of a run: its rope in motion over linked time plots, its numbers and its data, in one file."""
+"""The report of a run in one file: the rope in motion over linked plots, numbers, and data."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
@@ -28,7 +28,10 @@ SHAPE_RESOLUTION = 1e-4  #: Error that packing may bring into a point of the rop
 def run_report(
     result: Result, hoist: Hoist, report: Report, path: Path, ropes: Sequence[RopeData] = (UNKNOWN,)
 ) -> Path:
-    """Write the report of a run, the same bytes but the clock's; the shaft drawn is that of the first of `ropes`."""
+    """Write the report of a run, the same bytes but the clock's.
+
+    The shaft drawn is that of the first of `ropes`.
+    """
     numbers = "".join(
         page.titled_table(
             group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in rows]
@@ -65,7 +68,8 @@ def _verdict(verdict: Verdict, changed: parameter_tables.TitledRows) -> str:
     ]
     if changed[1]:
         parts.append(
-            f"<details open><summary>{html_text(changed[0])}</summary>{page.plain_table(CHANGED, changed[1])}</details>"
+            "<details "
+            f"open><summary>{html_text(changed[0])}</summary>{page.plain_table(CHANGED, changed[1])}</details>"
         )
     return "".join(parts)
 
@@ -113,7 +117,7 @@ def _drawn(own: Recording) -> bool:
 
 
 def _curve(own: Recording, rope: RopeData) -> Mapping[str, object]:
-    """Return the rope's curve at its frames in the shaft, and the places of its ends on the conveyances."""
+    """Return the rope's curve in the shaft at each frame, and the places of its ends."""
     rows = packing.frames(len(own.time), MAX_FRAMES)
     shapes = own.shapes_at(rows)
     assert shapes is not None
@@ -141,7 +145,10 @@ _DIVIDER = ("size", "y", "offset", "direction", "rounding")
 
 
 def drawn_shaft(parameters: Mapping[str, object], recording: Recording) -> Drawn:
-    """Sizes by part, from the rope's parameters by FMI name; what is not there has none, or the size 0."""
+    """Sizes by part, from the rope's parameters by FMI name.
+
+    What is not there has none, or the size 0.
+    """
     values = {name: float(x) for name, x in parameters.items() if isinstance(x, int | float)}
 
     def part(group: str, names: tuple[str, ...]) -> dict[str, float]:

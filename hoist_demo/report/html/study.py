@@ -1,9 +1,12 @@
-"""The report of a study: all runs in parallel coordinates, one column against another, and a sortable table.
+"""The report of a study.
 
-`meta` may hold `title` and `parameters` (names of the columns that were varied; the other columns are metrics).
-Whatever else it holds, a text or a number, is shown under Data, and so are parameters that are the same in all runs.
-Only what differs between runs has an axis. A run has failed when its `cause` is not empty. The page shows as many
-columns as it has room for: what varies, what the study judges by, what tells of danger, then the rest.
+It has all runs in parallel coordinates, one column against another, and a sortable table.
+
+`meta` may hold `title` and `parameters` (names of the columns that were varied; the other columns
+are metrics). Whatever else it holds, a text or a number, is shown under Data, and so are parameters
+that are the same in all runs. Only what differs between runs has an axis. A run has failed when its
+`cause` is not empty. The page shows as many columns as it has room for: what varies, what the study
+judges by, what tells of danger, then the rest.
 """
 
 import math
@@ -24,14 +27,8 @@ from rope_model.texts import html_text
 
 STATUS = "status"
 CAUSE = "cause"
-_NO_COLUMNS = (
-    STATUS,
-    CAUSE,
-    "run",
-    "key",
-    WARNINGS,
-    MISSING,
-)  #: Columns of the table that the page does not plot.
+#: Columns of the table that the page does not plot.
+_NO_COLUMNS = (STATUS, CAUSE, "run", "key", WARNINGS, MISSING)
 ROUNDING = 1e-9  #: Relative difference within which two numbers are one.
 _OWN = ("title", "parameters")
 #: columns that are shown first behind what varies and what is judged
@@ -56,7 +53,9 @@ def study_report(
     result: StudyResult | None = None,
     objective: Objective | None = None,
 ) -> Path:
-    """Write the report to `path`: one row of `table` per run, units `stated` by column name ("" or "1" for none).
+    """Write the report to `path`, from one row of `table` per run.
+
+    `stated` has the units by column name ("" or "1" for none).
 
     `more` are tables of the data, `result` the study's outcome, which is judged by `objective`.
     """
@@ -111,7 +110,8 @@ def study_report(
     title = str(meta.get("title", "Study"))
     rest = [(str(name), _text(value), "") for name, value in meta.items() if name not in _OWN]
     sentences = [
-        f"{len(causes)} runs, {sum(cause != '' for cause in causes)} failed. {_passed(table)}{_early(table)}"
+        f"{len(causes)} runs, {sum(cause != '' for cause in causes)} failed. "
+        f"{_passed(table)}{_early(table)}"
     ]
     sentences += [f"{best.text[:1].upper()}{best.text[1:]}."] if best else []
     body = page.fill(
@@ -158,7 +158,7 @@ def _by_text(table: pd.DataFrame, column: str) -> list[str]:
 def _in_engineering_units(
     values: Mapping[str, list[float | str | None]], stated: Mapping[str, str]
 ) -> tuple[dict[str, list[float | str | None]], dict[str, str], dict[str, float]]:
-    """Return the columns, their units with prefixes where the numbers are large, and the factors."""
+    """Return the columns, their units, with prefixes where numbers are large, and the factors."""
     shown, units, factors = dict(values), dict(stated), dict[str, float]()
     for name, column in values.items():
         numbers = [
@@ -195,7 +195,10 @@ def _early(table: pd.DataFrame) -> str:
         return ""
     cycle, trajectory = (pd.to_numeric(table[name]) for name in ("cycle_time", "trajectory_time"))
     early = [k + 1 for k, sooner in enumerate(cycle < trajectory) if sooner]
-    words = "the conveyances were within the band of arrival, and stayed there, before the reference was at rest."
+    words = (
+        "the conveyances were within the band of arrival, and stayed there, before the reference "
+        "was at rest."
+    )
     return (
         f" cycle_time is shorter than trajectory_time in {_listed(early)}: {words}" if early else ""
     )
