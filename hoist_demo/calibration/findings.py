@@ -30,19 +30,21 @@ class Finding(Enum):
 
 def findings_of(fit: Fit, intervals: Array) -> list[Finding]:
     """Return the finding of each share with its interval, (n, 2)."""
-    rows = zip(
-        fit.held.tolist(),
-        fit.reaches.tolist(),
-        (intervals[:, 1] - intervals[:, 0]).tolist(),
-        strict=True,
-    )
+    widths = (intervals[:, 1] - intervals[:, 0]).tolist()
+    rows = zip(fit.held.tolist(), fit.reaches.tolist(), widths, strict=True)
     return [_finding(held, reach, width, fit.contradicted) for held, reach, width in rows]
 
 
 def _finding(held: int, reach: float, width: float, contradicted: bool) -> Finding:
     """Return the finding of a share, from its linear reach and the width of its interval."""
+    if contradicted and (held or reach < OPEN):
+        return Finding.CONTRADICTED
     if contradicted:
-        return Finding.CONTRADICTED if held or reach < OPEN else Finding.UNDETERMINED
-    if held:
-        return Finding.AT_UPPER_END if held > 0 else Finding.AT_LOWER_END
-    return Finding.CALIBRATED if 0.5 * width < OPEN else Finding.UNDETERMINED
+        return Finding.UNDETERMINED
+    if held > 0:
+        return Finding.AT_UPPER_END
+    if held < 0:
+        return Finding.AT_LOWER_END
+    if 0.5 * width < OPEN:
+        return Finding.CALIBRATED
+    return Finding.UNDETERMINED

@@ -24,6 +24,7 @@ import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +48,10 @@ PULL = 0.1
 #: Distance of a share from an end of its range within which it is held there, if its next step
 #: leads beyond that end; the search stays within the ranges and comes this near and nearer.
 AT_END = 0.01
+#: Least distance of a share from an end of its range as a second search begins.
+FROM_END = 1e-3
+#: Relative tolerance of the shares.
+XTOL = 1e-6
 SIGNIFICANCE = 0.01  #: p-value below which the measurements contradict the model.
 
 
@@ -73,10 +78,12 @@ class Fit:
         first, others = np.hsplit(self.sensitivities, [count])
         others = others[:, self.held[count:] == 0]
         first = first - others @ np.linalg.lstsq(others, first, rcond=None)[0]
-        params, prior_rows = self.norm_params[:count], self.prior_rows[:, :count]
-        held = self.held[:count]
         return replace(
-            self, norm_params=params, sensitivities=first, prior_rows=prior_rows, held=held
+            self,
+            norm_params=self.norm_params[:count],
+            sensitivities=first,
+            prior_rows=self.prior_rows[:, :count],
+            held=self.held[:count],
         )
 
     @property
@@ -92,8 +99,8 @@ class Fit:
         of_held = np.where(self.held == 0, 0.0, RANGE_VARIANCE)
         return np.asarray((directions * variances) @ directions.T + np.diag(of_held))
 
-    def untold(self) -> list[Array]:
-        """Directions in the free shares about which the data say less than the ranges."""
+    def undetermined_directions(self) -> list[Array]:
+        """Return directions in the free shares that the data determine less than the ranges."""
         s, directions = self._directions()
         return [directions[:, k] for k in np.flatnonzero(s * s <= 1 / RANGE_VARIANCE)]
 
@@ -129,9 +136,9 @@ class Fit:
         As many values as were found leave no residual; one that is left, where no rope could be
         computed, counts as of one degree of freedom.
         """
-        found = np.count_nonzero(self.held == 0) - len(self.untold())
-        spare = max(1, self.residuals.size - self.nuisance - found)
-        return float(chdtrc(spare, self.residuals @ self.residuals))
+        determined = np.count_nonzero(self.held == 0) - len(self.undetermined_directions())
+        degrees_of_freedom = max(1, self.residuals.size - self.nuisance - determined)
+        return float(chdtrc(degrees_of_freedom, self.residuals @ self.residuals))
 
     @property
     def contradicted(self) -> bool:
@@ -147,22 +154,24 @@ def fit(residuals: Residuals, count: int, ftol: float = 1e-8) -> Fit:
     start = np.full(count, MIDDLE)
     residuals = _where_computed(residuals, residuals(start).size)
     first = _solve(residuals, start, np.zeros(count, dtype=int), PULL * np.eye(count), ftol)
-    if not (untold := first.untold()):
+    undetermined = first.undetermined_directions()
+    if not undetermined:
         return first
-    start = np.clip(first.norm_params, 1e-3, 1 - 1e-3)
-    return _solve(residuals, start, first.held, np.array(untold) / np.sqrt(RANGE_VARIANCE), ftol)
+    start = np.clip(first.norm_params, FROM_END, 1 - FROM_END)
+    prior_rows = np.array(undetermined) / np.sqrt(RANGE_VARIANCE)
+    return _solve(residuals, start, first.held, prior_rows, ftol)
 
 
 def _where_computed(residuals: Residuals, size: int) -> Residuals:
     """Return infinite residuals where the rope cannot be computed, so that a search turns back."""
 
-    def tried(norm_params: Array) -> Array:
+    def residuals_or_infinity(norm_params: Array) -> Array:
         try:
             return residuals(norm_params)
         except RuntimeError:
             return np.full(size, np.inf)
 
-    return tried
+    return residuals_or_infinity
 
 
 def _solve(residuals: Residuals, start: Array, held: Signs, prior_rows: Array, ftol: float) -> Fit:
@@ -176,7 +185,8 @@ def _solve(residuals: Residuals, start: Array, held: Signs, prior_rows: Array, f
         reached = np.where(held == 0, _ends_reached(found), held)
         if (reached == held).all():
             break
-        start, held = found.norm_params, reached
+        start = found.norm_params
+        held = reached
     if held.any():  # a profile lets a held share come back from its end
         found = replace(found, sensitivities=sensitivities(residuals, found.norm_params))
     return found
@@ -204,7 +214,7 @@ def _solve_free(
     if not free.size:
         values = residuals(norm_params)
         return Fit(norm_params, values, np.zeros((values.size, held.size)), prior_rows, held)
-    solution = least_squares(remaining, start[free], slopes, (0.0, 1.0), xtol=1e-6, ftol=ftol)
+    solution = least_squares(remaining, start[free], slopes, (0.0, 1.0), xtol=XTOL, ftol=ftol)
     if not solution.success:
         raise RuntimeError(
             f"the fit does not converge ({solution.message}): narrow the ranges, or fix some values"
@@ -240,11 +250,11 @@ def intervals(residuals: Residuals, best_fit: Fit) -> Array:
     residuals = _where_computed(residuals, best_fit.residuals.size)
     free = np.flatnonzero(best_fit.held == 0)
     ends = np.tile([0.0, 1.0], (best_fit.held.size, 1))
-    sides = [(int(k), side) for k in free for side in (-1.0, 1.0)]
-    with ThreadPoolExecutor(
-        os.cpu_count()
-    ) as pool:  # the native rope computes outside of Python's lock
-        found = list(pool.map(lambda one: _end(residuals, best_fit, *one), sides))
+    shares = np.repeat(free, 2).tolist()
+    sides = [-1.0, 1.0] * free.size
+    # the native rope computes outside of Python's lock
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        found = list(pool.map(partial(_end, residuals, best_fit), shares, sides))
     ends[free] = np.reshape(found, (-1, 2))
     return ends
 
@@ -283,8 +293,8 @@ def _end(residuals: Residuals, best_fit: Fit, k: int, side: float) -> float:
             reach = 0.5 * (inside + outside)
     if math.isinf(outside):  # the squares hardly grow: no end was found within the range
         return 0.5 * (1 + side)
-    end = outside if computed else inside
-    return float(best_fit.norm_params[k] + end * along[k])
+    nearest = outside if computed else inside
+    return float(best_fit.norm_params[k] + nearest * along[k])
 
 
 def _root_of_increase(residuals: Residuals, best_fit: Fit, k: int, step: Array) -> float:
@@ -318,14 +328,16 @@ def sensitivities(predict: Callable[[Array], Array], norm_params: Array) -> Arra
     The differences are central where both sides are finite.
     """
     steps = DIFFERENCE * np.eye(norm_params.size)
-    above, below = np.clip(norm_params + steps, 0.0, 1.0), np.clip(norm_params - steps, 0.0, 1.0)
-    with ThreadPoolExecutor(
-        os.cpu_count()
-    ) as pool:  # the native rope computes outside of Python's lock
+    above = np.clip(norm_params + steps, 0.0, 1.0)
+    below = np.clip(norm_params - steps, 0.0, 1.0)
+    # the native rope computes outside of Python's lock
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
         values = np.array(list(pool.map(predict, [*above, *below])))
-    if not (there := np.isfinite(values).all(axis=1)).all():
-        values[~there] = predict(norm_params)
-        above[~there[: norm_params.size]] = below[~there[norm_params.size :]] = norm_params
+    missing = ~np.isfinite(values).all(axis=1)
+    if missing.any():
+        values[missing] = predict(norm_params)
+        above[missing[: norm_params.size]] = norm_params
+        below[missing[norm_params.size :]] = norm_params
         if not np.diag(above - below).all():
             raise RuntimeError(
                 "no rope on either side of the one found can be computed: narrow the ranges"

@@ -25,6 +25,7 @@ from hoist_demo.calibration.fit import (
 )
 from hoist_demo.calibration.measurements import CalibrationProblem, Measurements, RopeMeasurement
 from hoist_demo.calibration.tracks import Markers
+from hoist_demo.cases.case import DEFAULT_HOIST
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data_of
 from hoist_demo.files.rope_file import following_statuses
@@ -82,15 +83,12 @@ class CalibrationResult:
 
     def open_directions(self) -> list[str]:
         """List the properties of each direction that the data leave open, equal sets once."""
-        named = [
-            " and ".join(
-                name
-                for name, part in zip(self.names, direction, strict=True)
-                if abs(part) > MIN_COMPONENT
-            )
-            for direction in self.fit.untold()
-        ]
-        return list(dict.fromkeys(named))
+        sets = dict[str, None]()
+        for direction in self.fit.undetermined_directions():
+            parts = zip(self.names, direction, strict=True)
+            names = [name for name, part in parts if abs(part) > MIN_COMPONENT]
+            sets[" and ".join(names)] = None
+        return list(sets)
 
     def provenance(self) -> list[SourcedValue]:
         """Sources of the numbers of the rope and its shaft."""
@@ -101,20 +99,18 @@ class CalibrationResult:
             **self.measurement_file.status_by_name,
         }
         data_statuses = {name: datum.status for name, datum in self.data.items()}
-        status_by_name |= {
-            name: data_statuses[name] for name in problem.sought
-        } | following_statuses(data_statuses)
-        return rope_provenance(
-            find_case("rope-120"),
-            rope_data_of(problem.scene_at(self.fit.norm_params)),
-            status_by_name,
-        )  # the case of the defaults
+        status_by_name |= {name: data_statuses[name] for name in problem.sought}
+        status_by_name |= following_statuses(data_statuses)
+        rope = rope_data_of(problem.scene_at(self.fit.norm_params))
+        return rope_provenance(find_case(DEFAULT_HOIST), rope, status_by_name)
 
     def strong_correlations(self) -> list[tuple[str, str, float]]:
-        """Pairs of properties that the data determine together rather than apart."""
-        matrix = self.fit.correlations
-        pairs = [(i, j) for i in range(len(matrix)) for j in range(i) if abs(matrix[i, j]) > STRONG]
-        return [(self.names[j], self.names[i], float(matrix[i, j])) for i, j in pairs]
+        """Return pairs of properties with their strong correlations."""
+        matrix = np.tril(self.fit.correlations, k=-1)
+        pairs = []
+        for i, j in np.argwhere(np.abs(matrix) > STRONG):
+            pairs.append((self.names[j], self.names[i], float(matrix[i, j])))
+        return pairs
 
 
 def identify(
@@ -146,31 +142,37 @@ def identify(
     rows = sensitivities(
         lambda u: problem.predict(u, [wanted, *possible]), properties_fit.norm_params
     )
-    gradient, covariance = rows[0], properties_fit.covariance
-    left = [
-        Candidate(m, error_of(with_measurement(covariance, row / m.sigma), gradient))
-        for m, row in zip(possible, rows[1:], strict=True)
-    ]
+    gradient = rows[0]
+    covariance = properties_fit.covariance
+    ranked = list[Candidate]()
+    for m, row in zip(possible, rows[1:], strict=True):
+        after = with_measurement(covariance, row / m.sigma)
+        ranked.append(Candidate(m, error_of(after, gradient)))
+    ranked.sort(key=lambda candidate: candidate.error)
     predictor = problem.predictor(properties_fit.norm_params)
     predicted = problem.predict(whole.norm_params, [*file.measurements, wanted], predictor)
     return CalibrationResult(
         file,
         properties_fit,
         ends,
-        calibrated(file, findings, ends),
-        predicted[:-1],
-        findings,
-        float(predicted[-1]),
-        error_of(covariance, gradient),
-        tuple(sorted(left, key=lambda c: c.error)),
-        predictor.warnings,
+        data=calibrated(file, findings, ends),
+        predicted=predicted[:-1],
+        findings=findings,
+        wanted=float(predicted[-1]),
+        wanted_error=error_of(covariance, gradient),
+        candidates=tuple(ranked),
+        warnings=predictor.warnings,
     )
 
 
 def stacked(measurements: Measurements) -> tuple[Array, Array]:
     """Stack all values and their standard errors, each (m,)."""
-    values = [value for m in measurements for value in m.values]
-    return np.array(values), np.array([m.sigma for m in measurements for _ in m.values])
+    values = list[float]()
+    sigmas = list[float]()
+    for m in measurements:
+        values += [*m.values]
+        sigmas += [m.sigma] * len(m.values)
+    return np.array(values), np.array(sigmas)
 
 
 def residuals_of(

@@ -118,7 +118,9 @@ class Markers(Table):
     @property
     def starts(self) -> int:
         """Number of fitted shares that describe the ends' path to where the file begins."""
-        return 6 * STEPS if self.settle else 0
+        if self.settle:
+            return 6 * STEPS
+        return 0
 
     @property
     def nuisance(self) -> int:
@@ -138,8 +140,8 @@ class Markers(Table):
         return np.zeros(np.isfinite(self._places).sum() + self.nuisance)
 
     @property
-    def apart(self) -> float:
-        """Largest distance of the ends, m."""
+    def largest_end_distance(self) -> float:
+        """Largest distance of the ends [m]."""
         x = self._end_paths[0, ..., :3]
         return float(np.linalg.norm(x[:, 1] - x[:, 0] + [self._spacing, 0.0, 0.0], axis=1).max())
 
@@ -147,7 +149,7 @@ class Markers(Table):
     def lengths(self) -> dict[str, float]:
         """Lengths (m) that are at most the rope's, by what they are."""
         lengths = {f"places.{k}": s for k, s in self.places.items()}
-        return lengths | {f"{self.file}: largest distance of the ends": self.apart}
+        return lengths | {f"{self.file}: largest distance of the ends": self.largest_end_distance}
 
     def motions(self, start: Array) -> list[tuple[EndMotion, EndMotion]]:
         """Return the motions of the ends at each time.
@@ -172,31 +174,35 @@ class Markers(Table):
 
         ``start`` is in standard errors.
         """
-        displacements = SLACK * (scene.rope.length - self.apart) * start.reshape(-1, 2, 3)
-        left, right = (
-            replace(swivel, attachment=self.ends) for swivel in (scene.left, scene.right)
-        )
+        slack = SLACK * (scene.rope.length - self.largest_end_distance)
+        displacements = slack * start.reshape(-1, 2, 3)
+        left = replace(scene.left, attachment=self.ends)
+        right = replace(scene.right, attachment=self.ends)
         layout = replace(scene.layout, spacing=self._spacing)
         before = len(self._t) - len(self._places)
         rope = balance_rope(scene.with_(left=left, right=right, layout=layout))
         samples = []
         labelled = np.array([*self.places.values()])
-        for k, (t, ends) in enumerate(
-            zip(self._t.tolist(), self.motions(displacements), strict=True)
-        ):
-            status = (rope.advance_to if k else rope.initialize)(t, *ends)
+        motions = zip(self._t.tolist(), self.motions(displacements), strict=True)
+        for k, (t, ends) in enumerate(motions):
+            step = rope.advance_to if k else rope.initialize
+            status = step(t, *ends)
             if not status.valid:
                 raise RuntimeError(f"{self.file}, {t:g} s from its first time: {status.message}")
-            if k >= before:
-                rows, s, tangents = rope.rows(), labelled, np.zeros((labelled.size, 3))
-                if self.unlabelled:
-                    curve = CubicHermiteSpline(rows[:, 0], rows[:, 1:4], rows[:, 4:7])
-                    free = _nearest(curve, self._places[k - before, labelled.size :])
-                    s, tangents = np.append(labelled, free), np.vstack((tangents, curve(free, 1)))
-                at = elements_at(s, np.diff(rows[:, 0]))
-                samples.append(
-                    [at_places(rows[:, 1:7], *at), at_places(rows[:, 7:], *at), tangents]
-                )
+            if k < before:
+                continue
+            rows = rope.rows()
+            s = labelled
+            tangents = np.zeros((labelled.size, 3))
+            if self.unlabelled:
+                curve = CubicHermiteSpline(rows[:, 0], rows[:, 1:4], rows[:, 4:7])
+                free = _nearest(curve, self._places[k - before, labelled.size :])
+                s = np.append(labelled, free)
+                tangents = np.vstack((tangents, curve(free, 1)))
+            elements = elements_at(s, np.diff(rows[:, 0]))
+            places = at_places(rows[:, 1:7], *elements)
+            speeds = at_places(rows[:, 7:], *elements)
+            samples.append([places, speeds, tangents])
         return np.array(samples).swapaxes(0, 1)
 
     def predict(self, predictor: Any, *start: float) -> Array:
@@ -222,17 +228,18 @@ class Markers(Table):
         return np.asarray(self.sigma * np.concatenate((best_residuals, start_errors)))
 
 
+TINY = 1e-300  #: Least divisor.
+ERROR_OVER_MEDIAN = 1.4826  #: Standard deviation of a normal error over its median magnitude.
+
+
 def _nearest(curve: CubicHermiteSpline, points: Array) -> Array:
     """Arc lengths (m) of the places on the rope that are nearest to ``points`` (n, 3)."""
     s = np.linspace(curve.x[0], curve.x[-1], 4 * curve.x.size)
     s = s[np.linalg.norm(points[:, None] - curve(s), axis=2).argmin(axis=1)]
     for _ in range(3):  # each leaves of the error as much as curvature times distance
         tangent = curve(s, 1)
-        s = np.clip(
-            s + ((points - curve(s)) * tangent).sum(axis=1) / (tangent**2).sum(axis=1),
-            curve.x[0],
-            curve.x[-1],
-        )
+        along = ((points - curve(s)) * tangent).sum(axis=1) / (tangent**2).sum(axis=1)
+        s = np.clip(s + along, curve.x[0], curve.x[-1])
     return np.asarray(s)
 
 
@@ -249,27 +256,31 @@ def _read(path: Path, track: Markers) -> _Frames:
         ) from error
     names = columns.dtype.names or ()
 
-    def vectors(of: Sequence[str], axis: str = "", unit: float = 1.0) -> Array:
-        wanted = [f"{name}.{axis}{k}" for name in of for k in "xyz"]
-        if missing := [one for one in wanted if one not in names]:
-            raise ValueError(
-                f"{track.file} has no column {missing[0]}: its columns are {', '.join(names)}"
-            )
-        return unit * np.array([columns[one] for one in wanted]).T.reshape(-1, len(of), 3)
+    def vectors(points: Sequence[str], prefix: str = "", unit: float = 1.0) -> Array:
+        wanted = list[str]()
+        for point in points:
+            wanted += [f"{point}.{prefix}{axis}" for axis in "xyz"]
+        for column in wanted:
+            if column not in names:
+                raise ValueError(
+                    f"{track.file} has no column {column}: its columns are {', '.join(names)}"
+                )
+        table = np.array([columns[column] for column in wanted]).T
+        return unit * table.reshape(-1, len(points), 3)
 
-    if taken := [side for side in SIDES if side in track.places]:
-        raise ValueError(
-            f"places.{taken[0]} has the name of an end of the rope: give the marker another name"
-        )
+    for side in SIDES:
+        if side in track.places:
+            raise ValueError(
+                f"places.{side} has the name of an end of the rope: give the marker another name"
+            )
     t = columns["t"] if "t" in names else np.array([])
     if t.size < 2 * FIRST or not (np.diff(t) > 0).all():
         raise ValueError(
             f"{track.file} needs a column t with {2 * FIRST} times or more, in s, in ascending "
             "order"
         )
-    if (
-        leaning := any(f"{side}.d{k}" in names for side in SIDES for k in "xyz")
-    ) and track.ends != "clamped":
+    leaning = any(name in names for name in _DIRECTION_COLUMNS)
+    if leaning and track.ends != "clamped":
         raise ValueError(
             f'{track.file} has directions, and ends = "{track.ends}" must be "clamped" to take them'
         )
@@ -283,11 +294,15 @@ def _read(path: Path, track: Markers) -> _Frames:
     )
 
 
+_DIRECTION_COLUMNS = ("left.dx", "left.dy", "left.dz", "right.dx", "right.dy", "right.dz")
+
+
 def _require_commas(path: Path, name: str) -> None:
     """Refuse a table with semicolons or tabs between its columns: it may have decimal commas."""
     try:
         with path.open(encoding="utf-8-sig") as file:
-            head, row = file.readline().strip(), file.readline().strip()
+            head = file.readline().strip()
+            row = file.readline().strip()
     except (OSError, ValueError):
         return  # the reader says it
     for separator, word in ((";", "semicolons"), ("\t", "tabs")):
@@ -319,11 +334,13 @@ def _checked(frames: _Frames, track: Markers) -> _Frames:
         raise ValueError(
             f"{track.file}, row {k + 2}, t = {t[k]:.10g} s: {where} = {is_none}: {cure}"
         )
-    if (both := np.flatnonzero(frames.whole)).size < 2 * FIRST:
+    both = np.flatnonzero(frames.whole)
+    if both.size < 2 * FIRST:
         raise ValueError(
             f"{track.file} has both ends at {both.size} times, needed are {2 * FIRST}: give more"
         )
-    if (gaps := np.diff(t[both])).max() > (GAP + 0.5) * frames.period:
+    gaps = np.diff(t[both])
+    if gaps.max() > (GAP + 0.5) * frames.period:
         lost = (
             f"lacks an end or its direction for {gaps.max():g} s after t = "
             f"{t[both[gaps.argmax()]]:.10g} s"
@@ -352,25 +369,17 @@ def _turned(frames: _Frames, track: Markers) -> tuple[float, Array, Array]:
     axes, _ = Rotation.align_vectors(
         [[0, 1, 0], [1, 0, 0]], [track.up, end - start], weights=[np.inf, 1.0]
     )
-    matrix, middle, spacing = (
-        axes.as_matrix().T,
-        0.5 * (start + end),
-        float(axes.apply(end - start)[0]),
-    )
-    ends = (frames.ends - middle) @ matrix - 0.5 * spacing * np.array(
-        [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]
-    )
-    directions = (
-        frames.directions @ matrix
-        if frames.directions.size
-        else np.broadcast_to([0.0, -1.0, 0.0], ends.shape)
-    )
+    matrix = axes.as_matrix().T
+    middle = 0.5 * (start + end)
+    spacing = float(axes.apply(end - start)[0])
+    nominal = 0.5 * spacing * np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    ends = (frames.ends - middle) @ matrix - nominal
+    directions = np.broadcast_to([0.0, -1.0, 0.0], ends.shape)  # straight down
+    if frames.directions.size:
+        directions = frames.directions @ matrix
     across = np.linalg.norm(directions[..., ::2], axis=2, keepdims=True)
-    leans = (
-        directions[..., ::2]
-        / np.maximum(across, 1e-300)
-        * np.arctan2(across, -directions[..., 1:2])
-    )
+    angles = np.arctan2(across, -directions[..., 1:2])
+    leans = directions[..., ::2] / np.maximum(across, TINY) * angles
     return spacing, np.concatenate((ends, leans), axis=2), (frames.markers - middle) @ matrix
 
 
@@ -380,19 +389,17 @@ def _smoothed(frames: _Frames, end_paths: Array, settle: float) -> tuple[Array, 
     They include times before the file begins.
     """
     frame = frames.period
-    before = frames.t[0] + np.arange(-math.ceil(settle / frame) if settle else -REST, 0) * frame
-    times, seen, t = (
-        frames.t[frames.whole],
-        end_paths[frames.whole].reshape(-1, 10),
-        np.concatenate((before, frames.t)),
-    )
+    count = math.ceil(settle / frame) if settle else REST
+    before = frames.t[0] + np.arange(-count, 0) * frame
+    t = np.concatenate((before, frames.t))
+    times = frames.t[frames.whole]
+    seen = end_paths[frames.whole].reshape(-1, 10)
     if not settle:
         times = np.concatenate((before, times))
         seen = np.vstack((np.tile(seen[:FIRST].mean(axis=0), (REST, 1)), seen))
     smooth = np.zeros((3, t.size, 2, 5))
-    for k, x in enumerate(
-        seen.T
-    ):  # unit of time: a frame, as cross-validation seeks its parameter to 1e-5
+    # unit of time: a frame, as cross-validation seeks its parameter to 1e-5
+    for k, x in enumerate(seen.T):
         spline = make_smoothing_spline(times / frame, x)
         smooth[..., k // 5, k % 5] = [spline(t / frame, order) / frame**order for order in range(3)]
     if settle:
@@ -405,12 +412,9 @@ def _smoothed(frames: _Frames, end_paths: Array, settle: float) -> tuple[Array, 
 
 def _masked(markers: Array, sigma: float) -> Array:
     """``markers`` (n, markers, 3) without those that leap away from their running median."""
-    with warnings.catch_warnings(
-        category=RuntimeWarning, action="ignore"
-    ):  # markers that were long lost warn
-        away = np.abs(
-            markers - generic_filter(markers, np.nanmedian, size=(MEDIAN, 1, 1), mode="mirror")
-        )
-        # a normal error's, from its median
-        usual = np.maximum(1.4826 * np.nanmedian(away, axis=0), sigma)
+    # markers that were long lost warn
+    with warnings.catch_warnings(category=RuntimeWarning, action="ignore"):
+        median = generic_filter(markers, np.nanmedian, size=(MEDIAN, 1, 1), mode="mirror")
+        away = np.abs(markers - median)
+        usual = np.maximum(ERROR_OVER_MEDIAN * np.nanmedian(away, axis=0), sigma)
     return np.where((away > LEAP * usual).any(axis=2, keepdims=True), np.nan, markers)

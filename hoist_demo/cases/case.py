@@ -70,21 +70,24 @@ class Case:
     @property
     def distinct_ropes(self) -> tuple[BalanceRopeData, ...]:
         """Several ropes, or one with a suspension or a break; none where all are equal."""
-        ropes = self.balance_ropes
-        return ropes if len(ropes) > 1 or ropes[0].suspension or ropes[0].breaks else ()
+        first, *others = self.balance_ropes
+        if others or first.suspension or first.breaks:
+            return self.balance_ropes
+        return ()
 
     @property
     def values(self) -> dict[str, ParameterValue]:
         """Stated and derived values of the host and of equal ropes, by name."""
-        return {**self.host, **({} if self.distinct_ropes else self.balance_ropes[0].values)}
+        if self.distinct_ropes:
+            return dict(self.host)
+        return {**self.host, **self.balance_ropes[0].values}
 
     @property
     def status_by_name(self) -> dict[str, str]:
         """Status of each value by name."""
         return statuses(self.values)
 
-    def alone(self, rope: BalanceRopeData) -> Case:
-        """Return the hoist with one of its ropes."""
-        return replace(
-            self, balance_ropes=(BalanceRopeData(rope.name, rope.values),), rope=rope.parameters
-        )
+    def with_rope(self, rope: BalanceRopeData) -> Case:
+        """Return the hoist with this rope as its only one."""
+        only_rope = BalanceRopeData(rope.name, rope.values)
+        return replace(self, balance_ropes=(only_rope,), rope=rope.parameters)

@@ -76,9 +76,10 @@ def settings(texts: Iterable[str], parameters: Mapping[str, Parameter]) -> dict[
                 f"--set {text}: {name} is not a parameter: {cure_of(name, [*parameters])}"
             )
         parameter = parameters[name]
-        content = {"true": True, "false": False}.get(value.lower(), value)
+        content: Value = {"true": True, "false": False}.get(value.lower(), value)
         if name in values:
             raise ValueError(f"--set {text}: {name} is {values[name]!r} already: give it once")
-        code = parameter.choices and parameter.numeric and value.lstrip("+-").isdigit()
-        values[name] = read_value(parameter, int(value) if code else content)
+        if parameter.choices and parameter.numeric and value.lstrip("+-").isdigit():
+            content = int(value)
+        values[name] = read_value(parameter, content)
     return values

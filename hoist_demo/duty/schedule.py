@@ -39,13 +39,14 @@ class Schedule(RunFile):
     @property
     def status_by_name(self) -> dict[str, str]:
         """Status of each value that is set, by name; varied if it differs between trips."""
-        status = {
-            key: status
-            for values in (self.fixed, *self.trips)
-            for key, status in statuses(values).items()
-        }
+        status_by_name = dict[str, str]()
+        for values in (self.fixed, *self.trips):
+            status_by_name |= statuses(values)
         runs = [plain({**self.fixed, **trip}) for trip in self.trips]
-        return status | {key: VARIED for key in status if len({run.get(key) for run in runs}) > 1}
+        for name in status_by_name:
+            if len({run.get(name) for run in runs}) > 1:
+                status_by_name[name] = VARIED
+        return status_by_name
 
     @cached_property
     def pattern(self) -> tuple[RunData, ...]:
@@ -53,18 +54,20 @@ class Schedule(RunFile):
         runs = list[RunData]()
         with Problems() as problems:
             for k, trip in enumerate(self.trips, 1):
-                problems += [
-                    f"trip {k}: {key} = {entry.value!r} must be the same in all trips: set it in "
-                    f"[fixed]; a trip has winding.* and {' and '.join(_PAYLOADS)}"
-                    for key, entry in trip.items()
-                    if key not in _PAYLOADS and not key.startswith("winding.")
-                ]
+                for key, entry in trip.items():
+                    if key not in _PAYLOADS and not key.startswith("winding."):
+                        problems.append(
+                            f"trip {k}: {key} = {entry.value!r} must be the same in all trips: set "
+                            f"it in [fixed]; a trip has winding.* and {' and '.join(_PAYLOADS)}"
+                        )
                 with problems.at(f"trip {k}"):
-                    start = runs[-1].start_height + runs[-1].winding.travel if runs else None
-                    runs.append(self._built(trip, start))
+                    start = None
+                    if runs:
+                        start = runs[-1].start_height + runs[-1].winding.travel
+                    runs.append(self._build(trip, start))
         return tuple(runs)
 
-    def _built(self, trip: Values, start: float | None) -> RunData:
+    def _build(self, trip: Values, start: float | None) -> RunData:
         """Return the data of a trip, designed for its way and the payloads of hoist and [fixed]."""
         return build(self.header.hoist, self.fixed, varied=trip, start=start)
 
@@ -86,7 +89,7 @@ class Schedule(RunFile):
         if abs(moved) < ROUNDING:
             return run
         if number not in self._later:
-            self._later[number] = self._built(self.trips[place], run.start_height + moved)
+            self._later[number] = self._build(self.trips[place], run.start_height + moved)
         return self._later[number]
 
     def landing(self, number: int) -> float:
@@ -150,7 +153,9 @@ def read_schedule(path: Path, repeat: int | None = None) -> Schedule:
 
     Raises FileError with all problems.
     """
-    return read(path, Schedule, over={} if repeat is None else {"duty": {"repeat": repeat}})
+    if repeat is None:
+        return read(path, Schedule)
+    return read(path, Schedule, over={"duty": {"repeat": repeat}})
 
 
 def _payloads(run: RunData) -> tuple[float, float]:

@@ -8,8 +8,6 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import numpy as np
-
 from hoist_demo.cosimulation.checkpoint import Checkpoint, differences
 from hoist_demo.cosimulation.host import Progress
 from hoist_demo.cosimulation.run_state import Result, TripEnd
@@ -50,19 +48,21 @@ def wind_duty(
     closed = abs(schedule.landing(len(drives)) - schedule.landing(0)) < ROUNDING
     for number in range(done + 1, schedule.count + 1):
         run = schedule.trip(number)
-        told = None if progress is None else progress(number)
-        made = (
-            drives[(number - 1) % len(drives)] if closed or number <= len(drives) else run.design()
-        )
+        is_designed = closed or number <= len(drives)
+        drive = drives[(number - 1) % len(drives)] if is_designed else run.design()
         result = wind_run(
-            run, rope, told, made, after=after, next_hoist=schedule.trip(number + 1).hoist
+            run,
+            rope,
+            progress=None if progress is None else progress(number),
+            drive=drive,
+            after=after,
+            next_hoist=schedule.trip(number + 1).hoist,
         )
         if guard_trip(result.recording) is not None or jams(result.recording):
             # a hoist with an open safety circuit does not start again
             result = replace(result, end=None)
-        yield WoundTrip(
-            number, run, replace(result, recording=computed(result.recording, torque_free))
-        )
+        result = replace(result, recording=computed(result.recording, torque_free))
+        yield WoundTrip(number, run, result)
         after = result.end
         if after is None:
             return
@@ -116,8 +116,7 @@ def read_state(
 
 def table_rows(trips: Recording) -> list[dict[str, float]]:
     """Return the rows of a table of trips."""
-    columns: Mapping[str, np.ndarray] = trips.signals
-    return [
-        {name: float(values[k]) for name, values in columns.items()}
-        for k in range(trips["trip"].size)
-    ]
+    rows = []
+    for k in range(trips["trip"].size):
+        rows.append({name: float(values[k]) for name, values in trips.signals.items()})
+    return rows

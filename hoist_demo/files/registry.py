@@ -56,9 +56,14 @@ def rope_parameters() -> dict[str, Parameter]:
     """Return the parameters of a rope and its surroundings by FMI name."""
     by_name = dict[str, Parameter]()
     for p in named_parameters(Scene()):
-        bounds, choices = Bounds(p.minimum, p.maximum), choices_of(p.name)
         by_name[p.name] = Parameter(
-            p.name, p.facts.unit or "1", p.kind, p.value, bounds, choices, p.facts.description
+            p.name,
+            unit=p.facts.unit or "1",
+            kind=p.kind,
+            start=p.value,
+            bounds=Bounds(p.minimum, p.maximum),
+            choices=choices_of(p.name),
+            meaning=p.facts.description,
         )
     return by_name
 
@@ -69,26 +74,31 @@ SWIVELS = "swivels"  #: Table with parameters of both swivels.
 @cache
 def swivel_parameters() -> tuple[Parameter, ...]:
     """Return the parameters of both swivels, which count less than those of one."""
-    own = (p for p in rope_parameters().values() if p.name.startswith("left.swivel."))
-    return tuple(replace(p, name=p.name.replace("left.swivel", SWIVELS)) for p in own)
+    of_left = (p for p in rope_parameters().values() if p.name.startswith("left.swivel."))
+    return tuple(replace(p, name=p.name.replace("left.swivel", SWIVELS)) for p in of_left)
 
 
 def at_both_ends(values: Iterable[tuple[str, Any]]) -> dict[str, Any]:
     """Return values by name, with those of `swivels` repeated for both ends."""
     expanded = dict[str, Any]()
     for key, value in sorted(values, key=lambda item: not item[0].startswith(f"{SWIVELS}.")):
-        table, dot, name = key.partition(f"{SWIVELS}.")
-        expanded |= (
-            {key: value} if table or not dot else {f"{end}.swivel.{name}": value for end in SIDES}
-        )
+        if key.startswith(f"{SWIVELS}."):
+            name = key.removeprefix(f"{SWIVELS}.")
+            for end in SIDES:
+                expanded[f"{end}.swivel.{name}"] = value
+        else:
+            expanded[key] = value
     return expanded
 
 
 @cache
 def host_parameters() -> dict[str, Parameter]:
     """Return the parameters of hoist, trip, controller and coupling by their names in files."""
-    by_name = {p.name: p for section, data in SECTIONS.items() for p in leaves(data, f"{section}.")}
-    return {CONTROLLER.name: CONTROLLER, **by_name}
+    by_name = {CONTROLLER.name: CONTROLLER}
+    for section, data in SECTIONS.items():
+        for p in leaves(data, f"{section}."):
+            by_name[p.name] = p
+    return by_name
 
 
 @cache
@@ -111,8 +121,6 @@ def parameters(rope: Mapping[str, Parameter] | None = None) -> dict[str, Paramet
 
     `rope` are those of an FMU, in the place of a scene's.
     """
-    own = rope_parameters() if rope is None else rope
-    return {
-        **host_parameters(),
-        **{name: p for name, p in own.items() if name != "inputs_at_step_end"},
-    }
+    by_name = {**host_parameters(), **(rope_parameters() if rope is None else rope)}
+    by_name.pop("inputs_at_step_end", None)
+    return by_name

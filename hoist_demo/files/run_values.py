@@ -29,13 +29,10 @@ class FileHeader(Table):
     @field_validator("hoist")
     @classmethod
     def _is_there(cls, name: str, info: ValidationInfo) -> str:
-        path = (
-            str(beside(info, name))
-            if name.endswith(".toml") and name not in BUILTIN_HOISTS
-            else name
-        )
-        find_case(path)
-        return path
+        if name.endswith(".toml") and name not in BUILTIN_HOISTS:
+            name = str(beside(info, name))
+        find_case(name)
+        return name
 
 
 def _values(content: Any) -> dict[str, ParameterValue]:

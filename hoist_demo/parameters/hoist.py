@@ -113,40 +113,37 @@ class Hoist(ValidatedData):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.drive_shaft is not None:
-            mass, bound = (
-                self.drive_shaft.motor_mass,
-                f"below sheave_mass = {self.sheave_mass:g} kg, which contains it",
-            )
+            motor_mass = self.drive_shaft.motor_mass
             require(
-                mass,
-                mass < self.sheave_mass,
-                "drive_shaft.motor_mass",
-                bound,
-                "give the motor's share",
+                motor_mass,
+                motor_mass < self.sheave_mass,
+                name="drive_shaft.motor_mass",
+                bound=f"below sheave_mass = {self.sheave_mass:g} kg, which contains it",
+                cure="give the motor's share",
             )
-
         for name in ("jam_left", "jam_right"):
             jam = getattr(self, name)
             if jam is not None:
-                bound, cure = (
-                    f"within 0 and shaft_travel = {self.shaft_travel:g} m",
-                    "give a place that it passes",
+                require(
+                    jam.height,
+                    jam.height <= self.shaft_travel,
+                    name=f"{name}.height",
+                    bound=f"within 0 and shaft_travel = {self.shaft_travel:g} m",
+                    cure="give a place that it passes",
                 )
-                require(jam.height, jam.height <= self.shaft_travel, f"{name}.height", bound, cure)
         if self.slack_tension is not None:
             lightest = GRAVITY * min(self.mass_left, self.mass_right)
-            tension, bound = (
+            require(
                 self.slack_tension,
-                f"below {lightest:.6g} N, the weight of the lighter conveyance",
+                self.slack_tension < lightest,
+                name="slack_tension",
+                bound=f"below {lightest:.6g} N, the weight of the lighter conveyance",
+                cure="give a part of it",
             )
-            require(tension, tension < lightest, "slack_tension", bound, "give a part of it")
 
     @property
     def equation_structure(self) -> "Hoist":
-        """Hoist with all numbers 0 but the count of modes.
-
-        Equal for hoists with the same equations.
-        """
+        """Hoist with all numbers 0 but the count of modes: one for hoists of equal equations."""
         return with_numbers(self, repeat(0.0))
 
     @property
@@ -177,12 +174,9 @@ class Hoist(ValidatedData):
     @property
     def mass_right(self) -> float:
         """Right conveyance with its payload [kg]."""
-        empty = (
-            self.conveyance_mass
-            if self.conveyance_mass_right is None
-            else self.conveyance_mass_right
-        )
-        return empty + self.payload_right
+        if self.conveyance_mass_right is None:
+            return self.conveyance_mass + self.payload_right
+        return self.conveyance_mass_right + self.payload_right
 
     @property
     def sheave_height(self) -> float:
@@ -224,12 +218,14 @@ class Hoist(ValidatedData):
         excess = np.asarray(ratio - 1.0)
         limit = self.tension_ratio_limit - 1.0
         safety = np.divide(limit, excess, out=np.full(excess.shape, np.inf), where=excess > 0.0)
-        return safety if safety.ndim else float(safety)
+        if safety.ndim:
+            return safety
+        return float(safety)
 
     def torque_available(self, rate: Any) -> Any:
-        """Largest torque of the motor [N m] at a speed of rotation [rad/s], by torque and power.
+        """Return the largest torque of the motor [N m] at a speed of rotation [rad/s].
 
-        Also of symbols.
+        Limits of torque and power hold. The speed may be a symbol.
         """
         if self.power_limit is None:
             return self.torque_limit
@@ -244,29 +240,33 @@ def with_numbers(data: T, numbers: Iterable[Any]) -> T:
 
     None of them is checked.
     """
-    left = iter(numbers)
-    made = object.__new__(type(data))
-    changed = {
-        name: with_numbers(v, left) if is_dataclass(v) else next(left) for name, v in _items(data)
-    }
-    made.__dict__.update({**vars(data), **changed})
-    return made
+    remaining = iter(numbers)
+    unchecked = object.__new__(type(data))
+    unchecked.__dict__.update(vars(data))
+    for name, value in _items(data):
+        if is_dataclass(value):
+            unchecked.__dict__[name] = with_numbers(value, remaining)
+        else:
+            unchecked.__dict__[name] = next(remaining)
+    return unchecked
 
 
 def _numbers(data: Any) -> Iterator[float]:
     for _, value in _items(data):
-        yield from _numbers(value) if is_dataclass(value) else [float(value)]
+        if is_dataclass(value):
+            yield from _numbers(value)
+        else:
+            yield float(value)
 
 
 def _items(data: Any) -> list[tuple[str, Any]]:
-    """Numbers and parts of a hoist or of a part of it, by name.
+    """Return numbers and parts of a hoist or of a part of it, with their names.
 
-    Counts of equations and what is None are none.
+    The count of modes and values of None are left out.
     """
-    pairs = ((field.name, getattr(data, field.name)) for field in fields(data))
-    return [
-        (name, value) for name, value in pairs if value is not None and name != "head_rope_modes"
-    ]
+    names = [field.name for field in fields(data) if field.name != "head_rope_modes"]
+    pairs = [(name, getattr(data, name)) for name in names]
+    return [(name, value) for name, value in pairs if value is not None]
 
 
 def hoist_with(hoist: Hoist, ropes: Sequence[tuple[float, float]]) -> Hoist:

@@ -65,7 +65,8 @@ def strongest(spectrum: Spectra) -> tuple[Array, Array]:
     NaN and 0 without one.
     """
     places = spectrum.amplitude.shape[1]
-    frequency, amplitude = np.full(places, np.nan), np.zeros(places)
+    frequency = np.full(places, np.nan)
+    amplitude = np.zeros(places)
     if spectrum.frequency.size:
         from scipy.signal import find_peaks
 
@@ -74,7 +75,8 @@ def strongest(spectrum: Spectra) -> tuple[Array, Array]:
                 peaks = find_peaks(np.log(column), prominence=np.log(MIN_PEAK_RATIO))[0]
             if peaks.size:
                 best = peaks[np.argmax(column[peaks])]
-                frequency[k], amplitude[k] = spectrum.frequency[best], column[best]
+                frequency[k] = spectrum.frequency[best]
+                amplitude[k] = column[best]
             elif not np.isfinite(column).all():
                 amplitude[k] = np.nan
     return frequency, amplitude
@@ -92,14 +94,18 @@ VIBRATING = ("tension", "torque")
 #: First and last power of ten at which bins of ranges begin, in N, 1/m and N m.
 _DECADES = {"tension": (1, 5), "curvature": (-3, 0), "torque": (-1, 2)}
 
+
+def _one_two_five(first: int, last: int) -> tuple[float, ...]:
+    """Return 1, 2 and 5 times each power of ten."""
+    edges = list[float]()
+    for power in range(first, last + 1):
+        edges += [float(f"1e{power}"), float(f"2e{power}"), float(f"5e{power}")]
+    return tuple(edges)
+
+
 #: Where the bins of the ranges of each quantity begin; each ends at the next one, the last has no
 #: end. The same for all ropes, so that what several records have adds up.
-BINS = {
-    name: tuple(
-        float(f"{digit}e{power}") for power in range(first, last + 1) for digit in (1, 2, 5)
-    )
-    for name, (first, last) in _DECADES.items()
-}
+BINS = {name: _one_two_five(first, last) for name, (first, last) in _DECADES.items()}
 
 #: How columns of several records come together that do not add up.
 _JOINED = {"least": np.minimum} | dict.fromkeys(("largest", "range", "amplitude"), np.maximum)
@@ -142,9 +148,9 @@ def exposure(recording: Recording, parameters: Mapping[str, Any]) -> Recording |
     if any(values.size == 0 for values in rows.values()):
         return None
     count = rows["tension"].shape[1]
-    first, last, length = (
-        float(parameters[name]) for name in ("station.first", "station.last", "rope.length")
-    )
+    first = float(parameters["station.first"])
+    last = float(parameters["station.last"])
+    length = float(parameters["rope.length"])
     columns = {
         "station": np.arange(1.0, count + 1.0),
         "s": length * np.linspace(first, last, count),
@@ -161,7 +167,8 @@ def exposure(recording: Recording, parameters: Mapping[str, Any]) -> Recording |
 
 def spectra_table(recording: Recording) -> Recording:
     """Return the amplitudes over frequency at each station, `tension[1]` and so on."""
-    columns, units = dict[str, Array](), {"frequency": "Hz"}
+    columns = dict[str, Array]()
+    units = {"frequency": "Hz"}
     for name in VIBRATING:
         of_stations = spectra(recording.time, at_stations(recording, name))
         amplitudes = {
@@ -172,7 +179,7 @@ def spectra_table(recording: Recording) -> Recording:
     return Recording(columns, units)
 
 
-def together(parts: Sequence[Recording]) -> Recording:
+def joined_exposure(parts: Sequence[Recording]) -> Recording:
     """Join the records of the same stations, one after the other: cycles and times add up."""
     columns = {name: _joint(parts, name) for name in parts[0].signals if name not in _PLACES}
     return Recording({name: parts[0][name] for name in _PLACES} | columns, parts[0].units)
@@ -190,11 +197,11 @@ def _joint(parts: Sequence[Recording], name: str) -> Array:
 
 def flatten(exposed: Recording) -> dict[str, float]:
     """Return the table as one row: `station.bent[1]` and so on."""
-    return {
-        f"station.{name}[{k + 1}]": float(value)
-        for name, column in exposed.signals.items()
-        for k, value in enumerate(column)
-    }
+    row = dict[str, float]()
+    for name, column in exposed.signals.items():
+        for station, value in enumerate(column, 1):
+            row[f"station.{name}[{station}]"] = float(value)
+    return row
 
 
 def gather(row: Mapping[str, float]) -> Recording:
@@ -215,12 +222,11 @@ def at_stations(recording: Recording, name: str) -> Array:
 
 
 def _extremes(name: str, time: Array, values: Array) -> dict[str, Array]:
-    least, largest = values.argmin(axis=0), values.argmax(axis=0)
     return {
         f"{name}.least": values.min(axis=0),
-        f"{name}.least_at": time[least],
+        f"{name}.least_at": time[values.argmin(axis=0)],
         f"{name}.largest": values.max(axis=0),
-        f"{name}.largest_at": time[largest],
+        f"{name}.largest_at": time[values.argmax(axis=0)],
     }
 
 
@@ -232,18 +238,30 @@ def _counted(name: str, values: Array) -> dict[str, Array]:
     keys = [f"{name}.range", f"{name}.cycles", *bin_columns(name)]
     if not np.isfinite(values).all():
         return dict.fromkeys(keys, np.full(values.shape[1], np.nan))
-    cycles = [
-        [(size, count) for size, _, count, _, _ in rainflow.extract_cycles(column)]
-        for column in values.T
-    ]
-    ranges = np.array([max((size for size, _ in station), default=0.0) for station in cycles])
+    cycles = [_cycles(column) for column in values.T]
+    ranges = np.array([max(station.ranges, default=0.0) for station in cycles])
     least = COUNTED * float(np.max(ranges))
-    counted = np.array(
-        [sum(count for size, count in station if size >= least > 0.0) for station in cycles]
-    )
+    counted = np.array([station.number_above(least) for station in cycles])
     edges = (*BINS[name], np.inf)
-    binned = [
-        np.histogram([x for x, _ in station], edges, weights=[n for _, n in station])[0]
-        for station in cycles
-    ]
+    binned = [np.histogram(station.ranges, edges, weights=station.counts)[0] for station in cycles]
     return dict(zip(keys, (ranges, counted, *np.transpose(binned)), strict=True))
+
+
+class _Cycles(NamedTuple):
+    """Cycles of a quantity at one station."""
+
+    ranges: list[float]
+    counts: list[float]  # 1, or 0.5 for a half cycle
+
+    def number_above(self, least: float) -> float:
+        """Return the number of cycles of at least this range; 0 if it is 0."""
+        pairs = zip(self.ranges, self.counts, strict=True)
+        return sum(count for size, count in pairs if size >= least > 0.0)
+
+
+def _cycles(column: Array) -> _Cycles:
+    cycles = _Cycles([], [])
+    for size, _, count, _, _ in rainflow.extract_cycles(column):
+        cycles.ranges.append(size)
+        cycles.counts.append(count)
+    return cycles

@@ -46,7 +46,9 @@ class Recording:
 
     def seconds(self, flag: str) -> float:
         """Return the time during which a 0/1 signal is 1 [s]; a value holds until the next row."""
-        return float(np.sum(np.diff(self.time) * self[flag][:-1])) if flag in self else 0.0
+        if flag not in self:
+            return 0.0
+        return float(np.sum(np.diff(self.time) * self[flag][:-1]))
 
     def shape_at(self, row: int) -> Array | None:
         """Return the rope's points at a row from left to right, shape (n, 3) [m].
@@ -54,7 +56,10 @@ class Recording:
         None if not recorded.
         """
         shapes = self.shapes_at([row])
-        return None if shapes is None else shapes[0]
+        if shapes is None:
+            return None
+        shape: Array = shapes[0]
+        return shape
 
     def shapes_at(self, rows: Sequence[int]) -> Array | None:
         """Return the rope's points at several rows, shape (rows, n, 3) [m].
@@ -64,10 +69,11 @@ class Recording:
         count = sum(1 for name in self.signals if name.startswith("shape.x["))
         if count == 0:
             return None
-        columns = [
-            [self.signals[f"shape.{axis}[{i + 1}]"][rows] for i in range(count)] for axis in "xyz"
-        ]
-        return np.ascontiguousarray(np.array(columns, dtype=np.float64).T)
+        points = np.empty((len(rows), count, 3))
+        for k, axis in enumerate("xyz"):
+            for i in range(count):
+                points[:, i, k] = self.signals[f"shape.{axis}[{i + 1}]"][rows]
+        return points
 
     def along(self, name: str) -> Array | None:
         """Return `tension` or its like at the rope's points, shape (rows, n).
@@ -77,7 +83,9 @@ class Recording:
         columns = [
             values for key, values in self.signals.items() if key.startswith(f"shape.{name}[")
         ]
-        return np.array(columns, dtype=np.float64).T if columns else None
+        if not columns:
+            return None
+        return np.array(columns, dtype=np.float64).T
 
 
 class Recorder:
@@ -85,8 +93,11 @@ class Recorder:
 
     def __init__(self, names: Sequence[str], units: Mapping[str, str], size: int) -> None:
         """Allocate so many rows of these signals."""
-        self.names, self.size, self.count = tuple(names), size, 0
-        self._units, self._table = dict(units), np.empty((size, len(self.names)))
+        self.names = tuple(names)
+        self.size = size
+        self.count = 0
+        self._units = dict(units)
+        self._table = np.empty((size, len(self.names)))
 
     def add(self, *parts: Sequence[float] | Array) -> None:
         """Append one row, given in parts one after the other."""
@@ -126,9 +137,9 @@ def match_signals(patterns: Iterable[str], available: Sequence[str]) -> tuple[st
         names = [name for name in available if expression.fullmatch(name)]
         if not names:
             near = difflib.get_close_matches(pattern, available, n=3)
-            cure = (
-                f"did you mean {' or '.join(near)}?" if near else "see docs/reference/variables.md"
-            )
+            cure = "see docs/reference/variables.md"
+            if near:
+                cure = f"did you mean {' or '.join(near)}?"
             raise ValueError(f"signals has {pattern!r}, which nothing shows: {cure}")
         matches |= dict.fromkeys(names)
     return tuple(matches)
@@ -139,13 +150,16 @@ def write_csv(recording: Recording, path: Path, names: Sequence[str] = ()) -> No
 
     Without names all but those of `is_along`.
     """
-    chosen = [name for name in names if name in recording and name != TIME]
-    names = [TIME, *chosen] if names else [name for name in recording.signals if not is_along(name)]
+    if names:
+        names = [TIME, *(name for name in names if name in recording and name != TIME)]
+    else:
+        names = [name for name in recording.signals if not is_along(name)]
     with whole_file(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([_header(name, recording.units.get(name, "")) for name in names])
         columns = [recording[name] for name in names]
-        writer.writerows([_number(value) for value in row] for row in zip(*columns, strict=True))
+        for row in zip(*columns, strict=True):
+            writer.writerow([_number(value) for value in row])
 
 
 def write_shapes(recording: Recording, rows: Sequence[int], path: Path) -> None:
@@ -162,17 +176,17 @@ def write_shapes(recording: Recording, rows: Sequence[int], path: Path) -> None:
             shape = recording.shape_at(row)
             if shape is not None:
                 t = _number(recording.time[row])
-                points = np.column_stack([shape, *(v[row] for v in along.values())])
-                writer.writerows(
-                    [t, k + 1, *(_number(value) for value in point)]
-                    for k, point in enumerate(points)
-                )
+                points = np.column_stack([shape, *(values[row] for values in along.values())])
+                for number, point in enumerate(points, 1):
+                    writer.writerow([t, number, *map(_number, point)])
 
 
 def shape_rows(recording: Recording, count: int = 7) -> list[int]:
     """Return rows at evenly spaced instants, first and last included."""
     last = len(recording.time) - 1
-    return sorted({round(last * k / (count - 1)) for k in range(count)}) if last >= 0 else []
+    if last < 0:
+        return []
+    return sorted({round(last * k / (count - 1)) for k in range(count)})
 
 
 def _number(value: float) -> str:
@@ -184,4 +198,6 @@ def _number(value: float) -> str:
 
 
 def _header(name: str, unit: str) -> str:
-    return f"{name} [{unit}]" if unit else name
+    if unit:
+        return f"{name} [{unit}]"
+    return name

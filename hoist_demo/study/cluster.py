@@ -58,7 +58,8 @@ class FmuOnWorkers(WorkerPlugin):  # type: ignore[misc]  # distributed has no ty
 
     def __init__(self, fmu_hash: str, content: bytes) -> None:
         self.name = f"fmu-{fmu_hash}"
-        self._hash, self._content = fmu_hash, content
+        self._hash = fmu_hash
+        self._content = content
 
     def setup(self, worker: Worker) -> None:
         """Write the FMU; the worker calls this when it joins."""
@@ -114,23 +115,25 @@ def run_samples(
     if not waiting:
         return keys
     client.register_plugin(FmuOnWorkers(study.fmu_hash, study.fmu.read_bytes()))
-    collected, batches = as_completed(), dict[Future, list[str]]()
-    left = [*waiting]
+    submitted = as_completed()
+    batches = dict[Future, list[str]]()
+    remaining = [*waiting]
     pace = BATCH  # time that a run takes [s]
 
-    def give(batch: list[str]) -> None:
+    def submit(batch: list[str]) -> None:
         runs = [waiting[key] for key in batch]
         name = f"runs-{len(batch)}-{batch[0]}"
-        batches[future := client.submit(_work, runs, study.fmu_hash, key=name, pure=False)] = batch
-        collected.add(future)
+        future = client.submit(_work, runs, study.fmu_hash, key=name, pure=False)
+        batches[future] = batch
+        submitted.add(future)
 
-    while left or batches:
+    while remaining or batches:
         threads = max(1, sum(client.ncores().values()))
-        while left and len(batches) < AHEAD * max(threads, MIN_THREADS):
-            size = max(1, min(int(BATCH / pace), len(left) // (AHEAD * threads)))
-            give(left[:size])
-            del left[:size]
-        future = next(collected)
+        while remaining and len(batches) < AHEAD * max(threads, MIN_THREADS):
+            size = max(1, min(int(BATCH / pace), len(remaining) // (AHEAD * threads)))
+            submit(remaining[:size])
+            del remaining[:size]
+        future = next(submitted)
         batch = batches.pop(future)  # a worker keeps outcomes as long as anybody holds their future
         try:
             outcomes, worker, took = future.result()
@@ -138,7 +141,7 @@ def run_samples(
         except Exception as error:  # whatever the cluster raises is that run's cause
             if len(batch) > 1:  # it is not known which
                 for key in batch:
-                    give([key])
+                    submit([key])
                 continue
             cause = f"{type(error).__name__}: {error}"
             outcomes = [Outcome(ERROR, cause, dict.fromkeys(UNITS, math.nan), {})]
@@ -157,7 +160,8 @@ def _work(runs: Sequence[RunData], fmu_hash: str) -> tuple[list[Outcome], str, f
 
     Return them with the worker's name and the time that they took [s].
     """
-    worker, begin = get_worker(), time.perf_counter()
+    worker = get_worker()
+    begin = time.perf_counter()
     outcomes = [execute(run, _fmu_of(Path(worker.local_directory), fmu_hash)) for run in runs]
     return outcomes, str(worker.name), time.perf_counter() - begin
 

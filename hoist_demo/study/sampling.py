@@ -38,12 +38,13 @@ class Range:
     def at(self, share: float) -> float | int:
         """Return the value at a share between 0 and 1 of the interval."""
         if self.logarithmic:
-            value = math.exp(
-                math.log(self.low) + share * (math.log(self.high) - math.log(self.low))
-            )
+            low = math.log(self.low)
+            value = math.exp(low + share * (math.log(self.high) - low))
         else:
             value = self.low + share * (self.high - self.low)
-        return round(value) if self.whole else min(max(value, self.low), self.high)
+        if self.whole:
+            return round(value)
+        return min(max(value, self.low), self.high)
 
 
 def grid(lists: Mapping[str, tuple[Value, ...]]) -> list[dict[str, Value]]:
@@ -56,10 +57,13 @@ def latin_hypercube(ranges: Mapping[str, Range], runs: int, seed: int) -> list[d
     from scipy.stats import qmc  # slow to load, and a grid needs none
 
     shares = qmc.LatinHypercube(d=len(ranges), rng=np.random.default_rng(seed)).random(runs)
-    return [
-        {key: r.at(float(u)) for (key, r), u in zip(ranges.items(), row, strict=True)}
-        for row in shares
-    ]
+    points = []
+    for row in shares:
+        point = dict[str, Value]()
+        for (key, interval), share in zip(ranges.items(), row, strict=True):
+            point[key] = interval.at(float(share))
+        points.append(point)
+    return points
 
 
 class _Interval(BaseModel, extra="forbid"):
@@ -78,16 +82,21 @@ def varied(parameter: Parameter) -> Any:
     """Return the type of a key of [vary] for pydantic: a tuple of values, or a Range."""
     return Annotated[
         Annotated[_List, Tag("list")] | Annotated[_Interval, Tag("range")],
-        Discriminator(
-            lambda table: "list" if isinstance(table, dict) and "values" in table else "range"
-        ),
+        Discriminator(_kind),
         BeforeValidator(partial(_table, parameter.name)),
         AfterValidator(partial(_read, parameter)),
         WithJsonSchema({"type": ["array", "object"], "description": parameter.help_text}),
     ]
 
 
-def _table(name: str, content: Any) -> Any:
+def _kind(table: object) -> str:
+    """Return the tag of a table."""
+    if isinstance(table, dict) and "values" in table:
+        return "list"
+    return "range"
+
+
+def _table(name: str, content: object) -> object:
     if isinstance(content, list):
         return {"values": content}
     if not isinstance(content, dict) or not content.keys() & {"values", "low", "high"}:
@@ -99,10 +108,12 @@ def _table(name: str, content: Any) -> Any:
 
 
 def _read(parameter: Parameter, table: _List | _Interval) -> tuple[Value, ...] | Range:
-    name, unit = parameter.name, table.unit
+    name = parameter.name
+    unit = table.unit
     if isinstance(table, _List):
         return tuple(read_value(parameter, value, unit) for value in table.values)
-    low, high = (float(read_value(parameter, end, unit)) for end in (table.low, table.high))
+    low = float(read_value(parameter, table.low, unit))
+    high = float(read_value(parameter, table.high, unit))
     if parameter.choices or not parameter.numeric:
         raise ValueError(f"{name} must be a list, for it is no number: list its values")
     if not low < high:
@@ -114,4 +125,4 @@ def _read(parameter: Parameter, table: _List | _Interval) -> tuple[Value, ...] |
             f"{name} has low = {low!r}, which must be above 0 for scale = 'log': raise it or take "
             "linear"
         )
-    return Range(low, high, table.scale == "log", parameter.kind == "Integer")
+    return Range(low, high, logarithmic=table.scale == "log", whole=parameter.kind == "Integer")

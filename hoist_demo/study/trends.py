@@ -35,13 +35,16 @@ def not_monotonic(
         for key in (key for key in lists if not parameters()[key].choices):
             for rest, runs in _lines(key, lists, samples, outcomes):
                 for what, sentence in _along(study.objective, key, runs):
-                    sentences.setdefault((key, what), []).append(
-                        f"{sentence} ({rest})" if rest else sentence
-                    )
-    return [
-        own[0] + (f", and so in {len(own) - 1} more rows" if len(own) > 1 else "")
-        for own in sentences.values()
-    ]
+                    whole = f"{sentence} ({rest})" if rest else sentence
+                    sentences.setdefault((key, what), []).append(whole)
+    return [_first_and_number(alike) for alike in sentences.values()]
+
+
+def _first_and_number(sentences: Sequence[str]) -> str:
+    first, *more = sentences
+    if more:
+        return f"{first}, and so in {len(more)} more rows"
+    return first
 
 
 RunLine = Sequence[tuple[float, OutcomeRecord]]
@@ -63,9 +66,8 @@ def _lines(
                 for name in lists
                 if name != key and len(lists[name]) > 1
             ]
-            lines.setdefault(", ".join(filter(None, [sample.variant, *others])), {})[value] = (
-                outcome
-            )
+            rest = ", ".join(filter(None, [sample.variant, *others]))
+            lines.setdefault(rest, {})[value] = outcome
     for rest, line in lines.items():
         if len(line) > 2:
             yield rest, sorted(line.items(), key=lambda pair: pair[0])
@@ -86,10 +88,13 @@ def _along(objective: Objective | None, key: str, runs: RunLine) -> Iterator[tup
                 f"{_values(runs, happens, False)}",
             )
     for metric in objective.metrics if objective else _WATCHED:
-        pairs = [
-            (x, _metric(outcome, metric)) for x, outcome in runs if outcome["status"] in counted
-        ]
-        if turn := _turn([pair for pair in pairs if math.isfinite(pair[1])]):
+        pairs = list[tuple[float, float]]()
+        for x, outcome in runs:
+            value = _metric(outcome, metric)
+            if outcome["status"] in counted and math.isfinite(value):
+                pairs.append((x, value))
+        turn = _turn(pairs)
+        if turn is not None:
             x, y, word = turn
             shown = f"{y:.4g}" if UNITS[metric] == "1" else f"{y:.4g} {UNITS[metric]}"
             yield (
@@ -126,7 +131,11 @@ def _values(
             groups[-1].append(x)
         elif one is wanted:
             groups.append([x])
-    return ", ".join(f"{g[0]:g}" if len(g) == 1 else f"{g[0]:g} to {g[-1]:g}" for g in groups)
+    texts = []
+    for group in groups:
+        text = f"{group[0]:g}"
+        texts.append(text if len(group) == 1 else f"{text} to {group[-1]:g}")
+    return ", ".join(texts)
 
 
 def _turn(pairs: Sequence[tuple[float, float]]) -> tuple[float, float, str] | None:

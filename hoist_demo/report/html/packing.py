@@ -15,6 +15,7 @@ from hoist_demo.recording.time_series import Array, Recording
 Packed = dict[str, str | float]
 #: Largest integer that stands for a number, per kind; the next one is NaN.
 CODES = {"u8": 254, "u16": 65534}
+_LITTLE_ENDIAN = {"u8": "<u1", "u16": "<u2"}  #: Types of the packed integers.
 
 
 def pack(values: Array, kind: str = "u16") -> Packed:
@@ -24,12 +25,17 @@ def pack(values: Array, kind: str = "u16") -> Packed:
     """
     flat = np.asarray(values, dtype=np.float64).ravel()
     finite = np.isfinite(flat)
-    lo = float(np.min(flat[finite])) if finite.any() else 0.0
-    hi = float(np.max(flat[finite])) if finite.any() else 0.0
+    lo = 0.0
+    hi = 0.0
+    if finite.any():
+        lo = float(np.min(flat[finite]))
+        hi = float(np.max(flat[finite]))
     top = CODES[kind]
     codes = np.full(flat.shape, top + 1, dtype=np.float64)
-    codes[finite] = np.rint((flat[finite] - lo) * (top / (hi - lo))) if hi > lo else 0.0
-    raw = codes.astype("<u1" if kind == "u8" else "<u2").tobytes()
+    codes[finite] = 0.0
+    if hi > lo:
+        codes[finite] = np.rint((flat[finite] - lo) * (top / (hi - lo)))
+    raw = codes.astype(_LITTLE_ENDIAN[kind]).tobytes()
     return {"kind": kind, "lo": lo, "hi": hi, "data": base64.b64encode(raw).decode("ascii")}
 
 
@@ -57,9 +63,8 @@ def thin(values: Array, most: int) -> Array:
         if np.isnan(part).all():
             extremes += [math.nan, math.nan]
         else:
-            extremes += [
-                float(part[k]) for k in sorted((int(np.nanargmin(part)), int(np.nanargmax(part))))
-            ]
+            places = sorted((int(np.nanargmin(part)), int(np.nanargmax(part))))
+            extremes += [float(part[k]) for k in places]
     return np.array(extremes)
 
 
@@ -83,7 +88,9 @@ def frames(count: int, most: int) -> list[int]:
     """Return rows at even distances, at most `most`, the last one included."""
     stride = max(1, math.ceil((count - 1) / max(1, most - 1)))
     rows = list(range(0, count, stride))
-    return rows if not rows or rows[-1] == count - 1 else [*rows, count - 1]
+    if rows and rows[-1] < count - 1:
+        rows.append(count - 1)
+    return rows
 
 
 #: Quantity, title, unit shown, and the factor that leads to it.
@@ -115,7 +122,14 @@ def along(recording: Recording, name: str) -> dict[str, object]:
         for curve in curves
     ]
     length = max(float(position[-1]) for position in positions)
-    maps, missing = [], []
+    size = {
+        "length": length,
+        "rows": ROPE_ROWS,
+        "columns": len(rows),
+        "span": recording.time[[0, -1]].tolist(),
+    }
+    maps = list[dict[str, object]]()
+    missing = list[str]()
     for quantity, title, unit, factor in MAPS:
         values = recording.along(quantity)
         if values is None:
@@ -124,22 +138,16 @@ def along(recording: Recording, name: str) -> dict[str, object]:
         if bool(np.isnan(values).all()):  # the fidelity of the rope's model leaves it out
             continue
         picture = factor * over_length(values[rows], positions, length)
-        titled = f"{title}, {name}" if name else title
         entry = {
             "id": quantity,
-            "title": titled,
+            "title": f"{title}, {name}" if name else title,
             "unit": unit,
             "quiet": bool(np.ptp(picture) == 0.0),
+            "values": pack(picture, "u8"),
         }
-        maps.append(entry | {"values": pack(picture, "u8")})
+        maps.append(entry | size)
     note = MISSING.format(" and ".join(missing)) if missing else ""
-    size = {
-        "length": length,
-        "rows": ROPE_ROWS,
-        "columns": len(rows),
-        "span": recording.time[[0, -1]].tolist(),
-    }
-    return {"maps": [one | size for one in maps], "note": note}
+    return {"maps": maps, "note": note}
 
 
 def over_length(values: Array, positions: list[Array], length: float) -> Array:
