@@ -57,8 +57,10 @@ def polygon_distance(one: Array, other: Array) -> tuple[float, Array]:
     or at a bound (C. Ericson, Real-Time Collision Detection, 2005, section 5.1.9). An arc of the
     radius r cut short by a side of the length l is missed by l^2 / (8 r) at most.
     """
-    p, d = one[:-1, None], np.diff(one, axis=0)[:, None]
-    q, e = other[None, :-1], np.diff(other, axis=0)[None]
+    p = one[:-1, None]
+    d = np.diff(one, axis=0)[:, None]
+    q = other[None, :-1]
+    e = np.diff(other, axis=0)[None]
     r = p - q
     dd = (d * d).sum(-1)
     ee = (e * e).sum(-1)

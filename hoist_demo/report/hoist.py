@@ -81,8 +81,9 @@ class _Entries:
                 status = GIVEN if isinstance(value, str | bool) else ASSUMED
         elif status not in STATUSES:
             status = GIVEN
-        source = stated.source if stated is not None and name in self._stated else ""
-        return ParameterValue(value, status, source)
+        if stated is not None and name in self._stated:
+            return ParameterValue(value, status, stated.source)
+        return ParameterValue(value, status)
 
 
 def _shared_parameters(ropes: Sequence[RopeData]) -> list[str]:
@@ -384,7 +385,8 @@ def _frequencies(rope: BalanceRope, travel: float) -> str:
         return status.message
     # matrices are those of the rope in Python, which is not hung up again: without a compiler that
     # takes seconds
-    scene, state = rope.scene, rope.state
+    scene = rope.scene
+    state = rope.state
     model = RopeSimulator(scene.with_(solver=replace(scene.solver, kernels="portable"))).model
     try:
         modes = natural_modes(model.system(state), state.motion.q, MODES)

@@ -80,7 +80,8 @@ def _frequencies(
 ) -> None:
     for model, own in zip(models, modes, strict=True):
         order = np.argsort(own.shares[0])
-        size, share = 3.0 + 30.0 * own.shares[0][order], own.shares[0][order]
+        share = own.shares[0][order]
+        size = 3.0 + 30.0 * share
         at = np.full(share.size, model.at)
         drawn = ax.scatter(
             at, own.frequencies[order], size, share, cmap="Blues", vmin=-0.4, vmax=1.0, lw=0.0

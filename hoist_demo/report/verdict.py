@@ -497,7 +497,9 @@ def _swings(rope: _Rope) -> Iterator[VerdictRow]:
             values = np.abs(values)
         row = int(np.nanargmax(values))
         largest = float(values[row])
-        text = f"{rounded(largest, rope.loop_error)} m" if swing.unit else number(largest, 2)
+        text = number(largest, 2)
+        if swing.unit:
+            text = f"{rounded(largest, rope.loop_error)} {swing.unit}"
         bound = _bound_of_guard(rope, swing.guard)
         if swing.signal == "loop.turns" and not 0.0 < bound < HALF_TURN:
             bound = HALF_TURN

@@ -237,10 +237,12 @@ def trip_metrics(result: Result, arrival: Arrival) -> dict[str, float]:
         return {}  # the brake has stopped it somewhere, and nothing asked for that place
     travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
     moving = (t >= winding.start_delay) & (t <= result.trajectory.duration)
-    torque = recording["drive.torque"][moving] if moving.any() else np.array([math.nan])
+    torque_rms = math.nan
+    if moving.any():
+        torque_rms = float(np.sqrt(np.mean(recording["drive.torque"][moving] ** 2)))
     followed = {
         "tracking_error": _largest(recording["reference.position"] - travel),
-        "torque_rms": float(np.sqrt(np.mean(torque**2))),
+        "torque_rms": torque_rms,
     }
     if winding.emergency_at is not None:
         # stopped on its way, as asked for or by the safety circuit: it never arrives
@@ -325,10 +327,13 @@ def _swivel(recording: Recording, end: str) -> dict[str, float]:
     slipping = recording[f"{swivel}.slipping"]
     torque = recording[f"{swivel}.torque"]
     starts = np.flatnonzero(np.diff(slipping) > 0.0)
+    starting_torque = math.nan
+    if starts.size:
+        starting_torque = float(abs(torque[starts[0]]))
     return {
         f"{end}_slip": float(np.sum(np.abs(rate[1:]) * np.diff(recording.time))),
         f"{end}_slip_time": recording.seconds(f"{end}.swivel.slipping"),
-        f"{end}_starting_torque": float(abs(torque[starts[0]])) if starts.size else math.nan,
+        f"{end}_starting_torque": starting_torque,
         f"{end}_swivel_torque": _largest(torque),
     }
 

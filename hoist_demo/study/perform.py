@@ -56,9 +56,10 @@ class StudyResult:
     @property
     def summary(self) -> str:
         """Number of runs that wound to the end, and of runs whose rope struck something."""
-        count = len(self.passages)
-        passed = f", in {count} the rope struck or passed through something" if count else ""
-        return f"{self.runs - len(self.causes)} of {self.runs} runs wound to the end{passed}"
+        text = f"{self.runs - len(self.causes)} of {self.runs} runs wound to the end"
+        if self.passages:
+            text += f", in {len(self.passages)} the rope struck or passed through something"
+        return text
 
     @property
     def exit_code(self) -> int:

@@ -7,7 +7,7 @@ exceeded, where that comes and goes; and metrics with an extremum inside, which 
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from functools import partial
 from itertools import pairwise
 from typing import Any
@@ -75,7 +75,11 @@ def _lines(
 
 def _along(objective: Objective | None, key: str, runs: RunLine) -> Iterator[tuple[str, str]]:
     """Yield each result that is not monotonic, and the words on it."""
-    counted = objective.counted if objective else {"completed"}
+    counted = {"completed"}
+    metrics: Iterable[str] = _WATCHED
+    if objective:
+        counted = objective.counted
+        metrics = objective.metrics
     for what, happened in _events(objective, counted):
         happens = [happened(outcome) for _, outcome in runs]
         # an event at the lower end only counts, too: more is expected to be worse
@@ -87,7 +91,7 @@ def _along(objective: Objective | None, key: str, runs: RunLine) -> Iterator[tup
                 f"{what} at {key} = {_values(runs, happens, True)}, not at "
                 f"{_values(runs, happens, False)}",
             )
-    for metric in objective.metrics if objective else _WATCHED:
+    for metric in metrics:
         pairs = list[tuple[float, float]]()
         for x, outcome in runs:
             value = _metric(outcome, metric)
@@ -112,7 +116,9 @@ def _events(
 ) -> Iterator[tuple[str, Callable[[OutcomeRecord], bool]]]:
     yield "The rope struck or passed through something", lambda outcome: bool(outcome["passed"])
     yield "Runs stopped early", lambda outcome: outcome["status"] not in counted
-    for bound in objective.constraints if objective else ():
+    if objective is None:
+        return
+    for bound in objective.constraints:
         word = "above" if bound.sense > 0.0 else "below"
         yield f"{bound.metric} is {word} {bound.value:g}", partial(_is_beyond, bound)
 

@@ -169,7 +169,9 @@ def wind_once(file: UncertaintyFile, values: Mapping[str, float]) -> WindingResu
         metrics = measure_ropes(result, run.hoist, run.arrival, [rope.name for rope in identities])
         measures = {name: metrics[name] for name in file.measured}
         return measures, tuple(f"warning: {text}" for text in warnings)
-    reason = f"{LEFT_OUT}{passed}" if result.completed else f"{STOPPED}{result.cause}"
+    reason = f"{STOPPED}{result.cause}"
+    if result.completed:
+        reason = f"{LEFT_OUT}{passed}"
     return dict.fromkeys(file.measured, math.nan), (reason,)
 
 

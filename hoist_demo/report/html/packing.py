@@ -146,7 +146,9 @@ def along(recording: Recording, name: str) -> dict[str, object]:
             "values": pack(picture, "u8"),
         }
         maps.append(entry | size)
-    note = MISSING.format(" and ".join(missing)) if missing else ""
+    note = ""
+    if missing:
+        note = MISSING.format(" and ".join(missing))
     return {"maps": maps, "note": note}
 
 

@@ -20,7 +20,7 @@ from hoist_demo.recording.passages import PASSED
 from hoist_demo.report.html import page
 from hoist_demo.report.html.parameter_tables import TitledRows
 from hoist_demo.study.metrics import MORE_IS_BETTER, NEUTRAL, UNITS
-from hoist_demo.study.objective import Objective
+from hoist_demo.study.objective import Constraint, Objective
 from hoist_demo.study.perform import MISSING, WARNINGS, StudyResult
 from hoist_demo.study.store import SEPARATOR, kind_of
 from rope_model.texts import html_text
@@ -60,11 +60,20 @@ def study_report(
 
     `more` are tables of the data, `result` the study's outcome, which is judged by `objective`.
     """
-    best = result.best if result else None
-    judged = tuple(objective.metrics) if objective else ()
-    constraints = objective.constraints if objective else ()
+    judged = list[str]()
+    constraints: Sequence[Constraint] = ()
+    if objective:
+        judged = list(objective.metrics)
+        constraints = objective.constraints
     parameters = [str(name) for name in meta.get("parameters", ())]
     causes = ["" if pd.isna(cause) else str(cause) for cause in table[CAUSE]]
+    choices: Sequence[int] = range(len(causes))
+    trends: Sequence[str] = ()
+    best = None
+    if result:
+        choices = result.choices
+        trends = result.remarks
+        best = result.best
     columns = _columns_in_engineering_units(table, stated)
     varied = {name for name, column in columns.items() if _differ(column.values)}
     fixed = [name for name in parameters if name in columns and name not in varied]
@@ -100,15 +109,15 @@ def study_report(
         "columns": page_columns,
         "statuses": [str(status) for status in table[STATUS]],
         "causes": causes,
-        "choices": list(result.choices if result else range(len(causes))),
+        "choices": list(choices),
         "best": list(best.runs) if best else [],
-        "by": list(judged),
+        "by": judged,
     }
     failed = sum(cause != "" for cause in causes)
     sentences = [f"{len(causes)} runs, {failed} failed. {_passed(table)}{_early(table)}"]
     if best:
         sentences.append(f"{best.text[:1].upper()}{best.text[1:]}.")
-    remarks = _list("Not monotonic", result.remarks if result else ())
+    remarks = _list("Not monotonic", trends)
     remarks += _list("Warnings", _by_text(table, WARNINGS))
     remarks += _list("Missing", _by_text(table, MISSING))
     about: list[page.Row] = [
