@@ -113,7 +113,7 @@ _METRICS = table_of(
 )
 
 
-def _constraints(table: Any) -> tuple[Constraint, ...]:
+def _constraints(table: Table) -> tuple[Constraint, ...]:
     """Return the bounds of [study.subject_to]; a metric may have two."""
     bounds = list[Constraint]()
     for _, of_metric in contents(table):
@@ -183,7 +183,7 @@ def _in_order(content: Any, handler: Callable[[Any], dict[str, Any]]) -> dict[st
 _VARY = flat("Vary", run_fields(varied))
 
 
-def _with_method(table: Any) -> Any:
+def _with_method(table: object) -> object:
     """Return [sample] with its method: a grid where it states none."""
     if isinstance(table, dict):
         return {"method": "grid", **table}
