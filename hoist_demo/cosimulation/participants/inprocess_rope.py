@@ -191,4 +191,6 @@ def rope_scene(
     scene = with_values(rope_model.at_level(rope_model.Scene(), level), parameters)
     if suspension is None:
         return scene
-    return scene.with_(layout=replace(scene.layout, spacing=suspension.apart(scene.layout.spacing)))
+    return scene.with_(
+        layout=replace(scene.layout, spacing=suspension.end_distance(scene.layout.spacing))
+    )
