@@ -1,4 +1,4 @@
-"""The hoist drive as an FMU: plant, reference and controller behind the names of the balance rope's interface.
+"""The hoist drive as an FMU: plant, reference and controller, with the rope's names of variables.
 
 interface        the table of the FMI variables
 kernels          plant and control law as C, generated from the symbolic model
