@@ -210,7 +210,7 @@ PLACES = {
 
 def exported(folder: Path, name: str, model: DriveModel) -> Host:
     """An instance of a drive that only one test needs; no more is compiled than for others of its structure."""
-    fmu = export_model(folder / f"{name}.fmu", (host_platform(),), 2, **vars(model))
+    fmu = export_model(folder / f"{name}.fmu", (host_platform(),), 2, model)
     return Host(fmu, fmpy.extract(str(fmu), str(folder / name)))
 
 
