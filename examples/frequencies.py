@@ -1,6 +1,7 @@
-"""Natural frequencies of the hanging rope over its depth: from 60 m to 480 m, both ends at the same height.
+"""Natural frequencies of the hanging rope over its depth: from 60 m to 480 m, ends at one height.
 
-The deeper the shaft, the slower the rope swings out of the plane of its loop: like a pendulum, with 1 / sqrt(depth).
+The deeper the shaft, the slower the rope swings out of the plane of its loop: like a pendulum, with
+1 / sqrt(depth).
 """
 
 from rope_model import EndMotion, Model, Rope, RopeSimulator, Scene, Solver, Swivel
@@ -16,7 +17,8 @@ def frequencies(length: float) -> tuple[float, float]:
         solver=Solver(kernels="portable"),  # interpreted: one equilibrium is no reason to compile
     )
     rope = RopeSimulator(scene)  # the Python form: its equations of motion can be looked at
-    if not (status := rope.initialize(0.0, EndMotion(), EndMotion())).valid:
+    status = rope.initialize(0.0, EndMotion(), EndMotion())
+    if not status.valid:
         raise RuntimeError(status.message)
     rope.advance_to(0.02, EndMotion(), EndMotion())  # the start is at rest, with the swivels locked
     modes = natural_modes(rope.system, rope.state.motion.q)

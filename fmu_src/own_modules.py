@@ -18,14 +18,14 @@ PACKAGES = ("rope_model", "fmu_src")
 
 def modules_needed(script: Path) -> list[Path]:
     """Return the files of PACKAGES that ``script`` imports, directly or through other modules."""
-    found: dict[Path, None] = {}
+    needed: dict[Path, None] = {}
     waiting = [script]
     while waiting:
         for name in _imported(waiting.pop().read_text(encoding="utf-8")):
-            new = [path for path in _files(name) if path not in found]
-            found |= dict.fromkeys(new)
+            new = [path for path in _files(name) if path not in needed]
+            needed |= dict.fromkeys(new)
             waiting += new
-    return sorted(found)
+    return sorted(needed)
 
 
 def import_from(package: str, text: str, roots: tuple[str, ...] = PACKAGES) -> str:

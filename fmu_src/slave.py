@@ -46,9 +46,9 @@ def _report_failure(
     The text of its exception is kept as ``message``.
     """
 
-    def method(self: Any, /, *arguments: P.args, **named: P.kwargs) -> bool:
+    def method(self: Any, /, *arguments: P.args, **keywords: P.kwargs) -> bool:
         try:
-            call(self, *arguments, **named)
+            call(self, *arguments, **keywords)
             return True
         except (ValueError, RuntimeError) as error:
             self.message = str(error)

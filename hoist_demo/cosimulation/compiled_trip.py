@@ -169,7 +169,7 @@ class CompiledTrip:
         self._advance = CDLL(str(drive.kernels.library)).advance
         self._law_arguments = _law_arguments(run, data)
         names = run.recorder.names[len(ROW) :]
-        side_forces = SIDE_FORCES if hoist.play is not None else ()
+        side_forces = () if hoist.play is None else SIDE_FORCES
         guard = [name for name in names if name == "guard.tripped"]
         self._table = rope.table(names, data.max_samples)
         self._forces = rope.table(ROPE_FORCES, 1)
@@ -364,7 +364,8 @@ def _library(structure: Hoist, kernels: integrator.DriveKernels) -> CDLL:
 
 def _numbers_header(law: Any, kernels: integrator.DriveKernels) -> str:
     """Return the text of numbers.h: numbers and types of trip.c that follow from Python."""
-    argument, result = kernels.argument_slices, kernels.result
+    argument = kernels.argument_slices
+    result = kernels.result
     numbers = _NUMBERS | {
         **{f"AT_{name.upper()}": argument[name].start for name in ("s", "h", "path", "l0")},
         **{

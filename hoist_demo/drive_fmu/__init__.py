@@ -3,5 +3,5 @@
 interface        the table of the FMI variables
 kernels          plant and control law as C, generated from the symbolic model
 drive_model.c    the model behind the FMI shell: time, memory, states
-description      the above put together for whoever builds FMUs
+description      table, sources and numbers for a builder of FMUs
 """

@@ -143,7 +143,9 @@ def rest_forces(case: Case, rope: DriveRope | None = None) -> tuple[float, float
 
 def motions(hoist: Hoist) -> dict[str, str]:
     """Outputs that are inputs of a rope at the conveyances' centres, and their names in OUTPUTS."""
-    return MOTIONS if hoist.play is not None else UPRIGHT
+    if hoist.play is None:
+        return UPRIGHT
+    return MOTIONS
 
 
 def offset_ropes(hoist: Hoist, ropes: Sequence[DriveRope]) -> list[DriveRope]:
@@ -188,7 +190,9 @@ def _force_rows(case: Case, ropes: Sequence[DriveRope], k: int) -> Iterator[_Row
     """Yield the forces of the rope number k, from 0 on; one rope needs no name."""
     rope = ropes[k] if k < len(ropes) else None
     exists = k < max(len(ropes), 1)
-    prefix = f"rope[{k + 1}]." if k else ""
+    prefix = ""
+    if k > 0:
+        prefix = f"rope[{k + 1}]."
     pulls = dict(zip(INPUTS, rest_forces(case, rope), strict=True))
     for name in (*INPUTS, *SIDE_FORCES):
         unit, text = _texts(_FORCES, name)
