@@ -177,7 +177,9 @@ def test_what_a_width_alone_does_not_tell_is_named(
     assert found.candidates[0].error <= found.wanted_error
     # two directions of the same pair, as near-equal lacks of knowledge have them
     monkeypatch.setattr(
-        type(found.fit), "undetermined_directions", lambda _: np.array([[0.8, 0.6, 0, 0, 0], [0.6, -0.8, 0, 0, 0]])
+        type(found.fit),
+        "undetermined_directions",
+        lambda _: np.array([[0.8, 0.6, 0, 0, 0], [0.6, -0.8, 0, 0, 0]]),
     )
     assert found.open_directions() == ["mass_per_length and axial_stiffness"]
 
