@@ -77,10 +77,10 @@ def _are_alike(A: sp.csc_matrix, one: range, other: range) -> bool:
     outside = np.ones(A.shape[0], dtype=bool)
     outside[[*one, *other]] = False
     columns = A[:, outside]
-    alike = (_block(A, one) != _block(A, other)).nnz == 0
-    coupled_alike = (columns[[*one]] != columns[[*other]]).nnz == 0
-    apart = A[one.start : one.stop, other.start : other.stop].nnz == 0
-    return alike and coupled_alike and apart
+    own = _block(A, one) != _block(A, other)
+    coupling = columns[[*one]] != columns[[*other]]
+    between = A[one.start : one.stop, other.start : other.stop]
+    return not (own.nnz or coupling.nnz or between.nnz)
 
 
 def merged_coordinates(size: int, groups: Sequence[Sequence[range]]) -> sp.csc_matrix:

@@ -108,10 +108,10 @@ class LinearModel:
         """Return all coordinates by those that the inputs move: held ones may rest, equal ropes move alike."""
         moves = np.ones(len(self.names), dtype=bool)
         held = slice(self.free, self.free + self.held)
-        moves[held] = self.B[held].any(axis=1)
+        moves[held] = np.any(self.B[held] != 0.0, axis=1)
         names = [name for name, moved in zip(self.names, moves, strict=True) if moved]
         parts = [A[moves][:, moves] for A in (self.mass, self.damping, self.stiffness)]
-        pushed = self.B[moves].any(axis=1)
+        pushed = np.any(self.B[moves] != 0.0, axis=1)
         groups = [
             group
             for group in equal_ropes(names, [*parts, *(A.T.tocsc() for A in parts)])
