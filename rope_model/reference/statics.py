@@ -4,9 +4,10 @@ Each correction is an implicit step of the inertia M in the time tau,
 
     (dR/dq + M / tau^2) x = -R
 
-tau grows as the forces fall, and the search ends as Newton's method.  Where forces grow, tau
-shrinks: the rope creeps to its equilibrium and does not depend on a good guess.  Each shape on the
-way is the reference of the next one's frame (docs/theory/element.md, "The frame of the section").
+(docs/theory/element.md, eq-statics).  tau grows as the forces fall, and the search ends as Newton's
+method.  Where forces grow, tau shrinks: the rope creeps to its equilibrium and does not depend on a
+good guess.  Each shape on the way is the reference of the next one's frame (docs/theory/element.md,
+"The frame of the section").
 
 Source: Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998), switched evolution relaxation.
 """

@@ -17,7 +17,14 @@ from rope_model.physics.accuracy import ACCEPT_BELOW, ErrorSums, next_step, step
 from rope_model.reference.ends import END_NODE, SIDES
 from rope_model.reference.energies import after_step
 from rope_model.reference.equations import ANGLE, HEIGHT, Equations
-from rope_model.reference.generalized_alpha import Motion, Step, coefficients, restart, step
+from rope_model.reference.generalized_alpha import (
+    Motion,
+    Step,
+    coefficients,
+    local_error,
+    restart,
+    step,
+)
 from rope_model.reference.newton import Cause
 from rope_model.reference.outputs import nearest_turn, yaw_of
 from rope_model.reference.state import Event, State
@@ -103,7 +110,7 @@ def _trial(scene: Scene, equations: Equations, old: Motion, h: float) -> Step:
 def _error(scene: Scene, state: State, equations: Equations, trial: Step) -> float:
     """Return the local error of a trial step over the allowed one.
 
-    (docs/theory/errors.md, eq-share and eq-flow)
+    (docs/theory/time.md, eq-local; docs/theory/errors.md, eq-share and eq-flow)
     """
     new = trial.motion
     if new is None:
@@ -113,10 +120,9 @@ def _error(scene: Scene, state: State, equations: Equations, trial: Step) -> flo
     bottom = state.bottom_s(scene, old.t)
     end_speed = float(old.v[0, HEIGHT] - old.v[-1, HEIGHT])
     limits = step_limits(scene, ErrorSums(), bottom, end_speed, constant)
-    change = new.a - old.a
-    at_ends = max(abs(float(change[node, STRETCH])) for node in END_NODE)
-    position = constant * new.h**2 * equations.size(change)
-    return float(step_error(limits, new.h, position, constant * new.h**2 * at_ends))
+    position = local_error(equations, old, new, scene.solver.rho_inf)
+    change = max(abs(float(new.a[node, STRETCH] - old.a[node, STRETCH])) for node in END_NODE)
+    return float(step_error(limits, new.h, position, constant * new.h**2 * change))
 
 
 # swivels
