@@ -110,7 +110,7 @@ def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
     form : {"auto", "native", "python", "reference"}
         ``auto`` takes the native form. It takes the Python form where there is no native one, or where
         ``scene.solver.kernels`` names kernels of the Python form. ``reference`` is the published system alone, in
-        plain Python to be read: a hundred times slower, and it refuses scenes that hold more.
+        plain Python to be read: far slower, and it refuses scenes that hold more.
 
     Returns
     -------

@@ -34,8 +34,9 @@ GROW = (3.0, 10.0)  #: least and largest factor of tau after one that is taken
 #: force
 MAX_GAIN = 3.0
 #: corrections with forces balanced to rounding after which the remaining motion costs no energy,
-#: such as that of a buckled rod about its axis
-BALANCED = 200
+#: such as that of a buckled rod about its axis; tau takes at most 26 from its first value to its
+#: last
+BALANCED = 60
 
 
 class StaticsError(RuntimeError):
