@@ -102,7 +102,7 @@ def balance_rope(scene: Scene, form: Form = "auto") -> BalanceRope:
         Rope, layout, swivels, mesh, solver and surroundings, in SI units.
     form : {"auto", "native", "python", "reference"}
         ``auto`` takes the native form, unless ``scene.solver.kernels`` names kernels of the Python form.
-        ``reference`` is the published system alone, in plain Python to be read: a hundred times slower, and it
+        ``reference`` is the published system alone, in plain Python to be read: far slower, and it
         refuses scenes that hold more.
 
     Returns

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import cache
 from typing import Any
 from unittest.mock import patch
 
@@ -24,6 +25,7 @@ def modified_element(
     places["FRAME_SIZE"] = 6 * gauss_points + 3
     uncached = element.element_functions.__wrapped__
 
+    @cache
     def functions(fidelity: element.ElementFidelity = "torsional") -> element.ElementFunctions:
         with patch.multiple(element, **places):
             twin = uncached(fidelity, frame_rate)
