@@ -1,4 +1,4 @@
-"""A hoist as FMUs and as one system of them (SSP): joins fmu_src and hoist_demo, which know nothing of each other."""
+"""A hoist as FMUs and as one system of them (SSP): joins fmu_src and hoist_demo."""
 
 from __future__ import annotations
 
@@ -28,18 +28,19 @@ if TYPE_CHECKING:
 
 DRIVE = "drive"  #: Name of the drive in a system.
 ROPE = "rope"  #: Name of the rope in a system with one.
-#: What a system can leave out, by name: of hoist and trip, and of ropes.
+#: Names of what a system can leave out: of hoist and trip, and of ropes.
 WITHOUT = (*OMISSIONS, "break", "guard", "touching")
-# Where drive and ropes step at the same time, each hears of the other a step late, and that feeds the axial waves of a
-# rope in proportion to its mass over the conveyance's. Measured over whole trips: steps of 10 ms let them grow at
-# installed sizes, with ropes of 0.36 and more of the conveyance, to a quarter of the end force; 6.7 ms do not.
-HEAVY_ROPE_RATIO = (
-    0.25  #: Mass of the balance ropes over the lighter conveyance's, above which they are heavy.
-)
+# Where drive and ropes step at the same time, each gets the other's data a step late, and that
+# feeds the axial waves of a rope in proportion to its mass over the conveyance's. Measured over
+# whole trips: steps of 10 ms let them grow at installed sizes, with ropes of 0.36 and more of the
+# conveyance, to a quarter of the end force; 6.7 ms do not. Mass of the balance ropes over the
+# lighter conveyance's, above which they are heavy.
+HEAVY_ROPE_RATIO = 0.25
 LIGHT_STEP = 0.01  #: Communication step with light ropes [s].
 HEAVY_STEP = 0.005  #: Communication step with heavy ropes [s].
 MAX_STEP = 0.02  #: Largest communication step [s].
-_TOGETHER = {"inputs_at_step_end": False}
+#: Values of a rope that steps at the same time as the drive: it extrapolates the motion.
+_SIMULTANEOUS = {"inputs_at_step_end": False}
 _GUARDS = tuple(f"guard.{name}" for name in ("rise", "window", "clearance", "turns", "torque"))
 
 
@@ -63,12 +64,12 @@ def export_rope(
 ) -> Path:
     """Write the FMU of a rope of the hoist of ``case``, which starts where its conveyances wait.
 
-    ``parameters`` are the rope's by FMI name; the rest is the level's. ``flavour`` is "native" or "Python"; the latter
-    has one model identifier.
+    ``parameters`` are the rope's by FMI name; the rest is the level's. ``flavour`` is "native" or
+    "Python"; the latter has one model identifier.
     """
     left, right = start_heights(case.hoist, case.winding)
     start = {**parameters, "left.y": left, "right.y": right}
-    shown = replace(profile or Profile(), stop=duration(case.winding))
+    profile = replace(profile or Profile(), stop=duration(case.winding))
     if flavour == "native":
         return export_native(
             destination,
@@ -76,10 +77,10 @@ def export_rope(
             fmi=fmi,
             platforms=platforms,
             start=start,
-            profile=shown,
+            profile=profile,
             identifier=identifier,
         )
-    return export_fmu(destination, level=level, start=start, profile=shown, platforms=platforms)
+    return export_fmu(destination, level=level, start=start, profile=profile, platforms=platforms)
 
 
 def export_hoist(
@@ -99,10 +100,10 @@ def export_hoist(
     version: Version = "1.0",
     data: Sequence[Datum] = (),
 ) -> HoistFiles:
-    """Write drive, ropes and their system into ``folder``: an FMU each, and ``name``.ssp, which contains these.
+    """Write drive, ropes and their system into ``folder``: FMUs, and ``name``.ssp with all of them.
 
-    Each FMU has the start values of this hoist; the SSP binds none but ``inputs_at_step_end``, for tools differ in
-    what they do with bindings.
+    Each FMU has the start values of this hoist; the SSP binds none but ``inputs_at_step_end``,
+    because tools treat bindings differently.
 
     Parameters
     ----------
@@ -111,12 +112,13 @@ def export_hoist(
     ropes
         The ropes where they differ; the hoist of ``case`` has them as one (``Ropes.hoist``).
     without
-        Names of WITHOUT: what to leave out.
+        Parts to leave out, by names of WITHOUT.
     trajectory
-        The trip asked for, without the wait before it; None: the winding's S-curve.
+        Reference of the trip, without the wait before it; None: the winding's S-curve.
     step
-        Communication step of the system and sample time of its controller [s], at most MAX_STEP. None: LIGHT_STEP, or
-        HEAVY_STEP where the balance ropes weigh more than HEAVY_ROPE_RATIO of the lighter conveyance.
+        Communication step of the system and sample time of its controller [s], at most MAX_STEP.
+        None: LIGHT_STEP, or HEAVY_STEP where the balance ropes weigh more than HEAVY_ROPE_RATIO of the
+        lighter conveyance.
     version
         Of SSP.
     data
@@ -125,7 +127,7 @@ def export_hoist(
     Raises
     ------
     ValueError
-        For what a system cannot hold; the message says how to leave it out.
+        For parts that a system cannot hold; the message says how to leave them out.
     """
     if unknown := sorted({*without} - {*WITHOUT}):
         raise ValueError(
@@ -141,60 +143,86 @@ def export_hoist(
         DriveRope(r.name, r.scene.rope.mass_per_length, r.scene.rope.length, r.suspension)
         for r in ropes
     ]
-    pace = step_of(case) if step is None else step
-    drive = drive_model(case, drive_ropes, trajectory, period=pace)
-    fmus = {DRIVE: export_model(folder / f"{DRIVE}.fmu", platforms, fmi, **vars(drive))}
+    if step is None:
+        step = step_of(case)
+    drive = drive_model(case, drive_ropes, trajectory, period=step)
+    drive_fmu = export_model(folder / f"{DRIVE}.fmu", platforms, fmi, drive)
+    fmus = {DRIVE: drive_fmu}
+    components = [Component(DRIVE, drive_fmu, {})]
     for rope, parameters in _parameters(case, ropes).items():
-        path = folder / f"{rope}.fmu"
-        # several ropes can be linked into one program
-        identifier = re.sub(r"\W", "_", f"{MODEL}_{rope}", flags=re.ASCII) if ropes else MODEL
         fmus[rope] = export_rope(
-            path, case, parameters, flavour, fmi, level, platforms, profile, identifier
+            folder / f"{rope}.fmu",
+            case,
+            parameters,
+            flavour=flavour,
+            fmi=fmi,
+            level=level,
+            platforms=platforms,
+            profile=profile,
+            identifier=_identifier(rope) if ropes else MODEL,
         )
-    # drive and ropes step at the same time: the ropes extrapolate the motion
-    components = [
-        Component(one, path, {} if one == DRIVE else _TOGETHER) for one, path in fmus.items()
-    ]
+        components.append(Component(rope, fmus[rope], _SIMULTANEOUS))
     system = folder / f"{name}.ssp"
     export_ssp(
-        system, "FrictionHoist", components, drive.duration, pace, drive.description, version, data
+        system,
+        name="FrictionHoist",
+        components=components,
+        stop=drive.duration,
+        step=step,
+        description=drive.description,
+        version=version,
+        data=data,
     )
     return HoistFiles(system, fmus)
+
+
+def _identifier(rope: str) -> str:
+    """Return the model identifier of one of several ropes, which can be linked into one program."""
+    return re.sub(r"\W", "_", f"{MODEL}_{rope}", flags=re.ASCII)
 
 
 def step_of(case: Case) -> float:
     """Return a communication step at which drive and ropes may step at the same time [s]."""
     hoist = case.hoist
-    heavy = hoist.tail_mass * hoist.tail_rope_length > HEAVY_ROPE_RATIO * min(
-        hoist.mass_left, hoist.mass_right
-    )
-    return HEAVY_STEP if heavy else LIGHT_STEP
+    lighter_conveyance = min(hoist.mass_left, hoist.mass_right)
+    if hoist.tail_mass * hoist.tail_rope_length > HEAVY_ROPE_RATIO * lighter_conveyance:
+        return HEAVY_STEP
+    return LIGHT_STEP
 
 
 def _obstacles(case: Case, ropes: Sequence[OneRope], without: Collection[str]) -> Iterator[str]:
-    """Yield what FMUs of ropes cannot do, each with the option that leaves it out."""
-    for name, parameters in _parameters(case, ropes).items():
-        for guard in _GUARDS:
-            if "guard" not in without and (value := parameters.get(guard, 0.0)):
-                reason = "an exported drive has no safety circuit, though the rope's guard.tripped tells of it"
-                yield not_held(f"{name}: {guard} = {value}", "0", reason, "guard")
-    for one in ropes:
-        if "break" not in without and one.breaks is not None:
-            yield not_held(
-                f"{one.name}: breaks_at = {one.breaks.t:g} s",
-                "None",
-                "the rope of an FMU holds",
-                "break",
-            )
-    pressed = ropes[0].scene.shaft.contact.rope_stiffness if len(ropes) > 1 else 0.0
-    if "touching" not in without and pressed > 0.0:
-        reason = "each rope of a system presses itself alone, it knows no neighbours"
-        yield not_held(f"contact.rope_stiffness = {pressed:g} N/m2", "0", reason, "touching")
+    """Yield the parts of ropes that no FMU can hold, each with the option that leaves it out."""
+    if "guard" not in without:
+        for name, parameters in _parameters(case, ropes).items():
+            yield from _guards(name, parameters)
+    if "break" not in without:
+        for rope in ropes:
+            if rope.breaks is not None:
+                value = f"{rope.name}: breaks_at = {rope.breaks.t:g} s"
+                yield not_held(value, "None", "the rope of an FMU holds", "break")
+    if "touching" not in without and len(ropes) > 1:
+        stiffness = ropes[0].scene.shaft.contact.rope_stiffness
+        if stiffness > 0.0:
+            reason = "each rope of a system presses itself alone, it knows no neighbours"
+            yield not_held(f"contact.rope_stiffness = {stiffness:g} N/m2", "0", reason, "touching")
+
+
+def _guards(name: str, parameters: Mapping[str, Value]) -> Iterator[str]:
+    """Yield a sentence for each guard that is set in the parameters of the rope ``name``."""
+    reason = "an exported drive has no safety circuit, though the rope's guard.tripped tells of it"
+    for guard in _GUARDS:
+        value = parameters.get(guard, 0.0)
+        if value:
+            yield not_held(f"{name}: {guard} = {value}", "0", reason, "guard")
 
 
 def _parameters(case: Case, ropes: Sequence[OneRope]) -> dict[str, Mapping[str, Value]]:
     """Return the parameters of each rope by FMI name; of several ropes all, whatever the level."""
-    several: dict[str, Mapping[str, Value]] = {
-        one.name: {p.name: p.value for p in named_parameters(one.scene)} for one in ropes
-    }
-    return several or {ROPE: case.rope}
+    if not ropes:
+        return {ROPE: case.rope}
+    return {rope.name: _values(rope) for rope in ropes}
+
+
+def _values(rope: OneRope) -> dict[str, Value]:
+    """Return all parameters of a rope by FMI name."""
+    return {parameter.name: parameter.value for parameter in named_parameters(rope.scene)}

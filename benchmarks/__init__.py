@@ -1,1 +1,4 @@
-"""Measurements of speed, throughput and robustness: each module prints a table; ``make`` or ``python -m`` runs it."""
+"""Measurements of speed, throughput and robustness.
+
+Each module prints a table; ``make`` or ``python -m`` runs it.
+"""

@@ -1,9 +1,10 @@
 """Fuzzing of the native FMU's C entry points: ``python -m benchmarks.fuzz --minutes 30``.
 
-Builds tests/native/fuzz_fmi2.c and fuzz_fmi3.c with all sources of the FMU by clang, libFuzzer, the address and the
-undefined-behaviour sanitizer, lets both run side by side, and prints what was executed and found, and how
-many lines of the sources the kept inputs run (llvm-cov; the elements' generated arithmetic does not count).
-The corpus is kept beside the build and goes on growing.  Debian: apt-get install clang llvm libclang-rt-14-dev.
+Builds tests/native/fuzz_fmi2.c and fuzz_fmi3.c with all sources of the FMU by clang, libFuzzer, the
+address and the undefined-behaviour sanitizer, runs both at the same time, and prints numbers of
+executions and findings, and of source lines that the kept inputs run (llvm-cov; the elements'
+generated arithmetic does not count). The corpus is kept in the folder of the build and goes on
+growing. Debian: apt-get install clang llvm libclang-rt-14-dev.
 """
 
 import argparse
@@ -37,12 +38,15 @@ FLAGS = (
 )
 SANITIZED = ("-fsanitize=address,undefined,float-cast-overflow", "-fno-sanitize-recover=all")
 MEASURED = ("-fprofile-instr-generate", "-fcoverage-mapping")
-#: what the fuzzer follows; the elements' arithmetic has no branches of interest and would be slow
+#: of files whose branches the fuzzer follows; the elements' arithmetic has none of interest, and
+#: would be slow
 FOLLOWED = "-fsanitize=fuzzer"
+#: beginnings of the names of files that reproduce a failure
+FAILURES = ("crash", "timeout", "oom", "leak")
 
 
 class Outcome(NamedTuple):
-    """``covered`` of ``lines``, by ``inputs`` that are kept; ``findings`` are files that reproduce a failure.
+    """Outcome of a run.
 
     An execution is two ropes of a drawn mesh in shafts of drawn bodies, through up to 64 calls.
     """
@@ -50,10 +54,10 @@ class Outcome(NamedTuple):
     fmi: int
     minutes: float
     executions: int
-    inputs: int
-    covered: int
-    lines: int
-    findings: int
+    inputs: int  # that are kept
+    covered: int  # lines that these inputs run
+    lines: int  # of all sources
+    findings: int  # files that reproduce a failure
     commit: str
 
 
@@ -71,10 +75,12 @@ def build(fmi: int, folder: Path, name: str, flags: Sequence[str]) -> None:
         (folder / path).write_text(text, encoding="utf-8")
     sources = sorted(path for path in files if path.endswith(".c"))
     for path in sources:
-        followed = () if path.startswith("rope_kernels") else (FOLLOWED,)
-        _done([_tool("clang"), *FLAGS, *flags, *followed, "-c", path], folder)
+        command = [_tool("clang"), *FLAGS, *flags]
+        if not path.startswith("rope_kernels"):
+            command.append(FOLLOWED)
+        _run([*command, "-c", path], folder)
     objects = [f"{Path(path).stem}.o" for path in sources]
-    _done([_tool("clang"), *FLAGS, *flags, FOLLOWED, *objects, "-o", name, "-lm"], folder)
+    _run([_tool("clang"), *FLAGS, *flags, FOLLOWED, *objects, "-o", name, "-lm"], folder)
 
 
 def run(fmi: int, folder: Path, minutes: float) -> Outcome:
@@ -92,41 +98,51 @@ def run(fmi: int, folder: Path, minutes: float) -> Outcome:
         "-seed=2",
     ]
     log = folder / "log.txt"
-    with log.open("w", encoding="utf-8") as told:
-        subprocess.run(command, cwd=folder, stdout=subprocess.DEVNULL, stderr=told, check=False)
-    found = [
-        path for kind in ("crash", "timeout", "oom", "leak") for path in folder.glob(f"{kind}-*")
-    ]
-    last = re.findall(r"Done (\d+) runs in (\d+) second", log.read_text(encoding="utf-8"))
-    executions, seconds = map(int, last[-1]) if last else (0, 0)
-    inputs = len(list((folder / "corpus").iterdir()))
-    lines = coverage(fmi, folder)
-    return Outcome(fmi, round(seconds / 60, 1), executions, inputs, *lines, len(found), commit())
+    with log.open("w", encoding="utf-8") as output:
+        subprocess.run(command, cwd=folder, stdout=subprocess.DEVNULL, stderr=output, check=False)
+    executions = 0
+    seconds = 0
+    for runs, duration in re.findall(
+        r"Done (\d+) runs in (\d+) second", log.read_text(encoding="utf-8")
+    ):
+        executions = int(runs)
+        seconds = int(duration)
+    covered, lines = coverage(fmi, folder)
+    return Outcome(
+        fmi=fmi,
+        minutes=round(seconds / 60, 1),
+        executions=executions,
+        inputs=len(list((folder / "corpus").iterdir())),
+        covered=covered,
+        lines=lines,
+        findings=sum(len(list(folder.glob(f"{kind}-*"))) for kind in FAILURES),
+        commit=commit(),
+    )
 
 
 def commit() -> str:
     """The commit of the sources, with a + where files differ from it; "" outside of a checkout."""
-    told = subprocess.run(
+    described = subprocess.run(
         ["git", "describe", "--always", "--dirty=+"],
         cwd=ROOT,
         capture_output=True,
         text=True,
         check=False,
     )
-    return told.stdout.strip()
+    return described.stdout.strip()
 
 
 def coverage(fmi: int, folder: Path) -> tuple[int, int]:
     """Lines that the kept inputs run, and all lines."""
     build(fmi, folder, "measured", MEASURED)
     environment = {**os.environ, "LLVM_PROFILE_FILE": "raw"}
-    _done(["./measured", "corpus", "-runs=0", "-rss_limit_mb=2048"], folder, env=environment)
-    _done([_tool("llvm-profdata"), "merge", "raw", "-o", "profile"], folder)
-    told = _done(
+    _run(["./measured", "corpus", "-runs=0", "-rss_limit_mb=2048"], folder, env=environment)
+    _run([_tool("llvm-profdata"), "merge", "raw", "-o", "profile"], folder)
+    summary = _run(
         [_tool("llvm-cov"), "export", "-summary-only", "-instr-profile=profile", "./measured"],
         folder,
     )
-    files = json.loads(told)["data"][0]["files"]
+    files = json.loads(summary)["data"][0]["files"]
     ours = [
         f["summary"]["lines"]
         for f in files
@@ -142,11 +158,14 @@ def _tool(name: str) -> str:
     return found
 
 
-def _done(command: Sequence[str], folder: Path, env: Mapping[str, str] | None = None) -> str:
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, env=env)
-    if done.returncode:
-        raise SystemExit(f"{' '.join(command)} failed: {done.stderr[-2000:]}")
-    return done.stdout
+def _run(command: Sequence[str], folder: Path, env: Mapping[str, str] | None = None) -> str:
+    """Return the output of a command in ``folder``; SystemExit if it fails."""
+    result = subprocess.run(
+        command, cwd=folder, capture_output=True, text=True, check=False, env=env
+    )
+    if result.returncode:
+        raise SystemExit(f"{' '.join(command)} failed: {result.stderr[-2000:]}")
+    return result.stdout
 
 
 def main() -> None:
@@ -161,9 +180,9 @@ def main() -> None:
         )
     for outcome in outcomes:
         print(
-            f"FMI {outcome.fmi}, {outcome.commit}: {outcome.minutes:.1f} min, {outcome.executions} executions, "
-            f"{outcome.inputs} inputs kept, which run {outcome.covered} of {outcome.lines} lines; "
-            f"{outcome.findings} findings"
+            f"FMI {outcome.fmi}, {outcome.commit}: {outcome.minutes:.1f} min, "
+            f"{outcome.executions} executions, {outcome.inputs} inputs kept, "
+            f"which run {outcome.covered} of {outcome.lines} lines; {outcome.findings} findings"
         )
     if options.csv:
         with options.csv.open("w", newline="", encoding="utf-8") as file:

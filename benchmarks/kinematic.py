@@ -1,4 +1,4 @@
-"""Windings with the conveyances' motion prescribed: what benchmarks and evidence share."""
+"""Windings with the conveyances' motion prescribed, for benchmarks and evidence."""
 
 from __future__ import annotations
 
@@ -9,16 +9,18 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+from rope_model.simulation.outputs.diagnostics import loop_bottom
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from rope_model import BalanceRope, EndMotion, Model, Scene, Solver, Status, balance_rope
 from rope_model.rules.state import Event
-from rope_model.simulation.outputs.diagnostics import loop_bottom
 
 Array = NDArray[np.float64]
 H = 0.01  # s, communication step
+OBSERVED_HEIGHT = 3.0  # m, of the observation points over the rope's lowest point, as in the source
+OBSERVED = 7  # columns of a node that are observed: r, r', theta
 
 
 def fixed_steps(h: float) -> Solver:
@@ -35,9 +37,7 @@ class Winding:
     t: list[float] = field(default_factory=list)
     force: list[Array] = field(default_factory=list)  # N, left and right
     bottom: list[Array] = field(default_factory=list)  # m
-    observed: list[Array] = field(
-        default_factory=list
-    )  # (2, 7) r, r', theta at the observation points
+    observed: list[Array] = field(default_factory=list)  # r, r', theta at two points, (2, 7)
     kinetic: list[float] = field(default_factory=list)  # J
     events: list[Event] = field(default_factory=list)
     simulated: float = 0.0  # s
@@ -51,13 +51,14 @@ class Winding:
 
 
 def scene_of(rope: str, coupling: str) -> Scene:
-    """The rope of a case between locked ends; uncoupled it is planar, which then leaves nothing out."""
+    """The rope of a case between locked ends; uncoupled it is planar, which then is exact."""
     scene = rope_scene(find_case(rope).rope)
-    held = {
-        "left": replace(scene.left, mode="locked"),
-        "right": replace(scene.right, mode="locked"),
-    }
-    scene = scene.with_(solver=fixed_steps(H), model=Model("torsional"), **held)
+    scene = scene.with_(
+        solver=fixed_steps(H),
+        model=Model("torsional"),
+        left=replace(scene.left, mode="locked"),
+        right=replace(scene.right, mode="locked"),
+    )
     if coupling == "coupled":
         return scene
     return scene.with_(rope=replace(scene.rope, Qb=0.0, Qc=0.0), model=Model("planar"))
@@ -87,9 +88,9 @@ def wind(
     interval: float = H,
     build: Callable[[Scene], BalanceRope] = balance_rope,
 ) -> Winding:
-    """Follow ``reference`` and ``settle`` seconds more; a record every ``sample`` communication steps of ``interval``.
+    """Follow ``reference`` and ``settle`` seconds more, in communication steps of ``interval``.
 
-    ``watch`` sees the rope at every record.
+    A record is made every ``sample`` steps; ``watch`` is called with the rope at every record.
     """
     rope = build(scene)
     run = Winding(rope, rope.initialize(0.0, *ends_at(reference, travel, 0.0)))
@@ -118,8 +119,12 @@ def wind(
 
 
 def observation_points(q: np.ndarray, bottom: np.ndarray) -> np.ndarray:
-    """Return (2, 7): r, r', theta on the left and right leg, 3 m above the lowest point as in the source."""
+    """Return r, r', theta on the left and right leg, (2, 7), above the lowest point `bottom`."""
     i = int(np.argmin(q[:, 1]))
-    height = bottom[1] + 3.0
-    legs = q[i::-1], q[i:]
-    return np.array([[np.interp(height, leg[:, 1], leg[:, k]) for k in range(7)] for leg in legs])
+    height = bottom[1] + OBSERVED_HEIGHT
+    return np.array([_row_at(height, leg) for leg in (q[i::-1], q[i:])])
+
+
+def _row_at(height: float, leg: np.ndarray) -> list[float]:
+    """Return r, r', theta of a leg at this height, interpolated between its nodes."""
+    return [float(np.interp(height, leg[:, 1], leg[:, k])) for k in range(OBSERVED)]

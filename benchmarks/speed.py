@@ -1,14 +1,15 @@
 """Speed and start of the rope in all its forms: ``make bench``.
 
-``python -m benchmarks.speed monopol-1000`` measures the native forms on the rope of another scene.  The coupled winding
-of a scene, the 120 m rope's by default, on TMN-ETM, communication steps of 10 ms, in which the host sets the ends'
-motion, steps, and reads the end forces.  The forms take turns; medians over the rounds.  A real-time factor is
-simulated time over processor time.
+``python -m benchmarks.speed monopol-1000`` measures the native forms on the rope of another scene.
+The coupled winding of a scene, the 120 m rope's by default, on TMN-ETM, communication steps of 10
+ms, in which the host sets the ends' motion, steps, and reads the end forces.  The forms take turns;
+medians over the rounds.  A real-time factor is simulated time over processor time.
 """
 
 import argparse
 import tempfile
 import time
+from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -25,39 +26,52 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
-from rope_model import EndMotion, Solver, balance_rope
+from rope_model import BalanceRope, EndMotion, Scene, Solver, balance_rope
 
-H, SCENE, ROUNDS = 0.01, "rope-120", 5
+H = 0.01  # s, communication step
+SCENE = "rope-120"
+ROUNDS = 5
 READ = ("left.fy", "right.fy", "left.fy_mean", "right.fy_mean")
-#: s of the winding that are run, and of another scene's
-WINDOW, DEEP_WINDOW = {"native": 24.0, "Python, compiled": 24.0, "Python, portable": 4.0}, 60.0
+#: s of the winding that are run
+WINDOW = {"native": 24.0, "Python, compiled": 24.0, "Python, portable": 4.0}
+DEEP_WINDOW = 60.0  #: s of another scene's winding
 KERNELS = {"native": 0, "Python, compiled": 1, "Python, portable": 2}
 
 
 class Stepper(NamedTuple):
-    """Hangs the rope up; steps it to a time and reads the end forces."""
+    """Functions of a form of the rope, which return whether they succeed."""
 
-    start: Callable[[], bool]
-    step: Callable[[float], bool]
+    start: Callable[[], bool]  # hangs the rope up
+    step: Callable[[float], bool]  # steps it to a time [s] and reads the end forces
+
+
+class Times(NamedTuple):
+    """Processor times of a run."""
+
+    factor: float  # simulated time over processor time
+    step: float  # s, median
+    start: float  # s, to hang the rope up
 
 
 def motions(name: str) -> Callable[[float], tuple[EndMotion, EndMotion]]:
     """Return the motion of both ends on the case's trip, which begins at once."""
     winding = replace(find_case(name).winding, start_delay=0.0)
-    reference, travel = s_curve(winding), winding.travel
-    return lambda t: ends_at(reference, travel, t)
+    reference = s_curve(winding)
+    return lambda t: ends_at(reference, winding.travel, t)
+
+
+def rope_in(form: str, scene: Scene) -> BalanceRope:
+    """Return the rope of a scene in one of its forms."""
+    if form == "native":
+        return balance_rope(scene, "native")
+    solver = Solver(kernels="portable" if "portable" in form else "compiled")
+    return balance_rope(scene.with_(solver=solver), "python")
 
 
 def in_process(form: str, name: str) -> Stepper:
     """Return the rope in this process."""
-    ends, scene = motions(name), rope_scene(find_case(name).rope)
-    solver = Solver(kernels="portable" if "portable" in form else "compiled")
-    native = form == "native"
-    rope = (
-        balance_rope(scene, "native")
-        if native
-        else balance_rope(scene.with_(solver=solver), "python")
-    )
+    ends = motions(name)
+    rope = rope_in(form, rope_scene(find_case(name).rope))
 
     def step(t: float) -> bool:
         valid = rope.advance_to(t, *ends(t)).valid
@@ -69,10 +83,8 @@ def in_process(form: str, name: str) -> Stepper:
 
 def through_fmu(form: str, name: str, path: Path) -> Stepper:
     """Return the rope in an FMU, stepped by FMPy."""
-    ends, fmu = (
-        motions(name),
-        FmuRope(path, {**find_case(name).rope, "solver.kernels": KERNELS[form]}),
-    )
+    ends = motions(name)
+    fmu = FmuRope(path, {**find_case(name).rope, "solver.kernels": KERNELS[form]})
     read = fmu.reader(READ)
 
     def moved(t: float) -> list[EndMotion]:
@@ -86,17 +98,18 @@ def through_fmu(form: str, name: str, path: Path) -> Stepper:
     return Stepper(lambda: fmu.initialize(0.0, *moved(0.0)).valid, step)
 
 
-def measure(stepper: Stepper, window: float) -> tuple[float, float, float]:
-    """Return the real-time factor, the median step and the time to hang up, s of the processor."""
+def measure(stepper: Stepper, window: float) -> Times:
+    """Return the times of a run over this time of the winding [s]."""
     start = time.process_time()
     assert stepper.start()
-    initialised, times = time.process_time() - start, []
+    start_time = time.process_time() - start
+    times = []
     for k in range(round(window / H)):
         start = time.process_time()
         valid = stepper.step((k + 1) * H)
         times.append(time.process_time() - start)
         assert valid
-    return window / sum(times), float(np.median(times)), initialised
+    return Times(window / sum(times), step=float(np.median(times)), start=start_time)
 
 
 def main() -> None:
@@ -104,26 +117,26 @@ def main() -> None:
     parser = argparse.ArgumentParser("python -m benchmarks.speed", description=__doc__)
     parser.add_argument("scene", nargs="?", default=SCENE, help="a case of the hoist (%(default)s)")
     scene: str = parser.parse_args().scene
-    forms = WINDOW if scene == SCENE else {"native": DEEP_WINDOW}
-    found: dict[str, list[tuple[float, float, float]]] = {}
+    forms = WINDOW
+    if scene != SCENE:
+        forms = {"native": DEEP_WINDOW}
+    runs = defaultdict[str, list[Times]](list)
     with tempfile.TemporaryDirectory() as folder:
-        python, native = Path(folder) / "python.fmu", Path(folder) / "native.fmu"
+        python = Path(folder) / "python.fmu"
+        native = Path(folder) / "native.fmu"
         export_fmu(python, platforms=(host_platform(),))
         export_native(native, platforms=(host_platform(),))
         for _ in tqdm(range(ROUNDS), desc="rounds", leave=False):
             for form, window in forms.items():
                 fmu = native if form == "native" else python
-                found.setdefault(f"{form}, in process", []).append(
-                    measure(in_process(form, scene), window)
-                )
-                found.setdefault(f"{form}, FMU", []).append(
-                    measure(through_fmu(form, scene, fmu), window)
-                )
+                runs[f"{form}, in process"].append(measure(in_process(form, scene), window))
+                runs[f"{form}, FMU"].append(measure(through_fmu(form, scene, fmu), window))
     print(f"winding of {scene}, TMN-ETM, H = {H:g} s, medians of {ROUNDS} rounds")
-    for name, runs in found.items():
-        factor, step, initialised = np.median(runs, axis=0)
+    for name, of_form in runs.items():
+        median = Times(*np.median(of_form, axis=0))
         print(
-            f"  {name:<30}{factor:>8.1f} x real time{1e3 * step:>9.3f} ms a step{1e3 * initialised:>9.1f} ms to start"
+            f"  {name:<30}{median.factor:>8.1f} x real time"
+            f"{1e3 * median.step:>9.3f} ms a step{1e3 * median.start:>9.1f} ms to start"
         )
 
 

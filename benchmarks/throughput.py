@@ -1,8 +1,9 @@
 """Windings per minute of a study on this machine: ``make bench``, or ``python -m benchmarks.throughput``.
 
-One worker and two, in turns, with the rope of either level, over `examples/studies/throughput.toml`, windings of the
-120 m rope.  Takes three minutes on a quiet machine; ``--runs 8`` is a trial.  With ``--python`` the host in Python,
-as other schemes take it, winds the same runs in turns with the trip in C.
+One worker and two, in turns, with the rope of either level, over
+`examples/studies/throughput.toml`, windings of the 120 m rope.  Takes three minutes on a quiet
+machine; ``--runs 8`` is a trial.  With ``--python`` the host in Python, as other schemes take it,
+winds the same runs in turns with the trip in C.
 """
 
 import argparse
@@ -39,16 +40,18 @@ def main() -> None:
         )
         file.write_text(text, encoding="utf-8")
         for fmu in FMUS:
-            study, hosts = read_study(file, fmu), ("C", "Python")[: 1 + options.python]
-            found: dict[str, dict[int, list[float]]] = {host: {1: [], 2: []} for host in hosts}
+            study = read_study(file, fmu)
+            hosts = ("C", "Python") if options.python else ("C",)
+            rates: dict[str, dict[int, list[float]]] = {host: {1: [], 2: []} for host in hosts}
             for (number, workers), host in product(enumerate(ROUNDS), hosts):
                 to = Path(folder) / fmu.stem / f"{number}{host}"
-                found[host][workers].append(wind(study, to, workers, host == "Python"))
-            for host, rates in found.items():
-                one, two = (sum(each) / len(each) for each in rates.values())
+                rates[host][workers].append(wind(study, to, workers, host == "Python"))
+            for host, of_host in rates.items():
+                one, two = (sum(each) / len(each) for each in of_host.values())
                 efficiency = f"{two:.0f} with two, efficiency {two / one / 2:.2f}"
                 print(
-                    f"{fmu.stem} in {host}: {one:.0f} windings a minute with one worker, {efficiency}",
+                    f"{fmu.stem} in {host}: {one:.0f} windings a minute with one worker, "
+                    f"{efficiency}",
                     flush=True,
                 )
 

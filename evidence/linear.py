@@ -18,7 +18,7 @@ from evidence.ropes import require, smooth_step
 from evidence.tables import Array
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
-from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
+from hoist_demo.cosimulation.participants.hoist_partner import DriveCommand, HoistPartner
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.cosimulation.schemes.catalogue import find_scheme
 from hoist_demo.cosimulation.schemes.interface import (
@@ -103,10 +103,11 @@ class Shaken:
     def step(self, torque: float) -> list[float]:
         """Advance by H under a torque command; return SEEN before."""
         seen = [*(float(self.drive.outputs[OUTPUT_INDEX[name]]) for name in DRIVE), *self.read()]
-        self.drive.command(torque, 0.0, np.zeros(6))
-        self.memory, cause = self.scheme.advance(self.pair, self.memory, self.k * self.H, self.H)
-        if cause:
-            raise RuntimeError(cause)
+        self.drive.command(DriveCommand(torque, brake=0.0), np.zeros(6))
+        advance = self.scheme.advance(self.pair, self.memory, self.k * self.H, self.H)
+        if not advance.status.valid:
+            raise RuntimeError(advance.status.message)
+        self.memory = advance.scheme_state
         self.k += 1
         return seen
 

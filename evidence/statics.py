@@ -7,14 +7,15 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from rope_model.simulation.rope_kernels import RopeKernels
+from rope_model.simulation.rope_system import RopeSystem
+from rope_model.simulation.stepping.statics import Equilibrium, find_equilibrium
 
 from evidence.tables import Array
 from rope_model.parameters import Rope
 from rope_model.physics.element import parameters
 from rope_model.physics.node import ANGLE
-from rope_model.simulation.rope_kernels import RopeKernels
-from rope_model.simulation.rope_system import RopeSystem
-from rope_model.simulation.stepping.statics import Equilibrium, find_equilibrium
+from rope_model.reference.equations import Equations, Mask
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,27 @@ class StaticBoundary:
 
     def friction_load(self, nodes: int) -> Array:
         return np.zeros_like(self.values)
+
+
+def held_at(q: Array, *places: Any) -> Mask:
+    """Return what is held: these ``places`` of ``q`` (nodes, 7), given as indices."""
+    held = np.zeros(q.shape, dtype=bool)
+    for place in places:
+        held[place] = True
+    return held
+
+
+def clamps(q: Array) -> Mask:
+    """Return what clamps at both ends hold: place, direction, angle; not the stretch along their axes."""
+    held = held_at(q, [0, -1])
+    held[[0, -1], 3 + np.argmax(np.abs(q[[0, -1], 3:6]), axis=1)] = False
+    return held
+
+
+def held_rod(rope: Rope, gravity: float, q: Array, held: Mask) -> Equations:
+    """``rope`` on equal elements, held as it is in the shape ``q`` (nodes, 7)."""
+    lengths = np.full(len(q) - 1, rope.length / (len(q) - 1))
+    return Equations.of(rope, gravity, lengths, q, held)
 
 
 #: index of what moves a rope out of its plane

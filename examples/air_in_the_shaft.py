@@ -1,4 +1,4 @@
-"""What the shaft's air does to a winding: at rest, pushed aside by a conveyance, and blown across by a gallery."""
+"""Air in the shaft during a winding: at rest, pushed by a conveyance, blown by a gallery."""
 
 from dataclasses import replace
 from functools import cache
@@ -7,8 +7,12 @@ import numpy as np
 
 from rope_model import Air, EndMotion, balance_rope, rope_120
 
-TRAVEL, DURATION, END, H = 90.0, 20.0, 40.0, 0.02  # m, s
-LOOP, SIDES = ("loop.x", "loop.z"), ("left.fx", "left.fz", "right.fx", "right.fz")
+TRAVEL = 90.0  # m
+DURATION = 20.0  # s, of the trip
+END = 40.0  # s
+H = 0.02  # s, communication step
+LOOP = ("loop.x", "loop.z")
+SIDES = ("left.fx", "left.fz", "right.fx", "right.fz")
 STILL = Air(density=1.2)
 GALLERY = replace(STILL, cross_y=TRAVEL / 2, cross_height=5.0)
 
@@ -23,11 +27,12 @@ def ends(t: float) -> tuple[EndMotion, EndMotion]:
 
 
 @cache
-def wound(air: Air) -> np.ndarray:
+def wind(air: Air) -> np.ndarray:
     """The loop's place (m) and the ends' side forces (N) over the winding and as long after it."""
     scene = rope_120().scene
     rope = balance_rope(scene.with_(shaft=replace(scene.shaft, air=air)))
-    status, rows = rope.initialize(0.0, *ends(0.0)), []
+    status = rope.initialize(0.0, *ends(0.0))
+    rows = []
     read = rope.reader((*LOOP, *SIDES))
     for k in range(1, round(END / H) + 1):
         status = rope.advance_to(k * H, *ends(k * H))
@@ -48,6 +53,7 @@ cases = {
 }
 print(f"{'changes by at most':32}{'loop, m':>10}{'side force, N':>16}")
 for name, (air, before) in cases.items():
-    change = np.abs(wound(air) - wound(before)).max(axis=0)
-    loop, force = change[: len(LOOP)].max(), change[len(LOOP) :].max()
+    change = np.abs(wind(air) - wind(before)).max(axis=0)
+    loop = change[: len(LOOP)].max()
+    force = change[len(LOOP) :].max()
     print(f"{name:32}{loop:10.5f}{force:16.2f}")

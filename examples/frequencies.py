@@ -1,6 +1,7 @@
-"""Natural frequencies of the hanging rope over its depth: from 60 m to 480 m, both ends at the same height.
+"""Natural frequencies of the hanging rope over its depth: from 60 m to 480 m, ends at one height.
 
-The deeper the shaft, the slower the rope swings out of the plane of its loop: like a pendulum, with 1 / sqrt(depth).
+The deeper the shaft, the slower the rope swings out of the plane of its loop: like a pendulum, with
+1 / sqrt(depth).
 """
 
 from rope_model import EndMotion, Model, Rope, Scene, Swivel
@@ -16,7 +17,8 @@ def frequencies(length: float) -> tuple[float, float]:
         model=Model("torsional"),  # by itself it would leave out what is out of plane
     )
     rope = NativeRope(scene)  # it gives its matrices
-    if not (status := rope.initialize(0.0, EndMotion(), EndMotion())).valid:
+    status = rope.initialize(0.0, EndMotion(), EndMotion())
+    if not status.valid:
         raise RuntimeError(status.message)
     rope.let_turn()  # a rope that has just been hung has its swivels locked
     modes = natural_modes(rope)

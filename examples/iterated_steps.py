@@ -1,7 +1,8 @@
-"""The FMU in a loop of one's own, by FMPy's low-level interface: steps are taken back and repeated until forces agree.
+"""The FMU in a loop of one's own, by FMPy's low-level interface.
 
-The right conveyance, 100 kg on a head rope (a spring with a damper), is unloaded by 500 kg within half a second; 840 kg
-of balance rope hang below it. A loop that takes the force of the step before is unstable: the rope is the heavier part.
+Steps are taken back and repeated until forces agree. The right conveyance, 100 kg on a head rope (a
+spring with a damper), is unloaded by 500 kg within half a second; 840 kg of balance rope hang below
+it. A loop that takes the force of the step before is unstable: the rope is the heavier part.
 
     python examples/iterated_steps.py build/rope.fmu
 """
@@ -11,10 +12,16 @@ import sys
 import fmpy
 from fmpy.fmi2 import FMU2Slave
 
-MASS, STIFFNESS, DAMPING = 100.0, 4e5, 1e4  # kg, N/m, N s/m
-PAYLOAD, UNLOADING = 500.0 * 9.81, 0.5  # N, s
-HEIGHT, H, STEPS, TOLERANCE = 90.0, 0.01, 300, 0.1  # m, s, -, N
-#: kg, what force over acceleration is within a step of the trapezoidal rule
+MASS = 100.0  # kg
+STIFFNESS = 4e5  # N/m
+DAMPING = 1e4  # N s/m
+PAYLOAD = 500.0 * 9.81  # N
+UNLOADING = 0.5  # s
+HEIGHT = 90.0  # m
+H = 0.01  # s, communication step
+STEPS = 300
+TOLERANCE = 0.1  # N, of the forces
+#: kg, force over acceleration within a step of the trapezoidal rule
 INERTIA = MASS + DAMPING * H / 2 + STIFFNESS * H**2 / 4
 
 if len(sys.argv) != 2:
@@ -37,9 +44,13 @@ def read(name: str) -> float:
 
 
 def move(motion: list[float], force: float) -> list[float]:
-    """Height above rest, speed and acceleration of the conveyance one step later, under ``force`` (N) beyond rest."""
+    """Height above rest, speed and acceleration of the conveyance one step later.
+
+    ``force`` (N) acts beyond that at rest.
+    """
     y, v, a = motion
-    y_half, v_half = y + H * v + H**2 * a / 4, v + H * a / 2
+    y_half = y + H * v + H**2 * a / 4
+    v_half = v + H * a / 2
     new = (force - DAMPING * v_half - STIFFNESS * y_half) / INERTIA
     return [y_half + H**2 * new / 4, v_half + H * new / 2, new]
 
@@ -51,19 +62,23 @@ fmu.enterInitializationMode()
 fmu.setReal(MOTION, [HEIGHT, 0.0, 0.0])
 fmu.exitInitializationMode()
 rest = force = read("right.fy")
-motion, exchanges = [0.0, 0.0, 0.0], 0
+motion = [0.0, 0.0, 0.0]
+exchanges = 0
 for k in range(STEPS):
-    start, contraction = fmu.getFMUState(), 1 + read("right.added_mass") / INERTIA
+    start = fmu.getFMUState()
+    contraction = 1 + read("right.added_mass") / INERTIA
     lifted = PAYLOAD * min((k + 1) * H / UNLOADING, 1.0)
     while True:
         exchanges += 1
-        y, v, a = tried = move(motion, force - rest + lifted)
+        tried = move(motion, force - rest + lifted)
+        y, v, a = tried
         fmu.setReal(MOTION, [HEIGHT + y, v, a])
         fmu.doStep(k * H, H)
         change = read("right.fy") - force
         if abs(change) < TOLERANCE:
             break
-        # Newton's method: by the trapezoidal rule too the acceleration grows over the step, as for the added mass
+        # Newton's method: by the trapezoidal rule too the acceleration grows over the step, as for
+        # the added mass
         force += change / contraction
         fmu.setFMUState(start)
     fmu.freeFMUState(start)
@@ -71,6 +86,7 @@ for k in range(STEPS):
 fmu.terminate()
 fmu.freeInstance()
 print(
-    f"{exchanges / STEPS:.1f} exchanges per step; {1e3 * motion[0]:.3f} mm up, over what the head rope gives:"
+    f"{exchanges / STEPS:.1f} exchanges per step; {1e3 * motion[0]:.3f} mm up, "
+    "over what the head rope gives:"
 )
 print(motion[0] * STIFFNESS / PAYLOAD)

@@ -1,4 +1,6 @@
-"""A drive controller of one's own winds 90 m with the FMU of the rope; it ends 0.14 m off, for want of a position loop.
+"""A drive controller of one's own winds 90 m with the FMU of the rope.
+
+It ends 0.14 m off, for want of a position loop.
 
 python examples/own_controller.py build/rope.fmu
 """
@@ -21,12 +23,16 @@ class Proportional:
     """Torque by the speed error alone, on what holds and accelerates the hoist."""
 
     def __init__(self, hoist: Hoist, holding_torque: float) -> None:
-        self.hoist, self.holding_torque = hoist, holding_torque
+        self.hoist = hoist
+        self.holding_torque = holding_torque
 
     def command(
         self, reference: TrajectoryPoint, measured: Measurement, state: Any, h: float
     ) -> Command:
-        """Torque of the step that begins now; this law remembers nothing, so its state stays as it is."""
+        """Torque of the step that begins now.
+
+        This law has no memory, so its state stays as it is.
+        """
         error = reference.speed - measured.speed  # m/s
         force = self.hoist.moving_mass * reference.acceleration + 4e5 * error  # N
         torque = self.holding_torque + self.hoist.sheave_radius * force

@@ -1,4 +1,4 @@
-"""A hoist of one's own, 150 m deep, with head rope modes, a brake and a balance rope of the catalogue.
+"""A hoist of one's own, 150 m deep, with head rope modes, a brake and a catalogue's balance rope.
 
     python examples/own_hoist.py build/rope.fmu
 
@@ -41,12 +41,10 @@ hoist = Hoist(
 )
 winding = Winding(travel=150.0, speed=10.0, acceleration=0.8, settle=5.0)
 gains = Gains(speed=3.0 * hoist.moving_mass, integral_time=2.0, position=0.5)
-known = rope("34x7", diameter=0.049, length=hoist.tail_rope_length).rope(
-    mass_per_length=hoist.tail_rope_mass
-)
-balance_rope = {f"rope.{name}": getattr(known, name) for name in FOLLOWING} | {
-    "layout.spacing": 2.2
-}
+catalogue_rope = rope("34x7", diameter=0.049, length=hoist.tail_rope_length)
+known = catalogue_rope.rope(mass_per_length=hoist.tail_rope_mass)
+balance_rope = {f"rope.{name}": getattr(known, name) for name in FOLLOWING}
+balance_rope["layout.spacing"] = 2.2
 plant = FmuRope(fmu, balance_rope)
 result = Host(plant, hoist, winding, gains=gains).run()
 data = plant.data()

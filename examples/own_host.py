@@ -1,4 +1,7 @@
-"""A host of one's own: the left conveyance rises by 10 m in 8 s while the right one falls; end forces every second."""
+"""A host of one's own: the left conveyance rises by 10 m in 8 s while the right one falls.
+
+It prints the end forces every second.
+"""
 
 from dataclasses import replace
 
@@ -8,7 +11,7 @@ FORCES = ("left.fy", "right.fy")
 
 
 def ends(t: float) -> tuple[EndMotion, EndMotion]:
-    """Position, speed and acceleration of one smooth motion: the left end's from 0 m, the right end's from 90 m."""
+    """One smooth motion: of the left end from 0 m up, of the right end from 90 m down."""
     s = min(t / 8.0, 1.0)
     y = 10.0 * (10 * s**3 - 15 * s**4 + 6 * s**5)
     v = 10.0 / 8.0 * 30 * s**2 * (1 - s) ** 2
@@ -19,7 +22,8 @@ def ends(t: float) -> tuple[EndMotion, EndMotion]:
 def wind(rope: BalanceRope, seconds: int) -> dict[str, float]:
     """The end forces (N) after so many seconds in steps of 10 ms."""
     for k in range(round(100 * rope.time) + 1, 100 * seconds + 1):
-        if not (status := rope.advance_to(0.01 * k, *ends(0.01 * k))).valid:
+        status = rope.advance_to(0.01 * k, *ends(0.01 * k))
+        if not status.valid:
             raise RuntimeError(status.message)
     return rope.signals(FORCES)
 

@@ -1,11 +1,13 @@
-"""What a curvature that the reel left in the rope does: in the loop's plane, across it, and against it."""
+"""A curvature that the reel left in the rope: in the loop's plane, across it, and against it."""
 
 import math
 from dataclasses import replace
 
 from rope_model import EndMotion, balance_rope, rope_120
 
-TRAVEL, DURATION, H = 90.0, 20.0, 0.02  # m, s
+TRAVEL = 90.0  # m
+DURATION = 20.0  # s
+H = 0.02  # s, communication step
 # assumed: a tenth of what a reel with a radius of 2 m bends
 CURVATURE = 0.05  # 1/m
 
@@ -20,7 +22,7 @@ def ends(t: float) -> tuple[EndMotion, EndMotion]:
 
 
 def winding(curvature: float, angle: float) -> tuple[float, float, float]:
-    """Least and largest yaw of the loop (rad), and the end moment in its plane (N m) at the start."""
+    """Least and largest yaw of the loop (rad), and the end moment in its plane at first (N m)."""
     scene = rope_120().scene
     bent = replace(scene.rope, initial_curvature=curvature, initial_curvature_angle=angle)
     rope = balance_rope(scene.with_(rope=bent))

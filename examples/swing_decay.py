@@ -1,10 +1,14 @@
-"""How far the loop swings after a winding: without losses, in air, and with wires that rub on each other."""
+"""Swing of the loop after a winding: without losses, in air, and with wires that rub."""
 
 from dataclasses import replace
 
 from rope_model import Air, EndMotion, balance_rope, rope_120
 
-TRAVEL, DURATION, END, H = 90.0, 20.0, 140.0, 0.02  # m, s
+TRAVEL = 90.0  # m
+DURATION = 20.0  # s, of the trip
+END = 140.0  # s
+H = 0.02  # s, communication step
+WINDOW = 30.0  # s, in which a swing is measured
 
 
 def ends(t: float) -> tuple[EndMotion, EndMotion]:
@@ -22,19 +26,22 @@ def swings(air: Air, EI_stick: float) -> tuple[float, float]:
     rubbing = replace(scene.rope, EI_stick=EI_stick)
     rope = balance_rope(scene.with_(rope=rubbing, shaft=replace(scene.shaft, air=air)))
     status = rope.initialize(0.0, *ends(0.0))
-    read, places = rope.reader(("loop.x",)), []
+    read = rope.reader(("loop.x",))
+    places = []
     for k in range(1, round(END / H) + 1):
         status = rope.advance_to(k * H, *ends(k * H))
         if not status.valid:
             raise RuntimeError(status.message)
         if k * H > DURATION:
             places.append(read()[0])
-    some = round(30.0 / H)
-    first, last = places[:some], places[-some:]
+    count = round(WINDOW / H)
+    first = places[:count]
+    last = places[-count:]
     return max(first) - min(first), max(last) - min(last)
 
 
-smooth, stuck = 0.0, 2.4e4  # N m^2: no friction; no wire slides while friction holds
+smooth = 0.0  # N m^2: no friction
+stuck = 2.4e4  # N m^2: no wire slides while friction holds
 cases = {
     "without losses": swings(Air(), smooth),
     "in air": swings(Air(density=1.25), smooth),
@@ -42,7 +49,8 @@ cases = {
 }
 for name, (first, last) in cases.items():
     print(
-        f"{name:15} the loop swings by {first:.3f} m after the winding, {END - DURATION:.0f} s later by {last:.3f} m"
+        f"{name:15} the loop swings by {first:.3f} m after the winding, "
+        f"{END - DURATION:.0f} s later by {last:.3f} m"
     )
 print("parts of the swing that wires and air have taken by then:")
 least = cases["without losses"][1]

@@ -1,11 +1,13 @@
-"""A rope with half a turn of installed twist starts with locked swivels, which are released after one second."""
+"""A rope with half a turn of installed twist; its swivels are released after one second."""
 
 import math
 from dataclasses import replace
 
 from rope_model import EndMotion, Swivel, balance_rope, rope_120
 
-RELEASE, END, H = 1.0, 40.0, 0.02  # s
+RELEASE = 1.0  # s
+END = 40.0  # s
+H = 0.02  # s, communication step
 SIGNALS = ("left.swivel.angle", "left.swivel.torque", "left.swivel.slipping", "loop.yaw")
 # ten times the friction of a healthy bearing
 SWIVEL = Swivel(mode="coulomb", mu_static=0.018, mu_kinetic=0.013, release_time=RELEASE)

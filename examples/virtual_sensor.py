@@ -1,9 +1,10 @@
-"""A Kalman filter that tells the rope's pulls and the right conveyance's height from signals of the drive.
+"""A Kalman filter that estimates the rope's pulls and the right conveyance's height.
 
-It knows the motor's torque and measures, with noise, the left conveyance's height, the sheave's speed and load cells
-of the head ropes. Its model is interpolated at the height that it estimates. A signal is seen as far as the error is
-below its size, which is the error of a table of values at rest over the height.
-Arguments name trips; without, all of them are wound.
+Its signals are those of the drive: it has the motor's torque and measures, with noise, the left
+conveyance's height, the sheave's speed and load cells of the head ropes. Its model is interpolated
+at the height that it estimates. A signal is seen as far as the error is below its size, which is
+the error of a table of values at rest over the height. Arguments name trips; without, all of them
+are wound.
 """
 
 import sys
@@ -27,10 +28,9 @@ H = 0.01  # s
 INPUTS = ("torque", "force_left", "force_right")
 MEASURED = {"y_left": ("conveyance.left.y", 1e-3), "rate": ("drive.rate", 2e-3)}
 MEASURED |= {f"tension_{side}": (f"drive.tension_{side}", 300.0) for side in ("left", "right")}
-TOLD = {name: name for name in ("left.fy", "right.fy", "loop.x", "loop.yaw")} | {
-    "y_right": "conveyance.right.y"
-}
-WALK = np.array([2e4, 1e4, 1e4])  # N m and N per root of a second, of what the model does not have
+ESTIMATED = {name: name for name in ("left.fy", "right.fy", "loop.x", "loop.yaw")}
+ESTIMATED["y_right"] = "conveyance.right.y"
+WALK = np.array([2e4, 1e4, 1e4])  # N m and N per root of a second, of loads beside the model
 TRIPS: dict[str, dict[str, Any]] = {
     "as designed": {},
     "no payload": {"hoist.payload_left": 0.0},
@@ -41,10 +41,13 @@ TRIPS: dict[str, dict[str, Any]] = {
 DESIGN = find_case("rope-120")
 TRAVEL = DESIGN.hoist.shaft_travel
 HEIGHTS = (1 - np.cos(np.pi * np.arange(9) / 8)) / 2
-MODEL = reduced([m.selected(INPUTS, (*MEASURED, *TOLD)) for m in linearise(DESIGN, HEIGHTS)], 17)
+SIGNALS = (*MEASURED, *ESTIMATED)
+MODEL = reduced([model.selected(INPUTS, SIGNALS) for model in linearise(DESIGN, HEIGHTS)], 17)
 AT_REST = CubicSpline(MODEL.at, MODEL.rest_outputs)
-RHO, RADIUS = rope_scene(DESIGN.rope).rope.mass_per_length, DESIGN.hoist.sheave_radius
-STATES, SEEN = MODEL.A.shape[1], len(MEASURED)
+RHO = rope_scene(DESIGN.rope).rope.mass_per_length
+RADIUS = DESIGN.hoist.sheave_radius
+STATES = MODEL.A.shape[1]
+SEEN = len(MEASURED)
 
 
 def tables() -> Iterator[CubicSpline]:
@@ -53,24 +56,27 @@ def tables() -> Iterator[CubicSpline]:
     for A, B, C, D in zip(MODEL.A, MODEL.B, MODEL.C, MODEL.D, strict=True):
         whole = np.block([[A, B, B[:, :1]], [np.zeros((4, STATES + 4))]])
         seen = np.hstack((C, D))
-        above = solve(
-            np.block([[A, B[:, :1]], [C[:1], np.zeros((1, 1))]]), np.append(np.zeros(STATES), 1.0)
-        )
+        equilibrium = np.block([[A, B[:, :1]], [C[:1], np.zeros((1, 1))]])
+        above = solve(equilibrium, np.append(np.zeros(STATES), 1.0))
         rows.append((expm(H * whole)[: STATES + 3], seen, above, seen[:, : STATES + 1] @ above))
     for parts in zip(*rows, strict=True):
         yield CubicSpline(MODEL.at, np.array(parts))
 
 
 def estimates(measured: Array, torque: Array) -> Array:
-    """Estimates of TOLD at all samples; at first the hoist is at rest."""
+    """Estimates of ESTIMATED at all samples; at first the hoist is at rest."""
     step, seen, above, higher = tables()
-    x, h, found = np.zeros(STATES + 3), measured[0, 0] / TRAVEL, []
-    longer, held = 0.0, torque[0]
+    x = np.zeros(STATES + 3)
+    h = measured[0, 0] / TRAVEL
+    found = []
+    longer = 0.0
+    held = torque[0]
     noise = np.diag([sigma**2 for _, sigma in MEASURED.values()])
     walk = np.diag(np.append(np.full(STATES, 1e-14), H * WALK**2))
     P = walk + np.diag(np.append(np.zeros(STATES), WALK**2))
     for y, u in zip(measured, torque, strict=True):
-        C, F = seen(h), step(h)
+        C = seen(h)
+        F = step(h)
         known = AT_REST(h) + C[:, STATES] * (u - held)
         known[-1] += longer
         gain = solve(C[:SEEN] @ P @ C[:SEEN].T + noise, C[:SEEN] @ P, assume_a="pos").T
@@ -84,29 +90,25 @@ def estimates(measured: Array, torque: Array) -> Array:
         # the operating point follows the height
         way = C[0, :STATES] @ x[:STATES]
         x[:STATES] -= way * above(h)[:-1]
-        longer, held = longer + way * (1.0 + higher(h)[-1]), held + way * above(h)[-1]
+        longer += way * (1.0 + higher(h)[-1])
+        held = held + way * above(h)[-1]
         h = min(max(h + way / TRAVEL, 0.0), 1.0)
     return np.array(found)
 
 
-print(f"{'RMS error / size':>24}" + "".join(f"{name:>20}" for name in TOLD))
+print(f"{'RMS error / size':>24}" + "".join(f"{name:>20}" for name in ESTIMATED))
 for trip in sys.argv[1:] or TRIPS:
-    r = build("rope-120", TRIPS[trip])
-    record = (
-        Host(InProcessRope(rope_scene(r.rope_values)), r.hoist, r.winding, r.coupling, r.gains)
-        .run()
-        .recording
-    )
+    run = build("rope-120", TRIPS[trip])
+    rope = InProcessRope(rope_scene(run.rope_values))
+    host = Host(rope, run.hoist, run.winding, run.coupling, run.gains)
+    record = host.run().recording
     noise = np.random.default_rng(1).normal(size=(SEEN, record.time.size))
     measured = np.array(
         [record[name] + s * n for (name, s), n in zip(MEASURED.values(), noise, strict=True)]
     ).T
-    told = estimates(measured, record["drive.torque"])
+    estimated = estimates(measured, record["drive.torque"])
     still = AT_REST(np.clip(measured[:, 0] / TRAVEL, 0.0, 1.0))[:, SEEN:]
-    true = np.array([record[name] for name in TOLD.values()]).T
-    errors, sizes = (np.sqrt(((true - part) ** 2).mean(axis=0)) for part in (told, still))
-    print(
-        f"{trip:>24}"
-        + "".join(f"{f'{e:.2g} / {s:.2g}':>20}" for e, s in zip(errors, sizes, strict=True)),
-        flush=True,
-    )
+    true = np.array([record[name] for name in ESTIMATED.values()]).T
+    errors, sizes = (np.sqrt(((true - part) ** 2).mean(axis=0)) for part in (estimated, still))
+    cells = [f"{error:.2g} / {size:.2g}" for error, size in zip(errors, sizes, strict=True)]
+    print(f"{trip:>24}" + "".join(f"{cell:>20}" for cell in cells), flush=True)

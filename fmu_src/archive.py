@@ -8,7 +8,10 @@ from rope_model.files import whole_file
 
 
 def write_archive(destination: Path, files: Mapping[str, bytes]) -> None:
-    """Write ``files``, contents by path with forward slashes, to an archive that replaces ``destination`` at once."""
+    """Write an archive that replaces ``destination`` at once.
+
+    ``files`` are contents by path with forward slashes.
+    """
     destination.parent.mkdir(parents=True, exist_ok=True)
     with (
         whole_file(destination) as draft,

@@ -1,4 +1,7 @@
-"""Files of an FMU besides description and code: documentation, licences, icons, terminals, reference results."""
+"""Files of an FMU besides description and code.
+
+These are documentation, licences, icons, terminals and reference results.
+"""
 
 import importlib.metadata
 from collections.abc import Collection
@@ -37,7 +40,9 @@ def attachments(
         files["terminalsAndIcons/terminalsAndIcons.xml"] = xml_bytes(terminals_and_icons(described))
         for name in ("icon.png", "icon.svg", "end.png", "end.svg"):
             files[f"terminalsAndIcons/{name}"] = (_HERE / "pictures" / name).read_bytes()
-    else:  # FMI 2.0.4 takes the terminals of FMI 3.0 as they are, and FMI Library refuses their other fmiVersion
+    else:
+        # FMI 2.0.4 takes the terminals of FMI 3.0 as they are, and FMI Library refuses their
+        # other fmiVersion
         files["model.png"] = (_HERE / "pictures" / "icon.png").read_bytes()
     if not native:
         files["documentation/licenses/pythonfmu.txt"] = license_text("pythonfmu").encode()
@@ -55,22 +60,24 @@ def licenses() -> dict[str, bytes]:
 
 
 def license_text(package: str = "balance-rope") -> str:
-    """Return a package's licence, as installed; a checkout's egg-info has no copy, the distribution beside it has."""
-    distributions = importlib.metadata.distributions(name=package)
-    text = next(
-        (text for one in distributions if (text := one.read_text("licenses/LICENSE"))), None
+    """Return a package's licence, as installed.
+
+    A checkout's egg-info has no copy, another distribution of the package may have one.
+    """
+    for distribution in importlib.metadata.distributions(name=package):
+        text = distribution.read_text("licenses/LICENSE")
+        if text:
+            return text
+    raise RuntimeError(
+        f"the licence is missing from the installed package {package}; install it anew"
     )
-    if text is None:
-        raise RuntimeError(
-            f"the licence is missing from the installed package {package}; install it anew"
-        )
-    return text
 
 
 def terminals_and_icons(described: Collection[Variable]) -> Element:
-    """Return terminalsAndIcons.xml of FMI 3.0: a terminal at each end of the rope, with its motion and its force.
+    """Return terminalsAndIcons.xml of FMI 3.0: a terminal at each end of the rope.
 
-    The members of a terminal have the names of the variables without the side.
+    Its members are motion and force of the end. The members of a terminal have the names of the
+    variables without the side.
     """
     corners = {"x1": "0", "y1": "0", "x2": "200", "y2": "200"}
     picture = node(
@@ -84,18 +91,19 @@ def terminals_and_icons(described: Collection[Variable]) -> Element:
 
 def _terminal(side: str, described: Collection[Variable]) -> Element:
     x, y = _POSITIONS[side]
-    parted = ((*v.name.rpartition("."), v.causality) for v in described)
-    members = (
-        node(
-            "TerminalMemberVariable",
-            variableName=f"{side}.{member}",
-            memberName=member,
-            variableKind="signal",
-        )
-        for group, _, member, causality in parted
-        if group == side and (causality == "input" or member in _FORCE)
-    )
-    look = node(
+    members = []
+    for variable in described:
+        group, _, member = variable.name.rpartition(".")
+        if group == side and (variable.causality == "input" or member in _FORCE):
+            members.append(
+                node(
+                    "TerminalMemberVariable",
+                    variableName=variable.name,
+                    memberName=member,
+                    variableKind="signal",
+                )
+            )
+    picture = node(
         "TerminalGraphicalRepresentation",
         defaultConnectionColor="181 101 29",
         defaultConnectionStrokeSize="2",
@@ -105,7 +113,9 @@ def _terminal(side: str, described: Collection[Variable]) -> Element:
         y2=f"{y + 8:g}",
         iconBaseName="end",
     )
-    what = (
+    description = (
         f"the {side} suspension point: motion of the conveyance, force and moment of the rope on it"
     )
-    return node("Terminal", *members, look, name=side, matchingRule="plug", description=what)
+    return node(
+        "Terminal", *members, picture, name=side, matchingRule="plug", description=description
+    )

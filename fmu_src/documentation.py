@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Collection, Iterable, Iterator
+from itertools import chain
 from pathlib import Path
 
 from fmu_src.interface import Variable
@@ -10,7 +11,8 @@ from rope_model.rules.neglected_effects import EFFECTS
 from rope_model.texts import html_text
 
 _PAGES = Path(__file__).resolve().parent / "pages"
-#: docs/reference/variables.md without its tables; index_html has parts of it, and docs/theory in short
+#: docs/reference/variables.md without its tables; index_html has parts of it, and docs/theory in
+#: short
 TEXT = (_PAGES / "variables.md").read_text(encoding="utf-8")
 _MODEL = (_PAGES / "model.html").read_text(encoding="utf-8")
 #: fidelities that compute the outputs of each effect, from the lowest
@@ -34,8 +36,10 @@ COMPUTED_BY = (
     *_EFFECTS[1:],
 )
 _STYLE = (
-    "body{font:15px/1.45 sans-serif;max-width:62em;margin:2em auto;padding:0 1em}table{border-collapse:collapse}"
-    "td,th{border:1px solid #ccc;padding:.15em .5em;text-align:left;vertical-align:top}code{white-space:nowrap}"
+    "body{font:15px/1.45 sans-serif;max-width:62em;margin:2em auto;padding:0 1em}"
+    "table{border-collapse:collapse}"
+    "td,th{border:1px solid #ccc;padding:.15em .5em;text-align:left;vertical-align:top}"
+    "code{white-space:nowrap}"
 )
 TITLES = (("parameter", "Parameters"), ("input", "Inputs"), ("output", "Outputs"))
 HEADS = ("name", "unit or type", "start", "")
@@ -47,19 +51,19 @@ def index_html(described: Collection[Variable], native: bool) -> str:
     arrays, _, along = sections["Along the rope"].partition("\n\n")
     if not any(v.name.startswith("shape.") for v in described):
         arrays = along = ""
+    if not native:
+        arrays = ""
     parts = [
-        sections["The FMU's variables"].replace(", with the start values of the 120 m rope", "")
-    ]
-    parts += [
+        sections["The FMU's variables"].replace(", with the start values of the 120 m rope", ""),
         sections["Errors and derivatives"],
-        arrays if native else "",
+        arrays,
         along,
         sections["Added mass"],
+        sections["Warnings"],
+        sections["Fidelities"].removesuffix("{fidelities}\n"),
     ]
-    parts += [sections["Warnings"], sections["Fidelities"].removesuffix("{fidelities}\n")]
-    paragraphs = "\n".join(
-        _paragraph(text) for part in parts for text in part.split("\n\n") if text.strip()
-    )
+    texts = chain.from_iterable(part.split("\n\n") for part in parts)
+    paragraphs = "\n".join(_paragraph(text) for text in texts if text.strip())
     fidelities = "".join(
         f"<tr><td>{_to_html(outputs)}</td><td>{which}</td></tr>" for outputs, which in COMPUTED_BY
     )
@@ -67,14 +71,11 @@ def index_html(described: Collection[Variable], native: bool) -> str:
         f"<h1>Balance rope of a friction hoist</h1>\n{paragraphs}\n<table>{fidelities}</table>",
         _MODEL,
     ]
+    head = "".join(f"<th>{text}</th>" for text in HEADS)
     for causality, title in TITLES:
         table = rows(v for v in described if v.causality == causality)
-        cells = ["".join(f"<td>{_to_html(cell)}</td>" for cell in row) for row in table]
-        head = "".join(f"<th>{text}</th>" for text in HEADS)
-        body.append(
-            f"<h2>{title}</h2>\n<table><tr>{head}</tr>\n"
-            + "\n".join(f"<tr>{row}</tr>" for row in cells)
-        )
+        lines = "\n".join(f"<tr>{_cells(row)}</tr>" for row in table)
+        body.append(f"<h2>{title}</h2>\n<table><tr>{head}</tr>\n{lines}")
         body.append("</table>")
     head = f'<meta charset="utf-8"><title>Balance rope</title><style>{_STYLE}</style>'
     return (
@@ -82,6 +83,11 @@ def index_html(described: Collection[Variable], native: bool) -> str:
         + "\n".join(body)
         + "\n</body></html>\n"
     )
+
+
+def _cells(row: Iterable[str]) -> str:
+    """Return the cells of a table's row."""
+    return "".join(f"<td>{_to_html(cell)}</td>" for cell in row)
 
 
 def _paragraph(text: str) -> str:
@@ -103,12 +109,14 @@ def rows(table: Iterable[Variable]) -> Iterator[tuple[str, str, str, str]]:
             if match[2] == "1":
                 yield f"`{match[1]}[1...81]`", v.unit, "", DESCRIPTIONS[match[1]]
             continue
-        start = (
-            ""
-            if v.start is None
-            else str(v.start).lower()
-            if isinstance(v.start, bool)
-            else f"{v.start:g}"
-        )
         tunable = "*tunable*; " if v.variability == "tunable" else ""
-        yield f"`{v.name}`", v.unit or v.kind, start, f"{tunable}{v.description}"
+        yield f"`{v.name}`", v.unit or v.kind, _start_text(v), f"{tunable}{v.description}"
+
+
+def _start_text(v: Variable) -> str:
+    """Return the start value of a variable, "" without one."""
+    if v.start is None:
+        return ""
+    if isinstance(v.start, bool):
+        return str(v.start).lower()
+    return f"{v.start:g}"

@@ -1,10 +1,11 @@
 """Export of the FMU of the Python flavour, as ``balance-rope export`` does.
 
-pythonfmu's builder makes the FMU: it gets the model description from the class in slave.py and packs the resources,
-which are copies of what slave.py imports of rope_model and fmu_src (own_modules.py), and the kernels for the start
-values: interpreted for every platform, compiled for the exporting one.  Its library is replaced, because it answers all
-calls but doStep with OK even if they fail, and cannot do otherwise.  Ours is the native flavour's, with Python behind
-it (native/python_model.c).  The importing host needs Python with numpy and casadi, and nothing else.
+pythonfmu's builder makes the FMU: it gets the model description from the class in slave.py and
+packs the resources: copies of the modules of rope_model and fmu_src that slave.py imports
+(own_modules.py), and the kernels for the start values, interpreted for every platform, compiled for
+the exporting one. Its library is replaced, because it answers all calls but doStep with OK even if
+they fail, and cannot do otherwise.  Ours is the native flavour's, with Python behind it
+(native/python_model.c).  The importing host needs Python with numpy and casadi, and nothing else.
 """
 
 import hashlib
@@ -19,6 +20,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from pythonfmu.builder import FmuBuilder
+from rope_model.simulation.mesh.partition import mesh_elements
+from rope_model.simulation.rope_kernels import write_bundle
+from rope_model.simulation.scene_kernels import kernels_needed
 
 from fmu_src import own_modules
 from fmu_src.archive import read_archive, write_archive
@@ -34,9 +38,6 @@ from fmu_src.profile import Profile, of_python
 from rope_model.cases import Level
 from rope_model.rules.end_paths import EndMotion
 from rope_model.scene_names import Value
-from rope_model.simulation.mesh.partition import mesh_elements
-from rope_model.simulation.rope_kernels import write_bundle
-from rope_model.simulation.scene_kernels import kernels_needed
 
 _SLAVE = ROOT / "fmu_src" / "slave.py"
 #: package of the builder, which adds a copy of it to the FMU
@@ -51,23 +52,20 @@ def export_fmu(
     profile: Profile = Profile(),  # noqa: B008  it is frozen
     platforms: Sequence[str] | None = None,
 ) -> Path:
-    """Write the FMU with the start values of ``case``, at a level of accuracy and with ``start``, to ``destination``.
+    """Write the FMU with the start values of ``case``, at a level of accuracy and with ``start``.
 
-    The folder is made if needed.  ``platforms`` are names of FMI 3.0, by default all that can be built here.  Two
-    exports of the same sources give the same bytes if SOURCE_DATE_EPOCH is set.
+    The folder is made if needed.  ``platforms`` are names of FMI 3.0, by default all that can be
+    built here.  Two exports of the same sources give the same bytes if SOURCE_DATE_EPOCH is set.
     """
     chosen = choose_platforms(platforms)
     data = case_with(case, level, start)
-    scene, table = data.scene, variables(data)
-    elements = mesh_elements(scene)
+    scene = data.scene
+    table = variables(data)
+    ends = (EndMotion(y=data.start), EndMotion(y=data.travel))
     with tempfile.TemporaryDirectory(prefix="balance_rope_") as folder:
         stage = Path(folder)
         kernels = stage / "kernels"
-        write_bundle(
-            elements,
-            kernels,
-            kernels_needed(scene, (EndMotion(y=data.start), EndMotion(y=data.travel))),
-        )
+        write_bundle(mesh_elements(scene), kernels, kernels_needed(scene, ends))
         key = _build_key(
             f"{case} {level} {sorted(start.items())} {profile}", kernels, library_sources(table)
         )
@@ -85,20 +83,19 @@ def export_fmu(
         FmuBuilder.build_FMU(
             script, draft, [package, kernels, stage / "build.json"], documentation_folder=None
         )
-        _forget(stage, package.name, script.stem)
-        files = {
-            name: code
-            for name, code in read_archive(draft).items()
-            if not name.startswith("binaries/")
-        }
-    files = _with_own_builder(files, package.name, f"resources/{script.name}")
+        _unload(stage, package.name, script.stem)
+        draft_files = read_archive(draft).items()
+        files = {name: code for name, code in draft_files if not name.startswith("binaries/")}
+    files = _with_package_builder(files, package.name, f"resources/{script.name}")
     files |= binaries_with(
-        Start(facts["guid"], start_values(table, 2)), library_sources(table), MODEL, 2, chosen
+        Start(facts["guid"], start_values(table, fmi=2)),
+        library_sources(table),
+        name=MODEL,
+        fmi=2,
+        platforms=chosen,
     )
-    write_archive(
-        destination,
-        files | attachments(of_python(profile.select(table)).values(), data, fmi=2, native=False),
-    )
+    described = of_python(profile.select(table)).values()
+    write_archive(destination, files | attachments(described, data, fmi=2, native=False))
     return destination
 
 
@@ -132,7 +129,7 @@ def _build_key(start_values: str, kernels: Path, library: Mapping[str, str]) -> 
 
 
 def _sources() -> list[Path]:
-    """Return the files that determine the Python code of the FMU; this one and own_modules.py copy the others."""
+    """Return the files that determine the Python code of the FMU, this module among them."""
     return [*modules_needed(_SLAVE), _SLAVE, Path(__file__), Path(own_modules.__file__)]
 
 
@@ -141,7 +138,7 @@ def _version() -> str:
 
 
 def _copy_modules(package: Path) -> None:
-    """Copy what the slave imports into ``package``, which holds rope_model and fmu_src of this version."""
+    """Copy the modules that the slave imports into ``package``."""
     for path in modules_needed(_SLAVE):
         copy = package / path.relative_to(ROOT)
         copy.parent.mkdir(parents=True, exist_ok=True)
@@ -156,18 +153,26 @@ def _copy_modules(package: Path) -> None:
     (package / "rope_model" / "version.py").write_text(version, encoding="utf-8")
 
 
-def _forget(stage: Path, *modules: str) -> None:
-    """Remove what the builder leaves in this process: the folder on the path, and modules of files that go away."""
+def _unload(stage: Path, *modules: str) -> None:
+    """Remove the folder that the builder puts on the path, and the modules loaded from it."""
     sys.path.remove(str(stage))
     for name in [name for name in sys.modules if name.partition(".")[0] in modules]:
         del sys.modules[name]
 
 
-def _with_own_builder(files: Mapping[str, bytes], package: str, script: str) -> dict[str, bytes]:
-    """Return the files of the FMU with the copy of pythonfmu in ``package``, from which the ``script`` imports it."""
-    shared, own = f"resources/{_BUILDER}/", f"resources/{package}/{_BUILDER}/"
-    moved = {
-        own + name.removeprefix(shared) if name.startswith(shared) else name: files[name]
-        for name in files
-    }
-    return moved | {script: import_from(package, files[script].decode(), (_BUILDER,)).encode()}
+def _with_package_builder(
+    files: Mapping[str, bytes], package: str, script: str
+) -> dict[str, bytes]:
+    """Return the files of the FMU with the copy of pythonfmu in ``package``.
+
+    The ``script`` imports it from there.
+    """
+    shared = f"resources/{_BUILDER}/"
+    in_package = f"resources/{package}/{_BUILDER}/"
+    moved: dict[str, bytes] = {}
+    for name, content in files.items():
+        if name.startswith(shared):
+            name = in_package + name.removeprefix(shared)
+        moved[name] = content
+    text = import_from(package, files[script].decode(), (_BUILDER,))
+    return moved | {script: text.encode()}

@@ -5,6 +5,7 @@ Parameters are those of rope_model.scene_names, outputs those of rope_model.rule
 
 import dataclasses
 from collections.abc import Iterator, Mapping
+from itertools import product
 from typing import Literal
 
 from rope_model.cases import ROPE_CASES, Level, RopeCase
@@ -45,45 +46,50 @@ MOTION = {
 }
 
 
+_RATES = {"yaw": "yaw_rate", "x": "vx", "y": "vy", "z": "vz", "vx": "ax", "vy": "ay", "vz": "az"}
 #: input that is the time derivative of an input
-RATES = {
-    f"{side}.{of}": f"{side}.{rate}"
-    for side in SIDES
-    for of, rate in (
-        ("yaw", "yaw_rate"),
-        *((x, f"v{x}") for x in "xyz"),
-        *((f"v{x}", f"a{x}") for x in "xyz"),
-    )
-}
+RATES = {f"{side}.{name}": f"{side}.{_RATES[name]}" for side, name in product(SIDES, _RATES)}
 
 
 def variables(case: RopeCase) -> tuple[Variable, ...]:
-    """Return the table with the start values of ``case``; the index of a variable is its value reference."""
+    """Return the table with the start values of ``case``.
+
+    The index of a variable is its value reference.
+    """
     return (*_parameters(case.scene), *_inputs(case), *_outputs())
 
 
 def case_with(name: str, level: Level, start: Mapping[str, Value]) -> RopeCase:
-    """Return the case ``name`` at a level of accuracy, with these parameters, ``left.y`` and ``right.y``, by name."""
+    """Return the case ``name`` at a level of accuracy, with these start values by name.
+
+    They are parameters, and the heights ``left.y`` and ``right.y``.
+    """
     if name not in ROPE_CASES:
         raise ValueError(f"there is no case {name!r}; choose one of {', '.join(ROPE_CASES)}")
     case = ROPE_CASES[name](level)
-    scene = with_values(
-        case.scene, {key: value for key, value in start.items() if key not in ("left.y", "right.y")}
+    parameters = {key: value for key, value in start.items() if key not in ("left.y", "right.y")}
+    return dataclasses.replace(
+        case,
+        scene=with_values(case.scene, parameters),
+        start=float(start.get("left.y", case.start)),
+        travel=float(start.get("right.y", case.travel)),
     )
-    heights = {
-        "start": float(start.get("left.y", case.start)),
-        "travel": float(start.get("right.y", case.travel)),
-    }
-    return dataclasses.replace(case, scene=scene, **heights)
 
 
 def _parameters(scene: Scene) -> Iterator[Variable]:
     for p in named_parameters(scene):
         text = p.facts.description.format(side=p.name.partition(".")[0])
         variability: Literal["fixed", "tunable"] = "tunable" if p.facts.tunable else "fixed"
-        bounds = p.minimum, p.maximum
         yield Variable(
-            p.name, "parameter", variability, p.kind, p.facts.unit, p.value, text, *bounds
+            name=p.name,
+            causality="parameter",
+            variability=variability,
+            kind=p.kind,
+            unit=p.facts.unit,
+            start=p.value,
+            description=text,
+            minimum=p.minimum,
+            maximum=p.maximum,
         )
     text = (
         "false: inputs are the motion at the start of a step, extrapolated (steps up to 20 ms); "
@@ -96,21 +102,35 @@ def _inputs(case: RopeCase) -> Iterator[Variable]:
     for side, height in zip(SIDES, (case.start, case.travel), strict=True):
         for name, p in parameters_of(EndMotion).items():
             start = height if name == "y" else 0.0
-            text = p.description.format(side=side)
-            bounds = numeric_bounds(EndMotion, name)
+            minimum, maximum = numeric_bounds(EndMotion, name)
             yield Variable(
-                f"{side}.{name}", "input", "continuous", "Real", p.unit, start, text, *bounds
+                name=f"{side}.{name}",
+                causality="input",
+                variability="continuous",
+                kind="Real",
+                unit=p.unit,
+                start=start,
+                description=p.description.format(side=side),
+                minimum=minimum,
+                maximum=maximum,
             )
 
 
 def _outputs() -> Iterator[Variable]:
     for name, signal in SIGNALS.items():
-        kind = _KINDS[signal.kind]
-        variability: Literal["continuous", "discrete"] = (
-            "continuous" if kind == "Real" else "discrete"
+        variable = Variable(
+            name=name,
+            causality="output",
+            variability="discrete",
+            kind=_KINDS[signal.kind],
+            unit="",
+            start=None,
+            description=signal.description,
         )
-        unit = signal.unit if kind == "Real" else ""
-        least = 0 if name.startswith(_NOT_NEGATIVE) else None
-        yield Variable(name, "output", variability, kind, unit, None, signal.description, least)
+        if variable.kind == "Real":
+            variable = variable._replace(variability="continuous", unit=signal.unit)
+        if name.startswith(_NOT_NEGATIVE):
+            variable = variable._replace(minimum=0)
+        yield variable
     for name, (kind, text) in _STATUS.items():
         yield Variable(f"status.{name}", "output", "discrete", kind, "", None, text)

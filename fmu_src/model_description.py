@@ -1,8 +1,9 @@
 """Model descriptions, modelDescription.xml of FMI 2.0 and 3.0, from the interface table.
 
-Outputs depend on no input of their instant: a step alone changes them.  FMI Library takes empty lists only for no lists
-at all, and PyFMI then assumes loops; so ``status.message``, which nobody connects, has no list.  During initialisation
-outputs depend on the list in ``Build.initial``; no list means all inputs and parameters.
+Outputs depend on no input of their instant: a step alone changes them.  FMI Library takes empty
+lists only for no lists at all, and PyFMI then assumes loops; so ``status.message``, which nobody
+connects, has no list.  During initialisation outputs depend on the list in ``Build.initial``; no
+list means all inputs and parameters.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,14 +14,14 @@ from xml.etree.ElementTree import Element
 from fmu_src.interface import RATES, Variable
 from fmu_src.profile import Array
 from fmu_src.units import DECLARED_TYPES, quantity_attributes, unit_definition, units_of
-from fmu_src.xml import node, plain
+from fmu_src.xml import attribute_text, node
 from rope_model.parameters import CHOICES
 from rope_model.scene_names import choices_of
 
 MODEL = "BalanceRope"
 DESCRIPTION = (
-    "Balance rope of a friction hoist: coupled tension, torsion and lateral motion of a round wire rope hanging in a "
-    "U below two conveyances, with swivels; time-varying mesh TMN-ETM"
+    "Balance rope of a friction hoist: coupled tension, torsion and lateral motion of a round wire "
+    "rope hanging in a U below two conveyances, with swivels; time-varying mesh TMN-ETM"
 )
 STEP = 0.01  # s, communication step of the default experiment
 LOG_CATEGORIES = {
@@ -47,11 +48,12 @@ _ENUMERATIONS = {
 class Build(NamedTuple):
     """Facts of the FMU itself for the model description.
 
-    ``token`` is the GUID; ``date`` is UTC as in 2026-01-31T12:00:00Z, or empty; ``sources`` are the C files that make a
-    native FMU, none for the Python flavour; ``stop`` is the default experiment's, ``tolerance`` that of the model's own
-    error control, where it has one. A model other than the rope gives its ``name``, ``description`` and
-    ``identifier``, and one without directional derivatives or events says so; ``initial`` names the variables that
-    some outputs follow during initialisation; the others follow all.
+    ``token`` is the GUID; ``date`` is UTC as in 2026-01-31T12:00:00Z, or empty; ``sources`` are the
+    C files that make a native FMU, none for the Python flavour; ``stop`` is the default
+    experiment's, ``tolerance`` that of the model's own error control, where it has one. A model
+    other than the rope gives its ``name``, ``description`` and ``identifier``, and one without
+    directional derivatives or events says so; ``initial`` names the variables that some outputs
+    follow during initialisation; the others follow all.
     """
 
     token: str
@@ -72,23 +74,17 @@ class Build(NamedTuple):
 def model_description(described: Mapping[int, Variable], build: Build) -> Element:
     """Return the root element of FMI 2.0 for the variables by value reference."""
     variables = described.values()
+    sources = []
+    if build.sources:
+        sources = [node("SourceFiles", *(node("File", name=name) for name in build.sources))]
     interface = node(
         "CoSimulation",
-        *(
-            [node("SourceFiles", *(node("File", name=name) for name in build.sources))]
-            if build.sources
-            else ()
-        ),
+        *sources,
         modelIdentifier=build.identifier,
         needsExecutionTool=False,
-        **dict.fromkeys(
-            (
-                "canHandleVariableCommunicationStepSize",
-                "canGetAndSetFMUstate",
-                "canSerializeFMUstate",
-            ),
-            True,
-        ),
+        canHandleVariableCommunicationStepSize=True,
+        canGetAndSetFMUstate=True,
+        canSerializeFMUstate=True,
         canInterpolateInputs=any(v.causality == "input" and v.name in RATES for v in variables),
         maxOutputDerivativeOrder=0,
         canRunAsynchronuously=False,
@@ -120,45 +116,38 @@ def model_description(described: Mapping[int, Variable], build: Build) -> Elemen
     later = (
         node("Unknown", dependencies=_dependencies_later(x), index=k) for x, k in outputs.items()
     )
-    structure = [node("Outputs", *later), node("InitialUnknowns", *at_start)]
-    return _document(
-        build,
-        {"fmiVersion": "2.0", "guid": build.token},
-        interface,
-        units,
-        types,
-        listed,
-        structure,
+    content = _Content(
+        interface=interface,
+        units=units,
+        types=types,
+        variables=listed,
+        structure=[node("Outputs", *later), node("InitialUnknowns", *at_start)],
     )
-
-
-_SUPPORTED3 = (
-    "canGetAndSetFMUState",
-    "canSerializeFMUState",
-    "canHandleVariableCommunicationStepSize",
-)
-_EVENTS3 = ("mightReturnEarlyFromDoStep", "hasEventMode")
-_UNSUPPORTED3 = (
-    *("needsExecutionTool", "canBeInstantiatedOnlyOncePerProcess", "providesAdjointDerivatives"),
-    *(
-        "providesPerElementDependencies",
-        "providesIntermediateUpdate",
-        "canReturnEarlyAfterIntermediateUpdate",
-    ),
-    "providesEvaluateDiscreteStates",
-)
+    return _document(build, {"fmiVersion": "2.0", "guid": build.token}, content)
 
 
 def model_description3(gathered: Sequence[Array], time: int, build: Build) -> Element:
-    """Return the root element of FMI 3.0; ``time`` is the value reference of the independent variable."""
+    """Return the root element of FMI 3.0.
+
+    ``time`` is the value reference of the independent variable.
+    """
     interface = node(
         "CoSimulation",
         modelIdentifier=build.identifier,
         maxOutputDerivativeOrder=0,
-        **dict.fromkeys(_SUPPORTED3, True),
-        **dict.fromkeys(_EVENTS3, build.events),
+        canGetAndSetFMUState=True,
+        canSerializeFMUState=True,
+        canHandleVariableCommunicationStepSize=True,
+        mightReturnEarlyFromDoStep=build.events,
+        hasEventMode=build.events,
         providesDirectionalDerivatives=build.derivatives,
-        **dict.fromkeys(_UNSUPPORTED3, False),
+        needsExecutionTool=False,
+        canBeInstantiatedOnlyOncePerProcess=False,
+        providesAdjointDerivatives=False,
+        providesPerElementDependencies=False,
+        providesIntermediateUpdate=False,
+        canReturnEarlyAfterIntermediateUpdate=False,
+        providesEvaluateDiscreteStates=False,
     )
     variables = [array.variable for array in gathered]
     units = units_of(variables)
@@ -189,13 +178,14 @@ def model_description3(gathered: Sequence[Array], time: int, build: Build) -> El
         for name, number in outputs.items()
     ]
     head = {"fmiVersion": "3.0", "instantiationToken": build.token}
-    return _document(build, head, interface, units, types, listed, structure)
+    return _document(build, head, _Content(interface, units, types, listed, structure))
 
 
 def build_description(build: Build, fmi: int) -> Element:
-    """Return sources/buildDescription.xml: how to build a shared library, which comes first, and a static one.
+    """Return sources/buildDescription.xml: a shared library, which comes first, and a static one.
 
-    In a shared library the functions of FMI have their own names, in a static one the model identifier before them.
+    In a shared library the functions of FMI have their own names, in a static one the model
+    identifier before them.
     """
     override = node("PreprocessorDefinition", name=f"FMI{fmi}_OVERRIDE_FUNCTION_PREFIX", value=1)
     prefix = node(
@@ -218,15 +208,17 @@ def _configuration(build: Build, description: str, definition: Element) -> Eleme
     )
 
 
-def _document(
-    build: Build,
-    head: Mapping[str, str],
-    interface: Element,
-    units: Sequence[str],
-    types: Sequence[Element],
-    variables: Sequence[Element],
-    structure: Sequence[Element],
-) -> Element:
+class _Content(NamedTuple):
+    """Content of a model description that differs between the versions of FMI."""
+
+    interface: Element
+    units: Sequence[str]
+    types: Sequence[Element]
+    variables: Sequence[Element]
+    structure: Sequence[Element]
+
+
+def _document(build: Build, head: Mapping[str, str], content: _Content) -> Element:
     """Return the root element of either version."""
     categories = (
         node("Category", name=name, description=text) for name, text in LOG_CATEGORIES.items()
@@ -234,9 +226,9 @@ def _document(
     tolerance = None if build.tolerance is None else f"{build.tolerance:g}"
     return node(
         "fmiModelDescription",
-        interface,
-        node("UnitDefinitions", *map(unit_definition, units)),
-        node("TypeDefinitions", *types),
+        content.interface,
+        node("UnitDefinitions", *map(unit_definition, content.units)),
+        node("TypeDefinitions", *content.types),
         node("LogCategories", *categories),
         node(
             "DefaultExperiment",
@@ -245,8 +237,8 @@ def _document(
             stepSize=f"{STEP:g}",
             tolerance=tolerance,
         ),
-        node("ModelVariables", *variables),
-        node("ModelStructure", *structure),
+        node("ModelVariables", *content.variables),
+        node("ModelStructure", *content.structure),
         **head,
         modelName=build.name,
         description=build.description,
@@ -261,32 +253,45 @@ def _document(
 
 
 def _dependencies(build: Build, name: str, numbers: Mapping[str, int]) -> str | None:
-    """Return the dependencies of an output during initialisation, as ``numbers`` that identify variables."""
+    """Return the dependencies of an output during initialisation.
+
+    They are ``numbers`` that identify variables; None for all.
+    """
     follows = build.initial.get(name)
-    return None if follows is None else " ".join(str(numbers[other]) for other in follows)
+    if follows is None:
+        return None
+    return " ".join(str(numbers[other]) for other in follows)
 
 
 def _dependencies_later(name: str) -> str | None:
-    """Return the dependencies of an output after initialisation: none."""
+    """Return the dependencies of an output after initialisation: an empty list, or no list."""
     return None if name == "status.message" else ""
 
 
 def _common_attributes(v: Variable) -> dict[str, str]:
     """Return the attributes of a variable that FMI 2.0 and 3.0 share."""
-    out = {"description": v.description, "causality": v.causality, "variability": v.variability}
-    return (
-        out
-        if v.causality == "input"
-        else out | {"initial": "calculated" if v.causality == "output" else "exact"}
-    )
+    attributes = {
+        "description": v.description,
+        "causality": v.causality,
+        "variability": v.variability,
+    }
+    if v.causality == "output":
+        attributes["initial"] = "calculated"
+    elif v.causality == "parameter":
+        attributes["initial"] = "exact"
+    return attributes
 
 
 def _type_attributes(v: Variable) -> dict[str, Any]:
     """Return declared type, unit and bounds."""
-    out = {"declaredType": DECLARED_TYPES[v.unit].name, "unit": v.unit} if v.unit else {}
-    return out | {
-        key: f"{x:g}" for key, x in (("min", v.minimum), ("max", v.maximum)) if x is not None
-    }
+    attributes = {}
+    if v.unit:
+        attributes = {"declaredType": DECLARED_TYPES[v.unit].name, "unit": v.unit}
+    if v.minimum is not None:
+        attributes["min"] = f"{v.minimum:g}"
+    if v.maximum is not None:
+        attributes["max"] = f"{v.maximum:g}"
+    return attributes
 
 
 def _choice(name: str) -> str:
@@ -304,15 +309,20 @@ def _enumeration(key: str) -> Element:
 
 def _variable3(array: Array) -> Element:
     v = array.variable
-    kind, type_ = _TYPES3[v.kind], _type_attributes(v)
+    kind = _TYPES3[v.kind]
+    type_attributes = _type_attributes(v)
     if choices_of(v.name):
-        kind, type_ = "Enumeration", {"declaredType": _ENUMERATIONS[_choice(v.name)]}
+        kind = "Enumeration"
+        type_attributes = {"declaredType": _ENUMERATIONS[_choice(v.name)]}
+    dimensions = []
+    if array.length > 1:
+        dimensions = [node("Dimension", start=array.length)]
     return node(
         kind,
-        *([node("Dimension", start=array.length)] if array.length > 1 else ()),
+        *dimensions,
         name=array.name,
         valueReference=array.reference,
         **_common_attributes(v),
-        **type_,
-        start=None if v.start is None else " ".join(map(plain, array.starts)),
+        **type_attributes,
+        start=None if v.start is None else " ".join(map(attribute_text, array.starts)),
     )

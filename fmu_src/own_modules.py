@@ -1,7 +1,8 @@
-"""Modules of this project as they travel in the Python FMU: what a script needs of them, under a name of its own.
+"""Modules of this project as they travel in the Python FMU: those of a script, in a named package.
 
-A host's process has one module of a name.  So the copies are in a package whose name has the build's hash, and import
-each other from there: neither an installed version of the project nor another FMU can take their place.
+A host's process has one module of a name.  So the copies are in a package whose name has the
+build's hash, and import each other from there: neither an installed version of the project nor
+another FMU can take their place.
 """
 
 import ast
@@ -16,19 +17,19 @@ PACKAGES = ("rope_model", "fmu_src")
 
 
 def modules_needed(script: Path) -> list[Path]:
-    """Return the files of PACKAGES that ``script`` imports, at once or later, in a row of imports or a function."""
-    found: dict[Path, None] = {}
+    """Return the files of PACKAGES that ``script`` imports, directly or through other modules."""
+    needed: dict[Path, None] = {}
     waiting = [script]
     while waiting:
         for name in _imported(waiting.pop().read_text(encoding="utf-8")):
-            new = [path for path in _files(name) if path not in found]
-            found |= dict.fromkeys(new)
+            new = [path for path in _files(name) if path not in needed]
+            needed |= dict.fromkeys(new)
             waiting += new
-    return sorted(found)
+    return sorted(needed)
 
 
 def import_from(package: str, text: str, roots: tuple[str, ...] = PACKAGES) -> str:
-    """Return the Python ``text`` with all that it imports from ``roots`` imported from below ``package``.
+    """Return the Python ``text`` with all imports from ``roots`` made from below ``package``.
 
     Raises ValueError for ``import rope_model.x``, which binds the name ``rope_model``.
     """
@@ -36,7 +37,8 @@ def import_from(package: str, text: str, roots: tuple[str, ...] = PACKAGES) -> s
     for node, _ in _import_statements(text):
         if isinstance(node, ast.Import) and any(_root(alias.name) in roots for alias in node.names):
             raise ValueError(
-                f"line {node.lineno}, '{ast.unparse(node)}', cannot be moved: write 'from ... import ...'"
+                f"line {node.lineno}, '{ast.unparse(node)}', cannot be moved: "
+                "write 'from ... import ...'"
             )
         if isinstance(node, ast.ImportFrom) and node.level == 0 and _root(node.module) in roots:
             line = lines[node.lineno - 1]
@@ -63,8 +65,9 @@ def _import_statements(text: str) -> tuple[_ImportStatement, ...]:
 
 
 def _imports_in(node: ast.AST, runs: bool) -> Iterator[_ImportStatement]:
-    checked = isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
-    for_checkers = node.body if isinstance(node, ast.If) and checked else []
+    for_checkers: list[ast.stmt] = []
+    if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+        for_checkers = node.body
     for child in ast.iter_child_nodes(node):
         child_runs = runs and child not in for_checkers
         if isinstance(child, ast.Import | ast.ImportFrom):
@@ -75,15 +78,20 @@ def _imports_in(node: ast.AST, runs: bool) -> Iterator[_ImportStatement]:
 
 
 def _imported(text: str) -> Iterator[str]:
-    """Yield the names of modules, and of what is imported from them, but for those of type checkers."""
+    """Yield the names of modules and of their members that are imported at run time."""
     for node, runs in _import_statements(text):
         if runs and isinstance(node, ast.ImportFrom) and node.level == 0:
             yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
 
 def _files(name: str) -> Iterator[Path]:
-    """Yield the files that Python runs to import ``name``, a module of PACKAGES or a name in one: packages first."""
+    """Yield the files that Python runs to import ``name``, packages first.
+
+    The name is that of a module of PACKAGES or of a member of one.
+    """
     parts = name.split(".")
-    for count in range(1, len(parts) + 1 if parts[0] in PACKAGES else 0):
+    if parts[0] not in PACKAGES:
+        return
+    for count in range(1, len(parts) + 1):
         at = ROOT.joinpath(*parts[:count])
         yield from (path for path in (at / "__init__.py", at.with_suffix(".py")) if path.exists())

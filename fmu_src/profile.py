@@ -1,7 +1,7 @@
-"""Presentation of an FMU: described outputs, arrays (of FMI 3.0) or scalars, length of the default run.
+"""Presentation of an FMU: described outputs, arrays or scalars, length of the default run.
 
-The code inside is the same for all profiles, as are the value references: outputs that are not described are not
-requested, and so not computed.
+The code inside is the same for all profiles, as are the value references: outputs that are not
+described are not requested, and so not computed.
 """
 
 import math
@@ -15,7 +15,10 @@ from rope_model.scene_names import Value
 
 #: contents of each group of outputs
 GROUPS = {
-    "ends": "forces and moments on the conveyances, mean vertical forces, added masses; `contact.*` and `audit.*`",
+    "ends": (
+        "forces and moments on the conveyances, mean vertical forces, added masses; "
+        "`contact.*` and `audit.*`"
+    ),
     "swivels": "angle, rate and torque of the swivels, and whether they slip",
     "loop": "place, yaw and clearance of the loop, turns of the legs about each other",
     "stress": "largest nominal stresses; twist at the ends and in the loop",
@@ -61,7 +64,8 @@ class Profile:
     def __post_init__(self) -> None:
         if unknown := sorted(set(self.outputs) - set(GROUPS)):
             raise ValueError(
-                f"there is no group of outputs {', '.join(unknown)}; choose one of {', '.join(GROUPS)}"
+                f"there is no group of outputs {', '.join(unknown)}; "
+                f"choose one of {', '.join(GROUPS)}"
             )
         if not (math.isfinite(self.stop) and self.stop > 0.0):
             raise ValueError(
@@ -69,7 +73,7 @@ class Profile:
             )
 
     def select(self, table: Sequence[Variable]) -> dict[int, Variable]:
-        """Return the variables that the description shows, by value reference, in ``in_reading_order``."""
+        """Return the variables of the description by value reference, in the order of reading."""
         shown = {*self.outputs, *ALWAYS}
         listed = {
             i: v
@@ -82,44 +86,49 @@ class Profile:
 FULL = Profile(ALL)
 #: groups of parameters in the order in which a user comes to set them; others follow
 _PARAMETERS = (
-    *(
-        "trip",
-        "controller",
-        "rope",
-        "layout",
-        "left",
-        "right",
-        "inputs_at_step_end",
-        "inputs",
-        "model",
-        "accuracy",
-    ),
-    *(
-        "air",
-        "guard",
-        "contact",
-        "lining",
-        "conveyance",
-        "head_ropes",
-        "divider_1",
-        "divider_2",
-        "divider_3",
-    ),
-    *("divider_4", "sump", "station", "mesh", "solver"),
+    "trip",
+    "controller",
+    "rope",
+    "layout",
+    "left",
+    "right",
+    "inputs_at_step_end",
+    "inputs",
+    "model",
+    "accuracy",
+    "air",
+    "guard",
+    "contact",
+    "lining",
+    "conveyance",
+    "head_ropes",
+    "divider_1",
+    "divider_2",
+    "divider_3",
+    "divider_4",
+    "sump",
+    "station",
+    "mesh",
+    "solver",
 )
+_FIRST = ("input", "output")  #: Causalities that come before parameters.
 
 
 def in_reading_order(described: Mapping[int, Variable]) -> dict[int, Variable]:
-    """Return the variables with inputs first, then outputs, then parameters by use; value references stay."""
+    """Return the variables with inputs first, then outputs, then parameters by use.
+
+    Value references stay.
+    """
 
     def place(item: tuple[int, Variable]) -> tuple[int, int]:
         reference, v = item
         if v.causality != "parameter":
-            return (0 if v.causality == "input" else 1), reference
+            return _FIRST.index(v.causality), reference
         group = v.name.partition(".")[0]
-        return 2 + (
-            _PARAMETERS.index(group) if group in _PARAMETERS else len(_PARAMETERS)
-        ), reference
+        use = len(_PARAMETERS)
+        if group in _PARAMETERS:
+            use = _PARAMETERS.index(group)
+        return len(_FIRST) + use, reference
 
     return dict(sorted(described.items(), key=place))
 
@@ -138,7 +147,9 @@ def group_of(name: str) -> str:
         return "stress"
     if first in GROUPS:
         return first
-    return "swivels" if rest.startswith("swivel.") else "ends"
+    if rest.startswith("swivel."):
+        return "swivels"
+    return "ends"
 
 
 class Array(NamedTuple):
@@ -156,7 +167,7 @@ class Array(NamedTuple):
 
 
 def arrays(described: Mapping[int, Variable]) -> list[Array]:
-    """Gather ``shape.x[1]``, ``shape.x[2]`` ... to ``shape.x`` with the first one's value reference.
+    """Gather ``shape.x[1]``, ``shape.x[2]`` ... to ``shape.x``, with the first value reference.
 
     Parameters stay scalars: importers without arrays read them all, but only the requested outputs.
     """
@@ -167,8 +178,9 @@ def arrays(described: Mapping[int, Variable]) -> list[Array]:
             gathered[-1] = gathered[-1]._replace(starts=(*gathered[-1].starts, variable.start))
         else:
             name = match[1] if match else variable.name
-            whole = variable._replace(description=DESCRIPTIONS.get(name, variable.description))
-            gathered.append(Array(reference, name, whole, (variable.start,)))
+            description = DESCRIPTIONS.get(name, variable.description)
+            described_array = variable._replace(description=description)
+            gathered.append(Array(reference, name, described_array, (variable.start,)))
     return gathered
 
 

@@ -1,12 +1,14 @@
-"""Reference run of the rope, to check an FMU after import: an experiment of FMI-LS-REF 1.0.0-alpha.1.
+"""Reference run of the rope, to check an FMU after import, after FMI-LS-REF 1.0.0-alpha.1.
 
-Both ends move as in the first second of a slow trip; inputs are read as FMI does, at the start of each step.  The
-native rope makes it: an FMU of the Python flavour that is exported where there is none has no reference run.
+Both ends move as in the first second of a slow trip; inputs are read as FMI does, at the start of
+each step.  The engine makes it: an FMU of the Python flavour that is exported where there is none
+has no reference run.
 """
 
 import logging
 from collections.abc import Callable, Collection, Sequence
 from functools import cache
+from itertools import product
 
 from fmu_src.interface import MOTION, variables
 from fmu_src.xml import node, xml_bytes
@@ -19,15 +21,18 @@ H = 0.01  #: s, communication step
 STEPS = 100
 TRAVEL = 2.0  #: m, length of the whole trip
 DURATION = 4.0  #: s, its duration
+_DIGITS = 6  #: Decimals of results; further ones are rounding, which differs between machines.
+_END_OUTPUTS = ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean")
 _OUTPUTS = [
-    f"{side}.{key}"
-    for side in ("left", "right")
-    for key in ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean")
+    *(f"{side}.{name}" for side, name in product(MOTION, _END_OUTPUTS)),
+    *("loop.x", "loop.y", "loop.z", "energy.total"),
 ]
-_OUTPUTS += ["loop.x", "loop.y", "loop.z", "energy.total"]
 _TABLES = {"Stimuli": "in", "References": "ref"}
 _LAYER = "org.fmi-standard.fmi-ls-ref"
-_MEETS = "every output within the tolerance times (1 + its magnitude), in SI units; inputs of a step are its start's"
+_CRITERION = (
+    "every output within the tolerance times (1 + its magnitude), in SI units; "
+    "inputs of a step are its start's"
+)
 
 Rows = list[dict[str, float]]
 log = logging.getLogger(__name__)
@@ -53,7 +58,7 @@ def reference_files(case: RopeCase, name: str, described: Collection[str]) -> di
     }
     stimuli, expected = (node(tag, source=f"{name}_{end}.csv") for tag, end in _TABLES.items())
     experiment = node(
-        "Experiment", stimuli, expected, name="slow trip", description=_MEETS, **times
+        "Experiment", stimuli, expected, name="slow trip", description=_CRITERION, **times
     )
     related = {
         "type": "application/x-ma-ls-experiments",
@@ -64,14 +69,15 @@ def reference_files(case: RopeCase, name: str, described: Collection[str]) -> di
         "xmlns:fmi-ls": "http://fmi-standard.org/fmi-ls-manifest",
         "fmi-ls:fmi-ls-name": _LAYER,
         "fmi-ls:fmi-ls-version": "1.0.0-alpha.1",
-        "fmi-ls:fmi-ls-description": "Layered Standard providing information on related files included in an FMU.",
+        "fmi-ls:fmi-ls-description": (
+            "Layered Standard providing information on related files included in an FMU."
+        ),
     }
     files = {
         "fmi-ls-manifest.xml": xml_bytes(node("fmiReferences", node("Related", **related), **head)),
         f"{name}.exp": xml_bytes(node("Experiments", experiment, name=name)),
         f"{name}_in.csv": _table([*inputs[0]], inputs, _text),
-        # further digits are rounding, which differs between machines
-        f"{name}_ref.csv": _table(outputs, results, lambda x: f"{round(x, 6) + 0.0:.9g}"),
+        f"{name}_ref.csv": _table(outputs, results, lambda x: f"{round(x, _DIGITS) + 0.0:.9g}"),
     }
     return {f"extra/{_LAYER}/{path}": data for path, data in files.items()}
 
@@ -84,8 +90,10 @@ def _run(case: RopeCase) -> tuple[Rows, Rows]:
     start = {
         v.name: v.start for v in table if v.causality == "input" and isinstance(v.start, float)
     }
-    inputs, results = [], []
-    motion, status = start, rope.initialize(0.0, *_ends(start))
+    inputs: Rows = []
+    results: Rows = []
+    motion = start
+    status = rope.initialize(0.0, *_ends(start))
     for k in range(STEPS + 1):
         if k > 0:
             status = rope.advance_to(k * H, *_ends(motion), (k - 1) * H)
@@ -98,18 +106,25 @@ def _run(case: RopeCase) -> tuple[Rows, Rows]:
 
 
 def _ends(motion: dict[str, float]) -> tuple[EndMotion, EndMotion]:
-    left, right = (EndMotion(*(motion[name] for name in names)) for names in MOTION.values())
+    left, right = (EndMotion(*map(motion.__getitem__, names)) for names in MOTION.values())
     return left, right
 
 
 def _motion(t: float, left: float, right: float) -> dict[str, float]:
     """Return the inputs at ``t``: the lower end rises."""
-    s, way = t / DURATION, TRAVEL if left <= right else -TRAVEL
-    x = way * s**3 * (10 - 15 * s + 6 * s**2)
-    v = way / DURATION * 30 * s**2 * (1 - s) ** 2
-    a = way / DURATION**2 * 60 * s * (1 - s) * (1 - 2 * s)
-    names = ("left.y", "left.vy", "left.ay", "right.y", "right.vy", "right.ay")
-    return dict(zip(names, (left + x, v, a, right - x, -v, -a), strict=True))
+    s = t / DURATION
+    travel = TRAVEL if left <= right else -TRAVEL
+    x = travel * s**3 * (10 - 15 * s + 6 * s**2)
+    v = travel / DURATION * 30 * s**2 * (1 - s) ** 2
+    a = travel / DURATION**2 * 60 * s * (1 - s) * (1 - 2 * s)
+    return {
+        "left.y": left + x,
+        "left.vy": v,
+        "left.ay": a,
+        "right.y": right - x,
+        "right.vy": -v,
+        "right.ay": -a,
+    }
 
 
 def _text(x: float) -> str:

@@ -1,12 +1,13 @@
-"""Model of the Python flavour: the functions of model.h for native/python_model.c, over RopeSimulator.
+"""Model of the Python flavour: the functions of model.h for native/python_model.c.
 
-The FMI functions, and all rules about values, modes and states, are those of the native flavour (native/fmi2.c and
-native/component.c).  This class converts entries to scene and end motions, and signals to outputs.  Entries are finite
-numbers, choices in range.  A method that returns False leaves the rope unchanged, with the reason in ``message``.
+The FMI functions, and all rules about values, modes and states, are those of the native flavour
+(native/fmi2.c and native/component.c).  This class converts entries to scene and end motions, and
+signals to outputs.  Entries are finite numbers, choices in range.  A method that returns False
+leaves the rope unchanged, with the reason in ``message``.
 
-The export copies this file and the packages that it imports into the FMU under names with the build's hash: modules of
-the same name from two FMUs would be one module in the host's process.  It must define exactly one class, by which
-pythonfmu's builder and python_model.c find it.
+The export copies this file and the packages that it imports into the FMU under names with the
+build's hash: modules of the same name from two FMUs would be one module in the host's process.  It
+must define exactly one class, by which pythonfmu's builder and python_model.c find it.
 """
 
 import json
@@ -17,6 +18,8 @@ from typing import Any, Concatenate, ParamSpec
 from xml.etree.ElementTree import Element
 
 from pythonfmu import Fmi2Slave
+from rope_model.simulation.outputs.signals import group_of
+from rope_model.simulation.simulator import RopeSimulator
 
 from fmu_src.interface import MOTION, case_with, variables
 from fmu_src.model_description import MODEL, Build, model_description
@@ -29,8 +32,6 @@ from rope_model.rules.messages.rules import first_text
 from rope_model.rules.messages.warning_rules import LONG_EXTRAPOLATION
 from rope_model.rules.state import RopeState
 from rope_model.scene_names import Value, with_values
-from rope_model.simulation.outputs.signals import group_of
-from rope_model.simulation.simulator import RopeSimulator
 
 log = logging.getLogger(__name__)
 
@@ -40,11 +41,14 @@ P = ParamSpec("P")
 def _report_failure(
     call: Callable[Concatenate[Any, P], None],
 ) -> Callable[Concatenate[Any, P], bool]:
-    """Make ``call`` a method that returns whether it succeeded, and keeps the text of its exception as ``message``."""
+    """Make ``call`` a method that returns whether it succeeded.
 
-    def method(self: Any, /, *arguments: P.args, **named: P.kwargs) -> bool:
+    The text of its exception is kept as ``message``.
+    """
+
+    def method(self: Any, /, *arguments: P.args, **keywords: P.kwargs) -> bool:
         try:
-            call(self, *arguments, **named)
+            call(self, *arguments, **keywords)
             return True
         except (ValueError, RuntimeError) as error:
             self.message = str(error)
@@ -78,7 +82,10 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         self.message = ""
 
     def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
-        """Return the model description from our own table: pythonfmu's has no units and no initial unknowns."""
+        """Return the model description from our own table.
+
+        pythonfmu's has no units and no initial unknowns.
+        """
         build = self._build
         tolerance = next(
             float(v.start or 0.0) for v in self._table if v.name == "accuracy.end_force"
@@ -92,16 +99,19 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
             tolerance=tolerance,
             derivatives=False,
         )
-        return model_description(
-            of_python(Profile(tuple(build["outputs"])).select(self._table)), facts
-        )
+        described = Profile(tuple(build["outputs"])).select(self._table)
+        return model_description(of_python(described), facts)
 
     # life
 
     @_report_failure
     def create(self, values: memoryview, outputs: memoryview, known: memoryview) -> None:
-        """Create a rope with the parameters in ``values``; the arrays belong to the library and outlive this object."""
-        self._values, self._outputs = values.cast("d"), outputs.cast("d")
+        """Create a rope with the parameters in ``values``.
+
+        The arrays belong to the library and outlive this object.
+        """
+        self._values = values.cast("d")
+        self._outputs = outputs.cast("d")
         self._known = known
         self._rope = RopeSimulator(self._scene(), self._resources / "kernels")
 
@@ -112,13 +122,10 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
 
     @_report_failure
     def do_step(self, current_time: float, step_size: float) -> None:
-        """Advance by ``step_size``, with the inputs read at the step's end or extrapolated to it."""
+        """Advance by ``step_size``, with inputs of the step's end or extrapolated to it."""
         stop = current_time + step_size
-        _require(
-            self._rope.advance_to(
-                stop, *self._motions(), stop if self._at_step_end() else current_time
-            )
-        )
+        time_of_inputs = stop if self._at_step_end() else current_time
+        _require(self._rope.advance_to(stop, *self._motions(), time_of_inputs))
 
     @_report_failure
     def retune(self) -> None:
@@ -134,9 +141,12 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     @_report_failure
     def compute(self, scalar: int) -> None:
         """Write the output and its group into the library's array."""
-        for name, value in group_of(self._table[scalar].name)(self._rope).items():
-            if (index := self._indices.get(name)) is not None:
-                self._outputs[index], self._known[index] = value, 1
+        compute_group = group_of(self._table[scalar].name)
+        for name, value in compute_group(self._rope).items():
+            index = self._indices.get(name)
+            if index is not None:
+                self._outputs[index] = value
+                self._known[index] = 1
 
     def text(self, scalar: int) -> str:
         """Return an output that is a text."""
@@ -150,7 +160,8 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
 
     def note(self) -> str:
         """Return notes about the set-up, for the log."""
-        state, kernels = self._rope.state, self._rope.model.kernels
+        state = self._rope.state
+        kernels = self._rope.model.kernels
         model = f"{state.fidelity}, {kernels.elements} elements, {state.fidelity_reason}"
         return f"model: {model}; kernels: {self._rope.form}"
 
@@ -159,7 +170,9 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         facts = self._rope.scene, self._rope.state
         if number < len(WARNINGS):
             return [*WARNINGS.values()][number](*facts)
-        return "" if self._at_step_end() else first_text(LONG_EXTRAPOLATION, *facts)
+        if self._at_step_end():
+            return ""
+        return first_text(LONG_EXTRAPOLATION, *facts)
 
     # states
 
@@ -188,14 +201,15 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         return with_values(Scene(), values)
 
     def _motions(self) -> tuple[EndMotion, EndMotion]:
-        values, indices = self._values, self._indices
-        left, right = (
-            EndMotion(*(values[indices[name]] for name in names)) for names in MOTION.values()
-        )
+        left, right = (EndMotion(*map(self._value, names)) for names in MOTION.values())
         return left, right
 
+    def _value(self, name: str) -> float:
+        """Return the present value of a real variable."""
+        return float(self._values[self._indices[name]])
+
     def _at_step_end(self) -> bool:
-        return self._values[self._indices["inputs_at_step_end"]] != 0.0
+        return self._value("inputs_at_step_end") != 0.0
 
 
 def _require(status: Status) -> None:

@@ -1,14 +1,17 @@
-"""SSP archives: systems of FMUs in System Structure and Parameterization 1.0 or 2.0, ssp-standard.org.
+"""SSP archives: systems of FMUs in System Structure and Parameterization 1.0 or 2.0.
 
-An output and an input of the same name in two different FMUs are connected.  So are two if one has the other's name
-behind the name of the other's component, such as the input `lively.left.fy_mean` and `left.fy_mean` of `lively`, or the
-output `lively.left.x` and its `left.x`, which then listens to no other.  Only the model descriptions of the FMUs are
-read.
+The standard is at ssp-standard.org.
+
+An output and an input of the same name in two different FMUs are connected.  So are two if one has
+the other's name behind the name of the other's component, such as the input `lively.left.fy_mean`
+and `left.fy_mean` of `lively`, or the output `lively.left.x` and its `left.x`, which then listens
+to no other.  Only the model descriptions of the FMUs are read.
 """
 
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Literal, NamedTuple
 from xml.etree import ElementTree
@@ -75,20 +78,23 @@ def export_ssp(
     version: Version = "1.0",
     data: Sequence[Datum] = (),
 ) -> Path:
-    """Write the system with its FMUs; stop time and communication step in s.  The same FMUs give the same bytes.
+    """Write the system with its FMUs; stop time and communication step in s.
 
-    The step is an annotation that libcosim reads and OMSimulator requires, as SSP itself has no element for it.  SSP
-    1.0 knows the types of FMI 3.0 by the names of FMI 2.0, and does not name the file with the status of the ``data``.
+    The same FMUs give the same bytes.  The step is an annotation that libcosim reads and
+    OMSimulator requires, as SSP itself has no element for it.  SSP 1.0 knows the types of FMI 3.0
+    by the names of FMI 2.0, and does not name the file with the status of the ``data``.
     """
     described = {c.name: _read(c) for c in components}
     types = _TYPES3 if version == "1.0" else {}
-    ports = [port for c in components for port in _ports(c.name, described[c.name], types)]
+    ports: list[_Port] = []
+    for component in components:
+        ports += _ports(component.name, described[component.name], types)
     pairs = _pairs(ports)
-    connected = {port for pair in pairs for port in pair}
-    nodes = (
-        _component(c, [p for p in ports if p.component == c.name and p in connected], version)
-        for c in components
-    )
+    connected = set(chain.from_iterable(pairs))
+    nodes = []
+    for component in components:
+        of_component = [p for p in ports if p.component == component.name and p in connected]
+        nodes.append(_component(component, of_component, version))
     connections = (
         node(
             "ssd:Connection",
@@ -117,7 +123,14 @@ def export_ssp(
         name=name,
         description=description,
     )
-    named = {"kind": "general", "type": "application/x-srmd-meta-data", "source": _STATUSES}
+    meta_data = []
+    if data and version == "2.0":
+        attributes = {
+            "kind": "general",
+            "type": "application/x-srmd-meta-data",
+            "source": _STATUSES,
+        }
+        meta_data = [node("ssc:MetaData", **attributes)]
     algorithm = node("osp:Algorithm", node("osp:FixedStepAlgorithm", baseStepSize=repr(step)))
     algorithm = _annotations("com.opensimulationplatform", algorithm)
     root = node(
@@ -125,7 +138,7 @@ def export_ssp(
         system,
         node("ssd:Units", *_units(described.values(), {port.unit for port in connected} - {""})),
         node("ssd:DefaultExperiment", algorithm, startTime="0.0", stopTime=repr(stop)),
-        *([node("ssc:MetaData", **named)] if data and version == "2.0" else ()),
+        *meta_data,
         version=version,
         name=name,
         **{f"xmlns:{prefix}": uri for prefix, uri in NAMESPACES.items()},
@@ -140,7 +153,7 @@ def export_ssp(
 
 
 def _statuses(name: str, data: Sequence[Datum]) -> Element:
-    """Return the simulation resource meta data: an entry for each datum, with its status as text."""
+    """Return the simulation resource meta data, with an entry for the status of each datum."""
     entries = []
     for datum in data:
         value_text = f"{datum.value} {datum.unit}".strip()
@@ -167,14 +180,16 @@ def _read(component: Component) -> Element:
     fmi = root.get("fmiVersion")
     if fmi not in ("2.0", "3.0"):
         raise ValueError(
-            f"FMU '{component.fmu}' has fmiVersion = {fmi}, but must have 2.0 or 3.0: export one of these"
+            f"FMU '{component.fmu}' has fmiVersion = {fmi}, but must have 2.0 or 3.0: "
+            "export one of these"
         )
     known = {
         v.get("name") for v in _variables(root) if v.get("causality") in ("parameter", "input")
     }
     if unknown := sorted(set(component.parameters) - known):
         raise ValueError(
-            f"{component.name} has no parameter {', '.join(unknown)}: see its documentation for the names"
+            f"{component.name} has no parameter {', '.join(unknown)}: "
+            "see its documentation for the names"
         )
     return root
 
@@ -186,35 +201,47 @@ def _variables(description: Element) -> list[Element]:
 def _ports(component: str, description: Element, types: Mapping[str, str]) -> list[_Port]:
     ports = []
     for variable in _variables(description):
-        name, causality = str(variable.get("name")), str(variable.get("causality"))
-        kind = variable[0] if variable.tag == "ScalarVariable" else variable
-        if causality in ("input", "output"):
-            ports.append(
-                _Port(
-                    component, name, types.get(kind.tag, kind.tag), causality, kind.get("unit", "")
-                )
+        causality = str(variable.get("causality"))
+        if causality not in ("input", "output"):
+            continue
+        # FMI 2.0 has the type in an element of its own
+        type_ = variable[0] if variable.tag == "ScalarVariable" else variable
+        ports.append(
+            _Port(
+                component=component,
+                name=str(variable.get("name")),
+                kind=types.get(type_.tag, type_.tag),
+                causality=causality,
+                unit=type_.get("unit", ""),
             )
+        )
     return ports
 
 
 def _pairs(ports: Sequence[_Port]) -> list[tuple[_Port, _Port]]:
-    """Return outputs and inputs to connect; a name with the other component before it takes precedence."""
+    """Return outputs and inputs to connect; one with the other component's name has precedence."""
     pairs = []
+    outputs = [port for port in ports if port.causality == "output"]
     for end in (port for port in ports if port.causality == "input"):
-        others = [p for p in ports if p.causality == "output" and p.component != end.component]
-        own = [
-            p
-            for p in others
-            if f"{p.component}.{p.name}" == end.name or f"{end.component}.{end.name}" == p.name
-        ]
-        pairs += [(start, end) for start in own or others if own or start.name == end.name]
+        others = [port for port in outputs if port.component != end.component]
+        addressed = [port for port in others if _is_addressed(port, end)]
+        equal = [port for port in others if port.name == end.name]
+        pairs += [(start, end) for start in addressed or equal]
     for start, end in pairs:
         if (start.kind, start.unit) != (end.kind, end.unit):
             raise ValueError(
-                f"{start.component}.{start.name} is {start.kind} in {start.unit!r}, but {end.component}.{end.name} is "
-                f"{end.kind} in {end.unit!r}: rename one of them"
+                f"{start.component}.{start.name} is {start.kind} in {start.unit!r}, "
+                f"but {end.component}.{end.name} is {end.kind} in {end.unit!r}: "
+                "rename one of them"
             )
     return pairs
+
+
+def _is_addressed(start: _Port, end: _Port) -> bool:
+    """Return True if one of the names is the other behind the name of the other's component."""
+    return f"{start.component}.{start.name}" == end.name or (
+        f"{end.component}.{end.name}" == start.name
+    )
 
 
 def _component(component: Component, ports: Sequence[_Port], version: Version) -> Element:
@@ -231,17 +258,21 @@ def _component(component: Component, ports: Sequence[_Port], version: Version) -
         node("ssv:Parameter", node(f"ssv:{_KINDS[type(value)]}", value=value), name=name)
         for name, value in component.parameters.items()
     ]
-    # ecos and libcosim apply a set by this name
-    bound = node(
-        "ssv:ParameterSet", node("ssv:Parameters", *values), version=version, name="initialValues"
-    )
-    binding = node(
-        "ssd:ParameterBindings", node("ssd:ParameterBinding", node("ssd:ParameterValues", bound))
-    )
+    bindings = []
+    if values:
+        # ecos and libcosim apply a set by this name
+        parameters = node(
+            "ssv:ParameterSet",
+            node("ssv:Parameters", *values),
+            version=version,
+            name="initialValues",
+        )
+        binding = node("ssd:ParameterBinding", node("ssd:ParameterValues", parameters))
+        bindings = [node("ssd:ParameterBindings", binding)]
     return node(
         "ssd:Component",
         node("ssd:Connectors", *connectors),
-        *([binding] if values else ()),
+        *bindings,
         name=component.name,
         type="application/x-fmu-sharedlibrary",
         source=f"resources/{component.name}.fmu",
@@ -251,11 +282,9 @@ def _component(component: Component, ports: Sequence[_Port], version: Version) -
 
 def _units(descriptions: Iterable[Element], used: set[str]) -> Iterator[Element]:
     """Yield definitions of the connectors' units, from the model descriptions."""
-    units = {
-        str(unit.get("name")): unit.find("BaseUnit")
-        for root in descriptions
-        for unit in root.iter("Unit")
-    }
+    units = chain.from_iterable(root.iter("Unit") for root in descriptions)
+    bases = {str(unit.get("name")): unit.find("BaseUnit") for unit in units}
     for name in sorted(used):
-        if (base := units.get(name)) is not None:
+        base = bases.get(name)
+        if base is not None:
             yield node("ssc:Unit", node("ssc:BaseUnit", **base.attrib), name=name)

@@ -57,15 +57,19 @@ def units_of(table: Iterable[Variable]) -> list[str]:
 def unit_definition(name: str) -> Element:
     """Return the ``Unit`` element, which is the same in FMI 2.0 and 3.0."""
     quantity = DECLARED_TYPES[name]
-    shown = [quantity.display] if quantity.display else []
-    displays = (node("DisplayUnit", name=display, factor=repr(factor)) for display, factor in shown)
+    displays = []
+    if quantity.display is not None:
+        display, factor = quantity.display
+        displays = [node("DisplayUnit", name=display, factor=repr(factor))]
     return node("Unit", node("BaseUnit", **quantity.base), *displays, name=name)
 
 
 def quantity_attributes(unit: str) -> dict[str, str | None]:
     """Return the attributes of the declared type of ``unit``."""
     quantity = DECLARED_TYPES[unit]
-    display = quantity.display[0] if quantity.display and quantity.preferred else None
+    display = None
+    if quantity.display is not None and quantity.preferred:
+        display, _ = quantity.display
     return {
         "quantity": quantity.name,
         "unit": unit,

@@ -7,17 +7,18 @@ from rope_model.texts import xml_text
 
 
 def node(tag: str, /, *children: Element, **attributes: object) -> Element:
-    """Return an element; attributes that are None are left out, truth values are spelled as in XML."""
-    element = Element(
-        tag, {name: plain(value) for name, value in attributes.items() if value is not None}
-    )
+    """Return an element; attributes that are None are left out."""
+    present = {name: value for name, value in attributes.items() if value is not None}
+    element = Element(tag, {name: attribute_text(value) for name, value in present.items()})
     element.extend(children)
     return element
 
 
-def plain(value: object) -> str:
-    """Return a value as the text of an attribute."""
-    return str(value).lower() if isinstance(value, bool) else str(value)
+def attribute_text(value: object) -> str:
+    """Return a value as the text of an attribute, with XML's spelling of truth values."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return str(value)
 
 
 def xml_bytes(root: Element) -> bytes:

@@ -56,7 +56,7 @@ def export_drive(
     destination: Path, platforms: Sequence[str] = (host_platform(),), fmi: int = 2
 ) -> Path:
     """The hoist drive of the 120 m scene."""
-    return export_model(destination, platforms, fmi, **vars(drive_model(find_case("rope-120"))))
+    return export_model(destination, platforms, fmi, drive_model(find_case("rope-120")))
 
 
 def export_stand_in(destination: Path, fmi: int) -> Path:

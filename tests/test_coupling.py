@@ -109,7 +109,7 @@ class Drive:
     def __init__(self, data: Data, state: np.ndarray) -> None:
         self.data, self.state = data, state
 
-    def step(self, t: float, h: float, load: Load) -> str:
+    def step(self, t: float, h: float, load: Load) -> Status:
         d, mass = self.data, self.data.m + float(load.added_mass[0])
         c = np.array([load.start[0] + d.f, load.linear[0], load.quadratic[0]])
         self.state = driven(
@@ -119,7 +119,7 @@ class Drive:
             h,
             c,
         )
-        return ""
+        return Status(True)
 
     def position(self) -> np.ndarray:
         return both(self.state[0])
@@ -220,7 +220,7 @@ def error(scheme: Scheme, H: float, data: Data | None = None) -> float:
     times = begin + H * np.arange(round(2.0 / H))
     for t in times:
         advance = scheme.advance(coupled, scheme_state, float(t), H)
-        if advance.cause:
+        if not advance.status.valid:
             return math.inf
         scheme_state = advance.scheme_state
         found.append(float(scheme_state.last.force[0]))
@@ -270,7 +270,7 @@ def test_iteration_and_semi_implicit_exchange_hold_where_the_end_is_heavier_than
 def test_a_scheme_that_cannot_keep_what_is_asked_says_so(
     scheme: Scheme, data: Data, H: float, words: str
 ) -> None:
-    assert words in scheme.advance(*start(data, 0.5, H), 0.5, H).cause
+    assert words in scheme.advance(*start(data, 0.5, H), 0.5, H).status.message
 
 
 @pytest.mark.parametrize("degree", [0, 1, 2])
@@ -291,7 +291,7 @@ def test_energy_control_keeps_the_residual_below_its_bound(inner: Scheme, bound:
     scheme, worst, uncontrolled = EnergyControlled(inner, bound), 0.0, 0.0
     for k in range(25):
         advance = scheme.advance(coupled, scheme_state, 0.5 + k * H, H)
-        assert not advance.cause
+        assert advance.status.valid
         worst = max(worst, abs(advance.scheme_state.residual - scheme_state.residual) / H)
         scheme_state = advance.scheme_state
         after = inner.advance(free, free_memory, 0.5 + k * H, H).scheme_state
@@ -327,7 +327,7 @@ def test_a_semi_implicit_exchange_with_a_mere_mass_leaves_nothing_of_a_disturban
 def test_the_jacobian_of_the_held_mean_is_exact_for_a_mere_mass() -> None:
     coupled, scheme_state = start(Data(m_e=20.0, k=0.1, k_2=0.0, c_2=0.0), 0.5, 0.01)
     advance = Iterative("jacobian", 1e-9, hold_mean=True).advance(coupled, scheme_state, 0.5, 0.01)
-    assert not advance.cause
+    assert advance.status.valid
     assert advance.scheme_state.exchanges == 2
 
 

@@ -36,7 +36,7 @@ from hoist_demo.drive_fmu import interface
 from hoist_demo.drive_fmu.description import LONGEST_HOLD, DriveModel, drive_model
 from hoist_demo.drive_fmu.description import sources as drive_sources
 from hoist_demo.drive_fmu.kernels import (
-    MOST_MODES,
+    MAX_MODES,
     complete,
     moment_function,
     point_function,
@@ -210,7 +210,7 @@ PLACES = {
 
 def exported(folder: Path, name: str, model: DriveModel) -> Host:
     """An instance of a drive that only one test needs; no more is compiled than for others of its structure."""
-    fmu = export_model(folder / f"{name}.fmu", (host_platform(),), 2, **vars(model))
+    fmu = export_model(folder / f"{name}.fmu", (host_platform(),), 2, model)
     return Host(fmu, fmpy.extract(str(fmu), str(folder / name)))
 
 
@@ -355,7 +355,7 @@ def test_library_of_the_package_serves_hoists_of_other_numbers_without_a_compile
         pytest.approx(90.0, abs=1e-6),
     ]
     own.free()
-    many = replace(SETUP, hoist=replace(SETUP.hoist, head_rope_modes=MOST_MODES + 1))
+    many = replace(SETUP, hoist=replace(SETUP.hoist, head_rope_modes=MAX_MODES + 1))
     with pytest.raises(ValueError, match="up to 4 head rope modes"):
         exported(tmp_path, "many", drive_model(many))
 

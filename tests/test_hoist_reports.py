@@ -33,8 +33,8 @@ from hoist_demo.recording.time_series import TIME, Recording
 from hoist_demo.report.html import packing
 from hoist_demo.report.verdict import (
     VerdictRow,
+    _instant_to_show,
     _Rope,
-    _what_matters,
     bounds_in_words,
     broken,
     judge,
@@ -409,7 +409,7 @@ def test_trips_to_and_fro_add_up_to_whole_cycles() -> None:
         exposures.exposure(record(values, [0, 0, 0]), WHERE) for values in ([0, 2, 4], [4, 2, 0])
     )
     assert_allclose(up["torque.cycles"], [0.5, 0.0])
-    both = exposures.together([up, down, up, down])
+    both = exposures.joined_exposure([up, down, up, down])
     names = "torque.cycles", "torque.range", "s", "torque.from_2"
     assert_allclose(
         [both[name] for name in names], [[2.0, 0.0], [4.0, 0.0], [0.0, 120.0], [2.0, 0.0]]
@@ -461,4 +461,4 @@ def test_a_touch_before_or_at_the_instant_0_matters_like_a_later_one(touched_at:
         "nearest.floor.clearance": np.array([0.2, 0.1, 0.1]),
         "nearest.floor.touched_at": np.zeros(3),
     }
-    assert _what_matters([_Rope(Recording(signals, {}), RopeData({}, {}, {}))], []) == touched_at
+    assert _instant_to_show([_Rope(Recording(signals, {}), RopeData({}, {}, {}))], []) == touched_at

@@ -103,7 +103,7 @@ def test_the_interval_of_a_bent_rope_is_where_the_squares_have_grown() -> None:
 def test_a_direction_without_data_keeps_its_range_and_its_middle() -> None:
     # of u and v only the sum is measured
     found = fit(lambda u: 50.0 * u[:1] + 50.0 * u[1:] - 60.0, 2)
-    assert_allclose(np.abs(found.untold()), [[np.sqrt(0.5), np.sqrt(0.5)]])
+    assert_allclose(np.abs(found.undetermined_directions()), [[np.sqrt(0.5), np.sqrt(0.5)]])
     assert_allclose(found.norm_params, [0.6, 0.6], atol=1e-4)
     assert_allclose(np.diag(found.covariance), 0.5 * (RANGE_VARIANCE + 1 / (2 * 50.0**2)))
     assert found.correlations[0, 1] < -0.9
@@ -177,7 +177,9 @@ def test_what_a_width_alone_does_not_tell_is_named(
     assert found.candidates[0].error <= found.wanted_error
     # two directions of the same pair, as near-equal lacks of knowledge have them
     monkeypatch.setattr(
-        type(found.fit), "untold", lambda _: np.array([[0.8, 0.6, 0, 0, 0], [0.6, -0.8, 0, 0, 0]])
+        type(found.fit),
+        "undetermined_directions",
+        lambda _: np.array([[0.8, 0.6, 0, 0, 0], [0.6, -0.8, 0, 0, 0]]),
     )
     assert found.open_directions() == ["mass_per_length and axial_stiffness"]
 

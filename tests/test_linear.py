@@ -3,9 +3,11 @@
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 from conftest import Patch
 from numpy.testing import assert_allclose
 from scipy.io import loadmat
@@ -23,6 +25,7 @@ from hoist_demo.design.arrival_swing import (
     pole_of_sparse,
     swing_at_arrival,
 )
+from hoist_demo.design.linear_model import LinearModel
 from hoist_demo.design.linearise import linearise, linearise_hoist, linearise_rope
 from hoist_demo.design.reduction import reduced
 from hoist_demo.files.hoist_file import HoistFile
@@ -47,18 +50,33 @@ def smooth(case: Case) -> Case:
     )
 
 
-def test_sparse_modes_are_the_dense_ones_and_none_is_missed(
-    tmp_path: Path, monkeypatch: Patch
-) -> None:
-    # equal ropes at equal distances: every mode that the hoist does not share is there twice
+@pytest.fixture
+def two_ropes(tmp_path: Path) -> LinearModel:
+    """A hoist with equal ropes at equal distances: every mode that it does not share is there twice."""
     ropes = "[[rope]]\nname = 'a'\nz = 0.3\n[[rope]]\nname = 'b'\nz = -0.3\n"
     path = tmp_path / "two.toml"
     path.write_text(f"name = 'two'\nlike = 'rope-120'\nlevel = 'draft'\n{ropes}", encoding="utf-8")
     case = find_case(str(path))
     (model,) = linearise(smooth(case), [0.3], level=case.level)
-    dense = model.modes(2.0)
+    return model
+
+
+def taken_one_by_one(monkeypatch: Patch) -> None:
+    monkeypatch.setattr(linear_model, "equal_ropes", lambda *_: [])
+
+
+@pytest.mark.parametrize("merged", [True, False])
+def test_sparse_modes_are_the_dense_ones_and_none_is_missed(
+    merged: bool, two_ropes: LinearModel, monkeypatch: Patch
+) -> None:
+    model = two_ropes
     heard = list[float]()
+    with monkeypatch.context() as changed:
+        taken_one_by_one(changed)
+        dense = model.modes(2.0)
     monkeypatch.setattr(linear_model, "MOST_DENSE", 0)
+    if not merged:
+        taken_one_by_one(monkeypatch)
     found = model.modes(2.0, heard.append)
     assert found.frequencies.size == dense.frequencies.size > sparse_modes.MOST_IN_PART
     assert heard[-1] == 1.0
@@ -71,6 +89,31 @@ def test_sparse_modes_are_the_dense_ones_and_none_is_missed(
     sums = [np.add.reduceat(one.damping * one.frequencies, firsts) for one in (found, dense)]
     assert_allclose(sums[0], sums[1], rtol=1e-5, atol=1e-8)
     assert_allclose(found.shares.sum(axis=0), 1.0, rtol=0.0, atol=1e-9)
+
+
+def test_equal_ropes_are_computed_once(two_ropes: LinearModel, monkeypatch: Patch) -> None:
+    sizes = list[int]()
+
+    def listening(K: sp.csc_matrix, *others: Any) -> tuple[np.ndarray, np.ndarray]:
+        sizes.append(K.shape[0])
+        return sparse_modes.sparse_modes(K, *others)
+
+    monkeypatch.setattr(linear_model, "MOST_DENSE", 0)
+    monkeypatch.setattr(linear_model, "sparse_modes", listening)
+    two_ropes.modes(1.0)
+    of_hoist = sum(not name.startswith("rope.") for name in two_ropes.names[: two_ropes.free])
+    of_a_rope = (two_ropes.free - of_hoist) // 2
+    assert sizes == [of_hoist + of_a_rope, of_a_rope]
+    # sideways motion moves them alike, and yaw does not, for it lies between them
+    frequencies = [0.4j, 3j]
+    alike = two_ropes.response(frequencies)
+    along = two_ropes.selected(TORQUE, SEEN[:3]).response(frequencies)
+    taken_one_by_one(monkeypatch)
+    one_by_one = two_ropes.response(frequencies)
+    # rounding of a response that is much smaller than the largest: 1e-16 times the condition of the model
+    assert_allclose(alike, one_by_one, rtol=1e-7, atol=1e-7 * np.abs(one_by_one).max())
+    expected = two_ropes.selected(TORQUE, SEEN[:3]).response(frequencies)
+    assert_allclose(along, expected, rtol=1e-6, atol=1e-7 * np.abs(expected).max())
 
 
 BENT = pytest.param(0, {"air.density": 1.2, "rope.initial_curvature": 0.5}, marks=pytest.mark.slow)

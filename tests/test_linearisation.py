@@ -15,6 +15,7 @@ ENDS = EndMotion(y=10.0), EndMotion(y=-10.0)
 FREE = Swivel(mode="free")
 
 
+#: the complete model, as a rope without torque would be computed as planar
 def hung(rope: Rope, fidelity: str = "torsional", **more: Swivel) -> NativeRope:
     model = Model(fidelity)  # type: ignore[arg-type]
     engine = NativeRope(Scene(rope=rope, model=model, **more))

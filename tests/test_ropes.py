@@ -204,16 +204,16 @@ def test_the_ends_of_a_halved_step_lie_on_a_path_between_its_own() -> None:
 
 def test_a_piece_that_falls_gives_the_conveyance_all_the_momentum_of_its_weight() -> None:
     mass, length, leg = 8.0, 100.0, 60.0
-    piece = Piece.of(0.0, mass, length, leg, EndMotion(y=0.0), EndMotion(y=-10.0))
+    piece = Piece.of(0.0, mass, length, leg, (EndMotion(y=0.0), EndMotion(y=-10.0)))
     # the break begins 20 m below the end and falls 80 m
     T = math.sqrt(2 * 80.0 / GRAVITY)
     t = np.linspace(0.0, T, 20001)[:-1]
-    force = np.array([piece.force(float(x), EndMotion(y=0.0))[0] for x in t])
+    force = np.array([piece.load(float(x), EndMotion(y=0.0)).force for x in t])
     # at rest before and after: the impulse is the weight's; the midpoint rule misses half the last value's step
     impulse = -(force.sum() - 0.5 * force[0] + 0.5 * force[-1]) * T / 20000
     assert impulse == pytest.approx(mass * length * GRAVITY * T, rel=1e-6)
     assert force[0] == pytest.approx(-mass * leg * GRAVITY)
-    assert piece.force(T + 0.01, EndMotion(y=0.0))[0] == pytest.approx(-mass * length * GRAVITY)
+    assert piece.load(T + 0.01, EndMotion(y=0.0)).force == pytest.approx(-mass * length * GRAVITY)
 
 
 def test_a_hoist_with_a_rope_that_breaks_runs_through() -> None:

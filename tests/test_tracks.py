@@ -37,7 +37,7 @@ def camera() -> Any:
 
 @cache
 def markers() -> Array:
-    places: Array = camera().seen()
+    places: Array = camera().marker_places()
     return places
 
 
@@ -116,7 +116,10 @@ def test_of_a_hundred_tracks_nine_in_ten_intervals_have_the_truth(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(camera(), "GRIPPER", 0.0)  # intervals know nothing of the grippers' errors
-    inside = [found for found, _ in example("track_coverage").tried(markers(), range(100, 200))]
+    inside = [
+        found
+        for found, _ in example("track_coverage").intervals_of_sets(markers(), range(100, 200))
+    ]
     # within three standard errors
     assert_allclose(
         np.mean(inside, axis=0), CONFIDENCE, atol=3 * math.sqrt(CONFIDENCE * (1 - CONFIDENCE) / 100)
@@ -145,7 +148,7 @@ def test_a_cable_is_led_into_the_swing_in_which_a_track_begins(tmp_path: Path) -
 @pytest.mark.parametrize("kind", ["moving", "unlabelled"])
 def test_other_tracks_tell_the_truth(monkeypatch: pytest.MonkeyPatch, kind: str) -> None:
     monkeypatch.setattr(camera(), "OFFSET", 0.0)
-    ((_, errors),) = example("track_coverage").tried(markers(), range(1, 2), kind)
+    ((_, errors),) = example("track_coverage").intervals_of_sets(markers(), range(1, 2), kind)
     assert np.abs(errors).max() < 0.03
 
 

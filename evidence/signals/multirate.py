@@ -45,7 +45,7 @@ def multirate(folder: Path) -> Iterator[tuple[Any, ...]]:
     """A row for each tool that is installed, and each pair of steps."""
     here = (host_platform(),)
     export_native(folder / "rope.fmu", platforms=here, profile=FULL)
-    export_model(folder / "drive.fmu", here, 2, **vars(drive_model(find_case("rope-120"))))
+    export_model(folder / "drive.fmu", here, 2, drive_model(find_case("rope-120")))
     for tool, package in PACKAGES.items():
         if importlib.util.find_spec(package) is None:
             print(f"{tool} is left out: {package} is not installed", file=sys.stderr)

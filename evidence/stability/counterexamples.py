@@ -3,15 +3,16 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import cache
 from typing import Any
 from unittest.mock import patch
 
 import casadi as ca
 import numpy as np
+from rope_model.simulation import rope_kernels
 
 from rope_model.physics import element
 from rope_model.physics.frame import FrameRate, smallest_rotation_rate
-from rope_model.simulation import rope_kernels
 
 
 @contextmanager
@@ -24,6 +25,7 @@ def modified_element(
     places["FRAME_SIZE"] = 6 * gauss_points + 3
     uncached = element.element_functions.__wrapped__
 
+    @cache
     def functions(fidelity: element.ElementFidelity = "torsional") -> element.ElementFunctions:
         with patch.multiple(element, **places):
             twin = uncached(fidelity, frame_rate)

@@ -14,7 +14,7 @@ from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import EndMotion, RopeSimulator, Status
 from rope_model.parameters import Rope, Scene
-from rope_model.solver_parameters import Mesh, Solver
+from rope_model.solver_parameters import Mesh
 
 # membrane locking
 
@@ -24,7 +24,7 @@ LENGTHS = (2.0, 1.0, 0.5, 0.25)  # m
 
 def side_force(mesh: Mesh) -> float:
     """N, horizontal force of the hanging loop on its left end."""
-    rope = at_rest(Scene(rope=UNCOUPLED, mesh=mesh, solver=Solver(kernels="portable")))
+    rope = at_rest(Scene(rope=UNCOUPLED, mesh=mesh), form="reference")
     return float(rope.state.motion.reaction[0, 0])
 
 

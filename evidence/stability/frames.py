@@ -17,7 +17,7 @@ DURATION, H = 6.0, 0.02
 TURNED = Scene(
     rope=Rope(length=30.0),
     mesh=Mesh(kind="eem", elements=40),
-    solver=Solver(step_max=H, kernels="portable"),
+    solver=Solver(step_max=H),
 )
 
 
@@ -44,7 +44,7 @@ def turn(t: float) -> tuple[EndMotion, EndMotion]:
 
 def yaw() -> float:
     """Yaw of the loop when its ends have turned, deg."""
-    rope = at_rest(TURNED)
+    rope = at_rest(TURNED, form="reference")
     follow(rope, H, DURATION, turn)
     return math.degrees(rope.state.loop_yaw)
 

@@ -1,8 +1,8 @@
-"""Compilation of C sources to the binaries of an FMU, for all platforms on any machine with the ziglang package.
+"""Compilation of C sources to the binaries of an FMU, with ziglang for all platforms.
 
-Without ziglang the host's own C compiler builds for the host.  An installed package contains libraries for all
-platforms.  Others are cached under the hash of all that determines them.  The same sources, compiler and target give
-the same bytes.
+Without ziglang the host's own C compiler builds for the host.  An installed package contains
+libraries for all platforms.  Others are cached under the hash of all that determines them.  The
+same sources, compiler and target give the same bytes.
 """
 
 import importlib.util
@@ -29,14 +29,16 @@ _HIDDEN = ("-fvisibility=hidden", "-DCASADI_SYMBOL_EXPORT=")
 
 
 def available_platforms() -> tuple[str, ...]:
-    """Return the platforms of this machine: all with ziglang, else the compiler's, and those of the package."""
+    """Return the platforms for which libraries can be compiled here, or are in the package."""
     return tuple(name for name in PLATFORMS if name in _compilable() | prebuilt_platforms(_PACKAGE))
 
 
 def _compilable() -> set[str]:
     if importlib.util.find_spec("ziglang") is not None:
         return set(PLATFORMS)
-    return {host_platform()} if kernels.find_compiler() else set()
+    if kernels.find_compiler():
+        return {host_platform()}
+    return set()
 
 
 def choose_platforms(names: Sequence[str] | None) -> tuple[str, ...]:
@@ -49,43 +51,44 @@ def choose_platforms(names: Sequence[str] | None) -> tuple[str, ...]:
 
 def missing_platforms() -> str:
     """Return the platforms that cannot be built here, with the reason; '' if all can."""
-    if not (missing := [name for name in PLATFORMS if name not in available_platforms()]):
+    missing = [name for name in PLATFORMS if name not in available_platforms()]
+    if not missing:
         return ""
+    reason = "there is no C compiler here"
     compiler = kernels.find_compiler()
-    why = (
-        f"{Path(compiler[0]).name} builds for this machine only"
-        if compiler
-        else "there is no C compiler here"
-    )
-    return f"{', '.join(missing)}: {why}; {CURE}"
+    if compiler:
+        reason = f"{Path(compiler[0]).name} builds for this machine only"
+    return f"{', '.join(missing)}: {reason}; {CURE}"
 
 
 def binaries(
     sources: Mapping[str, str], model: str, fmi: int, platforms: Sequence[str], identifier: str
 ) -> dict[str, bytes]:
-    """Return libraries by path in the FMU, made of the C files and headers in ``sources`` of the model."""
-    built = {
-        name: library(sources, model, name, f", FMI {fmi}.0").read_bytes() for name in platforms
-    }
-    paths: dict[str, bytes] = {}
-    for name, code in built.items():
+    """Return libraries by path in the FMU, made of the ``sources`` of the model.
+
+    In FMI 2.0 macOS has one folder for both processors, and so one library.
+    """
+    by_path: dict[str, list[bytes]] = {}
+    for name in platforms:
         folder = PLATFORMS[name].folder2 if fmi == 2 else name
         path = f"binaries/{folder}/{identifier}{PLATFORMS[name].suffix}"
-        paths[path] = (
-            universal([built[n] for n in built if PLATFORMS[n].folder2 == folder])
-            if path in paths
-            else code
-        )
-    return paths
+        code = library(sources, model, name, f", FMI {fmi}.0").read_bytes()
+        by_path.setdefault(path, []).append(code)
+    return {
+        path: universal(codes) if len(codes) > 1 else codes[0] for path, codes in by_path.items()
+    }
 
 
 def library(sources: Mapping[str, str], identifier: str, name: str, version: str = "") -> Path:
-    """Return the library of an FMU for the platform ``name``: the package's, the cached one, or a compiled one.
+    """Return the library of an FMU for the platform ``name``, installed, cached or compiled.
 
-    ``version`` is added to the message about the compilation.  ValueError if the library is not available here.
+    ``version`` is added to the message about the compilation.  ValueError if the library is not
+    available here.
     """
-    brought = prebuilt_file(_PACKAGE, sources, identifier, name)
-    return brought if brought.exists() else _build(sources, identifier, name, version, *_HIDDEN)
+    prebuilt = prebuilt_file(_PACKAGE, sources, identifier, name)
+    if prebuilt.exists():
+        return prebuilt
+    return _build(sources, identifier, name, version, *_HIDDEN)
 
 
 def open_library(sources: Mapping[str, str], identifier: str, name: str) -> Path:
@@ -98,37 +101,27 @@ def _build(
 ) -> Path:
     if name in prebuilt_platforms(_PACKAGE) and name not in _compilable():
         raise ValueError(
-            f"the package has no compiled {identifier} for {name!r} of this structure (drives: up to 4 head rope "
-            f"modes), and nothing here compiles it. {CURE}"
+            f"the package has no compiled {identifier} for {name!r} of this structure "
+            f"(drives: up to 4 head rope modes), and nothing here compiles it. {CURE}"
         )
     if name not in PLATFORMS or name not in _compilable():
         could = ", ".join(available_platforms()) or "none, without a C compiler"
         raise ValueError(f"the platform {name!r} cannot be built here; can be: {could}. {CURE}")
-    compiler, flags = _compiler(), (*_flags(name), *more)
+    compiler = _compiler()
+    flags = (*_flags(name), *more)
     objects = kernels.object_files(sources, compiler, flags, kernels.cache_folder())
     key = kernels.short_hash(identifier, *(file.name for file in objects.values()))
     target = kernels.cache_folder() / f"fmu-{name}-{key}{PLATFORMS[name].suffix}"
+    file_name = f"{identifier}{target.suffix}"
 
     def make() -> None:
         progress.warning("compiling %s for %s%s, up to a minute", identifier, name, version)
-        more = (
-            ["-ldl"]
-            if name.endswith("linux") and any("<dlfcn.h>" in text for text in sources.values())
-            else []
-        )
-        if name.endswith("linux") and "ziglang" in compiler:
-            # zig's own library is not needed, and compiling it would take 14 s
-            more += ["-nostdlib", "-lc", "-Wl,-z,defs"]
         kernels.compile_objects(sources, [*compiler, *flags], objects)
-        own_name = (
-            [f"-Wl,-install_name,@rpath/{identifier}{target.suffix}"]
-            if target.suffix == ".dylib"
-            else []
-        )
-        command = [*compiler, *flags, *own_name]
-        kernels.link_library(
-            command, objects.values(), target, f"{identifier}{target.suffix}", more
-        )
+        command = [*compiler, *flags]
+        if target.suffix == ".dylib":
+            command.append(f"-Wl,-install_name,@rpath/{file_name}")
+        libraries = _libraries(sources, compiler, name)
+        kernels.link_library(command, objects.values(), target, file_name, libraries)
 
     try:
         return kernels.make_once(target, make)
@@ -138,6 +131,19 @@ def _build(
         ) from error
 
 
+def _libraries(sources: Mapping[str, str], compiler: Sequence[str], name: str) -> list[str]:
+    """Return the linker's flags for libraries of the platform ``name``."""
+    if not name.endswith("linux"):
+        return []
+    libraries = []
+    if any("<dlfcn.h>" in text for text in sources.values()):
+        libraries.append("-ldl")
+    if "ziglang" in compiler:
+        # zig's own library is not needed, and compiling it would take 14 s
+        libraries += ["-nostdlib", "-lc", "-Wl,-z,defs"]
+    return libraries
+
+
 def _compiler() -> tuple[str, ...]:
     if importlib.util.find_spec("ziglang") is not None:
         return (sys.executable, "-m", "ziglang", "cc")
@@ -145,14 +151,16 @@ def _compiler() -> tuple[str, ...]:
 
 
 def _flags(name: str) -> tuple[str, ...]:
-    target: tuple[str, ...] = ()
+    linux = name.endswith("linux")
+    flags: list[str] = []
     if importlib.util.find_spec("ziglang") is not None:
-        # link-time optimisation, where ziglang's linker supports it: a tenth faster
-        target = "-target", PLATFORMS[name].target, *(("-flto",) if name.endswith("linux") else ())
-    position = () if name.endswith("windows") else ("-fPIC",)
-    return (
-        *target,
-        *FLAGS,
-        *position,
-        *(("-Wl,--build-id=none",) if name.endswith("linux") else ()),
-    )
+        flags += ["-target", PLATFORMS[name].target]
+        if linux:
+            # link-time optimisation, which ziglang's linker supports there: a tenth faster
+            flags.append("-flto")
+    flags += FLAGS
+    if not name.endswith("windows"):
+        flags.append("-fPIC")
+    if linux:
+        flags.append("-Wl,--build-id=none")
+    return tuple(flags)

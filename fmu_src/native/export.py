@@ -10,7 +10,7 @@ import time
 import uuid
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple, Protocol
 
 from fmu_src.archive import write_archive
 from fmu_src.attachments import attachments, licenses
@@ -48,28 +48,32 @@ def export_native(
     profile: Profile = Profile(),  # noqa: B008  it is frozen
     identifier: str = MODEL,
 ) -> Path:
-    """Write the native FMU with the start values of ``case``, at a level of accuracy and with ``start``.
+    """Write the native FMU of ``case`` at a level of accuracy; ``start`` replaces start values.
 
-    ``platforms`` are names of FMI 3.0, by default all that can be built here.  ``rope`` replaces the C files behind
-    rope.h (tests do).  ``identifier`` is the FMU's model identifier: FMUs that are linked statically into one program
-    must differ in it.  Two exports of the same sources give the same bytes.
+    ``platforms`` are names of FMI 3.0, by default all that can be built here.  ``rope`` replaces
+    the C files behind rope.h (tests do).  ``identifier`` is the FMU's model identifier: FMUs that
+    are linked statically into one program must differ in it.  Two exports of the same sources give
+    the same bytes.
     """
     if fmi not in (2, 3):
         raise ValueError(f"there is no FMI version {fmi}; choose 2 or 3")
     chosen = choose_platforms(platforms)
-    data, epoch = case_with(case, level, start), os.environ.get("SOURCE_DATE_EPOCH")
+    data = case_with(case, level, start)
     table = native_table(data)
     described = profile.select(table)
+    if rope is None:
+        rope = rope_sources()
     files = native_files(
-        table,
-        described,
-        {**(rope_sources() if rope is None else rope), **shell_sources(table, fmi)},
-        f"{case} {level} {fmi} {sorted(start.items())} {profile} {identifier}",
-        fmi,
-        chosen,
-        arrays if fmi == 3 and profile.arrays else scalars,
-        # no date without SOURCE_DATE_EPOCH, so that two exports give the same bytes
-        date=time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(int(epoch))) if epoch else "",
+        Content(
+            table,
+            described,
+            sources={**rope, **shell_sources(table, fmi)},
+            form=arrays if fmi == 3 and profile.arrays else scalars,
+        ),
+        key=f"{case} {level} {fmi} {sorted(start.items())} {profile} {identifier}",
+        fmi=fmi,
+        platforms=chosen,
+        date=_build_date(),
         stop=profile.stop,
         tolerance=data.scene.accuracy.end_force,
         identifier=identifier,
@@ -78,16 +82,27 @@ def export_native(
     return destination
 
 
+def _build_date() -> str:
+    """Return the date of SOURCE_DATE_EPOCH.
+
+    It is empty without it, so that two exports give the same bytes.
+    """
+    epoch = os.environ.get("SOURCE_DATE_EPOCH")
+    if not epoch:
+        return ""
+    return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(int(epoch)))
+
+
 def native_table(case: RopeCase) -> tuple[Variable, ...]:
     """Return the interface table, with marks on variables that only serve the Python flavour."""
-    return tuple(
-        v._replace(
-            description=f"of no effect here, the code is compiled; Python flavour: {v.description}"
-        )
-        if v.name == "solver.kernels"
-        else v
-        for v in variables(case)
-    )
+    return tuple(map(_native_variable, variables(case)))
+
+
+def _native_variable(v: Variable) -> Variable:
+    if v.name != "solver.kernels":
+        return v
+    text = f"of no effect here, the code is compiled; Python flavour: {v.description}"
+    return v._replace(description=text)
 
 
 def shell_sources(table: Sequence[Variable], fmi: int) -> dict[str, str]:
@@ -103,72 +118,114 @@ def rope_sources() -> dict[str, str]:
     return sources()
 
 
+class Model(Protocol):
+    """Model of an FMU that is not the rope.
+
+    It has no arrays, events and directional derivatives; its outputs at an instant depend on no
+    input of that instant (after initialisation).
+    """
+
+    @property
+    def name(self) -> str:
+        """Name of the model."""
+
+    @property
+    def description(self) -> str:
+        """Description of the model."""
+
+    @property
+    def variables(self) -> Sequence[Variable]:
+        """Variables of the compiled model, by value reference."""
+
+    @property
+    def described(self) -> Mapping[int, Variable]:
+        """Variables that the FMU shows, with names of its own."""
+
+    @property
+    def sources(self) -> Mapping[str, str]:
+        """C files that implement model.h."""
+
+    @property
+    def data(self) -> Sequence[float]:
+        """Numbers that the sources read by ``model_start`` from MODEL_SCALARS on."""
+
+    @property
+    def attachments(self) -> Mapping[str, bytes]:
+        """Further files by their paths in the archive."""
+
+    @property
+    def duration(self) -> float:
+        """Length of the default run [s]."""
+
+    @property
+    def initial(self) -> Mapping[str, Sequence[str]]:
+        """Dependencies of outputs during initialisation, see Build."""
+
+
 def export_model(
     destination: Path,
     platforms: Sequence[str] | None,
     fmi: int,
-    *,
-    name: str,
-    description: str,
-    variables: Sequence[Variable],
-    described: Mapping[int, Variable],
-    sources: Mapping[str, str],
-    data: Sequence[float],
-    attachments: Mapping[str, bytes],
-    duration: float,
-    initial: Mapping[str, Sequence[str]],
+    model: Model,
     identifier: str | None = None,
 ) -> Path:
-    """Write the FMU of a model without arrays, events and directional derivatives; ``platforms`` as for the rope.
+    """Write the FMU of a model; ``platforms`` as for the rope.
 
-    Its outputs at an instant depend on no input of that instant (after initialisation).  ``variables`` are those of
-    the compiled model, ``described`` those of them that the FMU shows, with names of its own.  ``sources`` are C files
-    that implement model.h, ``data`` numbers that they read by ``model_start`` from MODEL_SCALARS on, ``attachments``
-    further files by their paths in the archive, ``duration`` that of the default run [s], ``initial`` the outputs'
-    dependencies during initialisation, see Build.  ``identifier`` replaces the name as model identifier.
+    ``identifier`` replaces the name as model identifier.
     """
+    start = start_values(model.variables, fmi)
+    names = [v.name for v in model.described.values()]
     files = native_files(
-        variables,
-        in_reading_order(described),
-        model_sources(variables, sources, fmi),
-        f"{name}\0{start_values(variables, fmi)}\0{[*data]}\0{[v.name for v in described.values()]}",
-        fmi,
-        choose_platforms(platforms),
-        stop=duration,
-        name=name,
-        description=description,
+        Content(
+            model.variables,
+            in_reading_order(model.described),
+            sources=model_sources(model.variables, model.sources, fmi),
+            data=model.data,
+        ),
+        key=f"{model.name}\0{start}\0{[*model.data]}\0{names}",
+        fmi=fmi,
+        platforms=choose_platforms(platforms),
+        stop=model.duration,
+        name=model.name,
+        description=model.description,
         derivatives=False,
         events=False,
-        initial=initial,
-        data=data,
-        identifier=identifier or name,
+        initial=model.initial,
+        identifier=identifier or model.name,
     )
-    write_archive(destination, {**files, **attachments, **licenses()})
+    write_archive(destination, {**files, **model.attachments, **licenses()})
     return destination
 
 
+class Content(NamedTuple):
+    """Variables and sources of an FMU."""
+
+    table: Sequence[Variable]  # of the compiled model
+    described: Mapping[int, Variable]  # of the FMU, by value reference
+    sources: Mapping[str, str]  # without start.c
+    form: Form = arrays  # in FMI 3.0
+    data: Sequence[float] = ()  # numbers behind the start values
+
+
 def native_files(
-    table: Sequence[Variable],
-    described: Mapping[int, Variable],
-    sources: Mapping[str, str],
-    what: str,
+    content: Content,
+    key: str,
     fmi: int,
     platforms: Sequence[str],
-    form: Form = arrays,
-    data: Sequence[float] = (),
     identifier: str = MODEL,
     **facts: Any,
 ) -> dict[str, bytes]:
     """Return description, sources and libraries by path in the FMU.
 
-    ``sources`` lack start.c; ``what`` distinguishes exports of the same sources; ``data`` are numbers behind the
-    start values; ``facts`` are those of Build.
+    ``key`` distinguishes exports of the same sources; ``facts`` are those of Build.
     """
-    digest = hashlib.sha256(what.encode())
+    sources = content.sources
+    digest = hashlib.sha256(key.encode())
     for name, text in sorted(sources.items()):
         digest.update(f"\0{name}\0{text}".encode())
     token = str(uuid.uuid5(uuid.NAMESPACE_OID, f"balance-rope native {digest.hexdigest()}"))
-    start = Start(token, (*start_values(table, fmi), *data), form is arrays)
+    values = (*start_values(content.table, fmi), *content.data)
+    start = Start(token, values, arrays=content.form is arrays)
     version = importlib.metadata.version("balance-rope")
     written = with_prefix(
         {**sources, "start.c": c_start(start)}, checked_identifier(identifier), fmi
@@ -176,11 +233,10 @@ def native_files(
     compiled = tuple(sorted(name for name in written if name.endswith(".c")))
     tool = f"balance-rope {version}, native"
     build = Build(token, version, tool, sources=compiled, identifier=identifier, **facts)
-    root = (
-        model_description(described, build)
-        if fmi == 2
-        else model_description3(form(described), len(table), build)
-    )
+    if fmi == 2:
+        root = model_description(content.described, build)
+    else:
+        root = model_description3(content.form(content.described), len(content.table), build)
     return {
         "modelDescription.xml": xml_bytes(root),
         **{f"sources/{_place(name)}": text.encode() for name, text in written.items()},
@@ -192,19 +248,24 @@ def native_files(
 def _place(name: str) -> str:
     """Return the path of a source file below the folder of sources.
 
-    The standard has no headers of FMI beside the sources: an importer gives its own, such as one without prefixes for
-    shared libraries.  Who has none finds them in a folder.
+    The standard has no headers of FMI beside the sources: an importer gives its own, such as one
+    without prefixes for shared libraries.  A folder has them for importers without.
     """
-    return f"{HEADERS_IN_FMU}/{name}" if (HEADERS / name).exists() else name
+    if (HEADERS / name).exists():
+        return f"{HEADERS_IN_FMU}/{name}"
+    return name
 
 
 def model_sources(table: Sequence[Variable], model: Mapping[str, str], fmi: int) -> dict[str, str]:
-    """Return the C files ``model`` with everything between model.h and the FMI functions without start.c."""
+    """Return the C files ``model`` with all files between model.h and FMI but start.c."""
     return {**model, **shell(fmi), "variables.c": c_table(table, fmi)}
 
 
 def shell(fmi: int, *more: str) -> dict[str, str]:
-    """Return the C files between the FMI functions and model.h by name; ``more`` are further files of this folder."""
+    """Return the C files between the FMI functions and model.h by name.
+
+    ``more`` are further files of this folder.
+    """
     headers = sorted(HEADERS.glob(f"fmi{fmi}*.h"))
     files = [*(_HERE / name for name in (*_COMMON, f"fmi{fmi}.c", *more)), *headers]
     return {path.name: path.read_text(encoding="utf-8") for path in files}

@@ -1,7 +1,10 @@
-"""Names of a source FMU's functions that no other object file may have: all begin with the model identifier.
+"""Names of a source FMU's functions: all begin with the model identifier.
 
-FMI wants that of its own functions where an FMU is linked statically; the headers of the standard see to it by a macro.
-The same is done here to all functions and tables that the C files share.  Several FMUs link into one program so.
+So no other object file has them.
+
+FMI wants that of its own functions where an FMU is linked statically; the headers of the standard
+see to it by a macro. The same is done here to all functions and tables that the C files share.
+Several FMUs link into one program so.
 """
 
 import re
@@ -42,28 +45,34 @@ def checked_identifier(identifier: str) -> str:
         and len(identifier) <= LONGEST_IDENTIFIER
     ):
         raise ValueError(
-            f"the model identifier {identifier!r} must have letters, digits and _ only, not begin with a digit, "
-            f"and be at most {LONGEST_IDENTIFIER} characters long: give a name such as MyRope"
+            f"the model identifier {identifier!r} must have letters, digits and _ only, not begin "
+            f"with a digit, and be at most {LONGEST_IDENTIFIER} characters long: "
+            "give a name such as MyRope"
         )
     return identifier
 
 
 def with_prefix(sources: Mapping[str, str], identifier: str, fmi: int) -> dict[str, str]:
-    """Return the sources with their shared names behind the identifier, by a header that each C file begins with."""
+    """Return the sources with the identifier before their shared names.
+
+    Each C file begins with a header that does it.
+    """
     names = "\n".join(f"#define {name} {identifier}_{name}" for name in shared_names(sources))
     header = _TEXT.format(fmi=fmi, identifier=identifier, names=names)
-    begun = {
-        name: f'#include "{HEADER}"\n{text}' if name.endswith(".c") else text
-        for name, text in sources.items()
-    }
-    return begun | {HEADER: header}
+    prefixed = dict(sources)
+    for name, text in sources.items():
+        if name.endswith(".c"):
+            prefixed[name] = f'#include "{HEADER}"\n{text}'
+    return prefixed | {HEADER: header}
 
 
 def shared_names(sources: Mapping[str, str]) -> list[str]:
-    """Return the functions and data of the sources that have external linkage, but for those of FMI."""
-    own = [text for name, text in sources.items() if not _FMI.fullmatch(name.removesuffix(".h"))]
-    found = {
-        name for text in own for pattern in (_FUNCTION, _DATA) for name in pattern.findall(text)
-    }
-    macros = {name for text in own for name in _MACRO.findall(text)}
-    return sorted(name for name in found - macros if not _FMI.fullmatch(name))
+    """Return the functions and data with external linkage, but for those of FMI."""
+    names: set[str] = set()
+    macros: set[str] = set()
+    for file_name, text in sources.items():
+        if _FMI.fullmatch(file_name.removesuffix(".h")):
+            continue
+        names.update(_FUNCTION.findall(text), _DATA.findall(text))
+        macros.update(_MACRO.findall(text))
+    return sorted(name for name in names - macros if not _FMI.fullmatch(name))

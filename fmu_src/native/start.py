@@ -1,9 +1,9 @@
 """Start values of an export, as ``start.c`` of the sources and written into finished libraries.
 
-Token, start values and the form of arrays are one block of the library, behind MAGIC.  It is read at run time
-(volatile), so it can be written after the compiler is done: one library per platform and version of FMI serves every
-export.  Its bytes are those of one compiled from the export's own sources, except for the linker's mark (the time stamp
-of Windows' libraries, macOS's UUID).
+Token, start values and the form of arrays are one block of the library, behind MAGIC.  It is read
+at run time (volatile), so it can be written after the compiler is done: one library per platform
+and version of FMI serves every export.  Its bytes are those of one compiled from the export's own
+sources, except for the linker's mark (the time stamp of Windows' libraries, macOS's UUID).
 """
 
 import struct
@@ -56,18 +56,19 @@ int model_has_arrays(void) {{ return START->arrays; }}
 
 
 class Start(NamedTuple):
-    """GUID or instantiation token, start value of every scalar, and whether arrays are one variable."""
+    """Data of an export in its library."""
 
-    token: str
-    values: tuple[float, ...]
-    arrays: bool = True
+    token: str  # GUID, or instantiation token of FMI 3.0
+    values: tuple[float, ...]  # start value of every scalar
+    arrays: bool = True  # whether an array is one variable
 
     def block(self) -> bytes:
         """Return the values as a block of a library."""
         token = self.token.encode()
         if len(token) >= TOKEN_ROOM:
             raise ValueError(
-                f"the token {self.token} has {len(token)} bytes: it must have less than {TOKEN_ROOM}"
+                f"the token {self.token} has {len(token)} bytes: "
+                f"it must have less than {TOKEN_ROOM}"
             )
         head = _HEAD.pack(MAGIC, token, len(self.values), self.arrays)
         return head + struct.pack(f"<{len(self.values)}d", *self.values)
@@ -86,7 +87,7 @@ def c_start(start: Start) -> str:
 
 
 def without_start(sources: Mapping[str, str], scalars: int) -> dict[str, str]:
-    """Return the C files that every export of a model shares: ``sources`` and a start.c of zeros."""
+    """Return the C files of all exports of a model: ``sources``, and a start.c of zeros."""
     return {**sources, "start.c": c_start(Start("", (0.0,) * scalars))}
 
 
@@ -109,7 +110,7 @@ def binaries_with(
 
 
 def with_start(library: bytes, start: Start) -> bytes:
-    """Return the library with token, values and arrays of ``start``; those of macOS are signed again.
+    """Return the library with the data of ``start``; those of macOS are signed again.
 
     Raises RuntimeError if the library has no block for them, or one for another number of scalars.
     """
@@ -118,12 +119,14 @@ def with_start(library: bytes, start: Start) -> bytes:
         offset = library.find(MAGIC, begin, end)
         if offset < 0 or library.find(MAGIC, offset + 1, end) >= 0:
             raise RuntimeError(
-                f"the library has no one place for start values ({MAGIC!r}); delete it and export anew"
+                f"the library has no one place for start values ({MAGIC!r}); "
+                "delete it and export anew"
             )
         scalars = _HEAD.unpack_from(library, offset)[2]
         if scalars != len(start.values):
             raise RuntimeError(
-                f"the library takes {scalars} start values, not {len(start.values)}; delete it and export anew"
+                f"the library takes {scalars} start values, not {len(start.values)}; "
+                "delete it and export anew"
             )
         block = start.block()
         out[offset : offset + len(block)] = block

@@ -1,4 +1,4 @@
-"""Interface table as C: ``MODEL_VARIABLES`` of model.h, and the location of each scalar in the rope."""
+"""Interface table as C: ``MODEL_VARIABLES`` of model.h, and places of scalars in the rope."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -8,7 +8,7 @@ from fmu_src.interface import RATES, Variable
 from fmu_src.profile import arrays, scalars
 from rope_model.rules.end_paths import EndMotion
 from rope_model.rules.signal_table import LOADS, SIGNALS
-from rope_model.scene_names import choices_of
+from rope_model.scene_names import Value, choices_of
 from rope_model.shaft_parameters import PARTS
 from rope_model.texts import c_string
 
@@ -37,7 +37,8 @@ def c_table(table: Sequence[Variable], fmi: int) -> str:
     ]
     if fmi == 3:
         rows.append(
-            '{"time", NULL, 0, 1, 0, KIND_REAL, CAUSALITY_INDEPENDENT, VARIABILITY_CONTINUOUS, FROM_TIME}'
+            '{"time", NULL, 0, 1, 0, '
+            "KIND_REAL, CAUSALITY_INDEPENDENT, VARIABILITY_CONTINUOUS, FROM_TIME}"
         )
     scalars = f"const size_t MODEL_SCALARS = {len(rows)};"
     return "\n".join([_HEAD, scalars, _array("const Variable MODEL_VARIABLES[]", rows)])
@@ -45,32 +46,42 @@ def c_table(table: Sequence[Variable], fmi: int) -> str:
 
 def lengths(table: Sequence[Variable], fmi: int) -> list[int]:
     """Return the number of elements of the array under each value reference; 0 within an array."""
-    known = {
-        array.reference: array.length
-        for array in (arrays if fmi == 3 else scalars)(dict(enumerate(table)))
-    }
-    return [known.get(i, 0) for i in range(len(table))]
+    gather = arrays if fmi == 3 else scalars
+    lengths = {array.reference: array.length for array in gather(dict(enumerate(table)))}
+    return [lengths.get(i, 0) for i in range(len(table))]
 
 
 def start_values(table: Sequence[Variable], fmi: int) -> tuple[float, ...]:
     """Return the start value of each scalar, 0 if it has none; FMI 3 has the time."""
-    starts = [float(v.start) if isinstance(v.start, int | float) else 0.0 for v in table]
-    return tuple(starts + [0.0] * (fmi == 3))
+    starts = [_number(v.start) for v in table]
+    if fmi == 3:
+        starts.append(0.0)
+    return tuple(starts)
+
+
+def _number(start: Value | None) -> float:
+    """Return a start value as a number, 0 without one."""
+    if isinstance(start, int | float):
+        return float(start)
+    return 0.0
 
 
 def c_places(table: Sequence[Variable], fmi: int) -> str:
     """Return places.c with the location of each scalar for rope_model.c."""
-    rows = [_location(v) for v in table] + (["{NOWHERE, 0, -1}"] if fmi == 3 else [])
+    rows = [_location(v) for v in table]
+    if fmi == 3:
+        rows.append("{NOWHERE, 0, -1}")
     includes = '#include "rope.h"\n#include "rope_table.h"\n'
     names = [v.name for v in table]
-    motions = [
-        ", ".join(str(names.index(f"{side}.{f.name}")) for f in fields(EndMotion))
-        for side in ("left", "right")
-    ]
-    inputs = _array(
-        "const size_t ROPE_MOTIONS[2][INPUTS_OF_END]", (f"{{{of_end}}}" for of_end in motions)
-    )
+    motions = [_places_of_motion(side, names) for side in ("left", "right")]
+    inputs = _array("const size_t ROPE_MOTIONS[2][INPUTS_OF_END]", motions)
     return "\n".join([_HEAD.rstrip(), includes, _array("const Place ROPE_PLACES[]", rows), inputs])
+
+
+def _places_of_motion(side: str, names: Sequence[str]) -> str:
+    """Return the initializer with the places of an end's inputs among all names."""
+    places = [names.index(f"{side}.{field.name}") for field in fields(EndMotion)]
+    return f"{{{', '.join(map(str, places))}}}"
 
 
 def _array(declaration: str, rows: Iterable[str]) -> str:
@@ -79,11 +90,15 @@ def _array(declaration: str, rows: Iterable[str]) -> str:
 
 def _row(v: Variable, fmi: int, length: int, rate: int) -> str:
     words = choices_of(v.name)
-    choices = (
-        c_string(", ".join(f"{i} {word}" for i, word in enumerate(words))) if words else "NULL"
-    )
-    kind = "ENUMERATION" if words and fmi == 3 else v.kind.upper()
-    source = "FROM_ENTRY" if v.causality != "output" else _SOURCES.get(v.name, "FROM_MODEL")
+    kind = v.kind.upper()
+    choices = "NULL"
+    if words:
+        choices = c_string(", ".join(f"{i} {word}" for i, word in enumerate(words)))
+    if words and fmi == 3:
+        kind = "ENUMERATION"
+    source = "FROM_ENTRY"
+    if v.causality == "output":
+        source = _SOURCES.get(v.name, "FROM_MODEL")
     return (
         f"{{{c_string(v.name)}, {choices}, {len(words)}, {length}, {rate}, KIND_{kind}, "
         f"CAUSALITY_{v.causality.upper()}, VARIABILITY_{v.variability.upper()}, {source}}}"
@@ -92,10 +107,15 @@ def _row(v: Variable, fmi: int, length: int, rate: int) -> str:
 
 def _location(v: Variable) -> str:
     where, offset = _home(v)
-    return f"{{{where}, {offset}, {LOADS.index(v.name) if v.name in LOADS else -1}}}"
+    load = LOADS.index(v.name) if v.name in LOADS else _NO_LOAD
+    return f"{{{where}, {offset}, {load}}}"
+
+
+_NO_LOAD = -1  #: Place among LOADS of a variable that is none.
 
 
 def _home(v: Variable) -> tuple[str, str]:
+    """Return the kind of place where a variable lives in the rope, and its offset there."""
     group, _, field = v.name.rpartition(".")
     if v.name == "inputs_at_step_end":
         return "AT_STEP_END", "0"
@@ -103,9 +123,8 @@ def _home(v: Variable) -> tuple[str, str]:
         return _TEXTS[v.name], "0"
     if v.name in SIGNALS:
         return "SIGNAL", str(list(SIGNALS).index(v.name))
-    if (
-        v.causality == "output" or v.name == "solver.kernels"
-    ):  # status of the component; Python form only
+    # outputs of the component, and a parameter of the Python form alone
+    if v.causality == "output" or v.name == "solver.kernels":
         return "NOWHERE", "0"
     if v.causality == "input":
         return f"{group.upper()}_MOTION", f"offsetof(EndMotion, {field})"

@@ -43,7 +43,8 @@ def _sought(parameter: Parameter) -> Any:
     def checked(entry: ParameterValue) -> ParameterValue:
         if parameter.name in {f"rope.{name}" for name in FOLLOWING}:
             raise ValueError(
-                f"{parameter.name} follows from the properties, all of which are sought: give [known]"
+                f"{parameter.name} follows from the properties, all of which are sought: give "
+                "[known]"
             )
         if entry.low is None or entry.high is None or entry.low >= entry.high:
             raise ValueError(
@@ -85,14 +86,15 @@ class MeasurementFile(RopeAnalysisFile):
     def _reaches_the_rope(self) -> Self:
         twice = sorted(self.fixed.keys() & self.sought.keys())
         problems = Problems(
-            f"[fixed] {name} = {self.fixed[name].value!r} is also in [sought], with a range: leave one of them out"
+            f"[fixed] {name} = {self.fixed[name].value!r} is also in [sought], with a range: leave "
+            "one of them out"
             for name in twice
         )
         fidelity = self.fixed.get(_FIDELITY)
         if fidelity is not None and fidelity.value != rope_parameters()[_FIDELITY].read(FIDELITY):
             problems.append(
-                f'[fixed] {_FIDELITY} = {fidelity.value!r} must be "{FIDELITY}", the fidelity at which [[measured]] is '
-                "predicted, as torsion is among the properties: leave it out"
+                f'[fixed] {_FIDELITY} = {fidelity.value!r} must be "{FIDELITY}", the fidelity at '
+                "which [[measured]] is predicted, as torsion is among the properties: leave it out"
             )
         others = {
             name: entry for name, entry in self.fixed.items() if name not in (*twice, _FIDELITY)
@@ -104,33 +106,43 @@ class MeasurementFile(RopeAnalysisFile):
         return self
 
     def require_hangs(self) -> None:
-        """Refuse a rope of the ranges' middle that cannot hang where it is measured; FileError says why."""
+        """Refuse a rope of the ranges' middle that cannot hang where it is measured.
+
+        FileError says why.
+        """
         predictor = self.problem.predictor(np.full(len(self.problem.names), MIDDLE))
         for k, one in enumerate(self.measurements, 1):
-            for left, right, _ in one.apart if isinstance(one, InShaft) else ():
+            if not isinstance(one, InShaft):
+                continue
+            for left, right, _ in one.end_places:
                 try:
                     predictor.signal("left.fy", left, right)
                 except RuntimeError as error:
-                    raise FileError(
-                        self.path, [f"measured {k}: the rope cannot hang {error}"]
-                    ) from error
+                    problem = f"measured {k}: the rope cannot hang {error}"
+                    raise FileError(self.path, [problem]) from error
 
     @model_validator(mode="after")
     def _is_within_reach(self) -> Self:
         length = self.problem.catalogue_rope.length
-        problems = Problems(
-            f"measured {k}: left_y = {left:g}, right_y = {right:g}: the ends must be less than the rope's length = "
-            f"{length:g} m apart, before and after a trip, and are {abs(gap):g} m: correct left_y, right_y or travel"
-            for k, one in enumerate(self.measurements, 1)
-            if isinstance(one, InShaft)
-            for left, right, gap in one.apart
-            if abs(gap) >= length
-        )
-        problems += [
-            f"measured {k}: {what} = {s:.6g} m must be from 0 to {length:g} m, its length: correct one or the unit"
-            for k, one in enumerate(self.measurements, 1)
-            for what, s in (one.lengths.items() if isinstance(one, Markers) else ())
-            if not 0.0 <= s <= length
-        ]
+        problems = Problems()
+        of_lengths = Problems()
+        for k, one in enumerate(self.measurements, 1):
+            if isinstance(one, InShaft):
+                for left, right, distance in one.end_places:
+                    if abs(distance) >= length:
+                        problems.append(
+                            f"measured {k}: left_y = {left:g}, right_y = {right:g}: the ends must "
+                            f"be less than the rope's length = {length:g} m apart, before and "
+                            f"after a trip, and are {abs(distance):g} m: correct left_y, right_y "
+                            "or travel"
+                        )
+            if isinstance(one, Markers):
+                for name, s in one.lengths.items():
+                    if not 0.0 <= s <= length:
+                        of_lengths.append(
+                            f"measured {k}: {name} = {s:.6g} m must be from 0 to {length:g} m, "
+                            "its length: correct one or the unit"
+                        )
+        problems += of_lengths
         problems.refuse()
         return self

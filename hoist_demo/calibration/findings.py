@@ -1,10 +1,15 @@
-"""What a fit has found of a property: the one decision from which words, statuses and the exit code follow."""
+"""Finding of a fit on a property.
+
+Words, statuses and the exit code follow from it.
+"""
 
 from enum import Enum
 
 from hoist_demo.calibration.fit import Array, Fit
 
-OPEN = 0.25  #: Half width of an interval in shares from which on a property is undetermined: half that of a range.
+#: Half width of an interval in shares from which on a property is undetermined: half that of a
+#: range.
+OPEN = 0.25
 
 
 class Finding(Enum):
@@ -14,9 +19,8 @@ class Finding(Enum):
     UNDETERMINED = "undetermined"  # the data say no more than the range
     AT_LOWER_END = "at the lower end of its range"  # the data ask for less than the range allows
     AT_UPPER_END = "at the upper end of its range"  # the data ask for more than the range allows
-    CONTRADICTED = (
-        "contradicted"  # a compromise between measurements that contradict the model or one another
-    )
+    # a compromise between measurements that contradict the model or one another
+    CONTRADICTED = "contradicted"
 
     @property
     def at_end(self) -> bool:
@@ -26,19 +30,21 @@ class Finding(Enum):
 
 def findings_of(fit: Fit, intervals: Array) -> list[Finding]:
     """Return the finding of each share with its interval, (n, 2)."""
-    rows = zip(
-        fit.held.tolist(),
-        fit.reaches.tolist(),
-        (intervals[:, 1] - intervals[:, 0]).tolist(),
-        strict=True,
-    )
+    widths = (intervals[:, 1] - intervals[:, 0]).tolist()
+    rows = zip(fit.held.tolist(), fit.reaches.tolist(), widths, strict=True)
     return [_finding(held, reach, width, fit.contradicted) for held, reach, width in rows]
 
 
 def _finding(held: int, reach: float, width: float, contradicted: bool) -> Finding:
     """Return the finding of a share, from its linear reach and the width of its interval."""
+    if contradicted and (held or reach < OPEN):
+        return Finding.CONTRADICTED
     if contradicted:
-        return Finding.CONTRADICTED if held or reach < OPEN else Finding.UNDETERMINED
-    if held:
-        return Finding.AT_UPPER_END if held > 0 else Finding.AT_LOWER_END
-    return Finding.CALIBRATED if 0.5 * width < OPEN else Finding.UNDETERMINED
+        return Finding.UNDETERMINED
+    if held > 0:
+        return Finding.AT_UPPER_END
+    if held < 0:
+        return Finding.AT_LOWER_END
+    if 0.5 * width < OPEN:
+        return Finding.CALIBRATED
+    return Finding.UNDETERMINED

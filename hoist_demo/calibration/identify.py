@@ -1,4 +1,7 @@
-"""A rope's properties from a file of measurements: values with intervals, what stays open, what to measure next."""
+"""A rope's properties from a file of measurements.
+
+Found are values with intervals, what stays undetermined, and what to measure next.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -22,6 +25,7 @@ from hoist_demo.calibration.fit import (
 )
 from hoist_demo.calibration.measurements import CalibrationProblem, Measurements, RopeMeasurement
 from hoist_demo.calibration.tracks import Markers
+from hoist_demo.cases.case import DEFAULT_HOIST
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data_of
 from hoist_demo.files.rope_file import following_statuses
@@ -29,16 +33,15 @@ from hoist_demo.files.values import GIVEN
 from hoist_demo.study.provenance import SourcedValue, rope_provenance
 from rope_model import Datum, KnownRope
 
-Computed = Callable[
-    [int], None
-]  #: Is told of each rope that was computed, with the number of its windings.
+#: Is told of each rope that was computed, with the number of its windings.
+Computed = Callable[[int], None]
 MIN_COMPONENT = 0.3  #: Least part of a property in a direction that names it.
 STRONG = 0.7  #: Least correlation that is reported.
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """A measurement that could be added, and the standard error of the wanted output that it would leave."""
+    """Measurement that could be added, and the standard error of the wanted output with it."""
 
     measurement: RopeMeasurement
     error: float
@@ -80,15 +83,12 @@ class CalibrationResult:
 
     def open_directions(self) -> list[str]:
         """List the properties of each direction that the data leave open, equal sets once."""
-        named = [
-            " and ".join(
-                name
-                for name, part in zip(self.names, direction, strict=True)
-                if abs(part) > MIN_COMPONENT
-            )
-            for direction in self.fit.untold()
-        ]
-        return list(dict.fromkeys(named))
+        sets = dict[str, None]()
+        for direction in self.fit.undetermined_directions():
+            parts = zip(self.names, direction, strict=True)
+            names = [name for name, part in parts if abs(part) > MIN_COMPONENT]
+            sets[" and ".join(names)] = None
+        return list(sets)
 
     def provenance(self) -> list[SourcedValue]:
         """Sources of the numbers of the rope and its shaft."""
@@ -99,20 +99,18 @@ class CalibrationResult:
             **self.measurement_file.status_by_name,
         }
         data_statuses = {name: datum.status for name, datum in self.data.items()}
-        status_by_name |= {
-            name: data_statuses[name] for name in problem.sought
-        } | following_statuses(data_statuses)
-        return rope_provenance(
-            find_case("rope-120"),
-            rope_data_of(problem.scene_at(self.fit.norm_params)),
-            status_by_name,
-        )  # the case of the defaults
+        status_by_name |= {name: data_statuses[name] for name in problem.sought}
+        status_by_name |= following_statuses(data_statuses)
+        rope = rope_data_of(problem.scene_at(self.fit.norm_params))
+        return rope_provenance(find_case(DEFAULT_HOIST), rope, status_by_name)
 
     def strong_correlations(self) -> list[tuple[str, str, float]]:
-        """Pairs of properties that the data determine together rather than apart."""
-        matrix = self.fit.correlations
-        pairs = [(i, j) for i in range(len(matrix)) for j in range(i) if abs(matrix[i, j]) > STRONG]
-        return [(self.names[j], self.names[i], float(matrix[i, j])) for i, j in pairs]
+        """Return pairs of properties with their strong correlations."""
+        matrix = np.tril(self.fit.correlations, k=-1)
+        pairs = []
+        for i, j in np.argwhere(np.abs(matrix) > STRONG):
+            pairs.append((self.names[j], self.names[i], float(matrix[i, j])))
+        return pairs
 
 
 def identify(
@@ -144,31 +142,37 @@ def identify(
     rows = sensitivities(
         lambda u: problem.predict(u, [wanted, *possible]), properties_fit.norm_params
     )
-    gradient, covariance = rows[0], properties_fit.covariance
-    left = [
-        Candidate(m, error_of(with_measurement(covariance, row / m.sigma), gradient))
-        for m, row in zip(possible, rows[1:], strict=True)
-    ]
+    gradient = rows[0]
+    covariance = properties_fit.covariance
+    ranked = list[Candidate]()
+    for m, row in zip(possible, rows[1:], strict=True):
+        after = with_measurement(covariance, row / m.sigma)
+        ranked.append(Candidate(m, error_of(after, gradient)))
+    ranked.sort(key=lambda candidate: candidate.error)
     predictor = problem.predictor(properties_fit.norm_params)
     predicted = problem.predict(whole.norm_params, [*file.measurements, wanted], predictor)
     return CalibrationResult(
         file,
         properties_fit,
         ends,
-        calibrated(file, findings, ends),
-        predicted[:-1],
-        findings,
-        float(predicted[-1]),
-        error_of(covariance, gradient),
-        tuple(sorted(left, key=lambda c: c.error)),
-        predictor.warnings,
+        data=calibrated(file, findings, ends),
+        predicted=predicted[:-1],
+        findings=findings,
+        wanted=float(predicted[-1]),
+        wanted_error=error_of(covariance, gradient),
+        candidates=tuple(ranked),
+        warnings=predictor.warnings,
     )
 
 
 def stacked(measurements: Measurements) -> tuple[Array, Array]:
     """Stack all values and their standard errors, each (m,)."""
-    values = [value for m in measurements for value in m.values]
-    return np.array(values), np.array([m.sigma for m in measurements for _ in m.values])
+    values = list[float]()
+    sigmas = list[float]()
+    for m in measurements:
+        values += [*m.values]
+        sigmas += [m.sigma] * len(m.values)
+    return np.array(values), np.array(sigmas)
 
 
 def residuals_of(
@@ -178,7 +182,10 @@ def residuals_of(
     sigmas: Array,
     computed: Computed = lambda windings: None,
 ) -> Residuals:
-    """Return the function (norm_params) -> (predictions - values) / sigmas, (m,); ``computed`` hears of each rope."""
+    """Return the function (norm_params) -> (predictions - values) / sigmas, (m,).
+
+    ``computed`` hears of each rope.
+    """
     lock = Lock()  # several ropes are computed at once
 
     def residuals(norm_params: Array) -> Array:
@@ -197,7 +204,10 @@ def residuals_of(
 def calibrated(
     file: MeasurementFile, findings: Mapping[str, Finding], ends: Array
 ) -> dict[str, Datum]:
-    """Replace ranges by calibrated intervals; if the model is contradicted, ranges stand with that status."""
+    """Replace ranges by calibrated intervals.
+
+    If the model is contradicted, ranges stand with that status.
+    """
     data = file.problem.data
     source = file.path.name
     for (name, finding), interval in zip(findings.items(), ends, strict=True):

@@ -36,7 +36,8 @@ from rope_model.physics.estimates import natural_width
 from rope_model.scene_names import with_values
 
 Array = NDArray[np.float64]
-MAX_TIME = 3600.0  #: Latest time of a value after a trip's start [s]: no swing lasts longer, and tracks are slow.
+#: Latest time of a value after a trip's start [s]: no swing lasts longer, and tracks are slow.
+MAX_TIME = 3600.0
 COMMUNICATION = 0.02  #: Communication step of a track [s].
 SAMPLE = 0.1  #: Time between two values of which a largest and a smallest are taken [s].
 #: Fidelity at which all is predicted: torsion and its coupling to tension are among the properties.
@@ -82,7 +83,7 @@ class RopePredictor:
         self.scene = scene.with_(model=replace(scene.model, fidelity=FIDELITY))
         self._at_rest: dict[tuple[float, float], rope_model.BalanceRope] = {}
         self._modes: dict[tuple[float, float], Modes] = {}
-        self._asked: dict[Trip, TripReadings] = {}
+        self._readings: dict[Trip, TripReadings] = {}
         self._wound: dict[Trip, dict[float, dict[str, float]]] = {}
         self.windings = 0  #: number of trips wound and of files of motion followed
 
@@ -92,9 +93,9 @@ class RopePredictor:
             if not isinstance(m, Track):
                 continue
             for trip, times in m.readings():
-                asked = self._asked.setdefault(trip, TripReadings())
-                asked.signals.add(m.signal)
-                asked.times.update(times)
+                readings = self._readings.setdefault(trip, TripReadings())
+                readings.signals.add(m.signal)
+                readings.times.update(times)
                 self._wound.pop(trip, None)
 
     @cached_property
@@ -110,16 +111,16 @@ class RopePredictor:
             self._at_rest[left, right] = rope
         return self._at_rest[left, right].signals([name])[name]
 
-    def along(self, trip: Trip, signal: str, times: Iterable[float]) -> list[float]:
-        """Return an output at these times [s] of a trip that was planned, which is wound at the first question."""
+    def track(self, trip: Trip, signal: str, times: Iterable[float]) -> list[float]:
+        """Return an output at these times [s] of a planned trip; the first call winds it."""
         if trip not in self._wound:
-            self._wound[trip] = self._wind(trip, self._asked[trip])
+            self._wound[trip] = self._wind(trip, self._readings[trip])
         return [self._wound[trip][t][signal] for t in times]
 
-    def _wind(self, trip: Trip, asked: TripReadings) -> dict[float, dict[str, float]]:
-        """Return all outputs that are asked for by time [s]."""
+    def _wind(self, trip: Trip, readings: TripReadings) -> dict[float, dict[str, float]]:
+        """Return all outputs of the readings by time [s]."""
         self.windings += 1
-        names, times = sorted(asked.signals), sorted(asked.times)
+        names = sorted(readings.signals)
         motion = trip.reference()
         rope = rope_model.balance_rope(self.scene)
 
@@ -132,10 +133,9 @@ class RopePredictor:
         read = rope.reader(names)
         values = {0.0: rope.signals(names)}
         now = 0.0
-        for target in times if times[0] > now else times[1:]:
-            for t in np.linspace(now, target, math.ceil((target - now) / COMMUNICATION) + 1)[
-                1:
-            ].tolist():
+        for target in sorted(readings.times - {now}):
+            steps = math.ceil((target - now) / COMMUNICATION)
+            for t in np.linspace(now, target, steps + 1)[1:].tolist():
                 status = rope.advance_to(t, *ends(t))
                 if not status.valid:
                     raise RuntimeError(
@@ -148,11 +148,10 @@ class RopePredictor:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings of the ropes at rest."""
-        return tuple(
-            dict.fromkeys(
-                text for rope in self._at_rest.values() for text in rope.warnings().values()
-            )
-        )
+        texts = dict[str, None]()
+        for rope in self._at_rest.values():
+            texts |= dict.fromkeys(rope.warnings().values())
+        return tuple(texts)
 
     def torsion(self, load: float) -> float:
         """Torque over twist (N m^2) under the load."""
@@ -170,9 +169,8 @@ class RopePredictor:
             _require_rest(rope.initialize(0.0, EndMotion(y=left), EndMotion(y=right)), left, right)
             self._modes[left, right] = natural_modes(rope, MODES)
         modes = self._modes[left, right]
-        return np.asarray(
-            modes.frequencies[(modes.out_of_plane > 0.5) == (plane == "out of plane")]
-        )
+        is_out_of_plane = modes.out_of_plane > 0.5
+        return np.asarray(modes.frequencies[is_out_of_plane == (plane == "out of plane")])
 
 
 def _require_rest(status: rope_model.Status, left: float, right: float) -> None:
@@ -182,12 +180,14 @@ def _require_rest(status: rope_model.Status, left: float, right: float) -> None:
         )
 
 
+def _as_list(content: object) -> object:
+    if isinstance(content, list | tuple):
+        return content
+    return [content]
+
+
 T = TypeVar("T")
-Series = Annotated[
-    tuple[T, ...],
-    BeforeValidator(lambda one: one if isinstance(one, list | tuple) else [one]),
-    Field(min_length=1),
-]
+Series = Annotated[tuple[T, ...], BeforeValidator(_as_list), Field(min_length=1)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Magnitude = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 Time = Annotated[float, Field(ge=0.0, le=MAX_TIME)]
@@ -195,7 +195,10 @@ Signal: Any = Literal[tuple(SIGNALS)]  #: Name of an output, docs/reference/vari
 
 
 class RopeMeasurement(Table):
-    """Values with their standard error, and the circumstances; a number that varies has as many as there are values."""
+    """Values with their standard error, and the circumstances.
+
+    A number that varies has as many as there are values.
+    """
 
     UNIT: ClassVar[str] = ""  # "": the signal's
     name: Text = ""
@@ -219,9 +222,10 @@ class RopeMeasurement(Table):
 
     def each(self, *names: str) -> list[tuple[float, ...]]:
         """Return the tuples of these fields for each value, single numbers repeated."""
-        columns = [
-            getattr(self, name) * (len(self.values) // len(getattr(self, name))) for name in names
-        ]
+        columns = []
+        for name in names:
+            column = getattr(self, name)
+            columns.append(column * (len(self.values) // len(column)))
         return list(zip(*columns, strict=True))
 
     @model_validator(mode="after")
@@ -308,8 +312,8 @@ class InShaft(RopeMeasurement):
     right_y: Series[Finite]  # m
 
     @property
-    def apart(self) -> list[tuple[float, float, float]]:
-        """Heights of left and right end, and how far they are apart [m]."""
+    def end_places(self) -> list[tuple[float, float, float]]:
+        """Heights of left and right end, and their difference [m]."""
         return [(left, right, left - right) for left, right in self.each("left_y", "right_y")]
 
 
@@ -341,8 +345,8 @@ class Swing(InShaft):
             frequencies = predictor.frequencies(self.plane, left, right)
             if number > frequencies.size:
                 raise RuntimeError(
-                    f"{self.title}: number = {number:g} must be at most {frequencies.size}, as {MODES} modes hold so "
-                    f"many {self.plane}: give a lower one"
+                    f"{self.title}: number = {number:g} must be at most {frequencies.size}, as "
+                    f"{MODES} modes hold so many {self.plane}: give a lower one"
                 )
             predicted.append(float(frequencies[round(number) - 1]))
         return predicted
@@ -360,13 +364,13 @@ class Track(InShaft):
     jerk: Series[Magnitude] = (Winding.jerk,)
 
     @property
-    def apart(self) -> list[tuple[float, float, float]]:
-        """Heights of both ends and their distance, before and after each trip [m]."""
-        trips = zip(super().apart, self.each("travel"), strict=True)
-        return [
-            *super().apart,
-            *((left, right, gap + 2 * travel) for (left, right, gap), (travel,) in trips),
-        ]
+    def end_places(self) -> list[tuple[float, float, float]]:
+        """Heights of both ends and their difference, before and after each trip [m]."""
+        before = super().end_places
+        after = []
+        for (left, right, difference), (travel,) in zip(before, self.each("travel"), strict=True):
+            after.append((left, right, difference + 2 * travel))
+        return [*before, *after]
 
     def readings(self) -> list[tuple[Trip, tuple[float, ...]]]:
         """Return trip and times [s], to the millisecond, of each value."""
@@ -374,7 +378,7 @@ class Track(InShaft):
         return [(trip, (round(t, 3),)) for trip, (t,) in zip(trips, self.each("t"), strict=True)]
 
     def predict(self, predictor: RopePredictor) -> Sequence[float]:
-        return [predictor.along(trip, self.signal, times)[0] for trip, times in self.readings()]
+        return [predictor.track(trip, self.signal, times)[0] for trip, times in self.readings()]
 
     def _trips(self) -> list[Trip]:
         return [
@@ -397,16 +401,18 @@ class Swept(Track):
     until: Series[Time]  # s
 
     def readings(self) -> list[tuple[Trip, tuple[float, ...]]]:
-        windows = [
-            np.linspace(t, until, math.ceil((until - t) / SAMPLE) + 1)
-            for t, until in self.each("t", "until")
-        ]
-        times = [tuple(round(t, 3) for t in window.tolist()) for window in windows]
-        return list(zip(self._trips(), times, strict=True))
+        readings = []
+        for trip, (start, until) in zip(self._trips(), self.each("t", "until"), strict=True):
+            window = np.linspace(start, until, math.ceil((until - start) / SAMPLE) + 1)
+            readings.append((trip, tuple(round(t, 3) for t in window.tolist())))
+        return readings
 
     def predict(self, predictor: RopePredictor) -> Sequence[float]:
-        swept = [predictor.along(trip, self.signal, times) for trip, times in self.readings()]
-        return [max(values) - min(values) for values in swept]
+        ranges = []
+        for trip, times in self.readings():
+            values = predictor.track(trip, self.signal, times)
+            ranges.append(max(values) - min(values))
+        return ranges
 
     @model_validator(mode="after")
     def _ends_later(self) -> Self:
@@ -439,9 +445,8 @@ class CalibrationProblem:
 
     catalogue_rope: rope_model.KnownRope
     scene: Scene
-    sought: Mapping[str, Datum] = field(
-        default_factory=dict
-    )  # ranges of parameters beside the properties
+    # ranges of parameters beside the properties
+    sought: Mapping[str, Datum] = field(default_factory=dict)
 
     @property
     def data(self) -> dict[str, Datum]:
@@ -458,14 +463,17 @@ class CalibrationProblem:
         return self.data[name].at(float(norm_params[self.names.index(name)]))
 
     def rope(self, norm_params: Array) -> rope_model.Rope:
-        """Return the rope at these shares of the ranges; what the file fixes beyond the properties is the scene's."""
+        """Return the rope at these shares of the ranges.
+
+        What the file fixes beyond the properties is the scene's.
+        """
         data = self.catalogue_rope.data
-        values = {
-            name: self.value(name, norm_params) if name in self.names else data[name].low
-            for name in data
-        }
-        made = self.catalogue_rope.rope(**values)
-        return replace(self.scene.rope, **{name: getattr(made, name) for name in FOLLOWING})
+        values = {name: datum.low for name, datum in data.items()}
+        for name in self.names:
+            if name in data:
+                values[name] = self.value(name, norm_params)
+        rope = self.catalogue_rope.rope(**values)
+        return replace(self.scene.rope, **{name: getattr(rope, name) for name in FOLLOWING})
 
     def scene_at(self, norm_params: Array) -> Scene:
         """Return the scene with the rope at these shares of the ranges."""
@@ -479,12 +487,18 @@ class CalibrationProblem:
     def predict(
         self, norm_params: Array, measurements: Measurements, predictor: RopePredictor | None = None
     ) -> Array:
-        """Predict all values of the measurements in turn; ``norm_params`` are the rope's, then those of starts."""
+        """Predict all values of the measurements in turn.
+
+        ``norm_params`` are the rope's, then those of starts.
+        """
         predictor = predictor or self.predictor(norm_params)
         predictor.plan(measurements)
         starts = iter(norm_params[len(self.names) :].tolist())
-        predictions = [
-            m.predict(predictor, *islice(starts, getattr(m, "starts", 0))) for m in measurements
-        ]
-        predictor.windings += sum(isinstance(m, Markers) for m in measurements)
-        return np.array([value for values in predictions for value in values])
+        predictions = list[float]()
+        for m in measurements:
+            if isinstance(m, Markers):
+                predictions += m.predict(predictor, *islice(starts, m.starts)).tolist()
+                predictor.windings += 1
+            else:
+                predictions += m.predict(predictor)
+        return np.array(predictions)

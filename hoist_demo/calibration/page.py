@@ -1,4 +1,4 @@
-"""Result of a fit: as text for the terminal, as a page, and as the parameter file for other commands."""
+"""Result of a fit as text for the terminal, as a page, and as a parameter file."""
 
 import textwrap
 from pathlib import Path
@@ -18,7 +18,7 @@ from hoist_demo.report.html.page import (
     unit_text,
     write_sheet,
 )
-from hoist_demo.report.rows import SummaryRow, provenance_table, status_rows
+from hoist_demo.report.rows import TEXT_WIDTH, SummaryRow, provenance_table, status_rows
 from rope_model import SIGNALS
 from rope_model.files import write_text
 from rope_model.texts import printable, toml_string
@@ -27,9 +27,12 @@ SIDE = 4.0  #: Standard errors to either side in the picture of the residuals.
 
 
 def summary(result: CalibrationResult) -> list[SummaryRow]:
-    """Return the rows of the terminal's summary: properties, open directions, correlations, next measurements."""
+    """Return the rows of the terminal's summary.
+
+    They list properties, undetermined directions, correlations and next measurements.
+    """
     group = f"Properties, with the interval of {100 * CONFIDENCE:.0f} %"
-    rows = [SummaryRow(group, *row[:2], row[2]) for row in _properties(result)]
+    rows = [SummaryRow(group, *row) for row in _properties(result)]
     rows += [SummaryRow("At an end of its range", *row) for row in at_ends(result)]
     rows += [SummaryRow("Undetermined by the data", text, "") for text in _open(result)]
     rows += [SummaryRow("Determined only together", *row) for row in _pairs(result)]
@@ -48,38 +51,41 @@ def misfit(result: CalibrationResult) -> str:
         return ""
     worst, value = max(_residuals(result), key=lambda row: abs(row[1]))
     return (
-        "the measurements contradict the model or one another: the best fit misses them by more than sigma allows "
-        f"(probability {result.fit.p_value:.1g}, usual is {SIGNIFICANCE:g} or more). Worst is {worst}, by "
-        f"{value:.3g} sigma: look at it, at its sigma and at the ranges. What was found is a compromise: no interval "
-        "is stated, the ranges stand, and its status is contradicted"
+        "the measurements contradict the model or one another: the best fit misses them by more "
+        f"than sigma allows (probability {result.fit.p_value:.1g}, usual is {SIGNIFICANCE:g} or "
+        f"more). Worst is {worst}, by {value:.3g} sigma: look at it, at its sigma and at the "
+        "ranges. What was found is a compromise: no interval is stated, the ranges stand, and its "
+        "status is contradicted"
     )
 
 
 def at_ends(result: CalibrationResult) -> list[tuple[str, str]]:
-    """Return name and sentence for each property whose best value lies beyond an end of its range."""
+    """Return name and sentence of each property whose best value is beyond an end of its range."""
     rows = []
     for name, held in zip(result.names, result.fit.held.tolist(), strict=True):
         if not held:
             continue
         datum = result.measurement_file.problem.data[name]
         factor, unit = engineering(datum.high, datum.unit)
-        end = datum.high if held > 0 else datum.low
+        end = datum.low
+        side = "lower"
+        direction = "less"
+        if held > 0:
+            end = datum.high
+            side = "upper"
+            direction = "more"
         text = f"{number(factor * end)} {unit_text(unit)}".rstrip()
-        text += f" is the {'upper' if held > 0 else 'lower'} end of its range, and the measurements ask for "
-        text += "more: " if held > 0 else "less: "
-        table = "[sought]" if name in result.measurement_file.problem.sought else "[known]"
-        # a range that begins at 0 ends there by nature
-        widen = (
-            f"widen the range of {name} in {table}, if the rope may lie beyond it, or "
-            if end
-            else ""
-        )
-        rows.append((name, f"{text}{widen}check the measured values, their units, signs and sigma"))
+        text += f" is the {side} end of its range, and the measurements ask for {direction}: "
+        if end:  # a range that begins at 0 ends there by nature
+            is_sought = name in result.measurement_file.problem.sought
+            table = "[sought]" if is_sought else "[known]"
+            text += f"widen the range of {name} in {table}, if the rope may lie beyond it, or "
+        rows.append((name, f"{text}check the measured values, their units, signs and sigma"))
     return rows
 
 
 def complaints(result: CalibrationResult) -> list[str]:
-    """Return the warnings on a fit: measurements that it cannot meet, and ends of ranges that it reaches."""
+    """Return the warnings on a fit: measurements that it misses, ends of ranges reached."""
     reached = [
         f"{name} = {text}; no interval is stated, the range stands"
         for name, text in at_ends(result)
@@ -89,30 +95,26 @@ def complaints(result: CalibrationResult) -> list[str]:
 
 def exit_code(result: CalibrationResult) -> int:
     """Return the command's exit code: 1 if the measurements contradict the model or one another."""
-    return 1 if result.fit.contradicted else 0
+    if result.fit.contradicted:
+        return 1
+    return 0
 
 
 def write_page(result: CalibrationResult, path: Path) -> Path:
     """Write the HTML page of an identification and return its path."""
     problem = result.measurement_file.problem
-    ranges = [
-        Bar(
-            f"{name.replace('_', ' ')}",
-            float(low),
-            float(high),
-            float(share),
-            result.is_determined(name),
-        )
-        for name, share, (low, high) in zip(
-            result.names, result.fit.norm_params, result.intervals, strict=True
-        )
-    ]
-    residuals = [
-        Bar(name, 0.5, 0.5 + x / (2 * SIDE), 0.5 + x / (2 * SIDE)) for name, x in _residuals(result)
-    ]
-    steps = [
-        (0.5 + x / (2 * SIDE), f"{x:+.0f}" if x else "0") for x in (-4, -3, -2, -1, 0, 1, 2, 3, 4)
-    ]
+    ranges = []
+    shares = zip(result.names, result.fit.norm_params, result.intervals, strict=True)
+    for name, share, (low, high) in shares:
+        label = name.replace("_", " ")
+        is_determined = result.is_determined(name)
+        ranges.append(Bar(label, float(low), float(high), float(share), solid=is_determined))
+    residuals = []
+    for name, x in _residuals(result):
+        place = 0.5 + x / (2 * SIDE)
+        residuals.append(Bar(name, low=0.5, high=place, at=place))
+    steps = [(0.5 + x / (2 * SIDE), f"{x:+.0f}") for x in (-4, -3, -2, -1, 1, 2, 3, 4)]
+    steps.insert(4, (0.5, "0"))
     interval = f"found, with the interval of {100 * CONFIDENCE:.0f} %"
     head = ("property", interval, "unit", "known before", "status before")
     properties = []
@@ -125,56 +127,40 @@ def write_page(result: CalibrationResult, path: Path) -> Path:
         (name, number(value), number(predicted), number(sigma), unit_text(unit))
         for name, value, predicted, sigma, unit in _values(result)
     ]
-    left = [
-        (c.measurement.name, f"{number(c.error)} {_wanted_unit(result)}") for c in result.candidates
-    ]
-    title, data = provenance_table(result.provenance())
+    unit = _wanted_unit(result)
+    candidates = [(c.measurement.name, f"{number(c.error)} {unit}") for c in result.candidates]
     pairs = _pairs(result)
     none = paragraphs(["None."])
     notes = [*complaints(result), *result.warnings]
+    axis = "Axis: the range known before, from its lower to its upper end. Grey: undetermined."
+    places = [(0.0, "lower end"), (0.5, "middle"), (1.0, "upper end")]
+    wanted = f"It is {number(result.wanted)} {unit}, its standard error {_error(result)}."
+    columns = ("measurement", "measured", "fitted", "sigma", "unit")
+    next_columns = ("measurement", "standard error that it leaves")
+    next_title = f"Best next measurement of {result.measurement_file.wanted.signal}"
+    data_title, data = provenance_table(result.provenance())
     parts = [
         ("", paragraphs(notes) + plain_table(head, properties)),
         (
             "Values in the ranges known before",
-            paragraphs(
-                [
-                    "Axis: the range known before, from its lower to its upper end. Grey: undetermined."
-                ]
-            )
-            + bars(
-                ranges,
-                [(0.0, "lower end"), (0.5, "middle"), (1.0, "upper end")],
-                "intervals in the ranges",
-            ),
+            paragraphs([axis]) + bars(ranges, places, "intervals in the ranges"),
         ),
         (
             "Model less measurement",
             paragraphs(["In standard errors."])
             + bars(residuals, steps, "residuals in standard errors"),
         ),
-        (
-            "Measured and fitted",
-            plain_table(("measurement", "measured", "fitted", "sigma", "unit"), fitted),
-        ),
+        ("Measured and fitted", plain_table(columns, fitted)),
         ("Undetermined by the data", paragraphs(_open(result)) or none),
         (
             "Determined only together",
             plain_table(("properties", "correlation"), pairs) if pairs else none,
         ),
-        (
-            f"Best next measurement of {result.measurement_file.wanted.signal}",
-            paragraphs(
-                [
-                    f"It is {number(result.wanted)} {_wanted_unit(result)}, its standard error {_error(result)}."
-                ]
-            )
-            + plain_table(("measurement", "standard error that it leaves"), left),
-        ),
-        (title, plain_table(("datum", "value", "unit", "status"), data)),
+        (next_title, paragraphs([wanted]) + plain_table(next_columns, candidates)),
+        (data_title, plain_table(("datum", "value", "unit", "status"), data)),
     ]
-    return write_sheet(
-        path, f"A rope from measurements: {result.measurement_file.path.name}", parts
-    )
+    title = f"A rope from measurements: {result.measurement_file.path.name}"
+    return write_sheet(path, title, parts)
 
 
 def _properties(result: CalibrationResult) -> list[tuple[str, str, str]]:
@@ -244,13 +230,13 @@ def write_rope_file(result: CalibrationResult, path: Path) -> Path:
     file = result.measurement_file
     rope = file.problem.rope(result.fit.norm_params)
     lines = [
-        f"# Found by balance-rope identify from {printable(file.path.name)}. wind and export take it as",
+        f"# Found by balance-rope identify from {printable(file.path.name)}. wind and export take "
+        "it as",
         '# --rope FILE, studies, duties and ropes as [fixed] from = "FILE".',
-        *(
-            f"# {printable(line)}"
-            for text in complaints(result)
-            for line in textwrap.wrap(text, 110)
-        ),
+    ]
+    for text in complaints(result):
+        lines += [f"# {printable(line)}" for line in textwrap.wrap(text, TEXT_WIDTH)]
+    lines += [
         "[rope]",
         f"construction = {toml_string(calibrated_rope.construction)}",
         f"diameter = {calibrated_rope.diameter!r}",

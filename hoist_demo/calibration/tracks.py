@@ -1,16 +1,20 @@
-"""Motion that somebody has measured: paths of a rope's ends and of markers, in a CSV file (docs/reference/files.md).
+"""Measured motion: paths of a rope's ends and of markers, in a CSV file.
 
-The file's axes are turned and moved to those of the rope: Y up, X from the left to the right end at the start.
-Ends follow smoothing splines (generalised cross-validation), at rest before the file begins, or led into its motion
-over ``settle``.  A marker that leaps away from its running median is masked, as one that was lost.
+docs/reference/files.md describes the file.
 
-The swing in which a file begins is a nuisance: both ends come to the file's first places in STEPS quintic steps from
-poses at rest that the fit finds, within four standard errors.
+The file's axes are turned and moved to those of the rope: Y up, X from the left to the right end at
+the start. Ends follow smoothing splines (generalised cross-validation), at rest before the file
+begins, or led into its motion over ``settle``.  A marker that leaps away from its running median is
+masked, as one that was lost.
 
-A residual r is the place of a marker on the rope, moved by an offset of its own and at a time that the camera's delay
-shifts, less the measured one; of an unlabelled point the part across the rope at the place nearest to it, which is seen
-late by its speed.  Offsets and delay have standard errors and are found anew for each rope (variable
-projection; G. Golub and V. Pereyra, SIAM J. Numer. Anal. 10, 1973, 413-432).  The loss is soft_l1, with c = ROBUST.
+The swing in which a file begins is a nuisance: both ends come to the file's first places in STEPS
+quintic steps from poses at rest that the fit finds, within four standard errors.
+
+A residual r is the place of a marker on the rope, moved by an offset of its own and at a time that
+the camera's delay shifts, less the measured one; of an unlabelled point the part across the rope at
+the place nearest to it, which is seen late by its speed.  Offsets and delay have standard errors
+and are found anew for each rope (variable projection; G. Golub and V. Pereyra, SIAM J. Numer. Anal.
+10, 1973, 413-432).  The loss is soft_l1, with c = ROBUST.
 """
 
 import math
@@ -41,7 +45,9 @@ Array = NDArray[np.float64]
 REST = 25  #: Samples at rest that are put before the file.
 FIRST = 5  #: First samples of the file, in the mean of which the ends rest.
 ROBUST = 3.0  #: Standard errors from which on a residual counts for less.
-GAP = 6  #: Most frames from one with both ends to the next: over longer gaps splines mistake the ends' paths.
+#: Most frames from one with both ends to the next: over longer gaps splines mistake the ends'
+#: paths.
+GAP = 6
 MEDIAN = 5  #: Samples of the running median.
 LEAP = 8.0  #: Standard errors from the running median that are a leap.
 STEPS = 2  #: Steps of the ends' path to where a file begins.
@@ -81,21 +87,17 @@ class Markers(Table):
     ends: Attachment = "plumb"
     unit: Literal["m", "cm", "mm"] = "m"  # unit of length in the file
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)  # upward direction in the axes of the file
-    skip: float = Field(
-        0.0, ge=0.0, allow_inf_nan=False
-    )  # s from the start of which nothing is compared
-    settle: float = Field(
-        0.0, ge=0.0, allow_inf_nan=False
-    )  # s from rest into the motion in which the file begins
-    offset: float = Field(
-        0.0, ge=0.0, allow_inf_nan=False
-    )  # m, standard error of where a marker sits
+    # s from the start of which nothing is compared
+    skip: float = Field(0.0, ge=0.0, allow_inf_nan=False)
+    # s from rest into the motion in which the file begins
+    settle: float = Field(0.0, ge=0.0, allow_inf_nan=False)
+    # m, standard error of where a marker sits
+    offset: float = Field(0.0, ge=0.0, allow_inf_nan=False)
     delay: float = Field(0.0, ge=0.0, allow_inf_nan=False)  # s, standard error of the camera's time
     _t: Array = PrivateAttr()  # (n,), s from the first of the file, whose frames are the last ones
     _spacing: float = PrivateAttr()  # m, of the ends at the start
-    _end_paths: Array = (
-        PrivateAttr()
-    )  # (3, n, 2, 5), values, rates and accelerations of the ends' places and leans
+    # (3, n, 2, 5), values, rates and accelerations of the ends' places and leans
+    _end_paths: Array = PrivateAttr()
     _places: Array = PrivateAttr()  # (frames, markers, 3), m; NaN where lost or not compared
 
     @model_validator(mode="after")
@@ -108,14 +110,17 @@ class Markers(Table):
         self._places = np.hstack((_masked(labelled, self.sigma), free))
         if not np.isfinite(self._places).any():
             raise ValueError(
-                f"{self.file} has no marker behind skip = {self.skip:g} s with both ends: lower skip or name one"
+                f"{self.file} has no marker behind skip = {self.skip:g} s with both ends: lower "
+                "skip or name one"
             )
         return self
 
     @property
     def starts(self) -> int:
         """Number of fitted shares that describe the ends' path to where the file begins."""
-        return 6 * STEPS if self.settle else 0
+        if self.settle:
+            return 6 * STEPS
+        return 0
 
     @property
     def nuisance(self) -> int:
@@ -124,7 +129,7 @@ class Markers(Table):
 
     @property
     def unknowns(self) -> int:
-        """Number of the nuisance and of the arc lengths of unlabelled points, all of which are found."""
+        """Number of nuisance parameters and arc lengths of unlabelled points, which are fitted."""
         return self.nuisance + int(
             np.isfinite(self._places[:, len(self.places) :]).all(axis=2).sum()
         )
@@ -135,8 +140,8 @@ class Markers(Table):
         return np.zeros(np.isfinite(self._places).sum() + self.nuisance)
 
     @property
-    def apart(self) -> float:
-        """Largest distance of the ends, m."""
+    def largest_end_distance(self) -> float:
+        """Largest distance of the ends [m]."""
         x = self._end_paths[0, ..., :3]
         return float(np.linalg.norm(x[:, 1] - x[:, 0] + [self._spacing, 0.0, 0.0], axis=1).max())
 
@@ -144,10 +149,13 @@ class Markers(Table):
     def lengths(self) -> dict[str, float]:
         """Lengths (m) that are at most the rope's, by what they are."""
         lengths = {f"places.{k}": s for k, s in self.places.items()}
-        return lengths | {f"{self.file}: largest distance of the ends": self.apart}
+        return lengths | {f"{self.file}: largest distance of the ends": self.largest_end_distance}
 
     def motions(self, start: Array) -> list[tuple[EndMotion, EndMotion]]:
-        """Motions of the ends at each time, from poses ``start`` (steps, 2, 3) off the first places of the file, m."""
+        """Return the motions of the ends at each time.
+
+        ``start`` (steps, 2, 3) are poses from the first places of the file [m].
+        """
         paths = self._end_paths.copy()
         t = self._t[: -len(self._places)]
         h = (self._t[t.size] - t[0]) / STEPS
@@ -162,36 +170,46 @@ class Markers(Table):
         return [(EndMotion(*left), EndMotion(*right)) for left, right in motions.tolist()]
 
     def wind(self, scene: Scene, start: Array) -> Array:
-        """Places, speeds and, of the unlabelled, tangents (3, n, markers, 3); ``start`` is in standard errors."""
-        displacements = SLACK * (scene.rope.length - self.apart) * start.reshape(-1, 2, 3)
-        left, right = (
-            replace(swivel, attachment=self.ends) for swivel in (scene.left, scene.right)
-        )
+        """Places, speeds and, of the unlabelled, tangents (3, n, markers, 3).
+
+        ``start`` is in standard errors.
+        """
+        slack = SLACK * (scene.rope.length - self.largest_end_distance)
+        displacements = slack * start.reshape(-1, 2, 3)
+        left = replace(scene.left, attachment=self.ends)
+        right = replace(scene.right, attachment=self.ends)
         layout = replace(scene.layout, spacing=self._spacing)
         before = len(self._t) - len(self._places)
         rope = balance_rope(scene.with_(left=left, right=right, layout=layout))
         samples = []
         labelled = np.array([*self.places.values()])
-        for k, (t, ends) in enumerate(
-            zip(self._t.tolist(), self.motions(displacements), strict=True)
-        ):
-            status = (rope.advance_to if k else rope.initialize)(t, *ends)
+        motions = zip(self._t.tolist(), self.motions(displacements), strict=True)
+        for k, (t, ends) in enumerate(motions):
+            step = rope.advance_to if k else rope.initialize
+            status = step(t, *ends)
             if not status.valid:
                 raise RuntimeError(f"{self.file}, {t:g} s from its first time: {status.message}")
-            if k >= before:
-                rows, s, tangents = rope.rows(), labelled, np.zeros((labelled.size, 3))
-                if self.unlabelled:
-                    curve = CubicHermiteSpline(rows[:, 0], rows[:, 1:4], rows[:, 4:7])
-                    free = _nearest(curve, self._places[k - before, labelled.size :])
-                    s, tangents = np.append(labelled, free), np.vstack((tangents, curve(free, 1)))
-                at = elements_at(s, np.diff(rows[:, 0]))
-                samples.append(
-                    [at_places(rows[:, 1:7], *at), at_places(rows[:, 7:], *at), tangents]
-                )
+            if k < before:
+                continue
+            rows = rope.rows()
+            s = labelled
+            tangents = np.zeros((labelled.size, 3))
+            if self.unlabelled:
+                curve = CubicHermiteSpline(rows[:, 0], rows[:, 1:4], rows[:, 4:7])
+                free = _nearest(curve, self._places[k - before, labelled.size :])
+                s = np.append(labelled, free)
+                tangents = np.vstack((tangents, curve(free, 1)))
+            elements = elements_at(s, np.diff(rows[:, 0]))
+            places = at_places(rows[:, 1:7], *elements)
+            speeds = at_places(rows[:, 7:], *elements)
+            samples.append([places, speeds, tangents])
         return np.array(samples).swapaxes(0, 1)
 
     def predict(self, predictor: Any, *start: float) -> Array:
-        """Residuals (m) on the scene of a RopePredictor, and shares that tell its start; squares are the loss."""
+        """Residuals (m) on the scene of a RopePredictor, and shares that tell its start.
+
+        Squares are the loss.
+        """
         start_errors = ERRORS * np.subtract(start or [0.5] * self.starts, 0.5)
         labelled = len(self.places)
         t = self._t[-len(self._places) :]
@@ -210,17 +228,18 @@ class Markers(Table):
         return np.asarray(self.sigma * np.concatenate((best_residuals, start_errors)))
 
 
+TINY = 1e-300  #: Least divisor.
+ERROR_OVER_MEDIAN = 1.4826  #: Standard deviation of a normal error over its median magnitude.
+
+
 def _nearest(curve: CubicHermiteSpline, points: Array) -> Array:
     """Arc lengths (m) of the places on the rope that are nearest to ``points`` (n, 3)."""
     s = np.linspace(curve.x[0], curve.x[-1], 4 * curve.x.size)
     s = s[np.linalg.norm(points[:, None] - curve(s), axis=2).argmin(axis=1)]
     for _ in range(3):  # each leaves of the error as much as curvature times distance
         tangent = curve(s, 1)
-        s = np.clip(
-            s + ((points - curve(s)) * tangent).sum(axis=1) / (tangent**2).sum(axis=1),
-            curve.x[0],
-            curve.x[-1],
-        )
+        along = ((points - curve(s)) * tangent).sum(axis=1) / (tangent**2).sum(axis=1)
+        s = np.clip(s + along, curve.x[0], curve.x[-1])
     return np.asarray(s)
 
 
@@ -237,26 +256,31 @@ def _read(path: Path, track: Markers) -> _Frames:
         ) from error
     names = columns.dtype.names or ()
 
-    def vectors(of: Sequence[str], axis: str = "", unit: float = 1.0) -> Array:
-        wanted = [f"{name}.{axis}{k}" for name in of for k in "xyz"]
-        if missing := [one for one in wanted if one not in names]:
-            raise ValueError(
-                f"{track.file} has no column {missing[0]}: its columns are {', '.join(names)}"
-            )
-        return unit * np.array([columns[one] for one in wanted]).T.reshape(-1, len(of), 3)
+    def vectors(points: Sequence[str], prefix: str = "", unit: float = 1.0) -> Array:
+        wanted = list[str]()
+        for point in points:
+            wanted += [f"{point}.{prefix}{axis}" for axis in "xyz"]
+        for column in wanted:
+            if column not in names:
+                raise ValueError(
+                    f"{track.file} has no column {column}: its columns are {', '.join(names)}"
+                )
+        table = np.array([columns[column] for column in wanted]).T
+        return unit * table.reshape(-1, len(points), 3)
 
-    if taken := [side for side in SIDES if side in track.places]:
-        raise ValueError(
-            f"places.{taken[0]} has the name of an end of the rope: give the marker another name"
-        )
+    for side in SIDES:
+        if side in track.places:
+            raise ValueError(
+                f"places.{side} has the name of an end of the rope: give the marker another name"
+            )
     t = columns["t"] if "t" in names else np.array([])
     if t.size < 2 * FIRST or not (np.diff(t) > 0).all():
         raise ValueError(
-            f"{track.file} needs a column t with {2 * FIRST} times or more, in s, in ascending order"
+            f"{track.file} needs a column t with {2 * FIRST} times or more, in s, in ascending "
+            "order"
         )
-    if (
-        leaning := any(f"{side}.d{k}" in names for side in SIDES for k in "xyz")
-    ) and track.ends != "clamped":
+    leaning = any(name in names for name in _DIRECTION_COLUMNS)
+    if leaning and track.ends != "clamped":
         raise ValueError(
             f'{track.file} has directions, and ends = "{track.ends}" must be "clamped" to take them'
         )
@@ -270,29 +294,36 @@ def _read(path: Path, track: Markers) -> _Frames:
     )
 
 
+_DIRECTION_COLUMNS = ("left.dx", "left.dy", "left.dz", "right.dx", "right.dy", "right.dz")
+
+
 def _require_commas(path: Path, name: str) -> None:
-    """Refuse a table with semicolons or tabs between its columns, and so perhaps with decimal commas."""
+    """Refuse a table with semicolons or tabs between its columns: it may have decimal commas."""
     try:
         with path.open(encoding="utf-8-sig") as file:
-            head, row = file.readline().strip(), file.readline().strip()
+            head = file.readline().strip()
+            row = file.readline().strip()
     except (OSError, ValueError):
         return  # the reader says it
     for separator, word in ((";", "semicolons"), ("\t", "tabs")):
         if separator in head:
             comma = f", and {row!r} may have decimal commas" if "," in row else ""
             raise ValueError(
-                f"{name} has {word} between its columns{comma}: give a CSV file with commas between columns and "
-                "decimal points"
+                f"{name} has {word} between its columns{comma}: give a CSV file with commas "
+                "between columns and decimal points"
             )
     if row.count(",") == 2 * head.count(",") + 1 and head.count(","):
         raise ValueError(
-            f"{name} has {row.count(',') + 1} fields in line 2 and {head.count(',') + 1} names in line 1, as with "
-            "decimal commas: give decimal points"
+            f"{name} has {row.count(',') + 1} fields in line 2 and {head.count(',') + 1} names in "
+            "line 1, as with decimal commas: give decimal points"
         )
 
 
 def _checked(frames: _Frames, track: Markers) -> _Frames:
-    """Return the frames from the first with both ends to the last; ValueError names where too much is lost."""
+    """Return the frames from the first with both ends to the last.
+
+    ValueError names where too much is lost.
+    """
     t = frames.t
     with np.errstate(over="ignore"):
         lengths = np.linalg.norm(frames.directions, axis=2)
@@ -303,14 +334,20 @@ def _checked(frames: _Frames, track: Markers) -> _Frames:
         raise ValueError(
             f"{track.file}, row {k + 2}, t = {t[k]:.10g} s: {where} = {is_none}: {cure}"
         )
-    if (both := np.flatnonzero(frames.whole)).size < 2 * FIRST:
+    both = np.flatnonzero(frames.whole)
+    if both.size < 2 * FIRST:
         raise ValueError(
             f"{track.file} has both ends at {both.size} times, needed are {2 * FIRST}: give more"
         )
-    if (gaps := np.diff(t[both])).max() > (GAP + 0.5) * frames.period:
-        lost = f"lacks an end or its direction for {gaps.max():g} s after t = {t[both[gaps.argmax()]]:.10g} s"
+    gaps = np.diff(t[both])
+    if gaps.max() > (GAP + 0.5) * frames.period:
+        lost = (
+            f"lacks an end or its direction for {gaps.max():g} s after t = "
+            f"{t[both[gaps.argmax()]]:.10g} s"
+        )
         raise ValueError(
-            f"{track.file} {lost}, over {GAP} frames = {GAP * frames.period:g} s: fill the gap or end there"
+            f"{track.file} {lost}, over {GAP} frames = {GAP * frames.period:g} s: fill the gap or "
+            "end there"
         )
     between = slice(both[0], both[-1] + 1)
     return _Frames(
@@ -319,53 +356,50 @@ def _checked(frames: _Frames, track: Markers) -> _Frames:
 
 
 def _turned(frames: _Frames, track: Markers) -> tuple[float, Array, Array]:
-    """Spacing of the ends at the start (m), their places and leans (n, 2, 5), and the markers in the rope's axes."""
+    """Return spacing (m), places and leans of the ends (n, 2, 5), and markers in the rope's axes.
+
+    The spacing is that at the start.
+    """
     start, end = frames.ends[frames.whole][:FIRST].mean(axis=0)
     if not np.linalg.norm(np.cross(track.up, end - start)) > 0.0:
         raise ValueError(
-            f"{track.file}: the ends hang above each other with up = {track.up}: give the direction of up"
+            f"{track.file}: the ends hang above each other with up = {track.up}: give the "
+            "direction of up"
         )
     axes, _ = Rotation.align_vectors(
         [[0, 1, 0], [1, 0, 0]], [track.up, end - start], weights=[np.inf, 1.0]
     )
-    matrix, middle, spacing = (
-        axes.as_matrix().T,
-        0.5 * (start + end),
-        float(axes.apply(end - start)[0]),
-    )
-    ends = (frames.ends - middle) @ matrix - 0.5 * spacing * np.array(
-        [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]
-    )
-    directions = (
-        frames.directions @ matrix
-        if frames.directions.size
-        else np.broadcast_to([0.0, -1.0, 0.0], ends.shape)
-    )
+    matrix = axes.as_matrix().T
+    middle = 0.5 * (start + end)
+    spacing = float(axes.apply(end - start)[0])
+    nominal = 0.5 * spacing * np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    ends = (frames.ends - middle) @ matrix - nominal
+    directions = np.broadcast_to([0.0, -1.0, 0.0], ends.shape)  # straight down
+    if frames.directions.size:
+        directions = frames.directions @ matrix
     across = np.linalg.norm(directions[..., ::2], axis=2, keepdims=True)
-    leans = (
-        directions[..., ::2]
-        / np.maximum(across, 1e-300)
-        * np.arctan2(across, -directions[..., 1:2])
-    )
+    angles = np.arctan2(across, -directions[..., 1:2])
+    leans = directions[..., ::2] / np.maximum(across, TINY) * angles
     return spacing, np.concatenate((ends, leans), axis=2), (frames.markers - middle) @ matrix
 
 
 def _smoothed(frames: _Frames, end_paths: Array, settle: float) -> tuple[Array, Array]:
-    """Times (s), with those before the file begins, and values, rates and accelerations (3, n, 2, 5) of the ends."""
+    """Return times (s) and values, rates and accelerations (3, n, 2, 5) of the ends.
+
+    They include times before the file begins.
+    """
     frame = frames.period
-    before = frames.t[0] + np.arange(-math.ceil(settle / frame) if settle else -REST, 0) * frame
-    times, seen, t = (
-        frames.t[frames.whole],
-        end_paths[frames.whole].reshape(-1, 10),
-        np.concatenate((before, frames.t)),
-    )
+    count = math.ceil(settle / frame) if settle else REST
+    before = frames.t[0] + np.arange(-count, 0) * frame
+    t = np.concatenate((before, frames.t))
+    times = frames.t[frames.whole]
+    seen = end_paths[frames.whole].reshape(-1, 10)
     if not settle:
         times = np.concatenate((before, times))
         seen = np.vstack((np.tile(seen[:FIRST].mean(axis=0), (REST, 1)), seen))
     smooth = np.zeros((3, t.size, 2, 5))
-    for k, x in enumerate(
-        seen.T
-    ):  # unit of time: a frame, as cross-validation seeks its parameter to 1e-5
+    # unit of time: a frame, as cross-validation seeks its parameter to 1e-5
+    for k, x in enumerate(seen.T):
         spline = make_smoothing_spline(times / frame, x)
         smooth[..., k // 5, k % 5] = [spline(t / frame, order) / frame**order for order in range(3)]
     if settle:
@@ -378,13 +412,9 @@ def _smoothed(frames: _Frames, end_paths: Array, settle: float) -> tuple[Array, 
 
 def _masked(markers: Array, sigma: float) -> Array:
     """``markers`` (n, markers, 3) without those that leap away from their running median."""
-    with warnings.catch_warnings(
-        category=RuntimeWarning, action="ignore"
-    ):  # markers that were long lost warn
-        away = np.abs(
-            markers - generic_filter(markers, np.nanmedian, size=(MEDIAN, 1, 1), mode="mirror")
-        )
-        usual = np.maximum(
-            1.4826 * np.nanmedian(away, axis=0), sigma
-        )  # a normal error's, from its median
+    # markers that were long lost warn
+    with warnings.catch_warnings(category=RuntimeWarning, action="ignore"):
+        median = generic_filter(markers, np.nanmedian, size=(MEDIAN, 1, 1), mode="mirror")
+        away = np.abs(markers - median)
+        usual = np.maximum(ERROR_OVER_MEDIAN * np.nanmedian(away, axis=0), sigma)
     return np.where((away > LEAP * usual).any(axis=2, keepdims=True), np.nan, markers)

@@ -1,4 +1,4 @@
-"""One hoist: all that its file says, see hoist_demo.files.hoist_file, and what follows from that by rules."""
+"""One hoist: the data of its file (hoist_demo.files.hoist_file), and what follows by rules."""
 
 from __future__ import annotations
 
@@ -13,9 +13,8 @@ from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.quantity import Value
 from rope_model import Level
 
-FOLDER = (
-    Path(str(files("hoist_demo"))) / "hoists"
-)  #: Folder of the hoists that come with the project.
+#: Folder of the hoists that come with the project.
+FOLDER = Path(str(files("hoist_demo"))) / "hoists"
 # names of hoists, and of scenarios in which something goes wrong, in the order of help texts
 HOISTS = (
     "rope-120",
@@ -33,7 +32,7 @@ DEFAULT_HOIST = "rope-120"
 
 @dataclass(frozen=True)
 class BalanceRopeData:
-    """One balance rope, or several equal ones: its suspension, its break, and its own values by FMI name."""
+    """One balance rope, or several equal ones: suspension, break, and values by FMI name."""
 
     name: str
     values: Mapping[str, ParameterValue]
@@ -57,13 +56,11 @@ class Case:
     hoist: Hoist
     winding: Winding
     gains: Gains
-    host: Mapping[
-        str, ParameterValue
-    ]  # stated and derived values of controller, hoist.*, winding.* and others
+    # stated and derived values of controller, hoist.*, winding.* and others
+    host: Mapping[str, ParameterValue]
     balance_ropes: tuple[BalanceRopeData, ...]
-    rope: Mapping[
-        str, Value
-    ]  # parameters of the first rope by FMI name; the rest is the rope's own
+    # parameters of the first rope by FMI name; the rest is the rope's own
+    rope: Mapping[str, Value]
     source: str = ""
     level: Level = "standard"
     signals: tuple[str, ...] = ()
@@ -73,21 +70,24 @@ class Case:
     @property
     def distinct_ropes(self) -> tuple[BalanceRopeData, ...]:
         """Several ropes, or one with a suspension or a break; none where all are equal."""
-        ropes = self.balance_ropes
-        return ropes if len(ropes) > 1 or ropes[0].suspension or ropes[0].breaks else ()
+        first, *others = self.balance_ropes
+        if others or first.suspension or first.breaks:
+            return self.balance_ropes
+        return ()
 
     @property
     def values(self) -> dict[str, ParameterValue]:
         """Stated and derived values of the host and of equal ropes, by name."""
-        return {**self.host, **({} if self.distinct_ropes else self.balance_ropes[0].values)}
+        if self.distinct_ropes:
+            return dict(self.host)
+        return {**self.host, **self.balance_ropes[0].values}
 
     @property
     def status_by_name(self) -> dict[str, str]:
         """Status of each value by name."""
         return statuses(self.values)
 
-    def alone(self, rope: BalanceRopeData) -> Case:
-        """Return the hoist with one of its ropes."""
-        return replace(
-            self, balance_ropes=(BalanceRopeData(rope.name, rope.values),), rope=rope.parameters
-        )
+    def with_rope(self, rope: BalanceRopeData) -> Case:
+        """Return the hoist with this rope as its only one."""
+        only_rope = BalanceRopeData(rope.name, rope.values)
+        return replace(self, balance_ropes=(only_rope,), rope=rope.parameters)

@@ -1,4 +1,7 @@
-"""What a hoist's file leaves out and what follows from the rest, by stated rules; and values that no hoist has."""
+"""What a hoist's file leaves out and what follows from the rest, by stated rules.
+
+And values that no hoist has.
+"""
 
 import math
 from collections.abc import Callable, Iterable, Mapping
@@ -16,22 +19,29 @@ from hoist_demo.parameters.suspension import SuspensionOffset
 from rope_model import rope as catalogue_rope
 from rope_model.physics.estimates import NATURAL_WIDTH
 
-TAIL_SPARE = 40.0  #: Length of a balance rope beyond the travel [m, assumed]: loop, and sump below the lower landing.
+#: Length of a balance rope beyond the travel [m, assumed]: loop, and sump below the lower landing.
+TAIL_SPARE = 40.0
 #: EA of a head rope over its mass per length [m^2/s^2, assumed], a modulus of 110 GPa of the steel.
 HEAD_ROPE_STIFFNESS = 1.3e7
+#: Relative difference of stated totals of balance ropes from their sum that rounding explains.
+TOTALS_TOLERANCE = 1e-3
 
 
 @dataclass(frozen=True)
 class RuleInputs:
-    """Inputs of the rules: hoist and trip as stated so far, and the balance ropes as the drive sees them."""
+    """Inputs of the rules: hoist and trip as stated so far, and ropes as the drive sees them."""
 
     hoist: Hoist
     winding: Winding
     rope: Hoist  # hoist with number, mass and length of the balance ropes alone
 
     def torque(self, travelled: float = 0.0) -> float:
-        """Return the torque at the sheave that accelerates hoist and payload [N m], `travelled` [m] from a landing."""
-        hoist, (coulomb, viscous) = self.hoist, self.hoist.travel_loss
+        """Return the torque at the sheave that accelerates the hoist [N m].
+
+        `travelled` is the way from a landing [m].
+        """
+        hoist = self.hoist
+        coulomb, viscous = hoist.travel_loss
         force = hoist.moving_mass * self.winding.acceleration + hoist.imbalance(travelled)
         return hoist.sheave_radius * (force + (coulomb + viscous * self.winding.speed))
 
@@ -82,7 +92,8 @@ RULES = (
     ),
     Rule(
         "hoist.torque_limit",
-        "1.5 times that of the acceleration with the payload: R (m a + weight difference with ropes + losses)",
+        "1.5 times that of the acceleration with the payload: R (m a + weight difference with "
+        "ropes + losses)",
         lambda k: 1.5 * k.torque(),
     ),
     Rule("gains.speed", "3 1/s times all moving masses", lambda k: 3.0 * k.hoist.moving_mass),
@@ -94,7 +105,10 @@ RULES = (
 def apply_rules(
     host: Mapping[str, ParameterValue], ropes: Iterable[BalanceRopeData], **header: Any
 ) -> Case:
-    """Return the hoist of what is stated of its host and ropes, with all that follows; ValueError where none can be."""
+    """Return the hoist of what is stated of its host and ropes, with all that follows.
+
+    ValueError where none can be.
+    """
     host = dict(host)
     if "hoist.shaft_travel" not in host and "winding.travel" in host:
         deep = abs(float(host["winding.travel"].value))
@@ -106,20 +120,15 @@ def apply_rules(
     with Problems() as problems:
         for k, rope in enumerate(ropes, 1):
             with problems.at(f"rope {k}"):
-                filled.append(
-                    replace(
-                        rope, values={"rope.length": length, **_of_catalogue(rope), **rope.values}
-                    )
-                )
+                values = {"rope.length": length, **_of_catalogue(rope), **rope.values}
+                filled.append(replace(rope, values=values))
     ropes = tuple(filled)
     drive = rope_totals(ropes)
-    if (
-        host.get("hoist.tail_rope_number", ParameterValue(drive.tail_rope_number)).value
-        != drive.tail_rope_number
-    ):
+    stated_number = host.get("hoist.tail_rope_number")
+    if stated_number is not None and stated_number.value != drive.tail_rope_number:
         raise ValueError(
-            f"hoist.tail_rope_number = {host['hoist.tail_rope_number'].value} must be {drive.tail_rope_number}, as "
-            "number of the [[rope]] says: leave it out"
+            f"hoist.tail_rope_number = {stated_number.value} must be "
+            f"{drive.tail_rope_number}, as number of the [[rope]] says: leave it out"
         )
     if any(map(_has_a_place, ropes)) or len(ropes) > 1:
         _require_totals(host, drive)
@@ -133,18 +142,22 @@ def apply_rules(
             except ValueError as error:
                 raise ValueError(f"{section}: {error}") from error
     require_trip_fits(sections["hoist"], sections["winding"])
-    far = dict.fromkeys(line for one in ropes for line in remarks(plain({**host, **one.values})))
-    worth = dict.fromkeys(line for one in ropes for line in notes(sections["hoist"], one))
-    data = {name: sections[name] for name in ("hoist", "winding", "gains")}
-    first = ropes[0].parameters
+    # each line once, whatever the number of ropes that share it
+    remarks_once = dict[str, None]()
+    notes_once = dict[str, None]()
+    for rope in ropes:
+        remarks_once |= dict.fromkeys(remarks(plain({**host, **rope.values})))
+        notes_once |= dict.fromkeys(notes(sections["hoist"], rope))
     return Case(
         **header,
-        **data,
+        hoist=sections["hoist"],
+        winding=sections["winding"],
+        gains=sections["gains"],
         host=host,
         balance_ropes=ropes,
-        rope=first,
-        remarks=tuple(far),
-        notes=tuple(worth),
+        rope=ropes[0].parameters,
+        remarks=tuple(remarks_once),
+        notes=tuple(notes_once),
     )
 
 
@@ -167,31 +180,31 @@ def _has_a_place(rope: BalanceRopeData) -> bool:
 
 
 def _require_totals(host: Mapping[str, ParameterValue], drive: Hoist) -> None:
-    """Refuse mass or length of the balance ropes that are not those of several [[rope]]: the drive takes theirs."""
+    """Refuse mass or length of the balance ropes that differ from the totals of the ropes."""
     with Problems() as problems:
-        for key, own in (
-            ("tail_rope_mass", drive.tail_rope_mass),
-            ("tail_rope_length", drive.tail_rope_length),
-        ):
+        for key in ("tail_rope_mass", "tail_rope_length"):
+            total = getattr(drive, key)
             entry = host.get(f"hoist.{key}")
-            if entry is not None and not math.isclose(float(entry.value), own, rel_tol=1e-3):
+            if entry is not None and not math.isclose(
+                float(entry.value), total, rel_tol=TOTALS_TOLERANCE
+            ):
                 problems.append(
-                    f"hoist.{key} = {float(entry.value):g} must be {own:.6g}, as the [[rope]] say: leave it out"
+                    f"hoist.{key} = {float(entry.value):g} must be {total:.6g}, as the [[rope]] say: "
+                    "leave it out"
                 )
 
 
 def rope_totals(ropes: tuple[BalanceRopeData, ...]) -> Hoist:
     """Return a hoist with number, mass and length of the balance ropes as the drive takes them."""
-    mass = rope_parameters()["rope.mass_per_length"].start
-    each = [
-        (rope.parameters.get("rope.mass_per_length", mass), rope.parameters["rope.length"])
-        for rope in ropes
-    ]
-    masses_and_lengths = [(float(m), float(length)) for m, length in each]
+    default_mass = rope_parameters()["rope.mass_per_length"].start
+    masses_and_lengths = []
+    for rope in ropes:
+        mass = rope.parameters.get("rope.mass_per_length", default_mass)
+        masses_and_lengths.append((float(mass), float(rope.parameters["rope.length"])))
     number = sum(rope.number for rope in ropes)
     if len(ropes) == 1 and not _has_a_place(ropes[0]):
-        ((own, length),) = masses_and_lengths
-        return Hoist(tail_rope_number=number, tail_rope_mass=own, tail_rope_length=length)
+        mass, length = masses_and_lengths[0]
+        return Hoist(tail_rope_number=number, tail_rope_mass=mass, tail_rope_length=length)
     if number > len(ropes):
         raise ValueError(
             "number must be 1 where ropes hang at places of their own: give each its own [[rope]]"
@@ -200,14 +213,17 @@ def rope_totals(ropes: tuple[BalanceRopeData, ...]) -> Hoist:
 
 
 def with_values(case: Case, values: Mapping[str, Value | ParameterValue]) -> Case:
-    """Return the hoist with values as if they stood in its file: what follows by rules follows anew."""
+    """Return the hoist with values as if they stood in its file; derived values follow anew."""
     if not values:
         return case
-    entries = {
-        k: v if isinstance(v, ParameterValue) else ParameterValue(v) for k, v in values.items()
-    }
-    of_host = {key: entry for key, entry in entries.items() if key in host_parameters()}
-    of_rope = {key: entry for key, entry in entries.items() if key not in of_host}
+    of_host = dict[str, ParameterValue]()
+    of_rope = dict[str, ParameterValue]()
+    for key, value in values.items():
+        entry = value if isinstance(value, ParameterValue) else ParameterValue(value)
+        if key in host_parameters():
+            of_host[key] = entry
+        else:
+            of_rope[key] = entry
     ropes = [replace(rope, values=_stated(rope.values) | of_rope) for rope in case.balance_ropes]
     header = {name: getattr(case, name) for name in ("name", "source", "level", "signals")}
     return apply_rules(_stated(case.host) | of_host, ropes, **header)
@@ -248,20 +264,18 @@ def remarks(values: Mapping[str, Value]) -> Iterable[str]:
     units = {**rope_parameters(), **host_parameters()}
     for key, (low, high) in USUAL.items():
         value = values.get(key)
-        if (
-            isinstance(value, float)
-            and value != 0.0
-            and math.isfinite(value)
-            and not low <= abs(value) <= high
-        ):
+        if not isinstance(value, float) or value == 0.0 or not math.isfinite(value):
+            continue
+        if not low <= abs(value) <= high:
             unit = units[key].unit
             yield (
-                f"{key} = {value:g} {unit} is far from what hoists have, {low:g} to {high:g} {unit} [assumed]: check "
-                "its unit"
+                f"{key} = {value:g} {unit} is far from what hoists have, {low:g} to {high:g} "
+                f"{unit} [assumed]: check its unit"
             )
 
 
-#: Least spacing of the balance rope's ends over the sheave's diameter without deflection sheaves [assumed].
+#: Least spacing of the balance rope's ends over the sheave's diameter without deflection sheaves
+#: [assumed].
 LEAST_SPACING = 0.5
 
 
@@ -271,19 +285,19 @@ def notes(hoist: Hoist, rope: BalanceRopeData) -> Iterable[str]:
     def value(name: str) -> float:
         return float(rope.parameters.get(name, rope_parameters()[name].start))
 
-    spacing = SuspensionOffset(**rope.suspension).apart(value("layout.spacing"))
+    spacing = SuspensionOffset(**rope.suspension).end_distance(value("layout.spacing"))
     diameter = 2.0 * hoist.sheave_radius
     if spacing < LEAST_SPACING * diameter:
         yield (
-            f"layout.spacing: the rope's ends are {spacing:.4g} m apart beside a sheave of {diameter:.4g} m diameter; "
-            f"{LEAST_SPACING * diameter:.4g} m or more is usual without deflection sheaves [assumed]: check both, and "
-            "that there are deflection sheaves"
+            f"layout.spacing: the rope's ends are {spacing:.4g} m apart beside a sheave of "
+            f"{diameter:.4g} m diameter; {LEAST_SPACING * diameter:.4g} m or more is usual without "
+            "deflection sheaves [assumed]: check both, and that there are deflection sheaves"
         )
     weight = value("rope.mass_per_length") * value("layout.gravity")
     width = NATURAL_WIDTH * (value("rope.EI") / weight) ** (1.0 / 3.0)
     if spacing < width:
         yield (
-            f"layout.spacing: the rope's ends are {spacing:.4g} m apart, less than the width of its free loop, "
-            f"2.543 (EI/(rho g))^(1/3) = {width:.4g} m: the loop bulges beyond its legs; give the distance of the "
-            "rope's ends, or check rope.EI"
+            f"layout.spacing: the rope's ends are {spacing:.4g} m apart, less than the width of "
+            f"its free loop, 2.543 (EI/(rho g))^(1/3) = {width:.4g} m: the loop bulges beyond its "
+            "legs; give the distance of the rope's ends, or check rope.EI"
         )

@@ -12,7 +12,8 @@ NATIVE = "_native"  #: End of the name of a native FMU of FMI 2.0.
 
 def fmu_name(hoist: str, end: str = "") -> str:
     """Return the name of the rope's FMU: the hoist's; balance_rope for the default hoist."""
-    return f"{'balance_rope' if hoist == DEFAULT_HOIST else Path(hoist).stem}{end}.fmu"
+    stem = "balance_rope" if hoist == DEFAULT_HOIST else Path(hoist).stem
+    return f"{stem}{end}.fmu"
 
 
 def find_case(name: str) -> Case:
@@ -20,9 +21,12 @@ def find_case(name: str) -> Case:
     if name in BUILTIN_HOISTS:
         return read_builtin(name).case
     if name.endswith(".toml"):
-        return _read(path := Path(name), path.stat().st_mtime_ns if path.is_file() else 0)
+        path = Path(name)
+        changed = path.stat().st_mtime_ns if path.is_file() else 0
+        return _read(path, changed)
     raise ValueError(
-        f"hoist = {name!r} must be a file, NAME.toml, or one of {', '.join(BUILTIN_HOISTS)}: choose one"
+        f"hoist = {name!r} must be a file, NAME.toml, or one of {', '.join(BUILTIN_HOISTS)}: "
+        "choose one"
     )
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hoist_demo.command_line.support import (
+    INTERRUPTED,
     Commands,
     add_command,
     add_results,
@@ -20,7 +21,13 @@ from hoist_demo.command_line.support import (
 )
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.parameters import ASSUMED_DATA
-from hoist_demo.recording.exposure import STATION_SIGNALS, exposure, flatten, gather, together
+from hoist_demo.recording.exposure import (
+    STATION_SIGNALS,
+    exposure,
+    flatten,
+    gather,
+    joined_exposure,
+)
 from hoist_demo.recording.fidelity import remark
 from hoist_demo.recording.incidents import circuit_stop
 from hoist_demo.recording.ropes import computed, rope_signals
@@ -37,9 +44,8 @@ if TYPE_CHECKING:
     from hoist_demo.ropes.definition import Ropes
 
 _STATION = "station.s[1]"  #: Column of a duty's state that shows that exposure was counted.
-STATE = (
-    "last_trip.npz"  #: File in the output folder with the state after the last trip that is wound.
-)
+#: File in the output folder with the state after the last trip that is wound.
+STATE = "last_trip.npz"
 
 _DESCRIPTION = """\
 Wind the trips of a schedule one after the other with the rope in this process: yaw, swing and swivel angles go on from
@@ -94,51 +100,45 @@ def _duty(options: argparse.Namespace) -> int:
         trips, last, of_trips = _wind(schedule, ropes, out / STATE, interrupted, options.exposure)
     if trips is None:
         print("balance-rope: interrupted before the first trip's end", file=sys.stderr)
-        return 130
-    exposed = {
-        rope.prefix: table
-        for rope in ropes.data()
-        if (table := _exposed(trips, rope.prefix)) is not None
-    }
-    run, status, header = schedule.pattern[0], schedule.status_by_name, schedule.header
+        return INTERRUPTED
+    exposures = dict[str, Recording]()
+    for rope in ropes.data():
+        table = _exposure_of_trips(trips, rope.prefix)
+        if table is not None:
+            exposures[rope.prefix] = table
+    run = schedule.pattern[0]
+    status = schedule.status_by_name
+    header = schedule.header
     data = [*host_provenance(run, status), *ropes.provenance(status)]
-    written = [*_write(trips, exposed, out), write_data(data, out / "data.csv")]
+    written = [*_write(trips, exposures, out), write_data(data, out / "data.csv")]
     print(
-        f"{header.title}: hoist {header.hoist}, level {schedule.level}, {trips['trip'].size} trips\n"
+        f"{header.title}: hoist {header.hoist}, level {schedule.level}, {trips['trip'].size} "
+        "trips\n"
     )
-    exposures = [
-        row for prefix, table in exposed.items() for row in exposure_rows(prefix.rstrip("."), table)
-    ]
-    recording = _as_it_is(ropes) if last is None else last.result.recording
-    remarks = [remark(rope_signals(recording, rope.name)) for rope in ropes.data()]
-    counted = (
-        f"{text} ({count} of {len(of_trips)} trips)" for text, count in remarks_of(of_trips).items()
-    )
-    drives = (
-        ()
-        if ropes.case.distinct_ropes
-        else (contradictions(run.hoist, ropes.data()[0].parameters),)
-    )
-    warned = [*filter(None, dict.fromkeys((*drives, *remarks, *counted)))]
-    print(
-        render(
-            [*_summary(trips, last, len(schedule.pattern), warned), *exposures, *status_rows(data)]
-        )
-    )
+    warnings = list[str]()
+    if not ropes.case.distinct_ropes:
+        warnings.append(contradictions(run.hoist, ropes.data()[0].parameters))
+    recording = _present_signals(ropes) if last is None else last.result.recording
+    for rope in ropes.data():
+        warnings.append(remark(rope_signals(recording, rope.name)))
+    for text, count in remarks_of(of_trips).items():
+        warnings.append(f"{text} ({count} of {len(of_trips)} trips)")
+    warnings = [*filter(None, dict.fromkeys(warnings))]
+    rows = _summary(trips, last, len(schedule.pattern), warnings)
+    for prefix, table in exposures.items():
+        rows += exposure_rows(prefix.rstrip("."), table)
+    print(render([*rows, *status_rows(data)]))
     print(f"\n{ASSUMED_DATA}\n")
     print("written: " + ", ".join(str(path) for path in written))
     if interrupted():
         print("balance-rope: interrupted; the same command goes on", file=sys.stderr)
-        return 130
-    if trips["trip"].size < schedule.count or (last is not None and last.result.end is None):
-        cause = (
-            ""
-            if last is None
-            else last.result.cause or _ended(last.result).removeprefix("completed; ")
-        )
-        print(
-            f"balance-rope: the duty ends with trip {trips['trip'].size}: {cause}", file=sys.stderr
-        )
+        return INTERRUPTED
+    count = trips["trip"].size
+    if count < schedule.count or (last is not None and last.result.end is None):
+        cause = ""
+        if last is not None:
+            cause = last.result.cause or _ended(last.result).removeprefix("completed; ")
+        print(f"balance-rope: the duty ends with trip {count}: {cause}", file=sys.stderr)
         return 1
     return 0
 
@@ -146,24 +146,28 @@ def _duty(options: argparse.Namespace) -> int:
 def _wind(
     schedule: Schedule, ropes: Ropes, state: Path, interrupted: Callable[[], bool], counted: bool
 ) -> tuple[Recording | None, WoundTrip | None, list[list[str]]]:
-    """Wind those left; return the table of all trips, None for none, the last wound here, and warnings."""
+    """Wind those left.
+
+    Return the table of all trips, None for none, the last wound here, and warnings.
+    """
     from hoist_demo.duty.table import landing_warnings, place_at_rest, trip_row, trip_table
     from hoist_demo.duty.wind import read_state, wind_duty, write_state
     from hoist_demo.study.slip import slip_warnings
 
     cycle = len(schedule.pattern)
-    rope, identities = ropes.plant, ropes.data()
+    rope = ropes.plant
+    identities = ropes.data()
     rest = place_at_rest(schedule, rope, [one.name for one in identities])
     station = f"{identities[0].prefix}{_STATION}"
-    rows, warned = list[dict[str, float]](), list[list[str]]()
+    rows = list[dict[str, float]]()
+    warnings = list[list[str]]()
     after = last = None
     if state.is_file():
         saved_rows, after = read_state(state, rope, schedule)
         rows = saved_rows[: schedule.count]
         if counted != (station in rows[0]):
-            raise ValueError(
-                f"'{state}' was begun {'without' if counted else 'with'} --exposure: go on so"
-            )
+            earlier = "without" if counted else "with"
+            raise ValueError(f"'{state}' was begun {earlier} --exposure: go on so")
         print(f"{len(rows)} of {schedule.count} trips are there already")
     with progress_bar() as bar:
 
@@ -179,61 +183,55 @@ def _wind(
             last = trip
             row = trip_row(trip, rest)
             for one in identities:
-                if (
-                    exposed := exposure(
-                        rope_signals(trip.result.recording, one.name), one.parameters
-                    )
-                ) is not None:
-                    row |= {
-                        f"{one.prefix}{name}": value for name, value in flatten(exposed).items()
-                    }
+                signals = rope_signals(trip.result.recording, one.name)
+                table = exposure(signals, one.parameters)
+                if table is not None:
+                    for name, value in flatten(table).items():
+                        row[f"{one.prefix}{name}"] = value
             rows.append(row)
-            warned.append(
-                [
-                    *slip_warnings(trip.result, trip.data.hoist),
-                    *landing_warnings(rows[-1], trip.data),
-                ]
-            )
+            slip = slip_warnings(trip.result, trip.data.hoist)
+            warnings.append([*slip, *landing_warnings(row, trip.data)])
             if trip.result.end is not None:
                 write_state(state, trip_table(rows, cycle), trip.result.end, rope, schedule)
-    return (trip_table(rows, cycle) if rows else None), last, warned
+    return (trip_table(rows, cycle) if rows else None), last, warnings
 
 
-def _exposed(trips: Recording, prefix: str) -> Recording | None:
-    """Return what each place in a rope went through in all trips; None if it was not counted."""
+def _exposure_of_trips(trips: Recording, prefix: str) -> Recording | None:
+    """Return the load history of each place in a rope in all trips; None if not counted."""
     from hoist_demo.duty.wind import table_rows
 
     if f"{prefix}{_STATION}" not in trips:
         return None
-    own = [
-        {
+    parts = []
+    for row in table_rows(trips):
+        of_rope = {
             key.removeprefix(prefix): value
             for key, value in row.items()
             if key.startswith(f"{prefix}station.")
         }
-        for row in table_rows(trips)
-    ]
-    return together([gather(row) for row in own])
+        parts.append(gather(of_rope))
+    return joined_exposure(parts)
 
 
-def _as_it_is(ropes: Ropes) -> Recording:
+def _present_signals(ropes: Ropes) -> Recording:
     """Return a recording of one row: the ropes' present signals, masked by their fidelities."""
     names = [*ropes.plant.units()]
-    signals = {
-        TIME: np.zeros(1),
-        **dict(zip(names, ropes.plant.reader(names)()[:, None], strict=True)),
-    }
+    values = ropes.plant.reader(names)()[:, None]
+    signals = {TIME: np.zeros(1), **dict(zip(names, values, strict=True))}
     return computed(Recording(signals, {}), {rope.name: rope.torque_free for rope in ropes.data()})
 
 
 def _ended(result: Result) -> str:
     """Return how a trip has ended, in words."""
-    words, at = outcome(result.completed, result.recording), result.winding.emergency_at
-    return words if at is None else f"{words}; {circuit_stop(result.recording, at)}"
+    words = outcome(result.completed, result.recording)
+    stopped_at = result.winding.emergency_at
+    if stopped_at is None:
+        return words
+    return f"{words}; {circuit_stop(result.recording, stopped_at)}"
 
 
 def _summary(
-    trips: Recording, last: WoundTrip | None, cycle: int, warned: Sequence[str]
+    trips: Recording, last: WoundTrip | None, cycle: int, warnings: Sequence[str]
 ) -> list[SummaryRow]:
     from hoist_demo.duty.table import STEADY, steady_from, unit_of, worst
 
@@ -244,28 +242,32 @@ def _summary(
             SummaryRow(OUTCOME, "status of the last trip", _ended(last.result)),
             SummaryRow(OUTCOME, "simulated time", float(recording.time[-1]), "s"),
         ]
-    rows += [SummaryRow(OUTCOME, WARNING, text) for text in warned]
-    steady, count = steady_from(trips, cycle), trips["trip"].size
+    rows += [SummaryRow(OUTCOME, WARNING, text) for text in warnings]
+    steady = steady_from(trips, cycle)
     group = f"Steady cycle: each trip as the one {cycle} before, within {100.0 * STEADY:g} %"
-    rows.append(SummaryRow(group, "from trip", f"{steady}" if steady else f"none of {count}"))
-    if math.isfinite(change := float(trips["difference"][-1])):
+    text = f"{steady}" if steady else f"none of {trips['trip'].size}"
+    rows.append(SummaryRow(group, "from trip", text))
+    change = float(trips["difference"][-1])
+    if math.isfinite(change):
         rows.append(SummaryRow(group, "last trip's change", 100.0 * change, "%"))
     for one in worst(trips, cycle):
-        (value, unit), (first, _) = (
-            in_display_unit(x, unit_of(one.name)) for x in (one.value, one.first_cycle)
-        )
+        value, unit = in_display_unit(one.value, unit_of(one.name))
+        first, _ = in_display_unit(one.first_cycle, unit_of(one.name))
         text = f"{number(value)} {unit}".rstrip() + f" in trip {one.trip} ({number(first)})"
         rows.append(SummaryRow("Worst trip (in the first cycle, from rest)", one.name, text))
     return rows
 
 
-def _write(trips: Recording, exposed: Mapping[str, Recording], out: Path) -> list[Path]:
-    """Write the tables and the figure; `exposed` has the table of each rope by the prefix of its names."""
+def _write(trips: Recording, exposures: Mapping[str, Recording], out: Path) -> list[Path]:
+    """Write the tables and the figure.
+
+    `exposures` has the table of each rope by the prefix of its names.
+    """
     from hoist_demo.report.figures import write_duty_figure
 
     write_csv(trips, out / "trips.csv")
     written = [out / "trips.csv", write_duty_figure(trips, out / "duty.png")]
-    for prefix, table in exposed.items():
+    for prefix, table in exposures.items():
         written.append(out / f"{prefix}exposure.csv")
         write_csv(table, written[-1])
     return written

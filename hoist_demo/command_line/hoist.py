@@ -41,16 +41,11 @@ def add_hoist_commands(commands: Commands) -> None:
     new = add_command(commands, "new", _new, "write the file of your hoist", _NEW, _NEW_EXAMPLES)
     new.add_argument("name", metavar="NAME", help="of the hoist, and of the file NAME.toml")
     for p in WISHES:
-        start = (
-            f" ({p.start:g})"
-            if isinstance(p.start, float) and p.start
-            else f" ({p.start})"
-            if p.start
-            else ""
-        )
-        new.add_argument(
-            f"--{p.name}", required=p.start == "", metavar="X", help=f"{p.help_text}{start}"
-        )
+        text = p.help_text
+        if p.start:
+            start = f"{p.start:g}" if isinstance(p.start, float) else str(p.start)
+            text += f" ({start})"
+        new.add_argument(f"--{p.name}", required=p.start == "", metavar="X", help=text)
     new.add_argument("--out", type=Path, metavar="FILE", help="(NAME.toml)")
     new.add_argument(
         "--schema", action="store_true", help="also a JSON Schema beside it, for editors"
@@ -112,7 +107,8 @@ def _rope(options: argparse.Namespace) -> int:
     )
     if options.construction is None:
         print(
-            f"{'KIND':<12} {'kg/m':>18} {'EI, N m2':>20} {'torque factor':>20}     at {diameter:g} m"
+            f"{'KIND':<12} {'kg/m':>18} {'EI, N m2':>20} {'torque factor':>20}     at {diameter:g} "
+            "m"
         )
         for kind in CONSTRUCTIONS:
             data = catalogue_rope(kind, float(diameter)).data
@@ -129,11 +125,13 @@ def _rope(options: argparse.Namespace) -> int:
     for name in OF_CATALOGUE:
         unit = p[f"rope.{name}"].unit
         print(
-            f"# {name} = {getattr(rope.middle, name):.6g}  # {unit}, the middle of the catalogue's range"
+            f"# {name} = {getattr(rope.middle, name):.6g}  # {unit}, the middle of the catalogue's "
+            "range"
         )
     for name, datum in rope.data.items():
         print(
-            f"# {name}: {datum.low:.4g} to {datum.high:.4g} {datum.unit}, {datum.status}: {datum.source}"
+            f"# {name}: {datum.low:.4g} to {datum.high:.4g} {datum.unit}, {datum.status}: "
+            f"{datum.source}"
         )
     return 0
 
@@ -156,4 +154,6 @@ def _show(options: argparse.Namespace, everything: bool) -> int:
     for line in (*check.problems, *_noted(case)):
         print(f"balance-rope: {line}", file=sys.stderr)
     print(f"# {options.hoist}: {check.summary}")
-    return 0 if everything else check.exit_code
+    if everything:
+        return 0
+    return check.exit_code

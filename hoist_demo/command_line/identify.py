@@ -52,7 +52,8 @@ def _identify(options: argparse.Namespace) -> int:
     if options.check:
         file.require_hangs()
         print(
-            f"{options.measured}: {sum(len(m.values) for m in file.measurements)} values, nothing wrong"
+            f"{options.measured}: {sum(len(m.values) for m in file.measurements)} values, nothing "
+            "wrong"
         )
         return 0
     out = results_folder(options.out or Path("out") / "identify" / options.measured.stem)

@@ -144,10 +144,13 @@ def _modes(options: argparse.Namespace) -> int:
         raise ValueError(
             f"--count {options.count} must be at least 1: give how many modes to print"
         )
-    case, band, out = _hoist(options), options.band, results_folder(options.out)
+    case = _hoist(options)
+    band = options.band
+    out = results_folder(options.out)
     models = linearise(case, options.at, options.swivels, level=case.level)
     head = ("at", "frequency [Hz]", "damping", "felt by the drive", *PARTS)
-    rows, modes = list[list[float]](), list[Modes]()
+    rows = list[list[float]]()
+    modes = list[Modes]()
     print("".join(f"{name:>18}" for name in head), flush=True)
     for model in models:
         with tqdm(
@@ -158,17 +161,17 @@ def _modes(options: argparse.Namespace) -> int:
             leave=False,
             disable=None,
         ) as bar:
-            modes.append(own := model.modes(band, _followed(bar)))
-        felt = telling(model.selected(*_CHANNELS), own, band)
-        table = np.column_stack(
-            (np.full(felt.size, model.at), own.frequencies, own.damping, felt, own.shares.T)
-        )
+            of_model = model.modes(band, _followed(bar))
+        modes.append(of_model)
+        felt = telling(model.selected(*_CHANNELS), of_model, band)
+        at = np.full(felt.size, model.at)
+        columns = (at, of_model.frequencies, of_model.damping, felt, of_model.shares.T)
+        table = np.column_stack(columns)
         rows += table.tolist()
         for j in np.sort(np.argsort(-felt)[: options.count]):
-            print(
-                "".join(f"{x:18.4g}" if k < 4 else f"{x:18.2f}" for k, x in enumerate(table[j])),
-                flush=True,
-            )
+            quantities = [f"{x:18.4g}" for x in table[j, : -len(PARTS)]]
+            shares = [f"{x:18.2f}" for x in table[j, -len(PARTS) :]]
+            print("".join([*quantities, *shares]), flush=True)
     with (
         whole_file(out / "modes.csv") as draft,
         draft.open("w", newline="", encoding="utf-8") as file,

@@ -13,9 +13,8 @@ from hoist_demo.parameters.quantity import Parameter, Value
 from rope_model import Level
 from rope_model.scene_names import choices_of
 
-KERNELS = choices_of(
-    "solver.kernels"
-)  #: Choices of the FMU's integer parameter, in the order of its codes.
+#: Choices of the FMU's integer parameter, in the order of its codes.
+KERNELS = choices_of("solver.kernels")
 TRIP = ("speed", "travel", "creep_distance", "creep_speed")  #: Values of the trip that are options.
 SET = """\
 a parameter of the rope by its name in docs/reference/variables.md, or of the host as hoist.payload_left, in SI or with
@@ -31,25 +30,40 @@ def add_trip(wind: argparse.ArgumentParser) -> None:
         )
     text = "emergency stop from time T [s], at the hoist's winding.emergency_deceleration"
     wind.add_argument("--estop-at", type=float, metavar="T", help=text)
-    text = "who stops: the drive, along its reference; or the brake of a hoist that has one (that of the hoist)"
+    text = (
+        "who stops: the drive, along its reference; or the brake of a hoist that has one (that of "
+        "the hoist)"
+    )
     wind.add_argument("--estop-law", choices=get_args(EmergencyLaw), help=text)
 
 
 def add_data(wind: argparse.ArgumentParser) -> None:
     """Add the options for the rope's data and for the columns written."""
-    text = "the rope computes by compiled C, portably, which is slow, or auto: compiled where it can be (%(default)s)"
+    text = (
+        "the rope computes by compiled C, portably, which is slow, or auto: compiled where it can "
+        "be (%(default)s)"
+    )
     wind.add_argument("--kernels", choices=KERNELS, default="auto", help=text)
-    text = "accuracy against speed of the rope in process (that of the hoist); an FMU has that of its export"
+    text = (
+        "accuracy against speed of the rope in process (that of the hoist); an FMU has that of "
+        "its export"
+    )
     wind.add_argument("--level", choices=get_args(Level), help=text)
     text = "parameters of the rope, as balance-rope identify writes them"
     wind.add_argument("--rope", type=Path, metavar="FILE", help=text)
     wind.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help=SET)
-    text = "columns of signals.csv, beside the time: names of its header, * for any letters (all but the shape's)"
+    text = (
+        "columns of signals.csv, beside the time: names of its header, * for any letters (all but "
+        "the shape's)"
+    )
     wind.add_argument("--signals", nargs="+", default=[], metavar="NAME", help=text)
 
 
 def settings(texts: Iterable[str], parameters: Mapping[str, Parameter]) -> dict[str, Value]:
-    """Parse NAME=VALUE texts into values of their parameters' types and bounds; a ValueError names a wrong one."""
+    """Parse NAME=VALUE texts into values of their parameters' types and bounds.
+
+    A ValueError names a wrong one.
+    """
     values: dict[str, Value] = {}
     for text in texts:
         name, equals, value = (part.strip() for part in text.partition("="))
@@ -62,9 +76,10 @@ def settings(texts: Iterable[str], parameters: Mapping[str, Parameter]) -> dict[
                 f"--set {text}: {name} is not a parameter: {cure_of(name, [*parameters])}"
             )
         parameter = parameters[name]
-        content = {"true": True, "false": False}.get(value.lower(), value)
+        content: Value = {"true": True, "false": False}.get(value.lower(), value)
         if name in values:
             raise ValueError(f"--set {text}: {name} is {values[name]!r} already: give it once")
-        code = parameter.choices and parameter.numeric and value.lstrip("+-").isdigit()
-        values[name] = read_value(parameter, int(value) if code else content)
+        if parameter.choices and parameter.numeric and value.lstrip("+-").isdigit():
+            content = int(value)
+        values[name] = read_value(parameter, content)
     return values

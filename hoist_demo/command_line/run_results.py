@@ -1,6 +1,6 @@
 """Summary and files of a run of `balance-rope wind`."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -50,28 +50,35 @@ class WoundRun:
     warnings: Sequence[str]  # from host and rope
     set_names: Collection[str]  # names of the values that were set
 
-    def own(self, rope: RopeData) -> Recording:
+    def recording_of(self, rope: RopeData) -> Recording:
         """Return the record of a rope."""
         return rope_signals(self.result.recording, rope.name)
 
     @cached_property
-    def exposed(self) -> dict[str, Recording]:
+    def exposures(self) -> dict[str, Recording]:
         """Load history of each place in the ropes that have stations, by the ropes' names."""
-        tables_by_rope = {
-            rope.name: exposure(self.own(rope), rope.parameters) for rope in self.ropes
-        }
-        return {name: table for name, table in tables_by_rope.items() if table is not None}
+        tables = dict[str, Recording]()
+        for rope in self.ropes:
+            table = exposure(self.recording_of(rope), rope.parameters)
+            if table is not None:
+                tables[rope.name] = table
+        return tables
 
     @cached_property
     def report(self) -> Report:
         """Content of the reports: verdict, summary, changed settings and data."""
-        run, status, warnings = self.run, statuses(self.provenance), without_passages(self.warnings)
+        run = self.run
+        status = statuses(self.provenance)
+        warnings = without_passages(self.warnings)
         for rope in self.ropes:
-            warnings = drop_duplicates_of_remark(warnings, self.own(rope))
+            warnings = drop_duplicates_of_remark(warnings, self.recording_of(rope))
         names = [rope.name for rope in self.ropes]
-        rows = summarize(self.result, run.hoist, run.winding, run.coupling, names, run.arrival)
-        rows += tuple(row for exposed in self.exposed.items() for row in exposure_rows(*exposed))
-        rows += tuple(status_rows(self.provenance))
+        rows = list(
+            summarize(self.result, run.hoist, run.winding, run.coupling, names, run.arrival)
+        )
+        for name, table in self.exposures.items():
+            rows += exposure_rows(name, table)
+        rows += status_rows(self.provenance)
         parts = {
             "Hoist": run.hoist,
             "Winding": run.winding,
@@ -80,51 +87,52 @@ class WoundRun:
         }
         data_tables = parameter_tables(parts, status)
         for rope in self.ropes:
-            data_tables += rope_tables(rope, fidelities_of(self.own(rope)), status)
+            data_tables += rope_tables(rope, fidelities_of(self.recording_of(rope)), status)
         verdict = judge(self.result, run.hoist, self.ropes, warnings, self.pairs, run.arrival)
         return Report(self.title, verdict, self._changed(), rows, data_tables)
 
     def _changed(self) -> TitledRows:
-        own = build(self.run.case, {})
-        before = {**{one.name: one.value for one in host_provenance(own, {})}, **own.rope_values}
+        unchanged = build(self.run.case, {})
+        before = {row.name: row.value for row in host_provenance(unchanged, {})}
+        before |= unchanged.rope_values
         values = dict[str, Value]()
         for rope in self.ropes:
             values |= {f"{rope.prefix}{key}": value for key, value in rope.parameters.items()}
         for data in find_case(self.run.case).distinct_ropes:
             before |= {f"{data.name}.{key}": value for key, value in data.parameters.items()}
-        rows: list[Row] = [
-            (
-                one.name,
-                word(one.value),
-                unit_text(one.unit),
-                word(before.get(one.name, "the default")),
-            )
-            for one in self.provenance
-            if {one.name, one.name.partition(".")[2]} & {*self.set_names}
-            and values.get(one.name, one.value) != before.get(one.name)
-        ]
+        rows = list[Row]()
+        for one in self.provenance:
+            is_set = one.name in self.set_names or one.name.partition(".")[2] in self.set_names
+            if is_set and values.get(one.name, one.value) != before.get(one.name):
+                text_before = word(before.get(one.name, "the default"))
+                rows.append((one.name, word(one.value), unit_text(one.unit), text_before))
         return f"Settings that differ from the case {self.run.case}", rows
 
 
 def missing_outputs(units: Mapping[str, str]) -> str:
     """Return the parts of the reports that a rope with these outputs leaves out; "" for none."""
-    groups = [group for group in _DRAWN if not any(name.startswith(group) for name in units)]
+    groups = [group for group in _DRAWN if not _has_group(units, group)]
     if not groups:
         return ""
-    outputs, lacking = (
-        ", ".join(f"{group}*" for group in groups),
-        ", no ".join(_DRAWN[group] for group in groups),
-    )
+    outputs = ", ".join(f"{group}*" for group in groups)
+    lacking = ", no ".join(_DRAWN[group] for group in groups)
     return (
         f"the FMU was exported without the outputs {outputs}, so the report has no {lacking}; "
         "`balance-rope export --outputs all` has them"
     )
 
 
-def write_results(wound: WoundRun, directory: Path, signals: Sequence[str]) -> list[Path]:
-    """Write all files of a run and return their paths, report.html last; without a row only the reports.
+def _has_group(names: Iterable[str], group: str) -> bool:
+    return any(name.startswith(group) for name in names)
 
-    `signals` are the columns of signals.csv, none: the usual. Tables along one of several ropes begin with its name.
+
+def write_results(wound: WoundRun, directory: Path, signals: Sequence[str]) -> list[Path]:
+    """Write all files of a run and return their paths, report.html last.
+
+    Without a row only the reports.
+
+    `signals` are the columns of signals.csv, none: the usual. Tables along one of several ropes
+    begin with its name.
     """
     from hoist_demo.report.figures import write_figures
     from hoist_demo.report.hoist import complete_file
@@ -132,7 +140,8 @@ def write_results(wound: WoundRun, directory: Path, signals: Sequence[str]) -> l
     from hoist_demo.report.markdown import render_markdown
     from hoist_demo.report.panels import marks
 
-    result, hoist = wound.result, wound.run.hoist
+    result = wound.result
+    hoist = wound.run.hoist
     recording = result.recording
     data = write_data(wound.provenance, directory / "data.csv")
     written: list[Path] = []
@@ -146,14 +155,15 @@ def write_results(wound: WoundRun, directory: Path, signals: Sequence[str]) -> l
         written = [directory / "signals.csv"]
         write_csv(recording, written[0], signals)
         pictures = write_figures(recording, hoist, directory, marks(result), wound.ropes)
-    for rope in wound.ropes if recording.signals else ():
-        own = wound.own(rope)
-        if own.shape_at(0) is not None:
-            write_shapes(own, shape_rows(own), add("shapes.csv", rope))
-        if rope.name in wound.exposed:
-            write_csv(wound.exposed[rope.name], add("exposure.csv", rope))
-            if (spectra := spectra_table(own))["frequency"].size:
-                write_csv(spectra, add("spectra.csv", rope))
+        for rope in wound.ropes:
+            of_rope = wound.recording_of(rope)
+            if of_rope.shape_at(0) is not None:
+                write_shapes(of_rope, shape_rows(of_rope), add("shapes.csv", rope))
+            if rope.name in wound.exposures:
+                write_csv(wound.exposures[rope.name], add("exposure.csv", rope))
+                spectra = spectra_table(of_rope)
+                if spectra["frequency"].size:
+                    write_csv(spectra, add("spectra.csv", rope))
     hoist_file = directory / "hoist.toml"
     text = complete_file(find_case(wound.run.case), wound.run, wound.ropes, wound.provenance)
     write_text(hoist_file, text)

@@ -9,7 +9,13 @@ from typing import Any
 
 from tqdm import tqdm
 
-from hoist_demo.command_line.support import Commands, add_command, add_results, results_folder
+from hoist_demo.command_line.support import (
+    INTERRUPTED,
+    Commands,
+    add_command,
+    add_results,
+    results_folder,
+)
 
 _DESCRIPTION = """\
 Wind many times with the rope's FMU, over parameters that a TOML file names, on all cores or on a dask cluster.
@@ -73,9 +79,9 @@ def _study(options: argparse.Namespace) -> int:
         return 0
 
     store = Store(results_folder(options.out or Path("out") / "study" / options.study.stem))
-    keys = (
-        [sample.data.key(study.fmu_hash) for sample in study.samples] if study.plan is None else []
-    )
+    keys = list[str]()
+    if study.plan is None:
+        keys = [sample.data.key(study.fmu_hash) for sample in study.samples]
     total = len(set(keys)) or None
     there = len(store.finished_keys(keys))
     if there:
@@ -99,13 +105,11 @@ def _study(options: argparse.Namespace) -> int:
             )
     except KeyboardInterrupt:
         table_path = write_what_is_there(study, store)
-        left = (
-            "no run was finished"
-            if table_path is None
-            else f"what is finished is kept in {table_path}"
-        )
-        print(f"\ninterrupted: {left}; the same command goes on", file=sys.stderr)
-        return 130
+        kept = "no run was finished"
+        if table_path is not None:
+            kept = f"what is finished is kept in {table_path}"
+        print(f"\ninterrupted: {kept}; the same command goes on", file=sys.stderr)
+        return INTERRUPTED
     for run, passed in result.passages.items():
         print(f"{run}: {passed}", file=sys.stderr)
     for text, runs in result.warnings.items():
@@ -129,9 +133,8 @@ def _study(options: argparse.Namespace) -> int:
         "parameters": parameters,
         "study file": options.study.name,
         "hoist": study.hoist,
-    }
-    meta |= {"FMU": study.fmu.name, "SHA-256": study.fmu_hash}
-    meta |= {
+        "FMU": study.fmu.name,
+        "SHA-256": study.fmu_hash,
         "FMI version": read_fmu(study.fmu).description.fmiVersion,
         "version": version("balance-rope"),
     }

@@ -12,9 +12,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeAlias
 
-INTERRUPTED = (
-    130  #: Exit code of every command that an interrupt (Ctrl-C) has stopped: 128 + SIGINT.
-)
+#: Exit code of every command that an interrupt (Ctrl-C) has stopped: 128 + SIGINT.
+INTERRUPTED = 130
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 RunCommand = Callable[[argparse.Namespace], int]
 
@@ -28,7 +27,10 @@ def add_command(
     epilog: str,
     *others: str,
 ) -> argparse.ArgumentParser:
-    """Add a subcommand, which may have other names; its options hold the function to run as `run`."""
+    """Add a subcommand, which may have other names.
+
+    Its options hold the function to run as `run`.
+    """
     form = argparse.RawDescriptionHelpFormatter
     made = commands.add_parser(
         name,
@@ -57,7 +59,10 @@ def results_folder(out: Path) -> Path:
 
 
 def writable(out: Path) -> Path:
-    """Return ``out``; ValueError, before anything is computed, if it cannot be made or written to."""
+    """Return ``out``.
+
+    ValueError, before anything is computed, if it cannot be made or written to.
+    """
     try:
         # a broken link counts as existing: no folder can be made of it
         there = next(
@@ -80,7 +85,10 @@ def named(text: str) -> Path:
 
 
 class _Output(io.FileIO):
-    """Output that goes nowhere once its reader is gone, as in `| head`: the command goes on to its exit code."""
+    """Output that is dropped once its reader is gone, as in `| head`.
+
+    The command goes on to its exit code.
+    """
 
     def write(self, text: Any) -> int:
         try:
@@ -131,7 +139,9 @@ def silence() -> None:
 
 @contextmanager
 def interruption(doing: str = "") -> Iterator[Callable[[], bool]]:
-    """Yield a function that reports an interrupt heard meanwhile; it stops nothing, and prints ``doing``.
+    """Yield a function that reports an interrupt heard meanwhile.
+
+    It stops nothing, and prints ``doing``.
 
     A run that asks between two steps never stops within the rope, and what does not ask finishes.
     """

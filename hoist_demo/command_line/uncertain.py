@@ -45,14 +45,17 @@ def _uncertain(options: argparse.Namespace) -> int:
     from hoist_demo.uncertainty.page import remarks, summary, too_few, write_page, write_table
     from hoist_demo.uncertainty.spread import run_windings
 
-    workers = os.cpu_count() or 1 if options.workers is None else options.workers
+    workers = options.workers
+    if workers is None:
+        workers = os.cpu_count() or 1
     if workers < 1:
         raise ValueError(f"--workers {workers} must be at least 1: leave it out for one per core")
     file = read(options.scene, UncertaintyFile)
     file.require_hangs()
     if options.check:
         print(
-            f"{options.scene}: {file.header.samples} windings over {', '.join(file.data)}, nothing wrong"
+            f"{options.scene}: {file.header.samples} windings over {', '.join(file.data)}, nothing "
+            "wrong"
         )
         return 0
     out = results_folder(options.out or Path("out") / "uncertain" / options.scene.stem)
@@ -74,6 +77,7 @@ def _uncertain(options: argparse.Namespace) -> int:
     print("\nwritten: " + ", ".join(map(str, written)))
     for text in remarks(result):
         print(f"balance-rope: {text}", file=sys.stderr)
-    if text := too_few(result):
-        print(f"balance-rope: warning: {text}", file=sys.stderr)
+    too_few_windings = too_few(result)
+    if too_few_windings:
+        print(f"balance-rope: warning: {too_few_windings}", file=sys.stderr)
     return result.exit_code

@@ -37,15 +37,15 @@ from hoist_demo.parameters import ASSUMED_DATA
 from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.ropes import computed
 from hoist_demo.recording.time_series import match_signals
-from hoist_demo.report.rows import SummaryRow, render, render_verdict
+from hoist_demo.report.rows import Report, SummaryRow, render, render_verdict
 from hoist_demo.ropes.definition import OneRope, Ropes, ropes_of
 from hoist_demo.study.provenance import host_provenance
 from hoist_demo.study.run import Probe, RunData, build, contradictions, fmu_part, from_landing
 
-LAST_GOOD = (
-    "last_good.npz"  #: File in the output folder with the last good state of a run that stopped.
-)
-STOPPED = "stopped"  #: Folder in the output folder for a run that stopped, beside results of an earlier one.
+#: File in the output folder with the last good state of a run that stopped.
+LAST_GOOD = "last_good.npz"
+#: Folder in the output folder for a run that stopped, beside results of an earlier one.
+STOPPED = "stopped"
 #: Trip of --quick; scenarios keep their travel, as what goes wrong in them does so later.
 _QUICK = {"travel": 10.0, "settle": 2.0}
 
@@ -97,7 +97,10 @@ def add_wind(commands: Commands, fmu: Path) -> None:
     wind.add_argument(
         "--step", type=float, metavar="H", help="communication step [s] (that of the hoist)"
     )
-    text = f"how drive and rope exchange, see docs/howto/hoist.md: {', '.join(SCHEMES)} (that of the hoist)"
+    text = (
+        f"how drive and rope exchange, see docs/howto/hoist.md: {', '.join(SCHEMES)} (that of the "
+        "hoist)"
+    )
     wind.add_argument("--scheme", choices=tuple(SCHEMES), metavar="NAME", help=text)
     wind.add_argument(
         "--resume",
@@ -110,8 +113,8 @@ def add_wind(commands: Commands, fmu: Path) -> None:
     wind.add_argument(
         "--quick",
         action="store_true",
-        help="10 m of travel, but of a hoist in which something goes wrong all of it, and 2 s of settling: a check, "
-        "not a result",
+        help="10 m of travel, but of a hoist in which something goes wrong all of it, and 2 s of "
+        "settling: a check, not a result",
     )
 
 
@@ -122,88 +125,77 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
                 f"--case {options.case} and {options.hoist} are both a hoist: leave one out"
             )
         options.hoist = options.case
-    resume = Checkpoint.read(options.resume) if options.resume else None
-    options.hoist = options.hoist or (resume.hoist if resume else "") or DEFAULT_HOIST
+    resume = None
+    if options.resume:
+        resume = Checkpoint.read(options.resume)
+        options.hoist = options.hoist or resume.hoist
+    options.hoist = options.hoist or DEFAULT_HOIST
     if options.out is None:
         options.out = Path("out") / "wind" / Path(options.hoist).stem
     case = find_case(options.hoist)
     if case.distinct_ropes and options.fmu:
         raise ValueError(
-            f"--fmu {options.fmu} is for a hoist with one [[rope]]: leave it out, several run in process"
+            f"--fmu {options.fmu} is for a hoist with one [[rope]]: leave it out, several run in "
+            "process"
         )
     _choose_rope(options, default if options.hoist == DEFAULT_HOIST else None)
-    own = settings(options.set, parameters(_parameters(options)))
+    set_here = settings(options.set, parameters(_parameters(options)))
     identified = read(options.rope, RopeFile).values() if options.rope else {}
-    overrides = {key: entry.value for key, entry in identified.items()} | own
+    overrides = {key: entry.value for key, entry in identified.items()} | set_here
     values = _winding(options, case) | overrides
     run = from_landing(build(options.hoist, values))
     for remark in case.remarks:
         print(f"balance-rope: {remark}", file=sys.stderr)
-    statuses = {key: entry.status for key, entry in identified.items()} | dict.fromkeys(own, GIVEN)
-    hung = _ropes(options, case, run, overrides)
+    statuses = {key: entry.status for key, entry in identified.items()}
+    statuses |= dict.fromkeys(set_here, GIVEN)
+    ropes = _ropes(options, case, run, overrides)
     if options.check:
         print(f"{options.hoist}: nothing wrong")
         return 0
     results_folder(options.out)
-    signals = match_signals(options.signals or case.signals, [*DRIVE_UNITS, *hung.plant.units()])
-    run = replace(run, hoist=hung.hoist)
+    signals = match_signals(options.signals or case.signals, [*DRIVE_UNITS, *ropes.plant.units()])
+    run = replace(run, hoist=ropes.hoist)
     try:
         with warnings_of("hoist_demo") as warnings:
-            made = run.design()
+            drive = run.design()
             host = Host(
-                hung.plant,
+                ropes.plant,
                 run.hoist,
                 run.winding,
                 run.coupling,
-                made.gains,
-                trajectory=made.trajectory,
+                drive.gains,
+                trajectory=drive.trajectory,
             )
-            host.name = (
-                options.hoist
-                if options.hoist in BUILTIN_HOISTS
-                else str(Path(options.hoist).resolve())
-            )
+            host.name = options.hoist
+            if options.hoist not in BUILTIN_HOISTS:
+                host.name = str(Path(options.hoist).resolve())
             with interruption() as stopped_by_user:
                 result = _run(host, options.out / LAST_GOOD, resume, stopped_by_user)
-        ropes, remarked = hung.data(), _remarks(hung)
-        rope_sources = hung.provenance(statuses)
+        rope_data = ropes.data()
+        remarks = _remarks(ropes)
+        rope_sources = ropes.provenance(statuses)
     finally:
-        hung.plant.close()
-    result = replace(
-        result,
-        recording=computed(result.recording, {rope.name: rope.torque_free for rope in ropes}),
-    )
+        ropes.plant.close()
+    torque_free = {rope.name: rope.torque_free for rope in rope_data}
+    result = replace(result, recording=computed(result.recording, torque_free))
     run = replace(run, winding=result.winding)
-    provenance = [*host_provenance(run, statuses), *rope_sources]
-    trip, at = run.winding, run.winding.emergency_at
-    title = f"{case.name or options.hoist}: the left conveyance {abs(trip.travel):g} m "
-    title += f"{'up' if trip.travel > 0.0 else 'down'} at up to {trip.speed:g} m/s"
-    title += "" if at is None else f", emergency stop at {run.coupling.start + at:g} s"
-    pairs = hung.pairs(result.recording)
-    wound = WoundRun(title, run, result, ropes, pairs, provenance, [*remarked, *warnings], values)
+    wound = WoundRun(
+        title=_title(case.name or options.hoist, run),
+        run=run,
+        result=result,
+        ropes=rope_data,
+        pairs=ropes.pairs(result.recording),
+        provenance=[*host_provenance(run, statuses), *rope_sources],
+        warnings=[*remarks, *warnings],
+        set_names=values,
+    )
+    out = options.out
     # the report of an earlier run is worth more than that of one that failed
-    spared = not result.completed and (options.out / REPORT).exists()
-    out = results_folder(options.out / STOPPED) if spared else options.out
+    if not result.completed and (options.out / REPORT).exists():
+        out = results_folder(options.out / STOPPED)
     with interruption(f"the run is over, its results are being written to {out}") as interrupted:
         written = write_results(wound, out, signals)
-    report = wound.report
-    name, rows = report.changed
-    changed = [
-        SummaryRow(name, key, f"{f'{value} {unit}'.rstrip()}, not {own}")
-        for key, value, unit, own in rows
-    ]
-    print(
-        "\n\n".join(
-            [
-                report.title,
-                render_verdict(report.verdict),
-                *filter(None, [render(changed)]),
-                ASSUMED_DATA,
-            ]
-        )
-    )
-    for text in report.verdict.remarks:
-        print(f"balance-rope: {text}", file=sys.stderr)
+    _print_report(wound.report)
     print("written: " + ", ".join(str(path) for path in written))
     print(f"open in a browser: {written[-1]}")
     by_user = stopped_by_user() or interrupted()
@@ -214,51 +206,83 @@ def _wind(options: argparse.Namespace, default: Path) -> int:
             f"balance-rope: interrupted when the run was over: all its results are in {out}",
             file=sys.stderr,
         )
-    return INTERRUPTED if by_user else 0 if result.completed else 1
+    if by_user:
+        return INTERRUPTED
+    if result.completed:
+        return 0
+    return 1
+
+
+def _title(name: str, run: RunData) -> str:
+    """Return the title of the report of a run: hoist, way, speed and emergency stop."""
+    trip = run.winding
+    direction = "up" if trip.travel > 0.0 else "down"
+    title = (
+        f"{name}: the left conveyance {abs(trip.travel):g} m {direction} at up to "
+        f"{trip.speed:g} m/s"
+    )
+    if trip.emergency_at is not None:
+        title += f", emergency stop at {run.coupling.start + trip.emergency_at:g} s"
+    return title
+
+
+def _print_report(report: Report) -> None:
+    """Print title, verdict and changed settings, and remarks to the messages."""
+    parts = [report.title, render_verdict(report.verdict)]
+    group, changed = report.changed
+    rows = []
+    for name, value, unit, before in changed:
+        quantity = f"{value} {unit}".rstrip()
+        rows.append(SummaryRow(group, name, f"{quantity}, not {before}"))
+    if rows:
+        parts.append(render(rows))
+    print("\n\n".join([*parts, ASSUMED_DATA]))
+    for text in report.verdict.remarks:
+        print(f"balance-rope: {text}", file=sys.stderr)
 
 
 def _stop(result: Result, out: Path, *, by_user: bool) -> str:
     """Return why a run stopped, what is kept of it, and how it goes on."""
-    words = f"{'interrupted' if by_user else 'stopped'}: {result.cause}; what was wound is in {out}"
+    how = "interrupted" if by_user else "stopped"
+    words = f"{how}: {result.cause}; what was wound is in {out}"
     if result.saved is None:
         return f"{words}, no state is kept to go on from"
-    go_on = f"the same command with --resume {result.saved} goes on"
-    return (
-        f"{words}; {go_on}"
-        if by_user
-        else f"{words}; the last good state is in {result.saved}: {go_on} from it"
-    )
+    resumed = f"the same command with --resume {result.saved} goes on"
+    if by_user:
+        return f"{words}; {resumed}"
+    return f"{words}; the last good state is in {result.saved}: {resumed} from it"
 
 
-def _remarks(hung: Ropes) -> list[str]:
-    """Return what an only rope lacks, and where a rope is not the one that was asked for, or that the drive expects."""
-    first, own_level, level = hung.ropes[0], hung.case.level, ""
-    if first.level != own_level and first.scene == replace(first, level=own_level).scene:
-        level = f"--level {first.level} changes nothing: leave mesh, accuracy, solver and model out of the hoist's file"
-    if hung.case.distinct_ropes:
-        return [*filter(None, (level,))]
-    (data,) = hung.data()
-    if isinstance(hung.plant, FmuRope) and data.level not in ("", hung.case.level):
-        level = (
-            f"level = {hung.case.level!r} of {hung.case.name} is not that of the FMU, {data.level!r}, which was "
-            "wound: export one of that level, or --in-process"
+def _remarks(ropes: Ropes) -> list[str]:
+    """Return remarks on outputs that an only rope lacks, and on a rope of another hoist."""
+    first = ropes.ropes[0]
+    level = ropes.case.level
+    on_level = ""
+    if first.level != level and first.scene == replace(first, level=level).scene:
+        on_level = (
+            f"--level {first.level} changes nothing: leave mesh, accuracy, solver and model out of "
+            "the hoist's file"
         )
-    return [
-        *filter(
-            None,
-            (
-                missing_outputs(hung.plant.units()),
-                contradictions(hung.hoist, data.parameters),
-                level,
-            ),
+    if ropes.case.distinct_ropes:
+        if on_level:
+            return [on_level]
+        return []
+    (data,) = ropes.data()
+    if isinstance(ropes.plant, FmuRope) and data.level not in ("", level):
+        on_level = (
+            f"level = {level!r} of {ropes.case.name} is not that of the FMU, "
+            f"{data.level!r}, which was wound: export one of that level, or --in-process"
         )
-    ]
+    outputs = missing_outputs(ropes.plant.units())
+    data_of_drive = contradictions(ropes.hoist, data.parameters)
+    return [*filter(None, (outputs, data_of_drive, on_level))]
 
 
 def _choose_rope(options: argparse.Namespace, default: Path | None) -> None:
-    """Settle whether the rope is that of an FMU: one asked for, or the default where there is one."""
+    """Return options with the FMU that is wound: the given one, or the default where it exists."""
     if options.fmu is None and not options.in_process:
-        options.fmu = default if default is not None and default.is_file() else None
+        if default is not None and default.is_file():
+            options.fmu = default
         options.in_process = options.fmu is None
         if options.in_process and default is not None:
             cure = "`balance-rope export --outputs all` makes it"
@@ -278,8 +302,10 @@ def _winding(options: argparse.Namespace, case: Case) -> dict[str, Value]:
     chosen |= {"emergency_at": options.estop_at, "emergency_law": options.estop_law}
     overrides: dict[str, Any] = {name: value for name, value in chosen.items() if value is not None}
     quick = dict[str, float]()
-    if options.quick:
-        quick = {"settle": _QUICK["settle"]} if options.hoist in SCENARIOS else _QUICK
+    if options.quick and options.hoist in SCENARIOS:
+        quick = {"settle": _QUICK["settle"]}
+    elif options.quick:
+        quick = _QUICK
     winding = replace(case.winding, **(quick | overrides))
     if options.creep_speed is not None and not winding.creeps:
         raise ValueError(
@@ -296,8 +322,8 @@ def _parameters(options: argparse.Namespace) -> dict[str, Parameter] | None:
         return None
     if not options.fmu.is_file():
         raise ValueError(
-            f"FMU '{options.fmu}' is missing: `balance-rope export --outputs all --out {options.fmu}` makes it; or "
-            "give another file with --fmu, or run with --in-process"
+            f"FMU '{options.fmu}' is missing: `balance-rope export --outputs all --out "
+            f"{options.fmu}` makes it; or give another file with --fmu, or run with --in-process"
         )
     return read_parameters(options.fmu)
 
@@ -305,10 +331,13 @@ def _parameters(options: argparse.Namespace) -> dict[str, Parameter] | None:
 def _ropes(
     options: argparse.Namespace, case: Case, run: RunData, overrides: Mapping[str, Value]
 ) -> Ropes:
-    """Return the hoist's ropes, of which values are `chosen`; a chosen FMU is asked whether it takes its own."""
-    kernels = (
-        {} if options.kernels == "auto" else {"solver.kernels": KERNELS.index(options.kernels)}
-    )
+    """Return the hoist's ropes, of which values are `chosen`.
+
+    A chosen FMU is asked whether it takes its own.
+    """
+    kernels = dict[str, Value]()
+    if options.kernels != "auto":
+        kernels["solver.kernels"] = KERNELS.index(options.kernels)
     if options.in_process:
         return ropes_of(case, run, {**overrides, **kernels}, options.level or case.level)
     if options.level:

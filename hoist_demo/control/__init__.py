@@ -1,1 +1,1 @@
-"""The trip asked for, the controller that follows it, and the emergency brake."""
+"""The reference of a trip, the controller that follows it, and the emergency brake."""

@@ -1,14 +1,16 @@
 """Speed controller of the hoist, sampled at the communication step H.
 
-    e   = v_ref + k_s (s_ref - s) - v ,     v, s: rim speed of the sheave, measured travel of the left conveyance
+    e   = v_ref + k_s (s_ref - s) - v ,
     M_c = R [ m a_ref + F_hold + f s_ref + F_loss(v_ref) + k_v e + I ] ,     I <- I + H k_v e / T_i
 
-F_hold holds the imbalance at the start, f = 2 g (tail - head rope mass per length) is its change per metre of travel,
-F_loss the known friction at the reference speed. The three terms that follow the reference are the feed-forward; a
-share of them between 0 (plain PI) and 1 is used.
-The command is cut at the limits of torque and power, and the integral then stands still as long as it would push
-further (conditional integration; K. J. Astrom and T. Hagglund, Advanced PID Control, 2006, section 3.5).
-When the reference says that the safety brake stops the hoist, the motor is off and `emergency_brake` asks for it.
+with v the rim speed of the sheave and s the measured travel of the left conveyance. F_hold holds
+the imbalance at the start, f = 2 g (tail - head rope mass per length) is its change per metre of
+travel, F_loss the known friction at the reference speed. The three terms that follow the reference
+are the feed-forward; a share of them between 0 (plain PI) and 1 is used. The command is cut at the
+limits of torque and power, and the integral then stands still as long as it would push further
+(conditional integration; K. J. Astrom and T. Hagglund, Advanced PID Control, 2006, section 3.5). In
+an emergency stop with the safety brake the motor is off, and `emergency_brake` gives the brake's
+command.
 """
 
 import math
@@ -42,27 +44,43 @@ class Gains(ValidatedData, of="gain "):
     )
 
 
+class RimMotion(NamedTuple):
+    """Motion of the sheave's rim with the motor off."""
+
+    speed: float  # m/s
+    resistance: float  # N, force that slows the hoist without its brake
+
+
+class BrakeCommand(NamedTuple):
+    """Command to the brake until the next sample, and its state to go on with."""
+
+    fraction: float  # -, of the full torque
+    state: BrakeState | None = None
+
+
+_FULL_TORQUE = 1.0  #: Fraction of the brake's torque.
+
+
 def emergency_brake(
     hoist: Hoist,
     gains: Gains,
     braking: Braking,
-    speed: float,
-    resistance: float,
+    rim: RimMotion,
     state: BrakeState | None,
     h: float,
-) -> tuple[float, BrakeState | None]:
-    """Return the fraction of the full torque for the step of h [s] that begins now, and the state to go on with.
-
-    The motor is off; `speed` is that of the rim [m/s], `resistance` F_r [N].
+) -> BrakeCommand:
+    """Return the command for the step of h [s] that begins now; the motor is off.
 
         torque:        the full torque once the dead time is over
         two-stage:     a part of it, and the full torque from a given time after the trip
-        deceleration:  regulated: the speed shall fall as |v_b| - a (t - t_b) from v_b, at which the brake bites,
+        deceleration:  regulated: the speed shall fall as v_target = |v_b| - a (t - t_b) from v_b, at
+                       which the brake bites,
 
-            T = R [ m a - F_r + k_v e + I ] ,     e = |v| - v_asked ,     I <- I + H k_v e / T_i ,
+            T = R [ m a - F_r + k_v e + I ] ,   e = |v| - v_target ,   I <- I + H k_v e / T_i ,
 
-    with the force F_r that slows the hoist anyway: friction, and the imbalance when the heavier side rises. A brake can
-    only brake: T is cut to 0 and the full torque, and I then stands still. Once v_asked is 0 the full torque holds.
+    with the resistance F_r: friction, and the imbalance when the heavier side rises. A brake can
+    only brake: T is cut to 0 and the full torque, and I then stands still. Once v_target is 0 the
+    full torque holds.
     """
     brake = hoist.brake
     if brake is None:
@@ -70,27 +88,27 @@ def emergency_brake(
             f"emergency_law = {braking.law!r} must be 'drive' for a hoist without a brake: fit one"
         )
     if braking.elapsed < brake.delay:
-        return 0.0, None
+        return BrakeCommand(0.0)
     if braking.law == "torque":
-        return 1.0, None
+        return BrakeCommand(_FULL_TORQUE)
     if braking.law == "two-stage":
-        return brake.first_stage if braking.elapsed < brake.first_stage_time else 1.0, None
+        if braking.elapsed < brake.first_stage_time:
+            return BrakeCommand(brake.first_stage)
+        return BrakeCommand(_FULL_TORQUE)
 
     # regulated: the ramp begins where the brake bites
-    state = BrakeState(speed) if state is None else state
+    state = state or BrakeState(rim.speed)
     target_speed = abs(state.bite_speed) - braking.deceleration * (braking.elapsed - brake.delay)
     if target_speed <= 0.0:
-        return 1.0, state
-    error = math.copysign(1.0, state.bite_speed) * speed - target_speed
-    wanted = (
-        hoist.moving_mass * braking.deceleration - resistance + gains.speed * error + state.integral
-    )
-    fraction = wanted * hoist.sheave_radius / brake.torque
-    if not 0.0 <= fraction <= 1.0:
-        return min(max(fraction, 0.0), 1.0), state
-    return fraction, BrakeState(
-        state.bite_speed, state.integral + h * gains.speed * error / gains.integral_time
-    )
+        return BrakeCommand(_FULL_TORQUE, state)
+    error = math.copysign(1.0, state.bite_speed) * rim.speed - target_speed
+    inertia = hoist.moving_mass * braking.deceleration
+    force = inertia - rim.resistance + gains.speed * error + state.integral
+    fraction = force * hoist.sheave_radius / brake.torque
+    if not 0.0 <= fraction <= _FULL_TORQUE:
+        return BrakeCommand(min(max(fraction, 0.0), _FULL_TORQUE), state)
+    integral = state.integral + h * gains.speed * error / gains.integral_time
+    return BrakeCommand(fraction, BrakeState(state.bite_speed, integral))
 
 
 class Measurement(NamedTuple):
@@ -101,7 +119,7 @@ class Measurement(NamedTuple):
 
 
 class ControllerState(NamedTuple):
-    """Integral part I [N], and what a regulated emergency stop remembers."""
+    """Integral part I [N], and the state of a regulated emergency stop."""
 
     integral: float = 0.0
     brake: BrakeState | None = None
@@ -119,25 +137,35 @@ class Command(NamedTuple):
 class Controller(Protocol):
     """A control law that the host can sample.
 
-    Whatever it remembers from sample to sample is in the state of its command, and nowhere else: the host takes samples
-    back, and saves and restores them. The state is any plain data (`hoist_demo.cosimulation.plain_data` tells which),
-    and the host hands over a copy, which may be changed.
+    Its memory from sample to sample is in the state of its command, and nowhere else: the host
+    takes samples back, and saves and restores them. The state is any plain data, see
+    `hoist_demo.cosimulation.plain_data`, and the host hands over a copy, which may be changed.
     """
 
     def command(
         self, reference: TrajectoryPoint, measured: Measurement, state: Any, h: float
     ) -> Command:
-        """Command for the step of length h [s] that begins now; `state` is the last command's, None at first."""
+        """Command for the step of length h [s] that begins now.
+
+        `state` is that of the last command, None at first.
+        """
 
 
 class SpeedController:
-    """The control law; its state is explicit. The host evaluates its text, and exported drives have C made of it."""
+    """The control law; its state is explicit.
+
+    The host evaluates it, and the C of exported drives is generated from it.
+    """
 
     def __init__(self, hoist: Hoist, holding_torque: Any, gains: Any = None) -> None:
-        """`holding_torque` [N m] is the motor's torque at rest at the start; it and the `Gains` may be symbols."""
+        """`holding_torque` [N m] is the motor's torque at rest at the start.
+
+        It and the `gains` may be symbols; default: `Gains`.
+        """
         self._gains = Gains() if gains is None else gains
         self._radius = hoist.sheave_radius
-        self._mass, self._imbalance_rate = hoist.moving_mass, hoist.imbalance_rate
+        self._mass = hoist.moving_mass
+        self._imbalance_rate = hoist.imbalance_rate
         self._coulomb, self._viscous = hoist.travel_loss
         self._holding_torque = holding_torque
         self._hoist = hoist
@@ -150,37 +178,41 @@ class SpeedController:
         h: float,
     ) -> Command:
         """Torque command for the step of length h [s] that begins now."""
-        state = ControllerState() if state is None else state
-        *motion, _, braking = reference
-        if braking is not None:
-            return self._brake(braking, measured, state, h)
+        if state is None:
+            state = ControllerState()
+        if reference.braking is not None:
+            return self._brake(reference.braking, measured, state, h)
+        motion = (reference.position, reference.speed, reference.acceleration)
         torque, limited, integral = self.law(motion, *measured, state.integral, h)
         return Command(torque, limited, ControllerState(integral))
 
     def law(
         self, motion: Sequence[Any], travel: Any, speed: Any, integral: Any, h: Any
     ) -> tuple[Any, Any, Any]:
-        """Return (torque [N m], limited, integral after h), also of symbols; `motion` is s, v, a of the reference."""
+        """Return (torque [N m], limited, integral after h), also of symbols.
+
+        `motion` is s, v, a of the reference.
+        """
         force, error = self.force(motion, travel, speed, integral)
-        wanted = self._holding_torque + self._radius * force
+        unlimited = self._holding_torque + self._radius * force
         limit = self._hoist.torque_available(speed / self._radius)
-        torque = minimum(maximum(wanted, -limit), limit)
+        torque = minimum(maximum(unlimited, -limit), limit)
         # anti-windup: integrate unless that would push further into the limit
-        stands = logical_and(torque != wanted, error * wanted > 0.0)
-        grown = integral + h * self._gains.speed * error / self._gains.integral_time
-        return torque, torque != wanted, where(stands, integral, grown)
+        stands = logical_and(torque != unlimited, error * unlimited > 0.0)
+        integrated = integral + h * self._gains.speed * error / self._gains.integral_time
+        return torque, torque != unlimited, where(stands, integral, integrated)
 
     def force(
         self, motion: Sequence[Any], travel: Any, speed: Any, integral: Any
     ) -> tuple[Any, Any]:
-        """Return the force at the rim beyond the one that holds [N], and the error of the speed [m/s]."""
-        error = motion[1] + self._gains.position * (motion[0] - travel) - speed
-        return self._gains.feed_forward * self.ahead(
-            motion
-        ) + self._gains.speed * error + integral, error
+        """Return the force at the rim beyond F_hold [N], and the error of the speed [m/s]."""
+        position_ref, speed_ref, _ = motion
+        error = speed_ref + self._gains.position * (position_ref - travel) - speed
+        feed_forward = self._gains.feed_forward * self.ahead(motion)
+        return feed_forward + self._gains.speed * error + integral, error
 
     def ahead(self, motion: Sequence[Any]) -> Any:
-        """Return the force at the rim that a full feed-forward asks for, beyond the one that holds [N]."""
+        """Return the force at the rim of a full feed-forward, beyond F_hold [N]."""
         position, speed, acceleration = motion
         return self._mass * acceleration + self._imbalance_rate * position + self._loss(speed)
 
@@ -189,13 +221,15 @@ class SpeedController:
     ) -> Command:
         """Return the command of a stop by the brake: no motor torque, and the brake by its law."""
         holding_force = self._holding_torque / self._radius + self._imbalance_rate * measured.travel
-        resistance = math.copysign(1.0, measured.speed) * holding_force + abs(
-            self._loss(measured.speed)
+        imbalance = math.copysign(1.0, measured.speed) * holding_force
+        rim = RimMotion(measured.speed, resistance=imbalance + abs(self._loss(measured.speed)))
+        brake = emergency_brake(self._hoist, self._gains, braking, rim, state.brake, h)
+        return Command(
+            torque=0.0,
+            limited=False,
+            state=ControllerState(integral=0.0, brake=brake.state),
+            brake=brake.fraction,
         )
-        fraction, brake = emergency_brake(
-            self._hoist, self._gains, braking, measured.speed, resistance, state.brake, h
-        )
-        return Command(0.0, False, ControllerState(0.0, brake), fraction)
 
     def _loss(self, speed: Any) -> Any:
         """Friction at the rim and along the guides of both conveyances [N] at a rim speed [m/s]."""

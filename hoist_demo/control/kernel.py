@@ -11,7 +11,7 @@ from hoist_demo.control.controller import Gains, SpeedController
 from hoist_demo.parameters import Hoist
 from hoist_demo.parameters.hoist import with_numbers
 
-#: What the law takes before the gains and the hoist's numbers, in their own orders.
+#: Arguments of the law before the gains and the hoist's numbers, which have their own orders.
 ARGUMENTS = (
     "position",
     "speed_asked",
@@ -22,19 +22,21 @@ ARGUMENTS = (
     "integral",
     "h",
 )
+RESULTS = ("torque", "limited", "integral")  #: Results of the law, in their order.
 
 
 @cache
 def law_kernel(structure: Hoist) -> Any:
-    """Return SpeedController.law as (ARGUMENTS, Gains and hoist's numbers in a vector) -> (torque, limited, integral).
+    """Return SpeedController.law as a function of one vector that gives RESULTS.
 
-    One text for all hoists of this `Hoist.equation_structure`.
+    The vector has ARGUMENTS, Gains and the hoist's numbers. One text for all hoists of this
+    `Hoist.equation_structure`.
     """
     gains = {field.name: ca.SX.sym(field.name) for field in fields(Gains)}
-    arguments, p = ca.SX.sym("arguments", len(ARGUMENTS)), ca.SX.sym("p", len(structure.numbers))
+    arguments = ca.SX.sym("arguments", len(ARGUMENTS))
+    p = ca.SX.sym("p", len(structure.numbers))
     hoist = with_numbers(structure, ca.vertsplit(p))
-    s, v, a, travel, speed, hold, integral, h = ca.vertsplit(arguments)
-    outputs = SpeedController(hoist, hold, SimpleNamespace(**gains)).law(
-        (s, v, a), travel, speed, integral, h
-    )
-    return ca.Function("law", [ca.vertcat(arguments, *gains.values(), p)], [ca.vertcat(*outputs)])
+    s, v, a, travel, speed, holding_torque, integral, h = ca.vertsplit(arguments)
+    controller = SpeedController(hoist, holding_torque, SimpleNamespace(**gains))
+    results = controller.law((s, v, a), travel, speed, integral, h)
+    return ca.Function("law", [ca.vertcat(arguments, *gains.values(), p)], [ca.vertcat(*results)])

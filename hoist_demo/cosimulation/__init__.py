@@ -1,1 +1,1 @@
-"""Drive and rope in one run: the participants, the schemes that couple them, and the host's loop around both."""
+"""Drive and rope in one run: participants, schemes that couple them, and the host's loop."""

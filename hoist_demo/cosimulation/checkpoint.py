@@ -1,7 +1,7 @@
 """The last good state of a run in a file, to be looked at or to go on from.
 
-A NumPy archive: the fields of Checkpoint as text, and their arrays beside it, by name. Those of the recording are
-`recording.signals['time']` and so on.
+A NumPy archive: the fields of Checkpoint as text, and their arrays by name, as
+`recording.signals['time']`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,17 @@ from rope_model.files import whole_file
 
 _FIELD = re.compile(r"(\w+)=([^(),]+)[,)]")  #: A single value in the text of a dataclass.
 MAX_DIFFERENCES = 6  #: Differences between two runs' data at most that a message lists.
-CONTROLLER = "the controller's state"  #: What messages call it.
+#: Errors that a damaged or foreign file raises.
+_UNREADABLE = (KeyError, ValueError, TypeError, AttributeError, EOFError, zipfile.BadZipFile)
+#: Types of some fields that a file must have.
+_TYPES = {
+    "plant": PlantState,
+    "scheme_state": SchemeState,
+    "recording": Recording,
+    "rope": bytes,
+    "input": np.ndarray,
+}
+CONTROLLER = "the controller's state"  #: Its name in messages.
 
 
 @dataclass(frozen=True)
@@ -38,9 +48,7 @@ class Checkpoint:
     input: Vector  # that acts on the drive, in the order of INPUT_NAMES
     scheme_state: SchemeState
     rope: bytes  # b"" when the rope cannot save its state
-    recording: (
-        Recording  # rows of the run until it stopped; a resumed run goes on behind this sample's
-    )
+    recording: Recording  # of the run until it stopped; a resumed run replaces rows behind `sample`
     data: str  # data that a resumed run must share: see Host.data
     cause: str  # reason why the run stopped
     hoist: str = ""  # name or file of the hoist, if known
@@ -50,7 +58,9 @@ class Checkpoint:
         arrays = dict[str, Array]()
         text: dict[str, Any] = {"version": version("balance-rope")}
         for field in fields(self):
-            name = CONTROLLER if field.name == "controller" else field.name
+            name = field.name
+            if name == "controller":
+                name = CONTROLLER
             text[field.name] = encode(getattr(self, field.name), name, arrays)
         arrays["text"] = np.frombuffer(json.dumps(text).encode(), dtype=np.uint8)
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -61,13 +71,14 @@ class Checkpoint:
         """Raise a ValueError unless a run of this data can go on from here."""
         if self.data != data:
             raise ValueError(
-                f"the checkpoint at t = {self.t:g} s must be of the same hoist, winding, controller, gains and "
-                f"sample time, but {differences(self.data, data)}: give the case and the options of that run"
+                f"the checkpoint at t = {self.t:g} s must be of the same hoist, winding, "
+                f"controller, gains and sample time, but {differences(self.data, data)}: "
+                "give the case and the options of that run"
             )
         if not self.rope:
             raise ValueError(
-                f"the checkpoint at t = {self.t:g} s must hold the rope's state, which its rope could not save: "
-                "start anew, or take an FMU with canGetAndSetFMUstate"
+                f"the checkpoint at t = {self.t:g} s must hold the rope's state, which its rope "
+                "could not save: start anew, or take an FMU with canGetAndSetFMUstate"
             )
 
     @staticmethod
@@ -78,45 +89,33 @@ class Checkpoint:
             with np.load(path, allow_pickle=False) as file:
                 arrays = {name: file[name] for name in file.files}
             text = json.loads(arrays["text"].tobytes())
-            there, controller = text.pop("version", "an earlier one"), text.pop("controller", None)
+            there = text.pop("version", "an earlier one")
+            controller = text.pop("controller", None)
             checkpoint = None
             if there == here:
-                checkpoint = replace(
-                    _checkpoint(text, arrays), controller=decode(controller, arrays)
-                )
+                checkpoint = _checkpoint(text, arrays)
+                checkpoint = replace(checkpoint, controller=decode(controller, arrays))
         except OSError as error:
-            raise ValueError(
-                f"'{path}': {(error.strerror or str(error)).lower()}: give a run's last_good.npz"
-            ) from error
-        except (
-            KeyError,
-            ValueError,
-            TypeError,
-            AttributeError,
-            EOFError,
-            zipfile.BadZipFile,
-        ) as error:
+            reason = (error.strerror or str(error)).lower()
+            raise ValueError(f"'{path}': {reason}: give a run's last_good.npz") from error
+        except _UNREADABLE as error:
             raise ValueError(
                 f"'{path}' must be a checkpoint of a run, but: {error}: give another file"
             ) from error
         if checkpoint is None:
             raise ValueError(
-                f"'{path}' must be of version {here}, it was written by {there}: go on with that version, or start "
-                "anew in another folder"
+                f"'{path}' must be of version {here}, it was written by {there}: "
+                "go on with that version, or start anew in another folder"
             )
         return checkpoint
 
 
 def _checkpoint(text: dict[str, Any], arrays: dict[str, Array]) -> Checkpoint:
     """Decode a checkpoint from an archive's text and arrays, without the controller's state."""
-    checkpoint = Checkpoint(
-        controller=None, **{name: decode(value, arrays) for name, value in text.items()}
-    )
-    kinds = {"plant": PlantState, "scheme_state": SchemeState, "recording": Recording}
-    kinds |= {"rope": bytes, "input": np.ndarray}
-    if wrong := [
-        name for name, kind in kinds.items() if not isinstance(getattr(checkpoint, name), kind)
-    ]:
+    values = {name: decode(value, arrays) for name, value in text.items()}
+    checkpoint = Checkpoint(controller=None, **values)
+    wrong = [name for name, kind in _TYPES.items() if not isinstance(values[name], kind)]
+    if wrong:
         raise TypeError(f"{', '.join(wrong)} of other kinds")
     return checkpoint
 
@@ -128,5 +127,7 @@ def differences(there: str, here: str) -> str:
         {f"{name} is {value} there" for name, value in old if (name, value) not in new}
         | {f"{name} is {value} here" for name, value in new if (name, value) not in old}
     )
-    more = f" and {len(changed) - MAX_DIFFERENCES} more" if len(changed) > MAX_DIFFERENCES else ""
-    return (", ".join(changed[:MAX_DIFFERENCES]) or "they differ") + more
+    listed = ", ".join(changed[:MAX_DIFFERENCES]) or "they differ"
+    if len(changed) > MAX_DIFFERENCES:
+        return f"{listed} and {len(changed) - MAX_DIFFERENCES} more"
+    return listed

@@ -1,65 +1,91 @@
 """Advance of a trip in C, by trip.c, up to the next sample that the host in Python must process.
 
-It takes what most trips have: the scheme gauss-seidel-1, the speed controller, head ropes that hold on the sheave, a
-rope in a library, and a C compiler. All else goes on in `host.Host`, which gives the same bits.
+It takes what most trips have: the scheme gauss-seidel-1, the speed controller, head ropes that hold
+on the sheave, a rope in a library, and a C compiler. All else goes on in `host.Host`, with the same
+bits.
 """
 
 import math
 from ctypes import CDLL, Structure, addressof, byref, c_double, c_int, c_size_t, c_void_p, cast
-from dataclasses import astuple
+from dataclasses import astuple, dataclass, fields
 from functools import cache
 from importlib.resources import files
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from hoist_demo.control.controller import Command, ControllerState, Gains
-from hoist_demo.control.kernel import ARGUMENTS, law_kernel
-from hoist_demo.control.trajectory import Trajectory
-from hoist_demo.cosimulation.drive_signals import ROW
+from hoist_demo.control.kernel import ARGUMENTS, RESULTS, law_kernel
+from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint
+from hoist_demo.cosimulation.drive_signals import OUTPUT_COLUMNS, ROW, WORK_COLUMNS
 from hoist_demo.cosimulation.participants.fmi_versions import DISCARD, WARNING
+from hoist_demo.cosimulation.participants.hoist_partner import DriveCommand
 from hoist_demo.cosimulation.participants.library_calls import (
     CALLS,
     FUNCTIONS,
-    HEARD,
+    LOG_WARNINGS,
     Access,
+    OutputTable,
     RopeLibrary,
 )
 from hoist_demo.cosimulation.run_state import RunState
-from hoist_demo.cosimulation.schemes.interface import ENDS, HISTORY, ROPE_FORCES, Sample, Stopwatch
+from hoist_demo.cosimulation.schemes.interface import (
+    ENDS,
+    HISTORY,
+    ROPE_FORCES,
+    SUCCESS,
+    Sample,
+    Stopwatch,
+)
 from hoist_demo.drive import integrator, plant
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES, STATE_NAMES, WORK_NAMES
 from hoist_demo.drive.kernels import generate_c
 from hoist_demo.drive.outputs import OUTPUT_INDEX, OUTPUTS
 from hoist_demo.drive.plant import SIDE_FORCES
 from hoist_demo.parameters import Coupling, Hoist
-from rope_model import EndMotion
+from hoist_demo.recording.time_series import TIME
+from rope_model import EndMotion, Status
 from rope_model.compiler import cache_folder, compile_library, find_compiler
 
-_STOPS = (
-    "WELL",
-    "LOOK",
-    "DRIVE",
-    *CALLS,
-)  #: How samples end: well, before one to be looked at, or what has failed.
-_SIDES = slice(INPUT_NAMES.index("fx_left"), len(INPUT_NAMES))
-_SPELT = {"y": "y", "vy": "v", "ay": "a"}  #: Names in OUTPUTS, where they are others.
-#: -1: a hoist has nothing that leans
+#: Ends of a call: well, before a sample that the host must process, or the part that has failed.
+_STOPS = ("WELL", "LOOK", "DRIVE", *CALLS)
+_MOTIONS = tuple(field.name for field in fields(EndMotion))
+#: Names of an end's motion in OUTPUTS, where they are others.
+_OUTPUT_NAMES = {"vy": "v", "ay": "a"}
+_NO_OUTPUT = -1  #: Place of a motion that the hoist does not have, as one that leans.
+#: Places in OUTPUTS of the motions of both ends.
 _ENDS = [
-    OUTPUT_INDEX.get(f"{_SPELT.get(name, name)}_{s}", -1)
-    for s in ENDS
-    for name in EndMotion.__dataclass_fields__
+    OUTPUT_INDEX.get(f"{_OUTPUT_NAMES.get(name, name)}_{side}", _NO_OUTPUT)
+    for side, name in product(ENDS, _MOTIONS)
 ]
-_MOTIONS = " ".join(
-    f"double {name};" for name in EndMotion.__dataclass_fields__
-)  #: Members of it in rope.h.
-_MEMORY = ("arg", "res", "iw", "w")  #: Of a function of CasADi.
-#: What trip.c takes from here for all hoists, by name.
+_MEMORY = ("arg", "res", "iw", "w")  #: Memory of a function of CasADi.
+_SIDES = slice(INPUT_NAMES.index("fx_left"), len(INPUT_NAMES))
+#: Signals at which blocks or single numbers of a row of the record begin, by names in trip.c.
+_COLUMNS = {
+    "TIME": TIME,
+    "REFERENCE": "reference.position",
+    "TORQUE_COMMAND": "drive.torque_command",
+    "TORQUE_LIMITED": "drive.torque_limited",
+    "SLIP": "drive.slip",
+    "SLIP_SPEED": "drive.slip_speed",
+    "COUPLING_ENERGY": "coupling.energy",
+    "EXCHANGES": "coupling.exchanges",
+    "OUTPUTS": OUTPUT_COLUMNS[0],
+    "WORK_TOTALS": WORK_COLUMNS[0],
+}
+_INTEGRATOR_CONSTANTS = (
+    "MIN_STEP",
+    "SAFETY",
+    "MIN_FACTOR",
+    "MAX_FACTOR",
+    "MIN_ERROR",
+    "ORDER",
+    "ROUNDING",
+)
+#: Numbers of trip.c that are those of all hoists, by name.
 _NUMBERS: dict[str, float] = {
-    **{
-        name: getattr(integrator, name)
-        for name in ("MIN_STEP", "SAFETY", "SHRINKS", "GROWS", "ORDER")
-    },
+    **{name: getattr(integrator, name) for name in _INTEGRATOR_CONSTANTS},
     "MIN_ROPE": plant.MIN_ROPE,
     "HISTORY": HISTORY,
     "WARNING": WARNING,
@@ -70,16 +96,25 @@ _NUMBERS: dict[str, float] = {
     "SIDES": _SIDES.start,
     "PHI": STATE_NAMES.index("phi"),
     "WORK_COUNT": integrator.WORK_COUNT,
-    **{f"{name.upper()}_WORK": WORK_NAMES.index(name) for name in ENDS},
+    "JERK": TrajectoryPoint._fields.index("jerk"),
     "OUTPUTS": len(OUTPUTS),
+    "LAW_RESULTS": len(RESULTS),
+    **{f"LAW_{name.upper()}": k for k, name in enumerate(RESULTS)},
+    **{f"{name.upper()}_WORK": WORK_NAMES.index(name) for name in ENDS},
     **{name.upper(): OUTPUT_INDEX[name] for name in ("y_left", "a_left", "pull_left", "rate")},
     **{name.upper(): ARGUMENTS.index(name) for name in ("travel", "speed", "integral")},
-    **{name: k for k, name in enumerate(_STOPS)},
     **{f"AS_{name}": k for k, name in enumerate(FUNCTIONS)},
+    **{f"COLUMN_{name}": ROW.index(signal) for name, signal in _COLUMNS.items()},
 }
+#: Columns of a sample in C.
+_SAMPLE_TIME = 0
+_SAMPLE_FORCE = slice(1, 3)
+_SAMPLE_MEAN = slice(3, 5)
+_SAMPLE_ACCELERATION = slice(5, 7)
+_SAMPLE_SIZE = 7
 
 
-def _fields(kind: Any, names: str) -> list[tuple[str, Any]]:
+def _fields(kind: type, names: str) -> list[tuple[str, type]]:
     return [(name, kind) for name in names.split()]
 
 
@@ -89,7 +124,7 @@ class TripStructure(Structure):
     _fields_ = (
         *_fields(c_void_p, "drive z y law_arguments"),
         *_fields(Access, "step motions valid forces sides guard"),
-        *_fields(c_void_p, "recorded warning warned text heard"),
+        *_fields(c_void_p, "recorded warning warned text log_warnings"),
         *_fields(c_int, "records warnings watched per_sample per_step"),
         *_fields(c_double, "start H period radius start_height ropes slack_tension"),
         *_fields(c_void_p, "reference samples row"),
@@ -99,190 +134,259 @@ class TripStructure(Structure):
     )
 
 
+@dataclass(frozen=True)
+class TripData:
+    """Data of a trip that stay the same until its end."""
+
+    hoist: Hoist
+    gains: Gains
+    coupling: Coupling
+    start_height: float  # m, of the left conveyance
+    drive_clock: Stopwatch
+    rope_clock: Stopwatch
+    max_samples: int  # of one call
+
+
 class SampleReached(NamedTuple):
     """Sample at which the compiled trip has ended."""
 
     sample: int  # that is to be recorded next
-    cause: str = ""  # why the trip cannot go on
+    status: Status = SUCCESS
     within: bool = False  # True if steps before that sample are still to be done
 
 
 class CompiledTrip:
     """The trip of a run in C; the rows of its samples and its state are the run's."""
 
-    def __init__(
-        self,
-        run: RunState,
-        rope: RopeLibrary,
-        hoist: Hoist,
-        gains: Gains,
-        coupling: Coupling,
-        start_height: float,
-        clocks: tuple[Stopwatch, Stopwatch],
-        most: int,
-    ) -> None:
-        """`clocks` are stopwatches of drive and rope, `most` is the largest number of samples of one call."""
-        self._run, self._rope, self._coupling, self._clocks = run, rope, coupling, clocks
-        self._drive = drive = run.drive.plant.stick_integrator
+    def __init__(self, run: RunState, rope: RopeLibrary, data: TripData) -> None:
+        hoist = data.hoist
+        coupling = data.coupling
+        drive = run.drive.plant.stick_integrator
+        self._run = run
+        self._rope = rope
+        self._data = data
+        self._drive = drive
         self._library = _library(hoist.equation_structure, drive.kernels)
         self._advance = CDLL(str(drive.kernels.library)).advance
+        self._law_arguments = _law_arguments(run, data)
         names = run.recorder.names[len(ROW) :]
-        values = {"holding_torque": run.holding_torque, "h": coupling.sample_time}
-        arguments = (values.get(name, 0.0) for name in ARGUMENTS)
-        self._law_arguments = np.array([*arguments, *astuple(gains), *hoist.numbers])
-        self._table, self._forces = rope.table(names, most), rope.table(ROPE_FORCES, 1)
-        self._sides = rope.table(SIDE_FORCES if hoist.play is not None else (), 1)
-        self._guard = rope.table([name for name in names if name == "guard.tripped"], 1)
+        side_forces = () if hoist.play is None else SIDE_FORCES
+        guard = [name for name in names if name == "guard.tripped"]
+        self._table = rope.table(names, data.max_samples)
+        self._forces = rope.table(ROPE_FORCES, 1)
+        self._sides = rope.table(side_forces, 1)
+        self._guard = rope.table(guard, 1)
         self._recorded = (Access * len(self._table.accesses))(*self._table.accesses)
-        self._samples = np.zeros((HISTORY, 7))
-        self._heard = HEARD(rope.heard)
+        self._samples = np.zeros((HISTORY, _SAMPLE_SIZE))
+        self._log_warnings = LOG_WARNINGS(rope.log_warnings)
         self._trajectory: Trajectory | None = None
+        slack_tension = -math.inf
+        if hoist.slack_tension is not None:
+            slack_tension = hoist.slack_tension
         self._trip = TripStructure(
             drive=cast(self._advance, c_void_p),
             z=drive.z.ctypes.data,
             y=drive.y.ctypes.data,
             law_arguments=self._law_arguments.ctypes.data,
-            **{name: getattr(rope, name) or Access() for name in ("step", "motions", "valid")},
-            **{
-                name: next(iter(getattr(self, f"_{name}").accesses), Access())
-                for name in ("forces", "sides", "guard")
-            },
+            step=rope.step,
+            motions=rope.motions,
+            valid=rope.valid or Access(),
+            forces=_only_access(self._forces),
+            sides=_only_access(self._sides),
+            guard=_only_access(self._guard),
             recorded=addressof(self._recorded),
             records=len(self._recorded),
-            **{name: cast(getattr(rope, name), c_void_p) for name in ("warning", "warned", "text")},
-            heard=cast(self._heard, c_void_p),
+            warning=cast(rope.warning, c_void_p),
+            warned=cast(rope.warned, c_void_p),
+            text=cast(rope.text, c_void_p),
+            log_warnings=cast(self._log_warnings, c_void_p),
             warnings=len(rope.warned or ()),
-            **{
-                name: getattr(coupling, name)
-                for name in ("start", "period", "per_sample", "per_step")
-            },
+            start=coupling.start,
+            period=coupling.period,
+            per_sample=coupling.per_sample,
+            per_step=coupling.per_step,
             H=coupling.step,
             radius=hoist.sheave_radius,
-            start_height=start_height,
+            start_height=data.start_height,
             ropes=hoist.tail_rope_number,
-            slack_tension=-math.inf if hoist.slack_tension is None else hoist.slack_tension,
+            slack_tension=slack_tension,
             samples=self._samples.ctypes.data,
             columns=len(run.recorder.names),
         )
 
     def samples(self, first: int, last: int) -> SampleReached:
-        """Wind the samples from ``first`` to before ``last``, and the steps behind each."""
-        run, trip = self._run, self._trip
-        if run.course.trajectory.trip is not None or (
-            run.controller is not None and run.controller.brake is not None
-        ):
+        """Wind the samples from `first` to before `last`, and the steps behind each."""
+        run = self._run
+        trip = self._trip
+        if self._brake_stops():
             return SampleReached(first)
         begun = run.course.winding.emergency_at
-        trip.watched = begun is None or begun > first * self._coupling.period
+        trip.watched = begun is None or begun > first * self._data.coupling.period
         self._set_reference(run.course.trajectory)
         self._copy_to_c()
         rows = run.recorder.following
         reached = c_int(first)
         trip.row = rows.ctypes.data
         stop = _STOPS[self._library.trip_samples(byref(trip), byref(reached), last)]
-        self._rope.heard()
-        failed = stop not in ("WELL", "LOOK")
-        done = reached.value - first + (1 if failed else 0)
+        self._rope.log_warnings()
+        done = reached.value - first
+        if stop not in ("WELL", "LOOK"):
+            done += 1  # the sample whose step failed is recorded
         rows[:done, len(ROW) :] = self._table.read(done)
         run.recorder.count += done
-        if done:
-            self._copy_from_c()
-            t = (
-                self._coupling.start
-                + (run.steps - (1 if stop == "WELL" else 0)) * self._coupling.step
-            )
-            cause = run.coupled.rope_stepped(t, self._rope.status(stop, trip.status))
-            return SampleReached(reached.value, cause, within=stop == "DRIVE")
-        return SampleReached(first)
+        if not done:
+            return SampleReached(first)
+        self._copy_from_c()
+        status = run.coupled.read_rope(self._step_start(stop), self._rope.status(stop, trip.status))
+        return SampleReached(reached.value, status, within=stop == "DRIVE")
+
+    def _brake_stops(self) -> bool:
+        """Return True in an emergency stop with the brake, which only the host in Python winds."""
+        run = self._run
+        regulated = run.controller is not None and run.controller.brake is not None
+        return run.course.trajectory.trip is not None or regulated
+
+    def _step_start(self, stop: str) -> float:
+        """Return the time at which the rope's latest step began [s]."""
+        coupling = self._data.coupling
+        steps = self._run.steps
+        if stop == "WELL":
+            steps -= 1
+        return coupling.start + steps * coupling.step
 
     def _set_reference(self, trajectory: Trajectory) -> None:
         """Put the reference at all samples where C finds it."""
         if trajectory is self._trajectory:
             return
-        coupling, self._trajectory = self._coupling, trajectory
+        self._trajectory = trajectory
+        coupling = self._data.coupling
         samples, within = np.ogrid[: self._run.recorder.size, : coupling.per_step]
         t = coupling.start + samples * coupling.period + within * coupling.step / coupling.per_step
         self._reference = trajectory.sample((t - coupling.start).ravel())
         self._trip.reference = self._reference.ctypes.data
 
     def _copy_to_c(self) -> None:
-        """Give the run's state to C."""
-        run, trip, drive, scheme_state = (
-            self._run,
-            self._trip,
-            self._run.drive,
-            self._run.scheme_state,
-        )
-        state, slices = drive.state, self._drive.result
+        """Copy the run's state to the structures of C."""
+        run = self._run
+        trip = self._trip
+        drive = run.drive
+        state = drive.state
+        scheme_state = run.scheme_state
         parts = {
             "x": state.x,
             "work_totals": state.work_totals,
             "applied_input": drive.input,
             "outputs": drive.outputs,
         }
-        self._drive.give(l0=state.free_lengths, H=self._coupling.step, path=0.0, added_mass=0.0)
-        for name, values in parts.items():
-            self._drive.y[slices[name]] = values
-        for row, sample in zip(self._samples, scheme_state.samples, strict=False):
-            row[...] = np.concatenate([[sample.t], *sample[1:]])
-        trip.sample_count, trip.step_next, trip.steps = (
-            len(scheme_state.samples),
-            state.step_next,
-            run.steps,
+        self._drive.set_arguments(
+            l0=state.free_lengths, H=self._data.coupling.step, path=0.0, added_mass=0.0
         )
+        for name, values in parts.items():
+            self._drive.y[self._drive.result[name]] = values
+        for row, sample in zip(self._samples, scheme_state.samples, strict=False):
+            row[_SAMPLE_TIME] = sample.t
+            row[_SAMPLE_FORCE] = sample.force
+            row[_SAMPLE_MEAN] = sample.mean
+            row[_SAMPLE_ACCELERATION] = sample.acceleration
+        trip.sample_count = len(scheme_state.samples)
+        trip.step_next = state.step_next
+        trip.steps = run.steps
         trip.integral = 0.0 if run.controller is None else run.controller.integral
-        trip.residual, trip.exchanges = scheme_state.residual, scheme_state.exchanges
-        trip.evaluations = trip.drive_time = trip.rope_time = 0
+        trip.residual = scheme_state.residual
+        trip.exchanges = scheme_state.exchanges
+        trip.evaluations = 0
+        trip.drive_time = 0.0
+        trip.rope_time = 0.0
 
     def _copy_from_c(self) -> None:
-        """Take the run's state from C."""
-        run, trip, slices = self._run, self._trip, self._drive.result
-        last = {name: self._drive.y[place].copy() for name, place in slices.items()}
+        """Copy the state from the structures of C to the run."""
+        run = self._run
+        trip = self._trip
+        last = {name: self._drive.y[place].copy() for name, place in self._drive.result.items()}
         state = run.drive.state._replace(
             x=last["x"], work_totals=last["work_totals"], step_next=trip.step_next
         )
-        run.drive.arrive(state, last["applied_input"], last["outputs"])
+        run.drive.set_state(state, last["applied_input"], last["outputs"])
         rows = self._samples[: trip.sample_count].copy()
-        samples = tuple(Sample(row.item(0), row[1:3], row[3:5], row[5:]) for row in rows)
-        exchanges = int(trip.exchanges)
         run.scheme_state = run.scheme_state._replace(
-            samples=samples, exchanges=exchanges, residual=trip.residual
+            samples=tuple(map(_sample_of, rows)),
+            exchanges=int(trip.exchanges),
+            residual=trip.residual,
         )
-        run.controller, run.steps = ControllerState(trip.integral), trip.steps
-        run.commands = [Command(trip.torque, False, run.controller)]
-        run.drive.command(trip.torque, 0.0, self._drive.arguments["path"][_SIDES])
+        run.controller = ControllerState(trip.integral)
+        run.steps = trip.steps
+        run.commands = [Command(trip.torque, limited=False, state=run.controller)]
+        side_forces = self._drive.arguments["path"][_SIDES]
+        run.drive.command(DriveCommand(trip.torque, brake=0.0), side_forces)
         self._drive.evaluations += trip.evaluations
-        for clock, time in zip(self._clocks, (trip.drive_time, trip.rope_time), strict=True):
-            clock.wall += time
+        self._data.drive_clock.wall += trip.drive_time
+        self._data.rope_clock.wall += trip.rope_time
+
+
+def _law_arguments(run: RunState, data: TripData) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Return the argument of the control law's kernel, with what the trip does not change."""
+    constants = {"holding_torque": run.holding_torque, "h": data.coupling.sample_time}
+    arguments = (constants.get(name, 0.0) for name in ARGUMENTS)
+    return np.array([*arguments, *astuple(data.gains), *data.hoist.numbers])
+
+
+def _only_access(table: OutputTable) -> Access:
+    """Return the access of a table that needs one at most.
+
+    One without a function if it needs none.
+    """
+    return next(iter(table.accesses), Access())
+
+
+def _sample_of(row: np.ndarray[Any, np.dtype[np.float64]]) -> Sample:
+    """Return the sample that C keeps in a row."""
+    return Sample(
+        t=row.item(_SAMPLE_TIME),
+        force=row[_SAMPLE_FORCE],
+        mean=row[_SAMPLE_MEAN],
+        acceleration=row[_SAMPLE_ACCELERATION],
+    )
 
 
 @cache
 def _library(structure: Hoist, kernels: integrator.DriveKernels) -> CDLL:
     """Compile and load trip.c for hoists with these parts; RuntimeError without a C compiler."""
-    if (compiler := find_compiler()) is None:
+    compiler = find_compiler()
+    if compiler is None:
         raise RuntimeError("no C compiler found")
-    law, results = law_kernel(structure), kernels.result
-    numbers = _NUMBERS | {
-        **{
-            f"AT_{name.upper()}": kernels.argument_slices[name].start
-            for name in ("s", "h", "path", "l0")
-        },
-        **{
-            f"AT_{name.upper()}": results[name].start
-            for name in ("work_totals", "error", "outputs")
-        },
-        "REACHED": results["work_totals"].stop,
-        "SIZE": results["outputs"].stop,
-        **{
-            f"SZ_{n.upper()}": 1 + max(getattr(f, f"sz_{n}")() for f in (law, kernels.advance))
-            for n in _MEMORY
-        },
-    }
+    law = law_kernel(structure)
     sources = {
         "trip.c": files(__package__).joinpath("trip.c").read_text(encoding="utf-8"),
-        "numbers.h": "".join(f"#define {name} {value!r}\n" for name, value in numbers.items())
-        + f"typedef struct {{ {_MOTIONS} }} EndMotion;\n"
-        + f"static const int ENDS_OUTPUTS[] = {{{', '.join(map(str, _ENDS))}}};\n",
+        "numbers.h": _numbers_header(law, kernels),
         "law.c": generate_c((law,), "law"),
     }
     return CDLL(str(compile_library(sources, compiler, cache_folder(), "hoist_trip")))
+
+
+def _numbers_header(law: Any, kernels: integrator.DriveKernels) -> str:
+    """Return the text of numbers.h: numbers and types of trip.c that follow from Python."""
+    argument = kernels.argument_slices
+    result = kernels.result
+    numbers = _NUMBERS | {
+        **{f"AT_{name.upper()}": argument[name].start for name in ("s", "h", "path", "l0")},
+        **{
+            f"AT_{name.upper()}": result[name].start for name in ("work_totals", "error", "outputs")
+        },
+        "REACHED": result["work_totals"].stop,
+        "SIZE": result["outputs"].stop,
+        **{f"SZ_{name.upper()}": _memory_size(name, law, kernels.advance) for name in _MEMORY},
+    }
+    defines = "".join(f"#define {name} {value!r}\n" for name, value in numbers.items())
+    members = " ".join(f"double {name};" for name in _MOTIONS)  # as in rope.h
+    places = ", ".join(map(str, _ENDS))
+    return (
+        f"{defines}"
+        f"typedef enum {{ {', '.join(_STOPS)} }} Stop;\n"
+        f"typedef struct {{ {members} }} EndMotion;\n"
+        f"static const int ENDS_OUTPUTS[] = {{{places}}};\n"
+    )
+
+
+def _memory_size(name: str, law: Any, advance: Any) -> int:
+    """Return the size of a working array that serves both functions of CasADi."""
+    return 1 + max(int(getattr(function, f"sz_{name}")()) for function in (law, advance))

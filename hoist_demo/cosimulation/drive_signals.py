@@ -1,7 +1,10 @@
 """Record of drive and exchange at each sample: names, units and values.
 
-A row keeps the numbers as they come; what follows from them is computed once, for all rows, when the run has ended.
+A row keeps the numbers as they come; signals that follow from them are computed once, for all rows,
+when the run has ended.
 """
+
+from itertools import product
 
 from hoist_demo.control.controller import Command
 from hoist_demo.control.trajectory import TrajectoryPoint
@@ -12,17 +15,13 @@ from hoist_demo.drive.outputs import OUTPUT_INDEX, tension_ratio
 from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.recording.time_series import TIME, Recording
 
-_REFERENCE = ("position", "speed", "acceleration", "jerk")
+_REFERENCE = {"position": "m", "speed": "m/s", "acceleration": "m/s2", "jerk": "m/s3"}
+_MOTION = {"y": "m", "vy": "m/s", "ay": "m/s2"}
+_LEGS = {"pull": "N", "slack": "m", "jam": "N"}  #: Numbers of each side, by name.
 DRIVE_UNITS = {
     TIME: "s",
-    **dict(
-        zip((f"reference.{name}" for name in _REFERENCE), ("m", "m/s", "m/s2", "m/s3"), strict=True)
-    ),
-    **{
-        f"conveyance.{side}.{n}": unit
-        for side in SIDES
-        for n, unit in (("y", "m"), ("vy", "m/s"), ("ay", "m/s2"))
-    },
+    **{f"reference.{name}": unit for name, unit in _REFERENCE.items()},
+    **{f"conveyance.{side}.{name}": _MOTION[name] for side, name in product(SIDES, _MOTION)},
     "drive.angle": "rad",
     "drive.rate": "rad/s",
     "drive.torque_command": "N.m",
@@ -36,48 +35,57 @@ DRIVE_UNITS = {
     "drive.slip_safety": "1",
     "drive.slip": "m",
     "drive.slip_speed": "m/s",
-    **{
-        f"drive.{name}_{side}": unit
-        for name, unit in (("pull", "N"), ("slack", "m"), ("jam", "N"))
-        for side in SIDES
-    },
-    **{
-        f"drive.work_{name}": "J"
-        for name in ("motor", "losses", "slip", "rope_damping", "from_balance_rope")
-    },
-    **{f"drive.energy_{name}": "J" for name in ("kinetic", "potential", "residual")},
+    **{f"drive.{name}_{side}": _LEGS[name] for name, side in product(_LEGS, SIDES)},
+    "drive.work_motor": "J",
+    "drive.work_losses": "J",
+    "drive.work_slip": "J",
+    "drive.work_rope_damping": "J",
+    "drive.work_from_balance_rope": "J",
+    "drive.energy_kinetic": "J",
+    "drive.energy_potential": "J",
+    "drive.energy_residual": "J",
     "coupling.energy": "J",
     "coupling.exchanges": "1",
 }
 
-_MOTION = {"y": "y", "v": "vy", "a": "ay"}
-#: Signals that are numbers of OUTPUTS.
-_SHOWN_AS = {
+_MOTION_NAMES = {"y": "y", "v": "vy", "a": "ay"}  #: Of a conveyance, by its name in OUTPUTS.
+_SIDE_OUTPUTS = ("tension", "pull", "slack", "jam")
+_OTHER_OUTPUTS = (
+    "angle",
+    "rate",
+    "torque",
+    "brake_torque",
+    "energy_kinetic",
+    "energy_potential",
+)
+#: Signals that are numbers of OUTPUTS, by the names there.
+_SIGNAL_OF_OUTPUT = {
     **{
-        f"{name}_{side}": f"conveyance.{side}.{spelt}"
-        for side in SIDES
-        for name, spelt in _MOTION.items()
+        f"{name}_{side}": f"conveyance.{side}.{_MOTION_NAMES[name]}"
+        for side, name in product(SIDES, _MOTION_NAMES)
     },
-    **{
-        f"{name}_{side}": f"drive.{name}_{side}"
-        for side in SIDES
-        for name in ("tension", "pull", "slack", "jam")
-    },
-    **{
-        n: f"drive.{n}"
-        for n in ("angle", "rate", "torque", "brake_torque", "energy_kinetic", "energy_potential")
-    },
+    **{f"{name}_{side}": f"drive.{name}_{side}" for side, name in product(SIDES, _SIDE_OUTPUTS)},
+    **{name: f"drive.{name}" for name in _OTHER_OUTPUTS},
 }
-_BESIDE = "beside."  #: Before the names of what a row has beside them.
-#: What `drive_row` gives, by name.
+#: Before the names of a row's columns that are no signals; checkpoints have them.
+_INTERNAL = "beside."
+OUTPUT_COLUMNS = tuple(_SIGNAL_OF_OUTPUT.get(name, _INTERNAL + name) for name in OUTPUT_INDEX)
+WORK_COLUMNS = (
+    *(f"{_INTERNAL}work_{name}" for name in WORK_NAMES),
+    *(f"{_INTERNAL}losses_{name}" for name in LOSS_NAMES),
+)
+#: Columns of the drive's record at a sample.
 ROW = (
     TIME,
     *(f"reference.{name}" for name in _REFERENCE),
-    *(f"drive.{name}" for name in ("torque_command", "torque_limited", "slip", "slip_speed")),
-    *("coupling.energy", "coupling.exchanges"),
-    *(_SHOWN_AS.get(name, _BESIDE + name) for name in OUTPUT_INDEX),
-    *(f"{_BESIDE}work_{name}" for name in WORK_NAMES),
-    *(f"{_BESIDE}losses_{name}" for name in LOSS_NAMES),
+    "drive.torque_command",
+    "drive.torque_limited",
+    "drive.slip",
+    "drive.slip_speed",
+    "coupling.energy",
+    "coupling.exchanges",
+    *OUTPUT_COLUMNS,
+    *WORK_COLUMNS,
 )
 
 
@@ -88,45 +96,53 @@ def drive_row(
     drive: HoistPartner,
     scheme_state: SchemeState,
 ) -> tuple[tuple[float, ...], Vector, Vector]:
-    """Return the drive's record at a sample, in parts; `with_drive_signals` computes the rest."""
+    """Return a row of the drive's record in parts.
+
+    They are numbers of exchange and control, OUTPUTS, and works.
+    """
     slip_state = drive.state.slip_state
     numbers = (
         t,
-        *reference[:4],
+        reference.position,
+        reference.speed,
+        reference.acceleration,
+        reference.jerk,
         command.torque,
         command.limited,
         slip_state.slid_distance,
         slip_state.speed,
+        scheme_state.residual,
+        scheme_state.exchanges,
     )
-    return (
-        (*numbers, scheme_state.residual, scheme_state.exchanges),
-        drive.outputs,
-        drive.state.work_totals,
-    )
+    return numbers, drive.outputs, drive.state.work_totals
 
 
 def with_drive_signals(rows: Recording, hoist: Hoist) -> Recording:
     """Compute DRIVE_UNITS from a table of ROW, and pass on the rope's signals."""
     recorded = rows.signals
-    motor, losses, ropes, left, right = (recorded[f"{_BESIDE}work_{name}"] for name in WORK_NAMES)
+    motor, losses, ropes, left, right = (recorded[f"{_INTERNAL}work_{name}"] for name in WORK_NAMES)
     ratio = tension_ratio(recorded["drive.tension_left"], recorded["drive.tension_right"])
-    kinetic, potential = recorded["drive.energy_kinetic"], recorded["drive.energy_potential"]
+    kinetic = recorded["drive.energy_kinetic"]
+    potential = recorded["drive.energy_potential"]
     gained = kinetic + potential - kinetic[:1] - potential[:1]
     computed = {
-        "drive.motor_power": recorded["drive.torque"] * recorded[f"{_BESIDE}motor_rate"],
+        "drive.motor_power": recorded["drive.torque"] * recorded[f"{_INTERNAL}motor_rate"],
         "drive.tension_ratio": ratio,
         "drive.static_tension_ratio": tension_ratio(
-            recorded[f"{_BESIDE}static_tension_left"], recorded[f"{_BESIDE}static_tension_right"]
+            recorded[f"{_INTERNAL}static_tension_left"],
+            recorded[f"{_INTERNAL}static_tension_right"],
         ),
         "drive.slip_safety": hoist.slip_safety(ratio),
         "drive.work_motor": motor,
         "drive.work_losses": losses,
-        "drive.work_slip": recorded[f"{_BESIDE}losses_lining"],
+        "drive.work_slip": recorded[f"{_INTERNAL}losses_lining"],
         "drive.work_rope_damping": ropes,
         "drive.work_from_balance_rope": left + right,
         "drive.energy_residual": motor + left + right - losses - ropes - gained,
     }
-    drive = {name: computed[name] if name in computed else recorded[name] for name in DRIVE_UNITS}
+    available = {**recorded, **computed}
+    drive = {name: available[name] for name in DRIVE_UNITS}
     rope = {name: values for name, values in recorded.items() if name not in ROW}
-    signals, units = drive | rope, {**rows.units, **DRIVE_UNITS}
+    signals = drive | rope
+    units = {**rows.units, **DRIVE_UNITS}
     return Recording(signals, {name: units[name] for name in signals})

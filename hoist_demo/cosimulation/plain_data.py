@@ -1,8 +1,8 @@
 """Memory of a controller as JSON and back, equal to the bit.
 
-None, bool, int, float, str, bytes; NumPy numbers and arrays; lists, tuples, dictionaries, data classes and named tuples
-of all these. Of a class only its name is written: it must be known by name where the text is read, and reading runs
-nothing but NumPy's own code.
+None, bool, int, float, str, bytes; NumPy numbers and arrays; lists, tuples, dictionaries, data
+classes and named tuples of all these. Of a class only its name is written: it must be known by name
+where the text is read, and reading runs nothing but NumPy's own code.
 """
 
 import json
@@ -17,49 +17,63 @@ import numpy as np
 from numpy.typing import NDArray
 
 Arrays = dict[str, NDArray[Any]]
-KINDS = "numbers, texts, bytes, NumPy arrays, and lists, tuples, dictionaries, data classes and named tuples of them"
+KINDS = (
+    "numbers, texts, bytes, NumPy arrays, "
+    "and lists, tuples, dictionaries, data classes and named tuples of them"
+)
+_NUMERIC = "biufc"  #: NumPy's letters of booleans, integers, reals and complex numbers.
 
 
-def encode(value: Any, name: str, arrays: Arrays) -> Any:
-    """Return plain data for JSON, arrays and bytes in `arrays` by their place under `name`; ValueError for others."""
+def encode(value: object, name: str, arrays: Arrays) -> Any:
+    """Return plain data for JSON; ValueError for other data.
+
+    Arrays and bytes go into `arrays`, by names that begin with `name` and tell their place.
+    """
     kind = type(value)
     if value is None or kind in (bool, int, float, str):
         return value
-    if kind is list:
+    if isinstance(value, list) and kind is list:
         return [encode(x, f"{name}[{k}]", arrays) for k, x in enumerate(value)]
-    if kind is tuple:
+    if isinstance(value, tuple) and kind is tuple:
         return {"tuple": encode(list(value), name, arrays)}
-    if kind is dict:
+    if isinstance(value, dict) and kind is dict:
         keys = [encode(key, f"key {k} of {name}", arrays) for k, key in enumerate(value)]
-        inside = [encode(x, f"{name}[{k!r}]", arrays) for k, x in value.items()]
-        return {"dict": [*zip(keys, inside, strict=True)]}
-    if kind is bytes:
+        values = [encode(x, f"{name}[{k!r}]", arrays) for k, x in value.items()]
+        return {"dict": [*zip(keys, values, strict=True)]}
+    if isinstance(value, bytes) and kind is bytes:
         return {"bytes": _store_array(np.frombuffer(value, np.uint8), name, arrays)}
-    if isinstance(value, np.ndarray | np.generic) and value.dtype.kind in "biufc":
-        return {
-            "array" if kind is np.ndarray else "number": _store_array(
-                np.asarray(value), name, arrays
-            )
-        }
-    if (names := _fields(kind)) is not None and _class(kind.__module__, kind.__qualname__) is kind:
+    if isinstance(value, np.ndarray | np.generic) and value.dtype.kind in _NUMERIC:
+        tag = "array" if kind is np.ndarray else "number"
+        return {tag: _store_array(np.asarray(value), name, arrays)}
+    return {"class": _encode_record(value, name, arrays)}
+
+
+def _encode_record(value: object, name: str, arrays: Arrays) -> list[Any]:
+    """Return module, name and contents of a data class or named tuple; ValueError for others."""
+    kind = type(value)
+    names = _fields(kind)
+    if names is not None and _class(kind.__module__, kind.__qualname__) is kind:
         contents = {
             field: encode(getattr(value, field), f"{name}.{field}", arrays) for field in names
         }
-        return {"class": [kind.__module__, kind.__qualname__, contents]}
-    at_top = ", and classes must stand at the top of their module" if names is not None else ""
+        return [kind.__module__, kind.__qualname__, contents]
+    at_top = ""
+    if names is not None:
+        at_top = ", and classes must stand at the top of their module"
     raise ValueError(
-        f"{name} is of type {kind.__qualname__}, which no checkpoint can keep: it must be plain data "
-        f"({KINDS}){at_top}; keep such data in the controller's state, and what never changes in the controller itself"
+        f"{name} is of type {kind.__qualname__}, which no checkpoint can keep: "
+        f"it must be plain data ({KINDS}){at_top}; keep such data in the controller's state, "
+        "and what never changes in the controller itself"
     )
 
 
-def to_bytes(value: Any) -> bytes:
+def to_bytes(value: object) -> bytes:
     """Return plain data as bytes; ValueError for others."""
     arrays: Arrays = {}
     text = json.dumps(encode(value, "state", arrays))
     file = BytesIO()
-    named = {f"array {k}": x for k, x in arrays.items()}
-    np.savez(file, text=np.frombuffer(text.encode(), np.uint8), **named)  # type: ignore[arg-type]
+    members = {f"array {k}": x for k, x in arrays.items()}
+    np.savez(file, text=np.frombuffer(text.encode(), np.uint8), **members)  # type: ignore[arg-type]
     return file.getvalue()
 
 
@@ -77,7 +91,8 @@ def from_bytes(data: bytes) -> Any:
 
 def _store_array(array: NDArray[Any], name: str, arrays: Arrays) -> str:
     """Keep an array; return its name, with a number where another one has that."""
-    name = f"{name} ({len(arrays)})" if name in arrays else name
+    if name in arrays:
+        name = f"{name} ({len(arrays)})"
     arrays[name] = array
     return name
 
@@ -96,9 +111,9 @@ def _fields(kind: type[Any]) -> tuple[str, ...] | None:
     """Return the field names of a data class or named tuple; None for another class."""
     if is_dataclass(kind):
         return tuple(field.name for field in fields(kind))
-    names: tuple[str, ...] | None = (
-        getattr(kind, "_fields", None) if issubclass(kind, tuple) else None
-    )
+    if not issubclass(kind, tuple):
+        return None
+    names: tuple[str, ...] | None = getattr(kind, "_fields", None)
     return names
 
 
@@ -112,23 +127,25 @@ def _class(module: str, name: str) -> Any:
 
 def _construct(content: list[Any], arrays: Arrays) -> Any:
     """Construct a data class or named tuple with these values."""
-    module, name, inside = content
+    module, name, contents = content
     kind = _class(module, name)
-    names = _fields(kind) if isinstance(kind, type) else None
-    if names is None or set(names) != set(inside):
+    names = None
+    if isinstance(kind, type):
+        names = _fields(kind)
+    if names is None or set(names) != set(contents):
         raise ValueError(
-            f"the checkpoint's controller remembers a {module}.{name} with {', '.join(inside) or 'nothing'}, which is "
-            "not known here: import that module, in the version that wrote it, before reading"
+            f"the checkpoint's controller remembers a {module}.{name} with "
+            f"{', '.join(contents) or 'nothing'}, which is not known here: "
+            "import that module, in the version that wrote it, before reading"
         )
-    values = {field: decode(x, arrays) for field, x in inside.items()}
+    values = {field: decode(x, arrays) for field, x in contents.items()}
     if issubclass(kind, tuple):
         return tuple.__new__(kind, (values[field] for field in names))
-    made = object.__new__(kind)
+    record = object.__new__(kind)
     for field, x in values.items():
-        object.__setattr__(
-            made, field, x
-        )  # frozen ones too, and without __post_init__, which might change them
-    return made
+        # frozen classes too, and without __post_init__, which might change the values
+        object.__setattr__(record, field, x)
+    return record
 
 
 _READERS: dict[str, Callable[[Any, Arrays], Any]] = {

@@ -26,14 +26,21 @@ def progress_bar() -> Iterator[Callable[[float, float], bool]]:
 
 @contextmanager
 def warnings_of(logger: str) -> Iterator[list[str]]:
-    """Yield a list that has, afterwards, each warning once that a logger and those below it got; nobody else hears."""
-    heard: list[str] = []
-    log, ear = logging.getLogger(logger), BufferingHandler(sys.maxsize)
-    ear.setLevel(logging.WARNING)
-    handlers, propagates = log.handlers, log.propagate
-    log.handlers, log.propagate = [ear], False
+    """Yield a list that holds, afterwards, each warning of a logger and those below it once.
+
+    No other handler gets them.
+    """
+    warnings: list[str] = []
+    log = logging.getLogger(logger)
+    collector = BufferingHandler(sys.maxsize)
+    collector.setLevel(logging.WARNING)
+    handlers = log.handlers
+    propagates = log.propagate
+    log.handlers = [collector]
+    log.propagate = False
     try:
-        yield heard
+        yield warnings
     finally:
-        log.handlers, log.propagate = handlers, propagates
-        heard += dict.fromkeys(record.getMessage() for record in ear.buffer)
+        log.handlers = handlers
+        log.propagate = propagates
+        warnings += dict.fromkeys(record.getMessage() for record in collector.buffer)

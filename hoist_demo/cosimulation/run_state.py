@@ -1,10 +1,10 @@
-"""State of a run: its parts, its sampling, its checkpoints, and what comes of it."""
+"""State of a run: its parts, its sampling, its checkpoints, and its result."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,7 +12,13 @@ from hoist_demo.control.controller import Command
 from hoist_demo.control.trajectory import Course, Trajectory
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.participants.hoist_partner import HoistPartner
-from hoist_demo.cosimulation.schemes.interface import CoupledSystem, SchemeState, Stopwatch, Vector
+from hoist_demo.cosimulation.schemes.interface import (
+    CoupledSystem,
+    Reader,
+    SchemeState,
+    Stopwatch,
+    Vector,
+)
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.parameters import Winding
 from hoist_demo.recording.time_series import Recorder, Recording
@@ -20,7 +26,10 @@ from hoist_demo.recording.time_series import Recorder, Recording
 
 @dataclass(frozen=True)
 class TripEnd:
-    """Drive and coupling where a trip has ended, for the trip after it; the rope keeps its own state."""
+    """Drive and coupling where a trip has ended, for the trip after it.
+
+    The rope keeps its own state.
+    """
 
     t: float  # s
     landing: float  # m, at which the left conveyance was to arrive
@@ -38,6 +47,25 @@ class TripEnd:
         return replace(self, plant=plant, scheme_state=scheme_state)
 
 
+@dataclass(frozen=True)
+class RopeReaders:
+    """Functions that read the rope at a sample, and places of its guard's signals among them."""
+
+    signals: Reader  # signals of the record
+    side_forces: Reader  # SIDE_FORCES
+    guard_tripped: int | None  # place in `signals`; None for a rope without a guard
+    guard_time: int | None
+
+
+class SavedState(NamedTuple):
+    """State of a run at a sample."""
+
+    sample: int
+    partners: tuple[Any, Any]  # snapshots of drive and rope
+    controller: Any
+    scheme_state: SchemeState
+
+
 @dataclass
 class RunState:
     """States at the latest communication point, and at the latest sample that was saved."""
@@ -47,15 +75,14 @@ class RunState:
     scheme_state: SchemeState
     holding_torque: float  # N m, of the motor at rest where the trip starts
     recorder: Recorder
+    readers: RopeReaders
     course: Course
     controller: Any = None  # the controller's state
-    commands: list[Command] = field(
-        default_factory=list
-    )  # commands since the latest recorded communication point
+    #: Commands since the latest recorded communication point.
+    commands: list[Command] = field(default_factory=list)
     first: int = 0  # sample from which it goes on
     steps: int = 0  # communication steps done
-    #: latest sample that is kept, states of drive and rope, the controller's, the scheme's
-    saved: tuple[int, tuple[Any, Any], Any, SchemeState] | None = None
+    saved: SavedState | None = None
 
 
 @dataclass(frozen=True)
@@ -72,10 +99,7 @@ class Result:
     rope_clock: Stopwatch  # time of the rope's steps, reading its outputs included
     start_clock: Stopwatch  # time of the rope's initialization
     warning: str = ""  # warning about the coupling's stability
-    checkpoint: Checkpoint | None = (
-        None  # the last state that was kept, when the run stopped after its first sample
-    )
+    checkpoint: Checkpoint | None = None  # last saved state of a run that stopped later
     saved: Path | None = None  # file of the checkpoint
-    end: TripEnd | None = (
-        None  # start of the next trip, when completed without a guard's emergency stop
-    )
+    #: Start of the next trip; None unless completed without a guard's emergency stop.
+    end: TripEnd | None = None

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 from scipy.sparse.linalg import splu
 
+from hoist_demo.design.equal_ropes import equal_ropes, merged_coordinates, modes_of_fewer
 from hoist_demo.design.sparse_modes import Progress, sparse_modes
 
 Array = NDArray[np.float64]
@@ -35,6 +36,30 @@ class Modes:
     damping: Array
     shapes: Array
     shares: Array
+
+
+@dataclass
+class _Finder:
+    """Finds modes up to a square of the angular frequency, and tells which part of all problems is done."""
+
+    largest: float  # 1/s^2
+    progress: Progress
+    problems: int
+    done: int = 0
+
+    def modes(self, K: sp.csc_matrix, M: sp.csc_matrix) -> tuple[Array, Array]:
+        """Return squares of angular frequencies and shapes of the next problem."""
+
+        def advance(part: float) -> None:
+            self.progress((self.done + part) / self.problems)
+
+        if K.shape[0] <= MOST_DENSE:
+            below = (-np.inf, self.largest)
+            found: tuple[Array, Array] = eigh(K.toarray(), M.toarray(), subset_by_value=below)
+        else:
+            found = sparse_modes(K, M, self.largest, advance)
+        self.done += 1
+        return found
 
 
 @dataclass(frozen=True)
@@ -69,14 +94,31 @@ class LinearModel:
 
     def response(self, s: Iterable[complex]) -> NDArray[np.complex128]:
         """Transfer functions (len(s), outputs, inputs) at complex frequencies [rad/s]."""
-        C, C_v, C_a = self.maps
+        moved = self._moved()
+        M, D, K = (moved.T @ A @ moved for A in (self.mass, self.damping, self.stiffness))
+        C, C_v, C_a = (A @ moved for A in self.maps)
+        B = (moved.T @ self.B).astype(complex)
         responses = []
         for z in s:
-            x = splu((z * z * self.mass + z * self.damping + self.stiffness).tocsc()).solve(
-                self.B.astype(complex)
-            )
+            x = splu((z * z * M + z * D + K).tocsc()).solve(B)
             responses.append((C + z * C_v + z * z * C_a) @ x + self.through)
         return np.array(responses)
+
+    def _moved(self) -> sp.csc_matrix:
+        """Return all coordinates by those that the inputs move: held ones may rest, equal ropes move alike."""
+        moves = np.ones(len(self.names), dtype=bool)
+        held = slice(self.free, self.free + self.held)
+        moves[held] = np.any(self.B[held] != 0.0, axis=1)
+        names = [name for name, moved in zip(self.names, moves, strict=True) if moved]
+        parts = [A[moves][:, moves] for A in (self.mass, self.damping, self.stiffness)]
+        pushed = np.any(self.B[moves] != 0.0, axis=1)
+        groups = [
+            group
+            for group in equal_ropes(names, [*parts, *(A.T.tocsc() for A in parts)])
+            if not any(pushed[rope.start : rope.stop].any() for rope in group)
+        ]
+        chosen = sp.eye(len(self.names), format="csc")[:, moves]
+        return chosen @ merged_coordinates(len(names), groups)
 
     def modes(self, highest: float, progress: Progress = lambda part: None) -> Modes:
         """Return the modes up to a frequency [Hz], held coordinates at rest and without what lags.
@@ -86,10 +128,9 @@ class LinearModel:
         n = self.free
         K, M = (0.5 * (A + A.T)[:n, :n].tocsc() for A in (self.stiffness, self.mass))
         largest = (2 * np.pi * highest) ** 2
-        if n <= MOST_DENSE:
-            squares, shapes = eigh(K.toarray(), M.toarray(), subset_by_value=(-np.inf, largest))
-        else:
-            squares, shapes = sparse_modes(K, M, largest, progress)
+        groups = equal_ropes(self.names[:n], (K, M))
+        finder = _Finder(largest, progress, 1 + len(groups))
+        squares, shapes = modes_of_fewer(K, M, groups, finder.modes)
         omega = np.sqrt(np.maximum(squares, 0.0))
         damping = np.einsum("ij,ij->j", shapes, self.damping[:n, :n] @ shapes) / (
             2 * np.maximum(omega, _SLOWEST)

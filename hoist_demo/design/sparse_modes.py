@@ -24,7 +24,7 @@ _BEGIN = (
 _LOWER = 16.0  #: Factor by which the lower bound sinks while eigenvalues are below it.
 _NUDGE = 1e-7  #: Relative change of a shift that is an eigenvalue.
 _TRIES = 6  #: Shifts that are tried, and runs of ARPACK for one part.
-_BASIS = 2.5  #: ARPACK's vectors over the modes that it finds, at first.
+_BASIS = 2.0  #: ARPACK's vectors over the modes that it finds, at first.
 
 
 @dataclass(frozen=True)

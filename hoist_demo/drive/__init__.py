@@ -1,1 +1,4 @@
-"""The hoist as a model: motor, sheave, head ropes and conveyances; legs -> equations -> integrator -> plant."""
+"""The hoist as a model: motor, sheave, head ropes and conveyances.
+
+Reads as legs -> equations -> integrator -> plant.
+"""

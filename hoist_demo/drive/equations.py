@@ -1,98 +1,108 @@
 """Equations of motion of a hoist, written once in CasADi from its energies.
 
-Generalised coordinates q = (phi, y_L, y_R) and, where the hoist has the part: the motor's angle against the sheave,
-the head ropes' modes eta_j of either side, and x, z, yaw of either conveyance. With Lagrange's equation,
+Generalised coordinates q = (phi, y_L, y_R) and, where the hoist has the part: the motor's angle
+against the sheave, the head ropes' modes eta_j of either side, and x, z, yaw of either conveyance.
+With Lagrange's equation,
 
     d/dt dK/dq' - dK/dq + dV/dq + dD/dq' = Q ,
 
-    K = 1/2 (m_s - m_m) (R phi')^2 + 1/2 m_m (R phi' + R delta')^2 + sum_i K_i ,   V = 1/2 k delta^2 + sum_i V_i
+    K = 1/2 (m_s - m_m) (R phi')^2 + 1/2 m_m (R phi' + R delta')^2 + sum_i K_i ,
+    V = 1/2 k delta^2 + sum_i V_i
 
-with K_i and V_i of either side from `legs.py`, and the brake's F_max z / z_max, of its torque times the pressure p. The
-ropes hold on the sheave; where a hoist has a lining, `plant.py` tells when they slide over the wrap angle alpha,
-towards the side of the larger tension T_1 (Euler and Eytelwein),
+with K_i and V_i of either side from `legs.py`, and the brake's F_max z / z_max, of its torque times
+the pressure p. The ropes hold on the sheave; where a hoist has a lining, `plant.py` finds when they
+slide over the wrap angle alpha, towards the side of the larger tension T_1 (Euler and Eytelwein),
 
     T_1 - mu_r w^2 = exp(mu alpha) (T_2 - mu_r w^2) ,
 
-where ropes of the mass mu_r per length and the speed w press on the sheave by that much less. The lining takes
-F = T_1 - T_2 from them, and the tensions follow F through the accelerations: T_2 = T_20 + T_2' F. So
+where ropes of the mass mu_r per length and the speed w press on the sheave by that much less. The
+lining takes F = T_1 - T_2 from them, and the tensions follow F through the accelerations:
+T_2 = T_20 + T_2' F. So
 
-    F = (exp(mu alpha) - 1) max(T_20 - mu_r w^2, 0) / (1 - (exp(mu alpha) - 1) T_2') ,     T_2' < 0 ,
+    F = (exp(mu alpha) - 1) max(T_20 - mu_r w^2, 0) / (1 - (exp(mu alpha) - 1) T_2') ,   T_2' < 0 ,
 
-as F slows the ropes' sliding, which the slack side resists. The mass of the ropes on the sheave itself is neglected.
-A row of Lagrange's equation holds a leg up to the sheave's top point, through which mu_r |w| kg/s flow: what it puts
-on the sheave is the tension less mu_r w^2 / 2, on both sides alike.
+as F slows the ropes' sliding, which the slack side resists. The mass of the ropes on the sheave
+itself is neglected. A row of Lagrange's equation holds a leg up to the sheave's top point, through
+which mu_r |w| kg/s flow: its load on the sheave is the tension less mu_r w^2 / 2, on both sides
+alike.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from itertools import product
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
 
-from hoist_demo.drive.legs import Friction, Leg, make_leg
+from hoist_demo.drive.legs import Coordinate, Friction, Leg, make_leg
 from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.parameters.hoist import with_numbers
 
-STATE_NAMES = (
-    "torque",
-    "phi",
-    "y_left",
-    "y_right",
-    "phi_rate",
-    "v_left",
-    "v_right",
-)  #: First entries of every state.
-
+#: First entries of every state.
+STATE_NAMES = ("torque", "phi", "y_left", "y_right", "phi_rate", "v_left", "v_right")
 INPUT_NAMES = (
     *("torque_command", "force_left", "force_right", "brake"),
-    *(f"{name}_{side}" for side in SIDES for name in ("fx", "fz", "my")),
+    *(f"{name}_{side}" for side, name in product(SIDES, ("fx", "fz", "my"))),
 )
 WORK_NAMES = ("motor", "losses", "ropes", "left", "right")
 LOSS_NAMES = ("rim", "guides", "brake", "shaft", "lining")  #: The parts of the losses.
-FORCES = tuple(
-    INPUT_NAMES.index(f"force_{side}") for side in SIDES
-)  #: Places of the two vertical forces in an input.
+#: Places of the two vertical forces in an input.
+FORCES = tuple(INPUT_NAMES.index(f"force_{side}") for side in SIDES)
 #: Places of the two vertical accelerations in the rates.
 ACCELERATIONS = tuple(STATE_NAMES.index(f"v_{side}") for side in SIDES)
+_LATERAL = ("x", "z", "yaw")  #: Coordinates of a conveyance between its guides.
+_ROPE_FORCES = ("y", "x", "z", "yaw")  #: Coordinates on which a balance rope's end acts.
 
 
 def extra_coordinates(hoist: Hoist) -> tuple[str, ...]:
     """Names of the coordinates that the hoist has beyond phi, y_left and y_right."""
-    names = ["twist"] if hoist.drive_shaft is not None else []
-    names += [f"eta{j}_{side}" for side in SIDES for j in range(1, hoist.head_rope_modes + 1)]
+    names: list[str] = []
+    if hoist.drive_shaft is not None:
+        names.append("twist")
+    modes = range(1, hoist.head_rope_modes + 1)
+    names += [f"eta{j}_{side}" for side, j in product(SIDES, modes)]
     if hoist.play is not None:
-        names += [f"{name}_{side}" for side in SIDES for name in ("x", "z", "yaw")]
+        names += [f"{name}_{side}" for side, name in product(SIDES, _LATERAL)]
     if hoist.lining is not None:
         names.append("slip")
     return tuple(names)
 
 
 def state_names(hoist: Hoist) -> tuple[str, ...]:
-    """Names of all states: STATE_NAMES, further coordinates, their rates, the brake's pressure, all deflections.
+    """Names of all states of a hoist.
 
-    Ropes that slide have the distance slip [m] that they have slid, positive as the sheave's rotation, and their sense.
+    They are STATE_NAMES, further coordinates, their rates, the brake's pressure, all deflections.
+    Ropes that slide have the distance slip [m] that they have slid, positive as the sheave's
+    rotation, and their sense.
     """
     extra = extra_coordinates(hoist)
-    brake = ("brake_pressure", "brake_deflection") if hoist.brake is not None else ()
-    jams = tuple(
-        f"jam_deflection_{side}" for side in SIDES if getattr(hoist, f"jam_{side}") is not None
-    )
-    sense = ("sense",) if hoist.lining is not None else ()
-    return STATE_NAMES + extra + tuple(f"{name}_rate" for name in extra) + brake + jams + sense
+    names = [*STATE_NAMES, *extra, *(f"{name}_rate" for name in extra)]
+    if hoist.brake is not None:
+        names += ["brake_pressure", "brake_deflection"]
+    jammed = [side for side in SIDES if getattr(hoist, f"jam_{side}") is not None]
+    names += [f"jam_deflection_{side}" for side in jammed]
+    if hoist.lining is not None:
+        names.append("sense")
+    return tuple(names)
 
 
 @dataclass(frozen=True)
 class Equations:
-    """CasADi functions of hoists with the same parts; x: state, u: input, l0: free lengths, p: the hoist's numbers."""
+    """CasADi functions of hoists with the same parts.
+
+    Arguments are the state x, the input u, the free lengths l0 and the hoist's numbers p.
+    """
 
     rates: Any  # (x, u, l0, p) -> dx/dt
-    powers: Any  # the same arguments -> W, in the order of WORK_NAMES and LOSS_NAMES
-    outputs: Any  # the same arguments -> OUTPUTS
-    accelerance: Any  # the same arguments -> acceleration of each conveyance per force on either, (2, 2) [1/kg]
+    powers: Any  # (x, u, l0, p) -> W, in the order of WORK_NAMES and LOSS_NAMES
+    outputs: Any  # (x, u, l0, p) -> OUTPUTS
+    #: (x, u, l0, p) -> acceleration of each conveyance per force on either, (2, 2) [1/kg]
+    accelerance: Any
     hold: Any  # (x, l0, p) -> motor torque that holds the state at rest
-    lagrange: Any  # (x, a, u, l0, p) -> mass matrix times accelerations less forces, tensions; of ropes that hold
+    #: (x, a, u, l0, p) -> mass matrix times accelerations less forces, tensions; of ropes that hold
+    lagrange: Any
 
 
 class Coordinates:
@@ -100,111 +110,124 @@ class Coordinates:
 
     def __init__(self, structure: Hoist) -> None:
         self.names = ("phi", "y_left", "y_right", *extra_coordinates(structure))
-        self.q, self.v = ca.SX.sym("q", len(self.names)), ca.SX.sym("v", len(self.names))
+        self.q = ca.SX.sym("q", len(self.names))
+        self.v = ca.SX.sym("v", len(self.names))
 
-    def __call__(self, name: str) -> tuple[Any, Any]:
+    def __call__(self, name: str) -> Coordinate:
         """Coordinate and its rate; zeros where the hoist lacks it."""
         if name not in self.names:
-            return 0.0, 0.0
+            return Coordinate(0.0, 0.0)
         k = self.names.index(name)
-        return self.q[k], self.v[k]
+        return Coordinate(self.q[k], self.v[k])
+
+
+class _Energies(NamedTuple):
+    """Energies of a hoist or of a part of it."""
+
+    kinetic: Any
+    potential: Any
+    dissipation: Any  # Rayleigh's function
+
+
+class _Motor(NamedTuple):
+    """Motor, whose torque follows its command with a lag, both within the limits."""
+
+    torque: Any
+    torque_rate: Any
 
 
 @cache
 def equations(structure: Hoist) -> Equations:
     """Return the equations of motion of all hoists of this `Hoist.equation_structure`."""
-    coords, p = Coordinates(structure), ca.SX.sym("p", len(structure.numbers))
+    coords = Coordinates(structure)
+    p = ca.SX.sym("p", len(structure.numbers))
     hoist = with_numbers(structure, ca.vertsplit(p))
-    q, v, R = coords.q, coords.v, hoist.sheave_radius
-    torque, l0 = ca.SX.sym("M"), ca.SX.sym("l0", 2)
+    q = coords.q
+    v = coords.v
+    torque = ca.SX.sym("M")
+    l0 = ca.SX.sym("l0", 2)
     u = ca.SX.sym("u", len(INPUT_NAMES))
     inputs = dict(zip(INPUT_NAMES, ca.vertsplit(u), strict=True))
-    (phi, rate), (_, twist_rate), (_, slip_rate) = coords("phi"), coords("twist"), coords("slip")
-    rim_speed, rope_speed = R * rate, R * rate + slip_rate
-    along_slip = ca.DM(np.array([name == "slip" for name in coords.names], dtype=float))
-
-    # motor: the torque follows its command with a lag, both within the limits
-    available = hoist.torque_available(rate + twist_rate)
-    motor = torque if hoist.power_limit is None else ca.fmin(ca.fmax(torque, -available), available)
-    command = ca.fmin(ca.fmax(inputs["torque_command"], -hoist.torque_limit), hoist.torque_limit)
+    phi, rate = coords("phi")
+    twist_rate = coords("twist").rate
+    slip_rate = coords("slip").rate
+    rim_speed = hoist.sheave_radius * rate
+    rope_speed = hoist.sheave_radius * rate + slip_rate
+    motor = _motor(hoist, torque, inputs["torque_command"], rate + twist_rate)
 
     # energies of the legs, of the sheave and of the shaft
     legs = [make_leg(hoist, coords, side, l0[i], inputs) for i, side in enumerate(SIDES)]
-    K, V, shaft_damping = _rotation(hoist, coords)
-    K, V = K + sum(leg.kinetic for leg in legs), V + sum(leg.potential for leg in legs)
-    rope_damping, rope_power = (
-        sum(leg.rope_damping for leg in legs),
-        sum(leg.rope_power for leg in legs),
-    )
+    rotation = _rotation(hoist, coords)
+    K = rotation.kinetic + sum(leg.kinetic for leg in legs)
+    V = rotation.potential + sum(leg.potential for leg in legs)
+    rope_damping = sum(leg.rope_damping for leg in legs)
     play_damping = sum(leg.play_damping for leg in legs)
-    D = shaft_damping + rope_damping + play_damping
+    D = rotation.dissipation + rope_damping + play_damping
 
-    # generalised forces: what acts from outside, and dry friction
-    rim = (
-        hoist.loss_coulomb * ca.tanh(rim_speed / hoist.loss_speed) + hoist.loss_viscous * rim_speed
-    )
+    # generalised forces: those from outside, and dry friction
+    rim = _rim_friction(hoist, rim_speed)
     brake = _brake_friction(hoist, inputs["brake"], rim_speed)
-    outside = {"phi": motor - R * rim - brake.force, "twist": motor}
-    for side, leg in zip(SIDES, legs, strict=True):
-        y, x, z, yaw = ca.vertsplit(leg.side_force)
-        outside |= {
-            f"y_{side}": y - leg.friction,
-            f"x_{side}": x,
-            f"z_{side}": z,
-            f"yaw_{side}": yaw,
-        }
-    Q = ca.vertcat(*(outside.get(name, 0.0) for name in coords.names))
+    external = {
+        "phi": motor.torque - hoist.sheave_radius * rim - brake.force,
+        "twist": motor.torque,
+        **_conveyance_forces(legs),
+    }
+    Q = ca.vertcat(*(external.get(name, 0.0) for name in coords.names))
 
     # Lagrange's equation: mass matrix times acceleration = everything else
     momentum = ca.gradient(K, v)
     mass_matrix = ca.jacobian(momentum, v)
-    carried = ca.jtimes(momentum, q, v)
-    forces = Q - carried + ca.gradient(K, q) - ca.gradient(V, q) - ca.gradient(D, v)
+    transport = ca.jtimes(momentum, q, v)
+    forces = Q - transport + ca.gradient(K, q) - ca.gradient(V, q) - ca.gradient(D, v)
     factors = ca.ldl(mass_matrix)
 
-    def accelerations(forces: Any) -> Any:
-        return ca.ldl_solve(forces, *factors)
-
-    def tensions(a: Any) -> list[Any]:
+    def tensions(a: ca.SX) -> list[Any]:
         return [
             _tension(hoist, coords, sign, leg, a, rope_speed)
             for sign, leg in zip((1.0, -1.0), legs, strict=True)
         ]
 
+    along_slip = ca.DM(np.array([name == "slip" for name in coords.names], dtype=float))
     lining, a = _sliding_friction(
-        hoist, accelerations(forces), accelerations(along_slip), tensions, rope_speed
+        hoist,
+        a_stick=ca.ldl_solve(forces, *factors),
+        a_per_force=ca.ldl_solve(along_slip, *factors),
+        tensions=tensions,
+        w=rope_speed,
     )
 
-    dry = (brake, *(leg.jam for leg in legs), lining)
-    x = ca.vertcat(torque, q[:3], v[:3], q[3:], v[3:], *(z for one in dry for z in one.states))
-    lag = (command - torque) / hoist.torque_lag
-    rates = ca.vertcat(
-        lag, v[:3], a[:3], v[3:], a[3:], *(rate for one in dry for rate in one.rates)
-    )
-    ends = [
-        ca.dot(leg.side_force, ca.vertcat(*(coords(f"{n}_{s}")[1] for n in ("y", "x", "z", "yaw"))))
-        for s, leg in zip(SIDES, legs, strict=True)
+    frictions = (brake, *(leg.jam for leg in legs), lining)
+    friction_states: list[Any] = []
+    friction_rates: list[Any] = []
+    for friction in frictions:
+        friction_states += friction.states
+        friction_rates += friction.rates
+    x = ca.vertcat(torque, q[:3], v[:3], q[3:], v[3:], *friction_states)
+    rates = ca.vertcat(motor.torque_rate, v[:3], a[:3], v[3:], a[3:], *friction_rates)
+    guide_losses = [
+        leg.friction * coords(f"y_{side}").rate for side, leg in zip(SIDES, legs, strict=True)
     ]
-    guides = (
-        sum(leg.friction * coords(f"y_{s}")[1] for s, leg in zip(SIDES, legs, strict=True))
-        + 2 * play_damping
-    )
     losses = ca.vertcat(
         rim * rim_speed,
-        guides,
+        sum(guide_losses) + 2 * play_damping,
         brake.force * rate,
-        2 * shaft_damping,
+        2 * rotation.dissipation,
         lining.force * sum(lining.states) * slip_rate,
     )
-    powers = ca.vertcat(motor * (rate + twist_rate), ca.sum1(losses), rope_power, *ends, losses)
-
+    powers = ca.vertcat(
+        motor.torque * (rate + twist_rate),
+        ca.sum1(losses),
+        sum(leg.rope_power for leg in legs),
+        *_balance_rope_powers(coords, legs),
+        losses,
+    )
     outputs = ca.vertcat(
         q[1:3],
         v[1:3],
         a[1:3],
         phi,
         rate,
-        motor,
+        motor.torque,
         *tensions(a),
         K,
         V,
@@ -217,18 +240,15 @@ def equations(structure: Hoist) -> Equations:
         *(leg.jam.force for leg in legs),
     )
     accelerance = ca.jacobian(rates, u)[list(ACCELERATIONS), list(FORCES)]
-    arguments, a_in = [x, u, l0, p], ca.SX.sym("a", len(coords.names))
+    a_in = ca.SX.sym("a", len(coords.names))
+    lagrange = ca.vertcat(mass_matrix @ a_in - forces, *tensions(a_in))
     return Equations(
-        rates=_function("rates", arguments, rates),
-        powers=_function("powers", arguments, powers),
-        outputs=_function("outputs", arguments, outputs),
-        accelerance=_function("accelerance", arguments, accelerance),
+        rates=_function("rates", [x, u, l0, p], rates),
+        powers=_function("powers", [x, u, l0, p], powers),
+        outputs=_function("outputs", [x, u, l0, p], outputs),
+        accelerance=_function("accelerance", [x, u, l0, p], accelerance),
         hold=_function("hold", [x, l0, p], ca.gradient(V, q)[0]),
-        lagrange=_function(
-            "lagrange",
-            [x, a_in, *arguments[1:]],
-            ca.vertcat(mass_matrix @ a_in - forces, *tensions(a_in)),
-        ),
+        lagrange=_function("lagrange", [x, a_in, u, l0, p], lagrange),
     )
 
 
@@ -236,10 +256,50 @@ def _function(name: str, arguments: list[Any], value: Any) -> Any:
     return ca.Function(name, arguments, [ca.cse(value)])
 
 
+def _motor(hoist: Hoist, torque: ca.SX, torque_command: ca.SX, rate: ca.SX) -> _Motor:
+    """Return the motor, by the state of its torque [N m] and its speed [rad/s]."""
+    command = ca.fmin(ca.fmax(torque_command, -hoist.torque_limit), hoist.torque_limit)
+    lag = (command - torque) / hoist.torque_lag
+    if hoist.power_limit is None:
+        return _Motor(torque, lag)
+    available = hoist.torque_available(rate)
+    return _Motor(ca.fmin(ca.fmax(torque, -available), available), lag)
+
+
+def _rim_friction(hoist: Hoist, rim_speed: ca.SX) -> ca.SX:
+    """Return the friction at the sheave's rim [N]."""
+    coulomb = hoist.loss_coulomb * ca.tanh(rim_speed / hoist.loss_speed)
+    return coulomb + hoist.loss_viscous * rim_speed
+
+
+def _conveyance_forces(legs: Sequence[Leg]) -> dict[str, Any]:
+    """Return the forces of balance ropes and guides, by the coordinate on which they act."""
+    forces: dict[str, Any] = {}
+    for side, leg in zip(SIDES, legs, strict=True):
+        y, x, z, yaw = ca.vertsplit(leg.side_force)
+        forces[f"y_{side}"] = y - leg.friction
+        forces[f"x_{side}"] = x
+        forces[f"z_{side}"] = z
+        forces[f"yaw_{side}"] = yaw
+    return forces
+
+
+def _balance_rope_powers(coords: Coordinates, legs: Sequence[Leg]) -> list[Any]:
+    """Return the power of the balance ropes on either conveyance [W]."""
+    powers = []
+    for side, leg in zip(SIDES, legs, strict=True):
+        rates = [coords(f"{name}_{side}").rate for name in _ROPE_FORCES]
+        powers.append(ca.dot(leg.side_force, ca.vertcat(*rates)))
+    return powers
+
+
 def _tension(
     hoist: Hoist, coords: Coordinates, sign: float, leg: Leg, a: Any, rope_speed: Any
 ) -> Any:
-    """Return the tension of a leg's head ropes at the sheave [N]: Lagrange's row of the leg is its moment there."""
+    """Return the tension of a leg's head ropes at the sheave [N].
+
+    Lagrange's row of the leg is the moment of the tension there; `a` are the accelerations.
+    """
     phi, rate = coords("phi")
     row = ca.gradient(leg.kinetic, rate)
     change = (
@@ -251,54 +311,72 @@ def _tension(
     return sign * moment / hoist.sheave_radius + hoist.rope_mass * rope_speed**2 / 2
 
 
-def _lateral_motion(coords: Coordinates, a: Any) -> list[Any]:
-    """Place, rate and second derivative in x, z and yaw, left then right; zeros where the hoist has no play."""
+def _lateral_motion(coords: Coordinates, a: ca.SX) -> list[Any]:
+    """Place, rate and second derivative in x, z and yaw, left then right; zeros without play."""
     outputs: list[Any] = []
-    for name in (f"{n}_{s}" for s in SIDES for n in ("x", "z", "yaw")):
-        k = coords.names.index(name) if name in coords.names else None
-        outputs += [0.0, 0.0, 0.0] if k is None else [coords.q[k], coords.v[k], a[k]]
+    for side, axis in product(SIDES, _LATERAL):
+        name = f"{axis}_{side}"
+        if name in coords.names:
+            k = coords.names.index(name)
+            outputs += [coords.q[k], coords.v[k], a[k]]
+        else:
+            outputs += [0.0, 0.0, 0.0]
     return outputs
 
 
-def _rotation(hoist: Hoist, coords: Coordinates) -> tuple[Any, Any, Any]:
-    """Kinetic and potential energy and Rayleigh's function of sheave, shaft and motor."""
-    (_, rate), (twist, twist_rate) = coords("phi"), coords("twist")
-    R, shaft = hoist.sheave_radius, hoist.drive_shaft
+def _rotation(hoist: Hoist, coords: Coordinates) -> _Energies:
+    """Return the energies of sheave, shaft and motor."""
+    rate = coords("phi").rate
+    twist, twist_rate = coords("twist")
+    R = hoist.sheave_radius
+    shaft = hoist.drive_shaft
     if shaft is None:
-        return hoist.sheave_mass * (R * rate) ** 2 / 2, 0.0, 0.0
-    motor, sheave = shaft.motor_mass * R**2, (hoist.sheave_mass - shaft.motor_mass) * R**2
-    kinetic = sheave * rate**2 / 2 + motor * (rate + twist_rate) ** 2 / 2
+        return _Energies(hoist.sheave_mass * (R * rate) ** 2 / 2, 0.0, 0.0)
+    motor = shaft.motor_mass * R**2
+    sheave = (hoist.sheave_mass - shaft.motor_mass) * R**2
     damping = 2 * shaft.damping * (shaft.stiffness * motor * sheave / (motor + sheave)) ** 0.5
-    return kinetic, shaft.stiffness * twist**2 / 2, damping * twist_rate**2 / 2
-
-
-def _brake_friction(hoist: Hoist, command: Any, rim_speed: Any) -> Friction:
-    """Return the brake's friction, its torque in N m."""
-    if (brake := hoist.brake) is None:
-        return Friction()
-    pressure, z = ca.SX.sym("brake_pressure"), ca.SX.sym("brake_deflection")
-    rates = (
-        (ca.fmin(ca.fmax(command, 0.0), 1.0) - pressure) / brake.lag,
-        rim_speed - ca.fabs(rim_speed) * z / brake.travel,
+    return _Energies(
+        kinetic=sheave * rate**2 / 2 + motor * (rate + twist_rate) ** 2 / 2,
+        potential=shaft.stiffness * twist**2 / 2,
+        dissipation=damping * twist_rate**2 / 2,
     )
-    return Friction(brake.torque * pressure * z / brake.travel, (pressure, z), rates)
+
+
+def _brake_friction(hoist: Hoist, command: ca.SX, rim_speed: ca.SX) -> Friction:
+    """Return the brake's friction, its torque in N m."""
+    brake = hoist.brake
+    if brake is None:
+        return Friction()
+    pressure = ca.SX.sym("brake_pressure")
+    z = ca.SX.sym("brake_deflection")
+    pressure_rate = (ca.fmin(ca.fmax(command, 0.0), 1.0) - pressure) / brake.lag
+    z_rate = rim_speed - ca.fabs(rim_speed) * z / brake.travel
+    torque = brake.torque * pressure * z / brake.travel
+    return Friction(torque, states=(pressure, z), rates=(pressure_rate, z_rate))
 
 
 def _sliding_friction(
-    hoist: Hoist, a_stick: Any, per_force: Any, tensions: Callable[[Any], list[Any]], w: Any
-) -> tuple[Friction, Any]:
-    """Force of the lining on head ropes that slide [N], and the accelerations under it; 0 where they hold.
+    hoist: Hoist,
+    a_stick: ca.SX,
+    a_per_force: ca.SX,
+    tensions: Callable[[ca.SX], list[Any]],
+    w: ca.SX,
+) -> tuple[Friction, ca.SX]:
+    """Return the lining's force on head ropes that slide [N], and the accelerations under it.
 
-    Its state is the sense of their sliding, 1 as the sheave's positive rotation or -1, which does not change. `a_stick`
-    are the accelerations without it, `per_force` those of 1 N along the slip, `tensions` follow them.
+    Its state is the sense of their sliding, 1 as the sheave's positive rotation or -1, which does
+    not change; the force is 0 where they hold. `a_stick` are the accelerations without it,
+    `a_per_force` those of 1 N along the slip, `tensions` follow from accelerations, `w` is the
+    ropes' speed.
     """
     if hoist.lining is None:
         return Friction(), a_stick
-    sense, a = ca.SX.sym("sense"), ca.SX.sym("a", a_stick.numel())
+    sense = ca.SX.sym("sense")
+    a = ca.SX.sym("a", a_stick.numel())
     left, right = (tension - hoist.rope_mass * w**2 for tension in tensions(a))
     low = ((1.0 + sense) * left + (1.0 - sense) * right) / 2.0
-    against = -sense * per_force
+    against_slip = -sense * a_per_force
     gain = ca.exp(hoist.lining.sliding * hoist.friction_coefficient * hoist.wrap_angle) - 1.0
     pressing = ca.fmax(ca.substitute(low, a, a_stick), 0.0)
-    force = gain * pressing / (1.0 - gain * ca.dot(ca.gradient(low, a), against))
-    return Friction(force, (sense,), (0.0,)), a_stick + force * against
+    force = gain * pressing / (1.0 - gain * ca.dot(ca.gradient(low, a), against_slip))
+    return Friction(force, states=(sense,), rates=(0.0,)), a_stick + force * against_slip

@@ -1,25 +1,27 @@
-"""The drive's equations compiled where there is a C compiler, and integrated by steps of their own choice.
+"""The drive's equations, compiled where there is a C compiler, and their adaptive integration.
 
-`advance`, one text for all hoists with the same parts, does a step of a Runge-Kutta method of the length h (s counts
-from 0 to 1 over a communication step H)
+`advance`, one text for all hoists with the same parts, does a step of a Runge-Kutta method of the
+length h (s counts from 0 to 1 over a communication step H)
 
     dx/ds = H rates(x, u(s)) ,   dW/ds = H powers(x, u(s)) ,
 
-and shows the drive at its end: state, work so far, this step's included, its largest error over tolerance
-(1 + |y| + |dy/ds|) (infinite where anything is not finite), input that acts there, outputs. With H = 0
-it shows the drive as it is. Inputs change, and forces yield to the drive's acceleration,
+and shows the drive at its end: state, work so far, this step's included, its largest error over
+tolerance (1 + |y| + |dy/ds|) (infinite where anything is not finite), input that acts there,
+outputs. With H = 0 it shows the drive as it is. Inputs change, and forces yield to the drive's
+acceleration,
 
     u(s) = u_0 + u_1 s + u_2 s^2 ,   F(s) = F_p(s) - m_a a ,   a = a_0 + B F .
 
-Forces enter the accelerations linearly, so that with the accelerations a_p under the polynomial F_p alone
-F = F_p - (1 + m_a B)^-1 m_a a_p.
+Forces enter the accelerations linearly, so that with the accelerations a_p under the polynomial F_p
+alone F = F_p - (1 + m_a B)^-1 m_a a_p.
 
-Steps are chosen so that none errs by more than the tolerance,
+Steps are chosen so that the error of each stays within the tolerance,
 
     h_new = 0.9 h (tolerance / error)^(1/5) ,   from half of h to half as much again ,
 
-and not beyond h after one that was taken back: a step at the bound of stability errs little, and a longer one much.
-What is watched ends them: the last one is then shortened by bisection until what is watched has just become positive.
+and not beyond h after one that was taken back: a step at the bound of stability has a small error,
+and a longer one a large error. An event, a function of the state that becomes positive, ends the
+steps: bisection shortens the last one until the function has just become positive.
 """
 
 import math
@@ -27,7 +29,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -40,31 +42,24 @@ from hoist_demo.parameters import Hoist
 from rope_model.compiler import cache_folder
 
 Vector = NDArray[np.float64]
-Watch = Callable[
-    [Vector], float
-]  #: Of a state and OUTPUTS there, as one vector; positive once the steps are to end.
-#: Where steps have ended: all that `advance` gives there, size of the next one, s.
-StepEnd = tuple[Vector, float, float]
+Event = Callable[[Vector], float]  #: Function of the result of `advance`; positive ends the steps.
 MIN_STEP = 1e-7  #: Step of the integrator [s] below which it gives up.
 SAFETY = 0.9  #: Factor on the step that the error allows.
-SHRINKS = 0.5  #: Smallest factor from one step to the next.
-GROWS = 1.5  #: Largest factor from one step to the next.
-LOCATED = (
-    1e-9  #: How long before the end of the steps what is watched may have become positive [s].
-)
-TOLERANCE = 1e-8  #: Of a step's error, relative and in SI units.
+MIN_FACTOR = 0.5  #: Smallest factor from one step to the next.
+MAX_FACTOR = 1.5  #: Largest factor from one step to the next.
+MIN_ERROR = 1e-20  #: Errors over the tolerance count as no smaller, so that their root is finite.
+ROUNDING = 1e-9  #: Part of a step by which the rest may exceed it through rounding alone.
+#: Largest time from the event, where the watched value becomes positive, to the end of the steps
+#: [s].
+EVENT_TOLERANCE = 1e-9
+TOLERANCE = 1e-8  #: Bound of a step's error, relative and in SI units.
 WORK_COUNT = len(drive.WORK_NAMES) + len(drive.LOSS_NAMES)
 PATH = 3 * len(drive.INPUT_NAMES)  #: Numbers of a path: u_0, u_1 and u_2.
 ORDER = 5
-_B = (
-    35 / 384,
-    0.0,
-    500 / 1113,
-    125 / 192,
-    -2187 / 6784,
-    11 / 84,
-)  #: Weights b of the result, the last stage.
-WEIGHTS = (  #: Weights a of the stages; the last ones are b.
+#: Weights b of the result, the last stage.
+_B = (35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84)
+#: Weights a of the stages; the last ones are b.
+WEIGHTS = (
     (1 / 5,),
     (3 / 40, 9 / 40),
     (44 / 45, -56 / 15, 32 / 9),
@@ -73,33 +68,51 @@ WEIGHTS = (  #: Weights a of the stages; the last ones are b.
     _B,
 )
 _C = (1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0)
-_ERROR = (
-    71 / 57600,
-    0.0,
-    -71 / 16695,
-    71 / 1920,
-    -17253 / 339200,
-    22 / 525,
-    -1 / 40,
-)  #: Weights b - b*.
+#: Weights b - b*.
+_ERROR = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40)
+
+
+class Span(NamedTuple):
+    """Part of a communication step, in s from 0 to 1."""
+
+    begin: float
+    end: float
+
+
+class StepsEnd(NamedTuple):
+    """End of the steps of an integration."""
+
+    y: Vector  # result of `advance`
+    next_size: float  # of the next step, part of the communication step
+    s: float
+
+
+class RungeKuttaStep(NamedTuple):
+    """Result of a step."""
+
+    y: Any
+    k: Any  # f there
+    error: Any
 
 
 def runge_kutta_step(
     f: Callable[[Any, Any], Any], t: Any, y: Any, k: Any, h: Any
-) -> tuple[Any, Any, Any]:
-    """State after h, f there, and the error of a step of fifth order; k is f(t, y).
+) -> RungeKuttaStep:
+    """Return a step of fifth order of the length h; k is f(t, y).
 
-        k_i = f(t + c_i h, y + h sum_j a_ij k_j) ,   y_new = y + h sum_i b_i k_i ,   error = h sum_i (b_i - b*_i) k_i
+        k_i = f(t + c_i h, y + h sum_j a_ij k_j) ,
+        y_new = y + h sum_i b_i k_i ,   error = h sum_i (b_i - b*_i) k_i .
 
-    The last stage is the first of the next step. Source: J. R. Dormand and P. J. Prince, A family of embedded
-    Runge-Kutta formulae, Journal of Computational and Applied Mathematics 6 (1980), RK5(4)7M.
+    The last stage is the first of the next step. Source: J. R. Dormand and P. J. Prince, A family
+    of embedded Runge-Kutta formulae, Journal of Computational and Applied Mathematics 6 (1980),
+    RK5(4)7M.
     """
     stages = [k]
     new = y
     for a, c in zip(WEIGHTS, _C, strict=True):
         new = y + h * _sum(a, stages)
         stages.append(f(t + c * h, new))
-    return new, stages[-1], h * _sum(_ERROR, stages)
+    return RungeKuttaStep(new, stages[-1], h * _sum(_ERROR, stages))
 
 
 def _sum(weights: Sequence[float], stages: Sequence[Any]) -> Any:
@@ -110,7 +123,7 @@ def _sum(weights: Sequence[float], stages: Sequence[Any]) -> Any:
 
 @dataclass(frozen=True, eq=False)
 class DriveKernels:
-    """CasADi functions of hoists with the same parts, and places in the argument and in the result of `advance`."""
+    """CasADi functions of hoists with the same parts, and places in the vectors of `advance`."""
 
     names: tuple[str, ...]  # names of the states
     argument_slices: dict[str, slice]
@@ -124,84 +137,112 @@ class DriveKernels:
 @cache
 def drive_kernels(structure: Hoist, form: KernelForm = "auto") -> DriveKernels:
     """Return the kernels for all hoists of this `Hoist.equation_structure`."""
-    eqs, names = drive.equations(structure), drive.state_names(structure)
-    step_params = {"H": 1, "path": PATH, "added_mass": 2, "l0": 2, "p": len(structure.numbers)}
+    eqs = drive.equations(structure)
+    names = drive.state_names(structure)
     argument_slices = _slices(
-        {"x": len(names), "work_totals": WORK_COUNT, "s": 1, "h": 1, **step_params}
+        x=len(names), work_totals=WORK_COUNT, s=1, h=1, **_step_parameter_sizes(structure)
     )
-    outputs = {"error": 1, "applied_input": len(drive.INPUT_NAMES), "outputs": len(OUTPUTS)}
-    result = _slices({"x": len(names), "work_totals": WORK_COUNT, **outputs})
+    result = _slices(
+        x=len(names),
+        work_totals=WORK_COUNT,
+        error=1,
+        applied_input=len(drive.INPUT_NAMES),
+        outputs=len(OUTPUTS),
+    )
     functions = [_advance(eqs, argument_slices), eqs.accelerance]
-    made: list[Path] = []
+    libraries: list[Path] = []
 
     def build(compiler: Sequence[str]) -> Path:
-        made.append(build_library(functions, compiler, cache_folder(), "hoist_drive"))
-        return made[0]
+        library = build_library(functions, compiler, cache_folder(), "hoist_drive")
+        libraries.append(library)
+        return library
 
     (advance, accelerance), kind = prepare(functions, build, form)
-    library = made[0] if kind == "compiled" else None
-    return DriveKernels(names, argument_slices, result, advance, accelerance, eqs.hold, library)
+    return DriveKernels(
+        names=names,
+        argument_slices=argument_slices,
+        result=result,
+        advance=advance,
+        accelerance=accelerance,
+        hold=eqs.hold,
+        library=libraries[0] if kind == "compiled" else None,
+    )
+
+
+def _step_parameter_sizes(structure: Hoist) -> dict[str, int]:
+    """Return the sizes of the arguments of `advance` that are held over a communication step."""
+    return {"H": 1, "path": PATH, "added_mass": 2, "l0": 2, "p": len(structure.numbers)}
 
 
 def _advance(eqs: drive.Equations, argument_slices: dict[str, slice]) -> Any:
     """Return `advance` as a CasADi function of one vector that gives one vector."""
-    n, step_params_from = argument_slices["x"].stop, argument_slices["H"].start
-    numbers = argument_slices["p"].stop - step_params_from
+    n = argument_slices["x"].stop
+    first_step_param = argument_slices["H"].start
+    numbers = argument_slices["p"].stop - first_step_param
     slope = _slope(eqs, n, numbers)
     z = ca.MX.sym("z", argument_slices["p"].stop)
-    step_params = z[step_params_from:]
-    s, h = z[argument_slices["s"]], z[argument_slices["h"]]
+    step_params = z[first_step_param:]
+    s = z[argument_slices["s"]]
+    h = z[argument_slices["h"]]
     y = ca.vertcat(z[argument_slices["x"]], ca.MX.zeros(WORK_COUNT))
     k = slope(y, s, step_params)
-    new, _, error = runge_kutta_step(lambda at, x: slope(x, at, step_params), s, y, k, h)
-    error = ca.norm_inf(error / (TOLERANCE * (1 + ca.fabs(y) + ca.fabs(k))))
-    applied_input, outputs = _loads_and_outputs(eqs, n, numbers)(new[:n], s + h, step_params)
+    step = runge_kutta_step(lambda at, x: slope(x, at, step_params), s, y, k, h)
+    error = ca.norm_inf(step.error / (TOLERANCE * (1 + ca.fabs(y) + ca.fabs(k))))
+    applied_input, outputs = _loads_and_outputs(eqs, n, numbers)(step.y[:n], s + h, step_params)
     # a step with any value that is not finite fails; a comparison with NaN is false
-    error = ca.if_else(
-        ca.sumsqr(ca.vertcat(new, error, applied_input, outputs)) < ca.inf, error, ca.inf
-    )
-    work_totals = z[argument_slices["work_totals"]] + new[n:]
-    return ca.Function(
-        "advance", [z], [ca.vertcat(new[:n], work_totals, error, applied_input, outputs)]
-    )
+    is_finite = ca.sumsqr(ca.vertcat(step.y, error, applied_input, outputs)) < ca.inf
+    error = ca.if_else(is_finite, error, ca.inf)
+    work_totals = z[argument_slices["work_totals"]] + step.y[n:]
+    result = ca.vertcat(step.y[:n], work_totals, error, applied_input, outputs)
+    return ca.Function("advance", [z], [result])
 
 
 def _slope(eqs: drive.Equations, states: int, numbers: int) -> Any:
     """Return the CasADi function (y, s, step_params) -> dy/ds."""
-    y, s = ca.SX.sym("y", states + WORK_COUNT), ca.SX.sym("s")
+    y = ca.SX.sym("y", states + WORK_COUNT)
+    s = ca.SX.sym("s")
     x = y[:states]
-    step_params, H, u, l0, p = _symbols(eqs, numbers, x, s)
-    value = H * ca.vertcat(eqs.rates(x, u, l0, p), eqs.powers(x, u, l0, p))
-    return ca.Function("slope", [y, s, step_params], [ca.cse(value)])
+    symbols = _step_symbols(eqs, numbers, x, s)
+    arguments = (x, symbols.u, symbols.l0, symbols.p)
+    value = symbols.H * ca.vertcat(eqs.rates(*arguments), eqs.powers(*arguments))
+    return ca.Function("slope", [y, s, symbols.step_params], [ca.cse(value)])
 
 
 def _loads_and_outputs(eqs: drive.Equations, states: int, numbers: int) -> Any:
     """Return the CasADi function (x, s, step_params) -> input that acts, outputs."""
-    x, s = ca.SX.sym("x", states), ca.SX.sym("s")
-    step_params, _, u, l0, p = _symbols(eqs, numbers, x, s)
+    x = ca.SX.sym("x", states)
+    s = ca.SX.sym("s")
+    symbols = _step_symbols(eqs, numbers, x, s)
+    outputs = eqs.outputs(x, symbols.u, symbols.l0, symbols.p)
     return ca.Function(
-        "loads_and_outputs", [x, s, step_params], ca.cse([u, eqs.outputs(x, u, l0, p)])
+        "loads_and_outputs", [x, s, symbols.step_params], ca.cse([symbols.u, outputs])
     )
 
 
-def _symbols(eqs: drive.Equations, numbers: int, x: Any, s: Any) -> tuple[Any, Any, Any, Any, Any]:
-    """Symbols of what is held over a communication step, and of it H, the input that acts at s, l0 and p."""
+class _StepSymbols(NamedTuple):
+    """Symbols of the arguments that are held over a communication step."""
+
+    step_params: Any  # all in one vector
+    H: Any
+    u: Any  # input that acts at s
+    l0: Any
+    p: Any
+
+
+def _step_symbols(eqs: drive.Equations, numbers: int, x: Any, s: Any) -> _StepSymbols:
+    """Return the symbols of a communication step, with the input at s in the state x."""
     step_params = ca.SX.sym("step_params", numbers)
     H, path, added_mass, l0, p = ca.vertsplit(
         step_params, [0, 1, 1 + PATH, 3 + PATH, 5 + PATH, numbers]
     )
     start, linear, quadratic = ca.vertsplit(path, len(drive.INPUT_NAMES))
-    return (
-        step_params,
-        H,
-        _applied_input(eqs, x, start + s * (linear + s * quadratic), added_mass, l0, p),
-        l0,
-        p,
-    )
+    polynomial = start + s * (linear + s * quadratic)
+    u = _applied_input(eqs, x, polynomial, added_mass, l0, p)
+    return _StepSymbols(step_params, H, u, l0, p)
 
 
 def _applied_input(eqs: drive.Equations, x: Any, u: Any, added_mass: Any, l0: Any, p: Any) -> Any:
-    """Return the input with its forces less the added masses times the accelerations that come out."""
+    """Return the input with its forces less the added masses times the accelerations."""
     a = eqs.rates(x, u, l0, p)[list(drive.ACCELERATIONS)]
     B = eqs.accelerance(x, u, l0, p)
     given_up = ca.solve(ca.SX.eye(len(drive.FORCES)) + ca.diag(added_mass) @ B, added_mass * a)
@@ -211,8 +252,10 @@ def _applied_input(eqs: drive.Equations, x: Any, u: Any, added_mass: Any, l0: An
     return applied_input
 
 
-def _slices(sizes: dict[str, int]) -> dict[str, slice]:
-    slices, start = {}, 0
+def _slices(**sizes: int) -> dict[str, slice]:
+    """Return the places of parts of these sizes in one vector, by name."""
+    slices: dict[str, slice] = {}
+    start = 0
     for name, size in sizes.items():
         slices[name] = slice(start, start + size)
         start += size
@@ -223,21 +266,23 @@ class Integrator:
     """Integrator for all hoists with the same parts; not to be shared between threads."""
 
     def __init__(self, hoist: Hoist, form: KernelForm) -> None:
-        self.kernels = kernels = drive_kernels(hoist.equation_structure, form)
-        self.names, self.result = kernels.names, kernels.result
-        self._error, self._reached = (
-            self.result["error"].start,
-            slice(0, self.result["work_totals"].stop),
-        )
+        kernels = drive_kernels(hoist.equation_structure, form)
+        self.kernels = kernels
+        self.names = kernels.names
+        self.result = kernels.result
+        self._error = self.result["error"].start
+        self._state = slice(0, self.result["work_totals"].stop)  # states and works
         self._advance = Kernel(kernels.advance, [(self.result["outputs"].stop,)])
-        self.z, self.y = self._advance.inputs[0], self._advance.outputs[0]
+        self.z = self._advance.inputs[0]
+        self.y = self._advance.outputs[0]
         self.arguments = {name: self.z[index] for name, index in kernels.argument_slices.items()}
-        self._hold, self._accelerance = kernels.hold, Kernel(kernels.accelerance, [(2, 2)])
+        self._hold = kernels.hold
+        self._accelerance = Kernel(kernels.accelerance, [(2, 2)])
         self.evaluations = 0  # calls of `advance` with a step, so far
-        self.give(p=hoist.numbers)
+        self.set_arguments(p=hoist.numbers)
 
-    def give(self, **values: Any) -> None:
-        """Give what `advance` takes, by name: x, work_totals, s, h, H, path, added_mass, l0, p (numbers)."""
+    def set_arguments(self, **values: Any) -> None:
+        """Set arguments of `advance` by name: x, work_totals, s, h, H, path, added_mass, l0, p."""
         for name, value in values.items():
             self.arguments[name][...] = value
 
@@ -246,57 +291,67 @@ class Integrator:
         return float(self._hold(x, lengths, self.arguments["p"]))
 
     def accelerance(self, x: Vector, u: Vector, lengths: tuple[float, float]) -> Vector:
-        """Return the change of (a_left, a_right) per force on either conveyance, shape (2, 2) [1/kg]."""
+        """Return the change of (a_left, a_right) per force on either conveyance, (2, 2) [1/kg]."""
         (columns,) = self._accelerance(x, u, np.array(lengths), self.arguments["p"])
         return columns.T
 
     def integrate(
-        self, h: float, size: float, s: float, end: float, watch: Watch | None = None
-    ) -> StepEnd | None:
-        """Integrate in steps of `size` [parts of h] at first, to the end or where `watch` turns positive; else None."""
-        largest_factor = GROWS
+        self, h: float, size: float, span: Span, event: Event | None = None
+    ) -> StepsEnd | None:
+        """Integrate over a span of a communication step of h [s], or until an event.
+
+        The first step is `size` long, a part of h. Returns None where no step keeps to the
+        tolerance.
+        """
+        s, end = span
+        largest_factor = MAX_FACTOR
         while size * h > MIN_STEP:
-            steps = max(1, math.ceil((end - s) / size - 1e-9))
+            steps = max(1, math.ceil((end - s) / size - ROUNDING))
             used = (end - s) / steps
             y = self.evaluate(s, used)
             error = y.item(self._error)
-            size = min(used * _change(error), size * largest_factor)
-            if error <= 1.0:
-                if watch is not None and watch(y) > 0.0:
-                    y, used = self._first(y, s, used, h, watch)
-                    return y, size, s + used
-                if steps == 1:
-                    return y, size, end
-                self.z[self._reached] = y[self._reached]
-                s += used
-            else:
+            size = min(used * _step_factor(error), size * largest_factor)
+            if not error <= 1.0:
                 largest_factor = 1.0
+                continue
+            if event is not None and event(y) > 0.0:
+                y, used = self._locate(event, y, s, used, h)
+                return StepsEnd(y, size, s + used)
+            if steps == 1:
+                return StepsEnd(y, size, end)
+            self.z[self._state] = y[self._state]
+            s += used
         return None
 
     def evaluate(self, s: float, used: float = 0.0) -> Vector:
-        """Return all that `advance` gives after a step of the size `used` from s; 0: in the state given."""
-        self.give(s=s, h=used)
+        """Return the result of `advance` after a step of the size `used` from s, which may be 0."""
+        self.set_arguments(s=s, h=used)
         self._advance.evaluate()
-        self.evaluations += 1 if used > 0.0 else 0
+        if used > 0.0:
+            self.evaluations += 1
         return self.y.copy()
 
-    def _first(
-        self, y: Vector, s: float, used: float, h: float, watch: Watch
+    def _locate(
+        self, event: Event, y: Vector, s: float, used: float, h: float
     ) -> tuple[Vector, float]:
-        """Locate where what is watched has just become positive; return the result there and the size of the step."""
-        low = 0.0
-        while (used - low) * h > LOCATED:
-            middle = (low + used) / 2.0
-            there = self.evaluate(s, middle)
-            if watch(there) > 0.0:
-                y, used = there, middle
+        """Return the result just behind an event within a step, and the size of the step to there.
+
+        `y` is the result of the whole step, of the size `used`.
+        """
+        before = 0.0
+        while (used - before) * h > EVENT_TOLERANCE:
+            middle = (before + used) / 2.0
+            result = self.evaluate(s, middle)
+            if event(result) > 0.0:
+                y = result
+                used = middle
             else:
-                low = middle
+                before = middle
         return y, used
 
 
-def _change(error: float) -> float:
-    """Factor to the next step of the integrator, after one of this error over the tolerance."""
+def _step_factor(error: float) -> float:
+    """Return the factor to the next step, after one with this error over the tolerance."""
     if not math.isfinite(error):
-        return SHRINKS
-    return max(SHRINKS, float(SAFETY * max(error, 1e-20) ** (-1.0 / ORDER)))
+        return MIN_FACTOR
+    return max(MIN_FACTOR, float(SAFETY * max(error, MIN_ERROR) ** (-1.0 / ORDER)))

@@ -1,34 +1,42 @@
-"""One side of a hoist: energies and forces of its head ropes and its conveyance, with y, x, z, yaw and modes eta_j.
+"""One side of a hoist: energies and forces of its head ropes and its conveyance.
 
-    K_i = 1/2 m v_y^2 + 1/2 mu l int_0^1 v(zeta)^2 dzeta + 1/2 (m + mu l/3) (v_x^2 + v_z^2) + 1/2 m r^2 yaw'^2
-    V_i = 1/2 EA [(s - l)^2 + sum_j (j pi)^2 eta_j^2 / 2] / l - mu g l [H/2 - sum_j (1 - cos j pi)/(j pi) eta_j] + m g y
-          + contact ,     s = H + (x^2 + z^2 + b^2 yaw^2) / (2 H) ,     H = y_s - y
+Coordinates are y, x, z, yaw and modes eta_j.
 
-A point of the head ropes at the part zeta of their free length l, from the conveyance up, is at the height
-y + H zeta + sum_j eta_j sin(j pi zeta): linear, with fixed-interface modes (R. R. Craig and M. C. C. Bampton, AIAA
-Journal 6, 1968). The rope flows through that field, zeta' = zeta w / l, as the sheave takes it in with the speed w =
-+-R phi', so that
+    K_i = 1/2 m v_y^2 + 1/2 mu l int_0^1 v(zeta)^2 dzeta + 1/2 (m + mu l/3) (v_x^2 + v_z^2)
+          + 1/2 m r^2 yaw'^2
+    V_i = 1/2 EA [(s - l)^2 + sum_j (j pi)^2 eta_j^2 / 2] / l
+          - mu g l [H/2 - sum_j (1 - cos j pi)/(j pi) eta_j] + m g y + contact ,
+    s = H + (x^2 + z^2 + b^2 yaw^2) / (2 H) ,     H = y_s - y
 
-    v(zeta) = (1 - zeta) v_y + zeta (H/l) w + sum_j [eta_j' sin(j pi zeta) + eta_j j pi cos(j pi zeta) zeta w / l] .
+A point of the head ropes at the part zeta of their free length l, from the conveyance up, is at the
+height y + H zeta + sum_j eta_j sin(j pi zeta): linear, with fixed-interface modes (R. R. Craig and
+M. C. C. Bampton, AIAA Journal 6, 1968). The rope flows through that field, zeta' = zeta w / l, as
+the sheave takes it in with the speed w = +-R phi', so that
 
-Material damping is proportional to strain rates, with the damping ratio zeta_h for a conveyance on massless ropes.
+    v(zeta) = (1 - zeta) v_y + zeta (H/l) w + sum_j [eta_j' sin(j pi zeta) + eta_j j pi cos(j pi
+    zeta) zeta w / l] .
 
-Head ropes that are too long for their leg hang slack from the sheave, at their own weight's stretch and without a pull
-on the conveyance: s, and H in the weight's term, are not below l + mu g l^2 / (2 EA). What the damping pulls or gives
-way is never more than the elastic pull on the conveyance, so that the two together never push. The ropes' inertia, and
-their modes, stay those of a straight rope.
+Material damping is proportional to strain rates, with the damping ratio zeta_h for a conveyance on
+massless ropes.
 
-A conveyance that jams in its guides sticks and slips, as the brake does. With the elastic deflection z of what sticks,
-after P. R. Dahl (Aerospace Corp. TOR-0158, 1968),
+Head ropes that are too long for their leg hang slack from the sheave, at their own weight's stretch
+and without a pull on the conveyance: s, and H in the weight's term, are not below l + mu g l^2 / (2
+EA). What the damping pulls or gives way is never more than the elastic pull on the conveyance, so
+that the two together never push. The ropes' inertia, and their modes, stay those of a straight
+rope.
+
+A conveyance that jams in its guides sticks and slips, as the brake does. With the elastic
+deflection z of what sticks, after P. R. Dahl (Aerospace Corp. TOR-0158, 1968),
 
     F = F_max z / z_max ,   z' = v - |v| z / z_max .
 
-It holds without creeping. A jam's F_max is that of a narrow place, F_j (1 - ((y - y_j) / d)^2)^2 within d of its middle
-and 0 beyond, and there z + tau z' stands for z in F: what is stuck swings with damping (C. Canudas de Wit et al., IEEE
-Transactions on Automatic Control 40, 1995), what slides has none.
+It holds without creeping. A jam's F_max is that of a narrow place, F_j (1 - ((y - y_j) / d)^2)^2
+within d of its middle and 0 beyond, and there z + tau z' stands for z in F: what is stuck swings
+with damping (C. Canudas de Wit et al., IEEE Transactions on Automatic Control 40, 1995), what
+slides has none.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -39,9 +47,15 @@ from numpy.typing import NDArray
 from hoist_demo.parameters import GRAVITY, Hoist
 from hoist_demo.parameters.components import Jam
 
-CoordinateLookup = Callable[
-    [str], tuple[Any, Any]
-]  #: Symbols of a coordinate and its rate; zeros where it is lacking.
+
+class Coordinate(NamedTuple):
+    """Symbols of a coordinate and its rate; zeros where the hoist lacks it."""
+
+    value: Any
+    rate: Any
+
+
+CoordinateLookup = Callable[[str], Coordinate]  #: Returns a coordinate by name.
 
 
 class Friction(NamedTuple):
@@ -72,69 +86,63 @@ class Leg:
 def make_leg(
     hoist: Hoist, coords: CoordinateLookup, side: str, l0: Any, inputs: dict[str, Any]
 ) -> Leg:
-    """Energies and forces of the head ropes and the conveyance of one side, under the inputs by name."""
-    sign, mass = (1.0, hoist.mass_left) if side == "left" else (-1.0, hoist.mass_right)
-    other = "right" if side == "left" else "left"
-    EA, mu, g, R, n = (
-        hoist.rope_stiffness,
-        hoist.rope_mass,
-        GRAVITY,
-        hoist.sheave_radius,
-        hoist.head_rope_modes,
-    )
-    (phi, rate), (slip, slip_rate), (y, vy) = coords("phi"), coords("slip"), coords(f"y_{side}")
-    modes = [(j * np.pi, *coords(f"eta{j}_{side}")) for j in range(1, n + 1)]
-    length, height, w = (
-        l0 - sign * (R * phi + slip),
-        hoist.sheave_height - y,
-        sign * (R * rate + slip_rate),
-    )
-
-    # head ropes: the square of their velocity, integrated over zeta for each pair of its shapes
-    flow = w / length
-    speeds = [
-        vy,
-        height * flow,
-        *(rate for _, _, rate in modes),
-        *(eta * flow for _, eta, _ in modes),
+    """Return the head ropes and the conveyance of one side, under the inputs by name."""
+    sign = 1.0
+    mass = hoist.mass_left
+    other = "right"
+    if side == "right":
+        sign = -1.0
+        mass = hoist.mass_right
+        other = "left"
+    EA = hoist.rope_stiffness
+    mu = hoist.rope_mass
+    g = GRAVITY
+    R = hoist.sheave_radius
+    phi, rate = coords("phi")
+    slip, slip_rate = coords("slip")
+    y, vy = coords(f"y_{side}")
+    modes = [
+        _Mode(j * np.pi, *coords(f"eta{j}_{side}")) for j in range(1, hoist.head_rope_modes + 1)
     ]
-    kinetic, potential = mass * vy**2 / 2, mass * g * y
-    speed_vector = ca.vertcat(*speeds)
-    kinetic += mu * length / 2 * ca.bilin(ca.DM(_shape_products(n)), speed_vector, speed_vector)
+    length = l0 - sign * (R * phi + slip)
+    height = hoist.sheave_height - y
+    w = sign * (R * rate + slip_rate)
+
+    kinetic = mass * vy**2 / 2
+    kinetic += _rope_kinetic_energy(modes, vy, height, length, w, mu)
+    potential = mass * g * y
     lateral = _lateral(hoist, coords, side, mass, mu * length)
-    stretched = height + lateral.pull / (2 * height)
     kinetic = kinetic + lateral.kinetic
+    stretched = height + lateral.pull / (2 * height)
     # slack ones hang as far down as their weight stretches them
     hanging_free = length + mu * g * length**2 / (2 * EA)
-    slack, elastic = (
-        ca.fmax(hanging_free - stretched, 0.0),
-        EA * ca.fmax(stretched - hanging_free, 0.0) / length,
-    )
+    slack = ca.fmax(hanging_free - stretched, 0.0)
+    elastic = EA * ca.fmax(stretched - hanging_free, 0.0) / length
     potential -= mu * g * length * (height + slack) / 2
     potential += lateral.potential + EA * (stretched + slack - length) ** 2 / (2 * length)
 
     # damping cuts the rate where it reaches the elastic pull; fmax for a damping of 0
     c = 2.0 * hoist.head_rope_damping * ca.sqrt(mass * EA / length)
-    stretching, most = w - vy, elastic / ca.fmax(c, 1.0)
-    damped = ca.fmin(ca.fmax(stretching, -most), most)
-    damping, damping_power = c * (damped * stretching - damped**2 / 2), c * (damped * stretching)
+    stretching = w - vy
+    largest_rate = elastic / ca.fmax(c, 1.0)
+    damped = ca.fmin(ca.fmax(stretching, -largest_rate), largest_rate)
+    damping = c * (damped * stretching - damped**2 / 2)
+    damping_power = c * (damped * stretching)
     for k, eta, eta_rate in modes:
-        potential += (
-            EA * (k * eta) ** 2 / (4 * length) + mu * g * length * (1 - np.cos(k)) / k * eta
-        )
+        weight = mu * g * length * (1 - np.cos(k)) / k * eta
+        potential += EA * (k * eta) ** 2 / (4 * length) + weight
         damping += c * (k * eta_rate) ** 2 / 4
         damping_power += c * (k * eta_rate) ** 2 / 2
 
     jam = _jam_friction(getattr(hoist, f"jam_{side}"), side, y, vy)
     friction = jam.force
     if hoist.guides is not None:
-        friction += (
-            hoist.guides.coulomb * ca.tanh(vy / hoist.loss_speed) + hoist.guides.viscous * vy
-        )
+        coulomb = hoist.guides.coulomb * ca.tanh(vy / hoist.loss_speed)
+        friction += coulomb + hoist.guides.viscous * vy
     if hoist.play is not None:
         friction += hoist.play.friction * lateral.normal * ca.tanh(vy / hoist.loss_speed)
-    pulls = [inputs[f"force_{side}"], *(inputs[f"{name}_{side}"] for name in ("fx", "fz", "my"))]
-    hanging = (hoist.tail_rope_length + y - coords(f"y_{other}")[0]) / 2
+    pulls = [inputs[f"{name}_{side}"] for name in ("force", "fx", "fz", "my")]
+    hanging = (hoist.tail_rope_length + y - coords(f"y_{other}").value) / 2
     return Leg(
         kinetic=kinetic,
         potential=potential,
@@ -150,10 +158,40 @@ def make_leg(
     )
 
 
+class _Mode(NamedTuple):
+    """A mode of the head ropes."""
+
+    k: float  # j pi
+    eta: Any
+    eta_rate: Any
+
+
+def _rope_kinetic_energy(
+    modes: Sequence[_Mode], vy: Any, height: Any, length: Any, w: Any, mu: Any
+) -> Any:
+    """Return the kinetic energy of the head ropes, which the sheave takes in with the speed w.
+
+    The square of their velocity is integrated over zeta for each pair of its shapes.
+    """
+    flow = w / length
+    speeds = [
+        vy,
+        height * flow,
+        *(mode.eta_rate for mode in modes),
+        *(mode.eta * flow for mode in modes),
+    ]
+    v = ca.vertcat(*speeds)
+    return mu * length / 2 * ca.bilin(ca.DM(_shape_products(len(modes))), v, v)
+
+
 def _shape_products(modes: int) -> NDArray[np.float64]:
-    """int_0^1 f_i f_j dzeta of 1 - zeta, zeta, sin k_j zeta ..., k_j zeta cos k_j zeta ..., with k_j = j pi."""
+    """Return int_0^1 f_i f_j dzeta of the shapes of the velocity, with k_j = j pi.
+
+    They are 1 - zeta, zeta, sin k_j zeta ..., k_j zeta cos k_j zeta ...
+    """
     points, weights = np.polynomial.legendre.leggauss(4 * modes + 12)  # exact to rounding
-    zeta, k = (points + 1) / 2, np.pi * np.arange(1, modes + 1)[:, None]
+    zeta = (points + 1) / 2
+    k = np.pi * np.arange(1, modes + 1)[:, None]
     shapes = np.vstack([1 - zeta, zeta, np.sin(k * zeta), k * zeta * np.cos(k * zeta)])
     return np.asarray((shapes * weights / 2) @ shapes.T)
 
@@ -171,25 +209,41 @@ class _Lateral(NamedTuple):
 def _lateral(
     hoist: Hoist, coords: CoordinateLookup, side: str, mass: float, rope_mass: Any
 ) -> _Lateral:
-    """Return the energies in x, z and yaw; a shoe at the arm a has the play c / a and the stiffness k a^2 in yaw."""
-    if (play := hoist.play) is None:
+    """Return the energies in x, z and yaw.
+
+    A shoe at the arm a has the play c / a and the stiffness k a^2 in yaw.
+    """
+    play = hoist.play
+    if play is None:
         return _Lateral()
-    k, c, arm = play.stiffness, play.clearance, play.arm
+    k = play.stiffness
     freedoms = (
-        ("x", mass + rope_mass / 3, 1.0, 1.0),
-        ("z", mass + rope_mass / 3, 1.0, 1.0),
-        ("yaw", mass * play.gyration**2, arm, play.rope_spread),
+        _Freedom("x", inertia=mass + rope_mass / 3),
+        _Freedom("z", inertia=mass + rope_mass / 3),
+        _Freedom("yaw", mass * play.gyration**2, lever=play.arm, spread=play.rope_spread),
     )
-    kinetic, potential, damping, pull, normal = 0.0, 0.0, 0.0, 0.0, 0.0
+    total = _Lateral()
     for name, inertia, lever, spread in freedoms:
         displacement, speed = coords(f"{name}_{side}")
-        force = k * ca.fmax(lever * ca.fabs(displacement) - c, 0.0)
-        kinetic += inertia * speed**2 / 2
-        potential += force**2 / (2 * k)
-        damping += (play.damping + play.contact_damping * force) * (lever * speed) ** 2 / 2
-        pull += (spread * displacement) ** 2
-        normal += force
-    return _Lateral(kinetic, potential, damping, pull, normal)
+        force = k * ca.fmax(lever * ca.fabs(displacement) - play.clearance, 0.0)
+        rate = (play.damping + play.contact_damping * force) * (lever * speed) ** 2
+        total = _Lateral(
+            kinetic=total.kinetic + inertia * speed**2 / 2,
+            potential=total.potential + force**2 / (2 * k),
+            damping=total.damping + rate / 2,
+            pull=total.pull + (spread * displacement) ** 2,
+            normal=total.normal + force,
+        )
+    return total
+
+
+class _Freedom(NamedTuple):
+    """Direction in which a conveyance moves between its guides."""
+
+    name: str
+    inertia: Any  # kg, or kg m^2
+    lever: float = 1.0  # m of a shoe per m, or per rad
+    spread: float = 1.0  # m of a head rope per m, or per rad
 
 
 def _jam_friction(jam: Jam | None, side: str, y: Any, vy: Any) -> Friction:
@@ -199,4 +253,5 @@ def _jam_friction(jam: Jam | None, side: str, y: Any, vy: Any) -> Friction:
     z = ca.SX.sym(f"jam_deflection_{side}")
     grip = ca.fmax(1.0 - ((y - jam.height) / jam.distance) ** 2, 0.0) ** 2
     rate = vy - ca.fabs(vy) * z / jam.travel
-    return Friction(jam.force * grip * (z + jam.damping * rate) / jam.travel, (z,), (rate,))
+    force = jam.force * grip * (z + jam.damping * rate) / jam.travel
+    return Friction(force, states=(z,), rates=(rate,))

@@ -1,7 +1,7 @@
-"""The hoist drive as an FMU: plant, reference and controller behind the names of the balance rope's interface.
+"""The hoist drive as an FMU: plant, reference and controller, with the rope's names of variables.
 
 interface        the table of the FMI variables
 kernels          plant and control law as C, generated from the symbolic model
 drive_model.c    the model behind the FMI shell: time, memory, states
-description      the above put together for whoever builds FMUs
+description      table, sources and numbers for a builder of FMUs
 """

@@ -1,15 +1,20 @@
-"""The drive's FMI variables: forces of the balance rope in, motions of the conveyances and drive signals out.
+"""The drive's FMI variables: forces of the balance rope in, motions and drive signals out.
 
-Names are those of the balance rope's FMU, so that equal names are connected. A variable's place in the table is its
-value reference: parameters, inputs, outputs, status. A hoist whose conveyances have play between their guides also
-takes the rope's horizontal forces and its moment about the vertical, and gives the motions that follow. Of several
-ropes each has forces of its own, behind its name; the drive adds them up, and gives each the motions of its own place.
+Names are those of the balance rope's FMU, so that equal names are connected. A variable's place in
+the table is its value reference: parameters, inputs, outputs, status. A hoist whose conveyances
+have play between their guides also takes the rope's horizontal forces and its moment about the
+vertical, and gives the motions that follow. Of several ropes each has forces of its own, behind its
+name; the drive adds them up, and gives each the motions of its own place.
 
-One compiled drive serves all hoists. So its table has the variables of a hoist with play and of MOST_ROPES ropes, by
-their number, and a hoist's FMU describes those that it has, a rope's by the rope's name.
+One compiled drive serves all hoists. So its table has the variables of a hoist with play and of
+MOST_ROPES ropes, by their number, and a hoist's FMU describes those that it has, a rope's by the
+rope's name.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -26,19 +31,22 @@ from rope_model.scene_names import Variable
 
 INPUTS = tuple(f"{side}.fy_mean" for side in SIDES)
 START_PULLS = tuple(f"{side}.fy_start" for side in SIDES)
+#: Vertical inputs of a rope's end, and their names in OUTPUTS without the side.
 _UPRIGHT = {"y": "y", "vy": "v", "ay": "a"}
-#: Inputs of the rope's ends, and what they are called in OUTPUTS, but for the side.
+#: Other inputs of a rope's end, which have the same names in OUTPUTS.
 _LATERAL = ("x", "vx", "ax", "z", "vz", "az", "yaw", "yaw_rate")
-_MOST = 1e9  #: Largest value of a parameter that has no other bound.
-MOST_ROPES = 8  #: Balance ropes that one drive takes.
+_LARGEST = 1e9  #: Largest value of a parameter that has no other bound.
+_SHORTEST_STEP = 1e-6  #: Shortest internal step that may be asked for [s].
+_SHORTEST_PERIOD = 1e-4  #: Shortest sample time of the controller [s].
+_SMALLEST_GAIN = 1e-6  #: Smallest value of a gain that must be positive.
+MAX_ROPES = 8  #: Balance ropes that one drive takes.
 PERIOD = "controller.period"
 LONGEST_PERIOD = 0.1  #: Longest sample time of the controller [s], that of `Coupling.step`.
-#: outputs of the drive that a rope at the centre of a conveyance without play takes in, and their names in OUTPUTS
-UPRIGHT = {
-    f"{side}.{name}": f"{field}_{side}" for side in SIDES for name, field in _UPRIGHT.items()
-}
-#: the same with play
-MOTIONS = UPRIGHT | {f"{side}.{name}": f"{name}_{side}" for side in SIDES for name in _LATERAL}
+#: Outputs of a drive without play that are inputs of a rope at a conveyance's centre, and their
+#: names in OUTPUTS.
+UPRIGHT = {f"{side}.{name}": f"{_UPRIGHT[name]}_{side}" for side, name in product(SIDES, _UPRIGHT)}
+#: Outputs of a drive with play that are inputs of a rope, and their names in OUTPUTS.
+MOTIONS = UPRIGHT | {f"{side}.{name}": f"{name}_{side}" for side, name in product(SIDES, _LATERAL)}
 
 #: one of OUTPUTS -> name, unit and description of an output
 _DRIVE = {
@@ -84,7 +92,8 @@ _MOTIONS = {name: (p.unit, p.description) for name, p in parameters_of(EndMotion
 _FORCES = {
     "fy_mean": (
         "N",
-        "vertical force of the balance rope on the {side} conveyance, mean of a step, negative pulls down",
+        "vertical force of the balance rope on the {side} conveyance, mean of a step, "
+        "negative pulls down",
     ),
     "fx": ("N", "force of the balance rope on the {side} conveyance in the plane of the loop"),
     "fz": ("N", "force of the balance rope on the {side} conveyance out of plane"),
@@ -103,11 +112,16 @@ class DriveRope(NamedTuple):
 
 def force_inputs(ropes: Sequence[DriveRope]) -> tuple[str, ...]:
     """Names of the vertical forces: left and right, of each rope where there are several."""
-    return tuple(f"{rope.name}.{force}" for rope in ropes for force in INPUTS) or INPUTS
+    if not ropes:
+        return INPUTS
+    return tuple(f"{rope.name}.{force}" for rope, force in product(ropes, INPUTS))
 
 
-def holding(ropes: Sequence[DriveRope]) -> dict[str, tuple[str, ...]]:
-    """Outputs that hold the balance ropes' weight, and what says how much: inputs, and parameters in their place."""
+def weight_dependencies(ropes: Sequence[DriveRope]) -> dict[str, tuple[str, ...]]:
+    """Outputs that follow the balance ropes' weight at rest, each with the variables that give it.
+
+    These are inputs, and parameters in their place.
+    """
     names = (*force_inputs(ropes), *START_PULLS)
     return {
         **dict.fromkeys(("drive.torque", "drive.torque_command", "drive.energy_potential"), names),
@@ -116,7 +130,10 @@ def holding(ropes: Sequence[DriveRope]) -> dict[str, tuple[str, ...]]:
 
 
 def rest_forces(case: Case, rope: DriveRope | None = None) -> tuple[float, float]:
-    """Weight of a balance rope's legs on the conveyances at the start [N], negative: the bend's size neglected."""
+    """Weight of a balance rope's legs on the conveyances at the start [N], negative.
+
+    The size of the bend is neglected.
+    """
     left, right = start_heights(case.hoist, case.winding)
     rope = rope or DriveRope("", case.hoist.tail_rope_mass, case.hoist.tail_rope_length)
     weight = GRAVITY * rope.mass_per_length
@@ -125,64 +142,87 @@ def rest_forces(case: Case, rope: DriveRope | None = None) -> tuple[float, float
 
 
 def motions(hoist: Hoist) -> dict[str, str]:
-    """Outputs that a balance rope at the conveyances' centres takes in, and their names in OUTPUTS."""
-    return MOTIONS if hoist.play is not None else UPRIGHT
+    """Outputs that are inputs of a rope at the conveyances' centres, and their names in OUTPUTS."""
+    if hoist.play is None:
+        return UPRIGHT
+    return MOTIONS
 
 
 def offset_ropes(hoist: Hoist, ropes: Sequence[DriveRope]) -> list[DriveRope]:
     """Ropes beside the centres of conveyances that may yaw."""
-    return [
-        rope for rope in ropes if hoist.play is not None and rope.suspension != SuspensionOffset()
-    ]
+    if hoist.play is None:
+        return []
+    return [rope for rope in ropes if rope.suspension != SuspensionOffset()]
 
 
 class DriveTable(NamedTuple):
-    """Variables of the compiled drive by value reference, and those of them that a hoist's FMU describes."""
+    """Variables of the compiled drive, and of a hoist's FMU, by value reference."""
 
-    whole: tuple[Variable, ...]
-    described: dict[int, Variable]
+    compiled: tuple[Variable, ...]
+    described: dict[int, Variable]  # variables that the hoist has
 
 
 def drive_table(
     case: Case, step: float, period: float, ropes: Sequence[DriveRope] = ()
 ) -> DriveTable:
-    """Return the FMI variables; ``step`` is the largest internal step, ``period`` the controller's [s]."""
-    parameters = list(_parameters(case, step, period, ropes))
-    rows = [_Row(variable) for variable in parameters]
-    attached = ropes or (None,)
-    for k in range(MOST_ROPES):
-        rope = attached[k] if k < len(attached) else None
-        prefix = f"rope[{k + 1}]." if k else ""
-        pulls = dict(zip(INPUTS, rest_forces(case, rope), strict=True))
-        for name in (*INPUTS, *SIDE_FORCES):
-            there = k < len(attached) and (name in INPUTS or case.hoist.play is not None)
-            unit, text = _texts(_FORCES, name)
-            start = pulls.get(name, 0.0) if there else 0.0
-            variable = Variable(f"{prefix}{name}", "input", "continuous", "Real", unit, start, text)
-            rows.append(_Row(variable, there, rope.name if rope and there else ""))
-    beside = offset_ropes(case.hoist, ropes)
+    """Return the FMI variables.
+
+    `step` is the largest internal step, `period` the controller's [s].
+    """
+    rows = [_Row(variable) for variable in _parameters(case, step, period, ropes)]
+    for k in range(MAX_ROPES):
+        rows += _force_rows(case, ropes, k)
     shown = motions(case.hoist)
     rows += [_Row(_output(name, *_texts(_MOTIONS, name)), name in shown) for name in MOTIONS]
-    for k in range(MOST_ROPES):
-        rope = ropes[k] if k < len(ropes) and ropes[k] in beside else None
-        for name in (f"{side}.{moved}" for side in SIDES for moved in MOVED):
-            variable = _output(f"rope[{k + 1}].{name}", *_texts(_MOTIONS, name))
-            rows.append(_Row(variable, rope is not None, rope.name if rope else ""))
+    for k in range(MAX_ROPES):
+        rows += _place_rows(case.hoist, ropes, k)
     rows += [_Row(_output(*texts)) for texts in _DRIVE.values()]
     rows += [_Row(_output(name, *texts)) for name, texts in _CONTROL.items()]
     rows += [
         _Row(Variable(f"status.{name}", "output", "discrete", kind, "", None, text))
         for name, kind, text in _STATUS
     ]
-    whole = tuple(row.variable for row in rows)
-    return DriveTable(whole, {k: row.described() for k, row in enumerate(rows) if row.there})
+    described = {k: row.described() for k, row in enumerate(rows) if row.exists}
+    return DriveTable(tuple(row.variable for row in rows), described)
+
+
+def _force_rows(case: Case, ropes: Sequence[DriveRope], k: int) -> Iterator[_Row]:
+    """Yield the forces of the rope number k, from 0 on; one rope needs no name."""
+    rope = ropes[k] if k < len(ropes) else None
+    exists = k < max(len(ropes), 1)
+    prefix = ""
+    if k > 0:
+        prefix = f"rope[{k + 1}]."
+    pulls = dict(zip(INPUTS, rest_forces(case, rope), strict=True))
+    for name in (*INPUTS, *SIDE_FORCES):
+        unit, text = _texts(_FORCES, name)
+        row = _Row(
+            Variable(f"{prefix}{name}", "input", "continuous", "Real", unit, 0.0, text),
+            exists=exists and (name in INPUTS or case.hoist.play is not None),
+        )
+        if row.exists:
+            row = row._replace(
+                variable=row.variable._replace(start=pulls.get(name, 0.0)),
+                rope=rope.name if rope else "",
+            )
+        yield row
+
+
+def _place_rows(hoist: Hoist, ropes: Sequence[DriveRope], k: int) -> Iterator[_Row]:
+    """Yield the motions of the rope number k, from 0 on, beside the conveyances' centres."""
+    exists = k < len(ropes) and ropes[k] in offset_ropes(hoist, ropes)
+    rope = ropes[k].name if exists else ""
+    for side, moved in product(SIDES, MOVED):
+        name = f"{side}.{moved}"
+        variable = _output(f"rope[{k + 1}].{name}", *_texts(_MOTIONS, name))
+        yield _Row(variable, exists, rope)
 
 
 class _Row(NamedTuple):
-    """A variable of the compiled drive, and what a hoist's FMU shows of it."""
+    """A variable of the compiled drive, and of a hoist's FMU if the hoist has it."""
 
     variable: Variable
-    there: bool = True  # False: the hoist lacks it
+    exists: bool = True  # False: the hoist lacks it
     rope: str = ""  # name of one of several ropes whose variable it is
 
     def described(self) -> Variable:
@@ -202,30 +242,52 @@ def _parameters(
     case: Case, step: float, period: float, ropes: Sequence[DriveRope]
 ) -> Iterator[Variable]:
     text = "wait before the trip begins"
+    delay = case.winding.start_delay
     yield Variable(
-        "trip.start", "parameter", "fixed", "Real", "s", case.winding.start_delay, text, 0.0, _MOST
+        "trip.start", "parameter", "fixed", "Real", "s", delay, text, minimum=0.0, maximum=_LARGEST
     )
     pulls = np.sum([rest_forces(case, rope) for rope in ropes or (None,)], axis=0)
     for side, name, pull in zip(SIDES, START_PULLS, pulls, strict=True):
-        text = f"pull of all balance ropes on the {side} conveyance at the start, where no input gives one (0 N)"
-        yield Variable(name, "parameter", "fixed", "Real", "N", float(pull), text, -_MOST, 0.0)
-    text = "largest internal step, no longer than that of the export"
-    yield Variable("solver.step_max", "parameter", "tunable", "Real", "s", step, text, 1e-6, step)
-    text = "sample time of the controller, whatever the communication step"
-    yield Variable(PERIOD, "parameter", "fixed", "Real", "s", period, text, 1e-4, LONGEST_PERIOD)
-    for p in leaves(Gains):
-        low, high = 1e-6 if p.bounds.opens else p.bounds.low, p.bounds.high or _MOST
-        value, description = getattr(case.gains, p.name), _GAINS[p.name]
+        text = (
+            f"pull of all balance ropes on the {side} conveyance at the start, "
+            "where no input gives one (0 N)"
+        )
         yield Variable(
-            f"controller.{p.name}",
-            "parameter",
-            "tunable",
-            "Real",
-            p.unit,
-            value,
-            description,
-            low,
-            high,
+            name, "parameter", "fixed", "Real", "N", float(pull), text, -_LARGEST, maximum=0.0
+        )
+    yield Variable(
+        name="solver.step_max",
+        causality="parameter",
+        variability="tunable",
+        kind="Real",
+        unit="s",
+        start=step,
+        description="largest internal step, no longer than that of the export",
+        minimum=_SHORTEST_STEP,
+        maximum=step,
+    )
+    yield Variable(
+        name=PERIOD,
+        causality="parameter",
+        variability="fixed",
+        kind="Real",
+        unit="s",
+        start=period,
+        description="sample time of the controller, whatever the communication step",
+        minimum=_SHORTEST_PERIOD,
+        maximum=LONGEST_PERIOD,
+    )
+    for p in leaves(Gains):
+        yield Variable(
+            name=f"controller.{p.name}",
+            causality="parameter",
+            variability="tunable",
+            kind="Real",
+            unit=p.unit,
+            start=getattr(case.gains, p.name),
+            description=_GAINS[p.name],
+            minimum=_SMALLEST_GAIN if p.bounds.opens else p.bounds.low,
+            maximum=p.bounds.high or _LARGEST,
         )
 
 

@@ -1,4 +1,4 @@
-"""What a system of FMUs leaves out of a hoist and its trip, by the name that asks for it."""
+"""Parts of a hoist and its trip that a system of FMUs can leave out, by name."""
 
 from collections.abc import Collection
 from dataclasses import replace
@@ -33,22 +33,28 @@ OMISSIONS = {
 
 def leave_out(case: Case, names: Collection[str]) -> Case:
     """Return the case without the parts of these OMISSIONS, and without its brake."""
-    chosen = [OMISSIONS[name] for name in names if name in OMISSIONS]
-    parts: dict[str, Any] = dict.fromkeys(field for one in chosen for field in one.hoist)
-    stops: dict[str, Any] = dict.fromkeys(field for one in chosen for field in one.winding)
-    hoist = replace(case.hoist, brake=None, **parts)
-    return replace(case, hoist=hoist, winding=replace(case.winding, emergency_law="drive", **stops))
+    of_hoist: dict[str, Any] = {"brake": None}
+    of_winding: dict[str, Any] = {"emergency_law": "drive"}
+    for name in names:
+        if name in OMISSIONS:
+            of_hoist |= dict.fromkeys(OMISSIONS[name].hoist)
+            of_winding |= dict.fromkeys(OMISSIONS[name].winding)
+    hoist = replace(case.hoist, **of_hoist)
+    return replace(case, hoist=hoist, winding=replace(case.winding, **of_winding))
 
 
 def obstacles(case: Case) -> list[str]:
-    """Return what a system cannot hold of a case, each in a sentence that says how to leave it out."""
-    return [
-        not_held(f"{field} = {value}", "None", one.reason, name)
-        for name, one in OMISSIONS.items()
-        for part, fields in ((case.hoist, one.hoist), (case.winding, one.winding))
-        for field in fields
-        if one.reason and (value := getattr(part, field)) is not None
-    ]
+    """Return the parts of a case that no system can hold, each in a sentence with the cure."""
+    sentences = []
+    for name, omission in OMISSIONS.items():
+        if not omission.reason:
+            continue
+        values = {field: getattr(case.hoist, field) for field in omission.hoist}
+        values |= {field: getattr(case.winding, field) for field in omission.winding}
+        for field, value in values.items():
+            if value is not None:
+                sentences.append(not_held(f"{field} = {value}", "None", omission.reason, name))
+    return sentences
 
 
 def not_held(what: str, bound: str, reason: str, name: str) -> str:

@@ -1,7 +1,7 @@
 """A duty's file: trips that follow one another, read and checked before anything runs.
 
-A trip begins where the one before has ended: it waits for winding.start_delay, travels, and dwells for winding.settle,
-while its payloads change evenly to those of the next.
+A trip begins where the one before has ended: it waits for winding.start_delay, travels, and dwells
+for winding.settle, while its payloads change evenly to those of the next.
 """
 
 from collections.abc import Collection
@@ -31,7 +31,7 @@ class Duty(LevelHeader):
 
 
 class Schedule(RunFile):
-    """Schema of a schedule's TOML file: trips that are wound one after the other, again and again."""
+    """Schema of a schedule's TOML file: trips in order, all of them repeated."""
 
     header: Duty = Field({}, alias="duty", validate_default=True)
     trips: list[Values] = Field(alias="trip", min_length=1)
@@ -39,13 +39,14 @@ class Schedule(RunFile):
     @property
     def status_by_name(self) -> dict[str, str]:
         """Status of each value that is set, by name; varied if it differs between trips."""
-        status = {
-            key: status
-            for values in (self.fixed, *self.trips)
-            for key, status in statuses(values).items()
-        }
+        status_by_name = dict[str, str]()
+        for values in (self.fixed, *self.trips):
+            status_by_name |= statuses(values)
         runs = [plain({**self.fixed, **trip}) for trip in self.trips]
-        return status | {key: VARIED for key in status if len({run.get(key) for run in runs}) > 1}
+        for name in status_by_name:
+            if len({run.get(name) for run in runs}) > 1:
+                status_by_name[name] = VARIED
+        return status_by_name
 
     @cached_property
     def pattern(self) -> tuple[RunData, ...]:
@@ -53,24 +54,26 @@ class Schedule(RunFile):
         runs = list[RunData]()
         with Problems() as problems:
             for k, trip in enumerate(self.trips, 1):
-                problems += [
-                    f"trip {k}: {key} = {entry.value!r} must be the same in all trips: set it in [fixed]; a trip has "
-                    f"winding.* and {' and '.join(_PAYLOADS)}"
-                    for key, entry in trip.items()
-                    if key not in _PAYLOADS and not key.startswith("winding.")
-                ]
+                for key, entry in trip.items():
+                    if key not in _PAYLOADS and not key.startswith("winding."):
+                        problems.append(
+                            f"trip {k}: {key} = {entry.value!r} must be the same in all trips: set "
+                            f"it in [fixed]; a trip has winding.* and {' and '.join(_PAYLOADS)}"
+                        )
                 with problems.at(f"trip {k}"):
-                    start = runs[-1].start_height + runs[-1].winding.travel if runs else None
-                    runs.append(self._built(trip, start))
+                    start = None
+                    if runs:
+                        start = runs[-1].start_height + runs[-1].winding.travel
+                    runs.append(self._build(trip, start))
         return tuple(runs)
 
-    def _built(self, trip: Values, start: float | None) -> RunData:
-        """Return the data of a trip, designed for its own way and the payloads of the hoist's file and [fixed]."""
+    def _build(self, trip: Values, start: float | None) -> RunData:
+        """Return the data of a trip, designed for its way and the payloads of hoist and [fixed]."""
         return build(self.header.hoist, self.fixed, varied=trip, start=start)
 
     @cached_property
     def _later(self) -> dict[int, RunData]:
-        """Data of trips that begin elsewhere than their pattern, by number, as they are asked for."""
+        """Data of trips that begin elsewhere than their pattern, by number; made on request."""
         return {}
 
     @property
@@ -86,11 +89,14 @@ class Schedule(RunFile):
         if abs(moved) < ROUNDING:
             return run
         if number not in self._later:
-            self._later[number] = self._built(self.trips[place], run.start_height + moved)
+            self._later[number] = self._build(self.trips[place], run.start_height + moved)
         return self._later[number]
 
     def landing(self, number: int) -> float:
-        """Height of the left conveyance after so many trips [m]; the first begins at an end of the shaft."""
+        """Height of the left conveyance after so many trips [m].
+
+        The first begins at an end of the shaft.
+        """
         cycles, places = divmod(number, len(self.pattern))
         travels = [run.winding.travel for run in self.pattern]
         whole = cycles * float(sum_of(travels))
@@ -125,23 +131,31 @@ class Schedule(RunFile):
             end = self.landing(k)
             if not -ROUNDING <= end <= top + ROUNDING:
                 raise ValueError(
-                    f"trip {k}: winding.travel = {winding.travel:g} m leads to {end:g} m, which must be within 0 and "
-                    f"hoist.shaft_travel = {top:g} m: shorten it, or let the trips lead back"
+                    f"trip {k}: winding.travel = {winding.travel:g} m leads to {end:g} m, which "
+                    f"must be within 0 and hoist.shaft_travel = {top:g} m: shorten it, or let the "
+                    "trips lead back"
                 )
             if winding.emergency_at is not None:
                 raise ValueError(
-                    f"trip {k}: winding.emergency_at must be left out: a trip of a duty ends at a landing"
+                    f"trip {k}: winding.emergency_at must be left out: a trip of a duty ends at a "
+                    "landing"
                 )
             if winding.settle == 0.0 and _payloads(self.trip(k)) != _payloads(self.trip(k + 1)):
                 raise ValueError(
-                    f"trip {k}: winding.settle = 0 s must be above 0, for the payload changes: give the dwell's time"
+                    f"trip {k}: winding.settle = 0 s must be above 0, for the payload changes: "
+                    "give the dwell's time"
                 )
         return self
 
 
 def read_schedule(path: Path, repeat: int | None = None) -> Schedule:
-    """Return the schedule of a file; `repeat` replaces the file's. Raises FileError with all problems."""
-    return read(path, Schedule, over={} if repeat is None else {"duty": {"repeat": repeat}})
+    """Return the schedule of a file; `repeat` replaces the file's.
+
+    Raises FileError with all problems.
+    """
+    if repeat is None:
+        return read(path, Schedule)
+    return read(path, Schedule, over={"duty": {"repeat": repeat}})
 
 
 def _payloads(run: RunData) -> tuple[float, float]:

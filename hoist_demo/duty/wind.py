@@ -1,14 +1,12 @@
-"""Trips wound one after the other, the rope and the drive going on from where the trip before has left them.
+"""Trips in order: rope and drive go on from the state at the end of the trip before.
 
-Yaw, swing, swivel angles and all that moves are carried over, nothing is laid to rest; the controller begins each trip
-anew, with the torque that holds the hoist and its present payload.
+Yaw, swing, swivel angles and all that moves are carried over, nothing is laid to rest; the
+controller begins each trip anew, with the torque that holds the hoist and its present payload.
 """
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-
-import numpy as np
 
 from hoist_demo.cosimulation.checkpoint import Checkpoint, differences
 from hoist_demo.cosimulation.host import Progress
@@ -38,29 +36,33 @@ def wind_duty(
     after: TripEnd | None = None,
     done: int = 0,
 ) -> Iterator[WoundTrip]:
-    """Wind the trips after the first `done`, from the drive and coupling in `after` and the rope as it is.
+    """Wind the trips after the first `done`, from the drive and coupling of `after`.
 
-    `torque_free` says of each rope by its name whether it carries no torque; `progress` gives each trip whom to tell.
-    The last trip is one that does not end, or in which the safety circuit opens or a conveyance jams, where there is
-    such a one.
+    The rope begins as it is.
+
+    `torque_free` says of each rope by its name whether it carries no torque; `progress` gives each
+    trip whom to tell. The last trip is one that does not end, or in which the safety circuit opens
+    or a conveyance jams, where there is such a one.
     """
     drives = [run.design() for run in schedule.pattern]
     closed = abs(schedule.landing(len(drives)) - schedule.landing(0)) < ROUNDING
     for number in range(done + 1, schedule.count + 1):
         run = schedule.trip(number)
-        told = None if progress is None else progress(number)
-        made = (
-            drives[(number - 1) % len(drives)] if closed or number <= len(drives) else run.design()
-        )
+        is_designed = closed or number <= len(drives)
+        drive = drives[(number - 1) % len(drives)] if is_designed else run.design()
         result = wind_run(
-            run, rope, told, made, after=after, next_hoist=schedule.trip(number + 1).hoist
+            run,
+            rope,
+            progress=None if progress is None else progress(number),
+            drive=drive,
+            after=after,
+            next_hoist=schedule.trip(number + 1).hoist,
         )
         if guard_trip(result.recording) is not None or jams(result.recording):
             # a hoist with an open safety circuit does not start again
             result = replace(result, end=None)
-        yield WoundTrip(
-            number, run, replace(result, recording=computed(result.recording, torque_free))
-        )
+        result = replace(result, recording=computed(result.recording, torque_free))
+        yield WoundTrip(number, run, result)
         after = result.end
         if after is None:
             return
@@ -88,7 +90,10 @@ def write_state(
 def read_state(
     path: Path, rope: RopePlant, schedule: Schedule
 ) -> tuple[list[dict[str, float]], TripEnd]:
-    """Read rows and the last trip's end, and put the rope into its state; raise ValueError for another duty's file."""
+    """Read rows and the last trip's end, and put the rope into its state.
+
+    Raise ValueError for another duty's file.
+    """
     try:
         last = Checkpoint.read(path)
     except ValueError as error:
@@ -102,8 +107,8 @@ def read_state(
         rope.restore(rope.from_bytes(last.rope))
     except ValueError as error:
         raise ValueError(
-            f"'{path}' must have the rope's state, but: {error}; delete it: the trips are then wound again from the "
-            "first"
+            f"'{path}' must have the rope's state, but: {error}; delete it: the trips are then "
+            "wound again from the first"
         ) from error
     end = TripEnd(last.t, schedule.landing(last.sample), last.plant, last.input, last.scheme_state)
     return table_rows(last.recording), end
@@ -111,8 +116,7 @@ def read_state(
 
 def table_rows(trips: Recording) -> list[dict[str, float]]:
     """Return the rows of a table of trips."""
-    columns: Mapping[str, np.ndarray] = trips.signals
-    return [
-        {name: float(values[k]) for name, values in columns.items()}
-        for k in range(trips["trip"].size)
-    ]
+    rows = []
+    for k in range(trips["trip"].size):
+        rows.append({name: float(values[k]) for name, values in trips.signals.items()})
+    return rows

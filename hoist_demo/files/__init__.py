@@ -1,1 +1,4 @@
-"""Files that people write (TOML): one declaration of every key, from which come reader, messages and JSON Schema."""
+"""Files that people write (TOML).
+
+Reader, messages and JSON Schema come from one declaration of every key.
+"""

@@ -1,12 +1,14 @@
 """A hoist's file: the hoist, its trip, controller, balance ropes and shaft.
 
-Tables are [hoist] [winding] [gains] [shaper] [trajectory] [coupling] [arrival] of the host; [layout] [air] [contact]
-[mesh] and others of all ropes; and a [[rope]] for each, with `swivels` for both of its own. What is left out is that of
-the hoist that `like` names, or follows by a rule, or is a default.
+Tables are [hoist] [winding] [gains] [shaper] [trajectory] [coupling] [arrival] of the host;
+[layout] [air] [contact] [mesh] and others of all ropes; and a [[rope]] for each, with `swivels` for
+both of its own. What is left out is that of the hoist that `like` names, or follows by a rule, or
+is a default.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cache, cached_property
 from typing import Annotated, Any, Self
@@ -59,18 +61,19 @@ _BREAKS = (
 #: Parameters of the suspension and break of one of several ropes, by name.
 SUSPENSION_PARAMETERS = {p.name: p for p in (*leaves(SuspensionOffset, "rope."), *_BREAKS)}
 _DECIDES = ("construction", "from")  #: Keys that decide for another rope.
-_CATALOGUE_INPUTS = (
-    "rope.length",
-    "rope.diameter",
-)  #: Parameters that the catalogue does not know.
+#: Parameters that the catalogue does not know.
+_CATALOGUE_INPUTS = ("rope.length", "rope.diameter")
 
 
 def _rope_parameters() -> list[Parameter]:
     """Return what a rope has of its own; it presses another one with the same stiffness."""
-    own = [p for p in rope_parameters().values() if not p.name.startswith("contact.")]
-    named = [p if p.name.startswith("rope.") else replace(p, name=f"rope.{p.name}") for p in own]
-    both = [replace(p, name=f"rope.{p.name}") for p in swivel_parameters()]
-    return [*named, *both, *SUSPENSION_PARAMETERS.values()]
+    parameters = []
+    for p in (*rope_parameters().values(), *swivel_parameters()):
+        if p.name.startswith("rope."):
+            parameters.append(p)
+        elif not p.name.startswith("contact."):
+            parameters.append(replace(p, name=f"rope.{p.name}"))
+    return [*parameters, *SUSPENSION_PARAMETERS.values()]
 
 
 class RopeTable(table_of("rope", _rope_parameters())):  # type: ignore[misc]
@@ -85,21 +88,19 @@ class RopeTable(table_of("rope", _rope_parameters())):  # type: ignore[misc]
 
 def _stated_values(table: RopeTable) -> dict[str, Any]:
     """Return all that a [[rope]] sets; values by FMI name."""
-    values = at_both_ends(contents(table)).items()
-    return {
-        f"rope.{key}" if isinstance(v, ParameterValue) and "." not in key else key: v
-        for key, v in values
-    }
+    values = dict[str, Any]()
+    for key, value in at_both_ends(contents(table)).items():
+        of_rope = isinstance(value, ParameterValue) and "." not in key
+        values[f"rope.{key}" if of_rope else key] = value
+    return values
 
 
 def _base(content: Any, info: ValidationInfo) -> HoistFile:
     """Return the hoist that `like` names."""
     name = read_text(content)
-    return (
-        read_builtin(name)
-        if name in BUILTIN_HOISTS
-        else read(beside(info, name), HoistFile, opened_by(info))
-    )
+    if name in BUILTIN_HOISTS:
+        return read_builtin(name)
+    return read(beside(info, name), HoistFile, opened_by(info))
 
 
 @cache
@@ -126,42 +127,44 @@ class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: igno
     signals: list[Text] = Field([], description="time series to record, * for any letters")
     rope: list[Annotated[dict[str, Any], Flat(RopeTable, _stated_values)]] = Field([])
 
-    def says(self) -> dict[str, Any]:
-        """Return all values that the file sets, over those of the hoist that it is like; each with its status."""
-        below = self.like.says() if self.like else {}
-        own = {key: entry for key, entry in contents(self) if key not in ("like", "status", "rope")}
-        own |= stated(own.items(), self.status)
+    def settings(self) -> dict[str, Any]:
+        """Return all values that the file sets, over those of the hoist that it is like.
+
+        Each has its status.
+        """
+        settings: dict[str, Any] = self.like.settings() if self.like else {}
+        here = {
+            key: entry for key, entry in contents(self) if key not in ("like", "status", "rope")
+        }
         ropes = [rope | stated(rope.items(), self.status) for rope in self.rope]
-        if ropes and "rope" in below:
-            # ropes of another number go on from the first
-            bases = (
-                below["rope"]
-                if len(below["rope"]) == len(ropes)
-                else below["rope"][:1] * len(ropes)
-            )
+        if ropes and "rope" in settings:
+            bases = settings["rope"]
+            if len(bases) != len(ropes):  # ropes of another number go on from the first
+                bases = bases[:1] * len(ropes)
             ropes = [_inherited(base, rope) | rope for base, rope in zip(bases, ropes, strict=True)]
-        return {**below, **own, **({"rope": ropes} if ropes else {})}
+        settings |= here | stated(here.items(), self.status)
+        if ropes:
+            settings["rope"] = ropes
+        return settings
 
     @cached_property
     def case(self) -> Case:
         """Hoist of the file; a ValueError lists all that is wrong."""
-        settings = self.says()
+        settings = self.settings()
         values = stated(settings.items())
         host = {key: entry for key, entry in values.items() if key in host_parameters()}
         shared = {key: entry for key, entry in values.items() if key not in host}
-        with Problems(
-            [] if "rope" in settings else ["rope is missing: write [[rope]] above what it has"]
-        ) as problems:
+        with Problems() as problems:
+            if "rope" not in settings:
+                problems.append("rope is missing: write [[rope]] above what it has")
             ropes = [
                 _balance_rope(k, rope, shared, problems)
                 for k, rope in enumerate(settings.get("rope", ()), 1)
             ]
             names = [rope.name for rope in ropes]
-            problems += [
-                f"rope name = {n!r} must be given once: name each rope"
-                for n in names
-                if names.count(n) > 1
-            ]
+            for name in names:
+                if names.count(name) > 1:
+                    problems.append(f"rope name = {name!r} must be given once: name each rope")
         header = {name: settings[name] for name in ("source", "level") if name in settings}
         return apply_rules(
             host, ropes, name=self.name, signals=tuple(settings.get("signals", ())), **header
@@ -173,45 +176,45 @@ class HoistFile(create_model("Tables", __base__=File, **_OF_ALL)):  # type: igno
         return self
 
 
-def _inherited(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
+def _inherited(base: dict[str, Any], rope: dict[str, Any]) -> dict[str, Any]:
     """Return what a rope inherits from the one of `like`: nothing that decides another rope."""
-    if not own.keys() & {*_DECIDES}:
+    if not rope.keys() & {*_DECIDES}:
         return base
-    return {
-        key: entry
-        for key, entry in base.items()
-        if key not in (*_DECIDES, "lay")
-        and (
-            key in _CATALOGUE_INPUTS or not key.startswith("rope.") or key in SUSPENSION_PARAMETERS
-        )
-    }
+    inherited = dict[str, Any]()
+    for key, entry in base.items():
+        of_catalogue = key.startswith("rope.") and key not in _CATALOGUE_INPUTS
+        if key not in (*_DECIDES, "lay") and (not of_catalogue or key in SUSPENSION_PARAMETERS):
+            inherited[key] = entry
+    return inherited
 
 
 def _balance_rope(
     k: int, settings: dict[str, Any], shared: ParameterValues, problems: list[str]
 ) -> BalanceRopeData:
     """Return a rope; add what is wrong to the problems."""
-    own = {
-        key: entry
-        for key, entry in stated(settings.items()).items()
-        if key not in SUSPENSION_PARAMETERS
-    }
-    at = {
-        key: float(settings[f"rope.{key}"].value)
-        for key in (*SUSPENSION_KEYS, *BREAK)
-        if f"rope.{key}" in settings
-    }
     number = settings.get("number", 1)
-    breaks = {key: at.pop(key) for key in BREAK if key in at}
+    suspension = _numbers(settings, SUSPENSION_KEYS)
+    breaks = _numbers(settings, BREAK)
     if len(breaks) == 1:
         problems.append(f"rope {k}: breaks_at and breaks_s must stand together: give both or none")
     if breaks and number > 1:
         problems.append(
-            f"rope {k}: number = {number} must be 1 for a rope that breaks: give each its own [[rope]]"
+            f"rope {k}: number = {number} must be 1 for a rope that breaks: give each its own "
+            "[[rope]]"
         )
-    values = {**shared, **settings.get("from", {}), **own}
+    values = {**shared, **settings.get("from", {})}
+    for key, entry in stated(settings.items()).items():
+        if key not in SUSPENSION_PARAMETERS:
+            values[key] = entry
     kind = {name: settings[name] for name in ("construction", "lay") if name in settings}
-    return BalanceRopeData(settings.get("name") or f"rope{k}", values, number, at, breaks, **kind)
+    name = settings.get("name") or f"rope{k}"
+    return BalanceRopeData(name, values, number, suspension, breaks, **kind)
+
+
+def _numbers(settings: Mapping[str, Any], keys: Iterable[str]) -> dict[str, float]:
+    """Return those of the rope's numbers that are set."""
+    names = {key: f"rope.{key}" for key in keys}
+    return {key: float(settings[name].value) for key, name in names.items() if name in settings}
 
 
 class _WithoutDefaults(GenerateJsonSchema):

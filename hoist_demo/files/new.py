@@ -1,6 +1,9 @@
-"""A new hoist's file from a few numbers: what is not given follows by rules, each of which the file states.
+"""A new hoist's file from a few numbers.
 
-All rules are ours [assumed]: plausible for a tower hoist with skips, and taken from no installation.
+Other values follow by rules, which the file states.
+
+All rules are ours [assumed]: plausible for a tower hoist with skips, and taken from no
+installation.
 """
 
 import math
@@ -45,24 +48,30 @@ WISHES = (
 
 
 def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
-    """Return the text of a file by values of WISHES; ValueError where the rope is not in the catalogue."""
+    """Return the text of a file by values of WISHES.
+
+    ValueError where the rope is not in the catalogue.
+    """
     inputs = {p.name: ParameterValue(p.start, "assumed") for p in WISHES}
     inputs |= {wish: ParameterValue(value) for wish, value in chosen.items()}
     wish = {
         key: float(entry.value) for key, entry in inputs.items() if not isinstance(entry.value, str)
     }
-    kind, payload, depth = str(inputs["rope"].value), wish["payload"], wish["depth"]
+    kind = str(inputs["rope"].value)
+    payload = wish["payload"]
+    depth = wish["depth"]
     mass = catalogue_rope(kind, wish["diameter"]).middle.mass_per_length
     if "conveyance" not in chosen:
         inputs["conveyance"] = ParameterValue(0.9 * payload, DERIVED, "0.9 of the payload")
-    conveyance, number = float(inputs["conveyance"].value), int(wish["ropes"])
+    conveyance = float(inputs["conveyance"].value)
+    number = int(wish["ropes"])
     head_mass = number * mass / wish["head-ropes"]
     head_diameter = math.sqrt(head_mass / 4000.0)
-    radius, sheave = _rounded(50.0 * head_diameter), _rounded(1.5 * payload)
+    radius = _rounded(50.0 * head_diameter)
+    sheave = _rounded(1.5 * payload)
     motor = _rounded(0.4 * sheave)
-    stiffness = _rounded(
-        (2.0 * math.pi * _SHAFT) ** 2 * motor * (sheave - motor) / sheave * radius**2
-    )
+    omega = 2.0 * math.pi * _SHAFT
+    stiffness = _rounded(omega**2 * motor * (sheave - motor) / sheave * radius**2)
 
     def rule(value: float, expression: str) -> ParameterValue:
         return ParameterValue(value, DERIVED, expression)
@@ -109,12 +118,9 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
     }
     parts = data_of(plain(values))
     whole = hoist_with(parts["hoist"], [(number * mass, depth + TAIL_SPARE)])
-    torque = _rounded(
-        max(
-            2.6 * payload * GRAVITY * radius,
-            1.5 * RuleInputs(whole, parts["winding"], whole).torque(),
-        )
-    )
+    lifting = 2.6 * payload * GRAVITY * radius
+    trip = 1.5 * RuleInputs(whole, parts["winding"], whole).torque()
+    torque = _rounded(max(lifting, trip))
     values["hoist.torque_limit"] = rule(
         torque, "2.6 times what lifts the payload, or 1.5 times what the trip asks for"
     )
@@ -129,20 +135,30 @@ def new_hoist(name: str, chosen: Mapping[str, Value]) -> str:
         _rounded(torque * wish["speed"] / radius), "of the torque at full speed"
     )
     alternate = inputs["lay"].value == LAYS[-1] and number > 1
-    lays = [LAYS[k % 2] for k in range(number)] if alternate else [inputs["lay"].value]
-    ropes = []
-    for k, lay in enumerate(lays):
-        rope = {} if alternate else {"rope.number": ParameterValue(number)}
-        if alternate:
+    ropes = list[dict[str, ParameterValue]]()
+    if alternate:
+        for k in range(number):
             z = round(0.25 * wish["spacing"] * (k - 0.5 * (number - 1)), 3)
-            rope = {
-                "rope.name": ParameterValue(f"rope{k + 1}"),
-                "rope.z": rule(z, "a quarter of the spacing apart"),
+            ropes.append(
+                {
+                    "rope.name": ParameterValue(f"rope{k + 1}"),
+                    "rope.z": rule(z, "a quarter of the spacing apart"),
+                    "rope.construction": ParameterValue(kind),
+                    "rope.lay": ParameterValue(LAYS[k % 2]),
+                }
+            )
+    else:
+        ropes.append(
+            {
+                "rope.number": ParameterValue(number),
+                "rope.construction": ParameterValue(kind),
+                "rope.lay": ParameterValue(inputs["lay"].value),
             }
-        rope |= {"rope.construction": ParameterValue(kind), "rope.lay": ParameterValue(lay)}
+        )
+    for rope in ropes:
         rope["rope.diameter"] = inputs["diameter"]
         rope["rope.length"] = rule(depth + TAIL_SPARE, f"travel and {TAIL_SPARE:g} m")
-        ropes.append(rope | {"rope.swivels.mode": ParameterValue("coulomb")})
+        rope["rope.swivels.mode"] = ParameterValue("coulomb")
     return hoist_text(name, values, ropes, _COMMENT)
 
 

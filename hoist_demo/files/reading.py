@@ -1,4 +1,4 @@
-"""Reading of TOML files against pydantic models: all errors at once, each with place, value and cure.
+"""Reading of TOML files by pydantic models: all errors at once, with place, value and cure.
 
 text -> tables -> model of that kind of file, which is the typed object
 """
@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, get_args
+from typing import Annotated, Any, NamedTuple, TypeVar, get_args
 
 import pydantic
 
@@ -61,7 +61,7 @@ EMPTY: Any = pydantic.Field(default={}, validate_default=True)
 
 @dataclass(frozen=True)
 class Flat:
-    """Annotation for pydantic: the key is a table of this model, and holds what `make` makes of it."""
+    """Annotation for pydantic: the key is a table of this model, and its value is `make` of it."""
 
     model: type[Table]
     make: Callable[[Any], Any]
@@ -76,38 +76,41 @@ class Flat:
 def table_of(
     name: str, parameters: Iterable[Parameter], leaf: Callable[[Parameter], Any] = value_type
 ) -> type[Table]:
-    """Return the model of a table with these parameters, whose names may have more dots; `leaf` gives their types."""
-    inside: dict[str, list[Parameter]] = {}
+    """Return the model of a table with these parameters, whose names may have more dots.
+
+    `leaf` gives their types.
+    """
+    members_by_key: dict[str, list[Parameter]] = {}
     for parameter in parameters:
-        inside.setdefault(parameter.name.removeprefix(f"{name}.").partition(".")[0], []).append(
-            parameter
-        )
+        key = parameter.name.removeprefix(f"{name}.").partition(".")[0]
+        members_by_key.setdefault(key, []).append(parameter)
     fields: dict[str, Any] = {}
-    for number, (key, members) in enumerate(inside.items()):
-        plain = members[0].name == f"{name}.{key}"
-        kind = leaf(members[0]) if plain else table_of(f"{name}.{key}", members, leaf)
+    for number, (key, members) in enumerate(members_by_key.items()):
+        whole = f"{name}.{key}"
+        is_leaf = members[0].name == whole
+        kind = leaf(members[0]) if is_leaf else table_of(whole, members, leaf)
         # brackets in a key are no identifier
         fields[f"key{number}"] = (kind, pydantic.Field(default=None, alias=key))
-    made: type[Table] = pydantic.create_model(
-        "".join(map(str.title, name.split("."))), __base__=Table, **fields
-    )
-    return made
+    title = "".join(map(str.title, name.split(".")))
+    model: type[Table] = pydantic.create_model(title, __base__=Table, **fields)
+    return model
 
 
 def contents(table: pydantic.BaseModel, prefix: str = "") -> Iterator[tuple[str, Any]]:
     """Yield all that a table and those in it set, by dotted names."""
-    for name in type(table).model_fields:
-        if name in table.model_fields_set:
-            content, key = (
-                getattr(table, name),
-                f"{prefix}{type(table).model_fields[name].alias or name}",
-            )
-            inner = isinstance(content, Table) and not isinstance(content, File)
-            yield from contents(content, f"{key}.") if inner else [(key, content)]
+    for name, field in type(table).model_fields.items():
+        if name not in table.model_fields_set:
+            continue
+        key = f"{prefix}{field.alias or name}"
+        content = getattr(table, name)
+        if isinstance(content, Table) and not isinstance(content, File):
+            yield from contents(content, f"{key}.")
+        else:
+            yield key, content
 
 
 def flat(name: str, fields: Mapping[str, Any], make: Callable[[Any], Any] | None = None) -> Flat:
-    """Return the annotation of a table with these fields, which holds all that it sets, by dotted names."""
+    """Return the annotation of a table with these fields: its values by dotted names."""
     model: type[Table] = pydantic.create_model(name, __base__=Table, **fields)
     return Flat(model, make or (lambda table: dict(contents(table))))
 
@@ -118,7 +121,10 @@ def read(
     opened: Sequence[Path] = (),
     over: Mapping[str, Mapping[str, object]] | None = None,
 ) -> T:
-    """Return a file's contents or raise FileError; files `opened` led to it, keys of `over` replace the file's."""
+    """Return a file's contents or raise FileError.
+
+    Files `opened` led to it, keys of `over` replace the file's.
+    """
     if path.resolve() in (one.resolve() for one in opened):
         raise FileError(path, ["must not lead back to itself: break the circle"])
     try:
@@ -128,19 +134,21 @@ def read(
             path, ["is nested too deeply: write [table]s, and values without more of them"]
         ) from error
     for key, table in (over or {}).items():
-        if isinstance(below := tables.setdefault(key, {}), dict):
-            below |= table
+        table_of_file = tables.setdefault(key, {})
+        if isinstance(table_of_file, dict):
+            table_of_file |= table
     try:
         return model.model_validate(tables, context=(*opened, path))
     except pydantic.ValidationError as error:
-        raise FileError(
-            path, [line for one in error.errors() for line in _problems(_keys(model), one)]
-        ) from error
+        problems = list[str]()
+        for one in error.errors():
+            problems += _problems(_keys(model), one)
+        raise FileError(path, problems) from error
 
 
 @contextmanager
 def errors_of_file(path: Path) -> Iterator[None]:
-    """Raise what is refused inside, beyond what files say of themselves, as FileError of this one."""
+    """Raise refusals of the block as FileError of this file, unless they are FileErrors already."""
     try:
         yield
     except FileError:
@@ -175,37 +183,55 @@ def _tables(path: Path) -> dict[str, Any]:
 
 
 def _missing_comma(text: str, error: tomllib.TOMLDecodeError) -> str:
-    """Return the words on a comma with which the text can be read further; "" where that is not the trouble."""
-    if (position := _position(error)) == _END:
+    """Return the words on a comma with which the text can be read further.
+
+    "" where that is not the trouble.
+    """
+    position = _position(error)
+    if position == _END:
         return ""
-    line, column = position
-    at = sum(map(len, text.splitlines(keepends=True)[: line - 1])) + column - 1
+    before = text.splitlines(keepends=True)[: position.line - 1]
+    at = sum(map(len, before)) + position.column - 1
     try:
         tomllib.loads(text[:at] + "," + text[at:])
     except tomllib.TOMLDecodeError as further:
-        if _position(further) <= (line, column + 1):
+        if _position(further) <= position._replace(column=position.column + 1):
             return ""
-    return f"a comma is missing at line {line}, column {column}: put it before what stands there"
+    return (
+        f"a comma is missing at line {position.line}, column {position.column}: put it before what "
+        "stands there"
+    )
 
 
-def _position(error: tomllib.TOMLDecodeError) -> tuple[int, int]:
+class _Position(NamedTuple):
+    """Position in a text, both counted from 1."""
+
+    line: int
+    column: int
+
+
+_END = _Position(sys.maxsize, 0)  # the text ends too soon
+
+
+def _position(error: tomllib.TOMLDecodeError) -> _Position:
     """Return line and column of a TOML error, or _END."""
     match = re.search(r"line (\d+), column (\d+)", str(error))
-    return (int(match[1]), int(match[2])) if match else _END
+    if match is None:
+        return _END
+    return _Position(line=int(match[1]), column=int(match[2]))
 
 
-_END = (sys.maxsize, 0)  # the text ends too soon
-_ONE, _SEVERAL = (
-    "one table: write [{key_path}] above it",
-    "a list: write [[{key_path}]] above each table, or [a, b]",
-)
-_MUST = {
-    **dict.fromkeys(("model_type", "dict_type", "model_attributes_type"), _ONE),
-    **dict.fromkeys(("list_type", "tuple_type"), _SEVERAL),
-    "string_type": "a text: put it in quotation marks",
-}
-_MUST = {kind: f"{{key_path}} = {{short}} must be {words}" for kind, words in _MUST.items()}
-_TEXTS = _MUST | {
+MAX_SHOWN = 60  #: Characters of a wrong value that a message shows.
+_ONE_TABLE = "{key_path} = {short} must be one table: write [{key_path}] above it"
+_LIST = "{key_path} = {short} must be a list: write [[{key_path}]] above each table, or [a, b]"
+#: Messages by pydantic's types of errors.
+_TEXTS = {
+    "model_type": _ONE_TABLE,
+    "dict_type": _ONE_TABLE,
+    "model_attributes_type": _ONE_TABLE,
+    "list_type": _LIST,
+    "tuple_type": _LIST,
+    "string_type": "{key_path} = {short} must be a text: put it in quotation marks",
     "extra_forbidden": "{key_path} = {short} is not a key: {cure}",
     "missing": "{key_path} is missing: give it",
     "union_tag_not_found": "{key_path}: {key} is missing: give it",
@@ -216,35 +242,52 @@ _TEXTS = _MUST | {
 def _problems(names: Sequence[str], error: Any) -> list[str]:
     """Return the lines on one error of pydantic's, in a file that has these keys."""
     # the path of a table of several kinds names its kind, too, which is no key
-    keys = {part for name in names for part in name.split(".")} | {*error["loc"][-1:]}
+    keys = {*error["loc"][-1:]}
+    for name in names:
+        keys |= {*name.split(".")}
     loc = [part for part in error["loc"] if isinstance(part, int) or part in keys]
-    context, key_path, short = error.get("ctx", {}), _key_path(loc), repr(error["input"])
+    context = error.get("ctx", {})
+    key_path = _key_path(loc)
     if error["type"] == "value_error":
         return [_located(key_path, line) for line in str(context["error"]).splitlines()]
-    placeholders = {
-        "key_path": key_path,
-        "short": short if len(short) <= 60 else f"{short[:57]}...",
-    }
+    short = repr(error["input"])
+    if len(short) > MAX_SHOWN:
+        short = f"{short[: MAX_SHOWN - 3]}..."
     cure = cure_of(".".join(part for part in loc if isinstance(part, str)), names)
     if "." in str(loc[-1]):
         cure = "leave out the quotation marks"
-    requirement = error["msg"].partition(" should ")[2] or error["msg"]
-    key = context.get("discriminator", "").strip("'")
+    placeholders = {
+        "key_path": key_path,
+        "short": short,
+        "cure": cure,
+        "requirement": error["msg"].partition(" should ")[2] or error["msg"],
+        "key": context.get("discriminator", "").strip("'"),
+    }
     text = _TEXTS.get(error["type"], "{key_path} = {short} must {requirement}: correct it")
-    return [text.format(**context | placeholders, cure=cure, requirement=requirement, key=key)]
+    return [text.format(**context | placeholders)]
 
 
 def _located(key_path: str, text: str) -> str:
     """Return a problem behind its key path, unless it begins with the key itself."""
     name = text.partition(" ")[0]
     table = key_path.removesuffix(name).removesuffix(name.removeprefix("rope.")).rstrip(" .")
-    return f"{table}: {text}" if table else text
+    if table:
+        return f"{table}: {text}"
+    return text
 
 
 def _key_path(loc: Sequence[int | str]) -> str:
-    """Return the dotted path of a key; members of lists are counted from 1: `rope 2 left.swivel.mode`."""
-    parts = (f" {part + 1} " if isinstance(part, int) else f".{part or repr(part)}" for part in loc)
-    return "".join(parts).replace(" .", " ").strip(" .")
+    """Return the dotted path of a key.
+
+    Members of lists are counted from 1: `rope 2 left.swivel.mode`.
+    """
+    path = ""
+    for part in loc:
+        if isinstance(part, int):
+            path += f" {part + 1} "
+        else:
+            path += f".{part or repr(part)}"
+    return path.replace(" .", " ").strip(" .")
 
 
 #: keys of earlier versions, and what to write today
@@ -260,8 +303,9 @@ _OLD = {
 
 def cure_of(key: str, keys: Sequence[str]) -> str:
     """Return what may have been meant by a key that is none of those known."""
-    if old := [words for name, words in _OLD.items() if f".{key}".endswith(f".{name}")]:
-        return old[0]
+    for name, words in _OLD.items():
+        if f".{key}".endswith(f".{name}"):
+            return words
     if key in keys:
         return "it is of another kind of that table: leave it out"
     table, dot, last = key.rpartition(".")
@@ -271,7 +315,9 @@ def cure_of(key: str, keys: Sequence[str]) -> str:
     alike = {last.upper(), *difflib.get_close_matches(last, set(lasts.values()), cutoff=0.75)}
     near = [f"{table}{dot}{name}" for name in difflib.get_close_matches(last, within, cutoff=0.5)]
     near = near or [name for name, word in lasts.items() if {word, word.upper()} & alike][:3]
-    return f"did you mean {' or '.join(near)}?" if near else f"the keys are {', '.join(within)}"
+    if near:
+        return f"did you mean {' or '.join(near)}?"
+    return f"the keys are {', '.join(within)}"
 
 
 def _names(hints: Iterable[Any], prefix: str = "") -> Iterator[str]:
@@ -282,7 +328,8 @@ def _names(hints: Iterable[Any], prefix: str = "") -> Iterator[str]:
             yield from _names(get_args(table), prefix)
         elif table is not ValueTable:
             for name, field in table.model_fields.items():
-                yield (key := f"{prefix}{field.alias or name}")
+                key = f"{prefix}{field.alias or name}"
+                yield key
                 yield from _names((field.annotation, *field.metadata), f"{key}.")
 
 

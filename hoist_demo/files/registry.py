@@ -1,7 +1,7 @@
-"""All parameters of runs: the host's data as `section.field`, and those of rope and shaft by FMI name.
+"""All parameters of runs: the host's as `section.field`, those of rope and shaft by FMI name.
 
-Every value is checked for its unit, its type and, one at a time, its bounds: the data classes check themselves, and
-the FMU is asked to initialize with the value.
+Every value is checked for its unit, its type and, one at a time, its bounds: the data classes check
+themselves, and the FMU is asked to initialize with the value.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -33,7 +33,10 @@ _Data = create_model("Data", **{name: (kind, kind()) for name, kind in SECTIONS.
 
 
 def data_of(values: Mapping[str, Value]) -> dict[str, Any]:
-    """Return the data of all sections with values by their names in files; a part of which none is given is None."""
+    """Return the data of all sections with values by their names in files.
+
+    A part of which none is given is None.
+    """
     nested = dict[str, Any]()
     for name in filter(host_parameters().__contains__, values):
         *tables, key = name.split(".")
@@ -53,9 +56,14 @@ def rope_parameters() -> dict[str, Parameter]:
     """Return the parameters of a rope and its surroundings by FMI name."""
     by_name = dict[str, Parameter]()
     for p in named_parameters(Scene()):
-        bounds, choices = Bounds(p.minimum, p.maximum), choices_of(p.name)
         by_name[p.name] = Parameter(
-            p.name, p.facts.unit or "1", p.kind, p.value, bounds, choices, p.facts.description
+            p.name,
+            unit=p.facts.unit or "1",
+            kind=p.kind,
+            start=p.value,
+            bounds=Bounds(p.minimum, p.maximum),
+            choices=choices_of(p.name),
+            meaning=p.facts.description,
         )
     return by_name
 
@@ -66,26 +74,31 @@ SWIVELS = "swivels"  #: Table with parameters of both swivels.
 @cache
 def swivel_parameters() -> tuple[Parameter, ...]:
     """Return the parameters of both swivels, which count less than those of one."""
-    own = (p for p in rope_parameters().values() if p.name.startswith("left.swivel."))
-    return tuple(replace(p, name=p.name.replace("left.swivel", SWIVELS)) for p in own)
+    of_left = (p for p in rope_parameters().values() if p.name.startswith("left.swivel."))
+    return tuple(replace(p, name=p.name.replace("left.swivel", SWIVELS)) for p in of_left)
 
 
 def at_both_ends(values: Iterable[tuple[str, Any]]) -> dict[str, Any]:
     """Return values by name, with those of `swivels` repeated for both ends."""
     expanded = dict[str, Any]()
     for key, value in sorted(values, key=lambda item: not item[0].startswith(f"{SWIVELS}.")):
-        table, dot, name = key.partition(f"{SWIVELS}.")
-        expanded |= (
-            {key: value} if table or not dot else {f"{end}.swivel.{name}": value for end in SIDES}
-        )
+        if key.startswith(f"{SWIVELS}."):
+            name = key.removeprefix(f"{SWIVELS}.")
+            for end in SIDES:
+                expanded[f"{end}.swivel.{name}"] = value
+        else:
+            expanded[key] = value
     return expanded
 
 
 @cache
 def host_parameters() -> dict[str, Parameter]:
     """Return the parameters of hoist, trip, controller and coupling by their names in files."""
-    by_name = {p.name: p for section, data in SECTIONS.items() for p in leaves(data, f"{section}.")}
-    return {CONTROLLER.name: CONTROLLER, **by_name}
+    by_name = {CONTROLLER.name: CONTROLLER}
+    for section, data in SECTIONS.items():
+        for p in leaves(data, f"{section}."):
+            by_name[p.name] = p
+    return by_name
 
 
 @cache
@@ -96,7 +109,7 @@ def group_table(group: str, leaf: Callable[[Parameter], Any]) -> Any:
 
 
 def run_fields(leaf: Callable[[Parameter], Any]) -> dict[str, Any]:
-    """Return the fields of a model with all parameters of a run by their names, each of the type that `leaf` gives."""
+    """Return the fields of a model with all parameters of a run, of types by `leaf`."""
     names = (*host_parameters(), *rope_parameters())
     groups = dict.fromkeys(name.partition(".")[0] for name in names if name != CONTROLLER.name)
     tables = {group: (group_table(group, leaf), Field(default=None)) for group in groups}
@@ -104,9 +117,10 @@ def run_fields(leaf: Callable[[Parameter], Any]) -> dict[str, Any]:
 
 
 def parameters(rope: Mapping[str, Parameter] | None = None) -> dict[str, Parameter]:
-    """Return all parameters of runs by name; `rope` are those of an FMU, in the place of a scene's."""
-    own = rope_parameters() if rope is None else rope
-    return {
-        **host_parameters(),
-        **{name: p for name, p in own.items() if name != "inputs_at_step_end"},
-    }
+    """Return all parameters of runs by name.
+
+    `rope` are those of an FMU, in the place of a scene's.
+    """
+    by_name = {**host_parameters(), **(rope_parameters() if rope is None else rope)}
+    by_name.pop("inputs_at_step_end", None)
+    return by_name

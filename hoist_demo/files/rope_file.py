@@ -1,4 +1,4 @@
-"""Ropes in files: what is known of one, and the parameter files that balance-rope identify writes."""
+"""Ropes in files: known data, and the parameter files that balance-rope identify writes."""
 
 from __future__ import annotations
 
@@ -28,9 +28,11 @@ from rope_model import Datum, KnownRope, rope
 from rope_model.catalogue import PROPERTIES, Lay
 from rope_model.texts import printable
 
-#: a property that is known may lie outside of the catalogue's range, but not so many times: then its unit is wrong
+#: a property that is known may lie outside of the catalogue's range, but not so many times: then
+#: its unit is wrong
 FAR_OFF = 10.0
-#: parameters of a rope that follow from the properties, and those of rope and hoist by the property that decides them
+#: parameters of a rope that follow from the properties, and those of rope and hoist by the property
+#: that decides them
 OF_CATALOGUE = ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ")
 FOLLOWING = (*OF_CATALOGUE, "length", "diameter")
 _FOLLOWING = {
@@ -44,24 +46,26 @@ _BY_RULE = ("rope.rhoJ", "hoist.tail_rope_mass")  #: Those that are no property 
 
 
 def following_statuses(statuses: Mapping[str, str]) -> dict[str, str]:
-    """Return the statuses of the parameters that follow from properties of a rope with these statuses."""
-    following = {
-        name: status for key, status in statuses.items() for name in _FOLLOWING.get(key, ())
-    }
-    return {
-        name: DERIVED if name in _BY_RULE and one != VARIED else one
-        for name, one in following.items()
-    }
+    """Return the statuses of a rope's parameters, by the statuses of its properties."""
+    following = dict[str, str]()
+    for key, status in statuses.items():
+        for name in _FOLLOWING.get(key, ()):
+            by_rule = name in _BY_RULE and status != VARIED
+            following[name] = DERIVED if by_rule else status
+    return following
 
 
-def _known_there(content: Any, info: ValidationInfo) -> KnownFile | None:
-    return read(beside(info, read_text(content)), _OtherFile, opened_by(info)) if content else None
+def _read_other(content: Any, info: ValidationInfo) -> KnownFile | None:
+    """Return the file that [rope] names by `from`."""
+    if not content:
+        return None
+    return read(beside(info, read_text(content)), _OtherFile, opened_by(info))
 
 
 class CatalogueQuery(Table):
     """Table [rope]: the query to the catalogue."""
 
-    file: Annotated[Any, BeforeValidator(_known_there), WithJsonSchema({"type": "string"})] = Field(
+    file: Annotated[Any, BeforeValidator(_read_other), WithJsonSchema({"type": "string"})] = Field(
         None, alias="from"
     )
     construction: Text = ""
@@ -89,35 +93,40 @@ class KnownFile(File):
     @cached_property
     def ranges(self) -> dict[str, Datum]:
         """Known ranges by property, those of the file that [rope] names included."""
-        ranges = self.rope.file.ranges if self.rope.file else {}
+        ranges: dict[str, Datum] = dict(self.rope.file.ranges) if self.rope.file else {}
         for name, entry in self.known.items():
-            low, high = (
-                float(entry.value if end is None else end) for end in (entry.low, entry.high)
+            ranges[name] = Datum(
+                low=float(entry.value if entry.low is None else entry.low),
+                high=float(entry.value if entry.high is None else entry.high),
+                unit=PROPERTIES[name].unit,
+                status=entry.status or GIVEN,  # type: ignore[arg-type]
+                source=entry.source or printable(self.path.name),
             )
-            status, source = entry.status or GIVEN, entry.source or printable(self.path.name)
-            ranges = ranges | {name: Datum(low, high, PROPERTIES[name].unit, status, source)}  # type: ignore[arg-type]
         return ranges
 
     @cached_property
     def catalogue_arguments(self) -> dict[str, Any]:
         """Arguments for the catalogue, those of the file that [rope] names included."""
-        own = plain({key: entry for key, entry in contents(self.rope) if key != "from"})
-        return (self.rope.file.catalogue_arguments if self.rope.file else {}) | own
+        here = plain({key: entry for key, entry in contents(self.rope) if key != "from"})
+        if self.rope.file:
+            return {**self.rope.file.catalogue_arguments, **here}
+        return here
 
     @cached_property
     def catalogue_rope(self) -> KnownRope:
-        """Rope of the catalogue with these ranges, or of these alone; a ValueError lists all that is wrong."""
+        """Rope of the catalogue with these ranges, or of these alone.
+
+        A ValueError lists all that is wrong.
+        """
         arguments = {key: entry for key, entry in self.catalogue_arguments.items() if entry != ""}
-        needed = (
-            []
-            if "construction" in arguments
-            else [name for name in PROPERTIES if name not in self.ranges]
-        )
+        needed = list[str]()
+        if "construction" not in arguments:
+            needed = [name for name in PROPERTIES if name not in self.ranges]
         if "diameter" not in arguments or needed:
-            also = f", without a construction [known] {', '.join(needed)}" if needed else ""
-            raise ValueError(
-                f"[rope] construction or diameter is missing: the catalogue needs both{also}"
-            )
+            text = "[rope] construction or diameter is missing: the catalogue needs both"
+            if needed:
+                text += f", without a construction [known] {', '.join(needed)}"
+            raise ValueError(text)
         if "construction" not in arguments:
             return KnownRope("", **arguments, data={name: self.ranges[name] for name in PROPERTIES})
         try:
@@ -126,16 +135,16 @@ class KnownFile(File):
             raise ValueError(f"[rope] {error}") from error
         with Problems() as problems:
             for name, datum in self.ranges.items():
-                low, high = whole.data[name].low / FAR_OFF, FAR_OFF * whole.data[name].high
+                low = whole.data[name].low / FAR_OFF
+                high = FAR_OFF * whole.data[name].high
                 if not (low <= datum.low and datum.high <= high):
-                    text = (
-                        f"{datum.low:g} to {datum.high:g}"
-                        if datum.low < datum.high
-                        else f"{datum.high:g}"
-                    )
+                    text = f"{datum.high:g}"
+                    if datum.low < datum.high:
+                        text = f"{datum.low:g} to {text}"
                     problems.append(
-                        f"[known] {name} = {text} must be within {low:.3g} and {high:.3g} {datum.unit}, {FAR_OFF:g} "
-                        "times less and more than the catalogue has: check its unit"
+                        f"[known] {name} = {text} must be within {low:.3g} and {high:.3g} "
+                        f"{datum.unit}, {FAR_OFF:g} times less and more than the catalogue has: "
+                        "check its unit"
                     )
         return replace(whole, data={**whole.data, **self.ranges})
 

@@ -1,4 +1,4 @@
-"""What files of studies, duties, uncertain windings and measurements have in common: a head, and values of runs."""
+"""Head and values of runs in files of studies, duties, uncertain windings and measurements."""
 
 from typing import Annotated, Any, Self
 
@@ -16,7 +16,7 @@ from rope_model.texts import printable
 
 
 class FileHeader(Table):
-    """Title, and the hoist that is wound: a file, or the name of one that comes with the project."""
+    """Title, and the hoist that is wound: a file, or a name of one that the project brings."""
 
     title: Text = Field("", validate_default=True)
     hoist: Text = "rope-120"
@@ -29,13 +29,10 @@ class FileHeader(Table):
     @field_validator("hoist")
     @classmethod
     def _is_there(cls, name: str, info: ValidationInfo) -> str:
-        path = (
-            str(beside(info, name))
-            if name.endswith(".toml") and name not in BUILTIN_HOISTS
-            else name
-        )
-        find_case(path)
-        return path
+        if name.endswith(".toml") and name not in BUILTIN_HOISTS:
+            name = str(beside(info, name))
+        find_case(name)
+        return name
 
 
 def _values(content: Any) -> dict[str, ParameterValue]:
@@ -74,7 +71,10 @@ class RunFile(File):
 
 
 class RopeAnalysisFile(KnownFile):
-    """A file that asks something of a rope of which properties are known; they decide some of its parameters."""
+    """A file that asks something of a rope of which properties are known.
+
+    They decide some of its parameters.
+    """
 
     fixed: Values = EMPTY
 

@@ -1,4 +1,4 @@
-"""A value as a file gives it: a number in SI, "22 t", or { value, unit, status, source, low, high }."""
+"""A value of a file: a number in SI, "22 t", or { value, unit, status, source, low, high }."""
 
 import math
 import re
@@ -24,6 +24,7 @@ from rope_model.texts import printable
 
 MAX_TEXT = 200  #: Characters of a title, of a source, or of a name for people.
 GIVEN = "given"  #: Status of a value that is set without one.
+ASSUMED = "assumed"  #: Status of a value without a source.
 DERIVED = "derived"  #: Status of a value that follows by a rule.
 VARIED = "varied"  #: Status of a value that differs between runs.
 STATUSES = tuple(dict.fromkeys((*get_args(DatumStatus), "data sheet", DERIVED, GIVEN)))
@@ -33,13 +34,11 @@ _UNIT = re.compile(r"(?:1/)?[A-Za-z%µ°]+\^?-?\d?(?:\s*[ ./*·]\s*[A-Za-z%µ°]
 _SHARES = {"%": Fraction(1, 100)}  #: Units of pure numbers.
 _UNCLEAR = ("ton", "tons")  #: Units that are refused: a US ton is no tonne.
 _WITH_UNIT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
-#: raised by pint and by the tokenizer that it takes
-_COMMA = re.compile(
-    r"\s*([-+]?\d+),(\d+)"
-)  #: A number with a comma in it, for decimals or thousands.
-_JOINED = re.compile(
-    r"\b([kMG]?N|kg)m(?=$|[0-9./^])"
-)  #: Products without a sign: kNm, Nm/rad, kgm2.
+#: A number with a comma in it, for decimals or thousands.
+_COMMA = re.compile(r"\s*([-+]?\d+),(\d+)")
+#: Products without a sign: kNm, Nm/rad, kgm2.
+_JOINED = re.compile(r"\b([kMG]?N|kg)m(?=$|[0-9./^])")
+#: Raised by pint and by the tokenizer that it takes.
 _NO_UNIT = (
     ArithmeticError,
     AssertionError,
@@ -52,7 +51,10 @@ _NO_UNIT = (
 
 
 def read_text(content: Any) -> str:
-    """Return a title, a name or a source: a line of at most MAX_TEXT characters; ValueError for another."""
+    """Return a title, a name or a source: a line of at most MAX_TEXT characters.
+
+    ValueError for another.
+    """
     text = str(content)
     if not isinstance(content, str | int | float):
         raise ValueError(f"{text[:MAX_TEXT]!r} must be a text: put it in quotation marks")
@@ -72,7 +74,10 @@ Text = Annotated[
 
 @dataclass(frozen=True)
 class ParameterValue:
-    """A value with its source; `low` and `high` are how far it may be off, in the parameter's unit."""
+    """A value with its source.
+
+    `low` and `high` are how far it may be off, in the parameter's unit.
+    """
 
     value: Value
     status: str = GIVEN  # "": the file's
@@ -84,10 +89,10 @@ class ParameterValue:
 
 def plain(values: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values without status and source, by name."""
-    return {
-        key: entry.value if isinstance(entry, ParameterValue) else entry
-        for key, entry in values.items()
-    }
+    values_alone = dict[str, Any]()
+    for key, entry in values.items():
+        values_alone[key] = entry.value if isinstance(entry, ParameterValue) else entry
+    return values_alone
 
 
 def statuses(values: Mapping[str, ParameterValue]) -> dict[str, str]:
@@ -106,11 +111,14 @@ def unreached(given: Mapping[str, ParameterValue], reached: Mapping[str, Value])
     """Yield a sentence for each value of [fixed] that is not the one which a run has in the end."""
     for name, entry in given.items():
         if name not in reached:
-            yield f"[fixed] {name} = {entry.value!r} is a value that this command does not take: leave it out"
+            yield (
+                f"[fixed] {name} = {entry.value!r} is a value that this command does not take: "
+                "leave it out"
+            )
         elif reached[name] != entry.value:
             yield (
-                f"[fixed] {name} = {entry.value!r} does not reach the rope or the hoist, which has {reached[name]!r}: "
-                "leave it out"
+                f"[fixed] {name} = {entry.value!r} does not reach the rope or the hoist, which has "
+                f"{reached[name]!r}: leave it out"
             )
 
 
@@ -129,34 +137,46 @@ class ValueTable(BaseModel):
 def value_type(parameter: Parameter) -> Any:
     """Return the type of a key for pydantic: what it holds is a ParameterValue."""
     read = AfterValidator(partial(_parameter_value, parameter))
-    table = BeforeValidator(
-        lambda content: content if isinstance(content, dict) else {"value": content}
-    )
+    table = BeforeValidator(_as_table)
     return Annotated[ValueTable, table, read, WithJsonSchema(value_schema(parameter))]
 
 
+def _as_table(content: object) -> object:
+    if isinstance(content, dict):
+        return content
+    return {"value": content}
+
+
 def _parameter_value(parameter: Parameter, table: ValueTable) -> ParameterValue:
-    low, high = (
-        None if x is None else float(read_value(parameter, x, table.unit))
-        for x in (table.low, table.high)
-    )
+    low = _read_end(parameter, table.low, table.unit)
+    high = _read_end(parameter, table.high, table.unit)
     if low is not None and high is not None and low > high:
         raise ValueError(
             f"{parameter.name}: low = {low:g} must be at most high = {high:g}: exchange them"
         )
-    value = None if table.value is None else read_value(parameter, table.value, table.unit)
-    if value is None and low is not None and high is not None:
+    if table.value is not None:
+        value = read_value(parameter, table.value, table.unit)
+    elif low is not None and high is not None:
         value = 0.5 * (low + high)
-    if value is None:
+    else:
         raise ValueError(
             f"{parameter.name} has no value: write {{ value = ..., unit = ... }}, or low and high"
         )
-    least, most = -math.inf if low is None else low, math.inf if high is None else high
-    if not isinstance(value, str) and not least <= value <= most:
+    smallest = -math.inf if low is None else low
+    largest = math.inf if high is None else high
+    if not isinstance(value, str) and not smallest <= value <= largest:
         raise ValueError(
-            f"{parameter.name} = {value:g} must be within low and high, {least:g} to {most:g}: correct it"
+            f"{parameter.name} = {value:g} must be within low and high, {smallest:g} to "
+            f"{largest:g}: correct it"
         )
     return ParameterValue(value, table.status, table.source, low, high)
+
+
+def _read_end(parameter: Parameter, content: Any, unit: str) -> float | None:
+    """Return an end of a range in the parameter's unit; None where the file has none."""
+    if content is None:
+        return None
+    return float(read_value(parameter, content, unit))
 
 
 def read_value(parameter: Parameter, content: Any, unit: str = "") -> Value:
@@ -165,13 +185,14 @@ def read_value(parameter: Parameter, content: Any, unit: str = "") -> Value:
         match = _WITH_UNIT.fullmatch(content)
         if comma := _COMMA.match(content):
             raise ValueError(
-                f"{parameter.name} = {content[:MAX_TEXT]!r} has a comma within its number: write a point for decimals "
-                f"and nothing between thousands, {comma[1]}.{comma[2]} or {comma[1]}{comma[2]}"
+                f"{parameter.name} = {content[:MAX_TEXT]!r} has a comma within its number: write a "
+                f"point for decimals and nothing between thousands, {comma[1]}.{comma[2]} or "
+                f"{comma[1]}{comma[2]}"
             )
         if match is None:
             raise ValueError(
-                f"{parameter.name} = {content[:MAX_TEXT]!r} must be a finite number, with a unit behind it or in "
-                f"{parameter.unit_words}: correct it"
+                f"{parameter.name} = {content[:MAX_TEXT]!r} must be a finite number, with a unit "
+                f"behind it or in {parameter.unit_words}: correct it"
             )
         return parameter.read(_converted(parameter, match[1], match[2] or unit))
     if unit and isinstance(content, int | float) and not isinstance(content, bool):
@@ -180,8 +201,13 @@ def read_value(parameter: Parameter, content: Any, unit: str = "") -> Value:
 
 
 def _converted(parameter: Parameter, number: str | float, unit: str) -> float:
-    """Return a number with this unit in the parameter's, rounded once: 52 mm are 0.052 m, to the last bit."""
-    factor = _factor(_JOINED.sub(r"\1.m", fmi_unit(unit)), parameter.unit) if unit else Fraction(1)
+    """Return a number with this unit in the parameter's unit, rounded once.
+
+    52 mm are 0.052 m, to the last bit.
+    """
+    factor: Fraction | None = Fraction(1)
+    if unit:
+        factor = _factor(_JOINED.sub(r"\1.m", fmi_unit(unit)), parameter.unit)
     if factor is None:
         raise ValueError(
             f"{parameter.name} has unit = {unit[:MAX_TEXT]!r}, which must measure the same as "
@@ -195,23 +221,25 @@ def _converted(parameter: Parameter, number: str | float, unit: str) -> float:
 
 @cache
 def _factor(unit: str, to: str) -> Fraction | None:
-    """Return what one `unit` is in `to`; None where they measure different things, or one is unknown."""
-    # turns, radians and hertz are one to pint, and a pure number may be anything
-    if (
-        unit == to
-        or to == "1"
-        or unit in _UNCLEAR
-        or ("Hz" in unit) != ("Hz" in to)
-        or not _UNIT.fullmatch(unit)
-    ):
-        return Fraction(1) if unit == to else _SHARES.get(unit) if to == "1" else None
+    """Return what one `unit` is in `to`.
+
+    None where they measure different things, or one is unknown.
+    """
+    if unit == to:
+        return Fraction(1)
+    if to == "1":  # to pint a pure number may be anything
+        return _SHARES.get(unit)
+    # turns, radians and hertz are one to pint
+    if unit in _UNCLEAR or ("Hz" in unit) != ("Hz" in to) or not _UNIT.fullmatch(unit):
+        return None
     import pint  # loads slowly, and most files need it not
 
     powers = partial(re.sub, r"(?<=[A-Za-z])(-?\d)", r"**\1")
     registry = _exact_units(pint)
     try:
-        one, other = (registry.parse_units(powers(text.replace(".", "*"))) for text in (unit, to))
-        return Fraction(registry.Quantity(Fraction(1), one).to(other).magnitude)
+        units = [registry.parse_units(powers(text.replace(".", "*"))) for text in (unit, to)]
+        quantity = registry.Quantity(Fraction(1), units[0])
+        return Fraction(quantity.to(units[1]).magnitude)
     except (pint.PintError, TokenError, *_NO_UNIT):
         return None
 
@@ -221,30 +249,36 @@ _exact_units = cache(lambda pint: pint.UnitRegistry(non_int_type=Fraction))  # m
 
 def value_schema(parameter: Parameter) -> dict[str, Any]:
     """Return the JSON Schema of a value with its unit and status."""
-    alone = list(_alone(parameter))
-    properties = {**_table_schema()["properties"], "value": {"anyOf": alone}}
-    properties |= dict.fromkeys(("low", "high"), alone[0] if parameter.numeric else False)
+    without_table = list(_schemas_without_table(parameter))
+    end_of_range = without_table[0] if parameter.numeric else False
+    properties = {
+        **_table_schema()["properties"],
+        "value": {"anyOf": without_table},
+        "low": end_of_range,
+        "high": end_of_range,
+    }
     table = {"type": "object", "properties": properties, "additionalProperties": False}
-    return {"anyOf": [*alone, table], "description": parameter.help_text}
+    return {"anyOf": [*without_table, table], "description": parameter.help_text}
 
 
 ParameterValues = dict[str, ParameterValue]
 _table_schema = cache(ValueTable.model_json_schema)
 
 
-def _alone(parameter: Parameter) -> Iterable[dict[str, Any]]:
-    low, high, opens, _ = parameter.bounds
-    bounds = {"exclusiveMinimum" if opens else "minimum": low, "maximum": high}
-    if parameter.choices:
-        yield {
-            "enum": [
-                *parameter.choices,
-                *(() if parameter.kind == "String" else range(len(parameter.choices))),
-            ]
-        }
+def _schemas_without_table(parameter: Parameter) -> Iterable[dict[str, Any]]:
+    """Yield the schemas of a value that stands without status, source and range."""
+    if parameter.choices and parameter.kind == "String":
+        yield {"enum": [*parameter.choices]}
+    elif parameter.choices:
+        yield {"enum": [*parameter.choices, *range(len(parameter.choices))]}
     elif not parameter.numeric:
         yield {"type": parameter.kind.lower()}
     else:
-        kind = "number" if parameter.kind == "Real" else "integer"
-        yield {"type": kind} | {name: bound for name, bound in bounds.items() if bound is not None}
+        bounds = parameter.bounds
+        schema: dict[str, Any] = {"type": "number" if parameter.kind == "Real" else "integer"}
+        if bounds.low is not None:
+            schema["exclusiveMinimum" if bounds.opens else "minimum"] = bounds.low
+        if bounds.high is not None:
+            schema["maximum"] = bounds.high
+        yield schema
         yield {"type": "string", "pattern": r"^\s*[-+]?[0-9.]+([eE][-+]?[0-9]+)?\s*\S*"}

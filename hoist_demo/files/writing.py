@@ -25,13 +25,13 @@ def hoist_text(
         "",
     ]
     tables: dict[str, list[str]] = {}
-    for key, entry in sorted(
-        values.items(), key=lambda kv: "." in kv[0] and _ORDER.index(kv[0].partition(".")[0])
-    ):
-        table, _, own = key.rpartition(".")
-        tables.setdefault(table, []).append(_line(key, own, entry))
+    for key in sorted(values, key=_place):
+        table, _, last = key.rpartition(".")
+        tables.setdefault(table, []).append(_line(key, last, values[key]))
     for table, lines in tables.items():
-        parts += [*([f"[{table}]"] if table else []), *lines, ""]
+        if table:
+            parts.append(f"[{table}]")
+        parts += [*lines, ""]
     for rope in ropes:
         parts += [
             "[[rope]]",
@@ -41,27 +41,33 @@ def hoist_text(
     return "\n".join(parts).rstrip() + "\n"
 
 
+def _place(name: str) -> int:
+    """Return the place of a key in a file: keys without a table first."""
+    table, dot, _ = name.partition(".")
+    if dot:
+        return _ORDER.index(table)
+    return 0
+
+
 def _line(name: str, key: str, entry: ParameterValue) -> str:
     within = name.replace("rope.swivels.", "left.swivel.").removeprefix("rope.")
     parameter = _PARAMETERS.get(name) or _PARAMETERS.get(within) or Parameter(name, "1", "String")
     meaning = parameter.meaning.replace("[assumed]", "").replace("{side} ", "").strip(" ;,")
     notes = ": ".join(filter(None, (meaning, entry.source)))
     quoted = re.sub(r"\w+\[\d+\]", r'"\g<0>"', key)  # TOML has brackets in quotes only
-    return f"{quoted} = {_value(parameter, entry)}{f'  # {printable(notes)}' if notes else ''}"
+    line = f"{quoted} = {_value(parameter, entry)}"
+    return f"{line}  # {printable(notes)}" if notes else line
 
 
 def _value(parameter: Parameter, entry: ParameterValue) -> str:
-    value = (
-        parameter.choices[entry.value]
-        if parameter.choices and type(entry.value) is int
-        else entry.value
-    )
+    value = entry.value
+    if parameter.choices and type(value) is int:
+        value = parameter.choices[value]
     if isinstance(value, str | bool):
         text = toml_string(value) if isinstance(value, str) else str(value).lower()
-        with_status = parameter.name in _PARAMETERS and entry.status != GIVEN
-        return (
-            f"{{ value = {text}, status = {toml_string(entry.status)} }}" if with_status else text
-        )
+        if parameter.name in _PARAMETERS and entry.status != GIVEN:
+            return f"{{ value = {text}, status = {toml_string(entry.status)} }}"
+        return text
     if parameter.kind == "String":  # a count, and no datum
         return repr(value)
     unit = "" if parameter.unit == "1" else f", unit = {toml_string(parameter.unit)}"

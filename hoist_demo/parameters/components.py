@@ -1,4 +1,6 @@
-"""Parts of a hoist that a model may leave out: drive shaft, brake, lining, guides, play, a jam. SI units, checked here.
+"""Parts of a hoist that a model may leave out: drive shaft, brake, lining, guides, play, a jam.
+
+SI units, checked here.
 
 A `Hoist` whose part is None lacks the part's equations; there are no stiff or weak dummies.
 Masses "referred to the rope" are J / R^2 with the sheave's radius R.
@@ -11,7 +13,7 @@ from hoist_demo.parameters.quantity import FRACTION, NONNEGATIVE, ValidatedData,
 
 
 def require(value: float, holds: bool, name: str, bound: str, cure: str) -> None:
-    """Raise the ValueError that names value, bound and cure, unless the value is finite and the bound holds."""
+    """Raise a ValueError unless the value is finite and the bound holds."""
     if not (math.isfinite(value) and holds):
         raise ValueError(f"{name} = {value!r} must be {bound}: {cure}")
 
@@ -31,7 +33,8 @@ class DriveShaft(ValidatedData, of="drive_shaft."):
 class Brake(ValidatedData, of="brake."):
     """Disc brake on the sheave; all values [assumed].
 
-    The torque asked for is a fraction of the full one. It comes after a dead time and with the lag of its hydraulics.
+    The torque asked for is a fraction of the full one. It comes after a dead time and with the lag
+    of its hydraulics.
     """
 
     torque: float = parameter(5.5e5, "N m", "full braking torque, of both directions of rotation")
@@ -67,7 +70,8 @@ class Guides(ValidatedData, of="guides."):
 class Play(ValidatedData, of="play."):
     """Freedom of a conveyance between its guides: x, z and yaw; all values [assumed].
 
-    Within the play the head ropes alone pull it back, a pendulum with several ropes; beyond it the shoes are springs.
+    Within the play the head ropes alone pull it back, a pendulum with several ropes; beyond it the
+    shoes are springs.
     """
 
     clearance: float = parameter(5.0e-3, "m", "to either side, in x and in z", NONNEGATIVE)
@@ -94,10 +98,12 @@ class Play(ValidatedData, of="play."):
 
 @dataclass(frozen=True)
 class Jam(ValidatedData, of="jam."):
-    """A place where its guides are too narrow for a conveyance: it catches there, and sticks; all values [assumed].
+    """A place where its guides are too narrow for a conveyance: it catches there, and sticks.
 
-    The holding force rises from 0 at `distance` from the place to its full value at the place, and falls again: a
-    conveyance that is pulled or carried through is free behind it.
+    All values [assumed].
+
+    The holding force rises from 0 at `distance` from the place to its full value at the place, and
+    falls again: a conveyance that is pulled or carried through is free behind it.
     """
 
     height: float = parameter(

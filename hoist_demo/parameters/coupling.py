@@ -6,6 +6,9 @@ from functools import cached_property
 from hoist_demo.parameters.components import require
 from hoist_demo.parameters.quantity import UNBOUNDED, Bounds, ValidatedData, parameter
 
+#: Part of a sample time that rounding may leave between it and whole steps.
+SAMPLE_TOLERANCE = 1e-9
+
 
 @dataclass(frozen=True)
 class Coupling(ValidatedData):
@@ -22,23 +25,36 @@ class Coupling(ValidatedData):
     sample: float | None = parameter(
         None,
         "s",
-        "sample time of the controller, a multiple of step or a whole part of it; left out: the step",
+        "sample time of the controller, a multiple of step or a whole part of it; left out: the "
+        "step",
     )
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        sample, step = self.sample_time, f"the communication step {self.step:g} s"
-        fits = abs(self.per_sample * self.step - self.per_step * sample) <= 1e-9 * sample
-        cure = "take the step itself, twice or half of it"
-        require(sample, fits, "sample", f"a multiple of {step}, or a whole part of it", cure)
-        fits = self.per_step == 1 or self.scheme != "energy-controlled"
-        bound = f"at least {step} with the scheme energy-controlled, which divides it"
-        require(sample, fits, "sample", bound, "take the step itself, or another scheme")
+        sample = self.sample_time
+        step = f"the communication step {self.step:g} s"
+        remainder = abs(self.per_sample * self.step - self.per_step * sample)
+        require(
+            sample,
+            remainder <= SAMPLE_TOLERANCE * sample,
+            name="sample",
+            bound=f"a multiple of {step}, or a whole part of it",
+            cure="take the step itself, twice or half of it",
+        )
+        require(
+            sample,
+            self.per_step == 1 or self.scheme != "energy-controlled",
+            name="sample",
+            bound=f"at least {step} with the scheme energy-controlled, which divides it",
+            cure="take the step itself, or another scheme",
+        )
 
     @cached_property
     def sample_time(self) -> float:
         """Sample time of the controller [s]."""
-        return self.step if self.sample is None else self.sample
+        if self.sample is None:
+            return self.step
+        return self.sample
 
     @cached_property
     def per_sample(self) -> int:

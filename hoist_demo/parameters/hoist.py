@@ -1,10 +1,12 @@
 """Parameters of the hoist, and the quantities that follow from them.
 
-All numbers of the hoist are ours [assumed]: plausible for a friction hoist of 90 m travel with 10 t conveyances and
-5 t payload over the 120 m balance rope of 8 kg/m, and taken from no particular installation.
+All numbers of the hoist are ours [assumed]: plausible for a friction hoist of 90 m travel with 10 t
+conveyances and 5 t payload over the 120 m balance rope of 8 kg/m, and taken from no particular
+installation.
 
-The shaft. Heights y point up and are those of the rope suspension under a conveyance. The lower landing is y = 0 m,
-the upper one y = shaft_travel, and the sheave axis is head_rope_length_up above that.
+The shaft. Heights y point up and are those of the rope suspension under a conveyance. The lower
+landing is y = 0 m, the upper one y = shaft_travel, and the sheave axis is head_rope_length_up above
+that.
 """
 
 import math
@@ -24,8 +26,9 @@ SIDES = ("left", "right")  #: Sides of a hoist: its conveyances, and the ends of
 
 #: Said wherever results are shown.
 ASSUMED_DATA = (
-    "Data of hoist, winding and rope that are marked [assumed] have no published source. They are plausible, they "
-    "belong to no installation: put in your own before you judge an installation by the numbers shown here."
+    "Data of hoist, winding and rope that are marked [assumed] have no published source. They are "
+    "plausible, they belong to no installation: put in your own before you judge an installation "
+    "by the numbers shown here."
 )
 
 #: bounds far beyond any hoist: what is out of them has another unit
@@ -38,7 +41,10 @@ _ANGLE = Bounds(0.1, 4.0 * math.pi, cure="give it in rad: 180 degrees are 3.1416
 
 @dataclass(frozen=True)
 class Hoist(ValidatedData):
-    """Friction (Koepe) hoist with its motor on the sheave, without parts that are None or 0; all values [assumed]."""
+    """Friction (Koepe) hoist with its motor on the sheave, without parts that are None or 0.
+
+    All values [assumed].
+    """
 
     conveyance_mass: float = parameter(10.0e3, "kg", "each conveyance with its attachments")
     payload_left: float = parameter(5.0e3, "kg", "", NONNEGATIVE)
@@ -100,43 +106,44 @@ class Hoist(ValidatedData):
     slack_tension: float | None = parameter(
         None,
         "N",
-        "of the head ropes at either conveyance, below which the safety circuit opens; left out: not watched",
+        "of the head ropes at either conveyance, below which the safety circuit opens; left out: "
+        "not watched",
     )
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.drive_shaft is not None:
-            mass, bound = (
-                self.drive_shaft.motor_mass,
-                f"below sheave_mass = {self.sheave_mass:g} kg, which contains it",
-            )
+            motor_mass = self.drive_shaft.motor_mass
             require(
-                mass,
-                mass < self.sheave_mass,
-                "drive_shaft.motor_mass",
-                bound,
-                "give the motor's share",
+                motor_mass,
+                motor_mass < self.sheave_mass,
+                name="drive_shaft.motor_mass",
+                bound=f"below sheave_mass = {self.sheave_mass:g} kg, which contains it",
+                cure="give the motor's share",
             )
-
         for name in ("jam_left", "jam_right"):
             jam = getattr(self, name)
             if jam is not None:
-                bound, cure = (
-                    f"within 0 and shaft_travel = {self.shaft_travel:g} m",
-                    "give a place that it passes",
+                require(
+                    jam.height,
+                    jam.height <= self.shaft_travel,
+                    name=f"{name}.height",
+                    bound=f"within 0 and shaft_travel = {self.shaft_travel:g} m",
+                    cure="give a place that it passes",
                 )
-                require(jam.height, jam.height <= self.shaft_travel, f"{name}.height", bound, cure)
         if self.slack_tension is not None:
             lightest = GRAVITY * min(self.mass_left, self.mass_right)
-            tension, bound = (
+            require(
                 self.slack_tension,
-                f"below {lightest:.6g} N, the weight of the lighter conveyance",
+                self.slack_tension < lightest,
+                name="slack_tension",
+                bound=f"below {lightest:.6g} N, the weight of the lighter conveyance",
+                cure="give a part of it",
             )
-            require(tension, tension < lightest, "slack_tension", bound, "give a part of it")
 
     @property
     def equation_structure(self) -> "Hoist":
-        """Hoist with all numbers 0 but the count of modes: equal for hoists that share their equations."""
+        """Hoist with all numbers 0 but the count of modes: one for hoists of equal equations."""
         return with_numbers(self, repeat(0.0))
 
     @property
@@ -167,12 +174,9 @@ class Hoist(ValidatedData):
     @property
     def mass_right(self) -> float:
         """Right conveyance with its payload [kg]."""
-        empty = (
-            self.conveyance_mass
-            if self.conveyance_mass_right is None
-            else self.conveyance_mass_right
-        )
-        return empty + self.payload_right
+        if self.conveyance_mass_right is None:
+            return self.conveyance_mass + self.payload_right
+        return self.conveyance_mass_right + self.payload_right
 
     @property
     def sheave_height(self) -> float:
@@ -188,7 +192,7 @@ class Hoist(ValidatedData):
 
     @property
     def travel_loss(self) -> tuple[float, float]:
-        """Coulomb [N] and viscous [N s/m] friction at the rim and along the guides of both conveyances."""
+        """Coulomb [N] and viscous [N s/m] friction at the rim and along all guides."""
         guides = self.guides
         if guides is None:
             return self.loss_coulomb, self.loss_viscous
@@ -196,28 +200,33 @@ class Hoist(ValidatedData):
 
     @property
     def imbalance_rate(self) -> float:
-        """Change of the force that holds the hoist, per metre of travel of the left conveyance [N/m]."""
+        """Change of the holding force per metre of the left conveyance's travel [N/m]."""
         return 2.0 * GRAVITY * (self.tail_mass - self.rope_mass)
 
     def imbalance(self, travelled: float = 0.0) -> float:
-        """Return the largest difference of both sides' weights [N], `travelled` [m] from either landing."""
+        """Return the largest difference of both sides' weights [N], `travelled` m from a landing."""
         ropes = abs(self.imbalance_rate * (0.5 * self.shaft_travel - travelled))
         return GRAVITY * abs(self.mass_left - self.mass_right) + ropes
 
     @property
     def tension_ratio_limit(self) -> float:
-        """Tension ratio at which the ropes slip on the sheave, exp(mu alpha) (Euler-Eytelwein) [-]."""
+        """Tension ratio at which ropes slip on the sheave, exp(mu alpha) (Euler-Eytelwein)."""
         return math.exp(self.friction_coefficient * self.wrap_angle)
 
     def slip_safety(self, ratio: Any) -> Any:
-        """Return friction over required friction at tension ratios, (exp(mu alpha) - 1) / (ratio - 1) [-]."""
+        """Return friction over required friction, (exp(mu alpha) - 1) / (ratio - 1)."""
         excess = np.asarray(ratio - 1.0)
         limit = self.tension_ratio_limit - 1.0
         safety = np.divide(limit, excess, out=np.full(excess.shape, np.inf), where=excess > 0.0)
-        return safety if safety.ndim else float(safety)
+        if safety.ndim:
+            return safety
+        return float(safety)
 
     def torque_available(self, rate: Any) -> Any:
-        """Largest torque of the motor [N m] at a speed of rotation [rad/s], by torque and power; also of symbols."""
+        """Return the largest torque of the motor [N m] at a speed of rotation [rad/s].
+
+        Limits of torque and power hold. The speed may be a symbol.
+        """
         if self.power_limit is None:
             return self.torque_limit
         return self.power_limit / maximum(abs(rate), self.power_limit / self.torque_limit)
@@ -227,31 +236,44 @@ T = TypeVar("T")
 
 
 def with_numbers(data: T, numbers: Iterable[Any]) -> T:
-    """Return a hoist or a part of it with other numbers, or symbols, in their places; none of them is checked."""
-    left = iter(numbers)
-    made = object.__new__(type(data))
-    changed = {
-        name: with_numbers(v, left) if is_dataclass(v) else next(left) for name, v in _items(data)
-    }
-    made.__dict__.update({**vars(data), **changed})
-    return made
+    """Return a hoist or a part of it with other numbers, or symbols, in their places.
+
+    None of them is checked.
+    """
+    remaining = iter(numbers)
+    unchecked = object.__new__(type(data))
+    unchecked.__dict__.update(vars(data))
+    for name, value in _items(data):
+        if is_dataclass(value):
+            unchecked.__dict__[name] = with_numbers(value, remaining)
+        else:
+            unchecked.__dict__[name] = next(remaining)
+    return unchecked
 
 
 def _numbers(data: Any) -> Iterator[float]:
     for _, value in _items(data):
-        yield from _numbers(value) if is_dataclass(value) else [float(value)]
+        if is_dataclass(value):
+            yield from _numbers(value)
+        else:
+            yield float(value)
 
 
 def _items(data: Any) -> list[tuple[str, Any]]:
-    """Numbers and parts of a hoist or of a part of it, by name; counts of equations and what is None are none."""
-    pairs = ((field.name, getattr(data, field.name)) for field in fields(data))
-    return [
-        (name, value) for name, value in pairs if value is not None and name != "head_rope_modes"
-    ]
+    """Return numbers and parts of a hoist or of a part of it, with their names.
+
+    The count of modes and values of None are left out.
+    """
+    names = [field.name for field in fields(data) if field.name != "head_rope_modes"]
+    pairs = [(name, getattr(data, name)) for name in names]
+    return [(name, value) for name, value in pairs if value is not None]
 
 
 def hoist_with(hoist: Hoist, ropes: Sequence[tuple[float, float]]) -> Hoist:
-    """Return the hoist with its balance ropes, each (mass per length [kg/m], length [m]), as one of their mass."""
+    """Return the hoist with its balance ropes as one rope of their mass.
+
+    `ropes` has the mass per length [kg/m] and the length [m] of each.
+    """
     mass = sum_of(m for m, _ in ropes)
     length = sum_of(m * x for m, x in ropes) / mass
     return replace(hoist, tail_rope_number=1, tail_rope_mass=mass, tail_rope_length=length)

@@ -21,10 +21,8 @@ class Problems(list[str]):
         try:
             yield
         except ValueError as error:
-            self += [
-                f"{key_path}: {line}" if key_path else line
-                for line in str(error).splitlines() or [repr(error)]
-            ]
+            before = f"{key_path}: " if key_path else ""
+            self += [f"{before}{line}" for line in str(error).splitlines() or [repr(error)]]
 
     def refuse(self) -> None:
         """Raise a ValueError with all problems, if there are any."""

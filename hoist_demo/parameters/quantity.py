@@ -1,4 +1,4 @@
-"""Parameters of files and data classes: fields that state their unit and meaning, units in one spelling, values read.
+"""Parameters of files and data classes: fields with unit, meaning and bounds; reading of values.
 
 The metadata have the same names as those of rope_model's parameters.
 """
@@ -11,7 +11,7 @@ from functools import cache
 from typing import Any, Literal, NamedTuple, TypeVar, cast, get_args, get_origin, get_type_hints
 
 T = TypeVar("T")
-_MOST = 1e300  #: Largest number that can be computed with.
+_LARGEST_NUMBER = 1e300  #: Largest number that can be computed with.
 
 
 class Bounds(NamedTuple):
@@ -25,17 +25,23 @@ class Bounds(NamedTuple):
     @property
     def description(self) -> str:
         """Return the bounds in a sentence."""
-        low, high = (None if end is None else f"{end:.6g}" for end in (self.low, self.high))
-        if high is not None and low is not None and not self.opens:
-            return f"within {low} and {high}"
-        least = f"{'above' if self.opens else 'at least'} {low}" if low is not None else ""
-        most = f"at most {high}" if high is not None else ""
-        return " and ".join(filter(None, (least, most))) or "finite"
+        if self.low is not None and self.high is not None and not self.opens:
+            return f"within {self.low:.6g} and {self.high:.6g}"
+        parts = []
+        if self.low is not None:
+            word = "above" if self.opens else "at least"
+            parts.append(f"{word} {self.low:.6g}")
+        if self.high is not None:
+            parts.append(f"at most {self.high:.6g}")
+        return " and ".join(parts) or "finite"
 
     def contains(self, value: float) -> bool:
         """Return True if a number is finite and keeps them."""
-        above = self.low is None or (value > self.low if self.opens else value >= self.low)
-        return math.isfinite(value) and above and (self.high is None or value <= self.high)
+        if not math.isfinite(value):
+            return False
+        if self.low is not None and (value < self.low or (self.opens and value == self.low)):
+            return False
+        return self.high is None or value <= self.high
 
 
 POSITIVE = Bounds(0.0, opens=True)  #: Bounds of most quantities.
@@ -45,14 +51,19 @@ FRACTION = Bounds(0.0, 1.0, True, "give a fraction")  #: Bounds of a share.
 
 
 def parameter(default: T, unit: str, meaning: str = "", bounds: Bounds = POSITIVE) -> T:
-    """Return a field with its unit ("-" of a pure number), its meaning beyond its name, and its bounds."""
+    """Return a field with unit ("-" of a pure number), meaning beyond its name, and bounds."""
     return field(default=default, metadata={"unit": unit, "description": meaning, "bounds": bounds})
 
 
 def fmi_unit(unit: str) -> str:
-    """Return the unit as FMI writes it: `N s/m`, `N*s/m` and `N.s/m` are one, `m/s^2` is `m/s2`, none is `1`."""
+    """Return the unit as FMI writes it.
+
+    `N s/m` and `N*s/m` are `N.s/m`, `m/s^2` is `m/s2`, none is `1`.
+    """
     text = re.sub(r"[\s*·]+", ".", unit.strip()).replace("^", "")
-    return "1" if text in ("", "-") else text
+    if text in ("", "-"):
+        return "1"
+    return text
 
 
 Value = float | int | bool | str
@@ -85,17 +96,13 @@ class Parameter:
                 raise ValueError(f"{bad} must be true or false: write one of them")
             return value
         if self.kind == "String":
-            word = word_of(self.choices, value) if self.choices else value
-            if not isinstance(word, str):
-                what = f"one of {', '.join(self.choices)}" if self.choices else "a text"
-                raise ValueError(f"{bad} must be {what}: choose one")
-            return word
+            return self._text(value)
         if self.choices:
             value = self._code(value)
         if (
             isinstance(value, bool)
             or not isinstance(value, (int, float))
-            or not abs(value) <= _MOST
+            or not abs(value) <= _LARGEST_NUMBER
         ):
             raise ValueError(f"{bad} must be a finite number: give it in {self.unit_words}")
         if self.kind != "Real" and float(value) != round(value):
@@ -103,11 +110,26 @@ class Parameter:
         if not self.bounds.contains(value):
             cure = self.bounds.cure or f"give it in {self.unit_words}"
             raise ValueError(f"{bad} must be {self.bounds.description}: {cure}")
-        return float(value) if self.kind == "Real" else round(value)
+        if self.kind == "Real":
+            return float(value)
+        return round(value)
+
+    def _text(self, value: object) -> str:
+        """Return a text, or the choice that it names."""
+        if not self.choices:
+            text = value
+            expected = "a text"
+        else:
+            text = word_of(self.choices, value)
+            expected = f"one of {', '.join(self.choices)}"
+        if not isinstance(text, str):
+            raise ValueError(f"{self.name} = {value!r} must be {expected}: choose one")
+        return text
 
     def _code(self, value: object) -> object:
         """Return the code of a choice, given by code or by word."""
-        code = self.choices.index(word) if (word := word_of(self.choices, value)) else value
+        word = word_of(self.choices, value)
+        code = self.choices.index(word) if word else value
         if isinstance(code, bool) or code not in range(len(self.choices)):
             codes = ", ".join(f"{k} ({word})" for k, word in enumerate(self.choices))
             raise ValueError(f"{self.name} = {value!r} must be one of {codes}: give code or word")
@@ -121,37 +143,56 @@ class Parameter:
     @property
     def unit_words(self) -> str:
         """Unit as words of a sentence."""
-        return "plain numbers" if self.unit == "1" else self.unit
+        if self.unit == "1":
+            return "plain numbers"
+        return self.unit
 
     @property
     def help_text(self) -> str:
         """Meaning with its unit in brackets."""
-        return f"{self.meaning or self.name}{'' if self.unit == '1' else f' [{self.unit}]'}"
+        text = self.meaning or self.name
+        if self.unit == "1":
+            return text
+        return f"{text} [{self.unit}]"
 
 
 _KINDS = {bool: "Boolean", int: "Integer", str: "String", float: "Real"}
 
 
 def leaves(data: Any, prefix: str = "") -> Iterator[Parameter]:
-    """Yield all single values of a data class by dotted names; `brake: Brake | None` stands for the brake's own."""
+    """Yield all single values of a data class by dotted names.
+
+    `brake: Brake | None` stands for the brake's own.
+    """
     hints = get_type_hints(data)
     for one in fields(data):
-        hint, metadata, name = hints[one.name], one.metadata, f"{prefix}{one.name}"
-        kinds, start = (hint, *get_args(hint)), cast(Any, one.default)
-        unit, meaning = fmi_unit(metadata.get("unit", "")), str(metadata.get("description", ""))
+        name = f"{prefix}{one.name}"
+        hint = hints[one.name]
+        types = (hint, *get_args(hint))
+        kind = next((_KINDS[t] for t in types if t in _KINDS), None)
+        start = cast(Any, one.default)
+        meaning = str(one.metadata.get("description", ""))
         if get_origin(hint) is Literal:
             yield Parameter(name, "1", "String", start, choices=get_args(hint), meaning=meaning)
-        elif kind := next((_KINDS[t] for t in kinds if t in _KINDS), None):
+        elif kind is not None:
             yield Parameter(
-                name, unit, kind, start, metadata.get("bounds", UNBOUNDED), meaning=meaning
+                name,
+                unit=fmi_unit(one.metadata.get("unit", "")),
+                kind=kind,
+                start=start,
+                bounds=one.metadata.get("bounds", UNBOUNDED),
+                meaning=meaning,
             )
-        for part in kinds:
+        for part in types:
             if isinstance(part, type) and is_dataclass(part):
                 yield from leaves(part, f"{name}.")
 
 
 class ValidatedData:
-    """Data that are checked when they are made, each value alone; `of` stands before their names in messages."""
+    """Data that are checked when they are made, each value alone.
+
+    `of` stands before their names in messages.
+    """
 
     _of = ""
 

@@ -1,12 +1,12 @@
 """Suspension of a balance rope on its conveyances, and what follows from it.
 
-A rope hangs from a point p = (x, z) of either conveyance, counted from its centre. There the conveyance, turned by its
-yaw psi, moves the rope's end by its own motion and by
+A rope hangs from a point p = (x, z) of either conveyance, counted from its centre. There the
+conveyance, turned by its yaw psi, moves the rope's end by its own motion and by
 
     p' = R(psi) p ,    v = psi' e_Y x p' ,    a = psi'' e_Y x p' - psi'^2 p' ,
 
-and the rope's force f and moment m act on it, about its centre, as f and m + p' x f. The functions take numbers and
-CasADi expressions alike.
+and the rope's force f and moment m act on it, about its centre, as f and m + p' x f. The functions
+take numbers and CasADi expressions alike.
 """
 
 from collections.abc import Sequence
@@ -16,7 +16,8 @@ from typing import Any
 from hoist_demo.parameters.quantity import UNBOUNDED, parameter
 from rope_model.physics.elementary import cos, sin
 
-MOVED = ("x", "z", "vx", "vz", "ax", "az")  #: What a point of a conveyance has of its own.
+#: Components of a point's motion across the shaft: place, velocity, acceleration.
+MOVED = ("x", "z", "vx", "vz", "ax", "az")
 
 
 @dataclass(frozen=True)
@@ -42,19 +43,24 @@ class SuspensionOffset:
         """Origin of the rope's places, x from half-way between the conveyances' centres [m]."""
         return 0.5 * (self.x_left + self.x_right), 0.0, self.z
 
-    def apart(self, spacing: float) -> float:
-        """Distance of the rope's ends [m], of conveyances whose centres are `spacing` apart."""
+    def end_distance(self, spacing: float) -> float:
+        """Return the distance of the rope's ends [m] where conveyances are `spacing` apart."""
         return spacing + self.x_right - self.x_left
 
     def at(self, end: str) -> tuple[float, float]:
         """Return x and z of an end [m]."""
-        return (self.x_left if end == "left" else self.x_right), self.z
+        if end == "left":
+            return self.x_left, self.z
+        return self.x_right, self.z
 
 
 def motion_at(
     offset: tuple[Any, Any], centre: Sequence[Any], yaw: Any, yaw_rate: Any, yaw_acceleration: Any
 ) -> tuple[Any, ...]:
-    """Return MOVED of a conveyance's point, from its nominal place; ``centre`` is MOVED of the conveyance's centre."""
+    """Return MOVED of a conveyance's point, from its nominal place.
+
+    ``centre`` is MOVED of the conveyance's centre.
+    """
     cx, cz, cvx, cvz, cax, caz = centre
     x, z = _turned(offset, yaw)
     return (

@@ -1,21 +1,20 @@
-"""Parameters of the design of a trip: the controllers by name, the shaper's mode, and the optimisation."""
+"""Parameters of the design of a trip: controllers by name, the shaper's mode, optimisation."""
 
 from dataclasses import dataclass
 from typing import Literal
 
 from hoist_demo.parameters.quantity import NONNEGATIVE, Bounds, ValidatedData, parameter
 
-CONTROLLERS = (
-    "pi",
-    "pi-feed-forward",
-    "input-shaping",
-    "optimised-trajectory",
-)  #: Names; design.controllers has them.
+#: Names; design.controllers has them.
+CONTROLLERS = ("pi", "pi-feed-forward", "input-shaping", "optimised-trajectory")
 
 
 @dataclass(frozen=True)
 class Shaper(ValidatedData):
-    """The mode to leave at rest, as measured (metrics `swing_frequency`, `swing_damping` of a study) or modelled."""
+    """Mode that the shaper leaves at rest, measured or from the linear model.
+
+    The metrics `swing_frequency` and `swing_damping` of a study measure it.
+    """
 
     kind: Literal["ZV", "ZVD"] = parameter("ZVD", "")
     frequency: float = parameter(

@@ -4,18 +4,18 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from hoist_demo.parameters.components import require
+from hoist_demo.parameters.components import Jam, require
 from hoist_demo.parameters.hoist import Hoist
 from hoist_demo.parameters.quantity import NONNEGATIVE, UNBOUNDED, ValidatedData, parameter
 
-#: Who stops the hoist: the drive along its reference, or the brake with a regulated deceleration, its full torque, or a
-#: part of it first and the whole later.
+#: Who stops the hoist: the drive along its reference, or the brake with a regulated deceleration,
+#: its full torque, or a part of it first and the whole later.
 EmergencyLaw = Literal["drive", "deceleration", "torque", "two-stage"]
 
 
 @dataclass(frozen=True)
 class Winding(ValidatedData):
-    """One trip of the left conveyance, up when travel is positive, with waiting times before and after."""
+    """One trip of the left conveyance, up if travel is positive, with waits before and after."""
 
     travel: float = parameter(90.0, "m", "negative lowers", UNBOUNDED)
     speed: float = parameter(8.0, "m/s", "limit")
@@ -45,21 +45,31 @@ class Winding(ValidatedData):
         require(
             self.travel,
             self.travel != 0.0,
-            "travel",
-            "finite and not 0",
-            "give the length of the trip in m",
+            name="travel",
+            bound="finite and not 0",
+            cure="give the length of the trip in m",
         )
-        creep, bound = self.creep_speed, f"above 0 and at most the speed limit {self.speed:g} m/s"
-        slow = creep > 0.0 and (not self.creeps or creep <= self.speed)
-        require(creep, slow, "creep_speed", bound, "creep more slowly")
-        value, bound = (
+        require(
+            self.creep_speed,
+            self.creep_speed > 0.0 and (not self.creeps or self.creep_speed <= self.speed),
+            name="creep_speed",
+            bound=f"above 0 and at most the speed limit {self.speed:g} m/s",
+            cure="creep more slowly",
+        )
+        require(
             self.emergency_deceleration,
-            f"at least the acceleration limit {self.acceleration:g} m/s^2",
+            self.emergency_deceleration >= self.acceleration,
+            name="emergency_deceleration",
+            bound=f"at least the acceleration limit {self.acceleration:g} m/s^2",
+            cure="brake harder or wind more gently",
         )
-        cure = "brake harder or wind more gently"
-        require(value, value >= self.acceleration, "emergency_deceleration", bound, cure)
-        value, bound = self.emergency_jerk, f"at least the jerk limit {self.jerk:g} m/s^3"
-        require(value, value >= self.jerk, "emergency_jerk", bound, "shorten the brake's ramp")
+        require(
+            self.emergency_jerk,
+            self.emergency_jerk >= self.jerk,
+            name="emergency_jerk",
+            bound=f"at least the jerk limit {self.jerk:g} m/s^3",
+            cure="shorten the brake's ramp",
+        )
 
     @property
     def creeps(self) -> bool:
@@ -68,12 +78,10 @@ class Winding(ValidatedData):
 
     @property
     def tracking_end(self) -> float:
-        """Time [s] until which the drive follows the reference: an emergency stop with the brake ends that."""
-        return (
-            math.inf
-            if self.emergency_at is None or self.emergency_law == "drive"
-            else self.emergency_at
-        )
+        """Time [s] until which the drive follows the reference: an emergency stop by the brake."""
+        if self.emergency_at is None or self.emergency_law == "drive":
+            return math.inf
+        return self.emergency_at
 
 
 @dataclass(frozen=True)
@@ -86,47 +94,63 @@ class Arrival(ValidatedData):
 
 
 def require_trip_fits(hoist: Hoist, winding: Winding) -> None:
-    """Reject a trip longer than the shaft, and a law of emergency stops for a brake that is not there or too weak."""
-    travel, bound = winding.travel, f"within +- shaft_travel = {hoist.shaft_travel:g} m"
-    require(travel, abs(travel) <= hoist.shaft_travel, "travel", bound, "shorten the trip")
+    """Reject a trip longer than the shaft, and a stop for which the brake is too weak."""
+    require(
+        winding.travel,
+        abs(winding.travel) <= hoist.shaft_travel,
+        name="travel",
+        bound=f"within +- shaft_travel = {hoist.shaft_travel:g} m",
+        cure="shorten the trip",
+    )
     if winding.emergency_law == "drive":
         return
     if hoist.brake is None:
         raise ValueError(
-            f"emergency_law = {winding.emergency_law!r} must be 'drive' for a hoist without a brake: "
-            "give it one, as hoist.brake.torque = 5.5e5 (N m)"
+            f"emergency_law = {winding.emergency_law!r} must be 'drive' for a hoist without a "
+            "brake: give it one, as hoist.brake.torque = 5.5e5 (N m)"
         )
-    deceleration, capacity = (
-        winding.emergency_deceleration,
-        hoist.brake.torque / hoist.sheave_radius,
-    )
-    enough = winding.emergency_law != "deceleration" or deceleration * hoist.moving_mass <= capacity
-    bound = f"at most {capacity / hoist.moving_mass:.3g} m/s^2, what brake.torque gives all moving masses"
+    deceleration = winding.emergency_deceleration
+    capacity = hoist.brake.torque / hoist.sheave_radius
+    largest = capacity / hoist.moving_mass
     require(
         deceleration,
-        enough,
-        "emergency_deceleration",
-        bound,
-        "brake more gently or fit a stronger brake",
+        winding.emergency_law != "deceleration" or deceleration * hoist.moving_mass <= capacity,
+        name="emergency_deceleration",
+        bound=f"at most {largest:.3g} m/s^2, what brake.torque gives all moving masses",
+        cure="brake more gently or fit a stronger brake",
     )
 
 
 def require_jams_on_the_way(hoist: Hoist, winding: Winding) -> None:
-    """Reject a jam that its conveyance does not come to in a trip from landing: the trip would show nothing of it."""
+    """Reject a jam that its conveyance does not reach in a trip from its landing."""
     start, _ = start_heights(hoist, winding)
     low, high = sorted((start, start + winding.travel))
-    for name, jam, (least, most) in (
-        ("jam_left", hoist.jam_left, (low, high)),
-        ("jam_right", hoist.jam_right, (hoist.shaft_travel - high, hoist.shaft_travel - low)),
-    ):
-        if jam is not None:
-            on_the_way = least - jam.distance < jam.height < most + jam.distance
-            bound = f"within {jam.distance:g} m of {least:g} to {most:g} m, where its conveyance comes in a trip of "
-            cure = f"move the jam (hoist.{name}.height), or wind further (wind --quick winds 10 m)"
-            require(jam.height, on_the_way, f"{name}.height", f"{bound}{winding.travel:g} m", cure)
+    _require_on_the_way(hoist.jam_left, "jam_left", low, high, winding.travel)
+    travel = hoist.shaft_travel
+    _require_on_the_way(hoist.jam_right, "jam_right", travel - high, travel - low, winding.travel)
+
+
+def _require_on_the_way(jam: Jam | None, name: str, low: float, high: float, travel: float) -> None:
+    """Reject a jam that is not between the heights `low` and `high` of its conveyance [m]."""
+    if jam is None:
+        return
+    require(
+        jam.height,
+        low - jam.distance < jam.height < high + jam.distance,
+        name=f"{name}.height",
+        bound=(
+            f"within {jam.distance:g} m of {low:g} to {high:g} m, where its conveyance comes in a "
+            f"trip of {travel:g} m"
+        ),
+        cure=f"move the jam (hoist.{name}.height), or wind further (wind --quick winds 10 m)",
+    )
 
 
 def start_heights(hoist: Hoist, winding: Winding) -> tuple[float, float]:
-    """Heights of left and right conveyance before a trip [m]: the landings, left below when it is to rise."""
-    low, high = 0.0, hoist.shaft_travel
-    return (low, high) if winding.travel > 0.0 else (high, low)
+    """Return the heights of left and right conveyance before a trip [m].
+
+    They are the landings; left is the lower one if it rises.
+    """
+    if winding.travel > 0.0:
+        return 0.0, hoist.shaft_travel
+    return hoist.shaft_travel, 0.0

@@ -1,9 +1,10 @@
 """Load history of each place in the rope: extremes, cycles, vibrations, and the time in a bend.
 
-The places are the rope's stations, which stay in it while it flows through the loop. Cycles are counted by the rainflow
-method (ASTM E1049); what a record leaves open counts one half, so that trips to and fro add up to whole cycles. Counted
-are cycles of at least COUNTED of the largest range of that quantity in the rope: less is ripple.
-These are ranges, not lives: how many of them a rope bears is for its maker to say.
+The places are the rope's stations, which stay in it while it flows through the loop. Cycles are
+counted by the rainflow method (ASTM E1049); what a record leaves open counts one half, so that
+trips to and fro add up to whole cycles. Counted are cycles of at least COUNTED of the largest range
+of that quantity in the rope: less is ripple. These are ranges, not lives: how many of them a rope
+bears is for its maker to say.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,10 +16,10 @@ import rainflow
 from hoist_demo.recording.time_series import Array, Recording
 from rope_model import SIGNALS
 
-MIN_PERIODS = (
-    2.0  #: Least periods in half the record; slower motion is the trip, no vibration [assumed].
-)
-#: Least ratio of a spectral peak to the valleys beside it; a trip without vibration has lower ones [assumed].
+#: Least periods in half the record; slower motion is the trip, no vibration [assumed].
+MIN_PERIODS = 2.0
+#: Least ratio of a spectral peak to the valleys beside it; a trip without vibration has lower ones
+#: [assumed].
 MIN_PEAK_RATIO = 2.0
 MIN_ROWS = 16  #: Rows of the shortest record that has a spectrum.
 
@@ -31,11 +32,13 @@ class Spectra(NamedTuple):
 
 
 def spectra(time: Array, values: Array) -> Spectra:
-    """Return spectra of `values` (rows, places) at even times [s]; empty for a short record, NaN where values have NaN.
+    """Return spectra of `values` (rows, places) at even times [s].
 
-    Welch's method (scipy.signal.welch): halves of the record that overlap by half, each without its linear trend and
-    under a Hann window. An amplitude is that of a sine that has the power of its line. What has fewer than MIN_PERIODS
-    within such a half is the trip, no vibration.
+    Empty for a short record, NaN where values have NaN.
+
+    Welch's method (scipy.signal.welch): halves of the record that overlap by half, each without its
+    linear trend and under a Hann window. An amplitude is that of a sine that has the power of its
+    line. What has fewer than MIN_PERIODS within such a half is the trip, no vibration.
     """
     rows, places = values.shape
     if rows < MIN_ROWS:
@@ -57,9 +60,13 @@ def spectra(time: Array, values: Array) -> Spectra:
 
 
 def strongest(spectrum: Spectra) -> tuple[Array, Array]:
-    """Return frequency [Hz] and amplitude (places,) of the highest peak above MIN_PEAK_RATIO; NaN and 0 without one."""
+    """Return frequency [Hz] and amplitude (places,) of the highest peak above MIN_PEAK_RATIO.
+
+    NaN and 0 without one.
+    """
     places = spectrum.amplitude.shape[1]
-    frequency, amplitude = np.full(places, np.nan), np.zeros(places)
+    frequency = np.full(places, np.nan)
+    amplitude = np.zeros(places)
     if spectrum.frequency.size:
         from scipy.signal import find_peaks
 
@@ -68,7 +75,8 @@ def strongest(spectrum: Spectra) -> tuple[Array, Array]:
                 peaks = find_peaks(np.log(column), prominence=np.log(MIN_PEAK_RATIO))[0]
             if peaks.size:
                 best = peaks[np.argmax(column[peaks])]
-                frequency[k], amplitude[k] = spectrum.frequency[best], column[best]
+                frequency[k] = spectrum.frequency[best]
+                amplitude[k] = column[best]
             elif not np.isfinite(column).all():
                 amplitude[k] = np.nan
     return frequency, amplitude
@@ -81,21 +89,23 @@ STATION_SIGNALS = tuple(
 )
 COUNTED = 0.25  #: Part of the largest range from which on a cycle is counted [assumed].
 BENT = 0.5  #: Part of the sharpest curvature from which on a place is in a bend [assumed].
-VIBRATING = (
-    "tension",
-    "torque",
-)  #: Quantities with spectra: what bends as it passes the loop does so once.
+#: Quantities with spectra: what bends as it passes the loop does so once.
+VIBRATING = ("tension", "torque")
 #: First and last power of ten at which bins of ranges begin, in N, 1/m and N m.
 _DECADES = {"tension": (1, 5), "curvature": (-3, 0), "torque": (-1, 2)}
 
-#: Where the bins of the ranges of each quantity begin; each ends at the next one, the last has no end. The same for all
-#: ropes, so that what several records have adds up.
-BINS = {
-    name: tuple(
-        float(f"{digit}e{power}") for power in range(first, last + 1) for digit in (1, 2, 5)
-    )
-    for name, (first, last) in _DECADES.items()
-}
+
+def _one_two_five(first: int, last: int) -> tuple[float, ...]:
+    """Return 1, 2 and 5 times each power of ten."""
+    edges = list[float]()
+    for power in range(first, last + 1):
+        edges += [float(f"1e{power}"), float(f"2e{power}"), float(f"5e{power}")]
+    return tuple(edges)
+
+
+#: Where the bins of the ranges of each quantity begin; each ends at the next one, the last has no
+#: end. The same for all ropes, so that what several records have adds up.
+BINS = {name: _one_two_five(first, last) for name, (first, last) in _DECADES.items()}
 
 #: How columns of several records come together that do not add up.
 _JOINED = {"least": np.minimum} | dict.fromkeys(("largest", "range", "amplitude"), np.maximum)
@@ -130,14 +140,17 @@ _PLACES = ("station", "s")
 
 
 def exposure(recording: Recording, parameters: Mapping[str, Any]) -> Recording | None:
-    """Return a row per station from the left end on, at places by the rope's `parameters`; None without stations."""
+    """Return a row per station from the left end on, at places by the rope's `parameters`.
+
+    None without stations.
+    """
     rows = {name: at_stations(recording, name) for name in QUANTITIES}
     if any(values.size == 0 for values in rows.values()):
         return None
     count = rows["tension"].shape[1]
-    first, last, length = (
-        float(parameters[name]) for name in ("station.first", "station.last", "rope.length")
-    )
+    first = float(parameters["station.first"])
+    last = float(parameters["station.last"])
+    length = float(parameters["rope.length"])
     columns = {
         "station": np.arange(1.0, count + 1.0),
         "s": length * np.linspace(first, last, count),
@@ -154,7 +167,8 @@ def exposure(recording: Recording, parameters: Mapping[str, Any]) -> Recording |
 
 def spectra_table(recording: Recording) -> Recording:
     """Return the amplitudes over frequency at each station, `tension[1]` and so on."""
-    columns, units = dict[str, Array](), {"frequency": "Hz"}
+    columns = dict[str, Array]()
+    units = {"frequency": "Hz"}
     for name in VIBRATING:
         of_stations = spectra(recording.time, at_stations(recording, name))
         amplitudes = {
@@ -165,7 +179,7 @@ def spectra_table(recording: Recording) -> Recording:
     return Recording(columns, units)
 
 
-def together(parts: Sequence[Recording]) -> Recording:
+def joined_exposure(parts: Sequence[Recording]) -> Recording:
     """Join the records of the same stations, one after the other: cycles and times add up."""
     columns = {name: _joint(parts, name) for name in parts[0].signals if name not in _PLACES}
     return Recording({name: parts[0][name] for name in _PLACES} | columns, parts[0].units)
@@ -183,11 +197,11 @@ def _joint(parts: Sequence[Recording], name: str) -> Array:
 
 def flatten(exposed: Recording) -> dict[str, float]:
     """Return the table as one row: `station.bent[1]` and so on."""
-    return {
-        f"station.{name}[{k + 1}]": float(value)
-        for name, column in exposed.signals.items()
-        for k, value in enumerate(column)
-    }
+    row = dict[str, float]()
+    for name, column in exposed.signals.items():
+        for station, value in enumerate(column, 1):
+            row[f"station.{name}[{station}]"] = float(value)
+    return row
 
 
 def gather(row: Mapping[str, float]) -> Recording:
@@ -208,32 +222,46 @@ def at_stations(recording: Recording, name: str) -> Array:
 
 
 def _extremes(name: str, time: Array, values: Array) -> dict[str, Array]:
-    least, largest = values.argmin(axis=0), values.argmax(axis=0)
     return {
         f"{name}.least": values.min(axis=0),
-        f"{name}.least_at": time[least],
+        f"{name}.least_at": time[values.argmin(axis=0)],
         f"{name}.largest": values.max(axis=0),
-        f"{name}.largest_at": time[largest],
+        f"{name}.largest_at": time[values.argmax(axis=0)],
     }
 
 
 def _counted(name: str, values: Array) -> dict[str, Array]:
-    """Largest range, number of counted cycles, and cycles by range at each station, of a record (rows, stations)."""
+    """Return the largest range, the counted cycles, and cycles by range at each station.
+
+    The record `values` has the shape (rows, stations).
+    """
     keys = [f"{name}.range", f"{name}.cycles", *bin_columns(name)]
     if not np.isfinite(values).all():
         return dict.fromkeys(keys, np.full(values.shape[1], np.nan))
-    cycles = [
-        [(size, count) for size, _, count, _, _ in rainflow.extract_cycles(column)]
-        for column in values.T
-    ]
-    ranges = np.array([max((size for size, _ in station), default=0.0) for station in cycles])
+    cycles = [_cycles(column) for column in values.T]
+    ranges = np.array([max(station.ranges, default=0.0) for station in cycles])
     least = COUNTED * float(np.max(ranges))
-    counted = np.array(
-        [sum(count for size, count in station if size >= least > 0.0) for station in cycles]
-    )
+    counted = np.array([station.number_above(least) for station in cycles])
     edges = (*BINS[name], np.inf)
-    binned = [
-        np.histogram([x for x, _ in station], edges, weights=[n for _, n in station])[0]
-        for station in cycles
-    ]
+    binned = [np.histogram(station.ranges, edges, weights=station.counts)[0] for station in cycles]
     return dict(zip(keys, (ranges, counted, *np.transpose(binned)), strict=True))
+
+
+class _Cycles(NamedTuple):
+    """Cycles of a quantity at one station."""
+
+    ranges: list[float]
+    counts: list[float]  # 1, or 0.5 for a half cycle
+
+    def number_above(self, least: float) -> float:
+        """Return the number of cycles of at least this range; 0 if it is 0."""
+        pairs = zip(self.ranges, self.counts, strict=True)
+        return sum(count for size, count in pairs if size >= least > 0.0)
+
+
+def _cycles(column: Array) -> _Cycles:
+    cycles = _Cycles([], [])
+    for size, _, count, _, _ in rainflow.extract_cycles(column):
+        cycles.ranges.append(size)
+        cycles.counts.append(count)
+    return cycles

@@ -1,11 +1,15 @@
-"""Signals that a fidelity leaves out. The rope shows them as zero, which looks like a result; here they are NaN.
+"""Signals that a fidelity leaves out.
 
-On a rope that carries no torque the zeros of what only torque makes are the complete model's own, so they stay.
+The rope shows them as zero, which looks like a result; here they are NaN.
+
+On a rope that carries no torque the zeros of what only torque makes are the complete model's own,
+so they stay.
 """
 
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import lru_cache
+from itertools import groupby
 
 import numpy as np
 
@@ -19,7 +23,9 @@ CODES = tuple(CHOICES["model.fidelity"])
 
 def code_of(fidelity: str) -> float:
     """Return the code of a fidelity as a signal; NaN for "", of a rope that does not run."""
-    return float(CODES.index(fidelity)) if fidelity in CODES else float("nan")
+    if fidelity in CODES:
+        return float(CODES.index(fidelity))
+    return float("nan")
 
 
 def mask_neglected(recording: Recording, torque_free: bool) -> Recording:
@@ -29,23 +35,25 @@ def mask_neglected(recording: Recording, torque_free: bool) -> Recording:
     signals = dict(recording.signals)
     for fidelity in FIDELITIES:
         rows = recording[FIDELITY] == code_of(fidelity)
+        if not bool(rows.any()):
+            continue
         effects = tuple(
             effect
             for effect in neglected_effects(fidelity)
             if not (effect.by_torque and torque_free)
         )
-        for name in _names(effects, tuple(recording.signals)) if bool(rows.any()) else ():
+        for name in _names(effects, tuple(recording.signals)):
             signals[name] = np.where(rows, np.nan, signals[name])
     return replace(recording, signals=signals)
 
 
 def fidelities_of(recording: Recording) -> list[str]:
     """Return the fidelities that ran, from the first row to the last."""
-    codes = recording[FIDELITY] if FIDELITY in recording else np.array([])
-    finite_codes = codes[np.isfinite(codes)].astype(int)
-    return [
-        CODES[code] for k, code in enumerate(finite_codes) if k == 0 or code != finite_codes[k - 1]
-    ]
+    if FIDELITY not in recording:
+        return []
+    codes = recording[FIDELITY]
+    finite = codes[np.isfinite(codes)].astype(int)
+    return [CODES[code] for code, _ in groupby(finite)]
 
 
 def remark(recording: Recording) -> str:
@@ -55,21 +63,30 @@ def remark(recording: Recording) -> str:
         effects = [
             effect
             for effect in neglected_effects(fidelity)
-            if any(np.isnan(recording[name]).any() for name in _names((effect,), names))
+            if _lacks_values(recording, _names((effect,), names))
         ]
         if effects and fidelity in fidelities_of(recording):
             label = ", ".join(effect.words for effect in effects)
             return (
-                f"the rope ran as its {fidelity} model{_when(fidelity, recording)}, which does not compute {label}; "
-                "none of that is shown. Set model.fidelity = 1 (torsional), or take the level standard"
+                f"the rope ran as its {fidelity} model{_when(fidelity, recording)}, which does not "
+                f"compute {label}; none of that is shown. Set model.fidelity = 1 (torsional), or "
+                "take the level standard"
             )
     return ""
 
 
+def _lacks_values(recording: Recording, names: Iterable[str]) -> bool:
+    """Return True if one of these signals is NaN somewhere."""
+    return any(bool(np.isnan(recording[name]).any()) for name in names)
+
+
 def drop_duplicates_of_remark(warnings: Iterable[str], recording: Recording) -> list[str]:
-    """Return the warnings without those that say what `remark` does, which adds the time."""
-    sentences = [*filter(None, map(neglected_text, FIDELITIES))] if remark(recording) else []
-    return [text for text in warnings if not any(own in text for own in sentences)]
+    """Return the warnings without those that repeat `remark`, which adds the time."""
+    kept = list(warnings)
+    if remark(recording):
+        for sentence in filter(None, map(neglected_text, FIDELITIES)):
+            kept = [text for text in kept if sentence not in text]
+    return kept
 
 
 def _when(fidelity: str, recording: Recording) -> str:
@@ -83,4 +100,7 @@ def _when(fidelity: str, recording: Recording) -> str:
 
 @lru_cache(maxsize=16)  # a study's recordings are alike
 def _names(effects: tuple[Effect, ...], signals: tuple[str, ...]) -> tuple[str, ...]:
-    return tuple(name for name in signals if any(effect.has(name) for effect in effects))
+    affected = set[str]()
+    for effect in effects:
+        affected |= {name for name in signals if effect.has(name)}
+    return tuple(name for name in signals if name in affected)

@@ -18,20 +18,23 @@ class JamEvent(NamedTuple):
     side: str
     t: float  # s, of the first sample that shows it
     height: float  # m, of the suspension there
-    stopping_distance: (
-        float | None
-    )  # m, from there to where it first stood still; None: it went through
+    # m, from there to where it first stood still; None: it went through
+    stopping_distance: float | None
     deceleration: float  # m/s^2, largest change of speed, until then
 
 
 class Stop(NamedTuple):
-    """An emergency stop of one conveyance, and where it goes from there: it swings, or the sheave does not hold it."""
+    """Emergency stop of one conveyance, and its way after it.
+
+    It swings, or the sheave does not hold it.
+    """
 
     side: str
     stopping_distance: float  # m, its own, until it first stands still
     time: float | None  # s, until then; None: it never does
     then: float = 0.0  # m, farthest from there later, positive upwards
-    held: bool = True  # by the head ropes on the sheave, from where these first stand to the end of the record
+    # by the head ropes on the sheave, from where these first stand to the end of the record
+    held: bool = True
     speed: float = 0.0  # m/s, at the end of the record
     farthest: float = 0.0  # m, from where the stop began
 
@@ -50,59 +53,88 @@ def jams(recording: Recording) -> list[JamEvent]:
     events = []
     for side in SIDES:
         name = f"drive.jam_{side}"
-        held = np.flatnonzero(recording[name]) if name in recording else np.array([], dtype=np.intp)
-        if not held.size:
+        if name not in recording or not recording[name].any():
             continue
+        held = np.flatnonzero(recording[name])
         k = int(held[0])
-        y, vy, ay = (
-            recording[f"conveyance.{side}.{quantity}"][k:] for quantity in ("y", "vy", "ay")
+        y = recording[f"conveyance.{side}.y"][k:]
+        vy = recording[f"conveyance.{side}.vy"][k:]
+        ay = recording[f"conveyance.{side}.ay"][k:]
+        distance = None
+        last = _first_stand(vy)
+        if last is not None and recording[name][k + last] != 0.0:
+            distance = abs(float(y[last] - y[0]))
+        else:
+            last = int(held[-1]) - k
+        events.append(
+            JamEvent(
+                side,
+                t=float(recording.time[k]),
+                height=float(y[0]),
+                stopping_distance=distance,
+                deceleration=float(np.max(np.abs(ay[: last + 1]))),
+            )
         )
-        turned = _stands(vy)
-        stood = turned is not None and recording[name][k + turned] != 0.0
-        last = turned if turned is not None and stood else int(held[-1]) - k
-        distance = abs(float(y[last] - y[0])) if stood else None
-        hardest = float(np.max(np.abs(ay[: last + 1])))
-        events.append(JamEvent(side, float(recording.time[k]), float(y[0]), distance, hardest))
     return sorted(events, key=attrgetter("t"))
 
 
-STILL = 0.05  #: Speed below which a conveyance or a sheave that is stopped counts as standing still [m/s, assumed].
-RECOIL = 2.0  #: Time within which a sheave that brake or motor holds turns back [s, assumed]; conveyances may swing on.
+#: Speed below which a conveyance or a sheave that is stopped counts as standing still [m/s,
+#: assumed].
+STILL = 0.05
+#: Time within which a sheave that brake or motor holds turns back [s, assumed]; conveyances may
+#: swing on.
+RECOIL = 2.0
 
 
-def _stands(speeds: Array, still: float = 0.0) -> int | None:
-    """Return the first sample at which what moved at first has at most this speed [m/s]; None where it goes on."""
-    turned = np.flatnonzero(speeds * np.sign(speeds[0]) <= still)
-    return int(turned[0]) if turned.size else None
+#: Part by which a tension ratio of ropes that slid is set above the limit.
+ABOVE_LIMIT = 1e-9
+#: Difference of two instants that rounding explains [s].
+TIME_ROUNDING = 1e-6
+
+
+def _first_stand(speeds: Array, still: float = 0.0) -> int | None:
+    """Return the first sample at which what moved at first has at most this speed [m/s].
+
+    None where it goes on.
+    """
+    slow = np.flatnonzero(speeds * np.sign(speeds[0]) <= still)
+    if slow.size:
+        return int(slow[0])
+    return None
 
 
 def stops(recording: Recording, begin: float | None, radius: float) -> list[Stop]:
     """Return the emergency stop of each conveyance, `begin` [s] after the start of the record.
 
-    Whether it is held is judged by the head ropes on the sheave of this radius [m]: a conveyance swings on them, in a
-    deep shaft for longer than any brake lets them run.
+    Whether it is held is judged by the head ropes on the sheave of this radius [m]: a conveyance
+    swings on them, in a deep shaft for longer than any brake lets them run.
     """
     if begin is None or not recording.has(
-        "drive.rate", *(f"conveyance.{side}.vy" for side in SIDES)
+        "drive.rate", "conveyance.left.vy", "conveyance.right.vy"
     ):
         return []
-    conveyances = []
     k = int(np.searchsorted(recording.time - recording.time[0], begin))
     t = recording.time[k:]
-    held = bool(t.size) and _holds(t, _rope_speed(recording, radius)[k:])
-    for side in SIDES if t.size else ():
-        y, vy = (recording[f"conveyance.{side}.{name}"][k:] for name in ("y", "vy"))
-        turned = _stands(vy, STILL)
-        last = t.size - 1 if turned is None else turned
-        way, then = np.abs(y - y[0]), max((y[last:] - y[last]).tolist(), key=abs)
-        time = None if turned is None else float(t[last] - t[0])
-        way_stopped, farthest, speed = (
-            float(np.max(way[: last + 1])),
-            float(np.max(way)),
-            float(vy[-1]),
-        )
+    if not t.size:
+        return []
+    held = _holds(t, _rope_speed(recording, radius)[k:])
+    conveyances = []
+    for side in SIDES:
+        y = recording[f"conveyance.{side}.y"][k:]
+        vy = recording[f"conveyance.{side}.vy"][k:]
+        way = np.abs(y - y[0])
+        stand = _first_stand(vy, STILL)
+        last = t.size - 1 if stand is None else stand
         conveyances.append(
-            Stop(side, way_stopped, time, then, held and turned is not None, speed, farthest)
+            Stop(
+                side,
+                stopping_distance=float(np.max(way[: last + 1])),
+                time=None if stand is None else float(t[last] - t[0]),
+                then=max((y[last:] - y[last]).tolist(), key=abs),
+                held=held and stand is not None,
+                speed=float(vy[-1]),
+                farthest=float(np.max(way)),
+            )
         )
     return conveyances
 
@@ -110,23 +142,22 @@ def stops(recording: Recording, begin: float | None, radius: float) -> list[Stop
 def _rope_speed(recording: Recording, radius: float) -> Array:
     """Return the speed of the head ropes on the sheave [m/s]: of its rim, and of their slip."""
     rim = radius * recording["drive.rate"]
-    return np.asarray(
-        rim + recording["drive.slip_speed"] if "drive.slip_speed" in recording else rim
-    )
+    if "drive.slip_speed" in recording:
+        return np.asarray(rim + recording["drive.slip_speed"])
+    return np.asarray(rim)
 
 
 def _holds(time: Array, speeds: Array) -> bool:
-    """Return True if ropes that are stopped come to stand, and then neither run for long nor as the record ends."""
-    stood = _stands(speeds, STILL)
-    if stood is None:
+    """Return True if stopped ropes come to stand, and then run neither for long nor at the end."""
+    stand = _first_stand(speeds, STILL)
+    if stand is None:
         return False
-    sense = np.where(np.abs(speeds[stood:]) > STILL, np.sign(speeds[stood:]), 0.0)
+    sense = np.where(np.abs(speeds[stand:]) > STILL, np.sign(speeds[stand:]), 0.0)
     if sense[-1] != 0.0:
         return False
-    turns = [0, *(np.flatnonzero(np.diff(sense)) + 1).tolist(), len(sense)]
+    turns = [0, *(np.flatnonzero(np.diff(sense)) + 1).tolist()]
     return not any(
-        sense[i] != 0.0 and time[stood + j] - time[stood + i] > RECOIL
-        for i, j in pairwise(turns[:-1])
+        sense[i] != 0.0 and time[stand + j] - time[stand + i] > RECOIL for i, j in pairwise(turns)
     )
 
 
@@ -136,11 +167,14 @@ def slack_ropes(recording: Recording) -> list[SlackRopes]:
     for side in SIDES:
         name = f"drive.slack_{side}"
         if name in recording and bool(np.any(recording[name] > 0.0)):
-            slack, time = recording[name], recording.time
-            duration = float(np.sum(np.diff(time)[slack[:-1] > 0.0]))
+            slack = recording[name]
+            time = recording.time
             sides.append(
                 SlackRopes(
-                    side, float(time[np.argmax(slack > 0.0)]), duration, float(np.max(slack))
+                    side,
+                    t=float(time[np.argmax(slack > 0.0)]),
+                    duration=float(np.sum(np.diff(time)[slack[:-1] > 0.0])),
+                    length=float(np.max(slack)),
                 )
             )
     return sorted(sides, key=attrgetter("t"))
@@ -151,8 +185,9 @@ ALIKE = "make the two sides more alike in weight"  #: What gives friction more r
 
 #: Words on head ropes that hold where friction alone would not.
 IN_SPITE = (
-    "the model lets them hold, so nothing after that instant is a prediction. Let them slip (hoist.lining.sliding = "
-    f"0.8), brake or accelerate more gently (winding.emergency_deceleration, winding.acceleration), or {ALIKE}"
+    "the model lets them hold, so nothing after that instant is a prediction. Let them slip "
+    "(hoist.lining.sliding = 0.8), brake or accelerate more gently "
+    f"(winding.emergency_deceleration, winding.acceleration), or {ALIKE}"
 )
 
 
@@ -171,7 +206,8 @@ def slip(recording: Recording) -> Slip | None:
     """Return the slip of a run; None if the ropes held."""
     if not recording.has(*SLIP_SIGNALS):
         return None
-    position, time = recording["drive.slip"], recording.time
+    position = recording["drive.slip"]
+    time = recording.time
     slid = np.flatnonzero(np.diff(position))
     if not slid.size:
         return None
@@ -186,17 +222,19 @@ def slip(recording: Recording) -> Slip | None:
 
 
 def tension_ratios(recording: Recording, limit: float) -> Array:
-    """Return the ratios of the head ropes' tensions [-], just above the limit where they slid since the last sample."""
+    """Return the ratios of the head ropes' tensions [-].
+
+    Where the ropes slid since the last sample, the ratio is just above the limit.
+    """
     ratio = recording["drive.tension_ratio"].copy()
     if recording.has(*SLIP_SIGNALS):
         slid = np.flatnonzero(np.diff(recording["drive.slip"])) + 1
-        ratio[slid] = np.maximum(ratio[slid], limit * (1.0 + 1e-9))
+        ratio[slid] = np.maximum(ratio[slid], limit * (1.0 + ABOVE_LIMIT))
     return ratio
 
 
-GUARD_SIGNALS = frozenset(
-    {"guard.tripped", "guard.cause", "guard.time"}
-)  #: Outputs of the rope's guards.
+#: Outputs of the rope's guards.
+GUARD_SIGNALS = frozenset({"guard.tripped", "guard.cause", "guard.time"})
 GUARD_CODES = dict(enumerate(GUARD_CAUSES, start=1))  #: What `guard.cause` stands for.
 
 
@@ -214,11 +252,10 @@ class GuardTrip(NamedTuple):
 
 def guard_trip(recording: Recording) -> GuardTrip | None:
     """Return the guard's trip in a run; None if there was none."""
-    if (
-        not recording.has(*GUARD_SIGNALS)
-        or not recording["guard.tripped"].size
-        or recording["guard.tripped"][-1] < 0.5
-    ):
+    if not recording.has(*GUARD_SIGNALS):
+        return None
+    tripped = recording["guard.tripped"]
+    if not tripped.size or tripped[-1] < 0.5:
         return None
     return GuardTrip(float(recording["guard.time"][-1]), int(recording["guard.cause"][-1]))
 
@@ -226,34 +263,36 @@ def guard_trip(recording: Recording) -> GuardTrip | None:
 def incidents(recording: Recording) -> str:
     """Describe guards that tripped, jams, slack head ropes and slip: the end of a sentence."""
     sentences = []
-    if (trip := guard_trip(recording)) is not None:
+    trip = guard_trip(recording)
+    if trip is not None:
         sentences.append(f"its guard tripped at t = {trip.t:.4g} s ({trip.cause})")
     for jam in jams(recording):
-        through = jam.stopping_distance is None
-        course = (
-            "was held by a narrow place of its guides, and went through," if through else "jammed"
-        )
+        course = "jammed"
+        if jam.stopping_distance is None:
+            course = "was held by a narrow place of its guides, and went through,"
         sentences.append(f"the {jam.side} conveyance {course} at t = {jam.t:.4g} s")
-    sentences += [
-        f"the head ropes of the {slack.side} conveyance were slack from t = {slack.t:.4g} s on, by "
-        f"{slack.length:.3g} m at most"
-        for slack in slack_ropes(recording)
-    ]
-    if (slid := slip(recording)) is not None:
-        still = f", and still slip at {abs(slid.last):.3g} m/s when it ends" if slid.last else ""
+    for slack in slack_ropes(recording):
         sentences.append(
-            f"the head ropes slipped {slid.slid_distance:.3g} m on the sheave from t = {slid.t:.4g} s on, at up to "
-            f"{slid.speed:.3g} m/s{still}"
+            f"the head ropes of the {slack.side} conveyance were slack from t = {slack.t:.4g} s "
+            f"on, by {slack.length:.3g} m at most"
         )
+    of_run = slip(recording)
+    if of_run is not None:
+        sentence = (
+            f"the head ropes slipped {of_run.slid_distance:.3g} m on the sheave from t = "
+            f"{of_run.t:.4g} s on, at up to {of_run.speed:.3g} m/s"
+        )
+        if of_run.last:
+            sentence += f", and still slip at {abs(of_run.last):.3g} m/s when it ends"
+        sentences.append(sentence)
     return "".join(f"; {text}" for text in sentences)
 
 
 def circuit_stop(recording: Recording, at: float) -> str:
     """Describe a stop that the safety circuit began `at` [s] after the start of the record."""
-    t, trip = float(recording.time[0]) + at, guard_trip(recording)
-    why = (
-        ""
-        if trip is not None and trip.t <= t + 1e-6
-        else ": head ropes pulled less than hoist.slack_tension"
-    )
-    return f"emergency stop at t = {t:.4g} s{why}"
+    t = float(recording.time[0]) + at
+    trip = guard_trip(recording)
+    text = f"emergency stop at t = {t:.4g} s"
+    if trip is not None and trip.t <= t + TIME_ROUNDING:
+        return text
+    return f"{text}: head ropes pulled less than hoist.slack_tension"

@@ -26,67 +26,91 @@ PASSAGE_SIGNALS = frozenset(
     | {_DISSIPATED}
 )
 
-PASSED = "passed"  #: Word of ``passages`` for bodies that did not hold the rope: later results describe no real rope.
+#: Word of ``passages`` for bodies that did not hold the rope: later results describe no real rope.
+PASSED = "passed"
 
 
 def passages(recording: Recording, rope: str = "the rope") -> str:
-    """Return what ``rope`` has struck or passed through so far, with times and places; "" for nothing."""
-    met = [
-        _met(recording, label, f"nearest.{name}.touched_at", f"nearest.{name}.y")
-        if _last(recording, f"nearest.{name}.clearance", 1.0) <= 0.0
-        else _briefly(recording, label, [f"contact.{name}"])
-        for name, label in BODIES.items()
-        if _last(recording, f"nearest.{name}.clearance", 1.0) <= 0.0 or _pressed(recording, name)
-    ]
+    """Return what ``rope`` has struck or passed through so far, with times and places.
+
+    "" for nothing.
+    """
+    touched = list[str]()
+    for name, label in BODIES.items():
+        if _last(recording, f"nearest.{name}.clearance", 1.0) <= 0.0:
+            since = f"nearest.{name}.touched_at"
+            touched.append(_deepest(recording, label, since, f"nearest.{name}.y"))
+        elif _pressed(recording, name):
+            touched.append(_first_contact(recording, label, [f"contact.{name}"]))
     # contact for a moment between two rows leaves its dissipated energy
-    itself = _pressed(recording, "rope")
-    dissipated = _DISSIPATED in recording and bool(np.any(_shows(recording, _DISSIPATED)))
-    held = any(_pressed(recording, name) for name in BODIES) or (
-        dissipated and not itself and bool(met)
-    )
-    itself |= dissipated and not held
-    struck, into, through = (met, [], []) if held else ([], met, [])
-    if _last(recording, "loop.crossings") > 0.0:
-        through.append(
-            f"its other leg or what hangs above that (t = {_last(recording, 'loop.crossed_at'):.4g} s, around y = "
-            f"{_last(recording, 'loop.crossed_y'):.4g} m)"
-        )
+    dissipated = _DISSIPATED in recording and bool(np.any(_in_contact(recording, _DISSIPATED)))
+    presses_itself = _pressed(recording, "rope")
+    held = any(_pressed(recording, name) for name in BODIES)
+    held |= dissipated and not presses_itself and bool(touched)
+    presses_itself |= dissipated and not held
+    struck = list(touched) if held else []
+    into = [] if held else list(touched)
     if _last(recording, "loop.overlap") > 0.0:
-        legs = _met(recording, "its other leg", "loop.touched_at", "loop.touched_y")
-        (struck if itself else into).append(legs)
-    elif itself:
-        struck.append(
-            _briefly(recording, "itself", ["contact.rope", *([] if held else [_DISSIPATED])])
+        legs = _deepest(recording, "its other leg", "loop.touched_at", "loop.touched_y")
+        if presses_itself:
+            struck.append(legs)
+        else:
+            into.append(legs)
+    elif presses_itself:
+        signs = ["contact.rope"]
+        if not held:
+            signs.append(_DISSIPATED)
+        struck.append(_first_contact(recording, "itself", signs))
+    sentences = []
+    if struck:
+        sentences.append(f"struck {' and '.join(struck)}")
+    if into:
+        sentences.append(f"passed into {' and '.join(into)}")
+    if _last(recording, "loop.crossings") > 0.0:
+        t = _last(recording, "loop.crossed_at")
+        y = _last(recording, "loop.crossed_y")
+        sentences.append(
+            "passed through its other leg or what hangs above that "
+            f"(t = {t:.4g} s, around y = {y:.4g} m)"
         )
-    sentences = [f"struck {' and '.join(struck)}"] if struck else []
-    sentences += [f"passed into {' and '.join(into)}"] if into else []
-    sentences += [f"passed through {' and '.join(through)}"] if through else []
-    return f"{rope} {' and '.join(sentences)}" if sentences else ""
+    if sentences:
+        return f"{rope} {' and '.join(sentences)}"
+    return ""
 
 
 def without_passages(warnings: Iterable[str]) -> list[str]:
-    """Return the rope's warnings but those of which `passages` tells all."""
-    return [text for text in warnings if not any(phrase in text for phrase in _PASSAGE_WARNINGS)]
+    """Return the rope's warnings but those that `passages` repeats in full."""
+    kept = list(warnings)
+    for phrase in _PASSAGE_WARNINGS:
+        kept = [text for text in kept if phrase not in text]
+    return kept
 
 
 #: Phrases in warnings that have no cure, which `passages` says, too.
 _PASSAGE_WARNINGS = ("the rope has struck", "the rope has passed into")
 
 
-def _met(recording: Recording, label: str, since: str, y: str) -> str:
-    return f"{label} (from t = {_last(recording, since):.4g} s on, deepest at y = {_last(recording, y):.4g} m)"
+def _deepest(recording: Recording, label: str, since: str, y: str) -> str:
+    """Return ``label`` with the values of the signals ``since`` and ``y`` of a touched body."""
+    return (
+        f"{label} (from t = {_last(recording, since):.4g} s on, deepest at y = "
+        f"{_last(recording, y):.4g} m)"
+    )
 
 
-def _briefly(recording: Recording, label: str, names: Sequence[str]) -> str:
-    """Return ``words`` with the time of the first row that shows contact, where its depth is unknown or too small."""
-    shown = [_shows(recording, name) for name in names if name in recording]
-    return f"{label} (from t = {recording.time[np.argmax(np.any(shown, axis=0))]:.4g} s on)"
+def _first_contact(recording: Recording, label: str, names: Sequence[str]) -> str:
+    """Return ``label`` with the time of the first row that shows contact in ``names``."""
+    in_contact = [_in_contact(recording, name) for name in names if name in recording]
+    first = np.argmax(np.any(in_contact, axis=0))
+    return f"{label} (from t = {recording.time[first]:.4g} s on)"
 
 
-def _shows(recording: Recording, name: str) -> NDArray[np.bool_]:
+def _in_contact(recording: Recording, name: str) -> NDArray[np.bool_]:
     """Return the mask (rows,) of contact, without what was dissipated before the record."""
     values = recording[name]
-    return values > (values[:1] if name == _DISSIPATED else 0.0)
+    if name == _DISSIPATED:
+        return values > values[:1]
+    return values > 0.0
 
 
 def _pressed(recording: Recording, name: str) -> bool:
@@ -104,4 +128,6 @@ def without_absent(recording: Recording) -> Recording:
 
 
 def _last(recording: Recording, name: str, absent: float = 0.0) -> float:
-    return float(recording[name][-1]) if name in recording else absent
+    if name not in recording:
+        return absent
+    return float(recording[name][-1])

@@ -1,7 +1,8 @@
 """Time series of all signals, and their CSV files.
 
-The CSV files carry no clock and no date: the same run writes the same bytes. The rope's shape samples go into a file
-of their own, at a few instants, because hundreds of columns would bury the rest, as would those of the stations.
+The CSV files carry no clock and no date: the same run writes the same bytes. The rope's shape
+samples go into a file of their own, at a few instants, because hundreds of columns would bury the
+rest, as would those of the stations.
 """
 
 import csv
@@ -44,30 +45,47 @@ class Recording:
         return self.signals[TIME]
 
     def seconds(self, flag: str) -> float:
-        """Return the time during which a 0/1 signal is 1 [s], each value holding until the next row."""
-        return float(np.sum(np.diff(self.time) * self[flag][:-1])) if flag in self else 0.0
+        """Return the time during which a 0/1 signal is 1 [s]; a value holds until the next row."""
+        if flag not in self:
+            return 0.0
+        return float(np.sum(np.diff(self.time) * self[flag][:-1]))
 
     def shape_at(self, row: int) -> Array | None:
-        """Return the rope's points at a row from left to right, shape (n, 3) [m]; None if not recorded."""
+        """Return the rope's points at a row from left to right, shape (n, 3) [m].
+
+        None if not recorded.
+        """
         shapes = self.shapes_at([row])
-        return None if shapes is None else shapes[0]
+        if shapes is None:
+            return None
+        shape: Array = shapes[0]
+        return shape
 
     def shapes_at(self, rows: Sequence[int]) -> Array | None:
-        """Return the rope's points at several rows, shape (rows, n, 3) [m]; None if not recorded."""
+        """Return the rope's points at several rows, shape (rows, n, 3) [m].
+
+        None if not recorded.
+        """
         count = sum(1 for name in self.signals if name.startswith("shape.x["))
         if count == 0:
             return None
-        columns = [
-            [self.signals[f"shape.{axis}[{i + 1}]"][rows] for i in range(count)] for axis in "xyz"
-        ]
-        return np.ascontiguousarray(np.array(columns, dtype=np.float64).T)
+        points = np.empty((len(rows), count, 3))
+        for k, axis in enumerate("xyz"):
+            for i in range(count):
+                points[:, i, k] = self.signals[f"shape.{axis}[{i + 1}]"][rows]
+        return points
 
     def along(self, name: str) -> Array | None:
-        """Return `tension` or its like at the rope's points, shape (rows, n); None if not recorded."""
+        """Return `tension` or its like at the rope's points, shape (rows, n).
+
+        None if not recorded.
+        """
         columns = [
             values for key, values in self.signals.items() if key.startswith(f"shape.{name}[")
         ]
-        return np.array(columns, dtype=np.float64).T if columns else None
+        if not columns:
+            return None
+        return np.array(columns, dtype=np.float64).T
 
 
 class Recorder:
@@ -75,8 +93,11 @@ class Recorder:
 
     def __init__(self, names: Sequence[str], units: Mapping[str, str], size: int) -> None:
         """Allocate so many rows of these signals."""
-        self.names, self.size, self.count = tuple(names), size, 0
-        self._units, self._table = dict(units), np.empty((size, len(self.names)))
+        self.names = tuple(names)
+        self.size = size
+        self.count = 0
+        self._units = dict(units)
+        self._table = np.empty((size, len(self.names)))
 
     def add(self, *parts: Sequence[float] | Array) -> None:
         """Append one row, given in parts one after the other."""
@@ -106,34 +127,46 @@ def is_along(name: str) -> bool:
 
 
 def match_signals(patterns: Iterable[str], available: Sequence[str]) -> tuple[str, ...]:
-    """Return the available signals that match the patterns, in their order; a `*` stands for any letters."""
+    """Return the available signals that match the patterns, in their order.
+
+    A `*` stands for any letters.
+    """
     matches: dict[str, None] = {}
     for pattern in patterns:
         expression = re.compile(re.escape(pattern).replace(r"\*", ".*"))
         names = [name for name in available if expression.fullmatch(name)]
         if not names:
             near = difflib.get_close_matches(pattern, available, n=3)
-            cure = (
-                f"did you mean {' or '.join(near)}?" if near else "see docs/reference/variables.md"
-            )
+            cure = "see docs/reference/variables.md"
+            if near:
+                cure = f"did you mean {' or '.join(near)}?"
             raise ValueError(f"signals has {pattern!r}, which nothing shows: {cure}")
         matches |= dict.fromkeys(names)
     return tuple(matches)
 
 
 def write_csv(recording: Recording, path: Path, names: Sequence[str] = ()) -> None:
-    """Write signals with their time, header `name [unit]`; without names all but those of `is_along`."""
-    chosen = [name for name in names if name in recording and name != TIME]
-    names = [TIME, *chosen] if names else [name for name in recording.signals if not is_along(name)]
+    """Write signals with their time, header `name [unit]`.
+
+    Without names all but those of `is_along`.
+    """
+    if names:
+        names = [TIME, *(name for name in names if name in recording and name != TIME)]
+    else:
+        names = [name for name in recording.signals if not is_along(name)]
     with whole_file(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([_header(name, recording.units.get(name, "")) for name in names])
         columns = [recording[name] for name in names]
-        writer.writerows([_number(value) for value in row] for row in zip(*columns, strict=True))
+        for row in zip(*columns, strict=True):
+            writer.writerow([_number(value) for value in row])
 
 
 def write_shapes(recording: Recording, rows: Sequence[int], path: Path) -> None:
-    """Write rope points at the given rows: time, point number from the left end, x, y, z, tension and stresses."""
+    """Write rope points at the given rows.
+
+    Columns: time, point number from the left end, x, y, z, tension and stresses.
+    """
     along = {name: values for name in _ALONG if (values := recording.along(name)) is not None}
     more = [_header(name, recording.units.get(f"shape.{name}[1]", "")) for name in along]
     with whole_file(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
@@ -143,23 +176,28 @@ def write_shapes(recording: Recording, rows: Sequence[int], path: Path) -> None:
             shape = recording.shape_at(row)
             if shape is not None:
                 t = _number(recording.time[row])
-                points = np.column_stack([shape, *(v[row] for v in along.values())])
-                writer.writerows(
-                    [t, k + 1, *(_number(value) for value in point)]
-                    for k, point in enumerate(points)
-                )
+                points = np.column_stack([shape, *(values[row] for values in along.values())])
+                for number, point in enumerate(points, 1):
+                    writer.writerow([t, number, *map(_number, point)])
 
 
 def shape_rows(recording: Recording, count: int = 7) -> list[int]:
     """Return rows at evenly spaced instants, first and last included."""
     last = len(recording.time) - 1
-    return sorted({round(last * k / (count - 1)) for k in range(count)}) if last >= 0 else []
+    if last < 0:
+        return []
+    return sorted({round(last * k / (count - 1)) for k in range(count)})
 
 
 def _number(value: float) -> str:
-    """Format with ten digits; minus zero is zero, so that the sign of a rounding error does not show."""
+    """Format with ten digits.
+
+    Minus zero is zero, so that the sign of a rounding error does not show.
+    """
     return f"{float(value) + 0.0:.10g}"
 
 
 def _header(name: str, unit: str) -> str:
-    return f"{name} [{unit}]" if unit else name
+    if unit:
+        return f"{name} [{unit}]"
+    return name

@@ -1,14 +1,14 @@
 """Figures of a run, as PNG files whose bytes depend on the data alone.
 
-Blue is always the left end, orange the right one, grey the reference or limit. A figure or panel whose signals were not
-recorded, or never move, is left out.
+Blue is always the left end, orange the right one, grey the reference or limit. A figure or panel
+whose signals were not recorded, or never move, is left out.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import matplotlib
 import numpy as np
@@ -21,7 +21,7 @@ from hoist_demo.cosimulation.participants.rope_data import UNKNOWN, RopeData
 from hoist_demo.parameters import Hoist
 from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import Array, Recording, shape_rows
-from hoist_demo.report.panels import Mark, Panel, derived_signals, panels, quiet
+from hoist_demo.report.panels import Mark, Panel, derived_signals, is_constant, panels
 from rope_model.files import whole_file
 
 COLOURS = {"left": "#1f5fa8", "right": "#d9731a"}
@@ -35,6 +35,10 @@ STYLE: dict[Any, Any] = {
     **matplotlib.rc_params_from_file(_STYLE_FILE, use_default_template=False),
     "axes.prop_cycle": cycler(color=(*ACCENTS, *COLOURS.values(), "black")),
 }
+
+#: Shortest axis of time of a run that stopped at once [s]: an axis needs a length.
+SHORTEST_AXIS = 1e-9
+SHAPES_PLACE = 3  #: Place of the figure of shapes among the others.
 
 #: Groups of panels by the name of their figure.
 _FIGURES = {
@@ -62,35 +66,43 @@ def write_figures(
     marks: Sequence[Mark] = (),
     ropes: Sequence[RopeData] = (UNKNOWN,),
 ) -> list[Path]:
-    """Write the PNG files, `marks` as dashed lines over time, and return their paths in reading order."""
-    signals = dict(recording.signals) | {
-        name: x for name, (x, _) in derived_signals(recording, hoist).items()
-    }
+    """Write PNG files, with `marks` as dashed lines, and return their paths in reading order."""
+    signals = dict(recording.signals)
+    for name, (values, _) in derived_signals(recording, hoist).items():
+        signals[name] = values
     names = [rope.name for rope in ropes]
-    shown = [panel for panel in panels(recording, hoist, names) if not quiet(recording, panel)]
+    shown = [
+        panel for panel in panels(recording, hoist, names) if not is_constant(recording, panel)
+    ]
     paths: list[Path] = []
     with matplotlib.rc_context(STYLE):
         for name, groups in _FIGURES.items():
-            if own := [panel for panel in shown if panel.group in groups]:
-                figure, axes = stacked_panels([panel.title for panel in own])
-                axes[-1].set_xlabel("time [s]")
-                start, end = float(recording.time[0]), float(recording.time[-1])
-                axes[-1].set_xlim(start, max(end, start + 1e-9))
-                for ax, panel in zip(axes, own, strict=True):
-                    _draw(ax, panel, recording.time, signals)
-                if name == "swivels":
-                    _show_slip(axes, recording)
-                _mark(figure, marks)
-                paths.append(save_figure(figure, directory / f"{name}.png"))
-        if (drawn := shapes(recording, ropes)) is not None:
-            paths.insert(min(3, len(paths)), save_figure(drawn, directory / "shapes.png"))
+            of_figure = [panel for panel in shown if panel.group in groups]
+            if not of_figure:
+                continue
+            figure, axes = stacked_panels([panel.title for panel in of_figure])
+            axes[-1].set_xlabel("time [s]")
+            start = float(recording.time[0])
+            end = float(recording.time[-1])
+            axes[-1].set_xlim(start, max(end, start + SHORTEST_AXIS))
+            for ax, panel in zip(axes, of_figure, strict=True):
+                _draw(ax, panel, recording.time, signals)
+            if name == "swivels":
+                _show_slip(axes, recording)
+            _mark(figure, marks)
+            paths.append(save_figure(figure, directory / f"{name}.png"))
+        figure_of_shapes = shapes(recording, ropes)
+        if figure_of_shapes is not None:
+            path = save_figure(figure_of_shapes, directory / "shapes.png")
+            paths.insert(min(SHAPES_PLACE, len(paths)), path)
     return paths
 
 
 def _draw(ax: Axes, panel: Panel, time: Array, signals: Mapping[str, Array]) -> None:
     for line in panel.lines:
-        values = signals[line.signal] - (signals[line.signal][0] if line.from_start else 0.0)
-        ax.plot(time, line.factor * values, label=line.label, **_STYLES[line.style])
+        values = signals[line.signal]
+        start = values[0] if line.from_start else 0.0
+        ax.plot(time, line.factor * (values - start), label=line.label, **_STYLES[line.style])
     if panel.limit is not None:
         ax.axhline(panel.limit.value, color=ACCENTS[2], lw=1.0, ls="--", label=panel.limit.label)
     ax.set_ylabel("" if panel.unit == "1" else f"[{panel.unit}]")
@@ -101,65 +113,76 @@ def _draw(ax: Axes, panel: Panel, time: Array, signals: Mapping[str, Array]) -> 
 def _show_slip(axes: Sequence[Axes], recording: Recording) -> None:
     """Tint the upper half (left end) or lower half (right end) where a swivel slips."""
     for ax, (end, low) in product(axes, (("left", 0.5), ("right", 0.0))):
-        if (name := f"{end}.swivel.slipping") in recording:
-            inside = recording[name] > 0.5
+        name = f"{end}.swivel.slipping"
+        if name in recording:
+            slipping = recording[name] > 0.5
             ax.fill_between(
                 recording.time,
                 low,
                 low + 0.5,
-                where=inside.tolist(),
+                where=slipping.tolist(),
                 step="post",
                 transform=ax.get_xaxis_transform(),
                 color=COLOURS[end],
                 alpha=0.12,
                 lw=0.0,
-                label=f"{end} slips" if bool(inside.any()) else None,
+                label=f"{end} slips" if bool(slipping.any()) else None,
             )
 
 
-#: Title, label of the axis, factor, and columns of a table of trips in one panel with their words.
-_OVER_TRIPS: tuple[tuple[str, str, float, Mapping[str, str]], ...] = (
-    (
+class _TripPanel(NamedTuple):
+    """Panel over the number of the trip."""
+
+    title: str
+    axis: str  # label of the axis
+    labels: Mapping[str, str]  # by column of the table of trips
+    factor: float = 1.0  # to the unit of the axis
+
+
+_TRIP_PANELS = (
+    _TripPanel(
         "Yaw of the loop",
         "yaw [deg]",
-        180.0 / math.pi,
         {"loop_yaw": "largest", "yaw_start": "as the trip begins"},
+        factor=180.0 / math.pi,
     ),
-    ("Sway of the loop", "[m]", 1.0, {"sway": "in plane", "sway_across": "out of plane"}),
-    ("Ripple of the end forces", "[N]", 1.0, {"rope_force_ripple": "worse end"}),
-    ("Smallest clearance between the legs", "[m]", 1.0, {"clearance": ""}),
-    ("Change against the trip a cycle before", "[%]", 100.0, {"difference": ""}),
+    _TripPanel("Sway of the loop", "[m]", {"sway": "in plane", "sway_across": "out of plane"}),
+    _TripPanel("Ripple of the end forces", "[N]", {"rope_force_ripple": "worse end"}),
+    _TripPanel("Smallest clearance between the legs", "[m]", {"clearance": ""}),
+    _TripPanel("Change against the trip a cycle before", "[%]", {"difference": ""}, factor=100.0),
 )
 
 
 def write_duty_figure(trips: Recording, path: Path) -> Path:
-    """Draw the table of `hoist_demo.duty` over the number of the trip; a panel without numbers is left out."""
-    panels = [
-        (title, unit, factor, _curves_over_trips(trips, curves))
-        for title, unit, factor, curves in _OVER_TRIPS
+    """Draw the table of `hoist_demo.duty` over the number of the trip.
+
+    A panel without numbers is left out.
+    """
+    declared = [
+        panel._replace(labels=_curves_over_trips(trips, panel.labels)) for panel in _TRIP_PANELS
     ]
-    shown = [panel for panel in panels if panel[-1]]
+    shown = [panel for panel in declared if panel.labels]
     with matplotlib.rc_context(STYLE):
-        figure, axes = stacked_panels([title for title, *_ in shown])
-        for ax, (_, unit, factor, curves) in zip(axes, shown, strict=True):
-            for name, words in curves.items():
-                ax.plot(trips["trip"], factor * trips[name], ".-", ms=3.0, label=words)
-            ax.set_ylabel(unit)
-            if len(curves) > 1:
+        figure, axes = stacked_panels([panel.title for panel in shown])
+        for ax, panel in zip(axes, shown, strict=True):
+            for name, label in panel.labels.items():
+                ax.plot(trips["trip"], panel.factor * trips[name], ".-", ms=3.0, label=label)
+            ax.set_ylabel(panel.axis)
+            if len(panel.labels) > 1:
                 legend(ax)
-            if "difference" in curves:
+            if "difference" in panel.labels:
                 ax.set_yscale("log")
         axes[-1].set_xlabel("trip")
         return save_figure(figure, path)
 
 
 def _curves_over_trips(trips: Recording, curves: Mapping[str, str]) -> dict[str, str]:
-    """Return the columns of a panel with their words, those of each of several ropes with its name."""
+    """Return the columns of a panel with their labels; of several ropes with each rope's name."""
     found = dict[str, str]()
     for column, values in trips.signals.items():
-        rope, _, own = column.rpartition(".")
-        if own in curves and np.isfinite(values).any():
-            found[column] = ", ".join(filter(None, (rope, curves[own])))
+        rope, _, name = column.rpartition(".")
+        if name in curves and np.isfinite(values).any():
+            found[column] = ", ".join(filter(None, (rope, curves[name])))
     return found
 
 
@@ -167,24 +190,15 @@ def shapes(recording: Recording, ropes: Sequence[RopeData]) -> Figure | None:
     """Draw the ropes and their loops, enlarged, from the front and the side at a few instants."""
     drawn = []
     for row in shape_rows(recording, 6):
-        hanging = [
-            (rope, own)
-            for rope in ropes
-            if row < len((own := rope_signals(recording, rope.name)).time)
-        ]
-        points = [
-            shape + rope.suspension.origin
-            for rope, own in hanging
-            if (shape := own.shape_at(row)) is not None
-        ]
-        if curves := [shape for shape in points if np.isfinite(shape).all()]:
+        curves = _curves_at(recording, ropes, row)
+        if curves:
             drawn.append((recording.time[row], curves))
     if not drawn:
         return None
     figure = Figure(figsize=(8.0, 7.2))
     grid = figure.subplots(2, 2, sharex="col", height_ratios=(1.5, 1.0))
     colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.9, len(drawn)))
-    low = min(float(np.min(shape[:, 1])) for _, curves in drawn for shape in curves)
+    low = min(min(float(np.min(shape[:, 1])) for shape in curves) for _, curves in drawn)
     for column, (view, axis) in enumerate((("Front view", "x"), ("Side view", "z"))):
         for row, title in enumerate((f"{view}, {axis} stretched", f"{view} of the loop")):
             ax = grid[row, column]
@@ -198,10 +212,21 @@ def shapes(recording: Recording, ropes: Sequence[RopeData]) -> Figure | None:
                 ax.set_xlabel(f"{axis} [m]")
                 ax.set_ylim(low - 0.3, low + 6.0)
         _widen(grid[0, column], 0.05, axis="x")
-    figure.legend(
-        *grid[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=len(drawn)
-    )
+    handles, labels = grid[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=len(drawn))
     return figure
+
+
+def _curves_at(recording: Recording, ropes: Sequence[RopeData], row: int) -> list[Array]:
+    """Return the curves in the shaft (n, 3) [m] of the ropes that hang at a row."""
+    curves = []
+    for rope in ropes:
+        signals = rope_signals(recording, rope.name)
+        if row < len(signals.time):
+            shape = signals.shape_at(row)
+            if shape is not None and np.isfinite(shape).all():
+                curves.append(np.asarray(shape + rope.suspension.origin))
+    return curves
 
 
 def save_figure(figure: Figure, path: Path) -> Path:
@@ -223,27 +248,31 @@ def stacked_panels(titles: Sequence[str]) -> tuple[Figure, list[Axes]]:
 
 
 def _mark(figure: Figure, marks: Sequence[Mark]) -> None:
-    """Draw marks as dashed lines in all panels, with their names over the first one, whose title makes room."""
+    """Draw marks as dashed lines in all panels, with their names over the first one."""
     top = figure.axes[0]
     first, last = top.get_xlim()
-    lines: list[
-        float
-    ] = []  # end of the last name in each line of names, as a share of the panel's width
+    # end of the last name in each line of names, as a share of the panel's width
+    lines: list[float] = []
     for mark in marks:
         for ax in figure.axes:
             ax.axvline(mark.t, color="black", lw=0.8, ls=(0, (4, 3)))
-        begin, width = (mark.t - first) / (last - first), _LETTER * len(mark.label)
-        if right := begin > 0.6:
+        begin = (mark.t - first) / (last - first)
+        width = _LETTER * len(mark.label)
+        offset = 2  # of the name from the mark [points]
+        alignment = "left"
+        if begin > _RIGHT_PART:
             begin -= width
+            offset = -2
+            alignment = "right"
         line = next((k for k, free in enumerate(lines) if free <= begin), len(lines))
         lines[line : line + 1] = [begin + width]
         top.annotate(
             mark.label,
             (mark.t, 1.0),
             xycoords=top.get_xaxis_transform(),
-            xytext=(-2 if right else 2, 1 + _LINE * line),
+            xytext=(offset, 1 + _LINE * line),
             textcoords="offset points",
-            ha="right" if right else "left",
+            ha=alignment,
             va="bottom",
             fontsize=7.0,
         )
@@ -253,6 +282,7 @@ def _mark(figure: Figure, marks: Sequence[Mark]) -> None:
 
 _LETTER = 0.009  #: Width of a letter of a mark's name, as a share of the panel's.
 _LINE = 9.0  #: Height of a line of names in points.
+_RIGHT_PART = 0.6  #: Share of the width beyond which a name stands left of its mark.
 
 
 def legend(ax: Axes) -> None:
@@ -261,8 +291,8 @@ def legend(ax: Axes) -> None:
 
 
 def _widen(ax: Axes, least: float, axis: str = "y") -> None:
-    """Keep rounding errors from filling a panel: show at least a range of +- `least` about the middle."""
+    """Show at least +- `least` about the middle, so that no rounding error fills a panel."""
     low, high = ax.get_ylim() if axis == "y" else ax.get_xlim()
     if high - low < 2.0 * least and math.isfinite(high - low):
         middle = (low + high) / 2.0
-        (ax.set_ylim if axis == "y" else ax.set_xlim)(middle - least, middle + least)
+        ax.set(**{f"{axis}lim": (middle - least, middle + least)})

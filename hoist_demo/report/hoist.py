@@ -1,18 +1,20 @@
-"""A hoist before it is wound, for people: its values with their sources, and what follows from them."""
+"""A hoist before it is wound: its values with their sources, and what follows from them."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
+from typing import NamedTuple
 
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.rules import RuleInputs
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.design.statics import at_rest, pulls, reached, static_slip_safeties
 from hoist_demo.files.registry import rope_parameters
-from hoist_demo.files.values import GIVEN, STATUSES, ParameterValue
+from hoist_demo.files.values import ASSUMED, GIVEN, STATUSES, ParameterValue
 from hoist_demo.files.writing import hoist_text
-from hoist_demo.parameters import SIDES
+from hoist_demo.parameters import SIDES, Hoist, Winding
+from hoist_demo.parameters.components import Brake
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.report.rows import SummaryRow, render
 from hoist_demo.ropes.definition import OneRope, ropes_of
@@ -23,93 +25,125 @@ from rope_model.analysis.modes import natural_modes
 from rope_model.engine import NativeRope
 
 MODES = 4  #: Number of the rope's lowest modes in the table.
+SHOWN_CLEARANCE = 1e3  #: Clearances below it are shown [m]: beyond there is no body.
 _AT_REST = "Rope at rest, left conveyance at"
 _HOLD = "Hold on the sheave"
 _DRIVE = "Motor and brake"
-YAWS = 3.0  #: Most yaw of a loop in a trip over that at rest [assumed]: 2.1 in a trip of 870 m at 16 m/s.
+#: Most yaw of a loop in a trip over that at rest [assumed]: 2.1 in a trip of 870 m at 16 m/s.
+YAWS = 3.0
 Values = Mapping[str, Value]
 
 
 def complete_file(
     case: Case, run: RunData, ropes: Sequence[RopeData], provenance: Iterable[SourcedValue]
 ) -> str:
-    """Return a hoist's file with every value of a run and its status; wound again, it gives the same bits."""
-    status, stated = statuses(provenance), case.values
-    stated_of = {"": stated} | {f"{one.name}.": one.values for one in case.distinct_ropes}
+    """Return a hoist's file with every value of a run and its status.
 
-    def entry(name: str, value: Value, of: str = "") -> ParameterValue:
-        source_status = status.get(f"{of}{name}", SETTING)
-        file_status = source_status if source_status in STATUSES else GIVEN
-        own = stated_of.get(of, {}).get(name) or stated.get(name)
-        if (
-            source_status == SETTING or name == _SPACING
-        ):  # that of several ropes has their places in it
-            file_status = GIVEN if isinstance(value, str | bool) else "assumed"
-            file_status = own.status if own is not None and own.value == value else file_status
-        return ParameterValue(
-            value, file_status, own.source if own is not None and name in stated else ""
-        )
-
+    Wound again, it gives the same bits.
+    """
+    entries = _Entries(case, statuses(provenance))
     level = ropes[0].level or case.level
-    lines = {"controller": entry("controller", run.controller), "level": entry("level", level)}
-    lines |= {one.name: entry(one.name, one.value) for one in host_provenance(run, {})}
-    names = rope_parameters()
+    lines = {
+        "controller": entries.entry("controller", run.controller),
+        "level": entries.entry("level", level),
+    }
+    for row in host_provenance(run, {}):
+        lines[row.name] = entries.entry(row.name, row.value)
     ropes = [
         replace(one, parameters={**one.parameters, _SPACING: _spacing(one, run)}) for one in ropes
     ]
+    shared = _shared_parameters(ropes)
     first = ropes[0]
-    alike = {
-        key
-        for key in names
-        if all(one.parameters.get(key) == first.parameters[key] for one in ropes)
-    }
-    shared = {key for key in alike if not key.startswith(("rope.", "left.", "right."))}
-    lines |= {
-        key: entry(key, first.parameters[key], first.prefix) for key in names if key in shared
-    }
-    tables = []
-    for rope in ropes:
-        own = {
-            key: value
-            for key, value in rope.parameters.items()
-            if key in names and key not in shared
-        }
-        placed: dict[str, Value] = {"rope.number": run.hoist.tail_rope_number}
-        if rope.name:
-            placed = {
-                "rope.name": rope.name,
-                **{f"rope.{key}": x for key, x in vars(rope.suspension).items()},
-            }
-        if rope.breaks:
-            placed |= dict(zip(("rope.breaks_at", "rope.breaks_s"), rope.breaks, strict=True))
-        tables.append(
-            {key: entry(key, value, rope.prefix) for key, value in {**placed, **own}.items()}
-        )
+    for key in shared:
+        lines[key] = entries.entry(key, first.parameters[key], first.prefix)
+    tables = [_rope_table(rope, run, shared, entries) for rope in ropes]
     return hoist_text(case.name, lines, tables)
+
+
+class _Entries:
+    """Entries of a hoist's file with statuses and sources."""
+
+    def __init__(self, case: Case, status_by_name: Mapping[str, str]) -> None:
+        self._status_by_name = status_by_name
+        self._stated = case.values
+        self._stated_by_prefix = {f"{one.name}.": one.values for one in case.distinct_ropes}
+        self._stated_by_prefix[""] = case.values
+
+    def entry(self, name: str, value: Value, prefix: str = "") -> ParameterValue:
+        """Return the entry of a value; `prefix` is that of one of several ropes."""
+        of_rope = self._stated_by_prefix.get(prefix, {})
+        stated = of_rope.get(name) or self._stated.get(name)
+        status = self._status_by_name.get(f"{prefix}{name}", SETTING)
+        # the spacing of several ropes contains their places
+        if status == SETTING or name == _SPACING:
+            if stated is not None and stated.value == value:
+                status = stated.status
+            else:
+                status = GIVEN if isinstance(value, str | bool) else ASSUMED
+        elif status not in STATUSES:
+            status = GIVEN
+        if stated is not None and name in self._stated:
+            return ParameterValue(value, status, stated.source)
+        return ParameterValue(value, status)
+
+
+def _shared_parameters(ropes: Sequence[RopeData]) -> list[str]:
+    """Return the parameters of the shaft and of the computation that all ropes share."""
+    first = ropes[0].parameters
+    return [
+        key
+        for key in rope_parameters()
+        if not key.startswith(("rope.", "left.", "right."))
+        and all(one.parameters.get(key) == first[key] for one in ropes)
+    ]
+
+
+def _rope_table(
+    rope: RopeData, run: RunData, shared: Collection[str], entries: _Entries
+) -> dict[str, ParameterValue]:
+    """Return the [[rope]] table: number or name and place, break, and parameters of its own."""
+    values = dict[str, Value]()
+    if rope.name:
+        values["rope.name"] = rope.name
+        for key, x in vars(rope.suspension).items():
+            values[f"rope.{key}"] = x
+    else:
+        values["rope.number"] = run.hoist.tail_rope_number
+    if rope.breaks:
+        values["rope.breaks_at"], values["rope.breaks_s"] = rope.breaks
+    names = rope_parameters()
+    for key, value in rope.parameters.items():
+        if key in names and key not in shared:
+            values[key] = value
+    return {key: entries.entry(key, value, rope.prefix) for key, value in values.items()}
 
 
 _SPACING = "layout.spacing"
 
 
 def _spacing(rope: RopeData, run: RunData) -> float:
-    """Return the spacing of the conveyances' centres [m]: a rope's own, less what its place adds."""
-    own, offset = float(rope.parameters[_SPACING]), rope.suspension
+    """Return the spacing of the conveyances' centres [m], from a rope's and its place."""
+    of_rope = float(rope.parameters[_SPACING])
     set_spacing = float(run.rope_values.get(_SPACING, rope_parameters()[_SPACING].start))
-    return (
-        set_spacing
-        if set_spacing + offset.x_right - offset.x_left == own
-        else own - offset.x_right + offset.x_left
-    )
+    if rope.suspension.end_distance(set_spacing) == of_rope:
+        return set_spacing
+    return of_rope - rope.suspension.x_right + rope.suspension.x_left
 
 
 def as_file(case: Case, name: str, values: Values) -> str:
-    """Return the complete file of a hoist; `name` is how it is found, `values` are set beside it."""
+    """Return the complete file of a hoist.
+
+    `name` is how it is found, `values` are set beside it.
+    """
     run, ropes, sources = _wound(case, name, values)
     return complete_file(case, run, ropes, sources)
 
 
 def hoist_provenance(case: Case, name: str, values: Values | None = None) -> list[SourcedValue]:
-    """Return the provenance of all values; `name` is how the hoist is found, `values` are set beside its file."""
+    """Return the provenance of all values.
+
+    `name` is how the hoist is found, `values` are set beside its file.
+    """
     return _wound(case, name, values or {})[2]
 
 
@@ -143,7 +177,7 @@ class CheckRow:
 
 @dataclass(frozen=True)
 class HoistCheck:
-    """All that is judged of a hoist before it is wound: its bounds, and remarks on its values and ropes.
+    """Judgements of a hoist before it is wound: bounds, remarks on values and on ropes.
 
     Sentences and exit code follow from the rows that the table prints.
     """
@@ -160,12 +194,17 @@ class HoistCheck:
     def summary(self) -> str:
         """The check in words."""
         count = len(self.problems)
-        return f"{count} problem{'s' if count > 1 else ''} found" if count else "no problems found"
+        if count == 0:
+            return "no problems found"
+        plural = "s" if count > 1 else ""
+        return f"{count} problem{plural} found"
 
     @property
     def exit_code(self) -> int:
         """Exit code of `check`."""
-        return 1 if self.problems else 0
+        if self.problems:
+            return 1
+        return 0
 
 
 def checks(case: Case) -> list[CheckRow]:
@@ -177,69 +216,100 @@ def _slip_checks(case: Case) -> Iterator[CheckRow]:
     """Yield a row for each instant at which the head ropes must hold on the sheave."""
     limit = case.hoist.tension_ratio_limit
     for one in static_slip_safeties(case.hoist, case.winding):
-        problem = (
-            f"slip safety {one.when} is {one.safety:.3g} (tension ratio {one.ratio:.3g}, limit {limit:.3g}), and "
-            f"{one.required:g} is asked for: more weight on the light side, a better lining, or a gentler "
-            f"{'stop' if 'stop' in one.when else 'trip'}"
+        motion = "stop" if "stop" in one.when else "trip"
+        yield CheckRow(
+            _HOLD,
+            quantity=f"slip safety {one.when}, without swing",
+            value=f"{one.safety:.3g}",
+            bound=f"{one.required:g}",
+            holds=one.safety >= one.required,
+            problem=(
+                f"slip safety {one.when} is {one.safety:.3g} (tension ratio {one.ratio:.3g}, limit "
+                f"{limit:.3g}), and {one.required:g} is asked for: more weight on the light side, "
+                f"a better lining, or a gentler {motion}"
+            ),
         )
-        holds = one.safety >= one.required
-        quantity = f"slip safety {one.when}, without swing"
-        yield CheckRow(_HOLD, quantity, f"{one.safety:.3g}", f"{one.required:g}", holds, problem)
+
+
+class _DriveLimit(NamedTuple):
+    """Limit of motor or brake, and what the trip needs of it."""
+
+    name: str  # parameter of the hoist
+    limit: float
+    needed: float
+    unit: str
+    cure: str
 
 
 def _drive_checks(case: Case) -> Iterator[CheckRow]:
     """Yield a row for each limit of motor and brake."""
-    hoist, trip, brake = case.hoist, reached(case.winding), case.hoist.brake
-    inputs, radius = RuleInputs(hoist, trip, hoist), hoist.sheave_radius
-    speed = max(0.0, trip.speed - 0.5 * trip.acceleration**2 / trip.jerk)  # at full acceleration
-    power = inputs.torque(speed**2 / (2.0 * trip.acceleration)) * speed / radius
-    gently = "wind more gently (winding.acceleration, winding.speed)"
-    asks = f"which speeding up with the payload asks for: raise it, or {gently}"
-    limits = [("torque_limit", hoist.torque_limit, inputs.torque(), "N m", asks)]
-    limits += [("power_limit", hoist.power_limit or math.inf, power, "W", asks)]
-    if brake is not None:
-        holding = radius * hoist.imbalance()
-        asks = "which holds the heavier side: fit a stronger brake"
-        limits.append(("brake.torque", brake.torque, holding, "N m", asks))
-        first = brake.first_stage * brake.torque
-        if trip.emergency_law == "two-stage" and brake.torque >= holding:
-            # the second stage holds what the first lets run
-            asks = (
-                f"of which the first stage gives {first:.3g} N m to hold the heavier side: until first_stage_time = "
-                f"{brake.first_stage_time:g} s it runs on; raise the first stage, or shorten it"
-            )
-            limits.append(
-                (
-                    "brake.first_stage",
-                    brake.first_stage,
-                    holding / brake.torque,
-                    "of brake.torque",
-                    asks,
-                )
-            )
-    for name, limit, asked, unit, asks in limits:
-        problem = f"hoist.{name} = {limit:g} {unit} must be at least {asked:.3g} {unit}, {asks}"
+    trip = reached(case.winding)
+    limits = [*_motor_limits(case.hoist, trip)]
+    if case.hoist.brake is not None:
+        limits += _brake_limits(case.hoist, case.hoist.brake, trip)
+    for one in limits:
+        value = f"{one.limit:g} {one.unit}"
+        bound = f"{one.needed:.3g} {one.unit}"
         yield CheckRow(
             _DRIVE,
-            f"hoist.{name}",
-            f"{limit:g} {unit}",
-            f"{asked:.3g} {unit}",
-            limit >= asked,
-            problem,
+            quantity=f"hoist.{one.name}",
+            value=value,
+            bound=bound,
+            holds=one.limit >= one.needed,
+            problem=f"hoist.{one.name} = {value} must be at least {bound}, {one.cure}",
+        )
+
+
+def _motor_limits(hoist: Hoist, trip: Winding) -> Iterator[_DriveLimit]:
+    inputs = RuleInputs(hoist, trip, hoist)
+    speed = max(0.0, trip.speed - 0.5 * trip.acceleration**2 / trip.jerk)  # at full acceleration
+    way = speed**2 / (2.0 * trip.acceleration)
+    power = inputs.torque(way) * speed / hoist.sheave_radius
+    cure = (
+        "which speeding up with the payload asks for: raise it, or wind more gently "
+        "(winding.acceleration, winding.speed)"
+    )
+    yield _DriveLimit("torque_limit", hoist.torque_limit, inputs.torque(), "N m", cure)
+    yield _DriveLimit("power_limit", hoist.power_limit or math.inf, power, "W", cure)
+
+
+def _brake_limits(hoist: Hoist, brake: Brake, trip: Winding) -> Iterator[_DriveLimit]:
+    holding = hoist.sheave_radius * hoist.imbalance()
+    cure = "which holds the heavier side: fit a stronger brake"
+    yield _DriveLimit("brake.torque", brake.torque, holding, "N m", cure)
+    first_torque = brake.first_stage * brake.torque
+    if trip.emergency_law == "two-stage" and brake.torque >= holding:
+        # the second stage holds what the first lets run
+        yield _DriveLimit(
+            "brake.first_stage",
+            limit=brake.first_stage,
+            needed=holding / brake.torque,
+            unit="of brake.torque",
+            cure=(
+                f"of which the first stage gives {first_torque:.3g} N m to hold the heavier side: "
+                f"until first_stage_time = {brake.first_stage_time:g} s it runs on; raise the "
+                "first stage, or shorten it"
+            ),
         )
 
 
 def examine(case: Case, name: str, values: Values) -> tuple[str, HoistCheck]:
-    """Return the table of what follows from a hoist, and its check; RuntimeError where a rope cannot hang."""
+    """Return the table of what follows from a hoist, and its check.
+
+    RuntimeError where a rope cannot hang.
+    """
     checked = checks(case)
-    text, warned = _consequences(case, name, values, checked)
-    return text, HoistCheck(tuple(checked), (*case.remarks, *warned))
+    text, warnings = _consequences(case, name, values, checked)
+    return text, HoistCheck(tuple(checked), (*case.remarks, *warnings))
 
 
 def _consequences(
     case: Case, name: str, values: Values, checked: Sequence[CheckRow]
 ) -> tuple[str, list[str]]:
-    """Return the table of what follows, and the ropes' warnings at rest; RuntimeError where a rope cannot hang."""
+    """Return the table of what follows, and the ropes' warnings at rest.
+
+    RuntimeError where a rope cannot hang.
+    """
     hoist = case.hoist
     rows = [row.summary for row in checked if row.group == _HOLD]
     for height in (0.0, hoist.shaft_travel):
@@ -249,63 +319,65 @@ def _consequences(
         rows.append(SummaryRow(_HOLD, heads, label))
     rows.append(SummaryRow(_HOLD, "all moving masses", hoist.moving_mass, "kg"))
     rows += [row.summary for row in checked if row.group != _HOLD]
-    warned, yaws = [], dict[str, float]()
+    warnings = list[str]()
+    yaws = dict[str, float]()
     ropes = ropes_of(case, from_landing(build(name, values)), {}, case.level).ropes
     for rope in ropes:
-        whose = f"{rope.name}: " if rope.name else ""
+        prefix = f"{rope.name}: " if rope.name else ""
         plant = balance_rope(rope.scene)
-        for height, signals in at_rest(
-            plant, hoist, [0.0, 0.5 * hoist.shaft_travel, hoist.shaft_travel]
-        ):
-            group = f"{whose}{_AT_REST} {height:g} m"
+        heights = [0.0, 0.5 * hoist.shaft_travel, hoist.shaft_travel]
+        for height, signals in at_rest(plant, hoist, heights):
             yaws[rope.name] = max(yaws.get(rope.name, 0.0), signals["loop.yaw"], key=abs)
-            pull = [-1e-3 * signals[f"{end}.fy"] for end in SIDES]
-            rows += [
-                SummaryRow(
-                    group,
-                    "its pull on the left and right conveyance",
-                    f"{pull[0]:.4g} and {pull[1]:.4g} kN",
-                ),
-                SummaryRow(group, "loop's lowest point", signals["loop.y"], "m"),
-                SummaryRow(group, "loop's yaw", math.degrees(signals["loop.yaw"]), "deg"),
-                SummaryRow(group, "torque at the left end", abs(signals["left.my"]), "N.m"),
-            ]
-            rows += [
-                SummaryRow(group, key.replace(".", " to ", 1), value, "m")
-                for key, value in signals.items()
-                if key.startswith("clearance.") and abs(value) < 1e3
-            ]
+            rows += _rows_at_rest(f"{prefix}{_AT_REST} {height:g} m", signals)
         model = f"{plant.fidelity} with {plant.elements} elements ({plant.fidelity_reason})"
-        rows.append(SummaryRow(f"{whose}Model", "fidelity and mesh", model))
-        warned += [f"{whose}{text}" for text in plant.warnings().values()]
-        rows.append(
-            SummaryRow(
-                f"{whose}Model",
-                "frequencies, mid-trip",
-                _frequencies(rope.scene, hoist.shaft_travel),
-            )
-        )
-    return render(rows), list(dict.fromkeys([*warned, *_neighbours(ropes, yaws)]))
+        rows.append(SummaryRow(f"{prefix}Model", "fidelity and mesh", model))
+        warnings += [f"{prefix}{text}" for text in plant.warnings().values()]
+        frequencies = _frequencies(rope.scene, hoist.shaft_travel)
+        rows.append(SummaryRow(f"{prefix}Model", "frequencies, mid-trip", frequencies))
+    warnings += _neighbours(ropes, yaws)
+    return render(rows), list(dict.fromkeys(warnings))
+
+
+def _rows_at_rest(group: str, signals: Mapping[str, float]) -> Iterator[SummaryRow]:
+    """Yield the rows of a rope at rest, by its signals."""
+    left_pull, right_pull = (-1e-3 * signals[f"{end}.fy"] for end in SIDES)
+    pulls_text = f"{left_pull:.4g} and {right_pull:.4g} kN"
+    yield SummaryRow(group, "its pull on the left and right conveyance", pulls_text)
+    yield SummaryRow(group, "loop's lowest point", signals["loop.y"], "m")
+    yield SummaryRow(group, "loop's yaw", math.degrees(signals["loop.yaw"]), "deg")
+    yield SummaryRow(group, "torque at the left end", abs(signals["left.my"]), "N.m")
+    for key, value in signals.items():
+        if key.startswith("clearance.") and abs(value) < SHOWN_CLEARANCE:
+            yield SummaryRow(group, key.replace(".", " to ", 1), value, "m")
 
 
 def _neighbours(ropes: Sequence[OneRope], yaws: Mapping[str, float]) -> Iterator[str]:
-    """Tell of ropes side by side that may touch as their loops yaw, more in a trip than at rest [rad]."""
+    """Yield remarks on ropes that may touch, by the `yaws` [rad] of their loops at rest.
+
+    They yaw more in a trip.
+    """
     for one, other in combinations(ropes, 2):
-        (x, _, z), (x1, _, z1) = one.suspension.origin, other.suspension.origin
-        reach, reach1 = (
-            0.5
-            * r.scene.layout.spacing
-            * math.sin(max(-0.5 * math.pi, min(YAWS * yaws[r.name], 0.5 * math.pi)))
-            for r in (one, other)
-        )
-        least = abs(reach - reach1) + 0.5 * (one.scene.rope.diameter + other.scene.rope.diameter)
-        if abs(x - x1) < one.scene.layout.spacing and abs(z - z1) < least:
-            angles = " and ".join(f"{math.degrees(yaws[r.name]):.2g}" for r in (one, other))
+        x, _, z = one.suspension.origin
+        x_other, _, z_other = other.suspension.origin
+        distance = abs(z - z_other)
+        radii = 0.5 * (one.scene.rope.diameter + other.scene.rope.diameter)
+        least = abs(_reach(one, yaws[one.name]) - _reach(other, yaws[other.name])) + radii
+        if abs(x - x_other) < one.scene.layout.spacing and distance < least:
+            angle = f"{math.degrees(yaws[one.name]):.2g}"
+            angle_other = f"{math.degrees(yaws[other.name]):.2g}"
             yield (
-                f"{one.name} and {other.name}, {abs(z - z1):.3g} m apart in z, may touch: their loops yaw by up to "
-                f"{angles} degrees at rest, and in a trip by up to {YAWS:g} times that [assumed]: hang them "
-                f"{least:.2g} m apart, or see their clearance in wind's verdict"
+                f"{one.name} and {other.name}, {distance:.3g} m apart in z, may touch: their "
+                f"loops yaw by up to {angle} and {angle_other} degrees at rest, and in a trip by "
+                f"up to {YAWS:g} times that [assumed]: hang them {least:.2g} m apart, or see their "
+                "clearance in wind's verdict"
             )
+
+
+def _reach(rope: OneRope, yaw: float) -> float:
+    """Return how far a leg moves out of plane in a trip [m], by the loop's `yaw` at rest [rad]."""
+    quarter_turn = 0.5 * math.pi
+    yaw_in_trip = max(-quarter_turn, min(YAWS * yaw, quarter_turn))
+    return 0.5 * rope.scene.layout.spacing * math.sin(yaw_in_trip)
 
 
 def _frequencies(scene: Scene, travel: float) -> str:
@@ -318,7 +390,8 @@ def _frequencies(scene: Scene, travel: float) -> str:
         modes = natural_modes(rope, MODES)
     except ValueError as error:
         return str(error)
-    modes_shown = zip(modes.frequencies, modes.out_of_plane, strict=True)
-    return ", ".join(
-        f"{f:.3g} Hz {'out of' if out > 0.5 else 'in'} plane" for f, out in modes_shown
-    )
+    texts = []
+    for frequency, out_of_plane in zip(modes.frequencies, modes.out_of_plane, strict=True):
+        direction = "out of" if out_of_plane > 0.5 else "in"
+        texts.append(f"{frequency:.3g} Hz {direction} plane")
+    return ", ".join(texts)

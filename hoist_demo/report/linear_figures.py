@@ -1,4 +1,7 @@
-"""Figure of linear models along the trip: frequencies, poles, and Bode plots with and without the balance ropes."""
+"""Figure of linear models along the trip: frequencies, poles, and Bode plots.
+
+Bode plots are drawn with and without the balance ropes.
+"""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,9 +20,8 @@ _SHOWN = (
     ("rate", "Torque to sheave speed", "[rad/s per N m]"),
     ("pull_left", "Torque to head-rope pull, left", "[N per N m]"),
 )
-_EVEN_STEPS = (
-    70  #: Frequencies at equal distances: 0.03 Hz in a band of 2 Hz, where alpha / 2 pi is 0.02 Hz.
-)
+#: Frequencies at equal distances: 0.03 Hz in a band of 2 Hz, where alpha / 2 pi is 0.02 Hz.
+_EVEN_STEPS = 70
 _EVEN_RATIOS = 30  #: Frequencies at equal ratios.
 _COLOURS = "viridis"  #: Of heights, and of the hoist's share.
 
@@ -31,7 +33,10 @@ def write_modes_figure(
     band: float,
     path: Path,
 ) -> Path:
-    """Draw models of all heights and their modes; `without` is the hoist at a middle height without ropes."""
+    """Draw models of all heights and their modes.
+
+    `without` is the hoist at a middle height without ropes.
+    """
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(10.0, 9.0))
         axes = figure.subplots(3, 2)
@@ -75,7 +80,8 @@ def _frequencies(
 ) -> None:
     for model, own in zip(models, modes, strict=True):
         order = np.argsort(own.shares[0])
-        size, share = 3.0 + 30.0 * own.shares[0][order], own.shares[0][order]
+        share = own.shares[0][order]
+        size = 3.0 + 30.0 * share
         at = np.full(share.size, model.at)
         drawn = ax.scatter(
             at, own.frequencies[order], size, share, cmap="Blues", vmin=-0.4, vmax=1.0, lw=0.0
@@ -89,7 +95,10 @@ def _frequencies(
 
 
 def _poles(ax: Axes, models: Sequence[LinearModel], modes: Sequence[Modes]) -> None:
-    """Draw the upper poles of the modes; those with hardly any damping lie on the imaginary axis."""
+    """Draw the upper poles of the modes.
+
+    Those with hardly any damping lie on the imaginary axis.
+    """
     for k, (model, own) in enumerate(zip(models, modes, strict=True)):
         real = -2 * np.pi * own.frequencies * own.damping
         label = f"at {model.at:g}" if k in (0, len(models) // 2, len(models) - 1) else None

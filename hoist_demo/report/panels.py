@@ -7,7 +7,6 @@ import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import cycle
-from typing import Any
 
 import numpy as np
 
@@ -20,11 +19,14 @@ from hoist_demo.report.summary import LOSSES, loses
 from hoist_demo.study.metrics import exchange_energy
 from rope_model import BODIES
 
-# Line styles with a fixed meaning; the others are `a` to `e`. Colours and dashes are in assets/report.css.
+# Line styles with a fixed meaning; the others are `a` to `e`. Colours and dashes are in
+# assets/report.css.
 LEFT = "left"  #: Style of the left end.
 RIGHT = "right"  #: Style of the right end.
 REFERENCE = "asked"  #: Style of a reference.
+STYLES = "abcde"  #: Styles without a meaning.
 _DEGREES = 180.0 / math.pi
+ROUNDING = 1e-6  #: Range of a constant signal, as a part of its panel's least height.
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,10 @@ class Limit:
 
 @dataclass(frozen=True)
 class Panel:
-    """Plot over time; `least` is the smallest height of its axis, so that rounding errors stay flat."""
+    """Plot over time.
+
+    `least` is the smallest height of its axis, so that rounding errors stay flat.
+    """
 
     group: str
     title: str
@@ -59,7 +64,7 @@ class Panel:
 
 
 def derived_signals(recording: Recording, hoist: Hoist) -> dict[str, tuple[Array, str]]:
-    """Return signals that follow from recorded ones, with units, by names that begin with `derived.`."""
+    """Return signals that follow from recorded ones, with units; names begin with `derived.`."""
     derived: dict[str, tuple[Array, str]] = {}
     if recording.has("reference.position", "conveyance.left.y"):
         travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
@@ -78,55 +83,64 @@ def derived_signals(recording: Recording, hoist: Hoist) -> dict[str, tuple[Array
 
 
 def panels(recording: Recording, hoist: Hoist, names: Sequence[str] = ("",)) -> list[Panel]:
-    """Return all panels of which a line can be drawn, with those lines only; `names` are those of the ropes."""
+    """Return all panels of which a line can be drawn, with those lines only.
+
+    `names` are those of the ropes.
+    """
     # signals that a fidelity leaves out are NaN throughout
-    shown_at_all = {
-        name for name, values in recording.signals.items() if bool(np.isfinite(values).any())
-    }
-    drawable = {name for name in shown_at_all if loses(recording, name)} | set(
-        derived_signals(recording, hoist)
-    )
+    drawable = set(derived_signals(recording, hoist))
+    for name, values in recording.signals.items():
+        if bool(np.isfinite(values).any()) and loses(recording, name):
+            drawable.add(name)
     shown: list[Panel] = []
-    for panel in (part for whole in _all(hoist) for part in _of_ropes(whole, drawable, names)):
-        lines = tuple(line for line in panel.lines if line.signal in drawable)
-        if lines:
-            shown.append(replace(panel, lines=lines))
+    for declared in _all(hoist):
+        for panel in _of_ropes(declared, drawable, names):
+            lines = tuple(line for line in panel.lines if line.signal in drawable)
+            if lines:
+                shown.append(replace(panel, lines=lines))
     return shown
 
 
 def _of_ropes(panel: Panel, drawable: Collection[str], names: Sequence[str]) -> Iterator[Panel]:
-    """Yield a panel for several ropes: one line of each to compare them, else a panel for each rope."""
+    """Yield the panels for several ropes.
+
+    A signal of one line is drawn for all ropes in one panel, others in a panel for each rope.
+    """
     yield panel
-    own = [line for line in panel.lines if line.signal not in drawable]
-    if not names[0] or not own:
+    of_each_rope = [line for line in panel.lines if line.signal not in drawable]
+    if not names[0] or not of_each_rope:
         return
-    if len(own) == 1:
-        (line,) = own
-        styled = zip(names, cycle("abcde"), strict=False)
-        lines = tuple(
-            replace(line, signal=f"{n}.{line.signal}", label=n, style=s) for n, s in styled
-        )
-        yield replace(panel, lines=lines)
+    if len(of_each_rope) == 1:
+        line = of_each_rope[0]
+        lines = [
+            replace(line, signal=f"{name}.{line.signal}", label=name, style=style)
+            for name, style in zip(names, cycle(STYLES), strict=False)
+        ]
+        yield replace(panel, lines=tuple(lines))
     else:
-        for n in names:
-            lines = tuple(replace(line, signal=f"{n}.{line.signal}") for line in own)
-            yield replace(panel, title=f"{panel.title}, {n}", lines=lines)
+        for name in names:
+            lines = [replace(line, signal=f"{name}.{line.signal}") for line in of_each_rope]
+            yield replace(panel, title=f"{panel.title}, {name}", lines=tuple(lines))
 
 
-def quiet(recording: Recording, panel: Panel) -> bool:
+def is_constant(recording: Recording, panel: Panel) -> bool:
     """Return True if all recorded signals of a panel keep one value, rounding errors apart."""
     recorded = [
         abs(line.factor) * np.ptp(recording[line.signal])
         for line in panel.lines
         if line.signal in recording
     ]
-    return len(recorded) == len(panel.lines) and bool(max(recorded) <= 1e-6 * panel.least)
+    if len(recorded) < len(panel.lines):
+        return False
+    return bool(max(recorded) <= ROUNDING * panel.least)
 
 
 def _ends(pattern: str, factor: float = 1.0) -> tuple[Line, Line]:
     """Return the signal at both ends; `{}` stands for the end."""
-    left, right = (Line(pattern.format(end), end, end, factor) for end in (LEFT, RIGHT))
-    return left, right
+    return (
+        Line(pattern.format(LEFT), label=LEFT, style=LEFT, factor=factor),
+        Line(pattern.format(RIGHT), label=RIGHT, style=RIGHT, factor=factor),
+    )
 
 
 def _lines(
@@ -134,8 +148,8 @@ def _lines(
 ) -> tuple[Line, ...]:
     """Return lines by signal and label, one style after the other."""
     return tuple(
-        Line(*item, style, factor, from_start)
-        for item, style in zip(names.items(), "abcde", strict=False)
+        Line(signal, label, style, factor, from_start)
+        for (signal, label), style in zip(names.items(), STYLES, strict=False)
     )
 
 
@@ -145,76 +159,97 @@ def _followed(quantity: str, component: str) -> tuple[Line, ...]:
 
 def _all(hoist: Hoist) -> Iterator[Panel]:
     """Yield all panels by group."""
-    limit, kilo, mega, count = hoist.tension_ratio_limit, 1e-3, 1e-6, hoist.tail_rope_number
-    slip: list[tuple[Any, ...]] = [
-        ("Head ropes slipped on the sheave", "m", _lines({"drive.slip": "way"}), 0.01),
-        ("Speeds at the sheave's rim", "m/s", _lines(_SPEEDS)),
-    ]
-    torque = (
-        Line("drive.torque_command", "command", REFERENCE, kilo),
-        Line("drive.torque", "motor", "a", kilo),
-    )
-    ratio = (Line("drive.tension_ratio", "larger / smaller", "b"),)
-    clearances = {f"clearance.{kind}": words for kind, words in BODIES.items()}
-    # title, unit, lines and the further fields of Panel, by group
-    groups: dict[str, list[tuple[Any, ...]]] = {
-        "Winding": [
-            ("Height in the shaft", "m", _followed("derived.reference_height", "y")),
-            ("Speed", "m/s", _followed("reference.speed", "vy")),
-            ("Acceleration", "m/s²", _followed("reference.acceleration", "ay")),
-            ("Tracking error, left", "mm", _lines({"derived.tracking_error": "error"}, 1e3), 1.0),
-        ],
-        "Drive": [
-            ("Motor torque", "kN m", torque),
-            ("Motor power", "kW", _lines({"drive.motor_power": "power"}, kilo)),
-            (
-                "Brake torque on the sheave",
-                "kN m",
-                (Line("drive.brake_torque", "brake", "c", kilo),),
-            ),
-            ("Head rope tension at the sheave", "kN", _ends("drive.tension_{}", kilo)),
-            (
-                "Tension ratio on the sheave",
-                "1",
-                ratio,
-                0.0,
-                Limit(limit, f"ropes slip at exp(µα) = {limit:.2f}"),
-            ),
-            *(slip if hoist.lining is not None else []),
-        ],
-        "Balance rope": [
-            ("Pull on the conveyances", "kN", _ends("{}.fy", -kilo * count)),
-            ("Side force on the conveyances, in plane", "N", _ends("{}.fx", count), 1.0),
-            ("Moment on the conveyances about the vertical", "N m", _ends("{}.my", count), 1.0),
-            ("Lowest point of the loop", "m", _lines({"loop.y": "height"})),
-            ("Lowest point of the loop, sideways", "m", _lines(_SIDEWAYS), 0.02),
-            ("Yaw of the loop", "deg", (Line("loop.yaw", "yaw", "b", _DEGREES),), 0.02),
-            ("Turns of the legs about each other", "1", (Line("loop.turns", "turns", "b"),), 0.01),
-            ("Clearance from what is in the shaft", "m", _lines(clearances), 0.02),
-            ("Clearance between the legs", "m", (Line("loop.clearance", "clearance", "c"),), 0.02),
-        ],
-        "Swivels": [
-            ("Swivel angle", "deg", _ends("{}.swivel.angle", _DEGREES), 0.1),
-            ("Swivel rate", "rad/s", _ends("{}.swivel.rate"), 0.01),
-            ("Moment of the swivel on the rope", "N m", _ends("{}.swivel.torque"), 0.1),
-            (
-                "Twist of the rope",
-                "rad/m",
-                (*_ends("{}.twist"), Line("loop.twist", "loop", "c")),
-                1e-3,
-            ),
-        ],
-        "Stress": [("Largest nominal stress of the rope", "MPa", _lines(_STRESSES, mega))],
-        "Energy": [
-            ("Drive, since the start", "kJ", _lines(_DRIVE_ENERGIES, kilo, from_start=True)),
-            ("Balance rope, since the start", "kJ", _lines(_ROPE_ENERGIES, kilo, from_start=True)),
-            ("Balance rope, dissipated", "J", _lines(LOSSES, from_start=True)),
-            ("Residual of the energy balance", "J", _lines(_RESIDUALS)),
-        ],
-    }
-    for group, rows in groups.items():
-        yield from (Panel(group, *row) for row in rows)
+    yield from _winding_panels()
+    yield from _drive_panels(hoist)
+    yield from _rope_panels(hoist.tail_rope_number)
+    yield from _swivel_panels()
+    stresses = _lines(_STRESSES, factor=_MEGA)
+    yield Panel("Stress", "Largest nominal stress of the rope", "MPa", stresses)
+    yield from _energy_panels()
 
+
+def _winding_panels() -> Iterator[Panel]:
+    group = "Winding"
+    heights = _followed("derived.reference_height", "y")
+    yield Panel(group, "Height in the shaft", "m", heights)
+    yield Panel(group, "Speed", "m/s", _followed("reference.speed", "vy"))
+    yield Panel(group, "Acceleration", "m/s²", _followed("reference.acceleration", "ay"))
+    error = _lines({"derived.tracking_error": "error"}, factor=_MILLI)
+    yield Panel(group, "Tracking error, left", "mm", error, least=1.0)
+
+
+def _drive_panels(hoist: Hoist) -> Iterator[Panel]:
+    group = "Drive"
+    torque = (
+        Line("drive.torque_command", "command", REFERENCE, factor=_KILO),
+        Line("drive.torque", "motor", "a", factor=_KILO),
+    )
+    brake = Line("drive.brake_torque", "brake", "c", factor=_KILO)
+    tensions = _ends("drive.tension_{}", factor=_KILO)
+    ratio = Line("drive.tension_ratio", "larger / smaller", "b")
+    slip_ratio = hoist.tension_ratio_limit
+    limit = Limit(slip_ratio, f"ropes slip at exp(µα) = {slip_ratio:.2f}")
+    yield Panel(group, "Motor torque", "kN m", torque)
+    power = _lines({"drive.motor_power": "power"}, factor=_KILO)
+    yield Panel(group, "Motor power", "kW", power)
+    yield Panel(group, "Brake torque on the sheave", "kN m", (brake,))
+    yield Panel(group, "Head rope tension at the sheave", "kN", tensions)
+    yield Panel(group, "Tension ratio on the sheave", "1", (ratio,), limit=limit)
+    if hoist.lining is not None:
+        way = _lines({"drive.slip": "way"})
+        yield Panel(group, "Head ropes slipped on the sheave", "m", way, least=0.01)
+        yield Panel(group, "Speeds at the sheave's rim", "m/s", _lines(_SPEEDS))
+
+
+def _rope_panels(count: int) -> Iterator[Panel]:
+    """Yield the panels of the balance rope; forces are those of `count` equal ropes."""
+    group = "Balance rope"
+    pull = _ends("{}.fy", factor=-_KILO * count)
+    side_force = _ends("{}.fx", factor=count)
+    moment = _ends("{}.my", factor=count)
+    yaw = Line("loop.yaw", "yaw", "b", factor=_DEGREES)
+    turns = Line("loop.turns", "turns", "b")
+    from_bodies = _lines({f"clearance.{kind}": words for kind, words in BODIES.items()})
+    between_legs = Line("loop.clearance", "clearance", "c")
+    yield Panel(group, "Pull on the conveyances", "kN", pull)
+    yield Panel(group, "Side force on the conveyances, in plane", "N", side_force, least=1.0)
+    title = "Moment on the conveyances about the vertical"
+    yield Panel(group, title, "N m", moment, least=1.0)
+    yield Panel(group, "Lowest point of the loop", "m", _lines({"loop.y": "height"}))
+    title = "Lowest point of the loop, sideways"
+    yield Panel(group, title, "m", _lines(_SIDEWAYS), least=0.02)
+    yield Panel(group, "Yaw of the loop", "deg", (yaw,), least=0.02)
+    yield Panel(group, "Turns of the legs about each other", "1", (turns,), least=0.01)
+    yield Panel(group, "Clearance from what is in the shaft", "m", from_bodies, least=0.02)
+    yield Panel(group, "Clearance between the legs", "m", (between_legs,), least=0.02)
+
+
+def _swivel_panels() -> Iterator[Panel]:
+    group = "Swivels"
+    angle = _ends("{}.swivel.angle", factor=_DEGREES)
+    torque = _ends("{}.swivel.torque")
+    twist = (*_ends("{}.twist"), Line("loop.twist", "loop", "c"))
+    yield Panel(group, "Swivel angle", "deg", angle, least=0.1)
+    yield Panel(group, "Swivel rate", "rad/s", _ends("{}.swivel.rate"), least=0.01)
+    yield Panel(group, "Moment of the swivel on the rope", "N m", torque, least=0.1)
+    yield Panel(group, "Twist of the rope", "rad/m", twist, least=1e-3)
+
+
+def _energy_panels() -> Iterator[Panel]:
+    group = "Energy"
+    drive = _lines(_DRIVE_ENERGIES, factor=_KILO, from_start=True)
+    rope = _lines(_ROPE_ENERGIES, factor=_KILO, from_start=True)
+    yield Panel(group, "Drive, since the start", "kJ", drive)
+    yield Panel(group, "Balance rope, since the start", "kJ", rope)
+    losses = _lines(LOSSES, from_start=True)
+    yield Panel(group, "Balance rope, dissipated", "J", losses)
+    yield Panel(group, "Residual of the energy balance", "J", _lines(_RESIDUALS))
+
+
+# factors from SI to the unit with a prefix
+_MILLI = 1e3
+_KILO = 1e-3
+_MEGA = 1e-6
 
 _SPEEDS = {"derived.rim_speed": "sheave", "derived.rope_speed": "head ropes"}
 _SIDEWAYS = {
@@ -253,52 +288,61 @@ class Mark:
 
 
 def marks(result: Result) -> list[Mark]:
-    """List faults, creep, the reference's arrival and the place where a run was stopped, in order of time."""
-    times, winding = result.recording.time, result.winding
-    # Host's reference counts from the start of the record
-    start = float(times[0])
-    instants = [Mark(jam.t, f"{jam.side} conveyance jams") for jam in jams(result.recording)]
-    instants += [
-        Mark(slack.t, f"{slack.side} head ropes slack") for slack in slack_ropes(result.recording)
-    ]
-    if (slid := slip(result.recording)) is not None:
-        instants.append(Mark(slid.t, "head ropes slip"))
+    """List faults, creep, the reference's arrival and the stop of a run, in order of time."""
+    recording = result.recording
+    winding = result.winding
+    # the host's reference counts from the start of the record
+    start = float(recording.time[0])
+    end = float(recording.time[-1])
+    instants = [Mark(jam.t, f"{jam.side} conveyance jams") for jam in jams(recording)]
+    for slack in slack_ropes(recording):
+        instants.append(Mark(slack.t, f"{slack.side} head ropes slack"))
+    head_rope_slip = slip(recording)
+    if head_rope_slip is not None:
+        instants.append(Mark(head_rope_slip.t, "head ropes slip"))
     if winding.creeps:
-        instants += [
-            Mark(start + t, "creep") for t in result.trajectory.cruise_times(winding.creep_speed)
-        ]
-    if (trip := guard_trip(result.recording)) is not None:
+        for t in result.trajectory.cruise_times(winding.creep_speed):
+            instants.append(Mark(start + t, "creep"))
+    trip = guard_trip(recording)
+    if trip is not None:
         instants.append(Mark(trip.t, f"guard: {trip.cause}"))
     if winding.emergency_at is not None:
         instants.append(Mark(start + winding.emergency_at, "emergency stop"))
     instants.append(Mark(start + result.trajectory.duration, "reference at rest"))
-    # inside the record only
-    instants = sorted(
-        (mark for mark in instants if start <= mark.t <= float(times[-1])), key=lambda mark: mark.t
-    )
-    return instants if result.completed else [*instants, Mark(float(times[-1]), "run stopped")]
+    inside = [mark for mark in instants if start <= mark.t <= end]
+    inside.sort(key=lambda mark: mark.t)
+    if not result.completed:
+        inside.append(Mark(end, "run stopped"))
+    return inside
 
 
 def transformations(recording: Recording, names: Sequence[str] = ("",)) -> list[float]:
     """First recorded instants [s] after a transformation of a rope's mesh, in ascending order."""
     instants = set[float]()
-    for own in (rope_signals(recording, name) for name in names):
-        if "count.transformations" in own:
-            instants |= {*own.time[1:][np.diff(own["count.transformations"]) > 0.0].tolist()}
+    for name in names:
+        rope = rope_signals(recording, name)
+        if "count.transformations" in rope:
+            transformed = np.diff(rope["count.transformations"]) > 0.0
+            instants |= {*rope.time[1:][transformed].tolist()}
     return sorted(instants)
 
 
 def slips(
     recording: Recording, end: str, names: Sequence[str] = ("",)
 ) -> list[tuple[float, float]]:
-    """Intervals [s] during which a swivel of `end` slips, each recorded state holding until the next row."""
+    """Return intervals [s] during which the swivel of `end` slips.
+
+    A recorded state holds until the next row.
+    """
     intervals = list[tuple[float, float]]()
-    for own in (rope_signals(recording, name) for name in names):
-        if (signal := f"{end}.swivel.slipping") in own:
-            inside = np.concatenate([[False], own[signal] > 0.5, [False]])
-            edges = np.flatnonzero(inside[1:] != inside[:-1])
-            times, last = own.time, len(own.time) - 1
-            intervals += [
-                (float(times[a]), float(times[min(b, last)])) for a, b in edges.reshape(-1, 2)
-            ]
+    signal = f"{end}.swivel.slipping"
+    for name in names:
+        rope = rope_signals(recording, name)
+        if signal in rope:
+            slipping = np.concatenate([[False], rope[signal] > 0.5, [False]])
+            edges = np.flatnonzero(slipping[1:] != slipping[:-1])
+            times = rope.time
+            last = len(times) - 1
+            for begin, stop in edges.reshape(-1, 2):
+                intervals.append((float(times[begin]), float(times[min(stop, last)])))
     return sorted(intervals)

@@ -13,11 +13,11 @@ from hoist_demo.study.provenance import SETTING, STATUSES, SourcedValue
 
 OUTCOME = "Outcome"  #: Group of the rows on how a run went.
 WARNING = "warning"  #: Quantity of the rows that every report shows first.
-DIGITS = (
-    4  #: Significant digits of a number in the summary, which the rope's standard accuracy leaves.
-)
+#: Significant digits of a number in the summary, which the rope's standard accuracy leaves.
+DIGITS = 4
 WHOLE = 10  #: Significant digits of a whole number.
 LONG = 40  #: Characters from which a text has lines of its own in the table.
+TEXT_WIDTH = 110  #: Characters of a line of text.
 
 
 @dataclass(frozen=True)
@@ -32,17 +32,18 @@ class SummaryRow:
     @property
     def text(self) -> str:
         """Value as text, in DIGITS."""
-        whole = not isinstance(self.value, str) and float(self.value).is_integer()
-        return (
-            self.value
-            if isinstance(self.value, str)
-            else number(self.value, WHOLE if whole else DIGITS)
-        )
+        if isinstance(self.value, str):
+            return self.value
+        whole = float(self.value).is_integer()
+        return number(self.value, WHOLE if whole else DIGITS)
 
 
 @dataclass(frozen=True)
 class Report:
-    """Content of a report, in reading order; `changed` are the settings that differ, `data_tables` have all data."""
+    """Content of a report, in reading order.
+
+    `changed` are the settings that differ, `data_tables` have all data.
+    """
 
     title: str
     verdict: Verdict
@@ -59,17 +60,15 @@ def rows_by_group(rows: Sequence[SummaryRow]) -> dict[str, list[SummaryRow]]:
     return groups
 
 
-CHANGED = (
-    "parameter",
-    "value",
-    "unit",
-    "of the case",
-)  #: Head of the table of settings that differ.
+#: Head of the table of settings that differ.
+CHANGED = ("parameter", "value", "unit", "of the case")
 
 
 def in_display_unit(value: float, unit: str) -> tuple[float, str]:
     """Convert to a unit for people: angles to degrees, pure numbers to none."""
-    return (math.degrees(value), "deg") if unit == "rad" else (value, unit_text(unit))
+    if unit == "rad":
+        return math.degrees(value), "deg"
+    return value, unit_text(unit)
 
 
 def render(rows: Sequence[SummaryRow]) -> str:
@@ -80,26 +79,32 @@ def render(rows: Sequence[SummaryRow]) -> str:
         if k == 0 or row.group != rows[k - 1].group:
             lines += ["", row.group]
         if len(row.text) > LONG:
+            text = f"{row.quantity}: {row.text}"
             lines += textwrap.wrap(
-                f"{row.quantity}: {row.text}", 110, initial_indent="  ", subsequent_indent="    "
+                text, width=TEXT_WIDTH, initial_indent="  ", subsequent_indent="    "
             )
         else:
-            lines.append(
-                f"  {row.quantity:<{width}}  {row.text:>14} {unit_text(row.unit)}".rstrip()
-            )
+            line = f"  {row.quantity:<{width}}  {row.text:>14} {unit_text(row.unit)}"
+            lines.append(line.rstrip())
     return "\n".join(lines[1:])
 
 
 def render_verdict(verdict: Verdict) -> str:
     """Return the verdict as plain text: its words and its rows."""
-    lines = textwrap.wrap(verdict.summary, 110)
-    cells = [COLUMNS, *(row.cells for row in verdict.rows)] if verdict.rows else []
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    table = [
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in cells
-    ]
-    return "\n".join([*lines, "", *table])
+    lines = [*textwrap.wrap(verdict.summary, TEXT_WIDTH), ""]
+    if verdict.rows:
+        lines += aligned_table([COLUMNS, *(row.cells for row in verdict.rows)])
+    return "\n".join(lines)
+
+
+def aligned_table(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return lines of a table whose columns are as wide as their widest cells."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = []
+    for row in rows:
+        cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
+        lines.append("  ".join(cells).rstrip())
+    return lines
 
 
 TITLE = "Data that this rests on, by status"
@@ -112,26 +117,19 @@ def status_rows(data: Sequence[SourcedValue]) -> list[SummaryRow]:
     for status in STATUSES:
         names = [one.name for one in data if one.status == status]
         if names and status != SETTING:
-            kinds = Counter(name.rpartition(".")[0] for name in names)
-            text = ", ".join(
-                names
-                if len(names) <= MAX_LISTED_NAMES
-                else (f"{n} of {k}" for k, n in kinds.items())
-            )
-            rows.append(SummaryRow(TITLE, status, text))
+            parts = names
+            if len(names) > MAX_LISTED_NAMES:
+                kinds = Counter(name.rpartition(".")[0] for name in names)
+                parts = [f"{count} of {kind}" for kind, count in kinds.items()]
+            rows.append(SummaryRow(TITLE, status, ", ".join(parts)))
     return rows
 
 
 def provenance_table(data: Sequence[SourcedValue]) -> TitledRows:
     """Return the data without settings, sorted by STATUSES."""
-    rows: list[Row] = [
-        (
-            one.name,
-            one.value if isinstance(one.value, str) else number(one.value),
-            unit_text(one.unit),
-            one.status,
-        )
-        for one in sorted(data, key=lambda one: STATUSES.index(one.status))
-        if one.status != SETTING
-    ]
+    rows = list[Row]()
+    for one in sorted(data, key=lambda one: STATUSES.index(one.status)):
+        if one.status != SETTING:
+            value = one.value if isinstance(one.value, str) else number(one.value)
+            rows.append((one.name, value, unit_text(one.unit), one.status))
     return TITLE, rows

@@ -6,6 +6,7 @@ Each row stands for itself; rows whose signals were not recorded are left out.
 import math
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -50,63 +51,76 @@ def _rough(values: Array) -> str:
     return number(float(values[np.nanargmax(np.abs(values))]), 2)
 
 
-_DRIVE, _ROPE, _WORK, _ENERGY = (
-    "Drive",
-    "Balance rope",
-    "Energy of the drive",
-    "Energy of one balance rope",
-)
+_DRIVE = "Drive"
+_ROPE = "Balance rope"
+_WORK = "Energy of the drive"
+_ENERGY = "Energy of one balance rope"
 
-#: Group and quantity, signals, factor and unit, and the function that reduces the signals to a value.
-_ROWS: tuple[tuple[str, str, tuple[str, ...], float, str, Callable[[Array], float | str]], ...] = (
-    (_DRIVE, "peak speed", ("conveyance.left.vy",), 1.0, "m/s", _largest),
-    (_DRIVE, "peak motor torque", ("drive.torque",), 1e-3, "kN m", _largest),
-    (
-        _DRIVE,
-        "largest head rope tension",
-        ("drive.tension_left", "drive.tension_right"),
-        1e-3,
-        "kN",
-        _largest,
+
+class _Unit(NamedTuple):
+    """Unit of a row, and the factor that leads from SI to it."""
+
+    name: str
+    factor: float
+
+
+_SPEED = _Unit("m/s", 1.0)
+_LENGTH = _Unit("m", 1.0)
+_DEGREE = _Unit("deg", 180.0 / math.pi)
+_FORCE = _Unit("kN", 1e-3)
+_TORQUE = _Unit("N m", 1.0)
+_DRIVE_TORQUE = _Unit("kN m", 1e-3)
+_STRESS = _Unit("MPa", 1e-6)
+_JOULE = _Unit("J", 1.0)
+_KILOJOULE = _Unit("kJ", 1e-3)
+
+
+class _SignalRow(NamedTuple):
+    """Row of the summary that one function reduces from signals."""
+
+    group: str
+    quantity: str
+    signals: tuple[str, ...]
+    unit: _Unit
+    reduce: Callable[[Array], float | str]
+
+
+_HEAD_ROPE_TENSIONS = ("drive.tension_left", "drive.tension_right")
+_SWIVEL_TORQUES = ("left.swivel.torque", "right.swivel.torque")
+_ROPE_WORK = ("drive.work_from_balance_rope",)
+_RESIDUAL = "residual, furthest from 0 (negative: lost by the time steps)"
+
+_ROWS = (
+    _SignalRow(_DRIVE, "peak speed", ("conveyance.left.vy",), _SPEED, _largest),
+    _SignalRow(_DRIVE, "peak motor torque", ("drive.torque",), _DRIVE_TORQUE, _largest),
+    _SignalRow(_DRIVE, "largest head rope tension", _HEAD_ROPE_TENSIONS, _FORCE, _largest),
+    _SignalRow(_ROPE, "lowest point of the loop", ("loop.y",), _LENGTH, _least),
+    _SignalRow(_ROPE, "largest yaw of the loop", ("loop.yaw",), _DEGREE, _largest),
+    _SignalRow(_ROPE, "largest torque at a swivel", _SWIVEL_TORQUES, _TORQUE, _largest),
+    _SignalRow(_ROPE, "largest bending stress", ("stress.bending_max",), _STRESS, _largest),
+    _SignalRow(_ROPE, "largest torsional stress", ("stress.torsion_max",), _STRESS, _largest),
+    _SignalRow(_WORK, "motor work", ("drive.work_motor",), _KILOJOULE, _last),
+    _SignalRow(_WORK, "losses", ("drive.work_losses",), _KILOJOULE, _last),
+    _SignalRow(_WORK, "of it head ropes that slid", ("drive.work_slip",), _KILOJOULE, _last),
+    _SignalRow(_WORK, "damping of the head ropes", ("drive.work_rope_damping",), _KILOJOULE, _last),
+    _SignalRow(
+        _WORK, "work of all balance ropes on the conveyances", _ROPE_WORK, _KILOJOULE, _last
     ),
-    (_ROPE, "lowest point of the loop", ("loop.y",), 1.0, "m", _least),
-    (_ROPE, "largest yaw of the loop", ("loop.yaw",), 180.0 / math.pi, "deg", _largest),
-    (
-        _ROPE,
-        "largest torque at a swivel",
-        ("left.swivel.torque", "right.swivel.torque"),
-        1.0,
-        "N m",
-        _largest,
+    _SignalRow(_WORK, "residual, largest", ("drive.energy_residual",), _JOULE, _rough),
+    _SignalRow(_ENERGY, "work at its ends", ("energy.work_ends",), _KILOJOULE, _last),
+    *(
+        _SignalRow(_ENERGY, f"dissipated {place}", (signal,), _KILOJOULE, _last)
+        for place, signal in (
+            ("in the rope", "energy.dissipated_material"),
+            ("in the swivels", "energy.dissipated_swivel"),
+        )
     ),
-    (_ROPE, "largest bending stress", ("stress.bending_max",), 1e-6, "MPa", _largest),
-    (_ROPE, "largest torsional stress", ("stress.torsion_max",), 1e-6, "MPa", _largest),
-    (_WORK, "motor work", ("drive.work_motor",), 1e-3, "kJ", _last),
-    (_WORK, "losses", ("drive.work_losses",), 1e-3, "kJ", _last),
-    (_WORK, "of it head ropes that slid", ("drive.work_slip",), 1e-3, "kJ", _last),
-    (_WORK, "damping of the head ropes", ("drive.work_rope_damping",), 1e-3, "kJ", _last),
-    (
-        _WORK,
-        "work of all balance ropes on the conveyances",
-        ("drive.work_from_balance_rope",),
-        1e-3,
-        "kJ",
-        _last,
+    *(
+        _SignalRow(_ENERGY, words, (signal,), _KILOJOULE, _last)
+        for signal, words in ELSEWHERE.items()
     ),
-    (_WORK, "residual, largest", ("drive.energy_residual",), 1.0, "J", _rough),
-    (_ENERGY, "work at its ends", ("energy.work_ends",), 1e-3, "kJ", _last),
-    (_ENERGY, "dissipated in the rope", ("energy.dissipated_material",), 1e-3, "kJ", _last),
-    (_ENERGY, "dissipated in the swivels", ("energy.dissipated_swivel",), 1e-3, "kJ", _last),
-    *((_ENERGY, words, (name,), 1e-3, "kJ", _last) for name, words in ELSEWHERE.items()),
-    (_ENERGY, "largest kinetic energy", ("energy.kinetic",), 1.0, "J", _largest),
-    (
-        _ENERGY,
-        "residual, furthest from 0 (negative: lost by the time steps)",
-        ("energy.residual",),
-        1.0,
-        "J",
-        _rough,
-    ),
+    _SignalRow(_ENERGY, "largest kinetic energy", ("energy.kinetic",), _JOULE, _largest),
+    _SignalRow(_ENERGY, _RESIDUAL, ("energy.residual",), _JOULE, _rough),
 )
 
 
@@ -120,98 +134,119 @@ def summarize(
 ) -> tuple[SummaryRow, ...]:
     """Return all rows of a run, in reading order; `names` are those of its ropes."""
     rows: list[SummaryRow] = []
-    if (recording := result.recording).signals:
-        rows = _trip(recording, hoist, winding)
-        rows += _swing(recording, result.trajectory.duration, (arrival or Arrival()).window)
+    recording = result.recording
+    if recording.signals:
+        window = (arrival or Arrival()).window
+        rows += _trip(recording, hoist, winding)
+        rows += _swing(recording, result.trajectory.duration, window)
         rows += _signals(recording, (_DRIVE, _WORK))
-        rows += _together(recording) if names[0] else ()
+        if names[0]:
+            rows += _moments(recording)
         for name in names:
             of_rope = f", {name}" if name else ""
-            rows += [
-                replace(row, group=f"{row.group}{of_rope}") for row in _of_rope(recording, name)
-            ]
+            for row in _of_rope(recording, name):
+                rows.append(replace(row, group=f"{row.group}{of_rope}"))
         if "energy.work_ends" in recording:
             defect = _rough(exchange_energy(recording, hoist))
-            rows.append(
-                SummaryRow(_WORK, "energy that the coupling's delay makes up, largest", defect, "J")
-            )
+            quantity = "energy that the coupling's delay makes up, largest"
+            rows.append(SummaryRow(_WORK, quantity, defect, "J"))
     groups = list(dict.fromkeys(row.group for row in rows))
-    return (*sorted(rows, key=lambda row: groups.index(row.group)), *_clock(result, coupling))
+    rows.sort(key=lambda row: groups.index(row.group))
+    return (*rows, *_clock(result, coupling))
 
 
 def _of_rope(recording: Recording, name: str) -> Iterator[SummaryRow]:
-    own = rope_signals(recording, name)
+    rope = rope_signals(recording, name)
     if name:
-        count = len(own.time)
-        share = (own["left.fy"] + own["right.fy"]) / (recording["left.fy"] + recording["right.fy"])[
-            :count
-        ]
-        text = f"{number(100.0 * share[0], 3)} %, in motion {number(100.0 * share.min(), 3)} to "
-        yield SummaryRow(
-            _ROPE, "share of the pull of all, at rest", f"{text}{number(100.0 * share.max(), 3)} %"
-        )
-    yield from _signals(own, (_ROPE, _ENERGY))
-    if fidelities := fidelities_of(own):
+        pull = rope["left.fy"] + rope["right.fy"]
+        pull_of_all = recording["left.fy"] + recording["right.fy"]
+        percent = 100.0 * (pull / pull_of_all[: len(rope.time)])
+        at_rest = number(percent[0], 3)
+        low = number(percent.min(), 3)
+        high = number(percent.max(), 3)
+        text = f"{at_rest} %, in motion {low} to {high} %"
+        yield SummaryRow(_ROPE, "share of the pull of all, at rest", text)
+    yield from _signals(rope, (_ROPE, _ENERGY))
+    fidelities = fidelities_of(rope)
+    if fidelities:
         yield SummaryRow(_ROPE, "fidelity of the model that ran", ", then ".join(fidelities))
 
 
-def _together(recording: Recording) -> Iterator[SummaryRow]:
+_MOMENTS = {"mx": "tilt about X", "my": "moment about Y", "mz": "tilt about Z"}
+
+
+def _moments(recording: Recording) -> Iterator[SummaryRow]:
     """Yield the moments of several ropes about the conveyances' centres."""
     for end in SIDES:
-        for name, label in (
-            ("mx", "tilt about X"),
-            ("my", "moment about Y"),
-            ("mz", "tilt about Z"),
-        ):
-            if bool(np.isfinite(recording[f"{end}.{name}"]).any()):
-                group = f"All ropes on the {end} conveyance, about its centre"
-                yield SummaryRow(group, label, _largest(recording[f"{end}.{name}"]), "N m")
+        group = f"All ropes on the {end} conveyance, about its centre"
+        for component, label in _MOMENTS.items():
+            moment = recording[f"{end}.{component}"]
+            if bool(np.isfinite(moment).any()):
+                yield SummaryRow(group, label, _largest(moment), "N m")
 
 
 def _signals(recording: Recording, groups: Collection[str]) -> Iterator[SummaryRow]:
-    for group, quantity, names, factor, unit, measure in (row for row in _ROWS if row[0] in groups):
+    for row in _ROWS:
+        if row.group not in groups:
+            continue
         recorded = [
-            recording[name] for name in names if name in recording and loses(recording, name)
+            recording[name] for name in row.signals if name in recording and loses(recording, name)
         ]
+        if not recorded:
+            continue
+        values = np.concatenate(recorded)
         # signals that the fidelity leaves out are NaN throughout
-        if recorded and bool(np.isfinite(values := np.concatenate(recorded)).any()):
-            yield SummaryRow(group, quantity, measure(factor * values), unit)
+        if bool(np.isfinite(values).any()):
+            value = row.reduce(row.unit.factor * values)
+            yield SummaryRow(row.group, row.quantity, value, row.unit.name)
 
 
 def loses(recording: Recording, name: str) -> bool:
-    """Return True if a loss of energy is to be shown: one that not every scene has only if it is not 0."""
+    """Return True if a loss of energy is shown.
+
+    A loss that not every scene has is shown if it is not 0.
+    """
     return not name.endswith((*ELSEWHERE, "drive.work_slip")) or bool(np.any(recording[name]))
 
 
-#: Columns of the table of exposure, what their largest value is called, and the column that tells when or how fast.
-_MOST = {
-    "curvature.range": ("largest range of curvature in a cycle", ""),
-    "torque.range": ("largest range of torque in a cycle", ""),
-    "tension.range": ("largest range of tension in a cycle", ""),
-    "tension.largest": ("largest tension", "largest_at"),
-    "torque.amplitude": ("strongest vibration of torque", "frequency"),
-    "tension.amplitude": ("strongest vibration of tension", "frequency"),
-    "bent": ("longest time in the bend", ""),
-}
+class _LargestOf(NamedTuple):
+    """Column of the table of exposure whose largest value is shown."""
+
+    column: str
+    label: str
+    qualifier: str = ""  # column of its time or frequency
+
+
+_LARGEST_OF = (
+    _LargestOf("curvature.range", "largest range of curvature in a cycle"),
+    _LargestOf("torque.range", "largest range of torque in a cycle"),
+    _LargestOf("tension.range", "largest range of tension in a cycle"),
+    _LargestOf("tension.largest", "largest tension", "tension.largest_at"),
+    _LargestOf("torque.amplitude", "strongest vibration of torque", "torque.frequency"),
+    _LargestOf("tension.amplitude", "strongest vibration of tension", "tension.frequency"),
+    _LargestOf("bent", "longest time in the bend"),
+)
 
 
 def exposure_rows(rope: str, table: Recording) -> tuple[SummaryRow, ...]:
-    """Return rows on the most loaded places of a rope; `table` is one of `hoist_demo.recording.exposure`."""
+    """Return rows on the most loaded places of a rope.
+
+    `table` is one of `hoist_demo.recording.exposure`.
+    """
     group = f"Places in the rope {rope}".rstrip() + ", from its left end"
     rows: list[SummaryRow] = []
-    for name, (label, beside) in _MOST.items():
-        if bool(np.isfinite(table[name]).all()) and bool(np.any(table[name])):
-            k = int(np.argmax(table[name]))
-            parts = [
-                (name, ""),
-                ("s", " at "),
-                *([(f"{name.partition('.')[0]}.{beside}", ", ")] if beside else []),
-            ]
-            text = "".join(
-                f"{sep}{number(float(table[x][k]), 4)} {unit_text(table.units[x])}"
-                for x, sep in parts
-            )
-            rows.append(SummaryRow(group, label, text))
+
+    def quantity(column: str, station: int) -> str:
+        return f"{number(float(table[column][station]), 4)} {unit_text(table.units[column])}"
+
+    for one in _LARGEST_OF:
+        values = table[one.column]
+        if bool(np.isfinite(values).all()) and bool(np.any(values)):
+            station = int(np.argmax(values))
+            text = f"{quantity(one.column, station)} at {quantity('s', station)}"
+            if one.qualifier:
+                text += f", {quantity(one.qualifier, station)}"
+            rows.append(SummaryRow(group, one.label, text))
     return tuple(rows)
 
 
@@ -232,9 +267,11 @@ def _trip(recording: Recording, hoist: Hoist, winding: Winding) -> list[SummaryR
 def _tracking(group: str, error: Array, elapsed: Array, winding: Winding) -> list[SummaryRow]:
     """Return errors [mm] while the drive follows the reference, until the brake trips."""
     follows = elapsed <= winding.tracking_end
-    last, until = "final position error", ""
+    last = "final position error"
+    until = ""
     if not bool(follows.all()):
-        last, until = "position error at the trip", " until then"
+        last = "position error at the trip"
+        until = " until then"
     elif winding.emergency_at is not None and winding.emergency_at <= elapsed[-1]:
         last = "final error against the stop's reference"
     return [
@@ -244,19 +281,17 @@ def _tracking(group: str, error: Array, elapsed: Array, winding: Winding) -> lis
 
 
 def _swing(recording: Recording, arrival: float, window: float) -> list[SummaryRow]:
-    """Return the swing of both conveyances in a window [s] after the arrival of the reference [s]."""
+    """Return the swing of both conveyances in a window [s] after the reference's arrival [s]."""
     elapsed = recording.time - recording.time[0]
     in_window = (elapsed >= arrival) & (elapsed <= arrival + window)
     if not bool(in_window.any()):
         return []
     within = f"within {float(np.ptp(elapsed[in_window])):.2g} s, peak to peak"
-    swings = {
-        end: 1e3 * float(np.ptp(recording[f"conveyance.{end}.y"][in_window])) for end in SIDES
-    }
-    return [
-        SummaryRow(_DRIVE, f"swing after arrival, {end}, {within}", swing, "mm")
-        for end, swing in swings.items()
-    ]
+    rows = []
+    for end in SIDES:
+        swing = 1e3 * float(np.ptp(recording[f"conveyance.{end}.y"][in_window]))
+        rows.append(SummaryRow(_DRIVE, f"swing after arrival, {end}, {within}", swing, "mm"))
+    return rows
 
 
 def _clock(result: Result, coupling: Coupling) -> list[SummaryRow]:

@@ -1,12 +1,14 @@
-"""The verdict on a run: what a hoist engineer asks first, each number beside its bound, when and where.
+"""The verdict on a run: its most important numbers with bound, time and place.
 
-Terminal, Markdown and HTML show the rows that are declared here. Rows whose signals were not recorded are left out.
+Terminal, Markdown and HTML show the rows that are declared here. Rows whose signals were not
+recorded are left out.
 """
 
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,18 +30,62 @@ HALF_TURN = 0.5  #: Turns of the legs about each other at which a loop has turne
 NO_BOUND = "none asked"
 _STRIKES = "strikes"
 _HANGS = "above 0: a rope only pulls"
+#: Part of its largest swing with which a loop counts as still swinging.
+STILL_SWINGING = 0.5
+#: Shortest way of a conveyance after an emergency stop that the verdict mentions [m].
+SMALLEST_DRIFT = 5e-3
 
-#: Signals whose largest size counts, in words, with unit and the guard whose bound it is.
+
+class _Swing(NamedTuple):
+    """Signal of the loop whose largest size counts."""
+
+    signal: str
+    label: str
+    unit: str
+    guard: str  # guard with the bound of the signal
+
+
 _SWINGS = (
-    ("loop.sideways", "sideways swing of the loop", "m", "window"),
-    ("loop.rise", "rise of the loop", "m", "rise"),
-    ("loop.turns", "turns of the legs about each other", "", "turns"),
+    _Swing("loop.sideways", "sideways swing of the loop", "m", "window"),
+    _Swing("loop.rise", "rise of the loop", "m", "rise"),
+    _Swing("loop.turns", "turns of the legs about each other", "", "turns"),
+)
+
+
+class _ErrorEstimate(NamedTuple):
+    """Estimate of the rope's own error, with the unit of its text."""
+
+    signal: str
+    label: str
+    unit: str
+    factor: float  # of the unit
+    accuracy: str  # parameter with the bound of the error
+
+
+_ERROR_ESTIMATES = (
+    _ErrorEstimate(
+        "status.end_force_error",
+        "estimated error of the end forces",
+        unit="% of the largest",
+        factor=100.0,
+        accuracy="end_force",
+    ),
+    _ErrorEstimate(
+        "status.loop_error",
+        "estimated error of the loop's place",
+        unit="mm",
+        factor=1e3,
+        accuracy="loop",
+    ),
 )
 
 
 @dataclass(frozen=True)
 class VerdictRow:
-    """Row of the verdict: a quantity, its value, its bound and whether that holds; None without a bound."""
+    """Row of the verdict: a quantity, its value, its bound and whether that holds.
+
+    None without a bound.
+    """
 
     quantity: str
     value: str
@@ -50,13 +96,8 @@ class VerdictRow:
     @property
     def cells(self) -> tuple[str, ...]:
         """Texts in the order of COLUMNS."""
-        return (
-            self.quantity,
-            self.value,
-            self.bound,
-            {None: "", True: "yes", False: "NO"}[self.holds],
-            self.where,
-        )
+        kept = {None: "", True: "yes", False: "NO"}[self.holds]
+        return self.quantity, self.value, self.bound, kept, self.where
 
 
 _WHERE = "when and where: x, z from midway between the conveyances, y from the lower landing"
@@ -84,11 +125,15 @@ class _Rope:
     def parameter(self, name: str) -> float:
         """Return a number of the rope's parameters, 0 if it lacks it."""
         value = self.data.parameters.get(name, 0.0)
-        return float(value) if isinstance(value, int | float) else 0.0
+        if isinstance(value, int | float):
+            return float(value)
+        return 0.0
 
     def last(self, name: str) -> float:
         """Return the value at the end of the record; NaN if it was not computed."""
-        return float(self.recording[name][-1]) if name in self.recording else math.nan
+        if name in self.recording:
+            return float(self.recording[name][-1])
+        return math.nan
 
     def has_numbers(self, *names: str) -> bool:
         """Return True if all these signals have numbers."""
@@ -97,16 +142,19 @@ class _Rope:
         )
 
     def at(self, row: int, name: str) -> str:
-        return ", ".join(filter(None, (f"t = {self.recording.time[row]:.2f} s", self.since(name))))
+        """Return the instant of a row, and from when on the signal was computed."""
+        instant = f"t = {self.recording.time[row]:.2f} s"
+        since = self.since(name)
+        if since:
+            return f"{instant}, {since}"
+        return instant
 
     def since(self, name: str) -> str:
         """Return from when on a signal was computed; "" if it always was."""
-        there = np.isfinite(self.recording[name])
-        return (
-            ""
-            if there.all()
-            else f"computed from t = {self.recording.time[np.argmax(there)]:.2f} s on"
-        )
+        computed = np.isfinite(self.recording[name])
+        if computed.all():
+            return ""
+        return f"computed from t = {self.recording.time[np.argmax(computed)]:.2f} s on"
 
     @cached_property
     def loop_error(self) -> float:
@@ -123,20 +171,28 @@ def judge(
     arrival: Arrival | None = None,
 ) -> Verdict:
     """Judge a run with its ropes and pairs of them; `warnings` are those of ropes and host."""
-    recording, arrival = result.recording, arrival or Arrival()
-    ropes = (
-        [_Rope(rope_signals(recording, one.name), one) for one in data] if recording.signals else []
-    )
-    rows = tuple(_rows(result, hoist, ropes, pairs, arrival)) if ropes else ()
+    recording = result.recording
+    arrival = arrival or Arrival()
+    ropes = list[_Rope]()
+    rows = list[VerdictRow]()
+    if recording.signals:
+        ropes = [_Rope(rope_signals(recording, one.name), one) for one in data]
+        rows = _rows(result, hoist, ropes, pairs, arrival)
     words = outcome(result.completed, recording, [one.name for one in data])
-    words += f": {result.cause}" if result.cause else ""
+    if result.cause:
+        words += f": {result.cause}"
     words = f"{words[0].upper()}{words[1:]}. "
-    through = any(PASSED in passages(rope.recording) for rope in ropes)
-    words += "Results after it passed describe no real rope. " if through else ""
+    if any(PASSED in passages(rope.recording) for rope in ropes):
+        words += "Results after it passed describe no real rope. "
     words += bounds_in_words(rows, completed=result.completed)
     remarks = (*_warnings(result, hoist, ropes, arrival.window), *warnings)
-    good = result.completed and not broken(rows) and not remarks
-    return Verdict(words, rows, remarks, _what_matters(ropes, pairs), good)
+    return Verdict(
+        words,
+        rows=tuple(rows),
+        remarks=remarks,
+        when=_instant_to_show(ropes, pairs),
+        good=result.completed and not broken(rows) and not remarks,
+    )
 
 
 def broken(rows: Sequence[VerdictRow]) -> list[VerdictRow]:
@@ -145,7 +201,10 @@ def broken(rows: Sequence[VerdictRow]) -> list[VerdictRow]:
 
 
 def bounds_in_words(rows: Sequence[VerdictRow], *, completed: bool) -> str:
-    """Return a sentence that names every row whose bound does not hold, or says that all hold; "" without rows."""
+    """Return a sentence that names every row whose bound does not hold, or says that all hold.
+
+    "" without rows.
+    """
     if names := [row.quantity for row in broken(rows)]:
         return f"Not kept: {', '.join(names)}."
     if not rows:
@@ -156,17 +215,20 @@ def bounds_in_words(rows: Sequence[VerdictRow], *, completed: bool) -> str:
 
 def outcome(completed: bool, recording: Recording, names: Sequence[str] = ("",)) -> str:
     """Return the outcome and the events of a run, in words; `names` are those of its ropes."""
-    sentences = [
-        passages(rope_signals(recording, name), f"rope {name}" if name else "the rope")
-        for name in names
-    ]
-    passed = ", and ".join(filter(None, sentences))
-    ended = ("completed" if completed else "stopped") + (f", but {passed}" if passed else "")
-    return (
-        ended
-        + "".join(_broken(recording, name) for name in filter(None, names))
-        + incidents(recording)
-    )
+    text = "completed" if completed else "stopped"
+    sentences = [passages(rope_signals(recording, name), _rope_text(name)) for name in names]
+    if any(sentences):
+        text += f", but {', and '.join(filter(None, sentences))}"
+    for name in filter(None, names):
+        text += _broken(recording, name)
+    return text + incidents(recording)
+
+
+def _rope_text(name: str) -> str:
+    """Return a rope's name in a sentence; the only rope has none."""
+    if name:
+        return f"rope {name}"
+    return "the rope"
 
 
 def _broken(recording: Recording, name: str) -> str:
@@ -175,68 +237,75 @@ def _broken(recording: Recording, name: str) -> str:
     if len(times) == len(recording.time):
         return ""
     return (
-        f"; rope {name} broke by t = {recording.time[len(times)]:.4g} s; its loop, torques and clearances are "
-        "those before"
+        f"; rope {name} broke by t = {recording.time[len(times)]:.4g} s; its loop, torques and "
+        "clearances are those before"
     )
 
 
 def _warnings(result: Result, hoist: Hoist, ropes: Sequence[_Rope], window: float) -> list[str]:
-    """List the warnings that readers of the numbers need: of coupling, head ropes' hold, ropes' fidelity and breaks."""
+    """List warnings on coupling, slip of the head ropes, the ropes' fidelity and breaks."""
     texts = [result.warning, *slip_warnings(result, hoist)]
     if limited := result.recording.seconds("drive.torque_limited"):
         cure = "raise hoist.torque_limit and power_limit, or accelerate and stop more gently"
         texts.append(f"the motor was at its limit for {limited:.2f} s: {cure}")
     for rope in ropes:
-        name, breaks = rope.data.name, rope.data.breaks
-        texts.append(
-            remark(rope.recording).replace("the rope", f"rope {name}" if name else "the rope", 1)
-        )
-        if (
-            breaks is not None
-            and result.completed
-            and len(rope.recording.time) == len(result.recording.time)
-        ):
+        name = rope.data.name
+        texts.append(remark(rope.recording).replace("the rope", _rope_text(name), 1))
+        whole = len(rope.recording.time) == len(result.recording.time)
+        if rope.data.breaks is not None and result.completed and whole:
+            breaks_at, _ = rope.data.breaks
             texts.append(
-                f"rope {name} was to break at breaks_at = {breaks[0]:g} s, and did not: the run ended at "
-                f"{rope.recording.time[-1]:.4g} s; break it earlier"
+                f"rope {name} was to break at breaks_at = {breaks_at:g} s, and did not: the run "
+                f"ended at {rope.recording.time[-1]:.4g} s; break it earlier"
             )
     if result.completed and len(ropes) > 1:
-        texts.append(
-            _still_swinging(
-                [rope.recording for rope in ropes if rope.has_numbers("loop.sideways")], window
-            )
-        )
+        texts.append(_still_swinging(_swinging(ropes), window))
     return [text for text in texts if text]
 
 
+def _swinging(ropes: Sequence[_Rope]) -> list[Recording]:
+    """Return the records that have the sideways swing of a loop."""
+    return [rope.recording for rope in ropes if rope.has_numbers("loop.sideways")]
+
+
 def _still_swinging(recordings: Sequence[Recording], window: float) -> str:
-    """Return a remark where neighbours end with more than half of their swing: they may yet strike; "" for none."""
+    """Return a remark where neighbours end with more than half of their swing: they may yet strike.
+
+    "" for none.
+    """
     for recording in recordings:
-        sideways, time = np.abs(recording["loop.sideways"]), recording.time
-        if (last := np.nanmax(sideways[time >= time[-1] - window])) > 0.5 * np.nanmax(sideways):
-            words = f"the loops still swing by {last:.2g} m where the record ends, and may strike each other later"
-            return f"{words}: wind on with a longer winding.settle"
+        time = recording.time
+        sideways = np.abs(recording["loop.sideways"])
+        last = np.nanmax(sideways[time >= time[-1] - window])
+        if last > STILL_SWINGING * np.nanmax(sideways):
+            return (
+                f"the loops still swing by {last:.2g} m where the record ends, and may strike each "
+                "other later: wind on with a longer winding.settle"
+            )
     return ""
 
 
-def _what_matters(ropes: Sequence[_Rope], pairs: Sequence[RopePair]) -> float | None:
+def _instant_to_show(ropes: Sequence[_Rope], pairs: Sequence[RopePair]) -> float | None:
     """Return the time of the first touch, else of the largest swing [s]."""
-    touched = [
-        rope.last(f"nearest.{kind}.touched_at")
-        for rope in ropes
-        for kind in BODIES
-        if rope.last(f"nearest.{kind}.clearance") <= 0.0
-    ]
-    touched += [
-        pair.nearest.t
-        for pair in pairs
-        if pair.nearest is not None and pair.nearest.clearance <= 0.0
-    ]
-    if touched:
-        return min(touched)
-    swinging = [rope.recording for rope in ropes if rope.has_numbers("loop.sideways")]
-    most = max(swinging, key=lambda one: np.nanmax(one["loop.sideways"]), default=None)
-    return None if most is None else float(most.time[np.nanargmax(most["loop.sideways"])])
+    nearest = [pair.nearest for pair in pairs if pair.nearest is not None]
+    touches = [near.t for near in nearest if near.clearance <= 0.0]
+    for rope in ropes:
+        for kind in BODIES:
+            if rope.last(f"nearest.{kind}.clearance") <= 0.0:
+                touches.append(rope.last(f"nearest.{kind}.touched_at"))
+    if touches:
+        return min(touches)
+    largest = max(
+        _swinging(ropes), key=lambda one: float(np.nanmax(one["loop.sideways"])), default=None
+    )
+    if largest is None:
+        return None
+    return float(largest.time[np.nanargmax(largest["loop.sideways"])])
+
+
+def _touches(pair: RopePair) -> bool:
+    """Return True if the ropes of a pair touched, as far as their shapes show."""
+    return pair.nearest is not None and pair.nearest.clearance <= 0.0
 
 
 def _rows(
@@ -245,79 +314,98 @@ def _rows(
     ropes: Sequence[_Rope],
     pairs: Sequence[RopePair],
     arrival: Arrival,
-) -> Iterator[VerdictRow]:
-    yield from _pulls(result.recording, hoist, ropes)
-    yield from _head_ropes(result.recording, hoist)
+) -> list[VerdictRow]:
+    return [
+        *_pulls(result.recording, hoist, ropes),
+        *_head_ropes(result.recording, hoist),
+        *_emergency_stops(result, hoist),
+        *_cycle_time(result, arrival),
+        *_of_each(ropes, _swings),
+        *_of_each(ropes, _clearances),
+        *_between_ropes(pairs, ropes),
+        *_slip_safeties(result, hoist),
+        _strikes(ropes, pairs),
+        _guards(result.recording, ropes[0]),
+        *_of_each(ropes, _swivels),
+        *_of_each(ropes, _errors),
+    ]
+
+
+def _emergency_stops(result: Result, hoist: Hoist) -> Iterator[VerdictRow]:
     for stop in stops(result.recording, result.winding.emergency_at, hoist.sheave_radius):
-        text = f"{stop.stopping_distance:.2f} m" + (
-            ", and goes on" if stop.time is None else f" in {stop.time:.2f} s"
-        )
-        text += (
-            f", then {abs(stop.then):.2f} m {'up' if stop.then > 0.0 else 'down'}"
-            if abs(stop.then) >= 5e-3
-            else ""
-        )
-        text += (
-            f", at {number(abs(stop.speed), 2)} m/s in the end" if abs(stop.speed) > STILL else ""
-        )
+        text = f"{stop.stopping_distance:.2f} m"
+        text += ", and goes on" if stop.time is None else f" in {stop.time:.2f} s"
+        if abs(stop.then) >= SMALLEST_DRIFT:
+            direction = "up" if stop.then > 0.0 else "down"
+            text += f", then {abs(stop.then):.2f} m {direction}"
+        if abs(stop.speed) > STILL:
+            text += f", at {number(abs(stop.speed), 2)} m/s in the end"
         quantity = f"way of the {stop.side} conveyance in the emergency stop"
-        yield VerdictRow(quantity, text, "held from then on", stop.held)
-    timed = result.completed and result.recording.has(
-        "drive.torque", "reference.position", "conveyance.right.vy"
-    )
-    if timed and (cycle := trip_metrics(result, arrival).get("cycle_time")) is not None:
+        yield VerdictRow(quantity, text, bound="held from then on", holds=stop.held)
+
+
+def _cycle_time(result: Result, arrival: Arrival) -> Iterator[VerdictRow]:
+    needed = ("drive.torque", "reference.position", "conveyance.right.vy")
+    if not (result.completed and result.recording.has(*needed)):
+        return
+    cycle = trip_metrics(result, arrival).get("cycle_time")
+    if cycle is not None:
         text = f"{cycle:.2f} s" if math.isfinite(cycle) else "not within the record"
         yield VerdictRow("cycle time, until the conveyances have arrived", text)
-    yield from _of_each(ropes, _swings)
-    yield from _of_each(ropes, _clearances)
+
+
+def _between_ropes(pairs: Sequence[RopePair], ropes: Sequence[_Rope]) -> Iterator[VerdictRow]:
     for pair in pairs:
-        yield from _between(
-            pair, max(rope.loop_error for rope in ropes if rope.data.name in (pair.one, pair.other))
-        )
+        members = [rope for rope in ropes if rope.data.name in (pair.one, pair.other)]
+        yield from _between(pair, error=max(rope.loop_error for rope in members))
+
+
+def _slip_safeties(result: Result, hoist: Hoist) -> Iterator[VerdictRow]:
     for hold in slip_safeties(result, hoist):
-        bound = f"at least {hold.required:g}: {hold.rule}"
         yield VerdictRow(
-            f"slip safety {hold.when}", hold.text, bound, hold.enough, f"t = {hold.t:.2f} s"
+            f"slip safety {hold.when}",
+            hold.text,
+            bound=f"at least {hold.required:g}: {hold.rule}",
+            holds=hold.enough,
+            where=f"t = {hold.t:.2f} s",
         )
+
+
+def _strikes(ropes: Sequence[_Rope], pairs: Sequence[RopePair]) -> VerdictRow:
     names = [rope.data.name or "struck" for rope in ropes if passages(rope.recording)]
-    near = [pair for pair in pairs if pair.nearest is not None and pair.nearest.clearance <= 0.0]
-    names += [f"{pair.one} on {pair.other}" for pair in near]
-    yield VerdictRow(_STRIKES, ", ".join(names) or "none", "none", not names)
-    set_guards = [
-        cause for cause in GUARD_CODES.values() if ropes[0].parameter(f"guard.{cause}") > 0.0
-    ]
-    trip = guard_trip(result.recording)
-    text = f"{trip.cause} tripped" if trip else "none tripped" if set_guards else "none set"
-    where = f"t = {trip.t:.2f} s" if trip else ""
-    yield VerdictRow(
-        "guards",
-        text,
-        ", ".join(set_guards) or NO_BOUND,
-        trip is None if set_guards else None,
-        where,
-    )
-    yield from _of_each(ropes, _swivels)
-    yield from _of_each(ropes, _errors)
+    names += [f"{pair.one} on {pair.other}" for pair in pairs if _touches(pair)]
+    return VerdictRow(_STRIKES, ", ".join(names) or "none", bound="none", holds=not names)
+
+
+def _guards(recording: Recording, rope: _Rope) -> VerdictRow:
+    causes = [cause for cause in GUARD_CODES.values() if rope.parameter(f"guard.{cause}") > 0.0]
+    trip = guard_trip(recording)
+    holds = trip is None if causes else None
+    bound = ", ".join(causes) or NO_BOUND
+    if trip is not None:
+        return VerdictRow("guards", f"{trip.cause} tripped", bound, holds, f"t = {trip.t:.2f} s")
+    return VerdictRow("guards", "none tripped" if causes else "none set", bound, holds)
 
 
 def _of_each(
     ropes: Sequence[_Rope], rows_of: Callable[[_Rope], Iterator[VerdictRow]]
 ) -> list[VerdictRow]:
     """Return the rows of all ropes, comparable ones side by side."""
-    rows = [(row.quantity, rope.data, row) for rope in ropes for row in rows_of(rope)]
-    order = list(dict.fromkeys(quantity for quantity, *_ in rows))
-    rows.sort(key=lambda row: order.index(row[0]))
-    # rows that are the same for all ropes appear once
-    alike = {
-        q
-        for q in order
-        if len(own := [row for x, _, row in rows if x == q]) == len(ropes) and len({*own}) == 1
-    }
-    named = (row if q in alike else replace(row, quantity=data.whose(q)) for q, data, row in rows)
-    return [*dict.fromkeys(named)]
+    by_quantity = dict[str, list[tuple[RopeData, VerdictRow]]]()
+    for rope in ropes:
+        for row in rows_of(rope):
+            by_quantity.setdefault(row.quantity, []).append((rope.data, row))
+    shown = dict[VerdictRow, None]()  # each row once
+    for quantity, rows in by_quantity.items():
+        equal = len(rows) == len(ropes) and len({row for _, row in rows}) == 1
+        for data, row in rows:
+            # rows that are the same for all ropes need no rope's name
+            shown[row if equal else replace(row, quantity=data.whose(quantity))] = None
+    return list(shown)
 
 
-_MISSED = 1e-3  #: Relative error of the forces between two ropes, against the law, that is told.
+#: Relative error of the forces between two ropes, against the law, that the verdict mentions.
+SMALLEST_FORCE_ERROR = 1e-3
 _ALONE = (
     ": each went on as if alone; contact.rope_stiffness = 1e6 and model.fidelity = torsional let "
     "them press each other"
@@ -326,171 +414,204 @@ _ALONE = (
 
 def _between(pair: RopePair, error: float) -> Iterator[VerdictRow]:
     """Yield the clearance of two ropes, and how they pressed each other if they may."""
-    if (near := pair.nearest) is not None:
+    near = pair.nearest
+    if near is not None:
         where = _where(near.t, near.position)
-        where += _ALONE if near.clearance <= 0.0 and pair.account is None else ""
-        quantity = f"clearance between {pair.one} and {pair.other}"
-        bound = f"above {number(error, 2)} m, its error"
+        if near.clearance <= 0.0 and pair.account is None:
+            where += _ALONE
         yield VerdictRow(
-            quantity, f"{rounded(near.clearance, error)} m", bound, near.clearance > error, where
+            f"clearance between {pair.one} and {pair.other}",
+            f"{rounded(near.clearance, error)} m",
+            bound=f"above {number(error, 2)} m, its error",
+            holds=near.clearance > error,
+            where=where,
         )
-    if (account := pair.account) is not None and account.peak > 0.0:
+    account = pair.account
+    if account is not None and account.peak > 0.0:
         where = _where(account.peak_t, account.peak_place)
-        where += (
-            f"; errs by up to {number(100 * account.missed, 2)} %"
-            if account.missed > _MISSED
-            else ""
-        )
+        if account.missed > SMALLEST_FORCE_ERROR:
+            where += f"; errs by up to {number(100 * account.missed, 2)} %"
         yield VerdictRow(
             f"force of {pair.one} on {pair.other}", f"{number(account.peak, 3)} N", where=where
         )
 
 
 def _where(t: float, point: Sequence[float]) -> str:
-    return f"t = {t:.2f} s, " + ", ".join(
-        f"{c} = {round(x, 2) + 0.0:.2f} m" for c, x in zip("xyz", point, strict=True)
-    )
+    """Return instant [s] and place [m] in words."""
+    texts = [f"t = {t:.2f} s"]
+    for axis, x in zip("xyz", point, strict=True):
+        texts.append(f"{axis} = {round(x, 2) + 0.0:.2f} m")
+    return ", ".join(texts)
 
 
 def _pulls(recording: Recording, hoist: Hoist, ropes: Sequence[_Rope]) -> Iterator[VerdictRow]:
-    """Yield the pull of all balance ropes on each conveyance, in the digits that its error leaves."""
+    """Yield the pull of all balance ropes on each conveyance, in digits that its error allows."""
     count = max(hoist.tail_rope_number, len(ropes))
     whose = "the rope" if count == 1 else f"all {count} ropes"
     kilo = 1e-3 * hoist.tail_rope_number
-    sizes = [np.nanmax(np.abs(recording[f"{end}.fy"])) for end in SIDES if f"{end}.fy" in recording]
-    error = (
-        kilo * max(sizes, default=0.0) * max(rope.last("status.end_force_error") for rope in ropes)
-    )
-    for end in SIDES:
-        if f"{end}.fy" in recording:
-            pull = -kilo * recording[f"{end}.fy"]
-            low, high = int(np.nanargmin(pull)), int(np.nanargmax(pull))
-            text = f"{rounded(pull[low], error)} to {rounded(pull[high], error)} kN"
-            where = f"t = {recording.time[low]:.2f} s and {recording.time[high]:.2f} s"
-            holds = bool(pull[low] > -np.nan_to_num(error))
-            yield VerdictRow(f"pull of {whose} on the {end} conveyance", text, _HANGS, holds, where)
+    ends = [end for end in SIDES if f"{end}.fy" in recording]
+    largest = max((np.nanmax(np.abs(recording[f"{end}.fy"])) for end in ends), default=0.0)
+    error = kilo * largest * max(rope.last("status.end_force_error") for rope in ropes)
+    for end in ends:
+        pull = -kilo * recording[f"{end}.fy"]
+        low = int(np.nanargmin(pull))
+        high = int(np.nanargmax(pull))
+        yield VerdictRow(
+            f"pull of {whose} on the {end} conveyance",
+            f"{rounded(pull[low], error)} to {rounded(pull[high], error)} kN",
+            bound=_HANGS,
+            holds=bool(pull[low] > -np.nan_to_num(error)),
+            where=f"t = {recording.time[low]:.2f} s and {recording.time[high]:.2f} s",
+        )
 
 
 def _head_ropes(recording: Recording, hoist: Hoist) -> Iterator[VerdictRow]:
     """Yield the smallest pull of all head ropes on either conveyance."""
+    if hoist.slack_tension is None:
+        threshold = 0.0
+        bound = "above 0: slack"
+    else:
+        threshold = hoist.slack_tension
+        bound = f"above {number(1e-3 * threshold, 3)} kN, slack_tension"
     for side in SIDES:
-        if (name := f"drive.pull_{side}") in recording:
-            row = int(np.argmin(recording[name]))
-            threshold = hoist.slack_tension
-            least = float(recording[name][row])
-            bound = (
-                "above 0: slack"
-                if threshold is None
-                else f"above {number(1e-3 * threshold, 3)} kN, slack_tension"
-            )
-            quantity, where = (
-                f"smallest pull of the head ropes, {side}",
-                f"t = {recording.time[row]:.2f} s",
-            )
-            yield VerdictRow(
-                quantity, f"{number(1e-3 * least, 3)} kN", bound, least > (threshold or 0.0), where
-            )
+        name = f"drive.pull_{side}"
+        if name not in recording:
+            continue
+        row = int(np.argmin(recording[name]))
+        least = float(recording[name][row])
+        yield VerdictRow(
+            f"smallest pull of the head ropes, {side}",
+            f"{number(1e-3 * least, 3)} kN",
+            bound=bound,
+            holds=least > threshold,
+            where=f"t = {recording.time[row]:.2f} s",
+        )
 
 
 def _swings(rope: _Rope) -> Iterator[VerdictRow]:
-    for name, label, unit, guard in _SWINGS:
-        if not rope.has_numbers(name):
+    for swing in _SWINGS:
+        if not rope.has_numbers(swing.signal):
             continue
-        # the fall of a loop is no rise
-        values = rope.recording[name] if guard == "rise" else np.abs(rope.recording[name])
-        bound = rope.parameter(f"guard.{guard}")
-        if float(rope.data.parameters.get(f"guard.{guard}_y", -FAR)) > -FAR:
-            bound = 0.0  # it watches the legs instead, or counts the rise from there
+        values = rope.recording[swing.signal]
+        if swing.guard != "rise":  # the fall of a loop is no rise
+            values = np.abs(values)
         row = int(np.nanargmax(values))
         largest = float(values[row])
-        text = f"{rounded(largest, rope.loop_error)} m" if unit else number(largest, 2)
-        bound_text = (
-            f"below {bound:g} {unit}".rstrip() + ", its guard's" if bound > 0.0 else NO_BOUND
-        )
+        text = number(largest, 2)
+        if swing.unit:
+            text = f"{rounded(largest, rope.loop_error)} {swing.unit}"
+        bound = _bound_of_guard(rope, swing.guard)
+        if swing.signal == "loop.turns" and not 0.0 < bound < HALF_TURN:
+            bound = HALF_TURN
+            bound_text = f"below {HALF_TURN:g}: turned over"
+        elif bound > 0.0:
+            bound_text = f"below {bound:g} {swing.unit}".rstrip() + ", its guard's"
+        else:
+            bound_text = NO_BOUND
+        where = rope.at(row, swing.signal)
+        if swing.signal == "loop.sideways" and rope.recording.has("loop.x", "loop.z"):
+            where += _loop_place(rope, row)
         holds = largest < bound if bound > 0.0 else None
-        if name == "loop.turns" and not 0.0 < bound < HALF_TURN:
-            bound_text, holds = f"below {HALF_TURN:g}: turned over", largest < HALF_TURN
-        where = rope.at(row, name)
-        if name == "loop.sideways" and rope.recording.has("loop.x", "loop.z"):
-            origins = zip("xz", rope.data.suspension.origin[::2], strict=True)
-            places = (
-                (c, float(rope.recording[f"loop.{c}"][row]) + origin) for c, origin in origins
-            )
-            where += "".join(
-                f", {c} = {rounded(x, rope.loop_error)} m" for c, x in places if math.isfinite(x)
-            )
-        yield VerdictRow(label, text, bound_text, holds, where)
+        yield VerdictRow(swing.label, text, bound_text, holds, where)
+
+
+def _bound_of_guard(rope: _Rope, guard: str) -> float:
+    """Return the bound of a guard of the loop; 0 for none.
+
+    A guard with a height watches the legs instead, or counts the rise from there.
+    """
+    height = float(rope.data.parameters.get(f"guard.{guard}_y", -FAR))
+    if height > -FAR:
+        return 0.0
+    return rope.parameter(f"guard.{guard}")
+
+
+def _loop_place(rope: _Rope, row: int) -> str:
+    """Return x and z of the loop in the shaft at a row, in words, as far as they are computed."""
+    text = ""
+    for axis, origin in zip("xz", rope.data.suspension.origin[::2], strict=True):
+        place = float(rope.recording[f"loop.{axis}"][row]) + origin
+        if math.isfinite(place):
+            text += f", {axis} = {rounded(place, rope.loop_error)} m"
+    return text
 
 
 def _clearances(rope: _Rope) -> Iterator[VerdictRow]:
     if rope.has_numbers("loop.clearance"):
         row = int(np.nanargmin(rope.recording["loop.clearance"]))
-        clear = float(rope.recording["loop.clearance"][row])
-        text = f"{rounded(clear, rope.loop_error)} m"
+        clearance = float(rope.recording["loop.clearance"][row])
         yield VerdictRow(
             "clearance between the legs",
-            text,
-            "above 0",
-            clear > 0.0,
-            rope.at(row, "loop.clearance"),
+            f"{rounded(clearance, rope.loop_error)} m",
+            bound="above 0",
+            holds=clearance > 0.0,
+            where=rope.at(row, "loop.clearance"),
         )
     bound = rope.parameter("guard.clearance")
     for kind, label in BODIES.items():
         near = f"nearest.{kind}"
         if not rope.has_numbers(f"{near}.clearance"):
             continue
-        clear, t, s, y = (rope.last(f"{near}.{key}") for key in ("clearance", "time", "s", "y"))
-        where = f"t = {t:.2f} s, y = {y:.2f} m, {s:.1f} m along the rope"
-        bound_text = f"above {bound:g} m, its guard's" if bound > 0.0 else "above 0"
-        text = f"{rounded(clear, rope.loop_error)} m"
-        yield VerdictRow(f"clearance from {label}", text, bound_text, clear > bound, where)
+        clearance = rope.last(f"{near}.clearance")
+        t = rope.last(f"{near}.time")
+        y = rope.last(f"{near}.y")
+        s = rope.last(f"{near}.s")
+        yield VerdictRow(
+            f"clearance from {label}",
+            f"{rounded(clearance, rope.loop_error)} m",
+            bound=f"above {bound:g} m, its guard's" if bound > 0.0 else "above 0",
+            holds=clearance > bound,
+            where=f"t = {t:.2f} s, y = {y:.2f} m, {s:.1f} m along the rope",
+        )
 
 
 def _swivels(rope: _Rope) -> Iterator[VerdictRow]:
-    texts, since = {}, ""
+    texts = dict[str, str]()
+    since = ""
     for end in SIDES:
-        if rope.has_numbers(name := f"{end}.swivel.slipping"):
+        name = f"{end}.swivel.slipping"
+        if rope.has_numbers(name):
             since = rope.since(name)
-            slipped = float(
-                np.sum(np.diff(rope.recording.time) * (rope.recording[name][:-1] > 0.0))
-            )
-            texts[end] = (
-                "locked" if end in rope.data.locked else f"{slipped:.2f} s" if slipped else "none"
-            )
-    if texts:
+            texts[end] = _slip_text(rope, end)
+    if [*texts.values()] == ["locked", "locked"]:
+        yield VerdictRow("slip of the swivels", "both locked", where=since)
+    elif texts:
         text = ", ".join(f"{end} {word}" for end, word in texts.items())
-        text = "both locked" if [*texts.values()] == ["locked"] * 2 else text
         yield VerdictRow("slip of the swivels", text, where=since)
 
 
+def _slip_text(rope: _Rope, end: str) -> str:
+    """Return for how long the swivel of an end slipped, in words."""
+    if end in rope.data.locked:
+        return "locked"
+    slipping = rope.recording[f"{end}.swivel.slipping"][:-1] > 0.0
+    slipped = float(np.sum(np.diff(rope.recording.time) * slipping))
+    if slipped:
+        return f"{slipped:.2f} s"
+    return "none"
+
+
 def _errors(rope: _Rope) -> Iterator[VerdictRow]:
-    """Return the estimates of the rope's own error, beside the accuracy that was asked of it."""
-    for name, label, unit, factor, accuracy in (
-        (
-            "status.end_force_error",
-            "estimated error of the end forces",
-            "% of the largest",
-            100.0,
-            "end_force",
-        ),
-        ("status.loop_error", "estimated error of the loop's place", "mm", 1e3, "loop"),
-    ):
-        if rope.has_numbers(name):
-            bound, error = rope.parameter(f"accuracy.{accuracy}"), rope.last(name)
-            text = f"{number(factor * error, 2)} {unit}"
-            if bound > 0.0:
-                yield VerdictRow(
-                    label,
-                    text,
-                    f"{number(factor * bound, 2)} {unit.split()[0]} asked",
-                    error <= bound,
-                )
-            else:
-                yield VerdictRow(label, text)
+    """Yield the estimates of the rope's own error, beside the accuracy that was set."""
+    for estimate in _ERROR_ESTIMATES:
+        if not rope.has_numbers(estimate.signal):
+            continue
+        error = rope.last(estimate.signal)
+        text = f"{number(estimate.factor * error, 2)} {estimate.unit}"
+        bound = rope.parameter(f"accuracy.{estimate.accuracy}")
+        if bound > 0.0:
+            unit = estimate.unit.split()[0]
+            bound_text = f"{number(estimate.factor * bound, 2)} {unit} asked"
+            yield VerdictRow(estimate.label, text, bound_text, error <= bound)
+        else:
+            yield VerdictRow(estimate.label, text)
 
 
 def rounded(value: float, error: float) -> str:
-    """Return a number with the decimals that its error allows, three at most; an unknown error leaves three digits."""
+    """Return a number with the decimals that its error allows, three at most.
+
+    An unknown error leaves three digits.
+    """
     if not error > 0.0:
         return number(value, 3)
     decimals = min(3, max(0, round(-math.log10(error))))

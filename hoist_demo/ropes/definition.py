@@ -1,4 +1,4 @@
-"""The balance ropes of one hoist, checked before anything is wound: its file has a [[rope]] for each."""
+"""The balance ropes of one hoist, each a [[rope]] of its file, checked before winding."""
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -33,9 +33,9 @@ from hoist_demo.study.provenance import SourcedValue, rope_provenance
 from hoist_demo.study.run import RunData, fmu_part
 from rope_model import Level, Neighbours, Scene
 
-_PRESSED = "contact.rope_stiffness"
-#: With what other signals begin, as a rope's begin with its name.
-_TAKEN = tuple(
+_ROPE_STIFFNESS = "contact.rope_stiffness"
+#: First parts of other signals' names: a rope's signals begin with its name.
+_RESERVED_NAMES = tuple(
     dict.fromkeys(signal.partition(".")[0] for signal in (*SUMS, *CONTACT_ENERGIES, *DRIVE_UNITS))
 )
 
@@ -50,9 +50,8 @@ class OneRope:
     case: Case  # the hoist with this rope alone
     suspension: SuspensionOffset = field(default_factory=SuspensionOffset)
     breaks: Break | None = None
-    outputs: Collection[str] | None = (
-        None  # recorded outputs; None: all but the expensive added masses
-    )
+    # recorded outputs; None: all but the expensive added masses
+    outputs: Collection[str] | None = None
     fmu: Callable[[], FmuRope] | None = None  # loads the one that is wound instead
 
     @cached_property
@@ -126,12 +125,15 @@ class Ropes:
         return pairs(recording, ropes, self.plant.accounts())
 
     def provenance(self, status_by_name: Mapping[str, str]) -> list[SourcedValue]:
-        """Return the provenance of the ropes' data, under each rope's name; `status_by_name` as `rope_provenance`."""
-        return [
-            one._replace(name=f"{data.prefix}{one.name}")
-            for rope, data in zip(self.ropes, self.data(), strict=True)
-            for one in rope_provenance(rope.case, data, status_by_name)
-        ]
+        """Return the provenance of the ropes' data, under each rope's name.
+
+        `status_by_name` as `rope_provenance`.
+        """
+        rows = []
+        for rope, data in zip(self.ropes, self.data(), strict=True):
+            for row in rope_provenance(rope.case, data, status_by_name):
+                rows.append(row._replace(name=f"{data.prefix}{row.name}"))
+        return rows
 
 
 def ropes_of(
@@ -141,39 +143,46 @@ def ropes_of(
     level: Level,
     outputs: Collection[str] | None = None,
 ) -> Ropes:
-    """Return the ropes of a hoist with `overrides` as if they stood in its file; a ValueError lists all problems.
+    """Return the ropes of a hoist with `overrides` as if they stood in its file.
+
+    A ValueError lists all problems.
 
     `outputs` are those that are recorded of each rope, as of `OneRope`.
     """
     if not case.distinct_ropes:
-        own = {**run.rope_values, **fmu_part(plain(overrides))}
-        return Ropes(case, run, (OneRope("", own, level, case, outputs=outputs),))
+        parameters = {**run.rope_values, **fmu_part(plain(overrides))}
+        return Ropes(case, run, (OneRope("", parameters, level, case, outputs=outputs),))
     case = with_values(case, overrides)
-    values = [
-        *run.rope_values.items(),
-        *(item for rope in case.distinct_ropes for item in rope.parameters.items()),
-    ]
-    defaults = rope_parameters()
+    guards = _guards(run.rope_values)
+    for rope in case.distinct_ropes:
+        guards |= _guards(rope.parameters)
     ropes = []
     with Problems() as problems:
-        if guards := sorted(
-            key
-            for key, value in values
-            if key.startswith("guard.") and value != defaults[key].start
-        ):
+        if guards:
             problems.append(
-                f"{guards[0]} must be left out: guards of several ropes are not computed"
+                f"{min(guards)} must be left out: guards of several ropes are not computed"
             )
         for rope in case.distinct_ropes:
-            if rope.name in _TAKEN:
-                taken = f"signals of the rope begin with it, and {', '.join(_TAKEN)} are taken"
-                problems.append(f"rope name = {rope.name!r} must be another: {taken}")
+            if rope.name in _RESERVED_NAMES:
+                reserved = ", ".join(_RESERVED_NAMES)
+                cause = f"signals of the rope begin with it, and {reserved} are taken"
+                problems.append(f"rope name = {rope.name!r} must be another: {cause}")
             with problems.at(f"rope {rope.name}"):
                 ropes.append(replace(_rope(rope, rope.parameters, level, case), outputs=outputs))
     group = Ropes(case, run, tuple(ropes))
     if group.touching:
-        _require_apart(ropes)
+        _require_distinct_places(ropes)
     return group
+
+
+def _guards(values: Mapping[str, Value]) -> set[str]:
+    """Return the parameters of guards that are set."""
+    defaults = rope_parameters()
+    return {
+        key
+        for key, value in values.items()
+        if key.startswith("guard.") and value != defaults[key].start
+    }
 
 
 def require_unbroken(case: Case, what: str) -> None:
@@ -181,27 +190,29 @@ def require_unbroken(case: Case, what: str) -> None:
     for rope in case.distinct_ropes:
         if rope.breaks:
             raise ValueError(
-                f"rope {rope.name}: breaks_at = {rope.breaks['breaks_at']:g} s must be left out, for {what}: "
-                "`balance-rope wind` computes the break"
+                f"rope {rope.name}: breaks_at = {rope.breaks['breaks_at']:g} s must be left out, "
+                f"for {what}: `balance-rope wind` computes the break"
             )
 
 
-def _require_apart(ropes: Sequence[OneRope]) -> None:
+def _require_distinct_places(ropes: Sequence[OneRope]) -> None:
     """Refuse ropes that cannot press each other."""
-    pressed = f"{_PRESSED} = {ropes[0].scene.shaft.contact.rope_stiffness:g}"
-    alone = f"or set {_PRESSED} = 0: each rope is then alone"
+    pressed = f"{_ROPE_STIFFNESS} = {ropes[0].scene.shaft.contact.rope_stiffness:g}"
+    alone = f"or set {_ROPE_STIFFNESS} = 0: each rope is then alone"
     problems = Problems(
-        f"rope {rope.name}: model.fidelity = {rope.scene.model.fidelity!r} must be torsional or spatial with "
-        f"{pressed}, for ropes press each other out of plane: choose one, {alone}"
+        f"rope {rope.name}: model.fidelity = {rope.scene.model.fidelity!r} must be torsional or "
+        f"spatial with {pressed}, for ropes press each other out of plane: choose one, {alone}"
         for rope in ropes
         if rope.scene.model.fidelity not in ("torsional", "spatial")
     )
     for one, other in combinations(ropes, 2):
-        apart = min(math.dist(one.suspension.at(end), other.suspension.at(end)) for end in ENDS)
-        if apart < (least := 0.5 * (one.scene.rope.diameter + other.scene.rope.diameter)):
+        distance = min(math.dist(one.suspension.at(end), other.suspension.at(end)) for end in ENDS)
+        least = 0.5 * (one.scene.rope.diameter + other.scene.rope.diameter)
+        if distance < least:
             problems.append(
-                f"rope {other.name}: an end that is {apart:g} m from that of {one.name} must be at least {least:g} m "
-                f"away with {pressed}, or they touch where they hang: move it by z or x_left and x_right, {alone}"
+                f"rope {other.name}: an end that is {distance:g} m from that of {one.name} must be at "
+                f"least {least:g} m away with {pressed}, or they touch where they hang: move it by "
+                f"z or x_left and x_right, {alone}"
             )
     problems.refuse()
 
@@ -209,14 +220,24 @@ def _require_apart(ropes: Sequence[OneRope]) -> None:
 def _rope(
     rope: BalanceRopeData, parameters: Mapping[str, Value], level: Level, case: Case
 ) -> OneRope:
-    """Return the rope between its own points of the conveyances, the centres of which are layout.spacing apart."""
+    """Return the rope between its points of suspension on the conveyances.
+
+    Their centres are layout.spacing apart.
+    """
     suspension = SuspensionOffset(**rope.suspension)
     spacing = rope_scene(parameters, level, suspension).layout.spacing
-    breaks = Break(rope.breaks["breaks_at"], rope.breaks["breaks_s"]) if rope.breaks else None
-    apart = ParameterValue(spacing, DERIVED, "the rope's place")
-    alone = case.alone(replace(rope, values={**rope.values, "layout.spacing": apart}))
+    breaks = None
+    if rope.breaks:
+        breaks = Break(rope.breaks["breaks_at"], rope.breaks["breaks_s"])
+    derived_spacing = ParameterValue(spacing, DERIVED, "the rope's place")
+    placed = replace(rope, values={**rope.values, "layout.spacing": derived_spacing})
     one = OneRope(
-        rope.name, {**parameters, "layout.spacing": spacing}, level, alone, suspension, breaks
+        rope.name,
+        parameters={**parameters, "layout.spacing": spacing},
+        level=level,
+        case=case.with_rope(placed),
+        suspension=suspension,
+        breaks=breaks,
     )
     _ = one.scene  # checks it
     return one

@@ -1,8 +1,9 @@
 """Runs on dask.distributed: a cluster of this machine's cores, or a scheduler elsewhere.
 
-Every worker is handed the FMU's bytes when it joins, also one that replaces a dead one, so that no folder need be
-shared. Short runs are handed out several at a time, as handing over costs a tenth of one. Runs whose worker
-died are given to others; after three deaths they are given singly, and after three more a run is recorded as an error.
+Every worker is handed the FMU's bytes when it joins, also one that replaces a dead one, so that no
+folder need be shared. Short runs are handed out several at a time, as handing over costs a tenth of
+one. Runs whose worker died are given to others; after three deaths they are given singly, and after
+three more a run is recorded as an error.
 """
 
 import logging
@@ -31,17 +32,16 @@ from hoist_demo.study.store import Store
 from rope_model.files import write_bytes
 
 _log = logging.getLogger(__name__)
-Finished = Callable[
-    [str, Outcome], None
-]  #: Called with the key and the outcome of every run as it is recorded.
-BATCH = (
-    0.5  #: Time that a worker works on what it is given at once, if that is more than one run [s].
-)
+#: Called with the key and the outcome of every run as it is recorded.
+Finished = Callable[[str, Outcome], None]
+#: Time that a worker works on what it is given at once, if that is more than one run [s].
+BATCH = 0.5
 AHEAD = 2  #: Batches per thread given before others have ended.
 MIN_THREADS = 16  #: Threads that are counted at least: workers may join.
 
-#: Nobody looks at the stacks that workers would sample a hundred times a second, nor at the machine's load, nor at how
-#: late each part of the cluster is fifty times a second; and no run fills the memory in a tenth of a second.
+#: Nobody looks at the stacks that workers would sample a hundred times a second, nor at the
+#: machine's load, nor at how late each part of the cluster is fifty times a second; and no run
+#: fills the memory in a tenth of a second.
 _UNWATCHED = {
     "distributed.worker.profile.enabled": False,
     "distributed.admin.system-monitor.interval": "10s",
@@ -58,7 +58,8 @@ class FmuOnWorkers(WorkerPlugin):  # type: ignore[misc]  # distributed has no ty
 
     def __init__(self, fmu_hash: str, content: bytes) -> None:
         self.name = f"fmu-{fmu_hash}"
-        self._hash, self._content = fmu_hash, content
+        self._hash = fmu_hash
+        self._content = content
 
     def setup(self, worker: Worker) -> None:
         """Write the FMU; the worker calls this when it joins."""
@@ -67,7 +68,10 @@ class FmuOnWorkers(WorkerPlugin):  # type: ignore[misc]  # distributed has no ty
 
 @contextmanager
 def cluster(workers: int | None, scheduler: str | None) -> Iterator[Client]:
-    """Yield a client of the given scheduler, or of a local cluster with one single-threaded process per worker."""
+    """Yield a client of the given scheduler, or of a local cluster.
+
+    A local cluster has one process with one thread per worker.
+    """
     if scheduler is not None:
         try:
             client = Client(scheduler, timeout="20s")
@@ -111,23 +115,25 @@ def run_samples(
     if not waiting:
         return keys
     client.register_plugin(FmuOnWorkers(study.fmu_hash, study.fmu.read_bytes()))
-    collected, batches = as_completed(), dict[Future, list[str]]()
-    left = [*waiting]
+    submitted = as_completed()
+    batches = dict[Future, list[str]]()
+    remaining = [*waiting]
     pace = BATCH  # time that a run takes [s]
 
-    def give(batch: list[str]) -> None:
+    def submit(batch: list[str]) -> None:
         runs = [waiting[key] for key in batch]
         name = f"runs-{len(batch)}-{batch[0]}"
-        batches[future := client.submit(_work, runs, study.fmu_hash, key=name, pure=False)] = batch
-        collected.add(future)
+        future = client.submit(_work, runs, study.fmu_hash, key=name, pure=False)
+        batches[future] = batch
+        submitted.add(future)
 
-    while left or batches:
+    while remaining or batches:
         threads = max(1, sum(client.ncores().values()))
-        while left and len(batches) < AHEAD * max(threads, MIN_THREADS):
-            size = max(1, min(int(BATCH / pace), len(left) // (AHEAD * threads)))
-            give(left[:size])
-            del left[:size]
-        future = next(collected)
+        while remaining and len(batches) < AHEAD * max(threads, MIN_THREADS):
+            size = max(1, min(int(BATCH / pace), len(remaining) // (AHEAD * threads)))
+            submit(remaining[:size])
+            del remaining[:size]
+        future = next(submitted)
         batch = batches.pop(future)  # a worker keeps outcomes as long as anybody holds their future
         try:
             outcomes, worker, took = future.result()
@@ -135,7 +141,7 @@ def run_samples(
         except Exception as error:  # whatever the cluster raises is that run's cause
             if len(batch) > 1:  # it is not known which
                 for key in batch:
-                    give([key])
+                    submit([key])
                 continue
             cause = f"{type(error).__name__}: {error}"
             outcomes = [Outcome(ERROR, cause, dict.fromkeys(UNITS, math.nan), {})]
@@ -150,8 +156,12 @@ def run_samples(
 
 
 def _work(runs: Sequence[RunData], fmu_hash: str) -> tuple[list[Outcome], str, float]:
-    """Carry out runs on a worker; return them with the worker's name and the time that they took [s]."""
-    worker, begin = get_worker(), time.perf_counter()
+    """Carry out runs on a worker.
+
+    Return them with the worker's name and the time that they took [s].
+    """
+    worker = get_worker()
+    begin = time.perf_counter()
     outcomes = [execute(run, _fmu_of(Path(worker.local_directory), fmu_hash)) for run in runs]
     return outcomes, str(worker.name), time.perf_counter() - begin
 

@@ -1,6 +1,9 @@
-"""A study's file: what varies between runs, and what is best; read and checked as a whole before anything runs.
+"""A study's file: what varies between runs, and what is best.
 
-Values count in this order: the hoist's, [fixed], [[variant]], [vary]. The runs of [vary] are made for every variant.
+Read and checked as a whole before anything runs.
+
+Values count in this order: the hoist's, [fixed], [[variant]], [vary]. The runs of [vary] are made
+for every variant.
 """
 
 import hashlib
@@ -47,6 +50,9 @@ from hoist_demo.study.sampling import Range, grid, latin_hypercube, varied
 
 #: Disturbances over which a study without variants compares its choices.
 LOADS = ("hoist.payload_left", "hoist.payload_right")
+#: Points and steps of a search where its file states none, for each of its ranges.
+POINTS_PER_RANGE = 4
+STEPS_PER_RANGE = 8
 Count = Annotated[int, Field(ge=1, strict=True)]
 Seed = Annotated[int, Field(ge=0, strict=True)]
 Varied = tuple[Value, ...] | Range
@@ -81,24 +87,38 @@ class Tune(Table):
     def plan(self, dimensions: int) -> Plan:
         """Return the extent of the search; ValueError where it is too small."""
         plan = Plan(
-            self.points or 4 * dimensions, self.searches, self.steps or 8 * dimensions, self.seed
+            sample=self.points or POINTS_PER_RANGE * dimensions,
+            searches=self.searches,
+            steps=self.steps or STEPS_PER_RANGE * dimensions,
+            seed=self.seed,
         )
         if plan.searches > plan.sample:
             raise ValueError(
-                f"searches = {plan.searches} must be at most points = {plan.sample}: each begins at one"
+                f"searches = {plan.searches} must be at most points = {plan.sample}: each begins "
+                "at one"
             )
-        if plan.steps < (least := 2 * dimensions + 2):
+        least = 2 * dimensions + 2
+        if plan.steps < least:
             raise ValueError(
-                f"steps = {plan.steps} must be at least {least}, two per range and two more: give more"
+                f"steps = {plan.steps} must be at least {least}, two per range and two more: give "
+                "more"
             )
         return plan
 
 
 _METRICS = table_of(
     "subject_to",
-    [Parameter(f"subject_to.{m}", u, "Real") for m, u in UNITS.items()],
+    [Parameter(f"subject_to.{metric}", unit, "Real") for metric, unit in UNITS.items()],
     constraints_on,
 )
+
+
+def _constraints(table: Table) -> tuple[Constraint, ...]:
+    """Return the bounds of [study.subject_to]; a metric may have two."""
+    bounds = list[Constraint]()
+    for _, of_metric in contents(table):
+        bounds += of_metric
+    return tuple(bounds)
 
 
 class StudyHeader(FileHeader):
@@ -108,10 +128,9 @@ class StudyHeader(FileHeader):
     signals: tuple[Text, ...] = ()
     minimise: Weights = None
     maximise: Weights = None
-    constraints: Annotated[
-        tuple[Constraint, ...],
-        Flat(_METRICS, lambda table: tuple(b for _, pair in contents(table) for b in pair)),
-    ] = Field((), alias="subject_to")
+    constraints: Annotated[tuple[Constraint, ...], Flat(_METRICS, _constraints)] = Field(
+        (), alias="subject_to"
+    )
     judge: Judge = "worst"
     over: list[Text] | None = None
 
@@ -134,7 +153,8 @@ class StudyHeader(FileHeader):
         """Objective of the study; None if the file states none."""
         if not (self.minimise or self.maximise or self.constraints):
             return None
-        weights, sense = self.minimise or self.maximise or {}, -1.0 if self.maximise else 1.0
+        weights = self.minimise or self.maximise or {}
+        sense = -1.0 if self.maximise else 1.0
         return Objective(weights, sense, self.constraints, self.judge)
 
 
@@ -152,12 +172,22 @@ def _in_order(content: Any, handler: Callable[[Any], dict[str, Any]]) -> dict[st
     def keys(table: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
         for name, inner in table.items():
             key = f"{prefix}{name}"
-            yield from [key] if key in values else keys(inner, f"{key}.")
+            if key in values:
+                yield key
+            else:
+                yield from keys(inner, f"{key}.")
 
     return {key: values[key] for key in keys(content)}
 
 
 _VARY = flat("Vary", run_fields(varied))
+
+
+def _with_method(table: object) -> object:
+    """Return [sample] with its method: a grid where it states none."""
+    if isinstance(table, dict):
+        return {"method": "grid", **table}
+    return table
 
 
 class StudyFile(File):
@@ -169,22 +199,23 @@ class StudyFile(File):
     vary: Annotated[dict[str, Varied], WrapValidator(_in_order), _VARY] = Field({})
     sample: Annotated[
         Annotated[Grid | LatinHypercube | Tune, Field(discriminator="method")],
-        BeforeValidator(
-            lambda table: {"method": "grid", **table} if isinstance(table, dict) else table
-        ),
+        BeforeValidator(_with_method),
     ] = Grid()
 
     @model_validator(mode="after")
     def _is_given_once(self) -> Self:
-        places = {"[fixed]": self.fixed} | {
-            f"variant {one.name or k}": one.values for k, one in enumerate(self.variant, 1)
-        }
-        Problems(
-            f"{place} {name} = {entry.value!r} is also in [vary], whose values would replace it: leave one of them out"
-            for place, values in places.items()
-            for name, entry in values.items()
-            if name in self.vary
-        ).refuse()
+        places = {"[fixed]": self.fixed}
+        for k, variant in enumerate(self.variant, 1):
+            places[f"variant {variant.name or k}"] = variant.values
+        problems = Problems()
+        for place, values in places.items():
+            for name, entry in values.items():
+                if name in self.vary:
+                    problems.append(
+                        f"{place} {name} = {entry.value!r} is also in [vary], whose values would "
+                        "replace it: leave one of them out"
+                    )
+        problems.refuse()
         return self
 
     @property
@@ -199,57 +230,61 @@ class StudyFile(File):
         return variants or {"": self.fixed}
 
     def drawn(self) -> tuple[Plan | None, list[dict[str, Value]]]:
-        """Return the plan of a search, and the points of [vary]: of a search the corners of its ranges."""
+        """Return the plan of a search, if it is one, and the points of [vary].
+
+        The points of a search are the corners of its ranges.
+        """
         lists = {key: v for key, v in self.vary.items() if isinstance(v, tuple)}
         ranges = {key: v for key, v in self.vary.items() if isinstance(v, Range)}
-        sample, objective = self.sample, self.study.objective
+        sample = self.sample
+        objective = self.study.objective
         if isinstance(sample, Grid):
             if ranges:
                 raise ValueError(
-                    f"{next(iter(ranges))} is a range, a grid needs a list: give {{ values = [...] }}"
+                    f"{next(iter(ranges))} is a range, a grid needs a list: give "
+                    "{ values = [...] }"
                 )
             return None, grid(lists)
         if not ranges:
             raise ValueError(
-                f"method = {sample.method!r} needs ranges: give at least one {{ low, high }} in [vary]"
+                f"method = {sample.method!r} needs ranges: give at least one {{ low, high }} in "
+                "[vary]"
             )
         if isinstance(sample, LatinHypercube):
             if lists:
                 raise ValueError(
-                    f"{next(iter(lists))} is a list, {sample.method} needs {{ low, high }}: give a range"
+                    f"{next(iter(lists))} is a list, {sample.method} needs {{ low, high }}: give a "
+                    "range"
                 )
             return None, latin_hypercube(ranges, sample.runs, sample.seed)
         if objective is None or objective.judge == "share":
             raise ValueError(
                 "method = 'tune' must have a cost: give minimise in [study], and no judge = 'share'"
             )
-        return sample.plan(len(ranges)), grid(
-            {**lists, **{key: (r.at(0.0), r.at(1.0)) for key, r in ranges.items()}}
-        )
+        ends = {key: (interval.at(0.0), interval.at(1.0)) for key, interval in ranges.items()}
+        return sample.plan(len(ranges)), grid({**lists, **ends})
 
     def design_keys(self) -> tuple[str, ...]:
-        """Return the varied keys that tell one choice from another; the rest is what they are compared over."""
+        """Return the varied keys that tell one choice from another.
+
+        The rest is what they are compared over.
+        """
         if self.sample.method == "tune":
             return tuple(key for key, v in self.vary.items() if isinstance(v, Range))
         over = self.study.over
-        if over is None:
-            over = (
-                list(self.vary)
-                if len(self.variant) > 1
-                else [key for key in self.vary if key in LOADS]
-            )
+        if over is None and len(self.variant) > 1:
+            over = list(self.vary)
+        elif over is None:
+            over = [key for key in self.vary if key in LOADS]
         for key in {*over} - {*self.vary}:
             raise ValueError(f"over = {key!r} must be varied: name keys of [vary]")
         design_keys = tuple(key for key in self.vary if key not in over)
-        if (
-            self.study.objective
-            and self.sample.method == "latin-hypercube"
-            and over
-            and design_keys
-        ):
+        once = self.sample.method == "latin-hypercube"
+        if self.study.objective and once and over and design_keys:
             raise ValueError(
-                f"over = {over!r} must be all of [vary], or none: a hypercube meets each choice once, so its best "
-                "would be the luckiest. Compare [[variant]]s, take a grid, or write over = [] to compare single runs"
+                f"over = {over!r} must be all of [vary], or none: a hypercube meets each choice "
+                "once, so its best would be the luckiest. Compare [[variant]]s, take a grid, or "
+                "write over = [] to compare single runs"
             )
         return design_keys
 
@@ -282,15 +317,13 @@ class Study:
     @property
     def status_by_name(self) -> dict[str, str]:
         """Status of each value that is set; varied if it differs between runs."""
-        status_by_key = {
-            key: status
-            for values in self.variants.values()
-            for key, status in statuses(values).items()
-        }
-        differing = [
-            k for k in status_by_key if len({sample.values.get(k) for sample in self.samples}) > 1
-        ]
-        return status_by_key | dict.fromkeys([*differing, *self.varied], VARIED)
+        status_by_key = dict[str, str]()
+        for values in self.variants.values():
+            status_by_key |= statuses(values)
+        for key in status_by_key:
+            if len({sample.values.get(key) for sample in self.samples}) > 1:
+                status_by_key[key] = VARIED
+        return status_by_key | dict.fromkeys(self.varied, VARIED)
 
     @property
     def units(self) -> dict[str, str]:
@@ -301,28 +334,32 @@ class Study:
         """Return the run of a variant at a point of [vary]."""
         fixed = self.variants[variant]
         chosen = {key: value for key, value in values.items() if key in self.design_keys}
-        met = {key: value for key, value in values.items() if key not in chosen}
-        run = from_landing(build(self.hoist, {**fixed, **chosen}, self.signals, varied=met))
-        asked = [name for name in ARRIVALS if self.objective and name in self.objective.metrics]
-        if (at := run.winding.emergency_at) is not None and asked:
+        disturbances = {key: value for key, value in values.items() if key not in chosen}
+        run = from_landing(
+            build(self.hoist, {**fixed, **chosen}, self.signals, varied=disturbances)
+        )
+        named = self.objective.metrics if self.objective else {}
+        of_arrival = [name for name in ARRIVALS if name in named]
+        stopped_at = run.winding.emergency_at
+        if stopped_at is not None and of_arrival:
             raise ValueError(
-                f"{asked[0]} must be left out, for winding.emergency_at = {at:g} s: judge stop_distance"
+                f"{of_arrival[0]} must be left out, for winding.emergency_at = {stopped_at:g} s: "
+                "judge stop_distance"
             )
         return StudyRun(variant, {**plain(fixed), **values}, run)
 
     def samples_at(self, values: Mapping[str, Value]) -> list[StudyRun]:
         """Return the runs of a search at a point: for every variant and all values of the lists."""
         lists = {key: v for key, v in self.varied.items() if isinstance(v, tuple)}
-        return [
-            self.run(name, {**values, **drawn}) for name in self.variants for drawn in grid(lists)
-        ]
+        samples = []
+        for variant in self.variants:
+            samples += [self.run(variant, {**values, **of_lists}) for of_lists in grid(lists)]
+        return samples
 
     def choice(self, sample: StudyRun) -> tuple[Value, ...]:
         """Return what is chosen in a run; runs of one choice are judged together."""
-        return (
-            "" if self.plan else sample.variant,
-            *(sample.values[key] for key in self.design_keys),
-        )
+        variant = "" if self.plan else sample.variant
+        return (variant, *(sample.values[key] for key in self.design_keys))
 
 
 def _require_one_rope(hoist: str) -> None:
@@ -330,13 +367,15 @@ def _require_one_rope(hoist: str) -> None:
     if ropes := find_case(hoist).distinct_ropes:
         names = ", ".join(rope.name for rope in ropes)
         raise ValueError(
-            f"study.hoist = {hoist!r} must have equal ropes ([[rope]] with number = N), not the [[rope]] {names} with "
-            "places, data or breaks of their own, for a study winds one FMU: wind each variant with `balance-rope wind "
-            "--set NAME=VALUE`, trips with duty, and ranges with uncertain"
+            f"study.hoist = {hoist!r} must have equal ropes ([[rope]] with number = N), not the "
+            f"[[rope]] {names} with places, data or breaks of their own, for a study winds one "
+            "FMU: wind each variant with `balance-rope wind --set NAME=VALUE`, trips with duty, "
+            "and ranges with uncertain"
         )
 
 
-#: Starts tried before a study winds, spread evenly over more runs; what another refuses is the cause in its row.
+#: Starts tried before a study winds, spread evenly over more runs; what another refuses is the
+#: cause in its row.
 MAX_TRIED = 200
 #: Passes the drawn values on one by one while they are checked, which takes a while.
 CheckProgress = Callable[[list[dict[str, Value]]], Iterable[dict[str, Value]]]
@@ -351,39 +390,44 @@ def read_study(path: Path, fmu: Path | None = None, progress: CheckProgress = li
         rope = fmu or Path(header.fmu or f"build/{fmu_name(header.hoist, NATIVE)}")
         with Problems() as problems:
             with problems.at("study"):
-                signals = match_signals(
-                    header.signals, [*DRIVE_UNITS, *read_outputs(rope, header.hoist)]
-                )
+                available = [*DRIVE_UNITS, *read_outputs(rope, header.hoist)]
+                signals = match_signals(header.signals, available)
             with problems.at("study"):
                 design_keys = file.design_keys()
             with problems.at("variant"):
                 variants = file.variants
             with problems.at("sample"):
                 plan, points = file.drawn()
-        digest = hashlib.sha256(rope.read_bytes()).hexdigest()
         study = Study(
-            header.title,
-            header.hoist,
-            rope,
-            digest,
-            header.objective,
-            signals,
-            variants,
-            file.vary,
-            design_keys,
-            plan,
+            title=header.title,
+            hoist=header.hoist,
+            fmu=rope,
+            fmu_hash=hashlib.sha256(rope.read_bytes()).hexdigest(),
+            objective=header.objective,
+            signals=signals,
+            variants=variants,
+            varied=file.vary,
+            design_keys=design_keys,
+            plan=plan,
         )
-        probe, samples = Probe(rope), list[StudyRun]()
-        every = math.ceil(len(points) * len(variants) / MAX_TRIED)
-        with Problems() as problems:
-            for values, name in (
-                (values, name) for values in progress(points) for name in variants
-            ):
+        return replace(study, samples=tuple(_samples(study, points, progress)))
+
+
+def _samples(
+    study: Study, points: list[dict[str, Value]], progress: CheckProgress
+) -> list[StudyRun]:
+    """Return the runs of all points, those of a variant one after the other; check all of them."""
+    probe = Probe(study.fmu)
+    samples = list[StudyRun]()
+    every = math.ceil(len(points) * len(study.variants) / MAX_TRIED)
+    with Problems() as problems:
+        for values in progress(points):
+            for name in study.variants:
                 with problems.at(f"variant {name}" if name else ""):
                     samples.append(study.run(name, values))
                     if not len(samples) % every:
                         probe.require_hoist(samples[-1].data)
                         probe.require_start(samples[-1].data)
-        return replace(
-            study, samples=tuple(one for name in variants for one in samples if one.variant == name)
-        )
+    place = {name: k for k, name in enumerate(study.variants)}
+    samples.sort(key=lambda sample: place[sample.variant])
+    return samples

@@ -1,8 +1,10 @@
-"""Metrics of a run for drive engineers; NaN for those that the run, the rope or its fidelity does not provide.
+"""Metrics of a run for drive engineers.
 
-Arrival. The reference arrives at a known time; the conveyances have arrived when they stay within `Arrival` from
-then on. Residual swing is the height of a conveyance against the rope's end at the sheave, so that a slow creep of
-the drive is not counted as swing; it is counted as time.
+NaN for those that the run, the rope or its fidelity does not provide.
+
+Arrival. The reference arrives at a known time; the conveyances have arrived when they stay within
+`Arrival` from then on. Residual swing is the height of a conveyance against the rope's end at the
+sheave, so that a slow creep of the drive is not counted as swing; it is counted as time.
 """
 
 import math
@@ -118,19 +120,16 @@ NEUTRAL = frozenset(
     }
 )
 
-SIGNED = frozenset(
-    {"position_error"}
-)  #: Errors with a direction: bounds and objectives count their magnitude.
-ARRIVALS = (
-    "cycle_time",
-    "trajectory_time",
-    "position_error",
-)  #: Metrics that only a trip to the landing has.
-STOPS = frozenset(
-    {"stop_time", "stop_distance", "guard_tripped", "guard_cause", "guard_time"}
-)  #: Those of stops.
+#: Errors with a direction: bounds and objectives count their magnitude.
+SIGNED = frozenset({"position_error"})
+#: Metrics that only a trip to the landing has.
+ARRIVALS = ("cycle_time", "trajectory_time", "position_error")
+#: Those of stops.
+STOPS = frozenset({"stop_time", "stop_distance", "guard_tripped", "guard_cause", "guard_time"})
 
 UNITS = {name: unit for name, (unit, _) in METRICS.items()}
+
+_SWIVEL_METRICS = ("slip", "slip_time", "starting_torque", "swivel_torque")
 
 #: Metrics that each of several ropes has of its own; the others are the hoist's.
 ROPE_METRICS = frozenset(
@@ -144,33 +143,33 @@ ROPE_METRICS = frozenset(
     }
     | {f"loop_{name}" for name in ("swing", "yaw", "sideways", "rise", "turns")}
     | {"clearance", *(f"clearance_{name}" for name in BODIES)}
-    | {
-        f"{end}_{name}"
-        for end in SIDES
-        for name in ("slip", "slip_time", "starting_torque", "swivel_torque")
-    }
+    | {f"left_{name}" for name in _SWIVEL_METRICS}
+    | {f"right_{name}" for name in _SWIVEL_METRICS}
 )
 
 
 def names_of(metric: str, ropes: Sequence[str]) -> list[str]:
-    """Return a metric's names, `ROPE.metric` for each of several ropes; the only rope's name is ""."""
+    """Return a metric's names, `ROPE.metric` for each of several ropes.
+
+    The only rope's name is "".
+    """
     if tuple(ropes) == ("",) or metric not in ROPE_METRICS:
         return [metric]
     return [f"{rope}.{metric}" for rope in ropes]
 
 
-def own_name(name: str) -> str:
+def name_without_rope(name: str) -> str:
     """Return a metric's name without the rope's."""
     return name.rpartition(".")[2]
 
 
-#: Outputs of the rope that the host and the metrics use; a study reads no others unless it keeps them.
+_END_SIGNALS = ("fy", "fy_mean", "swivel.rate", "swivel.slipping", "swivel.torque")
+
+#: Outputs of the rope that the host and the metrics use; a study reads no others unless it keeps
+#: them.
 ROPE_SIGNALS = frozenset(
-    {
-        f"{end}.{n}"
-        for end in SIDES
-        for n in ("fy", "fy_mean", *(f"swivel.{s}" for s in ("rate", "slipping", "torque")))
-    }
+    {f"left.{name}" for name in _END_SIGNALS}
+    | {f"right.{name}" for name in _END_SIGNALS}
     | {f"loop.{name}" for name in ("x", "z", "yaw", "clearance", "rise", "sideways", "turns")}
     | {"stress.bending_max", "energy.work_ends", FIDELITY}
     | PASSAGE_SIGNALS
@@ -213,71 +212,69 @@ def measure_ropes(
     """Return all metrics of a run by their `names_of` for these ropes."""
     if tuple(ropes) == ("",):
         return measure(result, hoist, arrival).metrics
-    metrics = {
-        key: x
-        for key, x in measure(result, hoist, arrival).metrics.items()
-        if key not in ROPE_METRICS
-    }
+    metrics = measure(result, hoist, arrival).metrics
+    for key in ROPE_METRICS:
+        del metrics[key]
     for rope in ropes:
-        alone = replace(result, recording=as_only_rope(result.recording, rope))
-        own = measure(alone, hoist, arrival).metrics
-        metrics |= {f"{rope}.{key}": own[key] for key in ROPE_METRICS}
+        one_rope = replace(result, recording=as_only_rope(result.recording, rope))
+        of_rope = measure(one_rope, hoist, arrival).metrics
+        metrics |= {f"{rope}.{key}": of_rope[key] for key in ROPE_METRICS}
     return metrics
 
 
 def exchange_energy(recording: Recording, hoist: Hoist) -> Array:
-    """Return the energy that the exchange has made up since the start [J]: work on hoist and balance ropes."""
+    """Return the energy that the exchange has created since the start [J]."""
     ends = recording["energy.work_ends"] - recording["energy.work_ends"][0]
     return np.asarray(recording["drive.work_from_balance_rope"] + hoist.tail_rope_number * ends)
 
 
 def trip_metrics(result: Result, arrival: Arrival) -> dict[str, float]:
     """Return the times and torques that only a completed trip has."""
-    recording, winding = result.recording, result.winding
+    recording = result.recording
+    winding = result.winding
     t = recording.time - recording.time[0]
     if math.isfinite(winding.tracking_end):
         return {}  # the brake has stopped it somewhere, and nothing asked for that place
     travel = recording["conveyance.left.y"] - recording["conveyance.left.y"][0]
     moving = (t >= winding.start_delay) & (t <= result.trajectory.duration)
-    torque = recording["drive.torque"][moving] if moving.any() else np.array([math.nan])
+    torque_rms = math.nan
+    if moving.any():
+        torque_rms = float(np.sqrt(np.mean(recording["drive.torque"][moving] ** 2)))
     followed = {
         "tracking_error": _largest(recording["reference.position"] - travel),
-        "torque_rms": float(np.sqrt(np.mean(torque**2))),
+        "torque_rms": torque_rms,
     }
     if winding.emergency_at is not None:
-        return (
-            followed  # stopped on its way, as asked for or by the safety circuit: it never arrives
-        )
+        # stopped on its way, as asked for or by the safety circuit: it never arrives
+        return followed
     landing = recording["reference.position"][-1]
     outside = np.abs(travel - landing) > arrival.position_band
     for end in SIDES:
         outside |= np.abs(recording[f"conveyance.{end}.vy"]) > arrival.speed_band
     last = int(np.flatnonzero(outside)[-1]) if outside.any() else 0
+    cycle_time = math.nan
+    if last + 1 < t.size:
+        cycle_time = max(0.0, float(t[last + 1]) - winding.start_delay)
     return followed | {
         "trajectory_time": result.trajectory.duration - winding.start_delay,
-        "cycle_time": max(0.0, float(t[last + 1]) - winding.start_delay)
-        if last + 1 < t.size
-        else math.nan,
+        "cycle_time": cycle_time,
         "position_error": float(landing - travel[-1]),
     }
 
 
 def _incidents(recording: Recording, hoist: Hoist, winding: Winding) -> dict[str, float]:
+    slack = [event.duration for event in incidents.slack_ropes(recording)]
+    ratios = incidents.tension_ratios(recording, hoist.tension_ratio_limit)
+    slip = incidents.slip(recording)
     metrics = {
-        "slack_time": max(
-            (slack.duration for slack in incidents.slack_ropes(recording)), default=0.0
-        ),
-        "slip_safety": hoist.slip_safety(
-            np.max(incidents.tension_ratios(recording, hoist.tension_ratio_limit))
-        ),
-        "head_rope_slip": 0.0
-        if (slid := incidents.slip(recording)) is None
-        else slid.slid_distance,
+        "slack_time": max(slack, default=0.0),
+        "slip_safety": hoist.slip_safety(np.max(ratios)),
+        "head_rope_slip": 0.0 if slip is None else slip.slid_distance,
     }
-    ended = incidents.stops(recording, winding.emergency_at, hoist.sheave_radius)
-    if ended and all(stop.held for stop in ended):
-        metrics["stop_time"] = max(stop.time or 0.0 for stop in ended)
-        metrics["stop_distance"] = max(stop.farthest for stop in ended)
+    stops = incidents.stops(recording, winding.emergency_at, hoist.sheave_radius)
+    if stops and all(stop.held for stop in stops):
+        metrics["stop_time"] = max(stop.time or 0.0 for stop in stops)
+        metrics["stop_distance"] = max(stop.farthest for stop in stops)
     if recording.has(*incidents.GUARD_SIGNALS):
         trip = incidents.guard_trip(recording)
         metrics["guard_tripped"] = float(trip is not None)
@@ -308,11 +305,11 @@ def _rope(recording: Recording) -> dict[str, float]:
     for name, signal in (("sway", "loop.x"), ("sway_across", "loop.z")):
         if signal in recording:
             metrics[name] = _largest(recording[signal] - recording[signal][0])
-    for name in ("yaw", "turns", "sideways", "rise"):
-        if (values := recording.signals.get(f"loop.{name}")) is not None:
-            metrics[f"loop_{name}"] = (
-                float(np.max(values)) if name == "rise" else _largest(values)
-            )  # a fall is no rise
+    for name in ("yaw", "turns", "sideways"):
+        if f"loop.{name}" in recording:
+            metrics[f"loop_{name}"] = _largest(recording[f"loop.{name}"])
+    if "loop.rise" in recording:  # a fall is no rise
+        metrics["loop_rise"] = float(np.max(recording["loop.rise"]))
     for name in BODIES:
         if f"nearest.{name}.clearance" in recording:
             smallest = float(recording[f"nearest.{name}.clearance"][-1])
@@ -323,21 +320,26 @@ def _rope(recording: Recording) -> dict[str, float]:
 
 
 def _swivel(recording: Recording, end: str) -> dict[str, float]:
-    names = [f"{end}.swivel.{name}" for name in ("rate", "slipping", "torque")]
-    if not recording.has(*names):
+    swivel = f"{end}.swivel"
+    if not recording.has(f"{swivel}.rate", f"{swivel}.slipping", f"{swivel}.torque"):
         return {}
-    rate, slipping, torque = (recording[name] for name in names)
+    rate = recording[f"{swivel}.rate"]
+    slipping = recording[f"{swivel}.slipping"]
+    torque = recording[f"{swivel}.torque"]
     starts = np.flatnonzero(np.diff(slipping) > 0.0)
+    starting_torque = math.nan
+    if starts.size:
+        starting_torque = float(abs(torque[starts[0]]))
     return {
         f"{end}_slip": float(np.sum(np.abs(rate[1:]) * np.diff(recording.time))),
         f"{end}_slip_time": recording.seconds(f"{end}.swivel.slipping"),
-        f"{end}_starting_torque": float(abs(torque[starts[0]])) if starts.size else math.nan,
+        f"{end}_starting_torque": starting_torque,
         f"{end}_swivel_torque": _largest(torque),
     }
 
 
 def _swing(recording: Recording, hoist: Hoist, arrived: float, arrival: Arrival) -> Measures:
-    """Measure the swing of conveyances and loop within the window after the reference has arrived."""
+    """Measure the swing of conveyances and loop in the window after the reference's arrival."""
     t = recording.time - recording.time[0]
     in_window = (t >= arrived) & (t <= arrived + arrival.window)
     if np.count_nonzero(in_window) < 2:
@@ -346,9 +348,9 @@ def _swing(recording: Recording, hoist: Hoist, arrived: float, arrival: Arrival)
         )
     # heights of the conveyances against their ropes' ends at the sheave
     rim = hoist.sheave_radius * recording["drive.angle"]
-    signs = zip(SIDES, (1.0, -1.0), strict=True)
     swings = {
-        end: (recording[f"conveyance.{end}.y"] - sign * rim)[in_window] for end, sign in signs
+        "left": (recording["conveyance.left.y"] - rim)[in_window],
+        "right": (recording["conveyance.right.y"] + rim)[in_window],
     }
     metrics = {f"swing_{end}": float(np.ptp(swing)) for end, swing in swings.items()}
     if "loop.x" in recording:
@@ -360,8 +362,13 @@ def _swing(recording: Recording, hoist: Hoist, arrived: float, arrival: Arrival)
 
 
 def _ripple(time: Array, force: Array) -> float:
-    """Return the RMS of the force less its moving mean [N]; NaN for a record shorter than the window."""
-    count = round(RIPPLE_WINDOW / (time[1] - time[0])) if time.size > 1 else 0
+    """Return the RMS of the force less its moving mean [N].
+
+    NaN for a record shorter than the window.
+    """
+    if time.size < 2:
+        return math.nan
+    count = round(RIPPLE_WINDOW / (time[1] - time[0]))
     if count < 2 or time.size <= count:
         return math.nan
     # odd, so that the mean is centred

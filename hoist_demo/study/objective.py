@@ -1,7 +1,10 @@
-"""Objective of a study: it judges a choice by all its runs, against the same disturbances, and by bounds on every run.
+"""Objective of a study.
 
-A run that failed keeps no bound and has no finite cost; nor does one that the safety circuit cut short, unless its
-objective names a metric of stops. Runs are judged by the worst, by the mean, or by the share that keeps the bounds.
+It judges a choice by all its runs, against the same disturbances, and by bounds on every run.
+
+A run that failed keeps no bound and has no finite cost; nor does one that the safety circuit cut
+short, unless its objective names a metric of stops. Runs are judged by the worst, by the mean, or
+by the share that keeps the bounds.
 """
 
 import math
@@ -32,18 +35,24 @@ class Constraint:
     sense: float  # 1: below the value, -1: above it
 
     def violation(self, metrics: Mapping[str, float]) -> float:
-        """Return the violation of the bound, as a fraction of it unless it is 0; 0 or less if it is kept."""
-        return self.sense * (size_of(self.metric, metrics) - self.value) / (abs(self.value) or 1.0)
+        """Return the violation of the bound, as a fraction of it unless it is 0.
+
+        0 or less if it is kept.
+        """
+        scale = abs(self.value) or 1.0
+        return self.sense * (size_of(self.metric, metrics) - self.value) / scale
 
 
 def size_of(metric: str, metrics: Mapping[str, float]) -> float:
-    """Return a metric as bounds and objectives count it: an error by its magnitude, whatever its direction."""
+    """Return a metric as bounds and objectives count it: an error by its magnitude."""
     value = float(metrics[metric])
-    return abs(value) if metric in SIGNED else value
+    if metric in SIGNED:
+        return abs(value)
+    return value
 
 
 def constraints_on(parameter: Parameter) -> Any:
-    """Return the type of a metric in subject_to for pydantic: what it holds is a tuple of Constraints."""
+    """Return the type of a metric in subject_to for pydantic: a tuple of Constraints."""
     return Annotated[
         Any,
         PlainValidator(partial(_read_constraints, parameter)),
@@ -52,21 +61,27 @@ def constraints_on(parameter: Parameter) -> Any:
 
 
 def _read_constraints(parameter: Parameter, content: Any) -> tuple[Constraint, ...]:
-    name, words = parameter.name, {*content} if isinstance(content, Mapping) else set()
+    name = parameter.name
+    words = {*content} if isinstance(content, Mapping) else set()
     if not words & {*_SENSES} or not words <= {*_SENSES, "unit"}:
         raise ValueError(
-            f"{name} = {content!r} must have below or above, and may have unit: write {{ below = 0.3 }}"
+            f"{name} = {content!r} must have below or above, and may have unit: write "
+            "{ below = 0.3 }"
         )
-    metric, unit = name.rpartition(".")[2], content.get("unit")
-    return tuple(
-        Constraint(metric, float(read_value(parameter, content[word], unit)), sense)
-        for word, sense in _SENSES.items()
-        if word in content
-    )
+    metric = name.rpartition(".")[2]
+    constraints = []
+    for word, sense in _SENSES.items():
+        if word in content:
+            value = read_value(parameter, content[word], content.get("unit"))
+            constraints.append(Constraint(metric, float(value), sense))
+    return tuple(constraints)
 
 
 def read_weights(content: Any) -> dict[str, float]:
-    """Return the weights of metrics: of a name it is 1; a ValueError names metric, value and cure."""
+    """Return the weights of metrics: of a name it is 1.
+
+    A ValueError names metric, value and cure.
+    """
     weights = {content: 1.0} if isinstance(content, str) else content
     if not isinstance(weights, Mapping) or not weights:
         raise ValueError(
@@ -75,11 +90,8 @@ def read_weights(content: Any) -> dict[str, float]:
     for name, weight in weights.items():
         if name not in UNITS:
             raise ValueError(f"{name} is not a metric: choose one of {', '.join(UNITS)}")
-        if (
-            isinstance(weight, bool)
-            or not isinstance(weight, int | float)
-            or not math.isfinite(weight)
-        ):
+        is_number = isinstance(weight, int | float) and not isinstance(weight, bool)
+        if not is_number or not math.isfinite(weight):
             raise ValueError(f"{name} = {weight!r} must be a finite number: give its weight")
     return {name: float(weight) for name, weight in weights.items()}
 
@@ -95,12 +107,16 @@ class ChoiceScore:
     @property
     def rank(self) -> tuple[float, ...]:
         """Key by which choices are sorted, smaller is better."""
-        return (-self.within, self.score.cost) if self.by_share else self.score.rank
+        if self.by_share:
+            return -self.within, self.score.cost
+        return self.score.rank
 
     @property
     def comparable(self) -> bool:
         """True if the choice can be the best."""
-        return self.within > 0.0 if self.by_share else self.score.feasible
+        if self.by_share:
+            return self.within > 0.0
+        return self.score.feasible
 
 
 @dataclass(frozen=True)
@@ -114,28 +130,37 @@ class Objective:
 
     @property
     def counted(self) -> set[str]:
-        """Status of runs that count: a run that the safety circuit cut short does if a metric of stops is named."""
-        return {"completed"} if STOPS.isdisjoint(self.metrics) else {"completed", CUT_SHORT}
+        """Status of runs that count.
+
+        A run that the safety circuit cut short counts if a metric of stops is named.
+        """
+        if STOPS.isdisjoint(self.metrics):
+            return {"completed"}
+        return {"completed", CUT_SHORT}
 
     def of_run(self, outcome: Mapping[str, Any]) -> Score:
-        """Return cost and violations of a run's recorded outcome; infinite where it failed or a metric is missing."""
+        """Return cost and violations of a run's recorded outcome.
+
+        Infinite where it failed or a metric is missing.
+        """
         metrics = outcome["metrics"]
         sizes = [weight * size_of(name, metrics) for name, weight in self.weights.items()]
         cost = self.sense * sum_of(sizes)
         score = Score(cost, tuple(bound.violation(metrics) for bound in self.constraints))
-        failed = Score(math.inf, (math.inf,) * len(self.constraints))
-        return score if score.finite and outcome["status"] in self.counted else failed
+        if score.finite and outcome["status"] in self.counted:
+            return score
+        return Score(math.inf, (math.inf,) * len(self.constraints))
 
     def assess(self, outcomes: Sequence[Mapping[str, Any]]) -> ChoiceScore:
         """Return the judgement of a choice by its runs."""
         runs = [self.of_run(outcome) for outcome in outcomes]
         feasible = [run for run in runs if run.feasible]
-        costs = [run.cost for run in (feasible or runs if self.judge == "share" else runs)]
+        by_share = self.judge == "share"
+        costs = [run.cost for run in (feasible if by_share and feasible else runs)]
         cost = max(costs) if self.judge == "worst" else sum_of(costs) / len(costs)
-        violation = tuple(
-            max(violations) for violations in zip(*(run.violations for run in runs), strict=True)
-        )
-        return ChoiceScore(Score(cost, violation), len(feasible) / len(runs), self.judge == "share")
+        violations_by_bound = zip(*(run.violations for run in runs), strict=True)
+        score = Score(cost, tuple(map(max, violations_by_bound)))
+        return ChoiceScore(score, within=len(feasible) / len(runs), by_share=by_share)
 
     @property
     def metrics(self) -> dict[str, None]:
@@ -145,20 +170,24 @@ class Objective:
     @property
     def expression(self) -> str:
         """Weighted sum of the metrics in words."""
-        return " + ".join(
-            name if weight == 1.0 else f"{weight:g} {name}" for name, weight in self.weights.items()
-        )
+        terms = []
+        for name, weight in self.weights.items():
+            terms.append(name if weight == 1.0 else f"{weight:g} {name}")
+        return " + ".join(terms)
 
     @property
     def unit(self) -> str:
         """Unit of the sum, "1" for none."""
         units = {UNITS[name] for name, weight in self.weights.items() if weight == 1.0}
-        return units.pop() if len(self.weights) == 1 and units else "1"
+        if len(self.weights) == 1 and units:
+            return units.pop()
+        return "1"
 
     def exceeded(self, judged: Score) -> str:
         """Return the bounds that are not kept, in words; "" for none."""
-        return ", ".join(
-            f"{bound.metric} is {100.0 * violation:.3g} % {'above' if bound.sense > 0.0 else 'below'} {bound.value:g}"
-            for bound, violation in zip(self.constraints, judged.violations, strict=True)
-            if violation > 0.0
-        )
+        texts = []
+        for bound, violation in zip(self.constraints, judged.violations, strict=True):
+            if violation > 0.0:
+                side = "above" if bound.sense > 0.0 else "below"
+                texts.append(f"{bound.metric} is {100.0 * violation:.3g} % {side} {bound.value:g}")
+        return ", ".join(texts)

@@ -4,6 +4,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,8 @@ EXCESS = "excess"  #: Column with the largest excess over a bound, as a part of 
 WARNINGS = "warnings"  #: Column with a run's warnings.
 MISSING = "missing"  #: Column with the reason why a metric is missing.
 MAX_WARNINGS = 3  #: Most warnings in the text on the best choice.
-#: Carries out samples and returns their keys; `cluster.run_samples` with its first two arguments given.
+#: Carries out samples and returns their keys; `cluster.run_samples` with its first two arguments
+#: given.
 RunSamples = Callable[[Sequence[StudyRun]], list[str]]
 
 
@@ -45,24 +47,26 @@ class StudyResult:
     runs: int
     causes: Mapping[str, str]  # causes of the runs that did not complete, by number and name
     passages: Mapping[str, str]  # bodies that the rope struck or passed through, by number and name
-    warnings: Mapping[
-        str, list[str]
-    ]  # numbers and names of the runs, by the first text of each kind
+    # numbers and names of the runs, by the first text of each kind
+    warnings: Mapping[str, list[str]]
     remarks: Sequence[str]  # sentences on results that are not monotonic in what varies
     choices: Sequence[int]  # number of each run's choice
     best: Best | None  # None where nothing says what is best, or no run can be compared
 
     @property
     def summary(self) -> str:
-        """How many runs wound to the end, and in how many the rope struck or passed through something."""
-        count = len(self.passages)
-        passed = f", in {count} the rope struck or passed through something" if count else ""
-        return f"{self.runs - len(self.causes)} of {self.runs} runs wound to the end{passed}"
+        """Number of runs that wound to the end, and of runs whose rope struck something."""
+        text = f"{self.runs - len(self.causes)} of {self.runs} runs wound to the end"
+        if self.passages:
+            text += f", in {len(self.passages)} the rope struck or passed through something"
+        return text
 
     @property
     def exit_code(self) -> int:
         """Exit code of the command: 1 if a run did not wind to the end."""
-        return 1 if self.causes else 0
+        if self.causes:
+            return 1
+        return 0
 
 
 def run_study(study: Study, store: Store, run: RunSamples) -> StudyResult:
@@ -74,16 +78,24 @@ def run_study(study: Study, store: Store, run: RunSamples) -> StudyResult:
 
 
 def write_what_is_there(study: Study, store: Store) -> Path | None:
-    """Write the table of an interrupted study's runs, of a search return its folder; None without a run."""
+    """Write the table of an interrupted study's runs, of a search return its folder.
+
+    None without a run.
+    """
     if study.plan is not None:
-        return store.directory if any((store.directory / "runs").glob("*.json")) else None
-    pairs = [(s, s.data.key(study.fmu_hash)) for s in study.samples]
-    there = [(s, key) for s, key in pairs if store.read(key)]
-    return (
-        _write(study, store, [s for s, _ in there], [key for _, key in there]).table
-        if there
-        else None
-    )
+        if any((store.directory / "runs").glob("*.json")):
+            return store.directory
+        return None
+    finished = list[StudyRun]()
+    keys = list[str]()
+    for sample in study.samples:
+        key = sample.data.key(study.fmu_hash)
+        if store.read(key):
+            finished.append(sample)
+            keys.append(key)
+    if not finished:
+        return None
+    return _write(study, store, finished, keys).table
 
 
 def _search(
@@ -94,75 +106,80 @@ def _search(
     assert study.objective is not None
     objective = study.objective
 
-    def samples_of(points: Array) -> list[list[StudyRun]]:
-        return [
-            study.samples_at(
-                {key: r.at(float(u)) for (key, r), u in zip(ranges.items(), x, strict=True)}
-            )
-            for x in points
-        ]
+    def samples_at(point: Array) -> list[StudyRun]:
+        values = dict[str, Value]()
+        for (key, interval), share in zip(ranges.items(), point, strict=True):
+            values[key] = interval.at(float(share))
+        return study.samples_at(values)
 
-    def judged(points: Array) -> list[Score]:
-        each = samples_of(points)
-        keys = iter(run([sample for samples in each for sample in samples]))
-        return [
-            objective.assess([_record(store, next(keys))["outcome"] for _ in samples]).score
-            for samples in each
-        ]
+    def scores(points: Array) -> list[Score]:
+        samples_by_point = [samples_at(point) for point in points]
+        keys = iter(run([*chain.from_iterable(samples_by_point)]))
+        scores = []
+        for samples in samples_by_point:
+            outcomes = [_outcome(store, next(keys)) for _ in samples]
+            scores.append(objective.assess(outcomes).score)
+        return scores
 
-    samples = [
-        sample
-        for samples in samples_of(search(judged, len(ranges), plan).points)
-        for sample in samples
-    ]
+    samples = list[StudyRun]()
+    for point in search(scores, len(ranges), plan).points:
+        samples += samples_at(point)
     return samples, [sample.data.key(study.fmu_hash) for sample in samples]
 
 
-def _record(store: Store, key: str) -> dict[str, Any]:
-    if (record := store.read(key)) is None:
+def _outcome(store: Store, key: str) -> dict[str, Any]:
+    record = store.read(key)
+    if record is None:
         raise RuntimeError(
             f"run {key} has left no record in {store.directory}: start the study again"
         )
-    return record
+    outcome: dict[str, Any] = record["outcome"]
+    return outcome
 
 
 def _write(
     study: Study, store: Store, samples: Sequence[StudyRun], keys: Sequence[str]
 ) -> StudyResult:
-    outcomes = [_record(store, key)["outcome"] for key in keys]
-    varied = [
-        name for name in study.units if len({sample.values.get(name) for sample in samples}) > 1
-    ]
-    named = [f"run {number}{_named(sample, varied)}" for number, sample in enumerate(samples, 1)]
+    outcomes = [_outcome(store, key) for key in keys]
+    varied = [name for name in study.units if _differs(name, samples)]
     numbers: dict[tuple[Value, ...], int] = {}
     choices = [numbers.setdefault(study.choice(sample), len(numbers)) for sample in samples]
     scores = _choice_scores(study.objective, choices, outcomes)
-    rows = [
-        _row(study, number, sample, key, outcome, scores[choice] if scores else None)
-        for number, (sample, key, outcome, choice) in enumerate(
-            zip(samples, keys, outcomes, choices, strict=True), 1
-        )
-    ]
-    warnings: dict[str, list[str]] = {}
-    for name, outcome in zip(named, outcomes, strict=True):
+    rows = list[dict[str, object]]()
+    causes = dict[str, str]()
+    passages = dict[str, str]()
+    warnings = dict[str, list[str]]()
+    runs = zip(samples, keys, outcomes, choices, strict=True)
+    for number, (sample, key, outcome, choice) in enumerate(runs, 1):
+        head: dict[str, object] = {"run": number, "key": key}
+        rows.append(head | _row(study, sample, outcome, scores.get(choice)))
+        name = f"run {number}{_values_in_brackets(sample, varied)}"
+        if outcome["status"] != "completed":
+            causes[name] = outcome["cause"]
+        if outcome["passed"]:
+            passages[name] = outcome["passed"]
         for text in outcome["warnings"]:
-            alike = next((first for first in warnings if kind_of(first) == kind_of(text)), text)
-            warnings.setdefault(alike, []).append(name)
-    judged = {JUDGED: study.objective.unit if study.objective else "1", WITHIN: "1", EXCESS: "1"}
+            kind = kind_of(text)
+            first = next((first for first in warnings if kind_of(first) == kind), text)
+            warnings.setdefault(first, []).append(name)
+    units = {**study.units, **UNITS, JUDGED: "1", WITHIN: "1", EXCESS: "1"}
+    if study.objective:
+        units[JUDGED] = study.objective.unit
     return StudyResult(
-        table=store.write_table(rows, {**study.units, **UNITS, **judged}, study.title),
+        table=store.write_table(rows, units, study.title),
         runs=len(rows),
-        causes={
-            n: o["cause"]
-            for n, o in zip(named, outcomes, strict=True)
-            if o["status"] != "completed"
-        },
-        passages={n: o["passed"] for n, o in zip(named, outcomes, strict=True) if o["passed"]},
+        causes=causes,
+        passages=passages,
         warnings=warnings,
         remarks=not_monotonic(study, samples, outcomes),
         choices=choices,
         best=_best(study, samples, outcomes, choices, scores),
     )
+
+
+def _differs(name: str, samples: Sequence[StudyRun]) -> bool:
+    """Return True if a value differs between runs."""
+    return len({sample.values.get(name) for sample in samples}) > 1
 
 
 def _choice_scores(
@@ -174,38 +191,36 @@ def _choice_scores(
     runs: dict[int, list[Mapping[str, Any]]] = {}
     for choice, outcome in zip(choices, outcomes, strict=True):
         runs.setdefault(choice, []).append(outcome)
-    return {choice: objective.assess(own) for choice, own in runs.items()}
+    return {choice: objective.assess(of_choice) for choice, of_choice in runs.items()}
 
 
 def _row(
     study: Study,
-    number: int,
     sample: StudyRun,
-    key: str,
     outcome: Mapping[str, Any],
     choice_score: ChoiceScore | None,
 ) -> dict[str, object]:
-    head = {
-        "run": number,
-        "key": key,
-        "variant": sample.variant,
-        "controller": sample.data.controller,
-    }
-    row: dict[str, object] = head | {
-        name: sample.values.get(name) for name in study.units if name != "controller"
-    }
-    row |= {name: outcome[name] for name in ("status", "cause", "fidelity")}
+    """Return the columns of a run behind its number and key."""
+    row: dict[str, object] = {"variant": sample.variant, "controller": sample.data.controller}
+    for name in study.units:
+        if name != "controller":
+            row[name] = sample.values.get(name)
+    for name in ("status", "cause", "fidelity"):
+        row[name] = outcome[name]
     if outcome["passed"]:
         row["status"] = f"{outcome['status']}, but {outcome['passed']}"
-    row |= {WARNINGS: SEPARATOR.join(outcome["warnings"]), MISSING: outcome["missing"]}
+    row[WARNINGS] = SEPARATOR.join(outcome["warnings"])
+    row[MISSING] = outcome["missing"]
     if choice_score is not None and study.objective is not None:
-        cost = study.objective.sense * choice_score.score.cost
-        row |= {JUDGED: cost if math.isfinite(cost) else math.nan, WITHIN: choice_score.within}
+        score = choice_score.score
+        cost = study.objective.sense * score.cost
+        row[JUDGED] = cost if math.isfinite(cost) else math.nan
+        row[WITHIN] = choice_score.within
         if study.objective.constraints:
-            row[EXCESS] = (
-                max(choice_score.score.violations) if choice_score.score.finite else math.nan
-            )
-    return row | {name: outcome["metrics"].get(name, math.nan) for name in UNITS}
+            row[EXCESS] = max(score.violations) if score.finite else math.nan
+    for name in UNITS:
+        row[name] = outcome["metrics"].get(name, math.nan)
+    return row
 
 
 def _best(
@@ -233,61 +248,84 @@ def _best(
         first = min(finite, key=lambda k: scores[k].score.rank)
     one = scores[first]
     runs = tuple(k for k, choice in enumerate(choices) if choice == first)
-    variant, *values = study.choice(samples[runs[0]])
-    shown = [str(variant)] if variant else []
-    chosen = zip(study.design_keys, values, strict=True)
-    shown += [
-        f"{key} = {_number(value)} {_unit(study.units[key])}".rstrip() for key, value in chosen
-    ]
-    what = ", ".join(shown) or f"run {runs[0] + 1}"
-    if one.by_share:
-        judged = f"{100.0 * one.within:.4g} % of its {len(runs)} runs keep the bounds"
-    else:
-        word = f", the {objective.judge} of {len(runs)} runs" if len(runs) > 1 else ""
-        cost = _number(objective.sense * one.score.cost)
-        judged = f"{objective.expression} = {cost} {_unit(objective.unit)}".rstrip() + word
-    if not one.comparable:
-        exceeded = objective.exceeded(one.score)
-        sentence = f"no choice keeps subject_to; nearest is {what}, where {exceeded}: loosen it, or vary more"
-    else:
+    choice_text = _choice_text(study, samples[runs[0]]) or f"run {runs[0] + 1}"
+    if one.comparable:
+        sentence = f"best is {choice_text}: {_judgement(objective, one, len(runs))}"
         equal = sum(scores[k].rank == one.rank for k in finite)
-        sentence = f"best is {what}: {judged}" + (
-            f", the first of {equal} equal choices" if equal > 1 else ""
+        if equal > 1:
+            sentence += f", the first of {equal} equal choices"
+    else:
+        exceeded = objective.exceeded(one.score)
+        sentence = (
+            f"no choice keeps subject_to; nearest is {choice_text}, where {exceeded}: loosen it, "
+            "or vary more"
         )
-    texts = dict.fromkeys(
-        text for k in runs for text in (outcomes[k]["passed"], *outcomes[k]["warnings"]) if text
-    )
-    # a warning of all runs says least about this choice
-    common = Counter(kind_of(text) for outcome in outcomes for text in outcome["warnings"])
-    warned = sorted(texts, key=lambda text: common[kind_of(text)])
-    sentence += "".join(f". Warning: {text}" for text in warned[:MAX_WARNINGS])
-    sentence += (
-        f". {len(warned) - MAX_WARNINGS} more warnings of its runs"
-        if len(warned) > MAX_WARNINGS
-        else ""
-    )
+    sentence += _warnings_of_choice([outcomes[k] for k in runs], outcomes)
     return Best(runs, sentence, one.comparable)
 
 
+def _choice_text(study: Study, sample: StudyRun) -> str:
+    """Return the values of a run's choice, in words; "" for none."""
+    variant, *values = study.choice(sample)
+    shown = [str(variant)] if variant else []
+    for key, value in zip(study.design_keys, values, strict=True):
+        shown.append(f"{key} = {_number(value)} {_unit(study.units[key])}".rstrip())
+    return ", ".join(shown)
+
+
+def _judgement(objective: Objective, choice_score: ChoiceScore, runs: int) -> str:
+    """Return by what a choice of so many runs is the best, in words."""
+    if choice_score.by_share:
+        return f"{100.0 * choice_score.within:.4g} % of its {runs} runs keep the bounds"
+    cost = _number(objective.sense * choice_score.score.cost)
+    text = f"{objective.expression} = {cost} {_unit(objective.unit)}".rstrip()
+    if runs > 1:
+        return f"{text}, the {objective.judge} of {runs} runs"
+    return text
+
+
+def _warnings_of_choice(
+    of_choice: Sequence[Mapping[str, Any]], outcomes: Sequence[Mapping[str, Any]]
+) -> str:
+    """Return the first warnings of a choice's runs as sentences, the rarest first."""
+    texts = dict[str, None]()
+    for outcome in of_choice:
+        texts |= dict.fromkeys(filter(None, (outcome["passed"], *outcome["warnings"])))
+    # a warning of all runs says least about this choice
+    frequency = Counter[str]()
+    for outcome in outcomes:
+        frequency.update(map(kind_of, outcome["warnings"]))
+    warnings = sorted(texts, key=lambda text: frequency[kind_of(text)])
+    sentences = "".join(f". Warning: {text}" for text in warnings[:MAX_WARNINGS])
+    if len(warnings) > MAX_WARNINGS:
+        sentences += f". {len(warnings) - MAX_WARNINGS} more warnings of its runs"
+    return sentences
+
+
 def _unit(unit: str) -> str:
-    return "" if unit == "1" else unit.replace(".", " ")
+    if unit == "1":
+        return ""
+    return unit.replace(".", " ")
 
 
 def _number(value: Value) -> str:
-    return f"{value:.5g}" if isinstance(value, float) else str(value)
+    if isinstance(value, float):
+        return f"{value:.5g}"
+    return str(value)
 
 
-def _named(sample: StudyRun, varied: Sequence[str]) -> str:
+def _values_in_brackets(sample: StudyRun, varied: Sequence[str]) -> str:
     """Return the variant and the varied values in brackets; "" if there are none."""
-    values = {
-        name: sample.values[name]
-        for name in varied
-        if name in sample.values and name != "controller"
-    }
-    words = [
-        f"{name} = {v:.4g}" if isinstance(v, float) else f"{name} = {v}"
-        for name, v in values.items()
-    ]
-    controller = sample.data.controller if "controller" in varied else ""
-    text = ", ".join(filter(None, [sample.variant or controller, *words]))
-    return f" ({text})" if text else ""
+    words = []
+    if sample.variant:
+        words.append(sample.variant)
+    elif "controller" in varied:
+        words.append(sample.data.controller)
+    for name in varied:
+        if name in sample.values and name != "controller":
+            value = sample.values[name]
+            text = f"{value:.4g}" if isinstance(value, float) else str(value)
+            words.append(f"{name} = {text}")
+    if words:
+        return f" ({', '.join(words)})"
+    return ""

@@ -1,8 +1,9 @@
 """Sources of the numbers that a run rests on, each with its status.
 
-What was set has the status that its file states, else ``given``: whoever set it knows its source.  What was not is of
-the case: ``published`` where the case's source states it, else ``assumed``, which is ours.  A rope's parameter that is
-neither is the FMU's, ``exported`` with it.  A ``setting`` is no datum: it says what is computed and how.
+What was set has the status that its file states, else ``given``: whoever set it knows its source.
+What was not is of the case: ``published`` where the case's source states it, else ``assumed``,
+which is ours.  A rope's parameter that is neither is the FMU's, ``exported`` with it.  A
+``setting`` is no datum: it says what is computed and how.
 """
 
 import csv
@@ -15,7 +16,7 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.fmu_description import read_parameters
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.files.registry import CONTROLLER, host_parameters, rope_parameters
-from hoist_demo.files.values import DERIVED, GIVEN, VARIED
+from hoist_demo.files.values import ASSUMED, DERIVED, GIVEN, VARIED
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.study.definition import Study
 from hoist_demo.study.run import CONTROLLER_OF, RunData
@@ -35,7 +36,7 @@ _FIRST = (
     "published",
     "exported",
 )
-STATUSES = (*_FIRST, "assumed", SETTING)
+STATUSES = (*_FIRST, ASSUMED, SETTING)
 #: Groups of the host and of the rope whose values are no data.
 _SETTINGS = ("coupling", "arrival", "mesh", "accuracy", "solver", "model", "station")
 
@@ -50,39 +51,46 @@ class SourcedValue(NamedTuple):
 
 
 def host_provenance(run: RunData, status_by_name: Mapping[str, str]) -> list[SourcedValue]:
-    """Return the sources of the host's data; ``status_by_name`` has those of values set beside those of the run."""
+    """Return the sources of the host's data.
+
+    ``status_by_name`` has those of values set beside those of the run.
+    """
     sourced = []
     for name, value, unit in _leaves(run):
-        is_datum = name.partition(".")[0] not in _SETTINGS and _is_number(value)
-        status = status_by_name.get(
-            name, run.status_by_name.get(name, "assumed") if is_datum else SETTING
-        )
-        sourced.append(SourcedValue(name, VARIED if status == VARIED else value, unit, status))
+        if name in status_by_name:
+            status = status_by_name[name]
+        elif name.partition(".")[0] not in _SETTINGS and _is_number(value):
+            status = run.status_by_name.get(name, ASSUMED)
+        else:
+            status = SETTING
+        sourced.append(_sourced(name, value, unit, status))
     return sourced
+
+
+def _sourced(name: str, value: Value, unit: str, status: str) -> SourcedValue:
+    """Return a value with its status; one that differs between runs has no number."""
+    return SourcedValue(name, VARIED if status == VARIED else value, unit, status)
 
 
 def rope_provenance(
     case: Case, rope: RopeData, status_by_name: Mapping[str, str]
 ) -> list[SourcedValue]:
     """Return the sources of one balance rope's data; ``status_by_name`` has those of set values."""
-    return [
-        SourcedValue(
-            name,
-            VARIED if status == VARIED else rope.display(name),
-            rope.units.get(name, ""),
-            status,
-        )
-        for name, value in rope.parameters.items()
-        for status in (_status_of(name, value, case, status_by_name),)
-    ]
+    sourced = []
+    for name, value in rope.parameters.items():
+        status = _status_of(name, value, case, status_by_name)
+        sourced.append(_sourced(name, rope.display(name), rope.units.get(name, ""), status))
+    return sourced
 
 
 def study_provenance(study: Study) -> list[SourcedValue]:
     """Return the provenance of all data of a study; what differs between runs has no value."""
-    run, status = study.samples[0].data, study.status_by_name
+    run = study.samples[0].data
+    status = study.status_by_name
     parameters = read_parameters(study.fmu)
-    values = {**{name: p.start for name, p in parameters.items()}, **run.rope_values}
-    rope = RopeData({}, values, {name: p.unit for name, p in parameters.items()})
+    starts = {name: parameter.start for name, parameter in parameters.items()}
+    units = {name: parameter.unit for name, parameter in parameters.items()}
+    rope = RopeData({}, {**starts, **run.rope_values}, units)
     return [*host_provenance(run, status), *rope_provenance(find_case(study.hoist), rope, status)]
 
 
@@ -91,26 +99,27 @@ def _status_of(name: str, value: Value, case: Case, status_by_name: Mapping[str,
         return SETTING
     if name in status_by_name:
         return status_by_name[name]
-    parameter = rope_parameters().get(name)
-    own = case.rope.get(name, None if parameter is None else parameter.start)
-    is_ours = parameter is not None and "[assumed]" in parameter.meaning
-    is_datum = (
-        is_ours or name in case.status_by_name or (name in case.rope and name.startswith("rope."))
-    )
-    if not _is_number(value) or not (is_datum or value != own):
+    if not _is_number(value):
         return SETTING
-    if value != own:
+    parameter = rope_parameters().get(name)
+    default = None if parameter is None else parameter.start
+    if value != case.rope.get(name, default):
         return "exported"
-    return case.status_by_name.get(name, "assumed")
+    is_ours = parameter is not None and "[assumed]" in parameter.meaning
+    of_rope = name in case.rope and name.startswith("rope.")
+    if is_ours or of_rope or name in case.status_by_name:
+        return case.status_by_name.get(name, ASSUMED)
+    return SETTING
 
 
 def _leaves(run: RunData) -> Iterator[tuple[str, Value, str]]:
-    """Yield name, value and unit of each single value of the host that the run uses, without parts that are None."""
+    """Yield name, value and unit of each single value of the host that the run uses.
+
+    Parts that are None are left out.
+    """
     for name, value in run.host_values().items():
-        if (
-            CONTROLLER_OF.get(name.partition(".")[0], run.controller) == run.controller
-            and name != CONTROLLER.name
-        ):
+        controller = CONTROLLER_OF.get(name.partition(".")[0], run.controller)
+        if controller == run.controller and name != CONTROLLER.name:
             yield name, value, host_parameters()[name].unit
 
 

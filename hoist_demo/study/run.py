@@ -1,7 +1,8 @@
 """One run of a study: its complete data, its key, and its co-simulation with the FMU.
 
-The key is the hash of everything that decides the result: all data with their defaults, the FMU's bytes, and the
-version of this package. Equal keys are equal runs, so that a finished run is never repeated.
+The key is the hash of everything that decides the result: all data with their defaults, the FMU's
+bytes, and the version of this package. Equal keys are equal runs, so that a finished run is never
+repeated.
 """
 
 import hashlib
@@ -13,7 +14,7 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.rules import with_values
@@ -42,28 +43,32 @@ from hoist_demo.study.slip import slip_warnings
 from rope_model import EndMotion, Level
 
 KERNELS = "solver.kernels"  #: Parameter that changes no result.
+KEY_DIGITS = 24  #: Hexadecimal digits of a run's key.
 MAX_LISTED = 5  #: Differences between an FMU and a hoist that a message lists.
+#: Relative difference of two numbers that the text of a start value may leave by rounding.
+ROUNDING = 1e-12
+#: Relative difference of the drive's copy of the rope's data that is no contradiction.
+COPY_TOLERANCE = 1e-3
 if TYPE_CHECKING:
     from hoist_demo.design.arrival_swing import ArrivalSwing
 
 CUT_SHORT = "cut short"  #: State of a run that the safety circuit stopped.
-#: States that a resumed study does not repeat: wound to the end, cut short, or ended by rope or drive with a cause.
+#: States that a resumed study does not repeat: wound to the end, cut short, or ended by rope or
+#: drive with a cause.
 FINISHED = ("completed", "stopped", CUT_SHORT)
-ERROR = "error"  #: State of a run that could not be carried out (a dead worker, an exception); resuming tries it again.
+#: State of a run that could not be carried out (a dead worker, an exception); resuming tries it
+#: again.
+ERROR = "error"
 _VERSION = version("balance-rope")
 #: Data that only one controller uses, and that is not part of the key of the others' runs.
 CONTROLLER_OF = {"shaper": "input-shaping", "trajectory": "optimised-trajectory"}
 #: Data of the winding that is not part of the key of runs without creep.
 _CREEP = ("creep_speed", "creep_distance", "departure_creep_distance")
 
-_OF_DESIGN = (
-    "nominal",
-    "start",
-)  #: Fields that say for what a trip was designed, where that is not what is wound.
-_RECORD_KEYS = {
-    "rope_values": "fmu",
-    "status_by_name": "given",
-}  #: Keys of fields in records, where they differ.
+#: Fields that say for what a trip was designed, where that is not what is wound.
+_OF_DESIGN = ("nominal", "start")
+#: Keys of fields in records, where they differ.
+_RECORD_KEYS = {"rope_values": "fmu", "status_by_name": "given"}
 
 
 @dataclass(frozen=True)
@@ -75,9 +80,8 @@ class RunData(Task):
     arrival: Arrival
     rope_values: Mapping[str, Value]  # parameters of the case's rope, and those that the study sets
     signals: tuple[str, ...] = ()  # time series to keep
-    status_by_name: Mapping[str, str] = field(
-        default_factory=dict, compare=False, repr=False
-    )  # statuses by name
+    # statuses by name
+    status_by_name: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)
 
     def record(self) -> dict[str, Any]:
         """Return the data by their keys in records."""
@@ -103,9 +107,8 @@ class RunData(Task):
         """Return the name of the run, 24 hexadecimal digits."""
         data = self.record() | {"fmu": dict(sorted(self.rope_values.items())), "version": _VERSION}
         del data["case"], data["given"]  # all that its file says is in the rest
-        if (
-            self.controller != "optimised-trajectory"
-        ):  # of the others all that was designed is in the rest
+        # of other controllers all that was designed is in the rest
+        if self.controller != "optimised-trajectory":
             for name in _OF_DESIGN:
                 data.pop(name, None)
         for tuning, controller in CONTROLLER_OF.items():
@@ -114,9 +117,8 @@ class RunData(Task):
         if not self.winding.creeps:
             for name in _CREEP:
                 del data["winding"][name]
-        return hashlib.sha256(json.dumps([data, fmu_hash], sort_keys=True).encode()).hexdigest()[
-            :24
-        ]
+        text = json.dumps([data, fmu_hash], sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:KEY_DIGITS]
 
 
 @dataclass(frozen=True)
@@ -144,16 +146,17 @@ def build(
 ) -> RunData:
     """Return the data of a run; a `ValueError` names what does not fit together.
 
-    `values` count as if they stood in the hoist's file; `varied` differ between runs of one hoist, and nothing follows
-    from them: rules and the design of the trip take the `nominal` values in their place, or else those of the file.
-    `start` is the height of the left conveyance before the trip [m]; None: at a landing.
+    `values` count as if they stood in the hoist's file; `varied` differ between runs of one hoist,
+    and nothing follows from them: rules and the design of the trip take the `nominal` values in
+    their place, or else those of the file. `start` is the height of the left conveyance before the
+    trip [m]; None: at a landing.
     """
     hoist_case = with_values(find_case(case), values)
     varied = dict(varied or {})
     differing = plain(varied)
-    varied_statuses = {
-        k: v.status if isinstance(v, ParameterValue) else GIVEN for k, v in varied.items()
-    }
+    status_by_name = dict(hoist_case.status_by_name)
+    for key, value in varied.items():
+        status_by_name[key] = value.status if isinstance(value, ParameterValue) else GIVEN
     host = {**plain(hoist_case.host), **differing}
     run = RunData(
         case=case,
@@ -161,7 +164,7 @@ def build(
         rope_values={**hoist_case.rope, **fmu_part(differing)},
         signals=signals,
         start=start,
-        status_by_name={**hoist_case.status_by_name, **varied_statuses},
+        status_by_name=status_by_name,
         **data_of(host),
     )
     designed = _designed(hoist_case, plain(nominal or {}))
@@ -169,10 +172,10 @@ def build(
         run = replace(run, nominal=designed.hoist)
     run.require_possible()
     if run.controller == "input-shaping" and run.shaper.frequency == 0.0:
-        swing = _swing(replace(designed, winding=run.winding, gains=run.gains), run.start_height)
-        run = replace(
-            run, shaper=replace(run.shaper, frequency=swing.frequency, damping=swing.damping)
-        )
+        designed = replace(designed, winding=run.winding, gains=run.gains)
+        swing = _swing(designed, run.start_height)
+        shaper = replace(run.shaper, frequency=swing.frequency, damping=swing.damping)
+        run = replace(run, shaper=shaper)
     require_trip_fits(run.hoist, run.winding)
     s_curve(run.winding)
     return run
@@ -184,9 +187,8 @@ def _designed(case: Case, nominal: Mapping[str, Value]) -> Case:
     return replace(case, hoist=hoist, rope={**case.rope, **fmu_part(nominal)})
 
 
-_SWINGS = dict[
-    str, "ArrivalSwing"
-]()  #: Swings by all that decides them: many runs of a study share one design.
+#: Swings by all that decides them: many runs of a study share one design.
+_SWINGS = dict[str, "ArrivalSwing"]()
 
 
 def _swing(case: Case, start: float) -> "ArrivalSwing":
@@ -194,9 +196,8 @@ def _swing(case: Case, start: float) -> "ArrivalSwing":
     from hoist_demo.design.arrival_swing import swing_at_arrival  # scipy is slow to load
 
     ropes = [(rope.parameters, rope.number, rope.suspension) for rope in case.distinct_ropes]
-    key = repr(
-        (sorted(case.rope.items()), ropes, case.hoist, case.winding.travel, case.gains, start)
-    )
+    values = sorted(case.rope.items())
+    key = repr((values, ropes, case.hoist, case.winding.travel, case.gains, start))
     if key not in _SWINGS:
         _SWINGS[key] = swing_at_arrival(case, start)
     return _SWINGS[key]
@@ -239,140 +240,186 @@ def _outcome(run: RunData, fmu: Path) -> Outcome:
         )
         return Outcome(ERROR, cause, dict.fromkeys(UNITS, float("nan")), {})
     # a series means nothing without its instants
-    names = dict.fromkeys((TIME, *run.signals)) if run.signals else {}
-    series = {name: result.recording[name].tolist() for name in names if name in result.recording}
-    units = {name: result.recording.units[name] for name in series}
-    status, cause, at = (
-        "completed" if result.completed else "stopped",
-        result.cause,
-        result.winding.emergency_at,
+    series = dict[str, list[float]]()
+    if run.signals:
+        for name in (TIME, *run.signals):
+            if name in result.recording:
+                series[name] = result.recording[name].tolist()
+    status = "completed" if result.completed else "stopped"
+    cause = result.cause
+    stopped_at = result.winding.emergency_at
+    if result.completed and stopped_at is not None and stopped_at != run.winding.emergency_at:
+        status = CUT_SHORT
+        cause = circuit_stop(result.recording, stopped_at) + incidents(result.recording)
+    return Outcome(
+        status,
+        cause,
+        metrics,
+        signals=series,
+        units={name: result.recording.units[name] for name in series},
+        fidelity=fidelity,
+        warnings=tuple(filter(None, (*slip_warnings(result, run.hoist), contradicted))),
+        missing=missing,
+        passed=passages(result.recording),
     )
-    if result.completed and at is not None and at != run.winding.emergency_at:
-        status, cause = CUT_SHORT, circuit_stop(result.recording, at) + incidents(result.recording)
-    sentences = tuple(filter(None, (*slip_warnings(result, run.hoist), contradicted)))
-    passed = passages(result.recording)
-    return Outcome(status, cause, metrics, series, units, fidelity, sentences, missing, passed)
 
 
 def wind_run(
     run: RunData,
     rope: RopePlant,
     progress: Progress | None = None,
-    made: Drive | None = None,
+    drive: Drive | None = None,
     **trips: Any,
 ) -> Result:
-    """Return the co-simulation of a run with any rope; `progress` as of `Host.run`, `trips` beside it as of `Host`."""
-    made = made or run.design()
+    """Return the co-simulation of a run with any rope.
+
+    `progress` is that of `Host.run`; `drive` is the design of the run if it is known; `trips` are
+    arguments of `Host` on the trips before and after.
+    """
+    drive = drive or run.design()
     host = Host(
-        rope, run.hoist, run.winding, run.coupling, made.gains, trajectory=made.trajectory, **trips
+        rope,
+        run.hoist,
+        run.winding,
+        run.coupling,
+        drive.gains,
+        trajectory=drive.trajectory,
+        **trips,
     )
     return host.run(progress)
 
 
-#: Parameters of the rope of which the hoist has a copy for its controller, and their unit.
+class SharedParameter(NamedTuple):
+    """Parameter of the rope of which the hoist has a copy for its controller."""
+
+    name: str
+    copy: str  # field of Hoist
+    unit: str
+
+
 SHARED = (
-    ("rope.mass_per_length", "tail_rope_mass", "kg/m"),
-    ("rope.length", "tail_rope_length", "m"),
+    SharedParameter("rope.mass_per_length", "tail_rope_mass", "kg/m"),
+    SharedParameter("rope.length", "tail_rope_length", "m"),
 )
 
 
 def contradictions(hoist: Hoist, rope: Mapping[str, Value]) -> str:
-    """Return where the drive's copy of the balance rope's data differs from the rope's; "" if they agree."""
+    """Return where the drive's copy of the balance rope's data differs from the rope's.
+
+    "" if they agree.
+    """
     sentences = []
     for name, copy, unit in SHARED:
-        computed, assumed = rope.get(name), getattr(hoist, copy)
-        if isinstance(computed, int | float) and not math.isclose(computed, assumed, rel_tol=1e-3):
+        computed = rope.get(name)
+        assumed = getattr(hoist, copy)
+        if not isinstance(computed, int | float):
+            continue
+        if not math.isclose(computed, assumed, rel_tol=COPY_TOLERANCE):
             sentences.append(
-                f"{name} = {computed:g} {unit} and hoist.{copy} = {assumed:g} {unit} contradict each other: "
-                f"the drive holds and accelerates by its own number; set hoist.{copy} = {computed:g}, too"
+                f"{name} = {computed:g} {unit} and hoist.{copy} = {assumed:g} {unit} contradict "
+                f"each other: the drive holds and accelerates by its own number; set hoist.{copy} "
+                f"= {computed:g}, too"
             )
-    if (g := float(rope.get("layout.gravity", GRAVITY))) != GRAVITY:
+    gravity = float(rope.get("layout.gravity", GRAVITY))
+    if gravity != GRAVITY:
         sentences.append(
-            f"layout.gravity = {g:g} m/s2 and the drive's {GRAVITY:g} contradict each other: leave it out"
+            f"layout.gravity = {gravity:g} m/s2 and the drive's {GRAVITY:g} contradict each other: "
+            "leave it out"
         )
     return "; ".join(sentences)
 
 
 class Probe:
-    """Questions to an FMU, each asked only once."""
+    """Trial starts of an FMU, each made only once."""
 
     def __init__(self, fmu: Path) -> None:
         self._fmu = fmu
-        self._answers: dict[str, str] = {}
+        self._refusals: dict[str, str] = {}  # by parameters and heights
 
     def require_start(self, run: RunData) -> None:
-        """Refuse a rope that does not start with the run's parameters, by the key if one alone is to blame."""
+        """Refuse a rope that does not start with the run's parameters.
+
+        The message names the key if a single one is the cause.
+        """
         heights = start_heights(run.hoist, run.winding)
-        together = self._ask(run.rope_values, heights)
-        if not together:
+        refusal = self._refusal(run.rope_values, heights)
+        if not refusal:
             return
-        own = find_case(run.case).rope
-        set_here = {key: value for key, value in run.rope_values.items() if own.get(key) != value}
-        alone = {key: self._ask({**own, key: value}, heights) for key, value in set_here.items()}
-        blamed = [
-            f"{key} = {run.rope_values[key]!r}: {answer}" for key, answer in alone.items() if answer
-        ]
-        differing = (
-            ", ".join(f"{key} = {value!r}" for key, value in set_here.items())
-            or "the FMU's own parameters"
-        )
-        Problems(blamed or [f"{differing}: {together}"]).refuse()
+        values_of_case = find_case(run.case).rope
+        set_here = {
+            key: value for key, value in run.rope_values.items() if values_of_case.get(key) != value
+        }
+        problems = Problems()
+        for key, value in set_here.items():
+            refusal_of_key = self._refusal({**values_of_case, key: value}, heights)
+            if refusal_of_key:
+                problems.append(f"{key} = {value!r}: {refusal_of_key}")
+        if not problems:
+            words = ", ".join(f"{key} = {value!r}" for key, value in set_here.items())
+            cause = words or "the FMU's own parameters"
+            problems.append(f"{cause}: {refusal}")
+        problems.refuse()
 
     def require_hoist(self, run: RunData) -> None:
-        """Refuse an FMU of another hoist: all that the run does not set must start with the value of its hoist.
+        """Refuse an FMU of another hoist.
 
-        The settings of accuracy may be those of any level.
+        All values that the run does not set must start with those of its hoist. The settings of
+        accuracy may be those of any level.
         """
-        there = {
+        starts = {
             name: p.start
             for name, p in read_parameters(self._fmu).items()
             if name not in run.rope_values
         }
         levels = sorted(get_args(Level), key=lambda level: level != find_case(run.case).level)
-        differing = list[dict[str, Value]]()
+        differences = list[dict[str, Value]]()
         for level in levels:
             with suppress(ValueError):  # the hoist's own settings do not fit this level
-                here = rope_data_of(rope_scene(run.rope_values, level)).parameters
-                differing.append(_differing(there, here))
-        if fewest := min(
-            differing, key=len, default={}
-        ):  # settings that fit no level are told when the rope starts
-            listed = "; ".join(
-                f"{key} is {there[key]} there, {value} here"
-                for key, value in [*fewest.items()][:MAX_LISTED]
-            )
-            more = f"; and {len(fewest) - MAX_LISTED} more" if len(fewest) > MAX_LISTED else ""
-            raise ValueError(
-                f"FMU '{self._fmu}' must be of this hoist, '{run.case}', but {len(fewest)} of its values that the "
-                f"hoist leaves out differ: {listed}{more}: export this hoist (`balance-rope export {run.case}`), wind "
-                "the FMU's own, or state them (a hoist's file, or --set NAME=VALUE)"
-            )
+                scene = rope_scene(run.rope_values, level)
+                differences.append(_differing(starts, rope_data_of(scene).parameters))
+        # settings that fit no level are refused when the rope starts
+        fewest = min(differences, key=len, default={})
+        if not fewest:
+            return
+        listed = [f"{key} is {starts[key]} there, {value} here" for key, value in fewest.items()]
+        if len(listed) > MAX_LISTED:
+            listed[MAX_LISTED:] = [f"and {len(fewest) - MAX_LISTED} more"]
+        raise ValueError(
+            f"FMU '{self._fmu}' must be of this hoist, '{run.case}', but {len(fewest)} of its "
+            f"values that the hoist leaves out differ: {'; '.join(listed)}: export this hoist "
+            f"(`balance-rope export {run.case}`), wind the FMU's own, or state them (a hoist's "
+            "file, or --set NAME=VALUE)"
+        )
 
-    def _ask(self, parameters: Mapping[str, Value], heights: tuple[float, float]) -> str:
-        question = json.dumps([dict(parameters), heights], sort_keys=True)
-        if question not in self._answers:
+    def _refusal(self, parameters: Mapping[str, Value], heights: tuple[float, float]) -> str:
+        key = json.dumps([dict(parameters), heights], sort_keys=True)
+        if key not in self._refusals:
             left, right = (EndMotion(y=y) for y in heights)
-            self._answers[question] = _answer(self._fmu, parameters, left, right)
-        return self._answers[question]
+            self._refusals[key] = _refusal_at_start(self._fmu, parameters, left, right)
+        return self._refusals[key]
 
 
-def _differing(there: Mapping[str, Value | None], here: Mapping[str, Value]) -> dict[str, Value]:
-    """Return the values of a scene that an FMU starts without, by name."""
-    return {
-        name: here[name]
-        for name, start in there.items()
-        if name in here and name != KERNELS and start is not None and not _same(start, here[name])
-    }
+def _differing(starts: Mapping[str, Value | None], scene: Mapping[str, Value]) -> dict[str, Value]:
+    """Return the values of a scene from which an FMU's start values differ, by name."""
+    compared = [name for name in starts if name in scene and name != KERNELS]
+    differing = dict[str, Value]()
+    for name in compared:
+        start = starts[name]
+        if start is not None and not _same(start, scene[name]):
+            differing[name] = scene[name]
+    return differing
 
 
 def _same(one: Value, other: Value) -> bool:
     if isinstance(one, float) and isinstance(other, int | float):
-        return math.isclose(one, other, rel_tol=1e-12)  # the text of a start value may be rounded
+        return math.isclose(one, other, rel_tol=ROUNDING)
     return one == other
 
 
-def _answer(fmu: Path, parameters: Mapping[str, Value], left: EndMotion, right: EndMotion) -> str:
-    """Return why the FMU does not start; "" if it does."""
+def _refusal_at_start(
+    fmu: Path, parameters: Mapping[str, Value], left: EndMotion, right: EndMotion
+) -> str:
+    """Return the message with which the FMU refuses to start; "" if it starts."""
     try:
         rope = FmuRope(fmu, parameters)
     except ValueError as error:
@@ -382,6 +429,6 @@ def _answer(fmu: Path, parameters: Mapping[str, Value], left: EndMotion, right: 
             status = rope.initialize(0.0, left, right)
     finally:
         rope.close()
-    return (
-        "" if status.valid else status.message or "the FMU does not initialize, without a message"
-    )
+    if status.valid:
+        return ""
+    return status.message or "the FMU does not initialize, without a message"

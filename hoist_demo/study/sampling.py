@@ -1,6 +1,7 @@
 """Values that a study varies: lists, and ranges to draw from.
 
-Latin hypercube: M. D. McKay, R. J. Beckman and W. J. Conover, Technometrics 21, 1979; scipy.stats.qmc draws it.
+Latin hypercube: M. D. McKay, R. J. Beckman and W. J. Conover, Technometrics 21, 1979;
+scipy.stats.qmc draws it.
 """
 
 import itertools
@@ -37,12 +38,13 @@ class Range:
     def at(self, share: float) -> float | int:
         """Return the value at a share between 0 and 1 of the interval."""
         if self.logarithmic:
-            value = math.exp(
-                math.log(self.low) + share * (math.log(self.high) - math.log(self.low))
-            )
+            low = math.log(self.low)
+            value = math.exp(low + share * (math.log(self.high) - low))
         else:
             value = self.low + share * (self.high - self.low)
-        return round(value) if self.whole else min(max(value, self.low), self.high)
+        if self.whole:
+            return round(value)
+        return min(max(value, self.low), self.high)
 
 
 def grid(lists: Mapping[str, tuple[Value, ...]]) -> list[dict[str, Value]]:
@@ -55,10 +57,13 @@ def latin_hypercube(ranges: Mapping[str, Range], runs: int, seed: int) -> list[d
     from scipy.stats import qmc  # slow to load, and a grid needs none
 
     shares = qmc.LatinHypercube(d=len(ranges), rng=np.random.default_rng(seed)).random(runs)
-    return [
-        {key: r.at(float(u)) for (key, r), u in zip(ranges.items(), row, strict=True)}
-        for row in shares
-    ]
+    points = []
+    for row in shares:
+        point = dict[str, Value]()
+        for (key, interval), share in zip(ranges.items(), row, strict=True):
+            point[key] = interval.at(float(share))
+        points.append(point)
+    return points
 
 
 class _Interval(BaseModel, extra="forbid"):
@@ -74,33 +79,41 @@ class _List(BaseModel, extra="forbid"):
 
 
 def varied(parameter: Parameter) -> Any:
-    """Return the type of a key of [vary] for pydantic: what it holds is a tuple of values, or a Range."""
+    """Return the type of a key of [vary] for pydantic: a tuple of values, or a Range."""
     return Annotated[
         Annotated[_List, Tag("list")] | Annotated[_Interval, Tag("range")],
-        Discriminator(
-            lambda table: "list" if isinstance(table, dict) and "values" in table else "range"
-        ),
+        Discriminator(_kind),
         BeforeValidator(partial(_table, parameter.name)),
         AfterValidator(partial(_read, parameter)),
         WithJsonSchema({"type": ["array", "object"], "description": parameter.help_text}),
     ]
 
 
-def _table(name: str, content: Any) -> Any:
+def _kind(table: object) -> str:
+    """Return the tag of a table."""
+    if isinstance(table, dict) and "values" in table:
+        return "list"
+    return "range"
+
+
+def _table(name: str, content: object) -> object:
     if isinstance(content, list):
         return {"values": content}
     if not isinstance(content, dict) or not content.keys() & {"values", "low", "high"}:
         raise ValueError(
-            f"{name} = {content!r} must be a list with values, or {{ low, high }}: fix it in [fixed]"
+            f"{name} = {content!r} must be a list with values, or {{ low, high }}: fix it in "
+            "[fixed]"
         )
     return content
 
 
 def _read(parameter: Parameter, table: _List | _Interval) -> tuple[Value, ...] | Range:
-    name, unit = parameter.name, table.unit
+    name = parameter.name
+    unit = table.unit
     if isinstance(table, _List):
         return tuple(read_value(parameter, value, unit) for value in table.values)
-    low, high = (float(read_value(parameter, end, unit)) for end in (table.low, table.high))
+    low = float(read_value(parameter, table.low, unit))
+    high = float(read_value(parameter, table.high, unit))
     if parameter.choices or not parameter.numeric:
         raise ValueError(f"{name} must be a list, for it is no number: list its values")
     if not low < high:
@@ -109,6 +122,7 @@ def _read(parameter: Parameter, table: _List | _Interval) -> tuple[Value, ...] |
         )
     if table.scale == "log" and low <= 0.0:
         raise ValueError(
-            f"{name} has low = {low!r}, which must be above 0 for scale = 'log': raise it or take linear"
+            f"{name} has low = {low!r}, which must be above 0 for scale = 'log': raise it or take "
+            "linear"
         )
-    return Range(low, high, table.scale == "log", parameter.kind == "Integer")
+    return Range(low, high, logarithmic=table.scale == "log", whole=parameter.kind == "Integer")

@@ -1,14 +1,15 @@
-"""The head ropes' hold on the sheave: slip safety in each part of a trip, beside what is asked of it."""
+"""Slip safety of the head ropes on the sheave in each part of a trip, with its required value."""
 
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.design.statics import AT_REST, MOVING
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.incidents import ALIKE, IN_SPITE, jams, slack_ropes, tension_ratios
-from hoist_demo.recording.time_series import Recording
+from hoist_demo.recording.time_series import Array, Recording
 
 _GENTLER = f"accelerate more gently (winding.acceleration), or {ALIKE}"
 _SOFTER = f"brake more gently (winding.emergency_deceleration, the hoist's brake), or {ALIKE}"
@@ -28,11 +29,9 @@ class SlipSafety(NamedTuple):
     def text(self) -> str:
         """Return the number, with words where its digits would be those of what is asked for."""
         number = f"{self.safety:.2f}"
-        return (
-            f"just below {self.required:g}"
-            if not self.enough and float(number) == self.required
-            else number
-        )
+        if not self.enough and float(number) == self.required:
+            return f"just below {self.required:g}"
+        return number
 
     @property
     def enough(self) -> bool:
@@ -40,31 +39,72 @@ class SlipSafety(NamedTuple):
         return self.safety >= self.required
 
 
-def slip_safeties(result: Result, hoist: Hoist) -> list[SlipSafety]:
-    """Judge the hold at rest, in normal winding, and from the first event that is no part of that; [] if not recorded.
+_USUAL = "usual [assumed]"
 
-    At rest counts the static ratio, without swing: where the trip begins, and where it ends without such an event.
+
+class _Part(NamedTuple):
+    """Part of a trip whose slip safety is judged."""
+
+    when: str
+    ratios: Array  # of the tensions (rows,)
+    rows: NDArray[np.bool_]  # True within the part
+    required: float  # safety
+    rule: str  # origin of the requirement
+    cure: str
+
+
+def slip_safeties(result: Result, hoist: Hoist) -> list[SlipSafety]:
+    """Judge the hold at rest, in normal winding, and from the first event that is no part of that.
+
+    [] if not recorded.
+
+    At rest counts the static ratio, without swing: where the trip begins, and where it ends without
+    such an event.
     """
-    recording, winding = result.recording, result.winding
+    recording = result.recording
+    winding = result.winding
     if not recording.has("drive.tension_ratio", "drive.static_tension_ratio"):
         return []
-    time, ratio = recording.time, tension_ratios(recording, hoist.tension_ratio_limit)
-    static = recording["drive.static_tension_ratio"]
+    time = recording.time
+    ratio = tension_ratios(recording, hoist.tension_ratio_limit)
     until, event = _normal_until(recording, winding)
-    usual, softer = "usual [assumed]", ALIKE if winding.emergency_at is None else _SOFTER
     arrived = (time == time[-1]) & (result.completed and not event)
     parts = [
-        ("at rest", static, (time == time[0]) | arrived, AT_REST, usual, ALIKE),
-        ("in normal winding", ratio, time <= until, MOVING, usual, _GENTLER),
-        (f"from {event} on", ratio, time > until, 1.0, "below it they slip", softer),
+        _Part(
+            "at rest",
+            ratios=recording["drive.static_tension_ratio"],
+            rows=(time == time[0]) | arrived,
+            required=AT_REST,
+            rule=_USUAL,
+            cure=ALIKE,
+        ),
+        _Part(
+            "in normal winding",
+            ratios=ratio,
+            rows=time <= until,
+            required=MOVING,
+            rule=_USUAL,
+            cure=_GENTLER,
+        ),
+        _Part(
+            f"from {event} on",
+            ratios=ratio,
+            rows=time > until,
+            required=1.0,
+            rule="below it they slip",
+            cure=ALIKE if winding.emergency_at is None else _SOFTER,
+        ),
     ]
     safeties = []
-    for when, ratios, rows, required, rule, remedy in parts:
-        if bool(rows.any()):
-            k = int(np.argmax(np.where(rows, ratios, 0.0)))
-            safety = hoist.slip_safety(float(ratios[k]))
-            cure = IN_SPITE if safety < 1.0 and hoist.lining is None else remedy
-            safeties.append(SlipSafety(when, safety, float(time[k]), required, rule, cure))
+    for part in parts:
+        if bool(part.rows.any()):
+            k = int(np.argmax(np.where(part.rows, part.ratios, 0.0)))
+            safety = hoist.slip_safety(float(part.ratios[k]))
+            slips = safety < 1.0 and hoist.lining is None
+            cure = IN_SPITE if slips else part.cure
+            safeties.append(
+                SlipSafety(part.when, safety, float(time[k]), part.required, part.rule, cure)
+            )
     return safeties
 
 
@@ -78,7 +118,10 @@ def slip_warnings(result: Result, hoist: Hoist) -> list[str]:
 
 
 def _normal_until(recording: Recording, winding: Winding) -> tuple[float, str]:
-    """Return time [s] and name of the first event that is no part of normal winding; or the record's end."""
+    """Return time [s] and name of the first event that is no part of normal winding.
+
+    Or the record's end.
+    """
     events = [(jam.t, "the jam") for jam in jams(recording)]
     events += [(slack.t, "slack head ropes") for slack in slack_ropes(recording)]
     if winding.emergency_at is not None:

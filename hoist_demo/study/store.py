@@ -1,12 +1,13 @@
-"""A study's folder: every finished run in a file of its own, written at once and whole, and the table of all.
+"""A study's folder: a file for every finished run, written at once and whole, and the table.
 
     runs/KEY.json       data and outcome of a run; a file that exists is complete
     signals/KEY.parquet its time series and their instants, where the study keeps any; units as in results.parquet
     results.parquet     one row per run in the study's order, units in the schema's field metadata
     results.csv         the same, header `name [unit]`
 
-The table holds no date: the same study writes the same bytes. pandas and pyarrow are loaded where tables
-are written or read: no worker does, and they took a quarter of the time in which it loads all it needs.
+The table holds no date: the same study writes the same bytes. pandas and pyarrow are loaded where
+tables are written or read: no worker does, and they took a quarter of the time in which it loads
+all it needs.
 """
 
 from __future__ import annotations
@@ -60,11 +61,12 @@ class Store:
 
     def finished_keys(self, keys: Sequence[str]) -> set[str]:
         """Return the keys that need no further run."""
-        return {
-            key
-            for key in keys
-            if (record := self.read(key)) and record["outcome"]["status"] in FINISHED
-        }
+        finished = set()
+        for key in keys:
+            record = self.read(key)
+            if record and record["outcome"]["status"] in FINISHED:
+                finished.add(key)
+        return finished
 
     def read(self, key: str) -> dict[str, Any] | None:
         """Read the record of a run, None if there is none.
@@ -106,10 +108,8 @@ class Store:
             )
             with whole_file(self.directory / "signals" / f"{key}.parquet") as path:
                 pq.write_table(table, path)
-        plain_outcome = {
-            name: value for name, value in vars(outcome).items() if name not in ("signals", "units")
-        }
-        record = {"key": key, "data": run.record(), "outcome": plain_outcome, "worker": worker}
+        recorded = {name: value for name, value in vars(outcome).items() if name in _OUTCOME}
+        record = {"key": key, "data": run.record(), "outcome": recorded, "worker": worker}
         write_text(self._path(key), json.dumps(record, indent=1))
 
     def write_table(self, rows: Sequence[Mapping[str, object]], units: Units, title: str) -> Path:
@@ -126,10 +126,10 @@ class Store:
         schema = pa.schema(fields, metadata={**(table.schema.metadata or {}), "title": title})
         with whole_file(self.directory / "results.parquet") as path:
             pq.write_table(table.cast(schema), path)
-        header = [
-            csv_cell(f"{name} [{unit}]" if (unit := units.get(name)) else str(name))
-            for name in frame.columns
-        ]
+        header = []
+        for name in frame.columns:
+            unit = units.get(name)
+            header.append(csv_cell(f"{name} [{unit}]" if unit else str(name)))
         with whole_file(self.directory / "results.csv") as path:
             frame.map(csv_cell).to_csv(
                 path, index=False, header=header, float_format="%.9g", lineterminator="\n"
@@ -145,7 +145,8 @@ def read_results(path: Path) -> Results:
     import pyarrow.parquet as pq
 
     table = pq.read_table(path)
-    units = {
-        field.name: (field.metadata or {}).get(b"unit", b"").decode() for field in table.schema
-    }
+    units = dict[str, str]()
+    for field in table.schema:
+        metadata = field.metadata or {}
+        units[field.name] = metadata.get(b"unit", b"").decode()
     return Results(table.to_pandas(), units)

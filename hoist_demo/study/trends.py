@@ -1,11 +1,13 @@
-"""Sentences on results that do not rise or fall with what varies: what a reader of a few runs would take for granted.
+"""Sentences on results that neither only rise nor only fall with a varied number.
 
-Along one varied number, all else equal: whether the rope struck, the run failed, or a bound was exceeded, where that
-comes and goes; and metrics with an extremum inside, which stands out.
+A reader of a few runs would take a monotonic result for granted.
+
+Along one varied number, all else equal: whether the rope struck, the run failed, or a bound was
+exceeded, where that comes and goes; and metrics with an extremum inside, which stands out.
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from functools import partial
 from itertools import pairwise
 from typing import Any
@@ -18,31 +20,31 @@ from hoist_demo.study.objective import Constraint, Objective
 
 PROMINENCE = 0.1  #: Least height of an extremum, in parts of the range of a result.
 NOISE = 0.01  #: Least height of an extremum, in parts of the largest size of a result.
-_WATCHED = (
-    "slip_safety",
-    "clearance",
-    "loop_turns",
-)  #: Metrics of a study that does not say what matters.
+#: Metrics of a study that does not say what matters.
+_WATCHED = ("slip_safety", "clearance", "loop_turns")
 OutcomeRecord = Mapping[str, Any]
 
 
 def not_monotonic(
     study: Study, samples: Sequence[StudyRun], outcomes: Sequence[OutcomeRecord]
 ) -> list[str]:
-    """Return a sentence for each result that is not monotonic, with the place where it shows first."""
+    """Return a sentence, with the first place, for each result that is not monotonic."""
     sentences = dict[tuple[str, str], list[str]]()
     lists = {key: v for key, v in study.varied.items() if isinstance(v, tuple)}
     if study.plan is None and len(lists) == len(study.varied):
         for key in (key for key in lists if not parameters()[key].choices):
             for rest, runs in _lines(key, lists, samples, outcomes):
                 for what, sentence in _along(study.objective, key, runs):
-                    sentences.setdefault((key, what), []).append(
-                        f"{sentence} ({rest})" if rest else sentence
-                    )
-    return [
-        own[0] + (f", and so in {len(own) - 1} more rows" if len(own) > 1 else "")
-        for own in sentences.values()
-    ]
+                    whole = f"{sentence} ({rest})" if rest else sentence
+                    sentences.setdefault((key, what), []).append(whole)
+    return [_first_and_number(alike) for alike in sentences.values()]
+
+
+def _first_and_number(sentences: Sequence[str]) -> str:
+    first, *more = sentences
+    if more:
+        return f"{first}, and so in {len(more)} more rows"
+    return first
 
 
 RunLine = Sequence[tuple[float, OutcomeRecord]]
@@ -64,9 +66,8 @@ def _lines(
                 for name in lists
                 if name != key and len(lists[name]) > 1
             ]
-            lines.setdefault(", ".join(filter(None, [sample.variant, *others])), {})[value] = (
-                outcome
-            )
+            rest = ", ".join(filter(None, [sample.variant, *others]))
+            lines.setdefault(rest, {})[value] = outcome
     for rest, line in lines.items():
         if len(line) > 2:
             yield rest, sorted(line.items(), key=lambda pair: pair[0])
@@ -74,7 +75,11 @@ def _lines(
 
 def _along(objective: Objective | None, key: str, runs: RunLine) -> Iterator[tuple[str, str]]:
     """Yield each result that is not monotonic, and the words on it."""
-    counted = objective.counted if objective else {"completed"}
+    counted = {"completed"}
+    metrics: Iterable[str] = _WATCHED
+    if objective:
+        counted = objective.counted
+        metrics = objective.metrics
     for what, happened in _events(objective, counted):
         happens = [happened(outcome) for _, outcome in runs]
         # an event at the lower end only counts, too: more is expected to be worse
@@ -83,13 +88,17 @@ def _along(objective: Objective | None, key: str, runs: RunLine) -> Iterator[tup
         if any(happens) and changes > expected:
             yield (
                 what,
-                f"{what} at {key} = {_values(runs, happens, True)}, not at {_values(runs, happens, False)}",
+                f"{what} at {key} = {_values(runs, happens, True)}, not at "
+                f"{_values(runs, happens, False)}",
             )
-    for metric in objective.metrics if objective else _WATCHED:
-        pairs = [
-            (x, _metric(outcome, metric)) for x, outcome in runs if outcome["status"] in counted
-        ]
-        if turn := _turn([pair for pair in pairs if math.isfinite(pair[1])]):
+    for metric in metrics:
+        pairs = list[tuple[float, float]]()
+        for x, outcome in runs:
+            value = _metric(outcome, metric)
+            if outcome["status"] in counted and math.isfinite(value):
+                pairs.append((x, value))
+        turn = _turn(pairs)
+        if turn is not None:
             x, y, word = turn
             shown = f"{y:.4g}" if UNITS[metric] == "1" else f"{y:.4g} {UNITS[metric]}"
             yield (
@@ -107,7 +116,9 @@ def _events(
 ) -> Iterator[tuple[str, Callable[[OutcomeRecord], bool]]]:
     yield "The rope struck or passed through something", lambda outcome: bool(outcome["passed"])
     yield "Runs stopped early", lambda outcome: outcome["status"] not in counted
-    for bound in objective.constraints if objective else ():
+    if objective is None:
+        return
+    for bound in objective.constraints:
         word = "above" if bound.sense > 0.0 else "below"
         yield f"{bound.metric} is {word} {bound.value:g}", partial(_is_beyond, bound)
 
@@ -126,11 +137,18 @@ def _values(
             groups[-1].append(x)
         elif one is wanted:
             groups.append([x])
-    return ", ".join(f"{g[0]:g}" if len(g) == 1 else f"{g[0]:g} to {g[-1]:g}" for g in groups)
+    texts = []
+    for group in groups:
+        text = f"{group[0]:g}"
+        texts.append(text if len(group) == 1 else f"{text} to {group[-1]:g}")
+    return ", ".join(texts)
 
 
 def _turn(pairs: Sequence[tuple[float, float]]) -> tuple[float, float, str] | None:
-    """Return place, value and kind of an extremum inside; None for a result that only rises, or only falls."""
+    """Return place, value and kind of an extremum inside.
+
+    None for a result that only rises, or only falls.
+    """
     if len(pairs) < 3:
         return None
     y = [value for _, value in pairs]

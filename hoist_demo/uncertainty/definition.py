@@ -1,4 +1,4 @@
-"""A file that asks how uncertain a winding is: what is known of the rope varies within its ranges."""
+"""File of an uncertain winding: the rope's properties vary within their ranges."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -54,6 +54,15 @@ class UncertaintyHeader(LevelHeader):
         return samples
 
 
+#: Friction of both swivels, which follows from a bearing.
+_FRICTION = (
+    "left.swivel.mu_kinetic",
+    "left.swivel.mu_static",
+    "right.swivel.mu_kinetic",
+    "right.swivel.mu_static",
+)
+
+
 class UncertaintyFile(RopeAnalysisFile, RunFile):
     """Schema of a TOML file that asks how uncertain a winding is."""
 
@@ -74,58 +83,62 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
         ranges = {
             name: datum for name, datum in self.known_rope.data.items() if datum.high > datum.low
         }
-        return ranges | (BEARINGS[self.header.bearing] if self.header.bearing else {})
+        if self.header.bearing:
+            ranges |= BEARINGS[self.header.bearing]
+        return ranges
 
     @model_validator(mode="after")
     def _varies(self) -> Self:
         require_unbroken(find_case(self.header.hoist), "a rope in pieces has no such results")
         if not self.data:
             raise ValueError("nothing varies: give a property of [known] a range, { low, high }")
-        Problems(self._given_twice()).refuse()
+        Problems(self._contradictions()).refuse()
         ropes = self.middle_ropes()
         if self.header.bearing:
             self._require_friction([rope.scene for rope in ropes.ropes])
-        given = dict(self.fixed)
+        fixed = dict(self.fixed)
         if ropes.case.distinct_ropes:
             # each rope has the distance of its own suspension points
-            given.pop("layout.spacing", None)
+            fixed.pop("layout.spacing", None)
         for rope in ropes.ropes:
-            Problems(
-                unreached(given, {**ropes.run.host_values(), **values_by_name(rope.scene)})
-            ).refuse()
+            values = {**ropes.run.host_values(), **values_by_name(rope.scene)}
+            Problems(unreached(fixed, values)).refuse()
         return self
 
     def _require_friction(self, scenes: Sequence[Scene]) -> None:
         """Refuse a bearing whose friction no swivel has."""
-        modes = {side: getattr(scene, side).mode for scene in scenes for side in SIDES}
-        if "coulomb" in modes.values():
+        last = scenes[-1]
+        if "coulomb" in (last.left.mode, last.right.mode):
             return
-        are = " and ".join(f'{side}.swivel.mode = "{mode}"' for side, mode in modes.items())
+        modes = f'left.swivel.mode = "{last.left.mode}" and right.swivel.mode = "{last.right.mode}"'
         raise ValueError(
-            f"[uncertain] bearing = {self.header.bearing!r} varies a friction that swivels with {are} do not "
-            'have: set [fixed] swivels.mode = "coulomb", or leave bearing out'
+            f"[uncertain] bearing = {self.header.bearing!r} varies a friction that swivels with "
+            f'{modes} do not have: set [fixed] swivels.mode = "coulomb", or leave bearing out'
         )
 
-    def _given_twice(self) -> Iterator[str]:
-        """Yield a sentence for each value of [fixed] which follows from what varies."""
+    def _contradictions(self) -> Iterator[str]:
+        """Yield a sentence for each value of [fixed] which follows from the varied data."""
         places = {
             "hoist.tail_rope_mass": "the rope's [known] mass_per_length",
             "hoist.tail_rope_length": "the rope's [rope] length",
         }
         if self.header.bearing:
-            friction = (
-                f"{side}.swivel.{name}" for side in SIDES for name in ("mu_kinetic", "mu_static")
-            )
-            places |= dict.fromkeys(friction, f"[uncertain] bearing = {self.header.bearing!r}")
+            places |= dict.fromkeys(_FRICTION, f"[uncertain] bearing = {self.header.bearing!r}")
         for name, entry in self.fixed.items():
             if name in places:
-                yield f"[fixed] {name} = {entry.value!r} follows from {places[name]}: leave it out, and set that"
+                yield (
+                    f"[fixed] {name} = {entry.value!r} follows from {places[name]}: leave it out, "
+                    "and set that"
+                )
 
     @cached_property
     def measured(self) -> tuple[str, ...]:
         """Names of the results, of several ropes those of each with its name."""
         ropes = [rope.name for rope in self._case.distinct_ropes] or [""]
-        return tuple(name for metric in self.header.measures for name in names_of(metric, ropes))
+        names = list[str]()
+        for metric in self.header.measures:
+            names += names_of(metric, ropes)
+        return tuple(names)
 
     @cached_property
     def _case(self) -> Case:
@@ -135,28 +148,24 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
     @property
     def _fixed(self) -> Mapping[str, ParameterValue]:
         """Values of [fixed]; the rope is torsional where neither it nor the hoist says another."""
-        stated = any(
-            "model.fidelity" in rope.values for rope in find_case(self.header.hoist).balance_ropes
-        )
-        return self.fixed if stated else {"model.fidelity": ParameterValue(TORSIONAL), **self.fixed}
+        for rope in find_case(self.header.hoist).balance_ropes:
+            if "model.fidelity" in rope.values:
+                return self.fixed
+        return {"model.fidelity": ParameterValue(TORSIONAL), **self.fixed}
 
     def provenance(self) -> list[SourcedValue]:
         """Return the provenance of the data; a property that varies has the status of its range."""
         data = self.data
         ropes = self.middle_ropes()
-        status_of = {
-            name: VARIED if name in data else datum.status
-            for name, datum in self.known_rope.data.items()
-        }
-        status = {"rope.diameter": GIVEN, **statuses(self.fixed), **following_statuses(status_of)}
+        of_properties = dict[str, str]()
+        for name, datum in self.known_rope.data.items():
+            of_properties[name] = VARIED if name in data else datum.status
+        status = {"rope.diameter": GIVEN, **statuses(self.fixed)}
+        status |= following_statuses(of_properties)
         if "length" in self.catalogue_arguments:
             status |= dict.fromkeys(("rope.length", "hoist.tail_rope_length"), GIVEN)
         if self.header.bearing:
-            status |= {
-                f"{side}.swivel.{name}": VARIED
-                for side in SIDES
-                for name in ("mu_kinetic", "mu_static")
-            }
+            status |= dict.fromkeys(_FRICTION, VARIED)
         if not ropes.case.distinct_ropes:
             rope = rope_data_of(ropes.ropes[0].scene)
             return [
@@ -166,27 +175,26 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
         return [*host_provenance(ropes.run, status), *ropes.provenance(status)]
 
     def ropes(self, values: Mapping[str, float]) -> Ropes:
-        """Return the balance ropes and their run with these values of what varies; the drive knows them as they are.
+        """Return the balance ropes and their run with these values of the varied data.
 
-        All of several ropes are of the drawn kind: each keeps its place, its length unless the file states one, and
-        its sense of lay relative to the first rope's.
+        The drive has their data, too. All of several ropes are of the drawn kind: each keeps its
+        place, its length unless the file states one, and its sense of lay relative to the first
+        rope's.
         """
         drawn = self._drawn(values)
         case = self._case
         if not case.distinct_ropes:
             return ropes_of(case, self._run(drawn), {}, self.level, ROPE_SIGNALS)
         first = case.distinct_ropes[0]
-        each = [
-            replace(rope, values={**rope.values, **self._for_rope(rope, first, drawn)})
-            for rope in case.distinct_ropes
-        ]
-        of_ropes = {
-            name: value for name, value in drawn.items() if name.startswith("hoist.tail_rope")
-        }
-        run = self._run({name: value for name, value in drawn.items() if name not in of_ropes})
-        ropes = ropes_of(
-            replace(case, balance_ropes=tuple(each)), run, {}, self.level, ROPE_SIGNALS
+        balance_ropes = []
+        for rope in case.distinct_ropes:
+            rope_values = {**rope.values, **self._for_rope(rope, first, drawn)}
+            balance_ropes.append(replace(rope, values=rope_values))
+        case = replace(case, balance_ropes=tuple(balance_ropes))
+        run = self._run(
+            {name: value for name, value in drawn.items() if not name.startswith("hoist.tail_rope")}
         )
+        ropes = ropes_of(case, run, {}, self.level, ROPE_SIGNALS)
         return replace(ropes, run=replace(run, hoist=ropes.hoist))
 
     @property
@@ -199,7 +207,10 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
         return self.ropes(self._middles)
 
     def require_hangs(self) -> None:
-        """Refuse a rope of the ranges' middle that cannot hang where the trip begins; FileError says why."""
+        """Refuse a rope of the ranges' middle that cannot hang where the trip begins.
+
+        FileError says why.
+        """
         ropes = self.middle_ropes()
         run = ropes.run
         left, right = start_heights(run.hoist, run.winding)
@@ -208,7 +219,10 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
             status = rope.initialize(run.coupling.start, EndMotion(y=left), EndMotion(y=right))
             if not status.valid:
                 name = each.name or "the rope"
-                where = f"at rest with its ends at {left:g} m and {right:g} m, in the middle of all ranges"
+                where = (
+                    f"at rest with its ends at {left:g} m and {right:g} m, in the middle of all "
+                    "ranges"
+                )
                 raise FileError(self.path, [f"{where}, {name} cannot hang: {status.message}"])
 
     def run(self, values: Mapping[str, float]) -> RunData:
@@ -219,47 +233,48 @@ class UncertaintyFile(RopeAnalysisFile, RunFile):
         self, rope: BalanceRopeData, first: BalanceRopeData, drawn: Mapping[str, Drawn]
     ) -> dict[str, ParameterValue]:
         """Return the drawn values of one of several ropes."""
-        kept = () if "length" in self.catalogue_arguments else ("rope.length",)
-        own = {
-            name: value if isinstance(value, ParameterValue) else ParameterValue(value)
-            for name, value in drawn.items()
-            if not name.startswith("hoist.") and name not in kept
-        }
+        keeps_length = "length" not in self.catalogue_arguments
+        values = dict[str, ParameterValue]()
+        for name, value in drawn.items():
+            if name.startswith("hoist.") or (keeps_length and name == "rope.length"):
+                continue
+            values[name] = value if isinstance(value, ParameterValue) else ParameterValue(value)
         if _lay(rope) * _lay(first) < 0.0:
-            own |= {name: ParameterValue(-float(own[name].value)) for name in _COUPLING}
-        return own
+            for name in _COUPLING:
+                values[name] = ParameterValue(-float(values[name].value))
+        return values
 
     def _run(self, drawn: Mapping[str, Drawn]) -> RunData:
         """Return the data of a winding with these values.
 
-        The drive's feed-forward takes the rope as it is; its trip is designed for the middle of all ranges.
+        The drive's feed-forward takes the rope as it is; its trip is designed for the middle of all
+        ranges.
         """
         middle = self._drawn(self._middles)
         nominal = {name: middle[name] for name in drawn}
         return from_landing(build(self.header.hoist, self._fixed, varied=drawn, nominal=nominal))
 
     def _drawn(self, values: Mapping[str, float]) -> dict[str, Drawn]:
-        """Return the values of rope and drive that follow from these of what varies."""
-        held = {
-            name: datum.low for name, datum in self.known_rope.data.items() if name not in self.data
-        }
-        rope = self.known_rope.rope(
-            **held, **{name: values[name] for name in self.known_rope.data if name in values}
-        )
-        drawn: dict[str, Drawn] = {
-            **{f"rope.{name}": float(getattr(rope, name)) for name in FOLLOWING},
-            "hoist.tail_rope_mass": rope.mass_per_length,
-            "hoist.tail_rope_length": ParameterValue(rope.length, DERIVED),
-        }
+        """Return the values of rope and drive that follow from these of the varied data."""
+        properties = dict[str, float]()
+        for name, datum in self.known_rope.data.items():
+            if name in values:
+                properties[name] = values[name]
+            elif name not in self.data:
+                properties[name] = datum.low
+        rope = self.known_rope.rope(**properties)
+        drawn: dict[str, Drawn] = {f"rope.{name}": float(getattr(rope, name)) for name in FOLLOWING}
+        drawn["hoist.tail_rope_mass"] = rope.mass_per_length
+        drawn["hoist.tail_rope_length"] = ParameterValue(rope.length, DERIVED)
         if self.header.bearing:
+            kinetic = values["running_friction"]
+            static = kinetic * values["starting_ratio"]
             for side in SIDES:
-                drawn[f"{side}.swivel.mu_kinetic"] = values["running_friction"]
-                drawn[f"{side}.swivel.mu_static"] = (
-                    values["running_friction"] * values["starting_ratio"]
-                )
+                drawn[f"{side}.swivel.mu_kinetic"] = kinetic
+                drawn[f"{side}.swivel.mu_static"] = static
         return drawn
 
 
 def _lay(rope: BalanceRopeData) -> float:
-    """Return a number with the sign of the coupling of tension and torsion, which is that of the lay."""
+    """Return the number with the sign of the coupling of tension and torsion, that of the lay."""
     return float(rope.parameters.get(_COUPLING[0], rope_parameters()[_COUPLING[0]].start))

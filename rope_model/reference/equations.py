@@ -21,13 +21,8 @@ from scipy.linalg.lapack import dgbtrf, dgbtrs
 
 from rope_model.arrays import Array
 from rope_model.parameters import Rope
-from rope_model.physics.element import (
-    BALANCE,
-    NODE_DOF,
-    STRAINS,
-    element_functions,
-    parameters,
-)
+from rope_model.physics import element
+from rope_model.physics.element import BALANCE, NODE_DOF, STRAINS, parameters
 from rope_model.physics.node import ANGLE, SLOPE
 
 Mask = NDArray[np.bool_]
@@ -35,6 +30,7 @@ Mask = NDArray[np.bool_]
 HEIGHT = 1  #: column of r_Y
 ELEMENT_DOF = 2 * NODE_DOF
 BAND = ELEMENT_DOF - 1  #: diagonals of the tangent on either side of the main one
+# element.element_functions() is called where it is needed: whoever replaces it changes the law
 
 
 @dataclass(frozen=True)
@@ -58,9 +54,8 @@ class Equations:
     material: Array  #: element.ElementParameters (13,)
     frame: Array  #: reference of the sections' frame (21, elements): see ``with_reference``
     held: Mask  #: true where a degree of freedom is held (nodes, 7)
-    motion: Callable[
-        [float], Array
-    ]  #: time -> q, v, a (3, nodes, 7), of which the held entries count
+    #: time -> q, v, a (3, nodes, 7), of which the held entries count
+    motion: Callable[[float], Array]
     load: Array  #: dead loads at the nodes (nodes, 7), N, N m and N m
     inertia: Array  #: additional inertia of the nodes (nodes, 7), kg, kg m^2 and kg m^2
     friction: Array  #: moment on theta per newton of the node's vertical reaction (nodes,), m
@@ -92,7 +87,9 @@ class Equations:
     def residual(self, q: Array, v: Array, a: Array) -> Array:
         """Return R (nodes, 7), N and N m."""
         parts = self._of_elements(q, v, a)
-        return self._assembled(element_functions().residual(*parts, self.material).full(), a)
+        return self._assembled(
+            element.element_functions().residual(*parts, self.material).full(), a
+        )
 
     def linearised(
         self, q: Array, v: Array, a: Array, c: tuple[float, float, float], prestress: Array
@@ -103,7 +100,7 @@ class Equations:
         """
         parts = self._of_elements(q, v, a)
         before = of_elements(prestress)
-        R, J = element_functions().tangent(*parts, self.material, *c, before)
+        R, J = element.element_functions().tangent(*parts, self.material, *c, before)
         residual = self._assembled(R.full(), a)
         elements = J.full().reshape(ELEMENT_DOF, self.lengths.size, ELEMENT_DOF)
         band = np.zeros((2 * BAND + 1, q.size))
@@ -160,7 +157,7 @@ class Equations:
         twist of each element adds up (docs/theory/element.md, eq-frame).
         """
         gained = np.zeros((3, len(q)))
-        gained[:, 1:] = element_functions().transport(*self._of_elements(q, v, a)).full()
+        gained[:, 1:] = element.element_functions().transport(*self._of_elements(q, v, a)).full()
         gained[0] = gained[0].cumsum()
         return gained
 
@@ -169,7 +166,7 @@ class Equations:
     def balance(self, q: Array, v: Array) -> dict[str, float]:
         """Return energies (J) and powers (W) of the whole rope by the names of element.BALANCE."""
         parts = of_elements(q), of_elements(v), self.lengths[None, :], self.frame, self.material
-        sums = element_functions().balance(*parts).full().sum(axis=1)
+        sums = element.element_functions().balance(*parts).full().sum(axis=1)
         named = dict(zip(BALANCE, sums.tolist(), strict=True))
         named["kinetic"] += 0.5 * float(np.sum(self.inertia * v * v))
         return named
@@ -177,7 +174,9 @@ class Equations:
     def strains(self, q: Array, v: Array) -> Array:
         """Return the strains of the elements (5, elements): element.STRAINS."""
         parts = of_elements(q), of_elements(v), self.lengths[None, :], self.frame
-        return np.asarray(element_functions().strains(*parts).full()).reshape(len(STRAINS), -1)
+        return np.asarray(element.element_functions().strains(*parts).full()).reshape(
+            len(STRAINS), -1
+        )
 
     def size(self, x: Array) -> float:
         """Return the largest entry of a correction or error ``x`` (nodes, 7) of what is free.
@@ -202,4 +201,6 @@ def of_elements(x: Array) -> Array:
 
 def frame_at(q: Array, lengths: Array) -> Array:
     """Return the reference (21, elements) of sections whose frame is that of the rope ``q``."""
-    return np.asarray(element_functions().reference(of_elements(q), lengths[None, :]).full())
+    return np.asarray(
+        element.element_functions().reference(of_elements(q), lengths[None, :]).full()
+    )

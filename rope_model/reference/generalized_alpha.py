@@ -58,7 +58,7 @@ class Coefficients:
 
     @property
     def local_error(self) -> float:
-        """Local error of q over h^2 times the change of the acceleration in a step."""
+        """C, local error of q over h^2 times the change of the acceleration in a step."""
         return abs(self.beta + 0.5 * self.shift - 1 / 6)
 
 
@@ -131,3 +131,9 @@ def restart(equations: Equations, t: float, q: Array, v: Array) -> Motion:
     R, mass = equations.linearised(q, v, a, (0.0, 0.0, 1.0), prestress=q)
     a = a + mass.solve(np.where(equations.held, 0.0, -R))
     return Motion(t, q, v, a, a, np.zeros_like(a), 0.0, equations.residual(q, v, a))
+
+
+def local_error(equations: Equations, old: Motion, new: Motion, rho_inf: float) -> float:
+    """Return the largest local error (m and rad) of a step (docs/theory/time.md, eq-local)."""
+    constant = coefficients(rho_inf).local_error
+    return constant * new.h**2 * equations.size(new.a - old.a)

@@ -50,8 +50,7 @@ def hang(scene: Scene, t: float, paths: tuple[EndPath, EndPath]) -> State:
     left, right = straight.motion(t, 2)[0, :, POSITION]
     mesh = mesh_of(scene, 0.5 * (scene.rope.length + left[1] - right[1]))
     guess = hanging_guess(mesh.nodes_s, left, right)
-    # an untwisted rope in the plane of its ends, which is turned by psi, turns its right end by -2
-    # psi
+    # in the plane of its ends, at psi to X, an untwisted rope turns its right end by -2 psi
     offset = 2.0 * math.atan2(right[2] - left[2], right[0] - left[0])
     ends = replace(straight, offsets=(0.0, offset))
     first, last = ends.motion(t, 2)[0, :, ANGLE].tolist()

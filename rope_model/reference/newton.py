@@ -25,9 +25,19 @@ class Cause(Enum):
 
     NOT_CONVERGED = f"Newton's method did not converge in {MAX_CORRECTIONS} corrections"
     DIVERGED = "Newton's method diverged"
+    NEW_MESH = "Newton's method fails on a new mesh, however stiffly the rope is restrained"
     ERROR = "the local error of the step is too large"
     CHATTER = "a swivel changes between stick and slip faster than a rope can move"
     STEPS = "the communication step takes too many steps"
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Step that cannot be taken."""
+
+    cause: Cause
+    t: float  #: s, instant from which it would have led
+    h: float  #: s, its length
 
 
 @dataclass(frozen=True)

@@ -24,12 +24,12 @@ from rope_model.reference.ends import (
 from rope_model.reference.equations import HEIGHT
 from rope_model.reference.hanging import hang
 from rope_model.reference.mesh import mesh_of
-from rope_model.reference.newton import Cause
+from rope_model.reference.newton import Cause, Failure
 from rope_model.reference.outputs import NAMES, group_of
 from rope_model.reference.scope import require_published
 from rope_model.reference.state import State
 from rope_model.reference.statics import StaticsError
-from rope_model.reference.stepping import Failure, step_towards
+from rope_model.reference.stepping import step_towards
 from rope_model.rules.end_paths import EndMotion
 from rope_model.rules.fidelity import Fidelity
 from rope_model.rules.point_forces import PointForces
@@ -139,10 +139,7 @@ class ReferenceRope(BalanceRope):
         state = replace(before, paths=(paths[0], paths[1]), events=())
         impulse = np.zeros(2)
         for _ in range(MAX_STEPS):
-            try:
-                after = step_towards(scene, state, t)
-            except RuntimeError as error:
-                return Status(False, f"at t = {state.motion.t:.6g} s {error}")
+            after = step_towards(scene, state, t)
             if isinstance(after, Failure):
                 return Status(False, told(after))
             h = after.motion.t - state.motion.t

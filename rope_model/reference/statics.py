@@ -4,9 +4,10 @@ Each correction is an implicit step of the inertia M in the time tau,
 
     (dR/dq + M / tau^2) x = -R
 
-tau grows as the forces fall, and the search ends as Newton's method.  Where forces grow, tau
-shrinks: the rope creeps to its equilibrium and does not depend on a good guess.  Each shape on the
-way is the reference of the next one's frame (docs/theory/element.md, "The frame of the section").
+(docs/theory/element.md, eq-statics).  tau grows as the forces fall, and the search ends as Newton's
+method.  Where forces grow, tau shrinks: the rope creeps to its equilibrium and does not depend on a
+good guess.  Each shape on the way is the reference of the next one's frame (docs/theory/element.md,
+"The frame of the section").
 
 Source: Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998), switched evolution relaxation.
 """
@@ -35,8 +36,9 @@ GROW = (3.0, 10.0)  #: least and largest factor of tau after one that is taken
 #: force
 MAX_GAIN = 3.0
 #: corrections with forces balanced to rounding after which the remaining motion costs no energy,
-#: such as that of a buckled rod about its axis
-BALANCED = 200
+#: such as that of a buckled rod about its axis; tau takes at most 26 from its first value to its
+#: last
+BALANCED = 60
 
 
 class StaticsError(RuntimeError):

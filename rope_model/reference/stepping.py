@@ -18,8 +18,15 @@ from rope_model.physics.node import ANGLE
 from rope_model.reference.ends import END_NODE, SIDES
 from rope_model.reference.energies import after_step
 from rope_model.reference.equations import HEIGHT, Equations
-from rope_model.reference.generalized_alpha import Motion, Step, coefficients, restart, step
-from rope_model.reference.newton import Cause
+from rope_model.reference.generalized_alpha import (
+    Motion,
+    Step,
+    coefficients,
+    local_error,
+    restart,
+    step,
+)
+from rope_model.reference.newton import Cause, Failure
 from rope_model.reference.outputs import nearest_turn, yaw_of
 from rope_model.reference.state import Event, State
 from rope_model.reference.swivel import STRETCH, Ends, slip, stick
@@ -34,50 +41,46 @@ CHATTER_TIME = 1e-3  #: s
 
 
 @dataclass(frozen=True)
-class Failure:
-    """Step that cannot be taken."""
+class Accepted:
+    """Step that is taken."""
 
-    cause: Cause
-    t: float  #: s, instant from which it would have led
-    h: float  #: s, its length
+    new: Motion
+    before: State  #: with the work of the search for it in its counts
+    h: float  #: s, length of the step that was tried; it is longer than the step to an event
+    error: float  #: local error over the allowed one
+    rejected: bool  #: true if longer steps failed
+    switches: bool  #: true if it ends at an event of a swivel
+    reaches_stop: bool
 
 
 def step_towards(scene: Scene, state: State, t_end: float) -> State | Failure:
     """Return the state after one accepted step towards ``t_end`` (s)."""
-    state = _released(scene, with_mesh_for(scene, state, state.motion.t))
+    on_mesh = with_mesh_for(scene, state, state.motion.t)
+    if isinstance(on_mesh, Failure):
+        return on_mesh
+    state = _released(scene, on_mesh)
     ends = state.ends(scene)
     equations = ends.equations(state.mesh, state.motion.q)
-    old = state.motion
     stop = min(t_end, _next_release(scene, state))
-    step_next = min(state.step_next, scene.solver.step_max)
-    rejected = False
-    while True:
-        parts = max(math.ceil((stop - old.t) / step_next - ROUNDING), 1)
-        h = (stop - old.t) / parts
-        trial = _trial(scene, equations, old, h)
-        state = state.counted(newton=trial.corrections)
-        error = _error(scene, state, equations, trial)
-        new = trial.motion
-        if new is not None and error <= ACCEPT_BELOW * scene.solver.tolerance:
-            switches = _excess(ends, new) >= 0
-            if not switches:
-                break
-            trial = _trial(scene, equations, old, _event_step(scene, equations, ends, old, h))
-            state = state.counted(newton=trial.corrections)
-            new = trial.motion
-            if new is not None:
-                break
-        if h <= scene.solver.step_min:
-            return Failure(trial.cause or Cause.ERROR, old.t, h)
-        rejected = True
-        step_next = max(0.5 * h, scene.solver.step_min)
-        state = state.counted(rejections=1)
+    accepted = _accepted(scene, ends, equations, state, stop)
+    if isinstance(accepted, Failure):
+        return accepted
 
-    if parts == 1 and not switches:
+    old = state.motion
+    new = accepted.new
+    if accepted.reaches_stop:
         new = replace(new, t=stop)  # exactly, not up to rounding
-    then = next_step(scene.solver, h, step_next, error, rejected, old.t + h, state.calm_since)
+    then = next_step(
+        solver=scene.solver,
+        h=accepted.h,
+        step_next=min(accepted.before.step_next, scene.solver.step_max),
+        error=accepted.error,
+        rejected=accepted.rejected,
+        t=old.t + accepted.h,
+        calm_since=state.calm_since,
+    )
     after = replace(
-        state,
+        accepted.before,
         motion=new,
         energies=after_step(state.energies, equations, ends, old, new),
         step_next=float(then.length),
@@ -85,11 +88,41 @@ def step_towards(scene: Scene, state: State, t_end: float) -> State | Failure:
     )
     after = after.with_angles(equations).counted(steps=1)
     after = replace(after, loop_yaw=nearest_turn(yaw_of(after.motion.q), after.loop_yaw))
-    if switches:
+    if accepted.switches:
         after = _switched(scene, after)
     if _chatters(after):
-        return Failure(Cause.CHATTER, old.t, h)
+        return Failure(Cause.CHATTER, old.t, accepted.h)
     return after
+
+
+def _accepted(
+    scene: Scene, ends: Ends, equations: Equations, state: State, stop: float
+) -> Accepted | Failure:
+    """Return a step towards ``stop`` (s) that converges with an allowed error."""
+    solver = scene.solver
+    old = state.motion
+    step_next = min(state.step_next, solver.step_max)
+    rejected = False
+    while True:
+        parts = max(math.ceil((stop - old.t) / step_next - ROUNDING), 1)
+        h = (stop - old.t) / parts
+        trial = _trial(scene, equations, old, h)
+        state = state.counted(newton=trial.corrections)
+        error = _error(scene, state, equations, trial)
+        good = trial.motion is not None and error <= ACCEPT_BELOW * solver.tolerance
+        switches = good and trial.motion is not None and _excess(ends, trial.motion) >= 0
+        if switches:
+            trial = _trial(scene, equations, old, _event_step(scene, equations, ends, old, h))
+            state = state.counted(newton=trial.corrections)
+        if good and trial.motion is not None:
+            before = replace(state, step_next=step_next)
+            reaches_stop = parts == 1 and not switches
+            return Accepted(trial.motion, before, h, error, rejected, switches, reaches_stop)
+        if h <= solver.step_min:
+            return Failure(trial.cause or Cause.ERROR, old.t, h)
+        rejected = True
+        step_next = max(0.5 * h, solver.step_min)
+        state = state.counted(rejections=1)
 
 
 def _trial(scene: Scene, equations: Equations, old: Motion, h: float) -> Step:
@@ -99,7 +132,7 @@ def _trial(scene: Scene, equations: Equations, old: Motion, h: float) -> Step:
 def _error(scene: Scene, state: State, equations: Equations, trial: Step) -> float:
     """Return the local error of a trial step over the allowed one.
 
-    (docs/theory/errors.md, eq-share and eq-flow)
+    (docs/theory/time.md, eq-local; docs/theory/errors.md, eq-share and eq-flow)
     """
     new = trial.motion
     if new is None:
@@ -109,10 +142,9 @@ def _error(scene: Scene, state: State, equations: Equations, trial: Step) -> flo
     bottom = state.bottom_s(scene, old.t)
     end_speed = float(old.v[0, HEIGHT] - old.v[-1, HEIGHT])
     limits = step_limits(scene, ErrorSums(), bottom, end_speed, constant)
-    change = new.a - old.a
-    at_ends = max(abs(float(change[node, STRETCH])) for node in END_NODE)
-    position = constant * new.h**2 * equations.size(change)
-    return float(step_error(limits, new.h, position, constant * new.h**2 * at_ends))
+    position = local_error(equations, old, new, scene.solver.rho_inf)
+    change = max(abs(float(new.a[node, STRETCH] - old.a[node, STRETCH])) for node in END_NODE)
+    return float(step_error(limits, new.h, position, constant * new.h**2 * change))
 
 
 # swivels

@@ -9,8 +9,8 @@ held; only its stretch |r'| is free.  theta is free while the swivel slips and e
 
     theta = offset + s yaw + b,    s = -1 on the left, +1 on the right
 
-The offset belongs to the frame: theta counts along the rope from the left end, so that of the right
-end changes as the rope turns in space.
+(docs/theory/ends.md, eq-theta).  The offset belongs to the frame: theta counts along the rope from
+the left end, so that of the right end changes as the rope turns in space.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ import numpy as np
 from rope_model.parameters import Scene
 from rope_model.reference.energies import with_energies
 from rope_model.reference.mesh import transformed
-from rope_model.reference.newton import solve
+from rope_model.reference.newton import Cause, Failure, solve
 from rope_model.reference.state import Event, State
 from rope_model.reference.transfer import transferred
 
@@ -25,14 +25,8 @@ RELAXATION_TIME = 0.1  #: s, T: a torsional wave passes the longest element in i
 FIELDS = ("q", "v", "a", "b", "a_rate")
 
 
-def with_mesh_for(scene: Scene, state: State, t: float) -> State:
-    """Return the state on the mesh for the loop at ``t`` (s).
-
-    Raises
-    ------
-    RuntimeError
-        If the rope does not relax.
-    """
+def with_mesh_for(scene: Scene, state: State, t: float) -> State | Failure:
+    """Return the state on the mesh for the loop at ``t`` (s), or itself if that serves."""
     mesh = transformed(state.mesh, state.bottom_s(scene, t))
     if mesh is state.mesh:
         return state
@@ -53,7 +47,7 @@ def with_mesh_for(scene: Scene, state: State, t: float) -> State:
         if found.cause is None:
             break
         if time <= scene.solver.step_min:
-            raise RuntimeError(f"the transformation of the mesh fails: {found.cause.value}")
+            return Failure(Cause.NEW_MESH, m.t, time)
         time = max(0.5 * time, scene.solver.step_min)
         moved = moved.counted(rejections=1)
     relaxed = replace(moved, motion=replace(motion, q=found.q)).with_angles(equations)

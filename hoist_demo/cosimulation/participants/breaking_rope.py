@@ -1,13 +1,17 @@
-"""A rope that breaks: until then any other, from then on what hangs from either end, in closed form.
+"""A rope that breaks: until then any other, from then on the pieces at both ends, in closed form.
 
-The legs are taken for straight and the loop for a point, so a leg is h = (L +- (y_L - y_R)) / 2 long. Of a piece of the
-length p longer than its leg, what is beyond the loop falls freely behind the break, and what passes the fold is stopped
-there, without rebound. With r the end's height over the break,
+The legs are taken for straight and the loop for a point, so a leg is h = (L +- (y_L - y_R)) / 2
+long. Of a piece of the length p longer than its leg, the part beyond the loop falls freely behind
+the break and stops as it passes the fold, without rebound. With r the end's height over the break,
 
-    h = (p + r) / 2 ,    F = -m h (g + a) - m r'^2 / 2 ,    until r = p and the piece hangs: F = -m p (g + a) ,
+    h = (p + r) / 2 ,    F = -m h (g + a) - m r'^2 / 2 ,
 
-which is the momentum of the whole piece, its falling part weightless. A piece shorter than its leg hangs at once.
-Waves along the rope, the whip of its end and what it strikes are not computed.
+until r = p and the piece hangs,
+
+    F = -m p (g + a) ,
+
+which is the momentum of the whole piece, its falling part weightless. A piece shorter than its leg
+hangs at once. Waves along the rope, the whip of its end and its impacts are not computed.
 """
 
 from __future__ import annotations
@@ -15,7 +19,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,12 +27,13 @@ from numpy.typing import NDArray
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.participants.rope_group import WholeRope
 from hoist_demo.cosimulation.plain_data import from_bytes, to_bytes
-from hoist_demo.cosimulation.schemes.interface import ENDS, Reader
+from hoist_demo.cosimulation.schemes.interface import ENDS, SUCCESS, Reader, end_signals
 from hoist_demo.parameters import GRAVITY
 from rope_model import BalanceRope, EndMotion, Status
 
 _TAG = "rope that breaks"
-_NOTHING = tuple(f"{end}.{name}" for end in ENDS for name in ("fx", "fz", "mx", "my", "mz"))
+_ZERO_LOADS = end_signals("fx", "fz", "mx", "my", "mz")  #: Loads that a broken rope does not have.
+_Ends = tuple[EndMotion, EndMotion]
 
 
 @dataclass(frozen=True)
@@ -37,7 +42,7 @@ class Break:
 
     t: float  # s
     s: float  # m, along the rope from its left end
-    gravity: float = GRAVITY  # m/s^2, of what then falls
+    gravity: float = GRAVITY  # m/s^2, of the pieces
 
 
 @dataclass(frozen=True)
@@ -53,27 +58,46 @@ class Piece:
 
     @staticmethod
     def of(
-        t: float,
-        mass: float,
-        length: float,
-        leg: float,
-        end: EndMotion,
-        other: EndMotion,
-        gravity: float = GRAVITY,
+        t: float, mass: float, length: float, leg: float, ends: _Ends, gravity: float = GRAVITY
     ) -> Piece:
-        """Return the piece of a rope whose leg at this end was `leg` long [m]."""
-        if length <= leg:
-            return Piece(t, mass, length, end.y - length, end.vy, gravity)
-        return Piece(t, mass, length, end.y - (2.0 * leg - length), other.vy, gravity)
+        """Return the piece of a rope whose leg was `leg` long [m].
 
-    def force(self, t: float, end: EndMotion) -> tuple[float, float]:
-        """Return the vertical force on the conveyance [N] and the length that hangs from it [m]."""
+        `ends` are the motions of the end that the piece hangs from, and of the other one.
+        """
+        end, other = ends
+        height = end.y - (2.0 * leg - length)
+        speed = other.vy
+        if length <= leg:
+            height = end.y - length
+            speed = end.vy
+        return Piece(t, mass, length, break_height=height, break_speed=speed, gravity=gravity)
+
+    def load(self, t: float, end: EndMotion) -> PieceLoad:
+        """Return the load of the piece on its conveyance, which has the motion `end` at t [s]."""
         fallen = t - self.t
         r = end.y - (self.break_height + fallen * (self.break_speed - 0.5 * self.gravity * fallen))
         if r >= self.length:
-            return -self.mass * self.length * (self.gravity + end.ay), self.length
-        hanging, rate = 0.5 * (self.length + r), end.vy - self.break_speed + self.gravity * fallen
-        return -self.mass * (hanging * (self.gravity + end.ay) + 0.5 * rate**2), hanging
+            return PieceLoad(-self.mass * self.length * (self.gravity + end.ay), self.length)
+        hanging = 0.5 * (self.length + r)
+        rate = end.vy - self.break_speed + self.gravity * fallen
+        force = -self.mass * (hanging * (self.gravity + end.ay) + 0.5 * rate**2)
+        return PieceLoad(force, hanging)
+
+
+class PieceLoad(NamedTuple):
+    """Load of a piece on its conveyance."""
+
+    force: float  # N, vertical
+    hanging: float  # m, length that hangs from the conveyance
+
+
+class BreakingRopeSnapshot(NamedTuple):
+    """State of a BreakingRope in memory."""
+
+    rope: Any  # snapshot of the rope before it breaks
+    ends: _Ends  # motions of the ends
+    pieces: tuple[Piece, Piece] | None  # None before the break
+    outputs: dict[str, float]  # of the broken rope
 
 
 class BreakingRope:
@@ -82,59 +106,75 @@ class BreakingRope:
     def __init__(self, rope: WholeRope, mass: float, length: float, at: Break) -> None:
         if not 0.0 <= at.s <= length:
             raise ValueError(
-                f"breaks_s = {at.s:g} m must be within 0 and rope.length = {length:g} m: move it there"
+                f"breaks_s = {at.s:g} m must be within 0 and rope.length = {length:g} m: "
+                "move it there"
             )
-        self._rope, self._mass, self._length, self._at = rope, mass, length, at
-        self._ends: tuple[EndMotion, EndMotion] = (EndMotion(), EndMotion())
+        self._rope = rope
+        self._mass = mass
+        self._length = length
+        self._at = at
+        self._ends: _Ends = (EndMotion(), EndMotion())
         self._pieces: tuple[Piece, Piece] | None = None
-        self._shown: dict[str, float] = {}
+        self._outputs: dict[str, float] = {}  # of the broken rope
 
     @property
     def whole(self) -> BalanceRope | None:
         """Rope before it breaks, else None."""
-        return self._rope.whole if self._pieces is None else None
+        if self._pieces is not None:
+            return None
+        return self._rope.whole
 
     def data(self) -> RopeData:
         return self._rope.data()
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
-        self._pieces, self._ends = None, (left, right)
+        self._pieces = None
+        self._ends = (left, right)
         return self._rope.initialize(t0, left, right)
 
     def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
-        """Advance to t + h; the rope breaks before the first step that begins at its time or later."""
+        """Advance to t + h.
+
+        The rope breaks before the first step that begins at its time or later.
+        """
         if self._pieces is None and t >= self._at.t:
             self._pieces = self._break(t)
-            self._shown = self._forces(t, self._ends)
-        self._ends = left, right
+            self._outputs = self._loads(t, self._ends)
+        self._ends = (left, right)
         if self._pieces is None:
             return self._rope.step(t, h, left, right)
-        before, now = self._shown, self._forces(t + h, (left, right))
-        self._shown = now | {
-            f"{end}.fy_mean": 0.5 * (before[f"{end}.fy"] + now[f"{end}.fy"]) for end in ENDS
-        }
-        return Status(True)
+        before = self._outputs
+        now = self._loads(t + h, self._ends)
+        means = {f"{end}.fy_mean": 0.5 * (before[f"{end}.fy"] + now[f"{end}.fy"]) for end in ENDS}
+        self._outputs = now | means
+        return SUCCESS
 
     def _break(self, t: float) -> tuple[Piece, Piece]:
+        """Return the pieces of a rope that breaks at t [s], left and right."""
         left, right = self._ends
-        at, leg = self._at, 0.5 * (self._length + left.y - right.y)
+        at = self._at
+        leg = 0.5 * (self._length + left.y - right.y)
         return (
-            Piece.of(t, self._mass, at.s, leg, left, right, at.gravity),
+            Piece.of(t, self._mass, length=at.s, leg=leg, ends=(left, right), gravity=at.gravity),
             Piece.of(
-                t, self._mass, self._length - at.s, self._length - leg, right, left, at.gravity
+                t,
+                self._mass,
+                length=self._length - at.s,
+                leg=self._length - leg,
+                ends=(right, left),
+                gravity=at.gravity,
             ),
         )
 
-    def _forces(self, t: float, ends: tuple[EndMotion, EndMotion]) -> dict[str, float]:
-        forces = dict.fromkeys(_NOTHING, 0.0)
+    def _loads(self, t: float, ends: _Ends) -> dict[str, float]:
+        """Return the outputs of the broken rope by name."""
+        outputs = dict.fromkeys(_ZERO_LOADS, 0.0)
         for name, piece, end in zip(ENDS, self._pieces or (), ends, strict=True):
-            force, hanging = piece.force(t, end)
-            forces |= {
-                f"{name}.fy": force,
-                f"{name}.fy_mean": force,
-                f"{name}.added_mass": self._mass * hanging,
-            }
-        return forces
+            load = piece.load(t, end)
+            outputs[f"{name}.fy"] = load.force
+            outputs[f"{name}.fy_mean"] = load.force
+            outputs[f"{name}.added_mass"] = self._mass * load.hanging
+        return outputs
 
     def reader(self, names: Sequence[str]) -> Reader:
         """Return a reader of some outputs; after the break NaN for all but the forces."""
@@ -143,37 +183,37 @@ class BreakingRope:
         def values() -> NDArray[np.float64]:
             if self._pieces is None:
                 return read()
-            return np.array([self._shown.get(name, math.nan) for name in names])
+            return np.array([self._outputs.get(name, math.nan) for name in names])
 
         return values
 
     def save(self) -> Any:
         rope_snapshot = self._rope.save()
-        return (
-            None
-            if rope_snapshot is None
-            else (rope_snapshot, self._ends, self._pieces, self._shown)
-        )
+        if rope_snapshot is None:
+            return None
+        return BreakingRopeSnapshot(rope_snapshot, self._ends, self._pieces, self._outputs)
 
-    def restore(self, snapshot: Any) -> None:
+    def restore(self, snapshot: BreakingRopeSnapshot) -> None:
         """Go back to a snapshot, to before the break, too."""
-        rope_snapshot, self._ends, self._pieces, self._shown = snapshot
-        self._rope.restore(rope_snapshot)
+        self._ends = snapshot.ends
+        self._pieces = snapshot.pieces
+        self._outputs = snapshot.outputs
+        self._rope.restore(snapshot.rope)
 
-    def to_bytes(self, snapshot: Any) -> bytes:
+    def to_bytes(self, snapshot: BreakingRopeSnapshot) -> bytes:
         """Return a snapshot as bytes, with the break that it is bound to."""
-        rope_snapshot, ends, pieces, shown = snapshot
-        return to_bytes((_TAG, self._at, self._rope.to_bytes(rope_snapshot), ends, pieces, shown))
+        rope = self._rope.to_bytes(snapshot.rope)
+        return to_bytes((_TAG, self._at, rope, snapshot.ends, snapshot.pieces, snapshot.outputs))
 
-    def from_bytes(self, data: bytes) -> Any:
-        """Return the snapshot that `to_bytes` was given; ValueError for the state of another rope or break."""
-        tag, at, rope, ends, pieces, shown = from_bytes(data)
+    def from_bytes(self, data: bytes) -> BreakingRopeSnapshot:
+        """Return the snapshot of `to_bytes`; ValueError for the state of another rope or break."""
+        tag, at, rope, ends, pieces, outputs = from_bytes(data)
         if (tag, at) != (_TAG, self._at):
             raise ValueError(
-                f"the state must be that of a rope with breaks_at = {self._at.t:g} s and breaks_s = {self._at.s:g} m: "
-                "give the hoist of that run"
+                f"the state must be that of a rope with breaks_at = {self._at.t:g} s "
+                f"and breaks_s = {self._at.s:g} m: give the hoist of that run"
             )
-        return self._rope.from_bytes(rope), ends, pieces, shown
+        return BreakingRopeSnapshot(self._rope.from_bytes(rope), ends, pieces, outputs)
 
     def units(self) -> dict[str, str]:
         return self._rope.units()

@@ -1,12 +1,12 @@
-"""Description of an FMU, read without loading it: variables with unit, type and bounds, and its files.
+"""Description of an FMU, read without loading it: its files, variables, units, types and bounds.
 
-FMI 3.0 has arrays, and a type for each width of a number. Here a variable has the type that FMI 2.0 would give it, and
-an array's elements have their names of FMI 2.0: shape.x[1] ...
+FMI 3.0 has arrays, and a type for each width of a number. Here a variable has the type that FMI 2.0
+would give it, and an array's elements have their names of FMI 2.0: shape.x[1] ...
 """
 
 import atexit
 import shutil
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import product
@@ -15,23 +15,18 @@ from typing import Any
 from zipfile import BadZipFile, ZipFile
 
 import fmpy
-from fmpy.model_description import ValidationError
+from fmpy.model_description import ScalarVariable, ValidationError
 
 from hoist_demo.parameters.quantity import Bounds, Parameter, Value, fmi_unit
 from hoist_demo.recording.fidelity import FIDELITY
 from rope_model.scene_names import choices_of
 
-FMI_VERSIONS = (
-    "2.0",
-    "3.0",
-)  #: Versions of FMI that the host drives, as model descriptions state them.
+#: Versions of FMI that the host drives, as model descriptions state them.
+FMI_VERSIONS = ("2.0", "3.0")
 NUMBERS = ("Real", "Integer", "Enumeration", "Boolean")
 _KINDS = {"Enumeration": "Integer"}
-_NOT_TO_RUN = (
-    "sources/",
-    "documentation/",
-    "terminalsAndIcons/",
-)  #: Folders that no instance reads.
+#: Folders that no instance reads.
+_NOT_TO_RUN = ("sources/", "documentation/", "terminalsAndIcons/")
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,35 +46,58 @@ class Variable:
     items: Mapping[str, int]  # codes of an enumeration's items
 
 
-def _variable(stated: Any) -> Variable:
+def _variable(stated: ScalarVariable) -> Variable:
     """Return a variable of FMPy's model description."""
     kind = _kind(stated.type)
     declared = stated.declaredType
-    ranges = [range(1, length + 1) for length in stated.shape]
-    indices = [f"[{','.join(map(str, index))}]" for index in product(*ranges)] if ranges else [""]
-    texts = () if stated.start is None else stated.start.split() if ranges else (stated.start,)
-    items = {item.name: int(item.value) for item in declared.items} if kind == "Enumeration" else {}
-    low, high = (min(items.values()), max(items.values())) if items else (stated.min, stated.max)
+    unit = stated.unit
+    if not unit and declared is not None:
+        unit = declared.unit
+    items: dict[str, int] = {}
+    low, high = stated.min, stated.max
+    if kind == "Enumeration":
+        items = {item.name: int(item.value) for item in declared.items}
+    if items:
+        low, high = min(items.values()), max(items.values())
     return Variable(
         name=stated.name,
         reference=int(stated.valueReference),
         causality=stated.causality,
         type=stated.type,
         kind=kind,
-        unit=str(stated.unit or (declared.unit if declared is not None else None) or ""),
-        elements=tuple(stated.name + index for index in indices),
-        starts=tuple(_value(kind, text) for text in texts),
+        unit=str(unit or ""),
+        elements=tuple(stated.name + index for index in _indices(stated.shape)),
+        starts=tuple(_value(kind, text) for text in _start_texts(stated)),
         minimum=None if low is None else float(low),
         maximum=None if high is None else float(high),
         items=items,
     )
 
 
+def _indices(shape: Sequence[int]) -> list[str]:
+    """Return the index of each element of an array as its name has it; "" for a scalar."""
+    if not shape:
+        return [""]
+    ranges = [range(1, length + 1) for length in shape]
+    return [f"[{','.join(map(str, index))}]" for index in product(*ranges)]
+
+
+def _start_texts(stated: ScalarVariable) -> tuple[str, ...]:
+    """Return the start values of a variable, one for each element, as texts."""
+    if stated.start is None:
+        return ()
+    if stated.shape:
+        return tuple(stated.start.split())
+    return (stated.start,)
+
+
 def _kind(declared: str) -> str:
     """Return FMI 2.0's word for a type of either version."""
     if declared.startswith("Float"):
         return "Real"
-    return "Integer" if declared.startswith(("Int", "UInt")) else declared
+    if declared.startswith(("Int", "UInt")):
+        return "Integer"
+    return declared
 
 
 def _value(kind: str, text: str) -> Value:
@@ -87,12 +105,17 @@ def _value(kind: str, text: str) -> Value:
         return float(text)
     if kind in ("Integer", "Enumeration"):
         return int(text)
-    return text in ("true", "1") if kind == "Boolean" else text
+    if kind == "Boolean":
+        return text in ("true", "1")
+    return text
 
 
 @lru_cache(maxsize=8)
 def unpacked(path: Path, changed: int, size: int) -> Path:
-    """Folder with the files of an FMU that was changed last at that time [ns], for this process and until it ends."""
+    """Return a folder with the files of an FMU, for this process and until it ends.
+
+    `changed` [ns] is when the FMU was changed last, `size` its number of bytes.
+    """
     directory = Path(fmpy.extract(str(path), include=lambda file: not file.startswith(_NOT_TO_RUN)))
     atexit.register(shutil.rmtree, directory, ignore_errors=True)
     return directory
@@ -104,8 +127,8 @@ def read_parameters(path: Path) -> dict[str, Parameter]:
 
 
 def read_outputs(path: Path, hoist: str = "") -> tuple[str, ...]:
-    """Names of all outputs of the FMU that are numbers, and of the fidelity, which is recorded by its code."""
-    return tuple(read_fmu(path, hoist).shown)
+    """Names of all outputs that are numbers, and of the fidelity, which is recorded by its code."""
+    return tuple(read_fmu(path, hoist).outputs)
 
 
 @dataclass(frozen=True)
@@ -116,65 +139,77 @@ class Fmu:
     variables: tuple[Variable, ...]
 
     @cached_property
-    def named(self) -> dict[str, Variable]:
-        """Variable of each name; an array has one for each of its elements."""
-        return {name: v for v in self.variables for name in v.elements}
+    def by_name(self) -> dict[str, Variable]:
+        """Variable of each name; the names of an array's elements have the array."""
+        by_name: dict[str, Variable] = {}
+        for variable in self.variables:
+            by_name |= dict.fromkeys(variable.elements, variable)
+        return by_name
 
     @cached_property
     def parameters(self) -> dict[str, Parameter]:
         """Parameters by name, each element of an array on its own."""
-        return {
-            name: Parameter(
-                name,
-                fmi_unit(v.unit),
-                _KINDS.get(v.kind, v.kind),
-                start,
-                Bounds(v.minimum, v.maximum),
-                choices_of(name),
-            )
-            for v in self.variables
-            if v.causality == "parameter"
-            for name, start in zip(v.elements, v.starts, strict=True)
-        }
+        parameters: dict[str, Parameter] = {}
+        for variable in self.variables:
+            if variable.causality == "parameter":
+                starts = zip(variable.elements, variable.starts, strict=True)
+                parameters |= {name: _parameter(name, variable, start) for name, start in starts}
+        return parameters
 
     @cached_property
-    def shown(self) -> dict[str, str]:
-        """Unit of each output that is a number, and of the fidelity, which is recorded by its code."""
-        outputs = ((name, v) for name, v in self.named.items() if v.causality == "output")
-        shown = ((name, v) for name, v in outputs if v.kind in NUMBERS or name == FIDELITY)
-        return {name: "1" if name == FIDELITY else v.unit for name, v in shown}
+    def outputs(self) -> dict[str, str]:
+        """Unit of each output that is a number, and of the fidelity, recorded by its code."""
+        units: dict[str, str] = {}
+        for name, variable in self.by_name.items():
+            if variable.causality != "output":
+                continue
+            if name == FIDELITY:
+                units[name] = "1"
+            elif variable.kind in NUMBERS:
+                units[name] = variable.unit
+        return units
+
+
+def _parameter(name: str, variable: Variable, start: Value) -> Parameter:
+    """Return one element of a variable as a parameter."""
+    return Parameter(
+        name,
+        fmi_unit(variable.unit),
+        _KINDS.get(variable.kind, variable.kind),
+        start,
+        Bounds(variable.minimum, variable.maximum),
+        choices_of(name),
+    )
 
 
 def read_fmu(path: Path, hoist: str = "") -> Fmu:
     """Model description of an FMU that this host can drive; `hoist` is that of its rope."""
     if not path.is_file():
-        named = f"{hoist} " if hoist else ""
-        command = f"balance-rope export {named}--native --platform host --out {path}"
+        argument = f"{hoist} " if hoist else ""
+        command = f"balance-rope export {argument}--native --platform host --out {path}"
         raise ValueError(
-            f"FMU '{path}' is missing: `{command}` makes it, with a C compiler; without --native --platform host it "
-            "needs none, and its rope is slower"
+            f"FMU '{path}' is missing: `{command}` makes it, with a C compiler; "
+            "without --native --platform host it needs none, and its rope is slower"
         )
     return _read(*version_of(path))
 
 
 def version_of(path: Path) -> tuple[Path, int, int]:
     """A file as it is now: its place, when it was changed last [ns], and its number of bytes."""
-    seen = path.stat()
-    return path.resolve(), seen.st_mtime_ns, seen.st_size
+    status = path.stat()
+    return path.resolve(), status.st_mtime_ns, status.st_size
 
 
 @lru_cache(maxsize=8)  # a study reads the same file for every run
 def _read(path: Path, changed: int, size: int) -> Fmu:
     try:
         with ZipFile(path) as archive:
-            if "modelDescription.xml" not in archive.namelist():
-                system = "SystemStructure.ssd" in archive.namelist()
-                what = (
-                    "a system of FMUs (SSP)"
-                    if system
-                    else "an archive without modelDescription.xml"
-                )
-                raise ValueError(f"'{path}' must be an FMU, it is {what}: give the rope's .fmu")
+            members = archive.namelist()
+        if "modelDescription.xml" not in members:
+            kind = "an archive without modelDescription.xml"
+            if "SystemStructure.ssd" in members:
+                kind = "a system of FMUs (SSP)"
+            raise ValueError(f"'{path}' must be an FMU, it is {kind}: give the rope's .fmu")
         description = fmpy.read_model_description(str(path))
     except (ValidationError, BadZipFile) as error:
         raise ValueError(
@@ -182,8 +217,10 @@ def _read(path: Path, changed: int, size: int) -> Fmu:
         ) from error
     if description.coSimulation is None or description.fmiVersion not in FMI_VERSIONS:
         kind = "co-simulation" if description.coSimulation is not None else "no co-simulation"
+        versions = " and ".join(FMI_VERSIONS)
         raise ValueError(
-            f"FMU '{path}' is of FMI {description.fmiVersion}, {kind}; this host drives co-simulation of FMI "
-            f"{' and '.join(FMI_VERSIONS)}: give the FMU of `balance-rope export`, or run with --in-process"
+            f"FMU '{path}' is of FMI {description.fmiVersion}, {kind}; "
+            f"this host drives co-simulation of FMI {versions}: "
+            "give the FMU of `balance-rope export`, or run with --in-process"
         )
     return Fmu(description, tuple(map(_variable, description.modelVariables)))

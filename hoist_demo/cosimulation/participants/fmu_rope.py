@@ -1,8 +1,8 @@
 """The balance rope as an FMU for co-simulation.
 
-Nothing is known of the FMU's inside: variables are found by name in its model description. fmi_versions has the calls
-of FMI 2.0 and 3.0. The host computes
-t = start + k H; doStep(t, H) is given the end motions of t + H (parameter `inputs_at_step_end` = true).
+The FMU is a black box: variables are found by name in its model description. fmi_versions has the
+calls of FMI 2.0 and 3.0. The host computes t = start + k H; doStep(t, H) gets the end motions of t
++ H (parameter `inputs_at_step_end` = true).
 """
 
 import hashlib
@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import fields
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,14 +38,20 @@ from hoist_demo.cosimulation.participants.library_calls import (
     codes_of,
 )
 from hoist_demo.cosimulation.participants.rope_data import RopeData, stamp, unstamp
-from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, ENDS, ROPE_FORCES, Reader
+from hoist_demo.cosimulation.schemes.interface import (
+    ADDED_MASSES,
+    ENDS,
+    ROPE_FORCES,
+    SUCCESS,
+    Reader,
+    end_signals,
+)
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.fidelity import FIDELITY
 from rope_model import EndMotion, Status
 
 _log = logging.getLogger(__name__)
 INPUTS = tuple(field.name for field in fields(EndMotion))  #: Names of an end's inputs.
-_VALID = Status(True)
 
 
 class FmuRope:
@@ -57,36 +63,40 @@ class FmuRope:
         parameters: Mapping[str, Value] | None = None,
         recorded: Collection[str] | None = None,
     ) -> None:
-        """Load the FMU and set its parameters; `recorded` outputs are read, by default all but the added masses."""
+        """Load the FMU and set its parameters.
+
+        `recorded` outputs are read, by default all but the added masses.
+        """
         self._started = False
         self._warned: set[str] = set()  # warnings that were logged
         self._errors: list[str] = []  # the FMU's messages about the call that fails
         self._path = Path(path)
         fmu = read_fmu(self._path)
-        self._description, self._described, self._variables = (
-            fmu.description,
-            fmu.parameters,
-            fmu.named,
-        )
-        inputs = [self._variable(f"{end}.{name}") for end in ENDS for name in INPUTS]
-        if missing := [name for name in ROPE_FORCES if name not in fmu.shown]:
+        self._description = fmu.description
+        self._described = fmu.parameters
+        self._variables = fmu.by_name
+        inputs = [self._variable(name) for name in end_signals(*INPUTS)]
+        if missing := [name for name in ROPE_FORCES if name not in fmu.outputs]:
             raise ValueError(
                 f"FMU '{path}' must have the outputs {', '.join(missing)}: export it anew"
             )
-        wanted = fmu.shown.keys() - {*ADDED_MASSES} if recorded is None else recorded
-        self._units = {name: unit for name, unit in fmu.shown.items() if name in wanted}
+        if recorded is None:
+            recorded = fmu.outputs.keys() - {*ADDED_MASSES}
+        self._units = {name: unit for name, unit in fmu.outputs.items() if name in recorded}
         self._chosen: dict[str, Value] = {"inputs_at_step_end": True, **(parameters or {})}
+        instance = VERSIONS[self._description.fmiVersion]
+        directory = unpacked(*version_of(self._path))
         try:
-            self._fmu: Instance = VERSIONS[self._description.fmiVersion](
-                unpacked(*version_of(self._path)), self._description, self._hear
-            )
+            self._fmu: Instance = instance(directory, self._description, self._log_message)
         except RuntimeError as error:
             raise ValueError(
                 f"the FMU must instantiate, but: {self._explanation(error)}: export it anew"
             ) from error
         self._motions = self._fmu.buffer("Set", inputs)
         valid = self._variables.get("status.valid")
-        self._valid = self._fmu.buffer("Get", [valid]) if valid is not None else None
+        self._valid: Buffer | None = None
+        if valid is not None:
+            self._valid = self._fmu.buffer("Get", [valid])
         try:
             for variable in dict.fromkeys(self._variable(name) for name in self._chosen):
                 self._set(variable)
@@ -115,7 +125,10 @@ class FmuRope:
             return self._failure_status(error)
 
     def reader(self, names: Sequence[str]) -> Reader:
-        """A function that reads some outputs, and the fidelity by its code; arrays are read whole."""
+        """A function that reads some outputs, and the fidelity by its code.
+
+        Arrays are read whole.
+        """
         buffers, values = self._outputs(names, 1)
 
         def read() -> NDArray[np.float64]:
@@ -130,7 +143,11 @@ class FmuRope:
         """Return the FMU's functions for trip.c."""
         valid = None if self._valid is None else self._valid.access
         return RopeLibrary(
-            self._fmu.stepping, self._motions.access, self._table, self._status_of, valid
+            step=self._fmu.step_access,
+            motions=self._motions.access,
+            table=self._table,
+            status=self._status_of,
+            valid=valid,
         )
 
     def _table(self, names: Sequence[str], rows: int) -> OutputTable:
@@ -140,28 +157,30 @@ class FmuRope:
     def _outputs(
         self, names: Sequence[str], rows: int
     ) -> tuple[list[Buffer], Callable[[int], NDArray[np.float64]]]:
-        """Buffers of outputs by type, and a function that puts their first rows in the order of the names."""
+        """Return buffers of outputs by type, and a function that reads their first rows.
+
+        It puts the values in the order of the names.
+        """
         variables = dict.fromkeys(
             self._variables[name] for name in names if name in self._variables
         )
         readable = [v for v in variables if v.kind in NUMBERS or v.name == FIDELITY]
-        parts = []
+        buffers = []
         for type_ in dict.fromkeys(v.type for v in readable):
-            buffer = self._fmu.buffer("Get", [v for v in readable if v.type == type_], rows)
-            index = {name: k for k, name in enumerate(buffer.names)}
-            there, here = np.array(
-                [(index[name], k) for k, name in enumerate(names) if name in index]
-            ).T
-            parts.append((buffer, there, here))
+            of_type = [v for v in readable if v.type == type_]
+            buffers.append(self._fmu.buffer("Get", of_type, rows))
+        columns = [_columns(buffer, names) for buffer in buffers]
 
         def values(count: int) -> NDArray[np.float64]:
             table = np.full((count, len(names)), np.nan)
-            for buffer, there, here in parts:
-                part = buffer.values[:count, there]
-                table[:, here] = codes_of(part) if part.dtype == TEXT else part
+            for buffer, column in zip(buffers, columns, strict=True):
+                part = buffer.values[:count, column.in_buffer]
+                if part.dtype == TEXT:
+                    part = codes_of(part)
+                table[:, column.in_table] = part
             return table
 
-        return [buffer for buffer, _, _ in parts], values
+        return buffers, values
 
     def _status_of(self, call: str, status: int) -> Status:
         """Return the status of a step that has failed in one of its calls, which C has made."""
@@ -185,7 +204,7 @@ class FmuRope:
         }
         units = {name: parameter.unit for name, parameter in self._described.items()}
         reason = ""
-        with suppress(CallError):  # a failed FMU need not answer
+        with suppress(CallError):  # a failed FMU may refuse
             reason = self._text("status.fidelity_reason")
         return RopeData(model, self._parameters(), units, reason)
 
@@ -207,15 +226,17 @@ class FmuRope:
     def from_bytes(self, data: bytes) -> Any:
         if not data.startswith(self._tag):
             raise ValueError(
-                f"the state must be one of '{self._path.name}', {self._tag.decode().strip()}; it is of another rope: "
-                "go on with the one that wrote it (--fmu FILE or --in-process)"
+                f"the state must be one of '{self._path.name}', {self._tag.decode().strip()}; "
+                "it is of another rope: go on with the one that wrote it "
+                "(--fmu FILE or --in-process)"
             )
         data = unstamp(data.removeprefix(self._tag), self._parameters())
         try:
             return self._fmu.from_bytes(data)
         except CallError as error:
             raise ValueError(
-                f"the FMU must know these {len(data)} bytes as a state of its own, but: {self._explanation(error)}"
+                f"the FMU must know these {len(data)} bytes as a state of its own, "
+                f"but: {self._explanation(error)}"
             ) from error
 
     def units(self) -> dict[str, str]:
@@ -223,7 +244,10 @@ class FmuRope:
         return dict(self._units)
 
     def close(self) -> None:
-        """Terminate and free the instance; the extracted files serve the next one of this process."""
+        """Terminate and free the instance.
+
+        The extracted files serve the next one of this process.
+        """
         if self._started:
             with suppress(CallError):
                 self._fmu.fmpy.terminate()
@@ -232,7 +256,13 @@ class FmuRope:
 
     def _parameters(self) -> dict[str, Value]:
         """Return all parameters by name with the values in use."""
-        return {name: self._chosen.get(name, p.start) for name, p in self._described.items()}
+        return {name: self._value(name) for name in self._described}
+
+    def _value(self, name: str) -> Value:
+        """Return the value of a parameter: the chosen one, or its start."""
+        if name in self._chosen:
+            return self._chosen[name]
+        return self._described[name].start
 
     def _variable(self, name: str) -> Variable:
         if name not in self._variables:
@@ -240,12 +270,8 @@ class FmuRope:
         return self._variables[name]
 
     def _set(self, variable: Variable) -> None:
-        """Set a parameter, of an array all elements, to what is chosen, by its FMI type."""
-        chosen = [
-            self._chosen[n] if n in self._chosen else self._described[n].start
-            for n in variable.elements
-        ]
-        values = [_typed(variable, value) for value in chosen]
+        """Set a parameter, of an array all elements, to the values chosen, by its FMI type."""
+        values = [_typed(variable, self._value(name)) for name in variable.elements]
         try:
             self._fmu.set(variable, values)
         except CallError as error:
@@ -258,15 +284,22 @@ class FmuRope:
         self._motions.call()
 
     def _status(self) -> Status:
-        """Return the status by `status.valid` and `status.message`; an FMU without them is valid."""
+        """Return the status by `status.valid` and `status.message`.
+
+        An FMU without them is valid.
+        """
         if self._valid is None:
-            return _VALID
+            return SUCCESS
         self._valid.call()
-        return _VALID if self._valid.values[0, 0] else Status(False, self._text("status.message"))
+        if self._valid.values[0, 0]:
+            return SUCCESS
+        return Status(False, self._text("status.message"))
 
     def _text(self, name: str) -> str:
         """Return a String output; "" if the FMU lacks it."""
-        return self._fmu.text(self._variables[name])() if name in self._variables else ""
+        if name not in self._variables:
+            return ""
+        return self._fmu.text(self._variables[name])()
 
     @property
     def _tag(self) -> bytes:
@@ -274,7 +307,7 @@ class FmuRope:
         return f"{self._description.modelName} by {self._description.generationTool}\n".encode()
 
     def _failure_status(self, error: CallError) -> Status:
-        """Return the status of a failed call, in the FMU's own words if it still speaks."""
+        """Return the status of a failed call, with the FMU's own message if it still has one."""
         self._started = False
         message = ""
         with suppress(CallError):
@@ -283,7 +316,7 @@ class FmuRope:
 
     @contextmanager
     def _translate_failures(self) -> Iterator[None]:
-        """Raise a failed call as RuntimeError, so that nobody else needs FMPy."""
+        """Raise a failed call as RuntimeError, so that callers need no FMPy."""
         try:
             yield
         except CallError as error:
@@ -293,9 +326,11 @@ class FmuRope:
         """Return the cause of a failed call, with the FMU's messages."""
         messages = "; ".join(dict.fromkeys(self._errors))
         self._errors = []
-        return f"{error} {messages}" if messages else str(error)
+        if not messages:
+            return str(error)
+        return f"{error} {messages}"
 
-    def _hear(self, status: int, text: str) -> None:
+    def _log_message(self, status: int, text: str) -> None:
         """Log the FMU's warnings, each once; keep its errors for the call that fails."""
         if status > WARNING:
             self._errors.append(text)
@@ -304,6 +339,21 @@ class FmuRope:
         elif text not in self._warned:
             self._warned.add(text)
             _log.warning("%s", text)
+
+
+class _Columns(NamedTuple):
+    """Columns of a buffer, and of the table that they belong to."""
+
+    in_buffer: NDArray[np.int_]
+    in_table: NDArray[np.int_]
+
+
+def _columns(buffer: Buffer, names: Sequence[str]) -> _Columns:
+    """Return the columns of a buffer's outputs, in a table of the outputs with these names."""
+    index = {name: k for k, name in enumerate(buffer.names)}
+    in_table = [k for k, name in enumerate(names) if name in index]
+    in_buffer = [index[names[k]] for k in in_table]
+    return _Columns(np.array(in_buffer), np.array(in_table))
 
 
 @lru_cache(maxsize=8)  # a study winds with the same file in every run

@@ -1,99 +1,139 @@
 """The hoist as the partner of a coupling that gives motions.
 
-The coordinates of the exchange are the heights of the left and the right end; the rope's response to them are its
-vertical forces. Everything else of the ends' motion follows the drive.
+The coordinates of the exchange are the heights of the left and the right end; the rope's response
+to them are its vertical forces. Everything else of the ends' motion follows the drive.
 """
 
 from collections.abc import Callable, Sequence
+from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 
-from hoist_demo.cosimulation.schemes.interface import ENDS, InterfaceMotion, Load, Stopwatch, Vector
+from hoist_demo.cosimulation.schemes.interface import (
+    ENDS,
+    SUCCESS,
+    InterfaceMotion,
+    Load,
+    Stopwatch,
+    Vector,
+)
 from hoist_demo.drive.equations import FORCES, INPUT_NAMES, WORK_NAMES
 from hoist_demo.drive.outputs import OUTPUT_INDEX
 from hoist_demo.drive.plant import HoistPlant, PlantState, PlantStep
-from rope_model import EndMotion
+from rope_model import EndMotion, Status
 
 _POSITION, _SPEED, _ACCELERATION = (
-    slice(OUTPUT_INDEX[f"{n}_left"], OUTPUT_INDEX[f"{n}_right"] + 1) for n in "yva"
+    slice(OUTPUT_INDEX[f"{name}_left"], OUTPUT_INDEX[f"{name}_right"] + 1) for name in "yva"
 )
 #: Places of the forces in a path of the drive's input.
 _START, _LINEAR, _QUADRATIC = (
     slice(k + FORCES[0], k + FORCES[1] + 1) for k in np.arange(3) * len(INPUT_NAMES)
 )
-#: The controller's k-th command within a step, torque [N m] and brake: of k, time [s] and what the hoist shows then.
-NextCommand = Callable[[int, float, Vector], tuple[float, float]]
+_TORQUE = INPUT_NAMES.index("torque_command")
+_BRAKE = INPUT_NAMES.index("brake")
+_SIDES = slice(INPUT_NAMES.index("fx_left"), len(INPUT_NAMES))
+_LEFT_WORK, _RIGHT_WORK = (WORK_NAMES.index(end) for end in ENDS)
+_LATERAL = ("x", "z", "vx", "vz", "ax", "az", "yaw", "yaw_rate")
+#: Places in OUTPUTS of the lateral motion of each end, (2, 8).
+_LATERAL_OUTPUTS = np.reshape(
+    [OUTPUT_INDEX[f"{name}_{end}"] for end, name in product(ENDS, _LATERAL)],
+    (len(ENDS), len(_LATERAL)),
+)
+_AT_REST = (0.0,) * len(_LATERAL)
+
+
+class DriveCommand(NamedTuple):
+    """Command of the controller to motor and brake."""
+
+    torque: float  # N m
+    brake: float  # -, fraction of the brake's full torque
+
+
+#: The controller's k-th command within a step, by k, time [s] and OUTPUTS of the hoist.
+NextCommand = Callable[[int, float, Vector], DriveCommand]
 
 
 class HoistPartner:
-    """Hoist as a coupling's drive; `command` is to be given between steps."""
+    """Hoist as a coupling's drive; `command` is to be called between steps."""
 
     def __init__(
         self, plant: HoistPlant, state: PlantState, initial_input: Vector, clock: Stopwatch
     ) -> None:
-        """`initial_input` is what acts at the start, in the order of INPUT_NAMES."""
-        self.plant, self.state = plant, state
+        """`initial_input` acts at the start, in the order of INPUT_NAMES."""
+        self.plant = plant
+        self.state = state
+        self.input = initial_input  # that acts now, forces included
         self.per_step = 1  # samples of the controller in a step
         self.next_command: NextCommand | None = None  # None with one sample in a step
-        self._first = (
-            initial_input.item(_TORQUE),
-            initial_input.item(_BRAKE),
-        )  # command of a step, torque and brake
-        self.input = initial_input  # that acts now, forces included
-        self._path = np.concatenate(
-            [initial_input, np.zeros(2 * initial_input.size)]
-        )  # input over the next step
+        self._first = DriveCommand(initial_input.item(_TORQUE), initial_input.item(_BRAKE))
+        #: Polynomial of the input over the next step.
+        self._path = np.concatenate([initial_input, np.zeros(2 * initial_input.size)])
         self._clock = clock
-        self._outputs: Vector | None = None  # OUTPUTS under the input
-        self._done: tuple[Load, InterfaceMotion] | None = (
-            None  # load of the last step, and the motion at its end
-        )
+        self._outputs: Vector | None = None  # OUTPUTS under the input, None where not computed
+        self._last_load: Load | None = None  # load of the last step, None where another acts now
+        self._end_motion: InterfaceMotion | None = None  # motion at the end of the last step
 
-    def command(self, torque: float, brake: float, sides: Vector) -> None:
-        """Set what acts besides the vertical forces from now on: the command and the rope's side forces."""
-        self._path[_TORQUE], self._path[_BRAKE], self._path[_SIDES] = torque, brake, sides
-        self._first = torque, brake
-        self._done = None
+    def command(self, command: DriveCommand, side_forces: Vector) -> None:
+        """Set what acts besides the vertical forces from now on."""
+        self._first = command
+        self._set_command(command)
+        self._path[_SIDES] = side_forces
+        self._last_load = None
 
-    def step(self, t: float, h: float, load: Load) -> str:
+    def step(self, t: float, h: float, load: Load) -> Status:
         """Advance the hoist by one step under the load; a constant load is held to the bit."""
         with self._clock:
-            moved = self._moved(t, h, load)
-            if not moved.valid:
-                return f"t = {t:.6g} s: {moved.message}"
-            self.state, self.input, self._outputs = moved.state, moved.applied_input, moved.outputs
-            self._done = load, _motion(moved.outputs)
-        return ""
+            reached = self._advance(t, h, load)
+            if not reached.valid:
+                return Status(False, f"t = {t:.6g} s: {reached.message}")
+            self.state = reached.state
+            self.input = reached.applied_input
+            self._outputs = reached.outputs
+            self._last_load = load
+            self._end_motion = _motion(reached.outputs)
+        return SUCCESS
 
-    def _moved(self, t: float, h: float, load: Load) -> PlantStep:
-        """Advance the plant under the step's commands, from the first again where the step is repeated."""
-        number, path, added = self.per_step, self._under(load), load.added_mass
-        path[_TORQUE], path[_BRAKE] = self._first
-        moved = self.plant.advance(self.state, h, path, added, 0.0, 1.0 / number)
+    def _advance(self, t: float, h: float, load: Load) -> PlantStep:
+        """Advance the plant under the step's commands; a repeated step begins with the first one."""
+        number = self.per_step
+        path = self._path_under(load)
+        added_mass = load.added_mass
+        self._set_command(self._first)
+        reached = self.plant.advance(self.state, h, path, added_mass, begin=0.0, end=1.0 / number)
         for k in range(1, number):
-            if not moved.valid or self.next_command is None:
+            if not reached.valid or self.next_command is None:
                 break
-            path[_TORQUE], path[_BRAKE] = self.next_command(k, t + k * h / number, moved.outputs)
-            moved = self.plant.advance(moved.state, h, path, added, k / number, (k + 1) / number)
-        return moved
+            self._set_command(self.next_command(k, t + k * h / number, reached.outputs))
+            reached = self.plant.advance(
+                reached.state, h, path, added_mass, begin=k / number, end=(k + 1) / number
+            )
+        return reached
+
+    def _set_command(self, command: DriveCommand) -> None:
+        """Put a command into the path of the input."""
+        self._path[_TORQUE] = command.torque
+        self._path[_BRAKE] = command.brake
 
     @property
     def outputs(self) -> Vector:
         """Present OUTPUTS of the drive."""
         if self._outputs is None:
             path = np.concatenate([self.input, np.zeros(2 * self.input.size)])
-            _, self._outputs = self.plant.loads_and_outputs(self.state, path, np.zeros(2), 0.0)
+            _, self._outputs = self.plant.loads_and_outputs(
+                self.state, path, added_mass=np.zeros(2), s=0.0
+            )
         return self._outputs
 
     def position(self) -> Vector:
         return self.outputs[_POSITION]
 
     def motion(self, load: Load, s: float) -> InterfaceMotion:
-        if self._done is not None and self._done[0] is load and s == 1.0:
-            return self._done[1]
+        if self._end_motion is not None and self._last_load is load and s == 1.0:
+            return self._end_motion
         with self._clock:
             _, outputs = self.plant.loads_and_outputs(
-                self.state, self._under(load), load.added_mass, s
+                self.state, self._path_under(load), load.added_mass, s
             )
         return _motion(outputs)
 
@@ -103,61 +143,47 @@ class HoistPartner:
     def work(self) -> float:
         """Work of one balance rope's forces on the hoist [J]."""
         work_totals = self.state.work_totals
-        return (
-            work_totals.item(_LEFT_WORK) + work_totals.item(_RIGHT_WORK)
-        ) / self.plant.hoist.tail_rope_number
+        both = work_totals.item(_LEFT_WORK) + work_totals.item(_RIGHT_WORK)
+        return both / self.plant.hoist.tail_rope_number
 
     def ends(self, motion: InterfaceMotion) -> tuple[EndMotion, EndMotion]:
         """Motion of the rope's ends; conveyances without play rest to the sides."""
-        (y_left, y_right), (v_left, v_right) = motion.position.tolist(), motion.speed.tolist()
+        y_left, y_right = motion.position.tolist()
+        v_left, v_right = motion.speed.tolist()
         a_left, a_right = motion.acceleration.tolist()
-        left, right = (
-            self.outputs[_ASIDE].tolist() if self.plant.hoist.play is not None else _AT_REST
-        )
+        left = right = _AT_REST
+        if self.plant.hoist.play is not None:
+            left, right = self.outputs[_LATERAL_OUTPUTS].tolist()
         return _end(left, y_left, v_left, a_left), _end(right, y_right, v_right, a_right)
 
-    def arrive(self, state: PlantState, applied_input: Vector, outputs: Vector) -> None:
+    def set_state(self, state: PlantState, applied_input: Vector, outputs: Vector) -> None:
         """Go on where C has brought the drive, under an input and with OUTPUTS."""
-        self.state, self.input, self._outputs, self._done = state, applied_input, outputs, None
+        self.state = state
+        self.input = applied_input
+        self._outputs = outputs
+        self._last_load = None
 
     def save(self) -> tuple[PlantState, Vector]:
         return self.state, self.input
 
     def restore(self, snapshot: tuple[PlantState, Vector]) -> None:
         self.state, self.input = snapshot
-        self._outputs = self._done = None
+        self._outputs = None
+        self._last_load = None
 
-    def _under(self, load: Load) -> Vector:
-        self._path[_START], self._path[_LINEAR], self._path[_QUADRATIC] = (
-            load.start,
-            load.linear,
-            load.quadratic,
-        )
+    def _path_under(self, load: Load) -> Vector:
+        """Return the polynomial of the input over a step under this load."""
+        self._path[_START] = load.start
+        self._path[_LINEAR] = load.linear
+        self._path[_QUADRATIC] = load.quadratic
         return self._path
 
 
-def _end(aside: Sequence[float], y: float, vy: float, ay: float) -> EndMotion:
-    x, z, vx, vz, ax, az, yaw, yaw_rate = aside
+def _end(lateral: Sequence[float], y: float, vy: float, ay: float) -> EndMotion:
+    """Return the motion of an end, from its values of _LATERAL and its vertical motion."""
+    x, z, vx, vz, ax, az, yaw, yaw_rate = lateral
     return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate)
 
 
 def _motion(outputs: Vector) -> InterfaceMotion:
     return InterfaceMotion(outputs[_POSITION], outputs[_SPEED], outputs[_ACCELERATION])
-
-
-_ASIDE = np.array(
-    [
-        [
-            OUTPUT_INDEX[f"{name}_{end}"]
-            for name in ("x", "z", "vx", "vz", "ax", "az", "yaw", "yaw_rate")
-        ]
-        for end in ENDS
-    ]
-)
-_AT_REST = ((0.0,) * 8,) * 2
-_LEFT_WORK, _RIGHT_WORK = (WORK_NAMES.index(end) for end in ENDS)
-_TORQUE, _BRAKE, _SIDES = (
-    INPUT_NAMES.index("torque_command"),
-    INPUT_NAMES.index("brake"),
-    slice(4, 10),
-)

@@ -1,13 +1,15 @@
 """The balance rope in this process: the same RopePlant as the FMU, without the FMU.
 
-It stands in for the FMU in comparisons and for debugging, and winds what one FMU cannot: duties, and several ropes.
+It stands in for the FMU in comparisons and for debugging, and does what an FMU cannot: duties, and
+several ropes.
 """
 
 import logging
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from ctypes import c_int, create_string_buffer
-from dataclasses import replace
+from dataclasses import fields, replace
+from functools import partial
 from importlib.metadata import version
 from typing import Any
 
@@ -19,8 +21,8 @@ from hoist_demo.cosimulation.participants.library_calls import (
     TEXT,
     OutputTable,
     RopeLibrary,
-    access,
     codes_of,
+    make_access,
 )
 from hoist_demo.cosimulation.participants.rope_data import RopeData, stamp, unstamp
 from hoist_demo.cosimulation.schemes.interface import ADDED_MASSES, Reader
@@ -39,11 +41,16 @@ class InProcessRope:
     def __init__(
         self, scene: rope_model.Scene, read: Collection[str] | None = None, name: str = ""
     ) -> None:
-        """`read` are recorded outputs, None: all but the expensive added masses; warnings begin with `name`."""
+        """`read` are recorded outputs; None: all but the added masses, which take long.
+
+        Warnings begin with `name`.
+        """
         self._rope = rope_model.balance_rope(scene)
-        self._recorded = rope_model.SIGNALS.keys() - {*ADDED_MASSES} if read is None else read
-        self._warned: set[str] = set()  # subjects of what was logged
-        self._whose = f"{name}: " if name else ""
+        if read is None:
+            read = rope_model.SIGNALS.keys() - {*ADDED_MASSES}
+        self._recorded = read
+        self._warned: set[str] = set()  # subjects of warnings that were logged
+        self._prefix = f"{name}: " if name else ""
 
     @property
     def whole(self) -> rope_model.BalanceRope:
@@ -63,10 +70,12 @@ class InProcessRope:
 
     def _log_warnings(self, status: rope_model.Status) -> rope_model.Status:
         """Log warnings about a valid state, each once, and return the status."""
-        for subject, text in self._rope.warnings().items() if status.valid else ():
+        if not status.valid:
+            return status
+        for subject, text in self._rope.warnings().items():
             if subject not in self._warned:
                 self._warned.add(subject)
-                _log.warning("%s%s", self._whose, text)
+                _log.warning("%s%s", self._prefix, text)
         return status
 
     def data(self) -> RopeData:
@@ -100,45 +109,22 @@ class InProcessRope:
         if native.form != "native":
             return None
         handle = native.library
-        lib, rope = handle.lib, handle.rope
-        ends = np.zeros((1, 2 * len(rope_model.EndMotion.__dataclass_fields__)))
-
-        def table(names: Sequence[str], rows: int) -> OutputTable:
-            indices = [k for k, name in enumerate(names) if name in rope_model.SIGNALS]
-            fidelities = [k for k, name in enumerate(names) if name == FIDELITY]
-            numbers = (c_int * len(indices))(
-                *([*rope_model.SIGNALS].index(names[k]) for k in indices)
-            )
-            values, texts = np.zeros((rows, len(indices))), np.zeros((rows, len(fidelities)), TEXT)
-            accesses = (
-                [access("rope_signals", lib.rope_signals, rope, numbers, values)] if indices else []
-            )
-            accesses += (
-                [access("rope_fidelity", lib.rope_fidelity, rope, numbers, texts)]
-                if fidelities
-                else []
-            )
-
-            def read(count: int) -> NDArray[np.float64]:
-                outputs = np.full((count, len(names)), np.nan)
-                outputs[:, indices], outputs[:, fidelities] = (
-                    values[:count],
-                    codes_of(texts[:count]),
-                )
-                return outputs
-
-            return OutputTable(accesses, read)
-
-        none = (c_int * 0)()
+        lib = handle.lib
+        rope = handle.rope
+        no_numbers = (c_int * 0)()
+        ends = np.zeros((1, 2 * len(fields(rope_model.EndMotion))))
+        advance = make_access(
+            "rope_advance_to", lib.rope_advance_to, rope, numbers=no_numbers, values=ends
+        )
         return RopeLibrary(
-            access("rope_advance_to", lib.rope_advance_to, rope, none, ends),
-            access("rope_advance_to", lib.rope_advance_to, rope, none, ends),
-            table,
-            lambda call, _: native.status_of(call != "STEP"),
+            step=advance,
+            motions=advance,
+            table=partial(_output_table, lib, rope),
+            status=lambda call, _: native.status_of(call != "STEP"),
             warning=lib.rope_warning,
             warned=create_string_buffer(handle.warnings),
             text=handle.text,
-            heard=lambda: self._log_warnings(native.status_of(True)),
+            log_warnings=lambda: self._log_warnings(native.status_of(True)),
         )
 
     def save(self) -> rope_model.Snapshot:
@@ -153,27 +139,52 @@ class InProcessRope:
     def from_bytes(self, data: bytes) -> rope_model.RopeState:
         if not data.startswith(_TAG):
             raise ValueError(
-                "the state must be that of a rope in process, it is of an FMU: give that with --fmu FILE"
+                "the state must be that of a rope in process, it is of an FMU: "
+                "give that with --fmu FILE"
             )
-        return rope_model.RopeState.from_bytes(
-            unstamp(data.removeprefix(_TAG), self.data().parameters)
-        )
+        state = unstamp(data.removeprefix(_TAG), self.data().parameters)
+        return rope_model.RopeState.from_bytes(state)
 
     def units(self) -> dict[str, str]:
         """Unit of each output of the record, and of the fidelity's code."""
-        return {
-            name: str(s.unit) for name, s in rope_model.SIGNALS.items() if name in self._recorded
-        } | {FIDELITY: "1"}
+        signals = rope_model.SIGNALS.items()
+        units = {name: str(signal.unit) for name, signal in signals if name in self._recorded}
+        return units | {FIDELITY: "1"}
 
     def close(self) -> None:
         """Do nothing: no resources are held."""
 
 
+def _output_table(lib: Any, rope: int, names: Sequence[str], rows: int) -> OutputTable:
+    """Return a table of outputs that C reads from a native rope, of its library and its pointer."""
+    indices = [k for k, name in enumerate(names) if name in rope_model.SIGNALS]
+    fidelities = [k for k, name in enumerate(names) if name == FIDELITY]
+    places = {name: k for k, name in enumerate(rope_model.SIGNALS)}
+    numbers = (c_int * len(indices))(*(places[names[k]] for k in indices))
+    values = np.zeros((rows, len(indices)))
+    texts = np.zeros((rows, len(fidelities)), TEXT)
+    accesses = []
+    if indices:
+        accesses.append(make_access("rope_signals", lib.rope_signals, rope, numbers, values))
+    if fidelities:
+        accesses.append(make_access("rope_fidelity", lib.rope_fidelity, rope, numbers, texts))
+
+    def read(count: int) -> NDArray[np.float64]:
+        outputs = np.full((count, len(names)), np.nan)
+        outputs[:, indices] = values[:count]
+        outputs[:, fidelities] = codes_of(texts[:count])
+        return outputs
+
+    return OutputTable(accesses, read)
+
+
 def rope_data_of(scene: rope_model.Scene) -> RopeData:
     """Return the parameters of a scene by FMI name, with their units."""
-    named = [*named_parameters(scene)]
+    parameters = [*named_parameters(scene)]
     return RopeData(
-        {}, {p.name: p.value for p in named}, {p.name: p.facts.unit or "1" for p in named}
+        model={},
+        parameters={p.name: p.value for p in parameters},
+        units={p.name: p.facts.unit or "1" for p in parameters},
     )
 
 
@@ -187,8 +198,13 @@ def rope_scene(
     level: rope_model.Level = "standard",
     suspension: SuspensionOffset | None = None,
 ) -> rope_model.Scene:
-    """Return the scene of a level with parameters by FMI name, choices by code; `suspension` adds to the spacing."""
+    """Return the scene of a level with parameters by FMI name, choices by code.
+
+    `suspension` adds to the spacing of the rope's ends.
+    """
     scene = with_values(rope_model.at_level(rope_model.Scene(), level), parameters)
     if suspension is None:
         return scene
-    return scene.with_(layout=replace(scene.layout, spacing=suspension.apart(scene.layout.spacing)))
+    return scene.with_(
+        layout=replace(scene.layout, spacing=suspension.end_distance(scene.layout.spacing))
+    )

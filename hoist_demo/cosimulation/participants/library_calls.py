@@ -1,7 +1,7 @@
 """A rope's functions as trip.c calls them, by pointers: those of FMI, or of rope.h."""
 
 from collections.abc import Callable, Sequence
-from ctypes import CFUNCTYPE, Structure, addressof, c_int, c_size_t, c_void_p, cast
+from ctypes import CFUNCTYPE, Array, Structure, addressof, c_int, c_size_t, c_void_p, cast
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -35,25 +35,45 @@ FUNCTIONS = (
     *(f"fmi3Set{type_}" for type_ in ("Float32", "Float64")),
     "fmi3DoStep",
 )
-CALLS = ("MOTIONS", "STEP", "VALID", "FORCES")  #: What a step of the rope calls, in turn.
-TEXT = np.dtype("S24")  #: What is kept of a text.
+CALLS = ("MOTIONS", "STEP", "VALID", "FORCES")  #: Calls of a step of the rope, in turn.
+TEXT = np.dtype("S24")  #: Characters of a text that are stored.
 
 
 class Access(Structure):
     """A function that gets or sets values, row by row of an array."""
 
     _fields_ = (
-        *(("called_as", c_int), ("function", c_void_p), ("rope", c_void_p), ("numbers", c_void_p)),
-        *(("count", c_size_t), ("length", c_size_t), ("bytes", c_size_t), ("values", c_void_p)),
+        ("called_as", c_int),
+        ("function", c_void_p),
+        ("rope", c_void_p),
+        ("numbers", c_void_p),
+        ("count", c_size_t),
+        ("length", c_size_t),
+        ("bytes", c_size_t),
+        ("values", c_void_p),
     )
 
 
-def access(name: str, function: Any, rope: int, numbers: Any, values: NDArray[Any]) -> Access:
-    """Return a C getter or setter, a function of the type of ``name``, of a row of ``values`` of ``numbers``."""
-    shape = len(numbers), values.shape[1], values.strides[0], values.ctypes.data
-    made = Access(FUNCTIONS.index(name), cast(function, c_void_p), rope, addressof(numbers), *shape)
-    made.kept = numbers, values  # it has their addresses alone
-    return made
+def make_access(
+    name: str, function: Any, rope: int, numbers: Array[Any], values: NDArray[Any]
+) -> Access:
+    """Return the access to a C function, of the type of the function `name`.
+
+    `numbers` are references of the variables that the function gets or sets, each row of `values`
+    is room for all of them.
+    """
+    access = Access(
+        called_as=FUNCTIONS.index(name),
+        function=cast(function, c_void_p),
+        rope=rope,
+        numbers=addressof(numbers),
+        count=len(numbers),
+        length=values.shape[1],
+        bytes=values.strides[0],
+        values=values.ctypes.data,
+    )
+    access.arrays = numbers, values  # the access itself has their addresses alone
+    return access
 
 
 def codes_of(fidelities: NDArray[Any]) -> NDArray[np.float64]:
@@ -75,17 +95,15 @@ class RopeLibrary:
 
     step: Access  # the function alone
     motions: Access  # motions of the ends, to be set
-    table: Callable[
-        [Sequence[str], int], OutputTable
-    ]  # makes a table of outputs with this many rows
+    table: Callable[[Sequence[str], int], OutputTable]  # makes a table of outputs with so many rows
     status: Callable[
         [str, int], Status
-    ]  # status of a step whose call, one of CALLS, has returned this
+    ]  # of a step, by a name in CALLS and the status of that call
     valid: Access | None = None
-    warning: Any = None  # rope_warning, where somebody must ask
-    warned: Any = None  # a flag for each of the warnings, whether it was heard
-    text: Any = None  # room for one
-    heard: Callable[[], object] = lambda: None  # hears those that are new, and that C has gone on
+    warning: Any = None  # rope_warning, of a rope that does not report its warnings itself
+    warned: Any = None  # a flag for each warning, 1 once it is logged
+    text: Any = None  # room for one warning
+    log_warnings: Callable[[], object] = lambda: None  # logs new warnings, once C has gone on
 
 
-HEARD = CFUNCTYPE(None)
+LOG_WARNINGS = CFUNCTYPE(None)

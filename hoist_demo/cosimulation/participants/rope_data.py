@@ -12,13 +12,9 @@ from rope_model import Level, Scene, at_level
 from rope_model.physics.initial_curvature import CURVATURES
 from rope_model.scene_names import choices_of, named_parameters
 
-_LEVEL_GROUPS = (
-    "mesh.",
-    "solver.",
-    "model.",
-)  #: Groups of the numbers that a level of accuracy sets.
+_LEVEL_GROUPS = ("mesh.", "solver.", "model.")  #: Groups of numbers that a level of accuracy sets.
 _LEVEL_CHOICES = ("mesh.kind", "model.fidelity")  #: Choices that a level of accuracy sets.
-_FREE = "solver.kernels"  #: What may differ when a run goes on.
+_FREE = "solver.kernels"  #: Parameter that may differ when a run goes on.
 _TORQUE = tuple(f"rope.{name}" for name in ("Qb", "Qc", "installed_twist", *CURVATURES))
 
 
@@ -44,7 +40,8 @@ def unstamp(data: bytes, parameters: Mapping[str, Value]) -> bytes:
     ]
     if differences:
         raise ValueError(
-            f"the rope's parameters must be those of the state, but {', '.join(differences)}: set them so"
+            "the rope's parameters must be those of the state, but "
+            f"{', '.join(differences)}: set them so"
         )
     return state
 
@@ -56,25 +53,32 @@ class RopeData:
     model: Mapping[str, str]  # kind and origin
     parameters: Mapping[str, Value]
     units: Mapping[str, str]  # FMI's spelling, "1" for a pure number
-    fidelity_reason: str = ""  # why the fidelity runs that runs
+    fidelity_reason: str = ""  # why this fidelity runs
     name: str = ""  # prefix of its signals where there are several ropes
     suspension: SuspensionOffset = field(default_factory=SuspensionOffset)
     breaks: tuple[float, float] | None = (
-        None  # time [s] and place of its break [m], along the rope from its left end
+        None  # time [s] and place [m, from the left end] of a break
     )
 
     @property
     def prefix(self) -> str:
-        """Beginning of the names of its signals and of its parameters, where there are several ropes."""
-        return f"{self.name}." if self.name else ""
+        """Beginning of the names of its signals and parameters, where there are several ropes."""
+        if not self.name:
+            return ""
+        return f"{self.name}."
 
     def whose(self, text: str) -> str:
         """Return words on the rope, with its name where there are several."""
-        return f"{text}, {self.name}" if self.name else text
+        if not self.name:
+            return text
+        return f"{text}, {self.name}"
 
     @property
     def torque_free(self) -> bool:
-        """Return True if the rope carries no torque with ends that do not turn; unknown parameters count as torque."""
+        """Return True if the rope carries no torque with ends that do not turn.
+
+        Unknown parameters count as torque.
+        """
         return all(self.parameters.get(name) == 0.0 for name in _TORQUE)
 
     @property
@@ -85,30 +89,29 @@ class RopeData:
 
     def display(self, name: str) -> Value:
         """Return a parameter's value, a code with its word."""
-        value, words = self.parameters[name], choices_of(name)
-        return (
-            f"{value} ({words[value]})"
-            if isinstance(value, int) and 0 <= value < len(words)
-            else value
-        )
+        value = self.parameters[name]
+        words = choices_of(name)
+        if isinstance(value, int) and 0 <= value < len(words):
+            return f"{value} ({words[value]})"
+        return value
 
     @property
     def level(self) -> str:
         """Name of the level whose mesh, solver and model these are, "" for none."""
         for level in get_args(Level):
-            numbers = [
-                p
-                for p in named_parameters(at_level(Scene(), level))
-                if p.name.startswith(_LEVEL_GROUPS)
-            ]
-            wanted = {
-                p.name: p.value
-                for p in numbers
-                if isinstance(p.value, float) or p.name in _LEVEL_CHOICES
-            }
-            if all(self.parameters.get(name) == value for name, value in wanted.items()):
+            values = _level_values(level).items()
+            if all(self.parameters.get(name) == value for name, value in values):
                 return str(level)
         return ""
+
+
+def _level_values(level: Level) -> dict[str, Value]:
+    """Return the parameters that a level sets, by FMI name."""
+    parameters = named_parameters(at_level(Scene(), level))
+    groups = [p for p in parameters if p.name.startswith(_LEVEL_GROUPS)]
+    return {
+        p.name: p.value for p in groups if isinstance(p.value, float) or p.name in _LEVEL_CHOICES
+    }
 
 
 UNKNOWN = RopeData({}, {}, {})  #: A rope of which nothing is known.

@@ -2,7 +2,7 @@
 
 Reads as interface -> explicit, iterative, energy -> catalogue, stability.
 
-The drive takes forces and gives motions, the rope takes motions and gives forces; a scheme advances both over one
-communication step H. Nothing here knows what the two are: n interface coordinates, forces on the drive in N (or
-N m), motions in m (or rad). Over a step, s runs from 0 to 1.
+The drive takes forces and gives motions, the rope takes motions and gives forces; a scheme advances
+both over one communication step H. Schemes hold for any partners: n interface coordinates, forces
+on the drive in N (or N m), motions in m (or rad). Over a step, s runs from 0 to 1.
 """

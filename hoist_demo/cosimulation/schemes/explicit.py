@@ -1,9 +1,9 @@
-"""Schemes that do each step once, with what each partner expects of the other.
+"""Schemes that do each step once, with extrapolated data of the other partner.
 
-The expectation is a polynomial through the last samples, continued over the next step: order 0 holds the last value, 1
-continues the line and 2 the parabola through the last two and three. The samples need not be evenly spaced; as long as
-there are too few the order is lower. Source: M. Busch, Zur effizienten Kopplung von Simulationsprogrammen, 2012,
-chapter 3. Schemes of order n are of the order n + 1 in H.
+A polynomial through the last samples is continued over the next step: order 0 holds the last value,
+1 continues the line and 2 the parabola through the last two and three. The samples need not be
+evenly spaced; as long as there are too few the order is lower. Source: M. Busch, Zur effizienten
+Kopplung von Simulationsprogrammen, 2012, chapter 3. Schemes of order n are of the order n + 1 in H.
 """
 
 from collections.abc import Sequence
@@ -21,14 +21,18 @@ from hoist_demo.cosimulation.schemes.interface import (
 )
 
 Coefficients = tuple[Vector, Vector, Vector]
-#: Weights of the samples, latest first, in the mean of the extrapolated step, by order (Adams-Bashforth).
+#: Weights of the samples, latest first, in the extrapolated step's mean, by order
+#: (Adams-Bashforth).
 MEAN_WEIGHTS = ((1.0,), (1.5, -0.5), (23.0 / 12.0, -16.0 / 12.0, 5.0 / 12.0))
 
 
 def extrapolation_coefficients(
     samples: Sequence[interface.Sample], name: str, order: int, h: float
 ) -> Coefficients:
-    """Coefficients c0, c1, c2 of s = 0 .. 1 over the step of h [s] that follows the last sample; `name` is a field."""
+    """Return c0, c1, c2 of c0 + c1 s + c2 s^2 over the next step of h [s], s = 0 .. 1.
+
+    `name` is the field of Sample that is extrapolated.
+    """
     latest = samples[-1]
     last: Vector = getattr(latest, name)
     order = min(order, len(samples) - 1)
@@ -59,28 +63,31 @@ class Extrapolated:
     def weights(self) -> tuple[float, ...]:
         return MEAN_WEIGHTS[self.order]
 
+    def extrapolated_load(self, scheme_state: SchemeState, h: float) -> Load:
+        """Return the rope's past forces, extrapolated over the next step of h [s]."""
+        start, linear, quadratic = extrapolation_coefficients(
+            scheme_state.samples, "force", self.order, h
+        )
+        return Load(start, linear, quadratic, added_mass=np.zeros(start.shape))
+
 
 class GaussSeidel(Extrapolated):
-    """The drive first with extrapolated forces, then the rope along the motion that the drive made."""
+    """The drive first with extrapolated forces, then the rope along the motion of the drive."""
 
     def advance(
         self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float
     ) -> Advance:
-        start, linear, quadratic = extrapolation_coefficients(
-            scheme_state.samples, "force", self.order, h
-        )
-        return coupled.exchange(
-            scheme_state, t, h, Load(start, linear, quadratic, np.zeros(start.shape))
-        )
+        return coupled.exchange(scheme_state, t, h, self.extrapolated_load(scheme_state, h))
 
 
 class Jacobi(Extrapolated):
-    """Both partners at once, each with what it expects of the other; they may run at the same time.
+    """Both partners with extrapolated data of the other; they may run at the same time.
 
-    The drive gets extrapolated forces. The rope gets the motion of extrapolated accelerations from the drive's place
-    and speed at the step's start,
+    The drive gets extrapolated forces. The rope gets the motion of extrapolated accelerations from
+    the drive's place and speed at the step's start,
 
-        y(1) = y + h v + h^2 (c0/2 + c1/6 + c2/12) ,   v(1) = v + h (c0 + c1/2 + c2/3) ,   a(1) = c0 + c1 + c2 ;
+        y(1) = y + h v + h^2 (c0/2 + c1/6 + c2/12) ,
+        v(1) = v + h (c0 + c1/2 + c2/3) ,   a(1) = c0 + c1 + c2 ;
 
     holding the place itself would move the rope's end by jumps.
     """
@@ -88,20 +95,21 @@ class Jacobi(Extrapolated):
     def advance(
         self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float
     ) -> Advance:
-        start, linear, quadratic = extrapolation_coefficients(
-            scheme_state.samples, "force", self.order, h
-        )
+        load = self.extrapolated_load(scheme_state, h)
         c0, c1, c2 = extrapolation_coefficients(scheme_state.samples, "acceleration", self.order, h)
-        load = Load(start, linear, quadratic, np.zeros_like(start))
         now = coupled.drive.motion(load, 0.0)
         expected = interface.InterfaceMotion(
-            now.position + h * now.speed + h * h * (c0 / 2.0 + c1 / 6.0 + c2 / 12.0),
-            now.speed + h * (c0 + c1 / 2.0 + c2 / 3.0),
-            c0 + c1 + c2,
+            position=now.position + h * now.speed + h * h * (c0 / 2.0 + c1 / 6.0 + c2 / 12.0),
+            speed=now.speed + h * (c0 + c1 / 2.0 + c2 / 3.0),
+            acceleration=c0 + c1 + c2,
         )
-        if cause := coupled.step_drive(t, h, load) or coupled.step_rope(t, h, expected):
-            return Advance(scheme_state, cause)
-        return Advance(coupled.exchanged(scheme_state, t + h, Load.constant(coupled.forces()[0])))
+        status = coupled.step_drive(t, h, load)
+        if status.valid:
+            status = coupled.step_rope(t, h, expected)
+        if not status.valid:
+            return Advance(scheme_state, status)
+        force, _ = coupled.forces()
+        return Advance(coupled.exchanged(scheme_state, t + h, Load.constant(force)))
 
 
 @dataclass(frozen=True)
@@ -111,10 +119,10 @@ class SemiImplicit(Extrapolated):
         F(s) = F_e(s) - m_a (a - a_e(s))
 
     with extrapolated F_e and a_e and the rope's added mass m_a. The difference a - a_e is 0 at the
-    step's start and grows, as in the definition of the added mass. The drive solves for its own acceleration under this
-    load, so that no step is taken twice. Source: the idea of B. Schweizer and D. Lu, Predictor/corrector co-simulation
-    approaches for solver coupling with algebraic constraints, ZAMM 95 (2015), with the added mass in place of the
-    coupling Jacobian.
+    step's start and grows, as in the definition of the added mass. The drive solves for its own
+    acceleration under this load, so that no step is taken twice. Source: the idea of B. Schweizer
+    and D. Lu, Predictor/corrector co-simulation approaches for solver coupling with algebraic
+    constraints, ZAMM 95 (2015), with the added mass in place of the coupling Jacobian.
     """
 
     needs_added_mass: bool = True
@@ -135,8 +143,8 @@ class SemiImplicit(Extrapolated):
 class ImpulsePreserving:
     """Gauss-Seidel with the rope's mean force of the last step held; of first order.
 
-    The mean carries the impulse of the step, which the force at its end does not: what one partner gives arrives at
-    the other one step late, and complete.
+    The mean carries the impulse of the step, which the force at its end does not: the impulse of
+    one partner reaches the other one step late, and complete.
     """
 
     weights: tuple[float, ...] = (0.5, 0.5)  # weights of the forces at both ends of the last step

@@ -1,6 +1,7 @@
-"""Data that cross the interface, questions of a scheme to both partners, and its state between steps.
+"""Data that cross the interface, functions that a scheme calls of both partners, and its state.
 
-load of a step      F(s) = start + linear s + quadratic s^2 - m_a a ,   a: acceleration of the drive's ends, s = 0 .. 1
+load of a step      F(s) = start + linear s + quadratic s^2 - m_a a ,   a: acceleration of the
+drive's ends, s = 0 .. 1
 """
 
 from __future__ import annotations
@@ -8,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from itertools import product
 from time import perf_counter
 from typing import Any, NamedTuple, Protocol
 
@@ -18,10 +20,18 @@ from rope_model import EndMotion, Status
 
 Vector = NDArray[np.float64]
 ENDS = ("left", "right")
+
+
+def end_signals(*names: str) -> tuple[str, ...]:
+    """Return these signals of the rope's left end, then those of its right end."""
+    return tuple(f"{end}.{name}" for end, name in product(ENDS, names))
+
+
 #: The rope's signals: forces now, and their means over the last step; without them no loop can run.
-ROPE_FORCES = tuple(f"{end}.{name}" for name in ("fy", "fy_mean") for end in ENDS)
-ADDED_MASSES = tuple(f"{end}.added_mass" for end in ENDS)
+ROPE_FORCES = end_signals("fy") + end_signals("fy_mean")
+ADDED_MASSES = end_signals("added_mass")
 HISTORY = 3  #: Samples that are remembered: enough for a quadratic extrapolation.
+SUCCESS = Status(True)
 
 
 class InterfaceMotion(NamedTuple):
@@ -69,9 +79,7 @@ class SchemeState(NamedTuple):
     step_next: float = 0.0  # s, that the energy control would like; 0: not chosen yet
     exchanges: int = 0  # steps of the rope, those taken back included
     taken_back: int = 0  # exchanges that were taken back
-    residual: float = (
-        0.0  # J, work that one partner gave and the other did not get, since the start
-    )
+    residual: float = 0.0  # J, work that one partner gave and the other did not get, from the start
 
     @property
     def last(self) -> Sample:
@@ -79,22 +87,22 @@ class SchemeState(NamedTuple):
         return self.samples[-1]
 
     def with_taken_back(self, count: int = 1) -> SchemeState:
-        """Return the state with ``count`` more exchanges that were done and undone."""
+        """Return the state with `count` more exchanges that were done and undone."""
         return self._replace(exchanges=self.exchanges + count, taken_back=self.taken_back + count)
 
 
 class Advance(NamedTuple):
-    """State after a step, or that before it with the cause for which the step failed."""
+    """State after a step, or that before it with the status of the step that failed."""
 
     scheme_state: SchemeState
-    cause: str = ""
+    status: Status = SUCCESS
 
 
 class DrivePartner(Protocol):
     """Partner that takes forces and gives motions."""
 
-    def step(self, t: float, h: float, load: Load) -> str:
-        """Advance from t to t + h [s]; "" or the cause why not."""
+    def step(self, t: float, h: float, load: Load) -> Status:
+        """Advance from t to t + h [s]."""
 
     def position(self) -> Vector:
         """Places of the ends now, (n,) [m]."""
@@ -124,7 +132,8 @@ Reader = Callable[[], Vector]
 class RopePlant(Protocol):
     """A balance rope between two moving ends, in an FMU or in this process.
 
-    Names of signals are those of the FMI interface, e.g. `left.fy` [N], the rope's force on the left conveyance.
+    Names of signals are those of the FMI interface, e.g. `left.fy` [N], the rope's force on the
+    left conveyance.
     """
 
     def initialize(self, t0: float, left: EndMotion, right: EndMotion) -> Status:
@@ -137,9 +146,10 @@ class RopePlant(Protocol):
         """FMI unit of each signal of which a run makes a record, "1" or "" where it has none."""
 
     def reader(self, names: Sequence[str]) -> Reader:
-        """Return a function that reads these outputs now, also those without a record; NaN for those the rope lacks.
+        """Return a function that reads these outputs now, also those without a record.
 
-        Booleans are 0 and 1. It may be made before the rope hangs; its array is the caller's.
+        Booleans are 0 and 1, outputs that the rope lacks are NaN. The function may be made before
+        the rope hangs; its array is the caller's.
         """
 
     def save(self) -> Any:
@@ -152,7 +162,7 @@ class RopePlant(Protocol):
         """Serialize a snapshot for a file."""
 
     def from_bytes(self, data: bytes) -> Any:
-        """Deserialize what `to_bytes` wrote, also of another instance; ValueError if it does not fit."""
+        """Deserialize the bytes of `to_bytes`, of any instance; ValueError if they do not fit."""
 
     def close(self) -> None:
         """Free what the rope holds; may be called more than once."""
@@ -173,55 +183,64 @@ class Stopwatch:
 
 
 class CoupledSystem:
-    """Two partners of a co-simulation: a scheme steps and asks the rope here, and the drive itself."""
+    """Drive and rope of a co-simulation: a scheme steps both, and reads the rope's forces."""
 
     def __init__(
         self, drive: DrivePartner, rope: RopePlant, clock: Stopwatch | None = None
     ) -> None:
         """`rope` hangs; `clock` counts the time that it takes."""
-        self.drive, self.rope = drive, rope
-        self._clock = Stopwatch() if clock is None else clock
-        self._read, self._read_added_masses = rope.reader(ROPE_FORCES), rope.reader(ADDED_MASSES)
-        self._forces: Vector | None = None
-        self._before = (
-            0.0,
-            np.zeros(len(ENDS)),
-        )  # work on the drive [J] and its place [m] where the step began
+        self.drive = drive
+        self.rope = rope
+        self._clock = clock or Stopwatch()
+        self._read_forces = rope.reader(ROPE_FORCES)
+        self._read_added_masses = rope.reader(ADDED_MASSES)
+        self._forces: Vector | None = None  # ROPE_FORCES, None where they have to be read
+        self._work_before = 0.0  # J, on the drive, where the step began
+        self._position_before = np.zeros(len(ENDS))  # m, of the drive, where the step began
 
-    def step_rope(self, t: float, h: float, motion: InterfaceMotion) -> str:
-        """Advance the rope from t to t + h [s], where the motion holds; "" or the cause why not."""
+    def step_rope(self, t: float, h: float, motion: InterfaceMotion) -> Status:
+        """Advance the rope from t to t + h [s], where the motion holds."""
         with self._clock:
-            return self.rope_stepped(t, self.rope.step(t, h, *self.drive.ends(motion)))
+            return self.read_rope(t, self.rope.step(t, h, *self.drive.ends(motion)))
 
-    def rope_stepped(self, t: float, status: Status) -> str:
-        """Take what the rope answers to a step from t [s]; "" or the cause why it is of no use."""
-        forces = forces_or_error(status, self._read)
-        self._forces = None if isinstance(forces, str) else forces
-        return f"rope, step from t = {t:.6g} s: {forces}" if isinstance(forces, str) else ""
+    def read_rope(self, t: float, status: Status) -> Status:
+        """Read the rope's forces behind its step from t [s]; `status` is that of the step."""
+        response = read_response(status, self._read_forces)
+        self._forces = response.forces
+        if response.status.valid:
+            return response.status
+        return Status(False, f"rope, step from t = {t:.6g} s: {response.status.message}")
 
-    def step(self, t: float, h: float, load: Load) -> str:
-        """Advance both over one step: the rope follows the motion that the drive makes under the load."""
-        return self.step_drive(t, h, load) or self.step_rope(t, h, self.drive.motion(load, 1.0))
+    def step(self, t: float, h: float, load: Load) -> Status:
+        """Advance the drive under the load by one step, and the rope along the drive's motion."""
+        status = self.step_drive(t, h, load)
+        if not status.valid:
+            return status
+        return self.step_rope(t, h, self.drive.motion(load, 1.0))
 
-    def step_drive(self, t: float, h: float, load: Load) -> str:
-        """Advance the drive alone from t to t + h [s]; "" or the cause why not."""
-        self._before = self.drive.work(), self.drive.position()
+    def step_drive(self, t: float, h: float, load: Load) -> Status:
+        """Advance the drive alone from t to t + h [s]."""
+        self._work_before = self.drive.work()
+        self._position_before = self.drive.position()
         return self.drive.step(t, h, load)
 
     def forces(self) -> tuple[Vector, Vector]:
-        """Return the rope's force on the drive now, and its mean over the last step, each (n,) [N]."""
+        """Return the rope's force now, and its mean over the last step, each (n,) [N]."""
         if self._forces is None:
-            self._forces = self._read()
+            self._forces = self._read_forces()
         return self._forces[: len(ENDS)], self._forces[len(ENDS) :]
 
     def added_mass(self) -> Vector:
-        """Return the fall of the forces per acceleration that grows over a step, (n,) [kg]; ValueError if unknown."""
+        """Return the fall of the forces per acceleration that grows over a step, (n,) [kg].
+
+        Raises ValueError if the rope does not compute it.
+        """
         with self._clock:
             added = self._read_added_masses()
         if not np.isfinite(added).all():
             raise ValueError(
-                f"the rope's added mass, outputs {' and '.join(ADDED_MASSES)}, must be known, it is {added}: take "
-                "gauss-seidel-1 or iterative-secant"
+                f"the rope's added mass, outputs {' and '.join(ADDED_MASSES)}, must be known, "
+                f"it is {added}: take gauss-seidel-1 or iterative-secant"
             )
         return added
 
@@ -242,43 +261,59 @@ class CoupledSystem:
             self._forces = None
 
     def start(self, t: float) -> SchemeState:
-        """Return the state of a scheme that begins at t [s]; before it everything counts as at rest."""
+        """Return the state of a scheme that begins at t [s].
+
+        Before it everything counts as at rest.
+        """
         force, mean = self.forces()
-        return SchemeState(
-            (Sample(t, force, mean, self.drive.motion(Load.constant(force), 1.0).acceleration),)
-        )
+        acceleration = self.drive.motion(Load.constant(force), 1.0).acceleration
+        return SchemeState((Sample(t, force, mean, acceleration),))
 
     def exchanged(self, scheme_state: SchemeState, t: float, load: Load) -> SchemeState:
-        """State with the step that has ended at t, where the load acts, and with the energy that it made up.
+        """Return the state behind a step that ended at t [s], where `load` acts.
 
-        That is the drive's work less the rope's mean force times the distance: its work to the third order in h.
+        Its residual grows by the drive's work less the rope's, which is the mean force times the
+        distance to the third order in h.
         """
-        (force, mean), (work, position) = self.forces(), self._before
+        force, mean = self.forces()
         sample = Sample(t, force, mean, self.drive.motion(load, 1.0).acceleration)
-        made = self.drive.work() - work - float((mean * (self.drive.position() - position)).sum())
-        samples, exchanges = (*scheme_state.samples, sample)[-HISTORY:], scheme_state.exchanges + 1
+        distance = self.drive.position() - self._position_before
+        residual = self.drive.work() - self._work_before - float((mean * distance).sum())
         return scheme_state._replace(
-            samples=samples, exchanges=exchanges, residual=scheme_state.residual + made
+            samples=(*scheme_state.samples, sample)[-HISTORY:],
+            exchanges=scheme_state.exchanges + 1,
+            residual=scheme_state.residual + residual,
         )
 
     def exchange(self, scheme_state: SchemeState, t: float, h: float, load: Load) -> Advance:
         """Do the step under a load, drive first, and return the new state."""
-        if cause := self.step(t, h, load):
-            return Advance(scheme_state, cause)
+        status = self.step(t, h, load)
+        if not status.valid:
+            return Advance(scheme_state, status)
         return Advance(self.exchanged(scheme_state, t + h, load))
 
 
-def forces_or_error(status: Status, read: Reader) -> Vector | str:
-    """Return the rope's forces behind a start or a step, by a reader of ROPE_FORCES; or why they are unusable."""
+class RopeResponse(NamedTuple):
+    """Status of a start or step of the rope, and its ROPE_FORCES; None where it failed."""
+
+    status: Status
+    forces: Vector | None = None
+
+
+def read_response(status: Status, read: Reader) -> RopeResponse:
+    """Read ROPE_FORCES behind a start or step that had `status`.
+
+    It fails unless they are finite.
+    """
     if not status.valid:
-        return status.message or "status.valid is false, without a message"
+        message = status.message or "status.valid is false, without a message"
+        return RopeResponse(Status(False, message))
     forces = read()
     if math.isfinite(sum(forces.tolist())):
-        return forces
-    bad = [
-        name for name, force in zip(ROPE_FORCES, forces, strict=True) if not math.isfinite(force)
-    ]
-    return f"{', '.join(bad)} missing or not finite: check the rope plant"
+        return RopeResponse(status, forces)
+    bad = [name for name, force in zip(ROPE_FORCES, forces, strict=True) if not np.isfinite(force)]
+    message = f"{', '.join(bad)} missing or not finite: check the rope plant"
+    return RopeResponse(Status(False, message))
 
 
 class Scheme(Protocol):
@@ -286,7 +321,7 @@ class Scheme(Protocol):
 
     @property
     def weights(self) -> tuple[float, ...]:
-        """Weights of past forces, latest first, in the mean load of a step; none when the load is iterated."""
+        """Weights of past forces in a step's mean load, latest first; none if it is iterated."""
 
     @property
     def needs_rollback(self) -> bool:
@@ -299,4 +334,7 @@ class Scheme(Protocol):
     def advance(
         self, coupled: CoupledSystem, scheme_state: SchemeState, t: float, h: float
     ) -> Advance:
-        """Both partners from t to t + h [s]; when it fails their states may lie anywhere between."""
+        """Advance both partners from t to t + h [s].
+
+        If that fails, each may be anywhere between.
+        """

@@ -1,8 +1,8 @@
 """Numbers as short text, and pictures of what was recorded along the rope.
 
-Numbers are quantised to 16 or 8 bits, or are 32-bit floats, in base64. A packed array {"kind", "lo", "hi", "data"}
-stands for lo + (hi - lo) q / top with integers q from 0 to top; the code above top is NaN. assets/common.js holds the
-inverse.
+Numbers are quantised to 16 or 8 bits, or are 32-bit floats, in base64. A packed array {"kind",
+"lo", "hi", "data"} stands for lo + (hi - lo) q / top with integers q from 0 to top; the code above
+top is NaN. assets/common.js holds the inverse.
 """
 
 import base64
@@ -13,22 +13,29 @@ import numpy as np
 from hoist_demo.recording.time_series import Array, Recording
 
 Packed = dict[str, str | float]
-CODES = {
-    "u8": 254,
-    "u16": 65534,
-}  #: Largest integer that stands for a number, per kind; the next one is NaN.
+#: Largest integer that stands for a number, per kind; the next one is NaN.
+CODES = {"u8": 254, "u16": 65534}
+_LITTLE_ENDIAN = {"u8": "<u1", "u16": "<u2"}  #: Types of the packed integers.
 
 
 def pack(values: Array, kind: str = "u16") -> Packed:
-    """Values of any shape, flattened row by row; the error is half a quantum, (hi - lo) / top / 2."""
+    """Values of any shape, flattened row by row.
+
+    The error is half a quantum, (hi - lo) / top / 2.
+    """
     flat = np.asarray(values, dtype=np.float64).ravel()
     finite = np.isfinite(flat)
-    lo = float(np.min(flat[finite])) if finite.any() else 0.0
-    hi = float(np.max(flat[finite])) if finite.any() else 0.0
+    lo = 0.0
+    hi = 0.0
+    if finite.any():
+        lo = float(np.min(flat[finite]))
+        hi = float(np.max(flat[finite]))
     top = CODES[kind]
     codes = np.full(flat.shape, top + 1, dtype=np.float64)
-    codes[finite] = np.rint((flat[finite] - lo) * (top / (hi - lo))) if hi > lo else 0.0
-    raw = codes.astype("<u1" if kind == "u8" else "<u2").tobytes()
+    codes[finite] = 0.0
+    if hi > lo:
+        codes[finite] = np.rint((flat[finite] - lo) * (top / (hi - lo)))
+    raw = codes.astype(_LITTLE_ENDIAN[kind]).tobytes()
     return {"kind": kind, "lo": lo, "hi": hi, "data": base64.b64encode(raw).decode("ascii")}
 
 
@@ -43,7 +50,10 @@ def pack_to(values: Array, resolution: float) -> Packed:
 
 
 def thin(values: Array, most: int) -> Array:
-    """Thin to at most `most` values (1-D), the lowest and highest of each interval, in order; fewer stay."""
+    """Thin to at most `most` values (1-D), the lowest and highest of each interval, in order.
+
+    Fewer stay.
+    """
     if len(values) <= most:
         return values
     width = interval(len(values), most)
@@ -53,9 +63,8 @@ def thin(values: Array, most: int) -> Array:
         if np.isnan(part).all():
             extremes += [math.nan, math.nan]
         else:
-            extremes += [
-                float(part[k]) for k in sorted((int(np.nanargmin(part)), int(np.nanargmax(part))))
-            ]
+            places = sorted((int(np.nanargmin(part)), int(np.nanargmax(part))))
+            extremes += [float(part[k]) for k in places]
     return np.array(extremes)
 
 
@@ -79,7 +88,9 @@ def frames(count: int, most: int) -> list[int]:
     """Return rows at even distances, at most `most`, the last one included."""
     stride = max(1, math.ceil((count - 1) / max(1, most - 1)))
     rows = list(range(0, count, stride))
-    return rows if not rows or rows[-1] == count - 1 else [*rows, count - 1]
+    if rows and rows[-1] < count - 1:
+        rows.append(count - 1)
+    return rows
 
 
 #: Quantity, title, unit shown, and the factor that leads to it.
@@ -91,11 +102,17 @@ MAPS = (
 
 MAX_COLUMNS = 240  #: Most instants in a picture.
 ROPE_ROWS = 160  #: Places along the rope in a picture.
-MISSING = "The rope has no outputs {}, so these are not shown along it; export its FMU anew and wind again."
+MISSING = (
+    "The rope has no outputs {}, so these are not shown along it; export its FMU anew and wind "
+    "again."
+)
 
 
 def along(recording: Recording, name: str) -> dict[str, object]:
-    """Return pictures of what was recorded along a rope, one `name` of several, and a note of what was not."""
+    """Return pictures of quantities along a rope, and a note of those that were not recorded.
+
+    `name` is that of one of several ropes.
+    """
     rows = frames(len(recording.time), MAX_COLUMNS)
     curves = recording.shapes_at(rows)
     assert curves is not None
@@ -105,7 +122,14 @@ def along(recording: Recording, name: str) -> dict[str, object]:
         for curve in curves
     ]
     length = max(float(position[-1]) for position in positions)
-    maps, missing = [], []
+    size = {
+        "length": length,
+        "rows": ROPE_ROWS,
+        "columns": len(rows),
+        "span": recording.time[[0, -1]].tolist(),
+    }
+    maps = list[dict[str, object]]()
+    missing = list[str]()
     for quantity, title, unit, factor in MAPS:
         values = recording.along(quantity)
         if values is None:
@@ -114,26 +138,25 @@ def along(recording: Recording, name: str) -> dict[str, object]:
         if bool(np.isnan(values).all()):  # the fidelity of the rope's model leaves it out
             continue
         picture = factor * over_length(values[rows], positions, length)
-        titled = f"{title}, {name}" if name else title
         entry = {
             "id": quantity,
-            "title": titled,
+            "title": f"{title}, {name}" if name else title,
             "unit": unit,
             "quiet": bool(np.ptp(picture) == 0.0),
+            "values": pack(picture, "u8"),
         }
-        maps.append(entry | {"values": pack(picture, "u8")})
-    note = MISSING.format(" and ".join(missing)) if missing else ""
-    size = {
-        "length": length,
-        "rows": ROPE_ROWS,
-        "columns": len(rows),
-        "span": recording.time[[0, -1]].tolist(),
-    }
-    return {"maps": [one | size for one in maps], "note": note}
+        maps.append(entry | size)
+    note = ""
+    if missing:
+        note = MISSING.format(" and ".join(missing))
+    return {"maps": maps, "note": note}
 
 
 def over_length(values: Array, positions: list[Array], length: float) -> Array:
-    """Return the largest value (frames, n) in each of ROPE_ROWS parts of the length; a loop may be within one part."""
+    """Return the largest value (frames, n) in each of ROPE_ROWS parts of the length.
+
+    A loop may be within one part.
+    """
     edges = np.linspace(0.0, length, ROPE_ROWS + 1)
     picture = np.full((ROPE_ROWS, len(values)), np.nan)
     for k, (column, position) in enumerate(zip(values, positions, strict=True)):

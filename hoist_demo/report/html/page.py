@@ -1,7 +1,9 @@
-"""Joins templates of assets/ with text, data, style and scripts into one file without any outside reference.
+"""Pages from templates of assets/, with text, data, style and scripts in one file.
 
-Every page forbids its browser the network (Content-Security-Policy), so a stray reference would be an error in the
-console and not a hidden dependence.
+A page refers to nothing outside of it.
+
+Every page forbids its browser the network (Content-Security-Policy), so a stray reference would be
+an error in the console and not a hidden dependence.
 """
 
 import json
@@ -51,7 +53,8 @@ def running(files: Sequence[str], data: Mapping[str, object]) -> str:
     code = "\n".join(asset(name) for name in ("common.js", *files))
     text = json.dumps(_finite(data), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     inside = text.replace("<", "\\u003c")  # it may stand in a script element
-    return f'<script type="application/json" id="data">{inside}</script>\n<script>\n"use strict";\n{code}\n</script>'
+    data_element = f'<script type="application/json" id="data">{inside}</script>'
+    return f'{data_element}\n<script>\n"use strict";\n{code}\n</script>'
 
 
 def write_html(path: Path, text: str) -> Path:
@@ -61,39 +64,47 @@ def write_html(path: Path, text: str) -> Path:
 
 def titled_table(title: str, rows: Sequence[Row]) -> str:
     """Return a titled table of quantity, value, unit and more columns; "" without rows."""
-    lines = [
-        f'<tr><td>{html_text(quantity)}</td><td class="{_value(value)}">{html_text(value)}</td>'
-        + "".join(f'<td class="unit">{html_text(text)}</td>' for text in more)
-        + "</tr>"
-        for quantity, value, *more in rows
-    ]
-    return (
-        f"<section><h3>{html_text(title)}</h3><table>{''.join(lines)}</table></section>"
-        if lines
-        else ""
-    )
+    if not rows:
+        return ""
+    lines = ""
+    for quantity, value, *more in rows:
+        cells = f"<td>{html_text(quantity)}</td>"
+        cells += f'<td class="{_value(value)}">{html_text(value)}</td>'
+        for text in more:
+            cells += f'<td class="unit">{html_text(text)}</td>'
+        lines += f"<tr>{cells}</tr>"
+    return f"<section><h3>{html_text(title)}</h3><table>{lines}</table></section>"
 
 
 def _value(text: str) -> str:
-    return "value long" if len(text) > LONG else "value"
+    if len(text) > LONG:
+        return "value long"
+    return "value"
 
 
 def number(value: float, digits: int = 5) -> str:
     """Format a number for people, without an exponent where ten places do."""
     text = f"{value:.{digits}g}"
-    return f"{float(text):.10g}" if "e+" in text else text
+    if "e+" in text:
+        return f"{float(text):.10g}"
+    return text
 
 
 def engineering(largest: float, unit: str) -> tuple[float, str]:
-    """Return the factor to a unit in which this magnitude has few digits, and that unit: 9.96e7 J are 99.6 MJ."""
-    steps = _PREFIXES if re.split(r"[.\s/]", unit)[0] in ("J", "N", "W", "Pa") else ()
-    return next(
-        ((1.0 / size, prefix + unit) for size, prefix in steps if largest >= 10.0 * size),
-        (1.0, unit),
-    )
+    """Return the factor to a unit in which this magnitude has few digits, and that unit.
+
+    For 9.96e7 J these are 1e-6 and MJ.
+    """
+    first = re.split(r"[.\s/]", unit)[0]
+    if first in _UNITS_WITH_PREFIX:
+        for prefix, size in _PREFIXES.items():
+            if largest >= 10.0 * size:
+                return 1.0 / size, prefix + unit
+    return 1.0, unit
 
 
-_PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
+_UNITS_WITH_PREFIX = ("J", "N", "W", "Pa")
+_PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3}
 
 
 def unit_text(unit: str) -> str:
@@ -105,7 +116,9 @@ def unit_text(unit: str) -> str:
 def _finite(data: object) -> object:
     """Replace NaN and infinities by None, which JSON writes as null."""
     if isinstance(data, float):
-        return data if math.isfinite(data) else None
+        if math.isfinite(data):
+            return data
+        return None
     if isinstance(data, Mapping):
         return {key: _finite(value) for key, value in data.items()}
     if isinstance(data, list | tuple):
@@ -131,37 +144,54 @@ class Bar:
 
 
 def bars(rows: Sequence[Bar], ticks: Sequence[tuple[float, str]], title: str) -> str:
-    """Draw rows over a common axis from 0 to 1, as SVG; `ticks` are places on it with their texts."""
+    """Draw rows over a common axis from 0 to 1, as SVG.
+
+    `ticks` are places on it with their texts.
+    """
     height = ROW * (len(rows) + 1)
-    parts = [
-        f'<line class="grid" x1="{_x(position):.1f}" x2="{_x(position):.1f}" y1="0" y2="{height - ROW}"/>'
-        f'<text class="tick" text-anchor="middle" x="{_x(position):.1f}" y="{height - 8}">{html_text(text)}</text>'
-        for position, text in ticks
-    ]
-    for k, row in enumerate(rows):
-        y = ROW * (k + 0.5)
-        colour = "var(--left)" if row.solid else "var(--soft)"
-        low, high, at = (_x(min(max(x, 0.0), 1.0)) for x in (row.low, row.high, row.at))
+    parts = []
+    for position, text in ticks:
+        x = f"{_x(position):.1f}"
         parts.append(
-            f'<text x="{LABEL - 10}" y="{y + 4:.1f}" text-anchor="end" font-size="13">{html_text(row.label)}</text>'
-            f'<line x1="{low:.1f}" x2="{high:.1f}" y1="{y:.1f}" y2="{y:.1f}" stroke="{colour}" stroke-width="6" '
-            f'stroke-opacity="{0.55 if row.solid else 0.25}"/>'
-            f'<circle cx="{at:.1f}" cy="{y:.1f}" r="4.5" fill="{colour}"/>'
+            f'<line class="grid" x1="{x}" x2="{x}" y1="0" y2="{height - ROW}"/>'
+            f'<text class="tick" text-anchor="middle" x="{x}" y="{height - 8}">'
+            f"{html_text(text)}</text>"
         )
+    for k, row in enumerate(rows):
+        parts.append(_bar(row, y=ROW * (k + 0.5)))
     return (
-        f'<svg role="img" aria-label="{html_text(title)}" viewBox="0 0 {WIDTH} {height}" width="{WIDTH}" '
-        f'height="{height}">{"".join(parts)}</svg>'
+        f'<svg role="img" aria-label="{html_text(title)}" viewBox="0 0 {WIDTH} {height}" '
+        f'width="{WIDTH}" height="{height}">{"".join(parts)}</svg>'
+    )
+
+
+def _bar(row: Bar, y: float) -> str:
+    """Return label, line and dot of a row at the height `y` in pixels, as SVG."""
+    if row.solid:
+        colour = "var(--left)"
+        opacity = 0.55
+    else:
+        colour = "var(--soft)"
+        opacity = 0.25
+    low, high, at = (_x(min(max(x, 0.0), 1.0)) for x in (row.low, row.high, row.at))
+    return (
+        f'<text x="{LABEL - 10}" y="{y + 4:.1f}" text-anchor="end" font-size="13">'
+        f"{html_text(row.label)}</text>"
+        f'<line x1="{low:.1f}" x2="{high:.1f}" y1="{y:.1f}" y2="{y:.1f}" stroke="{colour}" '
+        f'stroke-width="6" stroke-opacity="{opacity}"/>'
+        f'<circle cx="{at:.1f}" cy="{y:.1f}" r="4.5" fill="{colour}"/>'
     )
 
 
 def plain_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Return an HTML table with a head row."""
-    cells = "".join(
-        f"<tr>{''.join(f'<td>{html_text(cell)}</td>' for cell in row)}</tr>" for row in rows
-    )
-    return (
-        f"<table><tr>{''.join(f'<th>{html_text(name)}</th>' for name in head)}</tr>{cells}</table>"
-    )
+    lines = _table_row(head, "th") + "".join(_table_row(row, "td") for row in rows)
+    return f"<table>{lines}</table>"
+
+
+def _table_row(texts: Sequence[str], tag: str) -> str:
+    cells = "".join(f"<{tag}>{html_text(text)}</{tag}>" for text in texts)
+    return f"<tr>{cells}</tr>"
 
 
 def paragraphs(texts: Sequence[str]) -> str:
@@ -171,9 +201,11 @@ def paragraphs(texts: Sequence[str]) -> str:
 
 def write_sheet(path: Path, title: str, parts: Sequence[tuple[str, str]]) -> Path:
     """Write a page of headings with HTML under them; a part without a heading stands first."""
-    body = "\n".join(
-        (f"<h2>{html_text(heading)}</h2>\n" if heading else "") + part for heading, part in parts
-    )
+    sections = []
+    for heading, part in parts:
+        head = f"<h2>{html_text(heading)}</h2>\n" if heading else ""
+        sections.append(head + part)
+    body = "\n".join(sections)
     return write_html(path, render_page("study", title, f'<main class="sheet">\n{body}\n</main>'))
 
 

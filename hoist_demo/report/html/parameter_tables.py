@@ -1,4 +1,4 @@
-"""The data a run was given, as table rows: each parameter by the name that sets it, with unit, meaning and status."""
+"""The data of a run as table rows: each parameter's name, value, unit, meaning and status."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
@@ -21,7 +21,7 @@ def parameter_tables(data: Mapping[str, object], statuses: Mapping[str, str]) ->
 def rope_tables(
     rope: RopeData, fidelities: Sequence[str], statuses: Mapping[str, str]
 ) -> list[TitledRows]:
-    """Return tables of the balance rope's source, of the fidelity computed, and of all its parameters."""
+    """Return tables of the rope's source, of the fidelity computed, and of all its parameters."""
     ran = ", then ".join(fidelities) or "not known"
     head: list[Row] = [(name, text, "") for name, text in rope.model.items()]
     head += [
@@ -30,15 +30,11 @@ def rope_tables(
     ]
     if rope.fidelity_reason:
         head.append(("because", rope.fidelity_reason, ""))
-    parameters: list[Row] = [
-        (
-            name,
-            word(rope.display(name)),
-            unit_text(rope.units.get(name, "")),
-            statuses.get(f"{rope.prefix}{name}", ""),
-        )
-        for name in rope.parameters
-    ]
+    parameters = list[Row]()
+    for name in rope.parameters:
+        unit = unit_text(rope.units.get(name, ""))
+        status = statuses.get(f"{rope.prefix}{name}", "")
+        parameters.append((name, word(rope.display(name)), unit, status))
     return [
         (rope.whose("Balance rope"), head),
         (rope.whose("Parameters of the balance rope"), parameters),
@@ -48,22 +44,29 @@ def rope_tables(
 def word(value: object) -> str:
     """Format a value for people."""
     if isinstance(value, bool):
-        return "yes" if value else "no"
-    return number(value) if isinstance(value, int | float) else str(value)
+        if value:
+            return "yes"
+        return "no"
+    if isinstance(value, int | float):
+        return number(value)
+    return str(value)
 
 
 def parameter_rows(data: Any, section: str, statuses: Mapping[str, str]) -> list[Row]:
-    """Return one row per number, flag or word of a dataclass, those of dataclasses within it included."""
+    """Return one row per number, flag or word of a dataclass and of the dataclasses within it."""
     listed: list[Row] = []
     for field in fields(data):
         value = getattr(data, field.name)
-        unit, meaning = (field.metadata.get(key, "") for key in ("unit", "description"))
+        unit = field.metadata.get("unit", "")
+        meaning = field.metadata.get("description", "")
         key = f"{section}{field.name}"
-        name = key + (f", {meaning}" if meaning else "")
-        status = statuses.get(key, "")
+        label = f"{key}, {meaning}" if meaning else key
         if is_dataclass(value):
             listed += parameter_rows(value, f"{key}.", statuses)
         elif value is None or isinstance(value, str | int | float):
-            shown = unit_text(unit) if isinstance(value, int | float) and unit != _NO_UNIT else ""
-            listed.append((name, word("none" if value in (None, "") else value), shown, status))
+            shown_unit = ""
+            if isinstance(value, int | float) and unit != _NO_UNIT:
+                shown_unit = unit_text(unit)
+            text = word("none" if value in (None, "") else value)
+            listed.append((label, text, shown_unit, statuses.get(key, "")))
     return listed

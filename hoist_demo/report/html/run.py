@@ -1,4 +1,4 @@
-"""The report of a run: its rope in motion over linked time plots, its numbers and its data, in one file."""
+"""The report of a run in one file: the rope in motion over linked plots, numbers, and data."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
@@ -23,23 +23,22 @@ from rope_model.texts import html_text
 MAX_TIMES = 2000  #: Points of a time plot: twice what a laptop's screen resolves; peaks are kept.
 MAX_FRAMES = 600  #: Positions of the rope; the browser interpolates between them.
 SHAPE_RESOLUTION = 1e-4  #: Error that packing may bring into a point of the rope [m].
+TIME_RESOLUTION = 1e-4  #: Error that packing may bring into an instant [s].
 
 
 def run_report(
     result: Result, hoist: Hoist, report: Report, path: Path, ropes: Sequence[RopeData] = (UNKNOWN,)
 ) -> Path:
-    """Write the report of a run, the same bytes but the clock's; the shaft drawn is that of the first of `ropes`."""
-    numbers = "".join(
-        page.titled_table(
-            group, [(row.quantity, row.text, page.unit_text(row.unit)) for row in rows]
-        )
-        for group, rows in rows_by_group(report.rows).items()
-    )
-    body = page.fill(
-        "run.html",
-        numbers=numbers,
-        tables="".join(page.titled_table(*t) for t in report.data_tables),
-    )
+    """Write the report of a run, the same bytes but the clock's.
+
+    The shaft drawn is that of the first of `ropes`.
+    """
+    numbers = ""
+    for group, rows in rows_by_group(report.rows).items():
+        cells: list[page.Row] = [(row.quantity, row.text, page.unit_text(row.unit)) for row in rows]
+        numbers += page.titled_table(group, cells)
+    tables = "".join(page.titled_table(title, rows) for title, rows in report.data_tables)
+    body = page.fill("run.html", numbers=numbers, tables=tables)
     data = _data(result, hoist, ropes)
     data |= {
         "shaft": drawn_shaft(ropes[0].parameters, result.recording),
@@ -57,16 +56,16 @@ def _verdict(verdict: Verdict, changed: parameter_tables.TitledRows) -> str:
     kind = "note good" if verdict.good else "note stopped"
     parts = [f'<p class="{kind}"><strong>{html_text(verdict.summary)}</strong></p>']
     if verdict.rows:
-        rows = page.plain_table(COLUMNS, [row.cells for row in verdict.rows])
-        parts.append(f'<div class="scroll">{rows.replace("<td>NO</td>", _NO)}</div>')
+        table = page.plain_table(COLUMNS, [row.cells for row in verdict.rows])
+        parts.append(f'<div class="scroll">{table.replace("<td>NO</td>", _NO)}</div>')
     parts += [
         f'<p class="note stopped"><strong>Warning.</strong> {html_text(text)}</p>'
         for text in verdict.remarks
     ]
-    if changed[1]:
-        parts.append(
-            f"<details open><summary>{html_text(changed[0])}</summary>{page.plain_table(CHANGED, changed[1])}</details>"
-        )
+    title, rows = changed
+    if rows:
+        table = page.plain_table(CHANGED, rows)
+        parts.append(f"<details open><summary>{html_text(title)}</summary>{table}</details>")
     return "".join(parts)
 
 
@@ -83,13 +82,19 @@ def _data(result: Result, hoist: Hoist, ropes: Sequence[RopeData]) -> dict[str, 
     signals = {name: _signal(recording[name], recording.units.get(name, "")) for name in names}
     signals |= {name: _signal(values, unit) for name, (values, unit) in extra.items()}
     shown = panels.panels(recording, hoist, of_ropes)
-    drawn = [(rope, own) for rope in ropes if _drawn(own := rope_signals(recording, rope.name))]
+    drawn = []
+    for rope in ropes:
+        rope_recording = rope_signals(recording, rope.name)
+        if _has_curve(rope_recording):
+            drawn.append((rope, rope_recording))
     return {
-        "time": packing.pack_to(packing.thin_times(recording.time, MAX_TIMES), 1e-4),
+        "time": packing.pack_to(packing.thin_times(recording.time, MAX_TIMES), TIME_RESOLUTION),
         # a run that stopped at once has one row, and an axis needs a length
         "span": [start, max(float(recording.time[-1]), start + 1e-3)],
         "signals": signals,
-        "panels": [asdict(panel) | {"quiet": panels.quiet(recording, panel)} for panel in shown],
+        "panels": [
+            asdict(panel) | {"quiet": panels.is_constant(recording, panel)} for panel in shown
+        ],
         "marks": [asdict(mark) for mark in panels.marks(result)],
         "transformations": panels.transformations(recording, of_ropes),
         "slips": {end: panels.slips(recording, end, of_ropes) for end in SIDES},
@@ -97,8 +102,8 @@ def _data(result: Result, hoist: Hoist, ropes: Sequence[RopeData]) -> dict[str, 
         "locked": ropes[0].locked,
         "alike": hoist.tail_rope_number,
         "sheave": {"height": hoist.sheave_height, "radius": hoist.sheave_radius},
-        "ropes": [_curve(own, rope) for rope, own in drawn],
-        "along": [along(own, rope.name) for rope, own in drawn],
+        "ropes": [_curve(rope_recording, rope) for rope, rope_recording in drawn],
+        "along": [along(rope_recording, rope.name) for rope, rope_recording in drawn],
     }
 
 
@@ -106,26 +111,26 @@ def _signal(values: Array, unit: str) -> dict[str, object]:
     return {"unit": page.unit_text(unit), "values": packing.pack(packing.thin(values, MAX_TIMES))}
 
 
-def _drawn(own: Recording) -> bool:
+def _has_curve(rope: Recording) -> bool:
     """Return True if the rope's curve was recorded and computed."""
-    shapes = own.shapes_at([0, -1])
+    shapes = rope.shapes_at([0, -1])
     return shapes is not None and bool(np.isfinite(shapes).all())
 
 
-def _curve(own: Recording, rope: RopeData) -> Mapping[str, object]:
-    """Return the rope's curve at its frames in the shaft, and the places of its ends on the conveyances."""
-    rows = packing.frames(len(own.time), MAX_FRAMES)
-    shapes = own.shapes_at(rows)
+def _curve(recording: Recording, rope: RopeData) -> Mapping[str, object]:
+    """Return the rope's curve in the shaft at each frame, and the places of its ends."""
+    rows = packing.frames(len(recording.time), MAX_FRAMES)
+    shapes = recording.shapes_at(rows)
     assert shapes is not None
     curves = shapes + rope.suspension.origin
     return {
         "name": rope.name,
         "places": [rope.suspension.at(end) for end in SIDES],
         "points": curves.shape[1],
-        "t": packing.pack_to(own.time[rows], 1e-4),
-        **{
-            axis: packing.pack_to(curves[:, :, k], SHAPE_RESOLUTION) for k, axis in enumerate("xyz")
-        },
+        "t": packing.pack_to(recording.time[rows], TIME_RESOLUTION),
+        "x": packing.pack_to(curves[:, :, 0], SHAPE_RESOLUTION),
+        "y": packing.pack_to(curves[:, :, 1], SHAPE_RESOLUTION),
+        "z": packing.pack_to(curves[:, :, 2], SHAPE_RESOLUTION),
     }
 
 
@@ -141,7 +146,10 @@ _DIVIDER = ("size", "y", "offset", "direction", "rounding")
 
 
 def drawn_shaft(parameters: Mapping[str, object], recording: Recording) -> Drawn:
-    """Sizes by part, from the rope's parameters by FMI name; what is not there has none, or the size 0."""
+    """Sizes by part, from the rope's parameters by FMI name.
+
+    What is not there has none, or the size 0.
+    """
     values = {name: float(x) for name, x in parameters.items() if isinstance(x, int | float)}
 
     def part(group: str, names: tuple[str, ...]) -> dict[str, float]:

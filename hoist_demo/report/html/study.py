@@ -1,15 +1,18 @@
-"""The report of a study: all runs in parallel coordinates, one column against another, and a sortable table.
+"""The report of a study.
 
-`meta` may hold `title` and `parameters` (names of the columns that were varied; the other columns are metrics).
-Whatever else it holds, a text or a number, is shown under Data, and so are parameters that are the same in all runs.
-Only what differs between runs has an axis. A run has failed when its `cause` is not empty. The page shows as many
-columns as it has room for: what varies, what the study judges by, what tells of danger, then the rest.
+It has all runs in parallel coordinates, one column against another, and a sortable table.
+
+`meta` may hold `title` and `parameters` (names of the columns that were varied; the other columns
+are metrics). Whatever else it holds, a text or a number, is shown under Data, and so are parameters
+that are the same in all runs. Only what differs between runs has an axis. A run has failed when its
+`cause` is not empty. The page shows as many columns as it has room for: what varies, what the study
+judges by, what tells of danger, then the rest.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pandas as pd
 
@@ -17,23 +20,18 @@ from hoist_demo.recording.passages import PASSED
 from hoist_demo.report.html import page
 from hoist_demo.report.html.parameter_tables import TitledRows
 from hoist_demo.study.metrics import MORE_IS_BETTER, NEUTRAL, UNITS
-from hoist_demo.study.objective import Objective
+from hoist_demo.study.objective import Constraint, Objective
 from hoist_demo.study.perform import MISSING, WARNINGS, StudyResult
 from hoist_demo.study.store import SEPARATOR, kind_of
 from rope_model.texts import html_text
 
 STATUS = "status"
 CAUSE = "cause"
-_NO_COLUMNS = (
-    STATUS,
-    CAUSE,
-    "run",
-    "key",
-    WARNINGS,
-    MISSING,
-)  #: Columns of the table that the page does not plot.
+#: Columns of the table that the page does not plot.
+_NO_COLUMNS = (STATUS, CAUSE, "run", "key", WARNINGS, MISSING)
 ROUNDING = 1e-9  #: Relative difference within which two numbers are one.
-_OWN = ("title", "parameters")
+_META_OF_PAGE = ("title", "parameters")  #: Keys of `meta` that the page uses elsewhere.
+LISTED_RUNS = 8  #: Most numbers of runs that a sentence lists.
 #: columns that are shown first behind what varies and what is judged
 _FIRST = (
     "judged",
@@ -56,80 +54,98 @@ def study_report(
     result: StudyResult | None = None,
     objective: Objective | None = None,
 ) -> Path:
-    """Write the report to `path`: one row of `table` per run, units `stated` by column name ("" or "1" for none).
+    """Write the report to `path`, from one row of `table` per run.
+
+    `stated` has the units by column name ("" or "1" for none).
 
     `more` are tables of the data, `result` the study's outcome, which is judged by `objective`.
     """
-    best = result.best if result else None
-    by, limits = (
-        tuple(objective.metrics) if objective else (),
-        objective.constraints if objective else (),
-    )
+    judged = list[str]()
+    constraints: Sequence[Constraint] = ()
+    if objective:
+        judged = list(objective.metrics)
+        constraints = objective.constraints
     parameters = [str(name) for name in meta.get("parameters", ())]
     causes = ["" if pd.isna(cause) else str(cause) for cause in table[CAUSE]]
-    values, units, factors = _in_engineering_units(
-        {str(name): [_plain(value) for value in table[name]] for name in table.columns}, stated
-    )
-    names = [name for name in values if name not in _NO_COLUMNS]
-    varied = {name for name in names if _differ(values[name])}
-    fixed = [name for name in parameters if name in names and name not in varied]
-    nowhere = [name for name in names if name not in parameters and set(values[name]) <= {None}]
-    first = [*parameters, *by, *_FIRST]
-    listed = [name for name in names if name not in {*fixed, *nowhere}]
-    # parameters first: they are read before what follows from them; what does not differ comes last
-    place = {name: k for k, name in enumerate(dict.fromkeys(first))}
-    listed.sort(
-        key=lambda name: (name not in parameters, name not in varied, place.get(name, len(first)))
-    )
-    columns = [
-        {
-            "name": name,
-            "unit": page.unit_text(units.get(name, "")),
-            "role": "parameter" if name in parameters else "metric",
-            # without anything that differs, as with a single run, all numbers have one
-            "axis": name in varied if varied else True,
-            "values": values[name],
-            "bounds": [
-                [factors[name] * one.value, one.sense] for one in limits if one.metric == name
-            ],
-            "better": 0
-            if name in NEUTRAL or name not in UNITS
-            else -1
-            if name in MORE_IS_BETTER
-            else 1,
-        }
-        for name in listed
+    choices: Sequence[int] = range(len(causes))
+    trends: Sequence[str] = ()
+    best = None
+    if result:
+        choices = result.choices
+        trends = result.remarks
+        best = result.best
+    columns = _columns_in_engineering_units(table, stated)
+    varied = {name for name, column in columns.items() if _differ(column.values)}
+    fixed = [name for name in parameters if name in columns and name not in varied]
+    empty = [
+        name
+        for name, column in columns.items()
+        if name not in parameters and set(column.values) <= {None}
     ]
+    listed = [name for name in columns if name not in {*fixed, *empty}]
+    # parameters first: they are read before what follows from them; what does not differ comes last
+    first = list(dict.fromkeys([*parameters, *judged, *_FIRST]))
+    place = {name: k for k, name in enumerate(first)}
+    listed.sort(
+        key=lambda name: (name not in parameters, name not in varied, place.get(name, len(place)))
+    )
+    page_columns = []
+    for name in listed:
+        column = columns[name]
+        bounds = [bound for bound in constraints if bound.metric == name]
+        page_columns.append(
+            {
+                "name": name,
+                "unit": page.unit_text(column.unit),
+                "role": "parameter" if name in parameters else "metric",
+                # without anything that differs, as with a single run, all numbers have one
+                "axis": name in varied or not varied,
+                "values": column.values,
+                "bounds": [[column.factor * bound.value, bound.sense] for bound in bounds],
+                "better": _better(name),
+            }
+        )
     data = {
-        "columns": columns,
+        "columns": page_columns,
         "statuses": [str(status) for status in table[STATUS]],
         "causes": causes,
-        "choices": list(result.choices if result else range(len(causes))),
+        "choices": list(choices),
         "best": list(best.runs) if best else [],
-        "by": list(by),
+        "by": judged,
     }
-    title = str(meta.get("title", "Study"))
-    rest = [(str(name), _text(value), "") for name, value in meta.items() if name not in _OWN]
-    sentences = [
-        f"{len(causes)} runs, {sum(cause != '' for cause in causes)} failed. {_passed(table)}{_early(table)}"
+    failed = sum(cause != "" for cause in causes)
+    sentences = [f"{len(causes)} runs, {failed} failed. {_passed(table)}{_early(table)}"]
+    if best:
+        sentences.append(f"{best.text[:1].upper()}{best.text[1:]}.")
+    remarks = _list("Not monotonic", trends)
+    remarks += _list("Warnings", _by_text(table, WARNINGS))
+    remarks += _list("Missing", _by_text(table, MISSING))
+    about: list[page.Row] = [
+        (str(name), _text(value), "") for name, value in meta.items() if name not in _META_OF_PAGE
     ]
-    sentences += [f"{best.text[:1].upper()}{best.text[1:]}."] if best else []
-    body = page.fill(
-        "study.html",
-        outcome="</p><p>".join(html_text(text.strip()) for text in sentences if text),
-        remarks=_list("Not monotonic", result.remarks if result else ())
-        + _list("Warnings", _by_text(table, WARNINGS))
-        + _list("Missing", _by_text(table, MISSING)),
-        tables=page.titled_table("Study", rest)
-        + page.titled_table(
-            "The same in all runs",
-            [(n, _describe(values[n]), page.unit_text(units.get(n, ""))) for n in fixed],
-        )
-        + page.titled_table("Not shown by any run", [(name, "", "") for name in nowhere])
-        + "".join(page.titled_table(title, rows) for title, rows in more),
-    )
+    equal: list[page.Row] = [
+        (name, _describe(columns[name].values), page.unit_text(columns[name].unit))
+        for name in fixed
+    ]
+    tables = page.titled_table("Study", about)
+    tables += page.titled_table("The same in all runs", equal)
+    tables += page.titled_table("Not shown by any run", [(name, "", "") for name in empty])
+    for heading, rows in more:
+        tables += page.titled_table(heading, rows)
+    outcome = "</p><p>".join(html_text(text.strip()) for text in sentences if text)
+    body = page.fill("study.html", outcome=outcome, remarks=remarks, tables=tables)
+    title = str(meta.get("title", "Study"))
     scripts = page.running(("study.js",), data)
     return page.write_html(Path(path), page.render_page("study", title, body, scripts=scripts))
+
+
+def _better(metric: str) -> int:
+    """Return 1 where less of a metric is better, -1 where more is, 0 where neither."""
+    if metric in NEUTRAL or metric not in UNITS:
+        return 0
+    if metric in MORE_IS_BETTER:
+        return -1
+    return 1
 
 
 def _differ(values: Sequence[float | str | None]) -> bool:
@@ -143,65 +159,87 @@ def _differ(values: Sequence[float | str | None]) -> bool:
 def _list(title: str, lines: Sequence[str]) -> str:
     """Return a titled list; "" without lines."""
     items = "".join(f"<li>{html_text(line)}</li>" for line in lines)
-    return f"<h2>{html_text(title)}</h2><ul>{items}</ul>" if lines else ""
+    if lines:
+        return f"<h2>{html_text(title)}</h2><ul>{items}</ul>"
+    return ""
 
 
 def _by_text(table: pd.DataFrame, column: str) -> list[str]:
     """Return each text of a column behind its runs; texts that differ in numbers only are one."""
     kinds: dict[str, tuple[str, list[int]]] = {}
-    for k, cell in enumerate(table[column] if column in table.columns else ()):
-        for text in cell.split(SEPARATOR) if isinstance(cell, str) and cell else ():
-            kinds.setdefault(kind_of(text), (text, []))[1].append(k + 1)
-    return [f"{_listed(runs)}: {text}" for text, runs in kinds.values()]
+    if column not in table.columns:
+        return []
+    for number, cell in enumerate(table[column], 1):
+        if isinstance(cell, str) and cell:
+            for text in cell.split(SEPARATOR):
+                _, runs = kinds.setdefault(kind_of(text), (text, []))
+                runs.append(number)
+    return [f"{_run_numbers(runs)}: {text}" for text, runs in kinds.values()]
 
 
-def _in_engineering_units(
-    values: Mapping[str, list[float | str | None]], stated: Mapping[str, str]
-) -> tuple[dict[str, list[float | str | None]], dict[str, str], dict[str, float]]:
-    """Return the columns, their units with prefixes where the numbers are large, and the factors."""
-    shown, units, factors = dict(values), dict(stated), dict[str, float]()
-    for name, column in values.items():
+Cell = float | str | None
+
+
+class _Column(NamedTuple):
+    """Column of the table in a unit for people, and the factor that leads to it."""
+
+    values: list[Cell]
+    unit: str
+    factor: float
+
+
+def _columns_in_engineering_units(
+    table: pd.DataFrame, stated: Mapping[str, str]
+) -> dict[str, _Column]:
+    """Return the columns that the page plots, in units with prefixes where numbers are large."""
+    columns = dict[str, _Column]()
+    for name in map(str, table.columns):
+        if name in _NO_COLUMNS:
+            continue
+        cells = [_cell(value) for value in table[name]]
         numbers = [
-            abs(value) for value in column if isinstance(value, float) and math.isfinite(value)
+            abs(value) for value in cells if isinstance(value, float) and math.isfinite(value)
         ]
-        factors[name], units[name] = page.engineering(
-            max(numbers, default=0.0), stated.get(name, "")
-        )
-        shown[name] = [
-            factors[name] * value if isinstance(value, float) else value for value in column
-        ]
-    return shown, units, factors
+        largest = max(numbers, default=0.0)
+        factor, unit = page.engineering(largest, stated.get(name, ""))
+        scaled = [factor * value if isinstance(value, float) else value for value in cells]
+        columns[name] = _Column(scaled, unit, factor)
+    return columns
 
 
 def _passed(table: pd.DataFrame) -> str:
     """Return a sentence on runs in which the rope passed through something; "" for none."""
-    runs = [k + 1 for k, text in enumerate(table[STATUS]) if PASSED in str(text)]
-    return (
-        f"In {_listed(runs)} the rope passed into or through something, the status says what."
-        if runs
-        else ""
-    )
+    runs = [number for number, text in enumerate(table[STATUS], 1) if PASSED in str(text)]
+    if not runs:
+        return ""
+    numbers = _run_numbers(runs)
+    return f"In {numbers} the rope passed into or through something, the status says what."
 
 
-def _listed(runs: Sequence[int]) -> str:
-    """Return the numbers of the first eight runs, and how many more there are."""
-    more = f" and {len(runs) - 8} more" if len(runs) > 8 else ""
-    return ("run " if len(runs) == 1 else "runs ") + ", ".join(map(str, runs[:8])) + more
+def _run_numbers(runs: Sequence[int]) -> str:
+    """Return the numbers of the first LISTED_RUNS runs, and how many more there are."""
+    text = "run " if len(runs) == 1 else "runs "
+    text += ", ".join(map(str, runs[:LISTED_RUNS]))
+    if len(runs) > LISTED_RUNS:
+        text += f" and {len(runs) - LISTED_RUNS} more"
+    return text
 
 
 def _early(table: pd.DataFrame) -> str:
     """Return a sentence on conveyances that arrived before their reference; "" for none."""
     if not {"cycle_time", "trajectory_time"} <= set(table.columns):
         return ""
-    cycle, trajectory = (pd.to_numeric(table[name]) for name in ("cycle_time", "trajectory_time"))
-    early = [k + 1 for k, sooner in enumerate(cycle < trajectory) if sooner]
-    words = "the conveyances were within the band of arrival, and stayed there, before the reference was at rest."
+    earlier = pd.to_numeric(table["cycle_time"]) < pd.to_numeric(table["trajectory_time"])
+    runs = [number for number, is_earlier in enumerate(earlier, 1) if is_earlier]
+    if not runs:
+        return ""
     return (
-        f" cycle_time is shorter than trajectory_time in {_listed(early)}: {words}" if early else ""
+        f" cycle_time is shorter than trajectory_time in {_run_numbers(runs)}: the conveyances "
+        "were within the band of arrival, and stayed there, before the reference was at rest."
     )
 
 
-def _plain(value: Any) -> float | str | None:
+def _cell(value: Any) -> Cell:
     """Convert a cell to a number or text for JSON; booleans become words."""
     if pd.isna(value):
         return None
@@ -211,8 +249,12 @@ def _plain(value: Any) -> float | str | None:
 
 
 def _describe(values: Sequence[float | str | None]) -> str:
-    return "none" if values[0] in (None, "") else _text(values[0])
+    if values[0] in (None, ""):
+        return "none"
+    return _text(values[0])
 
 
-def _text(value: Any) -> str:
-    return page.number(value) if isinstance(value, float) else str(value)
+def _text(value: object) -> str:
+    if isinstance(value, float):
+        return page.number(value)
+    return str(value)
