@@ -1,11 +1,10 @@
-"""Shared by the tests: exported FMUs, functions of the native rope, a rope held and loaded in any way, curves."""
+"""Shared by the tests: exported FMUs, functions of the native rope, differences, rotations."""
 
 from __future__ import annotations
 
 import gc
 import os
 from collections.abc import Callable, Generator, Iterator
-from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
@@ -23,8 +22,6 @@ from numpy.typing import NDArray
 from stand_in import VERSIONS
 
 from rope_model.compiler import find_compiler, make_once
-from rope_model.simulation.rope_kernels import RopeKernels
-from rope_model.simulation.rope_system import RopeSystem
 
 Array = NDArray[np.float64]
 Capture, Patch = pytest.CaptureFixture[str], pytest.MonkeyPatch
@@ -115,14 +112,6 @@ def no_reference_run(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fmu_src.attachments.reference_files", lambda *_: {})
 
 
-@pytest.fixture(params=["native", "python"])
-def form(request: pytest.FixtureRequest) -> Any:
-    """Either form of the rope."""
-    if request.param == "native" and not find_compiler():
-        pytest.skip("needs a C compiler")
-    return request.param
-
-
 @pytest.fixture(params=VERSIONS)
 def fmi(request: pytest.FixtureRequest) -> int:
     return int(request.param)
@@ -133,39 +122,6 @@ def host(fmi: int, unpacked: Unpacked) -> Iterator[Host]:
     made = Host(*unpacked(f"stand-in-{fmi}"))
     yield made
     made.free()
-
-
-@dataclass(frozen=True)
-class Chain:
-    """A rope_system.Boundary at rest: what is held, at which values, and dead loads; arrays (nodes, 7)."""
-
-    held: NDArray[np.bool_]
-    values: Array
-    loads: Array
-
-    @staticmethod
-    def unloaded(values: Array) -> Chain:
-        return Chain(np.zeros(values.shape, dtype=bool), values, np.zeros(values.shape))
-
-    def free(self, nodes: int) -> NDArray[np.bool_]:
-        return ~self.held
-
-    def prescribed_motion(self, t: float, nodes: int) -> Array:
-        return np.array([self.values, 0 * self.values, 0 * self.values])
-
-    def load(self, nodes: int) -> Array:
-        return self.loads
-
-    def slanted_friction(self, q: Array, reaction: Array) -> None:
-        return None
-
-    def friction_load(self, nodes: int) -> Array:
-        return np.zeros((nodes, 7))
-
-
-def portable_system(lengths: Array, P: Array, boundary: Chain) -> RopeSystem:
-    """A small chain that needs no compiler, its frame counted from the values at which it is held."""
-    return RopeSystem(RopeKernels(lengths.size, "portable"), lengths, P, boundary, boundary.values)
 
 
 def straight(s: Array) -> Array:

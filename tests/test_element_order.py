@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import Chain, portable_system, rotation, straight
+from conftest import rotation, straight
 from element_states import (
     ELEMENT,
     MATERIAL,
@@ -19,6 +19,7 @@ from element_states import (
     some_state,
     turned,
 )
+from rods import nothing_held, rod
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -26,7 +27,7 @@ from rope_model.parameters import Rope
 from rope_model.physics import element
 from rope_model.physics.element import PARAMETERS
 from rope_model.physics.frame import smallest_rotation_rate
-from rope_model.simulation.stepping.statics import find_equilibrium
+from rope_model.reference.statics import find_equilibrium
 
 CANTILEVER = {"EI": 1.0, "Qa": 50.0, "Qd": 0.7}
 LOAD = np.array([0.5, -3.0])
@@ -53,12 +54,13 @@ def elastica_tip() -> Array:
 
 def cantilever_tip(elements: int, load: Array, torque: float, coupling: float = 0.0) -> Array:
     s = np.linspace(0.0, 1.0, elements + 1)
-    chain = Chain.unloaded(straight(s))
-    chain.held[0, [0, 1, 2, 4, 5, 6]] = True
-    chain.loads[-1, : load.size], chain.loads[-1, 6] = load, torque
+    q = straight(s)
+    held, loads = nothing_held(q), np.zeros_like(q)
+    held[0, [0, 1, 2, 4, 5, 6]] = True
+    loads[-1, : load.size], loads[-1, 6] = load, torque
     P = np.array([(CANTILEVER | {"Qs": coupling}).get(name, 0.0) for name in PARAMETERS])
     P[0], P[7] = 1.0, 0.1  # inertia for pseudo-transient continuation only
-    return find_equilibrium(portable_system(np.diff(s), P, chain), chain.values).q[-1, :3]
+    return find_equilibrium(rod(np.diff(s), P, held, q, loads), q).q[-1, :3]
 
 
 def test_displacements_converge_with_the_fourth_power_of_the_element_length() -> None:
