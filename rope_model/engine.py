@@ -4,7 +4,7 @@ import ctypes
 import os
 import struct
 from collections.abc import Callable, Iterable, Sequence
-from ctypes import POINTER, Structure, byref, c_char_p, c_double, c_int, c_size_t, c_void_p
+from ctypes import POINTER, Structure, byref, c_bool, c_char_p, c_double, c_int, c_size_t, c_void_p
 from functools import cache, lru_cache
 from itertools import cycle
 from typing import Any, NamedTuple, cast, get_args, get_origin, get_type_hints
@@ -58,10 +58,10 @@ class LinearFactsStructure(Structure):
     """LinearFacts of rope.h."""
 
     _fields_ = (
-        ("free", (c_int * NODE_DOF) * 2),
-        ("near_bodies", c_int),
-        ("curved", c_int),
-        ("rubs", c_int),
+        ("free", (c_bool * NODE_DOF) * 2),
+        ("near_bodies", c_bool),
+        ("curved", c_bool),
+        ("rubs", c_bool),
         ("frame_size", c_int),
         ("lowest_s", c_double),
     )
@@ -270,9 +270,7 @@ class NativeRope(BalanceRope):
         facts = self._linear_facts()
         free = np.ones((self.elements + 1, NODE_DOF), dtype=np.bool_)
         free[[0, -1]] = np.array(facts.free)
-        return LinearFacts(
-            free, bool(facts.near_bodies), bool(facts.curved), bool(facts.rubs), facts.lowest_s
-        )
+        return LinearFacts(free, facts.near_bodies, facts.curved, facts.rubs, facts.lowest_s)
 
     def _linear_facts(self) -> LinearFactsStructure:
         self._require_state()

@@ -4,6 +4,7 @@
 #ifndef ROPE_H
 #define ROPE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "parameters.h" /* generated: codes of choices, EndMotion, and Scene with its groups of parameters */
@@ -78,12 +79,12 @@ size_t rope_repeated_steps(const Simulator *sim);
 
 /* What linear models and natural modes need of the present state, in the complete (torsional) model. */
 typedef struct {
-    int free[2][DOF]; /* true for coordinates of an end that are not prescribed */
-    int near_bodies;  /* true if an element may touch a body */
-    int curved;       /* true if permanent curvature acts */
-    int rubs;         /* true if wires rub */
-    int frame_size;   /* numbers of an element in rope_frames */
-    double lowest_s;  /* arc length of the loop's lowest point, m */
+    bool free[2][DOF]; /* true for coordinates of an end that are not prescribed */
+    bool near_bodies;  /* true if an element may touch a body */
+    bool curved;       /* true if permanent curvature acts */
+    bool rubs;         /* true if wires rub */
+    int frame_size;    /* numbers of an element in rope_frames */
+    double lowest_s;   /* arc length of the loop's lowest point, m */
 } LinearFacts;
 void rope_linear_facts(Simulator *sim, LinearFacts *facts);
 /* Write frame_size numbers of each element, which its functions take: the frame's reference, then the permanent

@@ -25,7 +25,8 @@ void rope_linear_facts(Simulator *sim, LinearFacts *facts) {
     const System sys = rope_system(sim, sim->state);
     const NodalArrays nodal = state_arrays(sim->state);
     find_near_bodies(&sys, nodal.q, nodal.v, 0);
-    memcpy(facts->free, sys.free, sizeof facts->free);
+    for (int side = LEFT; side <= RIGHT; side++)
+        for (int dof = 0; dof < DOF; dof++) facts->free[side][dof] = sys.free[side][dof];
     facts->near_bodies = longest_near(&sys) > 0;
     facts->curved = sys.curved != NULL;
     facts->rubs = sys.wires != NULL;
