@@ -21,13 +21,12 @@ _POSITIONS = {"left": (60.0, 104.0), "right": (140.0, 144.0)}
 _FORCE = ("fx", "fy", "fz", "mx", "my", "mz")
 _DEPENDENCIES = """\
 This FMU runs Python code: the importing process must be, or be able to load, a CPython 3.11 or newer in which the
-packages numpy and casadi (3.8.2 or newer) can be imported.  In a process that is not Python the FMU's library loads
-libpython3.x (python3.dll on Windows), which the dynamic linker must find, and PYTHONPATH must name the folder of the
-two packages; of several Pythons, preload the right one.
+packages numpy, scipy and casadi (3.8.2 or newer) can be imported.  In a process that is not Python the FMU's library
+loads libpython3.x (python3.dll on Windows), which the dynamic linker must find, and PYTHONPATH must name the folder of
+the packages; of several Pythons, preload the right one.
 
-Kernels compiled for the platform of the export are inside if a C compiler was there, as shared libraries in
-resources/kernels; elsewhere CasADi's virtual machine computes the same, several times more slowly.  The native flavour
-of this FMU has no such needs: balance-rope export --native.
+The rope is the published system in plain Python, to be read and changed.  The native flavour of this FMU is the
+complete model, is some 50 times as fast and has no such needs: balance-rope export --native.
 """
 
 
@@ -47,7 +46,7 @@ def attachments(
     if not native:
         files["documentation/licenses/pythonfmu.txt"] = license_text("pythonfmu").encode()
         files["documentation/externalDependencies.txt"] = _DEPENDENCIES.encode()
-    return files | reference_files(case, MODEL, [v.name for v in described])
+    return files | reference_files(case, MODEL, [v.name for v in described], native=native)
 
 
 def licenses() -> dict[str, bytes]:

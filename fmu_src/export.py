@@ -1,11 +1,10 @@
 """Export of the FMU of the Python flavour, as ``balance-rope export`` does.
 
-pythonfmu's builder makes the FMU: it gets the model description from the class in slave.py and
-packs the resources: copies of the modules of rope_model and fmu_src that slave.py imports
-(own_modules.py), and the kernels for the start values, interpreted for every platform, compiled for
-the exporting one. Its library is replaced, because it answers all calls but doStep with OK even if
-they fail, and cannot do otherwise.  Ours is the native flavour's, with Python behind it
-(native/python_model.c).  The importing host needs Python with numpy and casadi, and nothing else.
+The rope is rope_model.reference, the published system.  pythonfmu's builder makes the FMU: it gets the model
+description from the class in slave.py and packs the resources, which are copies of what slave.py imports of rope_model
+and fmu_src (own_modules.py).  Its library is replaced, because it answers all calls but doStep with OK even if they
+fail, and cannot do otherwise.  Ours is the native flavour's, with Python behind it (native/python_model.c).  The
+importing host needs Python with numpy, scipy and casadi, and nothing else.
 """
 
 import hashlib
@@ -20,9 +19,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from pythonfmu.builder import FmuBuilder
-from rope_model.simulation.mesh.partition import mesh_elements
-from rope_model.simulation.rope_kernels import write_bundle
-from rope_model.simulation.scene_kernels import kernels_needed
 
 from fmu_src import own_modules
 from fmu_src.archive import read_archive, write_archive
@@ -34,9 +30,9 @@ from fmu_src.native.export import shell
 from fmu_src.native.start import Start, binaries_with
 from fmu_src.native.table import c_table, start_values
 from fmu_src.own_modules import ROOT, import_from, modules_needed
-from fmu_src.profile import Profile, of_python
+from fmu_src.profile import Profile
+from fmu_src.python_flavour import of_python, require_for_python
 from rope_model.cases import Level
-from rope_model.rules.end_paths import EndMotion
 from rope_model.scene_names import Value
 
 _SLAVE = ROOT / "fmu_src" / "slave.py"
@@ -54,20 +50,22 @@ def export_fmu(
 ) -> Path:
     """Write the FMU with the start values of ``case``, at a level of accuracy and with ``start``.
 
-    The folder is made if needed.  ``platforms`` are names of FMI 3.0, by default all that can be
-    built here.  Two exports of the same sources give the same bytes if SOURCE_DATE_EPOCH is set.
+    The folder is made if needed.  ``platforms`` are names of FMI 3.0, by default all that can be built here.  Two
+    exports of the same sources give the same bytes if SOURCE_DATE_EPOCH is set.
+
+    Raises
+    ------
+    ValueError
+        If the rope is more than the published system, which this flavour knows alone.
     """
     chosen = choose_platforms(platforms)
     data = case_with(case, level, start)
-    scene = data.scene
+    require_for_python(data.scene)
     table = variables(data)
-    ends = (EndMotion(y=data.start), EndMotion(y=data.travel))
     with tempfile.TemporaryDirectory(prefix="balance_rope_") as folder:
         stage = Path(folder)
-        kernels = stage / "kernels"
-        write_bundle(mesh_elements(scene), kernels, kernels_needed(scene, ends))
         key = _build_key(
-            f"{case} {level} {sorted(start.items())} {profile}", kernels, library_sources(table)
+            f"{case} {level} {sorted(start.items())} {profile}", library_sources(table)
         )
         package = stage / f"balance_rope_{key}"
         script = stage / f"balance_rope_slave_{key}.py"
@@ -81,7 +79,7 @@ def export_fmu(
         draft = stage / "out" / "draft.fmu"
         draft.parent.mkdir()
         FmuBuilder.build_FMU(
-            script, draft, [package, kernels, stage / "build.json"], documentation_folder=None
+            script, draft, [package, stage / "build.json"], documentation_folder=None
         )
         _unload(stage, package.name, script.stem)
         draft_files = read_archive(draft).items()
@@ -116,12 +114,12 @@ def _build_facts(case: str, level: Level, key: str) -> dict[str, str]:
     }
 
 
-def _build_key(start_values: str, kernels: Path, library: Mapping[str, str]) -> str:
+def _build_key(start_values: str, library: Mapping[str, str]) -> str:
     """Return the hash of everything that determines the behaviour of the FMU."""
     digest = hashlib.sha256(start_values.encode())
-    for name in ("balance-rope", "casadi", "numpy", _BUILDER):
+    for name in ("balance-rope", "casadi", "numpy", "scipy", _BUILDER):
         digest.update(f"{name} {importlib.metadata.version(name)}\n".encode())
-    for path in sorted([*_sources(), *kernels.iterdir()]):
+    for path in sorted(_sources()):
         digest.update(path.name.encode() + path.read_bytes())
     for name, text in sorted(library.items()):
         digest.update(f"{name}{text}".encode())

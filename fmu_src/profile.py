@@ -133,13 +133,6 @@ def in_reading_order(described: Mapping[int, Variable]) -> dict[int, Variable]:
     return dict(sorted(described.items(), key=place))
 
 
-def of_python(described: Mapping[int, Variable]) -> dict[int, Variable]:
-    """Return the variables that the Python flavour has: all but the added masses."""
-    return {
-        reference: v for reference, v in described.items() if not v.name.endswith(".added_mass")
-    }
-
-
 def group_of(name: str) -> str:
     """Return the group of an output."""
     first, _, rest = name.partition(".")

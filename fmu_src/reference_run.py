@@ -1,8 +1,7 @@
 """Reference run of the rope, to check an FMU after import, after FMI-LS-REF 1.0.0-alpha.1.
 
-Both ends move as in the first second of a slow trip; inputs are read as FMI does, at the start of
-each step.  The engine makes it: an FMU of the Python flavour that is exported where there is none
-has no reference run.
+Both ends move as at the beginning of a slow trip; inputs are read as FMI does, at the start of each step.  The rope of
+the flavour makes it: a native FMU that is exported where there is no engine has no reference run.
 """
 
 import logging
@@ -15,10 +14,13 @@ from fmu_src.xml import node, xml_bytes
 from rope_model.cases import RopeCase
 from rope_model.codegen.build import NoEngine
 from rope_model.engine import NativeRope
+from rope_model.interface import BalanceRope
+from rope_model.reference.rope import ReferenceRope
 from rope_model.rules.end_paths import EndMotion
 
 H = 0.01  #: s, communication step
-STEPS = 100
+STEPS = 100  #: of the native flavour
+PYTHON_STEPS = 20  #: of the Python flavour, which takes more time for a step
 TRAVEL = 2.0  #: m, length of the whole trip
 DURATION = 4.0  #: s, its duration
 _DIGITS = 6  #: Decimals of results; further ones are rounding, which differs between machines.
@@ -38,21 +40,22 @@ Rows = list[dict[str, float]]
 log = logging.getLogger(__name__)
 
 
-def reference_files(case: RopeCase, name: str, described: Collection[str]) -> dict[str, bytes]:
-    """Return manifest, experiment, inputs and ``described`` outputs by path; none where there is no native rope.
+def reference_files(
+    case: RopeCase, name: str, described: Collection[str], *, native: bool
+) -> dict[str, bytes]:
+    """Return manifest, experiment, inputs and ``described`` outputs by path; none without a rope.
 
     Raises RuntimeError if the run fails.
     """
     try:
-        NativeRope(case.scene)
+        inputs, results = _run(case, native)
     except NoEngine as error:
         log.warning("the FMU has no reference run to check it by: %s", error)
         return {}
-    inputs, results = _run(case)
     outputs = ["time", *(key for key in _OUTPUTS if key in described)]
     times = {
         "startTime": 0,
-        "stopTime": _text(H * STEPS),
+        "stopTime": _text(inputs[-1]["time"]),
         "stepSize": _text(H),
         "tolerance": "1e-6",
     }
@@ -83,9 +86,10 @@ def reference_files(case: RopeCase, name: str, described: Collection[str]) -> di
 
 
 @cache
-def _run(case: RopeCase) -> tuple[Rows, Rows]:
-    """Return inputs and outputs at each instant."""
-    rope = NativeRope(case.scene)
+def _run(case: RopeCase, native: bool) -> tuple[Rows, Rows]:
+    """Return inputs and outputs at each instant; raises NoEngine."""
+    rope: BalanceRope = NativeRope(case.scene) if native else ReferenceRope(case.scene)
+    steps = STEPS if native else PYTHON_STEPS
     table = variables(case)
     start = {
         v.name: v.start for v in table if v.causality == "input" and isinstance(v.start, float)
@@ -94,7 +98,7 @@ def _run(case: RopeCase) -> tuple[Rows, Rows]:
     results: Rows = []
     motion = start
     status = rope.initialize(0.0, *_ends(start))
-    for k in range(STEPS + 1):
+    for k in range(steps + 1):
         if k > 0:
             status = rope.advance_to(k * H, *_ends(motion), (k - 1) * H)
         if not status.valid:

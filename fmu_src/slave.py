@@ -1,4 +1,4 @@
-"""Model of the Python flavour: the functions of model.h for native/python_model.c.
+"""Model of the Python flavour: the functions of model.h for native/python_model.c, over ReferenceRope.
 
 The FMI functions, and all rules about values, modes and states, are those of the native flavour
 (native/fmi2.c and native/component.c).  This class converts entries to scene and end motions, and
@@ -19,18 +19,19 @@ from xml.etree.ElementTree import Element
 
 from pythonfmu import Fmi2Slave
 from rope_model.simulation.outputs.signals import group_of
-from rope_model.simulation.simulator import RopeSimulator
 
 from fmu_src.interface import MOTION, case_with, variables
 from fmu_src.model_description import MODEL, Build, model_description
-from fmu_src.profile import Profile, of_python
+from fmu_src.profile import Profile
+from fmu_src.python_flavour import PYTHON_DESCRIPTION, of_python, require_for_python
 from rope_model.interface import Status
 from rope_model.parameters import Scene
+from rope_model.reference.outputs import group_of
+from rope_model.reference.rope import ReferenceRope
+from rope_model.reference.state import State
 from rope_model.rules.end_paths import EndMotion
-from rope_model.rules.messages.result_warnings import WARNINGS
-from rope_model.rules.messages.rules import first_text
-from rope_model.rules.messages.warning_rules import LONG_EXTRAPOLATION
-from rope_model.rules.state import RopeState
+from rope_model.rules.messages.warning_messages import extrapolated_too_far
+from rope_model.rules.messages.warning_rules import MAX_EXTRAPOLATION
 from rope_model.scene_names import Value, with_values
 
 log = logging.getLogger(__name__)
@@ -63,10 +64,10 @@ def _report_failure(
 
 
 class BalanceRope(Fmi2Slave):  # type: ignore[misc]
-    """Balance rope for co-simulation."""
+    """Published system of the balance rope for co-simulation."""
 
-    #: number of warnings
-    warnings = len(WARNINGS) + 1
+    #: number of warnings: inputs that are extrapolated too far
+    warnings = 1
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
@@ -78,7 +79,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         )
         self._indices = {v.name: i for i, v in enumerate(self._table)}
         self._texts: dict[int, str] = {}  # texts by scalar, whose addresses the library hands out
-        self._packed: tuple[RopeState | None, bytes] = (None, b"")
+        self._packed: tuple[State | None, bytes] = (None, b"")
         self.message = ""
 
     def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
@@ -97,6 +98,7 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
             date=build["date"],
             stop=build["stop"],
             tolerance=tolerance,
+            description=PYTHON_DESCRIPTION,
             derivatives=False,
         )
         described = Profile(tuple(build["outputs"])).select(self._table)
@@ -113,7 +115,9 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
         self._values = values.cast("d")
         self._outputs = outputs.cast("d")
         self._known = known
-        self._rope = RopeSimulator(self._scene(), self._resources / "kernels")
+        scene = self._scene()
+        require_for_python(scene)
+        self._rope = ReferenceRope(scene)
 
     @_report_failure
     def initialize(self, t: float) -> None:
@@ -130,56 +134,58 @@ class BalanceRope(Fmi2Slave):  # type: ignore[misc]
     @_report_failure
     def retune(self) -> None:
         """Continue with other tunable parameters."""
-        self._rope.retune(self._scene())
+        scene = self._scene()
+        require_for_python(scene)
+        self._rope.retune(scene)
 
     def time(self) -> float:
         """Return the present instant of the rope, s."""
-        return self._rope.state.motion.t
+        return self._rope.time
 
     # results
 
     @_report_failure
     def compute(self, scalar: int) -> None:
         """Write the output and its group into the library's array."""
-        compute_group = group_of(self._table[scalar].name)
-        for name, value in compute_group(self._rope).items():
-            index = self._indices.get(name)
-            if index is not None:
-                self._outputs[index] = value
-                self._known[index] = 1
+        name = self._table[scalar].name
+        group = group_of(name)
+        if group is None:
+            raise ValueError(f"the Python flavour has no output {name}; export with --native")
+        for each, value in group(self._rope.scene, self._rope.state).items():
+            index = self._indices[each]
+            self._outputs[index] = value
+            self._known[index] = 1
 
     def text(self, scalar: int) -> str:
         """Return an output that is a text."""
         name = self._table[scalar].name.removeprefix("status.")
-        if name == "warning":
-            text = "\n".join(filter(None, map(self.warning, range(self.warnings))))
-        else:
-            text = str(getattr(self._rope.state, name))
+        text = self.warning(0) if name == "warning" else str(getattr(self._rope, name))
         self._texts[scalar] = text
         return text
 
     def note(self) -> str:
         """Return notes about the set-up, for the log."""
-        state = self._rope.state
-        kernels = self._rope.model.kernels
-        model = f"{state.fidelity}, {kernels.elements} elements, {state.fidelity_reason}"
-        return f"model: {model}; kernels: {self._rope.form}"
+        rope = self._rope
+        return f"model: {rope.fidelity}, {rope.elements} elements, {rope.fidelity_reason}"
 
     def warning(self, number: int) -> str:
         """Return the warning ``number``, or '' if it does not apply now."""
-        facts = self._rope.scene, self._rope.state
-        if number < len(WARNINGS):
-            return [*WARNINGS.values()][number](*facts)
-        if self._at_step_end():
+        assert number == 0
+        state = self._rope.state
+        path = state.paths[0]
+        h = path.stop - path.start
+        # the interval is the difference of two instants, whose rounding grows with them
+        too_long = state.counts.steps > 0 and h > 1.001 * MAX_EXTRAPOLATION
+        if self._at_step_end() or not too_long:
             return ""
-        return first_text(LONG_EXTRAPOLATION, *facts)
+        return extrapolated_too_far(h, MAX_EXTRAPOLATION)
 
     # states
 
     def state(self) -> bytes:
         """Return the complete state of the rope."""
         if self._packed[0] is not self._rope.state:
-            self._packed = self._rope.state, self._rope.state.to_bytes()
+            self._packed = self._rope.state, self._rope.save()
         return self._packed[1]
 
     def state_bytes(self) -> int:

@@ -109,7 +109,7 @@ def no_figures(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def no_reference_run(monkeypatch: pytest.MonkeyPatch) -> None:
     """FMUs without the reference run, which takes most of the time of an export whose sources are compiled."""
-    monkeypatch.setattr("fmu_src.attachments.reference_files", lambda *_: {})
+    monkeypatch.setattr("fmu_src.attachments.reference_files", lambda *_, **__: {})
 
 
 @pytest.fixture(params=VERSIONS)

@@ -51,6 +51,9 @@ if host_platform() in available_platforms():
         for fmi in (2, 3)
     }
 
+#: kinds of the flavour that is the complete model
+NATIVE = [kind for kind, flavour in FLAVOURS.items() if flavour.native]
+
 
 def export_drive(
     destination: Path, platforms: Sequence[str] = (host_platform(),), fmi: int = 2

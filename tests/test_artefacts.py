@@ -1,4 +1,4 @@
-"""What is handed out, tried where it will live: ARTEFACTS by PLACES, in a Python with numpy, casadi and fmpy alone.
+"""What is handed out, tried where it will live: ARTEFACTS by PLACES, in a Python with NEEDED alone.
 
 The wheel is tried by release.trial, without a checkout and a compiler, in a folder with blanks and umlauts;
 ``make wheels`` and a slow test of test_public run that.
@@ -31,7 +31,7 @@ from rope_model.compiler import compile_library, find_compiler
 ROOT = Path(__file__).resolve().parent.parent
 HOST = Path(__file__).with_name("bare_host.py")
 #: all that the importing environment of the Python FMU needs, and the host
-NEEDED = ("numpy", "casadi", "fmpy")
+NEEDED = ("numpy", "scipy", "casadi", "fmpy")
 
 pytestmark = [
     pytest.mark.skipif(

@@ -88,9 +88,7 @@ def assert_alike(one: Result, other: Result) -> None:
         assert_allclose(one.recording[name], values, rtol=0.0, atol=1e-9 * largest, err_msg=name)
 
 
-@pytest.mark.parametrize(
-    "kind", ["native-2", "native-3", pytest.param("python", marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("kind", ["native-2", "native-3"])
 def test_an_fmu_is_wound_in_c(kind: str, fmu_of: Callable[[str], Path], in_c: list[int]) -> None:
     wound = Wound(fmu=fmu_of(kind), winding=replace(TRIP, travel=0.5, settle=0.2))
     test_a_trip_in_c_has_the_numbers_of_python(wound, in_c)

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from end_paths import Follower
-from exports import FLAVOURS
+from exports import NATIVE
 from masters import DURATION, JERK, LOOPS, MISSED, TRAVEL, Steps, random_steps
 from native_host import Host
 from numpy.testing import assert_allclose
@@ -28,7 +28,7 @@ def trip(t: float) -> tuple[EndMotion, EndMotion]:
     return smooth_trip(t, TRAVEL, DURATION, TRAVEL)
 
 
-@pytest.fixture(params=[*FLAVOURS, "drive-2"])
+@pytest.fixture(params=[*NATIVE, "drive-2"])
 def host(
     request: pytest.FixtureRequest, unpacked: Callable[[str], tuple[Path, str]]
 ) -> Iterator[Host]:
@@ -37,7 +37,7 @@ def host(
     made.free()
 
 
-rope_only = pytest.mark.parametrize("host", [*FLAVOURS], indirect=True)
+rope_only = pytest.mark.parametrize("host", NATIVE, indirect=True)
 
 
 def give(host: Host, t: float) -> None:

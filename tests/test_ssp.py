@@ -15,7 +15,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 import ssp_driver
-from exports import FLAVOURS
+from exports import FLAVOURS, NATIVE
 from fmpy.ssp.ssd import read_ssd
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
@@ -55,13 +55,7 @@ def system(folder: Path, rope: Path, drive: Path) -> Path:
 
 
 #: the Python rope takes minutes for the winding; test_tools has it in the tools
-FMUS = [
-    pytest.param(name, marks=[] if flavour.native else [pytest.mark.slow])
-    for name, flavour in FLAVOURS.items()
-]
-
-
-@pytest.fixture(scope="module", params=FMUS)
+@pytest.fixture(scope="module", params=NATIVE)
 def ssp(
     request: Any, tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], Path]
 ) -> Path:

@@ -26,9 +26,10 @@ from balance_rope import main
 from fmu_src.interface import case_with
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
-from rope_model import EndMotion, RopeSimulator, balance_rope, rope_120
+from rope_model import BalanceRope, EndMotion, balance_rope, rope_120
 from rope_model.compiler import find_compiler
 from rope_model.engine import NativeRope
+from rope_model.reference.rope import ReferenceRope
 
 H, TRAVEL = 0.01, 90.0
 REFERENCE = s_curve(Winding(travel=TRAVEL, start_delay=0.0))
@@ -76,10 +77,9 @@ def exported(request: Any, fmu_of: Callable[[str], Path]) -> tuple[Flavour, Path
 
 def in_process(native: bool, steps: int, lift: float = 0.0) -> np.ndarray:
     """(steps, 12) end forces and moments of the rope in process, all of it ``lift`` (m) higher."""
-    rope, rows = (
-        (NativeRope if native else RopeSimulator)(rope_120().scene.with_(solver=fixed_steps(H))),
-        [],
-    )
+    scene = rope_120().scene.with_(solver=fixed_steps(H))
+    rope: BalanceRope = NativeRope(scene) if native else ReferenceRope(scene)
+    rows = []
 
     def ends(t: float) -> list:
         return [replace(end, y=end.y + lift) for end in ends_at(REFERENCE, TRAVEL, t)]

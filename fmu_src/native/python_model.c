@@ -82,8 +82,8 @@ static const char LOAD[] =
     "    make = functools.partial(kind, instance_name=kind.__name__, resources=folder)\n"
     "except Exception as error:\n"
     "    wrong = (\n"
-    "        'this FMU runs Python code, which cannot be loaded: it needs Python 3.11 or newer with numpy and '\n"
-    "        f'casadi; or take its native flavour ({type(error).__name__}: {error}; resources: {location})'\n"
+    "        'this FMU runs Python code, which cannot be loaded: it needs Python 3.11 or newer with numpy, '\n"
+    "        f'scipy and casadi; or take its native flavour ({type(error).__name__}: {error}; resources: {location})'\n"
     "    )\n";
 
 /* finding Python */
@@ -132,7 +132,7 @@ static const char NAME[] = "libpython3.%d.dylib";
 static const char NAME[] = "libpython3.%d.so.1.0";
 #endif
 
-/* Return the process itself, or a libpython whose symbols are visible to the libraries of numpy and casadi. */
+/* Return the process itself, or a libpython whose symbols are visible to the libraries of numpy, scipy and casadi. */
 static void *library(void) {
     void *found = dlopen(NULL, RTLD_LAZY);
     char name[sizeof NAME];

@@ -38,6 +38,12 @@ NO_BODIES: dict[str, tuple[float, ...]] = {
 
 def require_published(scene: Scene) -> None:
     """Raise ValueError if the scene holds more than the published system."""
+    if text := unpublished(scene):
+        raise ValueError(f"{text}: take the engine, balance_rope(scene)")
+
+
+def unpublished(scene: Scene) -> str:
+    """Return '' for a scene of the published system; else the first value that is none of it."""
     allowed = dict(PUBLISHED)
     if scene.shaft.contact.stiffness > 0:
         allowed |= NO_BODIES
@@ -47,7 +53,8 @@ def require_published(scene: Scene) -> None:
             words = choices_of(parameter.name)
             value = words[int(parameter.value)] if words else f"{parameter.value:g}"
             bound = " or ".join(words[int(x)] if words else f"{x:g}" for x in values)
-            raise ValueError(
+            return (
                 f"{parameter.name} = {value} must be {bound} for the reference rope, which knows "
-                "the published system only: take the engine, balance_rope(scene)"
+                "the published system only"
             )
+    return ""
