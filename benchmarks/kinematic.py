@@ -15,10 +15,10 @@ from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from rope_model import BalanceRope, EndMotion, Model, Scene, Solver, Status, balance_rope
 from rope_model.rules.state import Event
-from rope_model.simulation.outputs.diagnostics import loop_bottom
 
 Array = NDArray[np.float64]
 H = 0.01  # s, communication step
+READ = ("loop.x", "loop.y", "loop.z", "energy.kinetic")
 
 
 def fixed_steps(h: float) -> Solver:
@@ -92,6 +92,7 @@ def wind(
     ``watch`` sees the rope at every record.
     """
     rope = build(scene)
+    read = rope.reader(READ)
     run = Winding(rope, rope.initialize(0.0, *ends_at(reference, travel, 0.0)))
     if not run.status.valid:
         return run
@@ -106,12 +107,13 @@ def wind(
         run.events += rope.state.events
         if k % sample == 0:
             state = rope.state
-            bottom = loop_bottom(state.motion.q, state.partition.lengths).position
+            *bottom_at, kinetic = read()
+            bottom = np.array(bottom_at)
             run.t.append(run.simulated)
             run.force.append(-state.motion.reaction[[0, -1], 1])
             run.bottom.append(bottom)
             run.observed.append(observation_points(state.motion.q, bottom))
-            run.kinetic.append(state.energy_balance.kinetic)
+            run.kinetic.append(kinetic)
             if watch is not None:
                 watch(rope)
     return run

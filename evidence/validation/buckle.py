@@ -20,7 +20,7 @@ from evidence.statics import clamped, rod, turned
 from evidence.tables import Array, Table, table
 from rope_model.parameters import Rope
 from rope_model.physics.node import ANGLE, POSITION
-from rope_model.simulation.stepping.statics import find_equilibrium
+from rope_model.reference.statics import find_equilibrium
 
 #: m, m, N, N m^2, N m^2
 LENGTH, SLACK, AXIAL, BEND, TORSION = 60.0, 4.0, 1e7, 200.0, 400.0
@@ -60,10 +60,10 @@ def ours(elements: int = 240) -> Iterator[tuple[float, float]]:
     """The same at TURNS, of the model's rod."""
     guess = planar(LENGTH, SLACK, elements)
     rope = Rope(LENGTH, Qa=AXIAL, Qb=0.0, Qc=0.0, Qd=TORSION, EI=BEND)
-    system = rod(rope, 0.0, guess, clamped(guess))
-    at_rest = find_equilibrium(system, guess)
+    equations = rod(rope, 0.0, guess, clamped(guess))
+    at_rest = find_equilibrium(equations, guess)
     for k in range(1, round(max(TURNS) / STEP) + 1):
-        at_rest = turned(system, at_rest.q, 2.0 * math.pi * STEP)
+        at_rest = turned(equations, at_rest.q, 2.0 * math.pi * STEP)
         if k * STEP in TURNS:
             yield float(at_rest.reaction[-1, ANGLE]), float(at_rest.reaction[-1, 0])
 

@@ -7,19 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import quad
 
-from evidence.statics import OUT_OF_PLANE, StaticBoundary
+from evidence.statics import OUT_OF_PLANE, held, rod
 from evidence.tables import Array
-from rope_model.numerics.generalized_alpha import restart, step
 from rope_model.parameters import Layout, Rope
-from rope_model.physics.element import parameters
 from rope_model.physics.node import POSITION
-from rope_model.rules.generalized_alpha import Coefficients
-from rope_model.simulation.rope_kernels import RopeKernels
-from rope_model.simulation.rope_system import RopeSystem
-from rope_model.simulation.stepping.statics import find_equilibrium, hanging_guess
+from rope_model.reference.equations import Equations
+from rope_model.reference.generalized_alpha import coefficients, restart, step
+from rope_model.reference.statics import find_equilibrium, hanging_guess
 
 GRAVITY = Layout().gravity
 CHAIN = 20.0  # m
+RHO_INF = 0.8
+NEWTON = 1e-8  # m and rad, last correction of a step
 
 
 @dataclass(frozen=True)
@@ -35,7 +34,7 @@ class Fall:
     unexplained: float
 
 
-def fold(EI: float, elements: int) -> tuple[RopeSystem, Array]:
+def fold(EI: float, elements: int) -> tuple[Equations, Array]:
     """A rope that hangs in its plane as a U of its natural width, one end pinned, the other let go."""
     width = 2.54307 * (EI / (Rope.mass_per_length * GRAVITY)) ** (1 / 3)
     s = np.linspace(0.0, CHAIN, elements + 1)
@@ -43,12 +42,10 @@ def fold(EI: float, elements: int) -> tuple[RopeSystem, Array]:
     q = hanging_guess(s, *ends)
     # Qa a hundredth of a wire rope's: axial waves pass the rope in 60 ms, and it stretches by 0.2 %
     rope = Rope(length=CHAIN, EI=EI, Qa=1e6, Qb=0.0, Qc=0.0)
-    kernels, P = RopeKernels(elements), np.array(parameters(rope, GRAVITY))
 
-    def hold(values: Array, nodes: list[int]) -> RopeSystem:
-        return RopeSystem(
-            kernels, np.diff(s), P, StaticBoundary.at(values, OUT_OF_PLANE, (nodes, POSITION)), q
-        )
+    def hold(values: Array, nodes: list[int]) -> Equations:
+        mask = held(values, OUT_OF_PLANE, (nodes, POSITION))
+        return rod(rope, GRAVITY, values, mask)
 
     hanging = find_equilibrium(hold(q, [0, -1]), q).q
     return hold(hanging, [0]), hanging
@@ -61,30 +58,29 @@ def potential(balance: dict[str, float]) -> float:
 
 def fall(EI: float, elements: int, largest: float, tolerance: float) -> Fall:
     """The tip's fall by generalized-alpha; a step that fails or errs by more than ``tolerance`` (m) is halved."""
-    system, q = fold(EI, elements)
-    rest = np.zeros_like(q)
-    motion, start = restart(system, 0.0, q, rest, rest)
-    method, h, dissipated, unexplained = Coefficients(0.8), largest, 0.0, 0.0
+    equations, q = fold(EI, elements)
+    motion = restart(equations, 0.0, q, np.zeros_like(q))
+    start = potential(equations.balance(q, motion.v))
+    local_error = coefficients(RHO_INF).local_error
+    h, dissipated, unexplained = largest, 0.0, 0.0
     rows = [(0.0, 0.0, float(motion.reaction[0, 1]))]
     while h > 1e-7 and motion.t < 2 * math.sqrt(2 * CHAIN / GRAVITY):
-        result = step(system, motion, h, method, 1e-8)
-        if result.motion is None or result.evaluation is None or result.error > tolerance:
+        new = step(equations, motion, h, RHO_INF, NEWTON).motion
+        error = math.inf
+        if new is not None:
+            error = local_error * h**2 * equations.size(new.a - motion.a)
+        if new is None or error > tolerance:
             h *= 0.5
             continue
-        new = result.motion
-        middle = system.evaluate(
-            0.5 * (motion.q + new.q), (new.q - motion.q) / h, new.a, new.reaction
-        ).balance
+        middle = equations.balance(0.5 * (motion.q + new.q), (new.q - motion.q) / h)
         dissipated += h * middle["damping_power"]
-        balance = result.evaluation.balance
-        unexplained = (
-            potential(balance) + balance["kinetic"] + dissipated - potential(start.balance)
-        )
+        balance = equations.balance(new.q, new.v)
+        unexplained = potential(balance) + balance["kinetic"] + dissipated - start
         motion = new
         rows.append((motion.t, -float(motion.q[-1, 1]), float(motion.reaction[0, 1])))
         if rows[-1][1] < rows[-2][1] and rows[-1][1] > 0.5 * CHAIN:
             break
-        if result.error < 0.1 * tolerance:
+        if error < 0.1 * tolerance:
             h = min(2 * h, largest)
     t, depth, pull = np.array(rows).T
     return Fall(t, depth, pull, unexplained / (Rope.mass_per_length * GRAVITY * CHAIN**2))
