@@ -9,7 +9,6 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from rope_model.simulation.outputs.diagnostics import loop_bottom
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import Trajectory, TrajectoryPoint
@@ -21,6 +20,7 @@ Array = NDArray[np.float64]
 H = 0.01  # s, communication step
 OBSERVED_HEIGHT = 3.0  # m, of the observation points over the rope's lowest point, as in the source
 OBSERVED = 7  # columns of a node that are observed: r, r', theta
+READ = ("loop.x", "loop.y", "loop.z", "energy.kinetic")
 
 
 def fixed_steps(h: float) -> Solver:
@@ -93,6 +93,7 @@ def wind(
     A record is made every ``sample`` steps; ``watch`` is called with the rope at every record.
     """
     rope = build(scene)
+    read = rope.reader(READ)
     run = Winding(rope, rope.initialize(0.0, *ends_at(reference, travel, 0.0)))
     if not run.status.valid:
         return run
@@ -107,12 +108,13 @@ def wind(
         run.events += rope.state.events
         if k % sample == 0:
             state = rope.state
-            bottom = loop_bottom(state.motion.q, state.partition.lengths).position
+            *bottom_at, kinetic = read()
+            bottom = np.array(bottom_at)
             run.t.append(run.simulated)
             run.force.append(-state.motion.reaction[[0, -1], 1])
             run.bottom.append(bottom)
             run.observed.append(observation_points(state.motion.q, bottom))
-            run.kinetic.append(state.energy_balance.kinetic)
+            run.kinetic.append(kinetic)
             if watch is not None:
                 watch(rope)
     return run

@@ -1,97 +1,76 @@
-"""Ropes held in any way, without conveyances, and their shapes at rest: what validation and contact share."""
+"""Ropes held in any way, without conveyances, and their shapes at rest.
 
-from __future__ import annotations
+They are those of the reference rope: ``rope_model.reference.equations`` with boundaries of their own.
+"""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
-from numpy.typing import NDArray
-from rope_model.simulation.rope_kernels import RopeKernels
-from rope_model.simulation.rope_system import RopeSystem
-from rope_model.simulation.stepping.statics import Equilibrium, find_equilibrium
+import scipy.sparse as sp
 
 from evidence.tables import Array
+from rope_model.analysis import chain_matrices
 from rope_model.parameters import Rope
-from rope_model.physics.element import parameters
+from rope_model.physics.element import ElementFunctions
 from rope_model.physics.node import ANGLE
-from rope_model.reference.equations import Equations, Mask
-
-
-@dataclass(frozen=True)
-class StaticBoundary:
-    """A rope_system.Boundary at rest: what is held, and at which values; arrays (nodes, 7)."""
-
-    held: NDArray[np.bool_]
-    values: Array
-
-    @staticmethod
-    def at(values: Array, *places: Any) -> StaticBoundary:
-        """Return the boundary that holds these ``places`` of ``values``, given as indices."""
-        held = np.zeros(values.shape, dtype=bool)
-        for place in places:
-            held[place] = True
-        return StaticBoundary(held, values.copy())
-
-    def free(self, nodes: int) -> NDArray[np.bool_]:
-        return ~self.held
-
-    def prescribed_motion(self, t: float, nodes: int) -> Array:
-        return np.array([self.values, 0 * self.values, 0 * self.values])
-
-    def load(self, nodes: int) -> Array:
-        return np.zeros_like(self.values)
-
-    def slanted_friction(self, q: Array, reaction: Array) -> None:
-        return None
-
-    def friction_load(self, nodes: int) -> Array:
-        return np.zeros_like(self.values)
-
-
-def held_at(q: Array, *places: Any) -> Mask:
-    """Return what is held: these ``places`` of ``q`` (nodes, 7), given as indices."""
-    held = np.zeros(q.shape, dtype=bool)
-    for place in places:
-        held[place] = True
-    return held
-
-
-def clamps(q: Array) -> Mask:
-    """Return what clamps at both ends hold: place, direction, angle; not the stretch along their axes."""
-    held = held_at(q, [0, -1])
-    held[[0, -1], 3 + np.argmax(np.abs(q[[0, -1], 3:6]), axis=1)] = False
-    return held
-
-
-def held_rod(rope: Rope, gravity: float, q: Array, held: Mask) -> Equations:
-    """``rope`` on equal elements, held as it is in the shape ``q`` (nodes, 7)."""
-    lengths = np.full(len(q) - 1, rope.length / (len(q) - 1))
-    return Equations.of(rope, gravity, lengths, q, held)
-
+from rope_model.reference import equations as reference
+from rope_model.reference.equations import Equations, Mask, of_elements
+from rope_model.reference.statics import Equilibrium, find_equilibrium
 
 #: index of what moves a rope out of its plane
 OUT_OF_PLANE = np.s_[:, [2, 5, 6]]
 
 
-def clamped(q: Array) -> StaticBoundary:
-    """Both ends of ``q`` held, place, direction and angle; they may stretch, along the axis that they lie on."""
-    boundary = StaticBoundary.at(q, [0, -1])
-    boundary.held[[0, -1], 3 + np.argmax(np.abs(q[[0, -1], 3:6]), axis=1)] = False
-    return boundary
+def held(q: Array, *places: Any) -> Mask:
+    """Return the mask (nodes, 7) that holds these ``places`` of ``q``, given as indices."""
+    mask = np.zeros(q.shape, dtype=bool)
+    for place in places:
+        mask[place] = True
+    return mask
 
 
-def rod(rope: Rope, gravity: float, q: Array, boundary: StaticBoundary) -> RopeSystem:
-    """``rope`` on equal elements, near the shape ``q`` (nodes, 7)."""
+def clamped(q: Array) -> Mask:
+    """Return the mask that holds both ends of ``q``: place, direction and angle.
+
+    They may stretch, along the axis that they lie on.
+    """
+    mask = held(q, [0, -1])
+    mask[[0, -1], 3 + np.argmax(np.abs(q[[0, -1], 3:6]), axis=1)] = False
+    return mask
+
+
+def rod(rope: Rope, gravity: float, q: Array, mask: Mask) -> Equations:
+    """Return the equations of a ``rope`` on equal elements, held by ``mask`` where ``q`` (nodes, 7) is."""
     elements = len(q) - 1
     lengths = np.full(elements, rope.length / elements)
-    return RopeSystem(
-        RopeKernels(elements), lengths, np.array(parameters(rope, gravity)), boundary, q
-    )
+    return Equations.of(rope, gravity, lengths, q, mask)
 
 
-def turned(system: RopeSystem, q: Array, angle: float) -> Equilibrium:
-    """At rest after the far end of ``q``, whose angles count along it, is turned by ``angle`` (rad) more."""
+def turned(equations: Equations, q: Array, angle: float) -> Equilibrium:
+    """Return the rest after the far end of ``q``, whose angles count along it, is turned by ``angle`` (rad) more."""
     guess = q.copy()
     guess[:, ANGLE] += angle * np.linspace(0.0, 1.0, len(q))
-    return find_equilibrium(system.with_boundary(clamped(guess)), guess)
+    return find_equilibrium(equations.held_at(guess), guess)
+
+
+def matrix(equations: Equations, q: Array, c: tuple[float, float, float]) -> sp.csc_matrix:
+    """Return c[0] dR/dq + c[1] dR/dv + c[2] dR/da of all nodes at rest in ``q``, the frame's reference."""
+    at = equations.with_reference(q)
+    still = of_elements(np.zeros_like(q))
+    nodes = of_elements(q)
+    element = reference.element_functions()
+    J = element.tangent(nodes, still, still, at.lengths[None, :], at.frame, at.material, *c, nodes)[
+        1
+    ]
+    of_chain = chain_matrices.of_elements(J.full(), at.lengths.size)
+    return (of_chain + sp.diags(c[2] * at.inertia.ravel())).tocsc()
+
+
+@contextmanager
+def with_element(functions: ElementFunctions) -> Iterator[None]:
+    """Give the reference rope another element inside: its equations call these ``functions``."""
+    with patch.object(reference, "element_functions", lambda: functions):
+        yield

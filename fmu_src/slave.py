@@ -18,7 +18,6 @@ from typing import Any, Concatenate, ParamSpec
 from xml.etree.ElementTree import Element
 
 from pythonfmu import Fmi2Slave
-from rope_model.simulation.outputs.signals import group_of
 
 from fmu_src.interface import MOTION, case_with, variables
 from fmu_src.model_description import MODEL, Build, model_description

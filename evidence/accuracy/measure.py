@@ -16,7 +16,7 @@ from evidence.reproduction.windings import COUPLINGS, TRAVEL
 from evidence.tables import Array, Measures, Tables, table
 from hoist_demo.control.trajectory import s_curve
 from rope_model.parameters import Scene
-from rope_model.simulation.mesh.partition import fit_mesh
+from rope_model.reference.mesh import fitted
 
 ROUNDS = 3
 #: families of which every point is repeated
@@ -114,7 +114,7 @@ def measure() -> Tables:
 def _key(point: Point) -> tuple[Scene, float]:
     """The same for points that are the same run."""
     scene = point.scene
-    return scene.with_(mesh=fit_mesh(scene)), point.communication
+    return scene.with_(mesh=fitted(scene)), point.communication
 
 
 def _worth_repeating(found: dict[Point, tuple[Run, tuple[float, float, float]]]) -> list[Point]:
@@ -145,7 +145,7 @@ def _row(p: Point, run: Run, errors: tuple[float, float, float]) -> tuple[object
 
 def _describe(p: Point) -> str:
     """The mesh in words."""
-    mesh = fit_mesh(p.scene.with_(mesh=p.mesh))
+    mesh = fitted(p.scene.with_(mesh=p.mesh))
     if mesh.kind == "eem":
         return f"EEM, {mesh.elements}"
     return f"TMN-ETM, l = {mesh.coarse_length:.3g} m, IV of {mesh.counts[2]}, ends halved {mesh.end_levels} times"

@@ -15,8 +15,8 @@ from evidence.tables import Array, Table, records, table
 from rope_model import EndMotion
 from rope_model.parameters import Scene
 from rope_model.physics.contact_error import ContactSums
+from rope_model.reference.mesh import fitted
 from rope_model.shaft_parameters import Contact, Divider, Shaft
-from rope_model.simulation.mesh.partition import fit_mesh
 from rope_model.solver_parameters import Mesh, Solver
 
 #: m: deeper places must be pressed
@@ -123,7 +123,7 @@ HEIGHTS, FINEST = tuple(-25.0 - 0.2 * k for k in range(9)), (960, 2e-3, 5.0)
 #: meshes in words; one that is given has no window
 MESHES = {
     "as fitted": FITTED,
-    "fitted, without its window": fit_mesh(past().scene.with_(mesh=FITTED)),
+    "fitted, without its window": fitted(past().scene.with_(mesh=FITTED)),
     "270 equal elements": Mesh("eem", 270),
     "480 equal elements": Mesh("eem", 480),
 }

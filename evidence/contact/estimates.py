@@ -18,8 +18,8 @@ from evidence.sampling import BENDING, MASS, SPACING, STIFFNESS, Draws
 from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics import contact_error
 from rope_model.physics.contact_error import add_contact_end_error, add_contact_loop_error
+from rope_model.reference.mesh import fitted
 from rope_model.shaft_parameters import Contact, Divider, Shaft
-from rope_model.simulation.mesh.partition import fit_mesh
 from rope_model.solver_parameters import Mesh
 
 #: seeds of the trips that the constants are fitted to and judged on, so many of each
@@ -77,7 +77,7 @@ class Judged(NamedTuple):
 def judge(trip: Trip) -> list[Judged]:
     """On either mesh; nothing where the divider is hardly touched."""
     fine = brush(trip, Mesh("eem", round(4.0 * trip.scene.rope.length)), 4e-3)
-    free = fit_mesh(trip.scene.with_(mesh=FITTED, shaft=Shaft()))
+    free = fitted(trip.scene.with_(mesh=FITTED, shaft=Shaft()))
     return (
         [_judged(trip, brush(trip, mesh), fine) for mesh in (free, FITTED)]
         if fine.peak > LEAST

@@ -4,11 +4,12 @@ from evidence.claims import recorded
 from evidence.contact import wall
 from evidence.contact.brush import FINEST, HEIGHTS, MESHES, STIFFNESS, orders, past
 from evidence.rendering import number, quantity, render
+from evidence.ropes import at_rest
 from evidence.tables import Table, Tables, records
 from rope_model.parameters import Rope, Scene
 from rope_model.rules import mesh_fit, mesh_pattern
 from rope_model.shaft_parameters import Shaft
-from rope_model.simulation.mesh.partition import fit_mesh, mesh_dividers, partition
+from rope_model.solver_parameters import Model
 
 
 def page(tables: Tables) -> str:
@@ -41,9 +42,10 @@ def _worst(heights: Table, mesh: str) -> tuple[str, str]:
 
 def _price(length: float) -> tuple[str, ...]:
     """The fitted mesh of a rope without a divider and with one."""
-    scenes = (Scene(Rope(length=length), shaft=shaft) for shaft in (Shaft(), past().scene.shaft))
-    free, pressed = (
-        partition(fit_mesh(scene), length, 0.5 * length, mesh_dividers(scene, 0.0, 0.0)).lengths
-        for scene in scenes
+    # a rigid rope has the mesh of the others, and needs no equilibrium
+    scenes = (
+        Scene(Rope(length=length), shaft=shaft, model=Model("rigid"))
+        for shaft in (Shaft(), past().scene.shaft)
     )
+    free, pressed = (at_rest(scene).state.partition.lengths for scene in scenes)
     return number(length), number(free.size), number(pressed.size), number(pressed.max(), ".2f")

@@ -8,67 +8,100 @@ is the same as it comes and as it goes: the rebound depends on the speed alone, 
 """
 
 import math
-from functools import partial
-from typing import NamedTuple
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import brentq
 
-from evidence.statics import OUT_OF_PLANE, StaticBoundary
-from rope_model.numerics.generalized_alpha import restart, step
-from rope_model.parameters import Rope, Scene
-from rope_model.physics.element import parameters
-from rope_model.rules.generalized_alpha import Coefficients
-from rope_model.shaft_parameters import Contact, Shaft, Sump
-from rope_model.simulation.contact.obstacles import find_obstacles
-from rope_model.simulation.rope_kernels import RopeKernels
-from rope_model.simulation.rope_system import RopeSystem
+from evidence.statics import OUT_OF_PLANE, held, rod, with_element
+from evidence.tables import Array
+from rope_model.parameters import Rope
+from rope_model.physics import shaft
+from rope_model.physics.contact_element import CONTACT_BALANCE, LAW
+from rope_model.physics.element import BALANCE
+from rope_model.physics.rope_element import rope_element
+from rope_model.reference.equations import Equations, of_elements
+from rope_model.reference.generalized_alpha import restart, step
+from rope_model.rules.bodies import FLOOR
+from rope_model.shaft_parameters import Contact, Sump
 
 #: m of rope, in so many elements, and the gap below it
 LENGTH, ELEMENTS, GAP = 2.0, 2, 0.01
+RHO_INF = 1.0  # no numerical dissipation
+NEWTON = 1e-12  # m, last correction of a step
+#: the published element with a floor
+ELEMENT = rope_element("torsional", (FLOOR,))
 
 
-class Rebound(NamedTuple):
-    """Speeds (m/s) and largest depth (m) of an impact, and its energy unexplained over the kinetic energy before."""
+@dataclass(frozen=True)
+class Rebound:
+    """Result of an impact."""
 
-    speed: float
-    depth: float
-    unexplained: float
+    speed: float  # m/s
+    depth: float  # m, largest
+    unexplained: float  # energy over the kinetic energy before
 
 
 def rebound(speed: float, damping: float, stiffness: float, h: float) -> Rebound:
-    """An impact at ``speed`` (m/s), with steps of ``h`` (s), without numerical dissipation."""
+    """Return an impact at ``speed`` (m/s), with steps of ``h`` (s)."""
     rope = Rope(length=LENGTH, Qb=0.0, Qc=0.0, beta_K=0.0)
-    contact = Contact(stiffness=stiffness, damping=damping, friction=0.0)
-    bodies = find_obstacles(
-        Scene(rope=rope, shaft=Shaft(sump=Sump(level=-GAP - 0.5 * rope.diameter), contact=contact))
-    )
-    assert bodies
     q = np.zeros((ELEMENTS + 1, 7))
-    q[:, 0], q[:, 3] = np.linspace(0.0, LENGTH, ELEMENTS + 1), 1.0
-    kernels = partial(RopeKernels, ELEMENTS, "portable", fidelity="planar")
-    parts = np.diff(q[:, 0]), np.array(parameters(rope, 0.0)), StaticBoundary.at(q, OUT_OF_PLANE), q
-    system = RopeSystem(
-        kernels(), *parts, obstacles=bodies, contact_kernels=partial(kernels, features=bodies.kinds)
-    )
+    q[:, 0] = np.linspace(0.0, LENGTH, ELEMENTS + 1)
+    q[:, 3] = 1.0
+    contact = Contact(stiffness=stiffness, damping=damping, friction=0.0)
+    flying = rod(rope, 0.0, q, held(q, OUT_OF_PLANE))
     v = np.zeros_like(q)
     v[:, 1] = -speed
-    motion, start = restart(system, 0.0, q, v, np.zeros_like(q))
-    before, dissipated, depth, method = start.balance["kinetic"], 0.0, 0.0, Coefficients(1.0)
+    with with_element(ELEMENT):
+        return _impact(_above_floor(flying, rope, contact), q, v, h)
+
+
+def _above_floor(equations: Equations, rope: Rope, contact: Contact) -> Equations:
+    """Return the equations for ELEMENT, all elements near a floor that is GAP below them."""
+    floor = shaft.floor(Sump(level=-GAP - 0.5 * rope.diameter))
+    law = {"diameter": rope.diameter} | vars(contact)
+    at_rest = (0.0, 0.0, 0.0)
+    numbers = [law[name] for name in LAW]
+    numbers += [*floor.centre, *floor.half, *floor[2:], *at_rest]
+    near = np.ones((1, equations.lengths.size))
+    return replace(
+        equations,
+        material=np.append(equations.material, numbers),
+        frame=np.vstack((equations.frame, near)),
+    )
+
+
+def _impact(equations: Equations, q: Array, v: Array, h: float) -> Rebound:
+    """Return what becomes of the rope ``q`` that falls with ``v``, as soon as it has left the floor."""
+    motion = restart(equations, 0.0, q, v)
+    before = _balance(equations, q, v)["kinetic"]
+    dissipated = 0.0
+    depth = 0.0
     while motion.v[0, 1] <= 0 or motion.q[0, 1] < -GAP:
-        result = step(system, motion, h, method, 1e-12)
-        assert result.motion is not None, result.newton
-        dissipated += (
-            h
-            * system.losses(
-                0.5 * (motion.q + result.motion.q), (result.motion.q - motion.q) / h
-            ).contact
-        )
-        motion = result.motion
+        tried = step(equations, motion, h, RHO_INF, NEWTON)
+        new = tried.motion
+        if new is None:
+            raise RuntimeError(f"at t = {motion.t:g} s a step of {h:g} s fails: {tried.cause}")
+        middle = _balance(equations, 0.5 * (motion.q + new.q), (new.q - motion.q) / h)
+        dissipated += h * middle["contact_dissipated"]
+        motion = new
         depth = max(depth, -GAP - float(motion.q[0, 1]))
-    after = system.evaluate(motion.q, motion.v, motion.a, motion.reaction).balance
+    after = _balance(equations, motion.q, motion.v)
     left = after["kinetic"] + after["contact"] + dissipated - before
     return Rebound(float(motion.v[:, 1].mean()), depth, left / before)
+
+
+def _balance(equations: Equations, q: Array, v: Array) -> dict[str, float]:
+    """Return energies (J) and powers (W) of the rope, and those of contact."""
+    sums = ELEMENT.balance(
+        of_elements(q),
+        of_elements(v),
+        equations.lengths[None, :],
+        equations.frame,
+        equations.material,
+    )
+    names = (*BALANCE, *CONTACT_BALANCE)
+    return dict(zip(names, sums.full().sum(axis=1).tolist(), strict=True))
 
 
 def exact_speed(speed: float, damping: float) -> float:

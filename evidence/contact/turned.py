@@ -21,8 +21,8 @@ from evidence.tables import Array
 from rope_model import EndMotion
 from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics.node import arc_lengths
+from rope_model.reference.transfer import interpolated
 from rope_model.shaft_parameters import Air, Contact, Shaft
-from rope_model.simulation.mesh.transfer import interpolate
 from rope_model.solver_parameters import Mesh
 
 #: m, m, elements; s that the ends turn, by how many turns each, and s, half of that where the legs strike each other
@@ -102,7 +102,7 @@ class Helix(NamedTuple):
 def helix(q: Array, lengths: Array, heights: Array) -> Helix:
     """Means of the legs between the ``heights``."""
     s = np.linspace(0.0, lengths.sum(), 20 * lengths.size + 1)
-    points = interpolate(q, arc_lengths(lengths), s)[:, :3].T
+    points = interpolated(q, arc_lengths(lengths), s).T
     bottom = int(np.argmin(points[1]))
     legs = [
         np.array([np.interp(heights, points[1, part], x[part]) for x in (points[0], points[2], s)])

@@ -20,7 +20,9 @@ from exudyn.advancedUtilities import CreateSymbolicUserFunction
 from evidence.tables import Array
 from hoist_demo.control.trajectory import Trajectory
 from rope_model.parameters import Rope, Scene
-from rope_model.simulation.mesh.transfer import interpolate
+from rope_model.physics.hermite import node_values
+from rope_model.physics.node import arc_lengths
+from rope_model.reference.transfer import elements_at
 
 CABLE_NODE, BEAM_NODE = "NodePoint2DSlope1", "NodeRigidBody2D"
 CABLE, BEAM = "ObjectANCFCable2D", "ObjectBeamGeometricallyExact2D"
@@ -110,7 +112,7 @@ class PeerRope:
         pieces = 2 * count if self.element.middle else count
         self.lengths = np.full(pieces, self.rope.length / pieces)
         s, q = hanging
-        self._start = interpolate(q, s, np.concatenate(([0.0], np.cumsum(self.lengths))))
+        self._start = _nodes_at(q, s, arc_lengths(self.lengths))
         self._half, self._heights = 0.5 * scene.layout.spacing, heights
         self._container = exu.SystemContainer()
         self.mbs = self._container.AddSystem()
@@ -282,6 +284,14 @@ class PeerRope:
         self._samples.append((t, np.array(mbs.systemData.GetODE2Coordinates()), self.end_forces()))
         self._sampling += time.process_time() - start
         return [0.0]
+
+
+def _nodes_at(q: Array, s: Array, at: Array) -> Array:
+    """Return nodes (points, 7) at arc lengths ``at`` of the rope ``q`` with nodes at ``s``."""
+    element = elements_at(s, at)
+    l = s[element + 1] - s[element]
+    both = (*q[element].T, *q[element + 1].T)
+    return np.stack(node_values((at - s[element]) / l, l, both), axis=-1)
 
 
 def s_curve(reference: Trajectory, sense: float) -> tuple[Callable[..., Any], Callable[..., Any]]:

@@ -15,7 +15,7 @@ from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
 from rope_model import EndMotion, Mesh, Scene, rope_120
 from rope_model.physics.node import arc_lengths
-from rope_model.simulation.outputs.diagnostics import loop_bottom
+from rope_model.reference.outputs import lowest_point
 
 CASE = rope_120()
 TRAVEL = CASE.travel  # m
@@ -89,7 +89,8 @@ def exudyn(element: str, count: int, method: Method) -> Run:
     except PeerError as failed:
         force, bottom = np.full((samples, 2), np.nan), np.full((samples, 3), np.nan)
         return Run("Exudyn", element, label, count, method.step, np.nan, force, bottom, str(failed))
-    bottom = np.array([loop_bottom(q, rope.lengths).position for q in record.q])
+    s = arc_lengths(rope.lengths)
+    bottom = np.array([lowest_point(q, s).position for q in record.q])
     return Run("Exudyn", element, label, count, method.step, record.cpu, record.force, bottom)
 
 

@@ -8,10 +8,10 @@ import numpy as np
 
 from evidence.mesh_rule.scenes import Sample
 from evidence.tables import Array, Table, table
-from rope_model import EndMotion, balance_rope
+from rope_model import EndMotion
+from rope_model.engine import NativeRope
 from rope_model.rules.mesh_fit import LEG_WAVES
 from rope_model.rules.partition import Partition
-from rope_model.simulation.outputs.diagnostics import loop_bottom
 from rope_model.solver_parameters import Mesh
 
 #: over (EI / rho g)^(1/3): loop elements tried, those of the reference, and those where something else is tried
@@ -60,16 +60,20 @@ def pattern(sample: Sample, fine: float, cover: float = AMPLE, levels: int = 4) 
 def hang(sample: Sample, mesh: Mesh, height: float) -> RestShape:
     """The rope with its right end ``height`` (m) above the left."""
     for shift in range(8):
-        rope = balance_rope(sample.scene(mesh))
+        rope = NativeRope(sample.scene(mesh))
         status = rope.initialize(0.0, EndMotion(), EndMotion(y=height + 1e-6 * shift))
         if status.valid:
             break
     else:  # short elements of a long rope: the last correction may be rounding, which another height rounds otherwise
         raise RuntimeError(status.message)
-    state = rope.state
-    bottom = loop_bottom(state.motion.q, state.partition.lengths)
-    moment, tension = rope.signals(("left.mz", "left.fy")).values()
-    return RestShape(bottom.position[:2], bottom.s, moment, abs(tension), state.partition)
+    x, y, moment, tension = rope.signals(("loop.x", "loop.y", "left.mz", "left.fy")).values()
+    return RestShape(
+        place=np.array([x, y]),
+        bottom=rope.linear_facts().lowest_s,
+        moment=moment,
+        tension=abs(tension),
+        mesh=rope.state.partition,
+    )
 
 
 def height(sample: Sample, mesh: Mesh, off: float) -> float:

@@ -8,7 +8,7 @@ from evidence.errors import place_error
 from evidence.mesh_rule.scenes import KINDS, STEP, Sample
 from evidence.tables import Table, table
 from hoist_demo.control.trajectory import s_curve
-from rope_model.simulation.mesh.partition import fit_mesh
+from rope_model.reference.mesh import fitted
 from rope_model.solver_parameters import Mesh
 
 SETTLE, EVERY = 3.0, 0.08  # s
@@ -35,7 +35,7 @@ def parts(samples: Iterable[Sample]) -> Table:
     """How far the loop's place is off by joined legs, and by steps of 10 ms."""
     rows: list[tuple[object, ...]] = []
     for d, kind in ((d, kind) for d in samples for kind in KINDS):
-        auto = fit_mesh(d.scene(Mesh("auto", loop_error=ASKED)))
+        auto = fitted(d.scene(Mesh("auto", loop_error=ASKED)))
         if auto.kind == "eem":
             continue
         head = d.number, d.rope.length, kind

@@ -16,7 +16,7 @@ from rope_model import EndMotion, Model, Swivel, rope_120
 from rope_model.analysis.modes import natural_modes
 from rope_model.engine import NativeRope
 from rope_model.physics.node import arc_lengths
-from rope_model.simulation.mesh.transfer import interpolate
+from rope_model.reference.transfer import interpolated
 
 #: an independent discrete-rod model, Hz
 REFERENCE_HZ = {
@@ -56,7 +56,7 @@ def modes(height: float) -> dict[str, tuple[Array, Array]]:
     lowest = natural_modes(rope, 14)
     for plane, columns in (("out", [2]), ("in", [0, 1])):
         chosen = np.flatnonzero((lowest.out_of_plane > 0.5) == (plane == "out"))[:COUNT]
-        shapes = [interpolate(lowest.shapes[k], s, GRID)[:, columns] for k in chosen]
+        shapes = [interpolated(lowest.shapes[k], s, GRID)[:, columns] for k in chosen]
         found[plane] = lowest.frequencies[chosen], np.array(shapes)
     return found
 

@@ -16,7 +16,7 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.optimize import brentq
 
-from evidence.statics import clamps, held_rod
+from evidence.statics import clamped, rod, turned
 from evidence.tables import Array, Table, table
 from rope_model.parameters import Rope
 from rope_model.physics.node import ANGLE, POSITION
@@ -60,13 +60,10 @@ def ours(elements: int = 240) -> Iterator[tuple[float, float]]:
     """The same at TURNS, of the model's rod."""
     guess = planar(LENGTH, SLACK, elements)
     rope = Rope(LENGTH, Qa=AXIAL, Qb=0.0, Qc=0.0, Qd=TORSION, EI=BEND)
-    equations = held_rod(rope, 0.0, guess, clamps(guess))
+    equations = rod(rope, 0.0, guess, clamped(guess))
     at_rest = find_equilibrium(equations, guess)
-    turn = 2.0 * math.pi * STEP * np.linspace(0.0, 1.0, elements + 1)
     for k in range(1, round(max(TURNS) / STEP) + 1):
-        guess = at_rest.q.copy()
-        guess[:, ANGLE] += turn
-        at_rest = find_equilibrium(equations.held_at(guess), guess)
+        at_rest = turned(equations, at_rest.q, 2.0 * math.pi * STEP)
         if k * STEP in TURNS:
             yield float(at_rest.reaction[-1, ANGLE]), float(at_rest.reaction[-1, 0])
 

@@ -14,17 +14,13 @@ from functools import cache
 import numpy as np
 from scipy.special import jn_zeros
 
-from evidence.statics import OUT_OF_PLANE, StaticBoundary
+from evidence.statics import OUT_OF_PLANE, held, matrix, rod
 from evidence.tables import Array, Table, table
 from evidence.validation.falling import CHAIN, GRAVITY, Fall, exact_fall, fall
 from rope_model.analysis.modes import modes_of
 from rope_model.parameters import Rope
-from rope_model.physics.element import parameters
 from rope_model.physics.node import POSITION
-from rope_model.simulation.outputs.modal import assemble_matrix
-from rope_model.simulation.rope_kernels import RopeKernels
-from rope_model.simulation.rope_system import RopeSystem
-from rope_model.simulation.stepping.statics import find_equilibrium
+from rope_model.reference.statics import find_equilibrium
 
 WEIGHT = Rope.mass_per_length * GRAVITY  # N/m
 EI = 1.0  # N m^2: the fold of the falling rope is 1.2 % of it
@@ -62,15 +58,11 @@ def swings(elements: int = 80) -> Table:
     s = np.linspace(0.0, rope.length, elements + 1)
     q = np.zeros((s.size, 7))
     q[:, 1], q[:, 4] = -s, -1.0
-    boundary = StaticBoundary.at(q, OUT_OF_PLANE, (0, POSITION))
-    system = RopeSystem(
-        RopeKernels(elements), np.diff(s), np.array(parameters(rope, GRAVITY)), boundary, q
-    )
-    q = find_equilibrium(system, q).q
-    system = system.with_reference(q)
-    stiffness = assemble_matrix(system, q, (1.0, 0.0, 0.0))
-    mass = assemble_matrix(system, q, (0.0, 0.0, 1.0))
-    ours = modes_of(stiffness, mass, system.free, MODES).frequencies
+    equations = rod(rope, GRAVITY, q, held(q, OUT_OF_PLANE, (0, POSITION)))
+    q = find_equilibrium(equations, q).q
+    stiffness = matrix(equations, q, (1.0, 0.0, 0.0))
+    mass = matrix(equations, q, (0.0, 0.0, 1.0))
+    ours = modes_of(stiffness, mass, ~equations.held, MODES).frequencies
     chain = jn_zeros(0, MODES) / (4 * np.pi) * math.sqrt(GRAVITY / rope.length)
     return table(
         ("mode", "ours", "chain"), list(zip(range(1, MODES + 1), ours, chain, strict=True))

@@ -12,13 +12,12 @@ import math
 import numpy as np
 from scipy.optimize import brentq
 
-from evidence.statics import clamped, rod
+from evidence.statics import clamped, matrix, rod
 from evidence.tables import Array, Table, table
 from rope_model.analysis.modes import ROUNDING, softest
 from rope_model.parameters import Rope
 from rope_model.physics.node import ANGLE, arc_lengths
-from rope_model.simulation.outputs.modal import assemble_matrix
-from rope_model.simulation.rope_system import RopeSystem
+from rope_model.reference.equations import Equations
 
 BEND, TWIST_STIFFNESS, AXIAL, TENSION = 1.0, 0.7, 1e3, 1.0  # N m^2, N m^2, N, N
 
@@ -30,7 +29,7 @@ INFINITE = 2.0 * math.sqrt(BEND * TENSION)
 STRETCH = TENSION / AXIAL
 
 
-def straight_rod(elements: int, length: float) -> tuple[RopeSystem, Array]:
+def straight_rod(elements: int, length: float) -> tuple[Equations, Array]:
     """Clamped at both ends, under TENSION, without weight; ``length`` in m."""
     rope = Rope(length, 1.0, AXIAL, 0.0, 0.0, TWIST_STIFFNESS, EI=BEND, rhoJ=0.1)
     s = np.linspace(0.0, length, elements + 1)
@@ -39,12 +38,12 @@ def straight_rod(elements: int, length: float) -> tuple[RopeSystem, Array]:
     return rod(rope, 0.0, q, clamped(q)), q
 
 
-def is_stable(system: RopeSystem, q: Array, torque: float) -> bool:
+def is_stable(equations: Equations, q: Array, torque: float) -> bool:
     """Whether no small motion lowers the straight rod's energy, its end turned until it carries ``torque`` (N m)."""
     q = q.copy()
-    q[:, ANGLE] = torque / TWIST_STIFFNESS * arc_lengths(system.lengths)
-    system = system.with_boundary(clamped(q)).with_reference(q)
-    return softest(assemble_matrix(system, q, (1.0, 0.0, 0.0)), system.free) > -ROUNDING
+    q[:, ANGLE] = torque / TWIST_STIFFNESS * arc_lengths(equations.lengths)
+    stiffness = matrix(equations, q, (1.0, 0.0, 0.0))
+    return softest(stiffness, ~equations.held) > -ROUNDING
 
 
 def theory(slenderness: float) -> float:
@@ -76,11 +75,11 @@ def theory(slenderness: float) -> float:
 
 def ours(slenderness: float, elements: int = 80) -> float:
     """The same by the stability of the model's straight rod."""
-    system, q = straight_rod(elements, math.sqrt(slenderness * BEND / TENSION))
+    equations, q = straight_rod(elements, math.sqrt(slenderness * BEND / TENSION))
     low, high = 0.9 * INFINITE, 1.5 * INFINITE
     while high - low > 1e-5:
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if is_stable(system, q, middle) else (low, middle)
+        low, high = (middle, high) if is_stable(equations, q, middle) else (low, middle)
     return 0.5 * (low + high) / INFINITE
 
 

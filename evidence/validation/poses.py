@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from evidence.statics import held_at, held_rod
+from evidence.statics import held, rod
 from evidence.tables import Array, Table, read, rows, table
 from evidence.validation.wires import GRAVITY, WIRES, Wire
 from rope_model.physics.node import ANGLE, POSITION, SLOPE
@@ -59,7 +59,7 @@ def shape(wire: Wire, EI: float, GJ: float, pose: Pose) -> Array:
     s = np.linspace(0.0, 1.0, ELEMENTS + 1)
     q = np.zeros((s.size, 7))
     q[:, 0], q[:, SLOPE] = LENGTH * s, (1.0, 0.0, 0.0)
-    equations = held_rod(wire.rope(LENGTH, EI, GJ), GRAVITY, q, held_at(q, [0, -1]))
+    equations = rod(wire.rope(LENGTH, EI, GJ), GRAVITY, q, held(q, [0, -1]))
     for part in np.arange(1, MOVES + 1) / MOVES:
         hand = HAND * Rotation.from_rotvec(part * np.array(pose.tilt), degrees=True)
         q[0, POSITION] = OURS @ (part * np.array(pose.way))

@@ -17,8 +17,8 @@ from evidence.statics import clamped, rod, turned
 from evidence.tables import Array, Table, rows, table
 from rope_model.parameters import Rope
 from rope_model.physics.node import ANGLE, SLOPE
-from rope_model.simulation.rope_system import RopeSystem
-from rope_model.simulation.stepping.statics import find_equilibrium
+from rope_model.reference.equations import Equations
+from rope_model.reference.statics import find_equilibrium
 
 LENGTH, GRAVITY = 1.5, 9.81  # m, m/s^2; of the published set-up
 #: m between the ends, as we read it from the authors' model of their holder; and what we could have misread
@@ -80,7 +80,7 @@ WIRES = (
 )
 
 
-def ring(wire: Wire, EI: float, GJ: float, gap: float, elements: int) -> tuple[RopeSystem, Array]:
+def ring(wire: Wire, EI: float, GJ: float, gap: float, elements: int) -> tuple[Equations, Array]:
     """The wire without twist and a circle to find its shape from."""
     s = np.linspace(0.0, 1.0, elements + 1)
     turn, radius = 2 * np.pi * s, LENGTH / (2 * np.pi)
@@ -96,10 +96,10 @@ def thrown(wire: Wire, EI: float, GJ: float, gap: float, elements: int = 80) -> 
 
     Infinite where it does not up to MOST.
     """
-    system, q = ring(wire, EI, GJ, gap, elements)
-    q = find_equilibrium(system, q).q
+    equations, q = ring(wire, EI, GJ, gap, elements)
+    q = find_equilibrium(equations, q).q
     for turn in np.arange(0.0, MOST, STEP):
-        following = turned(system, q, math.radians(STEP)).q
+        following = turned(equations, q, math.radians(STEP)).q
         if following[-1, ANGLE] < q[-1, ANGLE]:
             return float(turn) + 0.5 * STEP
         q = following

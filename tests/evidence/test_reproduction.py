@@ -1,6 +1,5 @@
 """The evaluation's verdicts: made from the committed data, written on the page, and fresh runs give the same data."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +13,6 @@ from evidence.reproduction.page import SECTIONS
 from evidence.tables import Tables, read, table, write
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding as Trip
-from rope_model import RopeSimulator
 
 DATA, IMAGES = DOCS / "data" / "reproduction", DOCS / "images" / "reproduction"
 TABLES = read(DATA)
@@ -95,10 +93,7 @@ def test_the_first_seconds_of_the_winding_come_out_as_in_the_file() -> None:
         windings.scene_of("coupled", windings.MESHES["TMN-ETM"]),
         until - reference.duration,
     )
-    portable = scene.with_(
-        solver=replace(scene.solver, kernels="portable")
-    )  # what looks on needs no compiler
-    stresses_seen = windings.Stresses(RopeSimulator(portable))
+    stresses_seen = windings.Stresses()
     run = wind(
         scene, reference, windings.TRAVEL, settle, windings.SAMPLE, watch=stresses_seen.watch
     )
