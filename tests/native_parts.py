@@ -1,14 +1,12 @@
-"""The native rope's mesh, frame and shape, one C function at a time.
-
-C and Python do the same operations in the same order.  They may differ by what libm, numpy's vectorised sine, cosine
-and power, and sums in another order round differently: 1e-12 of the quantities' size, where nothing else is said.
-"""
+"""The engine's mesh, transfer and shape, one C function at a time, with arrays and records of Python."""
 
 from __future__ import annotations
 
 import ctypes as ct
 import subprocess
-from collections.abc import Callable
+import tempfile
+from collections.abc import Callable, Sequence
+from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -19,22 +17,30 @@ from numpy.typing import NDArray
 
 from rope_model import compiler as kernels
 from rope_model.codegen.build import sources
-from rope_model.codegen.structures import GROUPS
-from rope_model.simulation.outputs.diagnostics import LoopBottom
-from rope_model.solver_parameters import Mesh
+from rope_model.codegen.structures import GROUPS, scene_structure
+from rope_model.parameters import Scene
+from rope_model.physics.node import arc_lengths
+from rope_model.rules.mesh_pattern import NO_DIVIDERS
+from rope_model.rules.partition import Partition
+from rope_model.solver_parameters import Mesh, MeshKind
 
 Array = NDArray[np.float64]
 
 WARNINGS = ("-Wall", "-Wextra", "-Werror")
-MESSAGE, ROUNDING = 512, 1e-12
+MESSAGE = 512
 
 
 class CLoopBottom(ct.Structure):
     _fields_ = (("s", ct.c_double), ("position", ct.c_double * 3), ("yaw", ct.c_double))
 
-    @staticmethod
-    def of(bottom: LoopBottom) -> CLoopBottom:
-        return CLoopBottom(bottom.s, tuple(bottom.position), bottom.yaw)
+
+class CPattern(ct.Structure):
+    _fields_ = (("coarse", ct.c_double), ("grading_length", ct.c_double))
+    _fields_ += (
+        ("counts", ct.c_int32 * 7),
+        ("end_levels", ct.c_int32),
+        ("windows", ct.c_int32 * 8),
+    )
 
 
 #: functions that have no name in a library, and arrays of a state
@@ -42,11 +48,6 @@ MORE = """
 #include "rules.h"
 #include "simulator.h"
 
-double mesh_centre(const Pattern *p) { return pattern_centre(p); }
-double mesh_distance_past_limit(const Pattern *p, double bottom) { return distance_past_limit(p, bottom); }
-double mesh_transformation_due(const Pattern *p, double bottom, double slack) {
-    return transformation_due(p, bottom, slack);
-}
 void arrays_of(double *q, double *v, double *a, double *reaction, double *lengths, double *s, int nodes,
                NodalArrays *arrays) {
     NodalArrays of = {q, v, a, NULL, NULL, reaction, lengths, s, NULL, nodes - 1, nodes};
@@ -75,8 +76,15 @@ def compiled(folder: Path, texts: dict[str, str]) -> ct.CDLL:
 
 
 @pytest.fixture(scope="session")
-def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
-    library = compiled(tmp_path_factory.mktemp("native"), {"more.c": MORE})
+def parts() -> SimpleNamespace:
+    """Return the functions in C, by their names."""
+    return _parts()
+
+
+@cache
+def _parts() -> SimpleNamespace:
+    with tempfile.TemporaryDirectory() as folder:
+        library = compiled(Path(folder), {"more.c": MORE})
     n, x, p = ct.c_int, ct.c_double, ct.c_void_p
     signatures: dict[str, tuple[Any, ...]] = {
         "fit_mesh": (GROUPS[Mesh], p),
@@ -84,9 +92,6 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
         "partition": (None, p, x, x, p, n, p, p),
         "partition_transform": (None, p, n, p, n, p),
         "window_due": (n, p, p),
-        "mesh_centre": (x, p),
-        "mesh_distance_past_limit": (x, p, x),
-        "mesh_transformation_due": (x, p, x, x),
         "arc_lengths": (None, n, p, p),
         "transfer_interpolate": (None, n, p, p, n, p, p),
         "transfer_fields": (None, n, p, p, n, p, p),
@@ -95,7 +100,6 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
         "legs_apart": (n, p, p, x, x),
         "shape_places": (None, x, x, x, n, p),
         "diagnostics_shape": (None, n, p, p, n, p, p),
-        "hanging_guess": (None, n, p, p, p, p, p),
         "arrays_of": (None, p, p, p, p, p, p, n, p),
     }
     for name, (result, *arguments) in signatures.items():
@@ -118,3 +122,106 @@ def passing_arrays(function: Any) -> Callable[..., Any]:
 
 def message() -> Any:
     return ct.create_string_buffer(MESSAGE)
+
+
+def fit_mesh(scene: Scene) -> Mesh:
+    """Return the mesh that the scene asks for; 'auto' is fitted to the rope."""
+    found = _parts().fit_mesh(scene_structure(scene))
+    kinds: tuple[MeshKind, ...] = ("tmn", "eem", "auto")
+    return Mesh(
+        kinds[found.kind],
+        coarse_length=found.coarse_length,
+        counts=tuple(found.counts),
+        end_levels=found.end_levels,
+        grading_length=found.grading_length,
+        elements=found.elements,
+        loop_error=found.loop_error,
+    )
+
+
+def _record(pattern: CPattern, lengths: Array) -> Partition:
+    return Partition(
+        lengths,
+        tuple(pattern.counts),
+        pattern.coarse,
+        pattern.end_levels,
+        pattern.grading_length,
+        tuple(pattern.windows),
+    )
+
+
+def partition(
+    mesh: Mesh, length: float, bottom_s: float, divider_s: Sequence[float] = NO_DIVIDERS
+) -> Partition:
+    """Return the partition of a rope whose lowest point is at ``bottom_s`` (m), or raise ValueError."""
+    parts, of, text, places = (
+        _parts(),
+        scene_structure(Scene(mesh=mesh)).mesh,
+        message(),
+        np.array(divider_s),
+    )
+    elements = parts.partition_elements(of, length, places, text)
+    if elements == 0:
+        raise ValueError(text.value.decode())
+    pattern, lengths = CPattern(), np.empty(elements)
+    parts.partition(of, length, bottom_s, places, elements, pattern, lengths)
+    return _record(pattern, lengths)
+
+
+def _pattern(cells: Partition) -> CPattern:
+    return CPattern(
+        cells.coarse, cells.grading_length, cells.counts, cells.end_levels, cells.windows
+    )
+
+
+def transform(
+    cells: Partition, direction: int, divider_s: Sequence[float] = NO_DIVIDERS
+) -> Partition:
+    """Return the partition whose pattern has moved by l, or whose windows have."""
+    pattern, lengths = _pattern(cells), np.empty(cells.lengths.size)
+    _parts().partition_transform(
+        pattern, int(direction), np.array(divider_s), lengths.size, lengths
+    )
+    return _record(pattern, lengths)
+
+
+def window_due(cells: Partition, divider_s: Sequence[float]) -> bool:
+    """Return whether a divider has left its window."""
+    return bool(_parts().window_due(_pattern(cells), np.array(divider_s)))
+
+
+def interpolate(x: Array, s: Array, at: Array) -> Array:
+    """Return rows (points, 7) at arc lengths ``at`` (m) between nodes at ``s``."""
+    y = np.empty((at.size, 7))
+    _parts().transfer_interpolate(
+        s.size,
+        np.ascontiguousarray(x),
+        np.ascontiguousarray(s),
+        at.size,
+        np.ascontiguousarray(at, dtype=float),
+        y,
+    )
+    return y
+
+
+def shape(q: Array, lengths: Array, bottom_s: float, loop: float, points: int) -> Array:
+    """Return points (points, 3) of the centre line, denser around the loop of this width (m)."""
+    s = arc_lengths(lengths)
+    places, xyz = np.empty(points), np.empty((points, 3))
+    _parts().shape_places(s[-1], bottom_s, loop, points, places)
+    _parts().diagnostics_shape(s.size, np.ascontiguousarray(q), s, points, places, xyz)
+    return xyz
+
+
+def shape_places(total: float, bottom_s: float, loop: float, points: int) -> Array:
+    """Return the arc lengths (points,), m, of these points."""
+    places = np.empty(points)
+    _parts().shape_places(total, bottom_s, loop, points, places)
+    return places
+
+
+def loop_bottom(q: Array, lengths: Array) -> CLoopBottom:
+    """Return the lowest point of the centre line."""
+    s = arc_lengths(lengths)
+    found: CLoopBottom = _parts().loop_bottom(s.size, np.ascontiguousarray(q), s)
+    return found

@@ -1,15 +1,18 @@
 """The TMN-ETM pattern, its transformation there and back, and what a transfer keeps."""
 
+import ctypes as ct
 import math
 from dataclasses import replace
 from functools import partial
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from conftest import Array
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from native_parts import fit_mesh, interpolate, partition, transform, window_due
 from numpy.testing import assert_allclose, assert_array_equal
 from scenes import ends_at, fixed_steps, recorded
 
@@ -17,17 +20,14 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.parameters import Winding
-from rope_model import Model, RopeSimulator, Scene, Swivel, balance_rope
-from rope_model.compiler import find_compiler
+from rope_model import Model, Scene, Swivel, balance_rope
 from rope_model.physics.element import PARAMETERS, element_functions
 from rope_model.physics.node import ANGLE, POSITION, SLOPE
+from rope_model.reference.transfer import transferred
 from rope_model.rules import mesh_pattern as tmn
 from rope_model.rules.mesh_fit import DUE
 from rope_model.rules.mesh_pattern import NO_DIVIDERS, inner_length, min_outer, transformation_due
 from rope_model.rules.partition import Partition
-from rope_model.simulation.mesh import partition as cells
-from rope_model.simulation.mesh.partition import fit_mesh, partition, transform, window_due
-from rope_model.simulation.mesh.transfer import interpolate, transfer_fields
 from rope_model.solver_parameters import Mesh
 
 
@@ -163,11 +163,11 @@ def test_elements_of_the_legs_are_as_long_as_end_and_loop_allow(
     s = nodes(p) / p.coarse
     for size, a, b in zip(units, s, s[1:], strict=False):
         if size > 1.0 + 1e-9:
-            assert size <= cells.LEG_LENGTHS[-1] + 1e-9
+            assert size <= tmn.LEG_LENGTHS[-1] + 1e-9
             from_end = min(a, length / p.coarse - b)
             to_loop = first - b if b <= first + 1e-9 else a - (length / p.coarse - last)
             assert size <= from_end + 1e-6
-            assert cells.GRADING * (size - 1) <= to_loop + 1e-6
+            assert tmn.GRADING * (size - 1) <= to_loop + 1e-6
             assert p.coarse * size**2 <= growth * (to_loop + 1e-6)
 
 
@@ -220,7 +220,7 @@ def test_a_window_follows_its_divider(place: float, moves: float, side: int) -> 
 
 
 def carry(x: Array, old_s: Array, new_s: Array) -> Array:
-    return transfer_fields(x[None], old_s, new_s)[0]
+    return transferred(x[None], old_s, new_s)[0]
 
 
 @pytest.mark.parametrize("direction", [-1, 1])
@@ -238,12 +238,29 @@ def test_a_transfer_reaches_no_further_than_some_elements(direction: int) -> Non
     assert_array_equal(change[[0, -1]], 0.0)
 
 
-def test_a_split_reproduces_the_element_to_the_bit() -> None:
+@pytest.mark.parametrize("direction", [-1, 1])
+@pytest.mark.parametrize("growth", [0.0, 30.0])
+def test_the_engine_transfers_what_the_reference_does(
+    parts: SimpleNamespace, direction: int, growth: float
+) -> None:
+    """By banded normal equations on one side, by a least-squares fit on the other."""
+    old = partition(Mesh(grading_length=growth), 120.0, 50.0)
+    old_s, new_s = nodes(old), nodes(transform(old, direction))
+    fields = np.random.default_rng(1).normal(size=(2, old_s.size, 7))
+    expected = transferred(fields, old_s, new_s)
+    work = np.empty(14 * len(fields) * new_s.size + 10 * new_s.size)  # as in core.h
+    addresses = (ct.c_void_p * 2)(*(x.ctypes.data for x in fields))
+    parts.transfer_fields(new_s.size, old_s, new_s, 2, addresses, work)
+    # normal equations square the condition of the fit, 1e2
+    assert_allclose(fields, expected, rtol=0, atol=1e-10)
+
+
+def test_a_split_reproduces_the_element() -> None:
     rng = np.random.default_rng(3)
     s, halves = np.array([0.0, 1.7, 3.0]), np.array([0.0, 0.85, 1.7, 2.35, 3.0])
     x = rng.normal(size=(3, 7))
     split = carry(x, s, halves)
-    assert_array_equal(split, interpolate(x, s, halves))
+    assert_allclose(split, interpolate(x, s, halves), rtol=0, atol=1e-13)
     anywhere = np.linspace(0.0, 3.0, 61)
     expected = interpolate(x, s, anywhere)
     assert_allclose(interpolate(split, halves, anywhere), expected, rtol=0, atol=1e-13)  # rounding
@@ -315,7 +332,6 @@ def uncoupled(name: str) -> Scene:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not find_compiler(), reason="minutes without a C compiler")
 @pytest.mark.parametrize("travel", [100.0, 400.0])
 def test_joined_elements_of_a_deep_shaft_move_the_loop_by_less_than_the_mesh_may_err(
     travel: float,
@@ -333,20 +349,3 @@ def test_joined_elements_of_a_deep_shaft_move_the_loop_by_less_than_the_mesh_may
     motion, steps = partial(ends_at, reference, travel), round(reference.duration / 0.01)
     one, other = (recorded(rope, motion, steps, ("loop.x", "loop.y", "loop.z")) for rope in ropes)
     assert np.linalg.norm(one - other, axis=1)[24::25].max() < 0.5 * asked
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not find_compiler(), reason="minutes without a C compiler")
-def test_steps_cut_at_transformations_err_much_more_than_meshes_that_wait(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    scene, trip = uncoupled("rope-120"), Winding(travel=26.0, speed=6.0, start_delay=0.0)
-
-    def forces(mesh: Mesh) -> np.ndarray:
-        motion = partial(ends_at, s_curve(trip), trip.travel)
-        return recorded(RopeSimulator(scene.with_(mesh=mesh)), motion, 700, ("left.fy", "right.fy"))
-
-    exact = forces(Mesh("eem", elements=240))
-    waiting = np.linalg.norm(forces(Mesh("auto")) - exact)
-    monkeypatch.setattr("rope_model.simulation.stepping.stepping.MAX_OVERSHOOT", 0.0)
-    assert np.linalg.norm(forces(Mesh("auto")) - exact) > 3 * waiting
