@@ -5,7 +5,6 @@ from itertools import accumulate
 from types import ModuleType
 from typing import Any
 
-from rope_model.analysis import conjugate_gradients
 from rope_model.codegen.derivatives import path_change
 from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics import (
@@ -266,7 +265,7 @@ _SHARED: tuple[tuple[str, ModuleType, str], ...] = (
     ("", swivel_phases, "EVENT_WIDTH CHATTER_TIME"),
     ("", warning_rules, "YAWED_FAR"),
     ("CONTACT_", contact_points, "CELLS HALVINGS STEPS LEVELS PARTS WEIGHTS"),
-    ("", conjugate_gradients, "CG_MAX_STEPS CG_TOLERANCE"),
+    ("", newton, "CG_MAX_STEPS CG_TOLERANCE"),
     ("NEWTON_", newton, "SMOOTH KINKED HUGE UNKNOWN GOOD SMALL"),
     ("WIRE_", wire_element, "HISTORY_SIZE TANGENT_SIZE"),
     ("WIRE_", wire_friction, "POINT_STATE_SIZE"),
