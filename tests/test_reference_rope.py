@@ -243,7 +243,12 @@ def run(name: str, form: str, h: float) -> Array:
     return recorded(rope, case.motion, case.steps, (*MEASURED, *EVENTS), step=H)
 
 
-@pytest.mark.parametrize("name", CASES)
+#: what the quick ones stand for: the same laws with fewer terms, and quicker motions
+LONG = ("uncoupled", "emergency stop")
+LIMITS = [pytest.param(x, marks=[pytest.mark.slow] if x in LONG else []) for x in CASES]
+
+
+@pytest.mark.parametrize("name", LIMITS)
 def test_engine_and_reference_have_the_same_limit(name: str) -> None:
     coarse, fine = (run(name, "reference", h) for h in (0.02, 0.01))
     before, limit = (run(name, "native", h) for h in (0.005, 0.0025))
