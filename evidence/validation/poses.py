@@ -18,11 +18,11 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from evidence.statics import held_at, held_rod
+from evidence.statics import StaticBoundary, rod
 from evidence.tables import Array, Table, read, rows, table
 from evidence.validation.wires import GRAVITY, WIRES, Wire
-from rope_model.reference.equations import ANGLE, POSITION, SLOPE
-from rope_model.reference.statics import find_equilibrium
+from rope_model.simulation.rope_system import ANGLE, POSITION, SLOPE
+from rope_model.simulation.stepping.statics import find_equilibrium
 
 LENGTH, ELEMENTS = 0.4, 60  # m
 #: steps of the way to the pose, and of a turn of 360 deg
@@ -59,17 +59,17 @@ def shape(wire: Wire, EI: float, GJ: float, pose: Pose) -> Array:
     s = np.linspace(0.0, 1.0, ELEMENTS + 1)
     q = np.zeros((s.size, 7))
     q[:, 0], q[:, SLOPE] = LENGTH * s, (1.0, 0.0, 0.0)
-    equations = held_rod(wire.rope(LENGTH, EI, GJ), GRAVITY, q, held_at(q, [0, -1]))
+    system = rod(wire.rope(LENGTH, EI, GJ), GRAVITY, q, StaticBoundary.at(q, [0, -1]))
     for part in np.arange(1, MOVES + 1) / MOVES:
         hand = HAND * Rotation.from_rotvec(part * np.array(pose.tilt), degrees=True)
         q[0, POSITION] = OURS @ (part * np.array(pose.way))
         q[0, SLOPE] = OURS @ hand.apply((0.0, 0.0, 1.0))
         if part == 1 / MOVES:  # a straight wire in compression is at rest too: it sags
             q[1:-1, 1] -= 0.01 * np.sin(np.pi * s[1:-1])
-        q = find_equilibrium(equations.held_at(q), q).q
+        q = find_equilibrium(system.with_boundary(StaticBoundary.at(q, [0, -1])), q).q
     for _ in range(round(abs(pose.turn) / 360.0 * TURNS)):
         q[:, ANGLE] += math.copysign(2.0 * math.pi / TURNS, pose.turn) * s
-        q = find_equilibrium(equations.held_at(q), q).q
+        q = find_equilibrium(system.with_boundary(StaticBoundary.at(q, [0, -1])), q).q
     return np.asarray(q[:, POSITION])
 
 
