@@ -250,7 +250,7 @@ def test_a_change_of_the_mesh_makes_no_energy_and_keeps_the_moments_sum() -> Non
 
 def scene(mesh: Mesh | None = None, **rope: float) -> Scene:
     made = replace(Rope(length=10.0, EI_stick=3000.0, slip_moment=2.0), **rope)
-    solver = Solver(kernels="portable", step_max=0.01, tolerance=100.0)
+    solver = Solver(step_max=0.01, tolerance=100.0)
     return Scene(rope=made, mesh=mesh or Mesh("eem", elements=10), solver=solver)
 
 
