@@ -1,17 +1,28 @@
 """Paths of the rope's ends for tests: to a motion at once, and behind the motions that a host gives."""
 
 from dataclasses import dataclass, field
-from functools import cache
+from typing import NamedTuple
 
 from rope_model import Rope, Scene
-from rope_model.numerics.program import Program
-from rope_model.rules import quintic
+from rope_model.rules import input_filter, quintic
 from rope_model.rules.end_paths import EndMotion, EndPath
 from rope_model.rules.input_filter import FilterSettings, InputFilter, PathMeasures, settings_of
-from rope_model.simulation.ends.filter_program import FilterStep, filter_program, filter_step
+from rope_model.rules.input_misfit import add_misfit
 from rope_model.solver_parameters import Inputs, Trusted
 
 NO_MEASURES = PathMeasures((0.0,) * 6, (0.0,) * 4, (0.0,) * 4)
+
+
+#: m, length of the rope from the end to the loop
+LEG = 60.0
+
+
+class FilterStep(NamedTuple):
+    """Next path of an end, the filter at its end, and the measures that decide whether the rope can follow the path."""
+
+    filter: InputFilter
+    path: EndPath
+    measures: PathMeasures
 
 
 def led(path: EndPath, stop: float, target: EndMotion) -> EndPath:
@@ -24,11 +35,6 @@ def led(path: EndPath, stop: float, target: EndMotion) -> EndPath:
         quintic.coefficients(h, *axis) for axis in zip(*now, *then, accelerations, strict=True)
     )
     return EndPath(path.stop, stop, (x, y, z, yaw))
-
-
-@cache
-def program() -> Program:
-    return filter_program(Rope())
 
 
 def usual_manner(
@@ -51,6 +57,10 @@ class Follower:
     def step(self, stop: float, given: EndMotion, given_at: float | None = None) -> FilterStep:
         """On to ``stop`` by the motion ``given`` of the instant ``given_at``, or else of ``stop``."""
         at = stop if given_at is None else given_at
-        found = filter_step(program(), self.filter, self.path, self.settings, at, stop, given, 60.0)
-        self.path, self.filter = found.path, found.filter
-        return found
+        state = input_filter.filter_sample(
+            self.filter, self.settings, at, stop - self.path.stop, given
+        )
+        self.path = input_filter.filter_path(self.path, state, stop, self.settings.observer)
+        measures = input_filter.path_measures(self.path, state)
+        self.filter = add_misfit(state, self.path, self.settings, Rope(), LEG)
+        return FilterStep(self.filter, self.path, measures)

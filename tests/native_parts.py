@@ -6,6 +6,7 @@ import ctypes as ct
 import subprocess
 import tempfile
 from collections.abc import Callable, Sequence
+from dataclasses import astuple, dataclass
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
@@ -17,11 +18,16 @@ from numpy.typing import NDArray
 
 from rope_model import compiler as kernels
 from rope_model.codegen.build import sources
-from rope_model.codegen.structures import GROUPS, scene_structure
+from rope_model.codegen.state_structures import PARTS
+from rope_model.codegen.structures import GROUPS, EndMotionStructure, scene_structure
 from rope_model.parameters import Scene
 from rope_model.physics.node import arc_lengths
+from rope_model.physics.shaft import KINDS
+from rope_model.rules.end_paths import EndMotion
 from rope_model.rules.mesh_pattern import NO_DIVIDERS
+from rope_model.rules.newton import SMOOTH, NewtonLimits
 from rope_model.rules.partition import Partition
+from rope_model.rules.state import Nearest
 from rope_model.solver_parameters import Mesh, MeshKind
 
 Array = NDArray[np.float64]
@@ -32,6 +38,10 @@ MESSAGE = 512
 
 class CLoopBottom(ct.Structure):
     _fields_ = (("s", ct.c_double), ("position", ct.c_double * 3), ("yaw", ct.c_double))
+
+
+class CLoopTurns(ct.Structure):
+    _fields_ = (("number", ct.c_double), ("sharpest_y", ct.c_double))
 
 
 class CPattern(ct.Structure):
@@ -82,9 +92,14 @@ def parts() -> SimpleNamespace:
 
 
 @cache
-def _parts() -> SimpleNamespace:
+def _library() -> ct.CDLL:
     with tempfile.TemporaryDirectory() as folder:
-        library = compiled(Path(folder), {"more.c": MORE})
+        return compiled(Path(folder), {"more.c": MORE})
+
+
+@cache
+def _parts() -> SimpleNamespace:
+    library = _library()
     n, x, p = ct.c_int, ct.c_double, ct.c_void_p
     signatures: dict[str, tuple[Any, ...]] = {
         "fit_mesh": (GROUPS[Mesh], p),
@@ -100,6 +115,10 @@ def _parts() -> SimpleNamespace:
         "legs_apart": (n, p, p, x, x),
         "shape_places": (None, x, x, x, n, p),
         "diagnostics_shape": (None, n, p, p, n, p, p),
+        "end_strain": (x, p, n, p, p, n),
+        "loop_turns": (CLoopTurns, p, p),
+        "shaft_clearances": (None, p, p, x, p),
+        "rigid_rope": (None, p, p, x, n, *[p] * 8),
         "arrays_of": (None, p, p, p, p, p, p, n, p),
     }
     for name, (result, *arguments) in signatures.items():
@@ -115,7 +134,7 @@ def passing_arrays(function: Any) -> Callable[..., Any]:
             assert x.flags.c_contiguous
             assert x.dtype == float
             return x.ctypes.data
-        return ct.addressof(x) if isinstance(x, ct.Structure | ct.Array) else x
+        return ct.addressof(x) if isinstance(x, ct.Structure | ct.Array | ct.c_double) else x
 
     return lambda *arguments: function(*map(address, arguments))
 
@@ -225,3 +244,83 @@ def loop_bottom(q: Array, lengths: Array) -> CLoopBottom:
     s = arc_lengths(lengths)
     found: CLoopBottom = _parts().loop_bottom(s.size, np.ascontiguousarray(q), s)
     return found
+
+
+@dataclass(frozen=True)
+class RigidRope:
+    """Rigid rope: positions, velocities and accelerations of its nodes (nodes, 7), end tensions (N), energies (J)."""
+
+    q: Array
+    v: Array
+    a: Array
+    tensions: tuple[float, float]
+    kinetic: float
+    gravity: float
+
+
+def rigid_rope(scene: Scene, ends: tuple[EndMotion, EndMotion], t: float, s: Array) -> RigidRope:
+    """Return the rigid rope with nodes at ``s`` (m); raises ValueError if it goes slack."""
+    q, v, a, reaction = (np.zeros((s.size, 7)) for _ in range(4))
+    kinetic, gravity, text = ct.c_double(), ct.c_double(), message()
+    motions = (EndMotionStructure * 2)(*(EndMotionStructure(*astuple(end)) for end in ends))
+    _parts().rigid_rope(
+        scene_structure(scene), motions, t, s.size, s, q, v, a, reaction, kinetic, gravity, text
+    )
+    if text.value:
+        raise ValueError(text.value.decode())
+    return RigidRope(q, v, a, (reaction[0, 1], reaction[-1, 1]), kinetic.value, gravity.value)
+
+
+class CProgress(ct.Structure):
+    """Progress of rope_system.h."""
+
+    _fields_ = (
+        ("status", ct.c_int),
+        ("iterations", ct.c_int),
+        ("applies", ct.c_int),
+        ("norm", ct.c_double),
+        ("error", ct.c_double),
+        ("contraction", ct.c_double),
+        ("sum", ct.c_double),
+    )
+
+
+class CLimits(ct.Structure):
+    """NewtonLimits of rope_system.h."""
+
+    _fields_ = tuple((name, ct.c_double) for name in NewtonLimits._fields)
+
+
+def newton_judge(before: CProgress, norm: float, tolerance: float, fresh: bool) -> CProgress:
+    """Return the progress after a correction of this norm, with limits of smooth equations."""
+    judge = _library().newton_judge
+    judge.restype = CProgress
+    judge.argtypes = (CProgress, ct.c_double, ct.c_double, ct.c_int, ct.c_void_p)
+    limits = CLimits(*SMOOTH)
+    found: CProgress = judge(before, norm, tolerance, fresh, ct.addressof(limits))
+    return found
+
+
+def nodal_arrays(q: Array, lengths: Array) -> Any:
+    """Return the arrays of a rope at rest as the engine's functions take them; ``q`` and ``lengths`` must live on."""
+    arrays = ct.create_string_buffer(ct.sizeof(ct.c_void_p) * 10)
+    s = arc_lengths(lengths)
+    _parts().arrays_of(q, q, q, q, lengths, s, s.size, arrays)
+    arrays.kept = (q, lengths, s)  # type: ignore[attr-defined]
+    return arrays
+
+
+def loop_turns(q: Array, lengths: Array, bottom: CLoopBottom) -> CLoopTurns:
+    """Return the turns of one side of the rope about the other."""
+    found: CLoopTurns = _parts().loop_turns(
+        nodal_arrays(np.ascontiguousarray(q), np.ascontiguousarray(lengths)), bottom
+    )
+    return found
+
+
+def clearances(scene: Scene, q: Array, lengths: Array, t: float) -> tuple[Nearest, ...]:
+    """Return the nearest place of a rope to the bodies of each kind at ``t`` (s)."""
+    found = (PARTS[Nearest] * len(KINDS))()
+    arrays = nodal_arrays(np.ascontiguousarray(q), np.ascontiguousarray(lengths))
+    _parts().shaft_clearances(scene_structure(scene), arrays, t, found)
+    return tuple(Nearest(*(getattr(one, name) for name in Nearest._fields)) for one in found)

@@ -1,4 +1,4 @@
-"""Drag of the air and forces that a host puts on places of the rope: elements that have them, and both forms."""
+"""Drag of the air and forces that a host puts on places of the rope: elements and ropes that have them."""
 
 import math
 from dataclasses import replace
@@ -16,18 +16,14 @@ from rope_model import (
     Mesh,
     Model,
     PointForces,
-    RopeSimulator,
     Solver,
     balance_rope,
 )
-from rope_model import compiler as kernels
 from rope_model.parameters import Layout, Rope, Scene
 from rope_model.physics.air import AirCoefficients, air_coefficients
 from rope_model.physics.air_element import AIR_BALANCE, air_functions
 from rope_model.physics.element import ELEMENT_DOF, NODE_DOF, ElementFidelity
 from rope_model.shaft_parameters import Air, Shaft, Sump
-from rope_model.simulation.rope_kernels import write_bundle
-from rope_model.simulation.scene_kernels import kernels_needed
 
 STEP, LENGTH = 0.01, 10.0
 LAW = air_coefficients(Air(density=1.2, drag=1.1, vx=1.0, vy=2.0, vz=-3.0), 0.044, 2.0)
@@ -165,37 +161,11 @@ def ends(t: float) -> tuple[EndMotion, EndMotion]:
     return left, right
 
 
-@pytest.mark.skipif(kernels.find_compiler() is None, reason="no C compiler: nothing to bring along")
-def test_a_bundle_serves_each_fidelity_without_air_and_those_of_its_scene_with_it() -> None:
-    needed = kernels_needed(scene(density=1.2, vx=4.0), (EndMotion(), EndMotion()))
-    assert {fidelity for fidelity, kinds in needed if not kinds} == set(ELEMENT_DOF)
-    assert any(kinds for _, kinds in needed)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("curvature", [0.0, 0.05])
-def test_a_bundle_has_all_that_its_scene_needs(curvature, tmp_path, monkeypatch, caplog):
-    """In air and on a floor without a compiler; what it was not made for is interpreted, and says so."""
-    air = scene(density=1.2, vx=4.0)
-    blown = replace(air, rope=replace(air.rope, initial_curvature=curvature))
-    still, start = (EndMotion(), EndMotion()), replace(blown, solver=Solver(kernels="compiled"))
-    needed = kernels_needed(blown, still)
-    write_bundle(10, tmp_path, [one for one in needed if one[1]])
-    monkeypatch.setattr(kernels, "find_compiler", lambda: None)
-    rope = hung(RopeSimulator(start, tmp_path))
-    assert rope.advance_to(STEP, *still).valid
-    assert rope.signals()["contact.floor"] > 0
-    with caplog.at_level("WARNING"):
-        hung(RopeSimulator(scene(), tmp_path))
-    assert "5 to 10 times as long" in caplog.text
-
-
-def gust(form: Any) -> Any:
+def gust() -> BalanceRope:
     """The rope of `scene` in still air, into which the host blows across its plane from .1 s on."""
-    # a floor far below: the kernels of the tests above
     shafts = [Shaft(air=Air(density=1.2, vz=vz), sump=Sump(level=-20.0)) for vz in (0.0, 20.0)]
     still, blown = (replace(scene(), shaft=shaft) for shaft in shafts)
-    rope = balance_rope(still, form)
+    rope = balance_rope(still)
     for k in followed(rope, lambda _: (EndMotion(), EndMotion()), 30, STEP):
         if k == 10:
             assert abs(rope.signals()["loop.z"]) < 1e-3
@@ -204,8 +174,7 @@ def gust(form: Any) -> Any:
 
 
 def test_a_host_blows_gusts_between_steps() -> None:
-    python, native = gust("python"), gust("native")
-    assert_allclose(python.state.motion.q, native.state.motion.q, atol=1e-9)
+    native = gust()
     # pushed all along for t, a free rope is aside by f t^2 / (2 rho): the middle feels nothing of its ends yet.  A load
     # that jumps between steps comes in over the step behind it, half a step late
     t = 20 * STEP - 0.5 * STEP
@@ -250,12 +219,12 @@ def test_a_leg_hangs_aside_below_a_gallery() -> None:
     assert found["left.fz"] + found["right.fz"] == pytest.approx(2 * f * h, rel=1e-3)
 
 
-def short_rope(form: Any, **parts: Any) -> BalanceRope:
+def short_rope(**parts: Any) -> BalanceRope:
     solver = Solver(step_max=STEP, tolerance=1e3)
     scene = Scene(
         Rope(length=6.0, EI=100.0), Layout(0.6), mesh=Mesh("eem", elements=10), solver=solver
     )
-    return hung(balance_rope(scene.with_(**parts), form))
+    return hung(balance_rope(scene.with_(**parts)))
 
 
 def pushing(t: float, h: float) -> PointForces:
@@ -272,7 +241,7 @@ def push(rope: BalanceRope, steps: int, start: int = 0) -> BalanceRope:
 
 
 def test_a_rope_at_rest_under_a_force_pulls_with_it_at_its_ends() -> None:
-    rope, force = short_rope("native"), np.array([[2.0, -30.0, 4.0]])
+    rope, force = short_rope(), np.array([[2.0, -30.0, 4.0]])
     before = rope.signals(["left.fx", "right.fx", "left.fy", "right.fy", "left.fz", "right.fz"])
     ramp, held = PointForces(np.array([2.0]), 0 * force, force, 0.0, 2.0), None
     rope.apply(ramp)
@@ -291,8 +260,8 @@ def test_a_rope_at_rest_under_a_force_pulls_with_it_at_its_ends() -> None:
         assert gained[f"left.f{axis}"] + gained[f"right.f{axis}"] == pytest.approx(of, abs=0.5)
 
 
-def test_their_work_and_their_impulse_are_in_the_balances(form: Any) -> None:
-    rope = push(short_rope(form), 100)
+def test_their_work_and_their_impulse_are_in_the_balances() -> None:
+    rope = push(short_rope(), 100)
     energy, audit = rope.state.energy_balance, rope.state.audit
     assert energy.work_ends > 0.5
     # what the integrator dissipates at 10 ms
@@ -301,18 +270,8 @@ def test_their_work_and_their_impulse_are_in_the_balances(form: Any) -> None:
     assert audit.missing_force < 0.03
 
 
-def test_both_forms_answer_alike() -> None:
-    python, native = (push(short_rope(form), 60) for form in ("python", "native"))
-    # rounding, grown over 60 steps
-    assert_allclose(native.state.motion.q, python.state.motion.q, rtol=0.0, atol=1e-9)
-    assert_allclose(native.rows(), python.rows(), rtol=0.0, atol=1e-7)
-    assert_allclose(native.state.energy_balance, python.state.energy_balance, rtol=0.0, atol=1e-7)
-    given = pushing(0.2, STEP)
-    assert_allclose(native.displacement(given), python.displacement(given), rtol=1e-6)
-
-
-def test_the_displacement_is_what_the_next_step_moves_its_places_by(form: Any) -> None:
-    rope = push(short_rope(form), 20)
+def test_the_displacement_is_what_the_next_step_moves_its_places_by() -> None:
+    rope = push(short_rope(), 20)
     t, size, saved = 20 * STEP, 1e-3, rope.snapshot()
     given = pushing(t, STEP)
     ends = []
@@ -332,24 +291,22 @@ def test_the_displacement_is_what_the_next_step_moves_its_places_by(form: Any) -
     )
 
 
-def test_no_forces_change_no_bit_and_given_again_after_restoring_they_go_on_bit_by_bit(
-    form: Any,
-) -> None:
-    rope, alone = short_rope(form), short_rope(form)
+def test_no_forces_change_no_bit_and_given_again_after_restoring_they_go_on_bit_by_bit() -> None:
+    rope, alone = short_rope(), short_rope()
     nothing = pushing(0.0, STEP)
     rope.apply(PointForces(nothing.s[:0], nothing.at_start[:0], nothing.at_stop[:0], 0.0, STEP))
     for one in (rope, alone):
         assert one.advance_to(STEP, EndMotion(y=1e-3, vy=0.1), EndMotion()).valid
     assert_array_equal(rope.state.motion.q, alone.state.motion.q)
-    one = push(short_rope(form), 10)
+    one = push(short_rope(), 10)
     saved = one.save()
-    other = short_rope(form)
+    other = short_rope()
     other.restore(saved)
     assert_array_equal(push(other, 5, 10).state.motion.q, push(one, 5, 10).state.motion.q)
 
 
-def test_a_rope_that_chooses_its_model_takes_the_one_that_feels_forces(form: Any) -> None:
-    rope = short_rope(form, model=Model("auto", force_tolerance=1.0))
+def test_a_rope_that_chooses_its_model_takes_the_one_that_feels_forces() -> None:
+    rope = short_rope(model=Model("auto", force_tolerance=1.0))
     assert rope.fidelity == "rigid"
     rope.apply(pushing(0.0, STEP))
     assert rope.advance_to(STEP, EndMotion(), EndMotion()).valid

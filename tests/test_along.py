@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from native_parts import loop_bottom, shape, shape_places
 from numpy.testing import assert_allclose
 from scenes import fixed_steps, hung, smooth_trip, wound
 
@@ -14,7 +15,6 @@ from rope_model import (
     Mesh,
     Model,
     Rope,
-    RopeSimulator,
     Scene,
     Stations,
     balance_rope,
@@ -23,7 +23,6 @@ from rope_model.physics.estimates import loop_width, natural_width
 from rope_model.physics.node import arc_lengths
 from rope_model.rules.fidelity import Fidelity
 from rope_model.rules.signal_table import SHAPE_POINTS
-from rope_model.simulation.outputs.diagnostics import shape, shape_places
 
 HIGH, TRAVEL, H = 12.0, 8.0, 0.01
 #: 30 m rope; its mesh is transformed on the way
@@ -37,31 +36,34 @@ SECTION = math.pi * SHORT.rope.diameter**3
 BOTTOM = SHAPE_POINTS // 2
 
 
-def move(scene: Scene, steps: int, fidelity: Fidelity | None = None) -> RopeSimulator:
+def move(scene: Scene, steps: int, fidelity: Fidelity | None = None) -> BalanceRope:
     """A smooth trip of 8 m in 5 s, after so many steps of 10 ms."""
     scene = scene if fidelity is None else scene.with_(model=Model(fidelity=fidelity))
-    return seen(wound(balance_rope(scene), lambda t: smooth_trip(t, TRAVEL, 5.0, HIGH), steps))
+    return wound(balance_rope(scene), lambda t: smooth_trip(t, TRAVEL, 5.0, HIGH), steps)
 
 
-def seen(wound: BalanceRope, station: Stations | None = None) -> RopeSimulator:
-    """The Python rope in the state of one that was wound; it compiles nothing for a look."""
-    solver = replace(wound.scene.solver, kernels="portable")
-    rope = RopeSimulator(wound.scene.with_(solver=solver, station=station or wound.scene.station))
+def with_stations(wound: BalanceRope, station: Stations) -> BalanceRope:
+    """The rope in the state of one that was wound, with other stations."""
+    rope = balance_rope(wound.scene.with_(station=station))
     rope.restore(wound.state)
     return rope
 
 
-def along(rope: RopeSimulator, name: str, points: str = "shape") -> np.ndarray:
+def bottom_of(rope: BalanceRope) -> float:
+    """Arc length (m) of the lowest point."""
+    return float(loop_bottom(rope.state.motion.q, rope.state.partition.lengths).s)
+
+
+def along(rope: BalanceRope, name: str, points: str = "shape") -> np.ndarray:
     """``shape.tension`` and its like, or those of stations, from the left to the right end."""
     return np.array(
         [*rope.signals(f"{points}.{name}[{i + 1}]" for i in range(SHAPE_POINTS)).values()]
     )
 
 
-def places(rope: RopeSimulator) -> np.ndarray:
-    return shape_places(
-        rope.state.partition.lengths, rope.loop.s, loop_width(rope.scene), SHAPE_POINTS
-    )
+def places(rope: BalanceRope) -> np.ndarray:
+    bottom = bottom_of(rope)
+    return shape_places(rope.scene.rope.length, bottom, loop_width(rope.scene), SHAPE_POINTS)
 
 
 def test_free_loop_has_the_bending_stress_and_the_tension_of_its_elastica() -> None:
@@ -89,7 +91,7 @@ def test_tension_at_the_lowest_point_is_the_side_force_at_rest(width: float) -> 
 def test_tension_of_a_leg_at_rest_is_that_of_a_hanging_chain() -> None:
     still = move(UNCOUPLED, 0)
     s, ends = places(still), still.signals()
-    leg = (s > 0) & (s < still.loop.s - 4.0)
+    leg = (s > 0) & (s < bottom_of(still) - 4.0)
     expected = np.hypot(-ends["left.fy"] - 9.81 * SHORT.rope.mass_per_length * s, ends["left.fx"])
     # a leg follows its force but for bending, which dies away within sqrt(EI/T) = 0.7 m of the clamp
     far = leg & (s > 3.0)
@@ -149,9 +151,9 @@ def test_points_show_a_round_loop_however_deep_it_hangs(length: float) -> None:
     scene = UNCOUPLED.with_(
         rope=replace(UNCOUPLED.rope, length=length), mesh=Mesh(), model=Model("planar")
     )
-    rope = seen(hung(balance_rope(scene)))
+    rope = hung(balance_rope(scene))
     q, lengths = rope.state.motion.q, rope.state.partition.lengths
-    pieces = np.diff(shape(q, lengths, rope.loop.s, loop_width(scene), SHAPE_POINTS).T[:2])
+    pieces = np.diff(shape(q, lengths, bottom_of(rope), loop_width(scene), SHAPE_POINTS).T[:2])
     corners = np.diff(np.unwrap(np.arctan2(pieces[1], pieces[0])))
     # a circle as wide as the loop turns by 5.7 degrees over a 40th of two widths; where a free loop bends most, and
     # where the pieces have begun to grow, it is up to three times as much
@@ -177,6 +179,6 @@ def test_a_station_midway_between_nodes_is_on_their_cubic() -> None:
     after = move(SHORT, 400)
     s, (a, b) = arc_lengths(after.state.partition.lengths)[20:22], after.state.motion.q[20:22]
     where = s.mean() / SHORT.rope.length
-    found = [along(seen(after, Stations(where, where)), axis, "station") for axis in "xyz"]
+    found = [along(with_stations(after, Stations(where, where)), axis, "station") for axis in "xyz"]
     middle = 0.5 * (a[:3] + b[:3]) + np.diff(s) / 8 * (a[3:6] - b[3:6])
     assert_allclose(np.transpose(found), np.tile(middle, (SHAPE_POINTS, 1)), atol=1e-12)

@@ -10,7 +10,7 @@ import pytest
 from derivative_cases import INPUTS, STEPS, Case, cases, derivative, differentiated, errors, winding
 from numpy.testing import assert_allclose
 
-from rope_model import EndMotion, Model, RopeSimulator, rope_120
+from rope_model import EndMotion, rope_120
 from rope_model.engine import NativeRope
 from rope_model.rules.signal_table import LOADS
 
@@ -169,17 +169,6 @@ def test_derivatives_change_no_bit_of_the_run(name: str) -> None:
                 rope.added_mass()
         states.append(rope.native_state())
     assert states[0] == states[1]
-
-
-def test_the_python_form_refuses_added_masses() -> None:
-    # the rigid rope compiles nothing
-    rope = RopeSimulator(rope_120().scene.with_(model=Model("rigid")))
-    assert rope.initialize(0.0, *winding(0.0)).valid
-    with pytest.raises(
-        ValueError,
-        match=r"does not compute left\.added_mass and right\.added_mass; take the native",
-    ):
-        rope.added_mass()
 
 
 #: codes of fesetround on x86; other processors have others

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from end_paths import led
+from native_parts import RigidRope, rigid_rope
 from numpy.testing import assert_allclose
 from scenes import CHOICES, Choice, fixed_steps, smooth_step, wound
 
@@ -14,7 +15,6 @@ from rope_model import BalanceRope, Mesh, Model, Rope, Scene, Swivel, balance_ro
 from rope_model.rules.end_paths import EndMotion, EndPath
 from rope_model.rules.fidelity import FIDELITIES, choose_fidelity, lowest_sufficient
 from rope_model.rules.messages.fidelity_rules import expected_travel, force_error
-from rope_model.simulation.rigid import RigidRope, rigid_rope
 
 Ends = tuple[EndMotion, EndMotion]
 H = 0.01
@@ -101,7 +101,7 @@ def integral(rope: RigidRope, values: np.ndarray) -> float:
 def test_total_force_of_the_rigid_rope_is_weight_and_rate_of_momentum() -> None:
     def momentum(t: float) -> float:
         rope = rigid_at(t)
-        return SHORT.rope.mass_per_length * integral(rope, rope.motion.v[:, 1])
+        return SHORT.rope.mass_per_length * integral(rope, rope.v[:, 1])
 
     weight, d = SHORT.rope.mass_per_length * SHORT.layout.gravity * SHORT.rope.length, 1e-3
     rates = []
@@ -118,14 +118,13 @@ def test_energies_of_the_rigid_rope_are_those_of_its_shape_and_flow_and_change_b
     rho, g, d = SHORT.rope.mass_per_length, SHORT.layout.gravity, 1e-3
     for t in (1.0, 2.0, 3.5):
         rope, before, after = rigid_at(t), rigid_at(t - d), rigid_at(t + d)
-        m = rope.motion
         assert_allclose(
-            0.5 * rho * integral(rope, np.sum(m.v[:, :3] ** 2, axis=1)), rope.kinetic, rtol=1e-5
+            0.5 * rho * integral(rope, np.sum(rope.v[:, :3] ** 2, axis=1)), rope.kinetic, rtol=1e-5
         )
-        assert_allclose(rho * g * integral(rope, m.q[:, 1]), rope.gravity, rtol=1e-5)
+        assert_allclose(rho * g * integral(rope, rope.q[:, 1]), rope.gravity, rtol=1e-5)
         power = (after.kinetic + after.gravity - before.kinetic - before.gravity) / (2 * d)
         assert_allclose(
-            power, rope.tensions[0] * m.v[0, 1] + rope.tensions[1] * m.v[-1, 1], rtol=1e-5
+            power, rope.tensions[0] * rope.v[0, 1] + rope.tensions[1] * rope.v[-1, 1], rtol=1e-5
         )
 
 

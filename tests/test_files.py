@@ -5,6 +5,8 @@ import errno
 import os
 import subprocess
 import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from zipfile import ZipFile
 
@@ -185,3 +187,18 @@ def test_compiled_code_goes_where_it_can_be_written(
     monkeypatch.setenv("BALANCE_ROPE_CACHE", str(no_folder / "x"))
     with pytest.raises(WriteError, match=r"file\.so cannot be written"):
         kernels.make_once(kernels.cache_folder() / "file.so", lambda: None)
+
+
+def test_what_many_want_at_once_is_made_once(tmp_path: Path) -> None:
+    file, runs = tmp_path / "made", []
+
+    def make() -> None:
+        runs.append(file.exists())
+        time.sleep(0.1)  # the others have come
+        file.write_text("whole")
+
+    with ThreadPoolExecutor(4) as threads:
+        made = [*threads.map(lambda _: kernels.make_once(file, make), range(4))]
+    assert made == [file] * 4
+    assert runs == [False]
+    assert [*tmp_path.iterdir()] == [file]

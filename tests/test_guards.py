@@ -12,7 +12,6 @@ from rope_model import (
     Mesh,
     Model,
     Rope,
-    RopeSimulator,
     Scene,
     Shaft,
     Sump,
@@ -71,9 +70,9 @@ def test_the_first_cause_stays() -> None:
     assert tripped.since == (NEVER,) * 5
 
 
-def test_the_rise_is_nothing_wherever_the_ends_are_at_rest(form: str) -> None:
+def test_the_rise_is_nothing_wherever_the_ends_are_at_rest() -> None:
     soft = Scene(Rope(length=60.0, Qa=2e5, Qb=0.0, Qc=0.0, EI=20.0), mesh=Mesh("eem", elements=120))
-    rope = balance_rope(soft, form)  # type: ignore[arg-type]
+    rope = balance_rope(soft)
     rests = []
     for left, right in ((0.0, 0.0), (10.0, 30.0), (0.0, 40.0)):
         assert (
@@ -85,8 +84,7 @@ def test_the_rise_is_nothing_wherever_the_ends_are_at_rest(form: str) -> None:
     assert_allclose(rests, rests[0], atol=0.01)
 
 
-@pytest.mark.slow
-def test_both_forms_trip_alike() -> None:
+def test_each_guard_trips_for_its_cause() -> None:
     cases = {
         "window": Guard(window=0.01, window_delay=0.05),
         "clearance": Guard(clearance=1.0, rise=5.0),
@@ -95,12 +93,9 @@ def test_both_forms_trip_alike() -> None:
     cases |= {"turns": Guard(turns=1e-4, turns_delay=0.1)}
     for cause, guard in cases.items():
         scene = guarded(guard, SHORT.with_(shaft=Shaft(sump=Sump(-11.9))))
-        python, native = (
-            wound(make, going_aside, 30).state.guard
-            for make in (RopeSimulator(scene), balance_rope(scene))
-        )
-        assert python.cause == CAUSES.index(cause) + 1
-        assert (python.cause, python.time) == (native.cause, native.time)
+        seen = wound(balance_rope(scene), going_aside, 30).state.guard
+        assert seen.cause == CAUSES.index(cause) + 1
+        assert 0.0 <= seen.time < 0.31
 
 
 EACH = {
@@ -123,11 +118,11 @@ EACH = {
         ("rigid", ("rise", "window", "turns", "torque")),
     ],
 )
-def test_a_guard_that_the_model_leaves_nothing_to_see_is_named_at_the_start(form, fidelity, blind):
+def test_a_guard_that_the_model_leaves_nothing_to_see_is_named_at_the_start(fidelity, blind):
     told = {}
     for name, guard in EACH.items():
         rope = hung(
-            balance_rope(guarded(guard).with_(model=Model(fidelity)), form), right=EndMotion(y=6.0)
+            balance_rope(guarded(guard).with_(model=Model(fidelity))), right=EndMotion(y=6.0)
         )
         told[name] = rope.warnings().get("blind_guards", "")
     assert tuple(name for name, text in told.items() if text) == blind

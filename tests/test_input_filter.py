@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import get_args
 
 import numpy as np
 import pytest
@@ -17,15 +16,12 @@ from rope_model import (
     BalanceRope,
     EndMotion,
     Inputs,
-    Mesh,
     Model,
-    RopeSimulator,
     Scene,
     Status,
     balance_rope,
     rope_120,
 )
-from rope_model.engine import NativeRope
 from rope_model.rules.input_filter import settings_of
 from rope_model.solver_parameters import FidelityChoice, Trusted
 
@@ -275,26 +271,6 @@ def test_a_sample_that_comes_again_is_counted_where_the_end_must_have_moved(
     assert end.filter.repeats == repeats
     if trusted == "speed":
         assert end.filter.motion[1][1] == pytest.approx(1.0, abs=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("trusted", "given", "at_end"),
-    [
-        *(("all", given, True) for given in (tabled, repeated, late)),
-        *(
-            pytest.param("all", given, False, marks=pytest.mark.slow)
-            for given in (tabled, repeated, late)
-        ),
-        *((trusted, rounded, True) for trusted in get_args(Trusted)),
-        ("all", rounded, False),
-    ],
-)
-def test_both_forms_follow_to_the_same_bits(trusted: Trusted, given: Given, at_end: bool) -> None:
-    scene = SCENE.with_(inputs=Inputs(given=trusted), mesh=Mesh("eem", elements=16))
-    ropes = [form(scene) for form in (NativeRope, RopeSimulator)]
-    for rope in ropes:
-        wind(rope, given, at_end, until=0.4)
-    assert ropes[0].state.filters == ropes[1].state.filters
 
 
 def unfit(t: float, fidelity: FidelityChoice) -> EndMotion:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from conftest import Array, difference
 from numpy.testing import assert_allclose, assert_array_equal
+from rope_model.simulation.wires import carry, history
 from scenes import passed
 
 from rope_model import Mesh, Rope, Scene, Solver
@@ -27,7 +28,6 @@ from rope_model.physics.wire_friction import (
     slip_curvature,
     wire_stiffness,
 )
-from rope_model.simulation.wires import carry, history
 
 #: 1/m
 K0 = 0.02
@@ -250,7 +250,7 @@ def test_a_change_of_the_mesh_makes_no_energy_and_keeps_the_moments_sum() -> Non
 
 def scene(mesh: Mesh | None = None, **rope: float) -> Scene:
     made = replace(Rope(length=10.0, EI_stick=3000.0, slip_moment=2.0), **rope)
-    solver = Solver(kernels="portable", step_max=0.01, tolerance=100.0)
+    solver = Solver(step_max=0.01, tolerance=100.0)
     return Scene(rope=made, mesh=mesh or Mesh("eem", elements=10), solver=solver)
 
 
