@@ -115,7 +115,8 @@ class Construction:
 
     def factors(self) -> dict[str, Datum]:
         """Return each property of PROPERTIES over its power of the diameter in m."""
-        (thin, thick), n = self.area, self.wires
+        thin, thick = self.area
+        n = self.wires
         sliding = [STEEL_MODULUS * area**2 / (4 * math.pi * n) for area in self.area]
         solid = STEEL_MODULUS * thick / 16
         return {

@@ -37,7 +37,8 @@ _FIDELITY_NAMES = get_args(FidelityChoice)
 
 def _event(event: layout.EventStructure) -> Event:
     """Return the event with its words."""
-    side, fidelity = SIDES[event.which % 2], _FIDELITY_NAMES[event.which]
+    side = SIDES[event.which % 2]
+    fidelity = _FIDELITY_NAMES[event.which]
     words = (
         "transformation",
         *(f"{side} swivel {does}" for does in _SWITCHES),
@@ -125,7 +126,8 @@ def declare(lib: ctypes.CDLL) -> ctypes.CDLL:
     }
     for name, (result, arguments) in results.items():
         function = getattr(lib, name)
-        function.restype, function.argtypes = result, arguments
+        function.restype = result
+        function.argtypes = arguments
     return lib
 
 
@@ -157,10 +159,9 @@ class NativeRope(BalanceRope):
             raise ValueError(self._text.value.decode())
         self._scene = scene
         self._state: RopeState | None = None  # cache of `state`
-        self._applied, self._forces = (
-            NO_FORCES,
-            _forces(NO_FORCES),
-        )  # the library keeps a pointer to the forces
+        # the library keeps a pointer to the forces
+        self._applied = NO_FORCES
+        self._forces = _forces(NO_FORCES)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copy and pickle a rope as its scene, state and forces."""
@@ -235,10 +236,8 @@ class NativeRope(BalanceRope):
         wanted = checked_names(names)
         values = (c_double * len(wanted))()
         view: NDArray[np.float64] = np.ctypeslib.as_array(values)
-        read, arguments = (
-            self._lib.rope_signals,
-            (self._rope, len(wanted), _numbers(wanted), values),
-        )
+        read = self._lib.rope_signals
+        arguments = (self._rope, len(wanted), _numbers(wanted), values)
 
         def read_now() -> NDArray[np.float64]:
             self._require_state()
@@ -249,7 +248,8 @@ class NativeRope(BalanceRope):
 
     def apply(self, forces: PointForces) -> None:
         forces.require_on(self._scene.rope.length)
-        self._applied, self._forces = forces, _forces(forces)
+        self._applied = forces
+        self._forces = _forces(forces)
         self._lib.rope_apply(self._rope, byref(self._forces[0]))
 
     def rows(self) -> NDArray[np.float64]:
@@ -261,7 +261,8 @@ class NativeRope(BalanceRope):
     def displacement(self, forces: PointForces) -> NDArray[np.float64]:
         self._require_state()
         forces.require_on(self._scene.rope.length)
-        structure, displacement = _forces(forces), np.empty((forces.s.size, 3))
+        structure = _forces(forces)
+        displacement = np.empty((forces.s.size, 3))
         self._lib.rope_displacement(self._rope, byref(structure[0]), displacement.ctypes.data)
         return displacement
 
@@ -427,7 +428,8 @@ def _unpack(data: bytes) -> RopeState:
 
 
 def _pack(state: RopeState) -> bytes:
-    m, p = state.motion, state.partition
+    m = state.motion
+    p = state.partition
     s = layout.StateStructure(
         **{name: _to_ctypes(getattr(state, name)) for name in layout.ALIKE},
         t=m.t,

@@ -40,7 +40,8 @@ class Parameter(NamedTuple):
             return f"one of {', '.join(self.choices)}"
         if self.lower is None:
             return ""
-        lower, upper = _words(self.lower), _words(self.upper)
+        lower = _words(self.lower)
+        upper = _words(self.upper)
         unit = re.sub(r"(?<=[a-z])(\d)", r"^\1", self.unit).replace(".", " ")
         return (f"in [{lower}, {upper}]" if upper else f">= {lower}") + (
             f" {unit}" if unit not in ("", "1") else ""

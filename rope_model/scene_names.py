@@ -66,7 +66,8 @@ def _fields() -> tuple[_Field, ...]:
     found = list[_Field]()
     for group, data in GROUPS.items():
         for field, p in parameters_of(data).items():
-            name, words = f"{group}.{field}", tuple(p.choices)
+            name = f"{group}.{field}"
+            words = tuple(p.choices)
             if words:
                 found.append(_Field(name, group, field, p, words, int, 0, len(words) - 1))
             elif field != "counts":
@@ -105,7 +106,8 @@ def named_parameters(scene: Scene) -> Iterator[NamedParameter]:
 
 def with_values(scene: Scene, values: Mapping[str, Value]) -> Scene:
     """Return the scene with other parameters by name; ValueError for unknown ones and values out of range."""
-    chosen, counts = dict[str, dict[str, Any]](), [*scene.mesh.counts]
+    chosen = dict[str, dict[str, Any]]()
+    counts = [*scene.mesh.counts]
     known = _kinds()
     value: Any
     for name, value in values.items():
@@ -122,7 +124,8 @@ def with_values(scene: Scene, values: Mapping[str, Value]) -> Scene:
         group, _, field = name.rpartition(".")
         if field.startswith("counts["):
             counts[int(field[len("counts[") : -1]) - 1] = int(value)
-            field, value = "counts", tuple(counts)
+            field = "counts"
+            value = tuple(counts)
         chosen.setdefault(group, {})[field] = _decode(name, value)
     parts = {}
     for group, fields in chosen.items():

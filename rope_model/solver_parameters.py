@@ -29,8 +29,10 @@ SEGMENTS = {"II": 0, "III": 0, "IV": 2, "V": 0, "VI": 0}
 
 
 def _multiple(segment: int, mesh: Any) -> tuple[Any, ...]:
-    count, fine = mesh.counts[segment], 2 * (1 + (mesh.counts[0] > 0)) * (1 + (mesh.counts[1] > 0))
-    multiple, least = (2, 4, fine, 4, 2)[segment], fine if segment == 2 else 0
+    count = mesh.counts[segment]
+    fine = 2 * (1 + (mesh.counts[0] > 0)) * (1 + (mesh.counts[1] > 0))
+    multiple = (2, 4, fine, 4, 2)[segment]
+    least = fine if segment == 2 else 0
     return (count >= least, count % multiple == 0), count, multiple
 
 

@@ -18,17 +18,22 @@ def conjugate_gradients(
     """Solve (J + C) x = -R, where ``solve`` solves J x = -R and ``coupling`` multiplies with C."""
     p = solve(R)
     error = first = -float(np.vdot(R, p))
-    g, Jp, x = R, -R, np.zeros_like(R)
+    g = R
+    Jp = -R
+    x = np.zeros_like(R)
     for _ in range(CG_MAX_STEPS):
         Ap = Jp + coupling(p)
         curvature = float(np.vdot(p, Ap))
         if not curvature > 0:
             return x if x.any() else p
         alpha = error / curvature
-        x, g = x + alpha * p, g + alpha * Ap
+        x = x + alpha * p
+        g = g + alpha * Ap
         z = solve(g)
-        before, error = error, -float(np.vdot(g, z))
+        before = error
+        error = -float(np.vdot(g, z))
         if not error > CG_TOLERANCE * first:
             break
-        p, Jp = z + error / before * p, error / before * Jp - g
+        p = z + error / before * p
+        Jp = error / before * Jp - g
     return x

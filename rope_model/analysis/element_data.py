@@ -34,7 +34,8 @@ class ElementData:
 
 def element_data(rope: NativeRope) -> ElementData:
     """Return the elements of a torsional rope with their frames at its present state."""
-    scene, facts = rope.scene, rope.linear_facts()
+    scene = rope.scene
+    facts = rope.linear_facts()
     frames = rope.frames()
     features = list[int]()
     if facts.curved:
@@ -65,7 +66,8 @@ def of_elements(x: Array) -> Array:
 
 def to_nodes(R: Array) -> Array:
     """Return the sum at the nodes (nodes, 7) of values of elements (14, elements)."""
-    of_first, of_second = R[:NODE_DOF].T, R[NODE_DOF:].T
+    of_first = R[:NODE_DOF].T
+    of_second = R[NODE_DOF:].T
     nodes = np.zeros((R.shape[1] + 1, NODE_DOF))
     nodes[:-1] += of_first
     nodes[1:] += of_second

@@ -74,16 +74,23 @@ def linear_rope(rope: NativeRope, speed: float = 0.0) -> LinearRope:
     _require_linear(rope, facts.near_bodies)
     elements = element_data(rope)
     motion = rope.state.motion
-    q, reaction, free = motion.q, motion.reaction, facts.free.ravel()
+    q = motion.q
+    reaction = motion.reaction
+    free = facts.free.ravel()
     at_rest = _derivatives_at(elements, q, np.zeros_like(q))
-    K, D, M = at_rest.stiffness, at_rest.damping, at_rest.mass
+    K = at_rest.stiffness
+    D = at_rest.damping
+    M = at_rest.mass
     if speed:
         flow = _steady_flow(elements, q, _resisted(facts).ravel(), speed)
-        q, reaction = flow.q, flow.reaction
+        q = flow.q
+        reaction = flow.reaction
         slide = _sliding_speeds(elements, q, facts.lowest_s, speed)
         G, H = _sliding(elements, slide)
         along = _along(elements.lengths)
-        K, D, M = flow.at.stiffness, flow.at.damping, flow.at.mass
+        K = flow.at.stiffness
+        D = flow.at.damping
+        M = flow.at.mass
         K = (K - D @ sp.diags(np.repeat(slide, NODE_DOF)) @ along - H).tocsc()
         D = (D - 2 * G).tocsc()
     M = (M + _swivel_inertia(rope, q)).tocsc()
@@ -268,7 +275,8 @@ def _derivatives(features: Features) -> Any:
 
 def _along(lengths: Array) -> sp.csr_matrix:
     """Return P: derivatives of r, r' and theta along the rope at the nodes, means of both sides."""
-    l, q = ca.SX.sym("l"), ca.SX.sym("q", 2 * NODE_DOF)
+    l = ca.SX.sym("l")
+    q = ca.SX.sym("q", 2 * NODE_DOF)
     sides = []
     for node in (0, 1):
         slope = [q[NODE_DOF * node + k] for k in (3, 4, 5)]
@@ -287,19 +295,26 @@ def _along(lengths: Array) -> sp.csr_matrix:
 @cache
 def _flow() -> Any:
     """Build (l, S of both nodes) -> int S N^T N' and int S^2 N'^T N' of one element, without theta."""
-    l, S, q = ca.SX.sym("l"), ca.SX.sym("S", 2), ca.SX.sym("q", 2 * NODE_DOF)
-    G, H = ca.SX.zeros(2 * NODE_DOF, 2 * NODE_DOF), ca.SX.zeros(2 * NODE_DOF, 2 * NODE_DOF)
+    l = ca.SX.sym("l")
+    S = ca.SX.sym("S", 2)
+    q = ca.SX.sym("q", 2 * NODE_DOF)
+    G = ca.SX.zeros(2 * NODE_DOF, 2 * NODE_DOF)
+    H = ca.SX.zeros(2 * NODE_DOF, 2 * NODE_DOF)
     for xi, weight in GAUSS:
         B = ca.jacobian(ca.vertcat(*node_values(xi, l, ca.vertsplit(q))[:6]), q)
-        N, N_s, speed = B[:3, :], B[3:, :], (1 - xi) * S[0] + xi * S[1]
-        G, H = G + weight * l * speed * (N.T @ N_s), H + weight * l * speed**2 * (N_s.T @ N_s)
+        N = B[:3, :]
+        N_s = B[3:, :]
+        speed = (1 - xi) * S[0] + xi * S[1]
+        G = G + weight * l * speed * (N.T @ N_s)
+        H = H + weight * l * speed**2 * (N_s.T @ N_s)
     return ca.Function("flow", [l, S], [ca.densify(G), ca.densify(H)])
 
 
 @cache
 def _end_load() -> Any:
     """Build (coordinates, reaction) of an end -> derivatives of its load with respect to both, and the load."""
-    q, f = ca.SX.sym("q", NODE_DOF), ca.SX.sym("f", NODE_DOF)
+    q = ca.SX.sym("q", NODE_DOF)
+    f = ca.SX.sym("f", NODE_DOF)
     load = ca.vertcat(*conveyance_load(ca.vertsplit(q), ca.vertsplit(f), f[6]))
     return ca.Function(
         "end_load", [q, f], [ca.densify(ca.jacobian(load, x)) for x in (q, f)] + [load]
@@ -309,7 +324,9 @@ def _end_load() -> Any:
 @cache
 def _loop() -> Any:
     """Build (nodes, xi, l) -> derivative of the lowest point's position and yaw, which moves so that y' = 0."""
-    q, xi, l = ca.SX.sym("q", 2 * NODE_DOF), ca.SX.sym("xi"), ca.SX.sym("l")
+    q = ca.SX.sym("q", 2 * NODE_DOF)
+    xi = ca.SX.sym("xi")
+    l = ca.SX.sym("l")
     point = node_values(xi, l, ca.vertsplit(q))
     position = ca.vertcat(*point[:3], ca.atan2(-point[5], point[3]))
     moved = (

@@ -143,7 +143,8 @@ class Neighbours:
                 "that of the first rope",
                 cure,
             )
-            model, bound = scene.model.fidelity, "auto, torsional or spatial"
+            model = scene.model.fidelity
+            bound = "auto, torsional or spatial"
             require(model not in ("planar", "rigid"), "model.fidelity", model, bound, "set it so")
         self._origins = [np.array(origin) for origin in origins]
         self._method = Coefficients(scenes[0].solver.rho_inf)
@@ -151,10 +152,8 @@ class Neighbours:
         self._pairs = {
             (i, j): Pair(scenes[i], scenes[j]) for i, j in combinations(range(len(scenes)), 2)
         }
-        nothing, unused = (
-            dict.fromkeys(self._pairs, NO_CONTACTS),
-            dict.fromkeys(self._pairs, Account()),
-        )
+        nothing = dict.fromkeys(self._pairs, NO_CONTACTS)
+        unused = dict.fromkeys(self._pairs, Account())
         self.contacts = self._begun = Contacts(
             0.0, dict.fromkeys(self._pairs, 0.0), nothing, unused
         )
@@ -182,7 +181,8 @@ class Neighbours:
             return False
         for partner in partners:
             partner.back()
-        self.contacts, half = before, 0.5 * h
+        self.contacts = before
+        half = 0.5 * h
         return self.step(t, half, partners) and self.step(t + half, half, partners)
 
     def _too_long(self, before: Contacts) -> bool:
@@ -195,7 +195,9 @@ class Neighbours:
 
     def _whole_step(self, t: float, h: float, partners: Sequence[Partner]) -> float | None:
         """Advance all ropes; return the relative error of the forces against the law, None if a rope fails."""
-        before, end, going = self._rows(partners), self.contacts.forces, set(range(len(partners)))
+        before = self._rows(partners)
+        end = self.contacts.forces
+        going = set(range(len(partners)))
         for iteration in range(ITERATIONS):
             for k in sorted(going) if iteration > 0 else ():
                 partners[k].back()
@@ -207,7 +209,8 @@ class Neighbours:
             joint = _Iterate(end, law)
             if joint.missed <= TOLERANCE or iteration == ITERATIONS - 1:
                 break
-            end, going = joint.corrected(partners), joint.ropes
+            end = joint.corrected(partners)
+            going = joint.ropes
         self._book(t + h, before, rows, joint.forces, law, joint.missed)
         return joint.missed
 
@@ -216,9 +219,12 @@ class Neighbours:
         return [None if one.rope is None else rows_of(one.rope, origin) for one, origin in there]
 
     def _law(self, t: float, rows: Present, c: Array) -> dict[PairKey, PairContact]:
-        law, grown = {}, min((t - self.contacts.start) / GROWTH, 1.0)
+        law = {}
+        grown = min((t - self.contacts.start) / GROWTH, 1.0)
         for (i, j), pair in self._pairs.items():
-            one, other, inset = rows[i], rows[j], (1.0 - grown) * self.contacts.insets[i, j]
+            one = rows[i]
+            other = rows[j]
+            inset = (1.0 - grown) * self.contacts.insets[i, j]
             law[i, j] = (
                 NO_CONTACTS
                 if one is None or other is None
@@ -255,11 +261,14 @@ class Neighbours:
         self, t: float, before: Present, after: Present, end: Forces, law: Forces, missed: float
     ) -> None:
         """Add work, dissipation and created energy of a step to the accounts of the pairs, by the trapezoidal rule."""
-        present, accounts = self.contacts.forces, dict(self.contacts.accounts)
+        present = self.contacts.forces
+        accounts = dict(self.contacts.accounts)
         for key, account in self.contacts.accounts.items():
             if not (present[key].point_id.size or end[key].point_id.size):
                 continue
-            work, spring_work, approach = 0.0, 0.0, 0.0
+            work = 0.0
+            spring_work = 0.0
+            approach = 0.0
             for forces in (present[key], end[key]):
                 motion = _relative_motion(key, forces, before, after)
                 work += 0.5 * float(np.vdot(forces.force, motion))
@@ -347,7 +356,8 @@ def _relative_motion(key: PairKey, forces: PairContact, before: Present, after: 
     """Return the displacement (m, 3) of points on the first rope relative to those on the second, m."""
     motion = np.zeros_like(forces.force)
     for side, k in enumerate(key):
-        before_k, after_k = before[k], after[k]
+        before_k = before[k]
+        after_k = after[k]
         if before_k is not None and after_k is not None:
             motion += (1 - 2 * side) * (
                 after_k.positions(forces.s[side]) - before_k.positions(forces.s[side])

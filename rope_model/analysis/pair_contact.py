@@ -111,7 +111,8 @@ class Pair:
         )
         if (low - their_high >= self.diameter).any() or (their_low - high >= self.diameter).any():
             return NO_CONTACTS.point_id, NO_CONTACTS.point_id
-        mine, theirs = one.boxes[:, :, None], other.boxes[:, None]
+        mine = one.boxes[:, :, None]
+        theirs = other.boxes[:, None]
         gaps = np.abs(mine[:3] - theirs[:3]) - (mine[3:] + theirs[3:])
         pairs = np.nonzero((gaps < self.diameter).all(axis=0))
         return pairs[0], pairs[1]
@@ -127,12 +128,14 @@ class Pair:
         stop = np.minimum(start + GROUP, first[mine[groups] + 1])
         middle: Any = 0.5 * (start + stop) * self._spacing
         theirs = theirs[groups]
-        ends, l = _ends(other, theirs), other.lengths[theirs]
+        ends = _ends(other, theirs)
+        l = other.lengths[theirs]
         probed = rope_contact.PROBES[1] - rope_contact.PROBES[0]
         reach = self.diameter + rope_contact.STRETCH * (GROUP * self._spacing + 0.5 * probed * l)
         near = _probed(ends, l, one.positions(middle)).min(axis=0) < reach
         groups, number = _expanded((stop - start)[near])
-        number, theirs = start[near][groups] + number, theirs[near][groups]
+        number = start[near][groups] + number
+        theirs = theirs[near][groups]
         s: Any = (number + 0.5) * self._spacing
         their_s, distance = _projected(other, theirs, one.positions(s))
         return number, s, their_s, distance
@@ -165,8 +168,10 @@ class Pair:
     def _law_at(
         self, number: Numbers, s: Array, one: Rows, other: Rows, c: Array, diameter: float
     ) -> PairContact:
-        r, their_r = one.positions(s[0]), other.positions(s[1])
-        separation, velocity = (r - their_r).T, (one.velocities(s[0]) - other.velocities(s[1])).T
+        r = one.positions(s[0])
+        their_r = other.positions(s[1])
+        separation = (r - their_r).T
+        velocity = (one.velocities(s[0]) - other.velocities(s[1])).T
         law = rope_contact.self_contact_law(
             self._law, diameter, separation, velocity, float(c[0]), float(c[1])
         )
@@ -176,7 +181,8 @@ class Pair:
         entries = np.array([np.broadcast_to(x, number.shape) for x in law.tangent]).T[
             :, rope_contact.TANGENT_ENTRIES
         ]
-        tangent, pressure = self._spacing * entries, self._spacing * np.asarray(law.sums[-1])
+        tangent = self._spacing * entries
+        pressure = self._spacing * np.asarray(law.sums[-1])
         energy = float(np.sum(law.sums[0]) * self._spacing)
         force, spring_force = (self._spacing * np.array(x.force).T for x in (law, spring))
         return PairContact(
@@ -192,7 +198,8 @@ def _expanded(counts: Numbers) -> tuple[Numbers, Numbers]:
 
 def _projected(rope: Rows, elements: Numbers, points: Array) -> tuple[Array, Array]:
     """Return s of the points of elements that are nearest to ``points`` (m, 3), and their distances (m)."""
-    l, ends = rope.lengths[elements], _ends(rope, elements)
+    l = rope.lengths[elements]
+    ends = _ends(rope, elements)
     xi = np.array(rope_contact.PROBES)[_probed(ends, l, points).argmin(axis=0)]
     rows = np.ascontiguousarray(ends.reshape(-1, 12).T)
     for _ in range(rope_contact.CORRECTIONS):

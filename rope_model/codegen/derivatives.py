@@ -21,7 +21,8 @@ def path_change(
     ca.GlobalOptions.setSimplificationOnTheFly(
         True
     )  # else most of the derivative's terms are products with 0
-    inputs, direction = ca.vertcat(*vars(end).values()), ca.vertcat(*change)
+    inputs = ca.vertcat(*vars(end).values())
+    direction = ca.vertcat(*change)
     moved = iter(
         ca.vertsplit(
             ca.jtimes(ca.vertcat(*(c for row in quintics for c in row)), inputs, direction)

@@ -89,11 +89,9 @@ def statements(f: ca.Function, kind: str = "double") -> tuple[list[str], list[st
         return reciprocals[x.text]
 
     for k in range(f.n_instructions()):
-        operation, sources, target = (
-            f.instruction_id(k),
-            f.instruction_input(k),
-            f.instruction_output(k),
-        )
+        operation = f.instruction_id(k)
+        sources = f.instruction_input(k)
+        target = f.instruction_output(k)
         if operation == ca.OP_OUTPUT:
             results[tuple(target)] = values[sources[0]].text
             continue
@@ -154,7 +152,8 @@ def _expression(operation: int, operands: Sequence[_Text], kind: str) -> _Text:
         return _Text(f"{name}({', '.join(x.text for x in operands)})", _ATOM)
     if operation in (ca.OP_SQ, ca.OP_TWICE):
         twice = _Text("2.0", _ATOM) if operation == ca.OP_TWICE else operands[0]
-        operation, operands = ca.OP_MUL, [twice, operands[0]]
+        operation = ca.OP_MUL
+        operands = [twice, operands[0]]
     if operation == ca.OP_NOT:
         return _Text(f"!{operands[0].within(_ATOM)}", _SIGN)
     if operation == ca.OP_IF_ELSE_ZERO:

@@ -97,7 +97,8 @@ def function_code(prototype: str, formula: Callable[..., Any]) -> str:
     """Return the C function of a formula."""
     match = re.fullmatch(r"(\w+) \w+\((.*)\)", prototype)
     assert match, prototype
-    result, arguments = match[1], [argument_of(text) for text in match[2].split(", ")]
+    result = match[1]
+    arguments = [argument_of(text) for text in match[2].split(", ")]
     parameters = arguments[:-1] if result == "void" else arguments
     with no_simplification():
         symbols = [symbols_of(argument) for argument in parameters]
@@ -127,7 +128,8 @@ def _prototype(written: str) -> str:
     """Return the prototype in C of a function as written in ``FORMULAS``."""
     match = re.fullmatch(r"(?:(\w+) )?(\w+)\((.*)\)", written)
     assert match, written
-    result, arguments = match[1] or "double", [_declared(text) for text in match[3].split(", ")]
+    result = match[1] or "double"
+    arguments = [_declared(text) for text in match[3].split(", ")]
     if result == "void":
         arguments[-1] = arguments[-1].removeprefix("const ")
     return f"{result} {match[2]}({', '.join(arguments)})"

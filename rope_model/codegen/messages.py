@@ -45,10 +45,12 @@ def messages_code() -> str:
 
 def _function(name: str, text: Template) -> str:
     declared = "".join(f", {_TYPES[kind]}{value}" for value, kind in text.kinds.items())
-    form, values = "", ""
+    form = ""
+    values = ""
     for before, value, spec in text.parts:
         conversion, argument = _conversion(value, spec, text.kinds[value]) if value else ("", "")
-        form, values = f"{form}{before.replace('%', '%%')}{conversion}", f"{values}{argument}"
+        form = f"{form}{before.replace('%', '%%')}{conversion}"
+        values = f"{values}{argument}"
     return (
         f"static inline int say_{name}(char *message{declared}) {{\n"
         f"    snprintf(message, MESSAGE, {c_string(form)}{values});\n    return 0;\n}}\n"

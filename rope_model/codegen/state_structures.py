@@ -44,7 +44,8 @@ def _type_of(hint: Any) -> Any:
     if not hasattr(hint, "_fields"):
         return c_int64 if hint is int else c_double
     if hint not in PARTS:
-        name, where = hint.__name__.removeprefix("End"), f"{hint.__module__}.{hint.__name__}."
+        name = hint.__name__.removeprefix("End")
+        where = f"{hint.__module__}.{hint.__name__}."
         members = [(member, _type_of(part)) for member, part in get_type_hints(hint).items()]
         PARTS[hint] = type(
             f"{name}Structure", (Structure,), {"__doc__": where, "_fields_": members}
@@ -148,7 +149,8 @@ def structure_code(kind: type[Structure]) -> str:
 def _member(field: str, of: Any) -> str:
     lengths = ""
     while issubclass(of, ctypes.Array):
-        lengths, of = f"{lengths}[{of._length_}]", of._type_
+        lengths = f"{lengths}[{of._length_}]"
+        of = of._type_
     return f"{_NUMBERS.get(of) or _name_of(of)} {field}{lengths}"
 
 

@@ -72,10 +72,8 @@ def constant(name: str) -> str:
 def parameter_structures() -> str:
     """Return the text of parameters.h: bounds of motions, codes of choices, a structure for each group."""
     parts = [f"enum {{ MAX_ELEMENTS = {MAX_ELEMENTS} }};\n"]
-    names, reach = (
-        ", ".join(map(c_string, MOTION_BOUNDS)),
-        ", ".join(map(repr, MOTION_BOUNDS.values())),
-    )
+    names = ", ".join(map(c_string, MOTION_BOUNDS))
+    reach = ", ".join(map(repr, MOTION_BOUNDS.values()))
     parts.append(
         "/* of the values of an EndMotion: names and largest sizes */\n"
         f"#define END_MOTION_NAMES {{{names}}}\n#define END_MOTION_BOUNDS {{{reach}}}\n"
@@ -126,7 +124,8 @@ class Word:
     """Choice that is compared with its words."""
 
     def __init__(self, text: str, name: str) -> None:
-        self.text, self._name = text, name
+        self.text = text
+        self._name = name
 
     def __eq__(self, word: object) -> Any:
         return ca.SX.sym(self.text) == self._code(word)
@@ -144,7 +143,8 @@ def _structure(kind: type[Any]) -> str:
     table = parameters_of(kind)
     lines = []
     for m in members(kind):
-        unit, text = table[m.name].unit, table[m.name].description
+        unit = table[m.name].unit
+        text = table[m.name].description
         array = f"[{m.length}]" if m.length else ""
         lines.append(
             f"    {'double' if m.real else 'int'} {m.name}{array}; /* {unit}{', ' * bool(unit)}{text} */\n"
@@ -193,7 +193,8 @@ def _cross_check(kind: type[Any], check: CrossCheck) -> str:
     used = set(re.findall(r"x->(\w+)", "".join((*lines, condition, *numbers))))
     whole = not any(m.real for m in members(kind) if m.name in used)
     written = [f"ROUNDED({x}, 10)" if whole else f"EXACT({x})" for x in numbers]
-    value_text, bound = written[0], c_string(check.bound)
+    value_text = written[0]
+    bound = c_string(check.bound)
     if isinstance(value, tuple):
         form = ", ".join("%s" for _ in value)
         lines += [
@@ -203,10 +204,8 @@ def _cross_check(kind: type[Any], check: CrossCheck) -> str:
         value_text = "given"
     if placeholder := re.search(r"\{(?::\.(\d)g|!r)\}", check.bound):
         text = f"ROUNDED({numbers[-1]}, {placeholder[1]})" if placeholder[1] else written[-1]
-        before, behind = (
-            c_string(check.bound[: placeholder.start()]),
-            c_string(check.bound[placeholder.end() :]),
-        )
+        before = c_string(check.bound[: placeholder.start()])
+        behind = c_string(check.bound[placeholder.end() :])
         bound = f"JOINED({before}, {text}, {behind})"
     refused = (
         f"refuse(check, {c_string(check.what)}, {value_text}, {bound}, {c_string(check.cure)})"

@@ -36,9 +36,8 @@ from rope_model.physics.estimates import axial_frequency, bending_length
 FORCE_FRACTION = 22.0  #: fraction of the end force error
 LOOP_FRACTION = 0.01  #: fraction of the loop's error, for the position of a node
 FLOW_FRACTION = 0.6  #: fraction of the loop's error, for the flow through it
-RATE_ERROR_FACTOR = (
-    2.0  #: total phase error of a wave over that by the strain alone: its rate is not measured
-)
+#: total phase error of a wave over that by the strain alone: its rate is not measured
+RATE_ERROR_FACTOR = 2.0
 # the loop hangs too high by LOOP_HEIGHT w x^2 N / (1 + N), N = LOCKING x^4 EA w^2 / EI: evidence.mesh_rule.laws
 LOOP_HEIGHT = 0.0214
 LOCKING = 0.0028
@@ -64,9 +63,8 @@ GROWTH_DELAY_STEPS = 100.0  #: steps, where these take less
 ACCEPT_BELOW = 2.0
 GROW_BELOW = 0.05  #: fraction of the tolerance below which an error is small
 TINY = 1e-300
-STEP_ITERATIONS = (
-    12  #: Newton iterations of a step where they are bounded: the largest number in recorded trips
-)
+#: Newton iterations of a step where they are bounded: the largest number in recorded trips
+STEP_ITERATIONS = 12
 # errors (m and rad) that Newton's method may leave where work is bounded to one step
 BOUNDED_STEP_ERROR = 1e-4
 BOUNDED_MESH_ERROR = 2e-3  #: on a new mesh
@@ -117,7 +115,8 @@ def step_limits(scene: Any, sums: Any, s: Any, end_speed: Any, error_constant: A
     ``end_speed`` (m/s) is the vertical speed of one end against the other; ``error_constant`` h^2 is the local error
     per change of the acceleration.  The allowance shrinks as it is used up.
     """
-    rope, accuracy = scene.rope, scene.accuracy
+    rope = scene.rope
+    accuracy = scene.accuracy
     leg = maximum(s, rope.length - s)
     omega = axial_frequency(rope, leg)
     duration = wave_duration(rope, omega)
@@ -153,13 +152,17 @@ def add_errors(
     follows the forces, at most the change over omega^2.
     """
     rope = scene.rope
-    waves, squares = [], []
+    waves = []
+    squares = []
     for side, leg in enumerate((s, rope.length - s)):
         omega = axial_frequency(rope, leg)
         duration = wave_duration(rope, omega)
-        decay, phase = duration / (duration + h), omega * h
-        cosine, sine = decay * cos(phase), decay * sin(phase)
-        present, later = sums.waves[2 * side], sums.waves[2 * side + 1]
+        decay = duration / (duration + h)
+        phase = omega * h
+        cosine = decay * cos(phase)
+        sine = decay * sin(phase)
+        present = sums.waves[2 * side]
+        later = sums.waves[2 * side + 1]
         local = (
             constant
             * (h * h)
@@ -192,7 +195,8 @@ def end_force_error(rope: Any, sums: Any) -> Any:
 
 def locking_error(scene: Any, l: Any) -> Any:
     """Return the height (m) by which the loop hangs too high on elements of length ``l``."""
-    w, rope = bending_length(scene), scene.rope
+    w = bending_length(scene)
+    rope = scene.rope
     x = l / w
     locking = LOCKING * (rope.Qa * (w * w) / rope.EI) * (x * x * x * x)
     return LOOP_HEIGHT * w * (x * x) * (locking / (1.0 + locking))
@@ -219,7 +223,8 @@ def _slip_fraction(scene: Any, l: Any, threshold: float) -> Any:
 
 def length_for(scene: Any, error: Any) -> Any:
     """Return the length (m) of elements whose ``locking_error`` is between half of ``error`` (m) and ``error``."""
-    w, rope = bending_length(scene), scene.rope
+    w = bending_length(scene)
+    rope = scene.rope
     ratio = error / (LOOP_HEIGHT * w)
     return w * maximum(sqrt(ratio), (ratio / (LOCKING * (rope.Qa * (w * w) / rope.EI))) ** (1 / 6))
 

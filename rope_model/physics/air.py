@@ -63,17 +63,21 @@ class Passing(NamedTuple):
 def air_coefficients(air: Any, diameter: Any, spacing: Any) -> AirCoefficients:
     """Return those of a rope of this diameter between suspensions ``spacing`` (m) apart; factor 0 without air."""
     velocity = air.vx, air.vy, air.vz
-    factor, cross = 0.5 * air.density * air.drag * diameter, (air.cross_y, air.cross_height)
+    factor = 0.5 * air.density * air.drag * diameter
+    cross = (air.cross_y, air.cross_height)
     return AirCoefficients(factor, velocity, air.buffet, air.buffet_length, spacing, *cross)
 
 
 def flow(air: AirCoefficients, conveyances: Sequence[Passing], point: Any, l: Any) -> list[Any]:
     """Return the velocity (m/s) of the air at ``point`` of an element of length l."""
     x, y, z = air.velocity
-    up, half, edge = point[1] - air.cross_y, 0.5 * air.cross_height, EDGE + l
+    up = point[1] - air.cross_y
+    half = 0.5 * air.cross_height
+    edge = EDGE + l
     # rounding may make the difference of two steps near 1 negative
     fraction = sqrt(abs(_smooth_step((up + half) / edge) - _smooth_step((up - half) / edge)))
-    x, z = fraction * x, fraction * z
+    x = fraction * x
+    z = fraction * z
     for underside, speed in conveyances:
         h = point[1] - underside[1]
         aside = (
@@ -82,7 +86,8 @@ def flow(air: AirCoefficients, conveyances: Sequence[Passing], point: Any, l: An
             / air.spacing
             * (_bell((h - air.height) / air.spacing) - _bell(h / air.spacing))
         )
-        x, z = x + aside * (point[0] - underside[0]), z + aside * (point[2] - underside[2])
+        x = x + aside * (point[0] - underside[0])
+        z = z + aside * (point[2] - underside[2])
     return [x, y, z]
 
 

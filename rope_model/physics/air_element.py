@@ -54,16 +54,16 @@ def air_functions(fidelity: ElementFidelity) -> AirFunctions:
     dofs = ELEMENT_DOF[fidelity]
     entries = [*dofs, *(NODE_DOF + k for k in dofs)]
     symbols = [ca.SX.sym(name, len(entries)) for name in "qv"]
-    l, A, cv = ca.SX.sym("l"), ca.SX.sym("A", AIR_SIZE), ca.SX.sym("cv")
+    l = ca.SX.sym("l")
+    A = ca.SX.sym("A", AIR_SIZE)
+    cv = ca.SX.sym("cv")
     q, v = (ca.SX.zeros(2 * NODE_DOF) for _ in symbols)
     for x, symbol in zip((q, v), symbols, strict=True):
         x[entries] = symbol
     air, conveyances = _numbers(ca.vertsplit(A))
-    R, J, sums = (
-        ca.SX.zeros(2 * NODE_DOF),
-        ca.SX.zeros(2 * NODE_DOF, 2 * NODE_DOF),
-        ca.SX.zeros(len(AIR_BALANCE)),
-    )
+    R = ca.SX.zeros(2 * NODE_DOF)
+    J = ca.SX.zeros(2 * NODE_DOF, 2 * NODE_DOF)
+    sums = ca.SX.zeros(len(AIR_BALANCE))
     for xi, weight in hermite.GAUSS:
         nodes = dict(_nodes(hermite.shape_functions(xi, l)))
         (point, slope), (speed, _) = (_at(xi, l, x) for x in (q, v))
@@ -88,15 +88,15 @@ def air_functions(fidelity: ElementFidelity) -> AirFunctions:
 @cache
 def air_element(fidelity: ElementFidelity, base: ElementFunctions) -> ElementFunctions:
     """Build the functions of the ``base`` element in air, with A behind its P and AIR_BALANCE behind its balance."""
-    air, m = air_functions(fidelity), len(ELEMENT_DOF[fidelity])
+    air = air_functions(fidelity)
+    m = len(ELEMENT_DOF[fidelity])
     q, v, a, q_prestress = (ca.SX.sym(name, 2 * m) for name in ("q", "v", "a", "q_prestress"))
-    l, F, P = (
-        ca.SX.sym("l"),
-        ca.SX.sym("F", base.residual.size1_in(4)),
-        ca.SX.sym("P", len(PARAMETERS) + AIR_SIZE),
-    )
+    l = ca.SX.sym("l")
+    F = ca.SX.sym("F", base.residual.size1_in(4))
+    P = ca.SX.sym("P", len(PARAMETERS) + AIR_SIZE)
     cq, cv, c_a = (ca.SX.sym(name) for name in ("cq", "cv", "ca"))
-    base_args, air_inputs = (l, F, P[: len(PARAMETERS)]), (q, v, l, P[len(PARAMETERS) :])
+    base_args = (l, F, P[: len(PARAMETERS)])
+    air_inputs = (q, v, l, P[len(PARAMETERS) :])
     R, J = base.tangent(q, v, a, *base_args, cq, cv, c_a, q_prestress)
     force = air.residual(*air_inputs)
     return base.replaced(

@@ -23,13 +23,12 @@ def bending_element(
     q, v, a, q_prestress = (
         ca.SX.sym(name, base.residual.size1_in(0)) for name in ("q", "v", "a", "q_prestress")
     )
-    l, F, P = (
-        ca.SX.sym("l"),
-        ca.SX.sym("F", frame + size),
-        ca.SX.sym("P", base.residual.size1_in(5)),
-    )
+    l = ca.SX.sym("l")
+    F = ca.SX.sym("F", frame + size)
+    P = ca.SX.sym("P", base.residual.size1_in(5))
     cq, cv, c_a = (ca.SX.sym(name) for name in ("cq", "cv", "ca"))
-    base_F, numbers = F[:frame], F[frame:]
+    base_F = F[:frame]
+    numbers = F[frame:]
     R, J = base.tangent(q, v, a, l, base_F, P, cq, cv, c_a, q_prestress)
     added = force(q, l, base_F, numbers)
     balance = base.balance(q, v, l, base_F, P)

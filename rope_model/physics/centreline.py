@@ -26,7 +26,8 @@ def sample_s(bottom_s: Any, reach: Any, fraction: Any, loop: Any) -> Any:
     Near the bottom samples are as dense as if they had to cover twice the width of the ``loop`` (m) only, however long
     the legs are; farther away their distance grows.
     """
-    even, square = minimum(2.0 * loop / maximum(abs(reach), loop), 1.0), fraction * fraction
+    even = minimum(2.0 * loop / maximum(abs(reach), loop), 1.0)
+    square = fraction * fraction
     return bottom_s + reach * (even * fraction + (1.0 - even) * (square * square))
 
 
@@ -34,11 +35,9 @@ def squared_distance(point: Any, start: Any, along: Any) -> Any:
     """Return the squared distance (m^2) of ``point`` from the straight piece from ``start`` along ``along``."""
     across = point[0] - start[0], point[1] - start[1], point[2] - start[2]
     fraction = minimum(maximum(dot(across, along) / dot(along, along), 0.0), 1.0)
-    x, y, z = (
-        across[0] - fraction * along[0],
-        across[1] - fraction * along[1],
-        across[2] - fraction * along[2],
-    )
+    x = across[0] - fraction * along[0]
+    y = across[1] - fraction * along[1]
+    z = across[2] - fraction * along[2]
     return x * x + y * y + z * z
 
 

@@ -69,7 +69,8 @@ def contact_law(
 
     The tangent is that with respect to (cq, cv) times position and velocity.
     """
-    n, onset = normal(point, body), ONSET * diameter
+    n = normal(point, body)
+    onset = ONSET * diameter
     depth = maximum(0.5 * diameter - distance(point, body), 0.0)
     soft = minimum(depth, onset)
     hard = depth - soft
@@ -91,7 +92,8 @@ def contact_law(
 
     normal_stiffness = cq * damped * contact.stiffness * soft / onset
     normal_stiffness = normal_stiffness + cv * (less(0.0, damped) * contact.damping * spring - drag)
-    softening, viscous = cv * drag / (slip * slip), cv * drag
+    softening = cv * drag / (slip * slip)
+    viscous = cv * drag
     pairs = ((i, j) for i in range(3) for j in range(i, 3))
     xx, xy, xz, yy, yz, zz = (
         normal_stiffness * n[i] * n[j] - softening * u[i] * u[j] for i, j in pairs

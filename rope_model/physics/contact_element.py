@@ -43,12 +43,16 @@ def contact_element(
     entries.  Contact adds to residual, tangent, balance and losses, the latter two in further entries.
     """
     m = len(ELEMENT_DOF[fidelity])
-    base_frame, base_size, bodies = base.residual.size1_in(4), base.residual.size1_in(5), len(kinds)
+    base_frame = base.residual.size1_in(4)
+    base_size = base.residual.size1_in(5)
+    bodies = len(kinds)
     q, v, a, q_prestress = (ca.MX.sym(name, 2 * m) for name in ("q", "v", "a", "q_prestress"))
-    l, F = ca.MX.sym("l"), ca.MX.sym("F", base_frame + bodies)
+    l = ca.MX.sym("l")
+    F = ca.MX.sym("F", base_frame + bodies)
     P = ca.MX.sym("P", base_size + len(LAW) + bodies * BODY_SIZE)
     cq, cv, c_a = (ca.MX.sym(name) for name in ("cq", "cv", "ca"))
-    base_args, is_near = (F[:base_frame], P[:base_size]), ca.sum1(F[base_frame:]) > 0
+    base_args = (F[:base_frame], P[:base_size])
+    is_near = ca.sum1(F[base_frame:]) > 0
     R, J, sums = _integrals(ELEMENT_DOF[fidelity], kinds)
 
     def added(function: ca.Function, *factors: Any) -> ca.MX:
@@ -75,9 +79,13 @@ def _integrals(
 ) -> tuple[ca.Function, ca.Function, ca.Function]:
     """Build (q, v, l, near, P) -> R (2 m,), the same with (cq, cv) -> J (2 m, 2 m), and -> sums of CONTACT_BALANCE."""
     m = len(dofs)
-    q, v, l = ca.MX.sym("q", 2 * m), ca.MX.sym("v", 2 * m), ca.MX.sym("l")
-    near, P = ca.MX.sym("near", len(kinds)), ca.MX.sym("P", len(LAW) + len(kinds) * BODY_SIZE)
-    cq, cv = ca.MX.sym("cq"), ca.MX.sym("cv")
+    q = ca.MX.sym("q", 2 * m)
+    v = ca.MX.sym("v", 2 * m)
+    l = ca.MX.sym("l")
+    near = ca.MX.sym("near", len(kinds))
+    P = ca.MX.sym("P", len(LAW) + len(kinds) * BODY_SIZE)
+    cq = ca.MX.sym("cq")
+    cv = ca.MX.sym("cv")
     # index in the element of component i of node value k, which is r or r' of a node
     index = {dof: i for i, dof in enumerate(dofs) if dof < 6}
     entries = {
@@ -96,7 +104,9 @@ def _integrals(
         for x in (q, v)
     )
 
-    force, sums, stiff = ca.MX.zeros(3, 4), ca.MX.zeros(len(CONTACT_BALANCE)), ca.MX.zeros(6, 10)
+    force = ca.MX.zeros(3, 4)
+    sums = ca.MX.zeros(len(CONTACT_BALANCE))
+    stiff = ca.MX.zeros(6, 10)
     for k, kind in enumerate(kinds):
         body = P[len(LAW) + k * BODY_SIZE : len(LAW) + (k + 1) * BODY_SIZE]
         inputs = [rows, speeds, l, ca.vertcat(P[: len(LAW)], body)]
@@ -105,7 +115,8 @@ def _integrals(
         sums[: len(SUMS) - 1] += terms[1][:-1]
         sums[len(SUMS) - 1 + kind] += terms[1][-1]
         stiff += _where_near(_body_function(True))(near[k] > 0, *inputs, cq, cv)
-    R, J = ca.MX.zeros(2 * m), ca.MX(2 * m, 2 * m)
+    R = ca.MX.zeros(2 * m)
+    J = ca.MX(2 * m, 2 * m)
     for (i, k), row in entries.items():
         R[row] = -force[i, k]
         for (j, n), column in entries.items():
@@ -136,11 +147,14 @@ def _body_function(stiff: bool) -> ca.Function:
 
     With (cq, cv) it is the tangent: entries of (3, 3), upper half, in columns for pairs of node values, upper half.
     """
-    rows, speeds = ca.MX.sym("r", 3, 4), ca.MX.sym("v", 3, 4)
-    l, P = ca.MX.sym("l"), ca.MX.sym("P", len(LAW) + BODY_SIZE)
+    rows = ca.MX.sym("r", 3, 4)
+    speeds = ca.MX.sym("v", 3, 4)
+    l = ca.MX.sym("l")
+    P = ca.MX.sym("P", len(LAW) + BODY_SIZE)
     c = [ca.MX.sym("cq"), ca.MX.sym("cv")] if stiff else []
     probe_at, halve, _ = _search_functions()
-    start, stop = ca.MX.sym("start"), ca.MX.sym("stop")
+    start = ca.MX.sym("start")
+    stop = ca.MX.sym("stop")
     ends = [probe_at(xi, rows, l, P) for xi in (start, stop)]
     bracket = halve.fold(contact_points.HALVINGS)(ca.horzcat(*ends), rows, l, P)
     turn_xi = ca.if_else(ends[0][2] * ends[1][2] < 0, _turning_function()(bracket), stop)
@@ -165,10 +179,14 @@ def _body_function(stiff: bool) -> ca.Function:
 @cache
 def _cell_function(stiff: bool) -> ca.Function:
     """Build (probes (3, 3) at ends and extremum of a cell, rows, speeds, l, P) -> its part of ``_body_function``."""
-    probes, rows, speeds = ca.MX.sym("probes", 3, 3), ca.MX.sym("r", 3, 4), ca.MX.sym("v", 3, 4)
-    l, P = ca.MX.sym("l"), ca.MX.sym("P", len(LAW) + BODY_SIZE)
+    probes = ca.MX.sym("probes", 3, 3)
+    rows = ca.MX.sym("r", 3, 4)
+    speeds = ca.MX.sym("v", 3, 4)
+    l = ca.MX.sym("l")
+    P = ca.MX.sym("P", len(LAW) + BODY_SIZE)
     c = [ca.MX.sym("cq"), ca.MX.sym("cv")] if stiff else []
-    reach, pieces = _search_functions()[2], []
+    reach = _search_functions()[2]
+    pieces = []
     for side in (0, 1):
         swapped = probes[1, side] > probes[1, side + 1]
         deeper = ca.if_else(swapped, probes[:, side], probes[:, side + 1])
@@ -189,7 +207,8 @@ def _cell_function(stiff: bool) -> ca.Function:
             start = stop
     xi_points, weights = (ca.vertcat(*x) for x in zip(*pieces, strict=True))
     number = len(pieces)
-    xi, length = ca.SX.sym("xi"), ca.SX.sym("l")
+    xi = ca.SX.sym("xi")
+    length = ca.SX.sym("l")
     shape_functions = ca.Function(
         "shares", [xi, length], [ca.horzcat(*hermite.shape_functions(xi, length))]
     ).map(number)
@@ -213,21 +232,24 @@ def _cell_function(stiff: bool) -> ca.Function:
 @cache
 def _search_functions() -> tuple[ca.Function, ca.Function, ca.Function]:
     """Build (xi, rows, l, P) -> probe, and the steps of the searches for the extremum of the depth and for a depth."""
-    rows, l, P = ca.SX.sym("r", 3, 4), ca.SX.sym("l"), ca.SX.sym("P", len(LAW) + BODY_SIZE)
+    rows = ca.SX.sym("r", 3, 4)
+    l = ca.SX.sym("l")
+    P = ca.SX.sym("P", len(LAW) + BODY_SIZE)
     a, b = ([*ca.vertsplit(rows[:, k]), *ca.vertsplit(rows[:, k + 1])] for k in (0, 2))
-    diameter, (body, _) = P[LAW.index("diameter")], _body(P[len(LAW) :])
-    ends, state, xi, level = (
-        ca.SX.sym("ends", 3, 2),
-        ca.SX.sym("at", 4),
-        ca.SX.sym("place"),
-        ca.SX.sym("level"),
-    )
+    diameter = P[LAW.index("diameter")]
+    body, _ = _body(P[len(LAW) :])
+    ends = ca.SX.sym("ends", 3, 2)
+    state = ca.SX.sym("at", 4)
+    xi = ca.SX.sym("place")
+    level = ca.SX.sym("level")
 
     def probe_at(xi: Any) -> Any:
         return ca.vertcat(*contact_points.probe(xi, l, a, b, diameter, body))
 
-    start, stop = ends[:, 0], ends[:, 1]
-    middle, turns = probe_at(0.5 * (start[0] + stop[0])), start[2] * stop[2] < 0
+    start = ends[:, 0]
+    stop = ends[:, 1]
+    middle = probe_at(0.5 * (start[0] + stop[0]))
+    turns = start[2] * stop[2] < 0
     first = start[2] * middle[2] > 0
     start = where(logical_and(turns, first), middle, start)
     stop = where(logical_and(turns, ca.logic_not(first)), middle, stop)
@@ -263,12 +285,11 @@ def _body(x: Any) -> tuple[Body, Any]:
 @cache
 def _touch_functions() -> tuple[ca.Function, ca.Function]:
     """Build (point, velocity, P) -> force (3,) and SUMS of one body per length, and with (cq, cv) -> tangent."""
-    point, speed, P = (
-        ca.SX.sym("point", 3),
-        ca.SX.sym("speed", 3),
-        ca.SX.sym("P", len(LAW) + BODY_SIZE),
-    )
-    cq, cv = ca.SX.sym("cq"), ca.SX.sym("cv")
+    point = ca.SX.sym("point", 3)
+    speed = ca.SX.sym("speed", 3)
+    P = ca.SX.sym("P", len(LAW) + BODY_SIZE)
+    cq = ca.SX.sym("cq")
+    cv = ca.SX.sym("cv")
     law = SimpleNamespace(**dict(zip(LAW, ca.vertsplit(P[: len(LAW)]), strict=True)))
     terms = contact_law(law, law.diameter, *_body(P[len(LAW) :]), point, speed, cq, cv)
     return (

@@ -32,9 +32,8 @@ TINY = 1e-300
 class ContactSums(NamedTuple):
     """Contact impulses and error integrals since the start of the run."""
 
-    impulses: tuple[float, float, float, float, float, float] = (
-        0.0,
-    ) * 6  # N s, of KINDS and of the rope on itself
+    # N s, of KINDS and of the rope on itself
+    impulses: tuple[float, float, float, float, float, float] = (0.0,) * 6
     time: float = 0.0  # s, duration of the contact with bodies
     largest: float = 0.0  # N, largest pressure of the bodies
     followed: tuple[float, float] = (0.0, 0.0)  # N, filtered pressures s1 and s2
@@ -66,14 +65,16 @@ def add_contact(scene: Any, sums: Any, h: Any, pressures: Any, longest: Any) -> 
 
 def delay(scene: Any, length: Any) -> Any:
     """Return tau (s) of elements of this ``length`` (m)."""
-    rope, tension = scene.rope, _tension(scene)
+    rope = scene.rope
+    tension = _tension(scene)
     stiff = tension * (length * length) + rope.EI * math.pi**2
     return length * length / (math.pi * sqrt(maximum(stiff / rope.mass_per_length, TINY)))
 
 
 def length_for(scene: Any, tau: Any) -> Any:
     """Return the length (m) of the elements whose delay is ``tau`` (s)."""
-    rope, tension = scene.rope, _tension(scene)
+    rope = scene.rope
+    tension = _tension(scene)
     bent = 4.0 * rope.EI * rope.mass_per_length / (tau * tau)
     return (
         math.pi
@@ -100,7 +101,9 @@ def add_contact_end_error(error: Any, sums: Any, time: Any, force: Any) -> Any:
 
 def add_contact_loop_error(scene: Any, error: Any, sums: Any) -> Any:
     """Add the error by contact to ``error`` (m) of the loop's position."""
-    rope, g, w = scene.rope, scene.layout.gravity, bending_length(scene)
+    rope = scene.rope
+    g = scene.layout.gravity
+    w = bending_length(scene)
     return hypot(
         error,
         TO_LOOP * sqrt(sums.square / (2.0 * math.pi * sqrt(w / g))) / (rope.mass_per_length * g),

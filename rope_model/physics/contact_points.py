@@ -23,9 +23,8 @@ from rope_model.physics.shaft import distance, normal
 #: parts of an element that are checked one by one: an element in the loop turns by half a radian, legs are nearly
 #: straight
 CELLS = 4
-HALVINGS = (
-    10  #: bisections for the extremum of the depth, which one secant step of the slopes follows
-)
+#: bisections for the extremum of the depth, which one secant step of the slopes follows
+HALVINGS = 10
 STEPS = 10  #: Newton steps for a level of the depth
 #: m, tolerance of a depth that is searched for
 DEPTH_TOLERANCE = 1e-12
@@ -48,7 +47,8 @@ class Probe(NamedTuple):
 def probe(xi: Any, l: Any, a: Any, b: Any, diameter: Any, body: Any) -> Probe:
     """Return the penetration depth of the element at ``xi``."""
     values = [interpolate(xi, l, a[k], a[3 + k], b[k], b[3 + k]) for k in range(3)]
-    point, slope = tuple(r for r, _ in values), tuple(d for _, d in values)
+    point = tuple(r for r, _ in values)
+    slope = tuple(d for _, d in values)
     return Probe(xi, 0.5 * diameter - distance(point, body), -l * dot(normal(point, body), slope))
 
 

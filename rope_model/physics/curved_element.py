@@ -52,13 +52,19 @@ class CurvedFunctions(NamedTuple):
 def curved_functions() -> CurvedFunctions:
     """Build the functions."""
     relative = element.relative_coordinates()
-    q, l = ca.SX.sym("q", 2 * element.NODE_DOF), ca.SX.sym("l")
-    F, C, cq = ca.SX.sym("F", element.FRAME_SIZE), ca.SX.sym("C", CURVATURE_SIZE), ca.SX.sym("cq")
-    numbers, frames = ca.vertsplit(C), ca.vertsplit(F[:-3], 6)
-    before, EI = numbers[-3:-1], numbers[-1]
+    q = ca.SX.sym("q", 2 * element.NODE_DOF)
+    l = ca.SX.sym("l")
+    F = ca.SX.sym("F", element.FRAME_SIZE)
+    C = ca.SX.sym("C", CURVATURE_SIZE)
+    cq = ca.SX.sym("cq")
+    numbers = ca.vertsplit(C)
+    frames = ca.vertsplit(F[:-3], 6)
+    before = numbers[-3:-1]
+    EI = numbers[-1]
     B = [element.interpolation(xi, l) for xi in element.POINTS]
     z = [B_p @ relative @ q for B_p in B]
-    turn, bend = _turn_function(), _bend_function()
+    turn = _turn_function()
+    bend = _bend_function()
     f, f_z, f_zz = zip(*(turn(*pair) for pair in zip(z, frames, strict=True)), strict=True)
     # weights of the frame's turning in the angle of each point, relative to the element's linear part
     parts = [
@@ -73,11 +79,9 @@ def curved_functions() -> CurvedFunctions:
         *(bend(z[i], frames[i][:3], C[3 * i : 3 * i + 3], angles[i]) for i in range(len(B))),
         strict=True,
     )
-    R, J, U = (
-        ca.SX.zeros(relative.shape[0]),
-        ca.SX.zeros(relative.shape[0], relative.shape[0]),
-        ca.SX(0),
-    )
+    R = ca.SX.zeros(relative.shape[0])
+    J = ca.SX.zeros(relative.shape[0], relative.shape[0])
+    U = ca.SX(0)
     for i, (w, B_p) in enumerate(zip(element.WEIGHTS, B, strict=True)):
         # derivative of the angle at this point, and the effect of this point's turning on all angles
         angle_x: Any = sum(
@@ -92,7 +96,9 @@ def curved_functions() -> CurvedFunctions:
         coupled = w * (B_p.T @ W_zz[i][:, 6] - 0.5 * W_zz[i][6, 6] * angle_x)
         J -= coupled @ angle_x.T + angle_x @ coupled.T
         U += w * (0.5 * ca.sumsqr(C[3 * i : 3 * i + 3]) - W[i])
-    R, U, factor = relative.T @ R, l * EI * U, -l * EI
+    R = relative.T @ R
+    U = l * EI * U
+    factor = -l * EI
     J = element.symmetric(cq * factor * (relative.T @ element.symmetric(J) @ relative))
     inputs = [q, l, F, C]
     return CurvedFunctions(
@@ -108,11 +114,9 @@ def curvature_along(elements: int) -> ca.Function:
 
     Columns belong to elements.
     """
-    start, l, nodes = (
-        ca.SX.sym("start", 3),
-        ca.SX.sym("l"),
-        ca.SX.sym("nodes", 2 * element.NODE_DOF),
-    )
+    start = ca.SX.sym("start", 3)
+    l = ca.SX.sym("l")
+    nodes = ca.SX.sym("nodes", 2 * element.NODE_DOF)
     components = ca.SX.sym("components", 2 * len(element.POINTS))
     *k0, x, y, z = curvature_vectors(components, l, nodes, start)
     inputs = [start, components, l, nodes]
@@ -123,7 +127,8 @@ def curvature_along(elements: int) -> ca.Function:
 
 def _turn_function() -> ca.Function:
     """Build (z, frame) -> turning of the frame along the rope at a point z = (r', r'', theta), and its derivatives."""
-    z, frame = ca.SX.sym("z", 7), ca.SX.sym("frame", 6)
+    z = ca.SX.sym("z", 7)
+    frame = ca.SX.sym("frame", 6)
     f: Any = smallest_rotation_rate(frame[:3], frame[3:], z[0:3], z[3:6])
     f_zz, f_z = ca.hessian(f, z)
     return ca.Function("curved_turn", [z, frame], [ca.cse(x) for x in (f, f_z, f_zz)])
@@ -131,13 +136,12 @@ def _turn_function() -> ca.Function:
 
 def _bend_function() -> ca.Function:
     """Build (z, p, k0 in the reference, angle there) -> k . k0 at a point z = (r', r'', theta), and its derivatives."""
-    z, p, before, angle = (
-        ca.SX.sym("z", 7),
-        ca.SX.sym("p", 3),
-        ca.SX.sym("before", 3),
-        ca.SX.sym("angle"),
-    )
-    d, c = z[0:3], z[3:6]
+    z = ca.SX.sym("z", 7)
+    p = ca.SX.sym("p", 3)
+    before = ca.SX.sym("before", 3)
+    angle = ca.SX.sym("angle")
+    d = z[0:3]
+    c = z[3:6]
     square = dot(d, d)
     length = sqrt(square)
     t = [d[k] / length for k in range(3)]

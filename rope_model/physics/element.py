@@ -90,8 +90,10 @@ def named(P: ca.SX) -> ElementParameters:
 
 def torsional_slowness(rope: Any) -> Any:
     """Return 1/c^2 (s^2/m^2) of torsional waves, a root of det [[Qa - rho c^2, Qs], [Qs, Qd - rhoJ c^2]] = 0."""
-    axial, torsional = rope.Qa * rope.rhoJ, rope.Qd * rope.mass_per_length
-    slower, shared = axial - torsional, rope.mass_per_length * rope.rhoJ * (rope.Qs * rope.Qs)
+    axial = rope.Qa * rope.rhoJ
+    torsional = rope.Qd * rope.mass_per_length
+    slower = axial - torsional
+    shared = rope.mass_per_length * rope.rhoJ * (rope.Qs * rope.Qs)
     root = sqrt(slower * slower + 4 * shared)
     return (
         0.5
@@ -121,10 +123,8 @@ FRAME_SIZE = 21
 
 _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(3)
 #: Gauss points as element coordinates xi, and weights
-POINTS, WEIGHTS = (
-    tuple((0.5 + 0.5 * _GAUSS_POINTS).tolist()),
-    tuple((0.5 * _GAUSS_WEIGHTS).tolist()),
-)
+POINTS = tuple((0.5 + 0.5 * _GAUSS_POINTS).tolist())
+WEIGHTS = tuple((0.5 * _GAUSS_WEIGHTS).tolist())
 
 
 @dataclass(frozen=True)
@@ -174,13 +174,17 @@ def element_functions(
     q, v, a, q_prestress = (ca.SX.zeros(2 * NODE_DOF) for _ in symbols)
     for x, symbol in zip((q, v, a, q_prestress), symbols, strict=True):
         x[dofs] = symbol
-    l, P = ca.SX.sym("l"), ca.SX.sym("P", len(PARAMETERS))
+    l = ca.SX.sym("l")
+    P = ca.SX.sym("P", len(PARAMETERS))
     p = named(P)
     F = ca.SX.sym("F", FRAME_SIZE if torsional else 0)
-    cq, cv, c_a = ca.SX.sym("cq"), ca.SX.sym("cv"), ca.SX.sym("ca")
+    cq = ca.SX.sym("cq")
+    cv = ca.SX.sym("cv")
+    c_a = ca.SX.sym("ca")
 
     # all terms but weight and translation depend on the 11 relative coordinates r2 - r1, r', theta only
-    relative, B = relative_coordinates(), [interpolation(xi, l) for xi in POINTS]
+    relative = relative_coordinates()
+    B = [interpolation(xi, l) for xi in POINTS]
     z, z_t, z_tt = ([B_p @ relative @ x for B_p in B] for x in (q, v, a))
     frames = ca.vertsplit(F[:-3], 6) if torsional else [F] * len(B)
     points = list(zip(WEIGHTS, B, z, z_t, z_tt, frames, strict=True))
@@ -192,17 +196,19 @@ def element_functions(
         start=ca.SX.zeros(5),
     )
     theta_x = ca.vertcat(-1 / l, 1 / l) if torsional else ca.SX.zeros(2)
-    tau, tau_t = means[1] + ca.dot(theta_x, q[[6, 13]]), means[4] + ca.dot(theta_x, v[[6, 13]])
+    tau = means[1] + ca.dot(theta_x, q[[6, 13]])
+    tau_t = means[4] + ca.dot(theta_x, v[[6, 13]])
     torque, elastic = _torque(P, ca.vertcat(means[0], tau), ca.vertcat(means[3], tau_t))
 
-    mass, weight = _translational_mass(l, P), _weight(l, P)
+    mass = _translational_mass(l, P)
+    weight = _weight(l, P)
     balance = ca.SX.zeros(len(BALANCE))
-    balance[BALANCE.index("kinetic")], balance[BALANCE.index("gravity")] = (
-        0.5 * ca.dot(v, mass @ v),
-        -ca.dot(weight, q),
-    )
-    R_r, J_r = ca.SX.zeros(11), ca.SX.zeros(11, 11)
-    e_z, tau_z = ca.SX.zeros(11), ca.SX.zeros(11)
+    balance[BALANCE.index("kinetic")] = 0.5 * ca.dot(v, mass @ v)
+    balance[BALANCE.index("gravity")] = -ca.dot(weight, q)
+    R_r = ca.SX.zeros(11)
+    J_r = ca.SX.zeros(11, 11)
+    e_z = ca.SX.zeros(11)
+    tau_z = ca.SX.zeros(11)
     tau_z[9:] = theta_x
     for w, B_p, z_p, v_p, a_p, F_p in points:
         shift = ca.norm_2((B_p @ relative @ q_prestress)[:3]) - ca.norm_2(z_p[:3])
@@ -220,7 +226,9 @@ def element_functions(
         R_r[9:] += slope_inertia * ca.dot(theta_x, a[[6, 13]]) * theta_x
         J_r[9:, 9:] += c_a * slope_inertia * (theta_x @ theta_x.T)
         balance[BALANCE.index("spin")] += 0.5 * slope_inertia * ca.dot(theta_x, v[[6, 13]]) ** 2
-    damped, root, growth = cv * p.beta_K, p.root_a, cq * p.Qe
+    damped = cv * p.beta_K
+    root = p.root_a
+    growth = cq * p.Qe
     coupling = (cq + damped * root) * p.Qs + growth * tau
     torsion = (cq + damped * root * root) * p.Qd + growth * means[0]
     shared = coupling * e_z + 0.5 * torsion * tau_z
@@ -233,7 +241,8 @@ def element_functions(
 
     strains = ca.vertcat(means[0], tau, ca.sqrt(means[2]), means[3], tau_t)
     momentum = _momentum(q, v, mass, l, P)
-    reference, transport = F, ca.SX.zeros(3)
+    reference = F
+    transport = ca.SX.zeros(3)
     if torsional:
         right = slice(NODE_DOF + 3, NODE_DOF + 6)
         reference = ca.vertcat(*(_frame(z_p) for z_p in z), q[right] / ca.norm_2(q[right]))
@@ -260,16 +269,22 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     tangent: forces, their derivatives without the part through tau, and the gradients of e and of the frame's turning;
              ``shift`` is added to the strain e in the tension of the derivative
     """
-    z, z_t, z_tt = ca.SX.sym("z", 7), ca.SX.sym("z_t", 7), ca.SX.sym("z_tt", 7)
-    P, F = ca.SX.sym("P", len(PARAMETERS)), ca.SX.sym("F", 6 if torsional else 0)
-    cq, cv, c_a = ca.SX.sym("cq"), ca.SX.sym("cv"), ca.SX.sym("ca")
+    z = ca.SX.sym("z", 7)
+    z_t = ca.SX.sym("z_t", 7)
+    z_tt = ca.SX.sym("z_tt", 7)
+    P = ca.SX.sym("P", len(PARAMETERS))
+    F = ca.SX.sym("F", 6 if torsional else 0)
+    cq = ca.SX.sym("cq")
+    cv = ca.SX.sym("cv")
+    c_a = ca.SX.sym("ca")
     tau, tau_t, torque, elastic, shift = (
         ca.SX.sym(name) for name in ("tau", "tau_t", "torque", "elastic", "shift")
     )
     p = named(P)
 
     # strains, and the spin of the section
-    d, c = z[0:3], z[3:6]
+    d = z[0:3]
+    c = z[3:6]
     turning = frame_rate(F[:3], F[3:], d, c) if torsional else ca.SX(0)
     strain = ca.vertcat(ca.norm_2(d) - 1, turning, ca.cross(d, c) / ca.dot(d, d))
     w = z_t[6] + frame_rate(F[:3], ca.SX.zeros(3), d, z_t[0:3]) if torsional else ca.SX(0)
@@ -279,7 +294,8 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     rate = ca.jtimes(strain, z, z_t) - ca.vertcat(0, 0, ca.cross(spin, strain[2:]))
 
     # energies, and the stresses that are work-conjugate to the strains; the torque is the element's
-    e, e_t = ca.SX.sym("e", 5), ca.SX.sym("e_t", 5)
+    e = ca.SX.sym("e", 5)
+    e_t = ca.SX.sym("e_t", 5)
     U, D, P_n = _energies(P, e, e_t)
     K = 0.5 * p.rhoJ * w * w
     stress = ca.gradient(U, e) + ca.gradient(D + P_n, e_t)
@@ -328,7 +344,8 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
 
 def _frame(z: ca.SX) -> ca.SX:
     """Return the tangent p and p x p' (6,) at a point z."""
-    d, c = z[0:3], z[3:6]
+    d = z[0:3]
+    c = z[3:6]
     return ca.vertcat(d / ca.norm_2(d), ca.cross(d, c) / ca.dot(d, d))
 
 
@@ -365,7 +382,8 @@ def _energies(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX
 
 def _torque(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Return the moment conjugate to tau, with and without damping, from the means of e and tau and of their rates."""
-    e, e_t = ca.SX.sym("e", 5), ca.SX.sym("e_t", 5)
+    e = ca.SX.sym("e", 5)
+    e_t = ca.SX.sym("e_t", 5)
     U, D, P_n = _energies(P, e, e_t)
     elastic = ca.gradient(U, e)[1] + ca.gradient(P_n, e_t)[1]
     no_bending = ca.SX.zeros(3)
@@ -380,8 +398,12 @@ def relative_coordinates() -> ca.DM:
     """Return the matrix (11, 14) from the element's degrees of freedom to r2 - r1, r1', r2', theta1, theta2."""
     T = ca.DM(11, 14)
     for i in range(3):
-        T[i, i], T[i, 7 + i], T[3 + i, 3 + i], T[6 + i, 10 + i] = -1, 1, 1, 1
-    T[9, 6], T[10, 13] = 1, 1
+        T[i, i] = -1
+        T[i, 7 + i] = 1
+        T[3 + i, 3 + i] = 1
+        T[6 + i, 10 + i] = 1
+    T[9, 6] = 1
+    T[10, 13] = 1
     return T
 
 
@@ -392,8 +414,10 @@ def interpolation(xi: float, l: ca.SX) -> ca.SX:
     B = ca.SX(7, 11)
     for i in range(3):
         for block in range(3):
-            B[i, 3 * block + i], B[3 + i, 3 * block + i] = slope[block], bend[block]
-    B[6, 9], B[6, 10] = 1 - xi, xi
+            B[i, 3 * block + i] = slope[block]
+            B[3 + i, 3 * block + i] = bend[block]
+    B[6, 9] = 1 - xi
+    B[6, 10] = xi
     return B
 
 
@@ -412,11 +436,14 @@ def _translational_mass(l: ca.SX, P: ca.SX) -> ca.SX:
 
 def _momentum(q: ca.SX, v: ca.SX, mass: ca.SX, l: ca.SX, P: ca.SX) -> ca.SX:
     """Return MOMENTUM (9,), with the spin rhoJ w t, w and t linear in the element, and that of theta's slope."""
-    u, s = mass @ v, mass @ q
+    u = mass @ v
+    s = mass @ q
     angular = sum(
         (ca.cross(q[k : k + 3], u[k : k + 3]) for k in (0, 3, 7, 10)), start=ca.SX.zeros(3)
     )
-    (left, right), (w1, w2) = (d / ca.norm_2(d) for d in (q[3:6], q[10:13])), (v[6], v[13])
+    left, right = (d / ca.norm_2(d) for d in (q[3:6], q[10:13]))
+    w1 = v[6]
+    w2 = v[13]
     p = named(P)
     angular += p.rhoJ * l / 6 * ((2 * w1 + w2) * left + (w1 + 2 * w2) * right)
     angular += p.rhoJ_x * l * (w2 - w1) * (right - left)
@@ -425,6 +452,7 @@ def _momentum(q: ca.SX, v: ca.SX, mass: ca.SX, l: ca.SX, P: ca.SX) -> ca.SX:
 
 def _weight(l: ca.SX, P: ca.SX) -> ca.SX:
     """Return the work-equivalent weight (14,), N and N m."""
-    f, p = ca.SX(14, 1), named(P)
+    f = ca.SX(14, 1)
+    p = named(P)
     f[1], f[4], f[8], f[11] = (-p.rho * p.g * s for s in (l / 2, l**2 / 12, l / 2, -(l**2) / 12))
     return f

@@ -27,7 +27,8 @@ def after_step(
     dissipated between them (J), ``air`` the power given to the air (W).
     """
     damping, nonconservative, contact, moved = losses
-    half, account = 0.5 * h, energy_balance
+    half = 0.5 * h
+    account = energy_balance
     return account._replace(
         work_ends=account.work_ends + (half * (before[0] + after[0]) + h * moved),
         dissipated_swivel=account.dissipated_swivel + half * (before[1] + after[1]),

@@ -77,7 +77,8 @@ def lean_error(scene: Any, travel: Any) -> Any:
 
 def held_error(scene: Any, travel: Any) -> Any:
     """Return the error of a model without torsion for a rope with torque while its swivels hold."""
-    rope, psi = scene.rope, loop_yaw(scene)
+    rope = scene.rope
+    psi = loop_yaw(scene)
     flow = travel.speed * travel.speed / (scene.layout.gravity * natural_width(scene))
     kappa = rope.Qs * rope.Qs / (rope.Qa * rope.Qd)
     return (
@@ -89,7 +90,8 @@ def held_error(scene: Any, travel: Any) -> Any:
 
 def release_error(scene: Any, travel: Any) -> Any:
     """Return the tension of the torsional wave that a released swivel sends off, over the longer leg's weight."""
-    rope, g = scene.rope, scene.layout.gravity
+    rope = scene.rope
+    g = scene.layout.gravity
     return (
         abs(rope.Qs) * held_torque(rope, g) / (rope.Qa * rope.rhoJ * g * _long_leg(scene, travel))
     )
@@ -97,7 +99,8 @@ def release_error(scene: Any, travel: Any) -> Any:
 
 def loop_yaw(scene: Any) -> Any:
     """Return the yaw (rad) of the loop under the torque of a held rope; legs are strings under their own weight."""
-    rope, g = scene.rope, scene.layout.gravity
+    rope = scene.rope
+    g = scene.layout.gravity
     width = 0.5 * (
         scene.layout.spacing + natural_width(scene)
     )  # mean of the widths at both ends of the legs

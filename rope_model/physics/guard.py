@@ -36,9 +36,8 @@ class GuardState(NamedTuple):
     rest: float = 0.0  # m, loop_height at rest
     cause: float = 0.0  # code of the first trip; 0: none
     time: float = 0.0  # s, instant of that trip
-    since: tuple[float, float, float, float, float] = (
-        NEVER,
-    ) * 5  # s, instants at which the thresholds were passed
+    # s, instants at which the thresholds were passed
+    since: tuple[float, float, float, float, float] = (NEVER,) * 5
 
 
 def thresholds(guard: Any) -> tuple[Any, ...]:

@@ -20,7 +20,9 @@ PRODUCTS = ((156, 22, 54, -13), (22, 4, 13, -3), (54, 13, 156, -22), (-13, -3, -
 
 def interpolate(xi: Any, l: Any, r1: Any, s1: Any, r2: Any, s2: Any) -> tuple[Any, Any]:
     """Return the value and its derivative with respect to arc length."""
-    d1, d2, rest = l * s1, l * s2, 1 - xi
+    d1 = l * s1
+    d2 = l * s2
+    rest = 1 - xi
     return (
         r1 + xi * xi * (3 - 2 * xi) * (r2 - r1) + xi * (rest * rest) * d1 + xi * xi * (xi - 1) * d2,
         (6 * xi * rest * (r2 - r1) + rest * (1 - 3 * xi) * d1 + xi * (3 * xi - 2) * d2) / l,
@@ -52,7 +54,8 @@ def shape_functions(xi: Any, l: Any) -> tuple[Any, Any, Any, Any]:
 
 def shape_products(l: Any) -> tuple[Any, ...]:
     """Return integrals of products of two shape functions: the lower half of (4, 4), from the diagonal leftwards."""
-    part, powers = l / 420, (1.0, l, l * l)
+    part = l / 420
+    powers = (1.0, l, l * l)
     pairs = ((m, m - k) for m in range(4) for k in range(m + 1))
     return tuple(part * (PRODUCTS[m][n] * powers[m % 2 + n % 2]) for m, n in pairs)
 
@@ -67,9 +70,12 @@ def missing_load(
     """
     parts = []
     for part_xi, weight in GAUSS:
-        point, weight_length = start + part_xi * (stop - start), weight * (stop - start)
-        xi, old_xi = (point - s) / l, (point - old_s) / old_l
-        before, after = node_values(old_xi, old_l, old), node_values(xi, l, new)
+        point = start + part_xi * (stop - start)
+        weight_length = weight * (stop - start)
+        xi = (point - s) / l
+        old_xi = (point - old_s) / old_l
+        before = node_values(old_xi, old_l, old)
+        after = node_values(xi, l, new)
         missing = [weight_length * (b - a) for b, a in zip(before, after, strict=True)]
         cubic = (N * missing[k] for N in shape_functions(xi, l) for k in range(3))
         parts.append((*cubic, (1 - xi) * missing[6], xi * missing[6]))

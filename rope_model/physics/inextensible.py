@@ -46,13 +46,16 @@ def flow(v1: Any, v2: Any) -> Flow:
 
 def rigid_tensions(rope: Any, layout: Any, left: Any, right: Any) -> RigidTensions:
     """Return the tensions for ends with these motions."""
-    rho, g, L = rope.mass_per_length, layout.gravity, rope.length
+    rho = rope.mass_per_length
+    g = layout.gravity
+    L = rope.length
     start, stop = suspension_points(layout, left, right)
     radius = 0.5 * hypot(stop[0] - start[0], stop[2] - start[2])
     half = math.pi * radius
     l1 = 0.5 * (L - half + (left.y - right.y))
     l2 = L - half - l1
-    u, rate = flow(left.vy, right.vy).u, flow(left.ay, right.ay)
+    u = flow(left.vy, right.vy).u
+    rate = flow(left.ay, right.ay)
     arc = rho * half
     common = 0.5 * (arc * (g + rate.w) + 2 * rho * u * u)
     below = common + 0.5 * arc * rate.u, common - 0.5 * arc * rate.u
@@ -75,7 +78,9 @@ def min_tension(tensions: Any) -> Any:
 
 def energies(rope: Any, layout: Any, tensions: Any, left: Any, right: Any) -> tuple[Any, Any]:
     """Return kinetic energy and potential energy of the weight (J) for ends with these motions."""
-    rho, (l1, l2), (u, w) = rope.mass_per_length, tensions.legs, flow(left.vy, right.vy)
+    rho = rope.mass_per_length
+    l1, l2 = tensions.legs
+    u, w = flow(left.vy, right.vy)
     kinetic = 0.5 * rho * (
         l1 * (left.vy * left.vy) + l2 * (right.vy * right.vy)
     ) + 0.5 * tensions.arc * (w * w + u * u)

@@ -82,14 +82,16 @@ def max_curvature(rope: Any) -> Any:
 
 def curvature_components(rope: Any, s: Any, l: Any) -> tuple[Any, ...]:
     """Return components (1/m) along e1, then e2, at the POINTS of an untwisted element that begins at ``s`` (6,)."""
-    c, t = cos(rope.initial_curvature_angle), sin(rope.initial_curvature_angle)
+    c = cos(rope.initial_curvature_angle)
+    t = sin(rope.initial_curvature_angle)
     pairs = [_curvature(rope, 6 * (s + xi * l) / rope.length) for xi in POINTS]
     return *(c * x - t * y for x, y in pairs), *(t * x + c * y for x, y in pairs)
 
 
 def _curvature(rope: Any, x: Any) -> tuple[Any, Any]:
     """Return the permanent curvature (1/m) along its direction and across it at ``x`` sixths of the length."""
-    along, across = rope.initial_curvature, 0.0
+    along = rope.initial_curvature
+    across = 0.0
     for name, (middle, width) in _HATS.items():
         hat = maximum(1 - maximum(x - middle, middle - x) / width, 0.0)
         along += hat * getattr(rope, f"curvature_{name}")
@@ -116,7 +118,10 @@ def curvature_vectors(components: Any, l: Any, nodes: Any, start: Any) -> tuple[
     vectors: list[Any] = []
     for k, (xi, to, d) in enumerate(zip(POINTS, TO_POINTS, slopes, strict=True)):
         angle = (1 - xi) * nodes[6] + xi * nodes[13] - l * dot(to, turning)
-        x, y, c, t = components[k], components[3 + k], cos(angle), sin(angle)
+        x = components[k]
+        y = components[3 + k]
+        c = cos(angle)
+        t = sin(angle)
         vectors += _turned(_unit(d), p, start, c * x - t * y, t * x + c * y)
     back = -l * dot(WEIGHTS, turning)
     return *vectors, *_turned(_unit(nodes[10:13]), p, start, cos(back), sin(back))

@@ -25,7 +25,8 @@ def initial_shape(length: Any, middle: Any, width: Any, cell: Any) -> InitialSha
     radius = maximum(
         0.5 * width, minimum(4 * cell / math.pi, 0.25 * minimum(middle, length - middle))
     )
-    left_leg, right_leg = middle - 0.5 * math.pi * radius, length - middle - 0.5 * math.pi * radius
+    left_leg = middle - 0.5 * math.pi * radius
+    right_leg = length - middle - 0.5 * math.pi * radius
     return InitialShape(radius, left_leg, right_leg, radius - 0.5 * width)
 
 
@@ -35,7 +36,8 @@ def position_and_tangent(shape: Any, s: Any, phi: Any) -> tuple[Any, Any, Any, A
     ``phi`` is the angle by which the rope has turned up to there.  The tangent of a leg is given without its lean.
     """
     radius, left_leg, right_leg, lean = shape
-    on_left, on_right = minimum(s, left_leg), maximum(s - left_leg - math.pi * radius, 0.0)
+    on_left = minimum(s, left_leg)
+    on_right = maximum(s - left_leg - math.pi * radius, 0.0)
     across = radius * (1 - cos(phi)) - lean * (on_left / left_leg + on_right / right_leg)
     return across, on_left + radius * sin(phi) - on_right, sin(phi), -cos(phi)
 

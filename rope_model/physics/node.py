@@ -5,7 +5,9 @@ import numpy as np
 from rope_model.arrays import Array
 
 #: columns of r, r' and theta in a node's row
-POSITION, SLOPE, ANGLE = slice(0, 3), slice(3, 6), 6
+POSITION = slice(0, 3)
+SLOPE = slice(3, 6)
+ANGLE = 6
 
 
 def arc_lengths(lengths: Array) -> Array:

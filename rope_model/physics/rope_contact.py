@@ -68,7 +68,8 @@ def nearer_xi(xi: Any, l: Any, point: Any, a: Any, b: Any) -> Any:
     """Return Newton's correction of ``xi`` towards the element's point nearest to ``point``; a, b: nodes' r, r'."""
     ends = [(a[k], a[3 + k], b[k], b[3 + k]) for k in range(3)]
     values = [hermite.interpolate(xi, l, *end) for end in ends]
-    gap, slope = [r - x for (r, _), x in zip(values, point, strict=True)], [d for _, d in values]
+    gap = [r - x for (r, _), x in zip(values, point, strict=True)]
+    slope = [d for _, d in values]
     bend = [hermite.bend(xi, l, *end) for end in ends]
     square = dot(slope, slope)
     # beyond the centre of curvature the distance has no minimum

@@ -52,8 +52,10 @@ def least_distance(point: Any, extent: Any, body: Any) -> Any:
     x, y, z = _in_axes(
         point[0] - body.centre[0], point[1] - body.centre[1], point[2] - body.centre[2], body
     )
-    c, s = abs(body.cosine), abs(body.sine)
-    across, along = c * extent[0] + s * extent[2], s * extent[0] + c * extent[2]
+    c = abs(body.cosine)
+    s = abs(body.sine)
+    across = c * extent[0] + s * extent[2]
+    along = s * extent[0] + c * extent[2]
     return _distance(
         abs(x) - body.half[0] - body.side * across,
         abs(y) - body.half[1] - body.side * extent[1],
@@ -85,14 +87,17 @@ def _in_axes(x: Any, y: Any, z: Any, body: Any) -> tuple[Any, Any, Any]:
 
 
 def _distance(x: Any, y: Any, z: Any, body: Any) -> Any:
-    a, b, c = maximum(x, 0.0), maximum(y, 0.0), maximum(z, 0.0)
+    a = maximum(x, 0.0)
+    b = maximum(y, 0.0)
+    c = maximum(z, 0.0)
     within = minimum(maximum(maximum(x, y), z), 0.0)
     return body.side * (sqrt(a * a + b * b + c * c + TINY) + within - body.radius)
 
 
 def lining(lining: Any) -> Body:
     """Return the wall, with the rope inside."""
-    x, z = 0.5 * lining.width, 0.5 * lining.depth
+    x = 0.5 * lining.width
+    z = 0.5 * lining.depth
     radius = lining.rounding * minimum(x, z)
     return Body(
         (lining.x, 0.0, lining.z), (x - radius, ENDLESS, z - radius), radius, 1.0, 0.0, -1.0
@@ -114,7 +119,9 @@ def head_ropes(head_ropes: Any, conveyance: Any, end: Any) -> Body:
 def divider(divider: Any) -> Body:
     """Return a horizontal beam."""
     radius = 0.5 * divider.rounding * divider.size
-    half, c, s = 0.5 * divider.size - radius, cos(divider.direction), sin(divider.direction)
+    half = 0.5 * divider.size - radius
+    c = cos(divider.direction)
+    s = sin(divider.direction)
     return Body(
         (divider.offset * c, divider.y, -divider.offset * s),
         (half, half, ENDLESS),

@@ -59,23 +59,21 @@ def wire_functions(fidelity: element.ElementFidelity) -> WireFunctions:
         *element.ELEMENT_DOF[fidelity],
         *(element.NODE_DOF + k for k in element.ELEMENT_DOF[fidelity]),
     ]
-    symbol, q = ca.SX.sym("q", len(dofs)), ca.SX.zeros(2 * element.NODE_DOF)
+    symbol = ca.SX.sym("q", len(dofs))
+    q = ca.SX.zeros(2 * element.NODE_DOF)
     q[dofs] = symbol
-    l, H, latest, cq = (
-        ca.SX.sym("l"),
-        ca.SX.sym("H", HISTORY_SIZE),
-        ca.SX.sym("latest", TANGENT_SIZE),
-        ca.SX.sym("cq"),
-    )
+    l = ca.SX.sym("l")
+    H = ca.SX.sym("H", HISTORY_SIZE)
+    latest = ca.SX.sym("latest", TANGENT_SIZE)
+    cq = ca.SX.sym("cq")
     *points, k0, C = ca.vertsplit(
         H, [*range(0, HISTORY_SIZE - 1, POINT_STATE_SIZE), HISTORY_SIZE - 1, HISTORY_SIZE]
     )
-    relative, point = element.relative_coordinates(), _point_function()
-    R, J, energy = (
-        ca.SX.zeros(relative.shape[0]),
-        ca.SX.zeros(relative.shape[0], relative.shape[0]),
-        ca.SX(0),
-    )
+    relative = element.relative_coordinates()
+    point = _point_function()
+    R = ca.SX.zeros(relative.shape[0])
+    J = ca.SX.zeros(relative.shape[0], relative.shape[0])
+    energy = ca.SX(0)
     latest_tangents = []
     for xi, weight, before, last in zip(
         element.POINTS, element.WEIGHTS, points, ca.vertsplit(latest, _OF_POINT), strict=True
@@ -86,10 +84,8 @@ def wire_functions(fidelity: element.ElementFidelity) -> WireFunctions:
         J += B.T @ (weight * l * C * stiffness) @ B
         energy += 0.5 * weight * l * C * square
         latest_tangents.append(tangent_numbers)
-    R, J = (
-        (relative.T @ R)[dofs],
-        element.symmetric(cq * (relative.T @ element.symmetric(J) @ relative))[dofs, dofs],
-    )
+    R = (relative.T @ R)[dofs]
+    J = element.symmetric(cq * (relative.T @ element.symmetric(J) @ relative))[dofs, dofs]
     inputs = [symbol, l, H]
     return WireFunctions(
         ca.Function("wire_residual", inputs, [ca.cse(R)]),
@@ -101,20 +97,21 @@ def wire_functions(fidelity: element.ElementFidelity) -> WireFunctions:
 
 def _point_function() -> ca.Function:
     """Build (at = (r', r'', theta), before, k0, latest) -> B^T z, B^T (dz/dk) B for Newton's method, |z|^2, latest."""
-    at, at_t, before = (
-        ca.SX.sym("at", 7),
-        ca.SX.sym("at_t", 7),
-        ca.SX.sym("before", POINT_STATE_SIZE),
-    )
-    k0, latest = ca.SX.sym("k0"), ca.SX.sym("latest", _OF_POINT)
-    d, c = at[0:3], at[3:6]
+    at = ca.SX.sym("at", 7)
+    at_t = ca.SX.sym("at_t", 7)
+    before = ca.SX.sym("before", POINT_STATE_SIZE)
+    k0 = ca.SX.sym("k0")
+    latest = ca.SX.sym("latest", _OF_POINT)
+    d = at[0:3]
+    c = at[3:6]
     k = ca.cross(d, c) / ca.dot(d, d)
     tangent: Any = d / ca.norm_2(d)
     w = at_t[6] + smallest_rotation_rate(before[0:3], ca.SX.zeros(3), d, at_t[0:3])
     spin = ca.cross(d, at_t[0:3]) / ca.dot(d, d) + w * tangent
     B = ca.jacobian(ca.jtimes(k, at, at_t) - ca.cross(spin, k), at_t)
     # the law as a function of the curvature alone: turning with the section does not change it
-    curvature, present = ca.SX.sym("k", 3), section(d, c, at[6])
+    curvature = ca.SX.sym("k", 3)
+    present = section(d, c, at[6])
     step = bouc_wen_step(before, [*present[0:3], *ca.vertsplit(curvature), present[6]], k0)
     z: Any = ca.vertcat(*step.z)
     slope = ca.jacobian(z, curvature)

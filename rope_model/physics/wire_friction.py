@@ -63,17 +63,16 @@ def slip_curvature(rope: Any, stiffness: Any, e: Any, tau: Any) -> Any:
 def section_at(xi: Any, l: Any, nodes: Any) -> tuple[Any, ...]:
     """Return the section (7,) at ``xi`` of an element with the nodes (14,)."""
     ends = [(nodes[k], nodes[3 + k], nodes[7 + k], nodes[10 + k]) for k in range(3)]
-    d, c = (
-        [hermite.interpolate(xi, l, *values)[1] for values in ends],
-        [hermite.bend(xi, l, *values) for values in ends],
-    )
+    d = [hermite.interpolate(xi, l, *values)[1] for values in ends]
+    c = [hermite.bend(xi, l, *values) for values in ends]
     return section(d, c, (1 - xi) * nodes[6] + xi * nodes[13])
 
 
 def section(d: Any, c: Any, angle: Any) -> tuple[Any, ...]:
     """Return the section (7,) where r' is ``d``, r'' is ``c`` and theta ``angle``."""
     square = dot(d, d)
-    length, turn = sqrt(square), cross(d, c)
+    length = sqrt(square)
+    turn = cross(d, c)
     return (*(d[i] / length for i in range(3)), *(turn[i] / square for i in range(3)), angle)
 
 
@@ -85,17 +84,20 @@ def bouc_wen_step(before: Any, after: Any, k0: Any) -> BoucWenStep:
     step = [(after[3 + i] - old_curvature[i]) / k0 for i in range(3)]
     stuck = [z[i] + step[i] for i in range(3)]
     # fraction of the step over which the wires stick, while the moment falls
-    square, along = dot(step, step), dot(z, step)
+    square = dot(step, step)
+    along = dot(z, step)
     back = _positive(-along)
     back = back - _positive(back - square)
     fraction = back / (square + REGULARIZATION)
     z = [z[i] + fraction * step[i] for i in range(3)]
     step = [(1.0 - fraction) * x for x in step]
     # remaining part of the step, over which they slide
-    s2, a = dot(step, step), dot(z, step)
+    s2 = dot(step, step)
+    a = dot(z, step)
     h = 1.0 + s2 / 6 * (1.0 + s2 / 20)  # sinh(s) / s
     cosh = sqrt(1.0 + s2 * h * h)
-    growth, gained = cosh + a * h, h + a * h * h / (cosh + 1.0)
+    growth = cosh + a * h
+    gained = h + a * h * h / (cosh + 1.0)
     z_end = [(z[i] + gained * step[i]) / growth for i in range(3)]
     # work along the step, int z . dk, minus the energy stored
     s = sqrt(s2 + REGULARIZATION)
@@ -107,7 +109,8 @@ def bouc_wen_step(before: Any, after: Any, k0: Any) -> BoucWenStep:
 
 def _carried(before: Any, after: Any, x: Any) -> list[Any]:
     """Return the vector ``x`` across the rope, turned as the section is from ``before`` to ``after``."""
-    p, t = before[0:3], after[0:3]
+    p = before[0:3]
+    t = after[0:3]
     return rotate_about_tangent(
         t, parallel_transport(p, t, x), *rational_cos_sin(after[6] - before[6])
     )

@@ -67,14 +67,14 @@ class Audit(NamedTuple):
     force_change: float = 0.0  # N, largest change of an end force in one step
     period_fraction: float = 0.0  # largest fraction of an axial period that a step took
     bend: float = 0.0  # largest squared change of r' over an element
-    interval: float = (
-        0.0  # s, since the reference, of communication steps that were too short to judge
-    )
+    # s, since the reference, of communication steps that were too short to judge
+    interval: float = 0.0
 
 
 def end_load(q: Any, f: Any, torque: Any) -> tuple[Any, ...]:
     """Return force and moment about the origin (6,) on an end, from its coordinates and reaction (7,)."""
-    (x, y, z), moment = cross(q, f), end_moment(q[3:6], f[3:6], torque)
+    x, y, z = cross(q, f)
+    moment = end_moment(q[3:6], f[3:6], torque)
     return f[0], f[1], f[2], x + moment[0], y + moment[1], z + moment[2]
 
 
@@ -114,7 +114,10 @@ def after_step(
 ) -> Any:
     """Return ``audit`` after a time step to ``load``, with the largest end force and ``change`` of one (N)."""
     load_weight, auxiliary_weight, _, next_weight = auxiliary_weights(method, 0.0)
-    gamma, impulse, auxiliary, rate = method.gamma, [], [], []
+    gamma = method.gamma
+    impulse = []
+    auxiliary = []
+    rate = []
     for k in range(LOADS):
         before = audit.auxiliary[k] + recentring * audit.rate[k]
         after = load_weight * audit.load[k] + auxiliary_weight * before + next_weight * load[k]
@@ -136,7 +139,8 @@ def after_interval(
     audit: Any, h: Any, mass: Any, gravity: Any, sums: Any, about: Any, residual: Any, bend: Any
 ) -> Any:
     """Return ``audit`` after a communication step ``h`` to ``sums``; ``residual`` (J) is new in the balance."""
-    before, h = audit.sums, audit.interval + h
+    before = audit.sums
+    h = audit.interval + h
     judged = h >= MIN_INTERVAL
     # the first moment is a cubic with p as its rate at both ends
     x, z = (

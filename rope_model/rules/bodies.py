@@ -65,7 +65,8 @@ def least_passage(scene: Any) -> Any:
 
     Linings, conveyances and the ground are thick.
     """
-    shaft, diameter = scene.shaft, scene.rope.diameter
+    shaft = scene.shaft
+    diameter = scene.rope.diameter
     dividers = shaft.divider_1, shaft.divider_2, shaft.divider_3, shaft.divider_4
     thin = [
         where(body > 0, body, math.inf)
@@ -75,7 +76,9 @@ def least_passage(scene: Any) -> Any:
 
 
 def _in_lining(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, ...]:
-    shaft, lining, diameter = scene.shaft, scene.shaft.lining, scene.rope.diameter
+    shaft = scene.shaft
+    lining = scene.shaft.lining
+    diameter = scene.rope.diameter
     least = _least_distance(scene, left, right, physics.lining(lining))
     # ends are accepted while their centre line is free
     beyond = logical_or(least < 0, minimum(lining.width, lining.depth) < diameter)
@@ -86,7 +89,8 @@ def _in_lining(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, .
 
 
 def _below_floor(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, ...]:
-    shaft, level = scene.shaft, scene.shaft.sump.level
+    shaft = scene.shaft
+    level = scene.shaft.sump.level
     least = _least_distance(scene, left, right, physics.floor(shaft.sump))
     return (
         logical_and(fidelity != "rigid", shaft.contact.stiffness > 0, level > -FAR, least < 0),

@@ -28,10 +28,15 @@ def clamp_axis(lean: Any, lean_z: Any) -> tuple[tuple[Any, ...], ...]:
     n = (S lean, -C, S lean_z) with C = cos a, S = sin(a)/a for the angle a.  With p = a a_t, C_t = -S p, S_t = D p and
     D_t = E p.
     """
-    (x, x_t, x_tt), (z, z_t, z_tt) = lean, lean_z
-    square, p = x * x + z * z, x * x_t + z * z_t
-    p_t, angle = x_t * x_t + z_t * z_t + x * x_tt + z * z_tt, sqrt(maximum(square, MIN_LEAN_SQUARE))
-    C, S, divisor = cos(angle), sin(angle) / angle, maximum(square, SMALL_LEAN)
+    x, x_t, x_tt = lean
+    z, z_t, z_tt = lean_z
+    square = x * x + z * z
+    p = x * x_t + z * z_t
+    p_t = x_t * x_t + z_t * z_t + x * x_tt + z * z_tt
+    angle = sqrt(maximum(square, MIN_LEAN_SQUARE))
+    C = cos(angle)
+    S = sin(angle) / angle
+    divisor = maximum(square, SMALL_LEAN)
     D = where(square > SMALL_LEAN, (C - S) / divisor, -1.0 / 3.0)
     E = where(square > SMALL_LEAN, -(S + 3.0 * D) / divisor, 1.0 / 15.0)
     (n_x, v_x, a_x), (n_z, v_z, a_z) = (
@@ -43,14 +48,16 @@ def clamp_axis(lean: Any, lean_z: Any) -> tuple[tuple[Any, ...], ...]:
 
 def partly_placed(scene: Any, own: Any, other: Any, sense: Any, fraction: Any) -> EndMotion:
     """Return the end ``own`` on its way from a rope hung in a loop (0) to its position and lean (1)."""
-    x, z = other.x - own.x - sense * scene.layout.spacing, other.z - own.z
+    x = other.x - own.x - sense * scene.layout.spacing
+    z = other.z - own.z
     narrow = (
         HANGING_WIDTH
         * (scene.rope.length - abs(other.y - own.y))
         / maximum(hypot(x, z), MIN_LEAN_SQUARE)
     )
     shift = 0.5 * (1.0 - minimum(narrow, 1.0)) * (1.0 - fraction)
-    x, z = own.x + shift * x, own.z + shift * z
+    x = own.x + shift * x
+    z = own.z + shift * z
     return EndMotion(
         x, own.y, z, yaw=own.yaw, lean=fraction * own.lean, lean_z=fraction * own.lean_z
     )
@@ -64,6 +71,5 @@ def right_offset(left: Any, right: Any) -> Any:
     return 2.0 * atan2(right[2] - left[2], right[0] - left[0])
 
 
-HANGING_WIDTH = (
-    0.4  #: width between the ends over the length of the loop in which a rope is first hung up
-)
+#: width between the ends over the length of the loop in which a rope is first hung up
+HANGING_WIDTH = 0.4

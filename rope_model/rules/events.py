@@ -22,8 +22,11 @@ class Bracket(NamedTuple):
 
 def trial_x(bracket: Any, width: Any) -> Any:
     """Return the next trial point; it is not between the ends if there is no number between them."""
-    low, high, f_low = bracket.low, bracket.high, bracket.f_low
-    falls, middle = _converges(bracket), 0.5 * (low + high)
+    low = bracket.low
+    high = bracket.high
+    f_low = bracket.f_low
+    falls = _converges(bracket)
+    middle = 0.5 * (low + high)
     x = low + (high - low) * f_low / where(falls, f_low - bracket.f_high, 1.0)
     x = where(falls, minimum(maximum(x, low + 0.4 * width), high - 0.4 * width), middle)
     return where(logical_and(low < x, x < high), x, middle)
@@ -33,7 +36,8 @@ def narrowed(bracket: Any, x: Any, value: Any) -> Bracket:
     """Return the remaining interval if the function has this ``value`` at ``x``."""
     low, high, f_low, f_high, side, stalled = (getattr(bracket, name) for name in Bracket._fields)
     below = value < 0
-    new_low, new_high = where(below, x, low), where(below, high, x)
+    new_low = where(below, x, low)
+    new_high = where(below, high, x)
     stalls = 0.5 * (high - low) < new_high - new_low
     return Bracket(
         new_low,

@@ -66,10 +66,8 @@ def unsupported_motion(scene: Scene, fidelity: Fidelity, ends: Ends, forces: int
     if fidelity == "torsional":
         return ""
     if number := int(fidelity_rules.unsupported_input(scene, fidelity, *ends)):
-        reason, held = (
-            _input_text(ends, number),
-            fidelity == "spatial" and fidelity_rules.out_of_plane(number),
-        )
+        reason = _input_text(ends, number)
+        held = fidelity == "spatial" and fidelity_rules.out_of_plane(number)
         return fidelity_messages.while_swivels_hold(reason) if held else reason
     if scene.model.fidelity == "auto":
         return first_text(fidelity_rules.UNSUPPORTED, scene, fidelity, *ends, forces)

@@ -77,7 +77,8 @@ def recentring_time(method: Coefficients, h: Any, before: Any) -> Any:
 
 def newton_coefficients(method: Coefficients, h: Any) -> tuple[Any, Any, Any]:
     """Return the derivatives of q, v and a at the end of a step ``h`` with respect to q there."""
-    m, f = method.alpha_m, method.alpha_f
+    m = method.alpha_m
+    f = method.alpha_f
     return 1.0, method.gamma / (method.beta * h), (1 - m) / (method.beta * h * h * (1 - f))
 
 
@@ -88,16 +89,21 @@ def prediction_weights(
 
     b is moved by ``recentring``; the acceleration continues at its rate for the time ``ahead``.
     """
-    m, gamma, beta = method.alpha_m, method.gamma, method.beta
-    q_a, v_a = h * h * beta / (1 - m), h * gamma / (1 - m)
-    q_b, v_b = h * h * (0.5 - beta) - m * q_a, h * (1 - gamma) - m * v_a
+    m = method.alpha_m
+    gamma = method.gamma
+    beta = method.beta
+    q_a = h * h * beta / (1 - m)
+    v_a = h * gamma / (1 - m)
+    q_b = h * h * (0.5 - beta) - m * q_a
+    v_b = h * (1 - gamma) - m * v_a
     weight = (1 - method.alpha_f) * ahead
     return q_a, v_a, q_b, v_b, q_b * recentring + q_a * weight, v_b * recentring + v_a * weight
 
 
 def auxiliary_weights(method: Coefficients, recentring: Any) -> tuple[Any, Any, Any, Any]:
     """Return the weights of a, b, a_rate at the start of a step, and of a at its end, in b at its end."""
-    m, f = method.alpha_m, method.alpha_f
+    m = method.alpha_m
+    f = method.alpha_f
     return f / (1 - m), -m / (1 - m), -m * recentring / (1 - m), (1 - f) / (1 - m)
 
 

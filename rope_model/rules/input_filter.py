@@ -85,9 +85,8 @@ class InputFilter(NamedTuple):
 
     given: Sample = (0.0,) * 13
     given_at: float = 0.0  # s, instant of the latest sample that is no repetition
-    motion: tuple[Axis, Axis, Axis, Axis] = (
-        (0.0, 0.0, 0.0),
-    ) * 4  # PATH at that instant, with estimates
+    # PATH at that instant, with estimates
+    motion: tuple[Axis, Axis, Axis, Axis] = ((0.0, 0.0, 0.0),) * 4
     end_accelerations: Four = (0.0,) * 4  # accelerations of the samples at the path's end
     recent_changes: Four = (0.0,) * 4  # largest recent changes of these between two steps
     time: float = 0.0  # s
@@ -113,9 +112,8 @@ class InputFilter(NamedTuple):
     broken_at: float = 0.0  # s, instant of that break
     breaks: float = 0.0  # number of breaks after straight pieces as long as the one before
     table_every: float = 0.0  # s, time between the latest two
-    position_jumps: Four = (
-        NOT_ESTIMATED,
-    ) * 4  # m (yaw: rad), by which the latest sample is off any expected motion
+    # m (yaw: rad), by which the latest sample is off any expected motion
+    position_jumps: Four = (NOT_ESTIMATED,) * 4
     speed_jumps: Four = (NOT_ESTIMATED,) * 4  # m/s (yaw: rad/s), the same of its speed
     lean_rates: tuple[float, float] = (
         0.0,
@@ -145,7 +143,8 @@ def filter_settings(scene: Any, trusted: Any) -> FilterSettings:
 
     ``trusted`` is the code of inputs.given.
     """
-    chosen, accuracy = scene.inputs, scene.accuracy
+    chosen = scene.inputs
+    accuracy = scene.accuracy
     derived = sqrt(accuracy.end_force * scene.layout.gravity / accuracy.loop)
     slowest = ESTIMATE_FRACTION * axial_frequency(scene.rope, scene.rope.length)
     return FilterSettings(
@@ -165,7 +164,8 @@ def settings_of(scene: Scene) -> FilterSettings:
 
 def filter_sample(state: Any, settings: Any, given_at: Any, h: Any, end: Any) -> InputFilter:
     """Add the host's sample of the instant ``given_at`` to ``state`` for a step ``h``, unless it is a repetition."""
-    values, speeds = tuple(vars(end).values()), (*end.velocity, end.yaw_rate)
+    values = tuple(vars(end).values())
+    speeds = (*end.velocity, end.yaw_rate)
     is_later = given_at > state.given_at
     since = where(is_later, given_at - state.given_at, h)
     repeated = _repeated(state, settings, is_later, since, values, speeds)
@@ -227,7 +227,8 @@ def _jumps(state: Any, settings: Any, since: Any, positions: Any, speeds: Any) -
     hardest = settings.max_deceleration
     positions_before = (*state.given[:3], state.given[9])
     speeds_before = (*state.given[3:6], state.given[10])
-    position_jumps, speed_jumps = [], []
+    position_jumps = []
+    speed_jumps = []
     for axis, x, x_before, v, v_before in zip(
         state.motion, positions, positions_before, speeds, speeds_before, strict=True
     ):
@@ -280,17 +281,17 @@ def _repeated(
 
 def _completed(old: Any, settings: Any, h: Any, sample: Any) -> tuple[Any, Any, Any]:
     """Return position, speed and acceleration ``h`` after ``old``, from the trusted part of a ``sample``."""
-    (x, v, a), knows_speed = old, settings.speed_trust > 0
+    x, v, a = old
+    knows_speed = settings.speed_trust > 0
     retained = exp(
         -settings.estimate * h
     )  # fraction of an old error: 1 - alpha = retained^2 or retained^3
     gain = 1.0 - retained
     x_ahead, v_ahead = quintic.extrapolate(x, v, a, h)
-    speed_gap, position_gap = sample[1] - v_ahead, sample[0] - x_ahead
-    speed, acceleration = (
-        v_ahead + (1.0 - retained * retained) * speed_gap,
-        a + gain * gain / h * speed_gap,
-    )
+    speed_gap = sample[1] - v_ahead
+    position_gap = sample[0] - x_ahead
+    speed = v_ahead + (1.0 - retained * retained) * speed_gap
+    acceleration = a + gain * gain / h * speed_gap
     integrated = x + 0.5 * h * (v + speed) + h * h / 12.0 * (a - acceleration)
     position = x_ahead + (1.0 - retained * retained * retained) * position_gap
     position_speed = v_ahead + 1.5 * gain * gain * (1.0 + retained) / h * position_gap
@@ -315,11 +316,13 @@ def _signs(state: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: Any)
         multiple = end.y / grid
         finest = where(abs(multiple - floor(multiple + 0.5)) < ON_GRID, grid, finest)
     slope = (end.y - state.given[1]) / since
-    change, expected = abs(slope - state.slope), abs(ay) * since
+    change = abs(slope - state.slope)
+    expected = abs(ay) * since
     visible = expected > MIN_CHANGE
     breaks = logical_and(visible, change > BROKEN * expected)
     straight = logical_and(visible, change < STRAIGHT * expected)
-    counts, piece = logical_and(breaks, state.straight_samples > 0), given_at - state.broken_at
+    counts = logical_and(breaks, state.straight_samples > 0)
+    piece = given_at - state.broken_at
     is_table = state.breaks >= MIN_BREAKS
     alike = logical_or(is_table, abs(piece - state.table_every) < ALIKE * piece)
     return {
@@ -353,7 +356,8 @@ def _lean_quintic(h: Any, ahead: Any, start: Any, sample: Any, mean: Any) -> tup
 
     Its rate, which is not given, lags by a sixth of the step; ``mean`` is that between the latest samples.
     """
-    (x, v, a), aim = start, maximum(h, MIN_MEAN_TIME)
+    x, v, a = start
+    aim = maximum(h, MIN_MEAN_TIME)
     target = sample + (ahead + (aim - h)) * mean
     rate = 1.5 * (target - x) / aim - 0.5 * v
     return quintic.coefficients(aim, x, v, a, target, rate, (rate - v) / aim)
@@ -370,7 +374,8 @@ def _axis_quintic(
     recent_change: Any,
 ) -> tuple[Any, ...]:
     """Return the quintic of one coordinate over the step ``h``, from ``start`` (x, v, a) to the observer's state."""
-    (x, v, a), (sample_position, sample_speed, acceleration) = start, sample
+    x, v, a = start
+    sample_position, sample_speed, acceleration = sample
     position, speed = quintic.extrapolate(sample_position, sample_speed, acceleration, ahead)
     misfit = sample_misfit(
         h, (x, v), (last_acceleration, acceleration), (position, speed), recent_change, jerk
@@ -385,11 +390,13 @@ def _observed(
     w: Any, h: Any, rest: tuple[Any, Any], sample: tuple[Any, Any, Any]
 ) -> tuple[Any, Any, Any]:
     """Return the motion after a step ``h`` in which the observer reduces the ``rest`` of a ``sample`` (x, v, a)."""
-    (rest_position, rest_speed), (position, speed, acceleration) = rest, sample
+    rest_position, rest_speed = rest
+    position, speed, acceleration = sample
     at_start = rest_position - h * rest_speed
     rate = rest_speed + w * at_start
     fades = exp(-w * h)
-    left, left_speed = (at_start + rate * h) * fades, (rest_speed - w * rate * h) * fades
+    left = (at_start + rate * h) * fades
+    left_speed = (rest_speed - w * rate * h) * fades
     return position - left, speed - left_speed, acceleration + w * (2.0 * left_speed + w * left)
 
 
@@ -414,7 +421,9 @@ def sample_misfit(
 
     A change of the acceleration within the step explains a part of the misfit; ``jerk`` bounds its rate.
     """
-    (x, v), (before, after), (position, speed) = start, accelerations, sample
+    x, v = start
+    before, after = accelerations
+    position, speed = sample
     change = abs(after - before)
     speed_misfit = speed - v - 0.5 * h * (before + after)
     position_misfit = position - x - h * v - h * h / 6.0 * (2.0 * before + after)
@@ -447,7 +456,8 @@ class PathMeasures(NamedTuple):
 
 def end_misfits(path: Any, state: Any) -> list[Axis]:
     """Return the misfits of position, speed and acceleration at the path's end, by PATH."""
-    misfits, ahead = [], path.stop - state.given_at
+    misfits = []
+    ahead = path.stop - state.given_at
     for (position, speed, acceleration), x, v, a in zip(
         state.motion, *path.motion(path.stop), strict=True
     ):

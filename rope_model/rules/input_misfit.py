@@ -68,10 +68,8 @@ def add_misfit(state: Any, path: Any, settings: Any, rope: Any, leg: Any) -> Inp
         * sample.position_fits
         * sample.speed_fits
     )
-    speed_misfit, most = (
-        sample.speed_misfit * fits,
-        ONE_CHANGE * h * abs(sample.speed_misfit * fits),
-    )
+    speed_misfit = sample.speed_misfit * fits
+    most = ONE_CHANGE * h * abs(sample.speed_misfit * fits)
     aside = minimum(maximum(sample.position_misfit * fits - 0.5 * h * speed_misfit, -most), most)
     *_, b3, b4, b5 = quintic.coefficients(
         h, 0.0, 0.0, 0.0, 0.5 * h * speed_misfit + aside, speed_misfit, 0.0
@@ -85,10 +83,8 @@ def add_misfit(state: Any, path: Any, settings: Any, rope: Any, leg: Any) -> Inp
     )
     wave, leg_force = _leg_response(state.wave, added, rope, leg, h)
     impedance = sqrt(rope.Qa * rope.mass_per_length)
-    wave_force, within_force = (
-        STEP_SPEED * impedance * shifted / h,
-        WITHIN * impedance * speed_misfit,
-    )
+    wave_force = STEP_SPEED * impedance * shifted / h
+    within_force = WITHIN * impedance * speed_misfit
     drift = state.drift + (1.0 - exp(-settings.observer * h)) * (misfit[1][0] - state.drift)
     result: InputFilter = state._replace(
         end_accelerations=tuple(axis[2] for axis in state.motion),
@@ -118,9 +114,11 @@ def _leg_response(wave: Any, added: Any, rope: Any, leg: Any, h: Any) -> tuple[A
     omega = axial_frequency(rope, leg)
     duration = wave_duration(rope, omega)
     decay = duration / (duration + h)
-    c, s = cos(omega * h), sin(omega * h)
+    c = cos(omega * h)
+    s = sin(omega * h)
     a, b, d, e = added
-    x, x_t = a - d / omega**2, (b - e / omega**2) / omega
+    x = a - d / omega**2
+    x_t = (b - e / omega**2) / omega
     y = a + h * (b + 0.5 * h * (d + h * e / 3.0)) - (d + h * e) / omega**2
     y_t = (b + h * (d + 0.5 * h * e) - e / omega**2) / omega
     free = decay * (c * wave[0] + s * wave[1]), decay * (c * wave[1] - s * wave[0])

@@ -36,9 +36,8 @@ MAX_LEVELS = 8  #: largest end_levels
 MESH_SHARE = 0.5  #: fraction of the loop's allowed error that the mesh may take
 # upper bounds of grading_length
 LEG_GRADING = 7.5e5  #: m, times loop_error / length: lag allowed to short waves on a long trip
-LEG_WAVES = (
-    1000.0  #: m^2, over the length: short waves of an emergency stop (evidence.mesh_rule.trips)
-)
+#: m^2, over the length: short waves of an emergency stop (evidence.mesh_rule.trips)
+LEG_WAVES = 1000.0
 #: times w: at a height y above the loop elements are sqrt(grading_length y) long, and waves of the loop's own frequency
 #: sqrt(g / w) are 2 pi sqrt(w y) long
 LEG_SWAY = 1.0
@@ -78,7 +77,8 @@ class FittedLengths(NamedTuple):
 
 def fit_lengths(scene: Any, loop_error: Any, decades: Any) -> FittedLengths:
     """Return the lengths for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
-    rope, w = scene.rope, bending_length(scene)
+    rope = scene.rope
+    w = bending_length(scene)
     radius = minimum(0.5 * scene.layout.spacing, NATURAL_RADIUS * w)
     shorter = (loop_error / (END_ERROR * radius)) ** 0.2
     fine_length = minimum(length_for(scene, LOCKING_SHARE * loop_error), MAX_LENGTH * radius)
@@ -97,7 +97,8 @@ def pumped_grading(scene: Any) -> Any:
     A tension rho g y (1 + a cos omega t) excites waves of omega / 2 (Mathieu's equation): they grow by exp(a omega t /
     8) and are 4 pi sqrt(g y) / omega long.  a is BRAKED, and lasts as long as the longitudinal wave.
     """
-    rope, g = scene.rope, scene.layout.gravity
+    rope = scene.rope
+    g = scene.layout.gravity
     omega = axial_frequency(rope, PUMPED_LEG * rope.length)
     growth = 0.125 * BRAKED * omega * wave_duration(rope, omega)
     wavelength = 4.0 * math.pi / (PUMPED_ELEMENTS * omega)
@@ -109,7 +110,8 @@ def divider_positions(scene: Any, left: Any, right: Any) -> tuple[Any, ...]:
 
     Left and right leg alternate; infinite where the divider does not hold the leg, or is far from it.
     """
-    shaft, half = scene.shaft, 0.5 * scene.layout.spacing
+    shaft = scene.shaft
+    half = 0.5 * scene.layout.spacing
     return tuple(
         where(_may_press(scene, divider, leg), height - divider.y, math.inf)
         for divider in (shaft.divider_1, shaft.divider_2, shaft.divider_3, shaft.divider_4)
@@ -141,11 +143,9 @@ class FittedMesh(NamedTuple):
 
 def fit_elements(scene: Any, loop_error: Any, decades: Any) -> FittedMesh:
     """Return the mesh for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
-    length, lengths, longest = (
-        scene.rope.length,
-        fit_lengths(scene, loop_error, decades),
-        pressed_length(scene),
-    )
+    length = scene.rope.length
+    lengths = fit_lengths(scene, loop_error, decades)
+    longest = pressed_length(scene)
     # no part of the pattern may be cut off while the loop is MIN_END_DISTANCE or farther from an end
     coarse = minimum(RATIO * lengths.fine_length, longest)
     coarse = minimum(

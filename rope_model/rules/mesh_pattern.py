@@ -17,9 +17,8 @@ from rope_model.physics.elementary import (
 )
 from rope_model.rules.mesh_fit import DUE
 
-DUE_EARLY = (
-    1e-7  #: m, distance before the limit at which a transformation is made, because of rounding
-)
+#: m, distance before the limit at which a transformation is made, because of rounding
+DUE_EARLY = 1e-7
 # window of a leg that is refined where it faces a divider.  A blow that rises within four delays of mesh_fit.BLOW goes
 # 4/pi l along the rope
 WINDOW = 6  #: length in l

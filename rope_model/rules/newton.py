@@ -38,7 +38,8 @@ class NewtonStatus(Enum):
     NOT_FINITE = 3, "Newton iteration met a value that is not finite"
 
     def __init__(self, code: int, text: str) -> None:
-        self.code, self.text = code, text
+        self.code = code
+        self.text = text
 
 
 #: fraction of the initial squared error, in J's norm, at which conjugate gradients end

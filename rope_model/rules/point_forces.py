@@ -78,7 +78,8 @@ def at_places(x: Array, elements: Array, N: Array) -> Array:
 
 def nodal_forces(forces: PointForces, lengths: Array, t: float) -> Array:
     """Return the forces on the nodes (nodes, 7) at ``t``."""
-    nodal, force = np.zeros((lengths.size + 1, 7)), forces.at(t)
+    nodal = np.zeros((lengths.size + 1, 7))
+    force = forces.at(t)
     elements: Any
     elements, N = elements_at(forces.s, lengths)
     for k, N_k in enumerate(N):

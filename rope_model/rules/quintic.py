@@ -9,8 +9,12 @@ from typing import Any
 
 def coefficients(h: Any, x0: Any, v0: Any, a0: Any, x1: Any, v1: Any, a1: Any) -> tuple[Any, ...]:
     """Return c0 to c5 of the quintic over a time ``h``."""
-    dx, dv, da = x1 - x0 - h * v0 - 0.5 * h * h * a0, h * (v1 - v0 - h * a0), h * h * (a1 - a0)
-    c3, c4, c5 = 10 * dx - 4 * dv + 0.5 * da, -15 * dx + 7 * dv - da, 6 * dx - 3 * dv + 0.5 * da
+    dx = x1 - x0 - h * v0 - 0.5 * h * h * a0
+    dv = h * (v1 - v0 - h * a0)
+    da = h * h * (a1 - a0)
+    c3 = 10 * dx - 4 * dv + 0.5 * da
+    c4 = -15 * dx + 7 * dv - da
+    c5 = 6 * dx - 3 * dv + 0.5 * da
     return x0, v0, 0.5 * a0, c3 / h**3, c4 / h**4, c5 / h**5
 
 

@@ -139,9 +139,8 @@ class RopeState(NamedTuple):
     contact: ContactSums = ContactSums()
     powers: Powers = Powers()
     counts: Counts = Counts()
-    snap_twist: float = (
-        0.0  # rad, twist at which the rope last snapped through when it was hung up; 0: never
-    )
+    # rad, twist at which the rope last snapped through when it was hung up; 0: never
+    snap_twist: float = 0.0
     given_up_since: float = 0.0  # s, instant of the first of counts.given_up
     audit: Audit = Audit()
     nearest: tuple[Nearest, ...] = (Nearest(),) * len(KINDS)
@@ -230,5 +229,6 @@ def _rebuild(field: str, plain: Any, rest: list[float]) -> Any:
         array = np.array(rest[:count]).reshape(plain[_ARRAY])
         del rest[:count]
         return array
-    kind, values = _KINDS[field], plain[_RECORD]
+    kind = _KINDS[field]
+    values = plain[_RECORD]
     return kind(*(_rebuild(name, x, rest) for name, x in zip(_names(kind), values, strict=True)))

@@ -16,7 +16,9 @@ from rope_model.rules.state import Counts, Crossing, EnergyBalance, Nearest
 
 def remembered(state: Any) -> dict[str, Any]:
     """Return the values of these signals by name; entries of ``state`` may be symbols."""
-    crossing, guard, (left, right) = state.crossing, state.guard, state.filters
+    crossing = state.crossing
+    guard = state.guard
+    left, right = state.filters
     values = {
         "loop.crossings": crossing.number,
         "loop.crossed_at": crossing.since,

@@ -37,9 +37,8 @@ def relaxation(change: Any, last: Any) -> Any:
 FLOOR_STEP = 0.25  #: m, by which the floor rises beneath a rope that is laid down on it
 MAX_FLOOR_STEPS = 40
 CURVATURE_STEPS = 8  #: increments of the permanent curvature
-PLACING_STEPS = (
-    32  #: increments of the position and lean of ends that are not plumb: 0.1 rad each at most
-)
+#: increments of the position and lean of ends that are not plumb: 0.1 rad each at most
+PLACING_STEPS = 32
 TWIST_STEP = 1.0  #: rad, largest increment of twist
 MIN_TWIST_STEP = 0.01  #: rad, smallest increment of twist
 #: rad, largest turn of the frame at the right end, twice the loop's yaw, on the branch of equilibria

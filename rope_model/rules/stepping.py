@@ -7,9 +7,8 @@ from rope_model.physics.elementary import maximum
 
 #: largest number of Newton iterations of a communication step: over 6 times that of 120 drawn trips
 MAX_ITERATIONS = 5_000.0
-LIMIT_INTERVAL = (
-    0.05  #: s, length of the communication step above which that number grows in proportion
-)
+#: s, length of the communication step above which that number grows in proportion
+LIMIT_INTERVAL = 0.05
 
 
 def max_iterations(interval: Any, step_max: Any) -> Any:

@@ -77,7 +77,8 @@ def swivel_excess(
     swivel: Any, swivel_state: Any, tension: Any, constraint_moment: Any, rate: Any
 ) -> Any:
     """Return the event function: negative while the swivel may stay in its phase."""
-    phase, beyond = swivel_state.phase, beyond_rest(swivel, tension, constraint_moment)
+    phase = swivel_state.phase
+    beyond = beyond_rest(swivel, tension, constraint_moment)
     stays = logical_or(
         phase == Phase.LOCKED, logical_and(phase == Phase.SLIP, frictionless(swivel))
     )

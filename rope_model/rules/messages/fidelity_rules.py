@@ -39,7 +39,8 @@ def not_plumb(scene: Any) -> Any:
 def expected_travel(ends: Sequence[Any]) -> estimates.Travel:
     """Return the motion to expect of ends that move like this."""
     left, right = ends
-    speed, acceleration = maximum(abs(left.vy), abs(right.vy)), maximum(abs(left.ay), abs(right.ay))
+    speed = maximum(abs(left.vy), abs(right.vy))
+    acceleration = maximum(abs(left.ay), abs(right.ay))
     return estimates.travel_estimate(abs(left.y - right.y), speed, acceleration)
 
 
@@ -112,10 +113,8 @@ def _curved(scene: Any) -> tuple[Any, ...]:
 def _errs_too_much(
     scene: Any, fidelity: Any, left: Any, right: Any, forces: Any
 ) -> tuple[Any, ...]:
-    error, tolerance = (
-        force_error(scene, fidelity, expected_travel((left, right))),
-        scene.model.force_tolerance,
-    )
+    error = force_error(scene, fidelity, expected_travel((left, right)))
+    tolerance = scene.model.force_tolerance
     return error > tolerance, 100 * tolerance, 100 * error
 
 
@@ -131,7 +130,8 @@ def _no_torque(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, .
 
 
 def _errs_little(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, ...]:
-    travel, tolerance = expected_travel((left, right)), scene.model.force_tolerance
+    travel = expected_travel((left, right))
+    tolerance = scene.model.force_tolerance
     error = force_error(scene, fidelity, travel)
     return fidelity != "torsional", fidelity, 100 * error, 100 * tolerance, *travel[1:]
 

@@ -85,7 +85,8 @@ def _yaw(state: RopeState) -> float:
 
 def _end_twist(state: RopeState) -> float:
     """Return the twist (rad) of the rope from end to end by conveyances and swivels turned against the ends' line."""
-    (left, right), q = state.offsets, state.motion.q
+    left, right = state.offsets
+    q = state.motion.q
     # a yaw about Y twists either end separately, and both when the whole rope is turned
     return float(q[-1, ANGLE]) - right - (float(q[0, ANGLE]) - left) - 2 * ends_yaw(q)
 

@@ -113,7 +113,8 @@ def _shown_below(number: Any) -> Any:
 
 
 def _waves_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
-    audit, steps = state.audit, audits.signal_values(state.audit)[4]
+    audit = state.audit
+    steps = audits.signal_values(state.audit)[4]
     large = audits.LARGE_CHANGE * audit.force
     applies = logical_and(
         audit.period_fraction * audits.MIN_STEPS > 1.0, audit.force_change > large
@@ -128,7 +129,8 @@ def _waves_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
 
 
 def _bend_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
-    elements, enough = audits.signal_values(state.audit)[5], audits.MIN_ELEMENTS
+    elements = audits.signal_values(state.audit)[5]
+    enough = audits.MIN_ELEMENTS
     return logical_and(state.audit.bend > 0, elements < enough), _shown_below(elements), enough
 
 
@@ -153,13 +155,15 @@ def _motion_misfits(scene: Any, end_filter: Any, step: Any) -> tuple[Any, ...]:
 
 def _estimates_lag(scene: Any, end_filter: Any, step: Any) -> tuple[Any, ...]:
     """Return whether an estimated motion was further from the given one than inputs.misfit_max admits given ones."""
-    x, bandwidth = end_filter, filter_settings(scene, POSITION).estimate
+    x = end_filter
+    bandwidth = filter_settings(scene, POSITION).estimate
     lags = logical_and(scene.inputs.given != "all", x.position_misfit > scene.inputs.misfit_max)
     return lags, x.position_misfit, x.speed_misfit, bandwidth
 
 
 def _loop_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
-    mesh, allowed = scene.mesh, scene.accuracy.loop
+    mesh = scene.mesh
+    allowed = scene.accuracy.loop
     equal = mesh.kind == "eem"
     fine_length = where(
         equal, scene.rope.length / mesh.elements, mesh.coarse_length * fine_share(mesh.counts)
