@@ -14,9 +14,9 @@ import scipy.sparse as sp
 from evidence.tables import Array
 from rope_model.analysis import chain_matrices
 from rope_model.parameters import Rope
+from rope_model.physics import element as elements
 from rope_model.physics.element import ElementFunctions
 from rope_model.physics.node import ANGLE
-from rope_model.reference import equations as reference
 from rope_model.reference.equations import Equations, Mask, of_elements
 from rope_model.reference.statics import Equilibrium, find_equilibrium
 
@@ -61,7 +61,7 @@ def matrix(equations: Equations, q: Array, c: tuple[float, float, float]) -> sp.
     at = equations.with_reference(q)
     still = of_elements(np.zeros_like(q))
     nodes = of_elements(q)
-    element = reference.element_functions()
+    element = elements.element_functions()
     J = element.tangent(nodes, still, still, at.lengths[None, :], at.frame, at.material, *c, nodes)[
         1
     ]
@@ -72,5 +72,5 @@ def matrix(equations: Equations, q: Array, c: tuple[float, float, float]) -> sp.
 @contextmanager
 def with_element(functions: ElementFunctions) -> Iterator[None]:
     """Give the reference rope another element inside: its equations call these ``functions``."""
-    with patch.object(reference, "element_functions", lambda: functions):
+    with patch.object(elements, "element_functions", lambda: functions):
         yield
