@@ -7,6 +7,7 @@ import numpy as np
 
 from evidence.tables import Array
 from rope_model import BalanceRope, EndMotion, Scene, Status, balance_rope
+from rope_model.public import Form
 
 AT_ZERO = EndMotion()
 
@@ -17,9 +18,14 @@ def require(status: Status) -> None:
         raise RuntimeError(status.message)
 
 
-def at_rest(scene: Scene, left: EndMotion = AT_ZERO, right: EndMotion = AT_ZERO) -> BalanceRope:
+def at_rest(
+    scene: Scene,
+    left: EndMotion = AT_ZERO,
+    right: EndMotion = AT_ZERO,
+    form: Form = "auto",
+) -> BalanceRope:
     """Return the rope of ``scene`` at rest between these ends."""
-    rope = balance_rope(scene)
+    rope = balance_rope(scene, form)
     require(rope.initialize(0.0, left, right))
     return rope
 
