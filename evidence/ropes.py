@@ -19,7 +19,10 @@ def require(status: Status) -> None:
 
 
 def at_rest(
-    scene: Scene, left: EndMotion = AT_ZERO, right: EndMotion = AT_ZERO, *, form: Form = "native"
+    scene: Scene,
+    left: EndMotion = AT_ZERO,
+    right: EndMotion = AT_ZERO,
+    form: Form = "auto",
 ) -> BalanceRope:
     """Return the rope of ``scene`` at rest between these ends."""
     rope = balance_rope(scene, form)

@@ -1,48 +1,47 @@
-"""The element with one thing done differently: what the entries' counterexamples are built of."""
+"""The reference rope with one thing done differently: what the entries' counterexamples are built of."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import cache
 from typing import Any
 from unittest.mock import patch
 
 import casadi as ca
 import numpy as np
-from rope_model.simulation import rope_kernels
 
+from evidence.statics import with_element
+from rope_model.parameters import Scene
 from rope_model.physics import element
 from rope_model.physics.frame import FrameRate, smallest_rotation_rate
+from rope_model.reference import stepping
+from rope_model.reference.state import State
 
 
 @contextmanager
 def modified_element(
     frame_rate: FrameRate = smallest_rotation_rate, gauss_points: int = 3
 ) -> Iterator[None]:
-    """Ropes made inside have the element with another frame of the section or another quadrature."""
+    """Give reference ropes inside another frame of the section or another quadrature."""
     points, weights = np.polynomial.legendre.leggauss(gauss_points)
     places: dict[str, Any] = {"POINTS": 0.5 + 0.5 * points, "WEIGHTS": 0.5 * weights}
     places["FRAME_SIZE"] = 6 * gauss_points + 3
-    uncached = element.element_functions.__wrapped__
-
-    @cache
-    def functions(fidelity: element.ElementFidelity = "torsional") -> element.ElementFunctions:
-        with patch.multiple(element, **places):
-            twin = uncached(fidelity, frame_rate)
-        return (
-            twin
-            if frame_rate is smallest_rotation_rate
-            else replace(twin, transport=_none(twin.transport))
-        )
-
-    made_anew = {
-        name: getattr(rope_kernels, name).__wrapped__ for name in ("rope_parts", "rope_functions")
-    }
-    with (
-        patch.multiple(rope_kernels, **made_anew),
-        patch.object(element, "element_functions", functions),
-    ):
+    with patch.multiple(element, **places):
+        functions = element.element_functions.__wrapped__("torsional", frame_rate)
+    if frame_rate is not smallest_rotation_rate:
+        functions = replace(functions, transport=_none(functions.transport))
+    with with_element(functions):
         yield
+
+
+@contextmanager
+def fixed_mesh() -> Iterator[None]:
+    """Leave the mesh of reference ropes inside as it is at their start."""
+    with patch.object(stepping, "with_mesh_for", _unchanged):
+        yield
+
+
+def _unchanged(scene: Scene, state: State, t: float) -> State:
+    return state
 
 
 def _none(transport: ca.Function) -> ca.Function:

@@ -7,6 +7,7 @@ from evidence.ropes import at_rest, follow, smooth_step
 from evidence.stability.counterexamples import modified_element, tait_bryan_rate
 from evidence.stability.entry import Entry, Finding
 from rope_model.parameters import Rope, Scene
+from rope_model.public import Form
 from rope_model.rules.end_paths import EndMotion
 from rope_model.solver_parameters import Mesh, Solver
 
@@ -42,18 +43,18 @@ def turn(t: float) -> tuple[EndMotion, EndMotion]:
     return left, right
 
 
-def yaw() -> float:
-    """Yaw of the loop when its ends have turned, deg."""
-    rope = at_rest(TURNED, form="reference")
+def yaw(form: Form) -> float:
+    """Return the yaw (deg) of the loop when its ends have turned."""
+    rope = at_rest(TURNED, form=form)
     follow(rope, H, DURATION, turn)
     return math.degrees(rope.state.loop_yaw)
 
 
 def tait_bryan() -> Finding:
     """Yaw of the loop while its ends turn by 180 degrees."""
-    ours = yaw()
+    ours = yaw("native")
     with modified_element(frame_rate=tait_bryan_rate):
-        singular = yaw()
+        singular = yaw("reference")
     return Finding(
         # the singularity is at 90 degrees: a wall that the loop, swinging, passes by a tenth at most
         counterexample=(

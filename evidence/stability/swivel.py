@@ -4,38 +4,34 @@ The scene hangs a 30 m rope and twists it by the left conveyance's yaw; the left
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from evidence.claims import above, below
-from evidence.ropes import require, smooth_step
+from evidence.ropes import AT_ZERO, at_rest, require, smooth_step
 from evidence.stability.entry import Entry, Finding, points
 from evidence.tables import Array
-from rope_model.numerics.generalized_alpha import restart
+from rope_model import BalanceRope, EndMotion
 from rope_model.parameters import Rope, Scene, Swivel
-from rope_model.physics.node import ANGLE
-from rope_model.rules import quintic
-from rope_model.rules.end_paths import EndMotion, EndPath
-from rope_model.rules.swivel_phases import Phase, SwivelState
-from rope_model.simulation.simulator import RopeSimulator
+from rope_model.reference.ends import onwards
+from rope_model.reference.generalized_alpha import restart, step
+from rope_model.reference.state import State
+from rope_model.rules.swivel_phases import Phase, SwivelState, swivel_friction
 from rope_model.solver_parameters import Mesh, Model
 
 LENGTH = 30.0  # m
 UNCOUPLED = Rope(length=LENGTH, Qb=0.0, Qc=0.0)
 
 
-def hang(left: Swivel) -> RopeSimulator:
-    """At rest with both conveyances at height zero."""
-    mesh, model = Mesh(kind="eem", elements=40), Model("torsional")
-    simulator = RopeSimulator(Scene(rope=UNCOUPLED, left=left, mesh=mesh, model=model))
-    require(simulator.initialize(0.0, EndMotion(), EndMotion()))
-    return simulator
-
-
-def relative(rope: RopeSimulator) -> tuple[float, float]:
-    """Angle (rad) and rate (rad/s) of the left swivel."""
-    m = rope.state.motion
-    return rope.ends.relative(0, m.t, m.q[0, ANGLE], m.v[0, ANGLE])
+def scene_of(left: Swivel) -> Scene:
+    """Return the scene with this left swivel."""
+    return Scene(
+        rope=UNCOUPLED,
+        left=left,
+        mesh=Mesh(kind="eem", elements=40),
+        model=Model("torsional"),
+    )
 
 
 # chattering
@@ -49,56 +45,56 @@ def turn(t: float) -> EndMotion:
     return EndMotion(yaw=YAW * value, yaw_rate=YAW / TURNED * rate)
 
 
-def explicit_sign(rope: RopeSimulator) -> Array:
-    """Rates (rad/s) at the communication points with friction of the sign the rate had at the step's start."""
-    model, rates = rope.model, [0.0]
+def explicit_sign(scene: Scene) -> Array:
+    """Return the rates (rad/s) of the left swivel at the communication points.
+
+    Its friction has the sign that the rate had at the step's start: the reference rope's step
+    without its switching.
+    """
+    state = at_rest(scene, form="reference").state
+    assert isinstance(state, State)
+    rates = [0.0]
     for k in range(1, round(END / H) + 1):
-        state, (angle, rate) = rope.state, relative(rope)
-        paths = _led(state.paths[0], k * H, turn(k * H)), _led(state.paths[1], k * H, EndMotion())
-        slip = SwivelState(Phase.SLIP, angle, math.copysign(1.0, rate))
-        state = state._replace(swivels=(slip, state.swivels[1]), paths=paths)
-        system, motion = model.system(state), state.motion
+        left, right = state.paths
+        paths = onwards(left, k * H, turn(k * H), 0.0), onwards(right, k * H, AT_ZERO, 0.0)
+        state = replace(state, paths=paths)
+        angle, rate = state.ends(scene).relative(0, state.motion)
+        slips = SwivelState(Phase.SLIP, angle, math.copysign(1.0, rate))
+        state = replace(state, swivels=(slips, state.swivels[1]))
+        equations = state.equations(scene)
+        motion = state.motion
         if k == 1:
-            motion, _ = restart(system, motion.t, motion.q, motion.v, motion.reaction)
-        result = model.trial(system, motion, k * H - motion.t)
-        if result.motion is None:
-            raise RuntimeError(result.newton.status.value)
-        rope.restore(model.commit(state, system, result))
-        rates.append(relative(rope)[1])
+            motion = restart(equations, motion.t, motion.q, motion.v)
+        tried = step(
+            equations, motion, k * H - motion.t, scene.solver.rho_inf, scene.solver.newton_tolerance
+        )
+        if tried.motion is None:
+            raise RuntimeError(f"at t = {motion.t:g} s a step of {H:g} s fails: {tried.cause}")
+        state = replace(state, motion=tried.motion).with_angles(equations)
+        rates.append(state.ends(scene).relative(0, state.motion)[1])
     return np.array(rates)
 
 
-def _led(path: EndPath, stop: float, target: EndMotion) -> EndPath:
-    """From the end of ``path`` to ``target`` at ``stop``, whatever that takes."""
-    places, speeds, accelerations = path.motion(path.stop)
-    then = (
-        (*target.position, target.yaw),
-        (*target.velocity, target.yaw_rate),
-        (*target.acceleration, 0.0),
-    )
-    axes = zip(places, speeds, accelerations, *then, strict=True)
-    x, y, z, yaw = (quintic.coefficients(stop - path.stop, *axis) for axis in axes)
-    return EndPath(path.stop, stop, (x, y, z, yaw))
-
-
-def locate(rope: RopeSimulator) -> tuple[Array, list[str]]:
-    """Rates (rad/s) at the communication points, and what the swivel did, by the simulator's own switching."""
+def locate(rope: BalanceRope) -> tuple[Array, list[str]]:
+    """Return the rates (rad/s) at the communication points, and the events of the rope's own switching."""
     rates, events = [0.0], []
     for k in range(1, round(END / H) + 1):
         require(rope.advance_to(k * H, turn(k * H), EndMotion()))
-        rates.append(relative(rope)[1])
+        rates.append(rope.signals(["left.swivel.rate"])["left.swivel.rate"])
         events += [event.what for event in rope.state.events]
     return np.array(rates), events
 
 
 def measure_chattering() -> Finding:
     bearing = Swivel(mode="coulomb", mu_static=0.08, mu_kinetic=0.04)
-    chattering = explicit_sign(hang(bearing))
-    rope = hang(bearing)
+    scene = scene_of(bearing)
+    chattering = explicit_sign(scene)
+    rope = at_rest(scene)
     rates, events = locate(rope)
     times: Array = H * np.arange(rates.size, dtype=float)
     standing = times > TURNED
-    kinetic = rope.ends.friction(0, rope.state.motion.q, rope.state.motion.reaction, kinetic=True)
+    tension = -rope.signals(["left.fy"])["left.fy"]
+    kinetic = float(swivel_friction(bearing, bearing.mu_kinetic, tension))
     changes = float(np.count_nonzero(np.diff(np.sign(chattering[standing]))))
     shown = (times > 0.8) & (times < 2.0)
     return Finding(
