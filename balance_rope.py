@@ -58,7 +58,7 @@ except KeyboardInterrupt:
 BUILD = Path("build")
 #: flavour and FMI version -> end of the file name
 NAMES = {("Python", 2): "", ("native", 2): NATIVE, ("native", 3): "_native_fmi3"}
-DEFAULT_FMU = BUILD / fmu_name(DEFAULT_HOIST)
+DEFAULT_FMU = BUILD / fmu_name(DEFAULT_HOIST, NATIVE)
 
 DESCRIPTION = """\
 The balance rope of a friction (Koepe) hoist, as an FMU and in a winding.
@@ -139,9 +139,10 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
     export = commands.add_parser(
         "export",
         help="write the rope as an FMU",
-        description="Export the balance rope as a co-simulation FMU. The Python flavour (FMI 2.0) needs Python with "
-        "numpy and casadi on the importing host; the native flavour (FMI 2.0 or 3.0) is self-contained C and needs "
-        "nothing. Both have the same variables, and the same C code answers the tool; every parameter can still be set "
+        description="Export the balance rope as a co-simulation FMU. The Python flavour (FMI 2.0) is the "
+        "published system in plain Python, to be read and changed, and needs Python with numpy, scipy and casadi on the "
+        "importing host; the native flavour (FMI 2.0 or 3.0) is the complete model in self-contained C and needs "
+        "nothing. What both have has the same names, and the same C code answers the tool; parameters can still be set "
         "before initialisation. An installed wheel brings the libraries; in a checkout the first export compiles, with "
         "a C compiler or ziglang, some 10 s per platform, a second version of FMI some more; "
         "--platform host makes it short.",
