@@ -2,13 +2,9 @@
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
-# the rope of the demo: python, the form to read, or native, the same in C
-FLAVOUR ?= python
-FMU_python := build/balance_rope.fmu
-FMU_native := build/balance_rope_native.fmu
-EXPORT_native := --native
-SAID_python := the rope runs in Python, the form to read; make demo FLAVOUR=native winds it in C, and README.md, How fast, compares
-SAID_native := the rope runs in C
+# both flavours of the rope
+FMU_PYTHON := build/balance_rope.fmu
+FMU_NATIVE := build/balance_rope_native.fmu
 READY := $(VENV)/.ready
 DEV := $(VENV)/.dev
 # one process per core, each with one thread; idle ones take over tests; imported modules are compiled to bytecode once
@@ -23,11 +19,10 @@ MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m evidence --measure
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1: \2/p' $(MAKEFILE_LIST) | awk -F ': ' '{ printf "%-12s %s\n", $$1, $$2 }'
 
-demo: $(READY)  ## wind a hoist with the exported FMU; FLAVOUR=native winds the rope in C
-	$(if $(FMU_$(FLAVOUR)),,$(error FLAVOUR=$(FLAVOUR) must be python or native))
-	$(BIN)/balance-rope export $(EXPORT_$(FLAVOUR)) --outputs all --platform host
-	@echo "$(SAID_$(FLAVOUR))"
-	$(BIN)/balance-rope wind --fmu $(FMU_$(FLAVOUR)) --out out/demo
+demo: $(READY)  ## export both flavours, wind a hoist with the native FMU, compare the Python FMU with it
+	$(BIN)/balance-rope export --python --native --outputs all --platform host
+	$(BIN)/balance-rope wind --fmu $(FMU_NATIVE) --out out/demo
+	$(BIN)/python -m benchmarks.flavours $(FMU_PYTHON) $(FMU_NATIVE)
 
 test: $(READY)  ## run the tests, on all cores
 	$(PYTEST)

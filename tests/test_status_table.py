@@ -2,6 +2,7 @@
 
 import ctypes
 import math
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -174,7 +175,17 @@ def test_python_flavour_without_its_code_is_not_instantiated_and_says_why(
             Host(path, str(tmp_path), resources=location)
 
 
-@pytest.mark.parametrize("state", STATES)
+#: the C code that answers is that of both flavours, and the reference rope takes longer to hang
+QUICK_WITH_PYTHON = ("instantiated", "stepping")
+EACH = [
+    pytest.param(kind, state, marks=[pytest.mark.slow] * slow)
+    for kind in sorted(FLAVOURS)
+    for state in STATES
+    for slow in [kind == "python" and state not in QUICK_WITH_PYTHON]
+]
+
+
+@pytest.mark.parametrize(("fmu", "state"), EACH, indirect=["fmu"])
 def test_each_call_returns_what_the_table_says(
     fmu: Fmu, state: str, request: pytest.FixtureRequest
 ) -> None:
@@ -200,8 +211,8 @@ def test_each_call_returns_what_the_table_says(
     ("values", "statuses", "words"),
     [
         ({"rope.length": -5.0}, "OOEE", "length = -5"),
-        ({"layout.spacing": 500.0}, "OOEE", "longer rope"),
-        ({"left.vy": 1.0}, "OOEE", "starts from rest"),
+        ({"layout.spacing": 500.0}, "OOEE", "longer rope|closer together"),
+        ({"left.vy": 1.0}, "OOEE", "starts from rest|must rest"),
         ({"left.y": math.nan}, "EEEE", "left.y = nan is not finite"),
         ({"rope.EI": math.inf}, "EEEE", "rope.EI = inf is out of range"),
     ],
@@ -219,8 +230,8 @@ def test_a_value_that_cannot_be_fails_where_it_is_met_and_reset_makes_all_good(
         lambda: rope.do_step(0.0, H),
     )
     assert "".join(_LETTERS[call()] for call in calls) == statuses
-    assert words in rope.said[0], rope.said
-    assert words in rope.said[-1]  # a step tells what failed before
+    assert re.search(words, rope.said[0]), rope.said
+    assert re.search(words, rope.said[-1])  # a step tells what failed before
     assert math.isnan(rope.real("left.fy"))
     assert rope.hang({}) == OK
     assert rope.do_step(0.0, H) == OK
