@@ -1,4 +1,7 @@
-"""The console command ``balance-rope``: joins the FMU's export and the hoist, which know nothing of each other."""
+"""The console command ``balance-rope``.
+
+It joins the FMU's export and the hoist, which do not import each other.
+"""
 
 from __future__ import annotations
 
@@ -43,6 +46,7 @@ try:  # Ctrl-C during the slow imports must not print a traceback
     from hoist_demo.files.registry import CONTROLLER, parameters, rope_parameters
     from hoist_demo.files.rope_file import RopeFile
     from hoist_demo.files.values import plain
+    from hoist_demo.report.rows import aligned_table
     from hoist_export import WITHOUT, export_hoist, export_rope
     from rope_model import __version__
     from rope_model.cases import LEVELS
@@ -116,10 +120,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         )
     options = parser.parse_args(arguments)
     treat_hangup_as_interrupt()
-    level = logging.INFO if options.verbose else logging.WARNING
-    logging.basicConfig(
-        level=level, format=f"{'%(name)s' if options.verbose else 'balance-rope'}: %(message)s"
-    )
+    if options.verbose:
+        logging.basicConfig(level=logging.INFO, format="%(name)s: %(message)s")
+    else:
+        logging.basicConfig(level=logging.WARNING, format="balance-rope: %(message)s")
     try:
         code: int = options.run(options)
         sys.stdout.flush()
@@ -139,12 +143,13 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
     export = commands.add_parser(
         "export",
         help="write the rope as an FMU",
-        description="Export the balance rope as a co-simulation FMU. The Python flavour (FMI 2.0) is the "
-        "published system in plain Python, to be read and changed, and needs Python with numpy, scipy and casadi on the "
-        "importing host; the native flavour (FMI 2.0 or 3.0) is the complete model in self-contained C and needs "
-        "nothing. What both have has the same names, and the same C code answers the tool; parameters can still be set "
-        "before initialisation. An installed wheel brings the libraries; in a checkout the first export compiles, with "
-        "a C compiler or ziglang, some 10 s per platform, a second version of FMI some more; "
+        description="Export the balance rope as a co-simulation FMU. The Python flavour (FMI 2.0) is "
+        "the published system in plain Python, to be read and changed, and needs Python with "
+        "numpy, scipy and casadi on the importing host; the native flavour (FMI 2.0 or 3.0) is the "
+        "complete model in self-contained C and needs nothing. What both have has the same names, "
+        "and the same C code answers the tool; parameters can still be set before initialisation. "
+        "An installed wheel brings the libraries; in a checkout the first export compiles, with a "
+        "C compiler or ziglang, some 10 s per platform, a second version of FMI some more; "
         "--platform host makes it short.",
     )
     export.add_argument("--python", action="store_true", help="the Python flavour (the default)")
@@ -157,14 +162,16 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         nargs="+",
         choices=("host", *PLATFORMS),
         metavar="NAME",
-        help=f"platforms of the libraries: host, {', '.join(PLATFORMS)} (all that can be built here)",
+        help=f"platforms of the libraries: host, {', '.join(PLATFORMS)} (all that can be built "
+        "here)",
     )
     export.add_argument(
         "hoist",
         nargs="?",
         default=DEFAULT_HOIST,
         metavar="HOIST",
-        help=f"start values: the rope of a hoist's file, or of {', '.join(BUILTIN_HOISTS)} (%(default)s)",
+        help=f"start values: the rope of a hoist's file, or of {', '.join(BUILTIN_HOISTS)} "
+        "(%(default)s)",
     )
     export.add_argument(
         "--rope",
@@ -177,8 +184,9 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         action="append",
         default=[],
         metavar="NAME=VALUE",
-        help="start value of a parameter by its name in docs/reference/variables.md, in SI units; with --ssp also of "
-        "the drive, as hoist.payload_left; may be repeated, and overrides HOIST and --rope",
+        help="start value of a parameter by its name in docs/reference/variables.md, in SI units; "
+        "with --ssp also of the drive, as hoist.payload_left; may be repeated, and overrides "
+        "HOIST and --rope",
     )
     export.add_argument(
         "--level",
@@ -191,8 +199,8 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         choices=("all", *GROUPS),
         default=list(DEFAULT),
         metavar="GROUP",
-        help=f"outputs that the FMU shows: all, or groups of {', '.join(GROUPS)} (all but shape and "
-        "station, points along the rope and places in it, which the demo's report draws)",
+        help=f"outputs that the FMU shows: all, or groups of {', '.join(GROUPS)} (all but shape "
+        "and station, points along the rope and places in it, which the demo's report draws)",
     )
     export.add_argument(
         "--scalar",
@@ -203,8 +211,8 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         "--model-identifier",
         default=MODEL,
         metavar="NAME",
-        help="model identifier of a native FMU: C functions of its sources and its libraries begin with it, and FMUs "
-        "that are linked into one program must differ in it (%(default)s)",
+        help="model identifier of a native FMU: C functions of its sources and its libraries "
+        "begin with it, and FMUs that are linked into one program must differ in it (%(default)s)",
     )
     export.add_argument(
         "--ssp",
@@ -223,14 +231,17 @@ def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -
         choices=WITHOUT,
         default=[],
         metavar="NAME",
-        help=f"leave this out of the system: {', '.join(WITHOUT)}; without it, what a system cannot hold is refused",
+        help=f"leave this out of the system: {', '.join(WITHOUT)}; without it, what a system "
+        "cannot hold is refused",
     )
     export.add_argument("--out", type=named, help=f"the .fmu to write, or a folder ({BUILD})")
     export.set_defaults(run=_export)
 
 
 def _export(options: argparse.Namespace) -> int:
-    wanted = [("native", fmi) for fmi in options.fmi] if options.native else []
+    wanted = list[tuple[str, int]]()
+    if options.native:
+        wanted = [("native", fmi) for fmi in options.fmi]
     if options.python or not options.native:
         if 2 not in options.fmi:
             raise ValueError("the Python flavour is FMI 2.0 only; FMI 3.0 comes with --native")
@@ -241,63 +252,61 @@ def _export(options: argparse.Namespace) -> int:
         raise ValueError(f"--without {options.without[0]} is for systems: add --ssp")
     if options.model_identifier != MODEL and (options.ssp or ("Python", 2) in wanted):
         raise ValueError(
-            f"--model-identifier {options.model_identifier} is for one native FMU: add --native, and leave out "
-            "--python and --ssp, whose FMUs have identifiers of their own"
+            f"--model-identifier {options.model_identifier} is for one native FMU: add --native, "
+            "and leave out --python and --ssp, whose FMUs have identifiers of their own"
         )
     if options.out is not None and options.out.suffix.lower() == ".ssp" and not options.ssp:
         raise ValueError(
             f"--out {options.out} is a system: add --ssp, or give {options.out.with_suffix('.fmu')}"
         )
     paths = _paths(options.out, options.hoist, wanted)
-    own = _set_values(find_case(options.hoist), options)
-    case, ropes, trajectory = _hoist(options, own)
+    set_values = _set_values(find_case(options.hoist), options)
+    case, ropes, trajectory = _hoist(options, set_values)
     level = options.level or case.level
     groups = ALL if "all" in options.outputs else tuple(options.outputs)
     profile = Profile(groups, arrays=not options.scalar)
-    platforms = [
-        host_platform() if name == "host" else name
-        for name in options.platform or available_platforms()
-    ]
+    platforms = [*(options.platform or available_platforms())]
+    if "host" in platforms:
+        platforms = [host_platform() if name == "host" else name for name in platforms]
     rows = [("file", "flavour", "FMI", "platforms", "size")]
     for (flavour, fmi), path in zip(wanted, paths, strict=True):
-        made = flavour, fmi, level, platforms, profile
+        target = (flavour, fmi, level, platforms, profile)
         if options.ssp:
             ssp = path.with_suffix(".ssp")
             with tempfile.TemporaryDirectory() as folder:
-                more: dict[str, Any] = {"without": options.without, "trajectory": trajectory}
-                more |= {"version": options.ssp_version, "data": _data(case, options.hoist, own)}
-                write_bytes(
-                    ssp, export_hoist(Path(folder), case, ropes, *made, **more).system.read_bytes()
+                exported = export_hoist(
+                    Path(folder),
+                    case,
+                    ropes,
+                    *target,
+                    without=options.without,
+                    trajectory=trajectory,
+                    version=options.ssp_version,
+                    data=_data(case, options.hoist, set_values),
                 )
-            what = (
-                f"{len(ropes)} {flavour} ropes, native drive"
-                if ropes
-                else f"{flavour} rope, native drive"
-            )
-            rows.append((str(ssp), what, f"{fmi}.0", "", _size(ssp)))
+                write_bytes(ssp, exported.system.read_bytes())
+            contents = f"{flavour} rope, native drive"
+            if ropes:
+                contents = f"{len(ropes)} {flavour} ropes, native drive"
+            rows.append((str(ssp), contents, f"{fmi}.0", "", _size(ssp)))
         if not ropes:
-            export_rope(path, case, case.rope, *made, options.model_identifier)
+            export_rope(path, case, case.rope, *target, options.model_identifier)
             rows.append((str(path), flavour, f"{fmi}.0", ", ".join(platforms), _size(path)))
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        print(
-            "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        )
-    if (
-        (options.native or options.ssp)
-        and not options.platform
-        and (missing := missing_platforms())
-    ):
-        print(f"left out: {missing}")
+    print("\n".join(aligned_table(rows)))
+    if (options.native or options.ssp) and not options.platform:
+        missing = missing_platforms()
+        if missing:
+            print(f"left out: {missing}")
     return 0
 
 
-def _data(case: Case, name: str, own: Mapping[str, Any]) -> list[Datum]:
-    """Return the hoist's data with their statuses; `own` values are set beside its file."""
+def _data(case: Case, name: str, set_values: Mapping[str, Any]) -> list[Datum]:
+    """Return the hoist's data with their statuses; `set_values` replace those of its file."""
     from hoist_demo.report.hoist import hoist_provenance
     from hoist_demo.study.provenance import SETTING
 
-    return [Datum(*one) for one in hoist_provenance(case, name, own) if one.status != SETTING]
+    rows = hoist_provenance(case, name, set_values)
+    return [Datum(*row) for row in rows if row.status != SETTING]
 
 
 def _size(path: Path) -> str:
@@ -310,10 +319,10 @@ _OF_HOSTS = ("coupling.", "arrival.")
 
 def _set_values(case: Case, options: argparse.Namespace) -> dict[str, Any]:
     """Return the values of --rope and --set; those of the hoist change the drive of a system."""
-    path, texts = options.rope, options.set
-    if path is None and not texts:
+    path = options.rope
+    if path is None and not options.set:
         return {}
-    set_here = settings(texts, parameters())
+    set_here = settings(options.set, parameters())
     of_host = [key for key in set_here if key not in rope_parameters()]
     for key in of_host:
         if not options.ssp:
@@ -327,25 +336,23 @@ def _set_values(case: Case, options: argparse.Namespace) -> dict[str, Any]:
     if case.distinct_ropes:
         if path is not None or len(of_host) < len(set_here):
             raise ValueError(
-                f"--rope and --set of a rope's value are for one rope: give them to a [[rope]] of {options.hoist}"
+                "--rope and --set of a rope's value are for one rope: give them to a [[rope]] of "
+                f"{options.hoist}"
             )
         return set_here
     from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 
-    identified = {} if path is None else read(path, RopeFile).values()
-    own: dict[str, Any] = {**identified, **set_here}
+    values: dict[str, Any] = dict(set_here)
+    if path is not None:
+        values = {**read(path, RopeFile).values(), **set_here}
+    of_rope = {key: value for key, value in plain(values).items() if key in rope_parameters()}
     # report errors of the rope in its own names, not in the hoist's
-    rope_scene(
-        {
-            **case.rope,
-            **{key: value for key, value in plain(own).items() if key in rope_parameters()},
-        }
-    )
-    return own
+    rope_scene({**case.rope, **of_rope})
+    return values
 
 
 def _paths(out: Path | None, hoist: str, wanted: Sequence[tuple[str, int]]) -> list[Path]:
-    """Return the path of each of ``wanted`` under --out, with its folder made and checked for writing.
+    """Return the path of each of ``wanted`` under --out; its folder exists and can be written to.
 
     A system is beside its rope, with the suffix .ssp.
     """
@@ -355,7 +362,7 @@ def _paths(out: Path | None, hoist: str, wanted: Sequence[tuple[str, int]]) -> l
             raise ValueError(
                 f"--out {out} must end in .fmu or name a folder: give {out.with_suffix('.fmu')}"
             )
-        paths = [out.with_suffix(".fmu")] if ending == ".ssp" else [out]
+        paths = [out.with_suffix(".fmu") if ending == ".ssp" else out]
     elif ending in (".fmu", ".ssp"):
         raise ValueError(
             f"--out {out} names one file, and {len(wanted)} are written: give a folder"
@@ -367,10 +374,10 @@ def _paths(out: Path | None, hoist: str, wanted: Sequence[tuple[str, int]]) -> l
 
 
 def _hoist(
-    options: argparse.Namespace, own: Mapping[str, Any]
+    options: argparse.Namespace, set_values: Mapping[str, Any]
 ) -> tuple[Case, tuple[OneRope, ...], Trajectory | None]:
-    """Return the hoist to export, its ropes where it has several, and the trip of a controller that makes its own."""
-    case = with_values(find_case(options.hoist), own)
+    """Return the hoist to export, its unequal ropes, and the trip of a controller that plans one."""
+    case = with_values(find_case(options.hoist), set_values)
     for remark in case.remarks:
         print(f"balance-rope: {remark}", file=sys.stderr)
     if case.distinct_ropes and not options.ssp:
@@ -379,10 +386,12 @@ def _hoist(
     from hoist_demo.ropes.definition import ropes_of
     from hoist_demo.study.run import build, from_landing
 
-    run, trajectory = from_landing(build(options.hoist, own)), None
+    run = from_landing(build(options.hoist, set_values))
+    trajectory = None
     if options.ssp and run.controller != CONTROLLER.start:
-        followed = replace(run, winding=replace(run.winding, start_delay=0.0)).design()
-        case, trajectory = replace(case, gains=followed.gains), followed.trajectory
+        drive = replace(run, winding=replace(run.winding, start_delay=0.0)).design()
+        case = replace(case, gains=drive.gains)
+        trajectory = drive.trajectory
     if not case.distinct_ropes:
         return case, (), trajectory
     ropes = ropes_of(case, run, {}, options.level or case.level)

@@ -22,7 +22,7 @@ def at_rest(
     scene: Scene,
     left: EndMotion = AT_ZERO,
     right: EndMotion = AT_ZERO,
-    form: Form = "auto",
+    form: Form = "native",
 ) -> BalanceRope:
     """Return the rope of ``scene`` at rest between these ends."""
     rope = balance_rope(scene, form)

@@ -21,7 +21,7 @@ UNCOUPLED = Rope(length=48.0, Qb=0.0, Qc=0.0)
 LENGTHS = (2.0, 1.0, 0.5, 0.25)  # m
 
 
-def side_force(mesh: Mesh, form: Form = "auto") -> float:
+def side_force(mesh: Mesh, form: Form = "native") -> float:
     """Return the horizontal force (N) of the hanging loop on its left end."""
     rope = at_rest(Scene(rope=UNCOUPLED, mesh=mesh), form=form)
     return float(rope.state.motion.reaction[0, 0])
