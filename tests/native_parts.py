@@ -23,12 +23,13 @@ from rope_model.numerics import kernels
 from rope_model.parameters import Scene
 from rope_model.physics.node import arc_lengths
 from rope_model.physics.shaft import KINDS
-from rope_model.rules.end_paths import EndMotion
+from rope_model.rules.end_paths import SIDES, EndMotion
+from rope_model.rules.input_filter import InputFilter, PathMeasures
 from rope_model.rules.mesh_pattern import NO_DIVIDERS
 from rope_model.rules.newton import SMOOTH, NewtonLimits
 from rope_model.rules.partition import Partition
 from rope_model.rules.state import Nearest
-from rope_model.solver_parameters import Mesh, MeshKind
+from rope_model.solver_parameters import Inputs, Mesh, MeshKind
 
 Array = NDArray[np.float64]
 
@@ -118,6 +119,8 @@ def _parts() -> SimpleNamespace:
         "end_strain": (x, p, n, p, p, n),
         "loop_turns": (CLoopTurns, p, p),
         "shaft_clearances": (None, p, p, x, p),
+        "ends_refusal": (None, p, p, p, n, p),
+        "stale_input_error": (None, p, x, p, n, p),
         "rigid_rope": (None, p, p, x, n, *[p] * 8),
         "arrays_of": (None, p, p, p, p, p, p, n, p),
     }
@@ -324,3 +327,19 @@ def clearances(scene: Scene, q: Array, lengths: Array, t: float) -> tuple[Neares
     arrays = nodal_arrays(np.ascontiguousarray(q), np.ascontiguousarray(lengths))
     _parts().shaft_clearances(scene_structure(scene), arrays, t, found)
     return tuple(Nearest(*(getattr(one, name) for name in Nearest._fields)) for one in found)
+
+
+def refusal(scene: Scene, target: EndMotion, measures: PathMeasures, side: str) -> str:
+    """Return why an end cannot move as ``target`` by a path of these measures; '' if it can."""
+    sizes = np.array([x for row in measures for x in row])
+    motion, text = EndMotionStructure(*astuple(target)), message()
+    _parts().ends_refusal(scene_structure(scene), motion, sizes, SIDES.index(side), text)
+    return str(text.value.decode())
+
+
+def stale_input_error(inputs: Inputs, t: float, end_filter: InputFilter, side: str) -> str:
+    """Return why a motion that has not changed is refused at ``t`` (s); '' if it is not."""
+    settings, structure = scene_structure(Scene(inputs=inputs)), PARTS[InputFilter](*end_filter)
+    text = message()
+    _parts().stale_input_error(settings.inputs, t, structure, SIDES.index(side), text)
+    return str(text.value.decode())
