@@ -369,11 +369,11 @@ def test_bytes_of_something_else_are_refused() -> None:
 
 
 def shaken(t: float) -> Ends:
-    """The left end begins to shake at 12 Hz, by 1 mm within 50 ms."""
+    """The left end begins to shake at 12 Hz, by 10 mm within 50 ms."""
     grown = min(t / 0.05, 1.0) ** 3
     w = 24 * math.pi
-    y = 1e-3 * grown * math.sin(w * t)
-    v = 1e-3 * grown * w * math.cos(w * t)
+    y = 1e-2 * grown * math.sin(w * t)
+    v = 1e-2 * grown * w * math.cos(w * t)
     return EndMotion(y=y, vy=v, ay=-w * w * y), REST
 
 
