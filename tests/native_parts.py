@@ -68,6 +68,25 @@ void arrays_of(double *q, double *v, double *a, double *reaction, double *length
     *arrays = of;
 }
 
+/* Carry z (elements x WIRE_Z) from nodes at old_s to those of a mesh of as many elements. */
+void carry_wires(int elements, const double *old_s, const double *lengths, const double *s, double *z) {
+    const size_t n = (size_t)elements, rows = FIELDS * DOF * (n + 1) + n + n + 1 + WIRE_Z * n;
+    Simulator *sim = calloc(1, sizeof *sim);
+    State *state = calloc(1, sizeof *state + rows * sizeof(double));
+    state->elements = elements;
+    state->rubs = 1;
+    const NodalArrays nodal = state_arrays(state);
+    memcpy(nodal.lengths, lengths, n * sizeof(double));
+    memcpy(nodal.s, s, (n + 1) * sizeof(double));
+    memcpy(nodal.z, z, WIRE_Z * n * sizeof(double));
+    sim->wires = calloc(n * WIRE_HISTORY_SIZE, sizeof(double));
+    wires_carry(sim, state, old_s);
+    memcpy(z, nodal.z, WIRE_Z * n * sizeof(double));
+    free(sim->wires);
+    free(state);
+    free(sim);
+}
+
 /* Contact of a rope with itself: subtract its forces from R, add its tangent times x to y, and its sums to sums. */
 int self_contact_of(const Scene *scene, int elements, const double *lengths, const double *q, const double *v,
                     double cq, double cv, const double *x, double *R, double *y, double *sums) {
@@ -153,6 +172,7 @@ def _parts() -> SimpleNamespace:
         "ends_refusal": (None, p, p, p, n, p),
         "stale_input_error": (None, p, x, p, n, p),
         "self_contact_of": (n, p, n, p, p, p, x, x, p, p, p, p),
+        "carry_wires": (None, n, p, p, p, p),
         "rigid_rope": (None, p, p, x, n, *[p] * 8),
         "arrays_of": (None, p, p, p, p, p, p, n, p),
     }
@@ -407,3 +427,11 @@ def find_self_contacts(
         scene_structure(scene), lengths.size, lengths, q, v, *c, of, R, y, sums
     )
     return SelfContacts(-R, y, dict(zip(names, sums.tolist(), strict=True)))
+
+
+def carry(z: Array, old_lengths: Array, new_lengths: Array) -> Array:
+    """Return the hysteresis ``z`` (elements, 9) of wires on as many elements of other lengths."""
+    carried = z.copy()
+    s = arc_lengths(new_lengths)
+    _parts().carry_wires(len(z), arc_lengths(old_lengths), new_lengths, s, carried)
+    return carried
