@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
+from native_parts import find_self_contacts
 from scenes import hung
 
 from rope_model import (
@@ -19,7 +20,6 @@ from rope_model import (
 )
 from rope_model.physics.contact import ONSET
 from rope_model.shaft_parameters import Contact, Lining, Shaft
-from rope_model.simulation.contact.self_contact import find_self_contacts
 
 #: m, N/m^2, and m by which the planes of two ropes are apart
 DIAMETER, STIFFNESS, GAP = Rope().diameter, 1e6, 0.3
@@ -65,7 +65,7 @@ def force_error(degrees: float) -> float:
     for along in (0.0, 0.002, 0.004, 0.006, 0.008):
         q, lengths = crossing(gap, angle, along)
         R = np.zeros_like(q)
-        find_self_contacts(scene, q, np.zeros_like(q), lengths, 0.0, 0.0).take_force(R)
+        find_self_contacts(scene, q, np.zeros_like(q), lengths).take_force(R)
         worst = max(worst, abs(float(R[:3, 2].sum()) / exact - 1.0))
     return worst
 

@@ -21,14 +21,16 @@ from rope_model.codegen.build import sources
 from rope_model.codegen.state_structures import PARTS
 from rope_model.codegen.structures import GROUPS, EndMotionStructure, scene_structure
 from rope_model.parameters import Scene
+from rope_model.physics.contact_element import CONTACT_BALANCE
 from rope_model.physics.node import arc_lengths
 from rope_model.physics.shaft import KINDS
-from rope_model.rules.end_paths import EndMotion
+from rope_model.rules.end_paths import SIDES, EndMotion
+from rope_model.rules.input_filter import InputFilter, PathMeasures
 from rope_model.rules.mesh_pattern import NO_DIVIDERS
 from rope_model.rules.newton import SMOOTH, NewtonLimits
 from rope_model.rules.partition import Partition
 from rope_model.rules.state import Nearest
-from rope_model.solver_parameters import Mesh, MeshKind
+from rope_model.solver_parameters import Inputs, Mesh, MeshKind
 
 Array = NDArray[np.float64]
 
@@ -55,6 +57,8 @@ class CPattern(ct.Structure):
 
 #: functions that have no name in a library, and arrays of a state
 MORE = """
+#include <stdlib.h>
+
 #include "rules.h"
 #include "simulator.h"
 
@@ -62,6 +66,53 @@ void arrays_of(double *q, double *v, double *a, double *reaction, double *length
                NodalArrays *arrays) {
     NodalArrays of = {q, v, a, NULL, NULL, reaction, lengths, s, NULL, nodes - 1, nodes};
     *arrays = of;
+}
+
+/* Carry z (elements x WIRE_Z) from nodes at old_s to those of a mesh of as many elements. */
+void carry_wires(int elements, const double *old_s, const double *lengths, const double *s, double *z) {
+    const size_t n = (size_t)elements, rows = FIELDS * DOF * (n + 1) + n + n + 1 + WIRE_Z * n;
+    Simulator *sim = calloc(1, sizeof *sim);
+    State *state = calloc(1, sizeof *state + rows * sizeof(double));
+    state->elements = elements;
+    state->rubs = 1;
+    const NodalArrays nodal = state_arrays(state);
+    memcpy(nodal.lengths, lengths, n * sizeof(double));
+    memcpy(nodal.s, s, (n + 1) * sizeof(double));
+    memcpy(nodal.z, z, WIRE_Z * n * sizeof(double));
+    sim->wires = calloc(n * WIRE_HISTORY_SIZE, sizeof(double));
+    wires_carry(sim, state, old_s);
+    memcpy(z, nodal.z, WIRE_Z * n * sizeof(double));
+    free(sim->wires);
+    free(state);
+    free(sim);
+}
+
+/* Contact of a rope with itself: subtract its forces from R, add its tangent times x to y, and its sums to sums. */
+int self_contact_of(const Scene *scene, int elements, const double *lengths, const double *q, const double *v,
+                    double cq, double cv, const double *x, double *R, double *y, double *sums) {
+    const size_t n = (size_t)elements, size = DOF * (n + 1);
+    double length = 0;
+    for (int e = 0; e < elements; e++) length += lengths[e];
+    const size_t places = (size_t)max_points(length, elements, scene->rope.diameter);
+    SelfContactState state = {.scene = scene, .presses = 1};
+    double *numbers = calloc(size + 4 * n, sizeof *numbers);
+    state.cache = (ClearanceCache){.q = numbers, .lengths = numbers + size};
+    state.arc_gaps = numbers + size + n;
+    state.distances = state.arc_gaps + n;
+    state.xi = state.distances + n;
+    state.boxes = calloc(n, sizeof *state.boxes);
+    state.others = calloc(n, sizeof *state.others);
+    state.contacts = calloc(MAX_STRANDS * places, sizeof *state.contacts);
+    const System system = {.elements = elements, .lengths = lengths, .self_contact = &state};
+    const int count = find_self_contacts(&system, q, v, cq, cv);
+    self_contact_take_force(&state, R);
+    self_contact_times(&state, x, y);
+    self_contact_sums(&system, q, v, sums);
+    free(state.contacts);
+    free(state.others);
+    free(state.boxes);
+    free(numbers);
+    return count;
 }
 """
 
@@ -118,6 +169,10 @@ def _parts() -> SimpleNamespace:
         "end_strain": (x, p, n, p, p, n),
         "loop_turns": (CLoopTurns, p, p),
         "shaft_clearances": (None, p, p, x, p),
+        "ends_refusal": (None, p, p, p, n, p),
+        "stale_input_error": (None, p, x, p, n, p),
+        "self_contact_of": (n, p, n, p, p, p, x, x, p, p, p, p),
+        "carry_wires": (None, n, p, p, p, p),
         "rigid_rope": (None, p, p, x, n, *[p] * 8),
         "arrays_of": (None, p, p, p, p, p, p, n, p),
     }
@@ -324,3 +379,59 @@ def clearances(scene: Scene, q: Array, lengths: Array, t: float) -> tuple[Neares
     arrays = nodal_arrays(np.ascontiguousarray(q), np.ascontiguousarray(lengths))
     _parts().shaft_clearances(scene_structure(scene), arrays, t, found)
     return tuple(Nearest(*(getattr(one, name) for name in Nearest._fields)) for one in found)
+
+
+def refusal(scene: Scene, target: EndMotion, measures: PathMeasures, side: str) -> str:
+    """Return why an end cannot move as ``target`` by a path of these measures; '' if it can."""
+    sizes = np.array([x for row in measures for x in row])
+    motion, text = EndMotionStructure(*astuple(target)), message()
+    _parts().ends_refusal(scene_structure(scene), motion, sizes, SIDES.index(side), text)
+    return str(text.value.decode())
+
+
+def stale_input_error(inputs: Inputs, t: float, end_filter: InputFilter, side: str) -> str:
+    """Return why a motion that has not changed is refused at ``t`` (s); '' if it is not."""
+    settings, structure = scene_structure(Scene(inputs=inputs)), PARTS[InputFilter](*end_filter)
+    text = message()
+    _parts().stale_input_error(settings.inputs, t, structure, SIDES.index(side), text)
+    return str(text.value.decode())
+
+
+@dataclass(frozen=True)
+class SelfContacts:
+    """Contact of a rope with itself: its forces and a product with its tangent (nodes, 7), and its sums."""
+
+    forces: Array
+    product: Array
+    sums: dict[str, float]
+
+    def take_force(self, R: Array) -> None:
+        """Subtract the forces from ``R``."""
+        R -= self.forces
+
+
+def find_self_contacts(
+    scene: Scene,
+    q: Array,
+    v: Array,
+    lengths: Array,
+    c: tuple[float, float] = (0.0, 0.0),
+    x: Array | None = None,
+) -> SelfContacts:
+    """Return the contacts, with the tangent with respect to c times q and v, and its product with ``x``."""
+    R, y = np.zeros_like(q), np.zeros_like(q)
+    names = (*CONTACT_BALANCE, "rope")
+    sums = np.zeros(len(names))
+    of = np.zeros_like(q) if x is None else x
+    _parts().self_contact_of(
+        scene_structure(scene), lengths.size, lengths, q, v, *c, of, R, y, sums
+    )
+    return SelfContacts(-R, y, dict(zip(names, sums.tolist(), strict=True)))
+
+
+def carry(z: Array, old_lengths: Array, new_lengths: Array) -> Array:
+    """Return the hysteresis ``z`` (elements, 9) of wires on as many elements of other lengths."""
+    carried = z.copy()
+    s = arc_lengths(new_lengths)
+    _parts().carry_wires(len(z), arc_lengths(old_lengths), new_lengths, s, carried)
+    return carried

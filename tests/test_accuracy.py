@@ -23,19 +23,16 @@ from rope_model import (
     Mesh,
     Model,
     Rope,
-    RopeSimulator,
     Scene,
     Solver,
     Swivel,
     balance_rope,
 )
-from rope_model.arrays import Array
 from rope_model.compiler import find_compiler
 from rope_model.engine import NativeRope
 from rope_model.physics import accuracy
 from rope_model.physics.accuracy import turned_by_mesh
 from rope_model.rules.generalized_alpha import Coefficients, local_error
-from rope_model.simulation.ends.ends import HangingEnds
 
 ROPE = Rope(length=400.0, beta_K=0.0)
 CONSTANT = float(local_error(Coefficients(0.6), 1.0, 1.0))
@@ -348,45 +345,19 @@ def test_a_smooth_trip_may_take_long_steps_but_an_emergency_stop_in_them_is_told
     assert "lower step_max to 0.01 s" in told["unresolved_waves"]
 
 
-def struck(rope: RopeSimulator, t: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Advance to ``t`` (s) while 100 N act on the rope's middle, of which the balance of momentum does not know."""
-    loads = HangingEnds.load
-
-    def with_blow(self: HangingEnds, nodes: int) -> Array:
-        load = loads(self, nodes)
-        load[nodes // 2, 1] += 100.0
-        return load
-
-    with monkeypatch.context() as patched:
-        patched.setattr(HangingEnds, "load", with_blow)
-        rope.model._latest.clear()
-        assert rope.advance_to(t, *AT_REST).valid
-    rope.model._latest.clear()
-
-
-def test_a_blow_between_short_communication_steps_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_blow_between_short_communication_steps_is_told() -> None:
     """Its impulse over the least time of a judgement is a force above the bound."""
-    short = 1e-3
-    rope = hung(RopeSimulator(SHORT.with_(solver=Solver(tolerance=NO_CONTROL))), *AT_REST)
-    for k in range(1, 10):
-        if k == 2:
-            struck(rope, k * short, monkeypatch)
-        assert k == 2 or rope.advance_to(k * short, *AT_REST).valid
-    assert "are missing between the end forces, the weight" in rope.warnings()["missing_loads"]
-
-
-def test_a_force_of_100_newtons_that_acts_inside_for_one_step_is_told(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """The ends' forces then do not answer for all of the accelerations."""
+    short, impulse = 1e-3, 0.1  # s, and N s: 100 N for one of these steps
     rope = wound(
-        RopeSimulator(SHORT.with_(solver=Solver(tolerance=NO_CONTROL))), lambda _: AT_REST, 1
+        NativeRope(SHORT.with_(solver=Solver(tolerance=NO_CONTROL))), lambda _: AT_REST, 2, short
     )
-    struck(rope, 2 * H, monkeypatch)
-    # what the method makes in its first step of a force that has just come
-    method = Coefficients(SHORT.solver.rho_inf)
-    part = method.gamma * (1 - method.alpha_f) / (1 - method.alpha_m)
-    assert rope.state.audit.missing_force == pytest.approx(100.0 * part, rel=1e-6)
+    state = rope.state
+    v, node = state.motion.v.copy(), len(state.motion.v) // 2
+    # what the rope got, and no end force, weight or body gave
+    v[node, 1] += impulse / (SHORT.rope.mass_per_length * state.partition.lengths[node])
+    rope.restore(state._replace(motion=replace(state.motion, v=v)))
+    assert "missing_loads" not in rope.warnings()
+    wound(rope, lambda _: AT_REST, 8, short, first=2)
     assert "are missing between the end forces, the weight" in rope.warnings()["missing_loads"]
 
 

@@ -19,6 +19,7 @@ from exports import export_stand_in
 from fmpy.build import build_platform_binary
 from lxml import etree
 from native_host import Host
+from native_parts import refusal
 from stand_in import stand_in
 
 import rope_model
@@ -41,7 +42,6 @@ from hoist_export import HoistFiles
 from rope_model import EndMotion, Scene, Swivel, rope_120
 from rope_model.codegen.platforms import prebuilt_file
 from rope_model.engine import NativeRope
-from rope_model.simulation.ends.ends import refusal
 
 pytestmark = pytest.mark.skipif(
     host_platform() not in available_platforms(), reason="needs a C compiler"

@@ -40,10 +40,10 @@ from release.wheels import PACKAGES, add_bill, build
 from rope_model import (
     EndMotion,
     Mesh,
+    Model,
     PointForces,
     Rope,
     Scene,
-    Solver,
     balance_rope,
     engine,
     public,
@@ -55,9 +55,7 @@ from rope_model.compiler import cache_folder, find_compiler, last_words
 from rope_model.engine import NativeRope
 
 PYTHON = "Use the rope in Python"
-SMALL = Scene(
-    rope=Rope(length=60.0), mesh=Mesh("eem", elements=20), solver=Solver(kernels="portable")
-)
+SMALL = Scene(rope=Rope(length=60.0), mesh=Mesh("eem", elements=20))
 #: N/m of rope_120
 WEIGHT = 8.0 * 9.81
 needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
@@ -127,8 +125,8 @@ def test_importing_loads_no_more_than_it_needs(module: str, unloaded: str) -> No
     assert subprocess.run([sys.executable, "-c", code], check=False, cwd=ROOT).returncode == 0
 
 
-def test_signals_are_read_by_name_in_the_order_asked_for(form: public.Form) -> None:
-    rope = balance_rope(SMALL, form)
+def test_signals_are_read_by_name_in_the_order_asked_for() -> None:
+    rope = balance_rope(SMALL)
     assert rope.initialize(2.0, EndMotion(), EndMotion(y=10.0)).valid
     assert (rope.time, rope.fidelity) == (2.0, "torsional")
     every = rope.signals()
@@ -137,27 +135,23 @@ def test_signals_are_read_by_name_in_the_order_asked_for(form: public.Form) -> N
     some = rope.signals(names)
     assert [*some] == [*names]
     assert some["right.fy"] == every["right.fy"]
-    if form == "native":
-        assert rope.signals(["left.added_mass"])["left.added_mass"] == rope.added_mass()[0]
+    assert rope.signals(["left.added_mass"])["left.added_mass"] == rope.added_mass()[0]
     with pytest.raises(ValueError, match=r"'left\.force' is no signal"):
         rope.signals(["left.fy", "left.force"])
     assert rope.advance_to(2.1, EndMotion(), EndMotion(y=10.0)).valid
     assert rope.signals(names)["count.steps"] > some["count.steps"]
 
 
-def test_auto_takes_the_native_form_unless_kernels_are_asked_for_by_name() -> None:
-    ends = EndMotion(), EndMotion()
-    choices = [SMALL, SMALL.with_(solver=Solver())] if find_compiler() else [SMALL]
-    ropes = [balance_rope(scene) for scene in choices]
-    assert all(rope.initialize(0.0, *ends).valid for rope in ropes)
-    assert [rope.form for rope in ropes] == ["portable", "native"][: len(ropes)]
+def test_a_rope_is_the_engine_by_default_and_keeps_its_data_during_a_run() -> None:
+    rope = balance_rope(SMALL)
+    assert rope.initialize(0.0, EndMotion(), EndMotion()).valid
+    assert rope.form == "native"
     with pytest.raises(ValueError, match="form = 'compiled' must be"):
         balance_rope(SMALL, "compiled")  # type: ignore[arg-type]
-    for rope in ropes:
-        with pytest.raises(
-            ValueError, match=r"rope\.EI = 9 must stay .* during a run: make a new rope"
-        ):
-            rope.retune(replace(SMALL, rope=replace(SMALL.rope, EI=9.0)))
+    with pytest.raises(
+        ValueError, match=r"rope\.EI = 9 must stay .* during a run: make a new rope"
+    ):
+        rope.retune(replace(SMALL, rope=replace(SMALL.rope, EI=9.0)))
 
 
 @pytest.fixture
@@ -194,9 +188,9 @@ def test_a_rope_without_a_working_compiler_is_refused_in_a_sentence_that_names_t
 ) -> None:
     compiler(command)
     with pytest.raises(RuntimeError, match=told) as refused:
-        balance_rope(SMALL.with_(solver=Solver()))
+        balance_rope(SMALL)
     assert "\n" not in str(refused.value)
-    assert balance_rope(SMALL, "python").elements == 20
+    assert balance_rope(SMALL.with_(model=Model("torsional")), "reference").elements == 20
 
 
 def test_an_fmu_that_is_exported_without_a_compiler_has_no_reference_run_and_says_so(
@@ -213,7 +207,7 @@ def test_an_fmu_that_is_exported_without_a_compiler_has_no_reference_run_and_say
 )
 def test_a_copy_of_the_native_rope_goes_on_by_itself(copied: Callable[[Any], Any]) -> None:
     low, high = EndMotion(), EndMotion(y=20.0)
-    rope = balance_rope(replace(SMALL, solver=Solver()), "native")
+    rope = balance_rope(SMALL)
     copied(rope)  # not initialised yet
     rope.apply(
         PointForces(np.array([9.0]), np.zeros((1, 3)), np.array([[40.0, 0.0, 0.0]]), 0.0, 0.1)

@@ -1,4 +1,4 @@
-"""Contact of the rope with itself: the law, the coupled Newton's method, both forms of the rope in it."""
+"""Contact of the rope with itself: the law, the coupled Newton's method, the rope in it."""
 
 import math
 from dataclasses import replace
@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from conftest import Array
 from contact_scenes import crossing, force_error
+from native_parts import SelfContacts, find_self_contacts
 from numpy.testing import assert_allclose, assert_array_equal
 from rope_model.simulation.contact.self_contact import SelfContacts, find_self_contacts
 from scenes import hung, wound
@@ -35,9 +36,14 @@ def holding(**changed: float) -> Scene:
 
 
 def contacts(
-    q: Array, lengths: Array, v: Array | None = None, c: Any = (0.0, 0.0), **changed: float
+    q: Array,
+    lengths: Array,
+    v: Array | None = None,
+    c: Any = (0.0, 0.0),
+    x: Array | None = None,
+    **changed: float,
 ) -> SelfContacts:
-    return find_self_contacts(holding(**changed), q, 0 * q if v is None else v, lengths, *c)
+    return find_self_contacts(holding(**changed), q, 0 * q if v is None else v, lengths, c, x)
 
 
 @pytest.mark.parametrize(("degrees", "off"), [(90, 0.03), (30, 2e-3), (5, 1e-4)])
@@ -71,13 +77,13 @@ def test_each_of_three_strands_feels_both_others_in_whatever_order_the_rope_pass
 ) -> None:
     scene = holding().with_(rope=Rope(diameter=THIN))
     q, lengths = bundle(order), np.where(np.arange(11) % 4 == 3, 20.0, 1.0)
-    found, R = find_self_contacts(scene, q, 0 * q, lengths, 0.0, 0.0), np.zeros_like(q)
+    found, R = find_self_contacts(scene, q, 0 * q, lengths), np.zeros_like(q)
     found.take_force(R)
     pressed, onset = 0.2 * THIN, ONSET * THIN
     each = 3.0 * K * (0.5 * onset + pressed - onset)
     # what joins the strands goes on along them, and presses within a diameter of their ends: 1/150 of their length
     most = THIN / 3.0
-    assert found.sums()["rope"] == pytest.approx(3.0 * each, rel=most)
+    assert found.sums["rope"] == pytest.approx(3.0 * each, rel=most)
     for k, corner in enumerate(order):
         angle = 2.0 * math.pi * corner / 3
         outwards = math.sqrt(3.0) * each * np.array([0.0, math.cos(angle), math.sin(angle)])
@@ -114,7 +120,7 @@ def test_the_forces_of_a_pair_cancel_and_its_friction_leaves_its_couple(seed: in
     q += 0.003 * rng.normal(size=q.shape)
     found, R = contacts(q, lengths, rng.normal(size=q.shape)), np.zeros_like(q)
     found.take_force(R)
-    sums = found.sums()
+    sums = found.sums
     assert sums["contact_dissipated"] > 0
     # rounding of shares that add up to 1
     assert_allclose(R[:, :3].sum(axis=0), 0.0, atol=1e-14 * sums["rope"])
@@ -130,7 +136,7 @@ def test_the_force_is_the_energys_gradient_without_losses(seed: int) -> None:
     q += 0.003 * rng.normal(size=q.shape)
     R, way, size = np.zeros_like(q), rng.normal(size=q.shape), 1e-7
     contacts(q, lengths).take_force(R)
-    more, less = (contacts(q + sign * size * way, lengths).sums()["contact"] for sign in (1, -1))
+    more, less = (contacts(q + sign * size * way, lengths).sums["contact"] for sign in (1, -1))
     assert (more - less) / (2 * size) == pytest.approx(np.vdot(R, way), rel=1e-5)
 
 
@@ -146,7 +152,7 @@ def test_the_tangent_is_the_forces_derivative_where_nothing_is_left_out() -> Non
         return R
 
     no_losses: dict[str, float] = {"friction": 0.0, "damping": 0.0}
-    product = contacts(q, lengths, c=(1.0, 0.0), **no_losses).times(x)
+    product = contacts(q, lengths, c=(1.0, 0.0), x=x, **no_losses).product
     stiffness = (
         force(q + size * x, 0 * q, **no_losses) - force(q - size * x, 0 * q, **no_losses)
     ) / (2 * size)
@@ -154,7 +160,7 @@ def test_the_tangent_is_the_forces_derivative_where_nothing_is_left_out() -> Non
     assert_allclose(product, stiffness, atol=1e-5 * np.abs(product).max())
     v = np.zeros_like(q)
     v[3:, :2], x[3:, :2] = (0.02, 0.01), (1.0, 2.0)
-    product = contacts(q, lengths, v, (0.0, 1.0), damping=0.0).times(x)
+    product = contacts(q, lengths, v, (0.0, 1.0), x, damping=0.0).product
     rate = (force(q, v + size * x, damping=0.0) - force(q, v - size * x, damping=0.0)) / (2 * size)
     assert_allclose(product, rate, atol=1e-5 * np.abs(product).max())
 
