@@ -40,7 +40,6 @@ from release.wheels import PACKAGES, add_bill, build
 from rope_model import (
     EndMotion,
     Mesh,
-    Model,
     PointForces,
     Rope,
     Scene,
@@ -190,7 +189,7 @@ def test_a_rope_without_a_working_compiler_is_refused_in_a_sentence_that_names_t
     with pytest.raises(RuntimeError, match=told) as refused:
         balance_rope(SMALL)
     assert "\n" not in str(refused.value)
-    assert balance_rope(SMALL.with_(model=Model("torsional")), "reference").elements == 20
+    assert balance_rope(SMALL, "reference").elements == 20
 
 
 def test_an_fmu_that_is_exported_without_a_compiler_has_no_reference_run_and_says_so(

@@ -118,6 +118,7 @@ def test_a_bound_below_one_step_does_not_stop_the_rope(unbounded: NDArray[np.flo
 )
 @pytest.mark.parametrize("start", [0.0, 0.1, 12.3])
 def test_steps_grow_after_as_many(step: float, host: float, expected: int, start: float) -> None:
+    # any mesh does: the number of steps is the claim
     scene = Scene(rope=Rope(length=30.0), mesh=Mesh(kind="eem", elements=10))
     rope = hung(NativeRope(scene.with_(solver=Solver(tolerance=1e6, step_max=step))), t=start)
     rope.retune(scene.with_(solver=replace(rope.scene.solver, step_max=0.02)))
