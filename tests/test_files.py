@@ -41,7 +41,6 @@ _LAST_NAMES = frozenset(name.rpartition(".")[2] for name in WRITERS)
 SCRATCH = {
     "fmu_src/export.py": 5,  # the stage of the Python FMU
     "rope_model/compiler.py": 3,  # C files to compile, kernels of the stage, the lock
-    "rope_model/simulation/rope_kernels.py": 1,  # a library, into the stage
     "hoist_demo/cosimulation/plain_data.py": 1,  # bytes in memory
 }
 

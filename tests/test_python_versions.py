@@ -2,8 +2,7 @@
 
 import builtins
 from collections.abc import Iterable
-from dataclasses import fields, is_dataclass
-from pathlib import Path
+from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,11 +15,21 @@ from hoist_demo.design.shaping import shape
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.hoist import hoist_with
 from hoist_demo.parameters.trip_design import Shaper
-from rope_model import Guard, Mesh, Rope, RopeSimulator, Scene, Shaft, Solver, Sump, Swivel
+from rope_model import (
+    BalanceRope,
+    Guard,
+    Mesh,
+    Rope,
+    Scene,
+    Shaft,
+    Solver,
+    Sump,
+    Swivel,
+    balance_rope,
+)
 from rope_model.rules.generalized_alpha import Motion
 from rope_model.rules.partition import Partition
 from rope_model.rules.state import RopeState
-from rope_model.simulation.rope_kernels import RopeKernels
 
 #: a rope with all that its state can hold: guards, a floor that it presses, a swivel that slips, wires that rub
 FULL = Scene(
@@ -28,12 +37,16 @@ FULL = Scene(
     mesh=Mesh("eem", elements=16),
     left=Swivel(mode="coulomb"),
     shaft=Shaft(sump=Sump(level=-11.9), guard=Guard(rise=0.01, window=0.3, turns=0.2, torque=5.0)),
-    # one look at the state needs no compiled kernels, and no more steps than the host's
-    solver=Solver(kernels="portable", step_max=0.01, tolerance=1e6),
+    # no more steps than the host's
+    solver=Solver(step_max=0.01, tolerance=1e6),
 )
 
 
-def moved(rope: RopeSimulator, steps: int = 1) -> RopeSimulator:
+#: its part that the reference rope computes
+PUBLISHED = replace(FULL, rope=Rope(length=30.0), shaft=Shaft())
+
+
+def moved(rope: BalanceRope, steps: int = 1) -> BalanceRope:
     hung(rope, *going_aside(0.0))
     for k in range(1, steps + 1):
         status = rope.advance_to(0.01 * k, *going_aside(0.01 * k))
@@ -43,7 +56,7 @@ def moved(rope: RopeSimulator, steps: int = 1) -> RopeSimulator:
 
 @pytest.fixture(scope="module")
 def state() -> RopeState:
-    return moved(RopeSimulator(FULL)).state
+    return moved(balance_rope(FULL)).state
 
 
 def test_a_state_is_rebuilt_without_type_hints(
@@ -88,7 +101,7 @@ def sums_no_floats(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("sums_no_floats")
 def test_a_rope_adds_its_numbers_from_left_to_right() -> None:
-    rope = moved(RopeSimulator(FULL))
+    rope = moved(balance_rope(PUBLISHED, "reference"))
     rope.restore(rope.save())
     assert np.isfinite([*rope.signals().values()]).all()
 
@@ -98,16 +111,3 @@ def test_a_hoist_adds_its_numbers_from_left_to_right() -> None:
     trip = shape(s_curve(Winding()), Shaper("ZVD", 1.3, 0.05))
     assert trip.points[-1].position == pytest.approx(Winding().travel)
     assert hoist_with(Hoist(), [(4.0, 120.0), (5.0, 120.0)]).tail_rope_mass == 9.0
-
-
-def test_kernels_that_this_casadi_cannot_read_are_built_anew(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
-    """An FMU brings them in the form of the exporting CasADi, which an older one refuses."""
-    (tmp_path / "planar-4.casadi").write_bytes(b"written by another CasADi")
-    kernels = RopeKernels(4, "portable", tmp_path, "planar")
-    assert "cannot read" in caplog.text
-    assert (
-        kernels.strains.function.name()
-        == RopeKernels(4, "portable", None, "planar").strains.function.name()
-    )

@@ -10,7 +10,6 @@ from conftest import Array
 from contact_scenes import crossing, force_error
 from native_parts import SelfContacts, find_self_contacts
 from numpy.testing import assert_allclose, assert_array_equal
-from rope_model.simulation.contact.self_contact import SelfContacts, find_self_contacts
 from scenes import hung, wound
 
 from rope_model import (

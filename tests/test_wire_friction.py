@@ -8,7 +8,6 @@ import pytest
 from conftest import Array, difference
 from native_parts import carry
 from numpy.testing import assert_allclose, assert_array_equal
-from rope_model.simulation.wires import carry
 from scenes import passed
 
 from rope_model import Mesh, Rope, Scene, Solver

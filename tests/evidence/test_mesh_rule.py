@@ -8,6 +8,7 @@ from itertools import islice
 
 import numpy as np
 import pytest
+from native_parts import fit_mesh, partition
 from numpy.testing import assert_allclose
 
 from evidence.mesh_rule import laws, rule, statics
@@ -28,7 +29,6 @@ from rope_model.rules.mesh_fit import (
     PUMPED_LEG,
     pumped_grading,
 )
-from rope_model.simulation.mesh.partition import fit_mesh, partition
 
 TABLES = read(DOCS / "data" / "mesh_rule")
 FOUND = laws.fit(TABLES)
