@@ -5,7 +5,7 @@ compared with the nearest point of each strand of the other rope.  Bounding boxe
 """
 
 import math
-from types import SimpleNamespace
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -76,7 +76,7 @@ class Pair:
 
     def __init__(self, one: Scene, other: Scene) -> None:
         self._law = one.shaft.contact
-        self._lossless = SimpleNamespace(**(vars(self._law) | {"damping": 0.0, "friction": 0.0}))
+        self._lossless = replace(self._law, damping=0.0, friction=0.0)
         self.diameter = 0.5 * (one.rope.diameter + other.rope.diameter)
         self._spacing = one.rope.length / math.ceil(
             one.rope.length / (rope_contact.SPACING * self.diameter)

@@ -34,6 +34,7 @@ from rope_model.physics import (
     wire_element,
     wire_friction,
 )
+from rope_model.physics.energy_balance import EnergyBalance
 from rope_model.rules import (
     audit,
     bodies,
@@ -55,7 +56,6 @@ from rope_model.rules.audit import Audit
 from rope_model.rules.end_paths import EndMotion, EndPath
 from rope_model.rules.input_filter import InputFilter, filter_sample
 from rope_model.rules.messages import warning_rules
-from rope_model.rules.state import EnergyBalance
 from rope_model.shaft_parameters import FAR, PARTS
 from rope_model.solver_parameters import Solver
 

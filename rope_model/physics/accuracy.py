@@ -16,9 +16,12 @@ acceleration in the bend grows with x^2.  Like rho v^2 it acts as a false tensio
 x^2 v^2 / g against its weight.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from rope_model.parameters import Rope, Scene
 from rope_model.physics.elementary import (
+    Scalar,
+    Vector,
     ceil,
     cos,
     less,
@@ -31,6 +34,7 @@ from rope_model.physics.elementary import (
     where,
 )
 from rope_model.physics.estimates import axial_frequency, bending_length
+from rope_model.solver_parameters import Solver
 
 # fractions of allowed errors that a step may leave, tuned on seeded ropes of 60 to 1200 m (`make promise`)
 FORCE_FRACTION = 22.0  #: fraction of the end force error
@@ -102,14 +106,16 @@ class ErrorSums(NamedTuple):
     strain_tt: tuple[float, float] = (0.0, 0.0)  # 1/s^2
 
 
-def wave_duration(rope: Any, omega: Any) -> Any:
+def wave_duration(rope: Rope, omega: Scalar) -> Scalar:
     """Return the duration (s) of a wave of frequency ``omega`` (rad/s)."""
     return 2.0 / maximum(
         rope.beta_K * (omega * omega), 2.0 * maximum(omega / MAX_PHASE, 1.0 / MAX_WAVE)
     )
 
 
-def step_limits(scene: Any, sums: Any, s: Any, end_speed: Any, error_constant: Any) -> StepLimits:
+def step_limits(
+    scene: Scene, sums: ErrorSums, s: Scalar, end_speed: Scalar, error_constant: Scalar
+) -> StepLimits:
     """Return the limits of a step while the loop hangs at arc length ``s`` (m).
 
     ``end_speed`` (m/s) is the vertical speed of one end against the other; ``error_constant`` h^2 is the local error
@@ -135,15 +141,15 @@ def step_limits(scene: Any, sums: Any, s: Any, end_speed: Any, error_constant: A
 
 
 def add_errors(
-    scene: Any,
-    sums: Any,
-    s: Any,
-    end_speed: Any,
-    h: Any,
-    constant: Any,
-    strain_tt: Any,
-    position: Any,
-    force: Any,
+    scene: Scene,
+    sums: ErrorSums,
+    s: Scalar,
+    end_speed: Scalar,
+    h: Scalar,
+    constant: Scalar,
+    strain_tt: Vector,
+    position: Scalar,
+    force: Scalar,
 ) -> ErrorSums:
     """Return ``sums`` after a step ``h`` with a ``position`` error (m) and end forces of up to ``force`` (N).
 
@@ -182,7 +188,7 @@ def add_errors(
     )
 
 
-def end_force_error(rope: Any, sums: Any) -> Any:
+def end_force_error(rope: Rope, sums: ErrorSums) -> Scalar:
     """Return the error of the end forces, root mean square since the start, relative to the largest force."""
     squares = maximum(sums.squares[0], sums.squares[1])
     return (
@@ -193,7 +199,7 @@ def end_force_error(rope: Any, sums: Any) -> Any:
     )
 
 
-def locking_error(scene: Any, l: Any) -> Any:
+def locking_error(scene: Scene, l: Scalar) -> Scalar:
     """Return the height (m) by which the loop hangs too high on elements of length ``l``."""
     w = bending_length(scene)
     rope = scene.rope
@@ -202,7 +208,7 @@ def locking_error(scene: Any, l: Any) -> Any:
     return LOOP_HEIGHT * w * (x * x) * (locking / (1.0 + locking))
 
 
-def mesh_error(scene: Any, l: Any, grading_length: Any) -> Any:
+def mesh_error(scene: Scene, l: Scalar, grading_length: Scalar) -> Scalar:
     """Return the loop's position error (m) on elements of length ``l``, with ``grading_length`` in the legs."""
     slip_factor = 1.0 + SLIPPED * _slip_fraction(scene, l, SLIPS_FROM)
     return (
@@ -210,18 +216,18 @@ def mesh_error(scene: Any, l: Any, grading_length: Any) -> Any:
     )
 
 
-def turned_by_mesh(scene: Any, l: Any) -> Any:
+def turned_by_mesh(scene: Scene, l: Scalar) -> Scalar:
     """Return the angle (rad) by which elements of length ``l`` turn the loop about the vertical."""
     return TURNED * l / bending_length(scene) * _slip_fraction(scene, l, TURNS_FROM)
 
 
-def _slip_fraction(scene: Any, l: Any, threshold: float) -> Any:
+def _slip_fraction(scene: Scene, l: Scalar, threshold: float) -> Scalar:
     """Return the fraction, 0 to 1, of a change that sets in where elements are ``threshold`` w long."""
     power = minimum(l / (threshold * bending_length(scene)), 10.0) ** SLIP_EXPONENT
     return power / (1.0 + power)
 
 
-def length_for(scene: Any, error: Any) -> Any:
+def length_for(scene: Scene, error: Scalar) -> Scalar:
     """Return the length (m) of elements whose ``locking_error`` is between half of ``error`` (m) and ``error``."""
     w = bending_length(scene)
     rope = scene.rope
@@ -229,14 +235,16 @@ def length_for(scene: Any, error: Any) -> Any:
     return w * maximum(sqrt(ratio), (ratio / (LOCKING * (rope.Qa * (w * w) / rope.EI))) ** (1 / 6))
 
 
-def flow_error(scene: Any, end_speed: Any, h: Any) -> Any:
+def flow_error(scene: Scene, end_speed: Scalar, h: Scalar) -> Scalar:
     """Return the loop's position error (m) by steps ``h`` as the rope flows at half of ``end_speed`` (m/s)."""
     flow = 0.5 * end_speed
     angle = flow * h / bending_length(scene)
     return FLOW_ERROR * (angle * angle) * (flow * flow) / scene.layout.gravity
 
 
-def step_error(limits: Any, h: Any, position_error: Any, strain_error: Any) -> Any:
+def step_error(
+    limits: StepLimits, h: Scalar, position_error: Scalar, strain_error: Scalar
+) -> Scalar:
     """Return the step's error over the allowed one.
 
     It is the largest of position error^position_power, end strain error^strain_power (only if h > shortest), each over
@@ -250,7 +258,7 @@ def step_error(limits: Any, h: Any, position_error: Any, strain_error: Any) -> A
     return where(less(limits.shortest, h), maximum(position, strain), position)
 
 
-def loop_error(scene: Any, sums: Any, l: Any, grading_length: Any) -> Any:
+def loop_error(scene: Scene, sums: ErrorSums, l: Scalar, grading_length: Scalar) -> Scalar:
     """Return the largest error (m) of the loop's position since the start, by elements, legs and steps."""
     mesh = mesh_error(scene, l, grading_length)
     steps = STEP_ERROR_TO_LOOP * sums.position
@@ -259,7 +267,7 @@ def loop_error(scene: Any, sums: Any, l: Any, grading_length: Any) -> Any:
     )  # the three occur at different instants
 
 
-def growth_delay(h: Any, step_next: Any) -> Any:
+def growth_delay(h: Scalar, step_next: Scalar) -> Scalar:
     """Return the time (s) for which errors must be small before a step ``h`` may grow to ``step_next``."""
     # the limit lies between two steps: on a whole number of steps rounding would decide
     return minimum(GROWTH_DELAY_STEPS * step_next, GROWTH_DELAY) - 0.5 * h
@@ -274,7 +282,13 @@ class NextStep(NamedTuple):
 
 
 def next_step(
-    solver: Any, h: Any, step_next: Any, error: Any, rejected: Any, t: Any, calm_since: Any
+    solver: Solver,
+    h: Scalar,
+    step_next: Scalar,
+    error: Scalar,
+    rejected: Scalar,
+    t: Scalar,
+    calm_since: Scalar,
 ) -> NextStep:
     """Choose the step after one of length ``h`` to ``t`` with ``error`` over the allowed one.
 
@@ -295,7 +309,7 @@ def next_step(
     )
 
 
-def substeps(interval: Any, step_next: Any, steps_left: Any) -> Any:
+def substeps(interval: Scalar, step_next: Scalar, steps_left: Scalar) -> Scalar:
     """Return the number of steps for an ``interval`` (s), at most as many as the Newton budget allows.
 
     Steps may be longer than ``step_next``, but no more than twice as long: Newton's method need not converge then.
@@ -304,7 +318,9 @@ def substeps(interval: Any, step_next: Any, steps_left: Any) -> Any:
     return minimum(parts, maximum(steps_left, ceil(0.5 * parts)))
 
 
-def effective_tolerance(newton_tolerance: Any, work_max: Any, bounded_tolerance: Any) -> Any:
+def effective_tolerance(
+    newton_tolerance: Scalar, work_max: Scalar, bounded_tolerance: Scalar
+) -> Scalar:
     """Return Newton's tolerance (m and rad), at least ``bounded_tolerance`` where work is bounded to one step."""
     bounded = logical_and(work_max > 0.0, work_max < 2.0 * STEP_ITERATIONS)
     return where(bounded, maximum(newton_tolerance, bounded_tolerance), newton_tolerance)

@@ -31,9 +31,10 @@ CasADi expressions; vectors have their components first.
 """
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from rope_model.physics.elementary import dot, sqrt
+from rope_model.physics.elementary import Scalar, Vector, dot, sqrt
+from rope_model.shaft_parameters import Air
 
 #: m/s, speed below which |w_n| is rounded off
 ROUNDING = 1e-6
@@ -60,7 +61,7 @@ class Passing(NamedTuple):
     speed: float
 
 
-def air_coefficients(air: Any, diameter: Any, spacing: Any) -> AirCoefficients:
+def air_coefficients(air: Air, diameter: Scalar, spacing: Scalar) -> AirCoefficients:
     """Return those of a rope of this diameter between suspensions ``spacing`` (m) apart; factor 0 without air."""
     velocity = air.vx, air.vy, air.vz
     factor = 0.5 * air.density * air.drag * diameter
@@ -68,7 +69,9 @@ def air_coefficients(air: Any, diameter: Any, spacing: Any) -> AirCoefficients:
     return AirCoefficients(factor, velocity, air.buffet, air.buffet_length, spacing, *cross)
 
 
-def flow(air: AirCoefficients, conveyances: Sequence[Passing], point: Any, l: Any) -> list[Any]:
+def flow(
+    air: AirCoefficients, conveyances: Sequence[Passing], point: Vector, l: Scalar
+) -> list[Scalar]:
     """Return the velocity (m/s) of the air at ``point`` of an element of length l."""
     x, y, z = air.velocity
     up = point[1] - air.cross_y
@@ -91,23 +94,23 @@ def flow(air: AirCoefficients, conveyances: Sequence[Passing], point: Any, l: An
     return [x, y, z]
 
 
-def _smooth_step(x: Any) -> Any:
+def _smooth_step(x: Scalar) -> Scalar:
     within = 1.0 - _ramp(1.0 - _ramp(x + 0.5))
     return within * within * (3.0 - 2.0 * within)
 
 
-def _ramp(x: Any) -> Any:
+def _ramp(x: Scalar) -> Scalar:
     return 0.5 * (x + abs(x))
 
 
-def _bell(h: Any) -> Any:
+def _bell(h: Scalar) -> Scalar:
     square = 1.0 + h * h
     return 1.0 / (square * sqrt(square))
 
 
 def drag(
-    air: AirCoefficients, velocity: Any, slope: Any, speed: Any
-) -> tuple[list[Any], list[list[Any]]]:
+    air: AirCoefficients, velocity: Vector, slope: Vector, speed: Vector
+) -> tuple[list[Scalar], list[list[Scalar]]]:
     """Return the force per length in air of this ``velocity``, and -df/dv (3, 3); r' is ``slope``, r_t is ``speed``."""
     relative = [speed[i] - velocity[i] for i in range(3)]
     square = dot(slope, slope)

@@ -9,7 +9,7 @@ The power that the rope gives to the air is -f . r_t; it is negative where the w
 
 from collections.abc import Iterator
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import casadi as ca
 
@@ -22,7 +22,7 @@ from rope_model.physics.element import (
     ElementFidelity,
     ElementFunctions,
 )
-from rope_model.physics.elementary import cross, dot
+from rope_model.physics.elementary import Scalar, Vector, cross, dot
 
 #: number of entries of AirCoefficients; AIR_SIZE includes both conveyances
 COEFFICIENTS_SIZE = 9
@@ -114,7 +114,7 @@ def air_element(fidelity: ElementFidelity, base: ElementFunctions) -> ElementFun
     )
 
 
-def _numbers(A: Any) -> tuple[AirCoefficients, list[Passing]]:
+def _numbers(A: Vector) -> tuple[AirCoefficients, list[Passing]]:
     air = AirCoefficients(A[0], (A[1], A[2], A[3]), *A[4:COEFFICIENTS_SIZE])
     return air, [
         Passing((A[k], A[k + 1], A[k + 2]), A[k + 3])
@@ -122,7 +122,7 @@ def _numbers(A: Any) -> tuple[AirCoefficients, list[Passing]]:
     ]
 
 
-def _at(xi: float, l: ca.SX, x: ca.SX) -> tuple[list[ca.SX], list[ca.SX]]:
+def _at(xi: float, l: ca.SX, x: ca.SX) -> tuple[list[Scalar], list[Scalar]]:
     """Return r and r', or their rates, at ``xi`` of the element."""
     pairs = [
         hermite.interpolate(xi, l, x[i], x[3 + i], x[NODE_DOF + i], x[NODE_DOF + 3 + i])
@@ -131,7 +131,7 @@ def _at(xi: float, l: ca.SX, x: ca.SX) -> tuple[list[ca.SX], list[ca.SX]]:
     return [value for value, _ in pairs], [slope for _, slope in pairs]
 
 
-def _nodes(N: tuple[Any, ...]) -> Iterator[tuple[int, tuple[int, Any]]]:
+def _nodes(N: tuple[Scalar, ...]) -> Iterator[tuple[int, tuple[int, Scalar]]]:
     """Yield the index of each entry of r and r' in the element, with its component and its shape function."""
     for first, N_i in zip((0, 3, NODE_DOF, NODE_DOF + 3), N, strict=True):
         for i in range(3):

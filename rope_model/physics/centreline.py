@@ -6,21 +6,43 @@ nearest_turn of simulation.mesh.adaptation.
 
 import math
 from functools import reduce
-from typing import Any
+from typing import Protocol
 
-from rope_model.physics.elementary import atan2, cos, dot, maximum, minimum, nearest_whole, sin
+from rope_model.parameters import Layout
+from rope_model.physics.elementary import (
+    Scalar,
+    Vector,
+    atan2,
+    cos,
+    dot,
+    maximum,
+    minimum,
+    nearest_whole,
+    sin,
+)
 from rope_model.physics.hermite import interpolate
 
 
+class SuspensionPoint(Protocol):
+    """Position (m) of a suspension point from its nominal point, as rules.end_paths.EndMotion has it."""
+
+    @property
+    def x(self) -> Scalar: ...
+    @property
+    def y(self) -> Scalar: ...
+    @property
+    def z(self) -> Scalar: ...
+
+
 def suspension_points(
-    layout: Any, left: Any, right: Any
-) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    layout: Layout, left: SuspensionPoint, right: SuspensionPoint
+) -> tuple[tuple[Scalar, ...], tuple[Scalar, ...]]:
     """Return the suspension points (2, 3) of ends whose motions count from their nominal points."""
     half = 0.5 * layout.spacing
     return (-half + left.x, left.y, left.z), (half + right.x, right.y, right.z)
 
 
-def sample_s(bottom_s: Any, reach: Any, fraction: Any, loop: Any) -> Any:
+def sample_s(bottom_s: Scalar, reach: Scalar, fraction: Scalar, loop: Scalar) -> Scalar:
     """Return the arc length (m) of a sample at the ``fraction`` of the ``reach`` from ``bottom_s`` to an end.
 
     Near the bottom samples are as dense as if they had to cover twice the width of the ``loop`` (m) only, however long
@@ -31,7 +53,7 @@ def sample_s(bottom_s: Any, reach: Any, fraction: Any, loop: Any) -> Any:
     return bottom_s + reach * (even * fraction + (1.0 - even) * (square * square))
 
 
-def squared_distance(point: Any, start: Any, along: Any) -> Any:
+def squared_distance(point: Vector, start: Vector, along: Vector) -> Scalar:
     """Return the squared distance (m^2) of ``point`` from the straight piece from ``start`` along ``along``."""
     across = point[0] - start[0], point[1] - start[1], point[2] - start[2]
     fraction = minimum(maximum(dot(across, along) / dot(along, along), 0.0), 1.0)
@@ -41,24 +63,26 @@ def squared_distance(point: Any, start: Any, along: Any) -> Any:
     return x * x + y * y + z * z
 
 
-def least_squared_distance(a: Any, b: Any) -> Any:
+def least_squared_distance(a: Vector, b: Vector) -> Scalar:
     """Return a lower bound (m^2) of ``squared_distance`` between boxes (lowest, highest coordinates), even rounded."""
     x, y, z = (maximum(maximum(a[k] - b[3 + k], b[k] - a[3 + k]), 0.0) for k in range(3))
     return (1.0 - 1e-9) * (x * x + y * y + z * z)
 
 
-def middle(length: Any, a: Any, b: Any) -> tuple[Any, ...]:
+def middle(length: Scalar, a: Vector, b: Vector) -> tuple[Scalar, ...]:
     """Return position and r' (6,) midway between two points of an element with theirs, ``length`` (m) apart."""
     values = [interpolate(0.5, length, a[k], a[3 + k], b[k], b[3 + k]) for k in range(3)]
     return (*(r for r, _ in values), *(d for _, d in values))
 
 
-def position_at(xi: Any, length: Any, a: Any, b: Any) -> tuple[Any, ...]:
+def position_at(xi: Scalar, length: Scalar, a: Vector, b: Vector) -> tuple[Scalar, ...]:
     """Return the position (3,) at ``xi``, 0 to 1, between two points of an element with r', ``length`` (m) apart."""
     return tuple(interpolate(xi, length, a[k], a[3 + k], b[k], b[3 + k])[0] for k in range(3))
 
 
-def lower_bound(known: Any, length: Any, a: Any, slope_a: Any, b: Any, slope_b: Any) -> Any:
+def lower_bound(
+    known: Scalar, length: Scalar, a: Scalar, slope_a: Scalar, b: Scalar, slope_b: Scalar
+) -> Scalar:
     """Return a lower bound of ``known`` and a coordinate's cubic from ``a``, not below ``known``, to ``b``.
 
     The cubic is within its control points.
@@ -67,19 +91,21 @@ def lower_bound(known: Any, length: Any, a: Any, slope_a: Any, b: Any, slope_b: 
     return minimum(minimum(known, b), minimum(a + third * slope_a, b - third * slope_b))
 
 
-def upper_bound(known: Any, length: Any, a: Any, slope_a: Any, b: Any, slope_b: Any) -> Any:
+def upper_bound(
+    known: Scalar, length: Scalar, a: Scalar, slope_a: Scalar, b: Scalar, slope_b: Scalar
+) -> Scalar:
     """Return an upper bound of ``known`` and a coordinate's cubic from ``a``, not above ``known``, to ``b``."""
     third = length / 3.0
     return maximum(maximum(known, b), maximum(a + third * slope_a, b - third * slope_b))
 
 
-def box_between(bounds: Any) -> tuple[Any, ...]:
+def box_between(bounds: Vector) -> tuple[Scalar, ...]:
     """Return centre and half widths (6,) of the upright box with these lowest and highest coordinates (6,)."""
     pairs = [(bounds[k], bounds[3 + k]) for k in range(3)]
     return (*(0.5 * (x + y) for x, y in pairs), *(0.5 * (y - x) for x, y in pairs))
 
 
-def enclosing_box(length: Any, a: Any, b: Any) -> tuple[Any, ...]:
+def enclosing_box(length: Scalar, a: Vector, b: Vector) -> tuple[Scalar, ...]:
     """Return centre and half widths (6,) of an upright box that contains the cubic between ``a`` and ``b``."""
     bounds = [
         of(a[k], length, a[k], a[3 + k], b[k], b[3 + k])
@@ -89,17 +115,19 @@ def enclosing_box(length: Any, a: Any, b: Any) -> tuple[Any, ...]:
     return box_between(bounds)
 
 
-def heading(yaw: Any) -> tuple[Any, Any]:
+def heading(yaw: Scalar) -> tuple[Scalar, Scalar]:
     """Return the horizontal unit vector (X, Z) of a yaw (rad) about Y."""
     return cos(yaw), -sin(yaw)
 
 
-def line_yaw(left: Any, right: Any) -> Any:
+def line_yaw(left: Vector, right: Vector) -> Scalar:
     """Return the yaw (rad) of the line from the left to the right end."""
     return atan2(left[2] - right[2], right[0] - left[0])
 
 
-def plane_between(left: Any, right: Any, start: Any, direction: Any) -> tuple[Any, Any, Any]:
+def plane_between(
+    left: Vector, right: Vector, start: Vector, direction: Vector
+) -> tuple[Scalar, Scalar, Scalar]:
     """Return the normal of the plane through ``start``, level across a horizontal ``direction`` (X, Z).
 
     At the height of the higher end the plane passes midway between the ends ``left`` and ``right``.
@@ -112,17 +140,17 @@ def plane_between(left: Any, right: Any, start: Any, direction: Any) -> tuple[An
     )
 
 
-def reach(point: Any, start: Any, direction: Any) -> Any:
+def reach(point: Vector, start: Vector, direction: Vector) -> Scalar:
     """Return the distance (m) of ``point`` from ``start`` along a horizontal ``direction`` (X, Z)."""
     return direction[0] * (point[0] - start[0]) + direction[1] * (point[2] - start[2])
 
 
-def beyond(point: Any, start: Any, normal: Any) -> Any:
+def beyond(point: Vector, start: Vector, normal: Vector) -> Scalar:
     """Return the distance of ``point`` from the plane through ``start``, in lengths of its ``normal``."""
     return dot(normal, (point[0] - start[0], point[1] - start[1], point[2] - start[2]))
 
 
-def margin(point: Any, lowest_point: Any, diameter: Any, above: Any) -> Any:
+def margin(point: Vector, lowest_point: Vector, diameter: Scalar, above: Scalar) -> Scalar:
     """Return the least distance (m) from the plane that keeps legs a diameter apart; 0 at the lowest point.
 
     ``above`` (m) is the height above that point up to which it grows.
@@ -131,16 +159,16 @@ def margin(point: Any, lowest_point: Any, diameter: Any, above: Any) -> Any:
 
 
 def side_gap(
-    side: Any,
-    length: Any,
-    outer: Any,
-    inner: Any,
-    top: Any,
-    start: Any,
-    normal: Any,
-    diameter: Any,
-    above: Any,
-) -> Any:
+    side: Scalar,
+    length: Scalar,
+    outer: Vector,
+    inner: Vector,
+    top: Scalar,
+    start: Vector,
+    normal: Vector,
+    diameter: Scalar,
+    above: Scalar,
+) -> Scalar:
     """Return the least gap (m) of an element of a leg, from its ``outer`` to its ``inner`` node, excluding the latter.
 
     It is the distance beyond the margin on its ``side`` of the plane (-1: left, 1: right), or below the height ``top``.
@@ -154,7 +182,7 @@ def side_gap(
     return reduce(minimum, (*gaps, *(top - x[1] for x in points)))
 
 
-def least_advance(length: Any, a: Any, b: Any, direction: Any) -> Any:
+def least_advance(length: Scalar, a: Vector, b: Vector, direction: Vector) -> Scalar:
     """Return the least slope in a horizontal ``direction`` of the cubic between two points, ``length`` (m) apart.
 
     The points come with their r'; the least control point of the slope is a bound.
@@ -163,7 +191,7 @@ def least_advance(length: Any, a: Any, b: Any, direction: Any) -> Any:
     return minimum(minimum(start, stop), 3.0 * reach(b, a, direction) / length - start - stop)
 
 
-def turns(yaw: Any, line: Any, passages: Any) -> Any:
+def turns(yaw: Scalar, line: Scalar, passages: Scalar) -> Scalar:
     """Return the turns of one side of the rope about the other.
 
     The loop has yawed to ``yaw`` (rad), the line between the ends to ``line`` (rad); each net passage of ``passages``
@@ -172,13 +200,13 @@ def turns(yaw: Any, line: Any, passages: Any) -> Any:
     return (yaw - line) / (2.0 * math.pi) - passages
 
 
-def angle_between(before: Any, after: Any) -> Any:
+def angle_between(before: Vector, after: Vector) -> Scalar:
     """Return the angle (rad) about Y from one horizontal vector (X, Z) to another."""
     return atan2(
         before[1] * after[0] - before[0] * after[1], before[0] * after[0] + before[1] * after[1]
     )
 
 
-def nearest_turn(angle: Any, last: Any) -> Any:
+def nearest_turn(angle: Scalar, last: Scalar) -> Scalar:
     """Unwrap ``angle`` (rad): add the full turns that bring it closest to ``last``."""
     return angle + 2 * math.pi * nearest_whole((last - angle) / (2 * math.pi))

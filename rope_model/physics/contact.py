@@ -16,10 +16,11 @@ The tangent -df/dr, -df/dv is symmetric: it leaves out the effect of pressure on
 Works on numbers and CasADi expressions; vectors have their components first.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from rope_model.physics.elementary import cross, dot, less, maximum, minimum, sqrt
-from rope_model.physics.shaft import distance, normal
+from rope_model.physics.elementary import Scalar, Vector, cross, dot, less, maximum, minimum, sqrt
+from rope_model.physics.shaft import Body, distance, normal
+from rope_model.shaft_parameters import Contact
 
 #: depth b of the soft onset, in rope diameters
 ONSET = 0.05
@@ -32,7 +33,7 @@ CONTACT_MARGIN = 0.05
 SUMS = ("energy", "dissipated", "moved", "fx", "fy", "fz", "mx", "my", "mz", "pressure")
 
 
-def largest_motion(longest: Any, q: Any, before: Any) -> Any:
+def largest_motion(longest: Scalar, q: Vector, before: Vector) -> Scalar:
     """Return a bound (m) of the change of the rope's distance from a body or itself: its maximum over all nodes.
 
     The node's row r, r' changes from ``before`` to ``q``.  No point of an element moves by more than half of the bound,
@@ -42,9 +43,18 @@ def largest_motion(longest: Any, q: Any, before: Any) -> Any:
     return 2.0 * (x + y + z) + 0.75 * longest * (a + b + c)
 
 
-def correction_motion(corrections: Any, longest: Any, shortest: Any) -> Any:
+def correction_motion(corrections: Scalar, longest: Scalar, shortest: Scalar) -> Scalar:
     """Return a bound of ``largest_motion`` from the sum of corrections in Newton's norm (m), r' times ``shortest``."""
     return 6.0 * corrections + 2.25 * longest / shortest * corrections
+
+
+class ContactLaw(NamedTuple):
+    """Parameters of the law."""
+
+    stiffness: float  # N/m^2
+    damping: float  # s/m
+    friction: float
+    slip_speed: float  # m/s
 
 
 class ContactTerms(NamedTuple):
@@ -56,14 +66,14 @@ class ContactTerms(NamedTuple):
 
 
 def contact_law(
-    contact: Any,
-    diameter: Any,
-    body: Any,
-    body_velocity: Any,
-    point: Any,
-    velocity: Any,
-    cq: Any,
-    cv: Any,
+    contact: ContactLaw | Contact,
+    diameter: Scalar,
+    body: Body,
+    body_velocity: Vector,
+    point: Vector,
+    velocity: Vector,
+    cq: Scalar,
+    cv: Scalar,
 ) -> ContactTerms:
     """Return the contact of the centre line at ``point`` with a body, per length, for their velocities (m/s).
 

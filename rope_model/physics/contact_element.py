@@ -9,18 +9,17 @@ with the cubic Hermite shapes N of r.
 """
 
 from functools import cache
-from types import SimpleNamespace
 from typing import Any
 
 import casadi as ca
 
 from rope_model.physics import contact_points, hermite
-from rope_model.physics.contact import SUMS, contact_law
+from rope_model.physics.contact import SUMS, ContactLaw, contact_law
 from rope_model.physics.element import ELEMENT_DOF, ElementFidelity, ElementFunctions
-from rope_model.physics.elementary import logical_and, where
+from rope_model.physics.elementary import Scalar, Vector, logical_and, where
 from rope_model.physics.shaft import KINDS, Body
 
-LAW = ("stiffness", "damping", "friction", "slip_speed", "diameter")  #: entries of the law
+LAW = (*ContactLaw._fields, "diameter")  #: entries of the law
 BODY_SIZE = 13  #: number of entries of a body: those of shaft.Body and its velocity
 #: entries of the balance behind element.BALANCE
 CONTACT_BALANCE = (
@@ -55,7 +54,7 @@ def contact_element(
     is_near = ca.sum1(F[base_frame:]) > 0
     R, J, sums = _integrals(ELEMENT_DOF[fidelity], kinds)
 
-    def added(function: ca.Function, *factors: Any) -> ca.MX:
+    def added(function: ca.Function, *factors: Scalar) -> ca.MX:
         return _where_near(function)(is_near, q, v, l, F[base_frame:], P[base_size:], *factors)
 
     R_base, J_base = base.tangent(q, v, a, l, *base_args, cq, cv, c_a, q_prestress)
@@ -243,7 +242,7 @@ def _search_functions() -> tuple[ca.Function, ca.Function, ca.Function]:
     xi = ca.SX.sym("place")
     level = ca.SX.sym("level")
 
-    def probe_at(xi: Any) -> Any:
+    def probe_at(xi: Scalar) -> Any:
         return ca.vertcat(*contact_points.probe(xi, l, a, b, diameter, body))
 
     start = ends[:, 0]
@@ -274,11 +273,12 @@ def _turning_function() -> ca.Function:
     )
 
 
-def _probe(x: Any) -> contact_points.Probe:
+def _probe(x: Vector) -> contact_points.Probe:
     return contact_points.Probe(x[0], x[1], x[2])
 
 
 def _body(x: Any) -> tuple[Body, Any]:
+    """Return a body and its velocity from their entries (BODY_SIZE,)."""
     return Body(x[0:3], x[3:6], x[6], x[7], x[8], x[9]), x[10:13]
 
 
@@ -290,8 +290,10 @@ def _touch_functions() -> tuple[ca.Function, ca.Function]:
     P = ca.SX.sym("P", len(LAW) + BODY_SIZE)
     cq = ca.SX.sym("cq")
     cv = ca.SX.sym("cv")
-    law = SimpleNamespace(**dict(zip(LAW, ca.vertsplit(P[: len(LAW)]), strict=True)))
-    terms = contact_law(law, law.diameter, *_body(P[len(LAW) :]), point, speed, cq, cv)
+    entries: list[Any] = ca.vertsplit(P[: len(LAW)])
+    law = ContactLaw._make(entries[:-1])
+    body, body_velocity = _body(P[len(LAW) :])
+    terms = contact_law(law, entries[-1], body, body_velocity, point, speed, cq, cv)
     return (
         ca.Function(
             "contact_law",

@@ -16,9 +16,10 @@ position are proportional to it.  Works on numbers and CasADi expressions.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from rope_model.physics.elementary import hypot, less, maximum, sqrt, sum_of, where
+from rope_model.parameters import Scene
+from rope_model.physics.elementary import Scalar, Vector, hypot, less, maximum, sqrt, sum_of, where
 from rope_model.physics.estimates import bending_length
 from rope_model.physics.shaft import KINDS
 
@@ -40,7 +41,9 @@ class ContactSums(NamedTuple):
     square: float = 0.0  # N^2 s, time integral of r^2
 
 
-def add_contact(scene: Any, sums: Any, h: Any, pressures: Any, longest: Any) -> ContactSums:
+def add_contact(
+    scene: Scene, sums: ContactSums, h: Scalar, pressures: Vector, longest: Scalar
+) -> ContactSums:
     """Return ``sums`` after a step ``h`` with the ``pressures`` (6,) of KINDS and of the rope on itself in its middle.
 
     ``longest`` (m) is the length of the longest element near a body, 0 for none.
@@ -63,7 +66,7 @@ def add_contact(scene: Any, sums: Any, h: Any, pressures: Any, longest: Any) -> 
     )
 
 
-def delay(scene: Any, length: Any) -> Any:
+def delay(scene: Scene, length: Scalar) -> Scalar:
     """Return tau (s) of elements of this ``length`` (m)."""
     rope = scene.rope
     tension = _tension(scene)
@@ -71,7 +74,7 @@ def delay(scene: Any, length: Any) -> Any:
     return length * length / (math.pi * sqrt(maximum(stiff / rope.mass_per_length, TINY)))
 
 
-def length_for(scene: Any, tau: Any) -> Any:
+def length_for(scene: Scene, tau: Scalar) -> Scalar:
     """Return the length (m) of the elements whose delay is ``tau`` (s)."""
     rope = scene.rope
     tension = _tension(scene)
@@ -83,23 +86,23 @@ def length_for(scene: Any, tau: Any) -> Any:
     )
 
 
-def _tension(scene: Any) -> Any:
+def _tension(scene: Scene) -> Scalar:
     return 0.25 * scene.rope.mass_per_length * scene.layout.gravity * scene.rope.length
 
 
-def contact_error(sums: Any) -> Any:
+def contact_error(sums: ContactSums) -> Scalar:
     """Return the error of the bodies' pressure, root mean square during contact, relative to the largest pressure."""
     return sqrt(sums.square / maximum(sums.time, TINY)) / maximum(sums.largest, TINY)
 
 
-def add_contact_end_error(error: Any, sums: Any, time: Any, force: Any) -> Any:
+def add_contact_end_error(error: Scalar, sums: ContactSums, time: Scalar, force: Scalar) -> Scalar:
     """Add the error by contact in ``time`` (s) to the ``error`` of the end forces over the largest ``force`` (N)."""
     return hypot(
         error, TO_END_FORCES * sqrt(sums.square / maximum(time, TINY)) / maximum(force, TINY)
     )
 
 
-def add_contact_loop_error(scene: Any, error: Any, sums: Any) -> Any:
+def add_contact_loop_error(scene: Scene, error: Scalar, sums: ContactSums) -> Scalar:
     """Add the error by contact to ``error`` (m) of the loop's position."""
     rope = scene.rope
     g = scene.layout.gravity

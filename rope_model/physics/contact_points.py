@@ -13,12 +13,12 @@ pressure ends and smooth elsewhere, so that derivatives of the bounds drop out o
 CasADi expressions; a and b are the rows r, r' of an element's nodes.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from rope_model.physics.contact import ONSET
-from rope_model.physics.elementary import dot, less, maximum, unit_sign, where
+from rope_model.physics.elementary import Scalar, Vector, dot, less, maximum, unit_sign, where
 from rope_model.physics.hermite import GAUSS, interpolate
-from rope_model.physics.shaft import distance, normal
+from rope_model.physics.shaft import Body, distance, normal
 
 #: parts of an element that are checked one by one: an element in the loop turns by half a radian, legs are nearly
 #: straight
@@ -44,7 +44,7 @@ class Probe(NamedTuple):
     rate: float
 
 
-def probe(xi: Any, l: Any, a: Any, b: Any, diameter: Any, body: Any) -> Probe:
+def probe(xi: Scalar, l: Scalar, a: Vector, b: Vector, diameter: Scalar, body: Body) -> Probe:
     """Return the penetration depth of the element at ``xi``."""
     values = [interpolate(xi, l, a[k], a[3 + k], b[k], b[3 + k]) for k in range(3)]
     point = tuple(r for r, _ in values)
@@ -52,12 +52,12 @@ def probe(xi: Any, l: Any, a: Any, b: Any, diameter: Any, body: Any) -> Probe:
     return Probe(xi, 0.5 * diameter - distance(point, body), -l * dot(normal(point, body), slope))
 
 
-def turning(start: Any, stop: Any) -> Any:
+def turning(start: Probe, stop: Probe) -> Scalar:
     """Return xi of the extremum of the depth between two probes, as if its rate changed linearly between them."""
     return start.place + (stop.place - start.place) * (start.rate / nonzero(start.rate - stop.rate))
 
 
-def reaching(outer: Any, inner: Any, level: Any) -> Any:
+def reaching(outer: Probe, inner: Scalar, level: Scalar) -> Scalar:
     """Return the next xi of the search for the depth ``level`` (m), between ``outer`` and xi ``inner``.
 
     It is that of Newton's method from ``outer``, which is less deep, or midway if that leaves the interval.  If the
@@ -70,11 +70,13 @@ def reaching(outer: Any, inner: Any, level: Any) -> Any:
     return where(less(DEPTH_TOLERANCE, missing), next_xi, outer.place)
 
 
-def nonzero(x: Any) -> Any:
+def nonzero(x: Scalar) -> Scalar:
     """Return ``x``, or TINY with its sign."""
     return unit_sign(x) * maximum(abs(x), TINY)
 
 
-def point_in(fraction: Any, weight: Any, start: Any, stop: Any) -> tuple[Any, Any]:
+def point_in(
+    fraction: Scalar, weight: Scalar, start: Scalar, stop: Scalar
+) -> tuple[Scalar, Scalar]:
     """Return xi and weight of a Gauss point, which has ``fraction`` and ``weight`` in the unit interval, on a piece."""
     return start + fraction * (stop - start), weight * abs(stop - start)

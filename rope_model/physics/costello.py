@@ -12,29 +12,29 @@ none; its power is ``nonconservative_power``. Works on floats, numpy arrays and 
 Sources: G. A. Costello, Theory of Wire Rope, Springer; R. Verreet, The rotation characteristics of steel wire ropes.
 """
 
-from typing import Any
+from rope_model.physics.elementary import Scalar
 
 
-def tension(Qa: Any, Qs: Any, Qk: Any, Qe: Any, e: Any, tau: Any) -> Any:
+def tension(Qa: Scalar, Qs: Scalar, Qk: Scalar, Qe: Scalar, e: Scalar, tau: Scalar) -> Scalar:
     """Return the tension (N) at axial strain ``e`` and torsional strain ``tau`` (rad/m)."""
     return Qa * e + (Qs + Qk) * tau + 0.5 * Qe * tau * tau
 
 
-def torque(Qs: Any, Qk: Any, Qd: Any, Qe: Any, e: Any, tau: Any) -> Any:
+def torque(Qs: Scalar, Qk: Scalar, Qd: Scalar, Qe: Scalar, e: Scalar, tau: Scalar) -> Scalar:
     """Return the torque (N m) about the tangent at axial strain ``e`` and torsional strain ``tau`` (rad/m)."""
     return (Qs - Qk) * e + (Qd + Qe * e) * tau
 
 
-def strain_energy(Qa: Any, Qs: Any, Qd: Any, e: Any, tau: Any) -> Any:
+def strain_energy(Qa: Scalar, Qs: Scalar, Qd: Scalar, e: Scalar, tau: Scalar) -> Scalar:
     """Return the energy per reference length (J/m) of the conservative part."""
     return 0.5 * (Qa * e * e + 2 * Qs * e * tau + Qd * tau * tau)
 
 
-def stiffening_energy(Qe: Any, e: Any, tau: Any) -> Any:
+def stiffening_energy(Qe: Scalar, e: Scalar, tau: Scalar) -> Scalar:
     """Return the energy per reference length (J/m) of the torsional stiffness that grows with tension."""
     return 0.5 * Qe * e * tau * tau
 
 
-def nonconservative_power(Qk: Any, e: Any, tau: Any, e_t: Any, tau_t: Any) -> Any:
+def nonconservative_power(Qk: Scalar, e: Scalar, tau: Scalar, e_t: Scalar, tau_t: Scalar) -> Scalar:
     """Return the power per reference length (W/m) that the strain rates put into the non-conservative part."""
     return Qk * (e_t * tau - e * tau_t)

@@ -40,8 +40,9 @@ from typing import Any, Literal, NamedTuple
 import casadi as ca
 import numpy as np
 
+from rope_model.parameters import Rope
 from rope_model.physics import costello
-from rope_model.physics.elementary import less, sqrt, where
+from rope_model.physics.elementary import Scalar, less, sqrt, where
 from rope_model.physics.frame import FrameRate, smallest_rotation_rate
 from rope_model.physics.hermite import PRODUCTS
 
@@ -76,7 +77,7 @@ class ElementParameters(NamedTuple):
 PARAMETERS = ElementParameters._fields
 
 
-def parameters(rope: Any, gravity: Any) -> ElementParameters:
+def parameters(rope: Rope, gravity: Scalar) -> ElementParameters:
     """Return the parameters of an element of the ``rope``."""
     elastic = rope.mass_per_length, gravity, rope.Qa, rope.Qs, rope.Qk, rope.Qd, rope.EI, rope.rhoJ
     damping = rope.beta_K, sqrt(rope.torsion_damping), sqrt(rope.bending_damping)
@@ -88,7 +89,7 @@ def named(P: ca.SX) -> ElementParameters:
     return ElementParameters._make(ca.vertsplit(P))
 
 
-def torsional_slowness(rope: Any) -> Any:
+def torsional_slowness(rope: Rope) -> Scalar:
     """Return 1/c^2 (s^2/m^2) of torsional waves, a root of det [[Qa - rho c^2, Qs], [Qs, Qd - rhoJ c^2]] = 0."""
     axial = rope.Qa * rope.rhoJ
     torsional = rope.Qd * rope.mass_per_length
@@ -362,11 +363,11 @@ def symmetric(A: ca.SX) -> ca.SX:
     return ca.triu2symm(ca.triu(A))
 
 
-def _energies(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+def _energies(P: ca.SX, strain: ca.SX, rate: ca.SX) -> tuple[Any, Any, Any]:
     """Return U, D and the non-conservative power per reference length, from the strains (e, tau, k) and their rates."""
     p = named(P)
 
-    def quadratic(x: ca.SX) -> Any:
+    def quadratic(x: ca.SX) -> Scalar:
         return costello.strain_energy(p.Qa, p.Qs, p.Qd, x[0], x[1]) + 0.5 * p.EI * ca.dot(
             x[2:], x[2:]
         )

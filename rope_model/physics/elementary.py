@@ -5,117 +5,125 @@ A formula written with these has one text: Python evaluates it, and C is printed
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import reduce
 from operator import add
-from typing import Any
+from typing import Any, TypeAlias
 
 import casadi as ca
 import numpy as np
+
+#: what a formula takes: a number, an array of numbers, or a CasADi expression.  ``Any`` stands for
+#: the latter two; mypy still refuses to index a Scalar, or to take its members
+Scalar: TypeAlias = float | Any
+#: components, or entries in an order that the docstring names: a tuple, the rows of an array, a CasADi vector
+Vector: TypeAlias = Sequence[Scalar] | Any
 
 #: isinstance is four times as fast with a tuple as with float | int, and every formula calls it
 _NUMBER = float, int
 
 
-def sqrt(x: Any) -> Any:
+def sqrt(x: Scalar) -> Any:
     """Return the square root."""
     return _library(x).sqrt(x)
 
 
-def ceil(x: Any) -> Any:
+def ceil(x: Scalar) -> Any:
     """Return the smallest whole number that is not below ``x``."""
     return float(math.ceil(x)) if isinstance(x, _NUMBER) else _library(x).ceil(x)
 
 
-def floor(x: Any) -> Any:
+def floor(x: Scalar) -> Any:
     """Return the largest whole number that is not above ``x``."""
     return float(math.floor(x)) if isinstance(x, _NUMBER) else _library(x).floor(x)
 
 
-def nearest_whole(x: Any) -> Any:
+def nearest_whole(x: Scalar) -> Any:
     """Return the whole number nearest to ``x``, whatever the processor's rounding mode; the larger of two."""
     return floor(x + 0.5)
 
 
-def exp(x: Any) -> Any:
+def exp(x: Scalar) -> Any:
     """Return the exponential."""
     return _library(x).exp(x)
 
 
-def log(x: Any) -> Any:
+def log(x: Scalar) -> Any:
     """Return the natural logarithm."""
     return _library(x).log(x)
 
 
-def sin(x: Any) -> Any:
+def sin(x: Scalar) -> Any:
     """Return the sine of an angle in rad."""
     return _library(x).sin(x)
 
 
-def cos(x: Any) -> Any:
+def cos(x: Scalar) -> Any:
     """Return the cosine of an angle in rad."""
     return _library(x).cos(x)
 
 
-def tanh(x: Any) -> Any:
+def tanh(x: Scalar) -> Any:
     """Return the hyperbolic tangent."""
     return _library(x).tanh(x)
 
 
-def hypot(x: Any, y: Any) -> Any:
+def hypot(x: Scalar, y: Scalar) -> Any:
     """Return the length of the vector (x, y)."""
     return _library(x).hypot(x, y)
 
 
-def atan2(y: Any, x: Any) -> Any:
+def atan2(y: Scalar, x: Scalar) -> Any:
     """Return the angle (rad) of the vector (x, y)."""
     return np.arctan2(y, x) if isinstance(y, np.ndarray) else _library(y).atan2(y, x)
 
 
-def maximum(x: Any, y: Any) -> Any:
+def maximum(x: Scalar, y: Scalar) -> Any:
     """Return the larger number; ``x`` where they are equal."""
     return max(x, y) if isinstance(x, _NUMBER) else _library(x).fmax(x, y)
 
 
-def minimum(x: Any, y: Any) -> Any:
+def minimum(x: Scalar, y: Scalar) -> Any:
     """Return the smaller number; ``x`` where they are equal."""
     return min(x, y) if isinstance(x, _NUMBER) else _library(x).fmin(x, y)
 
 
-def where(condition: Any, x: Any, y: Any) -> Any:
+def where(condition: Scalar, x: Scalar, y: Scalar) -> Any:
     """Return ``x`` where the condition holds, else ``y``; both are computed."""
     if isinstance(condition, _NUMBER):
         return x if condition else y
     if isinstance(condition, ca.SX):
         return ca.if_else(condition, x, y)
-    return np.where(condition, x, y) if isinstance(condition, np.ndarray) else x if condition else y
+    if isinstance(condition, np.ndarray):
+        return np.where(condition, x, y)
+    return x if condition else y
 
 
-def logical_and(*conditions: Any) -> Any:
+def logical_and(*conditions: Scalar) -> Any:
     """Return whether all of the conditions hold; all are computed."""
     return (
         reduce(ca.logic_and, map(ca.SX, conditions)) if _symbolic(conditions) else all(conditions)
     )
 
 
-def logical_or(*conditions: Any) -> Any:
+def logical_or(*conditions: Scalar) -> Any:
     """Return whether one of the conditions holds; all are computed."""
     return reduce(ca.logic_or, map(ca.SX, conditions)) if _symbolic(conditions) else any(conditions)
 
 
-def less(x: Any, y: Any) -> Any:
+def less(x: Scalar, y: Scalar) -> Any:
     """Return 1 where ``x`` is less than ``y``, else 0."""
     return float(x < y) if isinstance(x, float) and isinstance(y, float) else x < y
 
 
-def unit_sign(x: Any) -> Any:
+def unit_sign(x: Scalar) -> Any:
     """Return 1 with the sign of ``x``."""
     if isinstance(x, float):
         return math.copysign(1.0, x)
     return np.copysign(1.0, x) if isinstance(x, np.ndarray) else ca.copysign(1.0, x)
 
 
-def sum_of(terms: Iterable[Any], start: Any = 0.0) -> Any:
+def sum_of(terms: Iterable[Scalar], start: Scalar = 0.0) -> Any:
     """Return the sum of ``start`` and the terms, added from left to right and rounded each time, as in C.
 
     The builtin ``sum`` of floats compensates for the rounding since Python 3.12: its bits depend on the version.
@@ -123,19 +131,22 @@ def sum_of(terms: Iterable[Any], start: Any = 0.0) -> Any:
     return reduce(add, terms, start)
 
 
-def dot(a: Any, b: Any) -> Any:
+def dot(a: Vector, b: Vector) -> Any:
     """Return the scalar product of vectors; their three components come first."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def cross(a: Any, b: Any) -> tuple[Any, Any, Any]:
+def cross(a: Vector, b: Vector) -> tuple[Any, Any, Any]:
     """Return the vector product of vectors; their three components come first."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-def _symbolic(conditions: tuple[Any, ...]) -> bool:
+def _symbolic(conditions: tuple[Scalar, ...]) -> bool:
     return ca.SX in map(type, conditions)
 
 
-def _library(x: Any) -> Any:
-    return math if isinstance(x, _NUMBER) else np if isinstance(x, np.ndarray) else ca
+def _library(x: Scalar) -> Any:
+    """Return the module whose functions take ``x``."""
+    if isinstance(x, _NUMBER):
+        return math
+    return np if isinstance(x, np.ndarray) else ca

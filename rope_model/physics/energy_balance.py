@@ -1,35 +1,75 @@
-"""Energy balance of the rope: energies, work and dissipation (J).
+"""Energy balance of the rope: energies, work and dissipation (J)."""
 
-``energy_balance`` has the present energies, and by name the work and the losses since the start.
-"""
+from __future__ import annotations
 
-from typing import Any
+from typing import NamedTuple
+
+from rope_model.physics.elementary import Scalar, Vector
 
 
-def energies(balance: Any) -> tuple[Any, Any, Any]:
+class EnergyBalance(NamedTuple):
+    """Present energies, and work done since the start, J."""
+
+    kinetic: float = 0.0
+    strain: float = 0.0
+    gravity: float = 0.0
+    contact: float = 0.0  # stored in contact with bodies or of the rope with itself
+    work_ends: float = 0.0  # work of the conveyances
+    dissipated_material: float = 0.0
+    dissipated_swivel: float = 0.0
+    dissipated_contact: float = 0.0
+    dissipated_wires: float = 0.0
+    given_to_air: float = 0.0
+    nonconservative: float = 0.0  # taken up by the part of the coupling with Qb != Qc
+    transformations: float = 0.0  # sum of the energy changes by mesh changes
+    start: float = 0.0  # total energy at the start
+
+    @property
+    def total(self) -> float:
+        """Kinetic, strain, potential and contact energy."""
+        return float(total(self))
+
+    @property
+    def residual(self) -> float:
+        """Residual of the balance: energy that the integrator has dissipated (negative) or created."""
+        return float(residual(self))
+
+
+def energies(balance: Vector) -> tuple[Scalar, Scalar, Scalar]:
     """Return kinetic energy, strain energy and gravity's from the entries of an element's balance (element.BALANCE)."""
     axial, coupling, torsion, bending, kinetic, spin, gravity = (balance[k] for k in range(7))
     return kinetic + spin, axial + coupling + torsion + bending, gravity
 
 
-def with_energies(energy_balance: Any, balance: Any, contact: Any) -> Any:
+def with_energies(energy_balance: EnergyBalance, balance: Vector, contact: Scalar) -> EnergyBalance:
     """Return the balance with the energies of a state, from its element balance and the energy of ``contact``."""
     kinetic, strain, gravity = energies(balance)
-    return energy_balance._replace(kinetic=kinetic, strain=strain, gravity=gravity, contact=contact)
+    present: EnergyBalance = energy_balance._replace(
+        kinetic=kinetic, strain=strain, gravity=gravity, contact=contact
+    )
+    return present
 
 
 def after_step(
-    energy_balance: Any, h: Any, before: Any, after: Any, losses: Any, wires: Any, air: Any
-) -> Any:
+    energy_balance: EnergyBalance,
+    h: Scalar,
+    before: Vector,
+    after: Vector,
+    losses: Vector,
+    wires: Scalar,
+    air: Scalar,
+) -> EnergyBalance:
     """Return the balance after a step ``h``.
 
-    ``before`` and ``after`` are Powers at its ends, ``losses`` are rope_system.Losses (W); ``wires`` is the energy
-    dissipated between them (J), ``air`` the power given to the air (W).
+    ``before`` and ``after`` are the powers of the ends and of the swivels at its start and its end (W).
+    ``losses`` are the powers of material damping, of the coupling without energy, of contact, and of
+    moving bodies (W).  ``wires`` is the energy dissipated between wires (J), ``air`` the power given
+    to the air (W).
     """
     damping, nonconservative, contact, moved = losses
     half = 0.5 * h
     account = energy_balance
-    return account._replace(
+    changed: EnergyBalance = account._replace(
         work_ends=account.work_ends + (half * (before[0] + after[0]) + h * moved),
         dissipated_swivel=account.dissipated_swivel + half * (before[1] + after[1]),
         dissipated_material=account.dissipated_material + h * damping,
@@ -38,9 +78,10 @@ def after_step(
         given_to_air=account.given_to_air + h * air,
         nonconservative=account.nonconservative + h * nonconservative,
     )
+    return changed
 
 
-def total(energy_balance: Any) -> Any:
+def total(energy_balance: EnergyBalance) -> Scalar:
     """Return kinetic, strain, potential and contact energy."""
     return (
         energy_balance.kinetic
@@ -50,7 +91,7 @@ def total(energy_balance: Any) -> Any:
     )
 
 
-def residual(energy_balance: Any) -> Any:
+def residual(energy_balance: EnergyBalance) -> Scalar:
     """Return the energy that the integrator has dissipated (negative) or created."""
     x = energy_balance
     explained = (

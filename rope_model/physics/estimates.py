@@ -18,9 +18,10 @@ error.  ``scene`` gives rope and layout; works on numbers and CasADi expressions
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from rope_model.physics.elementary import log, maximum, sqrt
+from rope_model.parameters import Rope, Scene
+from rope_model.physics.elementary import Scalar, log, maximum, sqrt
 from rope_model.physics.initial_curvature import max_curvature
 
 #: sideways displacement of the loop's bottom over its natural width: 0.25 to 0.33 measured at 4 m/s, EI 50 to 1000
@@ -48,25 +49,25 @@ class Travel(NamedTuple):
 ASSUMED = Travel(0.0, 10.0, 1.0, 1.0)
 
 
-def travel_estimate(height_difference: Any, speed: Any, acceleration: Any) -> Travel:
+def travel_estimate(height_difference: Scalar, speed: Scalar, acceleration: Scalar) -> Travel:
     """Return the motion to expect of ends that move like this: at least ASSUMED."""
     growth = maximum(acceleration / ASSUMED.acceleration, 1.0)
     speed = maximum(speed, ASSUMED.speed)
     return Travel(height_difference, speed, growth * ASSUMED.acceleration, growth * ASSUMED.jerk)
 
 
-def longitudinal_error(scene: Any, travel: Any) -> Any:
+def longitudinal_error(scene: Scene, travel: Travel) -> Scalar:
     """Return the first longitudinal mode of the longer leg after a step of the jerk, over the leg's weight."""
     omega = axial_frequency(scene.rope, _long_leg(scene, travel))
     return 8 / math.pi**2 * travel.jerk / (omega * scene.layout.gravity)
 
 
-def axial_frequency(rope: Any, leg: Any) -> Any:
+def axial_frequency(rope: Rope, leg: Scalar) -> Scalar:
     """Return the frequency (rad/s) of the slowest longitudinal wave of a leg."""
     return 0.5 * math.pi * sqrt(rope.Qa / rope.mass_per_length) / leg
 
 
-def lean_error(scene: Any, travel: Any) -> Any:
+def lean_error(scene: Scene, travel: Travel) -> Scalar:
     """Return the error by the length that a leaning leg takes from the other, over the longer leg."""
     # the shorter leg is at least as long as the loop is wide
     short_leg = maximum(0.5 * (scene.rope.length - travel.height_difference), scene.layout.spacing)
@@ -75,7 +76,7 @@ def lean_error(scene: Any, travel: Any) -> Any:
     return lean * lean / (4 * short_leg * _long_leg(scene, travel))
 
 
-def held_error(scene: Any, travel: Any) -> Any:
+def held_error(scene: Scene, travel: Travel) -> Scalar:
     """Return the error of a model without torsion for a rope with torque while its swivels hold."""
     rope = scene.rope
     psi = loop_yaw(scene)
@@ -88,7 +89,7 @@ def held_error(scene: Any, travel: Any) -> Any:
     )
 
 
-def release_error(scene: Any, travel: Any) -> Any:
+def release_error(scene: Scene, travel: Travel) -> Scalar:
     """Return the tension of the torsional wave that a released swivel sends off, over the longer leg's weight."""
     rope = scene.rope
     g = scene.layout.gravity
@@ -97,7 +98,7 @@ def release_error(scene: Any, travel: Any) -> Any:
     )
 
 
-def loop_yaw(scene: Any) -> Any:
+def loop_yaw(scene: Scene) -> Scalar:
     """Return the yaw (rad) of the loop under the torque of a held rope; legs are strings under their own weight."""
     rope = scene.rope
     g = scene.layout.gravity
@@ -110,40 +111,40 @@ def loop_yaw(scene: Any) -> Any:
     )
 
 
-def held_torque(rope: Any, gravity: Any) -> Any:
+def held_torque(rope: Rope, gravity: Scalar) -> Scalar:
     """Return the torque (N m) of a hanging rope whose ends were fastened unloaded."""
     return coupling_torque(rope, gravity) + twist_torque(rope, rope.installed_twist)
 
 
-def coupling_torque(rope: Any, gravity: Any) -> Any:
+def coupling_torque(rope: Rope, gravity: Scalar) -> Scalar:
     """Return the size of the torque (N m) that the weight of half the rope causes by coupling."""
     return abs(rope.Qc / rope.Qa * rope.mass_per_length * gravity * 0.5 * rope.length)
 
 
-def twist_torque(rope: Any, angle: Any) -> Any:
+def twist_torque(rope: Rope, angle: Scalar) -> Scalar:
     """Return the size of the torque (N m) of a rope twisted by ``angle`` (rad) from end to end, at constant tension."""
     return abs((rope.Qd - rope.Qb * rope.Qc / rope.Qa) * angle / rope.length)
 
 
-def curvature_torque(rope: Any) -> Any:
+def curvature_torque(rope: Rope) -> Scalar:
     """Return the largest torque (N m) that permanent curvature causes in the loop, over half a turn of it."""
     return math.pi * rope.EI * max_curvature(rope)
 
 
-def natural_width(scene: Any) -> Any:
+def natural_width(scene: Scene) -> Scalar:
     """Return the width (m) of the loop between legs that hang freely."""
     return NATURAL_WIDTH * bending_length(scene)
 
 
-def loop_width(scene: Any) -> Any:
+def loop_width(scene: Scene) -> Scalar:
     """Return a lower bound (m) of the loop's width: the natural width, or half the spacing of ends farther apart."""
     return maximum(natural_width(scene), 0.5 * scene.layout.spacing)
 
 
-def bending_length(scene: Any) -> Any:
+def bending_length(scene: Scene) -> Scalar:
     """Return (EI / rho g)^(1/3) (m), the length over which bending stiffness and weight balance."""
     return (scene.rope.EI / (scene.rope.mass_per_length * scene.layout.gravity)) ** (1 / 3)
 
 
-def _long_leg(scene: Any, travel: Any) -> Any:
+def _long_leg(scene: Scene, travel: Travel) -> Scalar:
     return 0.5 * (scene.rope.length + travel.height_difference)

@@ -22,7 +22,9 @@ with the constant of the loop at rest.
 
 from typing import Any, NamedTuple
 
-from rope_model.physics.elementary import hypot, less, minimum, sum_of, where
+from rope_model.parameters import Layout, Rope
+from rope_model.physics.elementary import Scalar, Vector, hypot, less, minimum, sum_of, where
+from rope_model.shaft_parameters import Guard
 
 #: guards; the code of a cause is its index, counted from 1
 CAUSES = ("rise", "window", "clearance", "turns", "torque")
@@ -40,17 +42,17 @@ class GuardState(NamedTuple):
     since: tuple[float, float, float, float, float] = (NEVER,) * 5
 
 
-def thresholds(guard: Any) -> tuple[Any, ...]:
+def thresholds(guard: Guard) -> tuple[Scalar, ...]:
     """Return the thresholds in the order of CAUSES."""
     return guard.rise, guard.window, guard.clearance, guard.turns, guard.torque
 
 
-def has_guards(guard: Any) -> Any:
+def has_guards(guard: Guard) -> Scalar:
     """Return a number above 0 if there is any guard, else 0."""
     return sum_of(thresholds(guard)[1:], guard.rise)
 
 
-def loop_height(rope: Any, layout: Any, lowest: Any, left: Any, right: Any) -> Any:
+def loop_height(rope: Rope, layout: Layout, lowest: Scalar, left: Scalar, right: Scalar) -> Scalar:
     """Return the height (m) of the ``lowest`` point above its quasi-static position, up to the loop's constant.
 
     ``left`` and ``right`` are the heights of the ends.
@@ -61,18 +63,18 @@ def loop_height(rope: Any, layout: Any, lowest: Any, left: Any, right: Any) -> A
     return lowest - 0.5 * (left + right) + 0.5 * stretch
 
 
-def sideways(point: Any, left: Any, right: Any) -> Any:
+def sideways(point: Vector, left: Vector, right: Vector) -> Scalar:
     """Return the horizontal distance (m) of ``point`` (3,) from midway between the ends (3,)."""
     return hypot(point[0] - 0.5 * (left[0] + right[0]), point[2] - 0.5 * (left[2] + right[2]))
 
 
-def off_plumb(height: Any, a: Any, b: Any, end: Any) -> Any:
+def off_plumb(height: Scalar, a: Vector, b: Vector, end: Vector) -> Scalar:
     """Return the horizontal distance (m) of the piece from ``a`` to ``b`` (3,) from ``end``, at a ``height`` in it."""
     fraction = (height - a[1]) / (b[1] - a[1])
     return hypot(a[0] + fraction * (b[0] - a[0]) - end[0], a[2] + fraction * (b[2] - a[2]) - end[2])
 
 
-def watch(guard: Any, state: Any, t: Any, values: Any) -> GuardState:
+def watch(guard: Guard, state: GuardState, t: Scalar, values: Vector) -> GuardState:
     """Return the state of the guards after the instant ``t`` (s), when their quantities have these ``values`` (5,)."""
     limits = thresholds(guard)
     delays = (

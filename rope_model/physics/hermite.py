@@ -4,9 +4,9 @@ A field has the values r1, r2 and the derivatives s1, s2 with respect to arc len
 numbers, numpy arrays and CasADi expressions.
 """
 
-from typing import Any
-
 import numpy as np
+
+from rope_model.physics.elementary import Scalar, Vector
 
 #: Gauss points in [0, 1] and weights; exact for the product of two cubics
 GAUSS = tuple(
@@ -18,7 +18,9 @@ GAUSS = tuple(
 PRODUCTS = ((156, 22, 54, -13), (22, 4, 13, -3), (54, 13, 156, -22), (-13, -3, -22, 4))
 
 
-def interpolate(xi: Any, l: Any, r1: Any, s1: Any, r2: Any, s2: Any) -> tuple[Any, Any]:
+def interpolate(
+    xi: Scalar, l: Scalar, r1: Scalar, s1: Scalar, r2: Scalar, s2: Scalar
+) -> tuple[Scalar, Scalar]:
     """Return the value and its derivative with respect to arc length."""
     d1 = l * s1
     d2 = l * s2
@@ -29,19 +31,19 @@ def interpolate(xi: Any, l: Any, r1: Any, s1: Any, r2: Any, s2: Any) -> tuple[An
     )
 
 
-def bend(xi: Any, l: Any, r1: Any, s1: Any, r2: Any, s2: Any) -> Any:
+def bend(xi: Scalar, l: Scalar, r1: Scalar, s1: Scalar, r2: Scalar, s2: Scalar) -> Scalar:
     """Return the second derivative with respect to arc length."""
     return ((6 - 12 * xi) * (r2 - r1) + l * ((6 * xi - 4) * s1 + (6 * xi - 2) * s2)) / (l * l)
 
 
-def node_values(xi: Any, l: Any, nodes: Any) -> tuple[Any, ...]:
+def node_values(xi: Scalar, l: Scalar, nodes: Vector) -> tuple[Scalar, ...]:
     """Return r, r' and theta (7,) at ``xi`` between the ``nodes`` (14,) of an element; theta is linear."""
     theta = (1 - xi) * nodes[6] + xi * nodes[13]
     r = [interpolate(xi, l, nodes[k], nodes[3 + k], nodes[7 + k], nodes[10 + k]) for k in range(3)]
     return (*(x for x, _ in r), *(slope for _, slope in r), theta)
 
 
-def shape_functions(xi: Any, l: Any) -> tuple[Any, Any, Any, Any]:
+def shape_functions(xi: Scalar, l: Scalar) -> tuple[Scalar, Scalar, Scalar, Scalar]:
     """Return the shape functions at ``xi``: the factors of r1, s1, r2, s2 in the value."""
     rest = 1 - xi
     return (
@@ -52,7 +54,7 @@ def shape_functions(xi: Any, l: Any) -> tuple[Any, Any, Any, Any]:
     )
 
 
-def shape_products(l: Any) -> tuple[Any, ...]:
+def shape_products(l: Scalar) -> tuple[Scalar, ...]:
     """Return integrals of products of two shape functions: the lower half of (4, 4), from the diagonal leftwards."""
     part = l / 420
     powers = (1.0, l, l * l)
@@ -61,8 +63,15 @@ def shape_products(l: Any) -> tuple[Any, ...]:
 
 
 def missing_load(
-    start: Any, stop: Any, s: Any, l: Any, old_s: Any, old_l: Any, old: Any, new: Any
-) -> tuple[Any, ...]:
+    start: Scalar,
+    stop: Scalar,
+    s: Scalar,
+    l: Scalar,
+    old_s: Scalar,
+    old_l: Scalar,
+    old: Vector,
+    new: Vector,
+) -> tuple[Scalar, ...]:
     """Integrate ``old`` minus ``new`` (14,) times the shape functions over the common part of both elements.
 
     The elements begin at ``s`` and ``old_s``.  The result (14,) has r1, s1, r2, s2 with three components each, then
@@ -82,12 +91,12 @@ def missing_load(
     return tuple(a + b + c + d for a, b, c, d in zip(*parts, strict=True))
 
 
-def integral(l: Any, r1: Any, s1: Any, r2: Any, s2: Any) -> Any:
+def integral(l: Scalar, r1: Scalar, s1: Scalar, r2: Scalar, s2: Scalar) -> Scalar:
     """Return the integral over the element."""
     return l * (0.5 * (r1 + r2) + l * (s1 - s2) / 12)
 
 
-def integral_to(xi: Any, l: Any, r1: Any, s1: Any, r2: Any, s2: Any) -> Any:
+def integral_to(xi: Scalar, l: Scalar, r1: Scalar, s1: Scalar, r2: Scalar, s2: Scalar) -> Scalar:
     """Return the integral from the left node to ``xi``."""
     return l * (
         xi * (1 - xi * xi * (1 - 0.5 * xi)) * r1

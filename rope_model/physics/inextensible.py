@@ -16,10 +16,20 @@ length s from the left end,
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple, Protocol
 
-from rope_model.physics.centreline import suspension_points
-from rope_model.physics.elementary import hypot, minimum
+from rope_model.parameters import Layout, Rope
+from rope_model.physics.centreline import SuspensionPoint, suspension_points
+from rope_model.physics.elementary import Scalar, hypot, minimum
+
+
+class SuspensionMotion(SuspensionPoint, Protocol):
+    """Position of a suspension point, with its upward speed (m/s) and acceleration (m/s^2)."""
+
+    @property
+    def vy(self) -> Scalar: ...
+    @property
+    def ay(self) -> Scalar: ...
 
 
 class Flow(NamedTuple):
@@ -39,12 +49,14 @@ class RigidTensions(NamedTuple):
     radius: float
 
 
-def flow(v1: Any, v2: Any) -> Flow:
+def flow(v1: Scalar, v2: Scalar) -> Flow:
     """Return the flow between ends that rise at ``v1`` and ``v2``; from their accelerations, its rates."""
     return Flow(0.5 * (v1 - v2), 0.5 * (v1 + v2))
 
 
-def rigid_tensions(rope: Any, layout: Any, left: Any, right: Any) -> RigidTensions:
+def rigid_tensions(
+    rope: Rope, layout: Layout, left: SuspensionMotion, right: SuspensionMotion
+) -> RigidTensions:
     """Return the tensions for ends with these motions."""
     rho = rope.mass_per_length
     g = layout.gravity
@@ -68,7 +80,7 @@ def rigid_tensions(rope: Any, layout: Any, left: Any, right: Any) -> RigidTensio
     )
 
 
-def min_tension(tensions: Any) -> Any:
+def min_tension(tensions: RigidTensions) -> Scalar:
     """Return the smallest tension (N)."""
     return minimum(
         minimum(tensions.below[0], tensions.below[1]),
@@ -76,7 +88,13 @@ def min_tension(tensions: Any) -> Any:
     )
 
 
-def energies(rope: Any, layout: Any, tensions: Any, left: Any, right: Any) -> tuple[Any, Any]:
+def energies(
+    rope: Rope,
+    layout: Layout,
+    tensions: RigidTensions,
+    left: SuspensionMotion,
+    right: SuspensionMotion,
+) -> tuple[Scalar, Scalar]:
     """Return kinetic energy and potential energy of the weight (J) for ends with these motions."""
     rho = rope.mass_per_length
     l1, l2 = tensions.legs
@@ -91,6 +109,8 @@ def energies(rope: Any, layout: Any, tensions: Any, left: Any, right: Any) -> tu
     return kinetic, layout.gravity * weights
 
 
-def tension(rho: Any, gravity: Any, rate: Any, at_end: Any, rise: Any, s: Any) -> Any:
+def tension(
+    rho: Scalar, gravity: Scalar, rate: Flow, at_end: Scalar, rise: Scalar, s: Scalar
+) -> Scalar:
     """Return the tension (N) at arc length ``s``, ``rise`` (m) above the left end; ``rate`` is that of the Flow."""
     return at_end + rho * ((gravity + rate.w) * rise - rate.u * s)

@@ -23,9 +23,10 @@ from typing import Any
 
 import numpy as np
 
+from rope_model.parameters import Rope
 from rope_model.physics import hermite
 from rope_model.physics.element import POINTS, WEIGHTS
-from rope_model.physics.elementary import cos, dot, hypot, maximum, sin, sqrt
+from rope_model.physics.elementary import Scalar, Vector, cos, dot, hypot, maximum, sin, sqrt
 from rope_model.physics.frame import (
     parallel_transport,
     rotate_about_tangent,
@@ -37,7 +38,7 @@ PLUMB = (0.0, -1.0, 0.0)
 START = (0.0, 0.0, 1.0)
 
 
-def carried_director(e1: Any, before: Any, after: Any) -> tuple[Any, Any, Any]:
+def carried_director(e1: Vector, before: Vector, after: Vector) -> tuple[Scalar, Scalar, Scalar]:
     """Return ``e1`` (3,) of the left end after its r' has turned from ``before`` to ``after`` (3,)."""
     x, y, z = parallel_transport(_unit(before), _unit(after), e1)
     return x, y, z
@@ -72,7 +73,7 @@ CURVATURES = (
 )
 
 
-def max_curvature(rope: Any) -> Any:
+def max_curvature(rope: Rope) -> Scalar:
     """Return the largest permanent curvature (1/m) along the rope; 0 only for a straight rope."""
     largest = 0.0
     for sixth in range(7):
@@ -80,7 +81,7 @@ def max_curvature(rope: Any) -> Any:
     return largest
 
 
-def curvature_components(rope: Any, s: Any, l: Any) -> tuple[Any, ...]:
+def curvature_components(rope: Rope, s: Vector, l: Scalar) -> tuple[Scalar, ...]:
     """Return components (1/m) along e1, then e2, at the POINTS of an untwisted element that begins at ``s`` (6,)."""
     c = cos(rope.initial_curvature_angle)
     t = sin(rope.initial_curvature_angle)
@@ -88,7 +89,7 @@ def curvature_components(rope: Any, s: Any, l: Any) -> tuple[Any, ...]:
     return *(c * x - t * y for x, y in pairs), *(t * x + c * y for x, y in pairs)
 
 
-def _curvature(rope: Any, x: Any) -> tuple[Any, Any]:
+def _curvature(rope: Rope, x: Scalar) -> tuple[Scalar, Scalar]:
     """Return the permanent curvature (1/m) along its direction and across it at ``x`` sixths of the length."""
     along = rope.initial_curvature
     across = 0.0
@@ -103,7 +104,9 @@ def _curvature(rope: Any, x: Any) -> tuple[Any, Any]:
 TO_POINTS = _integrals_to(POINTS)
 
 
-def curvature_vectors(components: Any, l: Any, nodes: Any, start: Any) -> tuple[Any, ...]:
+def curvature_vectors(
+    components: Vector, l: Scalar, nodes: Vector, start: Vector
+) -> tuple[Scalar, ...]:
     """Return k0 (1/m) at the three POINTS of an element with the ``nodes`` (14,), then e1 at its right node (12,).
 
     ``start`` is e1 at its left node; ``components`` are curvature_components.
@@ -127,11 +130,11 @@ def curvature_vectors(components: Any, l: Any, nodes: Any, start: Any) -> tuple[
     return *vectors, *_turned(_unit(nodes[10:13]), p, start, cos(back), sin(back))
 
 
-def _unit(d: Any) -> list[Any]:
+def _unit(d: Vector) -> list[Scalar]:
     length = sqrt(dot(d, d))
     return [d[i] / length for i in range(3)]
 
 
-def _turned(t: Any, p: Any, x: Any, along: Any, across: Any) -> list[Any]:
+def _turned(t: Vector, p: Vector, x: Vector, along: Scalar, across: Scalar) -> list[Scalar]:
     """Carry ``x`` from the tangent p to t, then add ``along`` times it and ``across`` times its perpendicular."""
     return rotate_about_tangent(t, parallel_transport(p, t, x), along, across)

@@ -6,9 +6,9 @@ expressions.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from rope_model.physics.elementary import cos, maximum, minimum, sin, where
+from rope_model.physics.elementary import Scalar, Vector, cos, maximum, minimum, sin, where
 
 
 class InitialShape(NamedTuple):
@@ -20,7 +20,7 @@ class InitialShape(NamedTuple):
     lean: float
 
 
-def initial_shape(length: Any, middle: Any, width: Any, cell: Any) -> InitialShape:
+def initial_shape(length: Scalar, middle: Scalar, width: Scalar, cell: Scalar) -> InitialShape:
     """Return the shape of a rope of ``length`` (m), lowest at arc length ``middle``, on elements of ``cell`` (m)."""
     radius = maximum(
         0.5 * width, minimum(4 * cell / math.pi, 0.25 * minimum(middle, length - middle))
@@ -30,7 +30,9 @@ def initial_shape(length: Any, middle: Any, width: Any, cell: Any) -> InitialSha
     return InitialShape(radius, left_leg, right_leg, radius - 0.5 * width)
 
 
-def position_and_tangent(shape: Any, s: Any, phi: Any) -> tuple[Any, Any, Any, Any]:
+def position_and_tangent(
+    shape: InitialShape, s: Scalar, phi: Scalar
+) -> tuple[Scalar, Scalar, Scalar, Scalar]:
     """Return the position across and below the left end (m), and the tangent there, at arc length ``s``.
 
     ``phi`` is the angle by which the rope has turned up to there.  The tangent of a leg is given without its lean.
@@ -42,7 +44,7 @@ def position_and_tangent(shape: Any, s: Any, phi: Any) -> tuple[Any, Any, Any, A
     return across, on_left + radius * sin(phi) - on_right, sin(phi), -cos(phi)
 
 
-def node_row(shape: Any, left: Any, across: Any, s: Any) -> tuple[Any, ...]:
+def node_row(shape: InitialShape, left: Vector, across: Vector, s: Scalar) -> tuple[Scalar, ...]:
     """Return r, r' and theta (7,) at arc length ``s`` of a rope from ``left`` (3,) in the direction ``across`` (3,)."""
     phi = minimum(
         maximum((s - shape.left_leg) / shape.radius, 0.0), math.pi

@@ -13,13 +13,12 @@ the rope.  Works on numbers and CasADi expressions; vectors have their component
 """
 
 import math
-from types import SimpleNamespace
-from typing import Any
 
 from rope_model.physics import hermite
-from rope_model.physics.contact import ContactTerms, contact_law
-from rope_model.physics.elementary import ceil, dot, floor, maximum, minimum
+from rope_model.physics.contact import ContactLaw, ContactTerms, contact_law
+from rope_model.physics.elementary import Scalar, Vector, ceil, dot, floor, maximum, minimum
 from rope_model.physics.shaft import Body
+from rope_model.shaft_parameters import Contact
 
 #: distance of the points, in diameters: two ropes that cross do not slip between them
 SPACING = 0.25
@@ -37,12 +36,12 @@ CORRECTIONS = 4  #: Newton corrections from the nearest of these
 STRETCH = 1.25
 
 
-def number_of_points(l: Any, diameter: Any) -> Any:
+def number_of_points(l: Scalar, diameter: Scalar) -> Scalar:
     """Return the number of points that are checked in an element of length ``l``."""
     return minimum(ceil(l / (SPACING * diameter)), float(MAX_POINTS))
 
 
-def points_skipped(distance: Any, diameter: Any, spacing: Any, number: Any) -> Any:
+def points_skipped(distance: Scalar, diameter: Scalar, spacing: Scalar, number: Scalar) -> Scalar:
     """Return how many of an element's next points need no check after one at ``distance`` (m).
 
     The points are ``spacing`` (m) apart.  All ``number`` of them are skipped if the distance is not a number.
@@ -50,7 +49,7 @@ def points_skipped(distance: Any, diameter: Any, spacing: Any, number: Any) -> A
     return floor(maximum(minimum(number, (distance - diameter) / (STRETCH * spacing)), 0.0))
 
 
-def max_points(length: Any, elements: Any, diameter: Any) -> Any:
+def max_points(length: Scalar, elements: Scalar, diameter: Scalar) -> Scalar:
     """Return the largest number of points of a rope in any mesh of so many elements."""
     return minimum(length / (SPACING * diameter) + elements, MAX_POINTS * elements)
 
@@ -64,7 +63,7 @@ def strands(s: list[float], reach: float) -> list[int]:
     return chosen
 
 
-def nearer_xi(xi: Any, l: Any, point: Any, a: Any, b: Any) -> Any:
+def nearer_xi(xi: Scalar, l: Scalar, point: Vector, a: Vector, b: Vector) -> Scalar:
     """Return Newton's correction of ``xi`` towards the element's point nearest to ``point``; a, b: nodes' r, r'."""
     ends = [(a[k], a[3 + k], b[k], b[3 + k]) for k in range(3)]
     values = [hermite.interpolate(xi, l, *end) for end in ends]
@@ -78,9 +77,14 @@ def nearer_xi(xi: Any, l: Any, point: Any, a: Any, b: Any) -> Any:
 
 
 def self_contact_law(
-    contact: Any, diameter: Any, separation: Any, velocity: Any, cq: Any, cv: Any
+    contact: Contact, diameter: Scalar, separation: Vector, velocity: Vector, cq: Scalar, cv: Scalar
 ) -> ContactTerms:
     """Return the contact, per length, of a point at ``separation`` (3,) from another with relative ``velocity``."""
-    law = SimpleNamespace(**(vars(contact) | {"stiffness": contact.rope_stiffness}))
+    law = ContactLaw(
+        stiffness=contact.rope_stiffness,
+        damping=contact.damping,
+        friction=contact.friction,
+        slip_speed=contact.slip_speed,
+    )
     other = Body((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.5 * diameter, 1.0, 0.0, 1.0)
     return contact_law(law, diameter, other, (0.0, 0.0, 0.0), separation, velocity, cq, cv)

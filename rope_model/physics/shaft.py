@@ -14,9 +14,20 @@ side e_k: a bound for the rope's centre line between two of its points.  Works o
 expressions; vectors have their components first.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from rope_model.physics.elementary import cos, less, maximum, minimum, sin, sqrt, unit_sign
+from rope_model.physics.elementary import (
+    Scalar,
+    Vector,
+    cos,
+    less,
+    maximum,
+    minimum,
+    sin,
+    sqrt,
+    unit_sign,
+)
+from rope_model.shaft_parameters import Conveyance, Divider, HeadRopes, Lining, Sump
 
 #: m, longer than any shaft
 ENDLESS = 1e6
@@ -39,7 +50,7 @@ class Body(NamedTuple):
     side: float
 
 
-def distance(point: Any, body: Any) -> Any:
+def distance(point: Vector, body: Body) -> Scalar:
     """Return the distance (m) of ``point`` (3,) from the body's surface; negative inside of the body."""
     x, y, z = _in_axes(
         point[0] - body.centre[0], point[1] - body.centre[1], point[2] - body.centre[2], body
@@ -47,7 +58,7 @@ def distance(point: Any, body: Any) -> Any:
     return _distance(abs(x) - body.half[0], abs(y) - body.half[1], abs(z) - body.half[2], body)
 
 
-def least_distance(point: Any, extent: Any, body: Any) -> Any:
+def least_distance(point: Vector, extent: Vector, body: Body) -> Scalar:
     """Return the least distance (m) over the upright box about ``point`` with half widths ``extent`` along X, Y, Z."""
     x, y, z = _in_axes(
         point[0] - body.centre[0], point[1] - body.centre[1], point[2] - body.centre[2], body
@@ -64,7 +75,7 @@ def least_distance(point: Any, extent: Any, body: Any) -> Any:
     )
 
 
-def normal(point: Any, body: Any) -> tuple[Any, Any, Any]:
+def normal(point: Vector, body: Body) -> tuple[Scalar, Scalar, Scalar]:
     """Return the unit normal at ``point`` (3,), away from the body: the gradient of its distance."""
     local = _in_axes(
         point[0] - body.centre[0], point[1] - body.centre[1], point[2] - body.centre[2], body
@@ -82,11 +93,11 @@ def normal(point: Any, body: Any) -> tuple[Any, Any, Any]:
     return body.cosine * x + body.sine * z, y, body.cosine * z - body.sine * x
 
 
-def _in_axes(x: Any, y: Any, z: Any, body: Any) -> tuple[Any, Any, Any]:
+def _in_axes(x: Scalar, y: Scalar, z: Scalar, body: Body) -> tuple[Scalar, Scalar, Scalar]:
     return body.cosine * x - body.sine * z, y, body.sine * x + body.cosine * z
 
 
-def _distance(x: Any, y: Any, z: Any, body: Any) -> Any:
+def _distance(x: Scalar, y: Scalar, z: Scalar, body: Body) -> Scalar:
     a = maximum(x, 0.0)
     b = maximum(y, 0.0)
     c = maximum(z, 0.0)
@@ -94,7 +105,7 @@ def _distance(x: Any, y: Any, z: Any, body: Any) -> Any:
     return body.side * (sqrt(a * a + b * b + c * c + TINY) + within - body.radius)
 
 
-def lining(lining: Any) -> Body:
+def lining(lining: Lining) -> Body:
     """Return the wall, with the rope inside."""
     x = 0.5 * lining.width
     z = 0.5 * lining.depth
@@ -104,19 +115,19 @@ def lining(lining: Any) -> Body:
     )
 
 
-def conveyance(conveyance: Any, end: Any) -> Body:
+def conveyance(conveyance: Conveyance, end: Vector) -> Body:
     """Return the conveyance from which the rope's ``end`` (3,) hangs; it moves with that end."""
     half = 0.5 * conveyance.width, 0.5 * conveyance.height, 0.5 * conveyance.depth
     return Body((end[0], end[1] + conveyance.above + half[1], end[2]), half, 0.0, 1.0, 0.0, 1.0)
 
 
-def head_ropes(head_ropes: Any, conveyance: Any, end: Any) -> Body:
+def head_ropes(head_ropes: HeadRopes, conveyance: Conveyance, end: Vector) -> Body:
     """Return the ropes above that conveyance; they begin at its top and move sideways with it."""
     centre = end[0], end[1] + conveyance.above + conveyance.height + DEEP, end[2]
     return Body(centre, (0.0, DEEP, 0.5 * head_ropes.row), 0.5 * head_ropes.diameter, 1.0, 0.0, 1.0)
 
 
-def divider(divider: Any) -> Body:
+def divider(divider: Divider) -> Body:
     """Return a horizontal beam."""
     radius = 0.5 * divider.rounding * divider.size
     half = 0.5 * divider.size - radius
@@ -132,6 +143,6 @@ def divider(divider: Any) -> Body:
     )
 
 
-def floor(sump: Any) -> Body:
+def floor(sump: Sump) -> Body:
     """Return the ground below the sump's level."""
     return Body((0.0, sump.level - DEEP, 0.0), (ENDLESS, DEEP, ENDLESS), 0.0, 1.0, 0.0, 1.0)

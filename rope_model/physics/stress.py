@@ -3,16 +3,17 @@
 import math
 from typing import Any
 
+from rope_model.parameters import Rope
 from rope_model.physics.costello import torque
-from rope_model.physics.elementary import sqrt
+from rope_model.physics.elementary import Scalar, Vector, sqrt
 
 
-def bending_stress(rope: Any, k: Any) -> Any:
+def bending_stress(rope: Rope, k: Scalar) -> Scalar:
     """Return the largest bending stress (Pa) at the curvature ``k`` (1/m)."""
     return 32 * rope.EI * k / (math.pi * rope.diameter**3)
 
 
-def material_values(rope: Any, torsional: Any, strains: Any) -> tuple[Any, Any, Any, Any]:
+def material_values(rope: Rope, torsional: Scalar, strains: Vector) -> tuple[Any, Any, Any, Any]:
     """Return bending and torsional stress (Pa), curvature (1/m), torque (N m) at ``strains``, see element.STRAINS.
 
     ``torsional`` is 1, or 0 for a fidelity that computes no torsion, and so no torque.

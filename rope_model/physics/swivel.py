@@ -9,12 +9,10 @@ with the tension T at the rope's end, the force along the tangent there.  T coun
 not reduce the seal's friction.
 """
 
-from typing import Any
-
-from rope_model.physics.elementary import dot, maximum, sqrt
+from rope_model.physics.elementary import Scalar, Vector, dot, maximum, sqrt
 
 
-def tension_along(sense: Any, d: Any, force: Any) -> Any:
+def tension_along(sense: Scalar, d: Vector, force: Vector) -> Scalar:
     """Return the tension (N) at an end from the conveyance's ``force`` (3,) on it and its r' = ``d`` (3,).
 
     ``sense`` is -1 at the left end, where the tangent leads away from the conveyance, and +1 at the right one.
@@ -22,6 +20,8 @@ def tension_along(sense: Any, d: Any, force: Any) -> Any:
     return sense * (dot(d, force) / sqrt(dot(d, d)))
 
 
-def friction_moment(mu: Any, mean_diameter: Any, seal_moment: Any, tension: Any) -> Any:
+def friction_moment(
+    mu: Scalar, mean_diameter: Scalar, seal_moment: Scalar, tension: Scalar
+) -> Scalar:
     """Return the largest moment (N m) that friction with coefficient ``mu`` transmits at ``tension`` (N)."""
     return 0.5 * mu * mean_diameter * maximum(tension, 0.0) + seal_moment

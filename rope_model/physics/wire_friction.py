@@ -23,11 +23,12 @@ Eng. Struct. Dyn. 14 (1986) for two directions; K. O. Papailiou, IEEE Trans. Pow
 L. Martinelli, Appl. Math. Modelling 40 (2016), for stiffness and friction moment of strands.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from rope_model.parameters import Rope
 from rope_model.physics import hermite
 from rope_model.physics.costello import tension
-from rope_model.physics.elementary import cross, dot, exp, log, maximum, sqrt
+from rope_model.physics.elementary import Scalar, Vector, cross, dot, exp, log, maximum, sqrt
 from rope_model.physics.frame import parallel_transport, rational_cos_sin, rotate_about_tangent
 
 #: number of entries of a section (tangent, curvature vector, angle) with z behind it
@@ -49,18 +50,18 @@ class BoucWenStep(NamedTuple):
     secant: float
 
 
-def wire_stiffness(rope: Any) -> Any:
+def wire_stiffness(rope: Rope) -> Scalar:
     """Return C (N m^2); 0 without friction, where EI_stick = 0."""
     return maximum(rope.EI_stick - rope.EI, 0.0)
 
 
-def slip_curvature(rope: Any, stiffness: Any, e: Any, tau: Any) -> Any:
+def slip_curvature(rope: Rope, stiffness: Scalar, e: Scalar, tau: Scalar) -> Scalar:
     """Return k0 (1/m) of a rope with friction at its axial and torsional strain; ``stiffness`` is C."""
     pull = tension(rope.Qa, rope.Qs, rope.Qk, rope.Qe, e, tau)
     return (rope.slip_moment + rope.slip_factor * rope.diameter * maximum(pull, 0.0)) / stiffness
 
 
-def section_at(xi: Any, l: Any, nodes: Any) -> tuple[Any, ...]:
+def section_at(xi: Scalar, l: Scalar, nodes: Vector) -> tuple[Scalar, ...]:
     """Return the section (7,) at ``xi`` of an element with the nodes (14,)."""
     ends = [(nodes[k], nodes[3 + k], nodes[7 + k], nodes[10 + k]) for k in range(3)]
     d = [hermite.interpolate(xi, l, *values)[1] for values in ends]
@@ -68,7 +69,7 @@ def section_at(xi: Any, l: Any, nodes: Any) -> tuple[Any, ...]:
     return section(d, c, (1 - xi) * nodes[6] + xi * nodes[13])
 
 
-def section(d: Any, c: Any, angle: Any) -> tuple[Any, ...]:
+def section(d: Vector, c: Vector, angle: Scalar) -> tuple[Scalar, ...]:
     """Return the section (7,) where r' is ``d``, r'' is ``c`` and theta ``angle``."""
     square = dot(d, d)
     length = sqrt(square)
@@ -76,7 +77,7 @@ def section(d: Any, c: Any, angle: Any) -> tuple[Any, ...]:
     return (*(d[i] / length for i in range(3)), *(turn[i] / square for i in range(3)), angle)
 
 
-def bouc_wen_step(before: Any, after: Any, k0: Any) -> BoucWenStep:
+def bouc_wen_step(before: Vector, after: Vector, k0: Scalar) -> BoucWenStep:
     """Advance the hysteresis from the section ``before``, with its z (10,), to the section ``after`` (7,)."""
     z = _carried(before, after, before[7:10])
     old_curvature = _carried(before, after, before[3:6])
@@ -107,7 +108,7 @@ def bouc_wen_step(before: Any, after: Any, k0: Any) -> BoucWenStep:
     return BoucWenStep((k0 * z_end[0], k0 * z_end[1], k0 * z_end[2]), dissipated, secant)
 
 
-def _carried(before: Any, after: Any, x: Any) -> list[Any]:
+def _carried(before: Vector, after: Vector, x: Vector) -> list[Scalar]:
     """Return the vector ``x`` across the rope, turned as the section is from ``before`` to ``after``."""
     p = before[0:3]
     t = after[0:3]
@@ -116,11 +117,11 @@ def _carried(before: Any, after: Any, x: Any) -> list[Any]:
     )
 
 
-def within(x: Any) -> Any:
+def within(x: Scalar) -> Scalar:
     """Return ``x``, or 0 below and 1 above."""
     return _positive(x) - _positive(x - 1.0)
 
 
-def _positive(x: Any) -> Any:
+def _positive(x: Scalar) -> Scalar:
     """Return (x)+ by operations that the element code supports."""
     return 0.5 * (x + sqrt(x * x + (1e-3 * REGULARIZATION) ** 2))

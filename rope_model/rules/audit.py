@@ -21,10 +21,11 @@ and the turn of the tangent in an element.
 import math
 from typing import Any, NamedTuple
 
-from rope_model.physics.elementary import atan2, cross, dot, maximum, sqrt, where
+from rope_model.parameters import Rope
+from rope_model.physics.elementary import Scalar, Vector, atan2, cross, dot, maximum, sqrt, where
 from rope_model.physics.estimates import axial_frequency
 from rope_model.physics.frame import end_moment
-from rope_model.rules.generalized_alpha import auxiliary_weights
+from rope_model.rules.generalized_alpha import Coefficients, auxiliary_weights
 
 #: force and moment of all loads, then the vertical forces of the left and of the right end alone
 Load = tuple[float, float, float, float, float, float, float, float]
@@ -71,30 +72,30 @@ class Audit(NamedTuple):
     interval: float = 0.0
 
 
-def end_load(q: Any, f: Any, torque: Any) -> tuple[Any, ...]:
+def end_load(q: Vector, f: Vector, torque: Scalar) -> tuple[Scalar, ...]:
     """Return force and moment about the origin (6,) on an end, from its coordinates and reaction (7,)."""
     x, y, z = cross(q, f)
     moment = end_moment(q[3:6], f[3:6], torque)
     return f[0], f[1], f[2], x + moment[0], y + moment[1], z + moment[2]
 
 
-def axial_share(rope: Any, bottom_s: Any, h: Any) -> Any:
+def axial_share(rope: Rope, bottom_s: Scalar, h: Scalar) -> Scalar:
     """Return ``h`` (s) over the longer leg's axial period."""
     return h * axial_frequency(rope, maximum(bottom_s, rope.length - bottom_s)) / (2.0 * math.pi)
 
 
-def axial_step(rope: Any) -> Any:
+def axial_step(rope: Rope) -> Scalar:
     """Return a sixth of the shortest axial period (s) of the longer leg, with the loop in the rope's middle."""
     return math.pi / (3.0 * axial_frequency(rope, 0.5 * rope.length))
 
 
-def elements_per_bend(square: Any) -> Any:
+def elements_per_bend(square: Scalar) -> Scalar:
     """Return the elements in half a turn whose tangents differ by the root of ``square`` from node to node."""
     quarter = 0.25 * square
     return 0.5 * math.pi / atan2(sqrt(quarter), sqrt(maximum(1.0 - quarter, 0.0)))
 
 
-def signal_values(audit: Any) -> tuple[Any, ...]:
+def signal_values(audit: Audit) -> tuple[Scalar, ...]:
     """Return the values of the signals audit.* in their order; 0 where nothing was computed yet."""
     fraction, bend = (where(x > 0, x, 1.0) for x in (audit.period_fraction, audit.bend))
     steps = where(audit.period_fraction > 0, 1.0 / fraction, 0.0)
@@ -110,22 +111,30 @@ def signal_values(audit: Any) -> tuple[Any, ...]:
 
 
 def after_step(
-    audit: Any, method: Any, h: Any, recentring: Any, load: Any, force: Any, change: Any, ratio: Any
-) -> Any:
+    audit: Audit,
+    method: Coefficients,
+    h: Scalar,
+    recentring: Scalar,
+    load: Vector,
+    force: Scalar,
+    change: Scalar,
+    ratio: Scalar,
+) -> Audit:
     """Return ``audit`` after a time step to ``load``, with the largest end force and ``change`` of one (N)."""
     load_weight, auxiliary_weight, _, next_weight = auxiliary_weights(method, 0.0)
     gamma = method.gamma
-    impulse = []
-    auxiliary = []
-    rate = []
+    impulse: list[Any] = []
+    auxiliary: list[Any] = []
+    rate: list[Any] = []
     for k in range(LOADS):
         before = audit.auxiliary[k] + recentring * audit.rate[k]
         after = load_weight * audit.load[k] + auxiliary_weight * before + next_weight * load[k]
         impulse.append(audit.impulse[k] + h * ((1.0 - gamma) * before + gamma * after))
         auxiliary.append(after)
         rate.append((load[k] - audit.load[k]) / h)
-    return audit._replace(
-        load=tuple(load[k] for k in range(LOADS)),
+    new_load: Any = tuple(load[k] for k in range(LOADS))
+    following: Audit = audit._replace(
+        load=new_load,
         auxiliary=tuple(auxiliary),
         rate=tuple(rate),
         impulse=tuple(impulse),
@@ -133,11 +142,19 @@ def after_step(
         force_change=maximum(audit.force_change, change),
         period_fraction=maximum(audit.period_fraction, ratio),
     )
+    return following
 
 
 def after_interval(
-    audit: Any, h: Any, mass: Any, gravity: Any, sums: Any, about: Any, residual: Any, bend: Any
-) -> Any:
+    audit: Audit,
+    h: Scalar,
+    mass: Scalar,
+    gravity: Scalar,
+    sums: Vector,
+    about: Vector,
+    residual: Scalar,
+    bend: Scalar,
+) -> Audit:
     """Return ``audit`` after a communication step ``h`` to ``sums``; ``residual`` (J) is new in the balance."""
     before = audit.sums
     h = audit.interval + h
@@ -152,7 +169,7 @@ def after_interval(
     moment = [m - shift for m, shift in zip(missing[3:], cross(about, missing), strict=True)]
     missing_force = maximum(audit.missing_force, sqrt(dot(missing, missing)))
     missing_moment = maximum(audit.missing_moment, sqrt(dot(moment, moment)))
-    return audit._replace(
+    following: Audit = audit._replace(
         sums=tuple(where(judged, sums[k], before[k]) for k in range(9)),
         impulse=tuple(where(judged, 0.0, impulse) for impulse in audit.impulse),
         interval=where(judged, 0.0, h),
@@ -161,3 +178,4 @@ def after_interval(
         energy=maximum(audit.energy, abs(residual)),
         bend=maximum(audit.bend, bend),
     )
+    return following

@@ -3,13 +3,15 @@
 import math
 from collections.abc import Iterator, Sequence
 from functools import reduce
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from rope_model.parameters import Scene
 from rope_model.physics import shaft as physics
 from rope_model.physics.centreline import (
     suspension_points,
 )
 from rope_model.physics.elementary import (
+    Scalar,
     logical_and,
     logical_or,
     minimum,
@@ -17,6 +19,7 @@ from rope_model.physics.elementary import (
     where,
 )
 from rope_model.physics.shaft import KINDS, Body
+from rope_model.rules.end_paths import EndMotion
 from rope_model.rules.messages import messages
 from rope_model.rules.messages.rules import Rules
 from rope_model.shaft_parameters import FAR, Shaft
@@ -34,7 +37,7 @@ class Placed(NamedTuple):
     body: Body
 
 
-def placed_bodies(shaft: Shaft, ends: Sequence[Any]) -> Iterator[Placed]:
+def placed_bodies(shaft: Shaft, ends: Sequence[Scalar]) -> Iterator[Placed]:
     """Yield the bodies of the shaft, with the rope's ``ends`` (2 of (3,)) at these positions."""
     if shaft.lining.width > 0:
         yield Placed(LINING, FIXED, physics.lining(shaft.lining))
@@ -52,7 +55,7 @@ def placed_bodies(shaft: Shaft, ends: Sequence[Any]) -> Iterator[Placed]:
         yield Placed(FLOOR, FIXED, physics.floor(shaft.sump))
 
 
-def may_touch(shaft: Any) -> Any:
+def may_touch(shaft: Shaft) -> Scalar:
     """Return whether there are bodies that hold the rope."""
     dividers = shaft.divider_1, shaft.divider_2, shaft.divider_3, shaft.divider_4
     sizes = sum_of((divider.size for divider in dividers), shaft.lining.width)
@@ -60,7 +63,7 @@ def may_touch(shaft: Any) -> Any:
     return logical_and(shaft.contact.stiffness > 0, logical_or(sizes > 0, shaft.sump.level > -FAR))
 
 
-def least_passage(scene: Any) -> Any:
+def least_passage(scene: Scene) -> Scalar:
     """Return the least way (m) of the rope's centre line through a body that holds it; infinite without one.
 
     Linings, conveyances and the ground are thick.
@@ -75,7 +78,9 @@ def least_passage(scene: Any) -> Any:
     return where(shaft.contact.stiffness > 0, reduce(minimum, thin), math.inf) + diameter
 
 
-def _in_lining(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, ...]:
+def _in_lining(
+    scene: Scene, fidelity: str, left: EndMotion, right: EndMotion
+) -> tuple[Scalar, ...]:
     shaft = scene.shaft
     lining = scene.shaft.lining
     diameter = scene.rope.diameter
@@ -88,7 +93,9 @@ def _in_lining(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, .
     return applies, 0.5 * diameter - least, lining.width, lining.depth, lining.x, lining.z
 
 
-def _below_floor(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, ...]:
+def _below_floor(
+    scene: Scene, fidelity: str, left: EndMotion, right: EndMotion
+) -> tuple[Scalar, ...]:
     shaft = scene.shaft
     level = scene.shaft.sump.level
     least = _least_distance(scene, left, right, physics.floor(shaft.sump))
@@ -99,7 +106,7 @@ def _below_floor(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any,
     )
 
 
-def _least_distance(scene: Any, left: Any, right: Any, body: Body) -> Any:
+def _least_distance(scene: Scene, left: EndMotion, right: EndMotion, body: Body) -> Scalar:
     """Return the least distance (m) of the rope's ends from the body."""
     return minimum(
         *(physics.distance(point, body) for point in suspension_points(scene.layout, left, right))

@@ -1,8 +1,18 @@
 """Conditions at the ends of the rope: the pose of a plumb or leaning end, and its motion."""
 
-from typing import Any
-
-from rope_model.physics.elementary import atan2, cos, hypot, maximum, minimum, sin, sqrt, where
+from rope_model.parameters import Scene
+from rope_model.physics.elementary import (
+    Scalar,
+    Vector,
+    atan2,
+    cos,
+    hypot,
+    maximum,
+    minimum,
+    sin,
+    sqrt,
+    where,
+)
 from rope_model.rules.end_paths import EndMotion, EndPath
 
 YAW_SENSE = (-1.0, 1.0)  #: sense of the conveyance's yaw in theta, left and right
@@ -12,7 +22,7 @@ SMALL_LEAN = 1e-5  #: rad^2, squared lean below which D and E take their limits
 
 def held_end(
     path: EndPath, t: float, nominal_x: float, sense: float, angle: float
-) -> tuple[tuple[Any, ...], ...]:
+) -> tuple[tuple[Scalar, ...], ...]:
     """Return position, velocity and acceleration (3, 7) at ``t`` of an end held at ``angle`` against its conveyance."""
     (x, y, z, yaw), (vx, vy, vz, yaw_rate), (ax, ay, az, yaw_acceleration) = path.motion(t)
     return (
@@ -22,7 +32,7 @@ def held_end(
     )
 
 
-def clamp_axis(lean: Any, lean_z: Any) -> tuple[tuple[Any, ...], ...]:
+def clamp_axis(lean: Vector, lean_z: Vector) -> tuple[tuple[Scalar, ...], ...]:
     """Return the axis n of a clamp and its rates (3, 3), from the leans, a rotation vector, and their rates.
 
     n = (S lean, -C, S lean_z) with C = cos a, S = sin(a)/a for the angle a.  With p = a a_t, C_t = -S p, S_t = D p and
@@ -46,7 +56,9 @@ def clamp_axis(lean: Any, lean_z: Any) -> tuple[tuple[Any, ...], ...]:
     return (n_x, -C, n_z), (v_x, S * p, v_z), (a_x, D * p * p + S * p_t, a_z)
 
 
-def partly_placed(scene: Any, own: Any, other: Any, sense: Any, fraction: Any) -> EndMotion:
+def partly_placed(
+    scene: Scene, own: EndMotion, other: EndMotion, sense: Scalar, fraction: Scalar
+) -> EndMotion:
     """Return the end ``own`` on its way from a rope hung in a loop (0) to its position and lean (1)."""
     x = other.x - own.x - sense * scene.layout.spacing
     z = other.z - own.z
@@ -63,7 +75,7 @@ def partly_placed(scene: Any, own: Any, other: Any, sense: Any, fraction: Any) -
     )
 
 
-def right_offset(left: Any, right: Any) -> Any:
+def right_offset(left: Vector, right: Vector) -> Scalar:
     """Return the offset (rad) of theta at the right end of an untwisted rope in the vertical plane of its ends.
 
     Turning that plane by psi about Y turns the frame by psi at the left end, by -psi at the right.

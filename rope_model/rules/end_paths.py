@@ -13,8 +13,9 @@ from functools import reduce
 from typing import Any, NamedTuple
 
 from rope_model.parameter_table import Bounds, numeric_bounds, parameter, parameters_of
-from rope_model.physics.elementary import maximum, minimum
+from rope_model.physics.elementary import Scalar, maximum, minimum
 from rope_model.rules import quintic
+from rope_model.rules.quintic import Quintic
 
 SIDES = ("left", "right")
 END_NODE = (0, -1)  #: rows of the ends in arrays of nodes
@@ -101,8 +102,8 @@ class EndMotion:
         return self.ax, self.ay, self.az
 
 
-#: coefficients of 1, s, s^2 ... of one coordinate
-Quintic = tuple[float, float, float, float, float, float]
+#: value, rate and acceleration of one coordinate
+OfCoordinate = tuple[Any, Any, Any]
 #: values of x, y, z and yaw
 OfAxes = tuple[Any, Any, Any, Any]
 
@@ -128,15 +129,15 @@ class EndPath(NamedTuple):
         x, y, z, yaw, *leans = ((x, v, 0.5 * a, 0.0, 0.0, 0.0) for x, v, a in rates)
         return EndPath(t, math.inf, (x, y, z, yaw), (leans[0], leans[1]))
 
-    def height(self, t: float) -> Any:
+    def height(self, t: float) -> Scalar:
         """Return y at ``t``."""
         return quintic.value(self.coefficients[1], minimum(t, self.stop) - self.start)
 
-    def yaw(self, t: float) -> tuple[Any, Any]:
+    def yaw(self, t: float) -> tuple[Scalar, Scalar]:
         """Return yaw and its rate at ``t``."""
         return quintic.rates(self.coefficients[3], minimum(t, self.stop) - self.start)[:2]
 
-    def lean_motion(self, t: float) -> tuple[Any, Any]:
+    def lean_motion(self, t: float) -> tuple[OfCoordinate, OfCoordinate]:
         """Return the leans and their rates at ``t``."""
         s = minimum(t, self.stop) - self.start
         return quintic.rates(self.leans[0], s), quintic.rates(self.leans[1], s)
@@ -152,20 +153,8 @@ class EndPath(NamedTuple):
     def at(self, t: float) -> EndMotion:
         """Return the motion at ``t``."""
         (x, y, z, yaw), (vx, vy, vz, yaw_rate), (ax, ay, az, _) = self.motion(t)
-        return EndMotion(
-            x,
-            y,
-            z,
-            vx,
-            vy,
-            vz,
-            ax,
-            ay,
-            az,
-            yaw,
-            yaw_rate,
-            *(lean[0] for lean in self.lean_motion(t)),
-        )
+        (lean, _, _), (lean_z, _, _) = self.lean_motion(t)
+        return EndMotion(x, y, z, vx, vy, vz, ax, ay, az, yaw, yaw_rate, lean, lean_z)
 
     def peak_accelerations(self) -> tuple[Any, ...]:
         """Return the largest sampled accelerations of PATH and LEANS; NaN where the first sample is."""

@@ -1,9 +1,9 @@
 """Location of an event within a step: a bracket that a safeguarded secant narrows."""
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from rope_model.physics.elementary import logical_and, maximum, minimum, where
+from rope_model.physics.elementary import Scalar, logical_and, maximum, minimum, where
 
 
 class Bracket(NamedTuple):
@@ -20,7 +20,7 @@ class Bracket(NamedTuple):
     stalled: float
 
 
-def trial_x(bracket: Any, width: Any) -> Any:
+def trial_x(bracket: Bracket, width: Scalar) -> Scalar:
     """Return the next trial point; it is not between the ends if there is no number between them."""
     low = bracket.low
     high = bracket.high
@@ -32,7 +32,7 @@ def trial_x(bracket: Any, width: Any) -> Any:
     return where(logical_and(low < x, x < high), x, middle)
 
 
-def narrowed(bracket: Any, x: Any, value: Any) -> Bracket:
+def narrowed(bracket: Bracket, x: Scalar, value: Scalar) -> Bracket:
     """Return the remaining interval if the function has this ``value`` at ``x``."""
     low, high, f_low, f_high, side, stalled = (getattr(bracket, name) for name in Bracket._fields)
     below = value < 0
@@ -49,7 +49,7 @@ def narrowed(bracket: Any, x: Any, value: Any) -> Bracket:
     )
 
 
-def _converges(bracket: Any) -> Any:
+def _converges(bracket: Bracket) -> Scalar:
     """Return whether the secant of its values may be used."""
     finite = abs(bracket.f_low - bracket.f_high) < math.inf
     return logical_and(bracket.stalled < 2, finite, bracket.f_low < bracket.f_high)

@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from rope_model.arrays import Array
+from rope_model.physics.elementary import Scalar
 
 #: growth of the step above which the acceleration's rate over the shorter step is mostly noise, and used neither for
 #: extrapolation nor for re-centring
@@ -70,12 +70,12 @@ class Coefficients:
         )
 
 
-def recentring_time(method: Coefficients, h: Any, before: Any) -> Any:
+def recentring_time(method: Coefficients, h: Scalar, before: Scalar) -> Scalar:
     """Return the time (s) by which b moves when a step ``h`` follows one of length ``before``."""
     return method.shift * (h - before)
 
 
-def newton_coefficients(method: Coefficients, h: Any) -> tuple[Any, Any, Any]:
+def newton_coefficients(method: Coefficients, h: Scalar) -> tuple[Scalar, Scalar, Scalar]:
     """Return the derivatives of q, v and a at the end of a step ``h`` with respect to q there."""
     m = method.alpha_m
     f = method.alpha_f
@@ -83,8 +83,8 @@ def newton_coefficients(method: Coefficients, h: Any) -> tuple[Any, Any, Any]:
 
 
 def prediction_weights(
-    method: Coefficients, h: Any, recentring: Any, ahead: Any
-) -> tuple[Any, ...]:
+    method: Coefficients, h: Scalar, recentring: Scalar, ahead: Scalar
+) -> tuple[Scalar, ...]:
     """Return the weights of a, b and a_rate in q and in v at the end of a step ``h``.
 
     b is moved by ``recentring``; the acceleration continues at its rate for the time ``ahead``.
@@ -100,13 +100,15 @@ def prediction_weights(
     return q_a, v_a, q_b, v_b, q_b * recentring + q_a * weight, v_b * recentring + v_a * weight
 
 
-def auxiliary_weights(method: Coefficients, recentring: Any) -> tuple[Any, Any, Any, Any]:
+def auxiliary_weights(
+    method: Coefficients, recentring: Scalar
+) -> tuple[Scalar, Scalar, Scalar, Scalar]:
     """Return the weights of a, b, a_rate at the start of a step, and of a at its end, in b at its end."""
     m = method.alpha_m
     f = method.alpha_f
     return f / (1 - m), -m / (1 - m), -m * recentring / (1 - m), (1 - f) / (1 - m)
 
 
-def local_error(method: Coefficients, h: Any, change: Any) -> Any:
+def local_error(method: Coefficients, h: Scalar, change: Scalar) -> Scalar:
     """Return the local error of q in a step ``h`` over which the acceleration changes by ``change``."""
     return abs(method.beta + 0.5 * method.shift - 1 / 6) * h * h * change

@@ -25,6 +25,8 @@ from typing import Any, NamedTuple
 
 from rope_model.parameters import CHOICES, Scene
 from rope_model.physics.elementary import (
+    Scalar,
+    Vector,
     exp,
     floor,
     logical_and,
@@ -37,6 +39,7 @@ from rope_model.physics.elementary import (
 from rope_model.physics.estimates import axial_frequency
 from rope_model.rules import quintic
 from rope_model.rules.end_paths import RESTS_BELOW, EndMotion, EndPath
+from rope_model.rules.quintic import Quintic
 
 #: m/s^3, jerk that a consistent motion may have at any instant.  To follow it within a step h the path needs an
 #: additional acceleration of at most 5.8 h times the jerk: 0.1 % of g where h = 20 ms
@@ -138,7 +141,7 @@ class FilterSettings(NamedTuple):
     max_deceleration: float  # m/s^2, of a conveyance: beyond it head ropes of a rising one go slack
 
 
-def filter_settings(scene: Any, trusted: Any) -> FilterSettings:
+def filter_settings(scene: Scene, trusted: Scalar) -> FilterSettings:
     """Return the settings as chosen, or as they follow from the required accuracy and from the rope.
 
     ``trusted`` is the code of inputs.given.
@@ -162,14 +165,16 @@ def settings_of(scene: Scene) -> FilterSettings:
     return filter_settings(scene, [*CHOICES["inputs.given"]].index(scene.inputs.given))
 
 
-def filter_sample(state: Any, settings: Any, given_at: Any, h: Any, end: Any) -> InputFilter:
+def filter_sample(
+    state: InputFilter, settings: FilterSettings, given_at: Scalar, h: Scalar, end: EndMotion
+) -> InputFilter:
     """Add the host's sample of the instant ``given_at`` to ``state`` for a step ``h``, unless it is a repetition."""
     values = tuple(vars(end).values())
     speeds = (*end.velocity, end.yaw_rate)
     is_later = given_at > state.given_at
     since = where(is_later, given_at - state.given_at, h)
     repeated = _repeated(state, settings, is_later, since, values, speeds)
-    motion = []
+    motion: list[Any] = []
     # FMI gives no yaw acceleration: take the mean since the sample before
     accelerations = (
         *end.acceleration,
@@ -217,7 +222,9 @@ def filter_sample(state: Any, settings: Any, given_at: Any, h: Any, end: Any) ->
     return result
 
 
-def _jumps(state: Any, settings: Any, since: Any, positions: Any, speeds: Any) -> tuple[Any, Any]:
+def _jumps(
+    state: InputFilter, settings: FilterSettings, since: Scalar, positions: Vector, speeds: Vector
+) -> tuple[Vector, Vector]:
     """Return by how much a sample's positions and speeds are off any motion that the samples before let expect.
 
     Estimated inputs follow a wrong sample so smoothly that no misfit is left, and a right one late: after a stop with
@@ -246,8 +253,13 @@ def _jumps(state: Any, settings: Any, since: Any, positions: Any, speeds: Any) -
 
 
 def _repeated(
-    state: Any, settings: Any, is_later: Any, since: Any, values: Any, speeds: Any
-) -> Any:
+    state: InputFilter,
+    settings: FilterSettings,
+    is_later: Scalar,
+    since: Scalar,
+    values: Vector,
+    speeds: Vector,
+) -> Scalar:
     """Return whether the trusted part of a sample repeats the latest one to the bit and cannot be a new one.
 
     A sample of the same instant is held through an event.  The position of a moving end cannot stay.  If positions
@@ -279,7 +291,9 @@ def _repeated(
     return logical_and(where(is_later, cannot_stay, state.time > 0), *same)
 
 
-def _completed(old: Any, settings: Any, h: Any, sample: Any) -> tuple[Any, Any, Any]:
+def _completed(
+    old: Vector, settings: FilterSettings, h: Scalar, sample: Vector
+) -> tuple[Scalar, Scalar, Scalar]:
     """Return position, speed and acceleration ``h`` after ``old``, from the trusted part of a ``sample``."""
     x, v, a = old
     knows_speed = settings.speed_trust > 0
@@ -309,7 +323,9 @@ def _completed(old: Any, settings: Any, h: Any, sample: Any) -> tuple[Any, Any, 
     )
 
 
-def _signs(state: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: Any) -> dict[str, Any]:
+def _signs(
+    state: InputFilter, given_at: Scalar, since: Scalar, end: EndMotion, ay: Scalar, moves: Scalar
+) -> dict[str, Any]:
     """Return the fields with signs of rounded positions, and of a table that is interpolated linearly."""
     finest: Any = 0.0
     for grid in reversed(GRIDS):
@@ -336,7 +352,7 @@ def _signs(state: Any, given_at: Any, since: Any, end: Any, ay: Any, moves: Any)
     }
 
 
-def filter_path(path: Any, state: Any, stop: Any, bandwidth: Any) -> EndPath:
+def filter_path(path: EndPath, state: InputFilter, stop: Scalar, bandwidth: Scalar) -> EndPath:
     """Return the path from the end of ``path`` to ``stop`` that follows the inputs; a very short one leads beyond."""
     start = path.stop
     h = maximum(stop - start, MIN_AIM_TIME)
@@ -351,7 +367,7 @@ def filter_path(path: Any, state: Any, stop: Any, bandwidth: Any) -> EndPath:
     return EndPath(start, stop, (x, y, z, yaw), (lean, lean_z))
 
 
-def _lean_quintic(h: Any, ahead: Any, start: Any, sample: Any, mean: Any) -> tuple[Any, ...]:
+def _lean_quintic(h: Scalar, ahead: Scalar, start: Vector, sample: Scalar, mean: Scalar) -> Quintic:
     """Return the quintic of a lean over the step ``h``, ``ahead`` of the sample; a very short one leads beyond.
 
     Its rate, which is not given, lags by a sixth of the step; ``mean`` is that between the latest samples.
@@ -364,15 +380,15 @@ def _lean_quintic(h: Any, ahead: Any, start: Any, sample: Any, mean: Any) -> tup
 
 
 def _axis_quintic(
-    w: Any,
-    ahead: Any,
-    h: Any,
+    w: Scalar,
+    ahead: Scalar,
+    h: Scalar,
     jerk: float,
-    start: Any,
-    sample: Any,
-    last_acceleration: Any,
-    recent_change: Any,
-) -> tuple[Any, ...]:
+    start: Vector,
+    sample: Vector,
+    last_acceleration: Scalar,
+    recent_change: Scalar,
+) -> Quintic:
     """Return the quintic of one coordinate over the step ``h``, from ``start`` (x, v, a) to the observer's state."""
     x, v, a = start
     sample_position, sample_speed, acceleration = sample
@@ -387,8 +403,8 @@ def _axis_quintic(
 
 
 def _observed(
-    w: Any, h: Any, rest: tuple[Any, Any], sample: tuple[Any, Any, Any]
-) -> tuple[Any, Any, Any]:
+    w: Scalar, h: Scalar, rest: tuple[Scalar, Scalar], sample: tuple[Scalar, Scalar, Scalar]
+) -> tuple[Scalar, Scalar, Scalar]:
     """Return the motion after a step ``h`` in which the observer reduces the ``rest`` of a ``sample`` (x, v, a)."""
     rest_position, rest_speed = rest
     position, speed, acceleration = sample
@@ -410,11 +426,11 @@ class SampleMisfit(NamedTuple):
 
 
 def sample_misfit(
-    h: Any,
-    start: tuple[Any, Any],
-    accelerations: tuple[Any, Any],
-    sample: tuple[Any, Any],
-    recent_change: Any,
+    h: Scalar,
+    start: tuple[Scalar, Scalar],
+    accelerations: tuple[Scalar, Scalar],
+    sample: tuple[Scalar, Scalar],
+    recent_change: Scalar,
     jerk: float,
 ) -> SampleMisfit:
     """Compare position and speed of a ``sample`` with linear acceleration over the step ``h`` from ``start`` on.
@@ -435,7 +451,7 @@ def sample_misfit(
     )
 
 
-def _explained_fraction(misfit: Any, limit: Any) -> Any:
+def _explained_fraction(misfit: Scalar, limit: Scalar) -> Scalar:
     """Return the fraction of a misfit that a consistent motion explains: 1 up to ``limit``, 0 from twice that on.
 
     It is continuous, since masters that look for events vary the step.
@@ -454,7 +470,7 @@ class PathMeasures(NamedTuple):
     speed_misfits: Four
 
 
-def end_misfits(path: Any, state: Any) -> list[Axis]:
+def end_misfits(path: EndPath, state: InputFilter) -> list[Axis]:
     """Return the misfits of position, speed and acceleration at the path's end, by PATH."""
     misfits = []
     ahead = path.stop - state.given_at
@@ -466,7 +482,7 @@ def end_misfits(path: Any, state: Any) -> list[Axis]:
     return misfits
 
 
-def path_measures(path: Any, state: Any) -> PathMeasures:
+def path_measures(path: EndPath, state: InputFilter) -> PathMeasures:
     """Return the measures that decide whether the path can be followed; NaN where a coordinate is."""
     position, speed, _ = (
         tuple(map(abs, sizes)) for sizes in zip(*end_misfits(path, state), strict=True)

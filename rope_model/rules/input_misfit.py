@@ -11,11 +11,29 @@ import math
 from functools import reduce
 from typing import Any
 
-from rope_model.physics.accuracy import TINY, wave_duration
-from rope_model.physics.elementary import cos, exp, maximum, minimum, sin, sqrt, where
+from rope_model.parameters import Rope
+from rope_model.physics.accuracy import TINY, ErrorSums, wave_duration
+from rope_model.physics.elementary import (
+    Scalar,
+    Vector,
+    cos,
+    exp,
+    maximum,
+    minimum,
+    sin,
+    sqrt,
+    where,
+)
 from rope_model.physics.estimates import axial_frequency
 from rope_model.rules import quintic
-from rope_model.rules.input_filter import JERKS, InputFilter, end_misfits, sample_misfit
+from rope_model.rules.end_paths import EndPath
+from rope_model.rules.input_filter import (
+    JERKS,
+    FilterSettings,
+    InputFilter,
+    end_misfits,
+    sample_misfit,
+)
 
 #: fraction of a leg's mass that swings in its slowest axial wave
 SWINGING = 8.0 / math.pi**2
@@ -28,8 +46,13 @@ ONE_CHANGE = 1.0 / 6.0
 #: because its waves last longer (seed 60 of evidence.promise)
 WITHIN = 0.055
 
+#: m/s^2, slowest axial wave of a leg, now and a quarter of a period later
+Wave = tuple[float, float]
 
-def add_misfit(state: Any, path: Any, settings: Any, rope: Any, leg: Any) -> InputFilter:
+
+def add_misfit(
+    state: InputFilter, path: EndPath, settings: FilterSettings, rope: Rope, leg: Scalar
+) -> InputFilter:
     """Return ``state`` at the end of the ``path``; ``leg`` is the length (m) of the rope from this end to the loop."""
     h = path.stop - path.start
     (_, position, _, _), (_, speed, _, _), (_, acceleration, _, _) = path.motion(path.stop)
@@ -86,8 +109,9 @@ def add_misfit(state: Any, path: Any, settings: Any, rope: Any, leg: Any) -> Inp
     wave_force = STEP_SPEED * impedance * shifted / h
     within_force = WITHIN * impedance * speed_misfit
     drift = state.drift + (1.0 - exp(-settings.observer * h)) * (misfit[1][0] - state.drift)
+    x, y, z, yaw = state.motion
     result: InputFilter = state._replace(
-        end_accelerations=tuple(axis[2] for axis in state.motion),
+        end_accelerations=(x[2], y[2], z[2], yaw[2]),
         time=state.time + h,
         position_misfit=maximum(state.position_misfit, misfits[0]),
         speed_misfit=maximum(state.speed_misfit, misfits[1]),
@@ -105,7 +129,9 @@ def add_misfit(state: Any, path: Any, settings: Any, rope: Any, leg: Any) -> Inp
     return result
 
 
-def _leg_response(wave: Any, added: Any, rope: Any, leg: Any, h: Any) -> tuple[Any, Any]:
+def _leg_response(
+    wave: Vector, added: Vector, rope: Rope, leg: Scalar, h: Scalar
+) -> tuple[Wave, Scalar]:
     """Return the leg's slowest axial wave (m/s^2) after a step with an additional acceleration, and the end force (N).
 
     ``added`` are the acceleration and its three rates at the step's start.  The forced wave is this cubic minus its
@@ -121,19 +147,22 @@ def _leg_response(wave: Any, added: Any, rope: Any, leg: Any, h: Any) -> tuple[A
     x_t = (b - e / omega**2) / omega
     y = a + h * (b + 0.5 * h * (d + h * e / 3.0)) - (d + h * e) / omega**2
     y_t = (b + h * (d + 0.5 * h * e) - e / omega**2) / omega
-    free = decay * (c * wave[0] + s * wave[1]), decay * (c * wave[1] - s * wave[0])
-    total = free[0] + (y - c * x - s * x_t), free[1] + (y_t - c * x_t + s * x)
+    free: Any = decay * (c * wave[0] + s * wave[1])
+    free_t: Any = decay * (c * wave[1] - s * wave[0])
+    total = (free + (y - c * x - s * x_t), free_t + (y_t - c * x_t + s * x))
     mean = a + 0.5 * h * (b + h * (d / 3.0 + h * e / 12.0))
     return total, rope.mass_per_length * leg * (SWINGING * total[0] + (1.0 - SWINGING) * mean)
 
 
-def add_misfit_error(error: Any, sums: Any, left: Any, right: Any) -> Any:
+def add_misfit_error(
+    error: Scalar, sums: ErrorSums, left: InputFilter, right: InputFilter
+) -> Scalar:
     """Add the error by inconsistent motions to ``error`` of the end forces, root mean square over the largest."""
     squares = maximum(left.force_error_square, right.force_error_square) / maximum(sums.time, TINY)
     return sqrt(error * error + squares / maximum(sums.force * sums.force, TINY))
 
 
-def add_drift_error(error: Any, left: Any, right: Any) -> Any:
+def add_drift_error(error: Scalar, left: InputFilter, right: InputFilter) -> Scalar:
     """Add the drift of the ends to ``error`` (m) of the loop's position."""
     drift = 0.5 * (left.max_drift + right.max_drift)
     return sqrt(error * error + drift * drift)

@@ -11,11 +11,13 @@ leg all elements are short enough for the waves of its blow, and shorter still w
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from rope_model.parameters import Scene
 from rope_model.physics import contact_error
 from rope_model.physics.accuracy import BRAKED, length_for, wave_duration
 from rope_model.physics.elementary import (
+    Scalar,
     ceil,
     cos,
     less,
@@ -27,6 +29,7 @@ from rope_model.physics.elementary import (
     where,
 )
 from rope_model.physics.estimates import axial_frequency, bending_length
+from rope_model.shaft_parameters import Divider
 
 #: distance (l) of the loop from the middle of segment IV at which a transformation is due: the neighbouring mesh fits
 #: as well from 0.5 on; the margin keeps a loop that trembles by up to l/5 from transforming to and fro
@@ -75,7 +78,7 @@ class FittedLengths(NamedTuple):
     grading: float
 
 
-def fit_lengths(scene: Any, loop_error: Any, decades: Any) -> FittedLengths:
+def fit_lengths(scene: Scene, loop_error: Scalar, decades: Scalar) -> FittedLengths:
     """Return the lengths for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
     rope = scene.rope
     w = bending_length(scene)
@@ -91,7 +94,7 @@ def fit_lengths(scene: Any, loop_error: Any, decades: Any) -> FittedLengths:
     return FittedLengths(radius, fine_length, fade, END_LENGTH * layer * shorter, grading)
 
 
-def pumped_grading(scene: Any) -> Any:
+def pumped_grading(scene: Scene) -> Scalar:
     """Return the grading that resolves the transverse waves of the legs that grow after an emergency stop.
 
     A tension rho g y (1 + a cos omega t) excites waves of omega / 2 (Mathieu's equation): they grow by exp(a omega t /
@@ -105,7 +108,7 @@ def pumped_grading(scene: Any) -> Any:
     return g * (wavelength * wavelength) * (1.0 + (PUMPED_GROWTH / growth) ** 4)
 
 
-def divider_positions(scene: Any, left: Any, right: Any) -> tuple[Any, ...]:
+def divider_positions(scene: Scene, left: Scalar, right: Scalar) -> tuple[Scalar, ...]:
     """Return the arc lengths (m) from the ends, at these heights, at which each divider may press a leg (8,).
 
     Left and right leg alternate; infinite where the divider does not hold the leg, or is far from it.
@@ -119,13 +122,13 @@ def divider_positions(scene: Any, left: Any, right: Any) -> tuple[Any, ...]:
     )
 
 
-def _may_press(scene: Any, divider: Any, leg: Any) -> Any:
+def _may_press(scene: Scene, divider: Divider, leg: Scalar) -> Scalar:
     gap = abs(leg * cos(divider.direction) - divider.offset) - 0.5 * divider.size
     near = logical_and(divider.size > 0, gap < REACH * scene.layout.spacing)
     return logical_and(scene.shaft.contact.stiffness > 0, near)
 
 
-def pressed_length(scene: Any) -> Any:
+def pressed_length(scene: Scene) -> Scalar:
     """Return the longest element (m) of a rope with a leg that a divider may press; infinite without one."""
     pressed = logical_or(*(s < math.inf for s in divider_positions(scene, 0.0, 0.0)))
     return where(pressed, contact_error.length_for(scene, BLOW), math.inf)
@@ -141,7 +144,7 @@ class FittedMesh(NamedTuple):
     grading: float
 
 
-def fit_elements(scene: Any, loop_error: Any, decades: Any) -> FittedMesh:
+def fit_elements(scene: Scene, loop_error: Scalar, decades: Scalar) -> FittedMesh:
     """Return the mesh for a ``loop_error`` (m) that is ``decades`` powers of ten below FADE_ERROR."""
     length = scene.rope.length
     lengths = fit_lengths(scene, loop_error, decades)
@@ -163,11 +166,11 @@ def fit_elements(scene: Any, loop_error: Any, decades: Any) -> FittedMesh:
     return FittedMesh(equal, coarse, fine, end_levels, grading)
 
 
-def _fine_count(lengths: FittedLengths, coarse: Any) -> Any:
+def _fine_count(lengths: FittedLengths, coarse: Scalar) -> Scalar:
     """Return the elements of IV: for the bend, its decay above, and the distance to the next transformation."""
     return RATIO * ceil((math.pi * lengths.radius + 2 * lengths.fade + 2 * DUE * coarse) / coarse)
 
 
-def _inner_length(fine: Any) -> Any:
+def _inner_length(fine: Scalar) -> Scalar:
     """Return the length of segments II to VI in units of l; II and VI have two elements each, III and V none."""
     return fine / RATIO + 2.0

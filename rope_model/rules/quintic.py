@@ -6,8 +6,15 @@ on numbers and CasADi expressions.
 
 from typing import Any
 
+from rope_model.physics.elementary import Scalar, Vector
 
-def coefficients(h: Any, x0: Any, v0: Any, a0: Any, x1: Any, v1: Any, a1: Any) -> tuple[Any, ...]:
+#: coefficients of 1, s, s^2 ... of one coordinate
+Quintic = tuple[float, float, float, float, float, float]
+
+
+def coefficients(
+    h: Scalar, x0: Scalar, v0: Scalar, a0: Scalar, x1: Scalar, v1: Scalar, a1: Scalar
+) -> Quintic:
     """Return c0 to c5 of the quintic over a time ``h``."""
     dx = x1 - x0 - h * v0 - 0.5 * h * h * a0
     dv = h * (v1 - v0 - h * a0)
@@ -15,10 +22,11 @@ def coefficients(h: Any, x0: Any, v0: Any, a0: Any, x1: Any, v1: Any, a1: Any) -
     c3 = 10 * dx - 4 * dv + 0.5 * da
     c4 = -15 * dx + 7 * dv - da
     c5 = 6 * dx - 3 * dv + 0.5 * da
-    return x0, v0, 0.5 * a0, c3 / h**3, c4 / h**4, c5 / h**5
+    half_a0: Any = 0.5 * a0
+    return x0, v0, half_a0, c3 / h**3, c4 / h**4, c5 / h**5
 
 
-def rates(c: Any, s: Any) -> tuple[Any, Any, Any]:
+def rates(c: Vector, s: Scalar) -> tuple[Scalar, Scalar, Scalar]:
     """Return value, rate and acceleration at ``s``."""
     _, c1, c2, c3, c4, c5 = c
     return (
@@ -28,16 +36,16 @@ def rates(c: Any, s: Any) -> tuple[Any, Any, Any]:
     )
 
 
-def value(c: Any, s: Any) -> Any:
+def value(c: Vector, s: Scalar) -> Scalar:
     """Return the value at ``s``."""
     return c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * (c[4] + s * c[5]))))
 
 
-def acceleration(c: Any, s: Any) -> Any:
+def acceleration(c: Vector, s: Scalar) -> Scalar:
     """Return the acceleration at ``s``."""
     return 2 * c[2] + s * (6 * c[3] + s * (12 * c[4] + s * 20 * c[5]))
 
 
-def extrapolate(x: Any, v: Any, a: Any, h: Any) -> tuple[Any, Any]:
+def extrapolate(x: Scalar, v: Scalar, a: Scalar, h: Scalar) -> tuple[Scalar, Scalar]:
     """Return position and speed after the time ``h`` at constant acceleration."""
     return x + v * h + 0.5 * a * h * h, v + a * h

@@ -15,7 +15,7 @@ from rope_model.arrays import Array
 from rope_model.physics.accuracy import ErrorSums
 from rope_model.physics.contact_error import ContactSums
 from rope_model.physics.element import POINTS
-from rope_model.physics.energy_balance import residual, total
+from rope_model.physics.energy_balance import EnergyBalance
 from rope_model.physics.guard import GuardState
 from rope_model.physics.initial_curvature import START
 from rope_model.physics.shaft import KINDS
@@ -30,34 +30,6 @@ from rope_model.shaft_parameters import FAR
 
 #: state z of a rope without friction between its wires
 NO_HYSTERESIS = np.zeros((0, 3 * len(POINTS)))
-
-
-class EnergyBalance(NamedTuple):
-    """Present energies, and work done since the start, J."""
-
-    kinetic: float = 0.0
-    strain: float = 0.0
-    gravity: float = 0.0
-    contact: float = 0.0  # stored in contact with bodies or of the rope with itself
-    work_ends: float = 0.0  # work of the conveyances
-    dissipated_material: float = 0.0
-    dissipated_swivel: float = 0.0
-    dissipated_contact: float = 0.0
-    dissipated_wires: float = 0.0
-    given_to_air: float = 0.0
-    nonconservative: float = 0.0  # taken up by the part of the coupling with Qb != Qc
-    transformations: float = 0.0  # sum of the energy changes by mesh changes
-    start: float = 0.0  # total energy at the start
-
-    @property
-    def total(self) -> float:
-        """Kinetic, strain, potential and contact energy."""
-        return float(total(self))
-
-    @property
-    def residual(self) -> float:
-        """Residual of the balance: energy that the integrator has dissipated (negative) or created."""
-        return float(residual(self))
 
 
 class Counts(NamedTuple):

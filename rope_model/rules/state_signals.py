@@ -5,16 +5,16 @@ from typing import Any
 
 from rope_model.physics.accuracy import TINY
 from rope_model.physics.contact_error import ContactSums
-from rope_model.physics.elementary import less, maximum, sqrt
-from rope_model.physics.energy_balance import residual, total
+from rope_model.physics.elementary import Scalar, less, maximum, sqrt
+from rope_model.physics.energy_balance import EnergyBalance, residual, total
 from rope_model.physics.guard import GuardState
 from rope_model.physics.shaft import KINDS
 from rope_model.rules.input_filter import InputFilter
 from rope_model.rules.signal_table import SIGNALS
-from rope_model.rules.state import Counts, Crossing, EnergyBalance, Nearest
+from rope_model.rules.state import Counts, Crossing, Nearest, RopeState
 
 
-def remembered(state: Any) -> dict[str, Any]:
+def remembered(state: RopeState) -> dict[str, Scalar]:
     """Return the values of these signals by name; entries of ``state`` may be symbols."""
     crossing = state.crossing
     guard = state.guard
@@ -51,16 +51,16 @@ def remembered(state: Any) -> dict[str, Any]:
     return {name: value for name, value in values.items() if name in SIGNALS}
 
 
-_START: dict[str, Any] = {
-    "crossing": Crossing(),
-    "guard": GuardState(),
-    "filters": (InputFilter(),) * 2,
-}
-_START |= {
-    "counts": Counts(),
-    "given_up_since": 0.0,
-    "energy_balance": EnergyBalance(),
-    "contact": ContactSums(),
-}
+#: the members of a state that these signals depend on
+_START: Any = SimpleNamespace(
+    crossing=Crossing(),
+    guard=GuardState(),
+    filters=(InputFilter(),) * 2,
+    counts=Counts(),
+    given_up_since=0.0,
+    energy_balance=EnergyBalance(),
+    contact=ContactSums(),
+    nearest=(Nearest(),) * len(KINDS),
+)
 #: names of these signals
-STATE_SIGNALS = tuple(remembered(SimpleNamespace(**_START, nearest=(Nearest(),) * len(KINDS))))
+STATE_SIGNALS = tuple(remembered(_START))

@@ -1,9 +1,7 @@
 """Constants and formulas of the search for the rope at rest."""
 
-from typing import Any
-
 from rope_model.physics.accuracy import TINY
-from rope_model.physics.elementary import less, maximum
+from rope_model.physics.elementary import Scalar, less, maximum
 
 #: last full Newton correction in ``system.norm``, over the rope's length
 REST_TOLERANCE = 1e-11
@@ -21,12 +19,12 @@ PATIENCE = 300
 SYMMETRIC = 1e-6
 
 
-def lacks_symmetry(Qs: Any, Qk: Any) -> Any:
+def lacks_symmetry(Qs: Scalar, Qk: Scalar) -> Scalar:
     """Return whether the part Qk of the coupling without energy is large enough to shorten corrections."""
     return less(SYMMETRIC * abs(Qs), abs(Qk))
 
 
-def relaxation(change: Any, last: Any) -> Any:
+def relaxation(change: Scalar, last: Scalar) -> Scalar:
     """Return the part of a correction to take, from the ``change`` of the squared error by the part ``last`` before.
 
     The part w of a correction that multiplies the error by i r changes its square by (1 - w)^2 + (w r)^2.

@@ -1,9 +1,7 @@
 """Constants and formulas of stepping through a communication step."""
 
-from typing import Any
-
 from rope_model.physics.accuracy import STEP_ITERATIONS
-from rope_model.physics.elementary import maximum
+from rope_model.physics.elementary import Scalar, maximum
 
 #: largest number of Newton iterations of a communication step: over 6 times that of 120 drawn trips
 MAX_ITERATIONS = 5_000.0
@@ -11,7 +9,7 @@ MAX_ITERATIONS = 5_000.0
 LIMIT_INTERVAL = 0.05
 
 
-def max_iterations(interval: Any, step_max: Any) -> Any:
+def max_iterations(interval: Scalar, step_max: Scalar) -> Scalar:
     """Return the Newton iterations after which a communication step fails; a short step_max needs more."""
     return (
         MAX_ITERATIONS * maximum(interval / LIMIT_INTERVAL, 1.0)

@@ -6,10 +6,11 @@ rope's end, and ``rate`` that of the swivel's angle (rad/s).
 
 import math
 from enum import Enum
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from rope_model.parameters import Swivel
 from rope_model.physics.accuracy import TINY
-from rope_model.physics.elementary import logical_and, logical_or, maximum, where
+from rope_model.physics.elementary import Scalar, logical_and, logical_or, maximum, where
 from rope_model.physics.swivel import friction_moment
 
 #: of the tension times the mean diameter, excess of a moment over the static limit that is rounding: 1e-9 N m at 5 kN
@@ -33,25 +34,25 @@ class SwivelState(NamedTuple):
     sign: float
 
 
-def frictionless(swivel: Any) -> Any:
+def frictionless(swivel: Swivel) -> Scalar:
     """Return whether the swivel turns without friction."""
     return logical_or(
         swivel.mode == "free", logical_and(swivel.mu_kinetic == 0.0, swivel.seal_moment == 0.0)
     )
 
 
-def released_at(swivel: Any, swivel_state: Any) -> Any:
+def released_at(swivel: Swivel, swivel_state: SwivelState) -> Scalar:
     """Return the instant (s) at which its lock ends; infinite if it is not locked, or locked for ever."""
     waits = logical_and(swivel_state.phase == Phase.LOCKED, swivel.mode != "locked")
     return where(waits, swivel.release_time, math.inf)
 
 
-def relaxes(swivel: Any, swivel_state: Any, t: Any) -> Any:
+def relaxes(swivel: Swivel, swivel_state: SwivelState, t: Scalar) -> Scalar:
     """Return whether a run that starts at ``t`` (s) starts from the angle to which the swivel has slid."""
     return logical_and(swivel.start == "relaxed", t >= released_at(swivel, swivel_state))
 
 
-def swivel_friction(swivel: Any, mu: Any, tension: Any) -> Any:
+def swivel_friction(swivel: Swivel, mu: Scalar, tension: Scalar) -> Scalar:
     """Return the largest moment (N m) of its friction with this coefficient."""
     return where(
         swivel.mode == "free",
@@ -60,22 +61,28 @@ def swivel_friction(swivel: Any, mu: Any, tension: Any) -> Any:
     )
 
 
-def beyond_rest(swivel: Any, tension: Any, constraint_moment: Any) -> Any:
+def beyond_rest(swivel: Swivel, tension: Scalar, constraint_moment: Scalar) -> Scalar:
     """Return the share by which ``constraint_moment`` exceeds the static friction; negative while the swivel holds."""
     holds = where(frictionless(swivel), 0.0, swivel_friction(swivel, swivel.mu_static, tension))
     limit = holds + MOMENT_RESOLUTION * swivel.mean_diameter * abs(tension)
     return abs(constraint_moment) / maximum(limit, TINY) - 1.0
 
 
-def moment_of_swivel(swivel: Any, swivel_state: Any, tension: Any, constraint_moment: Any) -> Any:
+def moment_of_swivel(
+    swivel: Swivel, swivel_state: SwivelState, tension: Scalar, constraint_moment: Scalar
+) -> Scalar:
     """Return the moment (N m, about the tangent) of the conveyance on the rope's end."""
     friction = swivel_friction(swivel, swivel.mu_kinetic, tension)
     return where(swivel_state.phase == Phase.SLIP, -swivel_state.sign * friction, constraint_moment)
 
 
 def swivel_excess(
-    swivel: Any, swivel_state: Any, tension: Any, constraint_moment: Any, rate: Any
-) -> Any:
+    swivel: Swivel,
+    swivel_state: SwivelState,
+    tension: Scalar,
+    constraint_moment: Scalar,
+    rate: Scalar,
+) -> Scalar:
     """Return the event function: negative while the swivel may stay in its phase."""
     phase = swivel_state.phase
     beyond = beyond_rest(swivel, tension, constraint_moment)

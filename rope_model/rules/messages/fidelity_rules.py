@@ -8,9 +8,10 @@ from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
 
-from rope_model.parameters import AT_START
+from rope_model.parameters import AT_START, Scene
 from rope_model.physics import estimates
-from rope_model.physics.elementary import logical_and, logical_or, maximum, where
+from rope_model.physics.elementary import Scalar, logical_and, logical_or, maximum, where
+from rope_model.physics.estimates import Travel
 from rope_model.physics.guard import has_guards
 from rope_model.physics.inextensible import min_tension, rigid_tensions
 from rope_model.physics.initial_curvature import max_curvature
@@ -26,17 +27,17 @@ ALONG = ("vx", "ax", "lean")  #: inputs that move the ends in the plane
 INPUTS = tuple(field.name for field in fields(EndMotion))
 
 
-def carries_torque(scene: Any) -> Any:
+def carries_torque(scene: Scene) -> Scalar:
     """Return whether the rope carries torque even in the plane while its ends do not turn."""
     return logical_or(_coupled(scene)[0], _twisted(scene)[0], _curved(scene)[0])
 
 
-def not_plumb(scene: Any) -> Any:
+def not_plumb(scene: Scene) -> Scalar:
     """Return whether an end of the rope is clamped otherwise, or hinged."""
     return logical_or(scene.left.attachment != "plumb", scene.right.attachment != "plumb")
 
 
-def expected_travel(ends: Sequence[Any]) -> estimates.Travel:
+def expected_travel(ends: Sequence[EndMotion]) -> estimates.Travel:
     """Return the motion to expect of ends that move like this."""
     left, right = ends
     speed = maximum(abs(left.vy), abs(right.vy))
@@ -44,7 +45,7 @@ def expected_travel(ends: Sequence[Any]) -> estimates.Travel:
     return estimates.travel_estimate(abs(left.y - right.y), speed, acceleration)
 
 
-def force_error(scene: Any, fidelity: Any, travel: Any) -> Any:
+def force_error(scene: Scene, fidelity: str, travel: Travel) -> Scalar:
     """Return the estimated error of the end forces against the complete model; inf if the loop may turn far."""
     locked = logical_and(scene.left.mode == "locked", scene.right.mode == "locked")
     torque_error = estimates.held_error(scene, travel) + where(
@@ -56,7 +57,9 @@ def force_error(scene: Any, fidelity: Any, travel: Any) -> Any:
     return error + where(fidelity == "rigid", loop_error, 0.0)
 
 
-def first_input(left: Any, right: Any, turned: Any, across: Any, along: Any) -> Any:
+def first_input(
+    left: EndMotion, right: EndMotion, turned: Scalar, across: Scalar, along: Scalar
+) -> Scalar:
     """Return the number, from 1 on, of the first input that is not zero, of the kinds that count; 0: none."""
     first: Any = 0.0
     kinds = (along, ALONG), (across, OUT_OF_PLANE), (turned, TURNED)
@@ -68,7 +71,7 @@ def first_input(left: Any, right: Any, turned: Any, across: Any, along: Any) -> 
     return first
 
 
-def out_of_plane(number: Any) -> Any:
+def out_of_plane(number: Scalar) -> Scalar:
     """Return whether the input of this number acts out of the plane."""
     numbers = (
         before + 1 + INPUTS.index(name) for before in (0, len(INPUTS)) for name in OUT_OF_PLANE
@@ -76,19 +79,19 @@ def out_of_plane(number: Any) -> Any:
     return logical_or(*(number == own for own in numbers))
 
 
-def held_input(left: Any, right: Any) -> Any:
+def held_input(left: EndMotion, right: EndMotion) -> Scalar:
     """Return the number of the input that twists or bends the rope where it starts with its swivels held; 0: none."""
     return first_input(left, right, True, True, False)
 
 
-def unsupported_input(scene: Any, fidelity: Any, left: Any, right: Any) -> Any:
+def unsupported_input(scene: Scene, fidelity: str, left: EndMotion, right: EndMotion) -> Scalar:
     """Return the number of the first input that ``fidelity``, not torsional, leaves out; 0: none."""
     held = _turns_freely(scene) == 0
     across = logical_or(fidelity != "spatial", logical_and(held, scene.model.fidelity == "auto"))
     return first_input(left, right, held, across, fidelity == "rigid")
 
 
-def _turns_freely(scene: Any) -> Any:
+def _turns_freely(scene: Scene) -> Scalar:
     """Return whether both swivels turn from the start of any run; one that waits for 0 is held before."""
     free = (
         logical_and(x.mode == "free", x.release_time <= AT_START) for x in (scene.left, scene.right)
@@ -96,40 +99,44 @@ def _turns_freely(scene: Any) -> Any:
     return logical_and(*free)
 
 
-def _coupled(scene: Any) -> tuple[Any, ...]:
+def _coupled(scene: Scene) -> tuple[Scalar, ...]:
     rope = scene.rope
     return logical_or(rope.Qs != 0, rope.Qk != 0), rope.Qb, rope.Qc
 
 
-def _twisted(scene: Any) -> tuple[Any, ...]:
+def _twisted(scene: Scene) -> tuple[Scalar, ...]:
     return scene.rope.installed_twist != 0, scene.rope.installed_twist
 
 
-def _curved(scene: Any) -> tuple[Any, ...]:
+def _curved(scene: Scene) -> tuple[Scalar, ...]:
     largest = max_curvature(scene.rope)
     return largest > 0, largest
 
 
 def _errs_too_much(
-    scene: Any, fidelity: Any, left: Any, right: Any, forces: Any
-) -> tuple[Any, ...]:
+    scene: Scene, fidelity: str, left: EndMotion, right: EndMotion, forces: Scalar
+) -> tuple[Scalar, ...]:
     error = force_error(scene, fidelity, expected_travel((left, right)))
     tolerance = scene.model.force_tolerance
     return error > tolerance, 100 * tolerance, 100 * error
 
 
 def _would_go_slack(
-    scene: Any, fidelity: Any, left: Any, right: Any, forces: Any
-) -> tuple[Any, ...]:
+    scene: Scene, fidelity: str, left: EndMotion, right: EndMotion, forces: Scalar
+) -> tuple[Scalar, ...]:
     tension = min_tension(rigid_tensions(scene.rope, scene.layout, left, right))
     return logical_and(fidelity == "rigid", tension < 0), tension
 
 
-def _no_torque(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, ...]:
+def _no_torque(
+    scene: Scene, fidelity: str, left: EndMotion, right: EndMotion
+) -> tuple[Scalar, ...]:
     return (logical_and(fidelity != "rigid", carries_torque(scene) == 0),)
 
 
-def _errs_little(scene: Any, fidelity: Any, left: Any, right: Any) -> tuple[Any, ...]:
+def _errs_little(
+    scene: Scene, fidelity: str, left: EndMotion, right: EndMotion
+) -> tuple[Scalar, ...]:
     travel = expected_travel((left, right))
     tolerance = scene.model.force_tolerance
     error = force_error(scene, fidelity, travel)

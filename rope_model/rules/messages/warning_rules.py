@@ -1,10 +1,10 @@
 """Decision tables of the warnings: rules and bounds for rules.messages.result_warnings and its C."""
 
 import math
-from typing import Any
 
+from rope_model.parameters import Scene
 from rope_model.physics.accuracy import length_for, mesh_error, turned_by_mesh
-from rope_model.physics.elementary import floor, logical_and, logical_or, minimum, where
+from rope_model.physics.elementary import Scalar, floor, logical_and, logical_or, minimum, where
 from rope_model.physics.estimates import (
     bending_length,
     coupling_torque,
@@ -13,12 +13,13 @@ from rope_model.physics.estimates import (
 )
 from rope_model.physics.initial_curvature import max_curvature
 from rope_model.rules import audit as audits
-from rope_model.rules.input_filter import MIN_BREAKS, POSITION, filter_settings
+from rope_model.rules.input_filter import MIN_BREAKS, POSITION, InputFilter, filter_settings
 from rope_model.rules.mesh_fit import MAX_LENGTH, NATURAL_RADIUS
 from rope_model.rules.mesh_pattern import fine_share
 from rope_model.rules.messages import warning_messages as texts
 from rope_model.rules.messages.fidelity_rules import carries_torque
 from rope_model.rules.messages.rules import Rules
+from rope_model.rules.state import RopeState
 from rope_model.shaft_parameters import FAR
 
 #: rad, yaw of a loop that is turned over
@@ -35,7 +36,7 @@ COARSEST_ROUNDING = 0.99e-4
 REST_SPEED = 1e-3
 
 
-def rests(scene: Any, state: Any) -> Any:
+def rests(scene: Scene, state: RopeState) -> Scalar:
     """Return whether the rope is at rest."""
     data = scene.rope
     return state.energy_balance.kinetic < 0.5 * data.mass_per_length * data.length * (
@@ -43,7 +44,7 @@ def rests(scene: Any, state: Any) -> Any:
     )
 
 
-def leaves_out(scene: Any, state: Any) -> Any:
+def leaves_out(scene: Scene, state: RopeState) -> Scalar:
     """Return whether the rope moves in a way that its fidelity leaves out."""
     blown = logical_and(
         state.fidelity == "planar", scene.shaft.air.density > 0, abs(scene.shaft.air.vz) > 0
@@ -51,7 +52,7 @@ def leaves_out(scene: Any, state: Any) -> Any:
     return logical_or(state.fidelity == "rigid", carries_torque(scene), blown)
 
 
-def yawed_far_at_rest(scene: Any, state: Any, yaw: Any) -> Any:
+def yawed_far_at_rest(scene: Scene, state: RopeState, yaw: Scalar) -> Scalar:
     """Return whether the loop hangs out of its ends' plane by ``yaw`` (rad) at rest, and no worse warning applies."""
     free = logical_and(
         state.crossing.number == 0, state.crossing.overlap == 0, abs(yaw) < HALF_A_TURN
@@ -61,21 +62,21 @@ def yawed_far_at_rest(scene: Any, state: Any, yaw: Any) -> Any:
     )
 
 
-def _passages(state: Any) -> tuple[Any, ...]:
+def _passages(state: RopeState) -> tuple[Scalar, ...]:
     return state.crossing.number, state.crossing.since, state.crossing.y
 
 
-def _legs_press(state: Any) -> tuple[Any, ...]:
+def _legs_press(state: RopeState) -> tuple[Scalar, ...]:
     x = state.crossing
     return logical_and(x.number == 0, x.overlap > 0), x.touched_at, x.overlap, x.touched_y
 
 
-def _legs_touch(scene: Any, state: Any, yaw: Any) -> tuple[Any, ...]:
+def _legs_touch(scene: Scene, state: RopeState, yaw: Scalar) -> tuple[Scalar, ...]:
     applies, *numbers = _legs_press(state)
     return logical_and(applies, scene.shaft.contact.rope_stiffness == 0), *numbers
 
 
-def _torque_of_coupling(scene: Any, turned: Any) -> tuple[Any, ...]:
+def _torque_of_coupling(scene: Scene, turned: Scalar) -> tuple[Scalar, ...]:
     coupling, curvature, installed, ends = _torques(scene, turned)
     return (
         logical_and(coupling >= curvature, coupling >= installed, coupling >= ends),
@@ -84,17 +85,17 @@ def _torque_of_coupling(scene: Any, turned: Any) -> tuple[Any, ...]:
     )
 
 
-def _torque_of_curvature(scene: Any, turned: Any) -> tuple[Any, ...]:
+def _torque_of_curvature(scene: Scene, turned: Scalar) -> tuple[Scalar, ...]:
     _, curvature, installed, ends = _torques(scene, turned)
     return logical_and(curvature >= installed, curvature >= ends), max_curvature(scene.rope)
 
 
-def _torque_of_twist(scene: Any, turned: Any) -> tuple[Any, ...]:
+def _torque_of_twist(scene: Scene, turned: Scalar) -> tuple[Scalar, ...]:
     *_, installed, ends = _torques(scene, turned)
     return installed >= ends, scene.rope.installed_twist
 
 
-def _torques(scene: Any, turned: Any) -> tuple[Any, Any, Any, Any]:
+def _torques(scene: Scene, turned: Scalar) -> tuple[Scalar, Scalar, Scalar, Scalar]:
     """Return the torques by coupling, permanent curvature, installed twist, and ends twisted by ``turned`` (rad)."""
     rope = scene.rope
     # the twist of the ends includes the installed twist
@@ -103,16 +104,16 @@ def _torques(scene: Any, turned: Any) -> tuple[Any, Any, Any, Any]:
     return coupling, curvature_torque(rope), twist_torque(rope, rope.installed_twist), ends
 
 
-def _missing(load: Any, bound: Any) -> tuple[Any, ...]:
+def _missing(load: Scalar, bound: Scalar) -> tuple[Scalar, ...]:
     return load > bound, load, bound
 
 
-def _shown_below(number: Any) -> Any:
+def _shown_below(number: Scalar) -> Scalar:
     """Return ``number`` cut to two decimals, so that it looks different from a bound of less than 10 above it."""
     return floor(100.0 * number) / 100.0
 
 
-def _waves_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
+def _waves_unresolved(scene: Scene, state: RopeState) -> tuple[Scalar, ...]:
     audit = state.audit
     steps = audits.signal_values(state.audit)[4]
     large = audits.LARGE_CHANGE * audit.force
@@ -128,13 +129,13 @@ def _waves_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
     )
 
 
-def _bend_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
+def _bend_unresolved(scene: Scene, state: RopeState) -> tuple[Scalar, ...]:
     elements = audits.signal_values(state.audit)[5]
     enough = audits.MIN_ELEMENTS
     return logical_and(state.audit.bend > 0, elements < enough), _shown_below(elements), enough
 
 
-def _positions_rounded(scene: Any, end_filter: Any, step: Any) -> tuple[Any, ...]:
+def _positions_rounded(scene: Scene, end_filter: InputFilter, step: Scalar) -> tuple[Scalar, ...]:
     x = end_filter
     on_grid = logical_and(x.samples >= MIN_SAMPLES, x.grid >= COARSEST_ROUNDING, x.grid < 1)
     return logical_and(
@@ -142,7 +143,7 @@ def _positions_rounded(scene: Any, end_filter: Any, step: Any) -> tuple[Any, ...
     ), x.grid
 
 
-def _motion_misfits(scene: Any, end_filter: Any, step: Any) -> tuple[Any, ...]:
+def _motion_misfits(scene: Scene, end_filter: InputFilter, step: Scalar) -> tuple[Scalar, ...]:
     x = end_filter
     disturbs = x.acceleration_misfit > scene.accuracy.end_force * scene.layout.gravity
     return (
@@ -153,7 +154,7 @@ def _motion_misfits(scene: Any, end_filter: Any, step: Any) -> tuple[Any, ...]:
     )
 
 
-def _estimates_lag(scene: Any, end_filter: Any, step: Any) -> tuple[Any, ...]:
+def _estimates_lag(scene: Scene, end_filter: InputFilter, step: Scalar) -> tuple[Scalar, ...]:
     """Return whether an estimated motion was further from the given one than inputs.misfit_max admits given ones."""
     x = end_filter
     bandwidth = filter_settings(scene, POSITION).estimate
@@ -161,7 +162,7 @@ def _estimates_lag(scene: Any, end_filter: Any, step: Any) -> tuple[Any, ...]:
     return lags, x.position_misfit, x.speed_misfit, bandwidth
 
 
-def _loop_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
+def _loop_unresolved(scene: Scene, state: RopeState) -> tuple[Scalar, ...]:
     mesh = scene.mesh
     allowed = scene.accuracy.loop
     equal = mesh.kind == "eem"
@@ -177,13 +178,13 @@ def _loop_unresolved(scene: Any, state: Any) -> tuple[Any, ...]:
     return applies, fine_length, error, allowed, yaw, sufficient
 
 
-def _no_air(scene: Any, state: Any) -> tuple[Any, ...]:
+def _no_air(scene: Scene, state: RopeState) -> tuple[Scalar, ...]:
     air = scene.shaft.air
     moved = logical_or(air.vx != 0, air.vy != 0, air.vz != 0)
     return logical_and(air.density == 0, moved), air.vx, air.vy, air.vz
 
 
-def _blind(state: Any, blind: Any, threshold: Any) -> tuple[Any, ...]:
+def _blind(state: RopeState, blind: Scalar, threshold: Scalar) -> tuple[Scalar, ...]:
     return logical_and(blind, threshold > 0), threshold, state.fidelity
 
 
