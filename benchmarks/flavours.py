@@ -8,6 +8,7 @@ a step.
 
 import argparse
 import time
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -35,7 +36,7 @@ COMPARED = {
 }
 
 
-def settings() -> dict[str, Value]:
+def settings() -> Mapping[str, Value]:
     """Return the parameters of both ropes: those of LEVEL, and the complete model."""
     scene = ROPE_CASES[HOIST](LEVEL).scene
     groups = ("mesh.", "solver.", "accuracy.")
@@ -46,7 +47,7 @@ def settings() -> dict[str, Value]:
 def wound(fmu: Path) -> tuple[Recording, float]:
     """Return the record of the trip with this FMU, and the time that it took (s)."""
     run = from_landing(build(HOIST, {}))
-    made = run.design()
+    design = run.design()
     rope = FmuRope(fmu, {**run.rope_values, **settings()}, COMPARED)
     start = time.perf_counter()
     try:
@@ -55,8 +56,8 @@ def wound(fmu: Path) -> tuple[Recording, float]:
             run.hoist,
             run.winding,
             run.coupling,
-            made.gains,
-            trajectory=made.trajectory,
+            design.gains,
+            trajectory=design.trajectory,
         )
         with progress_bar() as progress:
             result = host.run(progress)
@@ -72,8 +73,8 @@ def differences(one: Recording, other: Recording) -> list[tuple[str, str, float,
     rows = []
     for name, words in COMPARED.items():
         theirs = other[name]
-        apart = np.abs(one[name] - theirs)
-        rows.append((words, one.units[name], float(np.abs(theirs).max()), float(apart.max())))
+        difference = np.abs(one[name] - theirs)
+        rows.append((words, one.units[name], float(np.abs(theirs).max()), float(difference.max())))
     return rows
 
 

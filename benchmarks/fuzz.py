@@ -19,7 +19,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
-from fmu_src.native.export import native_table, rope_sources, shell_sources
+from fmu_src.interface import variables
+from fmu_src.native.export import rope_sources, shell_sources
 from fmu_src.native.start import Start, c_start
 from fmu_src.native.table import start_values
 from rope_model.cases import rope_120
@@ -63,7 +64,7 @@ class Outcome(NamedTuple):
 
 def build(fmi: int, folder: Path, name: str, flags: Sequence[str]) -> None:
     """The fuzz target as ``name`` in ``folder``, compiled with more ``flags``."""
-    table = native_table(rope_120())
+    table = variables(rope_120())
     files = rope_sources() | shell_sources(table, fmi)
     files["start.c"] = c_start(Start("fuzz", start_values(table, fmi)))
     files |= {

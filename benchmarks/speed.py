@@ -26,16 +26,16 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
-from rope_model import BalanceRope, EndMotion, Scene, Solver, balance_rope
+from rope_model import EndMotion, balance_rope
+from rope_model.public import Form
 
 H = 0.01  # s, communication step
 SCENE = "rope-120"
 ROUNDS = 5
 READ = ("left.fy", "right.fy", "left.fy_mean", "right.fy_mean")
 #: s of the winding that are run
-WINDOW = {"native": 24.0, "Python, compiled": 24.0, "Python, portable": 4.0}
+WINDOW: dict[Form, float] = {"native": 24.0, "reference": 4.0}
 DEEP_WINDOW = 60.0  #: s of another scene's winding
-KERNELS = {"native": 0, "Python, compiled": 1, "Python, portable": 2}
 
 
 class Stepper(NamedTuple):
@@ -60,18 +60,10 @@ def motions(name: str) -> Callable[[float], tuple[EndMotion, EndMotion]]:
     return lambda t: ends_at(reference, winding.travel, t)
 
 
-def rope_in(form: str, scene: Scene) -> BalanceRope:
-    """Return the rope of a scene in one of its forms."""
-    if form == "native":
-        return balance_rope(scene, "native")
-    solver = Solver(kernels="portable" if "portable" in form else "compiled")
-    return balance_rope(scene.with_(solver=solver), "python")
-
-
-def in_process(form: str, name: str) -> Stepper:
+def in_process(form: Form, name: str) -> Stepper:
     """Return the rope in this process."""
     ends = motions(name)
-    rope = rope_in(form, rope_scene(find_case(name).rope))
+    rope = balance_rope(rope_scene(find_case(name).rope), form)
 
     def step(t: float) -> bool:
         valid = rope.advance_to(t, *ends(t)).valid
@@ -81,10 +73,10 @@ def in_process(form: str, name: str) -> Stepper:
     return Stepper(lambda: rope.initialize(0.0, *ends(0.0)).valid, step)
 
 
-def through_fmu(form: str, name: str, path: Path) -> Stepper:
+def through_fmu(name: str, path: Path) -> Stepper:
     """Return the rope in an FMU, stepped by FMPy."""
     ends = motions(name)
-    fmu = FmuRope(path, {**find_case(name).rope, "solver.kernels": KERNELS[form]})
+    fmu = FmuRope(path, find_case(name).rope)
     read = fmu.reader(READ)
 
     def moved(t: float) -> list[EndMotion]:
@@ -130,7 +122,7 @@ def main() -> None:
             for form, window in forms.items():
                 fmu = native if form == "native" else python
                 runs[f"{form}, in process"].append(measure(in_process(form, scene), window))
-                runs[f"{form}, FMU"].append(measure(through_fmu(form, scene, fmu), window))
+                runs[f"{form}, FMU"].append(measure(through_fmu(scene, fmu), window))
     print(f"winding of {scene}, TMN-ETM, H = {H:g} s, medians of {ROUNDS} rounds")
     for name, of_form in runs.items():
         median = Times(*np.median(of_form, axis=0))

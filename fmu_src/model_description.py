@@ -40,7 +40,6 @@ _ENUMERATIONS = {
     "swivel.attachment": "Attachment",
     "swivel.start": "SwivelStart",
     "mesh.kind": "MeshKind",
-    "solver.kernels": "KernelForm",
     "model.fidelity": "Fidelity",
 }
 

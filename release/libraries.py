@@ -14,7 +14,7 @@ from fmu_src.export import library_sources
 from fmu_src.interface import variables
 from fmu_src.model_description import MODEL
 from fmu_src.native.build import PLATFORMS, library, open_library
-from fmu_src.native.export import model_sources, native_table, rope_sources, shell_sources
+from fmu_src.native.export import model_sources, rope_sources, shell_sources
 from fmu_src.native.start import without_start
 from fmu_src.native.table import start_values
 from hoist_demo.cases.table import find_case
@@ -46,7 +46,7 @@ def libraries() -> Iterator[Library]:
 
 
 def _rope(fmi: int) -> Library:
-    table = native_table(rope_120())
+    table = variables(rope_120())
     shared = without_start(
         {**rope_sources(), **shell_sources(table, fmi)}, len(start_values(table, fmi))
     )

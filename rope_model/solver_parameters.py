@@ -18,7 +18,6 @@ from rope_model.parameter_table import (
 )
 
 MeshKind = Literal["tmn", "eem", "auto"]
-KernelForm = Literal["auto", "compiled", "portable"]
 FidelityChoice = Literal["auto", "torsional", "spatial", "planar", "rigid"]
 Trusted = Literal["all", "position_speed", "position", "speed"]
 
@@ -189,17 +188,6 @@ class Solver(ParameterGroup):
         "Newton iterations of a communication step beyond which it gives up accuracy; 0: any number",
         Bounds(0, 100_000, "60 serves steps of 10 ms"),
         tunable=True,
-    )
-    kernels: KernelForm = choice(
-        "auto",
-        KernelForm,
-        (
-            "compiled where there is a compiler",
-            "compiled, else an error",
-            "interpreted, everywhere the same",
-        ),
-        "0 compiled when possible, 1 compiled, 2 portable",
-        "'auto' compiles when it can",
     )
 
 

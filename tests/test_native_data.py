@@ -156,9 +156,7 @@ TABLE = [
     for variable in variables(RopeCase(Scene(), 0.0, 1.0))
     if variable.causality == "parameter"
 ]
-PARAMETERS: dict[str, Any] = {
-    x.name: x.start for x in TABLE if not x.name.startswith(("inputs", "solver.kernels"))
-}
+PARAMETERS: dict[str, Any] = {x.name: x.start for x in TABLE if not x.name.startswith("inputs")}
 WHOLE = [x for x in variables(RopeCase(Scene(rope=Rope(EI=300)), 0.0, 1.0)) if x.name == "rope.EI"]
 REALS = (
     *(

@@ -27,9 +27,10 @@ import fmu_src
 import hoist_demo
 import rope_model
 from balance_rope import main
+from fmu_src.interface import variables
 from fmu_src.model_description import MODEL
 from fmu_src.native.build import PLATFORMS
-from fmu_src.native.export import native_table, rope_sources, shell_sources
+from fmu_src.native.export import rope_sources, shell_sources
 from fmu_src.native.start import without_start
 from fmu_src.native.table import start_values
 from fmu_src.reference_run import reference_files
@@ -274,7 +275,7 @@ def test_the_bill_lies_in_the_wheel_and_in_its_record(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("fmi", [pytest.param(2, marks=pytest.mark.slow), 3])
 def test_a_library_of_the_wheel_serves_an_export_of_any_level(fmi: int) -> None:
-    table = native_table(rope_120("draft"))
+    table = variables(rope_120("draft"))
     wanted = without_start(
         {**rope_sources(), **shell_sources(table, fmi)}, len(start_values(table, fmi))
     )

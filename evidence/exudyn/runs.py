@@ -69,9 +69,8 @@ def ours(group: str, label: str, scene: Scene) -> Run:
 @cache
 def hanging_shape(scene: Scene, heights: tuple[float, float]) -> tuple[Array, Array]:
     """Arc lengths and nodes (n, 7) of our equilibrium between the heights: where Exudyn's search begins."""
-    rope = at_rest(
-        scene.with_(mesh=Mesh(kind="eem", elements=600)), *(EndMotion(y=y) for y in heights)
-    )
+    left, right = (EndMotion(y=y) for y in heights)
+    rope = at_rest(scene.with_(mesh=Mesh(kind="eem", elements=600)), left, right)
     return arc_lengths(rope.state.partition.lengths), rope.state.motion.q
 
 

@@ -28,7 +28,7 @@ from fmu_src.native.start import Start, binaries_with, c_start
 from fmu_src.native.table import c_places, c_table, start_values
 from fmu_src.profile import Form, Profile, arrays, in_reading_order, scalars
 from fmu_src.xml import xml_bytes
-from rope_model.cases import Level, RopeCase
+from rope_model.cases import Level
 from rope_model.scene_names import Value
 
 _HERE = Path(__file__).resolve().parent
@@ -59,7 +59,7 @@ def export_native(
         raise ValueError(f"there is no FMI version {fmi}; choose 2 or 3")
     chosen = choose_platforms(platforms)
     data = case_with(case, level, start)
-    table = native_table(data)
+    table = variables(data)
     described = profile.select(table)
     if rope is None:
         rope = rope_sources()
@@ -91,18 +91,6 @@ def _build_date() -> str:
     if not epoch:
         return ""
     return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(int(epoch)))
-
-
-def native_table(case: RopeCase) -> tuple[Variable, ...]:
-    """Return the interface table, with marks on variables that only serve the Python flavour."""
-    return tuple(map(_native_variable, variables(case)))
-
-
-def _native_variable(v: Variable) -> Variable:
-    if v.name != "solver.kernels":
-        return v
-    text = f"of no effect here, the code is compiled; Python flavour: {v.description}"
-    return v._replace(description=text)
 
 
 def shell_sources(table: Sequence[Variable], fmi: int) -> dict[str, str]:

@@ -123,8 +123,8 @@ def _home(v: Variable) -> tuple[str, str]:
         return _TEXTS[v.name], "0"
     if v.name in SIGNALS:
         return "SIGNAL", str(list(SIGNALS).index(v.name))
-    # outputs of the component, and a parameter of the Python form alone
-    if v.causality == "output" or v.name == "solver.kernels":
+    # outputs of the component
+    if v.causality == "output":
         return "NOWHERE", "0"
     if v.causality == "input":
         return f"{group.upper()}_MOTION", f"offsetof(EndMotion, {field})"

@@ -11,10 +11,7 @@ from hoist_demo.files.values import read_value
 from hoist_demo.parameters import EmergencyLaw
 from hoist_demo.parameters.quantity import Parameter, Value
 from rope_model import Level
-from rope_model.scene_names import choices_of
 
-#: Choices of the FMU's integer parameter, in the order of its codes.
-KERNELS = choices_of("solver.kernels")
 TRIP = ("speed", "travel", "creep_distance", "creep_speed")  #: Values of the trip that are options.
 SET = """\
 a parameter of the rope by its name in docs/reference/variables.md, or of the host as hoist.payload_left, in SI or with
@@ -39,11 +36,6 @@ def add_trip(wind: argparse.ArgumentParser) -> None:
 
 def add_data(wind: argparse.ArgumentParser) -> None:
     """Add the options for the rope's data and for the columns written."""
-    text = (
-        "the rope computes by compiled C, portably, which is slow, or auto: compiled where it can "
-        "be (%(default)s)"
-    )
-    wind.add_argument("--kernels", choices=KERNELS, default="auto", help=text)
     text = (
         "accuracy against speed of the rope in process (that of the hoist); an FMU has that of "
         "its export"

@@ -10,7 +10,7 @@ from typing import Any
 
 from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, SCENARIOS, Case
 from hoist_demo.cases.table import find_case
-from hoist_demo.command_line.options import KERNELS, TRIP, add_data, add_trip, settings
+from hoist_demo.command_line.options import TRIP, add_data, add_trip, settings
 from hoist_demo.command_line.run_results import REPORT, WoundRun, missing_outputs, write_results
 from hoist_demo.command_line.support import (
     INTERRUPTED,
@@ -335,11 +335,8 @@ def _ropes(
 
     A chosen FMU is asked whether it takes its own.
     """
-    kernels = dict[str, Value]()
-    if options.kernels != "auto":
-        kernels["solver.kernels"] = KERNELS.index(options.kernels)
     if options.in_process:
-        return ropes_of(case, run, {**overrides, **kernels}, options.level or case.level)
+        return ropes_of(case, run, overrides, options.level or case.level)
     if options.level:
         raise ValueError(
             f"--level {options.level} is for --in-process; an FMU has the level of its export: "
@@ -352,7 +349,7 @@ def _ropes(
     if fmu_part(overrides):
         probe.require_start(run)
     recorded = ({*outputs} - {*ADDED_MASSES}).union(signals)  # added masses are expensive
-    load = partial(FmuRope, options.fmu, {**kernels, **run.rope_values}, recorded)
+    load = partial(FmuRope, options.fmu, run.rope_values, recorded)
     return Ropes(case, run, (OneRope("", run.rope_values, case.level, case, fmu=load),))
 
 

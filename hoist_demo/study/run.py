@@ -42,7 +42,6 @@ from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, measure
 from hoist_demo.study.slip import slip_warnings
 from rope_model import EndMotion, Level
 
-KERNELS = "solver.kernels"  #: Parameter that changes no result.
 KEY_DIGITS = 24  #: Hexadecimal digits of a run's key.
 MAX_LISTED = 5  #: Differences between an FMU and a hoist that a message lists.
 #: Relative difference of two numbers that the text of a start value may leave by rounding.
@@ -401,11 +400,9 @@ class Probe:
 
 def _differing(starts: Mapping[str, Value | None], scene: Mapping[str, Value]) -> dict[str, Value]:
     """Return the values of a scene from which an FMU's start values differ, by name."""
-    compared = [name for name in starts if name in scene and name != KERNELS]
     differing = dict[str, Value]()
-    for name in compared:
-        start = starts[name]
-        if start is not None and not _same(start, scene[name]):
+    for name, start in starts.items():
+        if name in scene and start is not None and not _same(start, scene[name]):
             differing[name] = scene[name]
     return differing
 

@@ -1,7 +1,7 @@
 """Structures of scenes and end motions for ctypes, generated from their dataclasses.
 
 In C the real numbers of a group come first, then its integers, each in the order of the dataclass; a word becomes its
-index in the list of choices.  The form of the kernels is left out.
+index in the list of choices.
 """
 
 import ctypes
@@ -13,7 +13,6 @@ from rope_model.parameters import Scene, Swivel
 from rope_model.rules.end_paths import EndMotion
 from rope_model.shaft_parameters import PARTS, Shaft
 
-NOT_IN_C = {"kernels"}
 #: cache of the parameters' types by data class
 _KNOWN: dict[Any, dict[str, Any]] = {}
 
@@ -37,11 +36,9 @@ def members(kind: type[Any]) -> tuple[Member, ...]:
 
 
 def _hints(kind: type[Any]) -> dict[str, Any]:
-    """Return the types of the parameters that C has, by name."""
+    """Return the types of the parameters by name."""
     if kind not in _KNOWN:
-        _KNOWN[kind] = {
-            name: hint for name, hint in get_type_hints(kind).items() if name not in NOT_IN_C
-        }
+        _KNOWN[kind] = get_type_hints(kind)
     return _KNOWN[kind]
 
 

@@ -12,7 +12,6 @@ from rope_model.codegen.formula_functions import structure_at
 from rope_model.codegen.state_structures import structure_code
 from rope_model.codegen.structures import (
     GROUPS,
-    NOT_IN_C,
     EndMotionStructure,
     SceneStructure,
     ShaftStructure,
@@ -99,7 +98,7 @@ def parameter_bounds() -> str:
 
 def _choices(kind: type[Any]) -> Iterator[tuple[str, tuple[str, ...]]]:
     for name, p in parameters_of(kind).items():
-        if p.choices and name not in NOT_IN_C:
+        if p.choices:
             yield name, tuple(p.choices)
 
 

@@ -30,7 +30,6 @@ DURATION = (0.4, 2.0)  # s, of a run
 #: parameters that no feature draws, and why
 NOT_DRAWN = {
     "layout.gravity": "symmetries.other_units draws units in which it is another number",
-    "solver.kernels": "of the Python form alone; the native form has none",
 }
 
 

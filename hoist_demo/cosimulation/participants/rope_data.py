@@ -14,7 +14,6 @@ from rope_model.scene_names import choices_of, named_parameters
 
 _LEVEL_GROUPS = ("mesh.", "solver.", "model.")  #: Groups of numbers that a level of accuracy sets.
 _LEVEL_CHOICES = ("mesh.kind", "model.fidelity")  #: Choices that a level of accuracy sets.
-_FREE = "solver.kernels"  #: Parameter that may differ when a run goes on.
 _TORQUE = tuple(f"rope.{name}" for name in ("Qb", "Qc", "installed_twist", *CURVATURES))
 
 
@@ -32,7 +31,7 @@ def unstamp(data: bytes, parameters: Mapping[str, Value]) -> bytes:
         raise ValueError(
             "the state must tell its rope's parameters: give a checkpoint of this version"
         ) from error
-    names = sorted({*there, *parameters} - {_FREE})
+    names = sorted({*there, *parameters})
     differences = [
         f"{name} is {there.get(name, 'missing')} there, {parameters.get(name, 'missing')} here"
         for name in names
