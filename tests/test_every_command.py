@@ -305,7 +305,7 @@ def test_a_hoist_takes_no_other_s_fmu(tmp_path: Path, monkeypatch: Patch) -> Non
     monkeypatch.chdir(tmp_path)
     (tmp_path / "build").mkdir()
     # with what a study exported there, the report would lack what that does not show
-    (tmp_path / "build" / fmu_name("rope-120")).write_bytes(b"no FMU")
+    (tmp_path / "build" / fmu_name("rope-120", NATIVE)).write_bytes(b"no FMU")
     (tmp_path / "mine.toml").write_text('name = "mine"\nlike = "rope-120"\n[[rope]]\n')
     assert [
         main(["wind", hoist, "--check"]) for hoist in ("rope-120", "rope-240", "mine.toml")

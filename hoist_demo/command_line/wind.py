@@ -285,7 +285,7 @@ def _choose_rope(options: argparse.Namespace, default: Path | None) -> None:
             options.fmu = default
         options.in_process = options.fmu is None
         if options.in_process and default is not None:
-            cure = "`balance-rope export --outputs all` makes it"
+            cure = "`balance-rope export --native --outputs all` makes it"
             print(
                 f"balance-rope: {default} is not there: the rope runs in this process; {cure}",
                 file=sys.stderr,
@@ -322,7 +322,7 @@ def _parameters(options: argparse.Namespace) -> dict[str, Parameter] | None:
         return None
     if not options.fmu.is_file():
         raise ValueError(
-            f"FMU '{options.fmu}' is missing: `balance-rope export --outputs all --out "
+            f"FMU '{options.fmu}' is missing: `balance-rope export --native --outputs all --out "
             f"{options.fmu}` makes it; or give another file with --fmu, or run with --in-process"
         )
     return read_parameters(options.fmu)
