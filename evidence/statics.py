@@ -57,13 +57,6 @@ def held_at(q: Array, *places: Any) -> Mask:
     return held
 
 
-def clamps(q: Array) -> Mask:
-    """Return what clamps at both ends hold: place, direction, angle; not the stretch along their axes."""
-    held = held_at(q, [0, -1])
-    held[[0, -1], 3 + np.argmax(np.abs(q[[0, -1], 3:6]), axis=1)] = False
-    return held
-
-
 def held_rod(rope: Rope, gravity: float, q: Array, held: Mask) -> Equations:
     """``rope`` on equal elements, held as it is in the shape ``q`` (nodes, 7)."""
     lengths = np.full(len(q) - 1, rope.length / (len(q) - 1))

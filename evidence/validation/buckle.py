@@ -16,11 +16,11 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.optimize import brentq
 
-from evidence.statics import clamps, held_rod
+from evidence.statics import clamped, rod, turned
 from evidence.tables import Array, Table, table
 from rope_model.parameters import Rope
-from rope_model.physics.node import ANGLE, POSITION
-from rope_model.reference.statics import find_equilibrium
+from rope_model.simulation.rope_system import ANGLE, POSITION
+from rope_model.simulation.stepping.statics import find_equilibrium
 
 #: m, m, N, N m^2, N m^2
 LENGTH, SLACK, AXIAL, BEND, TORSION = 60.0, 4.0, 1e7, 200.0, 400.0
@@ -60,13 +60,10 @@ def ours(elements: int = 240) -> Iterator[tuple[float, float]]:
     """The same at TURNS, of the model's rod."""
     guess = planar(LENGTH, SLACK, elements)
     rope = Rope(LENGTH, Qa=AXIAL, Qb=0.0, Qc=0.0, Qd=TORSION, EI=BEND)
-    equations = held_rod(rope, 0.0, guess, clamps(guess))
-    at_rest = find_equilibrium(equations, guess)
-    turn = 2.0 * math.pi * STEP * np.linspace(0.0, 1.0, elements + 1)
+    system = rod(rope, 0.0, guess, clamped(guess))
+    at_rest = find_equilibrium(system, guess)
     for k in range(1, round(max(TURNS) / STEP) + 1):
-        guess = at_rest.q.copy()
-        guess[:, ANGLE] += turn
-        at_rest = find_equilibrium(equations.held_at(guess), guess)
+        at_rest = turned(system, at_rest.q, 2.0 * math.pi * STEP)
         if k * STEP in TURNS:
             yield float(at_rest.reaction[-1, ANGLE]), float(at_rest.reaction[-1, 0])
 
