@@ -19,7 +19,7 @@ from scipy.optimize import brentq
 from evidence.statics import clamped, rod, turned
 from evidence.tables import Array, Table, table
 from rope_model.parameters import Rope
-from rope_model.simulation.rope_system import ANGLE, POSITION
+from rope_model.physics.node import ANGLE, POSITION
 from rope_model.simulation.stepping.statics import find_equilibrium
 
 #: m, m, N, N m^2, N m^2
