@@ -58,7 +58,7 @@ def test_every_example_is_listed_and_fits_on_a_page() -> None:
     scripts = {path.name: path.read_text(encoding="utf-8") for path in EXAMPLES.glob("*.py")}
     page = (ROOT / "docs" / "reference" / "python.md").read_text(encoding="utf-8")
     assert set(re.findall(r"^\| \[(\w+\.py)\]", page, re.M)) == {*scripts}
-    assert all(20 <= len(text.splitlines()) <= 130 for text in scripts.values())
+    assert all(20 <= len(text.splitlines()) <= 150 for text in scripts.values())
 
 
 @pytest.mark.slow

@@ -17,7 +17,8 @@ from rope_model.parameters import Attachment, SwivelMode
 from rope_model.physics.curved_element import curved_functions
 from rope_model.physics.element import element_functions, parameters
 from rope_model.physics.initial_curvature import START, curvature_components, curvature_vectors
-from rope_model.simulation.rope_kernels import CURVED, RopeKernels
+from rope_model.physics.rope_element import CURVED
+from rope_model.simulation.rope_kernels import RopeKernels
 from rope_model.simulation.rope_system import RopeSystem
 from rope_model.simulation.stepping.statics import find_equilibrium
 
