@@ -1,6 +1,7 @@
 /* The balance rope for C hosts: an FMI shell, or Python by ctypes.  SI units, angles in radians.
 
-   rope_create allocates all memory.  There are no globals: simulators are independent, and one thread at a time may use each of them. */
+   rope_create allocates all memory.  There are no globals: simulators are independent, and one thread at a time may use
+   each of them. */
 #ifndef ROPE_H
 #define ROPE_H
 
