@@ -17,7 +17,7 @@ from rope_model.compiler import find_compiler
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLES = ROOT / "examples"
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-FMU = "build/balance_rope.fmu"
+FMU = "build/balance_rope_native.fmu"
 
 
 def lines_of(script: Path, folder: Path, *arguments: str) -> list[str]:
