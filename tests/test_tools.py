@@ -315,6 +315,7 @@ def simulate_without_python(flavour: Flavour, fmu: Path, folder: Path) -> int:
     return done.returncode
 
 
+@pytest.mark.parametrize("exported", WITH_PYTHON_SLOW, indirect=True)
 def test_tool_without_python_runs_the_fmu_and_uses_no_freed_memory(
     exported: tuple[Flavour, Path], tmp_path
 ) -> None:

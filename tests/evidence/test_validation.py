@@ -36,6 +36,7 @@ def test_a_row_misses_where_an_acceptance_is_stated_and_not_met(
     assert row(value, bound).misses is missed
 
 
+@pytest.mark.slow
 def test_the_black_wire_throws_its_loop_as_measured_with_one_of_the_published_pairs() -> None:
     # angles are good for half a step; the other pairs miss, to both sides
     half = 0.5 * STEP
@@ -101,7 +102,7 @@ LINEAR = [
         name,
         at,
         id=f"{name}-{at}",
-        marks=[] if (name, at) == ("rope-120", 0.3) else [pytest.mark.slow],
+        marks=[pytest.mark.slow],
     )
     for name in ("rope-120", "monopol-1000")
     for at in (0.0, 0.3, 0.9)
