@@ -1,7 +1,7 @@
 """Structures of scenes and end motions for ctypes, generated from their dataclasses.
 
-In C the real numbers of a group come first, then its integers, each in the order of the dataclass; a word becomes its
-index in the list of choices.  The form of the kernels is left out.
+In C the real numbers of a group come first, then its integers, each in the order of the dataclass;
+a word becomes its index in the list of choices.  The form of the kernels is left out.
 """
 
 import ctypes
