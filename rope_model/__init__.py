@@ -8,8 +8,8 @@ from the left end to the right end, so the tangent is -Y at the left end and +Y 
 theta are positive about the tangent.  The conveyance's yaw and the loop's yaw are positive about Y.  Signals fx
 ... mz are forces and moments of the rope on the conveyance.
 
-A user imports from this package, as in ``from rope_model import EndMotion, balance_rope, rope_120``; rope_model.public
-lists the names.
+A user imports from this package, as in ``from rope_model import EndMotion, balance_rope,
+rope_120``; rope_model.public lists the names.
 """
 
 from importlib import import_module
@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 else:
 
     def __getattr__(name):
-        # not before it is asked for: the parameters alone need no CasADi, and the Python FMU has no native form
+        # not before it is asked for: the parameters alone need no CasADi, and the Python FMU has no
+        # native form
         if name == "__all__" or not name.startswith("_"):
             public = import_module(".public", __name__)
             if name == "__all__" or name in public.__all__:

@@ -7,8 +7,9 @@ from rope_model.parameters import Rope, Scene, Swivel
 from rope_model.solver_parameters import Accuracy, Mesh, Model, Solver
 
 Level = Literal["draft", "standard", "reference"]
-#: accuracy, solver and model of each level, checked in docs/accuracy.md.  A draft is for end forces: it may leave out
-#: torsion and motion out of plane if that changes the forces by an estimated 0.2 % at most
+#: accuracy, solver and model of each level, checked in docs/accuracy.md.  A draft is for end
+#: forces: it may leave out torsion and motion out of plane if that changes the forces by an
+#: estimated 0.2 % at most
 LEVELS: dict[Level, dict[str, Any]] = {
     "draft": {
         "accuracy": Accuracy(end_force=1e-2, loop=0.1),

@@ -8,13 +8,13 @@ Every datum is a range with its status and its source.  A rope of diameter d has
     torque factor     c1 = Qc / (Qa d): the torque of a tension T is c1 d T while nothing turns
     torsional stiffness at constant tension           D = Qd - Qb Qc / Qa: the result of a torsion test under load
 
-Bending and torsion have two bounds: n equal wires of this area that slide freely, and a section without slip whose
-metal fills the circle evenly:
+Bending and torsion have two bounds: n equal wires of this area that slide freely, and a section
+without slip whose metal fills the circle evenly:
 
     EI from E A^2 / (4 pi n) to E A d^2 / 16          D from 2 (G / E) times the first to 2 (G / E) times the second
 
-The `middle` of a range is its geometric mean, or the arithmetic mean if it begins at 0.  Damping and the growth of D
-with tension keep the defaults of ``Rope``: no source was found.
+The `middle` of a range is its geometric mean, or the arithmetic mean if it begins at 0.  Damping
+and the growth of D with tension keep the defaults of ``Rope``: no source was found.
 """
 
 import math

@@ -1,7 +1,7 @@
 """Compiler driver: C sources to object files and libraries, each compiled once on a machine.
 
-Libraries and object files are cached on disk under the hash of their sources, the compiler and its flags, so that only
-a change of these compiles anew.
+Libraries and object files are cached on disk under the hash of their sources, the compiler and its
+flags, so that only a change of these compiles anew.
 """
 
 import getpass
@@ -33,7 +33,8 @@ FLAGS = ("-std=c99", "-O3", "-fPIC", "-shared", "-ffp-contract=off", "-fno-math-
 #: not the names of functions that contain "error"
 _AN_ERROR = re.compile(r"\berror:|undefined reference")
 _ANNOUNCED = "compiling %s with %s, once on this machine: up to a minute"
-#: names that a C file includes, kept as it takes milliseconds in the longest, which fifty others include
+#: names that a C file includes, kept as it takes milliseconds in the longest, which fifty others
+#: include
 _names_included = lru_cache(maxsize=256)(
     re.compile(r'^[ \t]*#[ \t]*include[ \t]+"([^"]+)"', re.MULTILINE).findall
 )
@@ -162,7 +163,8 @@ def link_library(
 def make_once(file: Path, make: Callable[[], None]) -> Path:
     """Call ``make`` unless the ``file`` that it writes exists, and return the file.
 
-    Other processes that need the file wait meanwhile.  If the process that makes it dies, the next one makes it.
+    Other processes that need the file wait meanwhile.  If the process that makes it dies, the next
+    one makes it.
     """
     if file.exists():
         return file
@@ -190,7 +192,8 @@ def object_files(
 ) -> dict[str, Path]:
     """Return the paths of the object files, which ``compile_objects`` makes, of the C files among ``sources``.
 
-    The hash of a file, its includes, the compiler and its flags is in the name: libraries share common files.
+    The hash of a file, its includes, the compiler and its flags is in the name: libraries share
+    common files.
     """
     # the path of Python does not count: the same ziglang compiles the same elsewhere
     made_by = (

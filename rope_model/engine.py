@@ -143,8 +143,8 @@ class NativeHandle(NamedTuple):
 class NativeRope(BalanceRope):
     """Rope in C, complete.
 
-    Raises ValueError if the mesh does not fit the rope, NoEngine without a C compiler or when it fails, and WriteError
-    when its library cannot be kept.
+    Raises ValueError if the mesh does not fit the rope, NoEngine without a C compiler or when it
+    fails, and WriteError when its library cannot be kept.
     """
 
     _library = staticmethod(_load)
@@ -295,7 +295,8 @@ class NativeRope(BalanceRope):
     def tangent(self, q: float = 0.0, v: float = 0.0, a: float = 0.0) -> ChainMatrix:
         """Return q dR/dq + v dR/dv + a dR/da of the torsional model at the present state, without contact.
 
-        It is the symmetric tangent of Newton's method: the parts of the residual R without energy are left out.
+        It is the symmetric tangent of Newton's method: the parts of the residual R without energy
+        are left out.
         """
         self._require_state()
         matrix = ChainMatrix(

@@ -29,8 +29,8 @@ def write_error(path: Path, error: OSError) -> WriteError:
 def whole_file(path: Path) -> Iterator[Path]:
     """Yield the path of a draft, with the suffix of ``path``, which then replaces ``path`` at once.
 
-    Whatever goes wrong, ``path`` stays as it was, and no draft is left; two processes may write one file. Raises
-    WriteError for every OSError.
+    Whatever goes wrong, ``path`` stays as it was, and no draft is left; two processes may write one
+    file. Raises WriteError for every OSError.
     """
     draft = path.with_name(f".{path.stem}.{os.getpid()}-{secrets.token_hex(4)}{path.suffix}")
     try:

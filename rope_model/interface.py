@@ -41,8 +41,8 @@ class Snapshot:
 class BalanceRope(ABC):
     """A balance rope between two conveyances: ``initialize``, then ``advance_to`` as often as needed.
 
-    SI units.  A start or a step that fails leaves the state as it was.  Before ``initialize`` all that needs a
-    state raises RuntimeError.  One thread at a time may use a rope.
+    SI units.  A start or a step that fails leaves the state as it was.  Before ``initialize`` all
+    that needs a state raises RuntimeError.  One thread at a time may use a rope.
     """
 
     @property
@@ -84,10 +84,11 @@ class BalanceRope(ABC):
     def initialize(self, t: float, left: EndMotion, right: EndMotion) -> Status:
         """Hang the rope at rest, with its installed twist.
 
-        Without that, and without coupling and curvature, it has no torque where its ends are apart along X and the
-        conveyances have no yaw.  Held ends that are apart in the direction psi about Y twist it by 2 psi, yaws by their
-        sum: as if it had been hung in the nominal position and the ends had then moved.  To hang it free of twist
-        between such ends, yaw both by psi, or take 2 psi off the installed twist.
+        Without that, and without coupling and curvature, it has no torque where its ends are apart
+        along X and the conveyances have no yaw.  Held ends that are apart in the direction psi
+        about Y twist it by 2 psi, yaws by their sum: as if it had been hung in the nominal position
+        and the ends had then moved.  To hang it free of twist between such ends, yaw both by psi,
+        or take 2 psi off the installed twist.
 
         Parameters
         ----------
@@ -153,8 +154,8 @@ class BalanceRope(ABC):
     def apply(self, forces: PointForces) -> None:
         """Put these forces, and no others of the kind, on the rope from now on; they are no part of its state.
 
-        A planar rope feels forces in its plane. A rigid one refuses steps with forces: set ``model.fidelity`` to
-        torsional.
+        A planar rope feels forces in its plane. A rigid one refuses steps with forces: set
+        ``model.fidelity`` to torsional.
 
         Parameters
         ----------
@@ -181,8 +182,8 @@ class BalanceRope(ABC):
     def added_mass(self) -> tuple[float, float]:
         """Return the added masses of the left and right end [kg]: downward force per upward acceleration of the end.
 
-        Both are those at the end of the last interval. The acceleration grows over it from 0, in proportion to the
-        time. The native rope alone computes them.
+        Both are those at the end of the last interval. The acceleration grows over it from 0, in
+        proportion to the time. The native rope alone computes them.
         """
         left, right = self.signals(("left.added_mass", "right.added_mass")).values()
         return left, right

@@ -1,7 +1,7 @@
 """Scene and its parameters in SI units, validated when they are made.
 
-The source gives Qb and Qc of the default rope; everything marked [assumed] is ours, because the source's tables are not
-available.
+The source gives Qb and Qc of the default rope; everything marked [assumed] is ours, because the
+source's tables are not available.
 """
 
 from __future__ import annotations
@@ -296,8 +296,8 @@ GROUPS: dict[str, type[Any]] = {
     for name, kind in get_type_hints(Scene).items()
     if kind is not Shaft
 } | PARTS
-#: words of parameters that are choices, with their meanings, by the last two parts of the name; the index of a word is
-#: its code
+#: words of parameters that are choices, with their meanings, by the last two parts of the name; the
+#: index of a word is its code
 CHOICES = {
     f"{group.rpartition('.')[2]}.{name}": p.choices
     for group, kind in GROUPS.items()

@@ -44,10 +44,10 @@ def _pattern(mesh: Any) -> tuple[Any, ...]:
 class Mesh(ParameterGroup):
     """Partition of the rope into elements.
 
-    EEM: ``elements`` of equal length.  TMN-ETM: seven segments with lengths l, l/2, l/4, l/8, l/4, l/2, l.  Without
-    elements in III and V those of the loop, in IV, are l/4 long, without II and VI too l/2.  auto: the TMN-ETM that
-    suits the rope's own lengths and the accuracy, EEM on a short or stiff rope.  ``end_levels`` = 0 is the source's
-    mesh.
+    EEM: ``elements`` of equal length.  TMN-ETM: seven segments with lengths l, l/2, l/4, l/8, l/4,
+    l/2, l.  Without elements in III and V those of the loop, in IV, are l/4 long, without II and VI
+    too l/2.  auto: the TMN-ETM that suits the rope's own lengths and the accuracy, EEM on a short
+    or stiff rope.  ``end_levels`` = 0 is the source's mesh.
     """
 
     kind: MeshKind = choice(
@@ -149,7 +149,8 @@ class Accuracy(ParameterGroup):
 class Solver(ParameterGroup):
     """Time integration: generalized-alpha with step-size control.
 
-    Newton's tolerance is in m for positions and rad for twist angles; of r' it is the change over the shortest element.
+    Newton's tolerance is in m for positions and rad for twist angles; of r' it is the change over
+    the shortest element.
     """
 
     step_max: float = parameter(

@@ -1,6 +1,7 @@
 """Escaping of external texts (files, flags, file names) for C, CSV, XML, HTML, TOML and terminals.
 
-Each language has one function here, which every text that is not a constant of ours passes on its way into a file.
+Each language has one function here, which every text that is not a constant of ours passes on its
+way into a file.
 """
 
 import html

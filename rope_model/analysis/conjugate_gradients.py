@@ -1,7 +1,8 @@
 """Conjugate gradients for (J + C) x = -R, preconditioned with J, for which there is a solver.
 
-C is symmetric and positive semidefinite.  J^-1 C has rank r, so that exact arithmetic ends after r + 1 steps.  Each
-step takes one solution with J and no product, because J p follows from the recurrence of p.
+C is symmetric and positive semidefinite.  J^-1 C has rank r, so that exact arithmetic ends after
+r + 1 steps.  Each step takes one solution with J and no product, because J p follows from the
+recurrence of p.
 """
 
 from collections.abc import Callable

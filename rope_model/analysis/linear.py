@@ -2,17 +2,18 @@
 
     M a + D v + K x = f ,   y = Cq x + Cv v + Ca a ,   K = dR/dq ,  D = dR/dv ,  M = dR/da + node masses .
 
-f are the forces of the conveyances on the end nodes.  Unlike the tangent of Newton's method these matrices contain the
-parts without energy: Qk, and wind.
+f are the forces of the conveyances on the end nodes.  Unlike the tangent of Newton's method these
+matrices contain the parts without energy: Qk, and wind.
 
-Flow: the left end rises at the speed w, the right one sinks, and the rope flows through a loop that stands still.  The
-rope's velocity is -w r' and its acceleration w^2 r''; its tension is higher by rho w^2.  Nodes slide along the rope at
-the speed S, which is w about the loop and falls linearly to 0 at the ends.  Small motions of the nodes then obey
+Flow: the left end rises at the speed w, the right one sinks, and the rope flows through a loop that
+stands still.  The rope's velocity is -w r' and its acceleration w^2 r''; its tension is higher by
+rho w^2.  Nodes slide along the rope at the speed S, which is w about the loop and falls linearly to
+0 at the ends.  Small motions of the nodes then obey
 
     (M a - 2 G v - H x) + D (v - S P x) + K x = f ,   G = int rho S N^T N' ,  H = int rho S^2 N'^T N' ,
 
-with K at the flowing rope and P x the derivative of x along the rope at the nodes.  The lengths of the legs are frozen,
-and the flow is left out of the inertia of spin.
+with K at the flowing rope and P x the derivative of x along the rope at the nodes.  The lengths of
+the legs are frozen, and the flow is left out of the inertia of spin.
 """
 
 from dataclasses import dataclass
@@ -49,8 +50,8 @@ _TOLERANCE = 1e-7  #: m and rad, size of the last one
 class LinearRope:
     """Small motions of a rope; coordinates are those of all nodes, row by row, prescribed ones included.
 
-    ``outputs`` are fx ... mz of either end [N, N m] and the position and yaw of the loop [m, rad], ``rest`` their
-    values at rest; ``maps`` are Cq, Cv and Ca, each (outputs, coordinates).
+    ``outputs`` are fx ... mz of either end [N, N m] and the position and yaw of the loop [m, rad],
+    ``rest`` their values at rest; ``maps`` are Cq, Cv and Ca, each (outputs, coordinates).
     """
 
     mass: sp.csc_matrix
@@ -111,8 +112,8 @@ def linear_rope(rope: NativeRope, speed: float = 0.0) -> LinearRope:
 def _resisted(facts: LinearFacts) -> NDArray[np.bool_]:
     """Return the free coordinates (nodes, 7), one fewer if the rope can spin as a whole.
 
-    Nothing resists that of a straight rope between swivels that both turn freely: with the left end held its shape is
-    the same, and the torques at its ends balance by themselves.
+    Nothing resists that of a straight rope between swivels that both turn freely: with the left end
+    held its shape is the same, and the torques at its ends balance by themselves.
     """
     spins = facts.free[[0, -1], ANGLE].all() and not (facts.curved or facts.rubs)
     resisted = facts.free.copy()

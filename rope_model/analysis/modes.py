@@ -26,8 +26,8 @@ _Z = 2  #: of a position
 class Modes:
     """Lowest modes: frequencies (n,) in Hz, shapes (n, nodes, 7), and fraction of the motion out of plane (n,).
 
-    ``out_of_plane`` is the fraction of the Z motion in the nodes' squared displacement: near 1 or near 0 for a rope
-    without coupling, in between with it.
+    ``out_of_plane`` is the fraction of the Z motion in the nodes' squared displacement: near 1 or
+    near 0 for a rope without coupling, in between with it.
     """
 
     frequencies: Array
@@ -38,8 +38,8 @@ class Modes:
 def natural_modes(rope: NativeRope, count: int = 8) -> Modes:
     """Return the ``count`` lowest modes, without damping, of a rope at rest.
 
-    Raises ValueError if the equilibrium is unstable and has no such frequency, or if the rope is a rigid model's, which
-    is no equilibrium of the complete one.
+    Raises ValueError if the equilibrium is unstable and has no such frequency, or if the rope is a
+    rigid model's, which is no equilibrium of the complete one.
     """
     if rope.fidelity == "rigid":
         raise ValueError("a rigid rope has no modes: set model.fidelity = 'torsional'")

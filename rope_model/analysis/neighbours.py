@@ -1,22 +1,24 @@
 """Contact between several ropes that hang side by side, each a BalanceRope with its own time steps.
 
-Between two of them the law of physics.rope_contact holds.  Over a step of the host, from t to t + h, forces act at
-points of both ropes, linear in time and opposite on the two: they cancel to the bit.  Those at t are known from the
-step before; those at t + h, F, satisfy the law f where the ropes are then:
+Between two of them the law of physics.rope_contact holds.  Over a step of the host, from t to
+t + h, forces act at points of both ropes, linear in time and opposite on the two: they cancel to
+the bit.  Those at t are known from the step before; those at t + h, F, satisfy the law f where the
+ropes are then:
 
     F = f(x(F)) ,    x: separations of the points and their rates, from advancing the ropes from t to t + h
 
-Newton's method solves this for all ropes at once.  With the law's tangent K and the ropes' compliance Y to such forces
-(BalanceRope.displacement) a correction is r - K dx, r = f - F, with (1 + Y K) dx = Y r: by conjugate gradients, in
-which each rope responds separately.  Where every rope takes one step of its own from t to t + h this is its
-integrator's step of all ropes as one system.
+Newton's method solves this for all ropes at once.  With the law's tangent K and the ropes'
+compliance Y to such forces (BalanceRope.displacement) a correction is r - K dx, r = f - F, with
+(1 + Y K) dx = Y r: by conjugate gradients, in which each rope responds separately.  Where every
+rope takes one step of its own from t to t + h this is its integrator's step of all ropes as one
+system.
 
-The work of the springs and that of the other forces are accounted separately.  Energy that is missing in the first was
-created by the steps.  A blow that one step cannot resolve creates much of it: such a step is halved, repeatedly if need
-be.
+The work of the springs and that of the other forces are accounted separately.  Energy that is
+missing in the first was created by the steps.  A blow that one step cannot resolve creates much of
+it: such a step is halved, repeatedly if need be.
 
-Ropes at rest hang as if each was alone.  Those that then overlap are taken to be thinner by as much at the start, and
-grow to their diameter in GROWTH; the energy of this counts as created, too.
+Ropes at rest hang as if each was alone.  Those that then overlap are taken to be thinner by as much
+at the start, and grow to their diameter in GROWTH; the energy of this counts as created, too.
 """
 
 import math
@@ -51,7 +53,8 @@ SMALL_FORCE = 1e-3  #: N, error of the law that is always allowed
 CREATED_FRACTION = 0.02
 SLOW = 0.1  #: m/s, speed at which the kinetic energy of a metre of the rope is a lower bound of that work
 MIN_STEP = 2e-3  #: s, shortest step
-#: a step is also halved if touching points approach by more diameters: they might pass through each other
+#: a step is also halved if touching points approach by more diameters: they might pass through each
+#: other
 LEAP = 0.5
 GROWTH = 1.0  #: s, duration in which ropes that overlap at rest grow to their diameter
 

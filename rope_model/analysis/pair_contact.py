@@ -1,7 +1,8 @@
 """Contact detection and law between two ropes, at all points at once: physics.rope_contact.
 
-Points stand along the first rope, evenly, whatever its mesh: a point keeps its number from step to step.  Each is
-compared with the nearest point of each strand of the other rope.  Bounding boxes give the candidate elements.
+Points stand along the first rope, evenly, whatever its mesh: a point keeps its number from step to
+step.  Each is compared with the nearest point of each strand of the other rope.  Bounding boxes
+give the candidate elements.
 """
 
 import math
@@ -121,7 +122,8 @@ class Pair:
         self, one: Rows, other: Rows, mine: Numbers, theirs: Numbers
     ) -> tuple[Numbers, Array, Array, Array]:
         """Return numbers and s of points on ``one``, s of the nearest points on ``other``, and their distances (m)."""
-        # numbers of the points on each of my elements, in groups; far groups are left out by their middles
+        # numbers of the points on each of my elements, in groups; far groups are left out by their
+        # middles
         first = np.ceil(one.s / self._spacing - 0.5).astype(np.int64)
         groups, start = _expanded(-(-np.diff(first)[mine] // GROUP))
         start = first[mine[groups]] + GROUP * start

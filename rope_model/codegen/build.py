@@ -1,7 +1,7 @@
 """Sources of the native rope, written and generated, and their compilation to a library.
 
-An installed package contains the library for each platform, and the generated sources: another version of CasADi
-generates different text.
+An installed package contains the library for each platform, and the generated sources: another
+version of CasADi generates different text.
 """
 
 import ctypes
@@ -79,7 +79,8 @@ def generated_file(package: Path) -> Path:
 def library() -> Path:
     """Return the compiled library: the package's, the cached one, or one compiled for this machine's processor.
 
-    Raises NoEngine without a C compiler, or if it fails, and WriteError if the cache cannot be written.
+    Raises NoEngine without a C compiler, or if it fails, and WriteError if the cache cannot be
+    written.
     """
     if (packaged := prebuilt_file(_FOLDER, sources(), NAME, host_platform())).exists():
         return packaged

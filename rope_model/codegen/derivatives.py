@@ -12,8 +12,8 @@ def path_change(
 ) -> tuple[tuple[Any, ...], ...]:
     """Return the derivatives of the coefficients of an end's next path, by PATH and LEANS.
 
-    The path leads from the end of ``path``, with the filter's ``state`` there, to ``stop``.  The host's motion ``end``
-    of the instant ``given_at`` changes along ``change``.
+    The path leads from the end of ``path``, with the filter's ``state`` there, to ``stop``.  The
+    host's motion ``end`` of the instant ``given_at`` changes along ``change``.
     """
     sample = filter_sample(state, settings, given_at, stop - path.stop, end)
     following = filter_path(path, sample, stop, settings.observer)

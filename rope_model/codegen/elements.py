@@ -1,7 +1,8 @@
 """C text of the element: all its functions as straight-line code for several elements at once.
 
-The type Vec contains one number each of LANES elements (see lanes.h); the text is the same for all widths.  A quotient
-becomes a product with the reciprocal, which is computed once for each divisor, as division is the most expensive.
+The type Vec contains one number each of LANES elements (see lanes.h); the text is the same for all
+widths.  A quotient becomes a product with the reciprocal, which is computed once for each divisor,
+as division is the most expensive.
 """
 
 from collections.abc import Iterator

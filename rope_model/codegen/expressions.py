@@ -67,8 +67,8 @@ def texts_of(values: Sequence[Any]) -> tuple[list[str], list[str]]:
 def statements(f: ca.Function, kind: str = "double") -> tuple[list[str], list[str]]:
     """Return lines that name repeated terms, and the texts of the results.
 
-    Numbers have the type ``kind``.  With Vec a quotient is a product with the reciprocal, computed once for each
-    divisor.
+    Numbers have the type ``kind``.  With Vec a quotient is a product with the reciprocal, computed
+    once for each divisor.
     """
     inputs = [[x.name() for x in ca.vertsplit(f.sx_in(i))] for i in range(f.n_in())]
     uses = _uses(f)

@@ -1,7 +1,8 @@
 """C functions of the formulas that ``formulas`` lists, with their structures and constants: the header formulas.h.
 
-A formula is traced with a CasADi symbol for each of its numbers.  CasADi's simplifications are switched off meanwhile:
-the C does the same operations in the same order as Python, and gives the same bits where libm does.
+A formula is traced with a CasADi symbol for each of its numbers.  CasADi's simplifications are
+switched off meanwhile:  the C does the same operations in the same order as Python, and gives the
+same bits where libm does.
 """
 
 import re

@@ -59,8 +59,8 @@ from rope_model.rules.messages import warning_rules
 from rope_model.shaft_parameters import FAR, PARTS
 from rope_model.solver_parameters import Solver
 
-#: C function -> formula.  An untyped parameter is a number, an array of numbers, or the structure of its name.  The
-#: last parameter of a void function receives the results
+#: C function -> formula.  An untyped parameter is a number, an array of numbers, or the structure
+#: of its name.  The last parameter of a void function receives the results
 FORMULAS: dict[str, Callable[..., Any]] = {
     "dot(a[3], b[3])": elementary.dot,
     "nearest_whole(x)": elementary.nearest_whole,

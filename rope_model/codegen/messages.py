@@ -1,7 +1,7 @@
 """C text of the rope's messages: the header messages.h.
 
-Each text of rules.messages's messages, fidelity_messages and warning_messages becomes a format of printf; text.h writes
-numbers as Python does.
+Each text of rules.messages's messages, fidelity_messages and warning_messages becomes a format of
+printf; text.h writes numbers as Python does.
 """
 
 import re

@@ -1,7 +1,7 @@
 """Platforms of native code, and the libraries for them in an installed package.
 
-A library in the package has the hash of its sources in its name and is used for these sources only.  A checkout has
-none.
+A library in the package has the hash of its sources in its name and is used for these sources only.
+A checkout has none.
 """
 
 import platform
@@ -22,8 +22,8 @@ class Platform(NamedTuple):
 
 
 MACOS = "11.0"  #: Oldest version of macOS on which libraries load, the first for both processors.
-#: platforms by their names in FMI 3.0. FMI 2.0 has none for aarch64: on Linux it takes the name of FMI 3.0, on macOS
-#: both processors share one library
+#: platforms by their names in FMI 3.0. FMI 2.0 has none for aarch64: on Linux it takes the name of
+#: FMI 3.0, on macOS both processors share one library
 PLATFORMS: dict[str, Platform] = {
     "x86_64-linux": Platform("x86_64-linux-gnu.2.17", "linux64", ".so"),
     "aarch64-linux": Platform("aarch64-linux-gnu.2.17", "aarch64-linux", ".so"),

@@ -1,7 +1,8 @@
 """C text of rules and conditions (rules.h) and of state signals (state_signals.h), which read whole structures.
 
-A formula is called with symbols for the facts that its parameters name, as in codegen.formula_functions.  A fact is a
-whole structure, with integers and choices; only members that the formula reads become text.
+A formula is called with symbols for the facts that its parameters name, as in
+codegen.formula_functions.  A fact is a whole structure, with integers and choices; only members
+that the formula reads become text.
 """
 
 import ctypes

@@ -41,7 +41,8 @@ _SPELT = {"kind": "MESH"}
 def signal_numbers() -> str:
     """Return the text of signal_numbers.h: the signals' numbers and groups, and the warning of each simplified model.
 
-    A number is the index in SIGNALS, a group the function of csrc/outputs/signals.c that computes the signal.
+    A number is the index in SIGNALS, a group the function of csrc/outputs/signals.c that computes
+    the signal.
     """
     numbers = "".join(f"    {constant(name)},\n" for name in SIGNALS)
     functions = list(dict.fromkeys(map(group_of, SIGNALS)))

@@ -1,19 +1,20 @@
 """Step-size control: allowed error of a step, and estimates of a run's errors by time steps and mesh.
 
-Time steps disturb the end forces by the phase error of longitudinal waves.  In one step a wave of frequency omega and
-amplitude A (N) gains the error
+Time steps disturb the end forces by the phase error of longitudinal waves.  In one step a wave of
+frequency omega and amplitude A (N) gains the error
 
     C (omega h)^3 A     with C of the method: the local error of the strain at the ends times Qa
 
-and these errors add up until the wave has faded out, for 2 / (beta_K omega^2).  The slowest wave, that of the longer
-leg, omega = pi c / (2 leg) with c = sqrt(Qa / rho), lasts longest.  Its error stays below a fraction of the leg's
-weight if a step leaves no more than that fraction times h / wave_duration.  A step resolves all waves well enough if
-this holds for a wave as large as braking makes.
+and these errors add up until the wave has faded out, for 2 / (beta_K omega^2).  The slowest wave,
+that of the longer leg, omega = pi c / (2 leg) with c = sqrt(Qa / rho), lasts longest.  Its error
+stays below a fraction of the leg's weight if a step leaves no more than that fraction times
+h / wave_duration.  A step resolves all waves well enough if this holds for a wave as large as
+braking makes.
 
-The loop's position has the position errors of the nodes in a step: it moves on, and forgets them.  Where the rope flows
-through it with speed v, each node turns by x = v h / w in a step, w the length of a bend.  The relative error of the
-acceleration in the bend grows with x^2.  Like rho v^2 it acts as a false tension, which shifts the loop by some
-x^2 v^2 / g against its weight.
+The loop's position has the position errors of the nodes in a step: it moves on, and forgets them.
+Where the rope flows through it with speed v, each node turns by x = v h / w in a step, w the length
+of a bend.  The relative error of the acceleration in the bend grows with x^2.  Like rho v^2 it acts
+as a false tension, which shifts the loop by some x^2 v^2 / g against its weight.
 """
 
 from typing import NamedTuple
@@ -36,16 +37,19 @@ from rope_model.physics.elementary import (
 from rope_model.physics.estimates import axial_frequency, bending_length
 from rope_model.solver_parameters import Solver
 
-# fractions of allowed errors that a step may leave, tuned on seeded ropes of 60 to 1200 m (`make promise`)
+# fractions of allowed errors that a step may leave, tuned on seeded ropes of 60 to 1200 m (`make
+# promise`)
 FORCE_FRACTION = 22.0  #: fraction of the end force error
 LOOP_FRACTION = 0.01  #: fraction of the loop's error, for the position of a node
 FLOW_FRACTION = 0.6  #: fraction of the loop's error, for the flow through it
 #: total phase error of a wave over that by the strain alone: its rate is not measured
 RATE_ERROR_FACTOR = 2.0
-# the loop hangs too high by LOOP_HEIGHT w x^2 N / (1 + N), N = LOCKING x^4 EA w^2 / EI: evidence.mesh_rule.laws
+# the loop hangs too high by LOOP_HEIGHT w x^2 N / (1 + N), N = LOCKING x^4 EA w^2 / EI:
+# evidence.mesh_rule.laws
 LOOP_HEIGHT = 0.0214
 LOCKING = 0.0028
-# a loop of long elements (x w) slips aside and turns until another node is lowest: evidence.mesh_rule.coarse
+# a loop of long elements (x w) slips aside and turns until another node is lowest:
+# evidence.mesh_rule.coarse
 SLIPPED = 1.8  #: growth of the loop's position error
 SLIPS_FROM = 0.87  #: x at which half of that growth is reached
 TURNED = 0.033  #: rad, yaw of the loop over x
@@ -55,15 +59,18 @@ SLIP_EXPONENT = 12  #: power of x with which both set in
 LEG_MESH_ERROR = 4e-7  #: part by joined elements of the legs, over grading_length times length
 STEP_ERROR_TO_LOOP = 12.0  #: part by time steps, over the largest position error of a node
 FLOW_ERROR = 0.13  #: part by the flow, over x^2 v^2 / g
-# wires that begin to slide or stick make the acceleration jump: position and strain errors grow with h^2 and h only
+# wires that begin to slide or stick make the acceleration jump: position and strain errors grow
+# with h^2 and h only
 RUBBING_POSITION_POWER = 2.0
 RUBBING_STRAIN_POWER = 4.0
-# small errors for so long let the step grow.  Every change of its length shifts the loop a little and so sends a wave
-# along the rope, which is the smaller the shorter the step.  An absolute time: some periods of the legs' axial waves of
-# ropes of 30 to 500 m, which last 0.015 to 0.26 s; it affects the number of steps, not what is allowed as error
+# small errors for so long let the step grow.  Every change of its length shifts the loop a little
+# and so sends a wave along the rope, which is the smaller the shorter the step.  An absolute time:
+# some periods of the legs' axial waves of ropes of 30 to 500 m, which last 0.015 to 0.26 s; it
+# affects the number of steps, not what is allowed as error
 GROWTH_DELAY = 0.2  #: s
 GROWTH_DELAY_STEPS = 100.0  #: steps, where these take less
-#: a step above the tolerance halves the next one; above this many times the tolerance it is rejected
+#: a step above the tolerance halves the next one; above this many times the tolerance it is
+#: rejected
 ACCEPT_BELOW = 2.0
 GROW_BELOW = 0.05  #: fraction of the tolerance below which an error is small
 TINY = 1e-300
@@ -93,8 +100,9 @@ class StepLimits(NamedTuple):
 class ErrorSums(NamedTuple):
     """Errors of the steps since the start.
 
-    ``waves``: strain error at the end by the slowest wave of each leg, now and a quarter of a period later, left and
-    right.  ``strain_tt``: mean accelerations of these strains in the latest step.
+    ``waves``: strain error at the end by the slowest wave of each leg, now and a quarter of a
+    period later, left and right.  ``strain_tt``: mean accelerations of these strains in the latest
+    step.
     """
 
     time: float = 0.0  # s
@@ -118,8 +126,8 @@ def step_limits(
 ) -> StepLimits:
     """Return the limits of a step while the loop hangs at arc length ``s`` (m).
 
-    ``end_speed`` (m/s) is the vertical speed of one end against the other; ``error_constant`` h^2 is the local error
-    per change of the acceleration.  The allowance shrinks as it is used up.
+    ``end_speed`` (m/s) is the vertical speed of one end against the other; ``error_constant`` h^2
+    is the local error per change of the acceleration.  The allowance shrinks as it is used up.
     """
     rope = scene.rope
     accuracy = scene.accuracy
@@ -153,9 +161,9 @@ def add_errors(
 ) -> ErrorSums:
     """Return ``sums`` after a step ``h`` with a ``position`` error (m) and end forces of up to ``force`` (N).
 
-    ``strain_tt`` (2,) are means over the step, from the strain rates at its ends: the accelerations at its end contain
-    what stiff waves leave there.  The local error is ``constant`` h^2 per change of them, but for a stiff wave, which
-    follows the forces, at most the change over omega^2.
+    ``strain_tt`` (2,) are means over the step, from the strain rates at its ends: the accelerations
+    at its end contain what stiff waves leave there.  The local error is ``constant`` h^2 per change
+    of them, but for a stiff wave, which follows the forces, at most the change over omega^2.
     """
     rope = scene.rope
     waves = []
@@ -247,8 +255,8 @@ def step_error(
 ) -> Scalar:
     """Return the step's error over the allowed one.
 
-    It is the largest of position error^position_power, end strain error^strain_power (only if h > shortest), each over
-    its limit, and (h / longest)^4 for the flow through the loop.
+    It is the largest of position error^position_power, end strain error^strain_power (only if
+    h > shortest), each over its limit, and (h / longest)^4 for the flow through the loop.
     """
     flow = h / limits.longest
     position = maximum(
@@ -292,8 +300,9 @@ def next_step(
 ) -> NextStep:
     """Choose the step after one of length ``h`` to ``t`` with ``error`` over the allowed one.
 
-    An error above the tolerance halves the next step; small errors for the time growth_delay double it.  A larger error
-    than ACCEPT_BELOW is accepted only when the Newton budget is used up.  ``rejected``: true if longer steps failed.
+    An error above the tolerance halves the next step; small errors for the time growth_delay double
+    it.  A larger error than ACCEPT_BELOW is accepted only when the Newton budget is used up.
+    ``rejected``: true if longer steps failed.
     """
     calm_since = where(logical_or(rejected, error > GROW_BELOW * solver.tolerance), t, calm_since)
     given_up = error > ACCEPT_BELOW * solver.tolerance
@@ -312,7 +321,8 @@ def next_step(
 def substeps(interval: Scalar, step_next: Scalar, steps_left: Scalar) -> Scalar:
     """Return the number of steps for an ``interval`` (s), at most as many as the Newton budget allows.
 
-    Steps may be longer than ``step_next``, but no more than twice as long: Newton's method need not converge then.
+    Steps may be longer than ``step_next``, but no more than twice as long: Newton's method need not
+    converge then.
     """
     parts = maximum(ceil(interval / step_next - 1e-9), 1.0)
     return minimum(parts, maximum(steps_left, ceil(0.5 * parts)))

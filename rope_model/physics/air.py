@@ -1,33 +1,37 @@
 """Drag of the air on the rope, per length of its centre line.
 
-With the unit tangent t and the rope's velocity w relative to the air, of which w_n = w - (w . t) t is across the rope,
+With the unit tangent t and the rope's velocity w relative to the air, of which w_n = w - (w . t) t
+is across the rope,
 
     f = -1/2 rho_a c_d d |w_n| w_n
 
-the drag of a cylinder in cross flow; flow along the rope and vortices are left out.  |w_n| is rounded off below
-ROUNDING, where the force is negligible.
+the drag of a cylinder in cross flow; flow along the rope and vortices are left out.  |w_n| is
+rounded off below ROUNDING, where the force is negligible.
 
-The vertical wind is uniform.  The horizontal wind blows everywhere, or where a gallery of height h opens at the height
-y0, with the fraction c of its speed:
+The vertical wind is uniform.  The horizontal wind blows everywhere, or where a gallery of height h
+opens at the height y0, with the fraction c of its speed:
 
     c^2 = S((y - y0 + h/2)/e) - S((y - y0 - h/2)/e)
 
-S is the smooth cubic step from 0 at -1/2 to 1 at 1/2, so that int c^2 dy = h whatever the width e of the edges: a jet
-that spreads keeps its momentum, and a rope across it its drag.  e is EDGE plus the element's length: a flow narrower
-than the spacing of the Gauss points would be lost between them.
+S is the smooth cubic step from 0 at -1/2 to 1 at 1/2, so that int c^2 dy = h whatever the width e
+of the edges: a jet that spreads keeps its momentum, and a rope across it its drag.  e is EDGE plus
+the element's length: a flow narrower than the spacing of the Gauss points would be lost between
+them.
 
-A passing conveyance moves the air aside.  In potential flow a slender body that moves at the speed V along its axis has
-a source at its bow and a sink of the same strength at its tail (Rankine's ovoid).  At the distance D from the axis and
-the height h above one of them, each moves the air across at
+A passing conveyance moves the air aside.  In potential flow a slender body that moves at the speed
+V along its axis has a source at its bow and a sink of the same strength at its tail (Rankine's
+ovoid).  At the distance D from the axis and the height h above one of them, each moves the air
+across at
 
     b V (1 + (h/D)^2)^(-3/2)
 
-outwards at the bow, inwards at the tail; b is A/(4 pi D^2) for a body of the cross section A in the open, more between
-walls.  D is the spacing of the suspensions: this is the flow at the leg beside the conveyance, where it hangs at rest.
-It is taken as proportional to the distance from the axis, so that it vanishes at the leg below the conveyance.
+outwards at the bow, inwards at the tail; b is A/(4 pi D^2) for a body of the cross section A in the
+open, more between walls.  D is the spacing of the suspensions: this is the flow at the leg beside
+the conveyance, where it hangs at rest.  It is taken as proportional to the distance from the axis,
+so that it vanishes at the leg below the conveyance.
 
-The tangent -df/dv is symmetric: it leaves out the turning of t and the gradient of the flow.  Works on numbers and
-CasADi expressions; vectors have their components first.
+The tangent -df/dv is symmetric: it leaves out the turning of t and the gradient of the flow.  Works
+on numbers and CasADi expressions; vectors have their components first.
 """
 
 from collections.abc import Sequence

@@ -1,6 +1,7 @@
 """Beam element in air: physics.element with the drag of physics.air.
 
-An element integrates the drag f with the cubic Hermite shapes N of r over the four Gauss points of physics.hermite:
+An element integrates the drag f with the cubic Hermite shapes N of r over the four Gauss points of
+physics.hermite:
 
     R -= int N^T f dx,   J += int N^T (-cv df/dv) N dx
 

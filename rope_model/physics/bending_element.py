@@ -11,7 +11,8 @@ import casadi as ca
 from rope_model.physics.element import BALANCE, ElementFunctions
 
 _BENDING = BALANCE.index("bending")
-#: function of q, l, F of the other element and the numbers behind it; the last argument of the tangent is cq
+#: function of q, l, F of the other element and the numbers behind it; the last argument of the
+#: tangent is cq
 Part = Callable[..., Any]
 
 

@@ -1,7 +1,7 @@
 """Geometry of the rope's centre line: samples, distances from points and planes, bounding boxes, angles.
 
-Works on numbers, numpy arrays and CasADi expressions; vectors have their components first.  An angle is unwrapped by
-nearest_turn of simulation.mesh.adaptation.
+Works on numbers, numpy arrays and CasADi expressions; vectors have their components first.  An
+angle is unwrapped by nearest_turn of simulation.mesh.adaptation.
 """
 
 import math
@@ -45,8 +45,8 @@ def suspension_points(
 def sample_s(bottom_s: Scalar, reach: Scalar, fraction: Scalar, loop: Scalar) -> Scalar:
     """Return the arc length (m) of a sample at the ``fraction`` of the ``reach`` from ``bottom_s`` to an end.
 
-    Near the bottom samples are as dense as if they had to cover twice the width of the ``loop`` (m) only, however long
-    the legs are; farther away their distance grows.
+    Near the bottom samples are as dense as if they had to cover twice the width of the ``loop`` (m)
+    only, however long the legs are; farther away their distance grows.
     """
     even = minimum(2.0 * loop / maximum(abs(reach), loop), 1.0)
     square = fraction * fraction
@@ -171,8 +171,9 @@ def side_gap(
 ) -> Scalar:
     """Return the least gap (m) of an element of a leg, from its ``outer`` to its ``inner`` node, excluding the latter.
 
-    It is the distance beyond the margin on its ``side`` of the plane (-1: left, 1: right), or below the height ``top``.
-    The control points of the cubic bound it: long elements may bulge over a plane far from their nodes.
+    It is the distance beyond the margin on its ``side`` of the plane (-1: left, 1: right), or below
+    the height ``top``.  The control points of the cubic bound it: long elements may bulge over a
+    plane far from their nodes.
     """
     third = -side * (length / 3.0)
     ahead = tuple(outer[k] + third * outer[3 + k] for k in range(3))
@@ -194,8 +195,8 @@ def least_advance(length: Scalar, a: Vector, b: Vector, direction: Vector) -> Sc
 def turns(yaw: Scalar, line: Scalar, passages: Scalar) -> Scalar:
     """Return the turns of one side of the rope about the other.
 
-    The loop has yawed to ``yaw`` (rad), the line between the ends to ``line`` (rad); each net passage of ``passages``
-    through the other side takes one turn away.
+    The loop has yawed to ``yaw`` (rad), the line between the ends to ``line`` (rad); each net
+    passage of ``passages`` through the other side takes one turn away.
     """
     return (yaw - line) / (2.0 * math.pi) - passages
 

@@ -1,19 +1,20 @@
 """Contact force of a body in the shaft on the rope, per length of its centre line.
 
-With the distance d of the centre line from the body's surface (physics.shaft), its unit normal n and the velocity w of
-the rope relative to the body, a rope of radius r has the penetration depth p = r - d.  The force consists of a spring
-of stiffness k with a soft onset of depth b, damping in proportion to the spring force, and Coulomb friction regularised
-with the slip speed u0:
+With the distance d of the centre line from the body's surface (physics.shaft), its unit normal n
+and the velocity w of the rope relative to the body, a rope of radius r has the penetration depth
+p = r - d.  The force consists of a spring of stiffness k with a soft onset of depth b, damping in
+proportion to the spring force, and Coulomb friction regularised with the slip speed u0:
 
     s(p) = k min(p, b)^2 / (2 b) + k max(p - b, 0)         of p > 0, with the energy E(p): s = dE/dp
     N    = s max(1 - lambda n . w, 0)                       never draws the rope to the body
     f    = N n - mu N u / sqrt(|u|^2 + u0^2),               u = w - (n . w) n
 
-The spring force is a gradient.  Damping and friction dissipate (N - s) (-n . w) + mu N |u|^2 / sqrt(|u|^2 + u0^2),
-which is never negative; a moving body does the work f times its velocity on the rope.
+The spring force is a gradient.  Damping and friction dissipate (N - s) (-n . w) + mu N
+|u|^2 / sqrt(|u|^2 + u0^2), which is never negative; a moving body does the work f times its
+velocity on the rope.
 
-The tangent -df/dr, -df/dv is symmetric: it leaves out the effect of pressure on friction, and the surface's curvature.
-Works on numbers and CasADi expressions; vectors have their components first.
+The tangent -df/dr, -df/dv is symmetric: it leaves out the effect of pressure on friction, and the
+surface's curvature.  Works on numbers and CasADi expressions; vectors have their components first.
 """
 
 from typing import NamedTuple
@@ -28,16 +29,17 @@ ONSET = 0.05
 OWN_LENGTH = 1.0
 #: m, distance within which bodies take part in Newton's iterations from the first one on
 CONTACT_MARGIN = 0.05
-#: sums along the rope: energy stored, power dissipated, power of the moving body on the rope, force on the rope, its
-#: moment about the origin, and pressure
+#: sums along the rope: energy stored, power dissipated, power of the moving body on the rope, force
+#: on the rope, its moment about the origin, and pressure
 SUMS = ("energy", "dissipated", "moved", "fx", "fy", "fz", "mx", "my", "mz", "pressure")
 
 
 def largest_motion(longest: Scalar, q: Vector, before: Vector) -> Scalar:
     """Return a bound (m) of the change of the rope's distance from a body or itself: its maximum over all nodes.
 
-    The node's row r, r' changes from ``before`` to ``q``.  No point of an element moves by more than half of the bound,
-    as elements at the node are no longer than ``longest``, and neither does a body that moves with an end.
+    The node's row r, r' changes from ``before`` to ``q``.  No point of an element moves by more
+    than half of the bound, as elements at the node are no longer than ``longest``, and neither does
+    a body that moves with an end.
     """
     x, y, z, a, b, c = (abs(q[k] - before[k]) for k in range(6))
     return 2.0 * (x + y + z) + 0.75 * longest * (a + b + c)

@@ -1,7 +1,7 @@
 """Beam element in contact with bodies in the shaft: physics.element with the forces of physics.contact.
 
-Where the element is near a body, the force per length is integrated along the pressed part of the centre line
-(physics.contact_points):
+Where the element is near a body, the force per length is integrated along the pressed part of the
+centre line (physics.contact_points):
 
     R -= int N^T f dx,   J += int N^T (-cq df/dr - cv df/dv) N dx
 
@@ -38,8 +38,9 @@ def contact_element(
 ) -> ElementFunctions:
     """Build the functions of the ``base`` element of a fidelity with a body of each of the ``kinds``.
 
-    F has a further entry for each body, 1 where the element is near it, else 0; P has LAW and the bodies behind its own
-    entries.  Contact adds to residual, tangent, balance and losses, the latter two in further entries.
+    F has a further entry for each body, 1 where the element is near it, else 0; P has LAW and the
+    bodies behind its own entries.  Contact adds to residual, tangent, balance and losses, the
+    latter two in further entries.
     """
     m = len(ELEMENT_DOF[fidelity])
     base_frame = base.residual.size1_in(4)
@@ -144,7 +145,8 @@ def _upper(i: int, j: int, size: int) -> int:
 def _body_function(stiff: bool) -> ca.Function:
     """Build (rows (3, 4), speeds (3, 4), l, P) -> force on the node values (3, 4) and SUMS of one body.
 
-    With (cq, cv) it is the tangent: entries of (3, 3), upper half, in columns for pairs of node values, upper half.
+    With (cq, cv) it is the tangent: entries of (3, 3), upper half, in columns for pairs of node
+    values, upper half.
     """
     rows = ca.MX.sym("r", 3, 4)
     speeds = ca.MX.sym("v", 3, 4)

@@ -1,18 +1,18 @@
 """Contact impulses since the start of the run, and the error of contact forces by mesh and time steps.
 
-A body that meets the rope sends waves along it.  The mesh resolves those that are longer than two of its elements, of
-length l where the body is near.  With the wave number k and the tension at mid-height of a leg of half the rope's
-length
+A body that meets the rope sends waves along it.  The mesh resolves those that are longer than two
+of its elements, of length l where the body is near.  With the wave number k and the tension at
+mid-height of a leg of half the rope's length
 
     tau = 1 / (k c),    k = pi / l,    c^2 = (T + EI k^2) / rho,    T = rho g L / 4
 
-A step of length h knows the pressure P in its middle.  Changes of P that are faster than tau or h / 2 (the squares of
-both add up) are not resolved.  What two low-pass filters leave of P,
+A step of length h knows the pressure P in its middle.  Changes of P that are faster than tau or
+h / 2 (the squares of both add up) are not resolved.  What two low-pass filters leave of P,
 
     d = P - s1,  s1' = d / tau,      r = d - s2,  s2' = (d - s2) / tau
 
-falls with tau^2.  Its root mean square is about that of the error, and the errors of the end forces and of the loop's
-position are proportional to it.  Works on numbers and CasADi expressions.
+falls with tau^2.  Its root mean square is about that of the error, and the errors of the end forces
+and of the loop's position are proportional to it.  Works on numbers and CasADi expressions.
 """
 
 import math
@@ -25,7 +25,8 @@ from rope_model.physics.shaft import KINDS
 
 # proportionality factors of errors by contact, fitted by evidence.contact.estimates
 TO_END_FORCES = 1.7  #: root mean square error of the end forces over that of the pressure
-#: error of the loop's position over the length of rope that weighs as much as the unresolved force of one swing
+#: error of the loop's position over the length of rope that weighs as much as the unresolved force
+#: of one swing
 TO_LOOP = 0.16
 TINY = 1e-300
 

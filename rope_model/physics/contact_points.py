@@ -1,16 +1,18 @@
 """Contact detection along an element: its pressed pieces, and the Gauss points of contact on them.
 
-An element is checked in CELLS.  In a cell the penetration depth p(xi) = d/2 - distance, d the rope's diameter, has at
-most one extremum, which is found by bisection between slopes of different signs.  On either side of it the depth is
-monotone and reaches 0 and the spring's onset once.  Newton's method finds these from outside, which it never leaves for
-a straight piece at a convex body.  The integral is taken by Gauss points from the deeper end to the onset, and from
-there to where the pressure ends:
+An element is checked in CELLS.  In a cell the penetration depth p(xi) = d/2 - distance, d the
+rope's diameter, has at most one extremum, which is found by bisection between slopes of different
+signs.  On either side of it the depth is monotone and reaches 0 and the spring's onset once.
+Newton's method finds these from outside, which it never leaves for a straight piece at a convex
+body.  The integral is taken by Gauss points from the deeper end to the onset, and from there to
+where the pressure ends:
 
-    int f(p(xi)) dxi = sum over cells, sides, {deeper end .. onset, onset .. 0} of sum_k w_k f(p(xi_k))
+    int f(p(xi)) dxi = sum over cells, sides, {deeper end .. onset, onset .. 0} of sum_k w_k
+    f(p(xi_k))
 
-It changes continuously as the contact moves along the rope, however short the contact is.  The law is 0 where the
-pressure ends and smooth elsewhere, so that derivatives of the bounds drop out of the tangent.  Works on numbers and
-CasADi expressions; a and b are the rows r, r' of an element's nodes.
+It changes continuously as the contact moves along the rope, however short the contact is.  The law
+is 0 where the pressure ends and smooth elsewhere, so that derivatives of the bounds drop out of the
+tangent.  Works on numbers and CasADi expressions; a and b are the rows r, r' of an element's nodes.
 """
 
 from typing import NamedTuple
@@ -20,8 +22,8 @@ from rope_model.physics.elementary import Scalar, Vector, dot, less, maximum, un
 from rope_model.physics.hermite import GAUSS, interpolate
 from rope_model.physics.shaft import Body, distance, normal
 
-#: parts of an element that are checked one by one: an element in the loop turns by half a radian, legs are nearly
-#: straight
+#: parts of an element that are checked one by one: an element in the loop turns by half a radian,
+#: legs are nearly straight
 CELLS = 4
 #: bisections for the extremum of the depth, which one secant step of the slopes follows
 HALVINGS = 10
@@ -60,8 +62,8 @@ def turning(start: Probe, stop: Probe) -> Scalar:
 def reaching(outer: Probe, inner: Scalar, level: Scalar) -> Scalar:
     """Return the next xi of the search for the depth ``level`` (m), between ``outer`` and xi ``inner``.
 
-    It is that of Newton's method from ``outer``, which is less deep, or midway if that leaves the interval.  If the
-    level is reached, it is the xi of ``outer``.
+    It is that of Newton's method from ``outer``, which is less deep, or midway if that leaves the
+    interval.  If the level is reached, it is the xi of ``outer``.
     """
     missing = level - outer.depth
     candidate = outer.place + missing / nonzero(outer.rate)

@@ -2,14 +2,17 @@
 
     T = Qa e + Qb tau + 1/2 Qe tau^2        M = Qc e + (Qd + Qe e) tau
 
-Qe = c2 d^2 Qa is the middle term of the torque law M = c1 d T + c2 d^2 T w + c3 G d^4 w (w twist per length): tension
-stiffens the rope in torsion.  Its energy is 1/2 Qe e tau^2, which adds the term 1/2 Qe tau^2 to the tension.
+Qe = c2 d^2 Qa is the middle term of the torque law M = c1 d T + c2 d^2 T w + c3 G d^4 w (w twist
+per length): tension stiffens the rope in torsion.  Its energy is 1/2 Qe e tau^2, which adds the
+term 1/2 Qe tau^2 to the tension.
 
-An elastic rope has Qb = Qc (Maxwell-Betti).  Published pairs differ by a few percent; the law is therefore split.  The
-conservative part with Qs = (Qb + Qc) / 2 has the energy ``strain_energy``.  The remainder with Qk = (Qb - Qc) / 2 has
-none; its power is ``nonconservative_power``. Works on floats, numpy arrays and CasADi expressions.
+An elastic rope has Qb = Qc (Maxwell-Betti).  Published pairs differ by a few percent; the law is
+therefore split.  The conservative part with Qs = (Qb + Qc) / 2 has the energy ``strain_energy``.
+The remainder with Qk = (Qb - Qc) / 2 has none; its power is ``nonconservative_power``. Works on
+floats, numpy arrays and CasADi expressions.
 
-Sources: G. A. Costello, Theory of Wire Rope, Springer; R. Verreet, The rotation characteristics of steel wire ropes.
+Sources: G. A. Costello, Theory of Wire Rope, Springer; R. Verreet, The rotation characteristics of
+steel wire ropes.
 """
 
 from rope_model.physics.elementary import Scalar

@@ -4,15 +4,18 @@ physics.element has the energy
 
     U0 = int EI (1/2 |k0|^2 - k . k0) dx
 
-beside that of bending.  While the element moves, the smallest rotation of the tangent carries k0 of a section from its
-direction in the frame's reference.  k0 is then turned about the tangent by the increase of
+beside that of bending.  While the element moves, the smallest rotation of the tangent carries k0 of
+a section from its direction in the frame's reference.  k0 is then turned about the tangent by the
+increase of
 
-    theta(x) - (turn of the frame from the left node to x) + x/l (turn of the frame to the right node)
+    theta(x) - (turn of the frame from the left node to x) + x/l (turn of the frame to the right
+    node)
 
-which is the section's angle where tau is uniform; so the energy stays when the present shape becomes the reference.
+which is the section's angle where tau is uniform; so the energy stays when the present shape
+becomes the reference.
 
-Behind the frame's entries F has 12 numbers of the element in the reference: k0 at the three Gauss points, theta at both
-nodes, and EI.
+Behind the frame's entries F has 12 numbers of the element in the reference: k0 at the three Gauss
+points, theta at both nodes, and EI.
 """
 
 from functools import cache
@@ -66,7 +69,8 @@ def curved_functions() -> CurvedFunctions:
     turn = _turn_function()
     bend = _bend_function()
     f, f_z, f_zz = zip(*(turn(*pair) for pair in zip(z, frames, strict=True)), strict=True)
-    # weights of the frame's turning in the angle of each point, relative to the element's linear part
+    # weights of the frame's turning in the angle of each point, relative to the element's linear
+    # part
     parts = [
         [l * (to - xi * w) for to, w in zip(row, element.WEIGHTS, strict=True)]
         for row, xi in zip(TO_POINTS, element.POINTS, strict=True)
@@ -83,7 +87,8 @@ def curved_functions() -> CurvedFunctions:
     J = ca.SX.zeros(relative.shape[0], relative.shape[0])
     U = ca.SX(0)
     for i, (w, B_p) in enumerate(zip(element.WEIGHTS, B, strict=True)):
-        # derivative of the angle at this point, and the effect of this point's turning on all angles
+        # derivative of the angle at this point, and the effect of this point's turning on all
+        # angles
         angle_x: Any = sum(
             (parts[i][k] * B[k].T @ f_z[k] for k in range(len(B))),
             start=ca.SX.zeros(relative.shape[0]),

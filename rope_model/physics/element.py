@@ -1,7 +1,7 @@
 """Torsion-deformable spatial beam element with 14 degrees of freedom, written once in CasADi.
 
-Per node: position r (3), its derivative r' (3) with respect to reference arc length, angle theta (1).  Between the
-nodes r is the cubic Hermite interpolant and theta is linear.  With t = r'/|r'|
+Per node: position r (3), its derivative r' (3) with respect to reference arc length, angle theta
+(1).  Between the nodes r is the cubic Hermite interpolant and theta is linear.  With t = r'/|r'|
 
     e     = |r'| - 1                           axial strain
     k     = r' x r'' / |r'|^2                  curvature vector, per reference length
@@ -13,18 +13,20 @@ nodes r is the cubic Hermite interpolant and theta is linear.  With t = r'/|r'|
     V = int rho g r_Y dx
     D = int beta_K U(e_t, sqrt(a) tau_t, sqrt(b) k_t) dx, without Qe                (dissipates 2 D)
 
-The rate of k is the one seen by an observer who turns with the cross-section, so that rigid motion dissipates
-nothing.  Lagrange's equation gives the residual; everything else is a derivative of it.  Three Gauss points: two
-leave an hourglass mode in the axial strain.
+The rate of k is the one seen by an observer who turns with the cross-section, so that rigid motion
+dissipates nothing.  Lagrange's equation gives the residual; everything else is a derivative of it.
+Three Gauss points: two leave an hourglass mode in the axial strain.
 
-A torsional wave of wave number k would run too fast by (k l)^2 / 24, because theta is linear.  Coupling adds as much
-and more, because e is continuous and cannot follow a tau that is not.  In Rayleigh's quotient with a wave that is exact
-at the nodes both are (k l)^2 (Qd / 12 - c^2 rhoJ_x), c the wave's own speed: the inertia rhoJ_x = Qd / (12 c^2) of
-theta's slope takes them away, and leaves an error of fourth order.  It is too much for the little torsion of a
-longitudinal wave, which runs too slow by 8e-4 (k l)^2 with the default rope.
+A torsional wave of wave number k would run too fast by (k l)^2 / 24, because theta is linear.
+Coupling adds as much and more, because e is continuous and cannot follow a tau that is not.  In
+Rayleigh's quotient with a wave that is exact at the nodes both are (k l)^2 (Qd / 12 - c^2 rhoJ_x),
+c the wave's own speed: the inertia rhoJ_x = Qd / (12 c^2) of theta's slope takes them away, and
+leaves an error of fourth order.  It is too much for the little torsion of a longitudinal wave,
+which runs too slow by 8e-4 (k l)^2 with the default rope.
 
-tau is uniform in the element: the turn of the angles from node to node, over its length.  So the frame's reference
-(physics.frame) leaves energies and forces alone, but for the quadrature of that mean.
+tau is uniform in the element: the turn of the angles from node to node, over its length.  So the
+frame's reference (physics.frame) leaves energies and forces alone, but for the quadrature of that
+mean.
 
 The fidelities of the model are this one text with degrees of freedom left out:
 
@@ -117,7 +119,8 @@ BALANCE = (
 )
 #: entries of one element's momentum: linear, angular about the origin, and first moment of the mass
 MOMENTUM = ("px", "py", "pz", "Lx", "Ly", "Lz", "Sx", "Sy", "Sz")
-#: entries of one element's strains: means of e and tau over the element, root mean square of k, rates of the means
+#: entries of one element's strains: means of e and tau over the element, root mean square of k,
+#: rates of the means
 STRAINS = ("e", "tau", "k_rms", "e_t", "tau_t")
 #: number of entries of the reference of an element's frame
 FRAME_SIZE = 21
@@ -132,8 +135,9 @@ WEIGHTS = tuple((0.5 * _GAUSS_WEIGHTS).tolist())
 class ElementFunctions:
     """CasADi functions of an element; q, v, a are (2 m,) with m degrees of freedom of a node, 7 for ``torsional``.
 
-    ``l`` is the reference length in m, ``P`` see PARAMETERS.  ``F`` describes the frame's reference: tangent p
-    and p x p' at each Gauss point, then p at the right node; it has no entries without torsion.
+    ``l`` is the reference length in m, ``P`` see PARAMETERS.  ``F`` describes the frame's
+    reference: tangent p and p x p' at each Gauss point, then p at the right node; it has no entries
+    without torsion.
 
     residual:  (q, v, a, l, F, P) -> R (2 m,): inertia + internal - gravity, which external loads must balance
     tangent:   (q, v, a, l, F, P, cq, cv, ca, q_prestress) -> R, J (2 m, 2 m): J = cq dR/dq + cv dR/dv + ca dR/da,
@@ -183,7 +187,8 @@ def element_functions(
     cv = ca.SX.sym("cv")
     c_a = ca.SX.sym("ca")
 
-    # all terms but weight and translation depend on the 11 relative coordinates r2 - r1, r', theta only
+    # all terms but weight and translation depend on the 11 relative coordinates r2 - r1, r', theta
+    # only
     relative = relative_coordinates()
     B = [interpolation(xi, l) for xi in POINTS]
     z, z_t, z_tt = ([B_p @ relative @ x for B_p in B] for x in (q, v, a))
@@ -302,14 +307,16 @@ def _point_functions(frame_rate: FrameRate, torsional: bool) -> dict[str, ca.Fun
     stress = ca.gradient(U, e) + ca.gradient(D + P_n, e_t)
     stress[1] = torque
 
-    # Lagrange's equation: internal forces B^T stress (the spin does no work on EI k), inertia of the spin
+    # Lagrange's equation: internal forces B^T stress (the spin does no work on EI k), inertia of
+    # the spin
     B = ca.jacobian(rate, z_t)
     momentum = ca.gradient(K, z_t)
     inertia = ca.jtimes(momentum, z_t, z_tt) + ca.jtimes(momentum, z, z_t) - ca.gradient(K, z)
     values = ca.vertcat(e, e_t), ca.vertcat(strain[0], tau, strain[2:], rate[0], tau_t, rate[2:])
     force = B.T @ ca.substitute(stress, *values) + inertia
 
-    # its derivative along (cq, cv, ca), exact at rest; how motion changes damping and spin inertia is left out
+    # its derivative along (cq, cv, ca), exact at rest; how motion changes damping and spin inertia
+    # is left out
     damping = ca.substitute(ca.jacobian(stress, e_t), *values)
     damping[:, 1] = 0
     # potential of the torque, and of the tension without energy, as they bend

@@ -16,7 +16,8 @@ import numpy as np
 #: what a formula takes: a number, an array of numbers, or a CasADi expression.  ``Any`` stands for
 #: the latter two; mypy still refuses to index a Scalar, or to take its members
 Scalar: TypeAlias = float | Any
-#: components, or entries in an order that the docstring names: a tuple, the rows of an array, a CasADi vector
+#: components, or entries in an order that the docstring names: a tuple, the rows of an array, a
+#: CasADi vector
 Vector: TypeAlias = Sequence[Scalar] | Any
 
 #: isinstance is four times as fast with a tuple as with float | int, and every formula calls it
@@ -126,7 +127,8 @@ def unit_sign(x: Scalar) -> Any:
 def sum_of(terms: Iterable[Scalar], start: Scalar = 0.0) -> Any:
     """Return the sum of ``start`` and the terms, added from left to right and rounded each time, as in C.
 
-    The builtin ``sum`` of floats compensates for the rounding since Python 3.12: its bits depend on the version.
+    The builtin ``sum`` of floats compensates for the rounding since Python 3.12: its bits depend on
+    the version.
     """
     return reduce(add, terms, start)
 

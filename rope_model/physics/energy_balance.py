@@ -61,10 +61,10 @@ def after_step(
 ) -> EnergyBalance:
     """Return the balance after a step ``h``.
 
-    ``before`` and ``after`` are the powers of the ends and of the swivels at its start and its end (W).
-    ``losses`` are the powers of material damping, of the coupling without energy, of contact, and of
-    moving bodies (W).  ``wires`` is the energy dissipated between wires (J), ``air`` the power given
-    to the air (W).
+    ``before`` and ``after`` are the powers of the ends and of the swivels at its start and its end
+    (W). ``losses`` are the powers of material damping, of the coupling without energy, of contact,
+    and of moving bodies (W).  ``wires`` is the energy dissipated between wires (J), ``air`` the
+    power given to the air (W).
     """
     damping, nonconservative, contact, moved = losses
     half = 0.5 * h

@@ -1,7 +1,8 @@
 """Error estimates in closed form for models without torsion, waves and bending.
 
-An error is that of the vertical end forces (root mean square over a winding, relative to the largest).  With W the
-width of the loop, l the length of a leg, kappa = Qs^2 / (Qa Qd), F = rho g l_long
+An error is that of the vertical end forces (root mean square over a winding, relative to the
+largest).  With W the width of the loop, l the length of a leg, kappa = Qs^2 / (Qa Qd), F = rho g
+l_long
 
     longitudinal  a leg answers a step of jerk J by swinging at omega = pi c / (2 l): (8/pi^2) rho l J / (omega F)
     lean          the loop bulges sideways by X, a leg is longer by X^2 / (2 l_short): rho g X^2 / (4 l_short F)
@@ -13,8 +14,9 @@ width of the loop, l the length of a leg, kappa = Qs^2 / (Qa Qd), F = rho g l_lo
     planar or spatial on a rope with torque:   kappa longitudinal + psi^2 lean + whip + release
     rigid against planar:                      longitudinal + lean
 
-Constants that no theory gives are measured; `python -m evidence --measure choice:estimates` compares estimate and
-error.  ``scene`` gives rope and layout; works on numbers and CasADi expressions.
+Constants that no theory gives are measured; `python -m evidence --measure choice:estimates`
+compares estimate and error.  ``scene`` gives rope and layout; works on numbers and CasADi
+expressions.
 """
 
 import math
@@ -24,9 +26,11 @@ from rope_model.parameters import Rope, Scene
 from rope_model.physics.elementary import Scalar, log, maximum, sqrt
 from rope_model.physics.initial_curvature import max_curvature
 
-#: sideways displacement of the loop's bottom over its natural width: 0.25 to 0.33 measured at 4 m/s, EI 50 to 1000
+#: sideways displacement of the loop's bottom over its natural width: 0.25 to 0.33 measured at
+#: 4 m/s, EI 50 to 1000
 LEAN = 1 / 3
-#: growth of the lean with acceleration / g: 6 to 11 measured at 4 m/s^2 and 16 m/s, none at 0.75 m/s^2
+#: growth of the lean with acceleration / g: 6 to 11 measured at 4 m/s^2 and 16 m/s, none at
+#: 0.75 m/s^2
 LEAN_GROWTH = 10.0
 #: factor of the whip: 1.7e-5 to 2.5e-5 measured on the 120 m rope at u^2 / (g W) = 4 to 12
 WHIP = 3e-5

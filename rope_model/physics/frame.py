@@ -1,19 +1,21 @@
 """Reference frame of the cross-sections, from which the angle theta is counted.
 
-The frame follows the tangent t without turning about it.  In a known state, the reference, it turns from section to
-section no more than the tangent does, so theta' is the torsional strain.  As the rope moves, the smallest rotation
-carries the frame of each section from the section's tangent p in the reference to t.  Along the rope it then turns
-about the tangent by
+The frame follows the tangent t without turning about it.  In a known state, the reference, it turns
+from section to section no more than the tangent does, so theta' is the torsional strain.  As the
+rope moves, the smallest rotation carries the frame of each section from the section's tangent p in
+the reference to t.  Along the rope it then turns about the tangent by
 
     twist = - (p x t) . (p' + t') / (1 + p . t)           (per reference length)
 
-which is zero in the reference and singular only where t = -p; with p' = 0 and t_t for t' it is the spin in time.  So a
-reference serves all states in which no section's tangent is reversed against it.
+which is zero in the reference and singular only where t = -p; with p' = 0 and t_t for t' it is the
+spin in time.  So a reference serves all states in which no section's tangent is reversed against
+it.
 
 Formulas take vectors with the components first: tuples, numpy arrays (3, n) or CasADi expressions.
 
-The source measures theta from a frame of Tait-Bryan angles Z-Y-X instead, which is singular at t parallel to Z: exactly
-when the loop has yawed 90 degrees.  evidence.stability keeps that frame to show how it fails.
+The source measures theta from a frame of Tait-Bryan angles Z-Y-X instead, which is singular at t
+parallel to Z: exactly when the loop has yawed 90 degrees.  evidence.stability keeps that frame to
+show how it fails.
 """
 
 from collections.abc import Callable
@@ -21,8 +23,8 @@ from typing import Any
 
 from rope_model.physics.elementary import Scalar, Vector, cross, dot, sqrt
 
-#: (p, p x p', r', change of r') -> turning of the reference frame about the tangent, for the same change; p x p' is
-#: zero for changes in time
+#: (p, p x p', r', change of r') -> turning of the reference frame about the tangent, for the same
+#: change; p x p' is zero for changes in time
 FrameRate = Callable[[Any, Any, Any, Any], Any]
 
 

@@ -9,11 +9,12 @@ Five quantities are watched, each against its own threshold, 0 for none:
     turns       |loop.turns|
     torque      the larger moment of both swivels
 
-A guard trips when its quantity has been beyond the threshold without interruption for the guard's delay.  The first one
-to trip stays the cause; of several at one instant it is the first in the list above.
+A guard trips when its quantity has been beyond the threshold without interruption for the guard's
+delay.  The first one to trip stays the cause; of several at one instant it is the first in the list
+above.
 
-A rope of the length L between ends at yl and yr has legs of length a = (L + yl - yr)/2 and b = L - a, which stretch
-under their own weight.  The quasi-static height of its lowest point is
+A rope of the length L between ends at yl and yr has legs of length a = (L + yl - yr)/2 and
+b = L - a, which stretch under their own weight.  The quasi-static height of its lowest point is
 
     (yl + yr)/2 - rho g (a^2 + b^2) / (4 Qa) - constant,
 

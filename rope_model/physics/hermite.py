@@ -1,7 +1,7 @@
 """Cubic Hermite interpolation in an element of length l, at xi = x / l from 0 to 1.
 
-A field has the values r1, r2 and the derivatives s1, s2 with respect to arc length at the element's nodes.  Works on
-numbers, numpy arrays and CasADi expressions.
+A field has the values r1, r2 and the derivatives s1, s2 with respect to arc length at the element's
+nodes.  Works on numbers, numpy arrays and CasADi expressions.
 """
 
 import numpy as np
@@ -13,8 +13,8 @@ GAUSS = tuple(
     (0.5 + 0.5 * float(x), 0.5 * float(w))
     for x, w in zip(*np.polynomial.legendre.leggauss(4), strict=True)
 )
-#: 420 times the mean products of the shape functions of r1, s1, r2, s2 for an element of length 1; each s brings a
-#: factor l, and the integral another
+#: 420 times the mean products of the shape functions of r1, s1, r2, s2 for an element of length 1;
+#: each s brings a factor l, and the integral another
 PRODUCTS = ((156, 22, 54, -13), (22, 4, 13, -3), (54, 13, 156, -22), (-13, -3, -22, 4))
 
 
@@ -74,8 +74,8 @@ def missing_load(
 ) -> tuple[Scalar, ...]:
     """Integrate ``old`` minus ``new`` (14,) times the shape functions over the common part of both elements.
 
-    The elements begin at ``s`` and ``old_s``.  The result (14,) has r1, s1, r2, s2 with three components each, then
-    theta at both nodes.
+    The elements begin at ``s`` and ``old_s``.  The result (14,) has r1, s1, r2, s2 with three
+    components each, then theta at both nodes.
     """
     parts = []
     for part_xi, weight in GAUSS:

@@ -1,14 +1,15 @@
 """Rigid model: an inextensible rope without bending stiffness, two straight legs and a half circle between them.
 
-With the ends' heights y1, y2 (speeds v1, v2, accelerations a1, a2), R half their distance, legs of length l1 = (L - pi
-R + y1 - y2) / 2 and l2 = L - pi R - l1, the rope flows through the half circle at u = (v1 - v2) / 2 while that sinks or
-rises at w = (v1 + v2) / 2.  The momentum of the three parts gives the tensions
+With the ends' heights y1, y2 (speeds v1, v2, accelerations a1, a2), R half their distance, legs of
+length l1 = (L - pi R + y1 - y2) / 2 and l2 = L - pi R - l1, the rope flows through the half circle
+at u = (v1 - v2) / 2 while that sinks or rises at w = (v1 + v2) / 2.  The momentum of the three
+parts gives the tensions
 
     at the ends of the half circle:  (rho pi R (g + w_t) + 2 rho u^2 +- rho pi R u_t) / 2  left and right
     at the conveyances:              plus rho l (g + a)
 
-so an end carries weight, inertia and the thrust rho u^2 of the turning rope.  In between, with the height y and the arc
-length s from the left end,
+so an end carries weight, inertia and the thrust rho u^2 of the turning rope.  In between, with the
+height y and the arc length s from the left end,
 
     T(s) = T(0) + rho (g + w_t) (y - y1) - rho u_t s .
 

@@ -1,22 +1,24 @@
 """Permanent curvature of a rope, as a reel leaves it, and its direction across the rope.
 
-Without load the rope has the curvature vector k0, per reference length.  At the curvature k it stores
+Without load the rope has the curvature vector k0, per reference length.  At the curvature k it
+stores
 
     1/2 EI |k - k0|^2                  (J/m)
 
-k0 lies in the cross-section and turns with it.  Relative to a vector that goes along the rope without turning about the
-tangent, it is turned by theta and its angle a at the left end:
+k0 lies in the cross-section and turns with it.  Relative to a vector that goes along the rope
+without turning about the tangent, it is turned by theta and its angle a at the left end:
 
     k0 = x (cos(a + theta) e1 + sin(a + theta) e2) + y (cos(a + theta) e2 - sin(a + theta) e1)
 
-with e1 = Z, e2 = -X at the left end where its tangent is -Y.  So a = 0 bends the rope as the loop between two
-conveyances is bent.  A left end that leans, a clamp or a hinge, carries e1 with its tangent without turning about it,
-as its section follows the tangent: physics.frame.
+with e1 = Z, e2 = -X at the left end where its tangent is -Y.  So a = 0 bends the rope as the loop
+between two conveyances is bent.  A left end that leans, a clamp or a hinge, carries e1 with its
+tangent without turning about it, as its section follows the tangent: physics.frame.
 
 x is the uniform curvature plus additions in its direction, y the sum of additions across it.
 
-Within an element the smallest rotation from the left node's tangent p to t carries e1, which is then turned back by the
-frame's turning about the tangent (physics.frame), integrated over the three Gauss points.
+Within an element the smallest rotation from the left node's tangent p to t carries e1, which is
+then turned back by the frame's turning about the tangent (physics.frame), integrated over the three
+Gauss points.
 """
 
 from typing import Any
@@ -56,7 +58,8 @@ def _integrals_to(bounds: tuple[float, ...]) -> tuple[tuple[float, ...], ...]:
     )
 
 
-#: hat functions of added curvature, by the end of the parameter's name: centre and half width in sixths of the length
+#: hat functions of added curvature, by the end of the parameter's name: centre and half width in
+#: sixths of the length
 _HATS = {
     "left": (0, 3),
     "1": (1, 1),
@@ -100,7 +103,8 @@ def _curvature(rope: Rope, x: Scalar) -> tuple[Scalar, Scalar]:
     return along, across
 
 
-#: weights of the values at POINTS in their integral from the left node to each of them, over the element's length
+#: weights of the values at POINTS in their integral from the left node to each of them, over the
+#: element's length
 TO_POINTS = _integrals_to(POINTS)
 
 

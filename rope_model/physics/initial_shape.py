@@ -1,8 +1,8 @@
 """Initial guess for the equilibrium: a rope that hangs in two straight legs and a half circle.
 
-The half circle spans the suspension.  If its arc would be shorter than four local elements it is widened to that, up to
-a radius of a quarter of the shorter side, and the legs lean inwards.  Works on numbers, numpy arrays and CasADi
-expressions.
+The half circle spans the suspension.  If its arc would be shorter than four local elements it is
+widened to that, up to a radius of a quarter of the shorter side, and the legs lean inwards.  Works
+on numbers, numpy arrays and CasADi expressions.
 """
 
 import math
@@ -35,7 +35,8 @@ def position_and_tangent(
 ) -> tuple[Scalar, Scalar, Scalar, Scalar]:
     """Return the position across and below the left end (m), and the tangent there, at arc length ``s``.
 
-    ``phi`` is the angle by which the rope has turned up to there.  The tangent of a leg is given without its lean.
+    ``phi`` is the angle by which the rope has turned up to there.  The tangent of a leg is given
+    without its lean.
     """
     radius, left_leg, right_leg, lean = shape
     on_left = minimum(s, left_leg)

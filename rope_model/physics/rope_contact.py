@@ -1,15 +1,17 @@
 """Contact of the rope with itself: leg on leg, loop on leg.
 
-Points along the rope, closer than its diameter, are compared with the elements to the right of their own that begin
-MIN_ARC diameters or more behind its end.  Several strands may lie around a point: contact is with the nearest point,
-and with each next one that is MIN_ARC diameters or more along the rope from those before.  Where the centre lines are
-nearer than a diameter, the law of physics.contact holds between them, per length, with p = diameter - distance:
+Points along the rope, closer than its diameter, are compared with the elements to the right of
+their own that begin MIN_ARC diameters or more behind its end.  Several strands may lie around a
+point: contact is with the nearest point, and with each next one that is MIN_ARC diameters or more
+along the rope from those before.  Where the centre lines are nearer than a diameter, the law of
+physics.contact holds between them, per length, with p = diameter - distance:
 
     f(r_a - r_b, v_a - v_b)  on the one,   -f  on the other,     distributed to the nodes of both elements
 
-so that the forces of a pair cancel to the bit.  The distance is stationary at the nearest point, so the spring force is
-the gradient of its energy.  Friction acts at the centre lines, a diameter apart: the remaining couple is no torque in
-the rope.  Works on numbers and CasADi expressions; vectors have their components first.
+so that the forces of a pair cancel to the bit.  The distance is stationary at the nearest point, so
+the spring force is the gradient of its energy.  Friction acts at the centre lines, a diameter
+apart: the remaining couple is no torque in the rope.  Works on numbers and CasADi expressions;
+vectors have their components first.
 """
 
 import math
@@ -44,7 +46,8 @@ def number_of_points(l: Scalar, diameter: Scalar) -> Scalar:
 def points_skipped(distance: Scalar, diameter: Scalar, spacing: Scalar, number: Scalar) -> Scalar:
     """Return how many of an element's next points need no check after one at ``distance`` (m).
 
-    The points are ``spacing`` (m) apart.  All ``number`` of them are skipped if the distance is not a number.
+    The points are ``spacing`` (m) apart.  All ``number`` of them are skipped if the distance is not
+    a number.
     """
     return floor(maximum(minimum(number, (distance - diameter) / (STRETCH * spacing)), 0.0))
 

@@ -7,8 +7,8 @@ from rope_model.physics.element import ElementFidelity, ElementFunctions, elemen
 from rope_model.physics.shaft import KINDS
 from rope_model.physics.wire_element import wire_element
 
-#: kinds of the bodies that a rope may touch; before them AIR, WIRES for friction between wires, and CURVED for
-#: permanent curvature
+#: kinds of the bodies that a rope may touch; before them AIR, WIRES for friction between wires, and
+#: CURVED for permanent curvature
 Features = tuple[int, ...]
 AIR, WIRES, CURVED = range(len(KINDS), len(KINDS) + 3)
 
@@ -16,8 +16,8 @@ AIR, WIRES, CURVED = range(len(KINDS), len(KINDS) + 3)
 def rope_element(fidelity: ElementFidelity, features: Features = ()) -> ElementFunctions:
     """Return the element with all features.
 
-    Behind the frame's entries F holds those of the permanent curvature, then those of the wires; behind the element's
-    parameters P holds those of the air, then those of the bodies.
+    Behind the frame's entries F holds those of the permanent curvature, then those of the wires;
+    behind the element's parameters P holds those of the air, then those of the bodies.
     """
     functions = element_functions(fidelity)
     if CURVED in features:

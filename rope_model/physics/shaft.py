@@ -1,17 +1,19 @@
 """Bodies in the shaft, and distances of the rope from them.
 
-All are upright boxes with rounded edges, turned about Y; ends of long boxes are out of reach.  With the position x of a
-point in the body's axes, from its centre, the half widths h and the radius c of the edges
+All are upright boxes with rounded edges, turned about Y; ends of long boxes are out of reach.  With
+the position x of a point in the body's axes, from its centre, the half widths h and the radius c of
+the edges
 
     q_k = |x_k| - h_k,    d = side ( |max(q, 0)| + min(max_k q_k, 0) - c )
 
-is the distance from the body's surface, negative in the body: side is 1 where the rope hangs outside of the box, -1 in
-a shaft, whose lining is the box.  Outside of a box, and inside of a shaft, d is exact; its gradient is the unit normal,
-away from the body.  Its second derivatives jump where the nearest point of the surface changes from a face to an edge.
+is the distance from the body's surface, negative in the body: side is 1 where the rope hangs
+outside of the box, -1 in a shaft, whose lining is the box.  Outside of a box, and inside of a
+shaft, d is exact; its gradient is the unit normal, away from the body.  Its second derivatives jump
+where the nearest point of the surface changes from a face to an edge.
 
-Over an upright box about x with half widths e in the body's axes, the least distance is that with q_k = |x_k| - h_k -
-side e_k: a bound for the rope's centre line between two of its points.  Works on numbers, numpy arrays and CasADi
-expressions; vectors have their components first.
+Over an upright box about x with half widths e in the body's axes, the least distance is that with
+q_k = |x_k| - h_k - side e_k: a bound for the rope's centre line between two of its points.  Works
+on numbers, numpy arrays and CasADi expressions; vectors have their components first.
 """
 
 from typing import NamedTuple
@@ -31,7 +33,8 @@ from rope_model.shaft_parameters import Conveyance, Divider, HeadRopes, Lining, 
 
 #: m, longer than any shaft
 ENDLESS = 1e6
-#: m, thickness of the ground and length of head ropes; positions this far away are rounded by less than 1e-11 m
+#: m, thickness of the ground and length of head ropes; positions this far away are rounded by less
+#: than 1e-11 m
 DEEP = 1e4
 #: kinds of bodies; the number of a kind is its index
 KINDS = ("lining", "conveyance", "head_ropes", "divider", "floor")

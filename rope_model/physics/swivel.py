@@ -1,12 +1,13 @@
 """Friction of the swivel's bearing, the balance rope suspension rotor (BRSR).
 
-The law is set-valued, not regularised, for the relative angle b and the moment M of the conveyance on the rope:
+The law is set-valued, not regularised, for the relative angle b and the moment M of the conveyance
+on the rope:
 
     stick: b_t = 0 and |M| <= M_static        slip: M = -M_dynamic sgn(b_t)
     M_static = 1/2 mu_s d_m T + M_seal        M_dynamic = 1/2 mu_k d_m T + M_seal
 
-with the tension T at the rope's end, the force along the tangent there.  T counts from zero: a rope that pushes does
-not reduce the seal's friction.
+with the tension T at the rope's end, the force along the tangent there.  T counts from zero: a rope
+that pushes does not reduce the seal's friction.
 """
 
 from rope_model.physics.elementary import Scalar, Vector, dot, maximum, sqrt
@@ -15,7 +16,8 @@ from rope_model.physics.elementary import Scalar, Vector, dot, maximum, sqrt
 def tension_along(sense: Scalar, d: Vector, force: Vector) -> Scalar:
     """Return the tension (N) at an end from the conveyance's ``force`` (3,) on it and its r' = ``d`` (3,).
 
-    ``sense`` is -1 at the left end, where the tangent leads away from the conveyance, and +1 at the right one.
+    ``sense`` is -1 at the left end, where the tangent leads away from the conveyance, and +1 at the
+    right one.
     """
     return sense * (dot(d, force) / sqrt(dot(d, d)))
 

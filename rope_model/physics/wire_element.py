@@ -1,18 +1,20 @@
 """Beam element with friction between its wires: physics.element with the moment of physics.wire_friction.
 
-At each Gauss point C z is added to the moment EI k, work-conjugate to the rate of k seen from the section:
+At each Gauss point C z is added to the moment EI k, work-conjugate to the rate of k seen from the
+section:
 
     R += int B^T C z dx,     J += cq int B^T C dz/dk B dx
 
-Behind the frame's entries F has HISTORY_SIZE numbers of the rope at the last accepted instant (at each point section
-and z (10), then k0 and C) and TANGENT_SIZE numbers of the latest tangent.  The tangent is symmetric: it leaves out the
-skew part of dz/dk and the change of B.  Where wires reverse their sliding, dz/dk jumps up and down, and Newton's method
-with this tangent alone may oscillate without end.  So the tangent is
+Behind the frame's entries F has HISTORY_SIZE numbers of the rope at the last accepted instant (at
+each point section and z (10), then k0 and C) and TANGENT_SIZE numbers of the latest tangent.  The
+tangent is symmetric: it leaves out the skew part of dz/dk and the change of B.  Where wires reverse
+their sliding, dz/dk jumps up and down, and Newton's method with this tangent alone may oscillate
+without end.  So the tangent is
 
     p dz/dk + (1 - p) |z| / |z if all wires stuck|,    p = (z predicted by the latest tangent) . z / |z|^2 in [0, 1]
 
-which is safe where the latest tangent was far off, as well as without one, p = 0: Newton's method for z and k together
-(T. F. Chan, G. H. Golub, P. Mulet, SIAM J. Sci. Comput. 20 (1999)).
+which is safe where the latest tangent was far off, as well as without one, p = 0: Newton's method
+for z and k together (T. F. Chan, G. H. Golub, P. Mulet, SIAM J. Sci. Comput. 20 (1999)).
 """
 
 from functools import cache

@@ -2,25 +2,28 @@
 
     M = EI k + C z,   C = EI_stick - EI,     z_t = k_t - (k_t . z)+ z / k0^2,     (x)+ = max(x, 0)
 
-M and k are the vectors of bending moment and curvature seen from the cross-section: z belongs to the wires and turns
-with the section.  While no wire slides M follows k with EI_stick.  Once all slide, C z is the friction moment C k0 = M0
-+ M1 T+, which grows with the tension T, and M follows k with EI.  It is the model of Bouc and Wen with n = 2 and beta =
-gamma; |z| replaces |z_x|, so that no direction across the rope is preferred.
+M and k are the vectors of bending moment and curvature seen from the cross-section: z belongs to
+the wires and turns with the section.  While no wire slides M follows k with EI_stick.  Once all
+slide, C z is the friction moment C k0 = M0 + M1 T+, which grows with the tension T, and M follows k
+with EI.  It is the model of Bouc and Wen with n = 2 and beta = gamma; |z| replaces |z_x|, so that
+no direction across the rope is preferred.
 
-The energy is 1/2 C z^2, the dissipation C (k_t . z)+ z^2 / k0^2, which is never negative, however k0 changes.
+The energy is 1/2 C z^2, the dissipation C (k_t . z)+ z^2 / k0^2, which is never negative, however
+k0 changes.
 
-Over a step the curvature changes along a straight line, by dk = k0 s u with |u| = 1.  While z . u < 0 the wires stick.
-From there on the exact solution is, in units of k0,
+Over a step the curvature changes along a straight line, by dk = k0 s u with |u| = 1.  While
+z . u < 0 the wires stick.  From there on the exact solution is, in units of k0,
 
     z . u = tanh(c + s),   z x u falls with 1 / cosh(c + s),      c = artanh(z . u) at the start
 
-with k0 as at the start of the step.  sinh s is taken by its series up to s^5 and the other functions follow from it:
-for s > 3, where this is inaccurate, sliding is complete in any case.  Works on numbers, numpy arrays and CasADi
-expressions; vectors have their components first.
+with k0 as at the start of the step.  sinh s is taken by its series up to s^5 and the other
+functions follow from it:  for s > 3, where this is inaccurate, sliding is complete in any case.
+Works on numbers, numpy arrays and CasADi expressions; vectors have their components first.
 
-Sources: R. Bouc, 1967; Y.-K. Wen, J. Eng. Mech. Div. 102 (1976); Y. J. Park, Y.-K. Wen, A. H.-S. Ang, Earthquake
-Eng. Struct. Dyn. 14 (1986) for two directions; K. O. Papailiou, IEEE Trans. Power Delivery 12 (1997), and F. Foti,
-L. Martinelli, Appl. Math. Modelling 40 (2016), for stiffness and friction moment of strands.
+Sources: R. Bouc, 1967; Y.-K. Wen, J. Eng. Mech. Div. 102 (1976); Y. J. Park, Y.-K. Wen, A. H.-S.
+Ang, Earthquake Eng. Struct. Dyn. 14 (1986) for two directions; K. O. Papailiou, IEEE Trans. Power
+Delivery 12 (1997), and F. Foti, L. Martinelli, Appl. Math. Modelling 40 (2016), for stiffness and
+friction moment of strands.
 """
 
 from typing import NamedTuple

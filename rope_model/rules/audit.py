@@ -1,21 +1,22 @@
 """Audit of each communication step: balance of momentum and energy, independent of the integrator's error estimate.
 
-Over each communication step H the change of the rope's momentum p and of its angular momentum L is compared with the
-end forces and moments and the weight:
+Over each communication step H the change of the rope's momentum p and of its angular momentum L is
+compared with the end forces and moments and the weight:
 
     p_1 - p_0 - int (F_l + F_r + W) dt = H f,      L_1 - L_0 - int (M_l + M_r + M_W) dt = H m
 
-about a point midway between the ends.  Shorter communication steps are taken together until they last MIN_INTERVAL:
-the small impulse by which a transformation of the mesh corrects the motion would be a large force over 10 ns.
+about a point midway between the ends.  Shorter communication steps are taken together until they
+last MIN_INTERVAL:  the small impulse by which a transformation of the mesh corrects the motion
+would be a large force over 10 ns.
 
-f and m, mean missing force and moment, are zero for the exact motion.  The
-trapezoidal rule of the end forces has the error h^2 F_tt / 12, 20 N in an emergency stop.  Forces need the same weights
-as accelerations: with an auxiliary value b as in rules.generalized_alpha, p balances to rounding, and L, which is
-not linear in the motion, up to h^2.  The mean force of each end is its impulse in this sense, so that a conveyance that
-takes it gets the momentum that the rope loses.
+f and m, mean missing force and moment, are zero for the exact motion.  The trapezoidal rule of the
+end forces has the error h^2 F_tt / 12, 20 N in an emergency stop.  Forces need the same weights as
+accelerations: with an auxiliary value b as in rules.generalized_alpha, p balances to rounding, and
+L, which is not linear in the motion, up to h^2.  The mean force of each end is its impulse in this
+sense, so that a conveyance that takes it gets the momentum that the rope loses.
 
-The audit also has the change of the energy balance, the fraction of the longer leg's axial period that a step takes,
-and the turn of the tangent in an element.
+The audit also has the change of the energy balance, the fraction of the longer leg's axial period
+that a step takes, and the turn of the tangent in an element.
 """
 
 import math
@@ -35,25 +36,29 @@ END_LOADS = 6  #: index of the left end's vertical force in a load
 LOADS = END_LOADS + 2  #: numbers of a load
 NO_LOAD: Load = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
-# bounds, ten times and more the values of windings, releases and emergency stops at the levels draft and standard
+# bounds, ten times and more the values of windings, releases and emergency stops at the levels
+# draft and standard
 MISSING_FORCE = 1e-3  #: missing force over the largest end force
 MISSING_MOMENT = 5e-3  #: missing moment over the largest end force times the spacing
-#: s, time over which an impulse that is missing counts as a force: below the usual steps of 5 ms and more, and with the
-#: correction of a transformation, some 1e-4 N m s, far below MISSING_MOMENT
+#: s, time over which an impulse that is missing counts as a force: below the usual steps of 5 ms
+#: and more, and with the correction of a transformation, some 1e-4 N m s, far below MISSING_MOMENT
 MIN_INTERVAL = 4e-3
-#: time steps in an axial period: in an emergency stop of the 120 m rope the error of end forces is 4 % with 3.1, 8 %
-#: with 2.1
+#: time steps in an axial period: in an emergency stop of the 120 m rope the error of end forces is
+#: 4 % with 3.1, 8 % with 2.1
 MIN_STEPS = 3.0
-#: change of an end force in a step over the largest force, above which the number of steps in a period matters
+#: change of an end force in a step over the largest force, above which the number of steps in a
+#: period matters
 LARGE_CHANGE = 0.05
-#: elements in half a turn of the sharpest bend, below which the error of the loop's position is irregular
+#: elements in half a turn of the sharpest bend, below which the error of the loop's position is
+#: irregular
 MIN_ELEMENTS = 4.0
 
 
 class Audit(NamedTuple):
     """Reference of the next communication step's audit, and the worst values so far.
 
-    Loads are forces and moments about the origin, of both ends together, and the vertical force of each end.
+    Loads are forces and moments about the origin, of both ends together, and the vertical force of
+    each end.
     """
 
     sums: Sums = (0.0,) * 9

@@ -35,8 +35,8 @@ def held_end(
 def clamp_axis(lean: Vector, lean_z: Vector) -> tuple[tuple[Scalar, ...], ...]:
     """Return the axis n of a clamp and its rates (3, 3), from the leans, a rotation vector, and their rates.
 
-    n = (S lean, -C, S lean_z) with C = cos a, S = sin(a)/a for the angle a.  With p = a a_t, C_t = -S p, S_t = D p and
-    D_t = E p.
+    n = (S lean, -C, S lean_z) with C = cos a, S = sin(a)/a for the angle a.  With p = a a_t,
+    C_t = -S p, S_t = D p and D_t = E p.
     """
     x, x_t, x_tt = lean
     z, z_t, z_tt = lean_z

@@ -1,8 +1,8 @@
 """Paths of the rope's ends between two instants of the host.
 
-Each coordinate follows a quintic polynomial in time, so that position, speed and acceleration are continuous whatever
-the host's step.  rules.input_filter determines where a path leads.  Works on numbers and CasADi expressions:
-C has its structures and formulas from here.
+Each coordinate follows a quintic polynomial in time, so that position, speed and acceleration are
+continuous whatever the host's step.  rules.input_filter determines where a path leads.  Works on
+numbers and CasADi expressions:  C has its structures and formulas from here.
 """
 
 from __future__ import annotations
@@ -22,7 +22,8 @@ END_NODE = (0, -1)  #: rows of the ends in arrays of nodes
 PATH = ("x", "y", "z", "yaw")  #: coordinates of an end's path
 LEANS = ("lean", "lean_z")  #: leans of a clamp, which have paths of their own
 RESTS_BELOW = 1e-6  #: m/s and rad/s, speed below which an end is at rest
-# bounds of accepted motions: absolute, several times what mine hoists do (20 m/s, 5 m/s^2), to reveal wrong units
+# bounds of accepted motions: absolute, several times what mine hoists do (20 m/s, 5 m/s^2), to
+# reveal wrong units
 MAX_POSITION = 1e4  #: m and rad
 MAX_SPEED = 60.0  #: m/s and rad/s
 MAX_ACCELERATION = 100.0  #: m/s^2 and rad/s^2
@@ -37,7 +38,8 @@ def _motion(unit: str, description: str, reach: float) -> float:
 class EndMotion:
     """Motion of a conveyance's suspension point; x and z from the nominal point, y the height in the shaft.
 
-    Metres, seconds, radians; yaw about Y (up).  A clamp yaws first, then leans; as it leans on, it spins by yaw.
+    Metres, seconds, radians; yaw about Y (up).  A clamp yaws first, then leans; as it leans on, it
+    spins by yaw.
     """
 
     x: float = _motion(

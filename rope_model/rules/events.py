@@ -9,7 +9,8 @@ from rope_model.physics.elementary import Scalar, logical_and, maximum, minimum,
 class Bracket(NamedTuple):
     """Interval, and the values at its ends, f_low < 0 <= f_high.
 
-    ``side`` is the end that moved last, -1 or 1, or 0; ``stalled`` the number of rounds in a row that did not halve it.
+    ``side`` is the end that moved last, -1 or 1, or 0; ``stalled`` the number of rounds in a row
+    that did not halve it.
     """
 
     low: float

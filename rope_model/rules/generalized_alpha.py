@@ -8,8 +8,8 @@ import numpy as np
 from rope_model.arrays import Array
 from rope_model.physics.elementary import Scalar
 
-#: growth of the step above which the acceleration's rate over the shorter step is mostly noise, and used neither for
-#: extrapolation nor for re-centring
+#: growth of the step above which the acceleration's rate over the shorter step is mostly noise, and
+#: used neither for extrapolation nor for re-centring
 MAX_GROWTH = 5.0
 
 
@@ -17,8 +17,8 @@ MAX_GROWTH = 5.0
 class Motion:
     """Complete state of the method; arrays have the shape (nodes, degrees of freedom per node).
 
-    ``a_rate`` is (a_n - a_{n-1}) / h; ``h`` is the step that led here, 0 after a restart.  ``reaction`` is the
-    residual: zero where free, the force of the surroundings where prescribed.
+    ``a_rate`` is (a_n - a_{n-1}) / h; ``h`` is the step that led here, 0 after a restart.
+    ``reaction`` is the residual: zero where free, the force of the surroundings where prescribed.
     """
 
     t: float

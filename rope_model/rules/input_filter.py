@@ -1,22 +1,25 @@
 """Input filter: from the motions that a host gives to smooth motions of the rope's ends.
 
-Position, speed and acceleration of a host need not be consistent: tables are interpolated, encoders round, slower
-components repeat.  A rope is stiff along its axis, 1 kN per mm and more, so its end must not jump after every sample.
-The end's motion x is therefore a state of its own.  It integrates the given acceleration A and approaches the given
-position X and speed V slowly, as a critically damped observer of second order:
+Position, speed and acceleration of a host need not be consistent: tables are interpolated, encoders
+round, slower components repeat.  A rope is stiff along its axis, 1 kN per mm and more, so its end
+must not jump after every sample.  The end's motion x is therefore a state of its own.  It
+integrates the given acceleration A and approaches the given position X and speed V slowly, as a
+critically damped observer of second order:
 
     x_tt = A + 2 w (V - x_t) + w^2 (X - x).
 
-Its bandwidth w follows from the required accuracy: a misfit as large as the error of the loop's position, e_L, must not
-disturb the end forces by more than their error, e_F.  The disturbance is w^2 e_L / g, so w = sqrt(e_F g / e_L).
+Its bandwidth w follows from the required accuracy: a misfit as large as the error of the loop's
+position, e_L, must not disturb the end forces by more than their error, e_F.  The disturbance is
+w^2 e_L / g, so w = sqrt(e_F g / e_L).
 
-A smooth motion leaves a remainder too: the quintic path between two samples knows only the accelerations at its ends.
-The part that a change of the acceleration within a step explains is therefore met within the step, and only the rest is
-left to the observer.  A consistent motion is followed exactly.
+A smooth motion leaves a remainder too: the quintic path between two samples knows only the
+accelerations at its ends.  The part that a change of the acceleration within a step explains is
+therefore met within the step, and only the rest is left to the observer.  A consistent motion is
+followed exactly.
 
-Inputs that a host does not give are estimated by fading-memory filters: E. Brookner, Tracking and Kalman Filtering Made
-Easy, 1998, chapter 7.  A filter of n-th order with the bandwidth W lags behind an acceleration of the rate J by n J /
-W.
+Inputs that a host does not give are estimated by fading-memory filters: E. Brookner, Tracking and
+Kalman Filtering Made Easy, 1998, chapter 7.  A filter of n-th order with the bandwidth W lags
+behind an acceleration of the rate J by n J / W.
 """
 
 from __future__ import annotations
@@ -41,29 +44,35 @@ from rope_model.rules import quintic
 from rope_model.rules.end_paths import RESTS_BELOW, EndMotion, EndPath
 from rope_model.rules.quintic import Quintic
 
-#: m/s^3, jerk that a consistent motion may have at any instant.  To follow it within a step h the path needs an
-#: additional acceleration of at most 5.8 h times the jerk: 0.1 % of g where h = 20 ms
+#: m/s^3, jerk that a consistent motion may have at any instant.  To follow it within a step h the
+#: path needs an additional acceleration of at most 5.8 h times the jerk: 0.1 % of g where h = 20 ms
 ALLOWED_JERK = 0.1
-#: rad/s^3, the same for a yaw, which only twists the rope; FMI gives no yaw acceleration.  3 degrees at 2 Hz have it
+#: rad/s^3, the same for a yaw, which only twists the rope; FMI gives no yaw acceleration.  3
+#: degrees at 2 Hz have it
 ALLOWED_YAW_JERK = 100.0
 JERKS = (*(ALLOWED_JERK,) * 3, ALLOWED_YAW_JERK)
-#: bandwidth of estimates over the frequency of the rope's slowest axial wave: 1/10 of a motion at that frequency passes
-#: (order 2), or 1/32 (order 3)
+#: bandwidth of estimates over the frequency of the rope's slowest axial wave: 1/10 of a motion at
+#: that frequency passes (order 2), or 1/32 (order 3)
 ESTIMATE_FRACTION = 1.0 / 3.0
 #: m, grids of rounded positions that are recognised
 GRIDS = (1e-2, 1e-3, 1e-4)
 #: tolerance in multiples of a grid: doubles round 1e4 m by 1e-8 of the finest
 ON_GRID = 1e-6
-#: s, time below which the mean acceleration from a rate of six decimals is off by more than 1e-3 rad/s^2
+#: s, time below which the mean acceleration from a rate of six decimals is off by more than
+#: 1e-3 rad/s^2
 MIN_MEAN_TIME = 1e-3
-#: s, time in which the rounding of positions of 1e4 m, 2e-12 m, takes some 0.1 m/s^2; in 1e-8 s it takes 1e5
+#: s, time in which the rounding of positions of 1e4 m, 2e-12 m, takes some 0.1 m/s^2; in 1e-8 s it
+#: takes 1e5
 MIN_AIM_TIME = 1e-5
-#: m/s, least change of speed between samples that reveals a broken line: twice the error of six decimals in 10 ms
+#: m/s, least change of speed between samples that reveals a broken line: twice the error of six
+#: decimals in 10 ms
 MIN_CHANGE = 2e-4
-# change of the speed over that by the acceleration: 1 in a smooth motion, n at a break of a table of n steps
+# change of the speed over that by the acceleration: 1 in a smooth motion, n at a break of a table
+# of n steps
 STRAIGHT = 0.2  #: upper bound on a straight line; the jerk makes up a fifth
 BROKEN = 1.8  #: lower bound at a break
-#: breaks after pieces of equal length that reveal a table: random pieces of 2 or 3 steps are alike so once in 2^7
+#: breaks after pieces of equal length that reveal a table: random pieces of 2 or 3 steps are alike
+#: so once in 2^7
 MIN_BREAKS = 8.0
 #: relative difference of such lengths: less than a step of a table of a hundred
 ALIKE = 0.01
@@ -227,9 +236,10 @@ def _jumps(
 ) -> tuple[Vector, Vector]:
     """Return by how much a sample's positions and speeds are off any motion that the samples before let expect.
 
-    Estimated inputs follow a wrong sample so smoothly that no misfit is left, and a right one late: after a stop with
-    g by MAX_LAG g / W in speed.  So trusted positions and speeds are compared with the samples before, and what that
-    lag explains is no jump.  NOT_ESTIMATED where the acceleration is given.
+    Estimated inputs follow a wrong sample so smoothly that no misfit is left, and a right one late:
+    after a stop with g by MAX_LAG g / W in speed.  So trusted positions and speeds are compared
+    with the samples before, and what that lag explains is no jump.  NOT_ESTIMATED where the
+    acceleration is given.
     """
     hardest = settings.max_deceleration
     positions_before = (*state.given[:3], state.given[9])
@@ -262,9 +272,10 @@ def _repeated(
 ) -> Scalar:
     """Return whether the trusted part of a sample repeats the latest one to the bit and cannot be a new one.
 
-    A sample of the same instant is held through an event.  The position of a moving end cannot stay.  If positions
-    alone are given, the end must be too fast to have stopped since: after a stop with a the estimated speed is off by
-    up to 0.84 a / W.  A speed can be that of the latest sample.
+    A sample of the same instant is held through an event.  The position of a moving end cannot
+    stay.  If positions alone are given, the end must be too fast to have stopped since: after a
+    stop with a the estimated speed is off by up to 0.84 a / W.  A speed can be that of the latest
+    sample.
     """
     moves = logical_or(*(abs(speed) > RESTS_BELOW for speed in speeds))
     stops_below = settings.max_deceleration * (since + 1.0 / settings.estimate)
@@ -370,7 +381,8 @@ def filter_path(path: EndPath, state: InputFilter, stop: Scalar, bandwidth: Scal
 def _lean_quintic(h: Scalar, ahead: Scalar, start: Vector, sample: Scalar, mean: Scalar) -> Quintic:
     """Return the quintic of a lean over the step ``h``, ``ahead`` of the sample; a very short one leads beyond.
 
-    Its rate, which is not given, lags by a sixth of the step; ``mean`` is that between the latest samples.
+    Its rate, which is not given, lags by a sixth of the step; ``mean`` is that between the latest
+    samples.
     """
     x, v, a = start
     aim = maximum(h, MIN_MEAN_TIME)
@@ -435,7 +447,8 @@ def sample_misfit(
 ) -> SampleMisfit:
     """Compare position and speed of a ``sample`` with linear acceleration over the step ``h`` from ``start`` on.
 
-    A change of the acceleration within the step explains a part of the misfit; ``jerk`` bounds its rate.
+    A change of the acceleration within the step explains a part of the misfit; ``jerk`` bounds its
+    rate.
     """
     x, v = start
     before, after = accelerations

@@ -1,10 +1,11 @@
 """Effect of inconsistent input motions on the results: sums for each end, and part of the error estimates.
 
-The misfit's effect on the end force is that of the acceleration c by which the followed motion exceeds the given one.
-It acts on the leg's mass at once, and on the part of it that swings in the slowest axial wave by that wave's response.
-A change of position within a step sends off a wave of the force sqrt(Qa rho) times its speed.  The part that changes of
-the given acceleration within a step explain is no misfit: the path ends with the position and the speed of that motion,
-and differs in speed only in between.
+The misfit's effect on the end force is that of the acceleration c by which the followed motion
+exceeds the given one.  It acts on the leg's mass at once, and on the part of it that swings in the
+slowest axial wave by that wave's response.  A change of position within a step sends off a wave of
+the force sqrt(Qa rho) times its speed.  The part that changes of the given acceleration within a
+step explain is no misfit: the path ends with the position and the speed of that motion, and differs
+in speed only in between.
 """
 
 import math
@@ -37,13 +38,14 @@ from rope_model.rules.input_filter import (
 
 #: fraction of a leg's mass that swings in its slowest axial wave
 SWINGING = 8.0 / math.pi**2
-#: root mean square speed within a step that moves the end by d in h, over d / h: sqrt(900 / 630) of the quintic
+#: root mean square speed within a step that moves the end by d in h, over d / h: sqrt(900 / 630) of
+#: the quintic
 STEP_SPEED = math.sqrt(900.0 / 630.0)
-#: largest distance from the middle of a step h, over h, at which an acceleration with one change of rate gains its
-#: speed
+#: largest distance from the middle of a step h, over h, at which an acceleration with one change of
+#: rate gains its speed
 ONE_CHANGE = 1.0 / 6.0
-#: root mean square deviation of the path's speed within a step over the speed gained so: 0.022 of the quintic, and more
-#: because its waves last longer (seed 60 of evidence.promise)
+#: root mean square deviation of the path's speed within a step over the speed gained so: 0.022 of
+#: the quintic, and more because its waves last longer (seed 60 of evidence.promise)
 WITHIN = 0.055
 
 #: m/s^2, slowest axial wave of a leg, now and a quarter of a period later
@@ -65,7 +67,8 @@ def add_misfit(
     lag = state.lag + (1.0 - exp(-settings.estimate * h)) * (
         order * grows / settings.estimate - state.lag
     )
-    # part of the sample's misfit that one change of the acceleration's rate within the step explains
+    # part of the sample's misfit that one change of the acceleration's rate within the step
+    # explains
     axes = zip(
         path.coefficients,
         state.end_accelerations,
@@ -134,8 +137,9 @@ def _leg_response(
 ) -> tuple[Wave, Scalar]:
     """Return the leg's slowest axial wave (m/s^2) after a step with an additional acceleration, and the end force (N).
 
-    ``added`` are the acceleration and its three rates at the step's start.  The forced wave is this cubic minus its
-    second rate over omega^2; the difference from the wave at the start oscillates freely.
+    ``added`` are the acceleration and its three rates at the step's start.  The forced wave is this
+    cubic minus its second rate over omega^2; the difference from the wave at the start oscillates
+    freely.
     """
     omega = axial_frequency(rope, leg)
     duration = wave_duration(rope, omega)

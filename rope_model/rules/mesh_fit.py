@@ -1,11 +1,13 @@
 """Mesh that suits a rope, for mesh.kind = auto.
 
-With w = (EI / rho g)^(1/3), R is half the spacing, or the free loop's radius if that is less.  The error of the loop's
-position at rest limits the length of its elements: it grows with the second power of the length while they lock, with
-the sixth when they are short (physics.accuracy); docs/promise.md shows the errors.  Segment IV covers the bend, its
-decay above, and the distance to the next transformation.  The elements next to the clamped ends resolve the bending
-layer sqrt(EI / T).  A rope too short or too stiff for this pattern gets equal elements.  Where a divider may press a
-leg all elements are short enough for the waves of its blow, and shorter still where they face it.
+With w = (EI / rho g)^(1/3), R is half the spacing, or the free loop's radius if that is less.  The
+error of the loop's position at rest limits the length of its elements: it grows with the second
+power of the length while they lock, with the sixth when they are short (physics.accuracy);
+docs/promise.md shows the errors.  Segment IV covers the bend, its decay above, and the distance to
+the next transformation.  The elements next to the clamped ends resolve the bending layer
+sqrt(EI / T).  A rope too short or too stiff for this pattern gets equal elements.  Where a divider
+may press a leg all elements are short enough for the waves of its blow, and shorter still where
+they face it.
 
 `python -m evidence.mesh_rule` fits the basis of the constants.
 """
@@ -31,8 +33,9 @@ from rope_model.physics.elementary import (
 from rope_model.physics.estimates import axial_frequency, bending_length
 from rope_model.shaft_parameters import Divider
 
-#: distance (l) of the loop from the middle of segment IV at which a transformation is due: the neighbouring mesh fits
-#: as well from 0.5 on; the margin keeps a loop that trembles by up to l/5 from transforming to and fro
+#: distance (l) of the loop from the middle of segment IV at which a transformation is due: the
+#: neighbouring mesh fits as well from 0.5 on; the margin keeps a loop that trembles by up to l/5
+#: from transforming to and fro
 DUE = 0.6
 RATIO = 4.0  #: l over the length of the elements of IV: five segments
 MAX_LEVELS = 8  #: largest end_levels
@@ -41,11 +44,11 @@ MESH_SHARE = 0.5  #: fraction of the loop's allowed error that the mesh may take
 LEG_GRADING = 7.5e5  #: m, times loop_error / length: lag allowed to short waves on a long trip
 #: m^2, over the length: short waves of an emergency stop (evidence.mesh_rule.trips)
 LEG_WAVES = 1000.0
-#: times w: at a height y above the loop elements are sqrt(grading_length y) long, and waves of the loop's own frequency
-#: sqrt(g / w) are 2 pi sqrt(w y) long
+#: times w: at a height y above the loop elements are sqrt(grading_length y) long, and waves of the
+#: loop's own frequency sqrt(g / w) are 2 pi sqrt(w y) long
 LEG_SWAY = 1.0
-# after an emergency stop longitudinal waves excite waves of half their frequency in the legs (pumped_grading); tuned on
-# seeded ropes of 60 to 1200 m
+# after an emergency stop longitudinal waves excite waves of half their frequency in the legs
+# (pumped_grading); tuned on seeded ropes of 60 to 1200 m
 PUMPED_ELEMENTS = 5.0  #: elements of such a wave
 PUMPED_LEG = 0.75  #: length of the leg over that of the rope
 PUMPED_GROWTH = 8.0  #: exponent of a wave's growth below which it needs fewer elements
@@ -57,7 +60,8 @@ MAX_LENGTH = 0.75  #: longest element of the loop over R: on longer ones it slip
 FADE = 1.0  #: for an error of the loop of FADE_ERROR
 FADE_ERROR = 0.05  #: m
 FADE_DECADE = 0.43  #: increase for a tenth of the error
-#: distance (rope lengths) of the loop from an end down to which no part of the pattern is cut off: ends 3/4 L apart
+#: distance (rope lengths) of the loop from an end down to which no part of the pattern is cut off:
+#: ends 3/4 L apart
 MIN_END_DISTANCE = 0.12
 END_LENGTH = 2.9  #: length of the end elements over the bending layer there, shorter by the fifth root of the error
 END_ERROR = 0.033  #: error of the loop over R to which END_LENGTH belongs
@@ -97,8 +101,9 @@ def fit_lengths(scene: Scene, loop_error: Scalar, decades: Scalar) -> FittedLeng
 def pumped_grading(scene: Scene) -> Scalar:
     """Return the grading that resolves the transverse waves of the legs that grow after an emergency stop.
 
-    A tension rho g y (1 + a cos omega t) excites waves of omega / 2 (Mathieu's equation): they grow by exp(a omega t /
-    8) and are 4 pi sqrt(g y) / omega long.  a is BRAKED, and lasts as long as the longitudinal wave.
+    A tension rho g y (1 + a cos omega t) excites waves of omega / 2 (Mathieu's equation): they grow
+    by exp(a omega t / 8) and are 4 pi sqrt(g y) / omega long.  a is BRAKED, and lasts as long as
+    the longitudinal wave.
     """
     rope = scene.rope
     g = scene.layout.gravity
@@ -111,7 +116,8 @@ def pumped_grading(scene: Scene) -> Scalar:
 def divider_positions(scene: Scene, left: Scalar, right: Scalar) -> tuple[Scalar, ...]:
     """Return the arc lengths (m) from the ends, at these heights, at which each divider may press a leg (8,).
 
-    Left and right leg alternate; infinite where the divider does not hold the leg, or is far from it.
+    Left and right leg alternate; infinite where the divider does not hold the leg, or is far from
+    it.
     """
     shaft = scene.shaft
     half = 0.5 * scene.layout.spacing
@@ -149,7 +155,8 @@ def fit_elements(scene: Scene, loop_error: Scalar, decades: Scalar) -> FittedMes
     length = scene.rope.length
     lengths = fit_lengths(scene, loop_error, decades)
     longest = pressed_length(scene)
-    # no part of the pattern may be cut off while the loop is MIN_END_DISTANCE or farther from an end
+    # no part of the pattern may be cut off while the loop is MIN_END_DISTANCE or farther from an
+    # end
     coarse = minimum(RATIO * lengths.fine_length, longest)
     coarse = minimum(
         coarse, 2 * MIN_END_DISTANCE * length / _inner_length(_fine_count(lengths, coarse))

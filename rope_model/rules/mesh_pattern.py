@@ -1,7 +1,7 @@
 """Pattern of TMN-ETM: lengths of its segments and conditions of its transformations; codegen.rules makes the C of it.
 
-``counts`` are the elements of segments II to VI, lengths are in units of l.  A ``pattern`` has the counts of all seven
-segments and l as ``coarse``, all 0 for EEM.
+``counts`` are the elements of segments II to VI, lengths are in units of l.  A ``pattern`` has the
+counts of all seven segments and l as ``coarse``, all 0 for EEM.
 """
 
 import math
@@ -21,8 +21,8 @@ from rope_model.rules.mesh_fit import DUE
 
 #: m, distance before the limit at which a transformation is made, because of rounding
 DUE_EARLY = 1e-7
-# window of a leg that is refined where it faces a divider.  A blow that rises within four delays of mesh_fit.BLOW goes
-# 4/pi l along the rope
+# window of a leg that is refined where it faces a divider.  A blow that rises within four delays of
+# mesh_fit.BLOW goes 4/pi l along the rope
 WINDOW = 6  #: length in l
 WINDOW_PARTS = 3  #: elements of each l
 WINDOW_DUE = 1.6  #: distance (l) at which the window moves: more than half of that between two transformations
@@ -90,11 +90,11 @@ def transformation_due(pattern: Pattern, bottom_s: Scalar, slack: Scalar = 0.0) 
     return where(_past_limit(pattern, offset) < -slack, 0.0, less(0.0, offset) - less(offset, 0.0))
 
 
-#: distance (l) beyond the limit of a transformation that a step carries the loop at most: 20 ms at 20 m/s with l = 1.6
-#: m
+#: distance (l) beyond the limit of a transformation that a step carries the loop at most: 20 ms at
+#: 20 m/s with l = 1.6 m
 MAX_OVERSHOOT = 0.25
-#: lengths (l) of elements of I or VII, each at a multiple of its length from the end of the rope, so that its
-#: neighbours stay when it changes (spare ones are halved, see _legs)
+#: lengths (l) of elements of I or VII, each at a multiple of its length from the end of the rope,
+#: so that its neighbours stay when it changes (spare ones are halved, see _legs)
 LEG_LENGTHS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
 GRADING = 2  #: least distance of an element of m l from segments II to VI over (m - 1) l
 NO_DIVIDERS = (math.inf,) * 8  #: positions of dividers on a rope that none may press

@@ -12,10 +12,10 @@ from rope_model.rules.mesh_pattern import NO_DIVIDERS
 class Partition:
     """Element lengths from left to right; for TMN-ETM also their pattern.
 
-    ``counts`` are the elements of the seven segments (0 for EEM) before the end elements are halved ``end_levels``
-    times and those of I and VII joined as ``grading_length`` (m) allows; ``coarse`` is l.  Below 1 in I or VII they
-    count the l that the end cuts off.  ``windows`` begin so many l from the ends, in the order of
-    mesh_fit.divider_positions; unused ones are beyond the rope.
+    ``counts`` are the elements of the seven segments (0 for EEM) before the end elements are halved
+    ``end_levels`` times and those of I and VII joined as ``grading_length`` (m) allows; ``coarse``
+    is l.  Below 1 in I or VII they count the l that the end cuts off.  ``windows`` begin so many l
+    from the ends, in the order of mesh_fit.divider_positions; unused ones are beyond the rope.
     """
 
     lengths: Array

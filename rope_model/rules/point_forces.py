@@ -1,7 +1,7 @@
 """Forces that a host applies to points of the rope.
 
-They act until others are applied; they are no part of its state.  The shape functions of an element distribute them to
-its nodes, so that their power is that at their points.
+They act until others are applied; they are no part of its state.  The shape functions of an element
+distribute them to its nodes, so that their power is that at their points.
 """
 
 from dataclasses import dataclass

@@ -1,7 +1,7 @@
 """Quintic polynomials in time between two motions.
 
-x(s) = c0 + c1 s + ... + c5 s^5 has position, speed and acceleration x0, v0, a0 at s = 0 and x1, v1, a1 at s = h.  Works
-on numbers and CasADi expressions.
+x(s) = c0 + c1 s + ... + c5 s^5 has position, speed and acceleration x0, v0, a0 at s = 0 and x1, v1,
+a1 at s = h.  Works on numbers and CasADi expressions.
 """
 
 from typing import Any

@@ -163,7 +163,8 @@ _KINDS: dict[str, type[Any]] = {
     "crossing": Crossing,
     "guard": GuardState,
 }
-#: members of the JSON objects of a record (its values in the order of its fields), an array and a choice
+#: members of the JSON objects of a record (its values in the order of its fields), an array and a
+#: choice
 _RECORD = "of"
 _ARRAY = "shape"
 _CHOICE = "is"

@@ -7,15 +7,18 @@ from rope_model.physics.elementary import Scalar, less, maximum
 REST_TOLERANCE = 1e-11
 #: s, pseudo-time step beyond which the inertia does not matter
 SETTLED = 1e3
-#: corrections with forces balanced to rounding, after which remaining motion costs no energy; tau takes at most 51 from
-#: its first value to its last
+#: corrections with forces balanced to rounding, after which remaining motion costs no energy; tau
+#: takes at most 51 from its first value to its last
 BALANCED = 200
-#: m or rad, largest move by a correction; beside a thin body no more than half of the way through it
+#: m or rad, largest move by a correction; beside a thin body no more than half of the way through
+#: it
 MAX_MOVE = 0.3
-#: corrections after which none may end higher than it began: they may go to and fro between two shapes
+#: corrections after which none may end higher than it began: they may go to and fro between two
+#: shapes
 PATIENCE = 300
-#: Qk over Qs below which the coupling is symmetric for the search: what its tangent then lacks leaves this part of the
-#: error, and a correction is as good as full; rounding of Qb or Qc is no reason for shorter ones
+#: Qk over Qs below which the coupling is symmetric for the search: what its tangent then lacks
+#: leaves this part of the error, and a correction is as good as full; rounding of Qb or Qc is no
+#: reason for shorter ones
 SYMMETRIC = 1e-6
 
 
@@ -27,7 +30,8 @@ def lacks_symmetry(Qs: Scalar, Qk: Scalar) -> Scalar:
 def relaxation(change: Scalar, last: Scalar) -> Scalar:
     """Return the part of a correction to take, from the ``change`` of the squared error by the part ``last`` before.
 
-    The part w of a correction that multiplies the error by i r changes its square by (1 - w)^2 + (w r)^2.
+    The part w of a correction that multiplies the error by i r changes its square by (1 - w)^2 + (w
+    r)^2.
     """
     return 1.0 / (1.0 + maximum((change - (1.0 - last) ** 2) / maximum(last * last, TINY), 0.0))
 
@@ -39,7 +43,8 @@ CURVATURE_STEPS = 8  #: increments of the permanent curvature
 PLACING_STEPS = 32
 TWIST_STEP = 1.0  #: rad, largest increment of twist
 MIN_TWIST_STEP = 0.01  #: rad, smallest increment of twist
-#: rad, largest turn of the frame at the right end, twice the loop's yaw, on the branch of equilibria
+#: rad, largest turn of the frame at the right end, twice the loop's yaw, on the branch of
+#: equilibria
 MAX_TURN = 2.0
 #: corrections after which twisting is given up: a fifth above the largest number of 60 drawn ropes
 MAX_CORRECTIONS = 100_000

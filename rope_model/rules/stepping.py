@@ -26,13 +26,15 @@ UNBOUNDED = 2**31 - 1
 #: s, beyond it the shortest steps are lost in the rounding of the time
 MAX_START_TIME = 1e10
 
-#: s, above 1/omega of the legs' longitudinal (0.02 s) and torsional modes (0.06 s), below that of the loop (1 s)
+#: s, above 1/omega of the legs' longitudinal (0.02 s) and torsional modes (0.06 s), below that of
+#: the loop (1 s)
 SETTLING_TIME = 0.1
 #: m, tolerance of the strains
 NEWTON_TOLERANCE = 1e-7
-#: s, time between equilibria: around a loop of 1 m at 8 m/s both errors of their second differences, that of the method
-#: and that by rounding, are 1e-3 m/s^2
+#: s, time between equilibria: around a loop of 1 m at 8 m/s both errors of their second
+#: differences, that of the method and that by rounding, are 1e-3 m/s^2
 DIFFERENCE = 2e-3
 
-#: s, slower motions keep their shape in a transformation, unless Newton's method needs a shorter time
+#: s, slower motions keep their shape in a transformation, unless Newton's method needs a shorter
+#: time
 RELAXATION_TIME = 0.1

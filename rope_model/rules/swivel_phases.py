@@ -1,7 +1,7 @@
 """Friction of a swivel in each phase, and the event function of a phase; codegen.rules makes the C of it.
 
-``swivel_state`` is its SwivelState, ``constraint_moment`` the moment (N m) with which the conveyance would hold the
-rope's end, and ``rate`` that of the swivel's angle (rad/s).
+``swivel_state`` is its SwivelState, ``constraint_moment`` the moment (N m) with which the
+conveyance would hold the rope's end, and ``rate`` that of the swivel's angle (rad/s).
 """
 
 import math
@@ -13,8 +13,9 @@ from rope_model.physics.accuracy import TINY
 from rope_model.physics.elementary import Scalar, logical_and, logical_or, maximum, where
 from rope_model.physics.swivel import friction_moment
 
-#: of the tension times the mean diameter, excess of a moment over the static limit that is rounding: 1e-9 N m at 5 kN
-#: and 0.1 m.  An absolute value would put the events of a light rope and a heavy one at different instants.
+#: of the tension times the mean diameter, excess of a moment over the static limit that is
+#: rounding: 1e-9 N m at 5 kN and 0.1 m.  An absolute value would put the events of a light rope and
+#: a heavy one at different instants.
 MOMENT_RESOLUTION = 2e-12
 
 

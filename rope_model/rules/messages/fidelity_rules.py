@@ -145,7 +145,8 @@ def _errs_little(
 
 #: reasons why a rope carries torque
 TORQUE: Rules = {fidelity_messages.coupled: _coupled, fidelity_messages.twisted: _twisted}
-#: reasons for the complete model wherever the ends are; ``forces`` is the number of points with applied forces
+#: reasons for the complete model wherever the ends are; ``forces`` is the number of points with
+#: applied forces
 COMPLETE: Rules = {
     fidelity_messages.may_touch: lambda scene, forces: (may_touch(scene.shaft),),
     fidelity_messages.may_touch_itself: lambda scene, forces: (
@@ -163,7 +164,8 @@ UNSUPPORTED: Rules = {
     fidelity_messages.errs_too_much: _errs_too_much,
     fidelity_messages.would_go_slack: _would_go_slack,
 }
-#: reasons why a fidelity below the complete one serves; without torque the planar one does, except for a rigid rope
+#: reasons why a fidelity below the complete one serves; without torque the planar one does, except
+#: for a rigid rope
 SUFFICIENT: Rules = {
     fidelity_messages.no_torque: _no_torque,
     fidelity_messages.errs_little: _errs_little,

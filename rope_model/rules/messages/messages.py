@@ -1,6 +1,7 @@
 """Messages of refusals and failures.
 
-codegen.messages makes the C of them.  Warnings are in warning_messages, reasons for a fidelity in fidelity_messages.
+codegen.messages makes the C of them.  Warnings are in warning_messages, reasons for a fidelity in
+fidelity_messages.
 """
 
 from rope_model.rules.messages.text import Template

@@ -14,9 +14,10 @@
     no_air              wind or conveyances move the air, which has no density
     unfit_inputs        the given motions are inconsistent: rounded, interpolated, repeated or of two motions
 
-Two straight legs between ends a width apart and a loop of about that width, turned by psi, come as near to each other
-as cos(psi / 2) of it: they meet at half a turn.  On a deep rope they need not: the long leg can swing around the short
-one, its conveyance and head ropes.  That is half a turn over the height (diagnostics.loop_turns), too.
+Two straight legs between ends a width apart and a loop of about that width, turned by psi, come as
+near to each other as cos(psi / 2) of it: they meet at half a turn.  On a deep rope they need not:
+the long leg can swing around the short one, its conveyance and head ropes.  That is half a turn
+over the height (diagnostics.loop_turns), too.
 """
 
 from collections.abc import Callable

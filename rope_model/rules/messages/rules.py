@@ -1,7 +1,7 @@
 """Decision tables: which of several messages applies; codegen.rules makes the C of them.
 
-A rule is a message and its formula.  From the facts of a table the formula computes whether the message applies, and
-then the numbers in it.  A choice is compared with its word.
+A rule is a message and its formula.  From the facts of a table the formula computes whether the
+message applies, and then the numbers in it.  A choice is compared with its word.
 """
 
 from collections.abc import Callable, Mapping

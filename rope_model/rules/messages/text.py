@@ -6,7 +6,8 @@ from string import Formatter
 class Template:
     """Text with a named placeholder for each value, as in ``{x:.3g}``; it is called with the values in their order.
 
-    A placeholder is that of a real number; with ``d`` of an integer, with ``s`` or a length alone of a text.
+    A placeholder is that of a real number; with ``d`` of an integer, with ``s`` or a length alone
+    of a text.
     """
 
     def __init__(self, template: str) -> None:

@@ -28,7 +28,8 @@ HALF_A_TURN = math.pi
 YAWED_FAR = math.pi / 6
 #: s, longest step for motions that are extrapolated: in a winding end forces are 2 % off at 50 ms
 MAX_EXTRAPOLATION = 0.02
-#: samples of a moving end from which rounding can be recognised: the first of a trip lie on every grid
+#: samples of a moving end from which rounding can be recognised: the first of a trip lie on every
+#: grid
 MIN_SAMPLES = 20
 #: m, rounding of positions below which it does no harm
 COARSEST_ROUNDING = 0.99e-4
@@ -200,7 +201,8 @@ PASSED_SIDES: Rules = {
     ),
 }
 LEG_CONTACT: Rules = {
-    # without passages a rope is turned as far over its height as its loop; passages have their own warning
+    # without passages a rope is turned as far over its height as its loop; passages have their own
+    # warning
     texts.turned_around: lambda scene, state, yaw: (
         logical_and(state.crossing.number == 0, abs(yaw) >= HALF_A_TURN),
         yaw / (2 * math.pi),
