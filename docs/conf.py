@@ -42,7 +42,7 @@ nitpick_ignore_regex = [
     ("py:.*", r"[A-Z]\w*"),
     (
         "py:.*",
-        r"rope_model\.(simulation|codegen|numerics|physics|parameters|solver_parameters|parameter_table)\..*",
+        r"rope_model\.(analysis|codegen|engine|physics|rules|parameters|solver_parameters|parameter_table)\..*",
     ),
 ]
 
