@@ -54,7 +54,7 @@ def together(ropes: Sequence[BalanceRope], steps: int, **motion: float) -> Itera
 
 def end_force(rope: BalanceRope) -> np.ndarray:
     """Vertical, N."""
-    return -rope.state.motion.reaction[[0, -1], 1]
+    return np.array([*rope.signals(("left.fy", "right.fy")).values()])
 
 
 def test_spatial_and_torsional_without_inertia_are_the_same() -> None:

@@ -113,14 +113,14 @@ seen.kept = column(1);
 """
 
 
-@pytest.fixture(scope="module", params=[1280, 390])
+@pytest.fixture(scope="module", params=[1280, pytest.param(390, marks=pytest.mark.slow)])
 def seen_run(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> SimpleNamespace:
     return look(run(tmp_path_factory.mktemp("run")), _RUN, request.param, "t=4.5")
 
 
-@pytest.fixture(scope="module", params=[1280, 390])
+@pytest.fixture(scope="module", params=[1280, pytest.param(390, marks=pytest.mark.slow)])
 def seen_study(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> SimpleNamespace:

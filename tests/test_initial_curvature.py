@@ -151,7 +151,13 @@ def test_a_straight_rod_that_is_let_go_closes_to_a_ring() -> None:
     assert_allclose(found[:, 6], 0.0, atol=1e-9)
 
 
-def test_a_straight_rod_that_is_let_go_takes_a_curvature_that_varies_along_it() -> None:
+@pytest.mark.parametrize(
+    ("meshes", "within"),
+    [((6, 12), 0.002), pytest.param((6, 12, 24), 0.0001, marks=pytest.mark.slow)],
+)
+def test_a_straight_rod_that_is_let_go_takes_a_curvature_that_varies_along_it(
+    meshes: tuple[int, ...], within: float
+) -> None:
     """Its sections turn as the curvature says, d1 and -d2 being e1 and e2 of the clamp; the error falls with h^2."""
     ends, names, at = (
         np.array([[0.9, 0.1, 0.7], [-0.5, 0.3, 0.6]]),
@@ -184,7 +190,7 @@ def test_a_straight_rod_that_is_let_go_takes_a_curvature_that_varies_along_it() 
     start = np.array([0, 0, 0, 0, 0, 1, 1, 0, 0, 0, -1, 0], dtype=float)
     tip = solve_ivp(rates, (0.0, rope.length), start, rtol=1e-9, atol=1e-9, max_step=0.1).y[:3, -1]
     errors = []
-    for elements in (6, 12, 24):
+    for elements in meshes:
         q, held = arc(elements, 0.0, rope.length), np.zeros((elements + 1, 7), dtype=bool)
         held[0, [0, 1, 2, 3, 5, 6]] = True
         errors.append(
@@ -192,7 +198,7 @@ def test_a_straight_rod_that_is_let_go_takes_a_curvature_that_varies_along_it() 
                 np.abs(find_equilibrium(CurvedRod.of_rope(rope, q, held), q).q[-1, :3] - tip).max()
             )
         )
-    assert errors[-1] < 1e-4  # of 2 m
+    assert errors[-1] < within  # m, of a rod of 2 m
     assert (np.log2(np.array(errors[:-1]) / errors[1:]) > 1.9).all(), errors
 
 
@@ -259,12 +265,19 @@ PUBLISHED = {
 }
 
 
-@pytest.mark.parametrize("load", [pytest.param(300.0, marks=pytest.mark.slow), 600.0])
-def test_the_45_degree_bend(load: float) -> None:
+@pytest.mark.parametrize(
+    ("load", "meshes", "within"),
+    [
+        (600.0, (4, 8), 0.03),
+        pytest.param(300.0, (4, 8, 16), 0.005, marks=pytest.mark.slow),
+        pytest.param(600.0, (4, 8, 16), 0.005, marks=pytest.mark.slow),
+    ],
+)
+def test_the_45_degree_bend(load: float, meshes: tuple[int, ...], within: float) -> None:
     """Published by elements of straight beams; the curved element converges to the rod's equations."""
     exact = rod_tip(load)
-    errors = [float(np.abs(bend_tip(elements, load) - exact).max()) for elements in (4, 8, 16)]
-    assert errors[-1] < 0.005
+    errors = [float(np.abs(bend_tip(elements, load) - exact).max()) for elements in meshes]
+    assert errors[-1] < within  # m, of a radius of 100 m
     # its torsional strain is uniform, and the torque along a curved rod is not
     assert (np.log2(np.array(errors[:-1]) / errors[1:]) > 1.9).all(), errors
     # eight straight beams of each: 0.7 % and 0.11 % of the radius

@@ -241,6 +241,7 @@ def test_a_trip_of_half_a_deep_shaft_is_shaped_for_its_own_end() -> None:
     assert above == swing_at_arrival(case, 0.0)
 
 
+@pytest.mark.slow
 def test_where_no_small_model_serves_the_complete_one_does_or_the_error_is_told(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

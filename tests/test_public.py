@@ -274,7 +274,8 @@ def test_the_bill_lies_in_the_wheel_and_in_its_record(tmp_path: Path) -> None:
     assert record == f"some.py,,\n{name},sha256={digest},{len(data)}\n"
 
 
-@pytest.mark.parametrize("fmi", [pytest.param(2, marks=pytest.mark.slow), 3])
+@pytest.mark.slow
+@pytest.mark.parametrize("fmi", [2, 3])
 def test_a_library_of_the_wheel_serves_an_export_of_any_level(fmi: int) -> None:
     table = variables(rope_120("draft"))
     wanted = without_start(

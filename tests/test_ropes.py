@@ -319,6 +319,7 @@ def test_an_fmu_is_refused_with_several_ropes(tmp_path: Path, capsys: Capture) -
     )
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("no_figures")
 def test_several_ropes_go_on_from_an_interrupt_with_the_same_bits(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
