@@ -157,13 +157,13 @@ def _parts() -> SimpleNamespace:
         "partition_elements": (n, p, x, p, p),
         "partition": (None, p, x, x, p, n, p, p),
         "partition_transform": (None, p, n, p, n, p),
-        "window_due": (n, p, p),
+        "window_due": (ct.c_bool, p, p),
         "arc_lengths": (None, n, p, p),
         "transfer_interpolate": (None, n, p, p, n, p, p),
         "transfer_fields": (None, n, p, p, n, p, p),
         "loop_bottom": (CLoopBottom, n, p, p),
         "leg_clearance": (x, n, p, p, p, x, x, x, p),
-        "legs_apart": (n, p, p, x, x),
+        "legs_apart": (ct.c_bool, p, p, x, x),
         "shape_places": (None, x, x, x, n, p),
         "diagnostics_shape": (None, n, p, p, n, p, p),
         "end_strain": (x, p, n, p, p, n),
@@ -332,7 +332,7 @@ class CProgress(ct.Structure):
     _fields_ = (
         ("status", ct.c_int),
         ("iterations", ct.c_int),
-        ("applies", ct.c_int),
+        ("applies", ct.c_bool),
         ("norm", ct.c_double),
         ("error", ct.c_double),
         ("contraction", ct.c_double),
@@ -350,7 +350,7 @@ def newton_judge(before: CProgress, norm: float, tolerance: float, fresh: bool) 
     """Return the progress after a correction of this norm, with limits of smooth equations."""
     judge = _library().newton_judge
     judge.restype = CProgress
-    judge.argtypes = (CProgress, ct.c_double, ct.c_double, ct.c_int, ct.c_void_p)
+    judge.argtypes = (CProgress, ct.c_double, ct.c_double, ct.c_bool, ct.c_void_p)
     limits = CLimits(*SMOOTH)
     found: CProgress = judge(before, norm, tolerance, fresh, ct.addressof(limits))
     return found

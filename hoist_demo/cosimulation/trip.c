@@ -199,7 +199,8 @@ static Stop step_fmu(Trip *trip, double t, double h) {
 
 /* Step a rope in this process, to t, where its end motions hold. */
 static Stop step_rope_in_process(Trip *trip, double t) {
-    const EndMotion *motions = (const EndMotion *)trip->motions.values;
+    EndMotion motions[2];
+    memcpy(motions, trip->motions.values, sizeof motions);
     if (!trip->step.function.rope_advance_to(trip->step.rope, t, motions, t)) return STEP;
     report_warnings(trip);
     return WELL;

@@ -5,9 +5,11 @@ named tuple.
 """
 
 import ctypes
+from collections.abc import Iterator
 from ctypes import Structure, c_char, c_double, c_int, c_int64
 from inspect import cleandoc
-from itertools import pairwise
+from itertools import pairwise, product
+from math import prod
 from typing import Any, get_args, get_origin, get_type_hints
 
 from rope_model.physics.guard import CAUSES
@@ -89,9 +91,8 @@ ALIKE = tuple(name for name in RopeState._fields if name not in _OTHERS)
 class StateStructure(Structure):
     """Complete state, and events of the last advance, followed by the arrays.
 
-    state.c depends on this order: real numbers before the swivels, and from the energy balance to the counts.  rubs:
-    true if the wires rub and have a z.  switchings: instants of the latest swivel events of this advance, newest first.
-    switched and event_count stop at the size of the arrays of events.
+    rubs: true if the wires rub and have a z.  switchings: instants of the latest swivel events of this advance, newest
+    first.  switched and event_count stop at the size of the arrays of events.
     """
 
     _fields_ = (
@@ -132,6 +133,7 @@ def state_structures() -> str:
         f"enum {{ {phases} }};\n/* kinds of bodies */\nenum {{ {kinds}, KINDS }};\n"
         f"enum {{ GUARDS = {len(CAUSES)}, {sizes} }};\n/* what happened */\nenum {{ {happenings} }};\n\n"
         + "\n".join(map(structure_code, parts))
+        + _number_tables()
         + _arrays_code()
         + "\n#endif\n"
     )
@@ -156,6 +158,39 @@ def _member(field: str, of: Any) -> str:
 
 def _name_of(kind: type[Structure]) -> str:
     return kind.__name__.removesuffix("Structure")
+
+
+def _number_tables() -> str:
+    """Return tables of the real numbers of a state, except those of its events, and of its counts."""
+    reals = ", \\\n".join(
+        f"    {{offsetof(State, {path}), {count}}}"
+        for path, count in _numbers_in(StateStructure, c_double)
+        if not path.startswith("events[")
+    )
+    counts = ", ".join(
+        f"offsetof(Counts, {path})" for path, _ in _numbers_in(_type_of(Counts), c_int64)
+    )
+    return f"""
+/* real numbers of a State, except those of its events: offsets, and how many lie there in a row */
+#define STATE_REALS {{ \\
+{reals}}}
+#define COUNT_OFFSETS {{{counts}}}
+"""
+
+
+def _numbers_in(kind: type[Structure], number: Any, before: str = "") -> Iterator[tuple[str, int]]:
+    """Return the members of this kind of number, by their path in C, with the number of them."""
+    for field, of in kind._fields_:  # type: ignore[misc]
+        lengths = []
+        while issubclass(of, ctypes.Array):
+            lengths.append(of._length_)
+            of = of._type_  # noqa: PLW2901
+        path = f"{before}{field}"
+        if of is number:
+            yield path, prod(lengths)
+        elif issubclass(of, Structure):
+            for index in product(*map(range, lengths)):
+                yield from _numbers_in(of, number, path + "".join(f"[{k}]" for k in index) + ".")
 
 
 def _arrays_code() -> str:

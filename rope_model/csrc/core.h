@@ -32,7 +32,15 @@ static inline int lowest_node(int nodes, const double *q) {
 
 /* Return an entry of a motion by its number in END_MOTION_NAMES. */
 static inline double end_value(const EndMotion *motion, int index) {
-    return ((const double *)motion)[index];
+    static const size_t offsets[] = END_MOTION_OFFSETS;
+    double value;
+    memcpy(&value, (const char *)motion + offsets[index], sizeof value);
+    return value;
+}
+
+static inline void set_end_value(EndMotion *motion, int index, double value) {
+    static const size_t offsets[] = END_MOTION_OFFSETS;
+    memcpy((char *)motion + offsets[index], &value, sizeof value);
 }
 
 /* Below, s (nodes) are arc lengths of the nodes, m; q, v, a and reaction are nodes x DOF.  A message has MESSAGE bytes
@@ -47,8 +55,8 @@ double end_strain(const Scene *scene, int nodes, const double *q, const double *
 void stale_input_error(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message);
 /* Return the tension at an end, N, from its rows of q and of the reaction. */
 double ends_tension(const Scene *scene, int side, const double *q, const double *reaction);
-/* Return the moment about the tangent on the rope's end, N m, from the end's row of the reaction. */
-double ends_moment(const Scene *scene, const State *state, int side, const double *reaction);
+/* Return the moment about the tangent on the rope's end, N m, from the end's rows of q and of the reaction. */
+double ends_moment(const Scene *scene, const SwivelState *now, int side, const double *q, const double *reaction);
 /* Angle and rate of the rope's end against the conveyance, from theta and its rate. */
 void ends_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2]);
 /* Prescribed q, v and a of an end. */
@@ -71,11 +79,12 @@ int partition_elements(const Mesh *mesh, double length, const double *divider_s,
 void partition(const Mesh *mesh, double length, double bottom_s, const double *divider_s, int elements,
                Pattern *pattern, double *lengths);
 void partition_transform(Pattern *pattern, int direction, const double *divider_s, int elements, double *lengths);
-int window_due(const Pattern *pattern, const double *divider_s); /* True if a divider has left its window. */
+bool window_due(const Pattern *pattern, const double *divider_s); /* True if a divider has left its window. */
 
 /* mesh/transfer.c */
 /* Interpolate x (nodes x DOF) at arc lengths `places`: y (count x DOF). */
-void transfer_interpolate(int nodes, const double *x, const double *s, int count, const double *places, double *y);
+void transfer_interpolate(int nodes, const double *x, const double *s, int count, const double *places,
+                          double (*y)[DOF]);
 /* Transfer up to 8 fields x (nodes x DOF) between meshes; `work` has TRANSFER_WORK(fields) numbers a node. */
 #define TRANSFER_WORK(fields) (10 + 14 * (fields))
 void transfer_fields(int nodes, const double *old_s, const double *new_s, int fields, double *const *x, double *work);
@@ -100,12 +109,12 @@ LoopBottom loop_bottom(int nodes, const double *q, const double *s);
 double leg_clearance(int nodes, const double *q, const double *s, const LoopBottom *bottom, double loop,
                      double diameter, double above, int pair[2]);
 /* True if the legs are certainly apart, and within a quarter turn of `across`, the line from left to right. */
-int legs_apart(const NodalArrays *nodal, const double across[2], double diameter, double above);
+bool legs_apart(const NodalArrays *nodal, const double across[2], double diameter, double above);
 LoopTurns loop_turns(const NodalArrays *nodal, const LoopBottom *bottom);
 /* Ascending arc lengths `places` (points) over the whole rope, denser around the bottom; `loop` is loop_width(). */
 void shape_places(double total, double bottom_s, double loop, int points, double *places);
 /* Coordinates xyz (points x 3) of the centre line at arc lengths `places`, which ascend. */
-void diagnostics_shape(int nodes, const double *q, const double *s, int points, const double *places, double *xyz);
+void diagnostics_shape(int nodes, const double *q, const double *s, int points, const double *places, double (*xyz)[3]);
 /* Tension (points), N, at arc lengths `places`, which ascend, by the balance of momentum to the left of them. */
 void diagnostics_tension(const NodalArrays *arrays, double rho, double gravity, int points, const double *places,
                          double *tension);

@@ -2,7 +2,7 @@
 
 #include "simulator.h"
 
-int is_curved(const Simulator *sim, const State *state) {
+bool is_curved(const Simulator *sim, const State *state) {
     return sim->curved != NULL && state->fidelity == TORSIONAL && max_curvature(&sim->scene.rope) > 0;
 }
 

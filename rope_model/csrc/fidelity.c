@@ -3,7 +3,6 @@
 #include "rules.h"
 
 static const char *const INPUTS[] = END_MOTION_NAMES;
-enum { INPUT_COUNT = sizeof INPUTS / sizeof *INPUTS };
 
 const char *fidelity_name(int fidelity) {
     static const char *const names[] = FIDELITY_WORDS;
@@ -12,7 +11,7 @@ const char *fidelity_name(int fidelity) {
 
 /* Write name and value of an input into text (MESSAGE bytes). */
 static void input_text(const EndMotion ends[2], int index, char *text) {
-    const int side = (index - 1) / INPUT_COUNT, place = (index - 1) % INPUT_COUNT;
+    const int side = (index - 1) / END_MOTIONS, place = (index - 1) % END_MOTIONS;
     say_nonzero_input(text, SIDE_NAMES[side], INPUTS[place], end_value(&ends[side], place));
 }
 

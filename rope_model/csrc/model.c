@@ -17,7 +17,7 @@ static void load_on(const Simulator *sim, State *state, const System *sys, doubl
     for (int side = LEFT; side <= RIGHT; side++) {
         const double *q = end_row(nodal.q, nodal.nodes, side), *R = end_row(nodal.reaction, nodal.nodes, side);
         double one[6];
-        end_load(q, R, ends_moment(&sim->scene, state, side, R), one);
+        end_load(q, R, ends_moment(&sim->scene, &state->swivels[side], side, q, R), one);
         for (int k = 0; k < 6; k++) load[k] += one[k];
         load[AUDIT_END_LOADS + side] = R[1];
     }
@@ -126,7 +126,8 @@ void model_powers(const Simulator *sim, State *state) {
     state->power_ends = state->power_swivel = 0;
     for (int side = LEFT; side <= RIGHT; side++) {
         const double *R = end_row(nodal.reaction, nodal.nodes, side), *v = end_row(nodal.v, nodal.nodes, side);
-        const double moment = ends_moment(&sim->scene, state, side, R);
+        const double *q = end_row(nodal.q, nodal.nodes, side);
+        const double moment = ends_moment(&sim->scene, &state->swivels[side], side, q, R);
         double spin = v[ANGLE];
         for (int k = 0; k < 3; k++) state->power_ends += R[k] * v[k];
         if (sim->scene.swivels[side].attachment == CLAMPED) state->power_ends += dot(R + SLOPE, v + SLOPE);
@@ -199,7 +200,7 @@ void model_commit(Simulator *sim, State *state, const StepResult *trial) {
     chain_of(sim, state)->air(&sys, nodal.q, nodal.v, air);
     const double dissipated = update_hysteresis(sim, state, now->q);
     update_angles(sim, state, now->q, now->v, now->a, now->b);
-    memcpy(nodal.q, now->q, FIELDS * sizeof(double) * size);
+    copy_fields(&nodal, now);
     state->t = sys.time = trial->t;
     state->h = trial->h;
     state->errors = add_errors(&sim->scene, &state->errors, bottom_s, speed, h, local_error(&method, 1, 1), paces,

@@ -35,10 +35,13 @@ void rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes
     flow_velocities(nodes, q, rigid_flow(ends[LEFT].vy, ends[RIGHT].vy), v);
     for (int i = 0; i < nodes * DOF; i++) a[i] = reaction[i] = 0.0;
     for (int side = LEFT; side <= RIGHT; side++) {
-        const int end = side == LEFT ? 0 : (nodes - 1) * DOF;
-        memcpy(v + end, &ends[side].vx, 3 * sizeof *v);
-        memcpy(a + end, &ends[side].ax, 3 * sizeof *a);
-        reaction[end + 1] = tensions.at_ends[side];
+        const EndMotion *end = &ends[side];
+        const int row = side == LEFT ? 0 : (nodes - 1) * DOF;
+        const double speed[3] = {end->vx, end->vy, end->vz};
+        const double acceleration[3] = {end->ax, end->ay, end->az};
+        memcpy(v + row, speed, sizeof speed);
+        memcpy(a + row, acceleration, sizeof acceleration);
+        reaction[row + 1] = tensions.at_ends[side];
     }
 }
 

@@ -19,8 +19,7 @@ System rope_system(const Simulator *sim, State *state) {
                   .latest = sim->latest,
                   .shortest = x.lengths[0]};
     element_parameters(data, sim->scene.layout.gravity, sys.P);
-    const AirCoefficients c = air_coefficients(&sim->scene.shaft.air, data->diameter, sim->scene.layout.spacing);
-    memcpy(sys.air, &c, sizeof sys.air);
+    air_coefficients(&sim->scene.shaft.air, data->diameter, sim->scene.layout.spacing, sys.air);
     for (int k = 1; k < x.elements; k++) sys.shortest = fmin(sys.shortest, x.lengths[k]);
     for (int side = LEFT; side <= RIGHT; side++) {
         const Swivel *swivel = &sim->scene.swivels[side];
@@ -55,15 +54,15 @@ void rope_system_refer(Simulator *sim, State *state, const double *q) {
 
 double rope_system_transport(Simulator *sim, State *state, double *q, double *v, double *a, double *b) {
     const System sys = rope_system(sim, state);
-    double (*gained)[3] = (double (*)[3])sim->strains, turn = 0; /* scratch in rows of 3 */
-    chain_of(sim, state)->transport(&sys, q, v, a, gained);
+    double turn = 0;
+    chain_of(sim, state)->transport(&sys, q, v, a, sim->gained);
     for (int k = 0; k < sys.elements; k++) {
         const size_t theta = (size_t)(k + 1) * DOF + ANGLE;
-        turn += gained[k][0];
+        turn += sim->gained[k][0];
         q[theta] += turn;
-        v[theta] += gained[k][1];
-        a[theta] += gained[k][2];
-        b[theta] += gained[k][2];
+        v[theta] += sim->gained[k][1];
+        a[theta] += sim->gained[k][2];
+        b[theta] += sim->gained[k][2];
     }
     carry_director(state, sim->left_slope, q + SLOPE);
     refer_material(sim, state, &sys, q);
@@ -84,9 +83,9 @@ void rope_system_prescribed_motion(const Simulator *sim, const State *state, con
 
 double rope_system_norm(const System *sys, const double *x, double slopes) {
     double largest[DOF] = {0}, all = 0;
-    int finite = 1;
+    bool finite = true;
     for (int k = 0; k <= sys->elements; k++, x += DOF) {
-        const int *free = k == 0 ? sys->free[LEFT] : k == sys->elements ? sys->free[RIGHT] : NULL;
+        const bool *free = k == 0 ? sys->free[LEFT] : k == sys->elements ? sys->free[RIGHT] : NULL;
         for (int dof = 0; dof < DOF; dof++) {
             const double size = free == NULL || free[dof] ? fabs(x[dof]) : 0.;
             finite &= size < INFINITY;

@@ -12,7 +12,7 @@ enum { MAX_LANES = 8 }; /* the last group of elements may have lanes to spare */
 typedef struct {
     int status;         /* a NewtonStatus, as CONVERGED */
     int iterations;     /* corrections so far */
-    int applies;        /* true if the latest correction applies */
+    bool applies;       /* true if the latest correction applies */
     double norm;        /* norm of the latest correction that applied */
     double error;       /* error estimate after it */
     double contraction; /* ratio of the latest norms; before the first correction the share of it assumed to remain */
@@ -42,7 +42,8 @@ typedef struct {
 /* Bodies around the rope. */
 typedef struct {
     const Scene *scene;
-    int bodies, any;           /* any: true if an element may touch a body */
+    int bodies;
+    bool any;                  /* true if an element may touch a body */
     Placed placed[MAX_BODIES]; /* bodies at the latest contact detection */
     double speeds[MAX_BODIES][3];
     double margin;  /* lower bound of the distances of elements not in `near`, m */
@@ -63,8 +64,8 @@ typedef struct {
 /* Contact of the rope with itself: result and buffers of find_self_contacts. */
 typedef struct {
     const Scene *scene;
-    int presses; /* true if contacts act; otherwise there is no memory for them */
-    int count;   /* number of contacts */
+    bool presses; /* true if contacts act; otherwise there is no memory for them */
+    int count;    /* number of contacts */
     SelfContact *contacts;
     double nearest[2];  /* least distance of centre lines that touch, and its height, m */
     double (*boxes)[6]; /* bounding box of each element */
@@ -88,7 +89,8 @@ typedef struct {
 
 /* A rope at one instant.  Inner nodes are free and without loads. */
 typedef struct {
-    int elements, free[2][DOF]; /* free: degrees of freedom of the end nodes that are not prescribed */
+    int elements;
+    bool free[2][DOF]; /* degrees of freedom of the end nodes that are not prescribed */
     const double *lengths;
     double *frames;                 /* reference of the elements' frames, from Chain.refer; aligned to 64 bytes */
     Obstacles *obstacles;           /* NULL without bodies */
@@ -100,13 +102,13 @@ typedef struct {
     double *latest; /* WIRE_TANGENT_SIZE numbers an element, of the latest tangent; scratch, aligned as frames */
     double P[PARAMETERS], air[AIR_COEFFICIENTS]; /* air: AirCoefficients, whose first number is 0 without air */
     double load[2], friction_load[2];            /* moments on theta of the ends; friction per newton of tension */
-    int plumb[2];                                /* ends whose tension is their vertical reaction */
+    bool plumb[2];                               /* ends whose tension is their vertical reaction */
     double inertia[2], shortest;                 /* inertia: of theta at the ends; shortest: element, m */
     int corrections; /* Newton corrections of a step that is taken again; 0: until it converges */
 } System;
 
 /* Return the tension at an end, which is plumb or not, from its rows of q and of the reaction. */
-static inline double tension_at_end(int plumb, int side, const double *q, const double *reaction) {
+static inline double tension_at_end(bool plumb, int side, const double *q, const double *reaction) {
     return plumb ? reaction[1] : tension_along(side ? 1 : -1, q + SLOPE, reaction);
 }
 
@@ -121,7 +123,7 @@ typedef struct {
                     const double *reaction, double *x);
     /* Solve J x = -R on the free degrees of freedom; `factorized` keeps the factors of the latest call. */
     void (*newton_step)(const System *, void *work, const double *q, const double *v, const double *a,
-                        const double *reaction, const double c[3], int factorized, double *x, double *R);
+                        const double *reaction, const double c[3], bool factorized, double *x, double *R);
     void (*evaluate)(const System *, const double *q, const double *v, const double *a, const double *reaction,
                      double *R, double balance[BALANCE]); /* R may be NULL */
     void (*losses)(const System *, const double *q, const double *v, double powers[2]);
@@ -178,14 +180,14 @@ void shaft_nearer(const Scene *scene, const NodalArrays *arrays, double t, Neare
 /* Find the elements that may touch a body, now or after a move by `margin` (m). */
 void find_near_bodies(const System *sys, const double *q, const double *v, double margin);
 /* Add elements that came near during Newton's corrections, whose norms sum to `corrections`; return true if any did. */
-int add_near_bodies(const System *sys, const double *q, double corrections);
+bool add_near_bodies(const System *sys, const double *q, double corrections);
 void remember_configuration(const System *sys, ClearanceCache *cache, const double *q);
 /* True if no clearance can have fallen below `least` (m) since remember_configuration. */
-int clearance_exceeds(const System *sys, const ClearanceCache *cache, const double *q, double least);
+bool clearance_exceeds(const System *sys, const ClearanceCache *cache, const double *q, double least);
 
 /* numerics/newton.c */
 /* Judge a correction of this norm; `fresh` is true if its factorization is new. */
-Progress newton_judge(Progress before, double norm, double tolerance, int fresh, const NewtonLimits *limits);
+Progress newton_judge(Progress before, double norm, double tolerance, bool fresh, const NewtonLimits *limits);
 /* Let the iteration end after that number of corrections. */
 Progress newton_repeated(Progress progress, int corrections);
 

@@ -60,9 +60,9 @@ static int accept(Simulator *sim) {
     sim->state = sim->next;
     sim->next = before;
     sim->computed_groups = 0;
-    sim->replay.known = 0;
-    sim->bottom_known = 0;
-    sim->initialized = 1;
+    sim->replay.known = false;
+    sim->bottom_known = false;
+    sim->initialized = true;
     sim->message[0] = '\0';
     return 1;
 }
@@ -74,7 +74,7 @@ int rope_retune(Simulator *sim, const Scene *scene) {
     memcpy(sim->scene.swivels, scene->swivels, sizeof scene->swivels);
     sim->scene.shaft.air = scene->shaft.air;
     sim->computed_groups = 0;
-    sim->replay.known = 0;
+    sim->replay.known = false;
     return 1;
 }
 
@@ -89,7 +89,7 @@ static int hold_ends(Simulator *sim, State *state, const EndMotion ends[2], doub
         ends_refusal(&sim->scene, end, measures, side, sim->message);
         if (sim->message[0]) return 0;
         double fastest = fabs(end->yaw_rate);
-        for (int k = 0; k < 3; k++) fastest = fmax(fastest, fabs((&end->vx)[k]));
+        fastest = fmax(fastest, fmax(fabs(end->vx), fmax(fabs(end->vy), fabs(end->vz))));
         if (fastest > RESTS_BELOW) return say_moves_at_start(sim->message, SIDE_NAMES[side]);
     }
     paths_at_rest(sim, state, ends, sim->scene.model.fidelity == RIGID); /* a rigid rope needs no steps */
@@ -182,22 +182,22 @@ static int advance_to(Simulator *sim, const HostStep *host, int *event) {
 }
 
 /* Describe a step that the host asks for. */
-static HostStep asked(double t, const EndMotion ends[2], double given_at, int to_event) {
+static HostStep asked(double t, const EndMotion ends[2], double given_at, bool to_event) {
     HostStep host = {.stop = t, .given_at = given_at, .asked_at = given_at, .to_event = to_event, .taken = 1};
     memcpy(host.ends, ends, sizeof host.ends);
     return host;
 }
 
 int rope_advance_to(Simulator *sim, double t, const EndMotion ends[2], double given_at) {
-    const HostStep host = asked(t, ends, given_at, 0);
+    const HostStep host = asked(t, ends, given_at, false);
     int event;
     return refer_after_failure(sim, advance_to(sim, &host, &event));
 }
 
 int rope_advance_to_event(Simulator *sim, double t, const EndMotion ends[2], double given_at, int *event) {
     const InputFilter *filters = sim->state->filters;
-    HostStep host = asked(t, ends, given_at, 1);
-    int same = *event != 0;
+    HostStep host = asked(t, ends, given_at, true);
+    bool same = *event != 0;
     for (int side = LEFT; side <= RIGHT; side++) same &= !memcmp(&ends[side], filters[side].given, sizeof ends[side]);
     if (same) host.given_at = fmin(filters[LEFT].given_at, filters[RIGHT].given_at);
     return refer_after_failure(sim, advance_to(sim, &host, event));
@@ -236,7 +236,7 @@ int rope_restore(Simulator *sim, const void *from, size_t bytes) {
 
 void rope_apply(Simulator *sim, const PointForces *forces) {
     sim->forces = *forces;
-    sim->replay.known = 0;
+    sim->replay.known = false;
 }
 
 void rope_rows(const Simulator *sim, double (*rows)[13]) {

@@ -12,8 +12,8 @@ typedef struct {
     double strains[2];  /* local error of the strains at the ends */
     double error_ratio; /* largest local error divided by its tolerance */
     double balance[BALANCE];
-    int converged; /* true if Newton's method converged */
-    int near;      /* true if the rope may touch a body */
+    bool converged; /* true if Newton's method converged */
+    bool near;      /* true if the rope may touch a body */
     Progress newton;
 } StepResult;
 
@@ -42,19 +42,19 @@ enum { MAX_TAKEN = 4096 }; /* internal steps of a communication step that can be
 
 /* The last communication step, to be taken again with other motions of the ends: outputs/sensitivity.c. */
 typedef struct {
-    int recording, repeating; /* true while it is recorded, or taken again */
-    int known;                /* true if the rest is that of the last step */
-    int count;                /* number of internal steps */
-    int corrections;          /* of the step that is taken again */
-    int fidelity;             /* at its end */
-    Phases after;             /* at its end */
-    double duration;          /* s */
-    TakenStep *steps;         /* (MAX_TAKEN) */
+    bool recording, repeating; /* true while it is recorded, or taken again */
+    bool known;                /* true if the rest is that of the last step */
+    int count;                 /* number of internal steps */
+    int corrections;           /* of the step that is taken again */
+    int fidelity;              /* at its end */
+    Phases after;              /* at its end */
+    double duration;           /* s */
+    TakenStep *steps;          /* (MAX_TAKEN) */
     Path paths[2];
-    int at_step_end;  /* true if the derivatives are those to inputs of the step's end */
+    bool at_step_end; /* true if the derivatives are those to inputs of the step's end */
     unsigned derived; /* bit i: the derivatives to input i are known */
     size_t repeats;   /* number of communication steps that were recorded or taken again, since the rope was created */
-    double derivatives[2 * sizeof(EndMotion) / sizeof(double)][2 * 6];
+    double derivatives[2 * END_MOTIONS][2 * 6];
 } Replay;
 
 struct Simulator {
@@ -62,7 +62,8 @@ struct Simulator {
     Memory memory;
     Mesh mesh;           /* never AUTO_MESH */
     const Chain *chains; /* one for each fidelity from TORSIONAL to PLANAR */
-    int elements, initialized;
+    int elements;
+    bool initialized;
     size_t state_bytes;
     State *state, *next; /* an advance works on next; both swap when it succeeds */
     State *spare;        /* scratch, as for the trial whether a swivel sticks */
@@ -72,6 +73,7 @@ struct Simulator {
     NodalArrays trial;          /* arrays of the latest trial step; scratch otherwise */
     double *x;                  /* scratch (nodes x DOF) */
     double (*strains)[STRAINS]; /* scratch */
+    double (*gained)[3];        /* scratch, for Chain.transport */
     double *frames;             /* of the elements in the state, or during an advance in the state in progress */
     double *wires;              /* WIRE_HISTORY_SIZE numbers an element, of the same state as frames; or NULL */
     double *curved;             /* CURVATURE_SIZE numbers an element, of the same state as frames; or NULL */
@@ -84,11 +86,12 @@ struct Simulator {
     double values[SIGNALS];
     unsigned computed_groups; /* bit g: the values of group g belong to the state */
     LoopBottom bottom;
-    int bottom_known, nearest_blocks[2]; /* nearest_blocks: `pair` of leg_clearance */
-    int64_t newton_limit;                /* Newton iterations after which the present advance gives up accuracy */
-    int64_t corrections;                 /* Newton corrections of all equilibria of the present start */
-    int64_t solutions; /* and solutions of the chain's equations for contact of the rope with itself */
-    int turned;        /* true if the latest equilibrium turned more than allowed */
+    bool bottom_known;
+    int nearest_blocks[2]; /* nearest_blocks: `pair` of leg_clearance */
+    int64_t newton_limit;  /* Newton iterations after which the present advance gives up accuracy */
+    int64_t corrections;   /* Newton corrections of all equilibria of the present start */
+    int64_t solutions;     /* and solutions of the chain's equations for contact of the rope with itself */
+    bool turned;           /* true if the latest equilibrium turned more than allowed */
     char message[MESSAGE];
 };
 
@@ -103,7 +106,7 @@ static inline const Chain *chain_of(const Simulator *sim, const State *state) {
 void update_passages(const Simulator *sim, State *state);
 
 /* curvature.c */
-int is_curved(const Simulator *sim, const State *state);
+bool is_curved(const Simulator *sim, const State *state);
 Rope partly_curved(const Rope *whole, double fraction); /* The rope with a fraction of its permanent curvature. */
 /* Carry e1 of the left end from r' = before to r' = after. */
 void carry_director(State *state, const double *before, const double *after);
@@ -119,7 +122,7 @@ void switch_swivels(Simulator *sim, State *state);
 Phases phases_of(const State *state);
 /* Set the phases of swivels, which hold where they are, and restart unless nothing changes. */
 void set_phases(Simulator *sim, State *state, const Phases *phases);
-int chatters(const State *state);
+bool chatters(const State *state);
 
 /* memory.c */
 /* Allocate a simulator of the scene, zero except for its pointers. */
@@ -184,10 +187,12 @@ int take_host_step(Simulator *sim, const HostStep *host, int *event);
 
 /* state.c */
 /* True if the step can have led from `start` to `state`. */
-int host_step_plausible(const HostStep *host, const State *start, const State *state);
+bool host_step_plausible(const HostStep *host, const State *start, const State *state);
 /* True if restored bytes can be a state of this rope.  Overwrites sim->trial. */
-int state_plausible(const Simulator *sim, State *state);
+bool state_plausible(const Simulator *sim, State *state);
 void state_copy(const Simulator *sim, State *to, const State *from);
+/* Copy q, v, a, b, a_rate and reaction. */
+void copy_fields(const NodalArrays *to, const NodalArrays *from);
 void record_event(State *state, int what, int which, double kinetic, double potential);
 
 /* stepping/events.c */
@@ -215,7 +220,7 @@ int repeat_step(Simulator *sim, State *state, const TakenStep *step, char *messa
 
 /* wires.c; nothing changes unless wires rub */
 /* Start friction between wires, with z = 0, if the rope has it and is not rigid; return true if it started. */
-int start_hysteresis(const Simulator *sim, State *state);
+bool start_hysteresis(const Simulator *sim, State *state);
 /* Set the history from q and the state's z. */
 void wires_history(Simulator *sim, State *state, const double *q, double (*strains)[STRAINS]);
 /* Update z to q; return the dissipated energy, J. */

@@ -82,10 +82,10 @@ void wires_carry(Simulator *sim, State *state, const double *old_s) {
                          nodal.s[e] + nodal.lengths[e] * CELLS[k + 1], nodal.z + (ptrdiff_t)e * WIRE_Z + 3 * k);
 }
 
-int start_hysteresis(const Simulator *sim, State *state) {
+bool start_hysteresis(const Simulator *sim, State *state) {
     const NodalArrays nodal = state_arrays(state);
-    if (state->rubs || state->fidelity == RIGID || sim->wires == NULL) return 0;
+    if (state->rubs || state->fidelity == RIGID || sim->wires == NULL) return false;
     state->rubs = 1;
     memset(nodal.z, 0, sizeof(double) * WIRE_Z * (size_t)nodal.elements);
-    return 1;
+    return true;
 }

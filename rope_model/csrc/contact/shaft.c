@@ -23,7 +23,7 @@ typedef struct {
 } NearestSearch;
 
 /* True if contents of the box may be nearer than the nearest place so far. */
-static int may_be_nearer(const NearestSearch *search, const double box[6]) {
+static bool may_be_nearer(const NearestSearch *search, const double box[6]) {
     const double least = body_least_distance(box, box + 3, &search->placed.body);
     return least - search->radius < search->nearest.clearance - RESOLUTION;
 }
@@ -129,13 +129,13 @@ void update_passages(const Simulator *sim, State *state) {
     const double line = ends_yaw(&nodal);
     double across[2];
     heading(line, across);
-    const int near = !legs_apart(&nodal, across, sim->scene.rope.diameter, sim->scene.layout.spacing);
+    const bool near = !legs_apart(&nodal, across, sim->scene.rope.diameter, sim->scene.layout.spacing);
     if (near || sim->self_contact->presses) update_overlap(sim, state);
     if (!near && crossing->net == 0 && fabs(state->loop_yaw - line) <= TURNED_FAR) return;
     const LoopBottom bottom = loop_bottom(nodal.nodes, nodal.q, nodal.s);
     const LoopTurns turns = loop_turns(&nodal, &bottom);
     const double net = nearest_whole(turns_of(nearest_turn(bottom.yaw, state->loop_yaw), line, turns.number));
-    const int first = net != crossing->net && crossing->number == 0;
+    const bool first = net != crossing->net && crossing->number == 0;
     if (first) crossing->since = state->t;
     if (first) crossing->y = turns.sharpest_y;
     crossing->number += fabs(net - crossing->net);

@@ -79,10 +79,9 @@ double ends_tension(const Scene *scene, int side, const double *q, const double 
     return tension_at_end(scene->swivels[side].attachment == PLUMB, side, q, reaction);
 }
 
-double ends_moment(const Scene *scene, const State *state, int side, const double *reaction) {
-    const double *q = (const double *)(const void *)(state + 1); /* the first of the arrays behind a state */
-    const double tension = ends_tension(scene, side, end_row(q, state->elements + 1, side), reaction);
-    return moment_of_swivel(&scene->swivels[side], &state->swivels[side], tension, reaction[ANGLE]);
+double ends_moment(const Scene *scene, const SwivelState *now, int side, const double *q, const double *reaction) {
+    const double tension = ends_tension(scene, side, q, reaction);
+    return moment_of_swivel(&scene->swivels[side], now, tension, reaction[ANGLE]);
 }
 
 void ends_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2]) {

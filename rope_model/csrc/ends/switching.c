@@ -23,14 +23,14 @@ static double excess(const Simulator *sim, const State *state, double t, const N
 }
 
 void release_swivels(Simulator *sim, State *state) {
-    int changed = 0;
+    bool changed = false;
     for (int side = LEFT; side <= RIGHT; side++) {
         const Swivel *swivel = &sim->scene.swivels[side];
         SwivelState *now = &state->swivels[side];
         if (state->t >= released_at(swivel, now)) {
             now->phase = frictionless(swivel) ? SLIP : STICK;
             now->sign = 1;
-            changed = 1;
+            changed = true;
         }
     }
     if (!changed) return;
@@ -100,7 +100,7 @@ static SwivelState next_phase(Simulator *sim, const State *state, const SwivelSt
 void switch_swivels(Simulator *sim, State *state) {
     const NodalArrays nodal = state_arrays(state);
     SwivelState swivels[2];
-    int switches[2], restarted = 0;
+    bool switches[2], restarted = false;
     memcpy(swivels, state->swivels, sizeof swivels);
     for (int side = LEFT; side <= RIGHT; side++) {
         switches[side] = excess_of(sim, state, side, state->t, &nodal) >= 0;
@@ -134,11 +134,11 @@ Phases phases_of(const State *state) {
 
 void set_phases(Simulator *sim, State *state, const Phases *phases) {
     const NodalArrays nodal = state_arrays(state);
-    int changed = 0;
+    bool changed = false;
     for (int side = LEFT; side <= RIGHT; side++) {
         SwivelState *now = &state->swivels[side];
         if (now->phase == phases->phase[side] && now->sign == phases->sign[side]) continue;
-        changed = 1;
+        changed = true;
         double relative[2];
         ends_relative(state, side, state->t, end_row(nodal.q, nodal.nodes, side)[ANGLE], 0, relative);
         if (now->phase == SLIP && phases->phase[side] != SLIP) now->angle = relative[0];
@@ -148,7 +148,7 @@ void set_phases(Simulator *sim, State *state, const Phases *phases) {
     if (changed) model_restart(sim, state);
 }
 
-int chatters(const State *state) {
+bool chatters(const State *state) {
     return state->switched == CHATTER_EVENTS &&
            state->switchings[0] - state->switchings[CHATTER_EVENTS - 1] < CHATTER_TIME;
 }

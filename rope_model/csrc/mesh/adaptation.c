@@ -23,7 +23,7 @@ static Progress dynamic_equilibrium(Simulator *sim, State *state, double time, d
     const size_t bytes = sizeof(double) * (size_t)nodal.nodes * DOF;
     const double c[3] = {1, 0, pow(time, -2)};
     double balance[BALANCE];
-    memcpy(now->q, nodal.q, FIELDS * bytes);
+    copy_fields(now, &nodal);
     const Progress newton =
         chain_of(sim, state)
             ->solve(&sys, sim->work, now->q, now->v, now->a, now->reaction, c, tolerance, NULL, balance);

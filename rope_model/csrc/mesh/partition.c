@@ -93,10 +93,10 @@ static int longest_of(const double *lengths, int stride, int count) {
 }
 
 /* True if element k of this leg, from its end on, is in a window. */
-static int in_window(const int *windows, int side, int k) {
+static bool in_window(const int *windows, int side, int k) {
     for (int i = side; i < DIVIDERS; i += 2)
-        if (0 <= k - windows[i] && k - windows[i] < WINDOW) return 1;
-    return 0;
+        if (0 <= k - windows[i] && k - windows[i] < WINDOW) return true;
+    return false;
 }
 
 /* Divide element k of `count` into equal parts. */
@@ -212,10 +212,10 @@ static void place_windows(Pattern *pattern, const double *divider_s) {
     for (int i = 0; i < DIVIDERS; i++) pattern->windows[i] = (int)nearest_whole(window_place(pattern, divider_s[i]));
 }
 
-int window_due(const Pattern *pattern, const double *divider_s) {
+bool window_due(const Pattern *pattern, const double *divider_s) {
     for (int i = 0; pattern->coarse > 0 && i < DIVIDERS; i++)
-        if (fabs(window_place(pattern, divider_s[i]) - pattern->windows[i]) > WINDOW_DUE) return 1;
-    return 0;
+        if (fabs(window_place(pattern, divider_s[i]) - pattern->windows[i]) > WINDOW_DUE) return true;
+    return false;
 }
 
 void partition(const Mesh *mesh, double length, double bottom_s, const double *divider_s, int elements,

@@ -30,7 +30,7 @@ static const double *resolved_change(Simulator *sim, const Chain *chain, const S
 }
 
 /* True if the rate of the acceleration over the step `before` may predict a step h. */
-static int rate_known(double h, double before) {
+static bool rate_known(double h, double before) {
     return 0 < h && h <= MAX_GROWTH * before;
 }
 
@@ -55,7 +55,7 @@ StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, dou
     const double time_shift = recentring(&method, h, state->h);
     const double ahead = rate_known(h, state->h) && !state->rubs ? h : 0;
     double c[3], w[6], aux[4];
-    int finite = 1;
+    bool finite = true;
     StepResult result = {.t = state->t + h, .h = h, .error = INFINITY};
     prediction_weights(&method, h, time_shift, ahead, w);
     auxiliary_weights(&method, time_shift, aux);
@@ -69,7 +69,7 @@ StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, dou
     result.newton = chain->solve(sys, sim->work, now->q, now->v, now->a, now->reaction, c,
                                  effective_tolerance(solver->newton_tolerance, solver->work_max, BOUNDED_STEP_ERROR),
                                  old.q, result.balance);
-    for (size_t i = 0; i < size; i++) finite &= isfinite(now->reaction[i]) != 0;
+    for (size_t i = 0; i < size; i++) finite &= isfinite(now->reaction[i]);
     if (result.newton.status == CONVERGED && !finite) result.newton.status = NOT_FINITE;
     result.converged = result.newton.status == CONVERGED;
     if (!result.converged) return result;

@@ -9,7 +9,7 @@ static System free_system(const Simulator *sim) {
     sys.obstacles = NULL;
     sys.self_contact = NULL;
     for (int side = LEFT; side <= RIGHT; side++)
-        for (int dof = 0; dof < DOF; dof++) sys.free[side][dof] = 1;
+        for (int dof = 0; dof < DOF; dof++) sys.free[side][dof] = true;
     return sys;
 }
 

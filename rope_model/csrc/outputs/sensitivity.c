@@ -10,16 +10,7 @@
 #include "simulator.h"
 
 /* VECTORS: members of EndMotion before the yaw, three of each order */
-enum {
-    UP = 1,
-    VECTORS = 9,
-    ANGLE_PATH = 3,
-    AXES = 4,
-    PATHS = 6,
-    POWERS = 6,
-    OF_END = sizeof(EndMotion) / sizeof(double),
-    LOADS = 12
-};
+enum { UP = 1, VECTORS = 9, ANGLE_PATH = 3, AXES = 4, PATHS = 6, POWERS = 6, LOADS = 12 };
 
 /* Largest changes of an end within the step, in m and in rad: large against rounding, and small against all that a
    rope's stiffness changes with. */
@@ -44,12 +35,12 @@ static void end_loads(const Simulator *sim, State *state, double loads[LOADS]) {
     const NodalArrays nodal = state_arrays(state);
     for (int side = LEFT; side <= RIGHT; side++) {
         const double *q = end_row(nodal.q, nodal.nodes, side), *R = end_row(nodal.reaction, nodal.nodes, side);
-        conveyance_load(q, R, ends_moment(&sim->scene, state, side, R), loads + 6 * side);
+        conveyance_load(q, R, ends_moment(&sim->scene, &state->swivels[side], side, q, R), loads + 6 * side);
     }
 }
 
 /* Describe a step that has not been taken: as long as the last, with accelerations held. */
-static HostStep coming_step(const Simulator *sim, int at_step_end) {
+static HostStep coming_step(const Simulator *sim, bool at_step_end) {
     const State *state = sim->state;
     HostStep host = {.stop = state->t + state->last_interval};
     host.given_at = host.asked_at = at_step_end ? host.stop : state->t;
@@ -68,9 +59,9 @@ static int record(Simulator *sim, const HostStep *host) {
     replay->count = 0;
     replay->derived = 0;
     rope_system_refer(sim, sim->state, state_arrays(sim->state).q);
-    replay->recording = 1;
+    replay->recording = true;
     const int done = take_host_step(sim, host, &event);
-    replay->recording = 0;
+    replay->recording = false;
     if (!done) return 0;
     if (replay->count > MAX_TAKEN) return say_too_many_to_differentiate(sim->message, replay->count, MAX_TAKEN);
     const State *end = sim->next;
@@ -78,7 +69,7 @@ static int record(Simulator *sim, const HostStep *host) {
     replay->fidelity = end->fidelity;
     replay->after = phases_of(end);
     replay->duration = end->t - sim->state->t;
-    replay->known = 1;
+    replay->known = true;
     return 1;
 }
 
@@ -130,9 +121,9 @@ static int derivative_along(Simulator *sim, const Change *change, double derivat
     double loads[2][LOADS];
     memset(derivative, 0, sizeof(double) * LOADS);
     if (factor == 0) return 1;
-    sim->replay.repeating = 1;
+    sim->replay.repeating = true;
     const int done = repeat(sim, change, factor, loads[0]) && repeat(sim, change, -factor, loads[1]);
-    sim->replay.repeating = 0;
+    sim->replay.repeating = false;
     if (!done) return 0;
     for (int k = 0; k < LOADS; k++) {
         derivative[k] = 0.5 * (loads[0][k] - loads[1][k]) / factor;
@@ -147,21 +138,22 @@ static Change change_with(const Simulator *sim, const HostStep *host, int side, 
     const FilterSettings settings = filter_settings(&sim->scene, sim->scene.inputs.given);
     const double *latest = start->filters[side].given;
     EndMotion end = host->ends[side];
-    double *value = (double *)&end + place, direction[OF_END] = {0};
+    double direction[END_MOTIONS] = {0};
     Change change = {.side = side};
     direction[place] = 1;
     /* A motion with a change is no repetition of the latest sample. */
-    if (*value == latest[place]) *value += 4e-16 * fmax(1, fabs(*value));
+    const double value = end_value(&end, place);
+    if (value == latest[place]) set_end_value(&end, place, value + 4e-16 * fmax(1, fabs(value)));
     path_change(&start->paths[side], &start->filters[side], &settings, host->asked_at, host->stop, &end, direction,
                 change.coefficients);
     return change;
 }
 
 /* True if the rope can follow a change of an input as it is: a lower fidelity leaves motions out. */
-static int follows(const Simulator *sim, const HostStep *host, int side, int place) {
+static bool follows(const Simulator *sim, const HostStep *host, int side, int place) {
     EndMotion ends[2] = {host->ends[LEFT], host->ends[RIGHT]};
     if (sim->replay.fidelity == RIGID) return place < VECTORS && place % 3 == UP;
-    ((double *)&ends[side])[place] += 1;
+    set_end_value(&ends[side], place, end_value(&ends[side], place) + 1);
     return sim->replay.fidelity == TORSIONAL ||
            unsupported_input(&sim->scene, sim->replay.fidelity, &ends[LEFT], &ends[RIGHT]) == 0;
 }
@@ -173,11 +165,11 @@ typedef struct {
 } Place;
 
 /* Go back to the start of the last step, and record it unless that has been done. */
-static int go_back(Simulator *sim, int at_step_end, Place *place) {
+static int go_back(Simulator *sim, bool at_step_end, Place *place) {
     place->now = sim->state;
     place->host = sim->last.taken ? sim->last : coming_step(sim, at_step_end);
     if (sim->last.taken) sim->state = sim->start;
-    if (!sim->last.taken && sim->replay.at_step_end != at_step_end) sim->replay.known = 0;
+    if (!sim->last.taken && sim->replay.at_step_end != at_step_end) sim->replay.known = false;
     sim->replay.at_step_end = at_step_end;
     return sim->replay.known || record(sim, &place->host);
 }
@@ -196,7 +188,7 @@ static int return_from(Simulator *sim, const Place *place, int succeeded) {
 void added_mass_signals(Simulator *sim, double *values) {
     double derivatives[2][LOADS] = {{0}};
     Place place;
-    int done = go_back(sim, 1, &place);
+    int done = go_back(sim, true, &place);
     for (int side = LEFT; side <= RIGHT && done; side++) {
         Change change = {.side = side};
         change.coefficients[1][3] = 1 / (6 * sim->replay.duration);
@@ -213,9 +205,9 @@ size_t rope_repeated_steps(const Simulator *sim) {
 }
 
 int rope_load_derivative(Simulator *sim, int input, int at_step_end, double derivative[LOADS]) {
-    if (input < 0 || input >= 2 * OF_END) return say_no_such_input(sim->message, 2 * OF_END - 1);
+    if (input < 0 || input >= 2 * END_MOTIONS) return say_no_such_input(sim->message, 2 * END_MOTIONS - 1);
     if (!sim->initialized) return say_no_state(sim->message);
-    const int side = input / OF_END, field = input % OF_END;
+    const int side = input / END_MOTIONS, field = input % END_MOTIONS;
     Replay *replay = &sim->replay;
     Place place;
     int done = go_back(sim, at_step_end, &place);

@@ -8,7 +8,7 @@ static const LoopBottom *loop(Simulator *sim) {
     if (!sim->bottom_known) {
         const NodalArrays nodal = state_arrays(sim->state);
         sim->bottom = loop_bottom(nodal.nodes, nodal.q, nodal.s);
-        sim->bottom_known = 1;
+        sim->bottom_known = true;
     }
     return &sim->bottom;
 }
@@ -19,7 +19,7 @@ static void end_signals(Simulator *sim, double *values) {
     for (int side = LEFT; side <= RIGHT; side++, values += SIGNAL_RIGHT_FX - SIGNAL_LEFT_FX) {
         const double *q = end_row(nodal.q, nodal.nodes, side), *v = end_row(nodal.v, nodal.nodes, side);
         const double *reaction = end_row(nodal.reaction, nodal.nodes, side);
-        const double torque = ends_moment(&sim->scene, state, side, reaction);
+        const double torque = ends_moment(&sim->scene, &state->swivels[side], side, q, reaction);
         conveyance_load(q, reaction, torque, values + SIGNAL_LEFT_FX);
         ends_relative(state, side, state->t, q[ANGLE], v[ANGLE], values + SIGNAL_LEFT_SWIVEL_ANGLE);
         values[SIGNAL_LEFT_FY_MEAN] = state->force_mean[side];
@@ -104,7 +104,7 @@ static void error_signals(Simulator *sim, double *values) {
 static void points_at(const Simulator *sim, const double *places, double *values) {
     const NodalArrays nodal = state_arrays(sim->state);
     double xyz[SHAPE_POINTS][3];
-    diagnostics_shape(nodal.nodes, nodal.q, nodal.s, SHAPE_POINTS, places, xyz[0]);
+    diagnostics_shape(nodal.nodes, nodal.q, nodal.s, SHAPE_POINTS, places, xyz);
     for (int i = 0; i < SHAPE_POINTS; i++)
         for (int axis = 0; axis < 3; axis++) values[SHAPE_POINTS * axis + i] = xyz[i][axis];
 }

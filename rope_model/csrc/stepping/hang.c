@@ -23,7 +23,8 @@ static int equilibrium_in_frame(Simulator *sim, State *state, double max_turn, c
     const size_t bytes = sizeof(double) * (size_t)nodal.nodes * DOF;
     const double offset = state->offsets[RIGHT];
     if (!find_equilibrium(sim, state, max_turn, message)) return 0;
-    memset(nodal.v, 0, (FIELDS - 2) * bytes); /* all arrays except q and the reaction */
+    double *const moving[] = {nodal.v, nodal.a, nodal.b, nodal.a_rate};
+    for (size_t k = 0; k < sizeof moving / sizeof *moving; k++) memset(moving[k], 0, bytes);
     state->h = 0;
     model_energies(sim, state);
     /* A yaw psi of the loop turns the frame of the right end by -2 psi.  This counts full turns. */
@@ -39,7 +40,7 @@ static int turn_in(Simulator *sim, State *state, double twist, char *message) {
     while (left != 0) {
         size = fmin(size, 0.5 * fabs(left - beyond));
         const double step = size < fabs(left) ? copysign(size, twist) : left;
-        const int last = fabs(step) <= MIN_TWIST_STEP;
+        const bool last = fabs(step) <= MIN_TWIST_STEP;
         char why[MESSAGE];
         if (sim->corrections >= MAX_CORRECTIONS) {
             say_takes_too_long(why);
@@ -156,7 +157,7 @@ static int relax(Simulator *sim, State *state, const Before *before, char *messa
             least = friction;
         }
         if (loosest < 0) return 1;
-        const int first = before != NULL && sign[LEFT] == 0 && sign[RIGHT] == 0;
+        const bool first = before != NULL && sign[LEFT] == 0 && sign[RIGHT] == 0;
         sign[loosest] = copysign(1, -end_row(nodal.reaction, nodal.nodes, loosest)[ANGLE]);
         for (int side = LEFT; side <= RIGHT; side++)
             if (sign[side] != 0) state->swivels[side] = (SwivelState){.sign = sign[side], .phase = SLIP};

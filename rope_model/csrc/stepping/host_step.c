@@ -46,9 +46,9 @@ static int move_ends(Simulator *sim, State *state, double t, const EndMotion end
 }
 
 /* True if an event has happened since the communication step began, or is due now. */
-static int has_event(const Simulator *sim, const State *state) {
+static bool has_event(const Simulator *sim, const State *state) {
     const State *before = sim->state;
-    int found = state->event_count > 0 && state->events[state->event_count - 1].t > before->t;
+    bool found = state->event_count > 0 && state->events[state->event_count - 1].t > before->t;
     found |= state->guard.cause != before->guard.cause;
     found |= state->fidelity != RIGID && next_release(sim, state) <= state->t;
     for (int kind = 0; kind < KINDS; kind++)

@@ -45,10 +45,10 @@ int find_equilibrium(Simulator *sim, State *state, double max_turn, char *messag
     const size_t size = (size_t)nodal.nodes * DOF, bytes = sizeof(double) * size;
     double *trial = scratch->q, *zeros = scratch->v, *R = scratch->a, *now = scratch->b, *x = sim->x;
     double balance[BALANCE], tau = 0.1, previous = 0, turned = 0, relaxed = 1, last = 0;
-    const int shortened = lacks_symmetry(sys.P[P_QS], sys.P[P_QK]) > 0;
+    const bool shortened = lacks_symmetry(sys.P[P_QS], sys.P[P_QK]) > 0;
     const double largest = fmin(MAX_MOVE, 0.5 * least_passage(&sim->scene));
     int balanced = 0, k;
-    sim->turned = 0;
+    sim->turned = false;
     const double rounding = 10 * DBL_EPSILON * sim->scene.rope.Qa * nodal.s[nodal.elements] / sys.shortest;
     memset(zeros, 0, bytes);
     memset(nodal.reaction, 0, bytes);
@@ -79,9 +79,9 @@ int find_equilibrium(Simulator *sim, State *state, double max_turn, char *messag
         const double force = imbalance(&sys, R);
         /* A step may raise the residual's norm, as stretch by moving sideways grows with the cube of the step, but not
            the energy.  Where the tangent is indefinite the correction climbs: a smaller tau adds inertia. */
-        const int climbs = error < 0 && previous > rounding;
+        const bool climbs = error < 0 && previous > rounding;
         const double uphill = k < PATIENCE ? 3 : 1;
-        const int ends_low = work_along(&sys, R, x) <= uphill * error || force <= previous + rounding;
+        const bool ends_low = work_along(&sys, R, x) <= uphill * error || force <= previous + rounding;
         if (climbs || !isfinite(force) || !ends_low) {
             tau *= 0.3;
             last = 0;

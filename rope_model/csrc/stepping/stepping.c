@@ -39,13 +39,13 @@ static int64_t steps_left(const Simulator *sim, const State *state) {
 
 /* Try steps towards `stop`, halved until one converges within the tolerance, or exceeds it if the iterations left allow
    no more steps.  Return 0 with a message if none does. */
-static int accepted_step(Simulator *sim, State *state, double stop, StepResult *trial, double *step_next, int *reaches,
+static int accepted_step(Simulator *sim, State *state, double stop, StepResult *trial, double *step_next, bool *reaches,
                          char *message) {
     const Solver *solver = &sim->scene.solver;
     double next = fmin(state->step_next, solver->step_max);
     double parts = substeps(stop - state->t, next, (double)steps_left(sim, state));
     double h = (stop - state->t) / parts;
-    int rejected = 0;
+    bool rejected = false;
     for (;;) {
         *trial = model_trial(sim, state, h);
         state->counts.newton += trial->newton.iterations;
@@ -54,7 +54,7 @@ static int accepted_step(Simulator *sim, State *state, double stop, StepResult *
             next = h;
             break;
         }
-        rejected = 1;
+        rejected = true;
         state->counts.rejections += 1;
         if (h <= solver->step_min) {
             char why[MESSAGE];
@@ -117,7 +117,8 @@ int step_towards(Simulator *sim, State *state, double t_end, char *message) {
     const Phases during = phases_of(state);
     const double stop = next_stop(sim, state, t_end);
     double step_next, end;
-    int reaches, switching;
+    bool reaches;
+    int switching;
     StepResult trial;
     for (;;) {
         if (!accepted_step(sim, state, stop, &trial, &step_next, &reaches, message)) return 0;
