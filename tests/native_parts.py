@@ -58,9 +58,12 @@ class CPattern(ct.Structure):
 #: functions that have no name in a library, and arrays of a state
 MORE = """
 #include <stdlib.h>
+#include <string.h>
 
-#include "rules.h"
+#include "formulas.h"
+#include "self_contact.h"
 #include "simulator.h"
+#include "wires.h"
 
 void arrays_of(double *q, double *v, double *a, double *reaction, double *lengths, double *s, int nodes,
                NodalArrays *arrays) {
@@ -327,7 +330,7 @@ def rigid_rope(scene: Scene, ends: tuple[EndMotion, EndMotion], t: float, s: Arr
 
 
 class CProgress(ct.Structure):
-    """Progress of rope_system.h."""
+    """Progress of newton.h."""
 
     _fields_ = (
         ("status", ct.c_int),
@@ -341,7 +344,7 @@ class CProgress(ct.Structure):
 
 
 class CLimits(ct.Structure):
-    """NewtonLimits of rope_system.h."""
+    """NewtonLimits of newton.h."""
 
     _fields_ = tuple((name, ct.c_double) for name in NewtonLimits._fields)
 

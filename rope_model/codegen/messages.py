@@ -21,7 +21,7 @@ _HEAD = """\
 
 #include <stdio.h>
 
-#include "core.h"
+#include "rope.h"
 #include "text.h"
 
 """

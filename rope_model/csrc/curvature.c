@@ -1,6 +1,15 @@
 /* Permanent curvature along the present shape of a rope: physics.initial_curvature from the left end on. */
 
+#include "curvature.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "formulas.h"
+#include "rope.h"
 #include "simulator.h"
+#include "state_structures.h"
 
 bool is_curved(const Simulator *sim, const State *state) {
     return sim->curved != NULL && state->fidelity == TORSIONAL && max_curvature(&sim->scene.rope) > 0;

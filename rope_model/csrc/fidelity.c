@@ -1,5 +1,12 @@
 /* Choice of the model's fidelity. Formulas and tables: rope_model/rules/fidelity.py. */
 
+#include "fidelity.h"
+
+#include <string.h>
+
+#include "ends.h"
+#include "messages.h"
+#include "rope.h"
 #include "rules.h"
 
 static const char *const INPUTS[] = END_MOTION_NAMES;
@@ -12,7 +19,7 @@ const char *fidelity_name(int fidelity) {
 /* Write name and value of an input into text (MESSAGE bytes). */
 static void input_text(const EndMotion ends[2], int index, char *text) {
     const int side = (index - 1) / END_MOTIONS, place = (index - 1) % END_MOTIONS;
-    say_nonzero_input(text, SIDE_NAMES[side], INPUTS[place], end_value(&ends[side], place));
+    say_nonzero_input(text, side_name(side), INPUTS[place], end_value(&ends[side], place));
 }
 
 void unsupported_motion(const Scene *scene, int fidelity, const EndMotion ends[2], int forces, char *cause) {

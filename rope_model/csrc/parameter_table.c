@@ -1,9 +1,12 @@
 /* Bounds of the parameters; the first violation gives the message. Formulas and tables:
    rope_model/parameter_table.py. */
 
+#include "parameter_table.h"
+
+#include <math.h>
 #include <stdio.h>
 
-#include "core.h"
+#include "rope.h"
 #include "text.h"
 
 typedef struct {

@@ -5,8 +5,20 @@
    The flexible rope that replaces it starts from the equilibrium between the ends of that instant and moves with
    it. */
 
+#include "rigid.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "formulas.h"
 #include "messages.h"
+#include "rope.h"
+#include "rope_system.h"
 #include "simulator.h"
+#include "state.h"
+#include "state_structures.h"
+#include "statics.h"
 
 /* Velocities v (nodes x DOF) of the flow along the rope q (nodes x DOF). */
 static void flow_velocities(int nodes, const double *q, Flow flow, double *v) {

@@ -2,7 +2,26 @@
 
    A System is made for one state and one set of boundary conditions; a change of any of them makes a new one. */
 
+#include "rope_system.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "contact_balance.h"
+#include "contact_element.h"
+#include "curvature.h"
+#include "ends.h"
+#include "formulas.h"
+#include "obstacles.h"
+#include "point_forces.h"
+#include "rope.h"
+#include "self_contact.h"
 #include "simulator.h"
+#include "state_structures.h"
+#include "system.h"
+#include "wires.h"
 
 System rope_system(const Simulator *sim, State *state) {
     const Rope *data = &sim->scene.rope;
@@ -96,13 +115,6 @@ double rope_system_norm(const System *sys, const double *x, double slopes) {
     return finite ? all : INFINITY;
 }
 
-double longest_near(const System *sys) {
-    double longest = 0;
-    for (int e = 0; sys->obstacles != NULL && sys->obstacles->any && e < sys->elements; e++)
-        if (sys->obstacles->near[e]) longest = maximum(longest, sys->lengths[e]);
-    return longest;
-}
-
 void external_sums(const System *sys, const double *q, const double *v, double sums[CONTACT_BALANCE]) {
     memset(sums, 0, sizeof(double) * CONTACT_BALANCE);
     self_contact_sums(sys, q, v, sums);
@@ -117,9 +129,4 @@ void rope_system_strains(Simulator *sim) {
     const System sys = rope_system(sim, sim->state);
     const NodalArrays nodal = state_arrays(sim->state);
     chain_of(sim, sim->state)->strains(&sys, nodal.q, nodal.v, sim->strains);
-}
-
-void arc_lengths(int elements, const double *lengths, double *s) {
-    s[0] = 0.0;
-    for (int k = 0; k < elements; k++) s[k + 1] = s[k] + lengths[k];
 }

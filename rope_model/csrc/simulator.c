@@ -6,8 +6,39 @@
    beyond the limit. A step that does not converge or whose error is too large is rejected, halved and repeated.
    When the smallest step fails too, the run returns the reason and keeps the state of the host's last instant. */
 
-#include "rules.h"
 #include "simulator.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "allocation.h"
+#include "curvature.h"
+#include "diagnostics.h"
+#include "ends.h"
+#include "fidelity.h"
+#include "formulas.h"
+#include "guards.h"
+#include "hang.h"
+#include "host_step.h"
+#include "messages.h"
+#include "parameter_table.h"
+#include "partition.h"
+#include "point_forces.h"
+#include "rope.h"
+#include "rope_system.h"
+#include "rules.h"
+#include "shaft.h"
+#include "signal_numbers.h"
+#include "signals.h"
+#include "state.h"
+#include "state_structures.h"
+#include "statics.h"
+#include "stepping.h"
+#include "system.h"
+#include "trial_step.h"
+#include "wires.h"
 
 Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) {
     message[0] = '\0';
@@ -90,7 +121,7 @@ static int hold_ends(Simulator *sim, State *state, const EndMotion ends[2], doub
         if (sim->message[0]) return 0;
         double fastest = fabs(end->yaw_rate);
         fastest = fmax(fastest, fmax(fabs(end->vx), fmax(fabs(end->vy), fabs(end->vz))));
-        if (fastest > RESTS_BELOW) return say_moves_at_start(sim->message, SIDE_NAMES[side]);
+        if (fastest > RESTS_BELOW) return say_moves_at_start(sim->message, side_name(side));
     }
     paths_at_rest(sim, state, ends, sim->scene.model.fidelity == RIGID); /* a rigid rope needs no steps */
     const EndMotion first[2] = {path_at(&state->paths[LEFT], state->t), path_at(&state->paths[RIGHT], state->t)};

@@ -1,9 +1,21 @@
 /* The state as a block of bytes. Formulas and tables: rope_model/rules/state.py. */
 
-#include <stddef.h>
+#include "state.h"
 
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "ends.h"
+#include "formulas.h"
+#include "host_step.h"
+#include "partition.h"
+#include "rope.h"
 #include "rules.h"
 #include "simulator.h"
+#include "state_structures.h"
 
 void state_copy(const Simulator *sim, State *to, const State *from) {
     memcpy(to, from, sim->state_bytes);

@@ -7,7 +7,17 @@
    element: the integral of z stays, and that of z^2 can only fall. Points with an unchanged length of rope keep z
    to the bit. */
 
+#include "wires.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "formulas.h"
+#include "rope.h"
 #include "simulator.h"
+#include "state_structures.h"
 
 static const double CELLS[] = WIRE_CELLS; /* bounds of the points' cells, element coordinates */
 

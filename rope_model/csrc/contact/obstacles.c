@@ -3,7 +3,17 @@
    A moving body follows an end of the rope, whose rows in q and v give its position and velocity. Rope below a
    conveyance touches neither it nor its head ropes within OWN_LENGTH of the suspension. */
 
-#include "rope_system.h"
+#include "obstacles.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "bodies.h"
+#include "formulas.h"
+#include "rope.h"
+#include "system.h"
 
 void remember_configuration(const System *sys, ClearanceCache *cache, const double *q) {
     memcpy(cache->q, q, sizeof(double) * DOF * (size_t)(sys->elements + 1));
@@ -96,4 +106,11 @@ bool add_near_bodies(const System *sys, const double *q, double corrections) {
         return false;
     obstacles->margin = 0;
     return !clearance_exceeds(sys, &obstacles->cache, q, 0) && search_bodies(sys, q, 0, ~0u);
+}
+
+double longest_near(const System *sys) {
+    double longest = 0;
+    for (int e = 0; sys->obstacles != NULL && sys->obstacles->any && e < sys->elements; e++)
+        if (sys->obstacles->near[e]) longest = maximum(longest, sys->lengths[e]);
+    return longest;
 }

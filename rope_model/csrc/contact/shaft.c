@@ -12,7 +12,21 @@
    other, or one of them through conveyance or head ropes above the other's end, if the turns over the height
    (diagnostics.loop_turns) jump by one, while the loop's yaw, which is counted in time, does not. */
 
+#include "shaft.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "bodies.h"
+#include "diagnostics.h"
+#include "formulas.h"
+#include "rope.h"
+#include "self_contact.h"
 #include "simulator.h"
+#include "state.h"
+#include "state_structures.h"
+#include "system.h"
 
 /* Search for the place nearest to a body, in the part of the rope between two nodes. */
 typedef struct {

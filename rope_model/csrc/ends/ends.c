@@ -13,11 +13,24 @@
    theta counts along the rope from the left end (physics.frame), so the right end's offset changes as the rope
    turns in space. */
 
-#include "rope_system.h"
+#include "ends.h"
+
+#include <math.h>
+
+#include "formulas.h"
+#include "messages.h"
+#include "rope.h"
 #include "rules.h"
+#include "state.h"
+#include "state_structures.h"
+#include "system.h"
 
 enum { YAW = 3, AXES = 4, PEAKS = 6, LEAN = 11 };
 static const char *const AXIS_NAMES[PEAKS] = {"x", "y", "z", "yaw", "lean", "lean_z"};
+const char *side_name(int side) {
+    return side == LEFT ? "left" : "right";
+}
+
 static const double YAW_SENSE[2] = {-1.0, 1.0}; /* sign of the conveyance's yaw in theta */
 
 static int largest(int axes, const double *sizes) {
@@ -42,11 +55,11 @@ void ends_refusal(const Scene *scene, const EndMotion *target, const double meas
     for (int i = 0; i < (int)(sizeof bounds / sizeof *bounds) && !message[0]; i++) {
         const double value = end_value(target, i);
         if (!isfinite(value))
-            say_input_not_finite(message, SIDE_NAMES[side], names[i], value);
+            say_input_not_finite(message, side_name(side), names[i], value);
         else if (fabs(value) > bounds[i])
-            say_input_out_of_range(message, SIDE_NAMES[side], names[i], value, bounds[i]);
+            say_input_out_of_range(message, side_name(side), names[i], value, bounds[i]);
         else if (value != 0 && i >= LEAN && scene->swivels[side].attachment != CLAMPED)
-            say_no_clamp(message, SIDE_NAMES[side], names[i], value);
+            say_no_clamp(message, side_name(side), names[i], value);
     }
     if (message[0]) return;
     for (int k = 0; k < 2; k++) {
@@ -55,24 +68,24 @@ void ends_refusal(const Scene *scene, const EndMotion *target, const double meas
         if (misfits[worst] <= inputs->misfit_max) continue;
         const char *unit = units[k][worst == YAW];
         if (inputs->given == ALL_GIVEN) {
-            say_input_misfit(message, SIDE_NAMES[side], AXIS_NAMES[worst], misfits[worst], unit, inputs->misfit_max);
+            say_input_misfit(message, side_name(side), AXIS_NAMES[worst], misfits[worst], unit, inputs->misfit_max);
             return;
         }
         const double bandwidth = filter_settings(scene, inputs->given).estimate;
-        say_input_jump(message, SIDE_NAMES[side], AXIS_NAMES[worst], misfits[worst], unit, inputs->misfit_max,
+        say_input_jump(message, side_name(side), AXIS_NAMES[worst], misfits[worst], unit, inputs->misfit_max,
                        MAX_LAG / bandwidth, bandwidth);
         return;
     }
     const int worst = largest(PEAKS, measures);
     if (!(measures[worst] <= inputs->acceleration_max))
-        say_inputs_do_not_fit(message, SIDE_NAMES[side], AXIS_NAMES[worst], measures[worst],
+        say_inputs_do_not_fit(message, side_name(side), AXIS_NAMES[worst], measures[worst],
                               worst < YAW ? "m/s^2" : "rad/s^2", inputs->acceleration_max);
 }
 
 void stale_input_error(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message) {
     message[0] = '\0';
     if (end_filter->steps_held > 1 && t - end_filter->given_at > inputs->hold_max)
-        say_inputs_frozen(message, SIDE_NAMES[side], t - end_filter->given_at, inputs->hold_max);
+        say_inputs_frozen(message, side_name(side), t - end_filter->given_at, inputs->hold_max);
 }
 
 double ends_tension(const Scene *scene, int side, const double *q, const double *reaction) {

@@ -4,8 +4,23 @@
    rate against the sense of the slip while it slips. The step that would carry it past zero is shortened to end
    there; then the swivel switches and the integrator restarts with consistent accelerations. */
 
+#include "switching.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "ends.h"
+#include "events.h"
+#include "formulas.h"
+#include "generalized_alpha.h"
+#include "rope.h"
 #include "rules.h"
 #include "simulator.h"
+#include "state.h"
+#include "state_structures.h"
+#include "trial_step.h"
 
 /* Event function of one swivel: negative while it may stay in its phase. */
 static double excess_of(const Simulator *sim, const State *state, int side, double t, const NodalArrays *nodal) {

@@ -1,8 +1,28 @@
 /* Changes of mesh and fidelity during a run, which leave the rope's motion as it is; unwrapping of the loop's
    yaw. */
 
+#include "adaptation.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "fidelity.h"
+#include "formulas.h"
+#include "messages.h"
+#include "newton.h"
+#include "partition.h"
+#include "rigid.h"
+#include "rope.h"
+#include "rope_system.h"
 #include "rules.h"
 #include "simulator.h"
+#include "state.h"
+#include "state_structures.h"
+#include "system.h"
+#include "transfer.h"
+#include "trial_step.h"
+#include "wires.h"
 
 /* Error that Newton's method may leave in a transformation that is made again, m and rad: it shows in differences. */
 #define REPEATED_ERROR 1e-11

@@ -24,9 +24,20 @@
 
    Where a leg faces a divider that may press it, WINDOW elements of l are divided into WINDOW_PARTS each. */
 
-#include <limits.h>
+#include "partition.h"
 
+#include <limits.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "formulas.h"
+#include "messages.h"
+#include "parameter_table.h"
+#include "rope.h"
 #include "rules.h"
+#include "state_structures.h"
 
 static const int LONGER[] = LEG_LENGTHS;
 enum { LENGTHS = sizeof LONGER / sizeof *LONGER };
@@ -244,4 +255,9 @@ void partition_transform(Pattern *pattern, int direction, const double *divider_
     pattern->counts[SEGMENTS - 1] -= direction;
     place_windows(pattern, divider_s);
     tmn(pattern, elements, lengths);
+}
+
+void arc_lengths(int elements, const double *lengths, double *s) {
+    s[0] = 0.0;
+    for (int k = 0; k < elements; k++) s[k + 1] = s[k] + lengths[k];
 }

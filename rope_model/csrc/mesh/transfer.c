@@ -5,7 +5,15 @@
    except for the part that the clamped ends take up. Dropping the middle node alone would lose its excess over
    its neighbours: a blow to the leg at every transformation. */
 
+#include "transfer.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "banded.h"
 #include "formulas.h"
+#include "rope.h"
 
 enum { CUBIC = 4, LINEAR = 2, MAX_FIELDS = 8 };
 

@@ -1,9 +1,18 @@
 /* Warnings about valid results. Formulas and tables: rope_model/rules/messages/result_warnings.py. */
 
 #include <stdio.h>
+#include <string.h>
 
+#include "diagnostics.h"
+#include "ends.h"
+#include "formulas.h"
+#include "messages.h"
+#include "rope.h"
 #include "rules.h"
+#include "signal_numbers.h"
 #include "simulator.h"
+#include "state.h"
+#include "state_structures.h"
 
 /* Compiles only if ROPE_WARNINGS of rope.h fits the warnings of Python. */
 enum { EACH_WARNING_HAS_A_NUMBER = 1 / ((int)ROPE_EXTRAPOLATION == (int)EXTRAPOLATION) };
@@ -66,7 +75,7 @@ static void unfit_inputs(Simulator *sim, char *message) {
     char reason[MESSAGE] = "";
     for (int side = LEFT; side <= RIGHT; side++)
         if (tell_inputs_of_end(&sim->scene, &sim->state->filters[side], sim->state->last_interval, reason)) {
-            say_of_end(message, SIDE_NAMES[side], reason);
+            say_of_end(message, side_name(side), reason);
             return;
         }
 }

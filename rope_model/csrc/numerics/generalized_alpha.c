@@ -15,7 +15,22 @@
    Sources: Chung and Hulbert, J. Appl. Mech. 60 (1993); Arnold and Brüls, Multibody Syst. Dyn. 18 (2007), for the
    form with auxiliary accelerations; Brüls and Arnold, J. Comput. Nonlinear Dyn. 3 (2008), for variable steps. */
 
+#include "generalized_alpha.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "chain.h"
+#include "ends.h"
+#include "formulas.h"
+#include "restrict.h"
+#include "rope.h"
+#include "rope_system.h"
 #include "simulator.h"
+#include "state_structures.h"
+#include "system.h"
 
 /* Return the change of the accelerations over the trial; where wires rub, without that of unresolved stiff modes. */
 static const double *resolved_change(Simulator *sim, const Chain *chain, const System *sys, double c_a,

@@ -7,7 +7,12 @@
    begins with a new factorization and continues with it while the contraction pays; a slow round is followed by
    another. */
 
-#include "rope_system.h"
+#include "newton.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+#include "formulas.h"
 
 Progress newton_judge(Progress before, double norm, double tolerance, bool fresh, const NewtonLimits *limits) {
     const double contraction = before.norm > 0 ? norm / before.norm : 0;

@@ -1,7 +1,17 @@
 /* Shape of the rope for hoist engineers: lowest point, clearance and turns of the legs, tension along the rope. */
 
+#include "diagnostics.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
 #include "formulas.h"
-#include "messages.h"
+#include "rope.h"
+#include "state.h"
+#include "state_structures.h"
+#include "transfer.h"
 
 /* LEG: points of one leg for its clearance; BLOCK: points that share a bounding box. */
 enum { LEG = OUTLINE / 2 + 1, BLOCK = 4, BLOCKS = (LEG + BLOCK - 1) / BLOCK };

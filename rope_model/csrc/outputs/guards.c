@@ -1,6 +1,17 @@
 /* Guarded quantities of the present rope, for physics.guard. */
 
-#include "rope_system.h"
+#include "guards.h"
+
+#include <math.h>
+#include <stddef.h>
+
+#include "diagnostics.h"
+#include "ends.h"
+#include "formulas.h"
+#include "rope.h"
+#include "shaft.h"
+#include "state.h"
+#include "state_structures.h"
 
 double guards_rise(const Scene *scene, const State *state, const NodalArrays *nodal, const LoopBottom *bottom) {
     const double left = nodal->q[1], right = nodal->q[(size_t)nodal->elements * DOF + 1];

@@ -5,9 +5,27 @@
    swivels.  The central difference of the loads at its end is the derivative of what the step computes.  The path's own
    derivative is exact, as the input filter treats a small misfit otherwise than one that can be measured. */
 
+#include "sensitivity.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "adaptation.h"
+#include "ends.h"
+#include "formulas.h"
+#include "host_step.h"
 #include "messages.h"
+#include "rope.h"
+#include "rope_system.h"
 #include "rules.h"
+#include "signal_numbers.h"
 #include "simulator.h"
+#include "state.h"
+#include "state_structures.h"
+#include "stepping.h"
+#include "switching.h"
 
 /* VECTORS: members of EndMotion before the yaw, three of each order */
 enum { UP = 1, VECTORS = 9, ANGLE_PATH = 3, AXES = 4, PATHS = 6, POWERS = 6, LOADS = 12 };

@@ -1,6 +1,27 @@
 /* Values of the rope's outputs, by the names of rules.signal_table. */
 
+#include "signals.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "contact_balance.h"
+#include "diagnostics.h"
+#include "ends.h"
+#include "formulas.h"
+#include "guards.h"
+#include "partition.h"
+#include "rigid.h"
+#include "rope.h"
+#include "rope_system.h"
+#include "shaft.h"
+#include "signal_numbers.h"
 #include "simulator.h"
+#include "state.h"
+#include "state_structures.h"
+#include "system.h"
+
 #include "state_signals.h" /* state_signals: generated */
 
 /* Return the loop's lowest point, which is kept until the state changes. */

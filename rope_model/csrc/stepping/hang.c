@@ -13,9 +13,27 @@
    A rope whose ends are not plumb hangs with ends close together; they move apart and lean step by step; it
    relaxes again. */
 
+#include "hang.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "adaptation.h"
+#include "curvature.h"
+#include "ends.h"
+#include "formulas.h"
 #include "messages.h"
+#include "rope.h"
+#include "rope_system.h"
 #include "rules.h"
 #include "simulator.h"
+#include "state.h"
+#include "state_structures.h"
+#include "statics.h"
+#include "trial_step.h"
+#include "wires.h"
 
 /* Bring the state to an equilibrium at rest, with the yaw of its loop. */
 static int equilibrium_in_frame(Simulator *sim, State *state, double max_turn, char *message) {

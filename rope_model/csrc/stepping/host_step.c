@@ -1,7 +1,24 @@
 /* One communication step: motions of the ends, and steps to its end or to an event. */
 
-#include "rules.h"
+#include "host_step.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "adaptation.h"
+#include "ends.h"
+#include "fidelity.h"
+#include "formulas.h"
+#include "guards.h"
+#include "messages.h"
+#include "rope.h"
+#include "shaft.h"
 #include "simulator.h"
+#include "state.h"
+#include "state_structures.h"
+#include "stepping.h"
+#include "switching.h"
+#include "trial_step.h"
 
 /* Return the filter of an end with the host's sample, for a step to t. */
 static InputFilter follow_end(const State *before, const FilterSettings *settings, int side, double t,

@@ -15,11 +15,26 @@
 
    Source: Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998), switched evolution relaxation. */
 
-#include <float.h>
+#include "statics.h"
 
-#include "simulator.h"
+#include <float.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "chain.h"
+#include "curvature.h"
+#include "diagnostics.h"
+#include "formulas.h"
 #include "messages.h"
+#include "rope.h"
+#include "rope_system.h"
 #include "rules.h"
+#include "simulator.h"
+#include "state_structures.h"
+#include "system.h"
 
 /* MAX_SOLUTIONS: of all equilibria of a start, some seconds.  A rope that goes on winding about itself takes ever more,
    as each correction has more contacts to solve for: 900 m with strong coupling had 50,000 in 3000 corrections, and as

@@ -1,7 +1,26 @@
 /* One step of the rope: step-size control, swivel events and transformations. */
 
+#include "stepping.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "adaptation.h"
+#include "events.h"
+#include "formulas.h"
+#include "generalized_alpha.h"
+#include "messages.h"
+#include "rigid.h"
+#include "rope.h"
 #include "rules.h"
+#include "sensitivity.h"
 #include "simulator.h"
+#include "state_structures.h"
+#include "switching.h"
+#include "trial_step.h"
 
 static const char *const NEWTON_MESSAGES[] = NEWTON_TEXTS; /* messages of a Newton status */
 

@@ -1,10 +1,21 @@
 /* Memory of a simulator: one block for all arrays. */
 
-#include <stdint.h>
+#include "allocation.h"
 
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "chain.h"
 #include "formulas.h"
 #include "messages.h"
+#include "obstacles.h"
+#include "rope.h"
+#include "self_contact.h"
+#include "sensitivity.h"
 #include "simulator.h"
+#include "state_structures.h"
 
 enum { ALIGNMENT = 64 };
 

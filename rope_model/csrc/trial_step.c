@@ -1,6 +1,24 @@
 /* Equations of motion, trial steps and bookkeeping of a scene, for any state of the rope. */
 
+#include "trial_step.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "contact_balance.h"
+#include "ends.h"
+#include "formulas.h"
+#include "generalized_alpha.h"
+#include "obstacles.h"
+#include "partition.h"
+#include "rope.h"
+#include "rope_system.h"
 #include "simulator.h"
+#include "state.h"
+#include "state_structures.h"
+#include "system.h"
+#include "wires.h"
 
 /* Return the relative vertical speed of the ends, m/s. */
 static double relative_end_speed(const NodalArrays *nodal) {
