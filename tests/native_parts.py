@@ -62,7 +62,7 @@ MORE = """
 
 #include "formulas.h"
 #include "self_contact.h"
-#include "simulator.h"
+#include "system.h"
 #include "wires.h"
 
 void arrays_of(double *q, double *v, double *a, double *reaction, double *lengths, double *s, int nodes,
@@ -74,7 +74,7 @@ void arrays_of(double *q, double *v, double *a, double *reaction, double *length
 /* Carry z (elements x WIRE_Z) from nodes at old_s to those of a mesh of as many elements. */
 void carry_wires(int elements, const double *old_s, const double *lengths, const double *s, double *z) {
     const size_t n = (size_t)elements, rows = FIELDS * DOF * (n + 1) + n + n + 1 + WIRE_Z * n;
-    Simulator *sim = calloc(1, sizeof *sim);
+    double *scratch = calloc(n * WIRE_HISTORY_SIZE, sizeof(double));
     State *state = calloc(1, sizeof *state + rows * sizeof(double));
     state->elements = elements;
     state->rubs = 1;
@@ -82,12 +82,10 @@ void carry_wires(int elements, const double *old_s, const double *lengths, const
     memcpy(nodal.lengths, lengths, n * sizeof(double));
     memcpy(nodal.s, s, (n + 1) * sizeof(double));
     memcpy(nodal.z, z, WIRE_Z * n * sizeof(double));
-    sim->wires = calloc(n * WIRE_HISTORY_SIZE, sizeof(double));
-    wires_carry(sim, state, old_s);
+    wires_carry(state, old_s, scratch);
     memcpy(z, nodal.z, WIRE_Z * n * sizeof(double));
-    free(sim->wires);
     free(state);
-    free(sim);
+    free(scratch);
 }
 
 /* Contact of a rope with itself: subtract its forces from R, add its tangent times x to y, and its sums to sums. */

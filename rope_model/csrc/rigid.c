@@ -16,7 +16,6 @@
 #include "rope.h"
 #include "rope_system.h"
 #include "simulator.h"
-#include "state.h"
 #include "state_structures.h"
 #include "statics.h"
 
@@ -84,7 +83,7 @@ int flexible_start(Simulator *sim, State *state, char *message) {
     const Path paths[2] = {state->paths[LEFT], state->paths[RIGHT]};
     double director[3];
     memcpy(director, state->director, sizeof director);
-    state_copy(sim, sim->spare, state);
+    memcpy(sim->spare, state, sim->state_bytes);
     const double *rigid = state_arrays(sim->spare).q;
     for (int side = LEFT; side <= RIGHT; side++) state->paths[side] = path_coasting(&paths[side], t);
     sim->corrections = sim->solutions = 0;

@@ -34,7 +34,7 @@ System rope_system(const Simulator *sim, State *state) {
                   .forces = sim->forces.count > 0 ? &sim->forces : NULL,
                   .time = state->t,
                   .wires = state->rubs ? sim->wires : NULL,
-                  .curved = is_curved(sim, state) ? sim->curved : NULL,
+                  .curved = is_curved(sim->curved, &sim->scene.rope, state->fidelity) ? sim->curved : NULL,
                   .latest = sim->latest,
                   .shortest = x.lengths[0]};
     element_parameters(data, sim->scene.layout.gravity, sys.P);
@@ -59,10 +59,10 @@ System rope_system(const Simulator *sim, State *state) {
 /* Refer permanent curvature and friction between wires to q. */
 static void refer_material(Simulator *sim, State *state, const System *sys, const double *q) {
     memcpy(sim->left_slope, q + SLOPE, sizeof sim->left_slope);
-    curved_reference(sim, state, q);
+    curved_reference(sim->curved, &sim->scene.rope, state, q);
     if (!state->rubs) return;
     chain_of(sim, state)->strains(sys, q, state_arrays(state).v, sim->strains); /* the history takes no rates */
-    wires_history(sim, state, q, sim->strains);
+    wires_history(&sim->scene.rope, state, q, sim->strains, sim->wires);
 }
 
 void rope_system_refer(Simulator *sim, State *state, const double *q) {
@@ -88,12 +88,12 @@ double rope_system_transport(Simulator *sim, State *state, double *q, double *v,
     return turn;
 }
 
-void rope_system_prescribed_motion(const Simulator *sim, const State *state, const System *sys, double t, int orders,
+void rope_system_prescribed_motion(const Scene *scene, const State *state, const System *sys, double t, int orders,
                                    double *const x[]) {
     for (int side = LEFT; side <= RIGHT; side++) {
         const size_t row = side ? (size_t)sys->elements * DOF : 0;
         double rows[3][DOF];
-        ends_prescribed_motion(&sim->scene, state, side, t, rows);
+        ends_prescribed_motion(scene, state, side, t, rows);
         for (int k = 0; k < orders; k++)
             for (int dof = 0; dof < DOF; dof++)
                 if (!sys->free[side][dof]) x[k][row + (size_t)dof] = rows[k][dof];

@@ -11,7 +11,7 @@ void rope_system_refer(Simulator *sim, State *state, const double *q); /* Refer 
 /* Refer frames and angles to q; return the change of theta at the right end. */
 double rope_system_transport(Simulator *sim, State *state, double *q, double *v, double *a, double *b);
 /* Set prescribed entries at t of q, v and a in x, or of the first `orders` of them. */
-void rope_system_prescribed_motion(const Simulator *sim, const State *state, const System *sys, double t, int orders,
+void rope_system_prescribed_motion(const Scene *scene, const State *state, const System *sys, double t, int orders,
                                    double *const x[]);
 void rope_system_strains(Simulator *sim); /* Strains of the present state, into sim->strains. */
 

@@ -110,22 +110,22 @@ int rope_retune(Simulator *sim, const Scene *scene) {
 }
 
 /* Set the ends at rest, with their suspension points; return 0 with a message if they cannot rest. */
-static int hold_ends(Simulator *sim, State *state, const EndMotion ends[2], double points[2][3]) {
+static int hold_ends(const Scene *scene, State *state, const EndMotion ends[2], double points[2][3], char *message) {
     for (int side = LEFT; side <= RIGHT; side++) {
         const EndMotion *end = &ends[side];
         const Path path = path_resting(state->t, end);
         state->filters[side] = filter_resting(state->t, end);
         double measures[14];
         path_measures(&path, &state->filters[side], measures);
-        ends_refusal(&sim->scene, end, measures, side, sim->message);
-        if (sim->message[0]) return 0;
+        ends_refusal(scene, end, measures, side, message);
+        if (message[0]) return 0;
         double fastest = fabs(end->yaw_rate);
         fastest = fmax(fastest, fmax(fabs(end->vx), fmax(fabs(end->vy), fabs(end->vz))));
-        if (fastest > RESTS_BELOW) return say_moves_at_start(sim->message, side_name(side));
+        if (fastest > RESTS_BELOW) return say_moves_at_start(message, side_name(side));
     }
-    paths_at_rest(sim, state, ends, sim->scene.model.fidelity == RIGID); /* a rigid rope needs no steps */
+    paths_at_rest(scene, state, ends, scene->model.fidelity == RIGID); /* a rigid rope needs no steps */
     const EndMotion first[2] = {path_at(&state->paths[LEFT], state->t), path_at(&state->paths[RIGHT], state->t)};
-    suspension_points(&sim->scene.layout, &first[LEFT], &first[RIGHT], points);
+    suspension_points(&scene->layout, &first[LEFT], &first[RIGHT], points);
     return 1;
 }
 
@@ -139,7 +139,7 @@ static int initialize(Simulator *sim, double t, const EndMotion ends[2]) {
     state->t = state->calm_since = t;
     char why[MESSAGE];
     double points[2][3];
-    if (!hold_ends(sim, state, ends, points)) return 0;
+    if (!hold_ends(scene, state, ends, points, message)) return 0;
     state->fidelity = choose_fidelity(scene, ends, sim->forces.count, state->fidelity_reason);
     unsupported_motion(scene, state->fidelity, ends, sim->forces.count, why);
     if (why[0]) return say_fixed_model_cannot_follow(message, fidelity_name(state->fidelity), why);
@@ -147,8 +147,8 @@ static int initialize(Simulator *sim, double t, const EndMotion ends[2]) {
     if (message[0]) return 0;
     const NodalArrays nodal = state_arrays(state);
     double divider_s[DIVIDERS];
-    model_dividers(sim, state->paths, t, divider_s);
-    partition(&sim->mesh, scene->rope.length, model_bottom_s(sim, state->paths, t), divider_s, nodal.elements,
+    model_dividers(&sim->scene, state->paths, t, divider_s);
+    partition(&sim->mesh, scene->rope.length, model_bottom_s(&sim->scene, state->paths, t), divider_s, nodal.elements,
               &state->pattern, nodal.lengths);
     arc_lengths(nodal.elements, nodal.lengths, nodal.s);
     hanging_guess(nodal.nodes, nodal.s, points[LEFT], points[RIGHT], nodal.q, message);
@@ -159,7 +159,7 @@ static int initialize(Simulator *sim, double t, const EndMotion ends[2]) {
     state->step_next = state->last_interval = scene->solver.step_max;
     state->loop_yaw = ends_yaw(&nodal);
     if (!(state->fidelity == RIGID ? as_rigid(sim, state, t, message) : hang(sim, state, ends, message))) return 0;
-    if (start_hysteresis(sim, state)) rope_system_refer(sim, state, nodal.q);
+    if (start_hysteresis(sim->wires, state)) rope_system_refer(sim, state, nodal.q);
     for (int side = LEFT; side <= RIGHT; side++)
         state->force_mean[side] = -end_row(nodal.reaction, nodal.nodes, side)[1];
     state->energy_balance.start = energy_total(&state->energy_balance);
@@ -167,7 +167,7 @@ static int initialize(Simulator *sim, double t, const EndMotion ends[2]) {
     begin_audit(sim, state);
     far_bodies(state->nearest);
     set_rise_reference(scene, state);
-    update_passages(sim, state);
+    update_passages(&sim->scene, sim->self_contact, state);
     update_guards(scene, state);
     sim->last.taken = 0;
     return accept(sim);
@@ -186,7 +186,7 @@ int rope_initialize(Simulator *sim, double t, const EndMotion ends[2]) {
 int rope_let_turn(Simulator *sim) {
     if (!sim->initialized) return say_no_state(sim->message);
     if (sim->scene.swivels[LEFT].mode != FREE_MODE && sim->scene.swivels[RIGHT].mode != FREE_MODE) return 1;
-    state_copy(sim, sim->next, sim->state);
+    memcpy(sim->next, sim->state, sim->state_bytes);
     if (!let_turn(sim, sim->next, sim->message)) return refer_after_failure(sim, 0);
     sim->last.taken = 0;
     return accept(sim);

@@ -17,10 +17,6 @@
 #include "simulator.h"
 #include "state_structures.h"
 
-void state_copy(const Simulator *sim, State *to, const State *from) {
-    memcpy(to, from, sim->state_bytes);
-}
-
 void record_event(State *state, int what, int which, double kinetic, double potential) {
     if (state->event_count < LOGGED_EVENTS)
         state->events[state->event_count++] = (Event){state->t, kinetic, potential, what, which};
@@ -68,14 +64,15 @@ static bool within(int64_t x, int64_t least, int64_t most) {
 }
 
 /* True if the pattern belongs to the mesh, at any place of the loop, and the elements have its lengths. */
-static bool partition_plausible(const Simulator *sim, const State *state, const NodalArrays *nodal) {
-    const double length = sim->scene.rope.length, rounding = 1e-12 * length;
+static bool partition_plausible(const Scene *scene, const Mesh *mesh, const State *state, const NodalArrays *nodal,
+                                const NodalArrays *scratch) {
+    const double length = scene->rope.length, rounding = 1e-12 * length;
     const Pattern *pattern = &state->pattern;
-    double *lengths = sim->trial.q, *s = sim->trial.v;
+    double *lengths = scratch->q, *s = scratch->v;
     double divider_s[DIVIDERS];
     Pattern expected;
-    mesh_dividers(&sim->scene, 0, 0, divider_s);
-    partition(&sim->mesh, length, 0.5 * length, divider_s, nodal->elements, &expected, lengths);
+    mesh_dividers(scene, 0, 0, divider_s);
+    partition(mesh, length, 0.5 * length, divider_s, nodal->elements, &expected, lengths);
     if (expected.coarse > 0) {
         const int outer = expected.counts[0] + expected.counts[SEGMENTS - 1];
         const int first = pattern->counts[0], least = (int)min_outer(expected.counts + 1);
@@ -138,7 +135,7 @@ bool state_plausible(const Simulator *sim, State *state) {
             !path_plausible(&state->paths[side], state->t))
             return false;
     }
-    return partition_plausible(sim, state, &nodal) && happenings_plausible(state);
+    return partition_plausible(&sim->scene, &sim->mesh, state, &nodal, &sim->trial) && happenings_plausible(state);
 }
 
 bool host_step_plausible(const HostStep *host, const State *start, const State *state) {

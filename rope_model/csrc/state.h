@@ -25,7 +25,6 @@ static inline int lowest_node(int nodes, const double *q) {
 bool host_step_plausible(const HostStep *host, const State *start, const State *state);
 /* True if restored bytes can be a state of this rope.  Overwrites sim->trial. */
 bool state_plausible(const Simulator *sim, State *state);
-void state_copy(const Simulator *sim, State *to, const State *from);
 /* Copy q, v, a, b, a_rate and reaction. */
 void copy_fields(const NodalArrays *to, const NodalArrays *from);
 void record_event(State *state, int what, int which, double kinetic, double potential);

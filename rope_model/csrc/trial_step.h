@@ -9,12 +9,12 @@ StepResult model_trial(Simulator *sim, State *state, double h);
 void model_restart(Simulator *sim, State *state);
 double largest_end_force(const NodalArrays *nodal); /* Return the largest component, N. */
 void model_commit(Simulator *sim, State *state, const StepResult *trial);
-void model_powers(const Simulator *sim, State *state);
+void model_powers(const Scene *scene, State *state);
 double model_energies(Simulator *sim, State *state); /* Update energies; return the change of their total. */
 /* Return the arc length of the loop's lowest point from the heights of the ends at t. */
-double model_bottom_s(const Simulator *sim, const Path paths[2], double t);
+double model_bottom_s(const Scene *scene, const Path paths[2], double t);
 /* Call mesh_dividers with the heights of the ends at t. */
-void model_dividers(const Simulator *sim, const Path paths[2], double t, double *divider_s);
+void model_dividers(const Scene *scene, const Path paths[2], double t, double *divider_s);
 /* Refer frames and angles of q, v, a, b to q. */
 void update_angles(Simulator *sim, State *state, double *q, double *v, double *a, double *b);
 void begin_audit(const Simulator *sim, State *state);

@@ -7,13 +7,16 @@
 #include "formulas.h"
 #include "state_structures.h"
 
-/* Start friction between wires, with z = 0, if the rope has it and is not rigid; return true if it started. */
-bool start_hysteresis(const Simulator *sim, State *state);
-/* Set the history from q and the state's z. */
-void wires_history(Simulator *sim, State *state, const double *q, double (*strains)[STRAINS]);
+/* Below, `wires` has WIRE_HISTORY_SIZE numbers an element, Simulator.wires. */
+
+/* Start friction between wires, with z = 0, if the rope has it (`wires` is not NULL) and is not rigid; return true if
+   it started. */
+bool start_hysteresis(const double *wires, State *state);
+/* Set the history `wires` from q and the state's z. */
+void wires_history(const Rope *rope, State *state, const double *q, double (*strains)[STRAINS], double *wires);
 /* Update z to q; return the dissipated energy, J. */
-double update_hysteresis(Simulator *sim, State *state, const double *q);
-/* Transfer z from the mesh with nodes at old_s to the state's mesh. */
-void wires_carry(Simulator *sim, State *state, const double *old_s);
+double update_hysteresis(const double *wires, State *state, const double *q);
+/* Transfer z from the mesh with nodes at old_s to the state's mesh; `before`, as large as z, is scratch. */
+void wires_carry(State *state, const double *old_s, double *before);
 
 #endif

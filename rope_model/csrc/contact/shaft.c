@@ -23,7 +23,6 @@
 #include "formulas.h"
 #include "rope.h"
 #include "self_contact.h"
-#include "simulator.h"
 #include "state.h"
 #include "state_structures.h"
 #include "system.h"
@@ -123,11 +122,11 @@ void shaft_clearances(const Scene *scene, const NodalArrays *nodal, double t, Ne
 }
 
 /* Update the largest penetration of the rope into itself. */
-static void update_overlap(const Simulator *sim, State *state) {
+static void update_overlap(SelfContactState *self_contact, double diameter, State *state) {
     const NodalArrays nodal = state_arrays(state);
-    const double *nearest = sim->self_contact->nearest, diameter = sim->scene.rope.diameter;
+    const double *nearest = self_contact->nearest;
     Crossing *crossing = &state->crossing;
-    const System sys = {.elements = nodal.elements, .lengths = nodal.lengths, .self_contact = sim->self_contact};
+    const System sys = {.elements = nodal.elements, .lengths = nodal.lengths, .self_contact = self_contact};
     find_self_contacts(&sys, nodal.q, nodal.v, 0, 0);
     if (!(diameter - nearest[0] > crossing->overlap)) return;
     if (crossing->overlap == 0) crossing->touched_at = state->t;
@@ -135,16 +134,16 @@ static void update_overlap(const Simulator *sim, State *state) {
     crossing->touched_y = nearest[1];
 }
 
-void update_passages(const Simulator *sim, State *state) {
+void update_passages(const Scene *scene, SelfContactState *self_contact, State *state) {
     const NodalArrays nodal = state_arrays(state);
     Crossing *crossing = &state->crossing;
     state->monitored_at = state->t;
-    shaft_nearer(&sim->scene, &nodal, state->t, state->nearest);
+    shaft_nearer(scene, &nodal, state->t, state->nearest);
     const double line = ends_yaw(&nodal);
     double across[2];
     heading(line, across);
-    const bool near = !legs_apart(&nodal, across, sim->scene.rope.diameter, sim->scene.layout.spacing);
-    if (near || sim->self_contact->presses) update_overlap(sim, state);
+    const bool near = !legs_apart(&nodal, across, scene->rope.diameter, scene->layout.spacing);
+    if (near || self_contact->presses) update_overlap(self_contact, scene->rope.diameter, state);
     if (!near && crossing->net == 0 && fabs(state->loop_yaw - line) <= TURNED_FAR) return;
     const LoopBottom bottom = loop_bottom(nodal.nodes, nodal.q, nodal.s);
     const LoopTurns turns = loop_turns(&nodal, &bottom);

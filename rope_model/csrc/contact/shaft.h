@@ -3,6 +3,7 @@
 #define SHAFT_H
 
 #include "formulas.h"
+#include "self_contact.h"
 #include "state_structures.h"
 
 static inline void far_bodies(Nearest nearest[KINDS]) {
@@ -13,6 +14,6 @@ void shaft_clearances(const Scene *scene, const NodalArrays *arrays, double t, N
 /* Update `nearest` where the rope is nearer. */
 void shaft_nearer(const Scene *scene, const NodalArrays *arrays, double t, Nearest nearest[KINDS]);
 /* Record clearances and passages of the rope at the state's time. */
-void update_passages(const Simulator *sim, State *state);
+void update_passages(const Scene *scene, SelfContactState *self_contact, State *state);
 
 #endif

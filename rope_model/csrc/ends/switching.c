@@ -23,17 +23,17 @@
 #include "trial_step.h"
 
 /* Event function of one swivel: negative while it may stay in its phase. */
-static double excess_of(const Simulator *sim, const State *state, int side, double t, const NodalArrays *nodal) {
+static double excess_of(const Scene *scene, const State *state, int side, double t, const NodalArrays *nodal) {
     const double *q = end_row(nodal->q, nodal->nodes, side), *v = end_row(nodal->v, nodal->nodes, side);
     const double *R = end_row(nodal->reaction, nodal->nodes, side);
     double relative[2];
     ends_relative(state, side, t, q[ANGLE], v[ANGLE], relative);
-    const double tension = ends_tension(&sim->scene, side, q, R);
-    return swivel_excess(&sim->scene.swivels[side], &state->swivels[side], tension, R[ANGLE], relative[1]);
+    const double tension = ends_tension(scene, side, q, R);
+    return swivel_excess(&scene->swivels[side], &state->swivels[side], tension, R[ANGLE], relative[1]);
 }
 
-static double excess(const Simulator *sim, const State *state, double t, const NodalArrays *nodal) {
-    const double left = excess_of(sim, state, LEFT, t, nodal), right = excess_of(sim, state, RIGHT, t, nodal);
+static double excess(const Scene *scene, const State *state, double t, const NodalArrays *nodal) {
+    const double left = excess_of(scene, state, LEFT, t, nodal), right = excess_of(scene, state, RIGHT, t, nodal);
     return left >= right ? left : right;
 }
 
@@ -51,11 +51,11 @@ void release_swivels(Simulator *sim, State *state) {
     if (!changed) return;
     model_restart(sim, state);
     const NodalArrays nodal = state_arrays(state);
-    if (excess(sim, state, state->t, &nodal) >= 0) switch_swivels(sim, state);
+    if (excess(&sim->scene, state, state->t, &nodal) >= 0) switch_swivels(sim, state);
 }
 
-double next_release(const Simulator *sim, const State *state) {
-    const Swivel *swivels = sim->scene.swivels;
+double next_release(const Scene *scene, const State *state) {
+    const Swivel *swivels = scene->swivels;
     return fmin(released_at(&swivels[LEFT], &state->swivels[LEFT]),
                 released_at(&swivels[RIGHT], &state->swivels[RIGHT]));
 }
@@ -71,11 +71,11 @@ static double excess_after(void *data, double h) {
     if (search->iterations >= search->allowed) return -1; /* ends at the earliest time known to be past the event */
     const StepResult trial = model_trial(search->sim, search->state, h);
     search->iterations += trial.newton.iterations;
-    return trial.converged ? excess(search->sim, search->state, trial.t, &search->sim->trial) : INFINITY;
+    return trial.converged ? excess(&search->sim->scene, search->state, trial.t, &search->sim->trial) : INFINITY;
 }
 
 int switching_step(Simulator *sim, State *state, StepResult *trial) {
-    const double at_end = excess(sim, state, trial->t, &sim->trial);
+    const double at_end = excess(&sim->scene, state, trial->t, &sim->trial);
     if (at_end < 0) return 0;
     const NodalArrays nodal = state_arrays(state);
     /* Keep iterations for the step to the event and the next one. */
@@ -84,7 +84,7 @@ int switching_step(Simulator *sim, State *state, StepResult *trial) {
         state->counts.given_up += 1;
         return 1;
     }
-    double at_start = excess(sim, state, state->t, &nodal);
+    double at_start = excess(&sim->scene, state, state->t, &nodal);
     if (at_start >= 0) at_start = -1e-12; /* the rate of a slip that has just begun is zero */
     const double h = locate(excess_after, &search, 0, trial->t - state->t, at_start, at_end, EVENT_WIDTH);
     *trial = model_trial(sim, state, h);
@@ -96,7 +96,7 @@ int switching_step(Simulator *sim, State *state, StepResult *trial) {
 /* Return the next phase of a swivel that cannot stay in its own: stick if friction can hold it, else slip. */
 static SwivelState next_phase(Simulator *sim, const State *state, const SwivelState swivels[2], int side) {
     State *trial = sim->spare;
-    state_copy(sim, trial, state);
+    memcpy(trial, state, sim->state_bytes);
     memcpy(trial->swivels, swivels, sizeof trial->swivels);
     const NodalArrays nodal = state_arrays(trial);
     SwivelState now = swivels[side];
@@ -105,7 +105,7 @@ static SwivelState next_phase(Simulator *sim, const State *state, const SwivelSt
         ends_relative(trial, side, trial->t, end_row(nodal.q, nodal.nodes, side)[ANGLE], 0, relative);
         now = trial->swivels[side] = (SwivelState){.angle = relative[0], .phase = STICK};
         model_restart(sim, trial);
-        if (excess_of(sim, trial, side, trial->t, &nodal) < 0) return now;
+        if (excess_of(&sim->scene, trial, side, trial->t, &nodal) < 0) return now;
     }
     now.phase = SLIP;
     now.sign = copysign(1, -end_row(nodal.reaction, nodal.nodes, side)[ANGLE]);
@@ -118,12 +118,12 @@ void switch_swivels(Simulator *sim, State *state) {
     bool switches[2], restarted = false;
     memcpy(swivels, state->swivels, sizeof swivels);
     for (int side = LEFT; side <= RIGHT; side++) {
-        switches[side] = excess_of(sim, state, side, state->t, &nodal) >= 0;
+        switches[side] = excess_of(&sim->scene, state, side, state->t, &nodal) >= 0;
         if (!switches[side]) continue;
         swivels[side] = next_phase(sim, state, swivels, side);
         restarted = swivels[side].phase == STICK; /* next_phase restarted the spare */
     }
-    if (restarted) state_copy(sim, state, sim->spare);
+    if (restarted) memcpy(state, sim->spare, sim->state_bytes);
     for (int side = LEFT; side <= RIGHT; side++) {
         if (!switches[side]) continue;
         memmove(state->switchings + 1, state->switchings, sizeof(double) * (CHATTER_EVENTS - 1));

@@ -13,7 +13,7 @@ typedef struct {
 } Phases;
 
 void release_swivels(Simulator *sim, State *state);
-double next_release(const Simulator *sim, const State *state);
+double next_release(const Scene *scene, const State *state);
 /* Shorten the trial to end where a swivel must switch.  Return 1 if it was shortened, 0 if not, -1 on failure. */
 int switching_step(Simulator *sim, State *state, StepResult *trial);
 void switch_swivels(Simulator *sim, State *state);

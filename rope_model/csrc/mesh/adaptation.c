@@ -48,7 +48,7 @@ static Progress dynamic_equilibrium(Simulator *sim, State *state, double time, d
         chain_of(sim, state)
             ->solve(&sys, sim->work, now->q, now->v, now->a, now->reaction, c, tolerance, NULL, balance);
     if (newton.status != CONVERGED) return newton;
-    update_hysteresis(sim, state, now->q);
+    update_hysteresis(sim->wires, state, now->q);
     update_angles(sim, state, now->q, nodal.v, nodal.a, nodal.b);
     memcpy(nodal.q, now->q, bytes);
     return newton;
@@ -63,7 +63,7 @@ static int on_partition(Simulator *sim, State *state, int direction, const doubl
     arc_lengths(nodal.elements, nodal.lengths, nodal.s);
     if (state->fidelity == RIGID) return CONVERGED; /* shape and energies do not depend on the mesh */
     transfer_fields(nodal.nodes, old_s, nodal.s, 5, fields, sim->work);
-    wires_carry(sim, state, old_s);
+    wires_carry(state, old_s, sim->wires); /* scratch: its history belongs to the old mesh */
     memset(nodal.reaction + DOF, 0, sizeof(double) * DOF * (size_t)(nodal.nodes - 2));
     rope_system_refer(sim, state, nodal.q);
     const Solver *solver = &sim->scene.solver;
@@ -85,10 +85,10 @@ static int on_partition(Simulator *sim, State *state, int direction, const doubl
 int transform_if_due(Simulator *sim, State *state) {
     /* A step that is taken again transforms when the recorded one did. */
     const Path *paths = sim->replay.repeating ? sim->replay.paths : state->paths;
-    const double bottom_s = model_bottom_s(sim, paths, state->t);
+    const double bottom_s = model_bottom_s(&sim->scene, paths, state->t);
     double divider_s[DIVIDERS];
     int status = CONVERGED;
-    model_dividers(sim, paths, state->t, divider_s);
+    model_dividers(&sim->scene, paths, state->t, divider_s);
     while (status == CONVERGED) {
         const int direction = (int)transformation_due(&state->pattern, bottom_s, DUE_EARLY);
         if (direction == 0 && !window_due(&state->pattern, divider_s)) break;
@@ -124,6 +124,6 @@ int raise_fidelity(Simulator *sim, State *state, const char *why, char *message)
         update_angles(sim, state, nodal.q, nodal.v, nodal.a, nodal.b);
     model_restart(sim, state);
     state->energy_balance.transformations += model_energies(sim, state);
-    if (start_hysteresis(sim, state)) rope_system_refer(sim, state, nodal.q);
+    if (start_hysteresis(sim->wires, state)) rope_system_refer(sim, state, nodal.q);
     return 1;
 }

@@ -49,17 +49,16 @@ typedef struct {
 } Change;
 
 /* Forces and moments of the rope on both conveyances. */
-static void end_loads(const Simulator *sim, State *state, double loads[LOADS]) {
+static void end_loads(const Scene *scene, State *state, double loads[LOADS]) {
     const NodalArrays nodal = state_arrays(state);
     for (int side = LEFT; side <= RIGHT; side++) {
         const double *q = end_row(nodal.q, nodal.nodes, side), *R = end_row(nodal.reaction, nodal.nodes, side);
-        conveyance_load(q, R, ends_moment(&sim->scene, &state->swivels[side], side, q, R), loads + 6 * side);
+        conveyance_load(q, R, ends_moment(scene, &state->swivels[side], side, q, R), loads + 6 * side);
     }
 }
 
 /* Describe a step that has not been taken: as long as the last, with accelerations held. */
-static HostStep coming_step(const Simulator *sim, bool at_step_end) {
-    const State *state = sim->state;
+static HostStep coming_step(const State *state, bool at_step_end) {
     HostStep host = {.stop = state->t + state->last_interval};
     host.given_at = host.asked_at = at_step_end ? host.stop : state->t;
     for (int side = LEFT; side <= RIGHT; side++) {
@@ -96,7 +95,7 @@ static int repeat(Simulator *sim, const Change *change, double times, double loa
     Replay *replay = &sim->replay;
     State *state = sim->next;
     replay->repeats++;
-    state_copy(sim, state, sim->state);
+    memcpy(state, sim->state, sim->state_bytes);
     memcpy(state->paths, replay->paths, sizeof replay->paths);
     Path *path = &state->paths[change->side];
     for (int k = 0; k < PATHS; k++)
@@ -107,7 +106,7 @@ static int repeat(Simulator *sim, const Change *change, double times, double loa
     for (int k = 0; k < replay->count; k++)
         if (!repeat_step(sim, state, &replay->steps[k], sim->message)) return 0;
     set_phases(sim, state, &replay->after);
-    end_loads(sim, state, loads);
+    end_loads(&sim->scene, state, loads);
     return 1;
 }
 
@@ -118,11 +117,10 @@ static double power_of(double x, int exponent) {
 }
 
 /* Return the factor that makes a change as large as a difference may be; 0 if nothing changes. */
-static double largest_factor(const Simulator *sim, const Change *change) {
-    const Replay *replay = &sim->replay;
+static double largest_factor(const Replay *replay, bool has_wires, const Change *change) {
     const double duration = replay->duration;
     /* of the scene: a rigid rope, whose wires do not rub yet, may become flexible within the step */
-    const double share = sim->wires != NULL ? SHARE_OF_RUBBING : 1;
+    const double share = has_wires ? SHARE_OF_RUBBING : 1;
     double size = 0; /* bound of the change over the largest one */
     for (int k = 0; k < PATHS; k++)
         for (int power = 0; power < POWERS; power++)
@@ -135,7 +133,7 @@ static double largest_factor(const Simulator *sim, const Change *change) {
 
 /* Differentiate the loads at the end of the recorded step along a change. */
 static int derivative_along(Simulator *sim, const Change *change, double derivative[LOADS]) {
-    const double factor = largest_factor(sim, change);
+    const double factor = largest_factor(&sim->replay, sim->wires != NULL, change);
     double loads[2][LOADS];
     memset(derivative, 0, sizeof(double) * LOADS);
     if (factor == 0) return 1;
@@ -151,9 +149,8 @@ static int derivative_along(Simulator *sim, const Change *change, double derivat
 }
 
 /* Return the change of an end's path with an input. */
-static Change change_with(const Simulator *sim, const HostStep *host, int side, int place) {
-    const State *start = sim->state;
-    const FilterSettings settings = filter_settings(&sim->scene, sim->scene.inputs.given);
+static Change change_with(const Scene *scene, const State *start, const HostStep *host, int side, int place) {
+    const FilterSettings settings = filter_settings(scene, scene->inputs.given);
     const double *latest = start->filters[side].given;
     EndMotion end = host->ends[side];
     double direction[END_MOTIONS] = {0};
@@ -168,12 +165,11 @@ static Change change_with(const Simulator *sim, const HostStep *host, int side, 
 }
 
 /* True if the rope can follow a change of an input as it is: a lower fidelity leaves motions out. */
-static bool follows(const Simulator *sim, const HostStep *host, int side, int place) {
+static bool follows(const Scene *scene, int fidelity, const HostStep *host, int side, int place) {
     EndMotion ends[2] = {host->ends[LEFT], host->ends[RIGHT]};
-    if (sim->replay.fidelity == RIGID) return place < VECTORS && place % 3 == UP;
+    if (fidelity == RIGID) return place < VECTORS && place % 3 == UP;
     set_end_value(&ends[side], place, end_value(&ends[side], place) + 1);
-    return sim->replay.fidelity == TORSIONAL ||
-           unsupported_input(&sim->scene, sim->replay.fidelity, &ends[LEFT], &ends[RIGHT]) == 0;
+    return fidelity == TORSIONAL || unsupported_input(scene, fidelity, &ends[LEFT], &ends[RIGHT]) == 0;
 }
 
 /* Where the derivatives are taken: the present state, and the step. */
@@ -185,7 +181,7 @@ typedef struct {
 /* Go back to the start of the last step, and record it unless that has been done. */
 static int go_back(Simulator *sim, bool at_step_end, Place *place) {
     place->now = sim->state;
-    place->host = sim->last.taken ? sim->last : coming_step(sim, at_step_end);
+    place->host = sim->last.taken ? sim->last : coming_step(sim->state, at_step_end);
     if (sim->last.taken) sim->state = sim->start;
     if (!sim->last.taken && sim->replay.at_step_end != at_step_end) sim->replay.known = false;
     sim->replay.at_step_end = at_step_end;
@@ -231,7 +227,8 @@ int rope_load_derivative(Simulator *sim, int input, int at_step_end, double deri
     int done = go_back(sim, at_step_end, &place);
     if (done && !(replay->derived & 1u << input)) {
         Change change = {.side = side};
-        if (follows(sim, &place.host, side, field)) change = change_with(sim, &place.host, side, field);
+        if (follows(&sim->scene, replay->fidelity, &place.host, side, field))
+            change = change_with(&sim->scene, sim->state, &place.host, side, field);
         done = derivative_along(sim, &change, replay->derivatives[input]);
         if (done) replay->derived |= 1u << input;
     }

@@ -25,6 +25,7 @@
 #include "ends.h"
 #include "formulas.h"
 #include "messages.h"
+#include "obstacles.h"
 #include "rope.h"
 #include "rope_system.h"
 #include "rules.h"
@@ -64,7 +65,7 @@ static int turn_in(Simulator *sim, State *state, double twist, char *message) {
             say_takes_too_long(why);
             return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)sim->corrections, why);
         }
-        state_copy(sim, sim->spare, state);
+        memcpy(sim->spare, state, sim->state_bytes);
         state->offsets[RIGHT] += step;
         for (int k = 0; k < nodal.nodes; k++)
             nodal.q[(size_t)k * DOF + ANGLE] += step * (nodal.s[k] / nodal.s[nodal.elements]);
@@ -73,7 +74,7 @@ static int turn_in(Simulator *sim, State *state, double twist, char *message) {
                 memcpy(why, message, MESSAGE);
                 return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)sim->corrections, why);
             }
-            state_copy(sim, state, sim->spare);
+            memcpy(state, sim->spare, sim->state_bytes);
             message[0] = '\0';
             beyond = left - step;
             continue;
@@ -90,9 +91,9 @@ static int turn_in(Simulator *sim, State *state, double twist, char *message) {
 /* Corrections after which laying a rope down is given up: more than twice the largest number of 200 drawn ropes. */
 enum { MAX_LAYING = 20000 };
 
-static void put_floor(Simulator *sim, double level) {
-    sim->scene.shaft.sump.level = level;
-    sim->obstacles->cache.free = 0; /* distances to the floor are others now */
+static void put_floor(Scene *scene, Obstacles *obstacles, double level) {
+    scene->shaft.sump.level = level;
+    obstacles->cache.free = 0; /* distances to the floor are others now */
 }
 
 /* Let the rope hang freely, and raise the floor to its level in steps, so that the rope is laid down on it.  In the way
@@ -105,21 +106,21 @@ static int lay_down(Simulator *sim, State *state, char *message) {
     const int parts = below > 0 ? (int)fmin(ceil(below / FLOOR_STEP), MAX_FLOOR_STEPS) : 0;
     int found = 1;
     for (int k = 0; k < parts && found; k++) {
-        put_floor(sim, lowest + below * k / parts);
+        put_floor(&sim->scene, sim->obstacles, lowest + below * k / parts);
         found = equilibrium_in_frame(sim, state, INFINITY, message);
         if (found && sim->corrections > MAX_LAYING) {
             say_not_laid_down(message, (int)sim->corrections, below * k / parts, below, shaft.sump.level);
             found = 0;
         }
     }
-    if (parts > 0) put_floor(sim, shaft.sump.level);
+    if (parts > 0) put_floor(&sim->scene, sim->obstacles, shaft.sump.level);
     return found && equilibrium_in_frame(sim, state, INFINITY, message);
 }
 
 /* Find the equilibrium of the straight rope first, then add its permanent curvature in steps. */
 static int let_curve(Simulator *sim, State *state, char *message) {
     const Rope whole = sim->scene.rope;
-    const int parts = is_curved(sim, state) ? CURVATURE_STEPS : 0;
+    const int parts = is_curved(sim->curved, &sim->scene.rope, state->fidelity) ? CURVATURE_STEPS : 0;
     int found = 1;
     for (int k = 0; k <= parts && found; k++) {
         if (parts > 0) sim->scene.rope = partly_curved(&whole, (double)k / parts);
@@ -188,7 +189,7 @@ static int relax(Simulator *sim, State *state, const Before *before, char *messa
             state->swivels[side] = (SwivelState){.angle = relative[0], .phase = LOCKED};
         }
         if (!equilibrium_in_frame(sim, state, INFINITY, message)) return 0;
-    } while (is_curved(sim, state));
+    } while (is_curved(sim->curved, &sim->scene.rope, state->fidelity));
     return 1;
 }
 
@@ -204,10 +205,10 @@ static int hang_in_loop(Simulator *sim, State *state, char *message) {
     return let_curve(sim, state, message) && turn_in(sim, state, twist, message) && relax(sim, state, &before, message);
 }
 
-void paths_at_rest(const Simulator *sim, State *state, const EndMotion ends[2], double placed) {
+void paths_at_rest(const Scene *scene, State *state, const EndMotion ends[2], double placed) {
     for (int side = LEFT; side <= RIGHT; side++) {
-        const double now = not_plumb(&sim->scene) ? placed : 1, sense = side ? 1 : -1;
-        const EndMotion placed = partly_placed(&sim->scene, &ends[side], &ends[!side], sense, now);
+        const double now = not_plumb(scene) ? placed : 1, sense = side ? 1 : -1;
+        const EndMotion placed = partly_placed(scene, &ends[side], &ends[!side], sense, now);
         state->paths[side] = path_resting(state->t, &placed);
     }
 }
@@ -216,7 +217,7 @@ int hang(Simulator *sim, State *state, const EndMotion ends[2], char *message) {
     const int steps = not_plumb(&sim->scene) ? PLACING_STEPS : 0;
     int found = hang_in_loop(sim, state, message);
     for (int k = 0; k < steps && found; k++) {
-        paths_at_rest(sim, state, ends, (k + 1.0) / PLACING_STEPS);
+        paths_at_rest(&sim->scene, state, ends, (k + 1.0) / PLACING_STEPS);
         found = equilibrium_in_frame(sim, state, INFINITY, message);
     }
     return found && (steps == 0 || relax(sim, state, NULL, message));
@@ -227,6 +228,6 @@ int let_turn(Simulator *sim, State *state, char *message) {
         if (sim->scene.swivels[side].mode == FREE_MODE) state->swivels[side].phase = SLIP;
     state->rubs = 0; /* as while the rope was hung up: wires begin at rest without a moment */
     if (!equilibrium_in_frame(sim, state, INFINITY, message)) return 0;
-    if (start_hysteresis(sim, state)) rope_system_refer(sim, state, state_arrays(state).q);
+    if (start_hysteresis(sim->wires, state)) rope_system_refer(sim, state, state_arrays(state).q);
     return 1;
 }

@@ -9,6 +9,6 @@ int hang(Simulator *sim, State *state, const EndMotion ends[2], char *message);
 /* Let the free swivels of a rope at rest turn, and bring it to rest again. */
 int let_turn(Simulator *sim, State *state, char *message);
 /* Set paths at rest, a fraction `placed` of the way to `ends`. */
-void paths_at_rest(const Simulator *sim, State *state, const EndMotion ends[2], double placed);
+void paths_at_rest(const Scene *scene, State *state, const EndMotion ends[2], double placed);
 
 #endif

@@ -4,6 +4,7 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "adaptation.h"
 #include "ends.h"
@@ -27,11 +28,11 @@ static InputFilter follow_end(const State *before, const FilterSettings *setting
 }
 
 /* Update the misfit of an end up to the stop of its path. */
-static void account_end(const Simulator *sim, State *state, const FilterSettings *settings, int side,
+static void account_end(const Scene *scene, const State *before, State *state, const FilterSettings *settings, int side,
                         const InputFilter *now) {
-    const double bottom_s = model_bottom_s(sim, sim->state->paths, sim->state->t);
-    const double leg = side == LEFT ? bottom_s : sim->scene.rope.length - bottom_s;
-    state->filters[side] = add_misfit(now, &state->paths[side], settings, &sim->scene.rope, leg);
+    const double bottom_s = model_bottom_s(scene, before->paths, before->t);
+    const double leg = side == LEFT ? bottom_s : scene->rope.length - bottom_s;
+    state->filters[side] = add_misfit(now, &state->paths[side], settings, &scene->rope, leg);
 }
 
 /* Set the next paths of the ends, and raise the fidelity if they need it; return 0 with a message on failure. */
@@ -47,7 +48,7 @@ static int move_ends(Simulator *sim, State *state, double t, const EndMotion end
         if (!sim->message[0]) stale_input_error(&scene->inputs, t, &now, side, sim->message);
         if (sim->message[0]) return 0;
         state->paths[side] = path;
-        account_end(sim, state, &settings, side, &now);
+        account_end(scene, sim->state, state, &settings, side, &now);
     }
     char why[MESSAGE];
     EndMotion filtered[2] = {ends[LEFT], ends[RIGHT]};
@@ -63,23 +64,23 @@ static int move_ends(Simulator *sim, State *state, double t, const EndMotion end
 }
 
 /* True if an event has happened since the communication step began, or is due now. */
-static bool has_event(const Simulator *sim, const State *state) {
-    const State *before = sim->state;
+static bool has_event(const Scene *scene, const State *before, const State *state) {
     bool found = state->event_count > 0 && state->events[state->event_count - 1].t > before->t;
     found |= state->guard.cause != before->guard.cause;
-    found |= state->fidelity != RIGID && next_release(sim, state) <= state->t;
+    found |= state->fidelity != RIGID && next_release(scene, state) <= state->t;
     for (int kind = 0; kind < KINDS; kind++)
         found |= state->nearest[kind].clearance <= 0 && before->nearest[kind].clearance > 0;
     return found;
 }
 
 /* End the paths of the ends, and their misfits, at t. */
-static void cut_paths(const Simulator *sim, State *state, double t, const EndMotion ends[2], double given_at) {
-    const FilterSettings settings = filter_settings(&sim->scene, sim->scene.inputs.given);
+static void cut_paths(const Scene *scene, const State *before, State *state, double t, const EndMotion ends[2],
+                      double given_at) {
+    const FilterSettings settings = filter_settings(scene, scene->inputs.given);
     for (int side = LEFT; side <= RIGHT; side++) {
-        const InputFilter now = follow_end(sim->state, &settings, side, t, &ends[side], given_at);
+        const InputFilter now = follow_end(before, &settings, side, t, &ends[side], given_at);
         state->paths[side].stop = t;
-        account_end(sim, state, &settings, side, &now);
+        account_end(scene, before, state, &settings, side, &now);
         /* the path meets the given acceleration at its planned stop only */
         state->filters[side].acceleration_misfit = now.acceleration_misfit;
         state->filters[side].misfit_squares[2] = now.misfit_squares[2];
@@ -88,12 +89,12 @@ static void cut_paths(const Simulator *sim, State *state, double t, const EndMot
 
 /* Add the impulse of each end's vertical force on a rigid rope from `begin` to the state's time, by Simpson's rule,
    which is exact where an acceleration is a cubic: that of a path.  `before` has the forces at its start. */
-static void add_rigid_impulse(const Simulator *sim, State *state, double begin, const double before[2],
+static void add_rigid_impulse(const Scene *scene, State *state, double begin, const double before[2],
                               double impulse[2]) {
     const NodalArrays nodal = state_arrays(state);
     const double h = state->t - begin, middle = begin + 0.5 * h;
     const EndMotion left = path_at(&state->paths[LEFT], middle), right = path_at(&state->paths[RIGHT], middle);
-    const RigidTensions between = rigid_tensions(&sim->scene.rope, &sim->scene.layout, &left, &right);
+    const RigidTensions between = rigid_tensions(&scene->rope, &scene->layout, &left, &right);
     for (int side = LEFT; side <= RIGHT; side++) {
         const double now = end_row(nodal.reaction, nodal.nodes, side)[1];
         impulse[side] += h / 6 * (before[side] + 4 * between.at_ends[side] + now);
@@ -115,7 +116,7 @@ int take_host_step(Simulator *sim, const HostStep *host, int *event) {
     const int64_t steps_before = sim->state->counts.steps + sim->state->counts.rejections;
     double t = host->stop;
     *event = 0;
-    state_copy(sim, state, sim->state);
+    memcpy(state, sim->state, sim->state_bytes);
     state->switched = state->event_count = 0;
     sim->newton_limit =
         state->counts.newton + (sim->scene.solver.work_max > 0 ? sim->scene.solver.work_max : INT32_MAX);
@@ -135,15 +136,15 @@ int take_host_step(Simulator *sim, const HostStep *host, int *event) {
             return say_too_many_steps(sim->message, t_before, MAX_STEPS, begin, t);
         if (!step_towards(sim, state, t, why)) return say_fails_at(sim->message, t_before, why);
         if (state->t >= t || state->t - state->monitored_at >= MONITOR_INTERVAL) {
-            update_passages(sim, state);
+            update_passages(&sim->scene, sim->self_contact, state);
             update_guards(&sim->scene, state);
         }
-        if (host->to_event) *event |= has_event(sim, state);
+        if (host->to_event) *event |= has_event(&sim->scene, sim->state, state);
         if (*event && state->t < t && state->t - begin >= CHATTER_TIME) {
             t = state->t; /* last round */
-            cut_paths(sim, state, t, ends, host->given_at);
+            cut_paths(&sim->scene, sim->state, state, t, ends, host->given_at);
         }
-        if (state->fidelity == RIGID) add_rigid_impulse(sim, state, t_before, before, rigid_impulse);
+        if (state->fidelity == RIGID) add_rigid_impulse(&sim->scene, state, t_before, before, rigid_impulse);
     }
     set_mean_forces(state, t - begin, already, rigid_impulse);
     if (*event && state->fidelity != RIGID) release_swivels(sim, state);

@@ -68,7 +68,7 @@ int find_equilibrium(Simulator *sim, State *state, double max_turn, char *messag
     memset(zeros, 0, bytes);
     memset(nodal.reaction, 0, bytes);
     const double slope[3] = {nodal.q[SLOPE], nodal.q[SLOPE + 1], nodal.q[SLOPE + 2]};
-    rope_system_prescribed_motion(sim, state, &sys, state->t, 1, &(double *){nodal.q});
+    rope_system_prescribed_motion(&sim->scene, state, &sys, state->t, 1, &(double *){nodal.q});
     carry_director(state, slope, nodal.q + SLOPE);
     rope_system_refer(sim, state, nodal.q);
     for (k = 0; k < MAX_ITERATIONS && tau >= 1e-7; k++) {

@@ -25,21 +25,21 @@
 static const char *const NEWTON_MESSAGES[] = NEWTON_TEXTS; /* messages of a Newton status */
 
 typedef struct {
-    const Simulator *sim;
+    const Scene *scene;
     const State *state;
 } DueContext;
 
 static double due_at(void *data, double time) {
     const DueContext *context = data;
-    return distance_past_limit(&context->state->pattern, model_bottom_s(context->sim, context->state->paths, time));
+    return distance_past_limit(&context->state->pattern, model_bottom_s(context->scene, context->state->paths, time));
 }
 
 /* Return the end of the coming steps: the host's, a release, or a transformation that a step would pass too far. */
-static double next_stop(const Simulator *sim, const State *state, double t_end) {
-    const double t = state->t, stop = fmin(t_end, next_release(sim, state));
-    const double ahead = fmin(stop, t + fmin(state->step_next, sim->scene.solver.step_max));
+static double next_stop(const Scene *scene, const State *state, double t_end) {
+    const double t = state->t, stop = fmin(t_end, next_release(scene, state));
+    const double ahead = fmin(stop, t + fmin(state->step_next, scene->solver.step_max));
     const double times[2] = {0.5 * (t + ahead), ahead};
-    DueContext context = {sim, state};
+    DueContext context = {scene, state};
     const double at_start = due_at(&context, t);
     /* The next step finds a crossing between these times, at most one step late. */
     for (int k = 0; k < 2; k++) {
@@ -51,8 +51,8 @@ static double next_stop(const Simulator *sim, const State *state, double t_end) 
 }
 
 /* Return the number of steps, at least one, that the iterations left to this advance allow. */
-static int64_t steps_left(const Simulator *sim, const State *state) {
-    const int64_t left = (sim->newton_limit - state->counts.newton) / STEP_ITERATIONS;
+static int64_t steps_left(int64_t newton_limit, const State *state) {
+    const int64_t left = (newton_limit - state->counts.newton) / STEP_ITERATIONS;
     return left > 1 ? left : 1;
 }
 
@@ -62,14 +62,14 @@ static int accepted_step(Simulator *sim, State *state, double stop, StepResult *
                          char *message) {
     const Solver *solver = &sim->scene.solver;
     double next = fmin(state->step_next, solver->step_max);
-    double parts = substeps(stop - state->t, next, (double)steps_left(sim, state));
+    double parts = substeps(stop - state->t, next, (double)steps_left(sim->newton_limit, state));
     double h = (stop - state->t) / parts;
     bool rejected = false;
     for (;;) {
         *trial = model_trial(sim, state, h);
         state->counts.newton += trial->newton.iterations;
         if (trial->converged && trial->error_ratio <= ACCEPT_BELOW * solver->tolerance) break;
-        if (trial->converged && stop - state->t > 0.5 * h * (double)steps_left(sim, state)) {
+        if (trial->converged && stop - state->t > 0.5 * h * (double)steps_left(sim->newton_limit, state)) {
             next = h;
             break;
         }
@@ -107,8 +107,7 @@ int as_rigid(Simulator *sim, State *state, double t, char *message) {
 }
 
 /* Record an internal step that ends at the state's time. */
-static void record_step(Simulator *sim, const State *state, double h, int corrections, Phases during) {
-    Replay *replay = &sim->replay;
+static void record_step(Replay *replay, const State *state, double h, int corrections, Phases during) {
     if (replay->recording && replay->count < MAX_TAKEN)
         replay->steps[replay->count] = (TakenStep){h, state->t, corrections, during, phases_of(state)};
     if (replay->recording) replay->count++;
@@ -117,13 +116,13 @@ static void record_step(Simulator *sim, const State *state, double h, int correc
 static int rigid_step(Simulator *sim, State *state, double t_end, char *message) {
     const double h = t_end - state->t, before = state->power_ends;
     if (!as_rigid(sim, state, t_end, message)) return 0;
-    model_powers(sim, state);
+    model_powers(&sim->scene, state);
     state->energy_balance.work_ends += 0.5 * h * (before + state->power_ends);
     const NodalArrays nodal = state_arrays(state);
     state->errors.time += h;
     state->errors.force = fmax(state->errors.force, largest_end_force(&nodal));
     state->counts.steps += 1;
-    record_step(sim, state, h, 0, phases_of(state));
+    record_step(&sim->replay, state, h, 0, phases_of(state));
     return 1;
 }
 
@@ -134,7 +133,7 @@ int step_towards(Simulator *sim, State *state, double t_end, char *message) {
         return say_transformation_fails(message, sim->scene.solver.step_min, NEWTON_MESSAGES[transformed]);
     release_swivels(sim, state);
     const Phases during = phases_of(state);
-    const double stop = next_stop(sim, state, t_end);
+    const double stop = next_stop(&sim->scene, state, t_end);
     double step_next, end;
     bool reaches;
     int switching;
@@ -158,7 +157,7 @@ int step_towards(Simulator *sim, State *state, double t_end, char *message) {
         switch_swivels(sim, state);
         if (chatters(state)) return say_swivel_chatters(message);
     }
-    record_step(sim, state, trial.h, trial.newton.iterations, during);
+    record_step(&sim->replay, state, trial.h, trial.newton.iterations, during);
     update_loop_yaw(state);
     return 1;
 }
