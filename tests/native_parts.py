@@ -170,11 +170,11 @@ def _parts() -> SimpleNamespace:
         "end_strain": (x, p, n, p, p, n),
         "loop_turns": (CLoopTurns, p, p),
         "shaft_clearances": (None, p, p, x, p),
-        "ends_refusal": (None, p, p, p, n, p),
-        "stale_input_error": (None, p, x, p, n, p),
+        "check_motion": (n, p, p, p, n, p),
+        "check_input_age": (n, p, x, p, n, p),
         "self_contact_of": (n, p, n, p, p, p, x, x, p, p, p, p),
         "carry_wires": (None, n, p, p, p, p),
-        "rigid_rope": (None, p, p, x, n, *[p] * 8),
+        "rigid_rope": (n, p, p, x, n, *[p] * 8),
         "arrays_of": (None, p, p, p, p, p, p, n, p),
     }
     for name, (result, *arguments) in signatures.items():
@@ -386,7 +386,7 @@ def refusal(scene: Scene, target: EndMotion, measures: PathMeasures, side: str) 
     """Return why an end cannot move as ``target`` by a path of these measures; '' if it can."""
     sizes = np.array([x for row in measures for x in row])
     motion, text = EndMotionStructure(*astuple(target)), message()
-    _parts().ends_refusal(scene_structure(scene), motion, sizes, SIDES.index(side), text)
+    _parts().check_motion(scene_structure(scene), motion, sizes, SIDES.index(side), text)
     return str(text.value.decode())
 
 
@@ -394,7 +394,7 @@ def stale_input_error(inputs: Inputs, t: float, end_filter: InputFilter, side: s
     """Return why a motion that has not changed is refused at ``t`` (s); '' if it is not."""
     settings, structure = scene_structure(Scene(inputs=inputs)), PARTS[InputFilter](*end_filter)
     text = message()
-    _parts().stale_input_error(settings.inputs, t, structure, SIDES.index(side), text)
+    _parts().check_input_age(settings.inputs, t, structure, SIDES.index(side), text)
     return str(text.value.decode())
 
 

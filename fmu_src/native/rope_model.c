@@ -35,9 +35,11 @@ static void read_motions(const double *values, EndMotion ends[2]) {
         for (int k = 0; k < END_MOTIONS; k++) *(double *)field(&ends[side], offsets[k]) = values[ROPE_MOTIONS[side][k]];
 }
 
-static int copy_message(const ModelInstance *model, int ok, char *message) {
-    if (!ok) snprintf(message, MESSAGE_BYTES, "%s", rope_message(model->sim));
-    return ok;
+/* Return 1 for an action of the rope that is done; 0 for one that has failed, with its message. */
+static int copy_message(const ModelInstance *model, RopeStatus status, char *message) {
+    if (status == ROPE_DONE) return 1;
+    snprintf(message, MESSAGE_BYTES, "%s", rope_message(model->sim));
+    return 0;
 }
 
 int model_has_events(void) {

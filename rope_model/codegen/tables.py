@@ -184,7 +184,10 @@ def _scene_check() -> str:
         f'    check_{kind.__name__.lower()}(&(Check){{"{name}", message}}, &scene->{names.get(name, name)});\n'
         for name, kind in GROUPS_BY_NAME.items()
     ]
-    return f"\nvoid check_scene(const Scene *scene, char *message) {{\n    message[0] = '\\0';\n{''.join(calls)}}}\n"
+    return (
+        "\nRopeStatus check_scene(const Scene *scene, char *message) {\n    message[0] = '\\0';\n"
+        f"{''.join(calls)}    return message[0] ? ROPE_FAILED : ROPE_DONE;\n}}\n"
+    )
 
 
 def _cross_check(kind: type[Any], check: CrossCheck) -> str:

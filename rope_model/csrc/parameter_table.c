@@ -49,7 +49,8 @@ static const char *joined(char buffer[96], const char *before, const char *numbe
 
 #include "parameters.inc" /* generated: check_scene, and a function for each group, as check_rope */
 
-void require_in_bounds(const Mesh *mesh, char *message) {
+RopeStatus require_in_bounds(const Mesh *mesh, char *message) {
     message[0] = '\0';
     check_mesh(&(Check){"", message}, mesh);
+    return message[0] ? ROPE_FAILED : ROPE_DONE;
 }

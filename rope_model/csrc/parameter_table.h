@@ -5,7 +5,7 @@
 #include "rope.h"
 
 /* Check all parameters; a message names the group, as in "rope: Qa = ...". */
-void check_scene(const Scene *scene, char *message);
-void require_in_bounds(const Mesh *mesh, char *message); /* Check a mesh alone, except its counts. */
+RopeStatus check_scene(const Scene *scene, char *message);
+RopeStatus require_in_bounds(const Mesh *mesh, char *message); /* Check a mesh alone, except its counts. */
 
 #endif

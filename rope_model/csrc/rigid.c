@@ -28,21 +28,17 @@ static void flow_velocities(int nodes, const double *q, Flow flow, double *v) {
     }
 }
 
-void rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes, const double *s, double *q, double *v,
-                double *a, double *reaction, double *kinetic, double *gravity, char *message) {
+RopeStatus rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes, const double *s, double *q,
+                      double *v, double *a, double *reaction, double *kinetic, double *gravity, char *message) {
     const RigidTensions tensions = rigid_tensions(&scene->rope, &scene->layout, &ends[LEFT], &ends[RIGHT]);
     double points[2][3], energies[2];
     message[0] = '\0';
-    if (rigid_min_tension(&tensions) < 0) {
-        say_rope_goes_slack(message, rigid_min_tension(&tensions), t);
-        return;
-    }
+    if (rigid_min_tension(&tensions) < 0) return say_rope_goes_slack(message, rigid_min_tension(&tensions), t);
     rigid_energies(&scene->rope, &scene->layout, &tensions, &ends[LEFT], &ends[RIGHT], energies);
     *kinetic = energies[0];
     *gravity = energies[1];
     suspension_points(&scene->layout, &ends[LEFT], &ends[RIGHT], points);
-    hanging_guess(nodes, s, points[LEFT], points[RIGHT], q, message);
-    if (message[0]) return;
+    if (!hanging_guess(nodes, s, points[LEFT], points[RIGHT], q, message)) return ROPE_FAILED;
     flow_velocities(nodes, q, rigid_flow(ends[LEFT].vy, ends[RIGHT].vy), v);
     for (int i = 0; i < nodes * DOF; i++) a[i] = reaction[i] = 0.0;
     for (int side = LEFT; side <= RIGHT; side++) {
@@ -54,6 +50,7 @@ void rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes
         memcpy(a + row, acceleration, sizeof acceleration);
         reaction[row + 1] = tensions.at_ends[side];
     }
+    return ROPE_DONE;
 }
 
 void rigid_tension(const NodalArrays *arrays, double rho, double gravity, int points, const double *places,
@@ -74,7 +71,7 @@ static void count_from_rigid(Simulator *sim, State *state, const double *rigid, 
     for (size_t i = ANGLE; i < size; i += DOF) q[i] -= moved[i] - q[i];
 }
 
-int flexible_start(Simulator *sim, State *state, char *message) {
+RopeStatus flexible_start(Simulator *sim, State *state, char *message) {
     const NodalArrays nodal = state_arrays(state);
     const size_t size = (size_t)nodal.nodes * DOF, bytes = sizeof(double) * size;
     const double t = state->t, offset = state->offsets[RIGHT];
@@ -87,7 +84,7 @@ int flexible_start(Simulator *sim, State *state, char *message) {
     const double *rigid = state_arrays(sim->spare).q;
     for (int side = LEFT; side <= RIGHT; side++) state->paths[side] = path_coasting(&paths[side], t);
     sim->corrections = sim->solutions = 0;
-    int found = find_equilibrium(sim, state, INFINITY, message);
+    RopeStatus found = find_equilibrium(sim, state, INFINITY, message);
     const double turned = state->offsets[RIGHT];
     memcpy(q, nodal.q, bytes);
     memcpy(reaction, nodal.reaction, bytes);

@@ -23,11 +23,12 @@ static inline void set_end_value(EndMotion *motion, int index, double value) {
 }
 
 /* Refuse a target motion that is out of range, or whose `measures`, from path_measures, exceed the scene's. */
-void ends_refusal(const Scene *scene, const EndMotion *target, const double measures[14], int side, char *message);
+RopeStatus check_motion(const Scene *scene, const EndMotion *target, const double measures[14], int side,
+                        char *message);
 /* Return the axial strain at an end, in an array x like q; of the next node where a clamp gives this one's. */
 double end_strain(const Scene *scene, int nodes, const double *q, const double *x, int side);
 /* Refuse a motion that has not changed for longer than hold_max. */
-void stale_input_error(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message);
+RopeStatus check_input_age(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message);
 /* Return the tension at an end, N, from its rows of q and of the reaction. */
 double ends_tension(const Scene *scene, int side, const double *q, const double *reaction);
 /* Return the moment about the tangent on the rope's end, N m, from the end's rows of q and of the reaction. */

@@ -74,15 +74,15 @@ static double excess_after(void *data, double h) {
     return trial.converged ? excess(&search->sim->scene, search->state, trial.t, &search->sim->trial) : INFINITY;
 }
 
-int switching_step(Simulator *sim, State *state, StepResult *trial) {
+Switching switching_step(Simulator *sim, State *state, StepResult *trial) {
     const double at_end = excess(&sim->scene, state, trial->t, &sim->trial);
-    if (at_end < 0) return 0;
+    if (at_end < 0) return STAYS;
     const NodalArrays nodal = state_arrays(state);
     /* Keep iterations for the step to the event and the next one. */
     EventSearch search = {sim, state, 0, sim->newton_limit - state->counts.newton - 2 * STEP_ITERATIONS};
     if (search.allowed <= 0) { /* switch at the end of the step */
         state->counts.given_up += 1;
-        return 1;
+        return SWITCHES;
     }
     double at_start = excess(&sim->scene, state, state->t, &nodal);
     if (at_start >= 0) at_start = -1e-12; /* the rate of a slip that has just begun is zero */
@@ -90,7 +90,7 @@ int switching_step(Simulator *sim, State *state, StepResult *trial) {
     *trial = model_trial(sim, state, h);
     state->counts.newton += search.iterations + trial->newton.iterations;
     state->counts.given_up += search.iterations >= search.allowed;
-    return trial->converged ? 1 : -1;
+    return trial->converged ? SWITCHES : NOT_FOUND;
 }
 
 /* Return the next phase of a swivel that cannot stay in its own: stick if friction can hold it, else slip. */

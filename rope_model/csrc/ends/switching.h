@@ -14,8 +14,11 @@ typedef struct {
 
 void release_swivels(Simulator *sim, State *state);
 double next_release(const Scene *scene, const State *state);
-/* Shorten the trial to end where a swivel must switch.  Return 1 if it was shortened, 0 if not, -1 on failure. */
-int switching_step(Simulator *sim, State *state, StepResult *trial);
+/* STAYS: no swivel must switch in a trial.  SWITCHES: one must at its end, to which it was shortened.  NOT_FOUND: the
+   step to that instant does not converge. */
+typedef enum { STAYS, SWITCHES, NOT_FOUND } Switching;
+/* Shorten the trial to end where a swivel must switch. */
+Switching switching_step(Simulator *sim, State *state, StepResult *trial);
 void switch_swivels(Simulator *sim, State *state);
 Phases phases_of(const State *state);
 /* Set the phases of swivels, which hold where they are, and restart unless nothing changes. */

@@ -103,7 +103,7 @@ void update_loop_yaw(State *state) {
     state->loop_yaw = nearest_turn(atan2(-d[2], d[0]), state->loop_yaw);
 }
 
-int raise_fidelity(Simulator *sim, State *state, const char *why, char *message) {
+RopeStatus raise_fidelity(Simulator *sim, State *state, const char *why, char *message) {
     const NodalArrays nodal = state_arrays(state);
     const int was = state->fidelity;
     const EndMotion ends[2] = {path_at(&state->paths[LEFT], INFINITY), path_at(&state->paths[RIGHT], INFINITY)};
@@ -115,9 +115,9 @@ int raise_fidelity(Simulator *sim, State *state, const char *why, char *message)
     rope_system_refer(sim, state, nodal.q);
     if (was != RIGID && !carries_torque(&sim->scene)) {
         model_restart(sim, state);
-        return 1;
+        return ROPE_DONE;
     }
-    if (was == RIGID && !flexible_start(sim, state, message)) return 0;
+    if (was == RIGID && !flexible_start(sim, state, message)) return ROPE_FAILED;
     if (dynamic_equilibrium(sim, state, SETTLING_TIME, SETTLING_TOLERANCE).status == CONVERGED)
         memcpy(nodal.reaction, sim->trial.reaction, sizeof(double) * (size_t)nodal.nodes * DOF);
     else
@@ -125,5 +125,5 @@ int raise_fidelity(Simulator *sim, State *state, const char *why, char *message)
     model_restart(sim, state);
     state->energy_balance.transformations += model_energies(sim, state);
     if (start_hysteresis(sim->wires, state)) rope_system_refer(sim, state, nodal.q);
-    return 1;
+    return ROPE_DONE;
 }

@@ -7,6 +7,6 @@
 /* Transform the mesh as often as due; return the status of Newton's method.  The state is void unless CONVERGED. */
 int transform_if_due(Simulator *sim, State *state);
 void update_loop_yaw(State *state);
-int raise_fidelity(Simulator *sim, State *state, const char *why, char *message);
+RopeStatus raise_fidelity(Simulator *sim, State *state, const char *why, char *message);
 
 #endif

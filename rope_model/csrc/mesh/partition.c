@@ -146,8 +146,7 @@ static double outer_of(const Mesh *mesh, double length) {
 int partition_elements(const Mesh *mesh, double length, const double *divider_s, char *message) {
     message[0] = '\0';
     if (mesh->kind == EEM) {
-        require_in_bounds(mesh, message); /* an automatic mesh may be out of bounds */
-        return message[0] ? 0 : mesh->elements;
+        return require_in_bounds(mesh, message) ? mesh->elements : 0; /* an automatic mesh may be out of bounds */
     }
     double outer = outer_of(mesh, length);
     if (outer > (double)MAX_ELEMENTS)

@@ -69,7 +69,7 @@ static HostStep coming_step(const State *state, bool at_step_end) {
 }
 
 /* Take the host's step from sim->state on, and record it. */
-static int record(Simulator *sim, const HostStep *host) {
+static RopeStatus record(Simulator *sim, const HostStep *host) {
     Replay *replay = &sim->replay;
     int event;
     replay->repeats++;
@@ -77,9 +77,9 @@ static int record(Simulator *sim, const HostStep *host) {
     replay->derived = 0;
     rope_system_refer(sim, sim->state, state_arrays(sim->state).q);
     replay->recording = true;
-    const int done = take_host_step(sim, host, &event);
+    const RopeStatus done = take_host_step(sim, host, &event);
     replay->recording = false;
-    if (!done) return 0;
+    if (!done) return ROPE_FAILED;
     if (replay->count > MAX_TAKEN) return say_too_many_to_differentiate(sim->message, replay->count, MAX_TAKEN);
     const State *end = sim->next;
     memcpy(replay->paths, end->paths, sizeof replay->paths);
@@ -87,11 +87,11 @@ static int record(Simulator *sim, const HostStep *host) {
     replay->after = phases_of(end);
     replay->duration = end->t - sim->state->t;
     replay->known = true;
-    return 1;
+    return ROPE_DONE;
 }
 
 /* Take the recorded step again, with `times` the change added to the paths. */
-static int repeat(Simulator *sim, const Change *change, double times, double loads[LOADS]) {
+static RopeStatus repeat(Simulator *sim, const Change *change, double times, double loads[LOADS]) {
     Replay *replay = &sim->replay;
     State *state = sim->next;
     replay->repeats++;
@@ -102,12 +102,12 @@ static int repeat(Simulator *sim, const Change *change, double times, double loa
         for (int power = 0; power < POWERS; power++)
             (k < AXES ? path->coefficients[k] : path->leans[k - AXES])[power] += times * change->coefficients[k][power];
     rope_system_refer(sim, sim->state, state_arrays(sim->state).q);
-    if (state->fidelity != replay->fidelity && !raise_fidelity(sim, state, "", sim->message)) return 0;
+    if (state->fidelity != replay->fidelity && !raise_fidelity(sim, state, "", sim->message)) return ROPE_FAILED;
     for (int k = 0; k < replay->count; k++)
-        if (!repeat_step(sim, state, &replay->steps[k], sim->message)) return 0;
+        if (!repeat_step(sim, state, &replay->steps[k], sim->message)) return ROPE_FAILED;
     set_phases(sim, state, &replay->after);
     end_loads(&sim->scene, state, loads);
-    return 1;
+    return ROPE_DONE;
 }
 
 static double power_of(double x, int exponent) {
@@ -132,20 +132,20 @@ static double largest_factor(const Replay *replay, bool has_wires, const Change 
 }
 
 /* Differentiate the loads at the end of the recorded step along a change. */
-static int derivative_along(Simulator *sim, const Change *change, double derivative[LOADS]) {
+static RopeStatus derivative_along(Simulator *sim, const Change *change, double derivative[LOADS]) {
     const double factor = largest_factor(&sim->replay, sim->wires != NULL, change);
     double loads[2][LOADS];
     memset(derivative, 0, sizeof(double) * LOADS);
-    if (factor == 0) return 1;
+    if (factor == 0) return ROPE_DONE;
     sim->replay.repeating = true;
-    const int done = repeat(sim, change, factor, loads[0]) && repeat(sim, change, -factor, loads[1]);
+    const bool done = repeat(sim, change, factor, loads[0]) && repeat(sim, change, -factor, loads[1]);
     sim->replay.repeating = false;
-    if (!done) return 0;
+    if (!done) return ROPE_FAILED;
     for (int k = 0; k < LOADS; k++) {
         derivative[k] = 0.5 * (loads[0][k] - loads[1][k]) / factor;
         if (!isfinite(derivative[k])) return say_no_finite_derivative(sim->message);
     }
-    return 1;
+    return ROPE_DONE;
 }
 
 /* Return the change of an end's path with an input. */
@@ -179,7 +179,7 @@ typedef struct {
 } Place;
 
 /* Go back to the start of the last step, and record it unless that has been done. */
-static int go_back(Simulator *sim, bool at_step_end, Place *place) {
+static RopeStatus go_back(Simulator *sim, bool at_step_end, Place *place) {
     place->now = sim->state;
     place->host = sim->last.taken ? sim->last : coming_step(sim->state, at_step_end);
     if (sim->last.taken) sim->state = sim->start;
@@ -189,10 +189,10 @@ static int go_back(Simulator *sim, bool at_step_end, Place *place) {
 }
 
 /* Return to the present state; complete the message of a failure. */
-static int return_from(Simulator *sim, const Place *place, int succeeded) {
+static RopeStatus return_from(Simulator *sim, const Place *place, RopeStatus status) {
     sim->state = place->now;
     rope_system_refer(sim, sim->state, state_arrays(sim->state).q);
-    if (succeeded) return 1;
+    if (status == ROPE_DONE) return ROPE_DONE;
     char why[MESSAGE];
     memcpy(why, sim->message, sizeof why);
     return say_no_derivative(sim->message, why);
@@ -202,7 +202,7 @@ static int return_from(Simulator *sim, const Place *place, int succeeded) {
 void added_mass_signals(Simulator *sim, double *values) {
     double derivatives[2][LOADS] = {{0}};
     Place place;
-    int done = go_back(sim, true, &place);
+    RopeStatus done = go_back(sim, true, &place);
     for (int side = LEFT; side <= RIGHT && done; side++) {
         Change change = {.side = side};
         change.coefficients[1][3] = 1 / (6 * sim->replay.duration);
@@ -218,13 +218,13 @@ size_t rope_repeated_steps(const Simulator *sim) {
     return sim->replay.repeats;
 }
 
-int rope_load_derivative(Simulator *sim, int input, int at_step_end, double derivative[LOADS]) {
+RopeStatus rope_load_derivative(Simulator *sim, int input, int at_step_end, double derivative[LOADS]) {
     if (input < 0 || input >= 2 * END_MOTIONS) return say_no_such_input(sim->message, 2 * END_MOTIONS - 1);
     if (!sim->initialized) return say_no_state(sim->message);
     const int side = input / END_MOTIONS, field = input % END_MOTIONS;
     Replay *replay = &sim->replay;
     Place place;
-    int done = go_back(sim, at_step_end, &place);
+    RopeStatus done = go_back(sim, at_step_end, &place);
     if (done && !(replay->derived & 1u << input)) {
         Change change = {.side = side};
         if (follows(&sim->scene, replay->fidelity, &place.host, side, field))

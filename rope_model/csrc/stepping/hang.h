@@ -5,9 +5,9 @@
 #include "state_structures.h"
 
 /* Hang the rope at rest, untwisted; then twist it, relax it, and move the ends to `ends`. */
-int hang(Simulator *sim, State *state, const EndMotion ends[2], char *message);
+RopeStatus hang(Simulator *sim, State *state, const EndMotion ends[2], char *message);
 /* Let the free swivels of a rope at rest turn, and bring it to rest again. */
-int let_turn(Simulator *sim, State *state, char *message);
+RopeStatus let_turn(Simulator *sim, State *state, char *message);
 /* Set paths at rest, a fraction `placed` of the way to `ends`. */
 void paths_at_rest(const Scene *scene, State *state, const EndMotion ends[2], double placed);
 

@@ -36,7 +36,7 @@ static void account_end(const Scene *scene, const State *before, State *state, c
 }
 
 /* Set the next paths of the ends, and raise the fidelity if they need it; return 0 with a message on failure. */
-static int move_ends(Simulator *sim, State *state, double t, const EndMotion ends[2], double given_at) {
+static RopeStatus move_ends(Simulator *sim, State *state, double t, const EndMotion ends[2], double given_at) {
     const Scene *scene = &sim->scene;
     const FilterSettings settings = filter_settings(scene, scene->inputs.given);
     for (int side = LEFT; side <= RIGHT; side++) {
@@ -44,9 +44,8 @@ static int move_ends(Simulator *sim, State *state, double t, const EndMotion end
         const Path path = filter_path(&sim->state->paths[side], &now, t, settings.observer);
         double measures[14];
         path_measures(&path, &now, measures);
-        ends_refusal(scene, &ends[side], measures, side, sim->message);
-        if (!sim->message[0]) stale_input_error(&scene->inputs, t, &now, side, sim->message);
-        if (sim->message[0]) return 0;
+        if (!check_motion(scene, &ends[side], measures, side, sim->message)) return ROPE_FAILED;
+        if (!check_input_age(&scene->inputs, t, &now, side, sim->message)) return ROPE_FAILED;
         state->paths[side] = path;
         account_end(scene, sim->state, state, &settings, side, &now);
     }
@@ -55,12 +54,12 @@ static int move_ends(Simulator *sim, State *state, double t, const EndMotion end
     for (int side = LEFT; side <= RIGHT && scene->inputs.given != ALL_GIVEN; side++)
         filtered[side] = path_at(&state->paths[side], t);
     unsupported_motion(&sim->scene, state->fidelity, filtered, sim->forces.count, why);
-    if (!why[0]) return 1;
+    if (!why[0]) return ROPE_DONE;
     if (sim->scene.model.fidelity != AUTO_FIDELITY)
         return say_fixed_model_cannot_follow(sim->message, fidelity_name(state->fidelity), why);
-    if (!raise_fidelity(sim, state, why, sim->message)) return 0;
+    if (!raise_fidelity(sim, state, why, sim->message)) return ROPE_FAILED;
     begin_audit(sim, state);
-    return 1;
+    return ROPE_DONE;
 }
 
 /* True if an event has happened since the communication step began, or is due now. */
@@ -109,7 +108,7 @@ static void set_mean_forces(State *state, double h, const double before[2], cons
         state->force_mean[side] = -(now[side] - before[side] + rigid[side]) / h;
 }
 
-int take_host_step(Simulator *sim, const HostStep *host, int *event) {
+RopeStatus take_host_step(Simulator *sim, const HostStep *host, int *event) {
     State *state = sim->next;
     const EndMotion *ends = host->ends;
     const double begin = sim->state->t, step_max = sim->scene.solver.step_max;
@@ -120,7 +119,7 @@ int take_host_step(Simulator *sim, const HostStep *host, int *event) {
     state->switched = state->event_count = 0;
     sim->newton_limit =
         state->counts.newton + (sim->scene.solver.work_max > 0 ? sim->scene.solver.work_max : INT32_MAX);
-    if (!move_ends(sim, state, t, ends, host->given_at)) return 0;
+    if (!move_ends(sim, state, t, ends, host->given_at)) return ROPE_FAILED;
     const NodalArrays nodal = state_arrays(state);
     const double *audited = state->audit.impulse + AUDIT_END_LOADS, already[2] = {audited[LEFT], audited[RIGHT]};
     double rigid_impulse[2] = {0, 0};
@@ -151,5 +150,5 @@ int take_host_step(Simulator *sim, const HostStep *host, int *event) {
     audit_interval(sim, state, t - begin, energy_residual(&sim->state->energy_balance));
     state->last_interval = t - begin;
     if (state->counts.given_up > 0 && sim->state->counts.given_up == 0) state->given_up_since = begin;
-    return 1;
+    return ROPE_DONE;
 }

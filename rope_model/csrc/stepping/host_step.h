@@ -17,6 +17,6 @@ typedef struct {
 } HostStep;
 
 /* Take the host's step from sim->state to sim->next.  *event becomes true if an event has ended it. */
-int take_host_step(Simulator *sim, const HostStep *host, int *event);
+RopeStatus take_host_step(Simulator *sim, const HostStep *host, int *event);
 
 #endif

@@ -53,7 +53,7 @@ static double imbalance(const System *sys, const double *R) {
     return rope_system_norm(sys, R, 1. / sys->shortest);
 }
 
-int find_equilibrium(Simulator *sim, State *state, double max_turn, char *message) {
+RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char *message) {
     const NodalArrays nodal = state_arrays(state), *scratch = &sim->trial;
     const System sys = rope_system(sim, state);
     const Chain *chain = chain_of(sim, state);
@@ -110,7 +110,7 @@ int find_equilibrium(Simulator *sim, State *state, double max_turn, char *messag
         balanced += force <= rounding;
         if (balanced > BALANCED || (tau > 1e8 && norm < REST_TOLERANCE * nodal.s[nodal.elements])) {
             state->offsets[RIGHT] += turned;
-            return 1;
+            return ROPE_DONE;
         }
         tau *= fmin(10, fmax(1.5, previous / fmax(force, 1e-300)));
         tau = fmin(tau, 1e12);
@@ -118,15 +118,13 @@ int find_equilibrium(Simulator *sim, State *state, double max_turn, char *messag
     return say_no_equilibrium(message, k, previous);
 }
 
-void hanging_guess(int nodes, const double *s, const double left[3], const double right[3], double *q, char *message) {
+RopeStatus hanging_guess(int nodes, const double *s, const double left[3], const double right[3], double *q,
+                         char *message) {
     message[0] = '\0';
     double length = s[nodes - 1];
     double across[3] = {right[0] - left[0], 0.0, right[2] - left[2]};
     double width = hypot(across[0], across[2]);
-    if (width == 0) {
-        say_ends_above_each_other(message, fabs(left[1] - right[1]));
-        return;
-    }
+    if (width == 0) return say_ends_above_each_other(message, fabs(left[1] - right[1]));
     for (int axis = 0; axis < 3; axis++) across[axis] /= width;
     double middle = 0.5 * (length + left[1] - right[1]); /* arc length of the lowest point */
     /* length of the elements there */
@@ -134,9 +132,8 @@ void hanging_guess(int nodes, const double *s, const double left[3], const doubl
     const double cell =
         interpolate_midpoints(nodes, s, e, middle, s[e + 1] - s[e], e < nodes - 2 ? s[e + 2] - s[e + 1] : 0.0);
     InitialShape legs = initial_shape(length, middle, width, cell);
-    if (minimum(legs.left_leg, legs.right_leg) <= legs.lean) {
-        say_rope_too_short(message, length, width, fabs(left[1] - right[1]));
-        return;
-    }
+    if (minimum(legs.left_leg, legs.right_leg) <= legs.lean)
+        return say_rope_too_short(message, length, width, fabs(left[1] - right[1]));
     for (int k = 0; k < nodes; k++) initial_node_row(&legs, left, across, s[k], q + (ptrdiff_t)DOF * k);
+    return ROPE_DONE;
 }

@@ -58,8 +58,8 @@ static int64_t steps_left(int64_t newton_limit, const State *state) {
 
 /* Try steps towards `stop`, halved until one converges within the tolerance, or exceeds it if the iterations left allow
    no more steps.  Return 0 with a message if none does. */
-static int accepted_step(Simulator *sim, State *state, double stop, StepResult *trial, double *step_next, bool *reaches,
-                         char *message) {
+static RopeStatus accepted_step(Simulator *sim, State *state, double stop, StepResult *trial, double *step_next,
+                                bool *reaches, char *message) {
     const Solver *solver = &sim->scene.solver;
     double next = fmin(state->step_next, solver->step_max);
     double parts = substeps(stop - state->t, next, (double)steps_left(sim->newton_limit, state));
@@ -90,20 +90,21 @@ static int accepted_step(Simulator *sim, State *state, double stop, StepResult *
     state->counts.given_up += following.given_up > 0 || trial->newton.error > solver->newton_tolerance;
     *step_next = following.length;
     *reaches = parts == 1;
-    return 1;
+    return ROPE_DONE;
 }
 
-int as_rigid(Simulator *sim, State *state, double t, char *message) {
+RopeStatus as_rigid(Simulator *sim, State *state, double t, char *message) {
     state->t = t;
     transform_if_due(sim, state);
     const NodalArrays nodal = state_arrays(state);
     const EndMotion ends[2] = {path_at(&state->paths[LEFT], t), path_at(&state->paths[RIGHT], t)};
-    rigid_rope(&sim->scene, ends, t, nodal.nodes, nodal.s, nodal.q, nodal.v, nodal.a, nodal.reaction,
-               &state->energy_balance.kinetic, &state->energy_balance.gravity, message);
+    const RopeStatus status =
+        rigid_rope(&sim->scene, ends, t, nodal.nodes, nodal.s, nodal.q, nodal.v, nodal.a, nodal.reaction,
+                   &state->energy_balance.kinetic, &state->energy_balance.gravity, message);
     memcpy(nodal.b, nodal.a, sizeof(double) * (size_t)nodal.nodes * DOF);
     memset(nodal.a_rate, 0, sizeof(double) * (size_t)nodal.nodes * DOF);
     state->h = 0;
-    return !message[0];
+    return status;
 }
 
 /* Record an internal step that ends at the state's time. */
@@ -113,9 +114,9 @@ static void record_step(Replay *replay, const State *state, double h, int correc
     if (replay->recording) replay->count++;
 }
 
-static int rigid_step(Simulator *sim, State *state, double t_end, char *message) {
+static RopeStatus rigid_step(Simulator *sim, State *state, double t_end, char *message) {
     const double h = t_end - state->t, before = state->power_ends;
-    if (!as_rigid(sim, state, t_end, message)) return 0;
+    if (!as_rigid(sim, state, t_end, message)) return ROPE_FAILED;
     model_powers(&sim->scene, state);
     state->energy_balance.work_ends += 0.5 * h * (before + state->power_ends);
     const NodalArrays nodal = state_arrays(state);
@@ -123,10 +124,10 @@ static int rigid_step(Simulator *sim, State *state, double t_end, char *message)
     state->errors.force = fmax(state->errors.force, largest_end_force(&nodal));
     state->counts.steps += 1;
     record_step(&sim->replay, state, h, 0, phases_of(state));
-    return 1;
+    return ROPE_DONE;
 }
 
-int step_towards(Simulator *sim, State *state, double t_end, char *message) {
+RopeStatus step_towards(Simulator *sim, State *state, double t_end, char *message) {
     if (state->fidelity == RIGID) return rigid_step(sim, state, t_end, message);
     const int transformed = transform_if_due(sim, state);
     if (transformed != CONVERGED)
@@ -136,13 +137,13 @@ int step_towards(Simulator *sim, State *state, double t_end, char *message) {
     const double stop = next_stop(&sim->scene, state, t_end);
     double step_next, end;
     bool reaches;
-    int switching;
+    Switching switching;
     StepResult trial;
     for (;;) {
-        if (!accepted_step(sim, state, stop, &trial, &step_next, &reaches, message)) return 0;
+        if (!accepted_step(sim, state, stop, &trial, &step_next, &reaches, message)) return ROPE_FAILED;
         end = trial.t;
         switching = switching_step(sim, state, &trial);
-        if (switching >= 0) break;
+        if (switching != NOT_FOUND) break;
         /* A shorter step may not reach the event, or locate it more easily. */
         state->step_next = fmax(0.5 * (end - state->t), sim->scene.solver.step_min);
         if (state->step_next > 0.75 * (end - state->t))
@@ -153,16 +154,16 @@ int step_towards(Simulator *sim, State *state, double t_end, char *message) {
     state->step_next = step_next;
     state->counts.steps += 1;
     if (reaches && trial.t == end) state->t = stop; /* without rounding error */
-    if (switching) {
+    if (switching == SWITCHES) {
         switch_swivels(sim, state);
         if (chatters(state)) return say_swivel_chatters(message);
     }
     record_step(&sim->replay, state, trial.h, trial.newton.iterations, during);
     update_loop_yaw(state);
-    return 1;
+    return ROPE_DONE;
 }
 
-int repeat_step(Simulator *sim, State *state, const TakenStep *step, char *message) {
+RopeStatus repeat_step(Simulator *sim, State *state, const TakenStep *step, char *message) {
     if (state->fidelity == RIGID) return as_rigid(sim, state, step->t, message);
     const int transformed = transform_if_due(sim, state);
     if (transformed != CONVERGED)
@@ -175,5 +176,5 @@ int repeat_step(Simulator *sim, State *state, const TakenStep *step, char *messa
     model_commit(sim, state, &trial);
     state->t = step->t;
     set_phases(sim, state, &step->after);
-    return 1;
+    return ROPE_DONE;
 }

@@ -5,9 +5,9 @@
 #include "sensitivity.h"
 #include "state_structures.h"
 
-int as_rigid(Simulator *sim, State *state, double t, char *message);         /* Move the rigid model to t. */
-int step_towards(Simulator *sim, State *state, double t_end, char *message); /* Take one accepted step. */
+RopeStatus as_rigid(Simulator *sim, State *state, double t, char *message);         /* Move the rigid model to t. */
+RopeStatus step_towards(Simulator *sim, State *state, double t_end, char *message); /* Take one accepted step. */
 /* Take the recorded step of the replay again, from a state nearby. */
-int repeat_step(Simulator *sim, State *state, const TakenStep *step, char *message);
+RopeStatus repeat_step(Simulator *sim, State *state, const TakenStep *step, char *message);
 
 #endif
