@@ -58,9 +58,12 @@ class CPattern(ct.Structure):
 #: functions that have no name in a library, and arrays of a state
 MORE = """
 #include <stdlib.h>
+#include <string.h>
 
-#include "rules.h"
-#include "simulator.h"
+#include "formulas.h"
+#include "self_contact.h"
+#include "system.h"
+#include "wires.h"
 
 void arrays_of(double *q, double *v, double *a, double *reaction, double *lengths, double *s, int nodes,
                NodalArrays *arrays) {
@@ -71,7 +74,7 @@ void arrays_of(double *q, double *v, double *a, double *reaction, double *length
 /* Carry z (elements x WIRE_Z) from nodes at old_s to those of a mesh of as many elements. */
 void carry_wires(int elements, const double *old_s, const double *lengths, const double *s, double *z) {
     const size_t n = (size_t)elements, rows = FIELDS * DOF * (n + 1) + n + n + 1 + WIRE_Z * n;
-    Simulator *sim = calloc(1, sizeof *sim);
+    double *scratch = calloc(n * WIRE_HISTORY_SIZE, sizeof(double));
     State *state = calloc(1, sizeof *state + rows * sizeof(double));
     state->elements = elements;
     state->rubs = 1;
@@ -79,12 +82,10 @@ void carry_wires(int elements, const double *old_s, const double *lengths, const
     memcpy(nodal.lengths, lengths, n * sizeof(double));
     memcpy(nodal.s, s, (n + 1) * sizeof(double));
     memcpy(nodal.z, z, WIRE_Z * n * sizeof(double));
-    sim->wires = calloc(n * WIRE_HISTORY_SIZE, sizeof(double));
-    wires_carry(sim, state, old_s);
+    wires_carry(state, old_s, scratch);
     memcpy(z, nodal.z, WIRE_Z * n * sizeof(double));
-    free(sim->wires);
     free(state);
-    free(sim);
+    free(scratch);
 }
 
 /* Contact of a rope with itself: subtract its forces from R, add its tangent times x to y, and its sums to sums. */
@@ -157,23 +158,23 @@ def _parts() -> SimpleNamespace:
         "partition_elements": (n, p, x, p, p),
         "partition": (None, p, x, x, p, n, p, p),
         "partition_transform": (None, p, n, p, n, p),
-        "window_due": (n, p, p),
+        "window_due": (ct.c_bool, p, p),
         "arc_lengths": (None, n, p, p),
         "transfer_interpolate": (None, n, p, p, n, p, p),
         "transfer_fields": (None, n, p, p, n, p, p),
         "loop_bottom": (CLoopBottom, n, p, p),
         "leg_clearance": (x, n, p, p, p, x, x, x, p),
-        "legs_apart": (n, p, p, x, x),
+        "legs_apart": (ct.c_bool, p, p, x, x),
         "shape_places": (None, x, x, x, n, p),
         "diagnostics_shape": (None, n, p, p, n, p, p),
         "end_strain": (x, p, n, p, p, n),
         "loop_turns": (CLoopTurns, p, p),
         "shaft_clearances": (None, p, p, x, p),
-        "ends_refusal": (None, p, p, p, n, p),
-        "stale_input_error": (None, p, x, p, n, p),
+        "check_motion": (n, p, p, p, n, p),
+        "check_input_age": (n, p, x, p, n, p),
         "self_contact_of": (n, p, n, p, p, p, x, x, p, p, p, p),
         "carry_wires": (None, n, p, p, p, p),
-        "rigid_rope": (None, p, p, x, n, *[p] * 8),
+        "rigid_rope": (n, p, p, x, n, *[p] * 8),
         "arrays_of": (None, p, p, p, p, p, p, n, p),
     }
     for name, (result, *arguments) in signatures.items():
@@ -327,12 +328,12 @@ def rigid_rope(scene: Scene, ends: tuple[EndMotion, EndMotion], t: float, s: Arr
 
 
 class CProgress(ct.Structure):
-    """Progress of rope_system.h."""
+    """Progress of newton.h."""
 
     _fields_ = (
         ("status", ct.c_int),
         ("iterations", ct.c_int),
-        ("applies", ct.c_int),
+        ("applies", ct.c_bool),
         ("norm", ct.c_double),
         ("error", ct.c_double),
         ("contraction", ct.c_double),
@@ -341,7 +342,7 @@ class CProgress(ct.Structure):
 
 
 class CLimits(ct.Structure):
-    """NewtonLimits of rope_system.h."""
+    """NewtonLimits of newton.h."""
 
     _fields_ = tuple((name, ct.c_double) for name in NewtonLimits._fields)
 
@@ -350,7 +351,7 @@ def newton_judge(before: CProgress, norm: float, tolerance: float, fresh: bool) 
     """Return the progress after a correction of this norm, with limits of smooth equations."""
     judge = _library().newton_judge
     judge.restype = CProgress
-    judge.argtypes = (CProgress, ct.c_double, ct.c_double, ct.c_int, ct.c_void_p)
+    judge.argtypes = (CProgress, ct.c_double, ct.c_double, ct.c_bool, ct.c_void_p)
     limits = CLimits(*SMOOTH)
     found: CProgress = judge(before, norm, tolerance, fresh, ct.addressof(limits))
     return found
@@ -385,7 +386,7 @@ def refusal(scene: Scene, target: EndMotion, measures: PathMeasures, side: str) 
     """Return why an end cannot move as ``target`` by a path of these measures; '' if it can."""
     sizes = np.array([x for row in measures for x in row])
     motion, text = EndMotionStructure(*astuple(target)), message()
-    _parts().ends_refusal(scene_structure(scene), motion, sizes, SIDES.index(side), text)
+    _parts().check_motion(scene_structure(scene), motion, sizes, SIDES.index(side), text)
     return str(text.value.decode())
 
 
@@ -393,7 +394,7 @@ def stale_input_error(inputs: Inputs, t: float, end_filter: InputFilter, side: s
     """Return why a motion that has not changed is refused at ``t`` (s); '' if it is not."""
     settings, structure = scene_structure(Scene(inputs=inputs)), PARTS[InputFilter](*end_filter)
     text = message()
-    _parts().stale_input_error(settings.inputs, t, structure, SIDES.index(side), text)
+    _parts().check_input_age(settings.inputs, t, structure, SIDES.index(side), text)
     return str(text.value.decode())
 
 

@@ -57,4 +57,4 @@ def test_laid_out_for_an_editor_files_compile_by_their_entries_without_a_warning
     command = [*compiler, *checks, *(entry["file"] for entry in entries[:files])]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    assert (tmp_path / "model.c").resolve() == FILES["model.c"]
+    assert (tmp_path / "trial_step.c").resolve() == FILES["trial_step.c"]

@@ -248,7 +248,7 @@ def test_the_engine_transfers_what_the_reference_does(
     old_s, new_s = nodes(old), nodes(transform(old, direction))
     fields = np.random.default_rng(1).normal(size=(2, old_s.size, 7))
     expected = transferred(fields, old_s, new_s)
-    work = np.empty(14 * len(fields) * new_s.size + 10 * new_s.size)  # as in core.h
+    work = np.empty(14 * len(fields) * new_s.size + 10 * new_s.size)  # as in transfer.h
     addresses = (ct.c_void_p * 2)(*(x.ctypes.data for x in fields))
     parts.transfer_fields(new_s.size, old_s, new_s, 2, addresses, work)
     # normal equations square the condition of the fit, 1e2

@@ -30,14 +30,16 @@ static void read_parameters(ModelInstance *model, const double *values) {
 }
 
 static void read_motions(const double *values, EndMotion ends[2]) {
+    static const size_t offsets[] = END_MOTION_OFFSETS;
     for (int side = LEFT; side <= RIGHT; side++)
-        for (size_t k = 0; k < INPUTS_OF_END; k++)
-            *(double *)field(&ends[side], k * sizeof(double)) = values[ROPE_MOTIONS[side][k]];
+        for (int k = 0; k < END_MOTIONS; k++) *(double *)field(&ends[side], offsets[k]) = values[ROPE_MOTIONS[side][k]];
 }
 
-static int copy_message(const ModelInstance *model, int ok, char *message) {
-    if (!ok) snprintf(message, MESSAGE_BYTES, "%s", rope_message(model->sim));
-    return ok;
+/* Return 1 for an action of the rope that is done; 0 for one that has failed, with its message. */
+static int copy_message(const ModelInstance *model, RopeStatus status, char *message) {
+    if (status == ROPE_DONE) return 1;
+    snprintf(message, MESSAGE_BYTES, "%s", rope_message(model->sim));
+    return 0;
 }
 
 int model_has_events(void) {
@@ -141,7 +143,7 @@ void model_note(const ModelInstance *model, char *message) {
 int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t count,
                      double *sum, char *message) {
     const int side = ROPE_PLACES[known].where == RIGHT_MOTION;
-    const int input = side * INPUTS_OF_END + (int)(ROPE_PLACES[known].offset / sizeof(double));
+    const int input = side * END_MOTIONS + (int)ROPE_PLACES[known].offset;
     double force[FORCES];
     for (size_t i = 0; i < count; i++)
         if (ROPE_PLACES[unknown[i]].derivative < 0) {

@@ -10,7 +10,7 @@ enum Where {
     NOWHERE,
     SCENE_REAL,    /* offset: in struct Scene */
     SCENE_INTEGER, /* as SCENE_REAL */
-    LEFT_MOTION,   /* offset: in struct EndMotion */
+    LEFT_MOTION,   /* offset: number of the value in END_MOTION_NAMES */
     RIGHT_MOTION,  /* as LEFT_MOTION */
     SIGNAL,        /* offset: number of the signal */
     FIDELITY_NAME,
@@ -27,7 +27,6 @@ typedef struct {
 
 extern const Place ROPE_PLACES[]; /* MODEL_SCALARS */
 
-enum { INPUTS_OF_END = sizeof(EndMotion) / sizeof(double) };
-extern const size_t ROPE_MOTIONS[2][INPUTS_OF_END]; /* scalars of both ends' motions, in the order of EndMotion */
+extern const size_t ROPE_MOTIONS[2][END_MOTIONS]; /* scalars of both ends' motions, in the order of EndMotion */
 
 #endif

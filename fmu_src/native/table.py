@@ -13,6 +13,8 @@ from rope_model.shaft_parameters import PARTS
 from rope_model.texts import c_string
 
 _SOURCES = {"status.valid": "FROM_STATUS_VALID", "status.message": "FROM_STATUS_MESSAGE"}
+#: inputs of an end, by their numbers in EndMotion
+_MOTIONS = [field.name for field in fields(EndMotion)]
 _TEXTS = {
     "status.fidelity": "FIDELITY_NAME",
     "status.fidelity_reason": "FIDELITY_REASON",
@@ -74,13 +76,13 @@ def c_places(table: Sequence[Variable], fmi: int) -> str:
     includes = '#include "rope.h"\n#include "rope_table.h"\n'
     names = [v.name for v in table]
     motions = [_places_of_motion(side, names) for side in ("left", "right")]
-    inputs = _array("const size_t ROPE_MOTIONS[2][INPUTS_OF_END]", motions)
+    inputs = _array("const size_t ROPE_MOTIONS[2][END_MOTIONS]", motions)
     return "\n".join([_HEAD.rstrip(), includes, _array("const Place ROPE_PLACES[]", rows), inputs])
 
 
 def _places_of_motion(side: str, names: Sequence[str]) -> str:
     """Return the initializer with the places of an end's inputs among all names."""
-    places = [names.index(f"{side}.{field.name}") for field in fields(EndMotion)]
+    places = [names.index(f"{side}.{name}") for name in _MOTIONS]
     return f"{{{', '.join(map(str, places))}}}"
 
 
@@ -127,7 +129,7 @@ def _home(v: Variable) -> tuple[str, str]:
     if v.causality == "output":
         return "NOWHERE", "0"
     if v.causality == "input":
-        return f"{group.upper()}_MOTION", f"offsetof(EndMotion, {field})"
+        return f"{group.upper()}_MOTION", str(_MOTIONS.index(field))
     if match := re.fullmatch(r"counts\[(\d+)\]", field):
         field = f"counts[{int(match[1]) - 1}]"
     where = "SCENE_REAL" if v.kind == "Real" else "SCENE_INTEGER"

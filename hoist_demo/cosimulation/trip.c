@@ -20,7 +20,8 @@ typedef const char *Text;
 typedef struct Simulator Simulator;
 typedef void RopeSignals(Simulator *, size_t, const int *, double *);
 typedef const char *RopeFidelity(const Simulator *);
-typedef int RopeAdvanceTo(Simulator *, double, const EndMotion *, double);
+typedef enum { ROPE_FAILED, ROPE_DONE } RopeStatus;
+typedef RopeStatus RopeAdvanceTo(Simulator *, double, const EndMotion *, double);
 typedef void RopeWarning(Simulator *, int, char *);
 typedef enum { fmi2OK, fmi2Warning, fmi2Discard, fmi2Error, fmi2Fatal, fmi2Pending } fmi2Status;
 typedef fmi2Status DoStep2(void *, double, double, int);
@@ -199,8 +200,9 @@ static Stop step_fmu(Trip *trip, double t, double h) {
 
 /* Step a rope in this process, to t, where its end motions hold. */
 static Stop step_rope_in_process(Trip *trip, double t) {
-    const EndMotion *motions = (const EndMotion *)trip->motions.values;
-    if (!trip->step.function.rope_advance_to(trip->step.rope, t, motions, t)) return STEP;
+    EndMotion motions[2];
+    memcpy(motions, trip->motions.values, sizeof motions);
+    if (trip->step.function.rope_advance_to(trip->step.rope, t, motions, t) == ROPE_FAILED) return STEP;
     report_warnings(trip);
     return WELL;
 }

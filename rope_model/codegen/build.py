@@ -62,7 +62,7 @@ def generate() -> dict[str, str]:
         "formulas.h": formulas_code(),
         "messages.h": messages_code(),
         "rules.h": rules_code(),
-        "state.h": state_structures(),
+        "state_structures.h": state_structures(),
         "signal_numbers.h": signal_numbers(),
         "state_signals.h": state_signals(),
         "parameters.h": parameter_structures(),
@@ -112,8 +112,7 @@ def library_of(lanes: int, compiler: Sequence[str]) -> Path:
         form for form, numbers in {"plain": 2, "wide": 4, "widest": 8}.items() if numbers != lanes
     )
     texts = {
-        f"rope_kernels_{x}.c": f'#include "rope_system.h"\nconst Chain chains_{x}[3];\n'
-        for x in others
+        f"rope_kernels_{x}.c": f'#include "chain.h"\nconst Chain chains_{x}[3];\n' for x in others
     }
     texts["processor.c"] = f"int processor_lanes(void) {{\n    return {lanes};\n}}\n"
     return compile_library(sources() | texts, compiler, cache_folder(), NAME)

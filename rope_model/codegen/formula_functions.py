@@ -29,7 +29,9 @@ _HEAD = """\
 
 #include <math.h>
 
-#include "core.h"
+#include "state_structures.h"
+
+#define PI 3.14159265358979323846
 
 /* x where they are equal, or when y is not a number */
 static inline double maximum(double x, double y) {

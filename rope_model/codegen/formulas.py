@@ -121,7 +121,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "void point_load(point[3], force[3], load[6])": point_forces.point_load,
     "largest_motion(longest, q[6], before[6])": contact.largest_motion,
     "correction_motion(corrections, longest, shortest)": contact.correction_motion,
-    "AirCoefficients air_coefficients(air, diameter, spacing)": air.air_coefficients,
+    "void air_coefficients(air, diameter, spacing, coefficients[9])": air.air_coefficients,
     "wire_stiffness(rope)": wire_friction.wire_stiffness,
     "slip_curvature(rope, stiffness, e, tau)": wire_friction.slip_curvature,
     "void section_at(xi, l, nodes[14], section[7])": wire_friction.section_at,
@@ -204,7 +204,6 @@ DEFINED_HERE: tuple[type[Any], ...] = (
         inextensible.RigidTensions,
         initial_shape.InitialShape,
         shaft.Body,
-        air.AirCoefficients,
     ),
     *(
         contact.ContactTerms,

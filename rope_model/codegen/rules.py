@@ -78,6 +78,7 @@ _HEAD = """\
 #ifndef RULES_H
 #define RULES_H
 
+#include "fidelity.h"
 #include "formulas.h"
 #include "messages.h"
 """

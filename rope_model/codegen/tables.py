@@ -74,9 +74,12 @@ def parameter_structures() -> str:
     parts = [f"enum {{ MAX_ELEMENTS = {MAX_ELEMENTS} }};\n"]
     names = ", ".join(map(c_string, MOTION_BOUNDS))
     reach = ", ".join(map(repr, MOTION_BOUNDS.values()))
+    offsets = ", ".join(f"offsetof(EndMotion, {name})" for name in MOTION_BOUNDS)
     parts.append(
-        "/* of the values of an EndMotion: names and largest sizes */\n"
+        "/* of the values of an EndMotion: number, names, largest sizes and offsets */\n"
+        f"enum {{ END_MOTIONS = {len(MOTION_BOUNDS)} }};\n"
         f"#define END_MOTION_NAMES {{{names}}}\n#define END_MOTION_BOUNDS {{{reach}}}\n"
+        f"#define END_MOTION_OFFSETS {{{offsets}}}\n"
     )
     curvatures = ", ".join(f"&(rope).{name}" for name in CURVATURES)
     parts.append(
@@ -89,7 +92,8 @@ def parameter_structures() -> str:
     ]
     parts += map(structure_code, (ShaftStructure, SceneStructure, EndMotionStructure))
     text = "\n".join(parts)
-    return f"{_HEAD}#ifndef PARAMETERS_H\n#define PARAMETERS_H\n\n{text}\n#endif\n"
+    guard = "#ifndef PARAMETERS_H\n#define PARAMETERS_H\n"
+    return f"{_HEAD}{guard}\n#include <stddef.h>\n\n{text}\n#endif\n"
 
 
 def parameter_bounds() -> str:
@@ -180,7 +184,10 @@ def _scene_check() -> str:
         f'    check_{kind.__name__.lower()}(&(Check){{"{name}", message}}, &scene->{names.get(name, name)});\n'
         for name, kind in GROUPS_BY_NAME.items()
     ]
-    return f"\nvoid check_scene(const Scene *scene, char *message) {{\n    message[0] = '\\0';\n{''.join(calls)}}}\n"
+    return (
+        "\nRopeStatus check_scene(const Scene *scene, char *message) {\n    message[0] = '\\0';\n"
+        f"{''.join(calls)}    return message[0] ? ROPE_FAILED : ROPE_DONE;\n}}\n"
+    )
 
 
 def _cross_check(kind: type[Any], check: CrossCheck) -> str:

@@ -1,9 +1,17 @@
 /* Permanent curvature along the present shape of a rope: physics.initial_curvature from the left end on. */
 
-#include "simulator.h"
+#include "curvature.h"
 
-int is_curved(const Simulator *sim, const State *state) {
-    return sim->curved != NULL && state->fidelity == TORSIONAL && max_curvature(&sim->scene.rope) > 0;
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "formulas.h"
+#include "rope.h"
+#include "state_structures.h"
+
+bool is_curved(const double *curved, const Rope *rope, int fidelity) {
+    return curved != NULL && fidelity == TORSIONAL && max_curvature(rope) > 0;
 }
 
 Rope partly_curved(const Rope *whole, double fraction) {
@@ -25,15 +33,14 @@ void start_director(State *state, const double *q) {
     carry_director(state, plumb, q + SLOPE);
 }
 
-void curved_reference(Simulator *sim, State *state, const double *q) {
-    const Rope *data = &sim->scene.rope;
+void curved_reference(double *curved, const Rope *rope, State *state, const double *q) {
     const NodalArrays nodal = state_arrays(state);
-    double e1[3], components[6], found[12], *to = sim->curved, s = 0;
-    const int elements = is_curved(sim, state) ? nodal.elements : 0;
+    double e1[3], components[6], found[12], *to = curved, s = 0;
+    const int elements = is_curved(curved, rope, state->fidelity) ? nodal.elements : 0;
     memcpy(e1, state->director, sizeof e1);
     for (int e = 0; e < elements; e++, q += DOF, to += CURVATURE_SIZE) {
-        const double material[] = {q[ANGLE], q[DOF + ANGLE], data->EI};
-        curvature_components(data, s, nodal.lengths[e], components);
+        const double material[] = {q[ANGLE], q[DOF + ANGLE], rope->EI};
+        curvature_components(rope, s, nodal.lengths[e], components);
         curvature_vectors(components, nodal.lengths[e], q, e1, found);
         memcpy(to, found, 9 * sizeof *to);
         memcpy(to + 9, material, sizeof material);

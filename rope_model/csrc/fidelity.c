@@ -1,9 +1,15 @@
 /* Choice of the model's fidelity. Formulas and tables: rope_model/rules/fidelity.py. */
 
+#include "fidelity.h"
+
+#include <string.h>
+
+#include "ends.h"
+#include "messages.h"
+#include "rope.h"
 #include "rules.h"
 
 static const char *const INPUTS[] = END_MOTION_NAMES;
-enum { INPUT_COUNT = sizeof INPUTS / sizeof *INPUTS };
 
 const char *fidelity_name(int fidelity) {
     static const char *const names[] = FIDELITY_WORDS;
@@ -12,8 +18,8 @@ const char *fidelity_name(int fidelity) {
 
 /* Write name and value of an input into text (MESSAGE bytes). */
 static void input_text(const EndMotion ends[2], int index, char *text) {
-    const int side = (index - 1) / INPUT_COUNT, place = (index - 1) % INPUT_COUNT;
-    say_nonzero_input(text, SIDE_NAMES[side], INPUTS[place], end_value(&ends[side], place));
+    const int side = (index - 1) / END_MOTIONS, place = (index - 1) % END_MOTIONS;
+    say_nonzero_input(text, side_name(side), INPUTS[place], end_value(&ends[side], place));
 }
 
 void unsupported_motion(const Scene *scene, int fidelity, const EndMotion ends[2], int forces, char *cause) {

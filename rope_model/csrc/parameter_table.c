@@ -1,9 +1,12 @@
 /* Bounds of the parameters; the first violation gives the message. Formulas and tables:
    rope_model/parameter_table.py. */
 
+#include "parameter_table.h"
+
+#include <math.h>
 #include <stdio.h>
 
-#include "core.h"
+#include "rope.h"
 #include "text.h"
 
 typedef struct {
@@ -46,7 +49,8 @@ static const char *joined(char buffer[96], const char *before, const char *numbe
 
 #include "parameters.inc" /* generated: check_scene, and a function for each group, as check_rope */
 
-void require_in_bounds(const Mesh *mesh, char *message) {
+RopeStatus require_in_bounds(const Mesh *mesh, char *message) {
     message[0] = '\0';
     check_mesh(&(Check){"", message}, mesh);
+    return message[0] ? ROPE_FAILED : ROPE_DONE;
 }

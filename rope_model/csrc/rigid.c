@@ -5,8 +5,19 @@
    The flexible rope that replaces it starts from the equilibrium between the ends of that instant and moves with
    it. */
 
+#include "rigid.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "formulas.h"
 #include "messages.h"
+#include "rope.h"
+#include "rope_system.h"
 #include "simulator.h"
+#include "state_structures.h"
+#include "statics.h"
 
 /* Velocities v (nodes x DOF) of the flow along the rope q (nodes x DOF). */
 static void flow_velocities(int nodes, const double *q, Flow flow, double *v) {
@@ -17,29 +28,29 @@ static void flow_velocities(int nodes, const double *q, Flow flow, double *v) {
     }
 }
 
-void rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes, const double *s, double *q, double *v,
-                double *a, double *reaction, double *kinetic, double *gravity, char *message) {
+RopeStatus rigid_rope(const Scene *scene, const EndMotion ends[2], double t, int nodes, const double *s, double *q,
+                      double *v, double *a, double *reaction, double *kinetic, double *gravity, char *message) {
     const RigidTensions tensions = rigid_tensions(&scene->rope, &scene->layout, &ends[LEFT], &ends[RIGHT]);
     double points[2][3], energies[2];
     message[0] = '\0';
-    if (rigid_min_tension(&tensions) < 0) {
-        say_rope_goes_slack(message, rigid_min_tension(&tensions), t);
-        return;
-    }
+    if (rigid_min_tension(&tensions) < 0) return say_rope_goes_slack(message, rigid_min_tension(&tensions), t);
     rigid_energies(&scene->rope, &scene->layout, &tensions, &ends[LEFT], &ends[RIGHT], energies);
     *kinetic = energies[0];
     *gravity = energies[1];
     suspension_points(&scene->layout, &ends[LEFT], &ends[RIGHT], points);
-    hanging_guess(nodes, s, points[LEFT], points[RIGHT], q, message);
-    if (message[0]) return;
+    if (!hanging_guess(nodes, s, points[LEFT], points[RIGHT], q, message)) return ROPE_FAILED;
     flow_velocities(nodes, q, rigid_flow(ends[LEFT].vy, ends[RIGHT].vy), v);
     for (int i = 0; i < nodes * DOF; i++) a[i] = reaction[i] = 0.0;
     for (int side = LEFT; side <= RIGHT; side++) {
-        const int end = side == LEFT ? 0 : (nodes - 1) * DOF;
-        memcpy(v + end, &ends[side].vx, 3 * sizeof *v);
-        memcpy(a + end, &ends[side].ax, 3 * sizeof *a);
-        reaction[end + 1] = tensions.at_ends[side];
+        const EndMotion *end = &ends[side];
+        const int row = side == LEFT ? 0 : (nodes - 1) * DOF;
+        const double speed[3] = {end->vx, end->vy, end->vz};
+        const double acceleration[3] = {end->ax, end->ay, end->az};
+        memcpy(v + row, speed, sizeof speed);
+        memcpy(a + row, acceleration, sizeof acceleration);
+        reaction[row + 1] = tensions.at_ends[side];
     }
+    return ROPE_DONE;
 }
 
 void rigid_tension(const NodalArrays *arrays, double rho, double gravity, int points, const double *places,
@@ -60,7 +71,7 @@ static void count_from_rigid(Simulator *sim, State *state, const double *rigid, 
     for (size_t i = ANGLE; i < size; i += DOF) q[i] -= moved[i] - q[i];
 }
 
-int flexible_start(Simulator *sim, State *state, char *message) {
+RopeStatus flexible_start(Simulator *sim, State *state, char *message) {
     const NodalArrays nodal = state_arrays(state);
     const size_t size = (size_t)nodal.nodes * DOF, bytes = sizeof(double) * size;
     const double t = state->t, offset = state->offsets[RIGHT];
@@ -69,11 +80,11 @@ int flexible_start(Simulator *sim, State *state, char *message) {
     const Path paths[2] = {state->paths[LEFT], state->paths[RIGHT]};
     double director[3];
     memcpy(director, state->director, sizeof director);
-    state_copy(sim, sim->spare, state);
+    memcpy(sim->spare, state, sim->state_bytes);
     const double *rigid = state_arrays(sim->spare).q;
     for (int side = LEFT; side <= RIGHT; side++) state->paths[side] = path_coasting(&paths[side], t);
     sim->corrections = sim->solutions = 0;
-    int found = find_equilibrium(sim, state, INFINITY, message);
+    RopeStatus found = find_equilibrium(sim, state, INFINITY, message);
     const double turned = state->offsets[RIGHT];
     memcpy(q, nodal.q, bytes);
     memcpy(reaction, nodal.reaction, bytes);

@@ -22,24 +22,28 @@ typedef struct {
 
 typedef struct Simulator Simulator;
 
+/* How an action ends.  One that fails has written its reason: into its argument `message` (MESSAGE bytes), or where
+   rope_message has it. */
+typedef enum { ROPE_FAILED, ROPE_DONE } RopeStatus;
+
 /* Create a rope, not yet initialised.  Return NULL, with the reason in message (MESSAGE bytes), if a parameter is out
    of range, the mesh does not fit the rope, or memory is short. */
 Simulator *rope_create(const Scene *scene, const Memory *memory, char *message);
 void rope_destroy(Simulator *sim);
 
-/* On success an action returns 1.  On failure it returns 0, the state is unchanged, and rope_message has the reason. */
+/* An action that fails leaves the state unchanged. */
 
 /* Hang the rope at rest at time t between the ends, which must not move. */
-int rope_initialize(Simulator *sim, double t, const EndMotion ends[2]);
+RopeStatus rope_initialize(Simulator *sim, double t, const EndMotion ends[2]);
 /* Advance to t.  `ends` are the motions at given_at, which is t or earlier; they are extrapolated with constant
    accelerations.  An interval below ROPE_MIN_INTERVAL moves nothing; the next one starts at the same time. */
-int rope_advance_to(Simulator *sim, double t, const EndMotion ends[2], double given_at);
+RopeStatus rope_advance_to(Simulator *sim, double t, const EndMotion ends[2], double given_at);
 /* Advance as rope_advance_to does, but stop at the first event after at least 1 ms: a swivel is released, sticks or
    slips; a guard trips; a body is struck.  Guards and bodies are checked every 10 ms and at t.  *event, in: nonzero if
    the previous call stopped at one; unchanged motions are then no new sample.  *event, out: nonzero if this one did. */
-int rope_advance_to_event(Simulator *sim, double t, const EndMotion ends[2], double given_at, int *event);
+RopeStatus rope_advance_to_event(Simulator *sim, double t, const EndMotion ends[2], double given_at, int *event);
 /* Replace the parameters of solver, swivels and air by those of `scene`.  Only tunable ones may differ. */
-int rope_retune(Simulator *sim, const Scene *scene);
+RopeStatus rope_retune(Simulator *sim, const Scene *scene);
 
 /* Point forces on the rope. */
 typedef struct {
@@ -73,7 +77,7 @@ void rope_signals(Simulator *sim, size_t count, const int *signals, double *valu
 /* Differentiate the forces and moments left.fx ... left.mz, right.fx ... right.mz with respect to one of the 26 inputs,
    EndMotion on the left and on the right.  The loads are those at the end of the last communication step, the input is
    that of this step; before the first step it is given at the start or the end of a step of step_max. */
-int rope_load_derivative(Simulator *sim, int input, int at_step_end, double derivative[12]);
+RopeStatus rope_load_derivative(Simulator *sim, int input, int at_step_end, double derivative[12]);
 /* Number of communication steps that derivatives and added masses have taken again: 1 after each step of the rope, and
    2 for each input and each added mass. */
 size_t rope_repeated_steps(const Simulator *sim);
@@ -96,11 +100,11 @@ void rope_frames(Simulator *sim, double *frames);
    node (row) with the next one (column); held coordinates are among them. */
 void rope_tangent(Simulator *sim, const double c[3], double (*nodes)[DOF][DOF], double (*next)[DOF][DOF]);
 /* Let the swivels of a rope at rest turn that are free to, and bring it to rest again.  The others hold. */
-int rope_let_turn(Simulator *sim);
+RopeStatus rope_let_turn(Simulator *sim);
 
 /* The complete state is a block of bytes without addresses, valid in every process. */
 size_t rope_state_bytes(const Simulator *sim);
 void rope_save(const Simulator *sim, void *to);
-int rope_restore(Simulator *sim, const void *from, size_t bytes);
+RopeStatus rope_restore(Simulator *sim, const void *from, size_t bytes);
 
 #endif

@@ -1,8 +1,12 @@
 /* Choice between the forms of the chains, and their memory. */
 
+#include <stddef.h>
+
+#include "chain.h"
+#include "formulas.h"
 #include "lanes.h"
 #include "processor.h"
-#include "rope_system.h"
+#include "rope.h"
 
 /* The torsional chain is the largest: a tangent has `most` entries, and a step as many for either end. */
 size_t chain_work_bytes(int elements) {

@@ -2,7 +2,26 @@
 
    A System is made for one state and one set of boundary conditions; a change of any of them makes a new one. */
 
+#include "rope_system.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "contact_balance.h"
+#include "contact_element.h"
+#include "curvature.h"
+#include "ends.h"
+#include "formulas.h"
+#include "obstacles.h"
+#include "point_forces.h"
+#include "rope.h"
+#include "self_contact.h"
 #include "simulator.h"
+#include "state_structures.h"
+#include "system.h"
+#include "wires.h"
 
 System rope_system(const Simulator *sim, State *state) {
     const Rope *data = &sim->scene.rope;
@@ -15,12 +34,11 @@ System rope_system(const Simulator *sim, State *state) {
                   .forces = sim->forces.count > 0 ? &sim->forces : NULL,
                   .time = state->t,
                   .wires = state->rubs ? sim->wires : NULL,
-                  .curved = is_curved(sim, state) ? sim->curved : NULL,
+                  .curved = is_curved(sim->curved, &sim->scene.rope, state->fidelity) ? sim->curved : NULL,
                   .latest = sim->latest,
                   .shortest = x.lengths[0]};
     element_parameters(data, sim->scene.layout.gravity, sys.P);
-    const AirCoefficients c = air_coefficients(&sim->scene.shaft.air, data->diameter, sim->scene.layout.spacing);
-    memcpy(sys.air, &c, sizeof sys.air);
+    air_coefficients(&sim->scene.shaft.air, data->diameter, sim->scene.layout.spacing, sys.air);
     for (int k = 1; k < x.elements; k++) sys.shortest = fmin(sys.shortest, x.lengths[k]);
     for (int side = LEFT; side <= RIGHT; side++) {
         const Swivel *swivel = &sim->scene.swivels[side];
@@ -41,10 +59,10 @@ System rope_system(const Simulator *sim, State *state) {
 /* Refer permanent curvature and friction between wires to q. */
 static void refer_material(Simulator *sim, State *state, const System *sys, const double *q) {
     memcpy(sim->left_slope, q + SLOPE, sizeof sim->left_slope);
-    curved_reference(sim, state, q);
+    curved_reference(sim->curved, &sim->scene.rope, state, q);
     if (!state->rubs) return;
     chain_of(sim, state)->strains(sys, q, state_arrays(state).v, sim->strains); /* the history takes no rates */
-    wires_history(sim, state, q, sim->strains);
+    wires_history(&sim->scene.rope, state, q, sim->strains, sim->wires);
 }
 
 void rope_system_refer(Simulator *sim, State *state, const double *q) {
@@ -55,27 +73,27 @@ void rope_system_refer(Simulator *sim, State *state, const double *q) {
 
 double rope_system_transport(Simulator *sim, State *state, double *q, double *v, double *a, double *b) {
     const System sys = rope_system(sim, state);
-    double (*gained)[3] = (double (*)[3])sim->strains, turn = 0; /* scratch in rows of 3 */
-    chain_of(sim, state)->transport(&sys, q, v, a, gained);
+    double turn = 0;
+    chain_of(sim, state)->transport(&sys, q, v, a, sim->gained);
     for (int k = 0; k < sys.elements; k++) {
         const size_t theta = (size_t)(k + 1) * DOF + ANGLE;
-        turn += gained[k][0];
+        turn += sim->gained[k][0];
         q[theta] += turn;
-        v[theta] += gained[k][1];
-        a[theta] += gained[k][2];
-        b[theta] += gained[k][2];
+        v[theta] += sim->gained[k][1];
+        a[theta] += sim->gained[k][2];
+        b[theta] += sim->gained[k][2];
     }
     carry_director(state, sim->left_slope, q + SLOPE);
     refer_material(sim, state, &sys, q);
     return turn;
 }
 
-void rope_system_prescribed_motion(const Simulator *sim, const State *state, const System *sys, double t, int orders,
+void rope_system_prescribed_motion(const Scene *scene, const State *state, const System *sys, double t, int orders,
                                    double *const x[]) {
     for (int side = LEFT; side <= RIGHT; side++) {
         const size_t row = side ? (size_t)sys->elements * DOF : 0;
         double rows[3][DOF];
-        ends_prescribed_motion(&sim->scene, state, side, t, rows);
+        ends_prescribed_motion(scene, state, side, t, rows);
         for (int k = 0; k < orders; k++)
             for (int dof = 0; dof < DOF; dof++)
                 if (!sys->free[side][dof]) x[k][row + (size_t)dof] = rows[k][dof];
@@ -84,9 +102,9 @@ void rope_system_prescribed_motion(const Simulator *sim, const State *state, con
 
 double rope_system_norm(const System *sys, const double *x, double slopes) {
     double largest[DOF] = {0}, all = 0;
-    int finite = 1;
+    bool finite = true;
     for (int k = 0; k <= sys->elements; k++, x += DOF) {
-        const int *free = k == 0 ? sys->free[LEFT] : k == sys->elements ? sys->free[RIGHT] : NULL;
+        const bool *free = k == 0 ? sys->free[LEFT] : k == sys->elements ? sys->free[RIGHT] : NULL;
         for (int dof = 0; dof < DOF; dof++) {
             const double size = free == NULL || free[dof] ? fabs(x[dof]) : 0.;
             finite &= size < INFINITY;
@@ -95,13 +113,6 @@ double rope_system_norm(const System *sys, const double *x, double slopes) {
     }
     for (int dof = 0; dof < DOF; dof++) all = fmax(all, largest[dof] * (dof >= SLOPE && dof < ANGLE ? slopes : 1.));
     return finite ? all : INFINITY;
-}
-
-double longest_near(const System *sys) {
-    double longest = 0;
-    for (int e = 0; sys->obstacles != NULL && sys->obstacles->any && e < sys->elements; e++)
-        if (sys->obstacles->near[e]) longest = maximum(longest, sys->lengths[e]);
-    return longest;
 }
 
 void external_sums(const System *sys, const double *q, const double *v, double sums[CONTACT_BALANCE]) {
@@ -118,9 +129,4 @@ void rope_system_strains(Simulator *sim) {
     const System sys = rope_system(sim, sim->state);
     const NodalArrays nodal = state_arrays(sim->state);
     chain_of(sim, sim->state)->strains(&sys, nodal.q, nodal.v, sim->strains);
-}
-
-void arc_lengths(int elements, const double *lengths, double *s) {
-    s[0] = 0.0;
-    for (int k = 0; k < elements; k++) s[k + 1] = s[k] + lengths[k];
 }

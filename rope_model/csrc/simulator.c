@@ -6,13 +6,43 @@
    beyond the limit. A step that does not converge or whose error is too large is rejected, halved and repeated.
    When the smallest step fails too, the run returns the reason and keeps the state of the host's last instant. */
 
-#include "rules.h"
 #include "simulator.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "allocation.h"
+#include "curvature.h"
+#include "diagnostics.h"
+#include "ends.h"
+#include "fidelity.h"
+#include "formulas.h"
+#include "guards.h"
+#include "hang.h"
+#include "host_step.h"
+#include "messages.h"
+#include "parameter_table.h"
+#include "partition.h"
+#include "point_forces.h"
+#include "rope.h"
+#include "rope_system.h"
+#include "rules.h"
+#include "shaft.h"
+#include "signal_numbers.h"
+#include "signals.h"
+#include "state.h"
+#include "state_structures.h"
+#include "statics.h"
+#include "stepping.h"
+#include "system.h"
+#include "trial_step.h"
+#include "wires.h"
 
 Simulator *rope_create(const Scene *scene, const Memory *memory, char *message) {
     message[0] = '\0';
-    check_scene(scene, message);
-    if (message[0]) return NULL;
+    if (!check_scene(scene, message)) return NULL;
     const Mesh mesh = fit_mesh(scene);
     double divider_s[DIVIDERS];
     mesh_dividers(scene, 0, 0, divider_s);
@@ -55,50 +85,49 @@ const char *rope_fidelity_reason(const Simulator *sim) {
 }
 
 /* Make `next` the state. */
-static int accept(Simulator *sim) {
+static RopeStatus accept(Simulator *sim) {
     State *before = sim->state;
     sim->state = sim->next;
     sim->next = before;
     sim->computed_groups = 0;
-    sim->replay.known = 0;
-    sim->bottom_known = 0;
-    sim->initialized = 1;
+    sim->replay.known = false;
+    sim->bottom_known = false;
+    sim->initialized = true;
     sim->message[0] = '\0';
-    return 1;
+    return ROPE_DONE;
 }
 
-int rope_retune(Simulator *sim, const Scene *scene) {
-    check_scene(scene, sim->message);
-    if (sim->message[0]) return 0;
+RopeStatus rope_retune(Simulator *sim, const Scene *scene) {
+    if (!check_scene(scene, sim->message)) return ROPE_FAILED;
     sim->scene.solver = scene->solver;
     memcpy(sim->scene.swivels, scene->swivels, sizeof scene->swivels);
     sim->scene.shaft.air = scene->shaft.air;
     sim->computed_groups = 0;
-    sim->replay.known = 0;
-    return 1;
+    sim->replay.known = false;
+    return ROPE_DONE;
 }
 
 /* Set the ends at rest, with their suspension points; return 0 with a message if they cannot rest. */
-static int hold_ends(Simulator *sim, State *state, const EndMotion ends[2], double points[2][3]) {
+static RopeStatus hold_ends(const Scene *scene, State *state, const EndMotion ends[2], double points[2][3],
+                            char *message) {
     for (int side = LEFT; side <= RIGHT; side++) {
         const EndMotion *end = &ends[side];
         const Path path = path_resting(state->t, end);
         state->filters[side] = filter_resting(state->t, end);
         double measures[14];
         path_measures(&path, &state->filters[side], measures);
-        ends_refusal(&sim->scene, end, measures, side, sim->message);
-        if (sim->message[0]) return 0;
+        if (!check_motion(scene, end, measures, side, message)) return ROPE_FAILED;
         double fastest = fabs(end->yaw_rate);
-        for (int k = 0; k < 3; k++) fastest = fmax(fastest, fabs((&end->vx)[k]));
-        if (fastest > RESTS_BELOW) return say_moves_at_start(sim->message, SIDE_NAMES[side]);
+        fastest = fmax(fastest, fmax(fabs(end->vx), fmax(fabs(end->vy), fabs(end->vz))));
+        if (fastest > RESTS_BELOW) return say_moves_at_start(message, side_name(side));
     }
-    paths_at_rest(sim, state, ends, sim->scene.model.fidelity == RIGID); /* a rigid rope needs no steps */
+    paths_at_rest(scene, state, ends, scene->model.fidelity == RIGID); /* a rigid rope needs no steps */
     const EndMotion first[2] = {path_at(&state->paths[LEFT], state->t), path_at(&state->paths[RIGHT], state->t)};
-    suspension_points(&sim->scene.layout, &first[LEFT], &first[RIGHT], points);
-    return 1;
+    suspension_points(&scene->layout, &first[LEFT], &first[RIGHT], points);
+    return ROPE_DONE;
 }
 
-static int initialize(Simulator *sim, double t, const EndMotion ends[2]) {
+static RopeStatus initialize(Simulator *sim, double t, const EndMotion ends[2]) {
     const Scene *scene = &sim->scene;
     State *state = sim->next;
     char *message = sim->message;
@@ -108,27 +137,26 @@ static int initialize(Simulator *sim, double t, const EndMotion ends[2]) {
     state->t = state->calm_since = t;
     char why[MESSAGE];
     double points[2][3];
-    if (!hold_ends(sim, state, ends, points)) return 0;
+    if (!hold_ends(scene, state, ends, points, message)) return ROPE_FAILED;
     state->fidelity = choose_fidelity(scene, ends, sim->forces.count, state->fidelity_reason);
     unsupported_motion(scene, state->fidelity, ends, sim->forces.count, why);
     if (why[0]) return say_fixed_model_cannot_follow(message, fidelity_name(state->fidelity), why);
-    tell_no_room(scene, state->fidelity, &ends[LEFT], &ends[RIGHT], message);
-    if (message[0]) return 0;
+    if (tell_no_room(scene, state->fidelity, &ends[LEFT], &ends[RIGHT], message)) return ROPE_FAILED;
     const NodalArrays nodal = state_arrays(state);
     double divider_s[DIVIDERS];
-    model_dividers(sim, state->paths, t, divider_s);
-    partition(&sim->mesh, scene->rope.length, model_bottom_s(sim, state->paths, t), divider_s, nodal.elements,
+    model_dividers(&sim->scene, state->paths, t, divider_s);
+    partition(&sim->mesh, scene->rope.length, model_bottom_s(&sim->scene, state->paths, t), divider_s, nodal.elements,
               &state->pattern, nodal.lengths);
     arc_lengths(nodal.elements, nodal.lengths, nodal.s);
-    hanging_guess(nodal.nodes, nodal.s, points[LEFT], points[RIGHT], nodal.q, message);
-    if (message[0]) return 0;
+    if (!hanging_guess(nodal.nodes, nodal.s, points[LEFT], points[RIGHT], nodal.q, message)) return ROPE_FAILED;
     start_director(state, nodal.q);
     state->offsets[RIGHT] = right_offset(points[LEFT], points[RIGHT]);
     state->swivels[RIGHT].angle = scene->rope.installed_twist;
     state->step_next = state->last_interval = scene->solver.step_max;
     state->loop_yaw = ends_yaw(&nodal);
-    if (!(state->fidelity == RIGID ? as_rigid(sim, state, t, message) : hang(sim, state, ends, message))) return 0;
-    if (start_hysteresis(sim, state)) rope_system_refer(sim, state, nodal.q);
+    if (!(state->fidelity == RIGID ? as_rigid(sim, state, t, message) : hang(sim, state, ends, message)))
+        return ROPE_FAILED;
+    if (start_hysteresis(sim->wires, state)) rope_system_refer(sim, state, nodal.q);
     for (int side = LEFT; side <= RIGHT; side++)
         state->force_mean[side] = -end_row(nodal.reaction, nodal.nodes, side)[1];
     state->energy_balance.start = energy_total(&state->energy_balance);
@@ -136,44 +164,44 @@ static int initialize(Simulator *sim, double t, const EndMotion ends[2]) {
     begin_audit(sim, state);
     far_bodies(state->nearest);
     set_rise_reference(scene, state);
-    update_passages(sim, state);
+    update_passages(&sim->scene, sim->self_contact, state);
     update_guards(scene, state);
     sim->last.taken = 0;
     return accept(sim);
 }
 
 /* Refer the frames to the state again after a failure. */
-static int refer_after_failure(Simulator *sim, int succeeded) {
-    if (!succeeded && sim->initialized) rope_system_refer(sim, sim->state, state_arrays(sim->state).q);
-    return succeeded;
+static RopeStatus refer_after_failure(Simulator *sim, RopeStatus status) {
+    if (status == ROPE_FAILED && sim->initialized) rope_system_refer(sim, sim->state, state_arrays(sim->state).q);
+    return status;
 }
 
-int rope_initialize(Simulator *sim, double t, const EndMotion ends[2]) {
+RopeStatus rope_initialize(Simulator *sim, double t, const EndMotion ends[2]) {
     return refer_after_failure(sim, initialize(sim, t, ends));
 }
 
-int rope_let_turn(Simulator *sim) {
+RopeStatus rope_let_turn(Simulator *sim) {
     if (!sim->initialized) return say_no_state(sim->message);
-    if (sim->scene.swivels[LEFT].mode != FREE_MODE && sim->scene.swivels[RIGHT].mode != FREE_MODE) return 1;
-    state_copy(sim, sim->next, sim->state);
-    if (!let_turn(sim, sim->next, sim->message)) return refer_after_failure(sim, 0);
+    if (sim->scene.swivels[LEFT].mode != FREE_MODE && sim->scene.swivels[RIGHT].mode != FREE_MODE) return ROPE_DONE;
+    memcpy(sim->next, sim->state, sim->state_bytes);
+    if (!let_turn(sim, sim->next, sim->message)) return refer_after_failure(sim, ROPE_FAILED);
     sim->last.taken = 0;
     return accept(sim);
 }
 
 /* Advance to the host's stop, or to an event; *event tells which.  Keep the state before as the start. */
-static int advance_to(Simulator *sim, const HostStep *host, int *event) {
+static RopeStatus advance_to(Simulator *sim, const HostStep *host, int *event) {
     const double t = host->stop, begin = sim->state->t, step_max = sim->scene.solver.step_max;
     const double earliest = begin - sim->scene.inputs.hold_max;
     *event = 0;
     if (!sim->initialized) return say_no_state(sim->message);
-    if (fabs(t - begin) < ROPE_MIN_INTERVAL) return 1;
+    if (fabs(t - begin) < ROPE_MIN_INTERVAL) return ROPE_DONE;
     if (!(isfinite(t) && t > begin)) return say_time_goes_back(sim->message, begin, t);
     if (t - begin > MAX_STEPS * step_max)
         return say_too_far_at_once(sim->message, begin, t, MAX_STEPS, step_max, MAX_STEPS * step_max);
     if (!(earliest <= host->given_at && host->given_at <= t + ROPE_MIN_INTERVAL))
         return say_motions_of_another_time(sim->message, host->given_at, earliest, t);
-    if (!take_host_step(sim, host, event)) return 0;
+    if (!take_host_step(sim, host, event)) return ROPE_FAILED;
     State *unused = sim->start;
     sim->start = sim->state;
     sim->state = unused; /* becomes next */
@@ -182,22 +210,22 @@ static int advance_to(Simulator *sim, const HostStep *host, int *event) {
 }
 
 /* Describe a step that the host asks for. */
-static HostStep asked(double t, const EndMotion ends[2], double given_at, int to_event) {
+static HostStep asked(double t, const EndMotion ends[2], double given_at, bool to_event) {
     HostStep host = {.stop = t, .given_at = given_at, .asked_at = given_at, .to_event = to_event, .taken = 1};
     memcpy(host.ends, ends, sizeof host.ends);
     return host;
 }
 
-int rope_advance_to(Simulator *sim, double t, const EndMotion ends[2], double given_at) {
-    const HostStep host = asked(t, ends, given_at, 0);
+RopeStatus rope_advance_to(Simulator *sim, double t, const EndMotion ends[2], double given_at) {
+    const HostStep host = asked(t, ends, given_at, false);
     int event;
     return refer_after_failure(sim, advance_to(sim, &host, &event));
 }
 
-int rope_advance_to_event(Simulator *sim, double t, const EndMotion ends[2], double given_at, int *event) {
+RopeStatus rope_advance_to_event(Simulator *sim, double t, const EndMotion ends[2], double given_at, int *event) {
     const InputFilter *filters = sim->state->filters;
-    HostStep host = asked(t, ends, given_at, 1);
-    int same = *event != 0;
+    HostStep host = asked(t, ends, given_at, true);
+    bool same = *event != 0;
     for (int side = LEFT; side <= RIGHT; side++) same &= !memcmp(&ends[side], filters[side].given, sizeof ends[side]);
     if (same) host.given_at = fmin(filters[LEFT].given_at, filters[RIGHT].given_at);
     return refer_after_failure(sim, advance_to(sim, &host, event));
@@ -215,7 +243,7 @@ void rope_save(const Simulator *sim, void *to) {
     memcpy(bytes + 2 * sim->state_bytes, &sim->last, sizeof sim->last);
 }
 
-int rope_restore(Simulator *sim, const void *from, size_t bytes) {
+RopeStatus rope_restore(Simulator *sim, const void *from, size_t bytes) {
     const char *saved = from;
     State *state = sim->next, *start = sim->spare;
     HostStep last;
@@ -236,7 +264,7 @@ int rope_restore(Simulator *sim, const void *from, size_t bytes) {
 
 void rope_apply(Simulator *sim, const PointForces *forces) {
     sim->forces = *forces;
-    sim->replay.known = 0;
+    sim->replay.known = false;
 }
 
 void rope_rows(const Simulator *sim, double (*rows)[13]) {

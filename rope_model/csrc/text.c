@@ -1,15 +1,17 @@
 #include "text.h"
 
 #include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* Write x if it is not finite; some C libraries print "-nan" or "nan(ind)". */
-static int not_finite(char *buffer, double x) {
-    if (isfinite(x)) return 0;
+static bool not_finite(char *buffer, double x) {
+    if (isfinite(x)) return false;
     strcpy(buffer, isnan(x) ? "nan" : x > 0 ? "inf" : "-inf");
-    return 1;
+    return true;
 }
 
 /* Put a point for the decimal separator, of one or more bytes, of the host's locale. */
@@ -30,10 +32,10 @@ const char *text_number(char buffer[NUMBER], double x, int digits) {
 
 /* True if the text "d.ddde+xx" reads back as x, or the next text up does: below a power of two, where numbers are twice
    as dense, the nearest text may belong to another number. */
-static int reads_back(char *buffer, double x) {
+static bool reads_back(char *buffer, double x) {
     char *last = strchr(buffer, 'e') - 1;
-    if (strtod(buffer, NULL) == x) return 1;
-    if (*last == '9') return 0;
+    if (strtod(buffer, NULL) == x) return true;
+    if (*last == '9') return false;
     ++*last;
     return strtod(buffer, NULL) == x;
 }

@@ -7,13 +7,18 @@
    element: the integral of z stays, and that of z^2 can only fall. Points with an unchanged length of rope keep z
    to the bit. */
 
-#include "simulator.h"
+#include "wires.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "formulas.h"
+#include "rope.h"
+#include "state_structures.h"
 
 static const double CELLS[] = WIRE_CELLS; /* bounds of the points' cells, element coordinates */
-
-static double *hysteresis_of(const Simulator *sim, int element) {
-    return sim->wires + (ptrdiff_t)element * WIRE_HISTORY_SIZE;
-}
 
 /* Section of an element at a point.  Sections do not turn without torsion, even if the ends have theta. */
 static void read_section(const State *state, const NodalArrays *nodal, const double *q, int element, int point,
@@ -23,26 +28,27 @@ static void read_section(const State *state, const NodalArrays *nodal, const dou
     if (state->fidelity != TORSIONAL) section[ANGLE] = 0;
 }
 
-void wires_history(Simulator *sim, State *state, const double *q, double (*strains)[STRAINS]) {
+void wires_history(const Rope *rope, State *state, const double *q, double (*strains)[STRAINS], double *wires) {
     const NodalArrays nodal = state_arrays(state);
-    const double stiffness = wire_stiffness(&sim->scene.rope);
+    const double stiffness = wire_stiffness(rope);
     for (int e = 0; e < nodal.elements; e++) {
-        double *history = hysteresis_of(sim, e);
+        double *history = wires + (ptrdiff_t)e * WIRE_HISTORY_SIZE;
         for (int k = 0; k < WIRE_POINTS; k++, history += WIRE_POINT_STATE_SIZE) {
             read_section(state, &nodal, q, e, k, history);
             memcpy(history + WIRE_POINT_STATE_SIZE - 3, nodal.z + (ptrdiff_t)e * WIRE_Z + 3 * k, 3 * sizeof *history);
         }
-        history[0] = slip_curvature(&sim->scene.rope, stiffness, strains[e][0], strains[e][1]);
+        history[0] = slip_curvature(rope, stiffness, strains[e][0], strains[e][1]);
         history[1] = stiffness;
     }
 }
 
-double update_hysteresis(Simulator *sim, State *state, const double *q) {
+double update_hysteresis(const double *wires, State *state, const double *q) {
     static const double weights[] = WIRE_WEIGHTS;
     const NodalArrays nodal = state_arrays(state);
     double dissipated = 0;
     for (int e = 0; state->rubs && e < nodal.elements; e++) {
-        const double *before = hysteresis_of(sim, e), *law = before + WIRE_POINTS * WIRE_POINT_STATE_SIZE;
+        const double *before = wires + (ptrdiff_t)e * WIRE_HISTORY_SIZE,
+                     *law = before + WIRE_POINTS * WIRE_POINT_STATE_SIZE;
         double now[WIRE_POINT_STATE_SIZE];
         for (int k = 0; k < WIRE_POINTS; k++, before += WIRE_POINT_STATE_SIZE) {
             read_section(state, &nodal, q, e, k, now);
@@ -71,9 +77,8 @@ static void mean_between(const double *z, const double *s, int elements, double 
         }
 }
 
-void wires_carry(Simulator *sim, State *state, const double *old_s) {
+void wires_carry(State *state, const double *old_s, double *before) {
     const NodalArrays nodal = state_arrays(state);
-    double *before = sim->wires; /* scratch: its history belongs to the old mesh */
     if (!state->rubs) return;
     memcpy(before, nodal.z, sizeof(double) * WIRE_Z * (size_t)nodal.elements);
     for (int e = 0; e < nodal.elements; e++)
@@ -82,10 +87,10 @@ void wires_carry(Simulator *sim, State *state, const double *old_s) {
                          nodal.s[e] + nodal.lengths[e] * CELLS[k + 1], nodal.z + (ptrdiff_t)e * WIRE_Z + 3 * k);
 }
 
-int start_hysteresis(const Simulator *sim, State *state) {
+bool start_hysteresis(const double *wires, State *state) {
     const NodalArrays nodal = state_arrays(state);
-    if (state->rubs || state->fidelity == RIGID || sim->wires == NULL) return 0;
+    if (state->rubs || state->fidelity == RIGID || wires == NULL) return false;
     state->rubs = 1;
     memset(nodal.z, 0, sizeof(double) * WIRE_Z * (size_t)nodal.elements);
-    return 1;
+    return true;
 }

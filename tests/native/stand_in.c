@@ -72,7 +72,7 @@ static int moves_well(Simulator *sim, double h, const EndMotion ends[2]) {
     return 1;
 }
 
-int rope_initialize(Simulator *sim, double t, const EndMotion ends[2]) {
+RopeStatus rope_initialize(Simulator *sim, double t, const EndMotion ends[2]) {
     sim->state.initialized = 0;
     if (!moves_well(sim, 0.0, ends)) return 0;
     sim->state.t = t;
@@ -81,7 +81,7 @@ int rope_initialize(Simulator *sim, double t, const EndMotion ends[2]) {
     return 1;
 }
 
-int rope_advance_to(Simulator *sim, double t, const EndMotion given[2], double given_at) {
+RopeStatus rope_advance_to(Simulator *sim, double t, const EndMotion given[2], double given_at) {
     const double ahead = t - given_at;
     EndMotion ends[2] = {given[LEFT], given[RIGHT]};
     for (int side = LEFT; side <= RIGHT; side++) {
@@ -96,12 +96,12 @@ int rope_advance_to(Simulator *sim, double t, const EndMotion given[2], double g
     return 1;
 }
 
-int rope_advance_to_event(Simulator *sim, double t, const EndMotion ends[2], double given_at, int *event) {
+RopeStatus rope_advance_to_event(Simulator *sim, double t, const EndMotion ends[2], double given_at, int *event) {
     *event = 0;
     return rope_advance_to(sim, t, ends, given_at);
 }
 
-int rope_retune(Simulator *sim, const Scene *scene) {
+RopeStatus rope_retune(Simulator *sim, const Scene *scene) {
     if (!fits(scene, sim->message)) return 0;
     sim->scene = *scene;
     return 1;
@@ -148,7 +148,7 @@ void rope_signals(Simulator *sim, size_t count, const int *signals, double *valu
     for (size_t k = 0; k < count; k++) values[k] = value_of(sim, signals[k]);
 }
 
-int rope_load_derivative(Simulator *sim, int input, int at_step_end, double derivative[12]) {
+RopeStatus rope_load_derivative(Simulator *sim, int input, int at_step_end, double derivative[12]) {
     (void)at_step_end;
     int moved = input / 11, k = input % 11, side;
     for (side = 0; side < 12; side++) derivative[side] = 0.0;
@@ -169,7 +169,7 @@ void rope_save(const Simulator *sim, void *to) {
     memcpy(to, &sim->state, sizeof sim->state);
 }
 
-int rope_restore(Simulator *sim, const void *from, size_t bytes) {
+RopeStatus rope_restore(Simulator *sim, const void *from, size_t bytes) {
     const State *state = from;
     if (bytes != sizeof *state || state->elements != sim->state.elements) {
         snprintf(sim->message, MESSAGE,

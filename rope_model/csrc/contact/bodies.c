@@ -1,6 +1,12 @@
 /* The bodies of a scene at their present places. Formulas and tables: rope_model/rules/bodies.py. */
 
-#include "rope_system.h"
+#include "bodies.h"
+
+#include <stddef.h>
+
+#include "formulas.h"
+#include "rope.h"
+#include "state_structures.h"
 
 enum { GROUP = 12 }; /* elements that share a box in the broad phase of contact detection */
 

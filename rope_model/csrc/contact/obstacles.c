@@ -3,7 +3,17 @@
    A moving body follows an end of the rope, whose rows in q and v give its position and velocity. Rope below a
    conveyance touches neither it nor its head ropes within OWN_LENGTH of the suspension. */
 
-#include "rope_system.h"
+#include "obstacles.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "bodies.h"
+#include "formulas.h"
+#include "rope.h"
+#include "system.h"
 
 void remember_configuration(const System *sys, ClearanceCache *cache, const double *q) {
     memcpy(cache->q, q, sizeof(double) * DOF * (size_t)(sys->elements + 1));
@@ -11,14 +21,14 @@ void remember_configuration(const System *sys, ClearanceCache *cache, const doub
     cache->free = INFINITY;
 }
 
-int clearance_exceeds(const System *sys, const ClearanceCache *cache, const double *q, double least) {
+bool clearance_exceeds(const System *sys, const ClearanceCache *cache, const double *q, double least) {
     const double *before = cache->q, *l = sys->lengths;
-    if (!(cache->free > least) || memcmp(cache->lengths, l, sizeof(double) * (size_t)sys->elements) != 0) return 0;
+    if (!(cache->free > least) || memcmp(cache->lengths, l, sizeof(double) * (size_t)sys->elements) != 0) return false;
     for (int node = 0; node <= sys->elements; node++, q += DOF, before += DOF) {
         const double longest = maximum(l[node > 0 ? node - 1 : 0], l[node < sys->elements ? node : node - 1]);
-        if (!(cache->free - largest_motion(longest, q, before) > least)) return 0; /* also if it is not a number */
+        if (!(cache->free - largest_motion(longest, q, before) > least)) return false; /* also if it is not a number */
     }
-    return 1;
+    return true;
 }
 
 static void place_bodies(const System *sys, const double *q, const double *v) {
@@ -39,11 +49,11 @@ static double least_distance(const System *sys, int k, const double box[6]) {
 }
 
 /* Mark elements from first (at arc length along) to last nearer to body k than margin; return true for new ones. */
-static int search_elements(const System *sys, const double *q, int k, int first, int last, double along, double total,
-                           double margin) {
+static bool search_elements(const System *sys, const double *q, int k, int first, int last, double along, double total,
+                            double margin) {
     Obstacles *obstacles = sys->obstacles;
     const int side = obstacles->placed[k].moves_with;
-    int added = 0;
+    bool added = false;
     for (int e = first; e < last; along += sys->lengths[e++]) {
         const double middle = along + 0.5 * sys->lengths[e], *x = q + (size_t)e * DOF;
         double box[6];
@@ -53,18 +63,19 @@ static int search_elements(const System *sys, const double *q, int k, int first,
         obstacles->cache.free = minimum(obstacles->cache.free, distance);
         if (!(distance < margin) || obstacles->near[e] & 1u << k) continue;
         obstacles->near[e] |= 1u << k;
-        added = obstacles->any = 1;
+        added = obstacles->any = true;
     }
     return added;
 }
 
 /* Find all elements nearer to a body than margin, besides the marks to keep; return true if there are new ones. */
-static int search_bodies(const System *sys, const double *q, double margin, unsigned keep) {
+static bool search_bodies(const System *sys, const double *q, double margin, unsigned keep) {
     Obstacles *obstacles = sys->obstacles;
     double total = 0, along = 0;
-    int added = 0;
+    bool added = false;
     remember_configuration(sys, &obstacles->cache, q);
-    obstacles->longest = obstacles->any = 0;
+    obstacles->longest = 0;
+    obstacles->any = false;
     for (int e = 0; e < sys->elements; total += sys->lengths[e++]) {
         obstacles->longest = maximum(obstacles->longest, sys->lengths[e]);
         obstacles->near[e] &= keep;
@@ -89,10 +100,17 @@ void find_near_bodies(const System *sys, const double *q, const double *v, doubl
     search_bodies(sys, q, margin, 0);
 }
 
-int add_near_bodies(const System *sys, const double *q, double corrections) {
+bool add_near_bodies(const System *sys, const double *q, double corrections) {
     Obstacles *obstacles = sys->obstacles;
     if (obstacles == NULL || correction_motion(corrections, obstacles->longest, sys->shortest) < obstacles->margin)
-        return 0;
+        return false;
     obstacles->margin = 0;
     return !clearance_exceeds(sys, &obstacles->cache, q, 0) && search_bodies(sys, q, 0, ~0u);
+}
+
+double longest_near(const System *sys) {
+    double longest = 0;
+    for (int e = 0; sys->obstacles != NULL && sys->obstacles->any && e < sys->elements; e++)
+        if (sys->obstacles->near[e]) longest = maximum(longest, sys->lengths[e]);
+    return longest;
 }

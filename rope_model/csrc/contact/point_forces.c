@@ -1,6 +1,13 @@
 /* Point forces of a host. Formulas and tables: rope_model/rules/point_forces.py. */
 
-#include "rope_system.h"
+#include "point_forces.h"
+
+#include <stddef.h>
+
+#include "contact_balance.h"
+#include "formulas.h"
+#include "rope.h"
+#include "system.h"
 
 void elements_at(const System *sys, int index, PointForce *point) {
     const PointForces *forces = sys->forces;

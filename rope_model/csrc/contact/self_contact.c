@@ -4,7 +4,17 @@
    more than the arc length, so that far points are skipped and a leg costs a few checks. Contact has no history
    in the state. */
 
-#include "rope_system.h"
+#include "self_contact.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "contact_balance.h"
+#include "formulas.h"
+#include "obstacles.h"
+#include "rope.h"
+#include "system.h"
 
 static double length_between(const double a[3], const double b[3]) {
     const double across[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};

@@ -12,7 +12,20 @@
    other, or one of them through conveyance or head ropes above the other's end, if the turns over the height
    (diagnostics.loop_turns) jump by one, while the loop's yaw, which is counted in time, does not. */
 
-#include "simulator.h"
+#include "shaft.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "bodies.h"
+#include "diagnostics.h"
+#include "formulas.h"
+#include "rope.h"
+#include "self_contact.h"
+#include "state.h"
+#include "state_structures.h"
+#include "system.h"
 
 /* Search for the place nearest to a body, in the part of the rope between two nodes. */
 typedef struct {
@@ -23,7 +36,7 @@ typedef struct {
 } NearestSearch;
 
 /* True if contents of the box may be nearer than the nearest place so far. */
-static int may_be_nearer(const NearestSearch *search, const double box[6]) {
+static bool may_be_nearer(const NearestSearch *search, const double box[6]) {
     const double least = body_least_distance(box, box + 3, &search->placed.body);
     return least - search->radius < search->nearest.clearance - RESOLUTION;
 }
@@ -109,11 +122,11 @@ void shaft_clearances(const Scene *scene, const NodalArrays *nodal, double t, Ne
 }
 
 /* Update the largest penetration of the rope into itself. */
-static void update_overlap(const Simulator *sim, State *state) {
+static void update_overlap(SelfContactState *self_contact, double diameter, State *state) {
     const NodalArrays nodal = state_arrays(state);
-    const double *nearest = sim->self_contact->nearest, diameter = sim->scene.rope.diameter;
+    const double *nearest = self_contact->nearest;
     Crossing *crossing = &state->crossing;
-    const System sys = {.elements = nodal.elements, .lengths = nodal.lengths, .self_contact = sim->self_contact};
+    const System sys = {.elements = nodal.elements, .lengths = nodal.lengths, .self_contact = self_contact};
     find_self_contacts(&sys, nodal.q, nodal.v, 0, 0);
     if (!(diameter - nearest[0] > crossing->overlap)) return;
     if (crossing->overlap == 0) crossing->touched_at = state->t;
@@ -121,21 +134,21 @@ static void update_overlap(const Simulator *sim, State *state) {
     crossing->touched_y = nearest[1];
 }
 
-void update_passages(const Simulator *sim, State *state) {
+void update_passages(const Scene *scene, SelfContactState *self_contact, State *state) {
     const NodalArrays nodal = state_arrays(state);
     Crossing *crossing = &state->crossing;
     state->monitored_at = state->t;
-    shaft_nearer(&sim->scene, &nodal, state->t, state->nearest);
+    shaft_nearer(scene, &nodal, state->t, state->nearest);
     const double line = ends_yaw(&nodal);
     double across[2];
     heading(line, across);
-    const int near = !legs_apart(&nodal, across, sim->scene.rope.diameter, sim->scene.layout.spacing);
-    if (near || sim->self_contact->presses) update_overlap(sim, state);
+    const bool near = !legs_apart(&nodal, across, scene->rope.diameter, scene->layout.spacing);
+    if (near || self_contact->presses) update_overlap(self_contact, scene->rope.diameter, state);
     if (!near && crossing->net == 0 && fabs(state->loop_yaw - line) <= TURNED_FAR) return;
     const LoopBottom bottom = loop_bottom(nodal.nodes, nodal.q, nodal.s);
     const LoopTurns turns = loop_turns(&nodal, &bottom);
     const double net = nearest_whole(turns_of(nearest_turn(bottom.yaw, state->loop_yaw), line, turns.number));
-    const int first = net != crossing->net && crossing->number == 0;
+    const bool first = net != crossing->net && crossing->number == 0;
     if (first) crossing->since = state->t;
     if (first) crossing->y = turns.sharpest_y;
     crossing->number += fabs(net - crossing->net);

@@ -13,11 +13,24 @@
    theta counts along the rope from the left end (physics.frame), so the right end's offset changes as the rope
    turns in space. */
 
-#include "rope_system.h"
+#include "ends.h"
+
+#include <math.h>
+
+#include "formulas.h"
+#include "messages.h"
+#include "rope.h"
 #include "rules.h"
+#include "state.h"
+#include "state_structures.h"
+#include "system.h"
 
 enum { YAW = 3, AXES = 4, PEAKS = 6, LEAN = 11 };
 static const char *const AXIS_NAMES[PEAKS] = {"x", "y", "z", "yaw", "lean", "lean_z"};
+const char *side_name(int side) {
+    return side == LEFT ? "left" : "right";
+}
+
 static const double YAW_SENSE[2] = {-1.0, 1.0}; /* sign of the conveyance's yaw in theta */
 
 static int largest(int axes, const double *sizes) {
@@ -33,56 +46,54 @@ double end_strain(const Scene *scene, int nodes, const double *q, const double *
     return attachment == PLUMB ? y[1] : dot(y, t) / sqrt(dot(t, t));
 }
 
-void ends_refusal(const Scene *scene, const EndMotion *target, const double measures[14], int side, char *message) {
+RopeStatus check_motion(const Scene *scene, const EndMotion *target, const double measures[14], int side,
+                        char *message) {
     const Inputs *inputs = &scene->inputs;
     static const char *const names[] = END_MOTION_NAMES;
     static const double bounds[] = END_MOTION_BOUNDS;
     static const char *const units[2][2] = {{"m", "rad"}, {"m/s", "rad/s"}};
     message[0] = '\0';
-    for (int i = 0; i < (int)(sizeof bounds / sizeof *bounds) && !message[0]; i++) {
+    for (int i = 0; i < (int)(sizeof bounds / sizeof *bounds); i++) {
         const double value = end_value(target, i);
-        if (!isfinite(value))
-            say_input_not_finite(message, SIDE_NAMES[side], names[i], value);
-        else if (fabs(value) > bounds[i])
-            say_input_out_of_range(message, SIDE_NAMES[side], names[i], value, bounds[i]);
-        else if (value != 0 && i >= LEAN && scene->swivels[side].attachment != CLAMPED)
-            say_no_clamp(message, SIDE_NAMES[side], names[i], value);
+        if (!isfinite(value)) return say_input_not_finite(message, side_name(side), names[i], value);
+        if (fabs(value) > bounds[i])
+            return say_input_out_of_range(message, side_name(side), names[i], value, bounds[i]);
+        if (value != 0 && i >= LEAN && scene->swivels[side].attachment != CLAMPED)
+            return say_no_clamp(message, side_name(side), names[i], value);
     }
-    if (message[0]) return;
     for (int k = 0; k < 2; k++) {
         const double *misfits = measures + PEAKS + k * AXES;
         const int worst = largest(AXES, misfits);
         if (misfits[worst] <= inputs->misfit_max) continue;
         const char *unit = units[k][worst == YAW];
-        if (inputs->given == ALL_GIVEN) {
-            say_input_misfit(message, SIDE_NAMES[side], AXIS_NAMES[worst], misfits[worst], unit, inputs->misfit_max);
-            return;
-        }
+        if (inputs->given == ALL_GIVEN)
+            return say_input_misfit(message, side_name(side), AXIS_NAMES[worst], misfits[worst], unit,
+                                    inputs->misfit_max);
         const double bandwidth = filter_settings(scene, inputs->given).estimate;
-        say_input_jump(message, SIDE_NAMES[side], AXIS_NAMES[worst], misfits[worst], unit, inputs->misfit_max,
-                       MAX_LAG / bandwidth, bandwidth);
-        return;
+        return say_input_jump(message, side_name(side), AXIS_NAMES[worst], misfits[worst], unit, inputs->misfit_max,
+                              MAX_LAG / bandwidth, bandwidth);
     }
     const int worst = largest(PEAKS, measures);
     if (!(measures[worst] <= inputs->acceleration_max))
-        say_inputs_do_not_fit(message, SIDE_NAMES[side], AXIS_NAMES[worst], measures[worst],
-                              worst < YAW ? "m/s^2" : "rad/s^2", inputs->acceleration_max);
+        return say_inputs_do_not_fit(message, side_name(side), AXIS_NAMES[worst], measures[worst],
+                                     worst < YAW ? "m/s^2" : "rad/s^2", inputs->acceleration_max);
+    return ROPE_DONE;
 }
 
-void stale_input_error(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message) {
+RopeStatus check_input_age(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message) {
     message[0] = '\0';
     if (end_filter->steps_held > 1 && t - end_filter->given_at > inputs->hold_max)
-        say_inputs_frozen(message, SIDE_NAMES[side], t - end_filter->given_at, inputs->hold_max);
+        return say_inputs_frozen(message, side_name(side), t - end_filter->given_at, inputs->hold_max);
+    return ROPE_DONE;
 }
 
 double ends_tension(const Scene *scene, int side, const double *q, const double *reaction) {
     return tension_at_end(scene->swivels[side].attachment == PLUMB, side, q, reaction);
 }
 
-double ends_moment(const Scene *scene, const State *state, int side, const double *reaction) {
-    const double *q = (const double *)(const void *)(state + 1); /* the first of the arrays behind a state */
-    const double tension = ends_tension(scene, side, end_row(q, state->elements + 1, side), reaction);
-    return moment_of_swivel(&scene->swivels[side], &state->swivels[side], tension, reaction[ANGLE]);
+double ends_moment(const Scene *scene, const SwivelState *now, int side, const double *q, const double *reaction) {
+    const double tension = ends_tension(scene, side, q, reaction);
+    return moment_of_swivel(&scene->swivels[side], now, tension, reaction[ANGLE]);
 }
 
 void ends_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2]) {

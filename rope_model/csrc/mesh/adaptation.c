@@ -1,8 +1,28 @@
 /* Changes of mesh and fidelity during a run, which leave the rope's motion as it is; unwrapping of the loop's
    yaw. */
 
+#include "adaptation.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "fidelity.h"
+#include "formulas.h"
+#include "messages.h"
+#include "newton.h"
+#include "partition.h"
+#include "rigid.h"
+#include "rope.h"
+#include "rope_system.h"
 #include "rules.h"
 #include "simulator.h"
+#include "state.h"
+#include "state_structures.h"
+#include "system.h"
+#include "transfer.h"
+#include "trial_step.h"
+#include "wires.h"
 
 /* Error that Newton's method may leave in a transformation that is made again, m and rad: it shows in differences. */
 #define REPEATED_ERROR 1e-11
@@ -23,12 +43,12 @@ static Progress dynamic_equilibrium(Simulator *sim, State *state, double time, d
     const size_t bytes = sizeof(double) * (size_t)nodal.nodes * DOF;
     const double c[3] = {1, 0, pow(time, -2)};
     double balance[BALANCE];
-    memcpy(now->q, nodal.q, FIELDS * bytes);
+    copy_fields(now, &nodal);
     const Progress newton =
         chain_of(sim, state)
             ->solve(&sys, sim->work, now->q, now->v, now->a, now->reaction, c, tolerance, NULL, balance);
     if (newton.status != CONVERGED) return newton;
-    update_hysteresis(sim, state, now->q);
+    update_hysteresis(sim->wires, state, now->q);
     update_angles(sim, state, now->q, nodal.v, nodal.a, nodal.b);
     memcpy(nodal.q, now->q, bytes);
     return newton;
@@ -43,7 +63,7 @@ static int on_partition(Simulator *sim, State *state, int direction, const doubl
     arc_lengths(nodal.elements, nodal.lengths, nodal.s);
     if (state->fidelity == RIGID) return CONVERGED; /* shape and energies do not depend on the mesh */
     transfer_fields(nodal.nodes, old_s, nodal.s, 5, fields, sim->work);
-    wires_carry(sim, state, old_s);
+    wires_carry(state, old_s, sim->wires); /* scratch: its history belongs to the old mesh */
     memset(nodal.reaction + DOF, 0, sizeof(double) * DOF * (size_t)(nodal.nodes - 2));
     rope_system_refer(sim, state, nodal.q);
     const Solver *solver = &sim->scene.solver;
@@ -65,10 +85,10 @@ static int on_partition(Simulator *sim, State *state, int direction, const doubl
 int transform_if_due(Simulator *sim, State *state) {
     /* A step that is taken again transforms when the recorded one did. */
     const Path *paths = sim->replay.repeating ? sim->replay.paths : state->paths;
-    const double bottom_s = model_bottom_s(sim, paths, state->t);
+    const double bottom_s = model_bottom_s(&sim->scene, paths, state->t);
     double divider_s[DIVIDERS];
     int status = CONVERGED;
-    model_dividers(sim, paths, state->t, divider_s);
+    model_dividers(&sim->scene, paths, state->t, divider_s);
     while (status == CONVERGED) {
         const int direction = (int)transformation_due(&state->pattern, bottom_s, DUE_EARLY);
         if (direction == 0 && !window_due(&state->pattern, divider_s)) break;
@@ -83,7 +103,7 @@ void update_loop_yaw(State *state) {
     state->loop_yaw = nearest_turn(atan2(-d[2], d[0]), state->loop_yaw);
 }
 
-int raise_fidelity(Simulator *sim, State *state, const char *why, char *message) {
+RopeStatus raise_fidelity(Simulator *sim, State *state, const char *why, char *message) {
     const NodalArrays nodal = state_arrays(state);
     const int was = state->fidelity;
     const EndMotion ends[2] = {path_at(&state->paths[LEFT], INFINITY), path_at(&state->paths[RIGHT], INFINITY)};
@@ -95,15 +115,15 @@ int raise_fidelity(Simulator *sim, State *state, const char *why, char *message)
     rope_system_refer(sim, state, nodal.q);
     if (was != RIGID && !carries_torque(&sim->scene)) {
         model_restart(sim, state);
-        return 1;
+        return ROPE_DONE;
     }
-    if (was == RIGID && !flexible_start(sim, state, message)) return 0;
+    if (was == RIGID && !flexible_start(sim, state, message)) return ROPE_FAILED;
     if (dynamic_equilibrium(sim, state, SETTLING_TIME, SETTLING_TOLERANCE).status == CONVERGED)
         memcpy(nodal.reaction, sim->trial.reaction, sizeof(double) * (size_t)nodal.nodes * DOF);
     else
         update_angles(sim, state, nodal.q, nodal.v, nodal.a, nodal.b);
     model_restart(sim, state);
     state->energy_balance.transformations += model_energies(sim, state);
-    if (start_hysteresis(sim, state)) rope_system_refer(sim, state, nodal.q);
-    return 1;
+    if (start_hysteresis(sim->wires, state)) rope_system_refer(sim, state, nodal.q);
+    return ROPE_DONE;
 }

@@ -24,9 +24,20 @@
 
    Where a leg faces a divider that may press it, WINDOW elements of l are divided into WINDOW_PARTS each. */
 
-#include <limits.h>
+#include "partition.h"
 
+#include <limits.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "formulas.h"
+#include "messages.h"
+#include "parameter_table.h"
+#include "rope.h"
 #include "rules.h"
+#include "state_structures.h"
 
 static const int LONGER[] = LEG_LENGTHS;
 enum { LENGTHS = sizeof LONGER / sizeof *LONGER };
@@ -93,10 +104,10 @@ static int longest_of(const double *lengths, int stride, int count) {
 }
 
 /* True if element k of this leg, from its end on, is in a window. */
-static int in_window(const int *windows, int side, int k) {
+static bool in_window(const int *windows, int side, int k) {
     for (int i = side; i < DIVIDERS; i += 2)
-        if (0 <= k - windows[i] && k - windows[i] < WINDOW) return 1;
-    return 0;
+        if (0 <= k - windows[i] && k - windows[i] < WINDOW) return true;
+    return false;
 }
 
 /* Divide element k of `count` into equal parts. */
@@ -135,8 +146,7 @@ static double outer_of(const Mesh *mesh, double length) {
 int partition_elements(const Mesh *mesh, double length, const double *divider_s, char *message) {
     message[0] = '\0';
     if (mesh->kind == EEM) {
-        require_in_bounds(mesh, message); /* an automatic mesh may be out of bounds */
-        return message[0] ? 0 : mesh->elements;
+        return require_in_bounds(mesh, message) ? mesh->elements : 0; /* an automatic mesh may be out of bounds */
     }
     double outer = outer_of(mesh, length);
     if (outer > (double)MAX_ELEMENTS)
@@ -212,10 +222,10 @@ static void place_windows(Pattern *pattern, const double *divider_s) {
     for (int i = 0; i < DIVIDERS; i++) pattern->windows[i] = (int)nearest_whole(window_place(pattern, divider_s[i]));
 }
 
-int window_due(const Pattern *pattern, const double *divider_s) {
+bool window_due(const Pattern *pattern, const double *divider_s) {
     for (int i = 0; pattern->coarse > 0 && i < DIVIDERS; i++)
-        if (fabs(window_place(pattern, divider_s[i]) - pattern->windows[i]) > WINDOW_DUE) return 1;
-    return 0;
+        if (fabs(window_place(pattern, divider_s[i]) - pattern->windows[i]) > WINDOW_DUE) return true;
+    return false;
 }
 
 void partition(const Mesh *mesh, double length, double bottom_s, const double *divider_s, int elements,
@@ -244,4 +254,9 @@ void partition_transform(Pattern *pattern, int direction, const double *divider_
     pattern->counts[SEGMENTS - 1] -= direction;
     place_windows(pattern, divider_s);
     tmn(pattern, elements, lengths);
+}
+
+void arc_lengths(int elements, const double *lengths, double *s) {
+    s[0] = 0.0;
+    for (int k = 0; k < elements; k++) s[k + 1] = s[k] + lengths[k];
 }

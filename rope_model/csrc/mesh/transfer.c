@@ -5,7 +5,15 @@
    except for the part that the clamped ends take up. Dropping the middle node alone would lose its excess over
    its neighbours: a blow to the leg at every transformation. */
 
+#include "transfer.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "banded.h"
 #include "formulas.h"
+#include "rope.h"
 
 enum { CUBIC = 4, LINEAR = 2, MAX_FIELDS = 8 };
 
@@ -14,10 +22,11 @@ static double tolerance_of(int nodes, const double *s) {
     return 1e-9 * s[nodes - 1];
 }
 
-void transfer_interpolate(int nodes, const double *x, const double *s, int count, const double *places, double *y) {
+void transfer_interpolate(int nodes, const double *x, const double *s, int count, const double *places,
+                          double (*y)[DOF]) {
     const double tolerance = tolerance_of(nodes, s);
     int i = 0;
-    for (int k = 0; k < count; k++, y += DOF) {
+    for (int k = 0; k < count; k++) {
         /* Find the last element whose left node is left of the place.  Places mostly ascend. */
         while (i < nodes - 2 && s[i + 1] < places[k] + tolerance) i++;
         while (i > 0 && s[i] >= places[k] + tolerance) i--;
@@ -27,9 +36,9 @@ void transfer_interpolate(int nodes, const double *x, const double *s, int count
         const int nearer_left = places[k] - left_s < right_s - places[k];
         const double l = right_s - left_s;
         if (fabs((nearer_left ? left_s : right_s) - places[k]) <= tolerance)
-            memcpy(y, nearer_left ? left : right, DOF * sizeof *y);
+            memcpy(y[k], nearer_left ? left : right, sizeof y[k]);
         else
-            node_values(minimum(maximum((places[k] - left_s) / l, 0.0), 1.0), l, left, y);
+            node_values(minimum(maximum((places[k] - left_s) / l, 0.0), 1.0), l, left, y[k]);
     }
 }
 
@@ -89,7 +98,7 @@ void transfer_fields(int nodes, const double *old_s, const double *new_s, int fi
     for (int f = 0; f < fields; f++) {
         before[f] = x[f];
         after[f] = y[f] = theta + n * fields + DOF * n * f;
-        transfer_interpolate(nodes, x[f], old_s, nodes, new_s, y[f]);
+        transfer_interpolate(nodes, x[f], old_s, nodes, new_s, (double (*)[DOF])y[f]);
     }
     add_missing(nodes, fields, before, old_s, after, new_s, r, theta);
     cubic_products(nodes, new_s, cubics);

@@ -1,6 +1,8 @@
 /* Direct solver for symmetric positive definite band matrices. */
 
-#include "core.h"
+#include "banded.h"
+
+#include <stddef.h>
 
 void solve_banded(int rows, int width, double *A, int columns, double *b) {
     const ptrdiff_t row = width + 1;

@@ -15,7 +15,22 @@
    Sources: Chung and Hulbert, J. Appl. Mech. 60 (1993); Arnold and Brüls, Multibody Syst. Dyn. 18 (2007), for the
    form with auxiliary accelerations; Brüls and Arnold, J. Comput. Nonlinear Dyn. 3 (2008), for variable steps. */
 
+#include "generalized_alpha.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "chain.h"
+#include "ends.h"
+#include "formulas.h"
+#include "restrict.h"
+#include "rope.h"
+#include "rope_system.h"
 #include "simulator.h"
+#include "state_structures.h"
+#include "system.h"
 
 /* Return the change of the accelerations over the trial; where wires rub, without that of unresolved stiff modes. */
 static const double *resolved_change(Simulator *sim, const Chain *chain, const System *sys, double c_a,
@@ -30,7 +45,7 @@ static const double *resolved_change(Simulator *sim, const Chain *chain, const S
 }
 
 /* True if the rate of the acceleration over the step `before` may predict a step h. */
-static int rate_known(double h, double before) {
+static bool rate_known(double h, double before) {
     return 0 < h && h <= MAX_GROWTH * before;
 }
 
@@ -55,13 +70,13 @@ StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, dou
     const double time_shift = recentring(&method, h, state->h);
     const double ahead = rate_known(h, state->h) && !state->rubs ? h : 0;
     double c[3], w[6], aux[4];
-    int finite = 1;
+    bool finite = true;
     StepResult result = {.t = state->t + h, .h = h, .error = INFINITY};
     prediction_weights(&method, h, time_shift, ahead, w);
     auxiliary_weights(&method, time_shift, aux);
     newton_coefficients(&method, h, c);
     predict(&old, h, ahead, w, now->q, now->v, now->a);
-    rope_system_prescribed_motion(sim, state, sys, result.t, 3, (double *[]){now->q, now->v, now->a});
+    rope_system_prescribed_motion(&sim->scene, state, sys, result.t, 3, (double *[]){now->q, now->v, now->a});
     sys->time = result.t;
     memcpy(now->reaction, old.reaction, sizeof(double) * size);
     const Chain *chain = chain_of(sim, state);
@@ -69,7 +84,7 @@ StepResult generalized_alpha_step(Simulator *sim, State *state, System *sys, dou
     result.newton = chain->solve(sys, sim->work, now->q, now->v, now->a, now->reaction, c,
                                  effective_tolerance(solver->newton_tolerance, solver->work_max, BOUNDED_STEP_ERROR),
                                  old.q, result.balance);
-    for (size_t i = 0; i < size; i++) finite &= isfinite(now->reaction[i]) != 0;
+    for (size_t i = 0; i < size; i++) finite &= isfinite(now->reaction[i]);
     if (result.newton.status == CONVERGED && !finite) result.newton.status = NOT_FINITE;
     result.converged = result.newton.status == CONVERGED;
     if (!result.converged) return result;
@@ -90,7 +105,7 @@ void generalized_alpha_restart(Simulator *sim, State *state, const System *sys) 
     const double c[3] = {0, 0, 1};
     double unused[BALANCE], *reaction = sim->trial.reaction;
     memset(nodal.a, 0, sizeof(double) * size);
-    rope_system_prescribed_motion(sim, state, sys, state->t, 3, (double *[]){nodal.q, nodal.v, nodal.a});
+    rope_system_prescribed_motion(&sim->scene, state, sys, state->t, 3, (double *[]){nodal.q, nodal.v, nodal.a});
     for (int again = 0; again < 2; again++) { /* friction of the second pass uses the reactions of the first */
         memcpy(reaction, nodal.reaction, sizeof(double) * size);
         chain_of(sim, state)

@@ -7,20 +7,25 @@
    begins with a new factorization and continues with it while the contraction pays; a slow round is followed by
    another. */
 
-#include "rope_system.h"
+#include "newton.h"
 
-Progress newton_judge(Progress before, double norm, double tolerance, int fresh, const NewtonLimits *limits) {
+#include <math.h>
+#include <stdbool.h>
+
+#include "formulas.h"
+
+Progress newton_judge(Progress before, double norm, double tolerance, bool fresh, const NewtonLimits *limits) {
     const double contraction = before.norm > 0 ? norm / before.norm : 0;
-    const int first = before.iterations < 1, sure = !first && contraction < limits->unsure;
+    const bool first = before.iterations < 1, sure = !first && contraction < limits->unsure;
     const double guess = first ? before.contraction * norm : norm;
     Progress after = {
-        TOO_MANY,    before.iterations + 1, 1, norm, sure ? contraction / (1 - contraction) * norm : guess,
+        TOO_MANY,    before.iterations + 1, true, norm, sure ? contraction / (1 - contraction) * norm : guess,
         contraction, before.sum + norm};
     if (!(norm < NEWTON_HUGE)) {
         after.status = NOT_FINITE;
         after.error = INFINITY;
     } else if (!sure && !fresh) { /* a new factorization is due */
-        after.applies = 0;
+        after.applies = false;
         after.norm = before.norm;
         after.sum = before.sum;
         after.error = after.contraction = INFINITY;
@@ -35,6 +40,6 @@ Progress newton_judge(Progress before, double norm, double tolerance, int fresh,
 Progress newton_repeated(Progress progress, int corrections) {
     if (progress.status == NOT_FINITE) return progress;
     progress.status = progress.iterations < corrections ? TOO_MANY : CONVERGED;
-    progress.applies = 1;
+    progress.applies = true;
     return progress;
 }

@@ -1,7 +1,17 @@
 /* Shape of the rope for hoist engineers: lowest point, clearance and turns of the legs, tension along the rope. */
 
+#include "diagnostics.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
 #include "formulas.h"
-#include "messages.h"
+#include "rope.h"
+#include "state.h"
+#include "state_structures.h"
+#include "transfer.h"
 
 /* LEG: points of one leg for its clearance; BLOCK: points that share a bounding box. */
 enum { LEG = OUTLINE / 2 + 1, BLOCK = 4, BLOCKS = (LEG + BLOCK - 1) / BLOCK };
@@ -17,9 +27,9 @@ double ends_yaw(const NodalArrays *nodal) {
 LoopBottom loop_bottom(int nodes, const double *q, const double *s) {
     int lowest = lowest_node(nodes, q), i = lowest < 1 ? 1 : lowest > nodes - 2 ? nodes - 2 : lowest;
 
-    double fine[FINE], rows[FINE][DOF], row[DOF], step = (s[i + 1] - s[i - 1]) / (FINE - 1);
+    double fine[FINE], rows[FINE][DOF], row[1][DOF], step = (s[i + 1] - s[i - 1]) / (FINE - 1);
     for (int k = 0; k < FINE; k++) fine[k] = k < FINE - 1 ? k * step + s[i - 1] : s[i + 1];
-    transfer_interpolate(nodes, q, s, FINE, fine, rows[0]);
+    transfer_interpolate(nodes, q, s, FINE, fine, rows);
     int j = 0;
     for (int k = 1; k < FINE; k++)
         if (rows[k][1] < rows[j][1]) j = k;
@@ -30,8 +40,8 @@ LoopBottom loop_bottom(int nodes, const double *q, const double *s) {
     LoopBottom bottom;
     bottom.s = fine[j] + clip(shift, -1.0, 1.0) * (fine[1] - fine[0]);
     transfer_interpolate(nodes, q, s, 1, &bottom.s, row);
-    memcpy(bottom.position, row, sizeof bottom.position);
-    bottom.yaw = atan2(-row[SLOPE + 2], row[SLOPE]);
+    memcpy(bottom.position, row[0], sizeof bottom.position);
+    bottom.yaw = atan2(-row[0][SLOPE + 2], row[0][SLOPE]);
     return bottom;
 }
 
@@ -43,18 +53,19 @@ void shape_places(double total, double bottom_s, double loop, int points, double
     }
 }
 
-void diagnostics_shape(int nodes, const double *q, const double *s, int points, const double *places, double *xyz) {
-    for (int k = 0, i = 0; k < points; k++, xyz += 3) {
+void diagnostics_shape(int nodes, const double *q, const double *s, int points, const double *places,
+                       double (*xyz)[3]) {
+    for (int k = 0, i = 0; k < points; k++) {
         while (i < nodes - 2 && s[i + 1] < places[k]) i++;
         const double l = s[i + 1] - s[i], *a = q + (ptrdiff_t)DOF * i;
-        position_at((places[k] - s[i]) / l, l, a, a + DOF, xyz);
+        position_at((places[k] - s[i]) / l, l, a, a + DOF, xyz[k]);
     }
 }
 
 void diagnostics_tension(const NodalArrays *arrays, double rho, double gravity, int points, const double *places,
                          double *tension) {
     const double *s = arrays->s;
-    double before[3] = {0, 0, 0}, row[DOF];
+    double before[3] = {0, 0, 0}, row[1][DOF];
     int i = 0;
     for (int k = 0; k < points; k++) {
         /* Integrate the acceleration, cubic between the nodes, over the elements to the left ... */
@@ -73,7 +84,8 @@ void diagnostics_tension(const NodalArrays *arrays, double rho, double gravity, 
             force[axis] = rho * (before[axis] + within) - arrays->reaction[axis];
         }
         force[1] += rho * gravity * places[k];
-        tension[k] = dot(force, row + SLOPE) / sqrt(dot(row + SLOPE, row + SLOPE));
+        const double *slope = row[0] + SLOPE;
+        tension[k] = dot(force, slope) / sqrt(dot(slope, slope));
     }
 }
 
@@ -90,15 +102,15 @@ double interpolate_midpoints(int nodes, const double *s, int k, double place, do
 
 /* Copy the points of a leg upwards from where it first reaches `height`; return their number.  `first` is the leg's
    lowest point, `stride` the step to the next, in points. */
-static int part_above(const double *first, int stride, double height, double part[LEG][3]) {
+static int part_above(double (*first)[3], int stride, double height, double part[LEG][3]) {
     int i = 0, n = 0;
-    while (i < LEG && first[3 * stride * i + 1] < height) i++;
+    while (i < LEG && first[stride * i][1] < height) i++;
     if (i == LEG) return 0;
-    const double *below = first + 3 * stride * (i > 0 ? i - 1 : 0), *above = first + 3 * stride * i;
+    const double *below = first[stride * (i > 0 ? i - 1 : 0)], *above = first[stride * i];
     double rise = above[1] - below[1], fraction = rise > 0 ? (height - below[1]) / rise : 1.0;
     for (int axis = 0; axis < 3; axis++) part[0][axis] = below[axis] + fraction * (above[axis] - below[axis]);
     i += fraction >= 1.0;
-    for (n = 1; i < LEG; i++, n++) memcpy(part[n], first + 3 * stride * i, sizeof part[n]);
+    for (n = 1; i < LEG; i++, n++) memcpy(part[n], first[stride * i], sizeof part[n]);
     return n;
 }
 
@@ -163,9 +175,11 @@ double leg_clearance(int nodes, const double *q, const double *s, const LoopBott
                      double diameter, double above, int pair[2]) {
     double places[OUTLINE], outline[OUTLINE][3], left[LEG][3], right[LEG][3];
     shape_places(s[nodes - 1], bottom->s, loop, OUTLINE, places);
-    diagnostics_shape(nodes, q, s, OUTLINE, places, outline[0]);
+    diagnostics_shape(nodes, q, s, OUTLINE, places, outline);
     double height = bottom->position[1] + above;
-    int lefts = part_above(outline[LEG - 1], -1, height, left), rights = part_above(outline[LEG - 1], 1, height, right);
+    double (*lowest)[3] = outline + LEG - 1;
+    const int lefts = part_above(lowest, -1, height, left);
+    const int rights = part_above(lowest, 1, height, right);
     if (lefts < 2 || rights < 2) return HUGE_VAL;
     return sqrt(smallest_squared(lefts, left, rights, right, pair)) - diameter;
 }
@@ -204,12 +218,13 @@ static double climb_at(const Climb *leg, double height, int axis) {
     return leg->low[axis] + fraction * (leg->high[axis] - leg->low[axis]);
 }
 
-int legs_apart(const NodalArrays *nodal, const double across[2], double diameter, double above) {
+bool legs_apart(const NodalArrays *nodal, const double across[2], double diameter, double above) {
     const int lowest = lowest_node(nodal->nodes, nodal->q);
     const double *left = nodal->q, *low = left + (ptrdiff_t)DOF * lowest,
                  *right = left + (ptrdiff_t)DOF * nodal->elements;
     double normal[3];
-    int apart = 0 < lowest && lowest < nodal->elements, k = 0;
+    bool apart = 0 < lowest && lowest < nodal->elements;
+    int k = 0;
     plane_between(left, right, low, across, normal);
     for (const double *q = left; q < low; q += DOF, k++)
         apart &= side_gap(-1.0, nodal->lengths[k], q, q + DOF, left[1], low, normal, diameter, above) >= 0;

@@ -1,6 +1,17 @@
 /* Guarded quantities of the present rope, for physics.guard. */
 
-#include "rope_system.h"
+#include "guards.h"
+
+#include <math.h>
+#include <stddef.h>
+
+#include "diagnostics.h"
+#include "ends.h"
+#include "formulas.h"
+#include "rope.h"
+#include "shaft.h"
+#include "state.h"
+#include "state_structures.h"
 
 double guards_rise(const Scene *scene, const State *state, const NodalArrays *nodal, const LoopBottom *bottom) {
     const double left = nodal->q[1], right = nodal->q[(size_t)nodal->elements * DOF + 1];
@@ -37,8 +48,8 @@ void update_guards(const Scene *scene, State *state) {
     shaft_nearer(scene, &nodal, state->t, nearest);
     for (int kind = 0; kind < KINDS; kind++) clearance = minimum(clearance, nearest[kind].clearance);
     for (int side = LEFT; side <= RIGHT; side++) {
-        const double *reaction = nodal.reaction + (size_t)(side * nodal.elements) * DOF;
-        torque = maximum(torque, fabs(ends_moment(scene, state, side, reaction)));
+        const double *q = end_row(nodal.q, nodal.nodes, side), *R = end_row(nodal.reaction, nodal.nodes, side);
+        torque = maximum(torque, fabs(ends_moment(scene, &state->swivels[side], side, q, R)));
     }
     const double quantities[GUARDS] = {
         guard->rise_y <= -FAR ? guards_rise(scene, state, &nodal, &bottom) : bottom.position[1] - guard->rise_y,

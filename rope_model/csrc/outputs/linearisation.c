@@ -1,7 +1,19 @@
 /* What linear models and natural modes take from the present state: the chain's matrix, the frames of its elements, and
    facts about it. */
 
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "chain.h"
+#include "diagnostics.h"
+#include "formulas.h"
+#include "obstacles.h"
+#include "rope.h"
+#include "rope_system.h"
 #include "simulator.h"
+#include "state_structures.h"
+#include "system.h"
 
 /* Return the system of the present state without contact, whose ends are not held: no row of its matrix is cleared. */
 static System free_system(const Simulator *sim) {
@@ -9,7 +21,7 @@ static System free_system(const Simulator *sim) {
     sys.obstacles = NULL;
     sys.self_contact = NULL;
     for (int side = LEFT; side <= RIGHT; side++)
-        for (int dof = 0; dof < DOF; dof++) sys.free[side][dof] = 1;
+        for (int dof = 0; dof < DOF; dof++) sys.free[side][dof] = true;
     return sys;
 }
 

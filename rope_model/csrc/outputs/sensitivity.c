@@ -5,21 +5,30 @@
    swivels.  The central difference of the loads at its end is the derivative of what the step computes.  The path's own
    derivative is exact, as the input filter treats a small misfit otherwise than one that can be measured. */
 
+#include "sensitivity.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "adaptation.h"
+#include "ends.h"
+#include "formulas.h"
+#include "host_step.h"
 #include "messages.h"
+#include "rope.h"
+#include "rope_system.h"
 #include "rules.h"
+#include "signal_numbers.h"
 #include "simulator.h"
+#include "state.h"
+#include "state_structures.h"
+#include "stepping.h"
+#include "switching.h"
 
 /* VECTORS: members of EndMotion before the yaw, three of each order */
-enum {
-    UP = 1,
-    VECTORS = 9,
-    ANGLE_PATH = 3,
-    AXES = 4,
-    PATHS = 6,
-    POWERS = 6,
-    OF_END = sizeof(EndMotion) / sizeof(double),
-    LOADS = 12
-};
+enum { UP = 1, VECTORS = 9, ANGLE_PATH = 3, AXES = 4, PATHS = 6, POWERS = 6, LOADS = 12 };
 
 /* Largest changes of an end within the step, in m and in rad: large against rounding, and small against all that a
    rope's stiffness changes with. */
@@ -40,17 +49,16 @@ typedef struct {
 } Change;
 
 /* Forces and moments of the rope on both conveyances. */
-static void end_loads(const Simulator *sim, State *state, double loads[LOADS]) {
+static void end_loads(const Scene *scene, State *state, double loads[LOADS]) {
     const NodalArrays nodal = state_arrays(state);
     for (int side = LEFT; side <= RIGHT; side++) {
         const double *q = end_row(nodal.q, nodal.nodes, side), *R = end_row(nodal.reaction, nodal.nodes, side);
-        conveyance_load(q, R, ends_moment(&sim->scene, state, side, R), loads + 6 * side);
+        conveyance_load(q, R, ends_moment(scene, &state->swivels[side], side, q, R), loads + 6 * side);
     }
 }
 
 /* Describe a step that has not been taken: as long as the last, with accelerations held. */
-static HostStep coming_step(const Simulator *sim, int at_step_end) {
-    const State *state = sim->state;
+static HostStep coming_step(const State *state, bool at_step_end) {
     HostStep host = {.stop = state->t + state->last_interval};
     host.given_at = host.asked_at = at_step_end ? host.stop : state->t;
     for (int side = LEFT; side <= RIGHT; side++) {
@@ -61,45 +69,45 @@ static HostStep coming_step(const Simulator *sim, int at_step_end) {
 }
 
 /* Take the host's step from sim->state on, and record it. */
-static int record(Simulator *sim, const HostStep *host) {
+static RopeStatus record(Simulator *sim, const HostStep *host) {
     Replay *replay = &sim->replay;
     int event;
     replay->repeats++;
     replay->count = 0;
     replay->derived = 0;
     rope_system_refer(sim, sim->state, state_arrays(sim->state).q);
-    replay->recording = 1;
-    const int done = take_host_step(sim, host, &event);
-    replay->recording = 0;
-    if (!done) return 0;
+    replay->recording = true;
+    const RopeStatus done = take_host_step(sim, host, &event);
+    replay->recording = false;
+    if (!done) return ROPE_FAILED;
     if (replay->count > MAX_TAKEN) return say_too_many_to_differentiate(sim->message, replay->count, MAX_TAKEN);
     const State *end = sim->next;
     memcpy(replay->paths, end->paths, sizeof replay->paths);
     replay->fidelity = end->fidelity;
     replay->after = phases_of(end);
     replay->duration = end->t - sim->state->t;
-    replay->known = 1;
-    return 1;
+    replay->known = true;
+    return ROPE_DONE;
 }
 
 /* Take the recorded step again, with `times` the change added to the paths. */
-static int repeat(Simulator *sim, const Change *change, double times, double loads[LOADS]) {
+static RopeStatus repeat(Simulator *sim, const Change *change, double times, double loads[LOADS]) {
     Replay *replay = &sim->replay;
     State *state = sim->next;
     replay->repeats++;
-    state_copy(sim, state, sim->state);
+    memcpy(state, sim->state, sim->state_bytes);
     memcpy(state->paths, replay->paths, sizeof replay->paths);
     Path *path = &state->paths[change->side];
     for (int k = 0; k < PATHS; k++)
         for (int power = 0; power < POWERS; power++)
             (k < AXES ? path->coefficients[k] : path->leans[k - AXES])[power] += times * change->coefficients[k][power];
     rope_system_refer(sim, sim->state, state_arrays(sim->state).q);
-    if (state->fidelity != replay->fidelity && !raise_fidelity(sim, state, "", sim->message)) return 0;
+    if (state->fidelity != replay->fidelity && !raise_fidelity(sim, state, "", sim->message)) return ROPE_FAILED;
     for (int k = 0; k < replay->count; k++)
-        if (!repeat_step(sim, state, &replay->steps[k], sim->message)) return 0;
+        if (!repeat_step(sim, state, &replay->steps[k], sim->message)) return ROPE_FAILED;
     set_phases(sim, state, &replay->after);
-    end_loads(sim, state, loads);
-    return 1;
+    end_loads(&sim->scene, state, loads);
+    return ROPE_DONE;
 }
 
 static double power_of(double x, int exponent) {
@@ -109,11 +117,10 @@ static double power_of(double x, int exponent) {
 }
 
 /* Return the factor that makes a change as large as a difference may be; 0 if nothing changes. */
-static double largest_factor(const Simulator *sim, const Change *change) {
-    const Replay *replay = &sim->replay;
+static double largest_factor(const Replay *replay, bool has_wires, const Change *change) {
     const double duration = replay->duration;
     /* of the scene: a rigid rope, whose wires do not rub yet, may become flexible within the step */
-    const double share = sim->wires != NULL ? SHARE_OF_RUBBING : 1;
+    const double share = has_wires ? SHARE_OF_RUBBING : 1;
     double size = 0; /* bound of the change over the largest one */
     for (int k = 0; k < PATHS; k++)
         for (int power = 0; power < POWERS; power++)
@@ -125,45 +132,44 @@ static double largest_factor(const Simulator *sim, const Change *change) {
 }
 
 /* Differentiate the loads at the end of the recorded step along a change. */
-static int derivative_along(Simulator *sim, const Change *change, double derivative[LOADS]) {
-    const double factor = largest_factor(sim, change);
+static RopeStatus derivative_along(Simulator *sim, const Change *change, double derivative[LOADS]) {
+    const double factor = largest_factor(&sim->replay, sim->wires != NULL, change);
     double loads[2][LOADS];
     memset(derivative, 0, sizeof(double) * LOADS);
-    if (factor == 0) return 1;
-    sim->replay.repeating = 1;
-    const int done = repeat(sim, change, factor, loads[0]) && repeat(sim, change, -factor, loads[1]);
-    sim->replay.repeating = 0;
-    if (!done) return 0;
+    if (factor == 0) return ROPE_DONE;
+    sim->replay.repeating = true;
+    const bool done = repeat(sim, change, factor, loads[0]) && repeat(sim, change, -factor, loads[1]);
+    sim->replay.repeating = false;
+    if (!done) return ROPE_FAILED;
     for (int k = 0; k < LOADS; k++) {
         derivative[k] = 0.5 * (loads[0][k] - loads[1][k]) / factor;
         if (!isfinite(derivative[k])) return say_no_finite_derivative(sim->message);
     }
-    return 1;
+    return ROPE_DONE;
 }
 
 /* Return the change of an end's path with an input. */
-static Change change_with(const Simulator *sim, const HostStep *host, int side, int place) {
-    const State *start = sim->state;
-    const FilterSettings settings = filter_settings(&sim->scene, sim->scene.inputs.given);
+static Change change_with(const Scene *scene, const State *start, const HostStep *host, int side, int place) {
+    const FilterSettings settings = filter_settings(scene, scene->inputs.given);
     const double *latest = start->filters[side].given;
     EndMotion end = host->ends[side];
-    double *value = (double *)&end + place, direction[OF_END] = {0};
+    double direction[END_MOTIONS] = {0};
     Change change = {.side = side};
     direction[place] = 1;
     /* A motion with a change is no repetition of the latest sample. */
-    if (*value == latest[place]) *value += 4e-16 * fmax(1, fabs(*value));
+    const double value = end_value(&end, place);
+    if (value == latest[place]) set_end_value(&end, place, value + 4e-16 * fmax(1, fabs(value)));
     path_change(&start->paths[side], &start->filters[side], &settings, host->asked_at, host->stop, &end, direction,
                 change.coefficients);
     return change;
 }
 
 /* True if the rope can follow a change of an input as it is: a lower fidelity leaves motions out. */
-static int follows(const Simulator *sim, const HostStep *host, int side, int place) {
+static bool follows(const Scene *scene, int fidelity, const HostStep *host, int side, int place) {
     EndMotion ends[2] = {host->ends[LEFT], host->ends[RIGHT]};
-    if (sim->replay.fidelity == RIGID) return place < VECTORS && place % 3 == UP;
-    ((double *)&ends[side])[place] += 1;
-    return sim->replay.fidelity == TORSIONAL ||
-           unsupported_input(&sim->scene, sim->replay.fidelity, &ends[LEFT], &ends[RIGHT]) == 0;
+    if (fidelity == RIGID) return place < VECTORS && place % 3 == UP;
+    set_end_value(&ends[side], place, end_value(&ends[side], place) + 1);
+    return fidelity == TORSIONAL || unsupported_input(scene, fidelity, &ends[LEFT], &ends[RIGHT]) == 0;
 }
 
 /* Where the derivatives are taken: the present state, and the step. */
@@ -173,20 +179,20 @@ typedef struct {
 } Place;
 
 /* Go back to the start of the last step, and record it unless that has been done. */
-static int go_back(Simulator *sim, int at_step_end, Place *place) {
+static RopeStatus go_back(Simulator *sim, bool at_step_end, Place *place) {
     place->now = sim->state;
-    place->host = sim->last.taken ? sim->last : coming_step(sim, at_step_end);
+    place->host = sim->last.taken ? sim->last : coming_step(sim->state, at_step_end);
     if (sim->last.taken) sim->state = sim->start;
-    if (!sim->last.taken && sim->replay.at_step_end != at_step_end) sim->replay.known = 0;
+    if (!sim->last.taken && sim->replay.at_step_end != at_step_end) sim->replay.known = false;
     sim->replay.at_step_end = at_step_end;
     return sim->replay.known || record(sim, &place->host);
 }
 
 /* Return to the present state; complete the message of a failure. */
-static int return_from(Simulator *sim, const Place *place, int succeeded) {
+static RopeStatus return_from(Simulator *sim, const Place *place, RopeStatus status) {
     sim->state = place->now;
     rope_system_refer(sim, sim->state, state_arrays(sim->state).q);
-    if (succeeded) return 1;
+    if (status == ROPE_DONE) return ROPE_DONE;
     char why[MESSAGE];
     memcpy(why, sim->message, sizeof why);
     return say_no_derivative(sim->message, why);
@@ -196,7 +202,7 @@ static int return_from(Simulator *sim, const Place *place, int succeeded) {
 void added_mass_signals(Simulator *sim, double *values) {
     double derivatives[2][LOADS] = {{0}};
     Place place;
-    int done = go_back(sim, 1, &place);
+    RopeStatus done = go_back(sim, true, &place);
     for (int side = LEFT; side <= RIGHT && done; side++) {
         Change change = {.side = side};
         change.coefficients[1][3] = 1 / (6 * sim->replay.duration);
@@ -212,16 +218,17 @@ size_t rope_repeated_steps(const Simulator *sim) {
     return sim->replay.repeats;
 }
 
-int rope_load_derivative(Simulator *sim, int input, int at_step_end, double derivative[LOADS]) {
-    if (input < 0 || input >= 2 * OF_END) return say_no_such_input(sim->message, 2 * OF_END - 1);
+RopeStatus rope_load_derivative(Simulator *sim, int input, int at_step_end, double derivative[LOADS]) {
+    if (input < 0 || input >= 2 * END_MOTIONS) return say_no_such_input(sim->message, 2 * END_MOTIONS - 1);
     if (!sim->initialized) return say_no_state(sim->message);
-    const int side = input / OF_END, field = input % OF_END;
+    const int side = input / END_MOTIONS, field = input % END_MOTIONS;
     Replay *replay = &sim->replay;
     Place place;
-    int done = go_back(sim, at_step_end, &place);
+    RopeStatus done = go_back(sim, at_step_end, &place);
     if (done && !(replay->derived & 1u << input)) {
         Change change = {.side = side};
-        if (follows(sim, &place.host, side, field)) change = change_with(sim, &place.host, side, field);
+        if (follows(&sim->scene, replay->fidelity, &place.host, side, field))
+            change = change_with(&sim->scene, sim->state, &place.host, side, field);
         done = derivative_along(sim, &change, replay->derivatives[input]);
         if (done) replay->derived |= 1u << input;
     }

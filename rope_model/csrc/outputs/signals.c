@@ -1,6 +1,27 @@
 /* Values of the rope's outputs, by the names of rules.signal_table. */
 
+#include "signals.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "contact_balance.h"
+#include "diagnostics.h"
+#include "ends.h"
+#include "formulas.h"
+#include "guards.h"
+#include "partition.h"
+#include "rigid.h"
+#include "rope.h"
+#include "rope_system.h"
+#include "shaft.h"
+#include "signal_numbers.h"
 #include "simulator.h"
+#include "state.h"
+#include "state_structures.h"
+#include "system.h"
+
 #include "state_signals.h" /* state_signals: generated */
 
 /* Return the loop's lowest point, which is kept until the state changes. */
@@ -8,7 +29,7 @@ static const LoopBottom *loop(Simulator *sim) {
     if (!sim->bottom_known) {
         const NodalArrays nodal = state_arrays(sim->state);
         sim->bottom = loop_bottom(nodal.nodes, nodal.q, nodal.s);
-        sim->bottom_known = 1;
+        sim->bottom_known = true;
     }
     return &sim->bottom;
 }
@@ -19,7 +40,7 @@ static void end_signals(Simulator *sim, double *values) {
     for (int side = LEFT; side <= RIGHT; side++, values += SIGNAL_RIGHT_FX - SIGNAL_LEFT_FX) {
         const double *q = end_row(nodal.q, nodal.nodes, side), *v = end_row(nodal.v, nodal.nodes, side);
         const double *reaction = end_row(nodal.reaction, nodal.nodes, side);
-        const double torque = ends_moment(&sim->scene, state, side, reaction);
+        const double torque = ends_moment(&sim->scene, &state->swivels[side], side, q, reaction);
         conveyance_load(q, reaction, torque, values + SIGNAL_LEFT_FX);
         ends_relative(state, side, state->t, q[ANGLE], v[ANGLE], values + SIGNAL_LEFT_SWIVEL_ANGLE);
         values[SIGNAL_LEFT_FY_MEAN] = state->force_mean[side];
@@ -52,14 +73,15 @@ static void clearance_signals(Simulator *sim, double *values) {
 /* values of physics.stress.material_values */
 enum { BENDING_STRESS, TORSIONAL_STRESS, CURVATURE, TORQUE, MATERIAL_VALUES };
 
-static double material_value(const Simulator *sim, int element, int which) {
+static double material_value(const Rope *rope, bool torsional, const double strains[STRAINS], int which) {
     double found[MATERIAL_VALUES];
-    material_values(&sim->scene.rope, sim->state->fidelity == TORSIONAL, sim->strains[element], found);
+    material_values(rope, torsional, strains, found);
     return found[which];
 }
 
 static void stress_signals(Simulator *sim, double *values) {
     const NodalArrays nodal = state_arrays(sim->state);
+    const bool torsional = sim->state->fidelity == TORSIONAL;
     const int last = nodal.elements - 1;
     int lowest = 0;
     rope_system_strains(sim);
@@ -67,7 +89,7 @@ static void stress_signals(Simulator *sim, double *values) {
     for (int k = 0; k <= last; k++)
         for (int which = BENDING_STRESS; which <= TORSIONAL_STRESS; which++) {
             double *most = values + SIGNAL_STRESS_BENDING_MAX + which;
-            *most = fmax(*most, material_value(sim, k, which));
+            *most = fmax(*most, material_value(&sim->scene.rope, torsional, sim->strains[k], which));
         }
     while (lowest < last && nodal.s[lowest + 1] < loop(sim)->s) lowest++;
     values[SIGNAL_LEFT_TWIST] = sim->strains[0][1];
@@ -101,10 +123,10 @@ static void error_signals(Simulator *sim, double *values) {
 }
 
 /* Coordinates of the points at arc lengths `places`: all x, then all y, then all z. */
-static void points_at(const Simulator *sim, const double *places, double *values) {
-    const NodalArrays nodal = state_arrays(sim->state);
+static void points_at(State *state, const double *places, double *values) {
+    const NodalArrays nodal = state_arrays(state);
     double xyz[SHAPE_POINTS][3];
-    diagnostics_shape(nodal.nodes, nodal.q, nodal.s, SHAPE_POINTS, places, xyz[0]);
+    diagnostics_shape(nodal.nodes, nodal.q, nodal.s, SHAPE_POINTS, places, xyz);
     for (int i = 0; i < SHAPE_POINTS; i++)
         for (int axis = 0; axis < 3; axis++) values[SHAPE_POINTS * axis + i] = xyz[i][axis];
 }
@@ -113,29 +135,32 @@ static void shape_signals(Simulator *sim, double *values) {
     const NodalArrays nodal = state_arrays(sim->state);
     double places[SHAPE_POINTS];
     shape_places(nodal.s[nodal.elements], loop(sim)->s, loop_width(&sim->scene), SHAPE_POINTS, places);
-    points_at(sim, places, values + SIGNAL_SHAPE_X_1);
+    points_at(sim->state, places, values + SIGNAL_SHAPE_X_1);
 }
 
 /* Interpolate a material value at arc lengths `places`, which ascend, between the middles of the elements. */
 static void along(const Simulator *sim, const double *places, int which, double *values) {
+    const Rope *rope = &sim->scene.rope;
+    const bool torsional = sim->state->fidelity == TORSIONAL;
     const NodalArrays nodal = state_arrays(sim->state);
     for (int i = 0, k = 0; i < SHAPE_POINTS; i++) {
         k = middle_before(nodal.nodes, nodal.s, k, places[i]);
         const int next = k < nodal.nodes - 2 ? k + 1 : k;
-        values[i] = interpolate_midpoints(nodal.nodes, nodal.s, k, places[i], material_value(sim, k, which),
-                                          material_value(sim, next, which));
+        const double value = material_value(rope, torsional, sim->strains[k], which);
+        const double following = material_value(rope, torsional, sim->strains[next], which);
+        values[i] = interpolate_midpoints(nodal.nodes, nodal.s, k, places[i], value, following);
     }
 }
 
-static void pull_at(const Simulator *sim, const double *places, double *tension) {
-    const double rho = sim->scene.rope.mass_per_length, gravity = sim->scene.layout.gravity;
-    const NodalArrays nodal = state_arrays(sim->state);
+static void pull_at(const Scene *scene, State *state, const double *places, double *tension) {
+    const double rho = scene->rope.mass_per_length, gravity = scene->layout.gravity;
+    const NodalArrays nodal = state_arrays(state);
     double xyz[3 * SHAPE_POINTS];
-    if (sim->state->fidelity != RIGID) {
+    if (state->fidelity != RIGID) {
         diagnostics_tension(&nodal, rho, gravity, SHAPE_POINTS, places, tension);
         return;
     }
-    points_at(sim, places, xyz);
+    points_at(state, places, xyz);
     rigid_tension(&nodal, rho, gravity, SHAPE_POINTS, places, xyz + SHAPE_POINTS, tension);
 }
 
@@ -144,7 +169,7 @@ static void along_signals(Simulator *sim, double *values) {
     double *places = values + SIGNAL_SHAPE_S_1;
     rope_system_strains(sim);
     shape_places(nodal.s[nodal.elements], loop(sim)->s, loop_width(&sim->scene), SHAPE_POINTS, places);
-    pull_at(sim, places, values + SIGNAL_SHAPE_TENSION_1);
+    pull_at(&sim->scene, sim->state, places, values + SIGNAL_SHAPE_TENSION_1);
     along(sim, places, BENDING_STRESS, values + SIGNAL_SHAPE_BENDING_1);
     along(sim, places, TORSIONAL_STRESS, values + SIGNAL_SHAPE_TORSION_1);
 }
@@ -157,10 +182,10 @@ static void station_signals(Simulator *sim, double *values) {
     rope_system_strains(sim);
     for (int i = 0; i < SHAPE_POINTS; i++)
         places[i] = nodal.s[nodal.elements] * (i < SHAPE_POINTS - 1 ? i * step + station->first : station->last);
-    pull_at(sim, places, values + SIGNAL_STATION_TENSION_1);
+    pull_at(&sim->scene, sim->state, places, values + SIGNAL_STATION_TENSION_1);
     along(sim, places, CURVATURE, values + SIGNAL_STATION_CURVATURE_1);
     along(sim, places, TORQUE, values + SIGNAL_STATION_TORQUE_1);
-    points_at(sim, places, values + SIGNAL_STATION_X_1);
+    points_at(sim->state, places, values + SIGNAL_STATION_X_1);
 }
 
 SignalGroup group_of(int signal) {

@@ -1,6 +1,15 @@
 /* Contact of an element with bodies in the shaft. Formulas and tables: rope_model/physics/contact_element.py. */
 
-#include "rope_system.h"
+#include "contact_element.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#include "contact_balance.h"
+#include "formulas.h"
+#include "obstacles.h"
+#include "rope.h"
+#include "system.h"
 
 typedef struct {
     const double *a, *b; /* rows of the nodes */

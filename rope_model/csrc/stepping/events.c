@@ -3,7 +3,9 @@
    It is the regula falsi with the Illinois modification. It bisects after two rounds in a row that do not halve
    the interval, or where a value is infinite (the function may be kinked). */
 
-#include "simulator.h"
+#include "events.h"
+
+#include "formulas.h"
 
 double locate(double (*f)(void *, double), void *data, double low, double high, double f_low, double f_high,
               double width) {

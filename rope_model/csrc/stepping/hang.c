@@ -13,39 +13,59 @@
    A rope whose ends are not plumb hangs with ends close together; they move apart and lean step by step; it
    relaxes again. */
 
+#include "hang.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "adaptation.h"
+#include "curvature.h"
+#include "ends.h"
+#include "formulas.h"
 #include "messages.h"
+#include "obstacles.h"
+#include "rope.h"
+#include "rope_system.h"
 #include "rules.h"
 #include "simulator.h"
+#include "state.h"
+#include "state_structures.h"
+#include "statics.h"
+#include "trial_step.h"
+#include "wires.h"
 
 /* Bring the state to an equilibrium at rest, with the yaw of its loop. */
-static int equilibrium_in_frame(Simulator *sim, State *state, double max_turn, char *message) {
+static RopeStatus equilibrium_in_frame(Simulator *sim, State *state, double max_turn, char *message) {
     const NodalArrays nodal = state_arrays(state);
     const size_t bytes = sizeof(double) * (size_t)nodal.nodes * DOF;
     const double offset = state->offsets[RIGHT];
-    if (!find_equilibrium(sim, state, max_turn, message)) return 0;
-    memset(nodal.v, 0, (FIELDS - 2) * bytes); /* all arrays except q and the reaction */
+    if (!find_equilibrium(sim, state, max_turn, message)) return ROPE_FAILED;
+    double *const moving[] = {nodal.v, nodal.a, nodal.b, nodal.a_rate};
+    for (size_t k = 0; k < sizeof moving / sizeof *moving; k++) memset(moving[k], 0, bytes);
     state->h = 0;
     model_energies(sim, state);
     /* A yaw psi of the loop turns the frame of the right end by -2 psi.  This counts full turns. */
     state->loop_yaw -= 0.5 * (state->offsets[RIGHT] - offset);
     update_loop_yaw(state);
-    return 1;
+    return ROPE_DONE;
 }
 
 /* Add twist in steps, each to an equilibrium.  `spare` has the state before the latest step. */
-static int turn_in(Simulator *sim, State *state, double twist, char *message) {
+static RopeStatus turn_in(Simulator *sim, State *state, double twist, char *message) {
     const NodalArrays nodal = state_arrays(state);
     double left = twist, beyond = INFINITY, size = TWIST_STEP;
     while (left != 0) {
         size = fmin(size, 0.5 * fabs(left - beyond));
         const double step = size < fabs(left) ? copysign(size, twist) : left;
-        const int last = fabs(step) <= MIN_TWIST_STEP;
+        const bool last = fabs(step) <= MIN_TWIST_STEP;
         char why[MESSAGE];
         if (sim->corrections >= MAX_CORRECTIONS) {
             say_takes_too_long(why);
             return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)sim->corrections, why);
         }
-        state_copy(sim, sim->spare, state);
+        memcpy(sim->spare, state, sim->state_bytes);
         state->offsets[RIGHT] += step;
         for (int k = 0; k < nodal.nodes; k++)
             nodal.q[(size_t)k * DOF + ANGLE] += step * (nodal.s[k] / nodal.s[nodal.elements]);
@@ -54,7 +74,7 @@ static int turn_in(Simulator *sim, State *state, double twist, char *message) {
                 memcpy(why, message, MESSAGE);
                 return say_fails_at_twist(message, twist - left, twist, fabs(step), (int)sim->corrections, why);
             }
-            state_copy(sim, state, sim->spare);
+            memcpy(state, sim->spare, sim->state_bytes);
             message[0] = '\0';
             beyond = left - step;
             continue;
@@ -65,43 +85,43 @@ static int turn_in(Simulator *sim, State *state, double twist, char *message) {
         size = fmin(2 * fabs(step), TWIST_STEP);
         if (last) beyond = INFINITY;
     }
-    return 1;
+    return ROPE_DONE;
 }
 
 /* Corrections after which laying a rope down is given up: more than twice the largest number of 200 drawn ropes. */
 enum { MAX_LAYING = 20000 };
 
-static void put_floor(Simulator *sim, double level) {
-    sim->scene.shaft.sump.level = level;
-    sim->obstacles->cache.free = 0; /* distances to the floor are others now */
+static void put_floor(Scene *scene, Obstacles *obstacles, double level) {
+    scene->shaft.sump.level = level;
+    obstacles->cache.free = 0; /* distances to the floor are others now */
 }
 
 /* Let the rope hang freely, and raise the floor to its level in steps, so that the rope is laid down on it.  In the way
    of a rope that hangs freely, the floor would push it up by its legs, to an equilibrium of two compressed bars. */
-static int lay_down(Simulator *sim, State *state, char *message) {
+static RopeStatus lay_down(Simulator *sim, State *state, char *message) {
     const Shaft shaft = sim->scene.shaft;
     const NodalArrays nodal = state_arrays(state);
     const double lowest = nodal.q[(size_t)lowest_node(nodal.nodes, nodal.q) * DOF + 1];
     const double below = shaft.contact.stiffness > 0 ? shaft.sump.level - lowest : 0;
     const int parts = below > 0 ? (int)fmin(ceil(below / FLOOR_STEP), MAX_FLOOR_STEPS) : 0;
-    int found = 1;
+    RopeStatus found = ROPE_DONE;
     for (int k = 0; k < parts && found; k++) {
-        put_floor(sim, lowest + below * k / parts);
+        put_floor(&sim->scene, sim->obstacles, lowest + below * k / parts);
         found = equilibrium_in_frame(sim, state, INFINITY, message);
         if (found && sim->corrections > MAX_LAYING) {
             say_not_laid_down(message, (int)sim->corrections, below * k / parts, below, shaft.sump.level);
-            found = 0;
+            found = ROPE_FAILED;
         }
     }
-    if (parts > 0) put_floor(sim, shaft.sump.level);
+    if (parts > 0) put_floor(&sim->scene, sim->obstacles, shaft.sump.level);
     return found && equilibrium_in_frame(sim, state, INFINITY, message);
 }
 
 /* Find the equilibrium of the straight rope first, then add its permanent curvature in steps. */
-static int let_curve(Simulator *sim, State *state, char *message) {
+static RopeStatus let_curve(Simulator *sim, State *state, char *message) {
     const Rope whole = sim->scene.rope;
-    const int parts = is_curved(sim, state) ? CURVATURE_STEPS : 0;
-    int found = 1;
+    const int parts = is_curved(sim->curved, &sim->scene.rope, state->fidelity) ? CURVATURE_STEPS : 0;
+    RopeStatus found = ROPE_DONE;
     for (int k = 0; k <= parts && found; k++) {
         if (parts > 0) sim->scene.rope = partly_curved(&whole, (double)k / parts);
         found = k == 0 ? lay_down(sim, state, message) : equilibrium_in_frame(sim, state, INFINITY, message);
@@ -126,9 +146,10 @@ static void untwist(const NodalArrays *nodal, double angle) {
 }
 
 /* Hang the rope again, without twist, while its end at `side` may turn. */
-static int hang_while_it_turns(Simulator *sim, State *state, const Before *before, int side, char *message) {
+static RopeStatus hang_while_it_turns(Simulator *sim, State *state, const Before *before, int side, char *message) {
     const NodalArrays nodal = state_arrays(state);
-    hanging_guess(nodal.nodes, nodal.s, before->ends[LEFT][0], before->ends[RIGHT][0], nodal.q, message);
+    if (!hanging_guess(nodal.nodes, nodal.s, before->ends[LEFT][0], before->ends[RIGHT][0], nodal.q, message))
+        return ROPE_FAILED;
     start_director(state, nodal.q);
     untwist(&nodal, before->ends[side == LEFT ? RIGHT : LEFT][0][ANGLE]);
     state->offsets[RIGHT] = before->offset;
@@ -139,7 +160,7 @@ static int hang_while_it_turns(Simulator *sim, State *state, const Before *befor
 
 /* Let the swivels that start relaxed, and cannot hold, slip to equilibrium, the loosest first; from `before` or NULL.
  */
-static int relax(Simulator *sim, State *state, const Before *before, char *message) {
+static RopeStatus relax(Simulator *sim, State *state, const Before *before, char *message) {
     const NodalArrays nodal = state_arrays(state);
     double sign[2] = {0, 0}, relative[2];
     do {
@@ -155,25 +176,25 @@ static int relax(Simulator *sim, State *state, const Before *before, char *messa
             loosest = side;
             least = friction;
         }
-        if (loosest < 0) return 1;
-        const int first = before != NULL && sign[LEFT] == 0 && sign[RIGHT] == 0;
+        if (loosest < 0) return ROPE_DONE;
+        const bool first = before != NULL && sign[LEFT] == 0 && sign[RIGHT] == 0;
         sign[loosest] = copysign(1, -end_row(nodal.reaction, nodal.nodes, loosest)[ANGLE]);
         for (int side = LEFT; side <= RIGHT; side++)
             if (sign[side] != 0) state->swivels[side] = (SwivelState){.sign = sign[side], .phase = SLIP};
         if (!(first ? hang_while_it_turns(sim, state, before, loosest, message)
                     : equilibrium_in_frame(sim, state, INFINITY, message)))
-            return 0;
+            return ROPE_FAILED;
         for (int side = LEFT; side <= RIGHT; side++) {
             if (sign[side] == 0) continue;
             ends_relative(state, side, state->t, end_row(nodal.q, nodal.nodes, side)[ANGLE], 0, relative);
             state->swivels[side] = (SwivelState){.angle = relative[0], .phase = LOCKED};
         }
-        if (!equilibrium_in_frame(sim, state, INFINITY, message)) return 0;
-    } while (is_curved(sim, state));
-    return 1;
+        if (!equilibrium_in_frame(sim, state, INFINITY, message)) return ROPE_FAILED;
+    } while (is_curved(sim->curved, &sim->scene.rope, state->fidelity));
+    return ROPE_DONE;
 }
 
-static int hang_in_loop(Simulator *sim, State *state, char *message) {
+static RopeStatus hang_in_loop(Simulator *sim, State *state, char *message) {
     const NodalArrays nodal = state_arrays(state);
     Before before = {.offset = state->offsets[RIGHT], .yaw = state->loop_yaw};
     for (int side = LEFT; side <= RIGHT; side++)
@@ -185,29 +206,29 @@ static int hang_in_loop(Simulator *sim, State *state, char *message) {
     return let_curve(sim, state, message) && turn_in(sim, state, twist, message) && relax(sim, state, &before, message);
 }
 
-void paths_at_rest(const Simulator *sim, State *state, const EndMotion ends[2], double placed) {
+void paths_at_rest(const Scene *scene, State *state, const EndMotion ends[2], double placed) {
     for (int side = LEFT; side <= RIGHT; side++) {
-        const double now = not_plumb(&sim->scene) ? placed : 1, sense = side ? 1 : -1;
-        const EndMotion placed = partly_placed(&sim->scene, &ends[side], &ends[!side], sense, now);
+        const double now = not_plumb(scene) ? placed : 1, sense = side ? 1 : -1;
+        const EndMotion placed = partly_placed(scene, &ends[side], &ends[!side], sense, now);
         state->paths[side] = path_resting(state->t, &placed);
     }
 }
 
-int hang(Simulator *sim, State *state, const EndMotion ends[2], char *message) {
+RopeStatus hang(Simulator *sim, State *state, const EndMotion ends[2], char *message) {
     const int steps = not_plumb(&sim->scene) ? PLACING_STEPS : 0;
-    int found = hang_in_loop(sim, state, message);
+    RopeStatus found = hang_in_loop(sim, state, message);
     for (int k = 0; k < steps && found; k++) {
-        paths_at_rest(sim, state, ends, (k + 1.0) / PLACING_STEPS);
+        paths_at_rest(&sim->scene, state, ends, (k + 1.0) / PLACING_STEPS);
         found = equilibrium_in_frame(sim, state, INFINITY, message);
     }
     return found && (steps == 0 || relax(sim, state, NULL, message));
 }
 
-int let_turn(Simulator *sim, State *state, char *message) {
+RopeStatus let_turn(Simulator *sim, State *state, char *message) {
     for (int side = LEFT; side <= RIGHT; side++)
         if (sim->scene.swivels[side].mode == FREE_MODE) state->swivels[side].phase = SLIP;
     state->rubs = 0; /* as while the rope was hung up: wires begin at rest without a moment */
-    if (!equilibrium_in_frame(sim, state, INFINITY, message)) return 0;
-    if (start_hysteresis(sim, state)) rope_system_refer(sim, state, state_arrays(state).q);
-    return 1;
+    if (!equilibrium_in_frame(sim, state, INFINITY, message)) return ROPE_FAILED;
+    if (start_hysteresis(sim->wires, state)) rope_system_refer(sim, state, state_arrays(state).q);
+    return ROPE_DONE;
 }

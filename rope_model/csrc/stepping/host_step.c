@@ -1,7 +1,25 @@
 /* One communication step: motions of the ends, and steps to its end or to an event. */
 
-#include "rules.h"
+#include "host_step.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "adaptation.h"
+#include "ends.h"
+#include "fidelity.h"
+#include "formulas.h"
+#include "guards.h"
+#include "messages.h"
+#include "rope.h"
+#include "shaft.h"
 #include "simulator.h"
+#include "state.h"
+#include "state_structures.h"
+#include "stepping.h"
+#include "switching.h"
+#include "trial_step.h"
 
 /* Return the filter of an end with the host's sample, for a step to t. */
 static InputFilter follow_end(const State *before, const FilterSettings *settings, int side, double t,
@@ -10,15 +28,15 @@ static InputFilter follow_end(const State *before, const FilterSettings *setting
 }
 
 /* Update the misfit of an end up to the stop of its path. */
-static void account_end(const Simulator *sim, State *state, const FilterSettings *settings, int side,
+static void account_end(const Scene *scene, const State *before, State *state, const FilterSettings *settings, int side,
                         const InputFilter *now) {
-    const double bottom_s = model_bottom_s(sim, sim->state->paths, sim->state->t);
-    const double leg = side == LEFT ? bottom_s : sim->scene.rope.length - bottom_s;
-    state->filters[side] = add_misfit(now, &state->paths[side], settings, &sim->scene.rope, leg);
+    const double bottom_s = model_bottom_s(scene, before->paths, before->t);
+    const double leg = side == LEFT ? bottom_s : scene->rope.length - bottom_s;
+    state->filters[side] = add_misfit(now, &state->paths[side], settings, &scene->rope, leg);
 }
 
 /* Set the next paths of the ends, and raise the fidelity if they need it; return 0 with a message on failure. */
-static int move_ends(Simulator *sim, State *state, double t, const EndMotion ends[2], double given_at) {
+static RopeStatus move_ends(Simulator *sim, State *state, double t, const EndMotion ends[2], double given_at) {
     const Scene *scene = &sim->scene;
     const FilterSettings settings = filter_settings(scene, scene->inputs.given);
     for (int side = LEFT; side <= RIGHT; side++) {
@@ -26,43 +44,42 @@ static int move_ends(Simulator *sim, State *state, double t, const EndMotion end
         const Path path = filter_path(&sim->state->paths[side], &now, t, settings.observer);
         double measures[14];
         path_measures(&path, &now, measures);
-        ends_refusal(scene, &ends[side], measures, side, sim->message);
-        if (!sim->message[0]) stale_input_error(&scene->inputs, t, &now, side, sim->message);
-        if (sim->message[0]) return 0;
+        if (!check_motion(scene, &ends[side], measures, side, sim->message)) return ROPE_FAILED;
+        if (!check_input_age(&scene->inputs, t, &now, side, sim->message)) return ROPE_FAILED;
         state->paths[side] = path;
-        account_end(sim, state, &settings, side, &now);
+        account_end(scene, sim->state, state, &settings, side, &now);
     }
     char why[MESSAGE];
     EndMotion filtered[2] = {ends[LEFT], ends[RIGHT]};
     for (int side = LEFT; side <= RIGHT && scene->inputs.given != ALL_GIVEN; side++)
         filtered[side] = path_at(&state->paths[side], t);
     unsupported_motion(&sim->scene, state->fidelity, filtered, sim->forces.count, why);
-    if (!why[0]) return 1;
+    if (!why[0]) return ROPE_DONE;
     if (sim->scene.model.fidelity != AUTO_FIDELITY)
         return say_fixed_model_cannot_follow(sim->message, fidelity_name(state->fidelity), why);
-    if (!raise_fidelity(sim, state, why, sim->message)) return 0;
+    if (!raise_fidelity(sim, state, why, sim->message)) return ROPE_FAILED;
     begin_audit(sim, state);
-    return 1;
+    return ROPE_DONE;
 }
 
 /* True if an event has happened since the communication step began, or is due now. */
-static int has_event(const Simulator *sim, const State *state) {
-    const State *before = sim->state;
-    int found = state->event_count > 0 && state->events[state->event_count - 1].t > before->t;
+static bool has_event(const Scene *scene, const State *before, const State *state) {
+    bool found = state->event_count > 0 && state->events[state->event_count - 1].t > before->t;
     found |= state->guard.cause != before->guard.cause;
-    found |= state->fidelity != RIGID && next_release(sim, state) <= state->t;
+    found |= state->fidelity != RIGID && next_release(scene, state) <= state->t;
     for (int kind = 0; kind < KINDS; kind++)
         found |= state->nearest[kind].clearance <= 0 && before->nearest[kind].clearance > 0;
     return found;
 }
 
 /* End the paths of the ends, and their misfits, at t. */
-static void cut_paths(const Simulator *sim, State *state, double t, const EndMotion ends[2], double given_at) {
-    const FilterSettings settings = filter_settings(&sim->scene, sim->scene.inputs.given);
+static void cut_paths(const Scene *scene, const State *before, State *state, double t, const EndMotion ends[2],
+                      double given_at) {
+    const FilterSettings settings = filter_settings(scene, scene->inputs.given);
     for (int side = LEFT; side <= RIGHT; side++) {
-        const InputFilter now = follow_end(sim->state, &settings, side, t, &ends[side], given_at);
+        const InputFilter now = follow_end(before, &settings, side, t, &ends[side], given_at);
         state->paths[side].stop = t;
-        account_end(sim, state, &settings, side, &now);
+        account_end(scene, before, state, &settings, side, &now);
         /* the path meets the given acceleration at its planned stop only */
         state->filters[side].acceleration_misfit = now.acceleration_misfit;
         state->filters[side].misfit_squares[2] = now.misfit_squares[2];
@@ -71,12 +88,12 @@ static void cut_paths(const Simulator *sim, State *state, double t, const EndMot
 
 /* Add the impulse of each end's vertical force on a rigid rope from `begin` to the state's time, by Simpson's rule,
    which is exact where an acceleration is a cubic: that of a path.  `before` has the forces at its start. */
-static void add_rigid_impulse(const Simulator *sim, State *state, double begin, const double before[2],
+static void add_rigid_impulse(const Scene *scene, State *state, double begin, const double before[2],
                               double impulse[2]) {
     const NodalArrays nodal = state_arrays(state);
     const double h = state->t - begin, middle = begin + 0.5 * h;
     const EndMotion left = path_at(&state->paths[LEFT], middle), right = path_at(&state->paths[RIGHT], middle);
-    const RigidTensions between = rigid_tensions(&sim->scene.rope, &sim->scene.layout, &left, &right);
+    const RigidTensions between = rigid_tensions(&scene->rope, &scene->layout, &left, &right);
     for (int side = LEFT; side <= RIGHT; side++) {
         const double now = end_row(nodal.reaction, nodal.nodes, side)[1];
         impulse[side] += h / 6 * (before[side] + 4 * between.at_ends[side] + now);
@@ -91,18 +108,18 @@ static void set_mean_forces(State *state, double h, const double before[2], cons
         state->force_mean[side] = -(now[side] - before[side] + rigid[side]) / h;
 }
 
-int take_host_step(Simulator *sim, const HostStep *host, int *event) {
+RopeStatus take_host_step(Simulator *sim, const HostStep *host, int *event) {
     State *state = sim->next;
     const EndMotion *ends = host->ends;
     const double begin = sim->state->t, step_max = sim->scene.solver.step_max;
     const int64_t steps_before = sim->state->counts.steps + sim->state->counts.rejections;
     double t = host->stop;
     *event = 0;
-    state_copy(sim, state, sim->state);
+    memcpy(state, sim->state, sim->state_bytes);
     state->switched = state->event_count = 0;
     sim->newton_limit =
         state->counts.newton + (sim->scene.solver.work_max > 0 ? sim->scene.solver.work_max : INT32_MAX);
-    if (!move_ends(sim, state, t, ends, host->given_at)) return 0;
+    if (!move_ends(sim, state, t, ends, host->given_at)) return ROPE_FAILED;
     const NodalArrays nodal = state_arrays(state);
     const double *audited = state->audit.impulse + AUDIT_END_LOADS, already[2] = {audited[LEFT], audited[RIGHT]};
     double rigid_impulse[2] = {0, 0};
@@ -118,20 +135,20 @@ int take_host_step(Simulator *sim, const HostStep *host, int *event) {
             return say_too_many_steps(sim->message, t_before, MAX_STEPS, begin, t);
         if (!step_towards(sim, state, t, why)) return say_fails_at(sim->message, t_before, why);
         if (state->t >= t || state->t - state->monitored_at >= MONITOR_INTERVAL) {
-            update_passages(sim, state);
+            update_passages(&sim->scene, sim->self_contact, state);
             update_guards(&sim->scene, state);
         }
-        if (host->to_event) *event |= has_event(sim, state);
+        if (host->to_event) *event |= has_event(&sim->scene, sim->state, state);
         if (*event && state->t < t && state->t - begin >= CHATTER_TIME) {
             t = state->t; /* last round */
-            cut_paths(sim, state, t, ends, host->given_at);
+            cut_paths(&sim->scene, sim->state, state, t, ends, host->given_at);
         }
-        if (state->fidelity == RIGID) add_rigid_impulse(sim, state, t_before, before, rigid_impulse);
+        if (state->fidelity == RIGID) add_rigid_impulse(&sim->scene, state, t_before, before, rigid_impulse);
     }
     set_mean_forces(state, t - begin, already, rigid_impulse);
     if (*event && state->fidelity != RIGID) release_swivels(sim, state);
     audit_interval(sim, state, t - begin, energy_residual(&sim->state->energy_balance));
     state->last_interval = t - begin;
     if (state->counts.given_up > 0 && sim->state->counts.given_up == 0) state->given_up_since = begin;
-    return 1;
+    return ROPE_DONE;
 }

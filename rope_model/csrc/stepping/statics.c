@@ -15,11 +15,26 @@
 
    Source: Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998), switched evolution relaxation. */
 
-#include <float.h>
+#include "statics.h"
 
-#include "simulator.h"
+#include <float.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "chain.h"
+#include "curvature.h"
+#include "diagnostics.h"
+#include "formulas.h"
 #include "messages.h"
+#include "rope.h"
+#include "rope_system.h"
 #include "rules.h"
+#include "simulator.h"
+#include "state_structures.h"
+#include "system.h"
 
 /* MAX_SOLUTIONS: of all equilibria of a start, some seconds.  A rope that goes on winding about itself takes ever more,
    as each correction has more contacts to solve for: 900 m with strong coupling had 50,000 in 3000 corrections, and as
@@ -38,22 +53,22 @@ static double imbalance(const System *sys, const double *R) {
     return rope_system_norm(sys, R, 1. / sys->shortest);
 }
 
-int find_equilibrium(Simulator *sim, State *state, double max_turn, char *message) {
+RopeStatus find_equilibrium(Simulator *sim, State *state, double max_turn, char *message) {
     const NodalArrays nodal = state_arrays(state), *scratch = &sim->trial;
     const System sys = rope_system(sim, state);
     const Chain *chain = chain_of(sim, state);
     const size_t size = (size_t)nodal.nodes * DOF, bytes = sizeof(double) * size;
     double *trial = scratch->q, *zeros = scratch->v, *R = scratch->a, *now = scratch->b, *x = sim->x;
     double balance[BALANCE], tau = 0.1, previous = 0, turned = 0, relaxed = 1, last = 0;
-    const int shortened = lacks_symmetry(sys.P[P_QS], sys.P[P_QK]) > 0;
+    const bool shortened = lacks_symmetry(sys.P[P_QS], sys.P[P_QK]) > 0;
     const double largest = fmin(MAX_MOVE, 0.5 * least_passage(&sim->scene));
     int balanced = 0, k;
-    sim->turned = 0;
+    sim->turned = false;
     const double rounding = 10 * DBL_EPSILON * sim->scene.rope.Qa * nodal.s[nodal.elements] / sys.shortest;
     memset(zeros, 0, bytes);
     memset(nodal.reaction, 0, bytes);
     const double slope[3] = {nodal.q[SLOPE], nodal.q[SLOPE + 1], nodal.q[SLOPE + 2]};
-    rope_system_prescribed_motion(sim, state, &sys, state->t, 1, &(double *){nodal.q});
+    rope_system_prescribed_motion(&sim->scene, state, &sys, state->t, 1, &(double *){nodal.q});
     carry_director(state, slope, nodal.q + SLOPE);
     rope_system_refer(sim, state, nodal.q);
     for (k = 0; k < MAX_ITERATIONS && tau >= 1e-7; k++) {
@@ -79,9 +94,9 @@ int find_equilibrium(Simulator *sim, State *state, double max_turn, char *messag
         const double force = imbalance(&sys, R);
         /* A step may raise the residual's norm, as stretch by moving sideways grows with the cube of the step, but not
            the energy.  Where the tangent is indefinite the correction climbs: a smaller tau adds inertia. */
-        const int climbs = error < 0 && previous > rounding;
+        const bool climbs = error < 0 && previous > rounding;
         const double uphill = k < PATIENCE ? 3 : 1;
-        const int ends_low = work_along(&sys, R, x) <= uphill * error || force <= previous + rounding;
+        const bool ends_low = work_along(&sys, R, x) <= uphill * error || force <= previous + rounding;
         if (climbs || !isfinite(force) || !ends_low) {
             tau *= 0.3;
             last = 0;
@@ -95,7 +110,7 @@ int find_equilibrium(Simulator *sim, State *state, double max_turn, char *messag
         balanced += force <= rounding;
         if (balanced > BALANCED || (tau > 1e8 && norm < REST_TOLERANCE * nodal.s[nodal.elements])) {
             state->offsets[RIGHT] += turned;
-            return 1;
+            return ROPE_DONE;
         }
         tau *= fmin(10, fmax(1.5, previous / fmax(force, 1e-300)));
         tau = fmin(tau, 1e12);
@@ -103,15 +118,13 @@ int find_equilibrium(Simulator *sim, State *state, double max_turn, char *messag
     return say_no_equilibrium(message, k, previous);
 }
 
-void hanging_guess(int nodes, const double *s, const double left[3], const double right[3], double *q, char *message) {
+RopeStatus hanging_guess(int nodes, const double *s, const double left[3], const double right[3], double *q,
+                         char *message) {
     message[0] = '\0';
     double length = s[nodes - 1];
     double across[3] = {right[0] - left[0], 0.0, right[2] - left[2]};
     double width = hypot(across[0], across[2]);
-    if (width == 0) {
-        say_ends_above_each_other(message, fabs(left[1] - right[1]));
-        return;
-    }
+    if (width == 0) return say_ends_above_each_other(message, fabs(left[1] - right[1]));
     for (int axis = 0; axis < 3; axis++) across[axis] /= width;
     double middle = 0.5 * (length + left[1] - right[1]); /* arc length of the lowest point */
     /* length of the elements there */
@@ -119,9 +132,8 @@ void hanging_guess(int nodes, const double *s, const double left[3], const doubl
     const double cell =
         interpolate_midpoints(nodes, s, e, middle, s[e + 1] - s[e], e < nodes - 2 ? s[e + 2] - s[e + 1] : 0.0);
     InitialShape legs = initial_shape(length, middle, width, cell);
-    if (minimum(legs.left_leg, legs.right_leg) <= legs.lean) {
-        say_rope_too_short(message, length, width, fabs(left[1] - right[1]));
-        return;
-    }
+    if (minimum(legs.left_leg, legs.right_leg) <= legs.lean)
+        return say_rope_too_short(message, length, width, fabs(left[1] - right[1]));
     for (int k = 0; k < nodes; k++) initial_node_row(&legs, left, across, s[k], q + (ptrdiff_t)DOF * k);
+    return ROPE_DONE;
 }

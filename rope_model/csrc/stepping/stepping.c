@@ -1,26 +1,45 @@
 /* One step of the rope: step-size control, swivel events and transformations. */
 
+#include "stepping.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "adaptation.h"
+#include "events.h"
+#include "formulas.h"
+#include "generalized_alpha.h"
+#include "messages.h"
+#include "rigid.h"
+#include "rope.h"
 #include "rules.h"
+#include "sensitivity.h"
 #include "simulator.h"
+#include "state_structures.h"
+#include "switching.h"
+#include "trial_step.h"
 
 static const char *const NEWTON_MESSAGES[] = NEWTON_TEXTS; /* messages of a Newton status */
 
 typedef struct {
-    const Simulator *sim;
+    const Scene *scene;
     const State *state;
 } DueContext;
 
 static double due_at(void *data, double time) {
     const DueContext *context = data;
-    return distance_past_limit(&context->state->pattern, model_bottom_s(context->sim, context->state->paths, time));
+    return distance_past_limit(&context->state->pattern, model_bottom_s(context->scene, context->state->paths, time));
 }
 
 /* Return the end of the coming steps: the host's, a release, or a transformation that a step would pass too far. */
-static double next_stop(const Simulator *sim, const State *state, double t_end) {
-    const double t = state->t, stop = fmin(t_end, next_release(sim, state));
-    const double ahead = fmin(stop, t + fmin(state->step_next, sim->scene.solver.step_max));
+static double next_stop(const Scene *scene, const State *state, double t_end) {
+    const double t = state->t, stop = fmin(t_end, next_release(scene, state));
+    const double ahead = fmin(stop, t + fmin(state->step_next, scene->solver.step_max));
     const double times[2] = {0.5 * (t + ahead), ahead};
-    DueContext context = {sim, state};
+    DueContext context = {scene, state};
     const double at_start = due_at(&context, t);
     /* The next step finds a crossing between these times, at most one step late. */
     for (int k = 0; k < 2; k++) {
@@ -32,29 +51,29 @@ static double next_stop(const Simulator *sim, const State *state, double t_end) 
 }
 
 /* Return the number of steps, at least one, that the iterations left to this advance allow. */
-static int64_t steps_left(const Simulator *sim, const State *state) {
-    const int64_t left = (sim->newton_limit - state->counts.newton) / STEP_ITERATIONS;
+static int64_t steps_left(int64_t newton_limit, const State *state) {
+    const int64_t left = (newton_limit - state->counts.newton) / STEP_ITERATIONS;
     return left > 1 ? left : 1;
 }
 
 /* Try steps towards `stop`, halved until one converges within the tolerance, or exceeds it if the iterations left allow
    no more steps.  Return 0 with a message if none does. */
-static int accepted_step(Simulator *sim, State *state, double stop, StepResult *trial, double *step_next, int *reaches,
-                         char *message) {
+static RopeStatus accepted_step(Simulator *sim, State *state, double stop, StepResult *trial, double *step_next,
+                                bool *reaches, char *message) {
     const Solver *solver = &sim->scene.solver;
     double next = fmin(state->step_next, solver->step_max);
-    double parts = substeps(stop - state->t, next, (double)steps_left(sim, state));
+    double parts = substeps(stop - state->t, next, (double)steps_left(sim->newton_limit, state));
     double h = (stop - state->t) / parts;
-    int rejected = 0;
+    bool rejected = false;
     for (;;) {
         *trial = model_trial(sim, state, h);
         state->counts.newton += trial->newton.iterations;
         if (trial->converged && trial->error_ratio <= ACCEPT_BELOW * solver->tolerance) break;
-        if (trial->converged && stop - state->t > 0.5 * h * (double)steps_left(sim, state)) {
+        if (trial->converged && stop - state->t > 0.5 * h * (double)steps_left(sim->newton_limit, state)) {
             next = h;
             break;
         }
-        rejected = 1;
+        rejected = true;
         state->counts.rejections += 1;
         if (h <= solver->step_min) {
             char why[MESSAGE];
@@ -71,59 +90,60 @@ static int accepted_step(Simulator *sim, State *state, double stop, StepResult *
     state->counts.given_up += following.given_up > 0 || trial->newton.error > solver->newton_tolerance;
     *step_next = following.length;
     *reaches = parts == 1;
-    return 1;
+    return ROPE_DONE;
 }
 
-int as_rigid(Simulator *sim, State *state, double t, char *message) {
+RopeStatus as_rigid(Simulator *sim, State *state, double t, char *message) {
     state->t = t;
     transform_if_due(sim, state);
     const NodalArrays nodal = state_arrays(state);
     const EndMotion ends[2] = {path_at(&state->paths[LEFT], t), path_at(&state->paths[RIGHT], t)};
-    rigid_rope(&sim->scene, ends, t, nodal.nodes, nodal.s, nodal.q, nodal.v, nodal.a, nodal.reaction,
-               &state->energy_balance.kinetic, &state->energy_balance.gravity, message);
+    const RopeStatus status =
+        rigid_rope(&sim->scene, ends, t, nodal.nodes, nodal.s, nodal.q, nodal.v, nodal.a, nodal.reaction,
+                   &state->energy_balance.kinetic, &state->energy_balance.gravity, message);
     memcpy(nodal.b, nodal.a, sizeof(double) * (size_t)nodal.nodes * DOF);
     memset(nodal.a_rate, 0, sizeof(double) * (size_t)nodal.nodes * DOF);
     state->h = 0;
-    return !message[0];
+    return status;
 }
 
 /* Record an internal step that ends at the state's time. */
-static void record_step(Simulator *sim, const State *state, double h, int corrections, Phases during) {
-    Replay *replay = &sim->replay;
+static void record_step(Replay *replay, const State *state, double h, int corrections, Phases during) {
     if (replay->recording && replay->count < MAX_TAKEN)
         replay->steps[replay->count] = (TakenStep){h, state->t, corrections, during, phases_of(state)};
     if (replay->recording) replay->count++;
 }
 
-static int rigid_step(Simulator *sim, State *state, double t_end, char *message) {
+static RopeStatus rigid_step(Simulator *sim, State *state, double t_end, char *message) {
     const double h = t_end - state->t, before = state->power_ends;
-    if (!as_rigid(sim, state, t_end, message)) return 0;
-    model_powers(sim, state);
+    if (!as_rigid(sim, state, t_end, message)) return ROPE_FAILED;
+    model_powers(&sim->scene, state);
     state->energy_balance.work_ends += 0.5 * h * (before + state->power_ends);
     const NodalArrays nodal = state_arrays(state);
     state->errors.time += h;
     state->errors.force = fmax(state->errors.force, largest_end_force(&nodal));
     state->counts.steps += 1;
-    record_step(sim, state, h, 0, phases_of(state));
-    return 1;
+    record_step(&sim->replay, state, h, 0, phases_of(state));
+    return ROPE_DONE;
 }
 
-int step_towards(Simulator *sim, State *state, double t_end, char *message) {
+RopeStatus step_towards(Simulator *sim, State *state, double t_end, char *message) {
     if (state->fidelity == RIGID) return rigid_step(sim, state, t_end, message);
     const int transformed = transform_if_due(sim, state);
     if (transformed != CONVERGED)
         return say_transformation_fails(message, sim->scene.solver.step_min, NEWTON_MESSAGES[transformed]);
     release_swivels(sim, state);
     const Phases during = phases_of(state);
-    const double stop = next_stop(sim, state, t_end);
+    const double stop = next_stop(&sim->scene, state, t_end);
     double step_next, end;
-    int reaches, switching;
+    bool reaches;
+    Switching switching;
     StepResult trial;
     for (;;) {
-        if (!accepted_step(sim, state, stop, &trial, &step_next, &reaches, message)) return 0;
+        if (!accepted_step(sim, state, stop, &trial, &step_next, &reaches, message)) return ROPE_FAILED;
         end = trial.t;
         switching = switching_step(sim, state, &trial);
-        if (switching >= 0) break;
+        if (switching != NOT_FOUND) break;
         /* A shorter step may not reach the event, or locate it more easily. */
         state->step_next = fmax(0.5 * (end - state->t), sim->scene.solver.step_min);
         if (state->step_next > 0.75 * (end - state->t))
@@ -134,16 +154,16 @@ int step_towards(Simulator *sim, State *state, double t_end, char *message) {
     state->step_next = step_next;
     state->counts.steps += 1;
     if (reaches && trial.t == end) state->t = stop; /* without rounding error */
-    if (switching) {
+    if (switching == SWITCHES) {
         switch_swivels(sim, state);
         if (chatters(state)) return say_swivel_chatters(message);
     }
-    record_step(sim, state, trial.h, trial.newton.iterations, during);
+    record_step(&sim->replay, state, trial.h, trial.newton.iterations, during);
     update_loop_yaw(state);
-    return 1;
+    return ROPE_DONE;
 }
 
-int repeat_step(Simulator *sim, State *state, const TakenStep *step, char *message) {
+RopeStatus repeat_step(Simulator *sim, State *state, const TakenStep *step, char *message) {
     if (state->fidelity == RIGID) return as_rigid(sim, state, step->t, message);
     const int transformed = transform_if_due(sim, state);
     if (transformed != CONVERGED)
@@ -156,5 +176,5 @@ int repeat_step(Simulator *sim, State *state, const TakenStep *step, char *messa
     model_commit(sim, state, &trial);
     state->t = step->t;
     set_phases(sim, state, &step->after);
-    return 1;
+    return ROPE_DONE;
 }

@@ -1,10 +1,21 @@
 /* Memory of a simulator: one block for all arrays. */
 
-#include <stdint.h>
+#include "allocation.h"
 
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "chain.h"
 #include "formulas.h"
 #include "messages.h"
+#include "obstacles.h"
+#include "rope.h"
+#include "self_contact.h"
+#include "sensitivity.h"
 #include "simulator.h"
+#include "state_structures.h"
 
 enum { ALIGNMENT = 64 };
 
@@ -28,17 +39,17 @@ static double *numbers(Arena *arena, size_t count) {
  */
 static size_t lay_out(Simulator *sim, Arena *arena) {
     const Scene *scene = &sim->scene;
-    const int rubs = wire_stiffness(&scene->rope) > 0, presses = scene->shaft.contact.rope_stiffness > 0;
+    const bool rubs = wire_stiffness(&scene->rope) > 0, presses = scene->shaft.contact.rope_stiffness > 0;
     const size_t n = (size_t)sim->elements, size = (n + 1) * DOF;
     State **const states[] = {&sim->state, &sim->next, &sim->spare, &sim->start};
     double **const arrays[] = {&sim->trial.q,      &sim->trial.v,        &sim->trial.a, &sim->trial.b,
                                &sim->trial.a_rate, &sim->trial.reaction, &sim->x};
     sim->state_bytes = sizeof(State) + sizeof(double) * (FIELDS * size + 2 * n + 1 + (rubs ? WIRE_Z * n : 0));
     for (int k = 0; k < 4; k++) *states[k] = reserve(arena, sim->state_bytes);
-    double *const in_a_row = numbers(arena, 7 * size);
-    for (size_t k = 0; in_a_row != NULL && k < 7; k++) *arrays[k] = in_a_row + k * size;
+    for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) *arrays[k] = numbers(arena, size);
     sim->replay.steps = reserve(arena, sizeof *sim->replay.steps * MAX_TAKEN);
     sim->strains = reserve(arena, sizeof *sim->strains * n);
+    sim->gained = reserve(arena, sizeof *sim->gained * n);
     sim->frames = reserve(arena, chain_frames_bytes(sim->elements));
     sim->work = reserve(arena, chain_work_bytes(sim->elements));
     if (max_curvature(&scene->rope) > 0) sim->curved = numbers(arena, CURVATURE_SIZE * n);

@@ -1,6 +1,25 @@
 /* Equations of motion, trial steps and bookkeeping of a scene, for any state of the rope. */
 
+#include "trial_step.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "chain.h"
+#include "contact_balance.h"
+#include "ends.h"
+#include "formulas.h"
+#include "generalized_alpha.h"
+#include "obstacles.h"
+#include "partition.h"
+#include "rope.h"
+#include "rope_system.h"
 #include "simulator.h"
+#include "state.h"
+#include "state_structures.h"
+#include "system.h"
+#include "wires.h"
 
 /* Return the relative vertical speed of the ends, m/s. */
 static double relative_end_speed(const NodalArrays *nodal) {
@@ -8,16 +27,16 @@ static double relative_end_speed(const NodalArrays *nodal) {
 }
 
 /* Load of conveyances, bodies and air on the rope: force and moment about the origin, vertical forces of the ends. */
-static void load_on(const Simulator *sim, State *state, const System *sys, double load[AUDIT_LOADS]) {
+static void load_on(const Scene *scene, const Chain *chain, State *state, const System *sys, double load[AUDIT_LOADS]) {
     const NodalArrays nodal = state_arrays(state);
     double contact[CONTACT_BALANCE], air[AIR_BALANCE];
     external_sums(sys, nodal.q, nodal.v, contact);
-    chain_of(sim, state)->air(sys, nodal.q, nodal.v, air);
+    chain->air(sys, nodal.q, nodal.v, air);
     for (int k = 0; k < 6; k++) load[k] = contact[CONTACT_LOAD + k] + air[1 + k];
     for (int side = LEFT; side <= RIGHT; side++) {
         const double *q = end_row(nodal.q, nodal.nodes, side), *R = end_row(nodal.reaction, nodal.nodes, side);
         double one[6];
-        end_load(q, R, ends_moment(&sim->scene, state, side, R), one);
+        end_load(q, R, ends_moment(scene, &state->swivels[side], side, q, R), one);
         for (int k = 0; k < 6; k++) load[k] += one[k];
         load[AUDIT_END_LOADS + side] = R[1];
     }
@@ -25,9 +44,9 @@ static void load_on(const Simulator *sim, State *state, const System *sys, doubl
     if (state->fidelity == PLANAR) load[2] = load[3] = load[4] = 0;
 }
 
-static void restart_audit(const Simulator *sim, State *state, const System *sys) {
+static void restart_audit(const Scene *scene, const Chain *chain, State *state, const System *sys) {
     Audit *audit = &state->audit;
-    load_on(sim, state, sys, audit->load);
+    load_on(scene, chain, state, sys, audit->load);
     memcpy(audit->auxiliary, audit->load, sizeof audit->load);
     memset(audit->rate, 0, sizeof audit->rate);
 }
@@ -36,7 +55,7 @@ void begin_audit(const Simulator *sim, State *state) {
     if (state->fidelity == RIGID) return;
     const NodalArrays nodal = state_arrays(state);
     const System sys = rope_system(sim, state);
-    restart_audit(sim, state, &sys);
+    restart_audit(&sim->scene, chain_of(sim, state), state, &sys);
     chain_of(sim, state)->momentum(&sys, nodal.q, nodal.v, state->audit.sums);
     memset(state->audit.impulse, 0, sizeof state->audit.impulse);
     state->audit.interval = 0;
@@ -48,14 +67,15 @@ static void audit_step(const Simulator *sim, State *state, const System *sys, do
     const NodalArrays nodal = state_arrays(state);
     const Coefficients method = {sim->scene.solver.rho_inf};
     double load[AUDIT_LOADS], force = 0, change = 0;
-    load_on(sim, state, sys, load);
+    load_on(&sim->scene, chain_of(sim, state), state, sys, load);
     for (int side = LEFT; side <= RIGHT; side++) {
         const double now = end_row(nodal.reaction, nodal.nodes, side)[1];
         force = fmax(force, fabs(now));
         change = fmax(change, fabs(now - before[side]));
     }
-    state->audit = audit_after_step(&state->audit, &method, h, time_shift, load, force, change,
-                                    axial_share(&sim->scene.rope, model_bottom_s(sim, state->paths, state->t), h));
+    state->audit =
+        audit_after_step(&state->audit, &method, h, time_shift, load, force, change,
+                         axial_share(&sim->scene.rope, model_bottom_s(&sim->scene, state->paths, state->t), h));
 }
 
 /* Return the largest square of the change of r' over an element. */
@@ -83,10 +103,10 @@ void audit_interval(const Simulator *sim, State *state, double h, double residua
 }
 
 /* Return the local error of a trial step divided by its tolerance. */
-static double relative_error(const Simulator *sim, State *state, const StepResult *result) {
+static double relative_error(const Scene *scene, State *state, const StepResult *result) {
     const NodalArrays old = state_arrays(state);
-    const Coefficients method = {sim->scene.solver.rho_inf};
-    const StepLimits limits = step_limits(&sim->scene, &state->errors, model_bottom_s(sim, state->paths, state->t),
+    const Coefficients method = {scene->solver.rho_inf};
+    const StepLimits limits = step_limits(scene, &state->errors, model_bottom_s(scene, state->paths, state->t),
                                           relative_end_speed(&old), local_error(&method, 1, 1));
     const double strain = fmax(fabs(result->strains[LEFT]), fabs(result->strains[RIGHT]));
     return step_error(&limits, result->h, result->error, strain);
@@ -97,39 +117,40 @@ StepResult model_trial(Simulator *sim, State *state, double h) {
     sys.corrections = sim->replay.repeating ? sim->replay.corrections : 0;
     StepResult result = generalized_alpha_step(sim, state, &sys, h);
     result.near = sys.obstacles != NULL && sys.obstacles->any;
-    result.error_ratio = result.converged ? relative_error(sim, state, &result) : INFINITY;
+    result.error_ratio = result.converged ? relative_error(&sim->scene, state, &result) : INFINITY;
     return result;
 }
 
 void model_restart(Simulator *sim, State *state) {
     const System sys = rope_system(sim, state);
     generalized_alpha_restart(sim, state, &sys);
-    model_powers(sim, state);
-    restart_audit(sim, state, &sys);
+    model_powers(&sim->scene, state);
+    restart_audit(&sim->scene, chain_of(sim, state), state, &sys);
 }
 
 void update_angles(Simulator *sim, State *state, double *q, double *v, double *a, double *b) {
     state->offsets[RIGHT] += rope_system_transport(sim, state, q, v, a, b);
 }
 
-double model_bottom_s(const Simulator *sim, const Path paths[2], double t) {
+double model_bottom_s(const Scene *scene, const Path paths[2], double t) {
     const double left = path_height(&paths[LEFT], t), right = path_height(&paths[RIGHT], t);
-    return 0.5 * (sim->scene.rope.length + left - right);
+    return 0.5 * (scene->rope.length + left - right);
 }
 
-void model_dividers(const Simulator *sim, const Path paths[2], double t, double *divider_s) {
-    mesh_dividers(&sim->scene, path_height(&paths[LEFT], t), path_height(&paths[RIGHT], t), divider_s);
+void model_dividers(const Scene *scene, const Path paths[2], double t, double *divider_s) {
+    mesh_dividers(scene, path_height(&paths[LEFT], t), path_height(&paths[RIGHT], t), divider_s);
 }
 
-void model_powers(const Simulator *sim, State *state) {
+void model_powers(const Scene *scene, State *state) {
     const NodalArrays nodal = state_arrays(state);
     state->power_ends = state->power_swivel = 0;
     for (int side = LEFT; side <= RIGHT; side++) {
         const double *R = end_row(nodal.reaction, nodal.nodes, side), *v = end_row(nodal.v, nodal.nodes, side);
-        const double moment = ends_moment(&sim->scene, state, side, R);
+        const double *q = end_row(nodal.q, nodal.nodes, side);
+        const double moment = ends_moment(scene, &state->swivels[side], side, q, R);
         double spin = v[ANGLE];
         for (int k = 0; k < 3; k++) state->power_ends += R[k] * v[k];
-        if (sim->scene.swivels[side].attachment == CLAMPED) state->power_ends += dot(R + SLOPE, v + SLOPE);
+        if (scene->swivels[side].attachment == CLAMPED) state->power_ends += dot(R + SLOPE, v + SLOPE);
         if (state->swivels[side].phase == SLIP) {
             double relative[2];
             ends_relative(state, side, state->t, 0, spin, relative);
@@ -179,7 +200,7 @@ void model_commit(Simulator *sim, State *state, const StepResult *trial) {
     const Coefficients method = {sim->scene.solver.rho_inf};
     const double time_shift = recentring(&method, trial->h, state->h);
     EnergyBalance *energy = &state->energy_balance;
-    const double bottom_s = model_bottom_s(sim, state->paths, state->t), speed = relative_end_speed(&nodal);
+    const double bottom_s = model_bottom_s(&sim->scene, state->paths, state->t), speed = relative_end_speed(&nodal);
     double losses[2], contact[CONTACT_BALANCE], air[AIR_BALANCE], paces[2];
     for (int side = LEFT; side <= RIGHT; side++)
         paces[side] = (end_strain(&sim->scene, now->nodes, now->q, now->v, side) -
@@ -197,14 +218,14 @@ void model_commit(Simulator *sim, State *state, const StepResult *trial) {
     external_sums(&sys, nodal.q, nodal.v, contact);
     state->contact = add_contact(&sim->scene, &state->contact, h, contact + CONTACT_FORCES, longest_near(&sys));
     chain_of(sim, state)->air(&sys, nodal.q, nodal.v, air);
-    const double dissipated = update_hysteresis(sim, state, now->q);
+    const double dissipated = update_hysteresis(sim->wires, state, now->q);
     update_angles(sim, state, now->q, now->v, now->a, now->b);
-    memcpy(nodal.q, now->q, FIELDS * sizeof(double) * size);
+    copy_fields(&nodal, now);
     state->t = sys.time = trial->t;
     state->h = trial->h;
     state->errors = add_errors(&sim->scene, &state->errors, bottom_s, speed, h, local_error(&method, 1, 1), paces,
                                trial->error, largest_end_force(&nodal));
-    model_powers(sim, state);
+    model_powers(&sim->scene, state);
     if (!trial->near) sys.obstacles = NULL;
     set_energies(energy, trial->balance, &sys, nodal.q, nodal.v);
     const double taken[] = {losses[0], losses[1], contact[CONTACT_DISSIPATED], contact[CONTACT_MOVED]};

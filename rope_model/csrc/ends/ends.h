@@ -1,0 +1,41 @@
+/* Ends of the rope: checks of the host's motions, prescribed motion, moments of the swivels. */
+#ifndef ENDS_H
+#define ENDS_H
+
+#include <stddef.h>
+#include <string.h>
+
+#include "state_structures.h"
+
+/* Return "left" or "right". */
+const char *side_name(int side);
+/* Return an entry of a motion by its number in END_MOTION_NAMES. */
+static inline double end_value(const EndMotion *motion, int index) {
+    static const size_t offsets[] = END_MOTION_OFFSETS;
+    double value;
+    memcpy(&value, (const char *)motion + offsets[index], sizeof value);
+    return value;
+}
+
+static inline void set_end_value(EndMotion *motion, int index, double value) {
+    static const size_t offsets[] = END_MOTION_OFFSETS;
+    memcpy((char *)motion + offsets[index], &value, sizeof value);
+}
+
+/* Refuse a target motion that is out of range, or whose `measures`, from path_measures, exceed the scene's. */
+RopeStatus check_motion(const Scene *scene, const EndMotion *target, const double measures[14], int side,
+                        char *message);
+/* Return the axial strain at an end, in an array x like q; of the next node where a clamp gives this one's. */
+double end_strain(const Scene *scene, int nodes, const double *q, const double *x, int side);
+/* Refuse a motion that has not changed for longer than hold_max. */
+RopeStatus check_input_age(const Inputs *inputs, double t, const InputFilter *end_filter, int side, char *message);
+/* Return the tension at an end, N, from its rows of q and of the reaction. */
+double ends_tension(const Scene *scene, int side, const double *q, const double *reaction);
+/* Return the moment about the tangent on the rope's end, N m, from the end's rows of q and of the reaction. */
+double ends_moment(const Scene *scene, const SwivelState *now, int side, const double *q, const double *reaction);
+/* Angle and rate of the rope's end against the conveyance, from theta and its rate. */
+void ends_relative(const State *state, int side, double t, double theta, double theta_t, double relative[2]);
+/* Prescribed q, v and a of an end. */
+void ends_prescribed_motion(const Scene *scene, const State *state, int side, double t, double rows[3][DOF]);
+
+#endif

@@ -1,0 +1,14 @@
+/* Transfer of nodal fields between meshes, and interpolation between nodes; s (nodes) are their arc lengths, m. */
+#ifndef TRANSFER_H
+#define TRANSFER_H
+
+#include "rope.h"
+
+/* Interpolate x (nodes x DOF) at arc lengths `places`: y (count x DOF). */
+void transfer_interpolate(int nodes, const double *x, const double *s, int count, const double *places,
+                          double (*y)[DOF]);
+/* Transfer up to 8 fields x (nodes x DOF) between meshes; `work` has TRANSFER_WORK(fields) numbers a node. */
+#define TRANSFER_WORK(fields) (10 + 14 * (fields))
+void transfer_fields(int nodes, const double *old_s, const double *new_s, int fields, double *const *x, double *work);
+
+#endif

@@ -1,0 +1,32 @@
+/* The state as a block of bytes, and rows of its arrays. */
+#ifndef STATE_H
+#define STATE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "host_step.h"
+#include "state_structures.h"
+
+/* Return the row of an end in x (nodes x DOF). */
+static inline const double *end_row(const double *x, int nodes, int side) {
+    return x + (side ? (size_t)(nodes - 1) * DOF : 0);
+}
+
+/* Return the node with the least height. */
+static inline int lowest_node(int nodes, const double *q) {
+    int lowest = 0;
+    for (int k = 1; k < nodes; k++)
+        if (q[(ptrdiff_t)DOF * k + 1] < q[(ptrdiff_t)DOF * lowest + 1]) lowest = k;
+    return lowest;
+}
+
+/* True if the step can have led from `start` to `state`. */
+bool host_step_plausible(const HostStep *host, const State *start, const State *state);
+/* True if restored bytes can be a state of this rope.  Overwrites sim->trial. */
+bool state_plausible(const Simulator *sim, State *state);
+/* Copy q, v, a, b, a_rate and reaction. */
+void copy_fields(const NodalArrays *to, const NodalArrays *from);
+void record_event(State *state, int what, int which, double kinetic, double potential);
+
+#endif
