@@ -16,6 +16,7 @@ Packages; tests/layers.toml lists what each may import:
     ropes            several balance ropes that differ
     calibration      a rope's properties from measurements
     uncertainty      windings over all that is not known of a rope
+    export           the hoist's drive and ropes as FMUs and as one system; the room that knows fmu_src
     command_line     the commands
 
 Signs. Heights and vertical forces are positive upwards; a positive travel, sheave angle and torque lift the left

@@ -12,10 +12,10 @@ from conftest import Capture, Patch
 from pydantic import TypeAdapter
 from rope_groups import rope_in_process
 
-from balance_rope import main
 from hoist_demo.cases.case import BUILTIN_HOISTS, HOISTS
 from hoist_demo.cases.table import NATIVE, find_case, fmu_name
 from hoist_demo.command_line import wind
+from hoist_demo.command_line.main import main
 from hoist_demo.command_line.options import settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import pytest
 from conftest import Patch
 
-from balance_rope import main
 from hoist_demo.cases.table import find_case
+from hoist_demo.command_line.main import main
 from hoist_demo.cosimulation.participants.breaking_rope import Break
 from hoist_demo.design import linearise
 from hoist_demo.duty.schedule import Schedule

@@ -10,10 +10,10 @@ import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
 
-from balance_rope import main
 from hoist_demo.cases.case import BUILTIN_HOISTS, FOLDER, Case
 from hoist_demo.cases.rules import TAIL_SPARE, with_values
 from hoist_demo.cases.table import find_case
+from hoist_demo.command_line.main import main
 from hoist_demo.duty.schedule import read_schedule
 from hoist_demo.files.hoist_file import HoistFile, schema
 from hoist_demo.files.reading import FileError, read

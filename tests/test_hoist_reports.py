@@ -19,8 +19,8 @@ from conftest import Capture, Patch
 from exports import FLAVOURS
 from numpy.testing import assert_allclose
 
-from balance_rope import main
 from hoist_demo.command_line import support
+from hoist_demo.command_line.main import main
 from hoist_demo.command_line.support import interruption, treat_hangup_as_interrupt
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
@@ -255,7 +255,7 @@ def test_a_demo_s_reports_state_rope_file_version_level_and_fidelity(
         assert main(export) == 0
     demo = ["demo", "--fmu", str(fmu), "--travel", "0.5", "--quick", "--out", str(out)]
     command, where = (
-        [sys.executable, "-m", "balance_rope", *demo],
+        [sys.executable, "-m", "hoist_demo", *demo],
         os.environ | {"TMPDIR": str(scratch)},
     )
     done = subprocess.run(

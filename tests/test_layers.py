@@ -80,7 +80,7 @@ def test_third_party_library_stays_in_its_rooms(library: str) -> None:
 
 
 def test_no_other_third_party_library_is_imported() -> None:
-    known = set(HOMES) | set(PACKAGES) | {"numpy", "balance_rope"} | set(sys.stdlib_module_names)
+    known = set(HOMES) | set(PACKAGES) | {"numpy"} | set(sys.stdlib_module_names)
     assert {
         i.split(".")[0] for name, path in modules().items() for i in imports(name, path)
     } <= known

@@ -12,9 +12,9 @@ from conftest import Patch
 from numpy.testing import assert_allclose
 from scipy.io import loadmat
 
-from balance_rope import main
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.table import find_case
+from hoist_demo.command_line.main import main
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.design import arrival_swing, linear_model, reduction, sparse_modes
 from hoist_demo.design import linearise as linearise_module

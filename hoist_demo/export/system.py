@@ -1,4 +1,4 @@
-"""A hoist as FMUs and as one system of them (SSP): joins fmu_src and hoist_demo."""
+"""A hoist as FMUs and as one system of them (SSP)."""
 
 from __future__ import annotations
 
