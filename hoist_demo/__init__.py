@@ -10,10 +10,10 @@ Packages; tests/layers.toml lists what each may import:
     drive_fmu        drive and control of a case as C, for an FMU
     recording        signals of a run over time
     cosimulation     participants (hoist, ropes), the schemes that couple them, the host's loop, checkpoints
-    study            many windings over chosen parameters; which of the data are measured, published or assumed
+    run              one run: data with their sources, ropes, winding, slip, metrics
+    study            many runs over chosen parameters
     report           summary, figures, Markdown and HTML
     duty             many trips as one run
-    ropes            several balance ropes that differ
     calibration      a rope's properties from measurements
     uncertainty      windings over all that is not known of a rope
     export           the hoist's drive and ropes as FMUs and as one system; the room that knows fmu_src

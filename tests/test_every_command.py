@@ -26,15 +26,15 @@ from hoist_demo.files.values import read_value
 from hoist_demo.files.values import statuses as file_statuses
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.time_series import match_signals
-from hoist_demo.study import run as study_run
-from hoist_demo.study.provenance import (
+from hoist_demo.run import probe
+from hoist_demo.run.data import build, contradictions
+from hoist_demo.run.provenance import (
     STATUSES,
     SourcedValue,
     host_provenance,
     rope_provenance,
     statuses,
 )
-from hoist_demo.study.run import build, contradictions
 from rope_model import Level
 
 pytestmark = pytest.mark.usefixtures("plain_figures", "no_figures")
@@ -351,18 +351,18 @@ def test_a_hoist_is_not_wound_with_the_fmu_of_another(
     exported = {key: replace(p, start=own[key]) for key, p in rope_parameters().items()}
     # what the hoist states is set in the FMU, and the level is the export's
     stated = {"rope.length": replace(exported["rope.length"], start=77.0)}
-    monkeypatch.setattr(study_run, "read_parameters", lambda _: exported | stated)
-    study_run.Probe(Path("own.fmu")).require_hoist(run)
+    monkeypatch.setattr(probe, "read_parameters", lambda _: exported | stated)
+    probe.Probe(Path("own.fmu")).require_hoist(run)
     # values that this hoist leaves at their defaults
     beside = {
         "divider_1.size": replace(exported["divider_1.size"], start=0.2),
         "model.fidelity": replace(exported["model.fidelity"], start=3),
     }
-    monkeypatch.setattr(study_run, "read_parameters", lambda _: exported | beside)
+    monkeypatch.setattr(probe, "read_parameters", lambda _: exported | beside)
     with pytest.raises(
         ValueError, match=rf"'other.fmu' must be of this hoist, '{name}', but 2 of its values"
     ) as error:
-        study_run.Probe(Path("other.fmu")).require_hoist(run)
+        probe.Probe(Path("other.fmu")).require_hoist(run)
     assert "divider_1.size is 0.2 there, 0.0 here" in str(error.value)
     assert f"balance-rope export {name}" in str(error.value)
 

@@ -21,8 +21,8 @@ from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.parameters import SIDES
 from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.parameters.suspension import SuspensionOffset
-from hoist_demo.ropes.definition import Ropes, ropes_of
-from hoist_demo.study.run import build, from_landing
+from hoist_demo.run.data import build, from_landing
+from hoist_demo.run.ropes import Ropes, ropes_of
 from hoist_demo.uncertainty.definition import UncertaintyFile
 from rope_model import Scene
 from rope_model.scene_names import named_parameters

@@ -20,8 +20,8 @@ from hoist_demo.files.reading import FileError, read
 from hoist_demo.files.values import statuses as file_statuses
 from hoist_demo.parameters import GRAVITY
 from hoist_demo.report.hoist import HoistCheck, as_file, checks, hoist_provenance
-from hoist_demo.ropes.definition import ropes_of
-from hoist_demo.study.run import build, from_landing
+from hoist_demo.run.data import build, from_landing
+from hoist_demo.run.ropes import ropes_of
 from rope_model.scene_names import named_parameters
 
 ROOT = Path(__file__).parents[1]

@@ -39,7 +39,7 @@ from hoist_demo.report.verdict import (
     broken,
     judge,
 )
-from hoist_demo.study.run import build
+from hoist_demo.run.data import build
 from rope_model import neglected_text
 
 ROOT = Path(__file__).parents[1]

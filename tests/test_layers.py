@@ -108,14 +108,27 @@ def test_no_import_cycles() -> None:
     )  # or it raises, and names the cycle
 
 
-def test_the_python_fmu_imports_the_reference_rope_without_the_engine_or_another_form() -> None:
-    graph = {n: imports(n, p) for n, p in modules().items()}
-    reached, waiting = set(), ["fmu_src.slave"]
+def reached_from(start: str) -> set[str]:
+    """Return what a module imports, and what that imports."""
+    reached, waiting = set[str](), [start]
     while waiting:
         name = waiting.pop()
         if name not in reached:
             reached.add(name)
-            waiting += graph.get(name, ())
+            if name in modules():
+                waiting += imports(name, modules()[name])
+    return reached
+
+
+@pytest.mark.parametrize("command", ["wind", "duty", "hoist", "export"])
+def test_a_command_of_single_runs_imports_nothing_of_studies(command: str) -> None:
+    reached = reached_from(f"hoist_demo.command_line.{command}")
+    assert "hoist_demo.run.data" in reached
+    assert {name for name in reached if within(name, {"hoist_demo.study"})} == set()
+
+
+def test_the_python_fmu_imports_the_reference_rope_without_the_engine_or_another_form() -> None:
+    reached = reached_from("fmu_src.slave")
     assert "rope_model.reference.rope" in reached
     others = ("rope_model.engine", "rope_model.codegen")
     assert not [name for name in reached if name.startswith(others)]

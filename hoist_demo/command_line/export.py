@@ -35,7 +35,7 @@ from rope_model.files import write_bytes
 
 if TYPE_CHECKING:
     from hoist_demo.control.trajectory import Trajectory
-    from hoist_demo.ropes.definition import OneRope
+    from hoist_demo.run.ropes import OneRope
 
 BUILD = Path("build")
 #: flavour and FMI version -> end of the file name
@@ -208,7 +208,7 @@ def _export(options: argparse.Namespace) -> int:
 def _data(case: Case, name: str, set_values: Mapping[str, Any]) -> list[Datum]:
     """Return the hoist's data with their statuses; `set_values` replace those of its file."""
     from hoist_demo.report.hoist import hoist_provenance
-    from hoist_demo.study.provenance import SETTING
+    from hoist_demo.run.provenance import SETTING
 
     rows = hoist_provenance(case, name, set_values)
     return [Datum(*row) for row in rows if row.status != SETTING]
@@ -288,8 +288,8 @@ def _hoist(
     if case.distinct_ropes and not options.ssp:
         raise ValueError(f"{options.hoist} has several ropes, and an FMU has one: add --ssp")
     # slow imports
-    from hoist_demo.ropes.definition import ropes_of
-    from hoist_demo.study.run import build, from_landing
+    from hoist_demo.run.data import build, from_landing
+    from hoist_demo.run.ropes import ropes_of
 
     run = from_landing(build(options.hoist, set_values))
     trajectory = None

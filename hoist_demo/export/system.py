@@ -24,7 +24,7 @@ from rope_model.scene_names import Value, named_parameters
 
 if TYPE_CHECKING:
     from hoist_demo.control.trajectory import Trajectory
-    from hoist_demo.ropes.definition import OneRope
+    from hoist_demo.run.ropes import OneRope
 
 DRIVE = "drive"  #: Name of the drive in a system.
 ROPE = "rope"  #: Name of the rope in a system with one.

@@ -43,9 +43,10 @@ from hoist_demo.files.values import VARIED, ParameterValue, Text, plain, statuse
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.time_series import match_signals
-from hoist_demo.study.metrics import ARRIVALS, UNITS
+from hoist_demo.run.data import RunData, build, from_landing
+from hoist_demo.run.metrics import ARRIVALS, UNITS
+from hoist_demo.run.probe import Probe
 from hoist_demo.study.objective import Constraint, Judge, Objective, constraints_on, read_weights
-from hoist_demo.study.run import Probe, RunData, build, from_landing
 from hoist_demo.study.sampling import Range, grid, latin_hypercube, varied
 
 #: Disturbances over which a study without variants compares its choices.

@@ -19,10 +19,10 @@ from hoist_demo.files.values import DERIVED, GIVEN, VARIED, ParameterValue, stat
 from hoist_demo.parameters import SIDES, start_heights
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
-from hoist_demo.ropes.definition import Ropes, require_unbroken, ropes_of
-from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, names_of
-from hoist_demo.study.provenance import SourcedValue, host_provenance, rope_provenance
-from hoist_demo.study.run import RunData, build, from_landing
+from hoist_demo.run.data import RunData, build, from_landing
+from hoist_demo.run.metrics import ROPE_SIGNALS, UNITS, names_of
+from hoist_demo.run.provenance import SourcedValue, host_provenance, rope_provenance
+from hoist_demo.run.ropes import Ropes, require_unbroken, ropes_of
 from rope_model import BEARINGS, Datum, EndMotion, KnownRope, Scene, balance_rope
 from rope_model.scene_names import choices_of
 

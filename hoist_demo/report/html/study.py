@@ -19,7 +19,7 @@ import pandas as pd
 from hoist_demo.recording.passages import PASSED
 from hoist_demo.report.html import page
 from hoist_demo.report.html.parameter_tables import TitledRows
-from hoist_demo.study.metrics import MORE_IS_BETTER, NEUTRAL, UNITS
+from hoist_demo.run.metrics import MORE_IS_BETTER, NEUTRAL, UNITS
 from hoist_demo.study.objective import Constraint, Objective
 from hoist_demo.study.perform import MISSING, WARNINGS, StudyResult
 from hoist_demo.study.store import SEPARATOR, kind_of
