@@ -32,7 +32,7 @@ from hoist_demo.recording.fidelity import remark
 from hoist_demo.recording.incidents import circuit_stop
 from hoist_demo.recording.ropes import computed, rope_signals
 from hoist_demo.recording.time_series import TIME, Recording, write_csv
-from hoist_demo.report.html.page import number
+from hoist_demo.report.formatting import number
 from hoist_demo.report.rows import OUTCOME, WARNING, SummaryRow, in_display_unit, render
 from hoist_demo.report.summary import exposure_rows
 from hoist_demo.report.verdict import outcome

@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from hoist_demo.report.html.page import Row, number, unit_text
-from hoist_demo.report.html.parameter_tables import TitledRows
+from hoist_demo.report.formatting import Row, number, unit_text
+from hoist_demo.report.parameter_tables import TitledRows
 from hoist_demo.report.verdict import COLUMNS, Verdict
 from hoist_demo.run.provenance import SETTING, STATUSES, SourcedValue
 

@@ -4,7 +4,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from hoist_demo.recording.time_series import Recording, write_csv
-from hoist_demo.report.html.page import Bar, bars, number, paragraphs, plain_table, write_sheet
+from hoist_demo.report.formatting import number
+from hoist_demo.report.html.page import Bar, bars, paragraphs, plain_table, write_sheet
 from hoist_demo.report.rows import SummaryRow, in_display_unit, provenance_table, status_rows
 from hoist_demo.run.metrics import METRICS, UNITS, name_without_rope
 from hoist_demo.uncertainty.spread import QUANTILES, UNEXPLAINED, UncertaintyResult
