@@ -5,8 +5,8 @@ Packages; tests/layers.toml lists what each may import:
     parameters       data of hoist, trip and coupling, checked
     drive | control  the hoist as a model | the reference and the controller that follows it
     design           trips shaped and optimised on a reduced model
-    files            hoist files and others in TOML: read, checked, written
-    cases            hoist, trip, gains and ropes, by name or from a file
+    files            TOML files: values with units, reading, all parameters by name, a rope's file
+    cases            a hoist as a whole, by name or from its file; what follows by rules
     drive_fmu        drive and control of a case as C, for an FMU
     recording        signals of a run over time
     cosimulation     participants (hoist, ropes), the schemes that couple them, the host's loop, checkpoints

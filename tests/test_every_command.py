@@ -13,6 +13,7 @@ from pydantic import TypeAdapter
 from rope_groups import rope_in_process
 
 from hoist_demo.cases.case import BUILTIN_HOISTS, HOISTS
+from hoist_demo.cases.run_values import Values
 from hoist_demo.cases.table import NATIVE, find_case, fmu_name
 from hoist_demo.command_line import wind
 from hoist_demo.command_line.main import main
@@ -21,7 +22,6 @@ from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data_of, rope_scene
 from hoist_demo.files.registry import parameters, rope_parameters
-from hoist_demo.files.run_values import Values
 from hoist_demo.files.values import read_value
 from hoist_demo.files.values import statuses as file_statuses
 from hoist_demo.parameters import Hoist, Winding

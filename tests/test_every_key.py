@@ -9,12 +9,12 @@ from typing import NamedTuple
 import pytest
 from conftest import Patch
 
+from hoist_demo.cases import hoist_file
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.main import main
 from hoist_demo.cosimulation.participants.breaking_rope import Break
 from hoist_demo.design import linearise
 from hoist_demo.duty.schedule import Schedule
-from hoist_demo.files import hoist_file
 from hoist_demo.files.reading import read
 from hoist_demo.files.registry import SECTIONS, host_parameters, rope_parameters
 from hoist_demo.files.rope_file import FOLLOWING

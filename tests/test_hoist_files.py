@@ -11,11 +11,11 @@ import pytest
 from numpy.testing import assert_allclose
 
 from hoist_demo.cases.case import BUILTIN_HOISTS, FOLDER, Case
+from hoist_demo.cases.hoist_file import HoistFile, schema
 from hoist_demo.cases.rules import TAIL_SPARE, with_values
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.main import main
 from hoist_demo.duty.schedule import read_schedule
-from hoist_demo.files.hoist_file import HoistFile, schema
 from hoist_demo.files.reading import FileError, read
 from hoist_demo.files.values import statuses as file_statuses
 from hoist_demo.parameters import GRAVITY

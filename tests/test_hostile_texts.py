@@ -26,9 +26,9 @@ from fmu_src.ssp import export_ssp
 from fmu_src.xml import xml_bytes
 from hoist_demo.calibration.definition import MeasurementFile
 from hoist_demo.calibration.page import write_rope_file
+from hoist_demo.cases.hoist_file import HoistFile
 from hoist_demo.drive_fmu.description import attachments
 from hoist_demo.duty.schedule import read_schedule
-from hoist_demo.files.hoist_file import HoistFile
 from hoist_demo.files.reading import FileError, read
 from hoist_demo.files.registry import rope_parameters
 from hoist_demo.files.values import MAX_TEXT

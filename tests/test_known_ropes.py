@@ -30,13 +30,13 @@ from hoist_demo.calibration.fit import (
 from hoist_demo.calibration.identify import identify, residuals_of, stacked
 from hoist_demo.calibration.measurements import CalibrationProblem
 from hoist_demo.cases.rules import with_values
+from hoist_demo.cases.run_values import Values
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.export import _set_values
 from hoist_demo.command_line.main import main
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.files.reading import FileError, read
 from hoist_demo.files.rope_file import FOLLOWING, RopeFile
-from hoist_demo.files.run_values import Values
 from hoist_demo.files.values import ParameterValue, plain, statuses, unreached
 from hoist_demo.uncertainty.definition import UncertaintyFile
 from hoist_demo.uncertainty.page import remarks, too_few

@@ -11,9 +11,9 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
+from hoist_demo.cases.run_values import LevelHeader, RunFile, Values
 from hoist_demo.cases.table import find_case
 from hoist_demo.files.reading import read
-from hoist_demo.files.run_values import LevelHeader, RunFile, Values
 from hoist_demo.files.values import VARIED, plain, statuses
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.run.data import RunData, build

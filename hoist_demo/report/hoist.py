@@ -8,11 +8,11 @@ from typing import NamedTuple
 
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.rules import RuleInputs
+from hoist_demo.cases.writing import hoist_text
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.design.statics import at_rest, pulls, reached, static_slip_safeties
 from hoist_demo.files.registry import rope_parameters
 from hoist_demo.files.values import ASSUMED, GIVEN, STATUSES, ParameterValue
-from hoist_demo.files.writing import hoist_text
 from hoist_demo.parameters import SIDES, Hoist, Winding
 from hoist_demo.parameters.components import Brake
 from hoist_demo.parameters.quantity import Value

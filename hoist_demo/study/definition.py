@@ -22,6 +22,7 @@ from pydantic import (
     model_validator,
 )
 
+from hoist_demo.cases.run_values import FileHeader, Values
 from hoist_demo.cases.table import NATIVE, find_case, fmu_name
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs
@@ -38,7 +39,6 @@ from hoist_demo.files.reading import (
     table_of,
 )
 from hoist_demo.files.registry import parameters, run_fields
-from hoist_demo.files.run_values import FileHeader, Values
 from hoist_demo.files.values import VARIED, ParameterValue, Text, plain, statuses
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter, Value
