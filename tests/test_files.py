@@ -39,9 +39,9 @@ WRITERS = frozenset(
 _LAST_NAMES = frozenset(name.rpartition(".")[2] for name in WRITERS)
 #: Writers of scratch files in temporary folders, and of a lock: nobody reads a part of them.
 SCRATCH = {
-    "fmu_src/export.py": 5,  # the stage of the Python FMU
+    "fmu_src/python/export.py": 5,  # the stage of the Python FMU
     "rope_model/compiler.py": 2,  # C files to compile, the lock
-    "hoist_demo/cosimulation/plain_data.py": 1,  # bytes in memory
+    "hoist_demo/cosimulation/participants/plain_data.py": 1,  # bytes in memory
 }
 
 

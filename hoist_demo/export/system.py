@@ -8,10 +8,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from fmu_src.export import export_fmu
 from fmu_src.model_description import MODEL
 from fmu_src.native.export import export_model, export_native
 from fmu_src.profile import Profile
+from fmu_src.python.export import export_fmu
 from fmu_src.ssp import Component, Datum, Version, export_ssp
 from hoist_demo.cases.case import Case
 from hoist_demo.drive_fmu.description import drive_model, duration
