@@ -154,8 +154,10 @@ def reached_from(start: str) -> set[str]:
     return reached
 
 
-@pytest.mark.parametrize("command", ["wind", "duty", "hoist", "export"])
-def test_a_command_of_single_runs_imports_nothing_of_studies(command: str) -> None:
+@pytest.mark.parametrize(
+    "command", ["wind", "duty", "hoist", "export", "identify", "uncertain", "linear"]
+)
+def test_only_the_command_of_studies_imports_studies(command: str) -> None:
     reached = reached_from(f"hoist_demo.command_line.{command}")
     assert "hoist_demo.run.data" in reached
     assert {name for name in reached if within(name, {"hoist_demo.study"})} == set()
