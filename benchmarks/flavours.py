@@ -17,7 +17,7 @@ from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.fmu_rope import FmuRope
 from hoist_demo.cosimulation.progress import progress_bar
 from hoist_demo.recording.time_series import Recording
-from hoist_demo.study.run import build, from_landing
+from hoist_demo.run.data import build, from_landing
 from rope_model.cases import ROPE_CASES, Level
 from rope_model.scene_names import Value, choices_of, named_parameters
 

@@ -30,7 +30,7 @@ from evidence.validation.page import page as validation_page
 from hoist_demo.cases.rules import LENGTH, RULES
 from hoist_demo.files.registry import host_parameters
 from hoist_demo.parameters.quantity import UNBOUNDED
-from hoist_demo.study.metrics import METRICS
+from hoist_demo.run.metrics import METRICS
 
 #: front matter of a page outside the navigation
 ORPHAN = "---\norphan: true\n---\n\n"

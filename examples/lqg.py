@@ -20,8 +20,8 @@ from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, r
 from hoist_demo.design.linearise import linearise
 from hoist_demo.design.reduction import reduced
 from hoist_demo.parameters import Hoist
-from hoist_demo.study.metrics import measure
-from hoist_demo.study.run import RunData, build
+from hoist_demo.run.data import RunData, build
+from hoist_demo.run.metrics import measure
 
 DESIGN = build("rope-120", {"winding.jerk": 5.0})
 SHOWN = ("swing_left", "tracking_error", "cycle_time", "torque_peak", "slip_safety")

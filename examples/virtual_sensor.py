@@ -21,7 +21,7 @@ from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.design.linearise import linearise
 from hoist_demo.design.reduction import reduced
-from hoist_demo.study.run import build
+from hoist_demo.run.data import build
 
 Array = NDArray[np.float64]
 H = 0.01  # s

@@ -3,8 +3,7 @@
 interface             table of the FMI variables; profile selects them, and gathers arrays for FMI 3.0
 model_description     table as XML of FMI 2.0 and 3.0, with units and declared types
 native                FMI functions and rules of values, modes and states in C, for both flavours; the native FMU
-slave                 reference rope of the Python flavour behind them; python_flavour lists its variables
-export                builds the .fmu of the Python flavour, with pythonfmu's builder
+python                FMU of the Python flavour: the reference rope behind them
 attachments           further files of both: documentation, licences, icons, terminals, reference results
 """
 

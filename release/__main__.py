@@ -7,7 +7,7 @@ materials and SHA256SUMS, which `sha256sum --check` reads.
 import sys
 from pathlib import Path
 
-from balance_rope import main as balance_rope
+from hoist_demo.command_line.main import main as balance_rope
 from release.bill import bill_of_materials, sha256
 from release.wheels import build
 from rope_model import __version__

@@ -10,13 +10,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import NamedTuple
 
-from fmu_src.export import library_sources
 from fmu_src.interface import variables
 from fmu_src.model_description import MODEL
 from fmu_src.native.build import PLATFORMS, library, open_library
 from fmu_src.native.export import model_sources, rope_sources, shell_sources
 from fmu_src.native.start import without_start
 from fmu_src.native.table import start_values
+from fmu_src.python.export import library_sources
 from hoist_demo.cases.table import find_case
 from hoist_demo.drive_fmu.description import drive_model
 from hoist_demo.drive_fmu.description import sources as drive_sources

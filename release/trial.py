@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from balance_rope import main as balance_rope
+from hoist_demo.command_line.main import main as balance_rope
 
 ROOT = Path(__file__).resolve().parent.parent
 NAMES = {2: "balance_rope_native.fmu", 3: "balance_rope_native_fmi3.fmu"}

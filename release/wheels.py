@@ -22,8 +22,6 @@ from release.libraries import add_prebuilt
 
 PACKAGES = ("rope_model", "fmu_src", "hoist_demo")
 FILES = (
-    "balance_rope.py",
-    "hoist_export.py",
     "pyproject.toml",
     "README.md",
     "LICENSE",

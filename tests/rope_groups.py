@@ -12,8 +12,8 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.cosimulation.schemes.interface import Reader
 from hoist_demo.parameters.quantity import Value
-from hoist_demo.ropes.definition import Ropes, ropes_of
-from hoist_demo.study.run import build, from_landing
+from hoist_demo.run.data import build, from_landing
+from hoist_demo.run.ropes import Ropes, ropes_of
 from rope_model import EndMotion, Level, Status
 
 CASE = find_case("rope-120")

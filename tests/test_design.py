@@ -19,8 +19,8 @@ from hoist_demo.design.swing import fit_swing
 from hoist_demo.design.tuning import Plan, Score, search
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.parameters.components import Brake, DriveShaft, Guides, Jam, Lining, Play
-from hoist_demo.study.metrics import measure
-from hoist_demo.study.run import build
+from hoist_demo.run.data import build
+from hoist_demo.run.metrics import measure
 
 TRIP = Winding(travel=20.0, speed=3.0, jerk=2.0)
 PLAN = Plan(sample=8, searches=2, steps=20, seed=1)

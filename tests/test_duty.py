@@ -8,8 +8,8 @@ import pandas as pd
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-import balance_rope
 from hoist_demo.cases.case import Case
+from hoist_demo.command_line.main import main
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
 from hoist_demo.design.arrival_swing import ArrivalSwing
 from hoist_demo.duty.schedule import Schedule, read_schedule
@@ -278,8 +278,8 @@ def test_the_command_leaves_a_table_and_goes_on(
     )
     file.write_text(hard, encoding="utf-8")
     arguments = ["duty", str(tmp_path / "duty.toml"), "--out", str(tmp_path / "out")]
-    assert balance_rope.main(arguments) == 0
-    assert balance_rope.main([*arguments, "--repeat", "2"]) == 0
+    assert main(arguments) == 0
+    assert main([*arguments, "--repeat", "2"]) == 0
     told = capsys.readouterr().out
     warned = ("slip safety in normal winding is", "the left conveyance ends its dwell")
     assert all(text in told for text in (*warned, "2 of 4 trips are there already"))
@@ -294,7 +294,7 @@ def test_the_command_leaves_a_table_and_goes_on(
     assert "loop_yaw [rad]" in trips
     assert (tmp_path / "out" / "duty.png").stat().st_size > 0
     file.write_text(hard.replace("[fixed]", "[fixed]\nhoist.slack_tension = 9e4"), encoding="utf-8")
-    assert balance_rope.main([*arguments[:-1], str(tmp_path / "slack")]) == 1
+    assert main([*arguments[:-1], str(tmp_path / "slack")]) == 1
     assert (
         "1: emergency stop at t = 1.1 s: head ropes pulled less than hoist.slack_tension"
         in capsys.readouterr().err

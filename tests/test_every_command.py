@@ -12,29 +12,29 @@ from conftest import Capture, Patch
 from pydantic import TypeAdapter
 from rope_groups import rope_in_process
 
-from balance_rope import main
 from hoist_demo.cases.case import BUILTIN_HOISTS, HOISTS
+from hoist_demo.cases.run_values import Values
 from hoist_demo.cases.table import NATIVE, find_case, fmu_name
 from hoist_demo.command_line import wind
+from hoist_demo.command_line.main import main
 from hoist_demo.command_line.options import settings
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data_of, rope_scene
 from hoist_demo.files.registry import parameters, rope_parameters
-from hoist_demo.files.run_values import Values
 from hoist_demo.files.values import read_value
 from hoist_demo.files.values import statuses as file_statuses
 from hoist_demo.parameters import Hoist, Winding
 from hoist_demo.recording.time_series import match_signals
-from hoist_demo.study import run as study_run
-from hoist_demo.study.provenance import (
+from hoist_demo.run import probe
+from hoist_demo.run.data import build, contradictions
+from hoist_demo.run.provenance import (
     STATUSES,
     SourcedValue,
     host_provenance,
     rope_provenance,
     statuses,
 )
-from hoist_demo.study.run import build, contradictions
 from rope_model import Level
 
 pytestmark = pytest.mark.usefixtures("plain_figures", "no_figures")
@@ -351,18 +351,18 @@ def test_a_hoist_is_not_wound_with_the_fmu_of_another(
     exported = {key: replace(p, start=own[key]) for key, p in rope_parameters().items()}
     # what the hoist states is set in the FMU, and the level is the export's
     stated = {"rope.length": replace(exported["rope.length"], start=77.0)}
-    monkeypatch.setattr(study_run, "read_parameters", lambda _: exported | stated)
-    study_run.Probe(Path("own.fmu")).require_hoist(run)
+    monkeypatch.setattr(probe, "read_parameters", lambda _: exported | stated)
+    probe.Probe(Path("own.fmu")).require_hoist(run)
     # values that this hoist leaves at their defaults
     beside = {
         "divider_1.size": replace(exported["divider_1.size"], start=0.2),
         "model.fidelity": replace(exported["model.fidelity"], start=3),
     }
-    monkeypatch.setattr(study_run, "read_parameters", lambda _: exported | beside)
+    monkeypatch.setattr(probe, "read_parameters", lambda _: exported | beside)
     with pytest.raises(
         ValueError, match=rf"'other.fmu' must be of this hoist, '{name}', but 2 of its values"
     ) as error:
-        study_run.Probe(Path("other.fmu")).require_hoist(run)
+        probe.Probe(Path("other.fmu")).require_hoist(run)
     assert "divider_1.size is 0.2 there, 0.0 here" in str(error.value)
     assert f"balance-rope export {name}" in str(error.value)
 

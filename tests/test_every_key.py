@@ -9,20 +9,20 @@ from typing import NamedTuple
 import pytest
 from conftest import Patch
 
-from balance_rope import main
+from hoist_demo.cases import hoist_file
 from hoist_demo.cases.table import find_case
+from hoist_demo.command_line.main import main
 from hoist_demo.cosimulation.participants.breaking_rope import Break
 from hoist_demo.design import linearise
 from hoist_demo.duty.schedule import Schedule
-from hoist_demo.files import hoist_file
 from hoist_demo.files.reading import read
 from hoist_demo.files.registry import SECTIONS, host_parameters, rope_parameters
 from hoist_demo.files.rope_file import FOLLOWING
 from hoist_demo.parameters import SIDES
 from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.parameters.suspension import SuspensionOffset
-from hoist_demo.ropes.definition import Ropes, ropes_of
-from hoist_demo.study.run import build, from_landing
+from hoist_demo.run.data import build, from_landing
+from hoist_demo.run.ropes import Ropes, ropes_of
 from hoist_demo.uncertainty.definition import UncertaintyFile
 from rope_model import Scene
 from rope_model.scene_names import named_parameters

@@ -14,7 +14,7 @@ from scenes import CHOICES, Choice, fixed_steps, smooth_step, wound
 from rope_model import BalanceRope, Mesh, Model, Rope, Scene, Swivel, balance_rope
 from rope_model.rules.end_paths import EndMotion, EndPath
 from rope_model.rules.fidelity import FIDELITIES, choose_fidelity, lowest_sufficient
-from rope_model.rules.messages.fidelity_rules import expected_travel, force_error
+from rope_model.rules.fidelity_rules import expected_travel, force_error
 
 Ends = tuple[EndMotion, EndMotion]
 H = 0.01

@@ -19,7 +19,7 @@ from rope_model import files
 from rope_model.files import WriteError, whole_file, write_text
 
 ROOT = Path(__file__).parents[1]
-PRODUCT = ("rope_model", "fmu_src", "hoist_demo", "balance_rope.py", "hoist_export.py")
+PRODUCT = ("rope_model", "fmu_src", "hoist_demo")
 #: Calls that write a file, by the name of the function.
 WRITERS = frozenset(
     {
@@ -39,9 +39,9 @@ WRITERS = frozenset(
 _LAST_NAMES = frozenset(name.rpartition(".")[2] for name in WRITERS)
 #: Writers of scratch files in temporary folders, and of a lock: nobody reads a part of them.
 SCRATCH = {
-    "fmu_src/export.py": 5,  # the stage of the Python FMU
+    "fmu_src/python/export.py": 5,  # the stage of the Python FMU
     "rope_model/compiler.py": 2,  # C files to compile, the lock
-    "hoist_demo/cosimulation/plain_data.py": 1,  # bytes in memory
+    "hoist_demo/cosimulation/participants/plain_data.py": 1,  # bytes in memory
 }
 
 
@@ -118,7 +118,7 @@ def test_a_full_disk_leaves_the_old_file_and_no_draft(tmp_path: Path, monkeypatc
 def test_a_limit_on_file_size_is_an_error_with_exit_code_1(tmp_path: Path) -> None:
     # the limit holds for Python's own caches, too: -B writes none
     code = (
-        "import resource, signal, sys; from balance_rope import main\n"
+        "import resource, signal, sys; from hoist_demo.command_line.main import main\n"
         "signal.signal(signal.SIGXFSZ, signal.SIG_IGN); resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))\n"
         "sys.exit(main(sys.argv[1:]))"
     )

@@ -18,7 +18,7 @@ from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import GRAVITY, Coupling, require_trip_fits
-from hoist_demo.study.metrics import exchange_energy
+from hoist_demo.run.metrics import exchange_energy
 from rope_model import EndMotion, Level
 
 INSTALLED = {name: find_case(name) for name in HOISTS if not name.startswith("rope-")}

@@ -20,7 +20,7 @@ from hoist_demo.control.controller import Command, Controller, Measurement
 from hoist_demo.control.trajectory import TrajectoryPoint
 from hoist_demo.cosimulation.checkpoint import Checkpoint
 from hoist_demo.cosimulation.host import Host
-from hoist_demo.cosimulation.plain_data import decode, encode
+from hoist_demo.cosimulation.participants.plain_data import decode, encode
 from hoist_demo.cosimulation.run_state import Result
 from hoist_demo.parameters import Coupling, Hoist, Winding
 

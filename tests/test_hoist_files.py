@@ -10,18 +10,18 @@ import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
 
-from balance_rope import main
 from hoist_demo.cases.case import BUILTIN_HOISTS, FOLDER, Case
+from hoist_demo.cases.hoist_file import HoistFile, schema
 from hoist_demo.cases.rules import TAIL_SPARE, with_values
 from hoist_demo.cases.table import find_case
+from hoist_demo.command_line.main import main
 from hoist_demo.duty.schedule import read_schedule
-from hoist_demo.files.hoist_file import HoistFile, schema
 from hoist_demo.files.reading import FileError, read
 from hoist_demo.files.values import statuses as file_statuses
 from hoist_demo.parameters import GRAVITY
 from hoist_demo.report.hoist import HoistCheck, as_file, checks, hoist_provenance
-from hoist_demo.ropes.definition import ropes_of
-from hoist_demo.study.run import build, from_landing
+from hoist_demo.run.data import build, from_landing
+from hoist_demo.run.ropes import ropes_of
 from rope_model.scene_names import named_parameters
 
 ROOT = Path(__file__).parents[1]

@@ -25,7 +25,7 @@ from hoist_demo.recording.time_series import shape_rows, write_csv, write_shapes
 from hoist_demo.report.figures import write_figures
 from hoist_demo.report.summary import summarize
 from hoist_demo.report.verdict import judge
-from hoist_demo.study.metrics import measure
+from hoist_demo.run.metrics import measure
 from rope_model import EndMotion, Status
 
 RHO, G, LENGTH = 8.0, 9.81, 120.0

@@ -19,8 +19,8 @@ from conftest import Capture, Patch
 from exports import FLAVOURS
 from numpy.testing import assert_allclose
 
-from balance_rope import main
 from hoist_demo.command_line import support
+from hoist_demo.command_line.main import main
 from hoist_demo.command_line.support import interruption, treat_hangup_as_interrupt
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope, rope_scene
@@ -39,7 +39,7 @@ from hoist_demo.report.verdict import (
     broken,
     judge,
 )
-from hoist_demo.study.run import build
+from hoist_demo.run.data import build
 from rope_model import neglected_text
 
 ROOT = Path(__file__).parents[1]
@@ -256,7 +256,7 @@ def test_a_demo_s_reports_state_rope_file_version_level_and_fidelity(
     demo = ["demo", "--fmu", str(fmu), "--travel", "0.5", "--quick", "--out", str(out)]
     # without its figures, which take half of the time
     without_figures = "from hoist_demo.report import figures; figures.write_figures = lambda *_: []"
-    run = f"import balance_rope; raise SystemExit(balance_rope.main({demo!r}))"
+    run = f"from hoist_demo.command_line.main import main; raise SystemExit(main({demo!r}))"
     command = [sys.executable, "-c", f"{without_figures}; {run}"]
     where = os.environ | {"TMPDIR": str(scratch)}
     done = subprocess.run(

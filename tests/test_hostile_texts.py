@@ -26,9 +26,9 @@ from fmu_src.ssp import export_ssp
 from fmu_src.xml import xml_bytes
 from hoist_demo.calibration.definition import MeasurementFile
 from hoist_demo.calibration.page import write_rope_file
+from hoist_demo.cases.hoist_file import HoistFile
 from hoist_demo.drive_fmu.description import attachments
 from hoist_demo.duty.schedule import read_schedule
-from hoist_demo.files.hoist_file import HoistFile
 from hoist_demo.files.reading import FileError, read
 from hoist_demo.files.registry import rope_parameters
 from hoist_demo.files.values import MAX_TEXT
@@ -37,8 +37,8 @@ from hoist_demo.report.html.study import study_report
 from hoist_demo.report.markdown import render_markdown
 from hoist_demo.report.rows import Report, SummaryRow
 from hoist_demo.report.verdict import Verdict, VerdictRow
+from hoist_demo.run.provenance import SourcedValue, write_data
 from hoist_demo.study.definition import read_study
-from hoist_demo.study.provenance import SourcedValue, write_data
 from hoist_demo.study.store import Store
 from hoist_demo.uncertainty.definition import UncertaintyFile
 from rope_model import Datum

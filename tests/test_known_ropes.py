@@ -15,7 +15,6 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
-from balance_rope import _set_values, main
 from hoist_demo.calibration import measurements
 from hoist_demo.calibration.definition import MeasurementFile
 from hoist_demo.calibration.findings import OPEN, Finding, findings_of
@@ -31,11 +30,13 @@ from hoist_demo.calibration.fit import (
 from hoist_demo.calibration.identify import identify, residuals_of, stacked
 from hoist_demo.calibration.measurements import CalibrationProblem
 from hoist_demo.cases.rules import with_values
+from hoist_demo.cases.run_values import Values
 from hoist_demo.cases.table import find_case
+from hoist_demo.command_line.export import _set_values
+from hoist_demo.command_line.main import main
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.files.reading import FileError, read
 from hoist_demo.files.rope_file import FOLLOWING, RopeFile
-from hoist_demo.files.run_values import Values
 from hoist_demo.files.values import ParameterValue, plain, statuses, unreached
 from hoist_demo.uncertainty.definition import UncertaintyFile
 from hoist_demo.uncertainty.page import remarks, too_few
@@ -598,7 +599,7 @@ def test_a_reader_that_leaves_changes_no_exit_code(tmp_path: Path, both: bool) -
     command = [
         sys.executable,
         "-m",
-        "balance_rope",
+        "hoist_demo",
         "identify",
         str(source),
         "--out",

@@ -3,8 +3,9 @@
 import ast
 import sys
 import tomllib
+from collections.abc import Iterable, Mapping
 from functools import cache
-from graphlib import TopologicalSorter
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -80,7 +81,7 @@ def test_third_party_library_stays_in_its_rooms(library: str) -> None:
 
 
 def test_no_other_third_party_library_is_imported() -> None:
-    known = set(HOMES) | set(PACKAGES) | {"numpy", "balance_rope"} | set(sys.stdlib_module_names)
+    known = set(HOMES) | set(PACKAGES) | {"numpy"} | set(sys.stdlib_module_names)
     assert {
         i.split(".")[0] for name, path in modules().items() for i in imports(name, path)
     } <= known
@@ -103,19 +104,67 @@ def test_no_import_cycles() -> None:
     graph = {
         n: {i for i in imports(n, p) if i in modules() and i != n} for n, p in modules().items()
     }
-    assert len([*TopologicalSorter(graph).static_order()]) == len(
-        graph
-    )  # or it raises, and names the cycle
+    order = [*TopologicalSorter(graph).static_order()]  # or it raises, and names the cycle
+    assert len(order) == len(graph)
 
 
-def test_the_python_fmu_imports_the_reference_rope_without_the_engine_or_another_form() -> None:
-    graph = {n: imports(n, p) for n, p in modules().items()}
-    reached, waiting = set(), ["fmu_src.slave"]
+def folder(name: str) -> str:
+    """The package whose folder holds a module; a module beside rope_model's packages stands alone."""
+    if modules()[name].name == "__init__.py":
+        return name
+    parent = name.rpartition(".")[0]
+    return name if parent == "rope_model" else parent
+
+
+def folder_graph(imports_of: Mapping[str, Iterable[str]]) -> dict[str, set[str]]:
+    """Return the folders from which each folder imports."""
+    graph: dict[str, set[str]] = {}
+    for name, found in imports_of.items():
+        below = graph.setdefault(folder(name), set())
+        below |= {folder(i) for i in found if i in modules()} - {folder(name)}
+    return graph
+
+
+def test_no_cycles_between_folders() -> None:
+    imports_of = {name: imports(name, path) for name, path in modules().items()}
+    assert [*TopologicalSorter(folder_graph(imports_of)).static_order()]
+    # one import upwards between two modules that know nothing of each other is found
+    upwards = {"hoist_demo.files.values": {"hoist_demo.cases.table"}}
+    with pytest.raises(CycleError, match="hoist_demo"):
+        [*TopologicalSorter(folder_graph({**imports_of, **upwards})).static_order()]
+
+
+def test_no_room_is_allowed_what_it_does_not_import() -> None:
+    used: dict[str, set[str]] = {name: set() for name in MAY_IMPORT}
+    for name, path in modules().items():
+        used[room(name)] |= {room(i) for i in imports(name, path) if i.split(".")[0] in PACKAGES}
+    unused = {name: allowed - used[name] for name, allowed in MAY_IMPORT.items()}
+    assert {name: rooms for name, rooms in unused.items() if rooms} == {}
+
+
+def reached_from(start: str) -> set[str]:
+    """Return what a module imports, and what that imports."""
+    reached, waiting = set[str](), [start]
     while waiting:
         name = waiting.pop()
         if name not in reached:
             reached.add(name)
-            waiting += graph.get(name, ())
+            if name in modules():
+                waiting += imports(name, modules()[name])
+    return reached
+
+
+@pytest.mark.parametrize(
+    "command", ["wind", "duty", "hoist", "export", "identify", "uncertain", "linear"]
+)
+def test_only_the_command_of_studies_imports_studies(command: str) -> None:
+    reached = reached_from(f"hoist_demo.command_line.{command}")
+    assert "hoist_demo.run.data" in reached
+    assert {name for name in reached if within(name, {"hoist_demo.study"})} == set()
+
+
+def test_the_python_fmu_imports_the_reference_rope_without_the_engine_or_another_form() -> None:
+    reached = reached_from("fmu_src.python.slave")
     assert "rope_model.reference.rope" in reached
     others = ("rope_model.engine", "rope_model.codegen")
     assert not [name for name in reached if name.startswith(others)]

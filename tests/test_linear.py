@@ -12,9 +12,10 @@ from conftest import Patch
 from numpy.testing import assert_allclose
 from scipy.io import loadmat
 
-from balance_rope import main
 from hoist_demo.cases.case import Case
+from hoist_demo.cases.hoist_file import HoistFile
 from hoist_demo.cases.table import find_case
+from hoist_demo.command_line.main import main
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
 from hoist_demo.design import arrival_swing, linear_model, reduction, sparse_modes
 from hoist_demo.design import linearise as linearise_module
@@ -28,7 +29,6 @@ from hoist_demo.design.arrival_swing import (
 from hoist_demo.design.linear_model import LinearModel
 from hoist_demo.design.linearise import linearise, linearise_hoist, linearise_rope
 from hoist_demo.design.reduction import reduced
-from hoist_demo.files.hoist_file import HoistFile
 from hoist_demo.files.reading import read
 from hoist_demo.parameters import GRAVITY
 from hoist_demo.parameters.components import Brake

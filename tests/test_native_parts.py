@@ -16,7 +16,7 @@ from rope_model.physics.centreline import heading, nearest_turn, squared_distanc
 from rope_model.physics.node import arc_lengths
 from rope_model.reference.outputs import lowest_point
 from rope_model.reference.statics import hanging_guess
-from rope_model.rules.messages.result_warnings import ends_yaw
+from rope_model.rules.result_warnings import ends_yaw
 from rope_model.rules.sampling import FINE, OUTLINE
 
 hangings = st.tuples(

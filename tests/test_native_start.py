@@ -23,7 +23,6 @@ from native_parts import refusal
 from stand_in import stand_in
 
 import rope_model
-from balance_rope import main
 from fmu_src.interface import variables
 from fmu_src.native import build
 from fmu_src.native.build import (
@@ -38,7 +37,8 @@ from fmu_src.native.mach_o import parts, universal, with_page_hashes
 from fmu_src.native.start import MAGIC, Start, c_start, with_start, without_start
 from fmu_src.ssp import Datum
 from hoist_demo.cases.case import Case
-from hoist_export import HoistFiles
+from hoist_demo.command_line.main import main
+from hoist_demo.export.system import HoistFiles
 from rope_model import EndMotion, Scene, Swivel, rope_120
 from rope_model.codegen.platforms import prebuilt_file
 from rope_model.engine import NativeRope
@@ -324,8 +324,10 @@ def test_a_system_takes_values_of_the_hoist_from_the_command_line(
         (folder / "hoist.ssp").write_text("")
         return HoistFiles(folder / "hoist.ssp", {})
 
-    monkeypatch.setattr("balance_rope.export_hoist", keep)
-    monkeypatch.setattr("balance_rope.export_rope", lambda path, *_: path.write_text(""))
+    monkeypatch.setattr("hoist_demo.command_line.export.export_hoist", keep)
+    monkeypatch.setattr(
+        "hoist_demo.command_line.export.export_rope", lambda path, *_: path.write_text("")
+    )
     options = ["export", "--ssp", "--native", "--platform", "host", "--out", str(tmp_path)]
     assert main([*options, "--set", "hoist.payload_left=1234", "--set", "rope.EI=250"]) == 0
     assert exported["case"].hoist.payload_left == 1234.0

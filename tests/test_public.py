@@ -26,7 +26,6 @@ from test_examples import EXAMPLES, ROOT, lines_of, readme_code
 import fmu_src
 import hoist_demo
 import rope_model
-from balance_rope import main
 from fmu_src.interface import variables
 from fmu_src.model_description import MODEL
 from fmu_src.native.build import PLATFORMS
@@ -34,6 +33,7 @@ from fmu_src.native.export import rope_sources, shell_sources
 from fmu_src.native.start import without_start
 from fmu_src.native.table import start_values
 from fmu_src.reference_run import reference_files
+from hoist_demo.command_line.main import main
 from release.bill import bill_of_materials
 from release.libraries import libraries
 from release.trial import try_wheel
@@ -290,7 +290,7 @@ def test_the_wheel_needs_no_compiler_and_exports_what_a_checkout_does(tmp_path: 
     with zipfile.ZipFile(wheel) as archive:
         names = archive.namelist()
     tops = {name.split("/")[0] for name in names if ".dist-info/" not in name}
-    assert tops == {*PACKAGES, "balance_rope.py", "hoist_export.py"}
+    assert tops == {*PACKAGES}
     for one in ("rope_model/csrc/prebuilt/rope", "fmu_src/native/prebuilt/BalanceRope"):
         assert all(
             any(name.startswith(f"{one}-{platform}-") for name in names) for platform in PLATFORMS

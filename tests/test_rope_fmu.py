@@ -19,11 +19,11 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scenes import fixed_steps, hung, smooth_trip
 from stand_in import ROOT, RUNNERS, live
 
-from balance_rope import main
 from docs.variables import interface_page
-from fmu_src.export import export_fmu
 from fmu_src.native.build import PLATFORMS, available_platforms, host_platform
 from fmu_src.native.export import export_native
+from fmu_src.python.export import export_fmu
+from hoist_demo.command_line.main import main
 from rope_model import BalanceRope, Swivel, balance_rope, rope_120
 from rope_model.engine import NativeRope
 from rope_model.reference.outputs import NAMES

@@ -13,8 +13,8 @@ from conftest import Capture
 from numpy.testing import assert_allclose, assert_array_equal
 from rope_groups import CASE, KNOWN, Weight, rope, ropes_in
 
-from balance_rope import main
 from hoist_demo.command_line import wind
+from hoist_demo.command_line.main import main
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.cosimulation.participants.breaking_rope import Break, BreakingRope, Piece
 from hoist_demo.cosimulation.participants.rope_group import Member, RopeGroup, WholeRope

@@ -22,15 +22,15 @@ from numpy.typing import NDArray
 from rope_groups import rope_in_process, ropes_in
 from test_tools import IMPORTS, INPUTS, environment, require
 
-from balance_rope import main
 from fmu_src.native.build import host_platform
 from fmu_src.ssp import Component, Datum, export_ssp
 from hoist_demo.cases.case import HOISTS
 from hoist_demo.cases.table import find_case
+from hoist_demo.command_line.main import main
 from hoist_demo.cosimulation.host import Host
 from hoist_demo.drive_fmu.description import duration
+from hoist_demo.export.system import export_hoist
 from hoist_demo.parameters import Coupling
-from hoist_export import export_hoist
 
 STOP = duration(find_case("rope-120").winding)
 PART, STEPS = 800, 2600  # until it runs at full speed; the trip of 90 m and its arrival

@@ -14,10 +14,10 @@ from exports import FLAVOURS, export_drive
 from native_host import H, Host
 from stand_in import ROOT, stand_in
 
-from balance_rope import main
 from fmu_src.native.build import host_platform
 from fmu_src.native.export import HEADERS, HEADERS_IN_FMU, export_native
 from fmu_src.native.prefix import LONGEST_IDENTIFIER, checked_identifier, shared_names, with_prefix
+from hoist_demo.command_line.main import main
 
 pytestmark = [
     pytest.mark.skipif("native-2" not in FLAVOURS, reason="needs a C compiler"),

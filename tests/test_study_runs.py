@@ -24,13 +24,14 @@ from hoist_demo.design.arrival_swing import ArrivalSwing
 from hoist_demo.files.reading import FileError
 from hoist_demo.parameters import Arrival, Hoist, Winding
 from hoist_demo.recording.time_series import Recording
+from hoist_demo.run.data import build
+from hoist_demo.run.metrics import ARRIVALS, measure
 from hoist_demo.study import definition
 from hoist_demo.study.cluster import cluster, run_samples
 from hoist_demo.study.definition import Study, StudyRun, read_study
-from hoist_demo.study.metrics import ARRIVALS, measure
 from hoist_demo.study.objective import Constraint, Objective
+from hoist_demo.study.outcome import CUT_SHORT, ERROR, Outcome, execute
 from hoist_demo.study.perform import run_study
-from hoist_demo.study.run import CUT_SHORT, ERROR, Outcome, build, execute
 from hoist_demo.study.sampling import Range, latin_hypercube
 from hoist_demo.study.store import Store, read_results
 from hoist_demo.study.trends import not_monotonic

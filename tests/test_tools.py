@@ -22,8 +22,8 @@ from native_host import OK, Host
 from numpy.testing import assert_allclose
 from scenes import ends_at, fixed_steps
 
-from balance_rope import main
 from fmu_src.interface import case_with
+from hoist_demo.command_line.main import main
 from hoist_demo.control.trajectory import s_curve
 from hoist_demo.parameters import Winding
 from rope_model import BalanceRope, EndMotion, balance_rope, rope_120

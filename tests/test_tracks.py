@@ -14,11 +14,11 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from balance_rope import main
 from hoist_demo.calibration import tracks
 from hoist_demo.calibration.definition import MeasurementFile
 from hoist_demo.calibration.fit import CONFIDENCE
 from hoist_demo.calibration.tracks import Markers
+from hoist_demo.command_line.main import main
 from hoist_demo.files.reading import FileError, read
 
 Array = NDArray[np.float64]

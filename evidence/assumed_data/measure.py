@@ -20,7 +20,7 @@ from hoist_demo.calibration.findings import OPEN
 from hoist_demo.calibration.fit import REACH, Array, fit, intervals, sensitivities
 from hoist_demo.calibration.identify import residuals_of, stacked
 from hoist_demo.files.reading import read
-from hoist_demo.study.metrics import UNITS
+from hoist_demo.run.metrics import UNITS
 from hoist_demo.uncertainty.definition import UncertaintyFile
 from hoist_demo.uncertainty.spread import run_windings
 

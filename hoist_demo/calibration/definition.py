@@ -15,11 +15,11 @@ from hoist_demo.calibration.measurements import (
     Signal,
 )
 from hoist_demo.calibration.tracks import Markers
+from hoist_demo.cases.run_values import RopeAnalysisFile
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene, values_by_name
 from hoist_demo.files.reading import EMPTY, FileError, Table, flat
 from hoist_demo.files.registry import group_table, rope_parameters
 from hoist_demo.files.rope_file import FOLLOWING
-from hoist_demo.files.run_values import RopeAnalysisFile
 from hoist_demo.files.values import ParameterValue, plain, statuses, unreached, value_type
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter

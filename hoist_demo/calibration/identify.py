@@ -30,7 +30,7 @@ from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data_of
 from hoist_demo.files.rope_file import following_statuses
 from hoist_demo.files.values import GIVEN
-from hoist_demo.study.provenance import SourcedValue, rope_provenance
+from hoist_demo.run.provenance import SourcedValue, rope_provenance
 from rope_model import Datum, KnownRope
 
 #: Is told of each rope that was computed, with the number of its windings.

@@ -8,16 +8,8 @@ from hoist_demo.calibration.fit import CONFIDENCE, SIGNIFICANCE
 from hoist_demo.calibration.identify import CalibrationResult
 from hoist_demo.calibration.tracks import Markers
 from hoist_demo.files.rope_file import FOLLOWING
-from hoist_demo.report.html.page import (
-    Bar,
-    bars,
-    engineering,
-    number,
-    paragraphs,
-    plain_table,
-    unit_text,
-    write_sheet,
-)
+from hoist_demo.report.formatting import engineering, number, unit_text
+from hoist_demo.report.html.page import Bar, bars, paragraphs, plain_table, write_sheet
 from hoist_demo.report.rows import TEXT_WIDTH, SummaryRow, provenance_table, status_rows
 from rope_model import SIGNALS
 from rope_model.files import write_text

@@ -1,4 +1,4 @@
-"""One hoist: the data of its file (hoist_demo.files.hoist_file), and what follows by rules."""
+"""One hoist: the data of its file (hoist_demo.cases.hoist_file), and what follows by rules."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from hoist_demo.parameters.quantity import Value
 from rope_model import Level
 
 #: Folder of the hoists that come with the project.
-FOLDER = Path(str(files("hoist_demo"))) / "hoists"
+FOLDER = Path(str(files("hoist_demo.cases"))) / "hoists"
 # names of hoists, and of scenarios in which something goes wrong, in the order of help texts
 HOISTS = (
     "rope-120",

@@ -1,10 +1,10 @@
-"""Hoists by name, the files of hoist_demo/hoists, and those of the user by path."""
+"""Hoists by name, the files of hoist_demo/cases/hoists, and those of the user by path."""
 
 from functools import cache
 from pathlib import Path
 
 from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, Case
-from hoist_demo.files.hoist_file import HoistFile, read_builtin
+from hoist_demo.cases.hoist_file import HoistFile, read_builtin
 from hoist_demo.files.reading import read
 
 NATIVE = "_native"  #: End of the name of a native FMU of FMI 2.0.

@@ -32,7 +32,7 @@ from hoist_demo.recording.fidelity import remark
 from hoist_demo.recording.incidents import circuit_stop
 from hoist_demo.recording.ropes import computed, rope_signals
 from hoist_demo.recording.time_series import TIME, Recording, write_csv
-from hoist_demo.report.html.page import number
+from hoist_demo.report.formatting import number
 from hoist_demo.report.rows import OUTCOME, WARNING, SummaryRow, in_display_unit, render
 from hoist_demo.report.summary import exposure_rows
 from hoist_demo.report.verdict import outcome
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from hoist_demo.cosimulation.run_state import Result
     from hoist_demo.duty.schedule import Schedule
     from hoist_demo.duty.wind import WoundTrip
-    from hoist_demo.ropes.definition import Ropes
+    from hoist_demo.run.ropes import Ropes
 
 _STATION = "station.s[1]"  #: Column of a duty's state that shows that exposure was counted.
 #: File in the output folder with the state after the last trip that is wound.
@@ -85,8 +85,8 @@ def _duty(options: argparse.Namespace) -> int:
     from hoist_demo.duty.schedule import read_schedule
     from hoist_demo.duty.table import READ
     from hoist_demo.report.rows import status_rows
-    from hoist_demo.study.provenance import host_provenance, write_data
-    from hoist_demo.study.run import contradictions
+    from hoist_demo.run.data import contradictions
+    from hoist_demo.run.provenance import host_provenance, write_data
     from hoist_demo.uncertainty.spread import remarks_of
 
     schedule = read_schedule(options.schedule, options.repeat)
@@ -152,7 +152,7 @@ def _wind(
     """
     from hoist_demo.duty.table import landing_warnings, place_at_rest, trip_row, trip_table
     from hoist_demo.duty.wind import read_state, wind_duty, write_state
-    from hoist_demo.study.slip import slip_warnings
+    from hoist_demo.run.slip import slip_warnings
 
     cycle = len(schedule.pattern)
     rope = ropes.plant

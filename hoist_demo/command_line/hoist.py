@@ -8,12 +8,12 @@ from functools import partial
 from pathlib import Path
 
 from hoist_demo.cases.case import BUILTIN_HOISTS, Case
+from hoist_demo.cases.hoist_file import schema
+from hoist_demo.cases.new import WISHES, new_hoist
 from hoist_demo.cases.rules import with_values
 from hoist_demo.cases.table import find_case
 from hoist_demo.command_line.options import SET, settings
 from hoist_demo.command_line.support import Commands, add_command
-from hoist_demo.files.hoist_file import schema
-from hoist_demo.files.new import WISHES, new_hoist
 from hoist_demo.files.registry import parameters, rope_parameters
 from hoist_demo.files.rope_file import OF_CATALOGUE
 from hoist_demo.files.values import read_value

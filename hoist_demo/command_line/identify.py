@@ -46,7 +46,7 @@ def _identify(options: argparse.Namespace) -> int:
         write_rope_file,
     )
     from hoist_demo.files.reading import read
-    from hoist_demo.study.provenance import write_data
+    from hoist_demo.run.provenance import write_data
 
     file = read(options.measured, MeasurementFile)
     if options.check:

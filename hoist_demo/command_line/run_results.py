@@ -15,13 +15,13 @@ from hoist_demo.recording.nearness import RopePair
 from hoist_demo.recording.passages import without_passages
 from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import Recording, shape_rows, write_csv, write_shapes
-from hoist_demo.report.html.page import Row, unit_text
-from hoist_demo.report.html.parameter_tables import TitledRows, parameter_tables, rope_tables, word
+from hoist_demo.report.formatting import Row, unit_text
+from hoist_demo.report.parameter_tables import TitledRows, parameter_tables, rope_tables, word
 from hoist_demo.report.rows import Report, status_rows
 from hoist_demo.report.summary import exposure_rows, summarize
 from hoist_demo.report.verdict import judge
-from hoist_demo.study.provenance import SourcedValue, host_provenance, statuses, write_data
-from hoist_demo.study.run import RunData, build
+from hoist_demo.run.data import RunData, build
+from hoist_demo.run.provenance import SourcedValue, host_provenance, statuses, write_data
 from rope_model.files import write_text
 
 #: Outputs that an FMU may have been exported without, and what the reports then lack.

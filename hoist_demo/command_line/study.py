@@ -65,8 +65,9 @@ def _study(options: argparse.Namespace) -> int:
         ) from error
     from hoist_demo.cosimulation.participants.fmu_description import read_fmu
     from hoist_demo.report.rows import provenance_table, render, status_rows
+    from hoist_demo.run.provenance import write_data
     from hoist_demo.study.definition import read_study
-    from hoist_demo.study.provenance import study_provenance, write_data
+    from hoist_demo.study.provenance import study_provenance
 
     if options.workers is not None and options.workers < 1:
         raise ValueError(

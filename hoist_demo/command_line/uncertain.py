@@ -40,7 +40,7 @@ def add_uncertain(commands: Commands) -> None:
 
 def _uncertain(options: argparse.Namespace) -> int:
     from hoist_demo.files.reading import read
-    from hoist_demo.study.provenance import write_data
+    from hoist_demo.run.provenance import write_data
     from hoist_demo.uncertainty.definition import UncertaintyFile
     from hoist_demo.uncertainty.page import remarks, summary, too_few, write_page, write_table
     from hoist_demo.uncertainty.spread import run_windings

@@ -38,9 +38,10 @@ from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.ropes import computed
 from hoist_demo.recording.time_series import match_signals
 from hoist_demo.report.rows import Report, SummaryRow, render, render_verdict
-from hoist_demo.ropes.definition import OneRope, Ropes, ropes_of
-from hoist_demo.study.provenance import host_provenance
-from hoist_demo.study.run import Probe, RunData, build, contradictions, fmu_part, from_landing
+from hoist_demo.run.data import RunData, build, contradictions, fmu_part, from_landing
+from hoist_demo.run.probe import Probe
+from hoist_demo.run.provenance import host_provenance
+from hoist_demo.run.ropes import OneRope, Ropes, ropes_of
 
 #: File in the output folder with the last good state of a run that stopped.
 LAST_GOOD = "last_good.npz"

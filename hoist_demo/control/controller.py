@@ -139,7 +139,7 @@ class Controller(Protocol):
 
     Its memory from sample to sample is in the state of its command, and nowhere else: the host
     takes samples back, and saves and restores them. The state is any plain data, see
-    `hoist_demo.cosimulation.plain_data`, and the host hands over a copy, which may be changed.
+    `hoist_demo.cosimulation.participants.plain_data`, and the host hands over a copy, which may be changed.
     """
 
     def command(

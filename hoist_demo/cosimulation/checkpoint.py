@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from hoist_demo.cosimulation.plain_data import decode, encode
+from hoist_demo.cosimulation.participants.plain_data import decode, encode
 from hoist_demo.cosimulation.schemes.interface import SchemeState, Vector
 from hoist_demo.drive.plant import PlantState
 from hoist_demo.recording.time_series import Array, Recording

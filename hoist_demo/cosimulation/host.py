@@ -34,7 +34,7 @@ from hoist_demo.cosimulation.participants.hoist_partner import (
     NextCommand,
 )
 from hoist_demo.cosimulation.participants.inprocess_rope import InProcessRope
-from hoist_demo.cosimulation.plain_data import encode
+from hoist_demo.cosimulation.participants.plain_data import encode
 from hoist_demo.cosimulation.run_state import (
     Result,
     RopeReaders,

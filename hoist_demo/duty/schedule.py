@@ -11,13 +11,13 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
+from hoist_demo.cases.run_values import LevelHeader, RunFile, Values
 from hoist_demo.cases.table import find_case
 from hoist_demo.files.reading import read
-from hoist_demo.files.run_values import LevelHeader, RunFile, Values
 from hoist_demo.files.values import VARIED, plain, statuses
 from hoist_demo.parameters.problems import Problems
-from hoist_demo.ropes.definition import Ropes, require_unbroken, ropes_of
-from hoist_demo.study.run import RunData, build
+from hoist_demo.run.data import RunData, build
+from hoist_demo.run.ropes import Ropes, require_unbroken, ropes_of
 from rope_model.physics.elementary import sum_of
 
 _PAYLOADS = ("hoist.payload_left", "hoist.payload_right")

@@ -16,14 +16,14 @@ from hoist_demo.duty.schedule import Schedule
 from hoist_demo.duty.wind import WoundTrip
 from hoist_demo.recording.ropes import as_only_rope
 from hoist_demo.recording.time_series import Array, Recording
-from hoist_demo.study.metrics import (
+from hoist_demo.run.data import RunData
+from hoist_demo.run.metrics import (
     METRICS,
     ROPE_METRICS,
     ROPE_SIGNALS,
     measure_ropes,
     name_without_rope,
 )
-from hoist_demo.study.run import RunData
 from rope_model import EndMotion
 
 READ = ROPE_SIGNALS | {"loop.turns"}  #: Outputs of the rope that the table is made of.

@@ -16,7 +16,8 @@ from hoist_demo.duty.schedule import ROUNDING, Schedule
 from hoist_demo.recording.incidents import guard_trip, jams
 from hoist_demo.recording.ropes import computed
 from hoist_demo.recording.time_series import Recording
-from hoist_demo.study.run import RunData, wind_run
+from hoist_demo.run.data import RunData
+from hoist_demo.run.wind import wind_run
 
 
 @dataclass(frozen=True)

@@ -1,1 +1,4 @@
-"""A run and a study for readers: verdict, figures, tables, Markdown and HTML."""
+"""A run for readers: verdict, figures, tables, plain text and Markdown; the pages are in html.
+
+Nothing here imports html.
+"""

@@ -8,18 +8,18 @@ from typing import NamedTuple
 
 from hoist_demo.cases.case import Case
 from hoist_demo.cases.rules import RuleInputs
+from hoist_demo.cases.writing import hoist_text
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.design.statics import at_rest, pulls, reached, static_slip_safeties
 from hoist_demo.files.registry import rope_parameters
 from hoist_demo.files.values import ASSUMED, GIVEN, STATUSES, ParameterValue
-from hoist_demo.files.writing import hoist_text
 from hoist_demo.parameters import SIDES, Hoist, Winding
 from hoist_demo.parameters.components import Brake
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.report.rows import SummaryRow, render
-from hoist_demo.ropes.definition import OneRope, ropes_of
-from hoist_demo.study.provenance import SETTING, SourcedValue, host_provenance, statuses
-from hoist_demo.study.run import RunData, build, from_landing
+from hoist_demo.run.data import RunData, build, from_landing
+from hoist_demo.run.provenance import SETTING, SourcedValue, host_provenance, statuses
+from hoist_demo.run.ropes import OneRope, ropes_of
 from rope_model import EndMotion, Scene, balance_rope
 from rope_model.analysis.modes import natural_modes
 from rope_model.engine import NativeRope

@@ -16,7 +16,7 @@ from hoist_demo.recording.incidents import guard_trip, jams, slack_ropes, slip
 from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import Array, Recording
 from hoist_demo.report.summary import LOSSES, loses
-from hoist_demo.study.metrics import exchange_energy
+from hoist_demo.run.metrics import exchange_energy
 from rope_model import BODIES
 
 # Line styles with a fixed meaning; the others are `a` to `e`. Colours and dashes are in

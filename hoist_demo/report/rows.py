@@ -6,10 +6,10 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from hoist_demo.report.html.page import Row, number, unit_text
-from hoist_demo.report.html.parameter_tables import TitledRows
+from hoist_demo.report.formatting import Row, number, unit_text
+from hoist_demo.report.parameter_tables import TitledRows
 from hoist_demo.report.verdict import COLUMNS, Verdict
-from hoist_demo.study.provenance import SETTING, STATUSES, SourcedValue
+from hoist_demo.run.provenance import SETTING, STATUSES, SourcedValue
 
 OUTCOME = "Outcome"  #: Group of the rows on how a run went.
 WARNING = "warning"  #: Quantity of the rows that every report shows first.

@@ -15,9 +15,9 @@ from hoist_demo.parameters import SIDES, Arrival, Coupling, Hoist, Winding
 from hoist_demo.recording.fidelity import fidelities_of
 from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import Array, Recording
-from hoist_demo.report.html.page import number, unit_text
+from hoist_demo.report.formatting import number, unit_text
 from hoist_demo.report.rows import SummaryRow
-from hoist_demo.study.metrics import exchange_energy
+from hoist_demo.run.metrics import exchange_energy
 
 #: What the rope loses only where its scene has that, in words.
 ELSEWHERE = {

@@ -21,9 +21,9 @@ from hoist_demo.recording.nearness import RopePair
 from hoist_demo.recording.passages import PASSED, passages
 from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import Recording
-from hoist_demo.report.html.page import number
-from hoist_demo.study.metrics import trip_metrics
-from hoist_demo.study.slip import slip_safeties, slip_warnings
+from hoist_demo.report.formatting import number
+from hoist_demo.run.metrics import trip_metrics
+from hoist_demo.run.slip import slip_safeties, slip_warnings
 from rope_model import BODIES, FAR
 
 HALF_TURN = 0.5  #: Turns of the legs about each other at which a loop has turned over.

@@ -1,6 +1,6 @@
-"""Studies: many windings over chosen parameters, each a co-simulation with the FMU, into one table.
+"""Studies: many runs over chosen parameters, each a co-simulation with the FMU, into one table.
 
-Reads from top to bottom as definition (the TOML file, checked) -> sampling -> run (provenance) ->
-slip, metrics -> objective -> store -> cluster -> trends -> perform. The command is in
-`command_line`.
+Reads from top to bottom as definition (the TOML file, checked) -> provenance -> sampling ->
+outcome (of one run) -> objective -> store -> cluster -> trends -> perform. One run is in
+`hoist_demo.run`, the command in `command_line`.
 """

@@ -25,9 +25,10 @@ from dask.distributed import (
     get_worker,
 )
 
+from hoist_demo.run.data import RunData
+from hoist_demo.run.metrics import UNITS
 from hoist_demo.study.definition import Study, StudyRun
-from hoist_demo.study.metrics import UNITS
-from hoist_demo.study.run import ERROR, Outcome, RunData, execute
+from hoist_demo.study.outcome import ERROR, Outcome, execute
 from hoist_demo.study.store import Store
 from rope_model.files import write_bytes
 

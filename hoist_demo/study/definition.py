@@ -22,6 +22,7 @@ from pydantic import (
     model_validator,
 )
 
+from hoist_demo.cases.run_values import FileHeader, Values
 from hoist_demo.cases.table import NATIVE, find_case, fmu_name
 from hoist_demo.cosimulation.drive_signals import DRIVE_UNITS
 from hoist_demo.cosimulation.participants.fmu_description import read_outputs
@@ -38,14 +39,14 @@ from hoist_demo.files.reading import (
     table_of,
 )
 from hoist_demo.files.registry import parameters, run_fields
-from hoist_demo.files.run_values import FileHeader, Values
 from hoist_demo.files.values import VARIED, ParameterValue, Text, plain, statuses
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Parameter, Value
 from hoist_demo.recording.time_series import match_signals
-from hoist_demo.study.metrics import ARRIVALS, UNITS
+from hoist_demo.run.data import RunData, build, from_landing
+from hoist_demo.run.metrics import ARRIVALS, UNITS
+from hoist_demo.run.probe import Probe
 from hoist_demo.study.objective import Constraint, Judge, Objective, constraints_on, read_weights
-from hoist_demo.study.run import Probe, RunData, build, from_landing
 from hoist_demo.study.sampling import Range, grid, latin_hypercube, varied
 
 #: Disturbances over which a study without variants compares its choices.

@@ -18,8 +18,8 @@ from pydantic import PlainValidator, WithJsonSchema
 from hoist_demo.design.tuning import Score
 from hoist_demo.files.values import read_value
 from hoist_demo.parameters.quantity import Parameter
-from hoist_demo.study.metrics import SIGNED, STOPS, UNITS
-from hoist_demo.study.run import CUT_SHORT
+from hoist_demo.run.metrics import SIGNED, STOPS, UNITS
+from hoist_demo.study.outcome import CUT_SHORT
 from rope_model.physics.elementary import sum_of
 
 Judge = Literal["worst", "mean", "share"]

@@ -11,8 +11,8 @@ from typing import Any
 from hoist_demo.design.tuning import Plan, Score, search
 from hoist_demo.parameters.quantity import Value
 from hoist_demo.recording.time_series import Array
+from hoist_demo.run.metrics import UNITS
 from hoist_demo.study.definition import Study, StudyRun
-from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.objective import ChoiceScore, Objective
 from hoist_demo.study.sampling import Range
 from hoist_demo.study.store import SEPARATOR, Store, kind_of

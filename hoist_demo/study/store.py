@@ -20,7 +20,8 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hoist_demo.study.run import FINISHED, Outcome, RunData
+from hoist_demo.run.data import RunData
+from hoist_demo.study.outcome import FINISHED, Outcome
 from rope_model.files import whole_file, write_text
 from rope_model.texts import csv_cell
 

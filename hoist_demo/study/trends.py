@@ -14,8 +14,8 @@ from typing import Any
 
 from hoist_demo.files.registry import parameters
 from hoist_demo.parameters.quantity import Value
+from hoist_demo.run.metrics import UNITS
 from hoist_demo.study.definition import Study, StudyRun
-from hoist_demo.study.metrics import UNITS
 from hoist_demo.study.objective import Constraint, Objective
 
 PROMINENCE = 0.1  #: Least height of an extremum, in parts of the range of a result.

@@ -9,20 +9,20 @@ from pydantic import Field, field_validator, model_validator
 
 from hoist_demo.cases.case import BalanceRopeData, Case
 from hoist_demo.cases.rules import with_values
+from hoist_demo.cases.run_values import LevelHeader, RopeAnalysisFile, RunFile
 from hoist_demo.cases.table import find_case
 from hoist_demo.cosimulation.participants.inprocess_rope import rope_data_of, values_by_name
 from hoist_demo.files.reading import FileError
 from hoist_demo.files.registry import rope_parameters
 from hoist_demo.files.rope_file import FOLLOWING, following_statuses
-from hoist_demo.files.run_values import LevelHeader, RopeAnalysisFile, RunFile
 from hoist_demo.files.values import DERIVED, GIVEN, VARIED, ParameterValue, statuses, unreached
 from hoist_demo.parameters import SIDES, start_heights
 from hoist_demo.parameters.problems import Problems
 from hoist_demo.parameters.quantity import Value
-from hoist_demo.ropes.definition import Ropes, require_unbroken, ropes_of
-from hoist_demo.study.metrics import ROPE_SIGNALS, UNITS, names_of
-from hoist_demo.study.provenance import SourcedValue, host_provenance, rope_provenance
-from hoist_demo.study.run import RunData, build, from_landing
+from hoist_demo.run.data import RunData, build, from_landing
+from hoist_demo.run.metrics import ROPE_SIGNALS, UNITS, names_of
+from hoist_demo.run.provenance import SourcedValue, host_provenance, rope_provenance
+from hoist_demo.run.ropes import Ropes, require_unbroken, ropes_of
 from rope_model import BEARINGS, Datum, EndMotion, KnownRope, Scene, balance_rope
 from rope_model.scene_names import choices_of
 

@@ -4,9 +4,10 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from hoist_demo.recording.time_series import Recording, write_csv
-from hoist_demo.report.html.page import Bar, bars, number, paragraphs, plain_table, write_sheet
+from hoist_demo.report.formatting import number
+from hoist_demo.report.html.page import Bar, bars, paragraphs, plain_table, write_sheet
 from hoist_demo.report.rows import SummaryRow, in_display_unit, provenance_table, status_rows
-from hoist_demo.study.metrics import METRICS, UNITS, name_without_rope
+from hoist_demo.run.metrics import METRICS, UNITS, name_without_rope
 from hoist_demo.uncertainty.spread import QUANTILES, UNEXPLAINED, UncertaintyResult
 
 MIN_LISTED_SHARE = 0.05  #: Share of a spread from which on a datum is named in the terminal.

@@ -24,8 +24,8 @@ from hoist_demo.cosimulation.progress import warnings_of
 from hoist_demo.recording.passages import PASSED, passages
 from hoist_demo.recording.ropes import computed, rope_signals
 from hoist_demo.recording.time_series import Array
-from hoist_demo.study.metrics import measure_ropes
-from hoist_demo.study.run import wind_run
+from hoist_demo.run.metrics import measure_ropes
+from hoist_demo.run.wind import wind_run
 from hoist_demo.uncertainty.definition import UncertaintyFile
 
 WindingResult = tuple[dict[str, float], tuple[str, ...]]  #: Measures by name, and remarks.

@@ -36,7 +36,7 @@ from rope_model.physics.hermite import GAUSS, bend, node_values
 from rope_model.physics.node import ANGLE, arc_lengths
 from rope_model.physics.rope_element import Features, rope_element
 from rope_model.rules.end_paths import SIDES
-from rope_model.rules.messages.fidelity_rules import not_plumb
+from rope_model.rules.fidelity_rules import not_plumb
 from rope_model.rules.swivel_phases import Phase
 
 #: outputs of an end

@@ -51,11 +51,11 @@ from rope_model.rules import (
     statics,
     stepping,
     swivel_phases,
+    warning_rules,
 )
 from rope_model.rules.audit import Audit
 from rope_model.rules.end_paths import EndMotion, EndPath
 from rope_model.rules.input_filter import InputFilter, filter_sample
-from rope_model.rules.messages import warning_rules
 from rope_model.shaft_parameters import FAR, PARTS
 from rope_model.solver_parameters import Solver
 

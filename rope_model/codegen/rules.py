@@ -21,16 +21,15 @@ from rope_model.codegen.expressions import statements, texts_of
 from rope_model.codegen.messages import texts
 from rope_model.codegen.state_structures import PatternStructure, StateStructure
 from rope_model.codegen.tables import Word, constant
+from rope_model.messages.rules import Rules
+from rope_model.messages.text import Template
 from rope_model.parameters import Scene, Swivel
 from rope_model.physics.expressions import no_simplification
-from rope_model.rules import mesh_pattern, swivel_phases
+from rope_model.rules import fidelity_rules, mesh_pattern, swivel_phases, warning_rules
 from rope_model.rules.bodies import NO_ROOM, least_passage, may_touch
 from rope_model.rules.end_paths import EndMotion
 from rope_model.rules.input_filter import InputFilter
-from rope_model.rules.messages import fidelity_rules, warning_rules
-from rope_model.rules.messages.result_warnings import WARNINGS
-from rope_model.rules.messages.rules import Rules
-from rope_model.rules.messages.text import Template
+from rope_model.rules.result_warnings import WARNINGS
 from rope_model.rules.state import RopeState
 from rope_model.rules.state_signals import remembered
 from rope_model.rules.swivel_phases import SwivelState

@@ -5,6 +5,8 @@ from collections.abc import Iterator, Sequence
 from functools import reduce
 from typing import NamedTuple
 
+from rope_model.messages import messages
+from rope_model.messages.rules import Rules
 from rope_model.parameters import Scene
 from rope_model.physics import shaft as physics
 from rope_model.physics.centreline import (
@@ -20,8 +22,6 @@ from rope_model.physics.elementary import (
 )
 from rope_model.physics.shaft import KINDS, Body
 from rope_model.rules.end_paths import EndMotion
-from rope_model.rules.messages import messages
-from rope_model.rules.messages.rules import Rules
 from rope_model.shaft_parameters import FAR, Shaft
 
 LINING, CONVEYANCE, HEAD_ROPES, DIVIDER, FLOOR = range(len(KINDS))

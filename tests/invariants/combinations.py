@@ -21,8 +21,8 @@ import pandas as pd
 import pytest
 from allpairspy import AllPairs
 
-from balance_rope import main
 from hoist_demo.command_line import wind as wind_command
+from hoist_demo.command_line.main import main
 from hoist_demo.parameters.trip_design import CONTROLLERS
 
 GRAVITY = 9.81

@@ -24,9 +24,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from hoist_demo.cosimulation.participants.plain_data import from_bytes, to_bytes
 from hoist_demo.cosimulation.participants.rope_data import RopeData
 from hoist_demo.cosimulation.participants.rope_group import WholeRope
-from hoist_demo.cosimulation.plain_data import from_bytes, to_bytes
 from hoist_demo.cosimulation.schemes.interface import ENDS, SUCCESS, Reader, end_signals
 from hoist_demo.parameters import GRAVITY
 from rope_model import BalanceRope, EndMotion, Status

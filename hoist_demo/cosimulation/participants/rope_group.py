@@ -17,8 +17,8 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from hoist_demo.cosimulation.participants.plain_data import from_bytes, to_bytes
 from hoist_demo.cosimulation.participants.rope_data import RopeData
-from hoist_demo.cosimulation.plain_data import from_bytes, to_bytes
 from hoist_demo.cosimulation.schemes.interface import (
     ADDED_MASSES,
     ENDS,

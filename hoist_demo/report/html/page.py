@@ -8,7 +8,6 @@ an error in the console and not a hidden dependence.
 
 import json
 import math
-import re
 import string
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,11 +15,11 @@ from importlib.resources import files
 from pathlib import Path
 
 from hoist_demo.parameters import ASSUMED_DATA
+from hoist_demo.report.formatting import Row
 from rope_model.files import write_text
 from rope_model.texts import html_text
 
 LONG = 24  #: Characters from which a value may break anywhere, such as a hash.
-Row = tuple[str, ...]  #: Quantity, value and unit as texts, and perhaps what more is known of it.
 
 
 def asset(name: str) -> str:
@@ -80,37 +79,6 @@ def _value(text: str) -> str:
     if len(text) > LONG:
         return "value long"
     return "value"
-
-
-def number(value: float, digits: int = 5) -> str:
-    """Format a number for people, without an exponent where ten places do."""
-    text = f"{value:.{digits}g}"
-    if "e+" in text:
-        return f"{float(text):.10g}"
-    return text
-
-
-def engineering(largest: float, unit: str) -> tuple[float, str]:
-    """Return the factor to a unit in which this magnitude has few digits, and that unit.
-
-    For 9.96e7 J these are 1e-6 and MJ.
-    """
-    first = re.split(r"[.\s/]", unit)[0]
-    if first in _UNITS_WITH_PREFIX:
-        for prefix, size in _PREFIXES.items():
-            if largest >= 10.0 * size:
-                return 1.0 / size, prefix + unit
-    return 1.0, unit
-
-
-_UNITS_WITH_PREFIX = ("J", "N", "W", "Pa")
-_PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3}
-
-
-def unit_text(unit: str) -> str:
-    """Format a unit for people: `N.m2` and `N m^2` as N m², and nothing for a pure number."""
-    text = unit.replace(".", " ").replace("^", "") if unit != "1" else ""
-    return re.sub(r"(?<=[A-Za-z])[23]", lambda match: {"2": "²", "3": "³"}[match[0]], text)
 
 
 def _finite(data: object) -> object:

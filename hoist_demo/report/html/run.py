@@ -12,8 +12,8 @@ from hoist_demo.parameters import SIDES, Hoist
 from hoist_demo.recording.incidents import guard_trip
 from hoist_demo.recording.ropes import rope_signals
 from hoist_demo.recording.time_series import TIME, Array, Recording, is_along
-from hoist_demo.report import panels
-from hoist_demo.report.html import packing, page, parameter_tables
+from hoist_demo.report import formatting, panels, parameter_tables
+from hoist_demo.report.html import packing, page
 from hoist_demo.report.html.packing import along
 from hoist_demo.report.rows import CHANGED, Report, rows_by_group
 from hoist_demo.report.verdict import COLUMNS, Verdict
@@ -35,7 +35,9 @@ def run_report(
     """
     numbers = ""
     for group, rows in rows_by_group(report.rows).items():
-        cells: list[page.Row] = [(row.quantity, row.text, page.unit_text(row.unit)) for row in rows]
+        cells: list[formatting.Row] = [
+            (row.quantity, row.text, formatting.unit_text(row.unit)) for row in rows
+        ]
         numbers += page.titled_table(group, cells)
     tables = "".join(page.titled_table(title, rows) for title, rows in report.data_tables)
     body = page.fill("run.html", numbers=numbers, tables=tables)
@@ -108,7 +110,10 @@ def _data(result: Result, hoist: Hoist, ropes: Sequence[RopeData]) -> dict[str, 
 
 
 def _signal(values: Array, unit: str) -> dict[str, object]:
-    return {"unit": page.unit_text(unit), "values": packing.pack(packing.thin(values, MAX_TIMES))}
+    return {
+        "unit": formatting.unit_text(unit),
+        "values": packing.pack(packing.thin(values, MAX_TIMES)),
+    }
 
 
 def _has_curve(rope: Recording) -> bool:

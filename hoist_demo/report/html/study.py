@@ -17,9 +17,10 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from hoist_demo.recording.passages import PASSED
+from hoist_demo.report import formatting
 from hoist_demo.report.html import page
-from hoist_demo.report.html.parameter_tables import TitledRows
-from hoist_demo.study.metrics import MORE_IS_BETTER, NEUTRAL, UNITS
+from hoist_demo.report.parameter_tables import TitledRows
+from hoist_demo.run.metrics import MORE_IS_BETTER, NEUTRAL, UNITS
 from hoist_demo.study.objective import Constraint, Objective
 from hoist_demo.study.perform import MISSING, WARNINGS, StudyResult
 from hoist_demo.study.store import SEPARATOR, kind_of
@@ -96,7 +97,7 @@ def study_report(
         page_columns.append(
             {
                 "name": name,
-                "unit": page.unit_text(column.unit),
+                "unit": formatting.unit_text(column.unit),
                 "role": "parameter" if name in parameters else "metric",
                 # without anything that differs, as with a single run, all numbers have one
                 "axis": name in varied or not varied,
@@ -120,11 +121,11 @@ def study_report(
     remarks = _list("Not monotonic", trends)
     remarks += _list("Warnings", _by_text(table, WARNINGS))
     remarks += _list("Missing", _by_text(table, MISSING))
-    about: list[page.Row] = [
+    about: list[formatting.Row] = [
         (str(name), _text(value), "") for name, value in meta.items() if name not in _META_OF_PAGE
     ]
-    equal: list[page.Row] = [
-        (name, _describe(columns[name].values), page.unit_text(columns[name].unit))
+    equal: list[formatting.Row] = [
+        (name, _describe(columns[name].values), formatting.unit_text(columns[name].unit))
         for name in fixed
     ]
     tables = page.titled_table("Study", about)
@@ -201,7 +202,7 @@ def _columns_in_engineering_units(
             abs(value) for value in cells if isinstance(value, float) and math.isfinite(value)
         ]
         largest = max(numbers, default=0.0)
-        factor, unit = page.engineering(largest, stated.get(name, ""))
+        factor, unit = formatting.engineering(largest, stated.get(name, ""))
         scaled = [factor * value if isinstance(value, float) else value for value in cells]
         columns[name] = _Column(scaled, unit, factor)
     return columns
@@ -256,5 +257,5 @@ def _describe(values: Sequence[float | str | None]) -> str:
 
 def _text(value: object) -> str:
     if isinstance(value, float):
-        return page.number(value)
+        return formatting.number(value)
     return str(value)

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterable
 
-from hoist_demo.files.hoist_file import SUSPENSION_PARAMETERS
+from hoist_demo.cases.hoist_file import SUSPENSION_PARAMETERS
 from hoist_demo.files.registry import host_parameters, rope_parameters
 from hoist_demo.files.values import GIVEN, ParameterValue, ParameterValues
 from hoist_demo.parameters.quantity import Parameter

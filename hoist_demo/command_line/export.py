@@ -1,12 +1,8 @@
-"""The console command ``balance-rope``.
-
-It joins the FMU's export and the hoist, which do not import each other.
-"""
+"""`balance-rope export`: the rope as an FMU, and a hoist as one system of FMUs."""
 
 from __future__ import annotations
 
 import argparse
-import logging
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -14,132 +10,41 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
-try:  # Ctrl-C during the slow imports must not print a traceback
-    from fmu_src.model_description import MODEL
-    from fmu_src.native.build import (
-        PLATFORMS,
-        available_platforms,
-        host_platform,
-        missing_platforms,
-    )
-    from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
-    from fmu_src.ssp import Datum, Version
-    from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, Case
-    from hoist_demo.cases.rules import with_values
-    from hoist_demo.cases.table import NATIVE, find_case, fmu_name
-    from hoist_demo.command_line.duty import add_duty
-    from hoist_demo.command_line.hoist import add_hoist_commands
-    from hoist_demo.command_line.identify import add_identify
-    from hoist_demo.command_line.linear import add_linear
-    from hoist_demo.command_line.options import settings
-    from hoist_demo.command_line.study import add_study
-    from hoist_demo.command_line.support import (
-        INTERRUPTED,
-        named,
-        outlive_readers,
-        results_folder,
-        treat_hangup_as_interrupt,
-    )
-    from hoist_demo.command_line.uncertain import add_uncertain
-    from hoist_demo.command_line.wind import add_wind
-    from hoist_demo.files.reading import read
-    from hoist_demo.files.registry import CONTROLLER, parameters, rope_parameters
-    from hoist_demo.files.rope_file import RopeFile
-    from hoist_demo.files.values import plain
-    from hoist_demo.report.rows import aligned_table
-    from hoist_export import WITHOUT, export_hoist, export_rope
-    from rope_model import __version__
-    from rope_model.cases import LEVELS
-    from rope_model.files import WriteError, write_bytes
+from fmu_src.model_description import MODEL
+from fmu_src.native.build import (
+    PLATFORMS,
+    available_platforms,
+    host_platform,
+    missing_platforms,
+)
+from fmu_src.profile import ALL, DEFAULT, GROUPS, Profile
+from fmu_src.ssp import Datum, Version
+from hoist_demo.cases.case import BUILTIN_HOISTS, DEFAULT_HOIST, Case
+from hoist_demo.cases.rules import with_values
+from hoist_demo.cases.table import NATIVE, find_case, fmu_name
+from hoist_demo.command_line.options import settings
+from hoist_demo.command_line.support import Commands, named, results_folder
+from hoist_demo.export.system import WITHOUT, export_hoist, export_rope
+from hoist_demo.files.reading import read
+from hoist_demo.files.registry import CONTROLLER, parameters, rope_parameters
+from hoist_demo.files.rope_file import RopeFile
+from hoist_demo.files.values import plain
+from hoist_demo.report.rows import aligned_table
+from rope_model.cases import LEVELS
+from rope_model.files import write_bytes
 
-    if TYPE_CHECKING:
-        from hoist_demo.control.trajectory import Trajectory
-        from hoist_demo.ropes.definition import OneRope
-except KeyboardInterrupt:
-    print("balance-rope: interrupted", file=sys.stderr)
-    sys.exit(130)
+if TYPE_CHECKING:
+    from hoist_demo.control.trajectory import Trajectory
+    from hoist_demo.run.ropes import OneRope
 
 BUILD = Path("build")
 #: flavour and FMI version -> end of the file name
 NAMES = {("Python", 2): "", ("native", 2): NATIVE, ("native", 3): "_native_fmi3"}
 DEFAULT_FMU = BUILD / fmu_name(DEFAULT_HOIST, NATIVE)
 
-DESCRIPTION = """\
-The balance rope of a friction (Koepe) hoist, as an FMU and in a winding.
 
-The rope hangs in a U below the two conveyances: tension, torsion and lateral motion, coupled. The drive (motor,
-sheave, head ropes, conveyances) is a CasADi model that exchanges end motions and end forces with the FMU."""
-
-EPILOG = """\
-first steps:
-  balance-rope export                  write the rope to build/balance_rope.fmu
-  balance-rope export --native --fmi 2 3    the same as C code for all platforms, without Python
-  balance-rope wind                    wind 90 m with it; figures, CSV and a report in out/wind/rope-120
-  balance-rope new NAME --depth 870 --payload 22t --speed 16    the file of your own hoist, NAME.toml
-  balance-rope show NAME.toml          its values, and what follows from them
-  balance-rope wind NAME.toml          one trip of it, with one balance rope or several that differ
-  balance-rope study STUDY.toml        wind many times, with parameters over grids, samples or a search
-  balance-rope duty SCHEDULE.toml      wind many trips as one run, each from where the last has left the rope
-  balance-rope identify MEASURED.toml  find the rope's properties from measurements
-  balance-rope uncertain SCENE.toml    wind with all that is not known of the rope: spread, and what causes it
-  balance-rope modes                   frequencies and damping of hoist and rope along the trip
-  balance-rope linearise               linear models for controller design
-  balance-rope COMMAND --help          what a command can do
-
-Compiled code is kept in the user's cache folder; the environment variable BALANCE_ROPE_CACHE names another.
-Exit code 1 also means that a result could not be written; 2 means that nothing was run.
-"""
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Entry point; returns the exit code."""
-    outlive_readers()
-    raw = argparse.RawDescriptionHelpFormatter
-    parser = argparse.ArgumentParser(
-        "balance-rope", description=DESCRIPTION, epilog=EPILOG, formatter_class=raw
-    )
-    parser.add_argument("--version", action="version", version=f"balance-rope {__version__}")
-    parser.add_argument("-v", "--verbose", action="store_true", help="log what the solver does")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    add_hoist_commands(commands)
-    _add_export(commands)
-    add_wind(commands, DEFAULT_FMU)
-    add_study(commands)
-    add_duty(commands)
-    add_identify(commands)
-    add_uncertain(commands)
-    add_linear(commands)
-    # accept -v after the command too; `wind` and `demo` share one parser
-    for command in dict.fromkeys(commands.choices.values()):
-        command.add_argument(
-            "-v",
-            "--verbose",
-            action="store_true",
-            default=argparse.SUPPRESS,
-            help="log what the solver does",
-        )
-    options = parser.parse_args(arguments)
-    treat_hangup_as_interrupt()
-    if options.verbose:
-        logging.basicConfig(level=logging.INFO, format="%(name)s: %(message)s")
-    else:
-        logging.basicConfig(level=logging.WARNING, format="balance-rope: %(message)s")
-    try:
-        code: int = options.run(options)
-        sys.stdout.flush()
-        return code
-    except KeyboardInterrupt:
-        print("balance-rope: interrupted", file=sys.stderr)
-        return INTERRUPTED
-    except WriteError as error:  # what was computed is not all kept: no wrong arguments
-        print(f"balance-rope: {error}", file=sys.stderr)
-        return 1
-    except (ValueError, RuntimeError, OSError) as error:
-        print(f"balance-rope: {error}", file=sys.stderr)
-        return 2
-
-
-def _add_export(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def add_export(commands: Commands) -> None:
+    """Add the command."""
     export = commands.add_parser(
         "export",
         help="write the rope as an FMU",
@@ -303,7 +208,7 @@ def _export(options: argparse.Namespace) -> int:
 def _data(case: Case, name: str, set_values: Mapping[str, Any]) -> list[Datum]:
     """Return the hoist's data with their statuses; `set_values` replace those of its file."""
     from hoist_demo.report.hoist import hoist_provenance
-    from hoist_demo.study.provenance import SETTING
+    from hoist_demo.run.provenance import SETTING
 
     rows = hoist_provenance(case, name, set_values)
     return [Datum(*row) for row in rows if row.status != SETTING]
@@ -383,8 +288,8 @@ def _hoist(
     if case.distinct_ropes and not options.ssp:
         raise ValueError(f"{options.hoist} has several ropes, and an FMU has one: add --ssp")
     # slow imports
-    from hoist_demo.ropes.definition import ropes_of
-    from hoist_demo.study.run import build, from_landing
+    from hoist_demo.run.data import build, from_landing
+    from hoist_demo.run.ropes import ropes_of
 
     run = from_landing(build(options.hoist, set_values))
     trajectory = None
@@ -396,7 +301,3 @@ def _hoist(
         return case, (), trajectory
     ropes = ropes_of(case, run, {}, options.level or case.level)
     return replace(case, hoist=ropes.hoist), ropes.ropes, trajectory
-
-
-if __name__ == "__main__":
-    sys.exit(main())

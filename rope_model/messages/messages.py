@@ -4,7 +4,7 @@ codegen.messages makes the C of them.  Warnings are in warning_messages, reasons
 fidelity_messages.
 """
 
-from rope_model.rules.messages.text import Template
+from rope_model.messages.text import Template
 
 # the rope's start
 start_time_out_of_range = Template(

@@ -7,7 +7,7 @@ message applies, and then the numbers in it.  A choice is compared with its word
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rope_model.rules.messages.text import Template
+from rope_model.messages.text import Template
 
 Rules = Mapping[Template, Callable[..., tuple[Any, ...]]]
 

@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
 
+from rope_model.messages import fidelity_messages
+from rope_model.messages.rules import Rules
 from rope_model.parameters import AT_START, Scene
 from rope_model.physics import estimates
 from rope_model.physics.elementary import Scalar, logical_and, logical_or, maximum, where
@@ -17,8 +19,6 @@ from rope_model.physics.inextensible import min_tension, rigid_tensions
 from rope_model.physics.initial_curvature import max_curvature
 from rope_model.rules.bodies import may_touch
 from rope_model.rules.end_paths import EndMotion
-from rope_model.rules.messages import fidelity_messages
-from rope_model.rules.messages.rules import Rules
 
 TURNED = ("yaw", "yaw_rate")  #: inputs that turn a rope whose swivels hold
 OUT_OF_PLANE = ("z", "vz", "az", "lean_z")  #: inputs out of the plane

@@ -29,8 +29,8 @@ from hoist_demo.parameters.quantity import Value
 from hoist_demo.parameters.suspension import SuspensionOffset
 from hoist_demo.recording.nearness import RopePair, pairs
 from hoist_demo.recording.time_series import Recording
-from hoist_demo.study.provenance import SourcedValue, rope_provenance
-from hoist_demo.study.run import RunData, fmu_part
+from hoist_demo.run.data import RunData, fmu_part
+from hoist_demo.run.provenance import SourcedValue, rope_provenance
 from rope_model import Level, Neighbours, Scene
 
 _ROPE_STIFFNESS = "contact.rope_stiffness"

@@ -1,6 +1,6 @@
 """Warnings about valid results: texts as in messages."""
 
-from rope_model.rules.messages.text import Template
+from rope_model.messages.text import Template
 
 passed_into = Template(
     "{body:s} from t = {touched:.6g} s on (deepest by {depth:.3g} m at {t:.6g} s, {s:.4g} m along it, at y = {y:.4g} m)"

@@ -10,9 +10,9 @@ import math
 from collections.abc import Mapping
 
 from hoist_demo.cases.rules import HEAD_ROPE_STIFFNESS, TAIL_SPARE, RuleInputs
+from hoist_demo.cases.writing import hoist_text
 from hoist_demo.files.registry import data_of
 from hoist_demo.files.values import DERIVED, ParameterValue, plain
-from hoist_demo.files.writing import hoist_text
 from hoist_demo.parameters import GRAVITY, hoist_with
 from hoist_demo.parameters.quantity import Bounds, Parameter, Value
 from rope_model import rope as catalogue_rope

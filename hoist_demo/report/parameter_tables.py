@@ -5,7 +5,7 @@ from dataclasses import fields, is_dataclass
 from typing import Any
 
 from hoist_demo.cosimulation.participants.rope_data import RopeData
-from hoist_demo.report.html.page import Row, number, unit_text
+from hoist_demo.report.formatting import Row, number, unit_text
 
 _NO_UNIT = "-"
 TitledRows = tuple[str, list[Row]]  #: Title and rows.

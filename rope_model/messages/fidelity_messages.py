@@ -1,6 +1,6 @@
 """Reasons why a fidelity of the model serves, or does not: texts as in messages."""
 
-from rope_model.rules.messages.text import Template
+from rope_model.messages.text import Template
 
 cannot_follow = Template("the {fidelity:s} model cannot follow {why:.300}")
 fixed_model_cannot_follow = Template(

@@ -1,4 +1,4 @@
-"""A hoist as FMUs and as one system of them (SSP): joins fmu_src and hoist_demo."""
+"""A hoist as FMUs and as one system of them (SSP)."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from fmu_src.export import export_fmu
 from fmu_src.model_description import MODEL
 from fmu_src.native.export import export_model, export_native
 from fmu_src.profile import Profile
+from fmu_src.python.export import export_fmu
 from fmu_src.ssp import Component, Datum, Version, export_ssp
 from hoist_demo.cases.case import Case
 from hoist_demo.drive_fmu.description import drive_model, duration
@@ -24,7 +24,7 @@ from rope_model.scene_names import Value, named_parameters
 
 if TYPE_CHECKING:
     from hoist_demo.control.trajectory import Trajectory
-    from hoist_demo.ropes.definition import OneRope
+    from hoist_demo.run.ropes import OneRope
 
 DRIVE = "drive"  #: Name of the drive in a system.
 ROPE = "rope"  #: Name of the rope in a system with one.

@@ -20,7 +20,6 @@ from pathlib import Path
 
 from pythonfmu.builder import FmuBuilder
 
-from fmu_src import own_modules
 from fmu_src.archive import read_archive, write_archive
 from fmu_src.attachments import attachments
 from fmu_src.interface import NO_CHANGES, Variable, case_with, variables
@@ -29,13 +28,14 @@ from fmu_src.native.build import choose_platforms
 from fmu_src.native.export import shell
 from fmu_src.native.start import Start, binaries_with
 from fmu_src.native.table import c_table, start_values
-from fmu_src.own_modules import ROOT, import_from, modules_needed
 from fmu_src.profile import Profile
-from fmu_src.python_flavour import of_python, require_for_python
+from fmu_src.python import own_modules
+from fmu_src.python.flavour import of_python, require_for_python
+from fmu_src.python.own_modules import ROOT, import_from, modules_needed
 from rope_model.cases import Level
 from rope_model.scene_names import Value
 
-_SLAVE = ROOT / "fmu_src" / "slave.py"
+_SLAVE = Path(__file__).with_name("slave.py").resolve()
 #: package of the builder, which adds a copy of it to the FMU
 _BUILDER = "pythonfmu"
 

@@ -1,1 +1,0 @@
-"""The balance ropes of a hoist, one or several that differ, ready to wind."""

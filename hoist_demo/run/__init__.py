@@ -1,0 +1,4 @@
+"""One run: its data, its ropes, its winding, and what is read from its record.
+
+Reads from top to bottom as data -> provenance -> ropes -> probe -> wind -> slip -> metrics.
+"""

@@ -1,0 +1,34 @@
+"""One winding with any rope."""
+
+from typing import Any
+
+from hoist_demo.cosimulation.host import Host, Progress
+from hoist_demo.cosimulation.run_state import Result
+from hoist_demo.cosimulation.schemes.interface import RopePlant
+from hoist_demo.design.controllers import Drive
+from hoist_demo.run.data import RunData
+
+
+def wind_run(
+    run: RunData,
+    rope: RopePlant,
+    progress: Progress | None = None,
+    drive: Drive | None = None,
+    **trips: Any,
+) -> Result:
+    """Return the co-simulation of a run with any rope.
+
+    `progress` is that of `Host.run`; `drive` is the design of the run if it is known; `trips` are
+    arguments of `Host` on the trips before and after.
+    """
+    drive = drive or run.design()
+    host = Host(
+        rope,
+        run.hoist,
+        run.winding,
+        run.coupling,
+        drive.gains,
+        trajectory=drive.trajectory,
+        **trips,
+    )
+    return host.run(progress)

@@ -1,0 +1,1 @@
+"""Messages and warnings of the rope: their texts, and the form of the tables that select them."""

@@ -1,1 +1,0 @@
-"""Messages and warnings of the rope, and the rules that select them."""
