@@ -173,9 +173,9 @@ def test_states_go_on_to_the_bit_after_half_steps_and_in_another_process(
     host.forget(state)
     assert run(host, 20, LAST) == here
     path, folder = map(str, unpacked(request.node.callspec.params["host"]))
-    assert in_another_process(f"elsewhere({path!r}, {folder!r}, {str(saved)!r}, 20, {LAST})") == repr(
-        here
-    )
+    assert in_another_process(
+        f"elsewhere({path!r}, {folder!r}, {str(saved)!r}, 20, {LAST})"
+    ) == repr(here)
 
 
 @pytest.mark.parametrize("host", NATIVE, indirect=True)
