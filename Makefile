@@ -35,7 +35,7 @@ MINUTES ?= 60
 HUNT = --seed $(SEED) --minutes $(MINUTES) $(if $(CASE),--case $(CASE)) $(if $(RELATION),--relation $(RELATION))
 hunt: $(READY)  ## try relations that must hold on random scenes, as make hunt SEED=7 MINUTES=60
 	$(if $(SEED),,$(error SEED must be a number: make hunt SEED=7))
-	OMP_NUM_THREADS=1 PYTHONPATH=.:tests $(BIN)/python -m invariants $(HUNT) $(if $(WITHOUT),--without "$(WITHOUT)") $(if $(LOG),--log)
+	OMP_NUM_THREADS=1 PYTHONPATH=.:tests/helpers $(BIN)/python -m invariants $(HUNT) $(if $(WITHOUT),--without "$(WITHOUT)") $(if $(LOG),--log)
 
 test-lowest:  ## run the tests with the lowest versions of the packages that pyproject.toml allows
 	$(PYTHON) -m venv --clear $(LOWEST)

@@ -1,6 +1,6 @@
 """Host of the balance rope: a friction hoist in CasADi, co-simulated with the rope.
 
-Packages; tests/layers.toml lists what each may import:
+Packages; tests/project/layers.toml lists what each may import:
 
     parameters       data of hoist, trip and coupling, checked
     drive | control  the hoist as a model | the reference and the controller that follows it

@@ -1,4 +1,4 @@
-"""Shared by the tests: exported FMUs, functions of the native rope, differences, rotations."""
+"""Fixtures of the tests: exported FMUs, functions of the native rope, figures that are left out."""
 
 from __future__ import annotations
 
@@ -9,29 +9,21 @@ from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
 import fmpy
-import numpy as np
 import pytest
+from checkout import QUICK, ROOT
 from exports import EXPORTS
 from hypothesis import settings
 from native_host import Host
 from native_parts import parts as parts
-from numpy.typing import NDArray
+from shared import Unpacked
 from stand_in import VERSIONS
 
 from rope_model.compiler import find_compiler, make_once
 
-Array = NDArray[np.float64]
-Capture, Patch = pytest.CaptureFixture[str], pytest.MonkeyPatch
-#: gives the FMU of a kind, and the folder into which it is unpacked
-Unpacked = Callable[[str], tuple[Path, str]]
-
 # processes that tests start run this checkout, too
-os.environ["PYTHONPATH"] = os.pathsep.join(
-    filter(None, (str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH")))
-)
+os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
 # what Python compiles for one of them serves the others
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 # what is compiled on this machine, in this process or another, serves a test and not a year of windings
@@ -42,7 +34,7 @@ if (
 ):
     os.environ |= {
         "OPTIMISING_CC": compiler[0],
-        "CC": str(Path(__file__).with_name("quick") / "cc"),
+        "CC": str(QUICK / "cc"),
     }
 # examples are bounded by their number: a busy machine is no failure
 settings.register_profile(
@@ -54,9 +46,7 @@ settings.load_profile("seeded")
 def pytest_collection_modifyitems(config: pytest.Config) -> None:
     """FMUs are compiled quickly in the tests of ``make test``; ``make test-slow`` compiles them as they are shipped."""
     if os.name == "posix" and find_spec("ziglang") and config.option.markexpr == "not slow":
-        os.environ["PYTHONPATH"] = os.pathsep.join(
-            (str(Path(__file__).with_name("quick")), os.environ["PYTHONPATH"])
-        )
+        os.environ["PYTHONPATH"] = os.pathsep.join((str(QUICK), os.environ["PYTHONPATH"]))
 
 
 @pytest.hookimpl(wrapper=True)
@@ -122,27 +112,3 @@ def host(fmi: int, unpacked: Unpacked) -> Iterator[Host]:
     made = Host(*unpacked(f"stand-in-{fmi}"))
     yield made
     made.free()
-
-
-def straight(s: Array) -> Array:
-    """(nodes, 7): an unstrained rope along X."""
-    q = np.zeros((s.size, 7))
-    q[:, 0], q[:, 3] = s, 1.0
-    return q
-
-
-def difference(f: Callable[[Array], Any], x: Any, step: float = 1e-5) -> Array:
-    """Columns df/dx_i by central differences, which err by the square of the step and by rounding over it."""
-    at = np.array(x)
-    columns = [
-        (np.asarray(f(at + d)) - np.asarray(f(at - d))) / (2 * step) for d in step * np.eye(at.size)
-    ]
-    return np.stack(columns, axis=-1)
-
-
-def rotation(vector: Array) -> Array:
-    """(3, 3): turning by |vector| about ``vector``."""
-    angle = float(np.linalg.norm(vector))
-    x, y, z = vector / angle if angle > 0 else vector
-    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K

@@ -19,7 +19,7 @@ class Row:
     value: float
     unit: str  # '1' without one
     bound: float
-    test: str  # in tests/test_validation.py, or 'make validate'
+    test: str  # in tests/evidence/test_validation.py, or 'make validate'
 
     @property
     def shown(self) -> bool:

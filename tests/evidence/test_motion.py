@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from measured_tracks import EXAMPLES, camera, markers
 from numpy.testing import assert_allclose
-from test_tracks import EXAMPLES, camera, markers
 
 from evidence import motion
 

@@ -1,0 +1,722 @@
+"""What is known of a rope: the catalogue, what `balance-rope identify` finds, windings over ranges (`uncertain`)."""
+
+import math
+import os
+import subprocess
+import sys
+from argparse import Namespace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from checkout import EXAMPLES, ROOT
+from numpy.testing import assert_allclose
+from numpy.typing import NDArray
+from pydantic import TypeAdapter
+
+from hoist_demo.calibration import measurements
+from hoist_demo.calibration.definition import MeasurementFile
+from hoist_demo.calibration.findings import OPEN, Finding, findings_of
+from hoist_demo.calibration.fit import (
+    CONFIDENCE,
+    END_TOLERANCE,
+    RANGE_VARIANCE,
+    REACH,
+    fit,
+    intervals,
+    sensitivities,
+)
+from hoist_demo.calibration.identify import identify, residuals_of, stacked
+from hoist_demo.calibration.measurements import CalibrationProblem
+from hoist_demo.cases.rules import with_values
+from hoist_demo.cases.run_values import Values
+from hoist_demo.cases.table import find_case
+from hoist_demo.command_line.export import _set_values
+from hoist_demo.command_line.main import main
+from hoist_demo.cosimulation.participants.inprocess_rope import rope_scene
+from hoist_demo.files.reading import FileError, read
+from hoist_demo.files.rope_file import FOLLOWING, RopeFile
+from hoist_demo.files.values import ParameterValue, plain, statuses, unreached
+from hoist_demo.uncertainty.definition import UncertaintyFile
+from hoist_demo.uncertainty.page import remarks, too_few
+from hoist_demo.uncertainty.spread import UncertaintyResult, draw, remarks_of, wind_once
+from rope_model import BEARINGS, CONSTRUCTIONS, Rope, Scene, rope
+from rope_model.catalogue import PROPERTIES, SHEAR, STEEL_MODULUS, Datum, properties_of, rope_of
+from rope_model.physics import costello
+
+pytestmark = pytest.mark.usefixtures("plain_figures")
+
+ROPE = '[rope]\nconstruction = "34x7"\ndiameter = 0.046\nlength = 120.0\n'
+WIDTH = '[[measured]]\nwhat = "loop width"\nvalue = 3.05\nsigma = 0.05\n'
+TRACK = '[[measured]]\nwhat = "track"\nsignal = "loop.x"\nt = 9.0\nspeed = 8.0\nvalue = 0.1\nsigma = 0.01\n'
+
+
+def written(folder: Path, text: str) -> Path:
+    path = folder / "measured.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_a_linear_rope_is_within_its_interval_in_nine_cases_of_ten() -> None:
+    rng = np.random.default_rng(5)
+    matrix, sets, hits = rng.standard_normal((8, 3)) * [30.0, 60.0, 15.0], 100, np.zeros(3)
+    for _ in range(sets):
+        truth = 0.2 + 0.6 * rng.random(3)
+        values = matrix @ truth + rng.standard_normal(8)
+        found = fit(lambda u, values=values: matrix @ u - values, 3)
+        hits += np.abs(found.norm_params - truth) <= found.reaches
+    # three standard errors of a share of 0.9 in so many sets
+    assert_allclose(hits / sets, CONFIDENCE, atol=3 * np.sqrt(CONFIDENCE * (1 - CONFIDENCE) / sets))
+
+
+def test_the_interval_of_a_linear_rope_is_that_of_its_covariance() -> None:
+    rng = np.random.default_rng(8)
+    matrix, values = rng.standard_normal((7, 3)) * [30.0, 60.0, 15.0], rng.standard_normal(7)
+
+    def residuals(u: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.asarray(matrix @ (u - 0.5) - values)
+
+    found = fit(residuals, 3)
+    expected = found.norm_params + found.reaches * [[-1.0], [1.0]]
+    assert_allclose(intervals(residuals, found), np.clip(expected, 0.0, 1.0).T, rtol=1e-9)
+
+
+def test_the_first_shares_alone_have_the_covariance_that_they_have_among_all() -> None:
+    matrix = np.random.default_rng(2).standard_normal((9, 4)) * [30.0, 60.0, 25.0, 40.0]
+    found = fit(lambda u: matrix @ (u - 0.4), 4)
+    assert_allclose(found.of_first_params(2).covariance, found.covariance[:2, :2], rtol=1e-9)
+
+
+def test_the_interval_of_a_bent_rope_is_where_the_squares_have_grown() -> None:
+    # the first is measured by a cube of itself and, worse, by its sum with the second: seen along the first alone,
+    # the squares that the second cannot lower are those of the cube
+    found = fit(
+        residuals := lambda u: np.array([8.0 * (u[0] ** 3 - 0.3), 5.0 * (u[0] + u[1] - 1.1)]), 2
+    )
+    low, high = intervals(residuals, found)[0]
+    assert_allclose(
+        [low, high], np.cbrt(0.3 + REACH / 8.0 * np.array([-1.0, 1.0])), rtol=END_TOLERANCE
+    )
+    assert found.norm_params[0] - low > 1.2 * (high - found.norm_params[0])
+
+
+def test_a_direction_without_data_keeps_its_range_and_its_middle() -> None:
+    # of u and v only the sum is measured
+    found = fit(lambda u: 50.0 * u[:1] + 50.0 * u[1:] - 60.0, 2)
+    assert_allclose(np.abs(found.undetermined_directions()), [[np.sqrt(0.5), np.sqrt(0.5)]])
+    assert_allclose(found.norm_params, [0.6, 0.6], atol=1e-4)
+    assert_allclose(np.diag(found.covariance), 0.5 * (RANGE_VARIANCE + 1 / (2 * 50.0**2)))
+    assert found.correlations[0, 1] < -0.9
+
+
+@pytest.mark.parametrize("best", [0.55, 0.9])
+def test_a_search_turns_back_where_a_rope_cannot_be_computed(best: float) -> None:
+    def residuals(u: NDArray[np.float64]) -> NDArray[np.float64]:
+        if u[0] > 0.6:
+            raise RuntimeError("cannot hang")
+        return np.array([9.0 * (u[0] - best), 3.0 * (u[0] + u[1] - 1.0)])
+
+    found = fit(residuals, 2)
+    assert_allclose(found.norm_params[0], min(best, 0.6), atol=0.01)
+    low, high = intervals(residuals, found)[0]
+    assert low < found.norm_params[0] <= high <= 0.6 + 0.01
+
+
+def test_a_rope_without_a_neighbour_is_refused() -> None:
+    with pytest.raises(RuntimeError, match="narrow the ranges"):
+        sensitivities(lambda u: np.full(2, 0.0 if u[0] == 0.5 else np.inf), np.array([0.5]))
+
+
+def test_a_rope_that_is_measured_without_errors_is_found_again() -> None:
+    problem = CalibrationProblem(rope("34x7", diameter=0.046, length=120.0), Scene())
+    plan = [
+        measurements.Mass(value=1.0, sigma=0.01),
+        measurements.LoopWidth(value=1.0, sigma=0.01),
+        measurements.SampleTorque(value=[0.0] * 2, sigma=0.1, load=1e4, twist=[0.0, 0.05]),
+        measurements.SampleExtension(value=1.0, sigma=1e-5, load=5e4, length=10.0),
+        measurements.AtRest(value=0.0, sigma=0.01, left_y=0.0, right_y=0.0, signal="loop.yaw"),
+    ]
+    truth = np.array([0.3, 0.6, 0.7, 0.55, 0.4])
+    _, sigmas = stacked(plan)
+    found = fit(residuals_of(problem, plan, problem.predict(truth, plan), sigmas), truth.size)
+    # what Newton's method leaves of the yaw, 1e-5 rad, is 1e-3 of its sigma
+    assert_allclose(found.norm_params, truth, atol=1e-3)
+
+
+def test_what_a_swing_sweeps_is_that_of_its_track() -> None:
+    problem = CalibrationProblem(rope("34x7", diameter=0.046, length=30.0), Scene())
+    where: Any = {
+        "left_y": 0.0,
+        "right_y": 4.0,
+        "travel": 4.0,
+        "speed": 2.0,
+        "signal": "loop.x",
+        "sigma": 1.0,
+    }
+    times = tuple(np.linspace(3.0, 5.0, 21))
+    plan = [measurements.Track(value=[0.0] * 21, t=times, **where)]
+    plan.append(measurements.Swept(value=0.0, t=3.0, until=5.0, **where))
+    *places, swept = problem.predict(np.full(5, 0.5), plan)
+    assert swept > 0.05
+    assert_allclose(swept, np.ptp(places))
+
+
+def test_what_a_width_alone_does_not_tell_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = identify(read(written(tmp_path, ROPE + WIDTH), MeasurementFile))
+    assert [name for name in found.names if found.is_determined(name)] == ["bending_stiffness"]
+    assert {"torque_factor", "torsional_stiffness", "axial_stiffness"} <= {*found.open_directions()}
+    width, error = 3.05, 0.05
+    EI = found.value("bending_stiffness")
+    datum = found.calibrated_rope.data["bending_stiffness"]
+    # EI ~ width^3
+    assert_allclose(np.log(datum.high / EI), 3 * 1.645 * error / width, rtol=0.05)
+    catalogue_rope = found.measurement_file.problem.catalogue_rope
+    assert found.calibrated_rope.data["torque_factor"] == catalogue_rope.data["torque_factor"]
+    assert found.candidates[0].error <= found.wanted_error
+    # two directions of the same pair, as near-equal lacks of knowledge have them
+    monkeypatch.setattr(
+        type(found.fit),
+        "undetermined_directions",
+        lambda _: np.array([[0.8, 0.6, 0, 0, 0], [0.6, -0.8, 0, 0, 0]]),
+    )
+    assert found.open_directions() == ["mass_per_length and axial_stiffness"]
+
+
+def test_what_is_found_is_a_file_for_every_command(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["identify", str(written(tmp_path, ROPE + WIDTH)), "--out", str(tmp_path)]) == 0
+    assert "Undetermined by the data" in capsys.readouterr().out
+    report, made = (tmp_path / "report.html").read_text(encoding="utf-8"), tmp_path / "rope.toml"
+    assert "loop width" in report
+    assert "<script" not in report
+
+    found = read(made, RopeFile).values()
+    values = plain(found)
+    assert values.keys() == {f"rope.{name}" for name in FOLLOWING}
+    given = TypeAdapter(Values).validate_python({"from": str(made), "rope": {"EI": 99.0}})
+    assert plain(given) == values | {"rope.EI": 99.0}
+    wanted = {"rope.EI": "calibrated", "rope.mass_per_length": "published", "rope.length": "given"}
+    assert wanted.items() <= statuses(found).items()
+    options = Namespace(rope=made, set=[], hoist="rope-120", ssp=False)
+    exported = with_values(find_case("rope-120"), _set_values(find_case("rope-120"), options))
+    assert values.items() <= exported.rope.items()
+    assert exported.hoist.tail_rope_mass == values["rope.mass_per_length"]
+    again = read(made, RopeFile).catalogue_rope
+    assert again.data["bending_stiffness"].status == "calibrated"
+    assert again.data["mass_per_length"].status == "published"
+    assert isinstance(rope_scene(values).rope, Rope)
+
+
+def test_measurements_that_contradict_each_other_are_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source = written(tmp_path, ROPE + WIDTH + WIDTH.replace("3.05", "3.8"))
+    assert main(["identify", str(source), "--out", str(tmp_path)]) == 1
+    told = capsys.readouterr()
+    assert "the measurements contradict the model or one another" in told.err
+    assert "contradicted: " in told.out
+    made = tmp_path / "rope.toml"
+    assert "# the measurements contradict the model" in made.read_text(encoding="utf-8")
+    bending = read(made, RopeFile).catalogue_rope.data["bending_stiffness"]
+    assert bending.status == "contradicted"
+    # no interval follows from them: the range of before stands
+    before = rope("34x7", diameter=0.046).data["bending_stiffness"]
+    assert_allclose([bending.low, bending.high], [before.low, before.high], rtol=1e-5)
+
+
+MASS = '[[measured]]\nwhat = "mass"\nvalue = 8.368\nsigma = 0.02\n'
+AT_REST = '[[measured]]\nwhat = "at rest"\nleft_y = 0.0\nright_y = 40.0\n'
+PULL = f'{AT_REST}signal = "left.fy"\nvalue = 3000.0\nsigma = 20.0\n'
+STRETCH = '[[measured]]\nwhat = "sample extension"\nload = 50e3\nlength = 10.0\nvalue = 5.29e-2\nsigma = 1e-4\n'
+HEAVY = MASS.replace("8.368", "18.45")
+
+
+@pytest.mark.parametrize(
+    ("measured", "compromises"),
+    [
+        (HEAVY, {"mass_per_length"}),
+        # the rope hangs, whatever it is like: a force upwards has the wrong sign
+        (PULL, {"mass_per_length"}),
+        (
+            HEAVY + WIDTH.replace("3.05", "30.0") + STRETCH,
+            {"mass_per_length", "bending_stiffness", "axial_stiffness"},
+        ),
+    ],
+    ids=[
+        "a mass outside of its range",
+        "a force with the wrong sign",
+        "one value for each property",
+    ],
+)
+def test_a_measurement_that_no_rope_of_the_ranges_meets_calibrates_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], measured: str, compromises: set[str]
+) -> None:
+    source = written(tmp_path, ROPE + measured)
+    assert main(["identify", str(source), "--out", str(tmp_path)]) == 1
+    told = capsys.readouterr()
+    assert "the measurements contradict the model or one another" in told.err
+    for name in compromises:
+        assert f"{name} = " in told.err
+    assert "end of its range, and the measurements ask for" in told.err
+    assert "calibrated" not in told.out
+    made = tmp_path / "rope.toml"
+    assert "calibrated" not in made.read_text(encoding="utf-8")
+    statuses_found = {
+        name: datum.status for name, datum in read(made, RopeFile).catalogue_rope.data.items()
+    }
+    assert compromises <= {
+        name for name, status in statuses_found.items() if status == "contradicted"
+    }
+
+
+def test_a_value_at_an_end_of_its_range_is_named_and_keeps_the_range(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    # 8.49 kg/m is a quarter of a sigma beyond the catalogue's 8.485: no contradiction
+    source = written(tmp_path, ROPE + MASS.replace("8.368", "8.49") + WIDTH)
+    assert main(["identify", str(source), "--out", str(tmp_path)]) == 0
+    told = capsys.readouterr()
+    assert (
+        "mass_per_length = 8.4852 kg/m is the upper end of its range, and the measurements ask for more"
+        in told.err
+    )
+    assert "widen the range of mass_per_length in [known]" in told.err
+    data = read(tmp_path / "rope.toml", RopeFile).catalogue_rope.data
+    before = rope("34x7", diameter=0.046).data["mass_per_length"]
+    assert data["mass_per_length"].status == before.status
+    assert_allclose(
+        [data["mass_per_length"].low, data["mass_per_length"].high],
+        [before.low, before.high],
+        rtol=1e-5,
+    )
+    assert data["bending_stiffness"].status == "calibrated"
+
+
+def test_a_share_held_at_its_end_is_no_degree_of_freedom() -> None:
+    # two shares and three values: the first asks for 3, beyond its range; the second is found of the two others
+    values = np.array([3.0, 0.4, 0.4 + 2 / 50.0])
+    matrix = np.array([[50.0, 0.0], [0.0, 50.0], [0.0, 50.0]])
+    found = fit(residuals := lambda u: matrix @ u - 50.0 * values, 2)
+    assert found.held.tolist() == [1, 0]
+    assert_allclose(found.norm_params, [1.0, 0.42], atol=1e-6)
+    # two degrees of freedom: exp(-chi^2 / 2)
+    chi2 = (50.0 * 2.0) ** 2 + 2 * 1.0**2
+    assert_allclose(found.p_value, np.exp(-0.5 * chi2), rtol=1e-3, atol=1e-300)
+    assert_allclose(intervals(residuals, found)[0], [0.0, 1.0])
+    assert_allclose(
+        intervals(residuals, found)[1],
+        0.42 + REACH / np.hypot(50.0, 50.0) * np.array([-1, 1]),
+        rtol=1e-6,
+    )
+    # a share whose best value is within its range is free, however near to its end
+    assert fit(lambda u: np.array([50.0 * (u[0] - 0.9999)]), 1).held.tolist() == [0]
+
+
+def test_a_profile_lets_a_share_at_its_end_come_back() -> None:
+    # only the sum is told well, and it asks for the second share beyond its range: where the first grows, the second
+    # leaves its end, so that the first is uncertain by what the second may give way
+    matrix, values = np.array([[60.0, 60.0], [0.0, 4.0]]), np.array([60.0 * 1.5, 4.0 * 1.1])
+    found = fit(residuals := lambda u: matrix @ u - values, 2)
+    assert found.held.tolist() == [0, 1]
+    low, high = intervals(residuals, found)[0]
+    assert_allclose(found.norm_params[0] - low, REACH / 60.0, rtol=0.05)
+    least = float(np.sum(np.square(residuals(found.norm_params))))
+    grown = [
+        float(np.sum(np.square(residuals(np.array([high, v])))))
+        for v in np.linspace(0.0, 1.0, 2001)
+    ]
+    assert_allclose(np.sqrt(min(grown) - least), REACH, rtol=2 * END_TOLERANCE)
+
+
+def test_an_interval_as_wide_as_the_range_is_not_called_calibrated() -> None:
+    # steep where it is found, but the squares never grow by REACH^2: the interval decides, not the linear reach
+    def residuals(u: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.array([1.6 * np.tanh(20.0 * (u[0] - 0.5))])
+
+    found = fit(residuals, 1)
+    ends = intervals(residuals, found)
+    assert found.reaches[0] < OPEN
+    assert_allclose(ends, [[0.0, 1.0]])
+    assert findings_of(found, ends) == [Finding.UNDETERMINED]
+
+
+def test_a_trip_is_wound_once_for_all_that_is_measured_in_it(tmp_path: Path) -> None:
+    short = ROPE.replace("120.0", "30.0") + "[known]\n"
+    short += "mass_per_length = 8.37\naxial_stiffness = 9e7\ntorque_factor = 0.01\ntorsional_stiffness = 900.0\n"
+    where = "t = [1.0, 1.5]\nleft_y = 0.0\nright_y = 8.0\ntravel = 2.0\nspeed = 4.0\n"
+    signals = {"loop.x": (0.0, 0.01), "loop.yaw": (0.0, 0.01), "left.fy": (-1000.0, 1e4)}
+    for name, (value, sigma) in signals.items():
+        short += f'[[measured]]\nwhat = "track"\nsignal = "{name}"\nvalue = {[value] * 2}\nsigma = {sigma}\n{where}'
+    short += (
+        '[[measured]]\nwhat = "swept"\nsignal = "loop.y"\nvalue = 2.0\nsigma = 9.0\nuntil = 1.5\n'
+    )
+    short += where.replace("[1.0, 1.5]", "0.5")
+    file = read(written(tmp_path, short), MeasurementFile)
+    windings = list[int]()
+    identify(file, windings.append)
+    assert len(windings) > 2  # one unknown: some ropes are tried
+    assert set(windings) == {1}
+    # another trip is another winding
+    predictor = file.problem.predictor(np.full(1, 0.5))
+    other = read(
+        written(tmp_path, short.replace("travel = 2.0", "travel = 1.0", 1)), MeasurementFile
+    )
+    file.problem.predict(np.full(1, 0.5), other.measurements, predictor)
+    assert predictor.windings == 2
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        (ROPE.replace("34x7", "7x7") + WIDTH, "construction = '7x7' is out of range"),
+        (ROPE, r"measured is missing: give it"),
+        (
+            ROPE + WIDTH.replace("loop width", "colour"),
+            "what = 'colour' must be one of 'loop width', 'mass'",
+        ),
+        (ROPE + WIDTH.replace("0.05", "0"), "sigma = 0 must be greater than 0"),
+        (
+            ROPE + "[known]\nbending_stiffness = { low = 3.0, high = 2.0 }\n" + WIDTH,
+            "low = 3 must be at most",
+        ),
+        (
+            ROPE + "[fixed]\nrope.EI = 3.0\n" + WIDTH,
+            r"rope.EI follows from the properties: give \[known\]",
+        ),
+        (
+            ROPE
+            + '[[measured]]\nwhat = "sample torque"\nload = [1, 2, 3]\nvalue = [1, 2]\nsigma = 1\n',
+            "load has 3",
+        ),
+        (
+            ROPE + WIDTH + "[sought]\nair.drag = 1.0\n",
+            "air.drag = 1.0 must be { low, high }, in order",
+        ),
+        (
+            ROPE + TRACK + "travel = 90.0\nleft_y = 0.0\nright_y = 130.0\n",
+            "must be less than .* = 120 m apart",
+        ),
+        (ROPE + WIDTH + "[want]\n", r"want = {} is not a key"),
+        (
+            ROPE + WIDTH + '[fixed]\nmodel.fidelity = "planar"\n',
+            r"\[fixed\] model.fidelity = 3 must be .torsional.",
+        ),
+        (
+            ROPE
+            + WIDTH
+            + "[fixed]\nair.drag = 1.0\n[sought]\nair.drag = { low = 0.5, high = 2.0 }\n",
+            r"\[fixed\] air.drag = 1.0 is also in \[sought\]",
+        ),
+    ],
+)
+def test_what_is_wrong_with_a_file_is_told(tmp_path: Path, text: str, problem: str) -> None:
+    with pytest.raises(FileError, match=problem):
+        read(written(tmp_path, text), MeasurementFile)
+
+
+SCENE = """
+[uncertain]
+hoist = "rope-120"
+level = "draft"
+samples = 8
+measures = ["left_swivel_torque", "rope_force_ripple"]
+[rope]
+construction = "34x7"
+diameter = 0.044
+[known]
+mass_per_length = 7.7
+axial_stiffness = 9e7
+torsional_stiffness = 40.0
+"""
+TRIP = "[fixed]\nwinding.travel = 1.0\nwinding.settle = 1.0\n"
+
+
+def test_samples_fill_the_ranges_and_make_the_ropes(tmp_path: Path) -> None:
+    asked = read(written(tmp_path, SCENE), UncertaintyFile)
+    assert [*asked.data] == ["torque_factor", "bending_stiffness"]
+    samples = draw(asked)
+    shares = np.array(
+        [[asked.data[name].share(x) for name, x in values.items()] for values in samples]
+    )
+    # eight points of a Sobol sequence: one in each eighth of each range
+    assert_allclose(np.sort(np.floor(8 * shares), axis=0), np.arange(8)[:, None] + [0, 0])
+    run = asked.run(samples[0])
+    rope = rope_scene(run.rope_values).rope
+    assert_allclose(rope.Qc, samples[0]["torque_factor"] * 9e7 * 0.044)
+    assert rope.length == run.hoist.tail_rope_length == 120.0
+    assert rope.mass_per_length == run.hoist.tail_rope_mass == 7.7
+    found, wanted = (
+        {one.name: one.status for one in asked.provenance()},
+        {"rope.Qa": "given", "rope.rhoJ": "derived"},
+    )
+    assert {key: found[key] for key in (*wanted, "rope.Qc")} == wanted | {"rope.Qc": "varied"}
+
+
+def test_the_datum_that_causes_a_result_has_its_share(tmp_path: Path) -> None:
+    asked = read(written(tmp_path, SCENE.replace("samples = 8", "samples = 256")), UncertaintyFile)
+    samples = draw(asked)
+    columns = {name: np.array([values[name] for values in samples]) for name in asked.data}
+    u, v = (np.argsort(np.argsort(columns[name])) / 255 for name in asked.data)
+    # of independent ranks the sum with weights 2 and 1 has variances of 4 and 1; a monotone function changes no rank
+    columns |= {"left_swivel_torque": np.exp(2 * u + v), "rope_force_ripple": np.full(256, 3.0)}
+    causes = UncertaintyResult(asked, columns).causes("left_swivel_torque")
+    assert_allclose([*causes.values()], [0.8, 0.2, 0.0], atol=0.03)
+    assert UncertaintyResult(asked, columns).causes("rope_force_ripple") == {}
+    assert too_few(UncertaintyResult(asked, columns)) == ""
+
+
+def test_windings_over_the_ranges(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = written(tmp_path, SCENE + TRIP)
+    assert main(["uncertain", str(path), "--workers", "1", "--out", str(tmp_path)]) == 0
+    assert "caused by torque_factor" in capsys.readouterr().out
+    table = pd.read_csv(tmp_path / "windings.csv").rename(
+        columns=lambda name: name.partition(" ")[0]
+    )
+    # held ends carry c1 d times the mean tension, of legs of 15 and 105 m, but for the little that the yaw lets go
+    held = table["torque_factor"] * 0.044 * 7.7 * 9.81 * (15**2 + 105**2) / 240
+    assert_allclose(table["left_swivel_torque"], held, rtol=0.05)
+    assert "bending stiffness" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_rope_that_passed_through_itself_sets_no_range(tmp_path: Path) -> None:
+    coupled = SCENE.replace("torsional_stiffness", "torque_factor = 0.12\ntorsional_stiffness")
+    asked = read(written(tmp_path, coupled + TRIP + "layout.spacing = 0.4\n"), UncertaintyFile)
+    values = {name: datum.middle for name, datum in asked.data.items()}
+    found, (told,) = wind_once(asked, values)
+    assert np.isnan([*found.values()]).all()
+    assert told.startswith("left out: the rope passed through its other leg")
+
+
+@pytest.mark.parametrize(
+    ("reason", "code"),
+    [("", 0), ("warning: slack", 0), ("stopped: a cause", 1), ("left out: x", 1)],
+)
+def test_each_winding_that_does_not_count_decides_the_exit_code(
+    tmp_path: Path, reason: str, code: int
+) -> None:
+    asked = read(written(tmp_path, SCENE), UncertaintyFile)
+    result = UncertaintyResult(asked, {}, {reason: 1} if reason else {})
+    assert (result.exit_code, result.completed) == (code, 8 - code)
+    assert remarks(result) == ([f"in 1 of 8 windings: {reason}"] if reason else [])
+
+
+def test_a_remark_of_many_windings_has_the_range_of_its_numbers() -> None:
+    texts = [[f"yawed by {yaw} rad (bound 0.5 rad)"] for yaw in ("9.5e-01", "0.61", "10")]
+    assert remarks_of([*texts, [], ["struck"]]) == {
+        "yawed by 0.61 to 10 rad (bound 0.5 rad)": 3,
+        "struck": 1,
+    }
+
+
+@pytest.mark.parametrize(
+    ("change", "problem"),
+    [
+        (("samples = 8", "samples = 100"), "samples = 100 must be a power of two from 8 on"),
+        (
+            ("samples = 8", 'samples = 8\nbearing = "air"'),
+            "bearing = 'air' must be '', 'rolling' or 'plain'",
+        ),
+        (
+            ("samples = 8", 'samples = 8\nbearing = ["plain"]'),
+            r"bearing = \['plain'\] must be '', 'rolling'",
+        ),
+        (("left_swivel_torque", "yaw"), "measures 1 = 'yaw' must be 'cycle_time'"),
+        (('"rope-120"', '"rope"'), "hoist = 'rope' must be a file, NAME.toml, or one of rope-120"),
+        (("[known]", "[fixed]\nrope.EI = 3\n[known]"), "rope.EI follows from the properties"),
+        (('construction = "34x7"', 'from = "nowhere.toml"'), r"nowhere.toml: cannot be read"),
+        (
+            ("= 7.7", "= 7700.0"),
+            r"mass_per_length = 7700 must be within 0\.755 and 77\.6 kg/m, .*: check its unit",
+        ),
+        (
+            ("= 7.7", "= { low = 0.007, high = 7.7 }"),
+            r"mass_per_length = .* must be within 0\.755 and 77\.6 kg/m",
+        ),
+        (("[known]", "[known]\ntorque_factor = 0.01\nbending_stiffness = 180.0"), "nothing varies"),
+        (
+            ("[known]", "[fixed]\nhoist.tail_rope_mass = 9.0\n[known]"),
+            r"\[fixed\] hoist.tail_rope_mass = 9.0 follows from the rope's \[known\] mass_per_length",
+        ),
+        (
+            ("samples = 8", 'samples = 8\nbearing = "rolling"'),
+            r"bearing = 'rolling' varies a friction that swivels",
+        ),
+    ],
+)
+def test_what_is_wrong_with_ranges_is_told(
+    tmp_path: Path, change: tuple[str, str], problem: str
+) -> None:
+    with pytest.raises(FileError, match=problem):
+        read(written(tmp_path, SCENE.replace(*change)), UncertaintyFile)
+
+
+def test_friction_that_is_given_beside_a_bearing_is_refused(tmp_path: Path) -> None:
+    swivels = '[fixed]\nswivels.mode = "coulomb"\n'
+    rolling = SCENE.replace("samples = 8", 'samples = 8\nbearing = "rolling"') + swivels
+    assert "running_friction" in read(written(tmp_path, rolling), UncertaintyFile).data
+    with pytest.raises(
+        FileError, match=r"\[fixed\] left.swivel.mu_static = 0.3 follows from \[uncertain\] bearing"
+    ):
+        read(written(tmp_path, f"{rolling}left.swivel.mu_static = 0.3\n"), UncertaintyFile)
+
+
+def test_a_given_value_that_a_run_does_not_have_is_named() -> None:
+    given = {name: ParameterValue(1.0) for name in ("rope.EI", "air.drag", "hoist.payload_left")}
+    told = [*unreached(given, {"rope.EI": 1.0, "air.drag": 2.0})]
+    assert len(told) == 2
+    assert told[0].startswith(
+        "[fixed] air.drag = 1.0 does not reach the rope or the hoist, which has 2.0"
+    )
+    assert told[1].startswith(
+        "[fixed] hoist.payload_left = 1.0 is a value that this command does not take"
+    )
+
+
+@pytest.mark.parametrize("command", ["uncertain", "identify"])
+def test_check_hangs_the_rope(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str
+) -> None:
+    where = f'{AT_REST}signal = "loop.yaw"\nvalue = 0.1\nsigma = 1.0\n'
+    text = SCENE + "[fixed]\n" if command == "uncertain" else f"{ROPE}{where}[fixed]\n"
+    path = str(written(tmp_path, f"{text}layout.spacing = 2.0\n"))
+    assert main([command, path, "--check"]) == 0
+    path = str(written(tmp_path, f"{text}layout.spacing = 300.0\n"))
+    assert main([command, path, "--check"]) == 2
+    assert "the rope of 120 m cannot hang between ends 300 m apart" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "both",
+    [pytest.param(False, marks=pytest.mark.slow), True],
+    ids=["output", "output and messages"],
+)
+def test_a_reader_that_leaves_changes_no_exit_code(tmp_path: Path, both: bool) -> None:
+    source = written(tmp_path, ROPE + HEAVY)
+    command = [
+        sys.executable,
+        "-m",
+        "hoist_demo",
+        "identify",
+        str(source),
+        "--out",
+        str(tmp_path / "found"),
+    ]
+    root = str(ROOT)
+    receiver, sender = os.pipe()
+    os.close(receiver)  # the reader is gone before the first line
+    with os.fdopen(sender, "wb") as out:
+        messages = out if both else subprocess.PIPE
+        done = subprocess.run(
+            command, stdout=out, stderr=messages, env=os.environ | {"PYTHONPATH": root}, check=False
+        )
+    assert done.returncode == 1
+    assert both or b"warning: the measurements contradict the model" in done.stderr
+    assert (tmp_path / "found" / "report.html").is_file()
+
+
+@pytest.mark.parametrize("name", ["rope-120", "kiruna-355"])
+def test_the_worked_files_are_right(name: str) -> None:
+    asked = read(EXAMPLES / "uncertain" / f"{name}.toml", UncertaintyFile)
+    assert len(asked.data) >= 4
+
+
+constructions = pytest.mark.parametrize("name", CONSTRUCTIONS)
+
+
+@constructions
+def test_every_datum_is_a_range_with_a_source(name: str) -> None:
+    known = rope(name, diameter=0.046)
+    assert known.data.keys() == PROPERTIES.keys()
+    for datum in [*known.data.values(), *(d for data in BEARINGS.values() for d in data.values())]:
+        assert 0 <= datum.low < datum.middle < datum.high
+        # what is called published says where, and none of it is ours
+        assert datum.source
+        assert datum.status != "published" or (
+            "http" in datum.source and "ours" not in datum.source
+        )
+        assert datum.status == "assumed" or "ours" not in datum.source
+
+
+@constructions
+def test_any_value_of_the_ranges_is_a_rope(name: str) -> None:
+    rng, known = np.random.default_rng(3), rope(name, diameter=0.05)
+    for shares in rng.random((200, len(PROPERTIES))).round():  # corners
+        # a rope whose strain energy is not positive is refused
+        known.rope(
+            **{key: datum.at(u) for (key, datum), u in zip(known.data.items(), shares, strict=True)}
+        )
+
+
+def test_properties_of_a_rope_give_it_back() -> None:
+    known = rope("18x7", diameter=0.04, length=300.0, lay="left-hand")
+    made = known.rope(torque_factor=0.03, bending_stiffness=150.0)
+    assert_allclose(made.Qc, -0.03 * made.Qa * 0.04)
+    again = rope_of(0.04, 300.0, "left-hand", **properties_of(made))
+    for name in ("mass_per_length", "Qa", "Qb", "Qc", "Qd", "EI", "rhoJ", "length", "diameter"):
+        assert_allclose(getattr(again, name), getattr(made, name), rtol=1e-14)
+    assert_allclose(properties_of(Rope())["torque_factor"], 2.336e5 / (1.2e8 * 0.044))
+
+
+def test_a_sample_shows_the_properties() -> None:
+    """Held: the torque c1 d T. Turned at constant tension: D per twist (by the law of physics.costello)."""
+    made = rope("34x7", diameter=0.046).rope(torque_factor=0.015, torsional_stiffness=900.0)
+    T = 5e4
+    assert_allclose(
+        costello.torque(made.Qs, made.Qk, made.Qd, 0.0, T / made.Qa, 0.0), 0.015 * 0.046 * T
+    )
+    tau = 0.02
+    e = (T - made.Qb * tau) / made.Qa
+    turned = costello.torque(made.Qs, made.Qk, made.Qd, 0.0, e, tau)
+    assert_allclose(turned - 0.015 * 0.046 * T, 900.0 * tau, rtol=1e-9)
+
+
+@constructions
+def test_bending_begins_at_the_sum_of_the_wires(name: str) -> None:
+    construction, d = CONSTRUCTIONS[name], 0.046
+    wire = 2 * math.sqrt(construction.area[0] * d**2 / (construction.wires * math.pi))
+    alone = construction.wires * STEEL_MODULUS * math.pi * wire**4 / 64
+    data = rope(name, diameter=d).data
+    assert_allclose(data["bending_stiffness"].low, alone)
+    assert_allclose(data["torsional_stiffness"].low, 2 * SHEAR * alone)
+
+
+def test_mass_is_that_of_the_standard() -> None:
+    # kg per 100 m: W d^2 with d in mm
+    assert_allclose(rope("34x7", diameter=0.046).data["mass_per_length"].low, 0.390 * 46**2 / 100)
+    assert_allclose(rope("6x36", diameter=0.030).data["mass_per_length"].high, 0.409 * 30**2 / 100)
+
+
+@pytest.mark.parametrize(
+    "datum", [Datum(2.0, 8.0, "m", "assumed", ""), Datum(0.0, 8.0, "m", "assumed", "")]
+)
+def test_shares_of_a_range(datum: Datum) -> None:
+    assert_allclose([datum.at(0), datum.at(1)], [datum.low, datum.high])
+    assert_allclose(datum.at(0.5), datum.middle)
+    assert_allclose(datum.share(datum.at(0.3)), 0.3)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (
+            {"construction": "7x7", "diameter": 0.04},
+            "construction = '7x7' is out of range: it must be one of 34x7",
+        ),
+        (
+            {"construction": "34x7", "diameter": 46.0},
+            "diameter = 46.0 is out of range.*give it in metres",
+        ),
+        (
+            {"construction": "34x7", "diameter": 0.04, "lay": "z"},
+            "lay = 'z' is out of range: it must be one of right",
+        ),
+    ],
+)
+def test_what_the_catalogue_lacks_is_refused(arguments: dict[str, object], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        rope(**arguments)  # type: ignore[arg-type]

@@ -1,0 +1,96 @@
+"""README and docs: links lead to files and headings that are there, as GitHub counts them; commands can be found."""
+
+import ast
+import re
+import shutil
+from functools import cache
+from pathlib import Path
+
+import pytest
+from checkout import ROOT
+
+from docs.drawings.figures import FIGURES
+
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+DOCS = ROOT / "docs"
+COMMANDS = [
+    ROOT / "README.md",
+    DOCS / "reference" / "python.md",
+    *sorted((DOCS / "tutorial").glob("*.md")),
+]
+#: what `make demo` puts into .venv/bin, and what a shell has built in
+INSTALLED, BUILTIN = ("balance-rope", "python"), ("source", "cd")
+LINK = re.compile(r"\]\((?!https?:)([^)\s]*)\)")
+
+
+@cache
+def text_of(path: Path) -> str:
+    """Without blocks of code."""
+    return re.sub(
+        r"^```.*?^```", "", path.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL
+    )
+
+
+@cache
+def anchors(path: Path) -> frozenset[str]:
+    """Of a page's headings, as GitHub makes them."""
+    headings = re.findall(r"^#+ (.*)$", text_of(path), re.MULTILINE)
+    texts = [
+        re.sub(r"\[(.*?)\]\(.*?\)", r"\1", text).strip().lower().replace(" ", "-")
+        for text in headings
+    ]
+    return frozenset("".join(c for c in text if c.isalnum() or c in "-_") for text in texts)
+
+
+@pytest.mark.parametrize("path", PAGES, ids=[str(path.relative_to(ROOT)) for path in PAGES])
+def test_links_lead_somewhere_code_is_python_and_merges_are_complete(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert not re.search(r"^([<>]{7} |=======$)", text, re.MULTILINE)
+    for block in re.findall(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
+        ast.parse(block)
+    for link in LINK.findall(text_of(path)):
+        name, _, place = link.partition("#")
+        target = (path.parent / name) if name else path
+        assert target.exists(), link
+        assert not place or place in anchors(target), link
+
+
+@pytest.mark.parametrize("path", COMMANDS, ids=[path.name for path in COMMANDS])
+def test_commands_are_found_where_they_stand(path: Path) -> None:
+    """Those in blocks without a language, by a shell in a checkout."""
+    active = False
+    for language, block in re.findall(
+        r"^```([^\n]*)\n(.*?)^```$", path.read_text("utf-8"), re.MULTILINE | re.DOTALL
+    ):
+        for line in block.splitlines() if not language else ():
+            word = line.partition(" ")[0]
+            active |= line.startswith("source .venv/bin/activate")
+            if word.removeprefix(".venv/bin/") in INSTALLED:
+                assert active or word.startswith(".venv/bin/"), line
+            else:
+                assert word in BUILTIN or shutil.which(word), line
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_figure_is_the_one_that_its_script_draws(name: str) -> None:
+    assert (DOCS / "images" / name).read_text(encoding="utf-8") == FIGURES[name]().svg()
+
+
+ENTRIES = re.findall(
+    r"^### `+ ?(.*?) ?`+$", (DOCS / "reference" / "messages.md").read_text(encoding="utf-8"), re.M
+)
+#: all sources as one text, with literals that are joined and gaps for numbers and names alike
+SOURCES = "\n".join(
+    path.read_text(encoding="utf-8")
+    for folder in ("rope_model", "fmu_src", "hoist_demo")
+    for path in sorted((ROOT / folder).rglob("*"))
+    if path.suffix in (".py", ".c", ".h", ".inc")
+)
+TEXTS = re.sub(r"\"\s*\n\s*r?f?\"", "", SOURCES)
+
+
+@pytest.mark.parametrize("entry", ENTRIES)
+def test_an_entry_speaks_of_a_message_that_there_is(entry: str) -> None:
+    parts = [part.strip() for part in entry.split("…") if len(part.strip()) > 3]
+    assert len(re.findall(r"[A-Za-z]+", entry)) >= 3
+    assert [part for part in parts if part not in TEXTS] == []

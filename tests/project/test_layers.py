@@ -1,0 +1,189 @@
+"""The house: imports point down, no cycles, each third-party library has its rooms."""
+
+import ast
+import sys
+import tomllib
+from collections.abc import Iterable, Mapping
+from functools import cache
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import pytest
+from checkout import ROOT
+
+PACKAGES = ("rope_model", "fmu_src", "hoist_demo")
+_LAYERS = tomllib.loads(Path(__file__).with_name("layers.toml").read_text(encoding="utf-8"))
+MAY_IMPORT, HOMES = (
+    {name: set(names) for name, names in table.items()} for table in _LAYERS.values()
+)
+
+
+@cache
+def modules() -> dict[str, Path]:
+    return {
+        ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path
+        for package in PACKAGES
+        for path in sorted((ROOT / package).rglob("*.py"))
+    }
+
+
+@cache
+def imports(name: str, path: Path) -> frozenset[str]:
+    package = name if path.name == "__init__.py" else name.rpartition(".")[0]
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            base = (
+                package.split(".")[: len(package.split(".")) - node.level + 1] if node.level else []
+            )
+            target = ".".join([*base, *([node.module] if node.module else [])])
+            found |= {
+                full if (full := f"{target}.{alias.name}") in modules() else target
+                for alias in node.names
+            }
+    return frozenset(found)
+
+
+def room(name: str) -> str:
+    """The package of layers.toml that a module belongs to; rope_model itself is what users import, and no more."""
+    return next(
+        (r for r in MAY_IMPORT if name == r or (r != "rope_model" and name.startswith(r + "."))),
+        name,
+    )
+
+
+def within(name: str, places: set[str]) -> bool:
+    return any(name == place or name.startswith(place + ".") for place in places)
+
+
+@pytest.mark.parametrize("name", sorted(modules()))
+def test_imports_point_down(name: str) -> None:
+    ours = {i for i in imports(name, modules()[name]) if i.split(".")[0] in PACKAGES}
+    allowed = MAY_IMPORT.get(room(name), set()) | {room(name)}
+    assert {i for i in ours if room(i) not in allowed and i not in allowed} == set()
+
+
+def test_every_module_of_the_hoist_is_in_a_room() -> None:
+    assert [name for name in modules() if room(name) == "hoist_demo"] == ["hoist_demo"]
+
+
+@pytest.mark.parametrize("library", sorted(HOMES))
+def test_third_party_library_stays_in_its_rooms(library: str) -> None:
+    users = {
+        n
+        for n, path in modules().items()
+        if any(i.split(".")[0] == library for i in imports(n, path))
+    }
+    assert users
+    assert {user for user in users if not within(user, HOMES[library])} == set()
+
+
+def test_no_other_third_party_library_is_imported() -> None:
+    known = set(HOMES) | set(PACKAGES) | {"numpy"} | set(sys.stdlib_module_names)
+    assert {
+        i.split(".")[0] for name, path in modules().items() for i in imports(name, path)
+    } <= known
+
+
+def test_benchmarks_know_nothing_of_evidence_and_one_module_of_templates() -> None:
+    rooms = {room: sorted((ROOT / room).rglob("*.py")) for room in ("benchmarks", "evidence")}
+    found = {path: imports("", path) for paths in rooms.values() for path in paths}
+    assert not [
+        path
+        for path in rooms["benchmarks"]
+        if any(within(name, {"evidence"}) for name in found[path])
+    ]
+    assert [path for path in found if "jinja2" in found[path]] == [
+        ROOT / "evidence" / "rendering.py"
+    ]
+
+
+def test_no_import_cycles() -> None:
+    graph = {
+        n: {i for i in imports(n, p) if i in modules() and i != n} for n, p in modules().items()
+    }
+    order = [*TopologicalSorter(graph).static_order()]  # or it raises, and names the cycle
+    assert len(order) == len(graph)
+
+
+def folder(name: str) -> str:
+    """The package whose folder holds a module; a module beside rope_model's packages stands alone."""
+    if modules()[name].name == "__init__.py":
+        return name
+    parent = name.rpartition(".")[0]
+    return name if parent == "rope_model" else parent
+
+
+def folder_graph(imports_of: Mapping[str, Iterable[str]]) -> dict[str, set[str]]:
+    """Return the folders from which each folder imports."""
+    graph: dict[str, set[str]] = {}
+    for name, found in imports_of.items():
+        below = graph.setdefault(folder(name), set())
+        below |= {folder(i) for i in found if i in modules()} - {folder(name)}
+    return graph
+
+
+def test_no_cycles_between_folders() -> None:
+    imports_of = {name: imports(name, path) for name, path in modules().items()}
+    assert [*TopologicalSorter(folder_graph(imports_of)).static_order()]
+    # one import upwards between two modules that know nothing of each other is found
+    upwards = {"hoist_demo.files.values": {"hoist_demo.cases.table"}}
+    with pytest.raises(CycleError, match="hoist_demo"):
+        [*TopologicalSorter(folder_graph({**imports_of, **upwards})).static_order()]
+
+
+def test_no_room_is_allowed_what_it_does_not_import() -> None:
+    used: dict[str, set[str]] = {name: set() for name in MAY_IMPORT}
+    for name, path in modules().items():
+        used[room(name)] |= {room(i) for i in imports(name, path) if i.split(".")[0] in PACKAGES}
+    unused = {name: allowed - used[name] for name, allowed in MAY_IMPORT.items()}
+    assert {name: rooms for name, rooms in unused.items() if rooms} == {}
+
+
+def reached_from(start: str) -> set[str]:
+    """Return what a module imports, and what that imports."""
+    reached, waiting = set[str](), [start]
+    while waiting:
+        name = waiting.pop()
+        if name not in reached:
+            reached.add(name)
+            if name in modules():
+                waiting += imports(name, modules()[name])
+    return reached
+
+
+@pytest.mark.parametrize(
+    "command", ["wind", "duty", "hoist", "export", "identify", "uncertain", "linear"]
+)
+def test_only_the_command_of_studies_imports_studies(command: str) -> None:
+    reached = reached_from(f"hoist_demo.command_line.{command}")
+    assert "hoist_demo.run.data" in reached
+    assert {name for name in reached if within(name, {"hoist_demo.study"})} == set()
+
+
+def test_the_python_fmu_imports_the_reference_rope_without_the_engine_or_another_form() -> None:
+    reached = reached_from("fmu_src.python.slave")
+    assert "rope_model.reference.rope" in reached
+    others = ("rope_model.engine", "rope_model.codegen")
+    assert not [name for name in reached if name.startswith(others)]
+
+
+def test_no_test_of_the_product_imports_evidence_or_benchmarks() -> None:
+    paths = [
+        p
+        for p in sorted((ROOT / "tests").rglob("*.py"))
+        if "evidence" not in p.relative_to(ROOT).parts
+    ]
+    assert len(paths) > 50
+    used = {path.name: {name.partition(".")[0] for name in imports("", path)} for path in paths}
+    assert [name for name, found in used.items() if found & {"evidence", "benchmarks"}] == []
+
+
+def test_tests_import_helpers_and_not_each_other() -> None:
+    paths = sorted((ROOT / "tests").rglob("*.py"))
+    others = {path.stem for path in paths if path.name.startswith("test_")}
+    assert len(others) > 90
+    users = {path.name: imports("", path) & (others - {path.stem}) for path in paths}
+    assert {name: found for name, found in users.items() if found} == {}

@@ -1,0 +1,111 @@
+"""Lines of the product read like prose: densities that a formatter does not see stay low."""
+
+import ast
+from collections import Counter
+from functools import cache
+
+import pytest
+from checkout import ROOT
+
+PACKAGES = ("rope_model", "fmu_src", "hoist_demo")
+LONGEST_LINE = 100
+MANY_ARGUMENTS = 6
+COMPREHENSIONS = (ast.ListComp, ast.GeneratorExp, ast.SetComp, ast.DictComp)
+FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
+#: most of each kind: a fraction of assignments or lines, a number in 1000 lines, or a number
+BOUNDS = {
+    "packed assignments": 0.01,
+    "long lines": 0.021,
+    "conditional expressions": 10.0,
+    "nested comprehensions": 2.1,
+    "functions of many arguments": 19,
+    "functions of Any alone": 32,
+}
+
+
+def is_packed(node: ast.AST) -> bool:
+    """Whether it is `a, b = x, y`, which is neither a swap nor the unpacking of one value."""
+    if not isinstance(node, ast.Assign):
+        return False
+    target, value = node.targets[0], node.value
+    if not isinstance(target, ast.Tuple) or not isinstance(value, ast.Tuple):
+        return False
+    left = {ast.unparse(element) for element in target.elts}
+    return left != {ast.unparse(element) for element in value.elts}
+
+
+def is_nested(node: ast.AST) -> bool:
+    """Whether it is a comprehension of two loops, or around another."""
+    if not isinstance(node, COMPREHENSIONS):
+        return False
+    inner = sum(isinstance(child, COMPREHENSIONS) for child in ast.walk(node)) - 1
+    return inner > 0 or len(node.generators) > 1
+
+
+def kinds_of_function(node: ast.FunctionDef | ast.AsyncFunctionDef) -> Counter[str]:
+    arguments = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
+    if arguments and arguments[0].arg in ("self", "cls"):
+        arguments = arguments[1:]
+    notes = [x.annotation for x in arguments if x.annotation is not None]
+    is_any = [isinstance(note, ast.Name) and note.id == "Any" for note in notes]
+    found = Counter[str]()
+    found["functions of many arguments"] += len(arguments) > MANY_ARGUMENTS
+    found["functions of Any alone"] += bool(is_any) and all(is_any)
+    return found
+
+
+def counts(text: str) -> Counter[str]:
+    """Numbers of lines, assignments, and each kind of BOUNDS in a module."""
+    lines = [line for line in text.splitlines() if line.strip()]
+    found = Counter(lines=len(lines))
+    found["long lines"] = sum(len(line) > LONGEST_LINE for line in lines)
+    for node in ast.walk(ast.parse(text)):
+        found["assignments"] += isinstance(node, ast.Assign)
+        found["packed assignments"] += is_packed(node)
+        found["conditional expressions"] += isinstance(node, ast.IfExp)
+        found["nested comprehensions"] += is_nested(node)
+        if isinstance(node, FUNCTIONS):
+            found += kinds_of_function(node)
+    return found
+
+
+@cache
+def densities() -> dict[str, float]:
+    total = Counter[str]()
+    for package in PACKAGES:
+        for path in sorted((ROOT / package).rglob("*.py")):
+            total += counts(path.read_text(encoding="utf-8"))
+    per_1000 = 1000 / total["lines"]
+    return {
+        "packed assignments": total["packed assignments"] / total["assignments"],
+        "long lines": total["long lines"] / total["lines"],
+        "conditional expressions": total["conditional expressions"] * per_1000,
+        "nested comprehensions": total["nested comprehensions"] * per_1000,
+        "functions of many arguments": total["functions of many arguments"],
+        "functions of Any alone": total["functions of Any alone"],
+    }
+
+
+@pytest.mark.parametrize("kind", sorted(BOUNDS))
+def test_the_product_does_not_become_denser(kind: str) -> None:
+    assert densities()[kind] <= BOUNDS[kind]
+
+
+def test_each_kind_is_found() -> None:
+    text = (
+        "from typing import Any\n"
+        "a, b = 1, 'x'\n"
+        "a, b = b, a\n"
+        "a, b = f()\n"
+        "c = [x for row in a for x in row]\n"
+        "d = 1 if c else 2  #" + " long" * 20 + "\n"
+        "def f(x: Any, y: Any): ...\n"
+        "def g(self, a, b, c, d, e, f, g): ...\n"
+    )
+    found = counts(text)
+    assert found["packed assignments"] == 1
+    assert found["nested comprehensions"] == 1
+    assert found["conditional expressions"] == 1
+    assert found["long lines"] == 1
+    assert found["functions of many arguments"] == 1
+    assert found["functions of Any alone"] == 1

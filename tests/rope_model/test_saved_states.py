@@ -1,0 +1,140 @@
+"""The rope under all that may act on it goes on from a saved state bit by bit."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import air_scenes
+import contact_scenes
+import curved_scenes
+import fidelity_scenes
+import guard_scenes
+import pytest
+import self_contact_scenes
+import wire_scenes
+from scenes import Ends, going_aside, past_each_other, wound
+from unfit_motions import unfit
+
+from rope_model import (
+    EndMotion,
+    Guard,
+    Mesh,
+    Model,
+    Rope,
+    RopeState,
+    Scene,
+    balance_rope,
+)
+from rope_model.solver_parameters import FidelityChoice
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene, the motion of its ends, steps (of ``h``, s) until it is saved and in all, and what has acted by then."""
+
+    scene: Scene
+    motion: Callable[[float], Ends]
+    saved: int
+    steps: int
+    acted: Callable[[RopeState], Any]
+    h: float = 0.01
+
+
+def twisting(t: float) -> Ends:
+    return (self_contact_scenes.end(t, 1.5, 2.0),) * 2
+
+
+CROSS_WIND = {
+    "density": 1.2,
+    "vx": 10.0,
+    "vy": -3.0,
+    "vz": 12.0,
+    "cross_y": -2.0,
+    "cross_height": 2.0,
+}
+BLOWN = air_scenes.scene(**CROSS_WIND, buffet=1.0, buffet_length=2.0)
+CURVED, WIRES = curved_scenes.scene, wire_scenes.scene()
+#: its errors halve steps
+STRICT = WIRES.with_(solver=replace(WIRES.solver, tolerance=1.0, newton_tolerance=1e-8))
+CASES = {
+    # it drives the rope
+    "wind and a floor": Case(
+        BLOWN, air_scenes.ends, 15, 30, lambda x: x.energy_balance.given_to_air < -0.1
+    ),
+    "bodies": Case(
+        contact_scenes.narrow(),
+        contact_scenes.ends,
+        15,
+        21,
+        lambda x: x.energy_balance.dissipated_contact > 0.01,
+    ),
+    "legs that press each other": Case(
+        self_contact_scenes.twisted(),
+        twisting,
+        81,
+        84,
+        lambda x: x.energy_balance.dissipated_contact > 1.0,
+    ),
+    "curved and twisted": Case(
+        CURVED(installed_twist=1.0), past_each_other, 12, 16, lambda x: abs(x.loop_yaw) > 0.1
+    ),
+    "curved, with wires that slide": Case(
+        CURVED(EI_stick=3000.0, slip_moment=2.0),
+        past_each_other,
+        12,
+        16,
+        lambda x: x.hysteresis.any(),
+    ),
+    "wires that slide": Case(STRICT, past_each_other, 2, 3, lambda x: x.counts.steps > 8, 0.02),
+}
+
+
+def misfit(fidelity: FidelityChoice) -> Case:
+    torque = {} if fidelity == "torsional" else {"Qb": 0.0, "Qc": 0.0}
+    # sixteen elements: other tests compile them, too
+    scene = Scene(
+        rope=Rope(length=60.0, **torque), mesh=Mesh("eem", elements=16), model=Model(fidelity)
+    )
+
+    def motion(t: float) -> Ends:
+        return unfit(t, fidelity) if t > 0 else EndMotion(), EndMotion()
+
+    return Case(
+        scene, motion, 12, 18, lambda x: x.filters[0].repeats * x.filters[0].position_misfit > 1e-4
+    )
+
+
+FIDELITIES: tuple[FidelityChoice, ...] = ("torsional", "spatial", "planar", "rigid")
+CASES |= {f"a misfit, {fidelity}": misfit(fidelity) for fidelity in FIDELITIES}
+WAITING = guard_scenes.guarded(Guard(window=0.01, window_delay=0.05))
+CASES["a guard that waits"] = Case(WAITING, going_aside, 3, 7, lambda x: 0.04 < x.guard.time < 0.06)
+CASES["another model since 1 s"] = Case(
+    fidelity_scenes.EVEN,
+    partial(fidelity_scenes.ends_at, z=0.2),
+    120,
+    121,
+    lambda x: x.fidelity == "torsional" and "planar model cannot" in x.fidelity_reason,
+)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_rope_goes_on_from_a_saved_state_bit_by_bit(name: str) -> None:
+    case = CASES[name]
+    rope = wound(balance_rope(case.scene), case.motion, case.saved, case.h)
+    saved, kept = rope.save(), rope.snapshot()
+    rest = case.motion, case.steps - case.saved, case.h, case.saved
+    end = wound(rope, *rest).save()
+    assert case.acted(rope.state)
+    for again, state in ((rope, kept), (rope, saved), (balance_rope(case.scene), saved)):
+        again.restore(state)
+        assert again.save() == saved
+        assert wound(again, *rest).save() == end
+
+
+@pytest.mark.parametrize("name", ["wind and a floor", "bodies"])
+def test_the_momentum_is_that_of_end_forces_weight_bodies_and_air(name: str) -> None:
+    """To Newton's tolerance over the step's square."""
+    case = CASES[name]
+    audit = wound(balance_rope(case.scene), case.motion, case.steps, case.h).state.audit
+    assert audit.missing_force < 1e-3 * audit.force
