@@ -27,11 +27,12 @@ struct Component {
     double start, stop; /* stop: infinite if not announced */
     double time;        /* host's time, s; the model differs by less than MIN_STEP */
     double last_step;   /* s, length of the last step; 0 before the first */
-    int coarse;         /* the log has said that times are coarse */
-    int mode, changed, retune;
-    int started;     /* initialised, and not reset since */
-    int valid;       /* the last initialisation or step succeeded */
-    int at_event;    /* the last step ended at an event */
+    bool coarse;        /* the log has said that times are coarse */
+    int mode, changed;
+    bool retune;
+    bool started;    /* initialised, and not reset since */
+    bool valid;      /* the last initialisation or step succeeded */
+    bool at_event;   /* the last step ended at an event */
     unsigned warned; /* bit k: warning k was logged since initialisation began */
     char status[MESSAGE_BYTES], message[MESSAGE_BYTES];
     double values[]; /* MODEL_SCALARS each: entries, those last passed to the model, and flags of entered() */
@@ -102,7 +103,7 @@ void write_message(char message[MESSAGE_BYTES], const char *format, ...) {
     va_end(arguments);
 }
 
-static int log_error(Component *c, const char *format, ...) {
+static bool log_error(Component *c, const char *format, ...) {
     char message[MESSAGE_BYTES]; /* the arguments may point into c->message */
     va_list arguments;
     va_start(arguments, format);
@@ -110,7 +111,7 @@ static int log_error(Component *c, const char *format, ...) {
     va_end(arguments);
     memcpy(c->message, message, sizeof message);
     c->log(c->context, LOG_ERROR, c->message);
-    return 0;
+    return false;
 }
 
 /* Return flags of all scalars, 1 where the host has set the value. */
@@ -125,7 +126,7 @@ static size_t values_bytes(void) {
 /* Record that the model uses the present entries. */
 static void mark_as_used(Component *c) {
     memcpy(c->values + MODEL_SCALARS, c->values, MODEL_SCALARS * sizeof(double));
-    c->retune = 0;
+    c->retune = false;
 }
 
 /* Print the shortest decimal that reads back as x. */
@@ -167,40 +168,40 @@ void component_destroy(Component *c) {
     allocator.deallocate(c);
 }
 
-int component_error(Component *c, const char *message) {
+bool component_error(Component *c, const char *message) {
     return log_error(c, "%s", message);
 }
 
-int component_nonnull(Component *c, const void *pointer) {
+bool component_nonnull(Component *c, const void *pointer) {
     return pointer || log_error(c, "a pointer is NULL; give the address of the data");
 }
 
-static int is_log_category(const char *name) {
+static bool is_log_category(const char *name) {
     for (int k = LOG_NOTE; k <= LOG_ERROR; k++)
-        if (!strcmp(name, log_category((Severity)k))) return 1;
-    return 0;
+        if (!strcmp(name, log_category((Severity)k))) return true;
+    return false;
 }
 
-int component_categories(Component *c, size_t count, const char *const names[], int *all) {
+bool component_categories(Component *c, size_t count, const char *const names[], bool *all) {
     *all = count == 0;
-    if (count && !component_nonnull(c, names)) return 0;
+    if (count && !component_nonnull(c, names)) return false;
     for (size_t k = 0; k < count; k++) {
-        if (!component_nonnull(c, names[k])) return 0;
+        if (!component_nonnull(c, names[k])) return false;
         if (!is_log_category(names[k]))
             return log_error(c, "there is no such log category; use logAll, logStatusWarning or logStatusError");
         *all |= !strcmp(names[k], log_category(LOG_NOTE));
     }
-    return 1;
+    return true;
 }
 
 void component_fail(Component *c) {
     c->mode = FAILED;
-    c->valid = 0;
+    c->valid = false;
     memcpy(c->status, c->message, sizeof c->status);
 }
 
-int component_check_mode(Component *c, const char *function, int modes) {
-    if (c->mode & modes) return 1;
+bool component_check_mode(Component *c, const char *function, int modes) {
+    if (c->mode & modes) return true;
     if (c->mode == INSTANTIATED) return log_error(c, "%s is not allowed before a successful initialisation", function);
     if (c->mode == INITIALIZATION)
         return log_error(c, "%s is not allowed during initialisation; exit it first", function);
@@ -214,7 +215,7 @@ int component_check_mode(Component *c, const char *function, int modes) {
 
 /* life cycle */
 
-int component_setup(Component *c, double start, int stop_defined, double stop) {
+bool component_setup(Component *c, double start, bool stop_defined, double stop) {
     char text[DECIMAL_SIZE], other[DECIMAL_SIZE];
     if (!isfinite(start))
         return log_error(c, "the start time %s s is not finite; give a number", shortest(start, text));
@@ -223,7 +224,7 @@ int component_setup(Component *c, double start, int stop_defined, double stop) {
                          shortest(stop, text), shortest(start, other));
     c->start = c->time = start;
     c->stop = stop_defined ? stop : INFINITY;
-    return 1;
+    return true;
 }
 
 static size_t index_of(const char *name) {
@@ -251,7 +252,7 @@ void component_tolerance(Component *c, double tolerance) {
 static void warn_of_coarse_times(Component *c) {
     char message[MESSAGE_BYTES], text[DECIMAL_SIZE];
     if (c->coarse || DBL_EPSILON * fabs(c->time) <= MIN_STEP) return;
-    c->coarse = 1;
+    c->coarse = true;
     write_message(message,
                   "at t = %s s numbers are %.1g s apart, more than %g s: steps and motions lose digits; count the time "
                   "from the run's beginning, up to %.2g s",
@@ -263,7 +264,7 @@ void component_enter_initialization(Component *c) {
     c->mode = INITIALIZATION;
     c->changed = INPUTS | PARAMETERS;
     c->warned = 0;
-    c->coarse = 0;
+    c->coarse = false;
     warn_of_coarse_times(c);
 }
 
@@ -278,14 +279,14 @@ static void warn(Component *c) {
     }
 }
 
-static int set_up(Component *c) {
+static bool set_up(Component *c) {
     char reason[MESSAGE_BYTES] = "";
     if (c->model && c->changed & PARAMETERS) {
         model_destroy(c->model);
         c->model = NULL;
     }
     c->changed = NOTHING;
-    c->valid = 1;
+    c->valid = true;
     c->status[0] = '\0';
     if (!c->model) c->model = model_create(c->values, &c->allocator, reason);
     if (!c->model)
@@ -299,28 +300,28 @@ static int set_up(Component *c) {
         model_note(c->model, reason);
         if (*reason) c->log(c->context, LOG_NOTE, reason);
         warn(c);
-        return 1;
+        return true;
     }
-    c->valid = 0;
+    c->valid = false;
     memcpy(c->status, c->message, sizeof c->status);
-    return 0;
+    return false;
 }
 
 /* Provide the model.  During initialisation it is set up anew after each change of an entry. */
-static int have_model(Component *c) {
+static bool have_model(Component *c) {
     if (c->mode == INITIALIZATION && c->changed) return set_up(c);
-    if (c->model) return 1;
+    if (c->model) return true;
     return c->valid ? log_error(c, "there are no results before initialisation") : log_error(c, "%s", c->status);
 }
 
-int component_exit_initialization(Component *c) {
+bool component_exit_initialization(Component *c) {
     if (!have_model(c)) {
         c->mode = FAILED;
-        return 0;
+        return false;
     }
     c->mode = STEPPING;
-    c->started = 1;
-    return 1;
+    c->started = true;
+    return true;
 }
 
 /* Give each acceleration whose speed the host gives as a derivative, and which it does not give itself, the second
@@ -340,7 +341,7 @@ static void infer_accelerations(Component *c, double h) {
     }
 }
 
-static int step(Component *c, double t, double h, int *event) {
+static bool step(Component *c, double t, double h, int *event) {
     char text[DECIMAL_SIZE], other[DECIMAL_SIZE], reason[MESSAGE_BYTES];
     double now = c->time;
     if (!(h > 0.0 && isfinite(h)))
@@ -353,57 +354,58 @@ static int step(Component *c, double t, double h, int *event) {
                          shortest(t + h, text), shortest(c->stop, other));
     if (t + h - model_time(c->model) < MIN_STEP) { /* the next step starts at the model's time */
         if (event) *event = 0;
-        return 1;
+        return true;
     }
     if (c->retune && !model_retune(c->model, c->values, reason)) return log_error(c, "%s", reason);
     infer_accelerations(c, h);
     mark_as_used(c);
     if (!model_step(c->model, t, h, c->values, event, reason)) return log_error(c, "%s", reason);
-    return 1;
+    return true;
 }
 
-int component_step(Component *c, double t, double h, int to_event) {
+bool component_step(Component *c, double t, double h, bool to_event) {
     int event = c->at_event;
-    c->at_event = 0;
+    c->at_event = false;
     if (!step(c, t, h, to_event ? &event : NULL)) {
         component_fail(c);
-        return 0;
+        return false;
     }
     c->at_event = to_event && event;
     const double reached = c->at_event ? model_time(c->model) : t + h;
     c->last_step = reached - c->time;
     c->time = reached;
-    c->valid = 1;
+    c->valid = true;
     c->status[0] = '\0';
     warn(c);
     warn_of_coarse_times(c);
-    return 1;
+    return true;
 }
 
 double component_time(const Component *c) {
     return c->time;
 }
 
-int component_at_event(const Component *c) {
+bool component_at_event(const Component *c) {
     return c->at_event;
 }
 
-int component_terminate(Component *c, const char *function) {
+bool component_terminate(Component *c, const char *function) {
     /* After a failure, a second error would hide the first. */
-    if (c->mode == FAILED || (c->mode & (INSTANTIATED | INITIALIZATION) && c->message[0])) return 1;
-    if (!component_check_mode(c, function, STEPPING)) return 0;
+    if (c->mode == FAILED || (c->mode & (INSTANTIATED | INITIALIZATION) && c->message[0])) return true;
+    if (!component_check_mode(c, function, STEPPING)) return false;
     c->mode = TERMINATED;
-    return 1;
+    return true;
 }
 
 void component_reset(Component *c) {
     model_destroy(c->model);
     c->model = NULL;
     c->mode = INSTANTIATED;
-    c->changed = c->retune = c->started = c->at_event = 0;
+    c->changed = NOTHING;
+    c->retune = c->started = c->at_event = false;
     c->start = c->time = c->last_step = 0.0;
     c->stop = INFINITY;
-    c->valid = 1;
+    c->valid = true;
     c->status[0] = c->message[0] = '\0';
     memset(entered(c), 0, MODEL_SCALARS * sizeof(double));
     for (size_t i = 0; i < MODEL_SCALARS; i++) c->values[i] = model_start(i);
@@ -416,42 +418,42 @@ static size_t length_of(unsigned reference) {
     return model_has_arrays() ? MODEL_VARIABLES[reference].length : 1;
 }
 
-int component_find(Component *c, unsigned reference, Kind kind, size_t *first, size_t *length) {
+bool component_find(Component *c, unsigned reference, Kind kind, size_t *first, size_t *length) {
     static const char *const names[] = {"Real", "Integer", "Boolean", "String", "Enumeration"};
     char text[DECIMAL_SIZE];
     if (reference >= MODEL_SCALARS || MODEL_VARIABLES[reference].kind != kind || !length_of(reference))
         return log_error(c, "there is no %s variable with value reference %s", names[kind], shortest(reference, text));
     *first = reference;
     *length = length_of(reference);
-    return 1;
+    return true;
 }
 
-int component_has_token(const char *token) {
+bool component_has_token(const char *token) {
     char expected[TOKEN_BYTES];
     model_token(expected);
     return token && !strcmp(token, expected);
 }
 
-int component_get(Component *c, size_t scalar, double *value) {
+bool component_get(Component *c, size_t scalar, double *value) {
     char reason[MESSAGE_BYTES];
     *value = 0.0;
     const Variable *variable = &MODEL_VARIABLES[scalar];
     if (variable->source == FROM_ENTRY) *value = c->values[scalar];
     if (variable->source == FROM_STATUS_VALID) *value = c->valid;
     if (variable->source == FROM_TIME) *value = component_time(c);
-    if (variable->source != FROM_MODEL) return 1;
+    if (variable->source != FROM_MODEL) return true;
     if (have_model(c) && (model_output(c->model, scalar, value, reason) || log_error(c, "%s", reason))) {
         if (variable->kind == KIND_INTEGER) *value = fmin(*value, INT32_MAX); /* counters grow without bound */
-        return 1;
+        return true;
     }
     if (variable->kind == KIND_REAL) *value = NAN; /* must not look like a force */
-    return 0;
+    return false;
 }
 
-int component_get_text(Component *c, size_t scalar, const char **text) {
+bool component_get_text(Component *c, size_t scalar, const char **text) {
     char reason[MESSAGE_BYTES] = "";
     *text = MODEL_VARIABLES[scalar].source == FROM_STATUS_MESSAGE ? c->status : "";
-    if (MODEL_VARIABLES[scalar].source == FROM_STATUS_MESSAGE) return 1;
+    if (MODEL_VARIABLES[scalar].source == FROM_STATUS_MESSAGE) return true;
     return have_model(c) && (model_text(c->model, scalar, text, reason) || log_error(c, "%s", reason));
 }
 
@@ -473,7 +475,7 @@ static void check_entry(const Variable *variable, double value, char reason[MESS
                       variable->name, shortest(value, text));
 }
 
-static int enter(Component *c, size_t scalar, double value) {
+static bool enter(Component *c, size_t scalar, double value) {
     const Variable *variable = &MODEL_VARIABLES[scalar];
     char reason[MESSAGE_BYTES], text[DECIMAL_SIZE];
     if (variable->causality == CAUSALITY_OUTPUT)
@@ -482,25 +484,25 @@ static int enter(Component *c, size_t scalar, double value) {
         return log_error(c, "%s is the independent variable; it advances with the steps and cannot be set",
                          variable->name);
     if (c->started && variable->variability == VARIABILITY_FIXED) {
-        if (value == c->values[scalar]) return 1;
+        if (value == c->values[scalar]) return true;
         return log_error(c, "%s is fixed after initialisation; it stays %s; reset the FMU to change it", variable->name,
                          value_text(variable, c->values[scalar], text));
     }
     check_entry(variable, value, reason);
     if (*reason) return log_error(c, "%s", reason);
-    if (c->started && variable->variability == VARIABILITY_TUNABLE) c->retune = 1;
+    if (c->started && variable->variability == VARIABILITY_TUNABLE) c->retune = true;
     c->changed |= variable->causality == CAUSALITY_PARAMETER ? PARAMETERS : INPUTS;
     c->values[scalar] = value;
-    return 1;
+    return true;
 }
 
-int component_set(Component *c, size_t scalar, double value) {
-    if (!enter(c, scalar, value)) return 0;
+bool component_set(Component *c, size_t scalar, double value) {
+    if (!enter(c, scalar, value)) return false;
     if (c->started) entered(c)[scalar] = GIVEN; /* earlier ones are start values */
-    return 1;
+    return true;
 }
 
-int component_set_rate(Component *c, size_t scalar, int order, double value) {
+bool component_set_rate(Component *c, size_t scalar, int order, double value) {
     const Variable *variable = &MODEL_VARIABLES[scalar];
     char text[DECIMAL_SIZE];
     if (variable->causality != CAUSALITY_INPUT)
@@ -509,36 +511,36 @@ int component_set_rate(Component *c, size_t scalar, int order, double value) {
         return log_error(c, "derivative %d of %s = %s must be of order 1 or higher, and finite", order, variable->name,
                          shortest(value, text));
     for (; order > 0 && scalar; order--) scalar = MODEL_VARIABLES[scalar].rate;
-    if (!scalar || entered(c)[scalar] == GIVEN) return 1;
-    if (!enter(c, scalar, value)) return 0;
+    if (!scalar || entered(c)[scalar] == GIVEN) return true;
+    if (!enter(c, scalar, value)) return false;
     if (c->started) entered(c)[scalar] = DERIVED;
-    return 1;
+    return true;
 }
 
-int component_derivative(Component *c, const unsigned *unknown, size_t unknowns, const unsigned *known, size_t knowns,
-                         const double *seed, double *sensitivity) {
+bool component_derivative(Component *c, const unsigned *unknown, size_t unknowns, const unsigned *known, size_t knowns,
+                          const double *seed, double *sensitivity) {
     size_t i, first = 0, length = 0;
     char reason[MESSAGE_BYTES] = "", text[DECIMAL_SIZE];
     for (i = 0; i < unknowns; i++) {
-        if (!component_find(c, unknown[i], KIND_REAL, &first, &length)) return 0;
+        if (!component_find(c, unknown[i], KIND_REAL, &first, &length)) return false;
         if (MODEL_VARIABLES[first].source != FROM_MODEL || length != 1)
             return log_error(c, "there is no derivative of %s; ask for one of an output that depends on the inputs",
                              MODEL_VARIABLES[first].name);
         sensitivity[i] = 0.0;
     }
     for (i = 0; i < knowns; i++) {
-        if (!component_find(c, known[i], KIND_REAL, &first, &length)) return 0;
+        if (!component_find(c, known[i], KIND_REAL, &first, &length)) return false;
         if (MODEL_VARIABLES[first].causality != CAUSALITY_INPUT)
             return log_error(c, "there is no derivative to %s; ask for one to an input", MODEL_VARIABLES[first].name);
         if (!isfinite(seed[i]))
             return log_error(c, "the seed of %s = %s is not finite; give a number", MODEL_VARIABLES[first].name,
                              shortest(seed[i], text));
     }
-    if (!have_model(c)) return 0;
+    if (!have_model(c)) return false;
     for (i = 0; i < knowns; i++)
         if (!model_derivative(c->model, known[i], seed[i], unknown, unknowns, sensitivity, reason))
             return log_error(c, "%s", reason);
-    return 1;
+    return true;
 }
 
 /* states */
@@ -592,15 +594,15 @@ void component_save(const Component *c, void *to) {
 }
 
 /* True if the text is terminated and printable, as those of log_error() are. */
-static int is_message(const char text[MESSAGE_BYTES]) {
+static bool is_message(const char text[MESSAGE_BYTES]) {
     for (size_t i = 0; i < MESSAGE_BYTES; i++) {
-        if (text[i] == '\0') return 1;
-        if (((unsigned char)text[i] < ' ' && text[i] != '\n') || text[i] == 127) return 0; /* UTF-8 passes */
+        if (text[i] == '\0') return true;
+        if (((unsigned char)text[i] < ' ' && text[i] != '\n') || text[i] == 127) return false; /* UTF-8 passes */
     }
-    return 0;
+    return false;
 }
 
-int component_is_state(Component *c, const void *from, size_t bytes) {
+bool component_is_state(Component *c, const void *from, size_t bytes) {
     const StateHeader *header = from;
     const double *values = (const double *)(header + 1);
     size_t least = sizeof *header + values_bytes(), i;
@@ -627,26 +629,26 @@ int component_is_state(Component *c, const void *from, size_t bytes) {
         check_entry(variable, values[i], reason);
         if (*reason) return log_error(c, "the state contradicts itself: %s", reason);
     }
-    return 1;
+    return true;
 }
 
-static int same_fixed(const double *a, const double *b) {
+static bool same_fixed(const double *a, const double *b) {
     for (size_t i = 0; i < MODEL_SCALARS; i++)
-        if (MODEL_VARIABLES[i].variability == VARIABILITY_FIXED && a[i] != b[i]) return 0;
-    return 1;
+        if (MODEL_VARIABLES[i].variability == VARIABILITY_FIXED && a[i] != b[i]) return false;
+    return true;
 }
 
-int component_restore(Component *c, const void *from, size_t bytes) {
+bool component_restore(Component *c, const void *from, size_t bytes) {
     const StateHeader *header = from;
     const double *values = (const double *)(header + 1), *goes_by = values + MODEL_SCALARS;
     const void *rest = (const unsigned char *)values + values_bytes();
     ModelInstance *model = NULL;
     char reason[MESSAGE_BYTES] = "";
-    if (!component_is_state(c, from, bytes)) return 0;
+    if (!component_is_state(c, from, bytes)) return false;
     if (header->started) {
         size_t count = bytes - ((const unsigned char *)rest - (const unsigned char *)from);
         /* Other fixed parameters need a new model; the present one stays until that has the state. */
-        int fits = c->started && c->model && same_fixed(values, c->values);
+        const bool fits = c->started && c->model && same_fixed(values, c->values);
         model = fits ? c->model : model_create(goes_by, &c->allocator, reason);
         if (!model || !model_retune(model, goes_by, reason) || !model_restore(model, rest, count, reason)) {
             char other[MESSAGE_BYTES];
@@ -671,5 +673,5 @@ int component_restore(Component *c, const void *from, size_t bytes) {
     c->at_event = header->at_event;
     c->retune = header->started;
     c->changed = header->started ? NOTHING : INPUTS | PARAMETERS;
-    return 1;
+    return true;
 }

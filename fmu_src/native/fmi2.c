@@ -12,7 +12,7 @@ typedef struct {
     Allocator allocator;
     fmi2CallbackLogger logger;
     fmi2ComponentEnvironment environment;
-    int logging;      /* true if notes are logged */
+    bool logging;     /* true if notes are logged */
     double tolerance; /* of the experiment; 0 if the host gives none */
     char name[NAME];
 } Instance;
@@ -113,7 +113,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2R
     Instance *i = c;
     (void)noSetFMUStatePriorToCurrentPoint; /* the host owns the states */
     return status(check_call(i, "fmi2DoStep", STEPPING) &&
-                  component_step(i->component, currentCommunicationPoint, communicationStepSize, 0));
+                  component_step(i->component, currentCommunicationPoint, communicationStepSize, false));
 }
 
 /* values */

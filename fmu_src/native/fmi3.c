@@ -9,8 +9,8 @@ typedef struct {
     Allocator allocator;
     fmi3LogMessageCallback log;
     fmi3InstanceEnvironment environment;
-    int logging; /* true if notes are logged */
-    int event_mode, early_return;
+    bool logging; /* true if notes are logged */
+    bool event_mode, early_return;
 } Instance;
 
 static void log_message(void *context, Severity severity, const char *message) {
@@ -89,8 +89,8 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
         !component_nonnull(i->component, terminateSimulation) || !component_nonnull(i->component, earlyReturn) ||
         !component_nonnull(i->component, lastSuccessfulTime))
         return fmi3Error;
-    int to_event = i->event_mode && i->early_return;
-    int ok = component_step(i->component, currentCommunicationPoint, communicationStepSize, to_event);
+    const bool to_event = i->event_mode && i->early_return;
+    const bool ok = component_step(i->component, currentCommunicationPoint, communicationStepSize, to_event);
     *lastSuccessfulTime = component_time(i->component);
     *terminateSimulation = fmi3False;
     *eventHandlingNeeded = component_at_event(i->component);

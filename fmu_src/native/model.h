@@ -5,6 +5,7 @@
 #ifndef MODEL_H
 #define MODEL_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 /* infinity and NaN must be told from numbers: a NaN would look like a force */
@@ -38,7 +39,7 @@ extern const size_t MODEL_SCALARS;
 enum { TOKEN_BYTES = 64 };
 void model_token(char token[TOKEN_BYTES]);
 double model_start(size_t scalar); /* start value of an entry; from MODEL_SCALARS on further numbers of the model */
-int model_has_arrays(void);        /* true if an array is one variable, false if each of its scalars is one */
+bool model_has_arrays(void);       /* true if an array is one variable, false if each of its scalars is one */
 
 /* The host's allocator, with the behaviour of calloc and free. */
 typedef struct {
@@ -46,12 +47,12 @@ typedef struct {
     void (*deallocate)(void *);
 } Allocator;
 
-int model_has_events(void); /* true if a step may end at an event */
+bool model_has_events(void); /* true if a step may end at an event */
 
 typedef struct ModelInstance ModelInstance;
 
 /* `values` has the entries by value reference (MODEL_SCALARS doubles; others are 0), finite, with choices in range and
-   integers whole.  Functions that return int return 1 on success.  They return 0 on failure: `message`
+   integers whole.  Functions that return bool return true on success.  They return false on failure: `message`
    (MESSAGE_BYTES bytes) names value, bound and cure, and the model is unchanged. */
 
 /* Write a message as snprintf does, with a decimal point in every locale, and cut between characters of UTF-8.
@@ -63,34 +64,34 @@ const char *model_accuracy(void);
 
 /* Prepare this process for models; call it before model_create.  `resources` is the FMU's folder of that name, a URI in
    FMI 2.0, a path in 3.0. */
-int model_open(const char *resources, char *message);
+bool model_open(const char *resources, char *message);
 /* Create a model with all memory that it needs; return NULL on failure. */
 ModelInstance *model_create(const double *values, const Allocator *allocator, char *message);
 void model_destroy(ModelInstance *model); /* NULL is allowed */
 /* Initialise at time t with these inputs, again if they change before the first step. */
-int model_initialize(ModelInstance *model, double t, const double *values, char *message);
+bool model_initialize(ModelInstance *model, double t, const double *values, char *message);
 /* Step from the model's time, about t, to t + h, or to an event unless `event` is NULL.  *event, in: nonzero if the
    last step ended at an event; out: nonzero if this one does. */
-int model_step(ModelInstance *model, double t, double h, const double *values, int *event, char *message);
+bool model_step(ModelInstance *model, double t, double h, const double *values, int *event, char *message);
 /* Change tunable parameters. */
-int model_retune(ModelInstance *model, const double *values, char *message);
+bool model_retune(ModelInstance *model, const double *values, char *message);
 
 double model_time(const ModelInstance *model);
 /* Return a scalar whose source is FROM_MODEL. */
-int model_output(ModelInstance *model, size_t scalar, double *value, char *message);
-int model_text(ModelInstance *model, size_t scalar, const char **text, char *message);
+bool model_output(ModelInstance *model, size_t scalar, double *value, char *message);
+bool model_text(ModelInstance *model, size_t scalar, const char **text, char *message);
 /* Write a line for the log about the model; "" for none. */
 void model_note(const ModelInstance *model, char *message);
-/* Write warning `number`, from 0 on; "" if it does not apply.  Return 0 after the last warning. */
-int model_warning(ModelInstance *model, int index, char *message);
+/* Write warning `number`, from 0 on; "" if it does not apply.  Return false after the last warning. */
+bool model_warning(ModelInstance *model, int index, char *message);
 
 /* Add seed times the derivatives of the scalars `unknown` with respect to the scalar `known` to sum (number). */
-int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t count,
-                     double *sum, char *message);
+bool model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t count,
+                      double *sum, char *message);
 
 /* The complete state without the entries is a block of bytes without addresses, valid in every process. */
 size_t model_state_bytes(const ModelInstance *model);
 void model_save(const ModelInstance *model, void *to);
-int model_restore(ModelInstance *model, const void *from, size_t bytes, char *message);
+bool model_restore(ModelInstance *model, const void *from, size_t bytes, char *message);
 
 #endif

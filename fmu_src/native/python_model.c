@@ -149,19 +149,19 @@ static void *library(void) {
 
 /* Load Python's functions and an interpreter, in one thread while others wait.  This must not wait for the GIL: a
    thread that holds it may wait for the lock. */
-static int find_python(char *message) {
+static bool find_python(char *message) {
     static const struct {
         const char *name;
         void **place;
     } entries[] = {PYTHON_FUNCTIONS(ENTRY)};
     static int found_all;
-    if (found_all) return 1;
+    if (found_all) return true;
     void *from = (void *)library();
     if (!from) {
         snprintf(message, MESSAGE_BYTES,
                  "this FMU runs Python code, and there is neither a Python in this process nor a libpython to load; "
                  "preload one or put it on the library path, or take the native flavour of this FMU");
-        return 0;
+        return false;
     }
     for (size_t i = 0; i < sizeof entries / sizeof *entries; i++) {
         void *found = symbol(from, entries[i].name);
@@ -169,7 +169,7 @@ static int find_python(char *message) {
             snprintf(message, MESSAGE_BYTES,
                      "the Python of this process has no %s; this FMU needs Python 3.%d or newer", entries[i].name,
                      OLDEST);
-            return 0;
+            return false;
         }
         memcpy(entries[i].place, &found, sizeof found);
     }
@@ -178,10 +178,10 @@ static int find_python(char *message) {
         python.PyEval_SaveThread(); /* each call takes the interpreter's lock */
     }
     found_all = 1;
-    return 1;
+    return true;
 }
 
-static int have_python(char *message) {
+static bool have_python(char *message) {
     begin_alone();
     const int found = find_python(message);
     end_alone();
@@ -216,7 +216,7 @@ static void take_text(PyObject *text, char *message) {
 }
 
 /* True if a method succeeded; else copies the object's message. */
-static int check_answer(PyObject *object, PyObject *answer, char *message) {
+static bool check_answer(PyObject *object, PyObject *answer, char *message) {
     int ok = answer ? python.PyObject_IsTrue(answer) : -1;
     python.Py_DecRef(answer);
     if (ok < 0)
@@ -236,16 +236,16 @@ static double as_number(PyObject *answer) {
 
 /* the functions of model.h */
 
-int model_has_events(void) {
-    return 0;
+bool model_has_events(void) {
+    return false;
 }
 
 const char *model_accuracy(void) {
     return "accuracy.end_force";
 }
 
-int model_open(const char *resources, char *message) {
-    if (!have_python(message)) return 0;
+bool model_open(const char *resources, char *message) {
+    if (!have_python(message)) return false;
     int gil = python.PyGILState_Ensure();
     PyObject *loaded = make;
     if (!loaded) {
@@ -306,8 +306,8 @@ void model_destroy(ModelInstance *model) {
 }
 
 /* Call a method with these entries and as many of t and h as `format` has; return true on success. */
-static int succeeds(ModelInstance *model, const double *values, const char *method, const char *format, double t,
-                    double h, char *message) {
+static bool succeeds(ModelInstance *model, const double *values, const char *method, const char *format, double t,
+                     double h, char *message) {
     int gil = python.PyGILState_Ensure(), ok;
     memcpy(model->values, values, MODEL_SCALARS * sizeof(double));
     memset(model->known, 0, MODEL_SCALARS); /* computed from other entries */
@@ -316,16 +316,16 @@ static int succeeds(ModelInstance *model, const double *values, const char *meth
     return ok;
 }
 
-int model_initialize(ModelInstance *model, double t, const double *values, char *message) {
+bool model_initialize(ModelInstance *model, double t, const double *values, char *message) {
     return succeeds(model, values, "initialize", "d", t, 0.0, message);
 }
 
-int model_step(ModelInstance *model, double t, double h, const double *values, int *event, char *message) {
+bool model_step(ModelInstance *model, double t, double h, const double *values, int *event, char *message) {
     (void)event; /* FMI 2.0 has no event mode */
     return succeeds(model, values, "do_step", "dd", t, h, message);
 }
 
-int model_retune(ModelInstance *model, const double *values, char *message) {
+bool model_retune(ModelInstance *model, const double *values, char *message) {
     return succeeds(model, values, "retune", NULL, 0.0, 0.0, message);
 }
 
@@ -336,7 +336,7 @@ double model_time(const ModelInstance *model) {
     return time;
 }
 
-int model_output(ModelInstance *model, size_t scalar, double *value, char *message) {
+bool model_output(ModelInstance *model, size_t scalar, double *value, char *message) {
     int ok = 1;
     if (!model->known[scalar]) {
         int gil = python.PyGILState_Ensure();
@@ -349,7 +349,7 @@ int model_output(ModelInstance *model, size_t scalar, double *value, char *messa
 }
 
 /* The object keeps the text until the next call for this scalar. */
-int model_text(ModelInstance *model, size_t scalar, const char **text, char *message) {
+bool model_text(ModelInstance *model, size_t scalar, const char **text, char *message) {
     int gil = python.PyGILState_Ensure();
     PyObject *answer = python.PyObject_CallMethod(model->object, "text", "n", (ptrdiff_t)scalar);
     const char *found = answer ? python.PyUnicode_AsUTF8AndSize(answer, NULL) : NULL;
@@ -366,7 +366,7 @@ void model_note(const ModelInstance *model, char *message) {
     python.PyGILState_Release(gil);
 }
 
-int model_warning(ModelInstance *model, int index, char *message) {
+bool model_warning(ModelInstance *model, int index, char *message) {
     const int gil = python.PyGILState_Ensure();
     const int exists = index < as_number(python.PyObject_GetAttrString(model->object, "warnings"));
     message[0] = '\0';
@@ -375,11 +375,11 @@ int model_warning(ModelInstance *model, int index, char *message) {
     return exists;
 }
 
-int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t count,
-                     double *sum, char *message) {
+bool model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t count,
+                      double *sum, char *message) {
     (void)model, (void)known, (void)seed, (void)unknown, (void)count, (void)sum;
     snprintf(message, MESSAGE_BYTES, "this FMU has no directional derivatives; export the native flavour");
-    return 0;
+    return false;
 }
 
 size_t model_state_bytes(const ModelInstance *model) {
@@ -402,7 +402,7 @@ void model_save(const ModelInstance *model, void *to) {
     python.PyGILState_Release(gil);
 }
 
-int model_restore(ModelInstance *model, const void *from, size_t bytes, char *message) {
+bool model_restore(ModelInstance *model, const void *from, size_t bytes, char *message) {
     int gil = python.PyGILState_Ensure(), ok;
     ok = check_answer(model->object,
                       python.PyObject_CallMethod(model->object, "restore", "N",

@@ -12,7 +12,7 @@ struct ModelInstance {
     Simulator *sim;
     Memory memory;
     Scene scene;
-    int at_step_end; /* true if inputs apply at the end of a step */
+    bool at_step_end; /* true if inputs apply at the end of a step */
     char warning[(ROPE_EXTRAPOLATION + 1) * (MESSAGE_BYTES + 2)];
 };
 
@@ -35,24 +35,24 @@ static void read_motions(const double *values, EndMotion ends[2]) {
         for (int k = 0; k < END_MOTIONS; k++) *(double *)field(&ends[side], offsets[k]) = values[ROPE_MOTIONS[side][k]];
 }
 
-/* Return 1 for an action of the rope that is done; 0 for one that has failed, with its message. */
-static int copy_message(const ModelInstance *model, RopeStatus status, char *message) {
-    if (status == ROPE_DONE) return 1;
+/* Return true for an action of the rope that is done, false for one that has failed, with its message. */
+static bool copy_message(const ModelInstance *model, RopeStatus status, char *message) {
+    if (status == ROPE_DONE) return true;
     snprintf(message, MESSAGE_BYTES, "%s", rope_message(model->sim));
-    return 0;
+    return false;
 }
 
-int model_has_events(void) {
-    return 1;
+bool model_has_events(void) {
+    return true;
 }
 
 const char *model_accuracy(void) {
     return "accuracy.end_force";
 }
 
-int model_open(const char *resources, char *message) {
+bool model_open(const char *resources, char *message) {
     (void)resources, (void)message; /* nothing to load */
-    return 1;
+    return true;
 }
 
 ModelInstance *model_create(const double *values, const Allocator *allocator, char *message) {
@@ -76,13 +76,13 @@ void model_destroy(ModelInstance *model) {
     model->memory.deallocate(model);
 }
 
-int model_initialize(ModelInstance *model, double t, const double *values, char *message) {
+bool model_initialize(ModelInstance *model, double t, const double *values, char *message) {
     EndMotion ends[2];
     read_motions(values, ends);
     return copy_message(model, rope_initialize(model->sim, t, ends), message);
 }
 
-int model_step(ModelInstance *model, double t, double h, const double *values, int *event, char *message) {
+bool model_step(ModelInstance *model, double t, double h, const double *values, int *event, char *message) {
     EndMotion ends[2];
     read_motions(values, ends);
     const double given_at = model->at_step_end ? t + h : t;
@@ -91,29 +91,29 @@ int model_step(ModelInstance *model, double t, double h, const double *values, i
     return copy_message(model, rope_advance_to(model->sim, t + h, ends, given_at), message);
 }
 
-int model_retune(ModelInstance *model, const double *values, char *message) {
+bool model_retune(ModelInstance *model, const double *values, char *message) {
     Scene before = model->scene;
     read_parameters(model, values);
-    if (copy_message(model, rope_retune(model->sim, &model->scene), message)) return 1;
+    if (copy_message(model, rope_retune(model->sim, &model->scene), message)) return true;
     model->scene = before;
-    return 0;
+    return false;
 }
 
 double model_time(const ModelInstance *model) {
     return rope_time(model->sim);
 }
 
-int model_output(ModelInstance *model, size_t scalar, double *value, char *message) {
+bool model_output(ModelInstance *model, size_t scalar, double *value, char *message) {
     (void)message;
     rope_signals(model->sim, 1, &(int){(int)ROPE_PLACES[scalar].offset}, value);
-    return 1;
+    return true;
 }
 
-int model_warning(ModelInstance *model, int index, char *message) {
+bool model_warning(ModelInstance *model, int index, char *message) {
     message[0] = '\0';
-    if (index > ROPE_EXTRAPOLATION) return 0;
+    if (index > ROPE_EXTRAPOLATION) return false;
     if (index < ROPE_EXTRAPOLATION || !model->at_step_end) rope_warning(model->sim, index, message);
-    return 1;
+    return true;
 }
 
 /* Return all warnings, a line each. */
@@ -125,14 +125,14 @@ static const char *warning(ModelInstance *model) {
     return model->warning;
 }
 
-int model_text(ModelInstance *model, size_t scalar, const char **text, char *message) {
+bool model_text(ModelInstance *model, size_t scalar, const char **text, char *message) {
     (void)message;
     if (ROPE_PLACES[scalar].where == WARNING)
         *text = warning(model);
     else
         *text =
             ROPE_PLACES[scalar].where == FIDELITY_NAME ? rope_fidelity(model->sim) : rope_fidelity_reason(model->sim);
-    return 1;
+    return true;
 }
 
 void model_note(const ModelInstance *model, char *message) {
@@ -140,8 +140,8 @@ void model_note(const ModelInstance *model, char *message) {
              rope_fidelity_reason(model->sim));
 }
 
-int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t count,
-                     double *sum, char *message) {
+bool model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t count,
+                      double *sum, char *message) {
     const int side = ROPE_PLACES[known].where == RIGHT_MOTION;
     const int input = side * END_MOTIONS + (int)ROPE_PLACES[known].offset;
     double force[FORCES];
@@ -150,11 +150,11 @@ int model_derivative(ModelInstance *model, size_t known, double seed, const unsi
             snprintf(message, MESSAGE_BYTES,
                      "there is no derivative of %s; ask for those of left.fx ... left.mz, right.fx ... right.mz",
                      MODEL_VARIABLES[unknown[i]].name);
-            return 0;
+            return false;
         }
-    if (!copy_message(model, rope_load_derivative(model->sim, input, model->at_step_end, force), message)) return 0;
+    if (!copy_message(model, rope_load_derivative(model->sim, input, model->at_step_end, force), message)) return false;
     for (size_t i = 0; i < count; i++) sum[i] += seed * force[ROPE_PLACES[unknown[i]].derivative];
-    return 1;
+    return true;
 }
 
 size_t model_state_bytes(const ModelInstance *model) {
@@ -165,6 +165,6 @@ void model_save(const ModelInstance *model, void *to) {
     rope_save(model->sim, to);
 }
 
-int model_restore(ModelInstance *model, const void *from, size_t bytes, char *message) {
+bool model_restore(ModelInstance *model, const void *from, size_t bytes, char *message) {
     return copy_message(model, rope_restore(model->sim, from, bytes), message);
 }

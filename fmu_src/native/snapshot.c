@@ -22,27 +22,27 @@ static Snapshot *allocate_snapshot(Component *c, const Allocator *allocator, siz
     return snapshot;
 }
 
-int snapshot_check(Component *c, const Snapshot *snapshot) {
-    if (!component_nonnull(c, snapshot)) return 0;
-    if (snapshot->mark == &OURS) return 1;
+bool snapshot_check(Component *c, const Snapshot *snapshot) {
+    if (!component_nonnull(c, snapshot)) return false;
+    if (snapshot->mark == &OURS) return true;
     return component_error(
         c, "this is no state of this FMU, or it was freed; give a pointer from the call that gets a state");
 }
 
-int snapshot_take(Component *c, const Allocator *allocator, Snapshot **snapshot) {
+bool snapshot_take(Component *c, const Allocator *allocator, Snapshot **snapshot) {
     size_t bytes = component_state_bytes(c);
     if (!*snapshot || (*snapshot)->capacity < bytes) {
         Snapshot *larger = allocate_snapshot(c, allocator, bytes);
-        if (!larger) return 0;
+        if (!larger) return false;
         snapshot_free(allocator, *snapshot);
         *snapshot = larger;
     }
     (*snapshot)->bytes = bytes;
     component_save(c, (*snapshot)->state);
-    return 1;
+    return true;
 }
 
-int snapshot_restore(Component *c, const Snapshot *snapshot) {
+bool snapshot_restore(Component *c, const Snapshot *snapshot) {
     return component_restore(c, snapshot->state, snapshot->bytes);
 }
 
@@ -56,22 +56,22 @@ size_t snapshot_bytes(const Snapshot *snapshot) {
     return snapshot->bytes;
 }
 
-int snapshot_write(Component *c, const Snapshot *snapshot, void *to, size_t bytes) {
+bool snapshot_write(Component *c, const Snapshot *snapshot, void *to, size_t bytes) {
     if (bytes < snapshot->bytes)
         return component_error(c, "the buffer is too small for the state; ask for the state's size first");
     memcpy(to, snapshot->state, snapshot->bytes);
-    return 1;
+    return true;
 }
 
-int snapshot_read(Component *c, const Allocator *allocator, const void *from, size_t bytes, Snapshot **snapshot) {
+bool snapshot_read(Component *c, const Allocator *allocator, const void *from, size_t bytes, Snapshot **snapshot) {
     Snapshot *read = allocate_snapshot(c, allocator, bytes);
-    if (!read) return 0;
+    if (!read) return false;
     memcpy(read->state, from, bytes);
     read->bytes = bytes;
     if (!component_is_state(c, read->state, bytes)) {
         snapshot_free(allocator, read);
-        return 0;
+        return false;
     }
     *snapshot = read;
-    return 1;
+    return true;
 }

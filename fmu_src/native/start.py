@@ -20,6 +20,8 @@ _HEAD = struct.Struct(f"<16s{TOKEN_ROOM}sii")
 
 _TEXT = """\
 /* Generated: what this export has and another has not. */
+#include <stdbool.h>
+
 #include "model.h"
 
 struct ModelStart {{
@@ -51,7 +53,7 @@ void model_token(char token[TOKEN_BYTES]) {{
 
 double model_start(size_t scalar) {{ return START->values[scalar]; }}
 
-int model_has_arrays(void) {{ return START->arrays; }}
+bool model_has_arrays(void) {{ return START->arrays; }}
 """
 
 

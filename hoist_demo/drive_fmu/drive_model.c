@@ -83,7 +83,7 @@ static void control_outputs(const ModelInstance *model, State *s) {
     memcpy(shown, (const double[]){r.s, r.v, r.a, s->u[0]}, 4 * sizeof *shown);
 }
 
-static int read_parameters(double *parameters, const double *values, char *message) {
+static bool read_parameters(double *parameters, const double *values, char *message) {
     for (int i = 0; i < DRIVE_PARAMETERS; i++) {
         const double lowest = DRIVE_BOUNDS[i][0], highest = i == DRIVE_STEP_MAX ? model_start(i) : DRIVE_BOUNDS[i][1];
         if (!(values[i] >= lowest && values[i] <= highest)) {
@@ -91,24 +91,24 @@ static int read_parameters(double *parameters, const double *values, char *messa
                           "%s = %.9g is out of range: it must be at least %.9g and at most %.9g; "
                           "give the value of the export, %.9g",
                           MODEL_VARIABLES[i].name, values[i], lowest, highest, model_start(i));
-            return 0;
+            return false;
         }
     }
     memcpy(parameters, values, DRIVE_PARAMETERS * sizeof(double));
-    return 1;
+    return true;
 }
 
-int model_has_events(void) {
-    return 0;
+bool model_has_events(void) {
+    return false;
 }
 
 const char *model_accuracy(void) {
     return NULL;
 }
 
-int model_open(const char *resources, char *message) {
+bool model_open(const char *resources, char *message) {
     (void)resources, (void)message; /* all is in this library */
-    return 1;
+    return true;
 }
 
 ModelInstance *model_create(const double *values, const Allocator *allocator, char *message) {
@@ -156,7 +156,7 @@ static const char *of_all(const ModelInstance *model) {
     return ropes(model) > 1 ? " (all ropes)" : "";
 }
 
-int model_initialize(ModelInstance *model, double t, const double *values, char *message) {
+bool model_initialize(ModelInstance *model, double t, const double *values, char *message) {
     State *s = &model->next;
     const double lowest = model->data[DRIVE_DATA_LOWEST_FORCE], limit = model->data[DRIVE_DATA_TORQUE_LIMIT];
     double pull[2];
@@ -172,7 +172,7 @@ int model_initialize(ModelInstance *model, double t, const double *values, char 
                 "%s%s = %.9g N at the start must be between %.9g N and 0: it is the balance rope's pull at rest, "
                 "check the rope's mass and the sign",
                 MODEL_VARIABLES[DRIVE_FORCE + i].name, of_all(model), pull[i], lowest);
-            return 0;
+            return false;
         }
     }
     s->t = s->start = t;
@@ -188,7 +188,7 @@ int model_initialize(ModelInstance *model, double t, const double *values, char 
                       "the forces %s = %.9g N and %s = %.9g N%s at the start",
                       s->x[0], limit, MODEL_VARIABLES[DRIVE_FORCE].name, pull[0], MODEL_VARIABLES[DRIVE_FORCE + 1].name,
                       pull[1], of_all(model));
-        return 0;
+        return false;
     }
     memset(s->u, 0, sizeof s->u);
     s->u[0] = s->hold = s->x[0];
@@ -197,7 +197,7 @@ int model_initialize(ModelInstance *model, double t, const double *values, char 
     s->left_start = s->outputs[DRIVE_LEFT_Y];
     control_outputs(model, s);
     model->state = *s;
-    return 1;
+    return true;
 }
 
 /* Take a sample: the torque from now on, and the integral at the next sample. */
@@ -242,7 +242,7 @@ static void plant_step(ModelInstance *model, State *s, double h) {
 }
 
 /* Check that the state is finite and that rope is left at the sheave. */
-static int sound(const ModelInstance *model, const State *s, char *message) {
+static bool sound(const ModelInstance *model, const State *s, char *message) {
     const double wound = model->data[DRIVE_DATA_RADIUS] * s->x[1];
     double left = s->free_lengths[0] - wound, right = s->free_lengths[1] + wound;
     for (int i = 0; i < DRIVE_STATES; i++)
@@ -252,18 +252,18 @@ static int sound(const ModelInstance *model, const State *s, char *message) {
                           "%s = %.9g N and %s = %.9g N%s",
                           s->t, MODEL_VARIABLES[DRIVE_FORCE].name, s->u[1], MODEL_VARIABLES[DRIVE_FORCE + 1].name,
                           s->u[2], of_all(model));
-            return 0;
+            return false;
         }
-    if (fmin(left, right) > DRIVE_MIN_ROPE) return 1;
+    if (fmin(left, right) > DRIVE_MIN_ROPE) return true;
     write_message(message,
                   "head rope of %.3g m left at the sheave, not above %.3g m: overwind; check trip, "
                   "gains and rope forces",
                   fmin(left, right), DRIVE_MIN_ROPE);
-    return 0;
+    return false;
 }
 
 /* Check that the ropes' forces accelerate the conveyances as a rope's ends may be. */
-static int can_follow(const ModelInstance *model, const State *s, char *message) {
+static bool can_follow(const ModelInstance *model, const State *s, char *message) {
     for (int i = 0; i < DRIVE_ACCELERATIONS; i++) {
         const int shown = DRIVE_ACCELERATION[i];
         if (fabs(s->outputs[shown]) <= DRIVE_HARDEST) continue;
@@ -273,27 +273,27 @@ static int can_follow(const ModelInstance *model, const State *s, char *message)
             "connections of the balance rope's forces",
             MODEL_VARIABLES[DRIVE_FORCE].name, s->u[1], MODEL_VARIABLES[DRIVE_FORCE + 1].name, s->u[2], of_all(model),
             MODEL_VARIABLES[DRIVE_FIRST_OUTPUT + shown].name, s->outputs[shown], DRIVE_HARDEST);
-        return 0;
+        return false;
     }
-    return 1;
+    return true;
 }
 
 /* Return 1 if a vertical force of the balance ropes differs from that of the step before. */
-static int forces_changed(const State *before, const State *now) {
+static bool forces_changed(const State *before, const State *now) {
     return before->u[1] != now->u[1] || before->u[2] != now->u[2];
 }
 
 /* Advance by h in equal steps under the torque held. */
-static int advance(ModelInstance *model, State *s, double h, char *message) {
+static bool advance(ModelInstance *model, State *s, double h, char *message) {
     const double steps = fmax(1.0, ceil(h / model->parameters[DRIVE_STEP_MAX] - 1e-9)), part = h / steps;
     for (long k = 0; k < (long)steps; k++) {
         plant_step(model, s, part);
-        if (!sound(model, s, message)) return 0;
+        if (!sound(model, s, message)) return false;
     }
-    return 1;
+    return true;
 }
 
-int model_step(ModelInstance *model, double t, double h, const double *values, int *event, char *message) {
+bool model_step(ModelInstance *model, double t, double h, const double *values, int *event, char *message) {
     (void)event; /* none */
     const double stop = t + h, period = model->parameters[DRIVE_PERIOD];
     State *s = &model->next;
@@ -304,7 +304,7 @@ int model_step(ModelInstance *model, double t, double h, const double *values, i
                       "communication step %.9g s needs %.3g internal steps of %.3g s, more than %d; "
                       "take shorter ones",
                       h, steps, model->parameters[DRIVE_STEP_MAX], DRIVE_MOST_STEPS);
-        return 0;
+        return false;
     }
     *s = model->state;
     add_up(model, s, values);
@@ -317,20 +317,20 @@ int model_step(ModelInstance *model, double t, double h, const double *values, i
         }
         if (first) {
             plant_outputs(model, s);
-            if (!can_follow(model, s, message)) return 0;
+            if (!can_follow(model, s, message)) return false;
         }
         const int last = next > h - DUE;
-        if (!advance(model, s, last ? h : next, message)) return 0;
+        if (!advance(model, s, last ? h : next, message)) return false;
         h = last ? 0.0 : h - next;
         s->t = last ? stop : s->t + next;
         plant_outputs(model, s);
     }
     control_outputs(model, s);
     model->state = *s;
-    return 1;
+    return true;
 }
 
-int model_retune(ModelInstance *model, const double *values, char *message) {
+bool model_retune(ModelInstance *model, const double *values, char *message) {
     return read_parameters(model->parameters, values, message);
 }
 
@@ -338,30 +338,30 @@ double model_time(const ModelInstance *model) {
     return model->state.t;
 }
 
-int model_output(ModelInstance *model, size_t scalar, double *value, char *message) {
+bool model_output(ModelInstance *model, size_t scalar, double *value, char *message) {
     (void)message;
     *value = model->state.outputs[scalar - DRIVE_FIRST_OUTPUT];
-    return 1;
+    return true;
 }
 
-int model_warning(ModelInstance *model, int index, char *message) {
+bool model_warning(ModelInstance *model, int index, char *message) {
     const double held = model->state.held;
     message[0] = '\0';
-    if (index) return 0;
+    if (index) return false;
     if (held > DRIVE_LONGEST_HOLD)
         write_message(
             message,
             "the rope forces, which change, are held over the communication step of %.4g s, longer than %g s: the "
             "motion depends on the step; take a shorter one",
             held, DRIVE_LONGEST_HOLD);
-    return 1;
+    return true;
 }
 
-int model_text(ModelInstance *model, size_t scalar, const char **text, char *message) {
+bool model_text(ModelInstance *model, size_t scalar, const char **text, char *message) {
     (void)message;
     *text = "";
     if (scalar == DRIVE_WARNING && model_warning(model, 0, model->warning)) *text = model->warning;
-    return 1;
+    return true;
 }
 
 void model_note(const ModelInstance *model, char *message) {
@@ -369,11 +369,11 @@ void model_note(const ModelInstance *model, char *message) {
                   model->parameters[DRIVE_STEP_MAX]);
 }
 
-int model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t count,
-                     double *sum, char *message) {
+bool model_derivative(ModelInstance *model, size_t known, double seed, const unsigned *unknown, size_t count,
+                      double *sum, char *message) {
     (void)model, (void)known, (void)seed, (void)unknown, (void)count, (void)sum;
     write_message(message, "the drive has no directional derivatives; take differences");
-    return 0;
+    return false;
 }
 
 size_t model_state_bytes(const ModelInstance *model) {
@@ -384,12 +384,12 @@ void model_save(const ModelInstance *model, void *to) {
     memcpy(to, &model->state, sizeof model->state);
 }
 
-int model_restore(ModelInstance *model, const void *from, size_t bytes, char *message) {
+bool model_restore(ModelInstance *model, const void *from, size_t bytes, char *message) {
     if (bytes != sizeof model->state) {
         write_message(message, "a state of the drive has %d bytes, not %d; save it anew", (int)sizeof model->state,
                       (int)bytes);
-        return 0;
+        return false;
     }
     memcpy(&model->state, from, sizeof model->state);
-    return 1;
+    return true;
 }

@@ -150,11 +150,9 @@ def structure_code(kind: type[Structure]) -> str:
 
 
 def _member(field: str, of: Any) -> str:
-    lengths = ""
-    while issubclass(of, ctypes.Array):
-        lengths = f"{lengths}[{of._length_}]"
-        of = of._type_
-    return f"{_NUMBERS.get(of) or _name_of(of)} {field}{lengths}"
+    lengths, entry = _entries(of)
+    array = "".join(f"[{length}]" for length in lengths)
+    return f"{_NUMBERS.get(entry) or _name_of(entry)} {field}{array}"
 
 
 def _name_of(kind: type[Structure]) -> str:
@@ -181,17 +179,23 @@ def _number_tables() -> str:
 
 def _numbers_in(kind: type[Structure], number: Any, before: str = "") -> Iterator[tuple[str, int]]:
     """Return the members of this kind of number, by their path in C, with the number of them."""
-    for field, of in kind._fields_:  # type: ignore[misc]
-        lengths = []
-        while issubclass(of, ctypes.Array):
-            lengths.append(of._length_)
-            of = of._type_
+    for field, member_type in kind._fields_:  # type: ignore[misc]
+        lengths, of = _entries(member_type)
         path = f"{before}{field}"
         if of is number:
             yield path, prod(lengths)
         elif issubclass(of, Structure):
             for index in product(*map(range, lengths)):
                 yield from _numbers_in(of, number, path + "".join(f"[{k}]" for k in index) + ".")
+
+
+def _entries(of: Any) -> tuple[list[int], Any]:
+    """Return the lengths of an array, [] for a number or structure, and the type of its entries."""
+    lengths = []
+    while issubclass(of, ctypes.Array):
+        lengths.append(of._length_)
+        of = of._type_
+    return lengths, of
 
 
 def _arrays_code() -> str:

@@ -107,7 +107,7 @@ RopeStatus rope_retune(Simulator *sim, const Scene *scene) {
     return ROPE_DONE;
 }
 
-/* Set the ends at rest, with their suspension points; return 0 with a message if they cannot rest. */
+/* Set the ends at rest, with their suspension points; fail if they cannot rest. */
 static RopeStatus hold_ends(const Scene *scene, State *state, const EndMotion ends[2], double points[2][3],
                             char *message) {
     for (int side = LEFT; side <= RIGHT; side++) {

@@ -1,6 +1,7 @@
 """The rope under all that may act on it goes on from a saved state bit by bit."""
 
-from collections.abc import Callable
+import ctypes
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -26,6 +27,7 @@ from rope_model import (
     Scene,
     balance_rope,
 )
+from rope_model.codegen.state_structures import EventStructure, StateStructure
 from rope_model.solver_parameters import FidelityChoice
 
 
@@ -138,3 +140,28 @@ def test_the_momentum_is_that_of_end_forces_weight_bodies_and_air(name: str) -> 
     case = CASES[name]
     audit = wound(balance_rope(case.scene), case.motion, case.steps, case.h).state.audit
     assert audit.missing_force < 1e-3 * audit.force
+
+
+def _real_offsets(kind: Any, start: int = 0) -> Iterator[int]:
+    """Return the offsets of all real numbers in a structure of ctypes, those of events apart."""
+    if kind is ctypes.c_double:
+        yield start
+    elif issubclass(kind, ctypes.Array):
+        for k in range(kind._length_):
+            yield from _real_offsets(kind._type_, start + k * ctypes.sizeof(kind._type_))
+    elif issubclass(kind, ctypes.Structure) and kind is not EventStructure:
+        for name, of in kind._fields_:
+            yield from _real_offsets(of, start + getattr(kind, name).offset)
+
+
+def test_a_state_is_refused_whichever_of_its_numbers_is_none() -> None:
+    case = CASES["a guard that waits"]
+    rope = wound(balance_rope(case.scene), case.motion, 2, case.h)
+    saved = rope.native_state()
+    assert rope.restore_native(saved).valid
+    not_a_number = bytes(ctypes.c_double(float("nan")))
+    offsets = list(_real_offsets(StateStructure))
+    assert len(offsets) > 300
+    for offset in offsets:
+        damaged = saved[:offset] + not_a_number + saved[offset + len(not_a_number) :]
+        assert not rope.restore_native(damaged).valid, offset

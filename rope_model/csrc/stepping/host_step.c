@@ -35,7 +35,7 @@ static void account_end(const Scene *scene, const State *before, State *state, c
     state->filters[side] = add_misfit(now, &state->paths[side], settings, &scene->rope, leg);
 }
 
-/* Set the next paths of the ends, and raise the fidelity if they need it; return 0 with a message on failure. */
+/* Set the next paths of the ends, and raise the fidelity if they need it. */
 static RopeStatus move_ends(Simulator *sim, State *state, double t, const EndMotion ends[2], double given_at) {
     const Scene *scene = &sim->scene;
     const FilterSettings settings = filter_settings(scene, scene->inputs.given);

@@ -57,7 +57,7 @@ static int64_t steps_left(int64_t newton_limit, const State *state) {
 }
 
 /* Try steps towards `stop`, halved until one converges within the tolerance, or exceeds it if the iterations left allow
-   no more steps.  Return 0 with a message if none does. */
+   no more steps.  Fail if none does. */
 static RopeStatus accepted_step(Simulator *sim, State *state, double stop, StepResult *trial, double *step_next,
                                 bool *reaches, char *message) {
     const Solver *solver = &sim->scene.solver;
