@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import re
+import sys
 import tokenize
 import tomllib
 from collections.abc import Iterator
@@ -139,7 +140,7 @@ def test_reasons_are_of_places_that_are_there() -> None:
 def test_a_default_left_in_silence_is_found(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("test_defaults.TESTS", tmp_path)
+    monkeypatch.setattr(sys.modules[__name__], "TESTS", tmp_path)
     text = 'A = Solver(tolerance=1e6)\nB = {"mesh.kind": 1}\nC = Mesh("auto")\n# as the source\nD = Mesh("eem")\n'
     path = tmp_path / "test_x.py"
     path.write_text(text, encoding="utf-8")
