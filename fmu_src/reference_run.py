@@ -13,9 +13,7 @@ from fmu_src.interface import MOTION, variables
 from fmu_src.xml import node, xml_bytes
 from rope_model.cases import RopeCase
 from rope_model.codegen.build import NoEngine
-from rope_model.engine import NativeRope
-from rope_model.interface import BalanceRope
-from rope_model.reference.rope import ReferenceRope
+from rope_model.public import balance_rope
 from rope_model.rules.end_paths import EndMotion
 
 H = 0.01  #: s, communication step
@@ -88,7 +86,7 @@ def reference_files(
 @cache
 def _run(case: RopeCase, native: bool) -> tuple[Rows, Rows]:
     """Return inputs and outputs at each instant; raises NoEngine."""
-    rope: BalanceRope = NativeRope(case.scene) if native else ReferenceRope(case.scene)
+    rope = balance_rope(case.scene, "native" if native else "reference")
     steps = STEPS if native else PYTHON_STEPS
     table = variables(case)
     start = {

@@ -1,15 +1,11 @@
 """Scripts of the examples, and code of the README, that tests run."""
 
 import re
-import shutil
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
-import pytest
 from checkout import ROOT
-from exports import FLAVOURS
 
 EXAMPLES = ROOT / "examples"
 
@@ -33,14 +29,3 @@ def readme_code(section: str, folder: Path) -> Path:
     script = folder / "readme_code.py"
     script.write_text(code[1], encoding="utf-8")
     return script
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], Path]) -> Path:
-    """A folder with the FMU where the documents have it."""
-    if "native-2" not in FLAVOURS:
-        pytest.skip("needs a C compiler")
-    folder = tmp_path_factory.mktemp("examples")
-    (folder / "build").mkdir()
-    shutil.copyfile(fmu_of("native-2"), folder / FMU)
-    return folder

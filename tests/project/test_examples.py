@@ -1,15 +1,29 @@
 """The scripts in examples/ and README's code run as they stand; what each shows is checked by a number."""
 
 import re
+import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import pandas as pd
 import pytest
 from checkout import ROOT
 from documents import EXAMPLES, FMU, README, lines_of, readme_code
+from exports import FLAVOURS
 from numpy.testing import assert_allclose
 
 from rope_model.compiler import find_compiler
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory, fmu_of: Callable[[str], Path]) -> Path:
+    """A folder with the FMU where the documents have it."""
+    if "native-2" not in FLAVOURS:
+        pytest.skip("needs a C compiler")
+    folder = tmp_path_factory.mktemp("examples")
+    (folder / "build").mkdir()
+    shutil.copyfile(fmu_of("native-2"), folder / FMU)
+    return folder
 
 
 def summary(lines: list[str]) -> dict[str, float]:
