@@ -59,6 +59,7 @@ from rope_model.rules.input_filter import InputFilter, filter_sample
 from rope_model.shaft_parameters import FAR, PARTS
 from rope_model.solver_parameters import Solver
 
+AIR_NUMBERS = air_element.COEFFICIENTS_SIZE
 #: C function -> formula.  An untyped parameter is a number, an array of numbers, or the structure
 #: of its name.  The last parameter of a void function receives the results
 FORMULAS: dict[str, Callable[..., Any]] = {
@@ -121,7 +122,7 @@ FORMULAS: dict[str, Callable[..., Any]] = {
     "void point_load(point[3], force[3], load[6])": point_forces.point_load,
     "largest_motion(longest, q[6], before[6])": contact.largest_motion,
     "correction_motion(corrections, longest, shortest)": contact.correction_motion,
-    "void air_coefficients(air, diameter, spacing, coefficients[9])": air.air_coefficients,
+    f"void air_coefficients(air, diameter, spacing, numbers[{AIR_NUMBERS}])": air.air_coefficients,
     "wire_stiffness(rope)": wire_friction.wire_stiffness,
     "slip_curvature(rope, stiffness, e, tau)": wire_friction.slip_curvature,
     "void section_at(xi, l, nodes[14], section[7])": wire_friction.section_at,
@@ -275,6 +276,8 @@ CONSTANTS: dict[str, float | tuple[Any, ...]] = {
     for name in names.split()
 } | {
     "PARAMETERS": len(element.PARAMETERS),
+    "AIR_COEFFICIENTS": AIR_NUMBERS,
+    "AIR_SIZE": air_element.AIR_SIZE,
     "BALANCE": element.BALANCE.index("damping_power"),
     "MOMENTUM": len(element.MOMENTUM),
     "STRAINS": len(element.STRAINS),

@@ -10,8 +10,6 @@
 #include "formulas.h"
 #include "rope.h"
 
-enum { AIR_COEFFICIENTS = 9, AIR_SIZE = AIR_COEFFICIENTS + 2 * 4 };
-
 /* A rope at one instant.  Inner nodes are free and without loads. */
 typedef struct {
     int elements;

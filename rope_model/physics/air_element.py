@@ -25,8 +25,8 @@ from rope_model.physics.element import (
 )
 from rope_model.physics.elementary import Scalar, Vector, cross, dot
 
-#: number of entries of AirCoefficients; AIR_SIZE includes both conveyances
-COEFFICIENTS_SIZE = 9
+#: numbers of AirCoefficients, whose velocity has three; AIR_SIZE includes both conveyances
+COEFFICIENTS_SIZE = len(AirCoefficients._fields) + 2
 AIR_SIZE = COEFFICIENTS_SIZE + 2 * 4
 #: entries of the balance behind element.BALANCE
 AIR_BALANCE = (
