@@ -22,7 +22,7 @@ help:  ## list the targets
 demo: $(READY)  ## export both flavours, wind a hoist with the native FMU, compare the Python FMU with it
 	$(BIN)/balance-rope export --python --native --outputs all --platform host
 	$(BIN)/balance-rope wind --fmu $(FMU_NATIVE) --out out/demo
-	$(BIN)/python -m benchmarks.flavours $(FMU_PYTHON) $(FMU_NATIVE)
+	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.flavours $(FMU_PYTHON) $(FMU_NATIVE)
 
 test: $(READY)  ## run the tests, on all cores
 	$(PYTEST)
