@@ -29,7 +29,8 @@ FmuOf = Callable[[str], Path]
 
 def wound(fmu: Path, stop_at: float = 1.0, **options: Any) -> Result:
     """A trip of 20 cm that reads every output, the added masses too; each exchange goes back to a saved state."""
-    scene, trip = find_case("rope-120"), Winding(travel=0.2, settle=0.0, start_delay=0.0)
+    scene = find_case("rope-120")
+    trip = Winding(travel=0.2, settle=0.0, start_delay=0.0)
     rope = FmuRope(fmu, scene.rope, read_outputs(fmu))
     host = Host(rope, scene.hoist, trip, Coupling(scheme="iterative-jacobian"), scene.gains)
     try:
@@ -80,7 +81,8 @@ def test_a_run_that_was_stopped_goes_on_with_the_same_bits(kind, fmu_of, whole, 
 def test_parameters_and_outputs_have_the_names_units_starts_and_bounds_of_fmi_2(
     kind: str, fmu_of: FmuOf
 ) -> None:
-    ours, theirs = read_parameters(fmu_of(kind)), read_parameters(fmu_of("native-2"))
+    ours = read_parameters(fmu_of(kind))
+    theirs = read_parameters(fmu_of("native-2"))
     assert list(ours) == list(theirs)
     for name, parameter in theirs.items():
         assert ours[name] == parameter

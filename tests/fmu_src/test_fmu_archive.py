@@ -45,7 +45,8 @@ class Archive:
     """An FMU and its model description; variables alike for FMI 2 and 3."""
 
     def __init__(self, kind: str, path: Path) -> None:
-        self.kind, self.path = kind.removesuffix(" everywhere"), path
+        self.kind = kind.removesuffix(" everywhere")
+        self.path = path
         self.everywhere = kind in ARCHIVES_EVERYWHERE
         with zipfile.ZipFile(path) as archive:
             self.entries = archive.infolist()
@@ -219,7 +220,8 @@ def test_outputs_are_those_of_the_profile(fmu: Archive) -> None:
     if fmu.kind.startswith("drive"):
         pytest.skip("the drive has one profile")
     groups = {group_of(v["name"]) for v in fmu.variables if v["causality"] == "output"}
-    lean, least = {*DEFAULT}, {*ALWAYS}
+    lean = {*DEFAULT}
+    least = {*ALWAYS}
     shown = {"python-lean": lean, "native-2-lean": lean, "native-3-least": least}
     computed = {*ALL} if fmu.native else {*map(group_of, NAMES), "status"}
     assert groups == shown.get(fmu.kind, {*ALL}) & computed

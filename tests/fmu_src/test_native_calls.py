@@ -24,8 +24,10 @@ def test_a_read_that_fails_is_said_once(host: Host) -> None:
     outputs = [
         v.valueReference for v in host.variables.values() if v.name.startswith(("left.f", "loop."))
     ]
-    number, before = len(outputs), len(host.said)
-    one, more = ctypes.c_size_t(number), () if host.fmi == 2 else (ctypes.c_size_t(number),)
+    number = len(outputs)
+    before = len(host.said)
+    one = ctypes.c_size_t(number)
+    more = () if host.fmi == 2 else (ctypes.c_size_t(number),)
     arrays = (ctypes.c_uint * number)(*outputs), one, (ctypes.c_double * number)()
     assert host.call("GetReal" if host.fmi == 2 else "GetFloat64", *arrays, *more) == ERROR
     assert len(host.said) == before + 1
@@ -68,8 +70,10 @@ def lower(host: Host) -> None:
 
 def test_null_pointers_are_errors(host: Host) -> None:
     host.start()
-    one, nothing = ctypes.c_size_t(1), ctypes.c_void_p()
-    reference, value = (ctypes.c_uint * 1)(0), (ctypes.c_double * 1)()
+    one = ctypes.c_size_t(1)
+    nothing = ctypes.c_void_p()
+    reference = (ctypes.c_uint * 1)(0)
+    value = (ctypes.c_double * 1)()
     state = "state" if host.fmi == 2 else "State"
     get, put = ("GetReal", "SetReal") if host.fmi == 2 else ("GetFloat64", "SetFloat64")
     more = () if host.fmi == 2 else (one,)
@@ -93,7 +97,8 @@ def test_null_pointers_are_errors(host: Host) -> None:
         assert host.call(*call) == 3, call[0]
         assert "pointer is NULL" in host.said[-1], call[0]
     assert host.step(0.0) == ""
-    host.instance, kept = None, host.instance
+    kept = host.instance
+    host.instance = None
     for call in (*calls, ("Reset",), ("Terminate",), ("EnterInitializationMode",)):
         if call[0] != "EnterInitializationMode" or host.fmi == 2:
             assert host.call(*call) == 3
@@ -107,7 +112,8 @@ def test_an_end_after_a_failure_leaves_its_message_the_last(host: Host, when: st
     if when == "stepping":
         host.call("ExitInitializationMode")
     assert host.put("left.y", math.nan) == ERROR
-    said, status = [*host.log], host.get("status.message")
+    said = [*host.log]
+    status = host.get("status.message")
     host.call("Terminate")
     assert host.log == said
     assert "left.y = nan is not finite" in said[-1][1]
@@ -119,7 +125,8 @@ def test_a_state_that_is_none_is_refused_and_not_followed(host: Host) -> None:
     state = "state" if host.fmi == 2 else "State"
     # what a tool hands in by mistake: zeros, the address of an empty pointer, a state that was freed before
     mistakes = [ctypes.create_string_buffer(4096), ctypes.create_string_buffer(b"\1" * 4096)]
-    size, data = ctypes.c_size_t(), ctypes.create_string_buffer(16)
+    size = ctypes.c_size_t()
+    data = ctypes.create_string_buffer(16)
     for mistake in mistakes:
         pointer = ctypes.c_void_p(ctypes.addressof(mistake))
         calls: list[tuple[Any, ...]] = [
@@ -333,7 +340,8 @@ def test_messages_have_a_decimal_point_in_every_locale_and_names_whole_character
     names: list[bytes] = []
     heard = fmi2CallbackLoggerTYPE(lambda _, name, *told: names.append(name))
     callbacks = fmi2CallbackFunctions()
-    callbacks.logger, callbacks.allocateMemory = heard, defaultCallbacks.allocateMemory
+    callbacks.logger = heard
+    callbacks.allocateMemory = defaultCallbacks.allocateMemory
     callbacks.freeMemory = defaultCallbacks.freeMemory
     token = host.description.guid.encode()
     instance = host.dll.fmi2Instantiate(

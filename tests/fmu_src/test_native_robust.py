@@ -90,7 +90,8 @@ def test_eight_threads_step_eight_instances_as_one_alone(unpacked: Callable[[str
     assert all(record == alone for record in records)
 
 
-THREADS, STEPS = 16, 10
+THREADS = 16
+STEPS = 10
 OUTPUTS = ("left.fy", "right.mx", "loop.y", "energy.kinetic")
 
 
@@ -148,11 +149,9 @@ def run_threads(
 def test_many_threads_have_the_bits_of_one(
     flavour: str, count: int, runs: int, fmu_of: Any, tmp_path: Path
 ) -> None:
-    program, fmu, text = (
-        tmp_path / "threads",
-        fmu_of(flavour),
-        NATIVE / "threads.c",
-    )
+    program = tmp_path / "threads"
+    fmu = fmu_of(flavour)
+    text = NATIVE / "threads.c"
     command = [
         "cc",
         "-std=gnu99",
@@ -177,7 +176,8 @@ def test_nothing_is_taken_from_the_host_after_initialisation(
     unpacked: Callable[[str], Fmu],
 ) -> None:
     c = ctypes.CDLL(None)
-    c.calloc.restype, c.free.argtypes = ctypes.c_void_p, (ctypes.c_void_p,)
+    c.calloc.restype = ctypes.c_void_p
+    c.free.argtypes = (ctypes.c_void_p,)
     held: list[int] = []
     taken: list[int] = []
 
@@ -191,7 +191,8 @@ def test_nothing_is_taken_from_the_host_after_initialisation(
         c.free(address)
 
     memory = fmi2CallbackAllocateMemoryTYPE(take), fmi2CallbackFreeMemoryTYPE(give_back)
-    rope, state = Host(*unpacked("native-2"), memory=memory), ctypes.c_void_p()
+    rope = Host(*unpacked("native-2"), memory=memory)
+    state = ctypes.c_void_p()
     assert rope.hang({"right.y": 0.0, "inputs_at_step_end": 1}) == OK
     before = len(taken)
     assert before <= 5  # instance, component, model, simulator, and its arrays in one piece
@@ -351,7 +352,8 @@ class Calls(RuleBasedStateMachine):
         for place, new in places:
             at = place % len(data)
             data[at : at + len(new)] = new[: len(data) - at]
-        bad, state = bytes(data[:end]), ctypes.c_void_p()
+        bad = bytes(data[:end])
+        state = ctypes.c_void_p()
         if self.ropes[i].read(reseal(bad) if sealed else bad, state) == OK:
             self.ropes[i].restore(state)
             self.ropes[i].forget(state)
@@ -437,7 +439,8 @@ def test_start_times_that_leave_no_room_for_steps_are_refused(fmu: Fmu, start: f
 
 def test_a_run_that_starts_late_goes_on_though_time_is_coarse(fmu: Fmu) -> None:
     """At 2e9 s neighbouring numbers are further apart than the width to which instants are sought."""
-    rope, late = Host(*fmu), 2e9
+    rope = Host(*fmu)
+    late = 2e9
     assert rope.hang({"right.y": 0.0, "inputs_at_step_end": 1}, late) == OK
     for k in range(40):
         assert rope.move(0.02 * k, 0.02, 3.0, since=late) == OK
@@ -451,14 +454,16 @@ def test_a_run_that_starts_late_goes_on_though_time_is_coarse(fmu: Fmu) -> None:
 )
 def test_hostile_states_are_refused_or_step_without_harm(fmu: Fmu, kind: int, stride: int) -> None:
     """Each word of a state in turn becomes a hostile number, and the checksum fits."""
-    rope, state = Host(*fmu), ctypes.c_void_p()
+    rope = Host(*fmu)
+    state = ctypes.c_void_p()
     assert (
         rope.hang(SMALL | {"mesh.kind": kind, "left.swivel.mode": 2, "rope.installed_twist": 1.0})
         == OK
     )
     assert [rope.move(0.02 * k, 0.02) for k in range(5)] == [OK] * 5
     assert rope.save(state) == OK
-    data, good = rope.write(state), ctypes.c_void_p(state.value)
+    data = rope.write(state)
+    good = ctypes.c_void_p(state.value)
     words = [struct.pack("<d", x) for x in (math.nan, math.inf, -1e300, 1e-300, 1e300)]
     words += [
         struct.pack("<ii", 2**31 - 1, -1),

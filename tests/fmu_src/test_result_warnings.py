@@ -99,7 +99,8 @@ def outcomes(kind: str, path: Path, folder: str) -> dict[str, Any]:
     out = {}
     for name in RUNS if FLAVOURS[kind].native else BRIEF:
         parameters, steps = RUNS[name]
-        host, t = Host(path, folder), 0.0
+        host = Host(path, folder)
+        t = 0.0
         host.start(**parameters)
         for h in steps:
             assert host.step(t, h) == ""
@@ -176,7 +177,8 @@ def test_torsional_stress_is_0_like_the_torque_where_no_torsion_is_computed(
     for fidelity in ("spatial", "planar", "rigid"):
         assert f"the {fidelity} model computes no" in results[fidelity]["status.warning"]
         assert [results[fidelity][key] for key in keys] == [0.0, 0.0]
-    rope, half_circle = Rope(), 0.5 * Layout().spacing
+    rope = Rope()
+    half_circle = 0.5 * Layout().spacing
     stress = 32 * rope.EI / (math.pi * rope.diameter**3 * half_circle)
     assert results["rigid"]["stress.bending_max"] == pytest.approx(stress, rel=1e-4)
     assert min(abs(results["plain"][key]) for key in keys) > 1.0
@@ -197,8 +199,10 @@ def test_a_loop_that_turns_with_its_ends_is_not_called_yawed() -> None:
     turn = 3.0  # rad, of both suspension points about their middle, and of the conveyances
     scene = rope_120().scene
     rope = balance_rope(scene.with_(rope=replace(scene.rope, installed_twist=1.0)))
-    x, z = 1.0 - math.cos(turn), math.sin(turn)
-    left, right = EndMotion(x=x, y=0.0, z=z, yaw=turn), EndMotion(x=-x, y=90.0, z=-z, yaw=turn)
+    x = 1.0 - math.cos(turn)
+    z = math.sin(turn)
+    left = EndMotion(x=x, y=0.0, z=z, yaw=turn)
+    right = EndMotion(x=-x, y=90.0, z=-z, yaw=turn)
     assert hung(rope, left, right).state.loop_yaw > math.pi
     assert rope.warnings() == {}
 
@@ -237,10 +241,8 @@ def altered_states(state: RopeState, chance: random.Random) -> Iterator[RopeStat
             period_fraction=chance.choice((0.0, chance.uniform(0.2, 0.5))),
             bend=chance.choice((0.0, chance.uniform(0.3, 4.5))),
         )
-        number, overlap = (
-            float(chance.choice((0, 0, 1, 3))),
-            chance.choice((0.0, chance.uniform(0.0, 0.1))),
-        )
+        number = float(chance.choice((0, 0, 1, 3)))
+        overlap = chance.choice((0.0, chance.uniform(0.0, 0.1)))
         yield state._replace(
             audit=audit,
             crossing=Crossing(
@@ -266,7 +268,8 @@ def test_both_forms_warn_of_the_same_in_the_same_words(name: str) -> None:
     }
     scene = rope_120().scene.with_(rope=ROPES[name], **parts)
     rope = hung(NativeRope(scene), *AT_90_M)
-    seen, yawed = set(), set()
+    seen = set()
+    yawed = set()
     for state in islice(altered_states(rope.state, random.Random(name)), 200):
         rope.restore(state)
         told = {subject: text for subject, warn in WARNINGS.items() if (text := warn(scene, state))}
@@ -309,16 +312,15 @@ def test_forces_of_extrapolated_motions_are_off_as_is_said(
         assert np.abs(errors).max() == pytest.approx(part * largest, rel=0.05)
         # twice the mass of a leg of 105 m times what the path misses of the acceleration, by test_masters; longer steps
         # fall in with the rope's axial swings
-        jerk, mass = (
-            trip.jerk if stop is None else trip.emergency_jerk,
-            rope_120().scene.rope.mass_per_length * 105.0,
-        )
+        jerk = trip.jerk if stop is None else trip.emergency_jerk
+        mass = rope_120().scene.rope.mass_per_length * 105.0
         assert h > MAX_EXTRAPOLATION or np.abs(errors).max() < 2 * 2.94 * jerk * h * mass
 
 
 def end_forces(trip: Winding, h: float, extrapolated: bool) -> np.ndarray:
     """(steps, 2), N: vertical end forces of the 120 m rope after each step ``h`` of the first 14 s of a winding."""
-    rope, motion = NativeRope(rope_120().scene), partial(ends_at, s_curve(trip), trip.travel)
+    rope = NativeRope(rope_120().scene)
+    motion = partial(ends_at, s_curve(trip), trip.travel)
     return recorded(
         rope, motion, round(14.0 / h), ["left.fy", "right.fy"], h, late=int(extrapolated)
     )

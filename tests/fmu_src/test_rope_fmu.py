@@ -162,7 +162,8 @@ def test_states_go_on_to_the_bit_after_half_steps_and_in_another_process(
     """Over transformations and swivel events; there in an instance not yet initialised, of other parameters."""
     host.start(**EVEN, **{"rope.installed_twist": 2.0}, **SWIVELS)
     run(host, 0, 20)
-    state, saved = host.state(), tmp_path / "state"
+    state = host.state()
+    saved = tmp_path / "state"
     saved.write_bytes(host.write(state))
     before = host.get("count.swivel_events")[0]
     here = run(host, 20, LAST)

@@ -82,7 +82,8 @@ def save_and_restore(rope: Host) -> int:
 
 
 def write_and_read(rope: Host) -> int:
-    state, read = ctypes.c_void_p(), ctypes.c_void_p()
+    state = ctypes.c_void_p()
+    read = ctypes.c_void_p()
     return rope.save(state) or rope.read(rope.write(state), read) or rope.restore(read)
 
 
@@ -191,7 +192,8 @@ def test_each_call_returns_what_the_table_says(
 ) -> None:
     rope = bring_to(fmu, state)
     calls = {name: call for name, call in TABLE.items() if rope.fmi in call.versions}
-    before, found = rope.state(), {}
+    before = rope.state()
+    found = {}
     for name, call in calls.items():
         found[name] = _LETTERS[call.make(rope)]
         # a state of before the first step does not lead back from a failure

@@ -32,9 +32,11 @@ from rope_model.compiler import find_compiler
 from rope_model.engine import NativeRope
 from rope_model.reference.rope import ReferenceRope
 
-H, TRAVEL = 0.01, 90.0
+H = 0.01
+TRAVEL = 90.0
 REFERENCE = s_curve(Winding(travel=TRAVEL, start_delay=0.0))
-PART, WINDING = 350, round((REFERENCE.duration + 1.0) / H)  # steps; two transformations in the part
+PART = 350  # steps, with two transformations
+WINDING = round((REFERENCE.duration + 1.0) / H)
 FORCES = [
     f"{side}.{key}" for side in ("left", "right") for key in ("fx", "fy", "fz", "mx", "my", "mz")
 ]
@@ -96,10 +98,8 @@ def test_forces_in_fmpy_are_those_of_the_rope_in_process(
     result = fmpy.simulate_fmu(
         str(fmu), start_values=start, input=signals, output=FORCES, **times_of
     )
-    found, expected = (
-        np.array([list(row)[1:] for row in result[1:]]),
-        in_process(flavour.native, steps),
-    )
+    found = np.array([list(row)[1:] for row in result[1:]])
+    expected = in_process(flavour.native, steps)
     largest = np.maximum(np.abs(expected).max(axis=0), 1.0)
     allowed = flavour.tolerance * largest
     if flavour.native:
@@ -126,7 +126,8 @@ def test_fmpy_meets_the_reference_experiment_inside(
 ) -> None:
     with zipfile.ZipFile(exported[1]) as archive:
         archive.extractall(tmp_path)
-    folder, schemas = tmp_path / "extra" / LAYER, Path(fmpy.__file__).with_name("schema") / "fmi3"
+    folder = tmp_path / "extra" / LAYER
+    schemas = Path(fmpy.__file__).with_name("schema") / "fmi3"
     manifest = etree.parse(folder / "fmi-ls-manifest.xml")
     etree.XMLSchema(
         etree.XML(MANIFEST.format(schemas / "fmi3LayeredStandardManifest.xsd"))
@@ -180,12 +181,15 @@ EVENTS = {
     "guard.torque": 0.5,
     "guard.torque_delay": 0.08,
 }
-STEP, SIDES = 0.05, ("left", "right")
+STEP = 0.05
+SIDES = ("left", "right")
 STARTS = [STEP * k for k in range(10)]
 
 
 def falling(t: float) -> dict[str, float]:
-    y, vy, ay = -t * t - 0.05 * t**3, -2.0 * t - 0.15 * t * t, -2.0 - 0.3 * t
+    y = -t * t - 0.05 * t**3
+    vy = -2.0 * t - 0.15 * t * t
+    ay = -2.0 - 0.3 * t
     return dict(zip(INPUTS, (y, vy, ay, 90.0 + y, vy, ay), strict=True))
 
 
@@ -196,11 +200,9 @@ def test_event_mode_returns_at_each_event_and_takes_motions_that_are_held_throug
     """Release, slips and sticks of a swivel, a guard's trip, a strike; over steps that are long beside them."""
 
     def run(events: bool, given: int = 0) -> tuple[list[float], list[float]]:
-        rope, returned, answers = (
-            Host(*unpacked("native-3"), events=events),
-            list[float](),
-            [ctypes.c_bool()] * 5,
-        )
+        rope = Host(*unpacked("native-3"), events=events)
+        returned = list[float]()
+        answers = [ctypes.c_bool()] * 5
         rope.start(**EVENTS | {"inputs.given": given})
         for t in STARTS:
             assert rope.give(falling(t)) == rope.do_step(t, STEP) == OK, rope.said
@@ -243,7 +245,8 @@ def test_event_mode_returns_at_each_event_and_takes_motions_that_are_held_throug
         assert rope.advance_to(t + STEP, left, right, t).valid
         happened |= {event.t for event in rope.state.events if event.what.startswith(SIDES)}
     happened |= {rope.state.guard.time, *(near.touched_at for near in rope.state.nearest)} - {0.0}
-    (none, plain), (times, early) = run(events=False), run(events=True)
+    none, plain = run(events=False)
+    times, early = run(events=True)
     assert none == []
     assert_allclose(times, sorted(happened), rtol=0, atol=1e-4)
     assert plain[0] == early[0] == 0
@@ -271,7 +274,8 @@ def simulate_without_python(flavour: Flavour, fmu: Path, folder: Path) -> int:
     program = folder / "ecos"
     shutil.copy(Path(str(packaged.origin)).parent / "binaries" / "ecos", program)
     program.chmod(0o755)
-    where, libraries = environment(), freed_blocks(folder)
+    where = environment()
+    libraries = freed_blocks(folder)
     if not flavour.native:
         # of several on this machine, the one that the packages are for
         library = ctypes.util.find_library(
@@ -315,10 +319,8 @@ def freed_blocks(folder: Path) -> list[str]:
     """A library to preload that makes any use of freed C++ memory fatal, where it can be compiled."""
     if (compiler := find_compiler()) is None:
         return []
-    source, library = (
-        NATIVE / "freed_blocks.c",
-        folder / "freed_blocks.so",
-    )
+    source = NATIVE / "freed_blocks.c"
+    library = folder / "freed_blocks.so"
     command = [*compiler, "-std=c99", "-O1", "-fPIC", "-shared", str(source), "-o", str(library)]
     subprocess.run(command, check=True, capture_output=True)
     return [str(library)]

@@ -29,7 +29,8 @@ from rope_model import Level
 
 pytestmark = pytest.mark.skipif("native-3" not in FLAVOURS, reason="needs a C compiler")
 
-COUPLING, GAINS = Coupling(step=0.02, sample=0.01), Gains()
+COUPLING = Coupling(step=0.02, sample=0.01)
+GAINS = Gains()
 TRIP = Winding(travel=6.0, speed=4.0, start_delay=0.2, settle=0.8)
 
 
@@ -139,7 +140,8 @@ def test_a_trip_that_fails_does_so_with_the_words_of_python(
         wound.gains = Gains(
             speed=2e4, integral_time=0.2, position=3.0, feed_forward=0.0
         )  # overshoots
-    failed, told = wound.run(), wound.run(python=True)
+    failed = wound.run()
+    told = wound.run(python=True)
     assert part in failed.cause.split(":")[0 if part == "rope" else 1]
     assert_alike(failed, told)
     assert failed.checkpoint is not None

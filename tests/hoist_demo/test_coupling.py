@@ -78,7 +78,9 @@ class Data:
 
     def exact(self, t: float) -> np.ndarray:
         """(y, v, x, w) at t from rest at zero."""
-        M, k, c = self.m + self.m_e, self.k_2, self.c_2
+        M = self.m + self.m_e
+        k = self.k_2
+        c = self.c_2
         A = np.zeros((5, 5))
         A[0, 1] = A[2, 3] = 1.0
         A[1] = np.array([-(self.k + k), -c, k, c, self.f]) / M
@@ -95,9 +97,11 @@ class Data:
 
 def driven(A: np.ndarray, b: np.ndarray, x: np.ndarray, h: float, c: np.ndarray) -> np.ndarray:
     """x(h) of x' = A x + b u with u = sum c_i (t / h)^i: exact, by a chain of integrators."""
-    n, p = len(x), len(c)
+    n = len(x)
+    p = len(c)
     whole = np.zeros((n + p, n + p))
-    whole[:n, :n], whole[:n, n] = A, b
+    whole[:n, :n] = A
+    whole[:n, n] = b
     whole[n + np.arange(p - 1), n + 1 + np.arange(p - 1)] = 1.0
     start = [ci * math.factorial(i) / h**i for i, ci in enumerate(c)]
     return (exponential(whole * h) @ np.concatenate((x, start)))[:n]
@@ -107,10 +111,12 @@ class Drive:
     """The left half; state (y, v). The right end of the interface rests, and no force acts there."""
 
     def __init__(self, data: Data, state: np.ndarray) -> None:
-        self.data, self.state = data, state
+        self.data = data
+        self.state = state
 
     def step(self, t: float, h: float, load: Load) -> Status:
-        d, mass = self.data, self.data.m + float(load.added_mass[0])
+        d = self.data
+        mass = self.data.m + float(load.added_mass[0])
         c = np.array([load.start[0] + d.f, load.linear[0], load.quadratic[0]])
         self.state = driven(
             np.array([[0.0, 1.0], [-d.k / mass, 0.0]]),
@@ -125,7 +131,8 @@ class Drive:
         return both(self.state[0])
 
     def motion(self, load: Load, s: float) -> InterfaceMotion:
-        d, (y, v) = self.data, self.state
+        d = self.data
+        y, v = self.state
         force = load.start[0] + s * (load.linear[0] + s * load.quadratic[0])
         return InterfaceMotion(
             both(y), both(v), both((d.f - d.k * y + force) / (d.m + load.added_mass[0]))
@@ -141,7 +148,8 @@ class Drive:
 
     def work(self) -> float:
         """Work of F: the energy less the work of f."""
-        d, (y, v) = self.data, self.state
+        d = self.data
+        y, v = self.state
         return float(d.m * v * v / 2 + d.k * y * y / 2 - d.f * y)
 
     def save(self) -> np.ndarray:
@@ -157,23 +165,28 @@ class Follower:
     def __init__(
         self, data: Data, state: np.ndarray, end: np.ndarray, mean: float, h: float
     ) -> None:
-        self.data, self.state, self.end, self.mean, self.h = data, state, end, mean, h
+        self.data = data
+        self.state = state
+        self.end = end
+        self.mean = mean
+        self.h = h
 
     def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
-        d, (y0, v0, a0), before = self.data, self.end, self.state
+        d = self.data
+        y0, v0, a0 = self.end
+        before = self.state
         new = np.array([left.y, left.vy, left.ay])
-        dx, dv, da = (
-            new[0] - y0 - h * v0 - h * h * a0 / 2,
-            h * (new[1] - v0 - h * a0),
-            h * h * (new[2] - a0),
-        )
+        dx = new[0] - y0 - h * v0 - h * h * a0 / 2
+        dv = h * (new[1] - v0 - h * a0)
+        da = h * h * (new[2] - a0)
         c = np.array([10 * dx - 4 * dv + da / 2, -15 * dx + 7 * dv - da, 6 * dx - 3 * dv + da / 2])
         c = np.concatenate(([y0, h * v0, h * h * a0 / 2], c))
         A = np.array([[0.0, 1.0], [-d.k_2 / d.m_2, -d.c_2 / d.m_2]])
         force = d.k_2 * c + d.c_2 * np.append(np.arange(1, 6) * c[1:], 0.0) / h
         self.state = driven(A, np.array([0.0, 1.0 / d.m_2]), before, h, force)
         self.mean = -(d.m_e * (new[1] - v0) + d.m_2 * float(self.state[1] - before[1])) / h
-        self.end, self.h = new, h
+        self.end = new
+        self.h = h
         return Status(True)
 
     def reader(self, names: Sequence[str]) -> Reader:
@@ -185,7 +198,9 @@ class Follower:
         return lambda: np.array([signals[name]() if name in signals else 0.0 for name in names])
 
     def force(self) -> float:
-        d, (x, w), (y, v, a) = self.data, self.state, self.end
+        d = self.data
+        x, w = self.state
+        y, v, a = self.end
         return -d.m_e * a - d.k_2 * (y - x) - d.c_2 * (v - w)
 
     def added_mass(self) -> float:
@@ -205,7 +220,9 @@ def start(data: Data, t: float, H: float) -> tuple[CoupledSystem, SchemeState]:
     """Both halves on the exact solution at t, with exact samples of the two steps before."""
     samples = []
     for past in (t - 2 * H, t - H, t):
-        (_, v, _, w), before, (force, a) = data.exact(past), data.exact(past - H), data.forces(past)
+        _, v, _, w = data.exact(past)
+        before = data.exact(past - H)
+        force, a = data.forces(past)
         impulse = data.m_e * (v - before[1]) + data.m_2 * (w - before[3])
         samples.append(Sample(past, both(force), both(-impulse / H), both(a)))
     y, v, x, w = data.exact(t)
@@ -215,8 +232,10 @@ def start(data: Data, t: float, H: float) -> tuple[CoupledSystem, SchemeState]:
 
 def error(scheme: Scheme, H: float, data: Data | None = None) -> float:
     """RMS error of the force over its largest, from 0.5 to 2.5 s, at the communication points."""
-    data, begin = data or Data(), 0.5
-    (coupled, scheme_state), found = start(data, begin, H), []
+    data = data or Data()
+    begin = 0.5
+    coupled, scheme_state = start(data, begin, H)
+    found = []
     times = begin + H * np.arange(round(2.0 / H))
     for t in times:
         advance = scheme.advance(coupled, scheme_state, float(t), H)
@@ -287,8 +306,11 @@ def test_extrapolation_reproduces_polynomials_of_its_order_on_uneven_samples(deg
 @pytest.mark.parametrize(("inner", "bound"), [(ImpulsePreserving(), 1.0), (GaussSeidel(1), 0.05)])
 def test_energy_control_keeps_the_residual_below_its_bound(inner: Scheme, bound: float) -> None:
     H = 0.04
-    (free, free_memory), (coupled, scheme_state) = start(Data(), 0.5, H), start(Data(), 0.5, H)
-    scheme, worst, uncontrolled = EnergyControlled(inner, bound), 0.0, 0.0
+    free, free_memory = start(Data(), 0.5, H)
+    coupled, scheme_state = start(Data(), 0.5, H)
+    scheme = EnergyControlled(inner, bound)
+    worst = 0.0
+    uncontrolled = 0.0
     for k in range(25):
         advance = scheme.advance(coupled, scheme_state, 0.5 + k * H, H)
         assert advance.status.valid
@@ -375,7 +397,8 @@ def test_a_choice_that_will_be_unstable_is_warned_of_with_the_number(
 @pytest.mark.parametrize("case", BUILTIN_HOISTS)
 @pytest.mark.parametrize("H", [0.005, 0.01, 0.02])
 def test_the_default_is_expected_to_be_stable_on_every_case(case: str, H: float) -> None:
-    scene, plant = find_case(case), rope_in_process(case, level="draft")
+    scene = find_case(case)
+    plant = rope_in_process(case, level="draft")
     host = Host(plant, scene.hoist, scene.winding, Coupling(step=H), scene.gains)
     assert host.run(lambda fraction, t: False).warning == ""
     assert host.stability is not None
@@ -387,12 +410,10 @@ def test_a_failure_saves_the_last_good_state_and_the_run_resumes_to_the_same_bit
     way, tmp_path, monkeypatch
 ):
     monkeypatch.setattr("hoist_demo.cosimulation.host.SAVE_INTERVAL", 0.03)
-    whole, step, reader, at = (
-        wind("gauss-seidel-1"),
-        InProcessRope.step,
-        InProcessRope.reader,
-        0.555,
-    )
+    whole = wind("gauss-seidel-1")
+    step = InProcessRope.step
+    reader = InProcessRope.reader
+    at = 0.555
 
     def faulty_step(
         self: InProcessRope, t: float, h: float, left: EndMotion, right: EndMotion

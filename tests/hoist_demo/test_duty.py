@@ -82,7 +82,8 @@ def test_a_trip_begins_with_what_the_one_before_has_left(trips_at_rest: Duty) ->
     assert (
         trips_at_rest[2].whole.warnings() == {}
     )  # payloads that change are no coarse table of positions
-    before, after = first.result.recording, second.result.recording
+    before = first.result.recording
+    after = second.result.recording
     assert after.time[0] == before.time[-1]
     for name in (
         "loop.yaw",
@@ -133,7 +134,8 @@ def test_a_dwell_ends_with_the_payload_of_the_next_trip(tmp_path: Path) -> None:
     dwell = round(60.0 / 0.02)
     for tension, change in zip(tensions, (-5000.0, 5000.0), strict=True):
         # the second before loading begins, and the last: the swing of either is averaged out to a thousandth
-        before, after = tension[-dwell + 700 : -dwell + 750].mean(), tension[-50:].mean()
+        before = tension[-dwell + 700 : -dwell + 750].mean()
+        after = tension[-50:].mean()
         assert after - before == pytest.approx(change * GRAVITY, rel=2e-3)
 
 
@@ -150,7 +152,8 @@ def test_trips_from_rest_miss_what_builds_up(trips_at_rest: Duty) -> None:
 
 def test_a_duty_goes_on_from_its_file_with_the_same_bits(tmp_path: Path) -> None:
     schedule = schedule_of(tmp_path, repeat=2, settle=2.0, travel=20.0)
-    rope, path = rope_of(schedule), tmp_path / "last_trip.npz"
+    rope = rope_of(schedule)
+    path = tmp_path / "last_trip.npz"
     rest = place_at_rest(schedule, rope)
     rows = []
     for trip in wind_duty(schedule, rope, torque_free={"": False}):
@@ -194,7 +197,8 @@ def test_a_duty_of_several_ropes_winds_them_all_and_goes_on_with_the_same_bits(
     )
     (tmp_path / "duty.toml").write_text(text, encoding="utf-8")
     schedule = read_schedule(tmp_path / "duty.toml")
-    both, path = schedule.ropes(READ), tmp_path / "last_trip.npz"
+    both = schedule.ropes(READ)
+    path = tmp_path / "last_trip.npz"
     names = {rope.name: rope.torque_free for rope in both.data()}
     rest = place_at_rest(schedule, both.plant, [*names])
     rows = []

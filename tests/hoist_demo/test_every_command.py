@@ -122,7 +122,8 @@ _SAID = {
 def test_commands_say_whence_numbers_are(
     command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    file, out = tmp_path / "file.toml", tmp_path / "out"
+    file = tmp_path / "file.toml"
+    out = tmp_path / "out"
     file.write_text(_FILES[command])
     options = ["--workers", "1"] if command == "uncertain" else []
     assert main([command, str(file), "--out", str(out), *options]) == 0
@@ -268,7 +269,9 @@ def test_a_demo_winds_with_what_is_set_and_writes_the_signals_asked_for(
 def test_a_run_is_gone_on_with_whose_hoist_is_a_file(
     tmp_path: Path, monkeypatch: Patch, capsys: Capture
 ) -> None:
-    file, asked, out = tmp_path / "own.toml", iter(range(99)), ["--out", str(tmp_path / "out")]
+    file = tmp_path / "own.toml"
+    asked = iter(range(99))
+    out = ["--out", str(tmp_path / "out")]
     file.write_text(
         "name = 'own'\nlike = 'rope-120'\nhoist.payload_left = 4321.0\n", encoding="utf-8"
     )
@@ -317,7 +320,8 @@ def test_a_hoist_takes_no_other_s_fmu(tmp_path: Path, monkeypatch: Patch) -> Non
 def test_a_level_that_is_not_wound_is_told(
     tmp_path: Path, fmu_of: Callable[[str], Path], capsys: Capture
 ) -> None:
-    file, written = tmp_path / "own.toml", tmp_path / "out" / "hoist.toml"
+    file = tmp_path / "own.toml"
+    written = tmp_path / "out" / "hoist.toml"
     file.write_text("name = 'own'\nlike = 'rope-120'\nlevel = 'reference'\n", encoding="utf-8")
     short = ["--quick", "--travel", "0.5", "--out", str(tmp_path / "out")]
     assert main(["wind", str(file), "--fmu", str(fmu_of("draft")), *short]) == 0

@@ -200,7 +200,8 @@ def in_toml(key: str) -> str:
 
 def written(values: Mapping[str, Value], folder: Path) -> str:
     """Write a hoist like the base with these values, of the second [[rope]] for a rope's; return its path."""
-    lines, own = [], []
+    lines = []
+    own = []
     for key, value in values.items():
         word = str(value).lower() if isinstance(value, bool) else repr(value)
         if key.startswith("[[rope]]."):

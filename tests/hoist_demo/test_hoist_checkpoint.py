@@ -47,7 +47,8 @@ class Filtered:
     """Integrator on the mean of the last errors of a filtered speed; changes what it is handed."""
 
     def __init__(self, hoist: Hoist, holding_torque: float) -> None:
-        self._hoist, self._holding_torque = hoist, holding_torque
+        self._hoist = hoist
+        self._holding_torque = holding_torque
 
     def command(
         self, trajectory: TrajectoryPoint, measured: Measurement, state: Remembered | None, h: float
@@ -127,7 +128,8 @@ def test_what_cannot_be_saved_is_refused_at_the_first_sample_with_its_place(tmp_
 
 def there_and_back(value: Any) -> Any:
     """Write and read it, as a checkpoint does."""
-    arrays, file = dict[str, np.ndarray](), io.BytesIO()
+    arrays = dict[str, np.ndarray]()
+    file = io.BytesIO()
     text = json.dumps(encode(value, "x", arrays))
     np.savez(file, text=text, **arrays)
     with np.load(io.BytesIO(file.getvalue()), allow_pickle=False) as kept:

@@ -69,7 +69,8 @@ def test_units_are_converted_to_the_last_bit_and_what_is_left_out_follows_by_rul
     case = read(
         written(tmp_path / "own.toml", f"\ufeff{OWN}"), HoistFile
     ).case  # with the mark of some editors
-    hoist, m = case.hoist, case.rope["rope.mass_per_length"]
+    hoist = case.hoist
+    m = case.rope["rope.mass_per_length"]
     assert (hoist.payload_left, hoist.conveyance_mass, hoist.wrap_angle) == (
         22e3,
         18.2e3,
@@ -394,7 +395,8 @@ def test_a_value_that_is_set_counts_as_if_it_stood_in_the_file_and_one_that_vari
     other = build(own, {"rope.diameter": 1.1 * 0.052}).hoist
     assert_allclose(other.tail_mass / find_case(own).hoist.tail_mass, 1.1**2)
     # nothing follows from what differs between runs of one hoist
-    varied, case = build(own, {}, varied={"hoist.payload_left": 0.0}), find_case(own)
+    varied = build(own, {}, varied={"hoist.payload_left": 0.0})
+    case = find_case(own)
     assert (varied.hoist.payload_left, varied.hoist.torque_limit) == (0.0, case.hoist.torque_limit)
     assert varied.gains == case.gains
 
@@ -537,7 +539,8 @@ def test_a_trip_that_slips_or_asks_too_much_of_the_motor_is_told() -> None:
         line.startswith("slip safety in one of the trip back (drive)") for line in problems(case)
     )
     # a short trip reaches less of its speed, and asks for less power
-    weak, short = replace(case.hoist, power_limit=5e5), replace(case.winding, travel=5.0)
+    weak = replace(case.hoist, power_limit=5e5)
+    short = replace(case.winding, travel=5.0)
     told = [problems(replace(case, hoist=weak, winding=trip)) for trip in (case.winding, short)]
     assert [sum("power_limit" in line for line in lines) for lines in told] == [1, 0]
     # head ropes heavier than the balance rope ask for more: of the second stage to hold, of the first not to run on
@@ -569,7 +572,8 @@ def test_the_complete_file_has_every_value_of_the_hoist_and_leads_back_to_it(
     name = file.stem if file.stem in BUILTIN_HOISTS else str(file)
     text = as_file(find_case(name), name, {})
     path = written(tmp_path / "hoist.toml", text)
-    one, again = from_landing(build(name, {})), from_landing(build(str(path), {}))
+    one = from_landing(build(name, {}))
+    again = from_landing(build(str(path), {}))
     cases = [find_case(name), find_case(str(path))]
     ropes = [
         ropes_of(case, run, {}, case.level).ropes

@@ -28,7 +28,9 @@ from hoist_demo.report.verdict import judge
 from hoist_demo.run.metrics import measure
 from rope_model import EndMotion, Status
 
-RHO, G, LENGTH = 8.0, 9.81, 120.0
+RHO = 8.0
+G = 9.81
+LENGTH = 120.0
 
 
 @dataclass
@@ -108,7 +110,8 @@ def test_work_on_both_partners_differs_by_the_order_of_the_step() -> None:
         recording = _run(FakeRope(), Winding(travel=10.0, settle=0.0), coupling).recording
         steps = 0.0
         for end in ("left", "right"):
-            force, y = recording[f"{end}.fy"], recording[f"conveyance.{end}.y"]
+            force = recording[f"{end}.fy"]
+            y = recording[f"conveyance.{end}.y"]
             steps += float(np.sum((force[1:] + force[:-1]) / 2 * np.diff(y)))
         return float(recording["drive.work_from_balance_rope"][-1]) - steps
 
@@ -184,10 +187,8 @@ def test_the_same_run_writes_the_same_bytes(short: Result, tmp_path: Path) -> No
 def test_a_stop_by_the_brake_is_judged_by_its_way_and_not_by_a_reference_it_does_not_follow() -> (
     None
 ):
-    hoist, winding = (
-        Hoist(brake=Brake()),
-        Winding(emergency_at=9.0, emergency_law="two-stage", settle=5.0),
-    )
+    hoist = Hoist(brake=Brake())
+    winding = Winding(emergency_at=9.0, emergency_law="two-stage", settle=5.0)
     result = Host(FakeRope(), hoist, winding).run()
     rows = {row.quantity: row.value for row in summarize(result, hoist, winding, Coupling())}
     recording = result.recording

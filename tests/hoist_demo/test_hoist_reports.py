@@ -189,7 +189,8 @@ def test_each_row_of_the_verdict_that_fails_is_named_and_is_not_good() -> None:
 
 
 def test_a_stop_is_told_by_each_conveyance_s_own_way_and_by_the_sheave_that_holds_it() -> None:
-    y, vy = [0.0, 8.0, 12.0, 13.0, 12.0, 10.0, 4.0], [8.0, 6.0, 2.0, -0.1, -2.0, -3.0, -6.0]
+    y = [0.0, 8.0, 12.0, 13.0, 12.0, 10.0, 4.0]
+    vy = [8.0, 6.0, 2.0, -0.1, -2.0, -3.0, -6.0]
     signals = {
         f"conveyance.{side}.{name}": x for side in SIDES for name, x in (("y", y), ("vy", vy))
     }
@@ -197,11 +198,9 @@ def test_a_stop_is_told_by_each_conveyance_s_own_way_and_by_the_sheave_that_hold
     signals |= {"drive.tension_ratio": [1.5] + [1.9] * 6, "drive.slip": [0, 1, 3, 5, 7, 9, 9]}
     signals |= {"drive.static_tension_ratio": [1.5] * 7, "drive.slip_speed": [0.0] * 7}
     # on its way, swinging back on a sheave that stands, and with one that runs back, for 3 s or as the record ends
-    standing, running, slipping = (
-        [2.0, 1.5, 0.5] + [0.0] * 4,
-        [0.5 * v for v in vy],
-        [0.0] * 5 + [-3.0, -6.0],
-    )
+    standing = [2.0, 1.5, 0.5] + [0.0] * 4
+    running = [0.5 * v for v in vy]
+    slipping = [0.0] * 5 + [-3.0, -6.0]
     for n, rates, slip, course in (
         (3, standing, None, (4, None, 0, False, 2, 4)),
         (4, standing, None, (5, 2, 0, True, -0.1, 5)),
@@ -235,7 +234,8 @@ def test_a_stop_is_told_by_each_conveyance_s_own_way_and_by_the_sheave_that_hold
 def test_a_demo_s_reports_state_rope_file_version_level_and_fidelity(
     fmi: str, fmu_of: Callable[[str], Path], tmp_path: Path
 ) -> None:
-    fmu, out = fmu_of("draft"), tmp_path / "out"
+    fmu = fmu_of("draft")
+    out = tmp_path / "out"
     (scratch := tmp_path / "scratch").mkdir()
     if fmi == "3":
         fmu = tmp_path / "mine.fmu"
@@ -341,7 +341,8 @@ def test_thinning_keeps_a_peak_of_one_row_near_its_instant() -> None:
     t = np.linspace(0.0, 10.0, 5001)
     values = np.zeros(5001)
     values[3217] = 5.0
-    thin, times = packing.thin(values, 400), packing.thin_times(t, 400)
+    thin = packing.thin(values, 400)
+    times = packing.thin_times(t, 400)
     assert len(thin) == len(times) <= 400
     # two points per interval: at most an interval away
     assert abs(times[np.argmax(thin)] - t[3217]) < packing.interval(5001, 400) * 0.002
@@ -428,7 +429,8 @@ def test_a_vibration_in_a_trip_has_its_frequency_and_amplitude() -> None:
 def test_places_that_the_loop_passes_bend_once_in_a_winding_and_others_never() -> None:
     _, found = winding()
     # the loop's lowest point lies at (L - H) / 2 of the left end, H from 90 m to -90 m, and bends 1.5 m to either side
-    s, cycles = found["s"], found["curvature.cycles"]
+    s = found["s"]
+    cycles = found["curvature.cycles"]
     assert_allclose(cycles[(s > 17.5) & (s < 102.5)], 1.0)
     assert_allclose(cycles[(s < 11.0) | (s > 109.0)], 0.0)
 
@@ -436,7 +438,8 @@ def test_places_that_the_loop_passes_bend_once_in_a_winding_and_others_never() -
 @pytest.mark.parametrize("station", [21, 41, 61])
 def test_ranges_at_a_place_are_those_counted_by_hand(station: int) -> None:
     recording, found = winding()
-    curvature, k = recording[f"station.curvature[{station}]"], station - 1
+    curvature = recording[f"station.curvature[{station}]"]
+    k = station - 1
     # straight, bent once, straight again: the cycle is all that there is between its least and largest value
     assert_allclose(found["curvature.range"][k], curvature.max() - curvature.min(), rtol=1e-3)
     # the time above half the sharpest of all, sample by sample

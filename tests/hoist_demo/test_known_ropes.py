@@ -61,7 +61,9 @@ def written(folder: Path, text: str) -> Path:
 
 def test_a_linear_rope_is_within_its_interval_in_nine_cases_of_ten() -> None:
     rng = np.random.default_rng(5)
-    matrix, sets, hits = rng.standard_normal((8, 3)) * [30.0, 60.0, 15.0], 100, np.zeros(3)
+    matrix = rng.standard_normal((8, 3)) * [30.0, 60.0, 15.0]
+    sets = 100
+    hits = np.zeros(3)
     for _ in range(sets):
         truth = 0.2 + 0.6 * rng.random(3)
         values = matrix @ truth + rng.standard_normal(8)
@@ -73,7 +75,8 @@ def test_a_linear_rope_is_within_its_interval_in_nine_cases_of_ten() -> None:
 
 def test_the_interval_of_a_linear_rope_is_that_of_its_covariance() -> None:
     rng = np.random.default_rng(8)
-    matrix, values = rng.standard_normal((7, 3)) * [30.0, 60.0, 15.0], rng.standard_normal(7)
+    matrix = rng.standard_normal((7, 3)) * [30.0, 60.0, 15.0]
+    values = rng.standard_normal(7)
 
     def residuals(u: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.asarray(matrix @ (u - 0.5) - values)
@@ -169,7 +172,8 @@ def test_what_a_width_alone_does_not_tell_is_named(
     found = identify(read(written(tmp_path, ROPE + WIDTH), MeasurementFile))
     assert [name for name in found.names if found.is_determined(name)] == ["bending_stiffness"]
     assert {"torque_factor", "torsional_stiffness", "axial_stiffness"} <= {*found.open_directions()}
-    width, error = 3.05, 0.05
+    width = 3.05
+    error = 0.05
     EI = found.value("bending_stiffness")
     datum = found.calibrated_rope.data["bending_stiffness"]
     # EI ~ width^3
@@ -191,7 +195,8 @@ def test_what_is_found_is_a_file_for_every_command(
 ) -> None:
     assert main(["identify", str(written(tmp_path, ROPE + WIDTH)), "--out", str(tmp_path)]) == 0
     assert "Undetermined by the data" in capsys.readouterr().out
-    report, made = (tmp_path / "report.html").read_text(encoding="utf-8"), tmp_path / "rope.toml"
+    report = (tmp_path / "report.html").read_text(encoding="utf-8")
+    made = tmp_path / "rope.toml"
     assert "loop width" in report
     assert "<script" not in report
 
@@ -320,7 +325,8 @@ def test_a_share_held_at_its_end_is_no_degree_of_freedom() -> None:
 def test_a_profile_lets_a_share_at_its_end_come_back() -> None:
     # only the sum is told well, and it asks for the second share beyond its range: where the first grows, the second
     # leaves its end, so that the first is uncertain by what the second may give way
-    matrix, values = np.array([[60.0, 60.0], [0.0, 4.0]]), np.array([60.0 * 1.5, 4.0 * 1.1])
+    matrix = np.array([[60.0, 60.0], [0.0, 4.0]])
+    values = np.array([60.0 * 1.5, 4.0 * 1.1])
     found = fit(residuals := lambda u: matrix @ u - values, 2)
     assert found.held.tolist() == [0, 1]
     low, high = intervals(residuals, found)[0]
@@ -450,10 +456,8 @@ def test_samples_fill_the_ranges_and_make_the_ropes(tmp_path: Path) -> None:
     assert_allclose(rope.Qc, samples[0]["torque_factor"] * 9e7 * 0.044)
     assert rope.length == run.hoist.tail_rope_length == 120.0
     assert rope.mass_per_length == run.hoist.tail_rope_mass == 7.7
-    found, wanted = (
-        {one.name: one.status for one in asked.provenance()},
-        {"rope.Qa": "given", "rope.rhoJ": "derived"},
-    )
+    found = {one.name: one.status for one in asked.provenance()}
+    wanted = {"rope.Qa": "given", "rope.rhoJ": "derived"}
     assert {key: found[key] for key in (*wanted, "rope.Qc")} == wanted | {"rope.Qc": "varied"}
 
 
@@ -644,7 +648,8 @@ def test_every_datum_is_a_range_with_a_source(name: str) -> None:
 
 @constructions
 def test_any_value_of_the_ranges_is_a_rope(name: str) -> None:
-    rng, known = np.random.default_rng(3), rope(name, diameter=0.05)
+    rng = np.random.default_rng(3)
+    known = rope(name, diameter=0.05)
     for shares in rng.random((200, len(PROPERTIES))).round():  # corners
         # a rope whose strain energy is not positive is refused
         known.rope(
@@ -677,7 +682,8 @@ def test_a_sample_shows_the_properties() -> None:
 
 @constructions
 def test_bending_begins_at_the_sum_of_the_wires(name: str) -> None:
-    construction, d = CONSTRUCTIONS[name], 0.046
+    construction = CONSTRUCTIONS[name]
+    d = 0.046
     wire = 2 * math.sqrt(construction.area[0] * d**2 / (construction.wires * math.pi))
     alone = construction.wires * STEEL_MODULUS * math.pi * wire**4 / 64
     data = rope(name, diameter=d).data

@@ -36,10 +36,8 @@ from rope_model import EndMotion
 from rope_model.analysis.modes import natural_modes
 from rope_model.engine import NativeRope
 
-TORQUE, SEEN = (
-    ("torque_command",),
-    ("rate", "pull_left", "pull_right", "tension_left", "left.fy", "right.fy"),
-)
+TORQUE = ("torque_command",)
+SEEN = ("rate", "pull_left", "pull_right", "tension_left", "left.fy", "right.fy")
 
 
 def smooth(case: Case) -> Case:
@@ -266,7 +264,9 @@ def test_small_models_are_written_and_scheduled(tmp_path: Path) -> None:
         assert_allclose(npz["A"], small.A, rtol=0, atol=0)
     assert_allclose(json.loads(paths[".json"].read_text())["C"], small.C, rtol=0, atol=0)
     assert_allclose(loadmat(paths[".mat"])["B"][..., 1], small.B[1], rtol=0, atol=0)
-    plant, X, u = small.scheduled(), np.arange(7.0), 2.0
+    plant = small.scheduled()
+    X = np.arange(7.0)
+    u = 2.0
     ends = [
         [A @ X + B @ [u], C @ X + D @ [u]]
         for A, B, C, D in zip(small.A, small.B, small.C, small.D, strict=True)
@@ -277,7 +277,8 @@ def test_small_models_are_written_and_scheduled(tmp_path: Path) -> None:
                 found.full().ravel(), shares[0] * ends[0][k] + shares[1] * ends[1][k], rtol=1e-9
             )
     # a spline that overshoots
-    rates, four = np.array([-50.0, -0.1, -0.1, -50.0])[:, None, None], [0, 0, 0, 0]
+    rates = np.array([-50.0, -0.1, -0.1, -50.0])[:, None, None]
+    four = [0, 0, 0, 0]
     steep = replace(
         small,
         at=(0.0, 0.3, 0.7, 1.0),
@@ -304,7 +305,8 @@ def test_ropes_that_differ_in_their_names_alone_are_equal_ones(tmp_path: Path) -
         return linearise(read(path, HoistFile).case, [0.3])[0]
 
     place = "x_left = 0.2\nx_right = 0.2\nz = 0.5\nswivels.mode = "
-    s, seen = 2j * np.pi * np.array([0.1, 0.7]), (*SEEN, "left.mx", "loop.z")
+    s = 2j * np.pi * np.array([0.1, 0.7])
+    seen = (*SEEN, "left.mx", "loop.z")
     for mode in ("locked", "free"):
         equal = model(f'[[rope]]\nnumber = 2\nswivels.mode = "{mode}"')
         apart = model("".join(f'[[rope]]\nname = "{name}"\n{place}"{mode}"\n' for name in "ab"))
@@ -354,7 +356,8 @@ def test_a_number_that_cannot_be_is_refused(
 def test_linear_models_have_the_level_of_the_hoist(
     command: str, tmp_path: Path, monkeypatch: Patch
 ) -> None:
-    path, seen = tmp_path / "draft.toml", list[str]()
+    path = tmp_path / "draft.toml"
+    seen = list[str]()
     path.write_text("name = 'd'\nlike = 'rope-120'\nlevel = 'draft'\n", encoding="utf-8")
 
     def heard(case: Case, swivels: str, level: str) -> None:

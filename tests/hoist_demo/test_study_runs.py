@@ -48,7 +48,8 @@ arrival.window = 0.2
 
 def invent_trip(swing: float, creep: float = 0.0, **trip: float) -> tuple[Result, Hoist]:
     """A trip that follows its reference, then swings with 1.5 Hz at the right conveyance."""
-    hoist, winding = Hoist(), Winding(**{"travel": 10.0, "settle": 6.0, **trip})
+    hoist = Hoist()
+    winding = Winding(**{"travel": 10.0, "settle": 6.0, **trip})
     reference = s_curve(winding)
     t = np.arange(0.0, reference.duration + winding.settle, 0.01)
     s = reference.sample(t)
@@ -182,7 +183,8 @@ def test_each_run_that_is_not_whole_is_named_and_decides_the_exit_code(
     read: Read, tmp_path: Path, status: str
 ) -> None:
     study = read("[vary]\ngains.speed = [1e5, 2e5, 3e5]")
-    store, keys = Store(tmp_path), [sample.data.key(study.fmu_hash) for sample in study.samples]
+    store = Store(tmp_path)
+    keys = [sample.data.key(study.fmu_hash) for sample in study.samples]
     fine = Outcome("completed", "", {}, {})
     odd = {
         "completed": fine,
@@ -213,7 +215,8 @@ def test_a_broken_record_is_named_and_its_run_alone_is_wound_again(
     read: Read, tmp_path: Path, caplog: pytest.LogCaptureFixture, content: str
 ) -> None:
     study = read("[vary]\ngains.speed = [1e5, 2e5, 3e5]")
-    store, ran = Store(tmp_path), list[str]()
+    store = Store(tmp_path)
+    ran = list[str]()
     first = run_study(study, store, counting(study, store, ran))
     table = first.table.read_bytes()
     path = tmp_path / "runs" / f"{ran[1]}.json"
@@ -246,7 +249,8 @@ def test_search_is_resumed_without_a_run(read: Read, tmp_path: Path) -> None:
         "study.minimise = 'cycle_time'\n[vary]\ngains.speed = { low = 1e5, high = 4e5, scale = 'log' }\n"
         "[sample]\nmethod = 'tune'\npoints = 4\nsearches = 2\nsteps = 20"
     )
-    store, ran = Store(tmp_path / "out"), list[str]()
+    store = Store(tmp_path / "out")
+    ran = list[str]()
     first = run_study(study, store, counting(study, store, ran))
     assert first.best is not None
     assert len(ran) <= 4 + 2 * 20
@@ -268,7 +272,8 @@ def test_runs_of_a_killed_worker_are_done_and_none_is_repeated(
     read: Read, tmp_path: Path, client: Client
 ) -> None:
     study = read(SHORT + "[vary]\ngains.speed = [1e5, 1.2e5, 1.4e5, 1.6e5, 1.8e5, 2e5]")
-    store, ran = Store(tmp_path / "out"), list[str]()
+    store = Store(tmp_path / "out")
+    ran = list[str]()
     pids = client.run(os.getpid)
 
     def kill_one(key: str, _: Outcome) -> None:
@@ -471,11 +476,10 @@ SHAPED, OPTIMISED = (
     f"[fixed]\ncontroller = '{x}'\n" for x in ("input-shaping", "optimised-trajectory")
 )
 LOW = "study.minimise = 'cycle_time'\n"
-RANGE, TUNE = "[vary]\nrope.EI = { low = 1, high = 2 }\n", "[sample]\nmethod = 'tune'\n"
-FOUR, PAYLOAD = (
-    "sample = { method = 'latin-hypercube', runs = 4 }\n",
-    "hoist.payload_left = { low = 0, high = 9 }",
-)
+RANGE = "[vary]\nrope.EI = { low = 1, high = 2 }\n"
+TUNE = "[sample]\nmethod = 'tune'\n"
+FOUR = "sample = { method = 'latin-hypercube', runs = 4 }\n"
+PAYLOAD = "hoist.payload_left = { low = 0, high = 9 }"
 JAMMED = "study.hoist = 'jammed-conveyance'\n[fixed]\n"
 TWO = "name = 'two'\nlike = 'rope-120'\n[[rope]]\n[[rope]]\nz = 1.0\n"
 
@@ -633,10 +637,8 @@ def test_key_changes_with_every_piece_of_data_that_is_used() -> None:
     assert len(set(keys)) == len(keys)
     assert build("rope-120", {"rope.EI": 300.0}).key("bytes") == base.key("bytes")
     # what the controller does not use
-    plain, other = (
-        build("rope-120", {}),
-        build("rope-120", {"shaper.frequency": 2.0, "trajectory.hold": 2.0}),
-    )
+    plain = build("rope-120", {})
+    other = build("rope-120", {"shaper.frequency": 2.0, "trajectory.hold": 2.0})
     assert plain.key("bytes") == other.key("bytes")
     shaped = [
         build("rope-120", {"controller": "input-shaping", "shaper.frequency": f})

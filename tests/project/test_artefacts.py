@@ -160,7 +160,9 @@ def tried(
         place = PLACES[name]
         top = tmp_path_factory.mktemp("place") / place.folder
         made.append(top)
-        work, home, scratch = top / "work", top / "home", top / "tmp"
+        work = top / "work"
+        home = top / "home"
+        scratch = top / "tmp"
         for folder in (work, home, scratch):
             folder.mkdir(parents=True)
         paths = {}

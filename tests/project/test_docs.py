@@ -19,7 +19,8 @@ COMMANDS = [
     *sorted((DOCS / "tutorial").glob("*.md")),
 ]
 #: what `make demo` puts into .venv/bin, and what a shell has built in
-INSTALLED, BUILTIN = ("balance-rope", "python"), ("source", "cd")
+INSTALLED = ("balance-rope", "python")
+BUILTIN = ("source", "cd")
 LINK = re.compile(r"\]\((?!https?:)([^)\s]*)\)")
 
 

@@ -166,7 +166,8 @@ def test_two_writers_of_one_archive_do_not_meet(tmp_path: Path) -> None:
 def test_compiled_code_goes_where_it_can_be_written(
     tmp_path: Path, monkeypatch: Patch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    no_folder, temporary = tmp_path / "file", tmp_path / "tmp"
+    no_folder = tmp_path / "file"
+    temporary = tmp_path / "tmp"
     no_folder.write_text("")
     temporary.mkdir()
     monkeypatch.delenv("BALANCE_ROPE_CACHE", raising=False)
@@ -189,7 +190,8 @@ def test_compiled_code_goes_where_it_can_be_written(
 
 
 def test_what_many_want_at_once_is_made_once(tmp_path: Path) -> None:
-    file, runs = tmp_path / "made", []
+    file = tmp_path / "made"
+    runs = []
 
     def make() -> None:
         runs.append(file.exists())

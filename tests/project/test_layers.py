@@ -144,7 +144,8 @@ def test_no_room_is_allowed_what_it_does_not_import() -> None:
 
 def reached_from(start: str) -> set[str]:
     """Return what a module imports, and what that imports."""
-    reached, waiting = set[str](), [start]
+    reached = set[str]()
+    waiting = [start]
     while waiting:
         name = waiting.pop()
         if name not in reached:

@@ -207,7 +207,8 @@ def test_an_fmu_that_is_exported_without_a_compiler_has_no_reference_run_and_say
     "copied", [copy.copy, copy.deepcopy, lambda rope: pickle.loads(pickle.dumps(rope))]
 )
 def test_a_copy_of_the_native_rope_goes_on_by_itself(copied: Callable[[Any], Any]) -> None:
-    low, high = EndMotion(), EndMotion(y=20.0)
+    low = EndMotion()
+    high = EndMotion(y=20.0)
     rope = balance_rope(SMALL)
     copied(rope)  # not initialised yet
     rope.apply(
@@ -268,7 +269,8 @@ def test_the_bill_lies_in_the_wheel_and_in_its_record(tmp_path: Path) -> None:
     add_bill(wheel)
     with zipfile.ZipFile(wheel) as archive:
         name = "some-1.dist-info/sboms/balance-rope.cdx.json"
-        data, record = archive.read(name), archive.read("some-1.dist-info/RECORD").decode()
+        data = archive.read(name)
+        record = archive.read("some-1.dist-info/RECORD").decode()
     assert json.loads(data)["bomFormat"] == "CycloneDX"
     digest = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
     assert record == f"some.py,,\n{name},sha256={digest},{len(data)}\n"
