@@ -5,7 +5,7 @@ import random
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import cache, partial
-from itertools import islice
+from itertools import islice, product
 from pathlib import Path
 from typing import Any
 
@@ -72,13 +72,15 @@ RUNS: dict[str, tuple[dict[str, Any], tuple[float, ...]]] = {
 BRIEF = ("plain", "long steps")
 
 
+def runs_of(kind: str) -> list[str]:
+    """Return what a flavour runs of RUNS."""
+    if FLAVOURS[kind].native:
+        return [*RUNS]
+    return [*BRIEF]
+
+
 def each(*runs: str) -> pytest.MarkDecorator:
-    pairs = [
-        (kind, run)
-        for kind in sorted(FLAVOURS)
-        for run in runs
-        if FLAVOURS[kind].native or run in BRIEF
-    ]
+    pairs = [(kind, run) for kind, run in product(sorted(FLAVOURS), runs) if run in runs_of(kind)]
     return pytest.mark.parametrize(("results", "run"), pairs, indirect=["results"])
 
 
@@ -97,7 +99,7 @@ def results(
 @cache
 def outcomes(kind: str, path: Path, folder: str) -> dict[str, Any]:
     out = {}
-    for name in RUNS if FLAVOURS[kind].native else BRIEF:
+    for name in runs_of(kind):
         parameters, steps = RUNS[name]
         host = Host(path, folder)
         t = 0.0
@@ -115,14 +117,16 @@ def outcomes(kind: str, path: Path, folder: str) -> dict[str, Any]:
 @cache
 def warnings_at_rest(run: str) -> list[str]:
     given: Mapping[str, float] = {"left.y": 0.0, "right.y": 90.0} | RUNS[run][0]
-    ends = [
-        {n.removeprefix(f"{side}."): v for n, v in given.items() if n.startswith(side)}
-        for side in SIDES
-    ]
-    rope = balance_rope(
-        rope_scene({n: v for n, v in RUNS[run][0].items() if not n.startswith(SIDES)})
-    )
-    return [*hung(rope, EndMotion(**ends[0]), EndMotion(**ends[1])).warnings().values()]
+    ends: dict[str, dict[str, float]] = {side: {} for side in SIDES}
+    parameters = {}
+    for name, value in given.items():
+        side, _, key = name.partition(".")
+        if side in ends:
+            ends[side][key] = value
+        else:
+            parameters[name] = value
+    rope = balance_rope(rope_scene(parameters))
+    return [*hung(rope, *(EndMotion(**ends[side]) for side in SIDES)).warnings().values()]
 
 
 @each("plain", "planar without torque", "large step_max, no step yet")
@@ -312,7 +316,9 @@ def test_forces_of_extrapolated_motions_are_off_as_is_said(
         assert np.abs(errors).max() == pytest.approx(part * largest, rel=0.05)
         # twice the mass of a leg of 105 m times what the path misses of the acceleration, by test_masters; longer steps
         # fall in with the rope's axial swings
-        jerk = trip.jerk if stop is None else trip.emergency_jerk
+        jerk = trip.jerk
+        if stop is not None:
+            jerk = trip.emergency_jerk
         mass = rope_120().scene.rope.mass_per_length * 105.0
         assert h > MAX_EXTRAPOLATION or np.abs(errors).max() < 2 * 2.94 * jerk * h * mass
 

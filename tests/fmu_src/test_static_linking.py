@@ -77,7 +77,10 @@ def test_drive_two_ropes_and_a_host_link_into_one_program_that_gives_what_the_li
     whole: bool, tmp_path: Path
 ) -> None:
     """With the stand-in for the rope, and with the rope's own 200 functions."""
-    fmus = export(tmp_path, None if whole else stand_in())
+    rope = None
+    if not whole:
+        rope = stand_in()
+    fmus = export(tmp_path, rope)
     signals = {"HoistDrive": "left.y", "RopeA": "left.fy", "RopeB": "left.fy"}
     tokens = []
     references = {}

@@ -9,6 +9,7 @@ import sys
 import zipfile
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -37,9 +38,8 @@ TRAVEL = 90.0
 REFERENCE = s_curve(Winding(travel=TRAVEL, start_delay=0.0))
 PART = 350  # steps, with two transformations
 WINDING = round((REFERENCE.duration + 1.0) / H)
-FORCES = [
-    f"{side}.{key}" for side in ("left", "right") for key in ("fx", "fy", "fz", "mx", "my", "mz")
-]
+SIDES = ("left", "right")
+FORCES = [*map(".".join, product(SIDES, ("fx", "fy", "fz", "mx", "my", "mz")))]
 
 
 #: the rope in Python takes ten times as long; test_rope_fmu compares it with the rope in process
@@ -65,7 +65,9 @@ def exported(request: Any, fmu_of: Callable[[str], Path]) -> tuple[Flavour, Path
 def in_process(native: bool, steps: int, lift: float = 0.0) -> np.ndarray:
     """(steps, 12) end forces and moments of the rope in process, all of it ``lift`` (m) higher."""
     scene = rope_120().scene.with_(solver=fixed_steps(H))
-    rope: BalanceRope = NativeRope(scene) if native else ReferenceRope(scene)
+    rope: BalanceRope = ReferenceRope(scene)
+    if native:
+        rope = NativeRope(scene)
     rows = []
 
     def ends(t: float) -> list:
@@ -88,10 +90,7 @@ def test_forces_in_fmpy_are_those_of_the_rope_in_process(
     """simulate_fmu sets the inputs of t_k and steps to t_k + H: it has no inputs of a step's end."""
     flavour, fmu = exported
     times = H * np.arange(steps + 1)
-    motions = [
-        [getattr(end, key) for end in ends_at(REFERENCE, TRAVEL, t) for key in ("y", "vy", "ay")]
-        for t in times
-    ]
+    motions = [input_values(*ends_at(REFERENCE, TRAVEL, t)) for t in times]
     signals = np.rec.fromarrays([times, *np.array(motions).T], names=["time", *INPUTS])
     start = {"solver.step_max": H, "solver.tolerance": 1e6}
     times_of: dict[str, float] = {"stop_time": steps * H, "output_interval": H}
@@ -182,15 +181,23 @@ EVENTS = {
     "guard.torque_delay": 0.08,
 }
 STEP = 0.05
-SIDES = ("left", "right")
 STARTS = [STEP * k for k in range(10)]
 
 
-def falling(t: float) -> dict[str, float]:
+def falling_ends(t: float) -> tuple[EndMotion, EndMotion]:
     y = -t * t - 0.05 * t**3
     vy = -2.0 * t - 0.15 * t * t
     ay = -2.0 - 0.3 * t
-    return dict(zip(INPUTS, (y, vy, ay, 90.0 + y, vy, ay), strict=True))
+    return EndMotion(y=y, vy=vy, ay=ay), EndMotion(y=90.0 + y, vy=vy, ay=ay)
+
+
+def input_values(left: EndMotion, right: EndMotion) -> list[float]:
+    """Return values in the order of INPUTS."""
+    return [left.y, left.vy, left.ay, right.y, right.vy, right.ay]
+
+
+def falling(t: float) -> dict[str, float]:
+    return dict(zip(INPUTS, input_values(*falling_ends(t)), strict=True))
 
 
 @pytest.mark.skipif("native-3" not in FLAVOURS, reason="needs a C compiler")
@@ -238,11 +245,7 @@ def test_event_mode_returns_at_each_event_and_takes_motions_that_are_held_throug
     rope = balance_rope(case_with("rope-120", "standard", EVENTS).scene)
     assert rope.initialize(0.0, EndMotion(ay=-2.0), EndMotion(y=90.0, ay=-2.0)).valid
     for t in STARTS:
-        left, right = (
-            EndMotion(**{key: falling(t)[f"{side}.{key}"] for key in ("y", "vy", "ay")})
-            for side in SIDES
-        )
-        assert rope.advance_to(t + STEP, left, right, t).valid
+        assert rope.advance_to(t + STEP, *falling_ends(t), t).valid
         happened |= {event.t for event in rope.state.events if event.what.startswith(SIDES)}
     happened |= {rope.state.guard.time, *(near.touched_at for near in rope.state.nearest)} - {0.0}
     none, plain = run(events=False)

@@ -195,7 +195,8 @@ class Follower:
             "left.fy_mean": lambda: self.mean,
             "left.added_mass": self.added_mass,
         }
-        return lambda: np.array([signals[name]() if name in signals else 0.0 for name in names])
+        asked = [signals.get(name, lambda: 0.0) for name in names]
+        return lambda: np.array([signal() for signal in asked])
 
     def force(self) -> float:
         d = self.data
@@ -257,7 +258,9 @@ TRIP = Winding(travel=0.002, settle=0.15, start_delay=0.0)
 def tight(name: str) -> Scheme:
     """The scheme, with a tolerance that does not show."""
     scheme = SCHEMES[name]
-    return replace(scheme, tolerance=1e-9) if isinstance(scheme, Iterative) else scheme
+    if isinstance(scheme, Iterative):
+        return replace(scheme, tolerance=1e-9)
+    return scheme
 
 
 @pytest.mark.parametrize("name", SCHEMES)
@@ -427,9 +430,13 @@ def test_a_failure_saves_the_last_good_state_and_the_run_resumes_to_the_same_bit
 
     def faulty_reader(self: InProcessRope, names: Sequence[str]) -> Reader:
         read = reader(self, names)
-        return lambda: (
-            read() * (math.nan if way == "nan" and self.save().state.motion.t > at else 1.0)
-        )
+
+        def faulty() -> np.ndarray:
+            if way == "nan" and self.save().state.motion.t > at:
+                return np.full(len(names), math.nan)
+            return read()
+
+        return faulty
 
     with monkeypatch.context() as patch:
         patch.setattr(Host, "_compiled", lambda *_: None)

@@ -250,19 +250,12 @@ def test_drive_of_several_ropes_moves_as_one_rope_with_their_sum_would_move_it(
     rng = np.random.default_rng(1)
     pulls = np.array([interface.rest_forces(case, rope) for rope in ropes])
     for k in range(100):
-        forces = {
-            f"{rope.name}.{side}": (
-                300.0 * rng.normal(),
-                pull[i] * (1.0 + 0.1 * rng.normal()),
-                300.0 * rng.normal(),
-            )
-            for rope, pull in zip(ropes, pulls, strict=True)
-            for i, side in enumerate(SIDES)
-        }
         total = dict.fromkeys((*interface.INPUTS, *SIDE_FORCES), 0.0)
-        for rope in ropes:
-            for side in SIDES:
-                fx, fy, fz = forces[f"{rope.name}.{side}"]
+        for rope, pull in zip(ropes, pulls, strict=True):
+            for side, at_rest in zip(SIDES, pull, strict=True):
+                fx = 300.0 * rng.normal()
+                fy = at_rest * (1.0 + 0.1 * rng.normal())
+                fz = 300.0 * rng.normal()
                 my = moment_at(
                     rope.suspension.at(side), several.get(f"{side}.yaw")[0], (fx, fy, fz)
                 )[1]
@@ -446,7 +439,12 @@ def rope_script(described: ElementTree.Element) -> str:
 
 
 def _compile(folder: Path, platform: str) -> Path:
-    host = folder / ("host.exe" if platform.endswith("windows") else "host")
+    if platform.endswith("windows"):
+        host = folder / "host.exe"
+        libraries = []
+    else:
+        host = folder / "host"
+        libraries = ["-ldl"]
     compiler = [
         sys.executable,
         "-m",
@@ -458,7 +456,6 @@ def _compile(folder: Path, platform: str) -> Path:
         "-O1",
     ]
     source = NATIVE / "foreign_host.c"
-    libraries = [] if platform.endswith("windows") else ["-ldl"]
     subprocess.run(
         [*compiler, f"-I{HEADERS}", str(source), "-o", str(host), *libraries], check=True
     )

@@ -125,13 +125,13 @@ def test_commands_say_whence_numbers_are(
     file = tmp_path / "file.toml"
     out = tmp_path / "out"
     file.write_text(_FILES[command])
-    options = ["--workers", "1"] if command == "uncertain" else []
-    assert main([command, str(file), "--out", str(out), *options]) == 0
-    said = (
-        (out / "report.md").read_text(encoding="utf-8")
-        if command == "wind"
-        else capsys.readouterr().out
-    )
+    words = [command, str(file), "--out", str(out)]
+    if command == "uncertain":
+        words += ["--workers", "1"]
+    assert main(words) == 0
+    said = capsys.readouterr().out
+    if command == "wind":
+        said = (out / "report.md").read_text(encoding="utf-8")
     assert "Data that this rests on, by status" in said
     with (out / "data.csv").open(encoding="utf-8", newline="") as table:
         rows = {row["name"]: row["status"] for row in csv.DictReader(table)}
@@ -293,13 +293,15 @@ def test_an_interrupt_is_130_whenever_it_comes_and_says_what_is_kept(
     tmp_path: Path, monkeypatch: Patch, capsys: Capture, heard: str
 ) -> None:
     def interruption(doing: str = "") -> nullcontext[Callable[[], bool]]:
-        now = heard == ("while writing" if doing else "in the run")
-        return nullcontext(lambda: now)
+        place = "in the run"
+        if doing:
+            place = "while writing"
+        return nullcontext(lambda: heard == place)
 
     monkeypatch.setattr(wind, "interruption", interruption)
     code = main([*DEMO, "--out", str(tmp_path)])
     told = capsys.readouterr().err
-    assert code == (0 if heard == "never" else 130)
+    assert code == {"never": 0, "in the run": 130, "while writing": 130}[heard]
     assert ("balance-rope: interrupted: t = " in told) == (heard == "in the run")
     words = f"interrupted when the run was over: all its results are in {tmp_path}"
     assert (words in told) == (heard == "while writing")

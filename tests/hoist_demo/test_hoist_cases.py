@@ -51,8 +51,12 @@ def test_rope_speed_and_pulley_give_the_published_motor_speed(name: str, rpm: fl
 @cases
 def test_a_trip_arrives_within_all_limits(case: Case, short: bool) -> None:
     hoist = case.hoist
-    winding = replace(case.winding, travel=-25.0, start_delay=0.0) if short else case.winding
-    run = wind(hoist, winding, case.gains, step=0.04 if short else 0.02)
+    winding = case.winding
+    step = 0.02
+    if short:
+        winding = replace(winding, travel=-25.0, start_delay=0.0)
+        step = 0.04
+    run = wind(hoist, winding, case.gains, step=step)
     assert_allclose(run["position"][-1], winding.travel, rtol=0, atol=1e-3)
     assert np.max(np.abs(run["speed"])) < case.winding.speed + 0.05
     assert np.max(np.abs(run["torque"])) < hoist.torque_limit

@@ -53,7 +53,8 @@ class Filtered:
     def command(
         self, trajectory: TrajectoryPoint, measured: Measurement, state: Remembered | None, h: float
     ) -> Command:
-        state = Remembered() if state is None else state
+        if state is None:
+            state = Remembered()
         state.filter = Filter(state.filter.speed + h / 0.05 * (measured.speed - state.filter.speed))
         state.errors.append(trajectory.speed - state.filter.speed)
         del state.errors[:-3]
@@ -109,12 +110,13 @@ class Hoarder:
     def command(
         self, trajectory: TrajectoryPoint, measured: Measurement, state: Any, h: float
     ) -> Command:
-        count = 0 if state is None else state["count"]
-        return Command(
-            0.0,
-            False,
-            {"count": count + 1, "last": deque([1.0]) if count >= self._begins else None},
-        )
+        count = 0
+        if state is not None:
+            count = state["count"]
+        last = None
+        if count >= self._begins:
+            last = deque([1.0])
+        return Command(0.0, False, {"count": count + 1, "last": last})
 
 
 def test_what_cannot_be_saved_is_refused_at_the_first_sample_with_its_place(tmp_path: Path) -> None:

@@ -42,7 +42,10 @@ PLAIN += [
 def _ramp_length(u: float, v: float, a: float, j: float) -> float:
     """Length of a jerk-limited change of speed: mean speed times duration [m]."""
     change = abs(v - u)
-    return (u + v) / 2 * (change / a + a / j if change >= a * a / j else 2 * math.sqrt(change / j))
+    duration = 2 * math.sqrt(change / j)
+    if change >= a * a / j:
+        duration = change / a + a / j
+    return (u + v) / 2 * duration
 
 
 @st.composite
@@ -53,7 +56,12 @@ def windings(draw: st.DrawFn) -> Winding:
     # the shortest creep there is, clear of rounding
     stop = _ramp_length(0.0, c, number["acceleration"], number["jerk"]) * (1 + 1e-9)
     ends = draw(st.sampled_from([(True, False), (False, True), (True, True)]))
-    creeps = [stop + draw(st.floats(0.0, 5.0)) if end else 0.0 for end in ends]
+    creeps = []
+    for end in ends:
+        if end:
+            creeps.append(stop + draw(st.floats(0.0, 5.0)))
+        else:
+            creeps.append(0.0)
     least = sum(creeps) + stop * (2 - sum(ends))
     assume(least > 1e-3)
     return Winding(
@@ -135,10 +143,8 @@ def test_peak_is_the_speed_limit_or_the_highest_for_which_the_ramps_fit(winding:
     peak = max(abs(point.speed) for point in s_curve(winding).points)
     c = winding.creep_speed
     between = abs(winding.travel) - winding.creep_distance - winding.departure_creep_distance
-    ends = [
-        c if distance > 0.0 else 0.0
-        for distance in (winding.departure_creep_distance, winding.creep_distance)
-    ]
+    distances = (winding.departure_creep_distance, winding.creep_distance)
+    ends = [c * (distance > 0.0) for distance in distances]
 
     def needed(v: float) -> float:
         return sum(_ramp_length(u, v, winding.acceleration, winding.jerk) for u in ends)
@@ -178,7 +184,8 @@ def test_each_derivative_is_the_difference_quotient_of_the_one_before(winding: W
     t = np.random.default_rng(1).uniform(0.0, trajectory.duration, 200)
     d = 1e-5 * trajectory.duration
     # central differences are off by d^2/6 times the third derivative, and only by rounding inside a segment
-    inside = np.array([all(abs(x - s) > 2 * d for s in trajectory.starts) for x in t])
+    distances = np.abs(t[:, None] - np.array(trajectory.starts))
+    inside = (distances > 2 * d).all(axis=1)
     low, mid, high = (trajectory.sample(t[inside] + shift) for shift in (-d, 0.0, d))
     atol = d * d * winding.jerk / 6 + 1e-15 * (1.0 + abs(winding.travel)) / d * 20
     np.testing.assert_allclose((high[:, :3] - low[:, :3]) / (2 * d), mid[:, 1:], rtol=0, atol=atol)

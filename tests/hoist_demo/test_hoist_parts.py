@@ -201,9 +201,9 @@ def test_a_hoist_with_its_sides_exchanged_does_the_same_mirrored() -> None:
     left = replace(FULL, payload_left=5e3, payload_right=0.0, conveyance_mass_right=None)
     right = replace(left, payload_left=0.0, payload_right=5e3)
     shown = []
-    for hoist, sign in ((left, 1.0), (right, -1.0)):
+    for hoist, sign, heights in ((left, 1.0, (20.0, 70.0)), (right, -1.0, (70.0, 20.0))):
         plant = Plant(hoist)
-        state, u = rest_at(plant, (20.0, 70.0) if sign > 0 else (70.0, 20.0))
+        state, u = rest_at(plant, heights)
         pushed = u._replace(torque_command=u.torque_command + sign * 2e4)
         shown.append(plant.outputs(plant.run(state, 0.01, pushed, 20)[-1], u))
     one, other = shown
@@ -227,7 +227,10 @@ def test_static_tensions_and_slip_safety_are_those_of_a_hand_calculation() -> No
     np.testing.assert_allclose(hoist.slip_safety(left / right), 2.61567, rtol=1e-5)
     assert hoist.slip_safety(1.0) == math.inf
     uneven = replace(hoist, tail_rope_mass=3.0)
-    apart = [abs(one - other) for one, other in (pulls(uneven, y) for y in (0.0, 30.0, 60.0, 90.0))]
+    apart = []
+    for y in (0.0, 30.0, 60.0, 90.0):
+        one, other = pulls(uneven, y)
+        apart.append(abs(one - other))
     np.testing.assert_allclose(
         [uneven.imbalance(), uneven.imbalance(30.0)], [max(apart), max(apart[1:3])]
     )

@@ -162,7 +162,9 @@ def test_the_verdict_has_each_number_with_its_digits_beside_its_bound(
     verdict = judge(ended, Hoist(tail_rope_number=3), [RopeData({}, parameters, {})])
     remarks = [VerdictRow("remark", text.partition(":")[0]) for text in verdict.remarks]
     (found,) = [one for one in (*verdict.rows, *remarks) if one.quantity.startswith(row)]
-    shown = f"{found.value}; {found.where}" if ";" in value else found.value
+    shown = found.value
+    if ";" in value:
+        shown += f"; {found.where}"
     assert (shown, found.holds) == (value, kept)
     assert (found.quantity in verdict.summary) == (kept is False)
 
@@ -177,7 +179,8 @@ def test_each_row_of_the_verdict_that_fails_is_named_and_is_not_good() -> None:
             recording=record, completed=True, cause="", warning="", winding=Winding()
         )
         rows += judge(ended, Hoist(tail_rope_number=3), [RopeData({}, parameters, {})]).rows
-    kept = [replace(row, holds=True) for row in {row.quantity: row for row in rows}.values()]
+    by_quantity = {row.quantity: row for row in rows}
+    kept = [replace(row, holds=True) for row in by_quantity.values()]
     assert len(kept) > 12
     assert "strikes" in {row.quantity for row in kept}
     assert bounds_in_words(kept, completed=True) == f"All {len(kept)} bounds are kept."
@@ -191,9 +194,8 @@ def test_each_row_of_the_verdict_that_fails_is_named_and_is_not_good() -> None:
 def test_a_stop_is_told_by_each_conveyance_s_own_way_and_by_the_sheave_that_holds_it() -> None:
     y = [0.0, 8.0, 12.0, 13.0, 12.0, 10.0, 4.0]
     vy = [8.0, 6.0, 2.0, -0.1, -2.0, -3.0, -6.0]
-    signals = {
-        f"conveyance.{side}.{name}": x for side in SIDES for name, x in (("y", y), ("vy", vy))
-    }
+    signals = {f"conveyance.{side}.y": y for side in SIDES}
+    signals |= {f"conveyance.{side}.vy": vy for side in SIDES}
     # ropes that slid before the stop go on sliding, at the ratio of sliding friction
     signals |= {"drive.tension_ratio": [1.5] + [1.9] * 6, "drive.slip": [0, 1, 3, 5, 7, 9, 9]}
     signals |= {"drive.static_tension_ratio": [1.5] * 7, "drive.slip_speed": [0.0] * 7}
@@ -209,7 +211,9 @@ def test_a_stop_is_told_by_each_conveyance_s_own_way_and_by_the_sheave_that_hold
         (6, running, None, (5, 2, -3, False, -3, 5)),
         (7, standing, slipping, (5, 2, -9, False, -6, 5)),
     ):
-        signals |= {"drive.rate": rates} | ({} if slip is None else {"drive.slip_speed": slip})
+        signals["drive.rate"] = rates
+        if slip is not None:
+            signals["drive.slip_speed"] = slip
         record = Recording(
             {"time": np.arange(10.0, 10.0 + n), **{k: np.array(x[:n]) for k, x in signals.items()}},
             {},
@@ -366,11 +370,9 @@ WHERE = {"station.first": 0.0, "station.last": 1.0, "rope.length": 120.0}
 def record(*columns: list[float]) -> Recording:
     """A record of stations with these values, one per second, of all quantities alike."""
     signals = {TIME: np.arange(float(len(columns[0])))}
-    signals |= {
-        f"station.{name}[{k + 1}]": np.array(x)
-        for name in exposures.QUANTITIES
-        for k, x in enumerate(columns)
-    }
+    for k, column in enumerate(columns):
+        for name in exposures.QUANTITIES:
+            signals[f"station.{name}[{k + 1}]"] = np.array(column)
     return Recording(signals, dict.fromkeys(signals, "1"))
 
 

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from argparse import Namespace
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -446,11 +447,11 @@ def test_samples_fill_the_ranges_and_make_the_ropes(tmp_path: Path) -> None:
     asked = read(written(tmp_path, SCENE), UncertaintyFile)
     assert [*asked.data] == ["torque_factor", "bending_stiffness"]
     samples = draw(asked)
-    shares = np.array(
-        [[asked.data[name].share(x) for name, x in values.items()] for values in samples]
-    )
+    shares = []
+    for values in samples:
+        shares.append([asked.data[name].share(x) for name, x in values.items()])
     # eight points of a Sobol sequence: one in each eighth of each range
-    assert_allclose(np.sort(np.floor(8 * shares), axis=0), np.arange(8)[:, None] + [0, 0])
+    assert_allclose(np.sort(np.floor(8 * np.array(shares)), axis=0), np.arange(8)[:, None] + [0, 0])
     run = asked.run(samples[0])
     rope = rope_scene(run.rope_values).rope
     assert_allclose(rope.Qc, samples[0]["torque_factor"] * 9e7 * 0.044)
@@ -464,7 +465,9 @@ def test_samples_fill_the_ranges_and_make_the_ropes(tmp_path: Path) -> None:
 def test_the_datum_that_causes_a_result_has_its_share(tmp_path: Path) -> None:
     asked = read(written(tmp_path, SCENE.replace("samples = 8", "samples = 256")), UncertaintyFile)
     samples = draw(asked)
-    columns = {name: np.array([values[name] for values in samples]) for name in asked.data}
+    columns = {}
+    for name in asked.data:
+        columns[name] = np.array([values[name] for values in samples])
     u, v = (np.argsort(np.argsort(columns[name])) / 255 for name in asked.data)
     # of independent ranks the sum with weights 2 and 1 has variances of 4 and 1; a monotone function changes no rank
     columns |= {"left_swivel_torque": np.exp(2 * u + v), "rope_force_ripple": np.full(256, 3.0)}
@@ -504,9 +507,14 @@ def test_each_winding_that_does_not_count_decides_the_exit_code(
     tmp_path: Path, reason: str, code: int
 ) -> None:
     asked = read(written(tmp_path, SCENE), UncertaintyFile)
-    result = UncertaintyResult(asked, {}, {reason: 1} if reason else {})
+    reasons = {}
+    told = []
+    if reason:
+        reasons[reason] = 1
+        told.append(f"in 1 of 8 windings: {reason}")
+    result = UncertaintyResult(asked, {}, reasons)
     assert (result.exit_code, result.completed) == (code, 8 - code)
-    assert remarks(result) == ([f"in 1 of 8 windings: {reason}"] if reason else [])
+    assert remarks(result) == told
 
 
 def test_a_remark_of_many_windings_has_the_range_of_its_numbers() -> None:
@@ -586,7 +594,7 @@ def test_check_hangs_the_rope(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str
 ) -> None:
     where = f'{AT_REST}signal = "loop.yaw"\nvalue = 0.1\nsigma = 1.0\n'
-    text = SCENE + "[fixed]\n" if command == "uncertain" else f"{ROPE}{where}[fixed]\n"
+    text = {"uncertain": f"{SCENE}[fixed]\n", "identify": f"{ROPE}{where}[fixed]\n"}[command]
     path = str(written(tmp_path, f"{text}layout.spacing = 2.0\n"))
     assert main([command, path, "--check"]) == 0
     path = str(written(tmp_path, f"{text}layout.spacing = 300.0\n"))
@@ -614,7 +622,9 @@ def test_a_reader_that_leaves_changes_no_exit_code(tmp_path: Path, both: bool) -
     receiver, sender = os.pipe()
     os.close(receiver)  # the reader is gone before the first line
     with os.fdopen(sender, "wb") as out:
-        messages = out if both else subprocess.PIPE
+        messages: Any = subprocess.PIPE
+        if both:
+            messages = out
         done = subprocess.run(
             command, stdout=out, stderr=messages, env=os.environ | {"PYTHONPATH": root}, check=False
         )
@@ -636,7 +646,8 @@ constructions = pytest.mark.parametrize("name", CONSTRUCTIONS)
 def test_every_datum_is_a_range_with_a_source(name: str) -> None:
     known = rope(name, diameter=0.046)
     assert known.data.keys() == PROPERTIES.keys()
-    for datum in [*known.data.values(), *(d for data in BEARINGS.values() for d in data.values())]:
+    of_bearings = chain.from_iterable(data.values() for data in BEARINGS.values())
+    for datum in [*known.data.values(), *of_bearings]:
         assert 0 <= datum.low < datum.middle < datum.high
         # what is called published says where, and none of it is ours
         assert datum.source

@@ -3,7 +3,7 @@
 import math
 from contextlib import nullcontext
 from dataclasses import astuple, replace
-from itertools import count, pairwise
+from itertools import count, pairwise, product
 from pathlib import Path
 
 import numpy as np
@@ -60,9 +60,13 @@ def test_unequal_ropes_pull_with_their_weight_and_with_their_mass_times_the_acce
         rope(2.0 * KNOWN, **given),
         rope(-KNOWN, **given),
     )
-    # two are enough where they press each other
-    ropes = touching(*unequal[:2], apart=0.06) if contact else group(*unequal)
-    mass = 8.0 * ((1 if contact else 3) * 120.0 + 118.8)
+    if contact:
+        # two are enough where they press each other
+        ropes = touching(*unequal[:2], apart=0.06)
+        mass = 8.0 * (120.0 + 118.8)
+    else:
+        ropes = group(*unequal)
+        mass = 8.0 * (3 * 120.0 + 118.8)
     assert ropes.initialize(0.0, *at_height(0.0)).valid
     read = ropes.reader(["left.fy", "right.fy"])
     means = ropes.reader(["left.fy_mean", "right.fy_mean"])
@@ -121,11 +125,8 @@ def test_two_equal_ropes_are_one_that_counts_twice() -> None:
 
 
 def test_moments_do_the_work_that_the_forces_do_at_the_ropes_ends() -> None:
-    forces = {
-        f"{end}.{name}": 0.0
-        for end in ("left", "right")
-        for name in ("fx", "fy", "fz", "mx", "my", "mz")
-    }
+    names = map(".".join, product(("left", "right"), ("fx", "fy", "fz", "mx", "my", "mz")))
+    forces = dict.fromkeys(names, 0.0)
     forces |= {"left.fx": 30.0, "left.fy": -800.0, "left.fz": -20.0, "left.my": 3.0}
     one = Weight(forces)
     ropes = RopeGroup([Member("a", one, SuspensionOffset(x_left=0.2, z=-0.3))])
@@ -163,15 +164,18 @@ def test_a_point_of_a_turning_conveyance_moves_by_the_rates_that_it_is_given() -
         assert getattr(now, acceleration) == pytest.approx(gained / (2 * H), abs=4 * H**2)
 
 
+def points_of(polygon: np.ndarray) -> np.ndarray:
+    """Return 200 points of each side."""
+    return np.concatenate([np.linspace(a, b, 200) for a, b in pairwise(polygon)])
+
+
 def test_distance_of_random_polygons_is_that_of_their_points_in_the_limit() -> None:
     rng = np.random.default_rng(3)
     for _ in range(6):
         one = rng.normal(size=(5, 3))
         other = rng.normal(size=(6, 3)) + 0.5
         distance, place = polygon_distance(one, other)
-        fine = [
-            np.concatenate([np.linspace(a, b, 200) for a, b in pairwise(p)]) for p in (one, other)
-        ]
+        fine = [points_of(one), points_of(other)]
         gaps = np.linalg.norm(fine[0][:, None] - fine[1][None], axis=-1)
         side = max(np.linalg.norm(np.diff(p, axis=0), axis=1).max() for p in (one, other)) / 199
         assert distance <= gaps.min() + 1e-12

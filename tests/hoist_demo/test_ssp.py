@@ -8,6 +8,7 @@ import zipfile
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from itertools import product
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -128,10 +129,12 @@ INSTALLED = {"kiruna-355": -40.0, "monopol-1000": 4.0, "four ropes": 4.0}
 def test_system_of_an_installed_hoist_moves_as_the_host_loop_in_process(
     tmp_path: Path, name: str
 ) -> None:
-    case = find_case(name if name in HOISTS else "kiruna-355")
-    members = ()
-    rope = partial(rope_in_process, name)
-    if name not in HOISTS:
+    if name in HOISTS:
+        case = find_case(name)
+        members = ()
+        rope = partial(rope_in_process, name)
+    else:
+        case = find_case("kiruna-355")
         path = tmp_path / "ropes.toml"
         head = 'name = "ropes"\nlike = "kiruna-355"\nlevel = "draft"'
         # of alternating lay beside the centres; the last is short
@@ -150,11 +153,15 @@ def test_system_of_an_installed_hoist_moves_as_the_host_loop_in_process(
     case = replace(case, winding=replace(case.winding, travel=INSTALLED[name], settle=5.0))
     steps = round(duration(case.winding) / 0.005) - 200
     ssp = export_hoist(tmp_path, case, members, fmi=3, platforms=(host_platform(),)).system
-    ends = [f"{side}.{force}" for side in ("left", "right") for force in ("fy", "fx", "fz", "my")]
+    ends = [*map(".".join, product(("left", "right"), ("fy", "fx", "fz", "my")))]
     ropes = [one.name for one in members] or ["rope"]
     asked = [f"drive:{x}" for x in ("left.y", "right.y", "left.vy", "drive.torque")]
-    asked += [f"{one}:{end}" for one in ropes for end in ends]
-    names = NAMES[:4] + [f"{one}.{end}" if members else end for one in ropes for end in ends]
+    asked += map(":".join, product(ropes, ends))
+    names = NAMES[:4]
+    if members:
+        names += map(".".join, product(ropes, ends))
+    else:
+        names += ends
     found = []
     hosts = []
     for every, tool in ((1, "fmpy_5_ms"), (2, "fmpy_2.5_ms")):
@@ -275,9 +282,10 @@ def ropes(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_each_rope_pulls_at_an_input_of_its_own_and_all_follow_the_same_motion(ropes: Path) -> None:
     connections = read_ssd(str(ropes)).system.connections  # against the schema of SSP 1.0
     found = {(c.startElement, c.startConnector, c.endElement, c.endConnector) for c in connections}
-    motions = [f"{side}.{name}" for side in ("left", "right") for name in ("y", "vy", "ay")]
-    expected = {("drive", name, rope, name) for rope in ("sound", "short") for name in motions}
+    motions = [*map(".".join, product(("left", "right"), ("y", "vy", "ay")))]
+    expected = set()
     for rope in ("sound", "short"):
+        expected |= {("drive", name, rope, name) for name in motions}
         expected |= {
             (rope, f"{side}.fy_mean", "drive", f"{rope}.{side}.fy_mean")
             for side in ("left", "right")
