@@ -47,7 +47,7 @@ SCRATCH = {
 
 def writes(call: ast.Call) -> bool:
     """Return True for a call that writes a file by its path."""
-    name = call.func.attr if isinstance(call.func, ast.Attribute) else getattr(call.func, "id", "")
+    name = getattr(call.func, "attr", None) or getattr(call.func, "id", "")
     if name == "open":
         texts = [
             one.value
@@ -66,7 +66,9 @@ def names_of_drafts(tree: ast.AST) -> set[str]:
     """Return the names under which `whole_file` hands out drafts, and those of files that are opened there."""
     drafts = {"whole_file"}
     for one in ast.walk(tree):
-        for item in one.items if isinstance(one, ast.With) else ():
+        if not isinstance(one, ast.With):
+            continue
+        for item in one.items:
             used = {name.id for name in ast.walk(item.context_expr) if isinstance(name, ast.Name)}
             if used & drafts and isinstance(item.optional_vars, ast.Name):
                 drafts.add(item.optional_vars.id)
@@ -74,8 +76,13 @@ def names_of_drafts(tree: ast.AST) -> set[str]:
 
 
 def test_no_file_is_written_but_by_the_one_helper() -> None:
-    folders = [ROOT / name for name in PRODUCT]
-    paths = [path for one in folders for path in ([one] if one.is_file() else one.rglob("*.py"))]
+    paths: list[Path] = []
+    for name in PRODUCT:
+        place = ROOT / name
+        if place.is_file():
+            paths.append(place)
+        else:
+            paths += place.rglob("*.py")
     found = dict[str, list[str]]()
     helpers = {"write_text", "write_bytes"}
     for path in sorted(paths):
