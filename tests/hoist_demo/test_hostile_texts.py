@@ -379,7 +379,7 @@ def examples() -> Iterator[tuple[str, str]]:
     yield from MORE.items()
 
 
-@pytest.mark.parametrize(("kind", "example"), examples())
+@pytest.mark.parametrize(("kind", "example"), [*examples()])
 def test_every_key_value_and_table_takes_the_texts_or_refuses_them_in_words(
     kind, example, tmp_path
 ):

@@ -128,7 +128,7 @@ def test_an_optimal_trip_is_shorter_than_s_curves_but_arrives_later_than_the_gen
     tmp_path: Path,
 ) -> None:
     head, *rows = (line.split() for line in lines_of(EXAMPLES / "optimal_trip.py", tmp_path))
-    # names at the beginning of a row have spaces
+    # columns are counted from the end: the name of a trip may have spaces
     time = head.index("trajectory_time") - len(head)
     cycle = head.index("cycle_time") - len(head)
     times = [float(row[time]) for row in rows]
