@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -64,6 +64,15 @@ def both(left: float) -> np.ndarray:
     return np.array([left, 0.0])
 
 
+class Exact(NamedTuple):
+    """Place and speed of the drive's mass (y, v) and of the rope's (x, w), m and m/s."""
+
+    y: float
+    v: float
+    x: float
+    w: float
+
+
 @dataclass(frozen=True)
 class Data:
     """Masses (kg), springs (N/m) and damper (N s/m); periods of about 1 and 0.4 s."""
@@ -76,8 +85,8 @@ class Data:
     k_2: float = 500.0
     c_2: float = 1.0
 
-    def exact(self, t: float) -> np.ndarray:
-        """(y, v, x, w) at t from rest at zero."""
+    def exact(self, t: float) -> Exact:
+        """The exact solution at t from rest at zero."""
         M = self.m + self.m_e
         k = self.k_2
         c = self.c_2
@@ -85,7 +94,8 @@ class Data:
         A[0, 1] = A[2, 3] = 1.0
         A[1] = np.array([-(self.k + k), -c, k, c, self.f]) / M
         A[3, :4] = np.array([k, c, -k, -c]) / self.m_2
-        return (exponential(A * t) @ np.array([0.0, 0.0, 0.0, 0.0, 1.0]))[:4]
+        *motion, _ = exponential(A * t) @ np.array([0.0, 0.0, 0.0, 0.0, 1.0])
+        return Exact(*motion)
 
     def forces(self, t: float) -> tuple[float, float]:
         """F and y'' of the exact solution."""
@@ -210,21 +220,21 @@ class Follower:
         still.step(0.0, self.h, EndMotion(y=self.h**2 / 6, vy=self.h / 2, ay=1.0), NOTHING)
         return -still.force()
 
-    def save(self) -> tuple:
-        return self.state, self.end, self.mean, self.h
+    def save(self) -> dict[str, Any]:
+        return {**vars(self)}
 
-    def restore(self, snapshot: tuple) -> None:
-        self.state, self.end, self.mean, self.h = snapshot
+    def restore(self, snapshot: dict[str, Any]) -> None:
+        vars(self).update(snapshot)
 
 
 def start(data: Data, t: float, H: float) -> tuple[CoupledSystem, SchemeState]:
     """Both halves on the exact solution at t, with exact samples of the two steps before."""
     samples = []
     for past in (t - 2 * H, t - H, t):
-        _, v, _, w = data.exact(past)
+        now = data.exact(past)
         before = data.exact(past - H)
         force, a = data.forces(past)
-        impulse = data.m_e * (v - before[1]) + data.m_2 * (w - before[3])
+        impulse = data.m_e * (now.v - before.v) + data.m_2 * (now.w - before.w)
         samples.append(Sample(past, both(force), both(-impulse / H), both(a)))
     y, v, x, w = data.exact(t)
     follower = Follower(data, np.array([x, w]), np.array([y, v, a]), float(samples[-1].mean[0]), H)

@@ -2,7 +2,7 @@
 
 import re
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pandas as pd
 import pytest
@@ -29,7 +29,16 @@ from hoist_demo.files.reading import FileError
 from hoist_demo.parameters import GRAVITY
 
 pytestmark = pytest.mark.usefixtures("plain_figures")
-Duty = tuple[list[WoundTrip], tuple[float, float], InProcessRope]
+
+
+class Wound(NamedTuple):
+    """Trips of a schedule, the place of the loop at rest before them, and the rope after them."""
+
+    trips: list[WoundTrip]
+    rest: tuple[float, float]
+    rope: InProcessRope
+
+
 DUTY = """
 [duty]
 hoist = "rope-120"
@@ -69,19 +78,18 @@ def wound(schedule: Schedule) -> list[WoundTrip]:
 
 
 @pytest.fixture(scope="module")
-def trips_at_rest(tmp_path_factory: pytest.TempPathFactory) -> Duty:
-    """Return the trips of two repetitions, the place of the loop at rest, and the rope."""
+def trips_at_rest(tmp_path_factory: pytest.TempPathFactory) -> Wound:
+    """Two repetitions."""
     schedule = schedule_of(tmp_path_factory.mktemp("duty"), repeat=2, settle=15.0)
     rope = rope_of(schedule)
     rest = place_at_rest(schedule, rope)
-    return list(wind_duty(schedule, rope, torque_free={"": False})), rest, rope
+    return Wound(list(wind_duty(schedule, rope, torque_free={"": False})), rest, rope)
 
 
-def test_a_trip_begins_with_what_the_one_before_has_left(trips_at_rest: Duty) -> None:
-    first, second, *_ = trips_at_rest[0]
-    assert (
-        trips_at_rest[2].whole.warnings() == {}
-    )  # payloads that change are no coarse table of positions
+def test_a_trip_begins_with_what_the_one_before_has_left(trips_at_rest: Wound) -> None:
+    first, second, *_ = trips_at_rest.trips
+    # payloads that change are no coarse table of positions
+    assert trips_at_rest.rope.whole.warnings() == {}
     before = first.result.recording
     after = second.result.recording
     assert after.time[0] == before.time[-1]
@@ -139,9 +147,9 @@ def test_a_dwell_ends_with_the_payload_of_the_next_trip(tmp_path: Path) -> None:
         assert after - before == pytest.approx(change * GRAVITY, rel=2e-3)
 
 
-def test_trips_from_rest_miss_what_builds_up(trips_at_rest: Duty) -> None:
-    wound, rest, _ = trips_at_rest
-    trips = trip_table([trip_row(trip, rest) for trip in wound], 2)
+def test_trips_from_rest_miss_what_builds_up(trips_at_rest: Wound) -> None:
+    rows = [trip_row(trip, trips_at_rest.rest) for trip in trips_at_rest.trips]
+    trips = trip_table(rows, 2)
     found = {one.name: one for one in worst(trips, 2)}
     assert found["loop_yaw"].trip > 2
     assert found["loop_yaw"].value > 1.3 * found["loop_yaw"].first_cycle

@@ -33,6 +33,7 @@ from hoist_demo.recording.incidents import SIDES, Stop, stops
 from hoist_demo.recording.time_series import TIME, Recording
 from hoist_demo.report.html import packing
 from hoist_demo.report.verdict import (
+    Verdict,
     VerdictRow,
     _instant_to_show,
     _Rope,
@@ -149,17 +150,21 @@ VERDICTS = [
 ]
 
 
+def judged(signals: dict[str, list[float]], parameters: dict[str, float]) -> Verdict:
+    """Return the verdict on a record of two instants, of a hoist with three ropes."""
+    columns = {name: np.array(values) for name, values in signals.items()}
+    record = Recording({"time": np.array([0.0, 1.0]), **columns}, {})
+    ended = SimpleNamespace(
+        recording=record, completed=True, cause="", warning="", winding=Winding()
+    )
+    return judge(ended, Hoist(tail_rope_number=3), [RopeData({}, parameters, {})])
+
+
 @pytest.mark.parametrize(("signals", "parameters", "row", "value", "kept"), VERDICTS)
 def test_the_verdict_has_each_number_with_its_digits_beside_its_bound(
     signals, parameters, row, value, kept
 ) -> None:
-    record = Recording(
-        {"time": np.array([0.0, 1.0])} | {name: np.array(x) for name, x in signals.items()}, {}
-    )
-    ended = SimpleNamespace(
-        recording=record, completed=True, cause="", warning="", winding=Winding()
-    )
-    verdict = judge(ended, Hoist(tail_rope_number=3), [RopeData({}, parameters, {})])
+    verdict = judged(signals, parameters)
     remarks = [VerdictRow("remark", text.partition(":")[0]) for text in verdict.remarks]
     (found,) = [one for one in (*verdict.rows, *remarks) if one.quantity.startswith(row)]
     shown = found.value
@@ -172,13 +177,7 @@ def test_the_verdict_has_each_number_with_its_digits_beside_its_bound(
 def test_each_row_of_the_verdict_that_fails_is_named_and_is_not_good() -> None:
     rows = list[VerdictRow]()
     for signals, parameters, *_ in VERDICTS:
-        record = Recording(
-            {"time": np.array([0.0, 1.0])} | {name: np.array(x) for name, x in signals.items()}, {}
-        )
-        ended = SimpleNamespace(
-            recording=record, completed=True, cause="", warning="", winding=Winding()
-        )
-        rows += judge(ended, Hoist(tail_rope_number=3), [RopeData({}, parameters, {})]).rows
+        rows += judged(signals, parameters).rows
     by_quantity = {row.quantity: row for row in rows}
     kept = [replace(row, holds=True) for row in by_quantity.values()]
     assert len(kept) > 12
