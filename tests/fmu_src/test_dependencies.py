@@ -99,7 +99,10 @@ def test_initial_unknowns_name_what_acts_on_them(host: Host) -> None:
         for name, x, y in zip(listed, before, host.get(*listed), strict=True):
             if abs(x - y) > 1e-6:
                 acting[name].add(v.name)
-    assert acting == {name: {v.name for v in follows} for name, follows in listed.items()}
+    expected = {}
+    for name, follows in listed.items():
+        expected[name] = {v.name for v in follows}
+    assert acting == expected
     assert {name for name, follows in acting.items() if not follows} >= {
         "left.y",
         "left.vy",

@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable, Mapping
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +30,8 @@ FmuOf = Callable[[str], Path]
 
 def wound(fmu: Path, stop_at: float = 1.0, **options: Any) -> Result:
     """A trip of 20 cm that reads every output, the added masses too; each exchange goes back to a saved state."""
-    scene, trip = find_case("rope-120"), Winding(travel=0.2, settle=0.0, start_delay=0.0)
+    scene = find_case("rope-120")
+    trip = Winding(travel=0.2, settle=0.0, start_delay=0.0)
     rope = FmuRope(fmu, scene.rope, read_outputs(fmu))
     host = Host(rope, scene.hoist, trip, Coupling(scheme="iterative-jacobian"), scene.gains)
     try:
@@ -72,15 +74,19 @@ def test_a_run_that_was_stopped_goes_on_with_the_same_bits(kind, fmu_of, whole, 
     kept = Checkpoint.read(stopped.saved)
     assert bits(wound(fmu_of(kind), resume=kept)) == bits(whole)
     # a state is that of one build
+    other = "native-2"
+    if kind == "native-2":
+        other = "native-3"
     with pytest.raises(ValueError, match=r"as a state of its own, but: .* it is another build's"):
-        wound(fmu_of("native-3" if kind == "native-2" else "native-2"), resume=kept)
+        wound(fmu_of(other), resume=kept)
 
 
 @pytest.mark.parametrize("kind", FMI_3)
 def test_parameters_and_outputs_have_the_names_units_starts_and_bounds_of_fmi_2(
     kind: str, fmu_of: FmuOf
 ) -> None:
-    ours, theirs = read_parameters(fmu_of(kind)), read_parameters(fmu_of("native-2"))
+    ours = read_parameters(fmu_of(kind))
+    theirs = read_parameters(fmu_of("native-2"))
     assert list(ours) == list(theirs)
     for name, parameter in theirs.items():
         assert ours[name] == parameter
@@ -102,7 +108,7 @@ def test_one_count_of_elements_is_set_and_the_others_keep_their_start_values(fmu
 def test_a_choice_is_made_by_code_or_by_the_word_of_fmi_3(fmu_of: FmuOf) -> None:
     for fmu, choice in [
         ("native-2", 3),
-        *((kind, choice) for kind in FMI_3 for choice in (3, "planar")),
+        *product(FMI_3, (3, "planar")),
     ]:
         rope = rope_at_rest(fmu_of(fmu), {"model.fidelity": choice})
         assert rope.reader(["status.fidelity"])() == 3.0

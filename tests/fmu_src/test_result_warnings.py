@@ -5,7 +5,7 @@ import random
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import cache, partial
-from itertools import islice
+from itertools import islice, product
 from pathlib import Path
 from typing import Any
 
@@ -72,13 +72,15 @@ RUNS: dict[str, tuple[dict[str, Any], tuple[float, ...]]] = {
 BRIEF = ("plain", "long steps")
 
 
+def runs_of(kind: str) -> list[str]:
+    """Return what a flavour runs of RUNS."""
+    if FLAVOURS[kind].native:
+        return [*RUNS]
+    return [*BRIEF]
+
+
 def each(*runs: str) -> pytest.MarkDecorator:
-    pairs = [
-        (kind, run)
-        for kind in sorted(FLAVOURS)
-        for run in runs
-        if FLAVOURS[kind].native or run in BRIEF
-    ]
+    pairs = [(kind, run) for kind, run in product(sorted(FLAVOURS), runs) if run in runs_of(kind)]
     return pytest.mark.parametrize(("results", "run"), pairs, indirect=["results"])
 
 
@@ -97,9 +99,10 @@ def results(
 @cache
 def outcomes(kind: str, path: Path, folder: str) -> dict[str, Any]:
     out = {}
-    for name in RUNS if FLAVOURS[kind].native else BRIEF:
+    for name in runs_of(kind):
         parameters, steps = RUNS[name]
-        host, t = Host(path, folder), 0.0
+        host = Host(path, folder)
+        t = 0.0
         host.start(**parameters)
         for h in steps:
             assert host.step(t, h) == ""
@@ -114,14 +117,16 @@ def outcomes(kind: str, path: Path, folder: str) -> dict[str, Any]:
 @cache
 def warnings_at_rest(run: str) -> list[str]:
     given: Mapping[str, float] = {"left.y": 0.0, "right.y": 90.0} | RUNS[run][0]
-    ends = [
-        {n.removeprefix(f"{side}."): v for n, v in given.items() if n.startswith(side)}
-        for side in SIDES
-    ]
-    rope = balance_rope(
-        rope_scene({n: v for n, v in RUNS[run][0].items() if not n.startswith(SIDES)})
-    )
-    return [*hung(rope, EndMotion(**ends[0]), EndMotion(**ends[1])).warnings().values()]
+    ends: dict[str, dict[str, float]] = {side: {} for side in SIDES}
+    parameters = {}
+    for name, value in given.items():
+        side, _, key = name.partition(".")
+        if side in ends:
+            ends[side][key] = value
+        else:
+            parameters[name] = value
+    rope = balance_rope(rope_scene(parameters))
+    return [*hung(rope, *(EndMotion(**ends[side]) for side in SIDES)).warnings().values()]
 
 
 @each("plain", "planar without torque", "large step_max, no step yet")
@@ -176,7 +181,8 @@ def test_torsional_stress_is_0_like_the_torque_where_no_torsion_is_computed(
     for fidelity in ("spatial", "planar", "rigid"):
         assert f"the {fidelity} model computes no" in results[fidelity]["status.warning"]
         assert [results[fidelity][key] for key in keys] == [0.0, 0.0]
-    rope, half_circle = Rope(), 0.5 * Layout().spacing
+    rope = Rope()
+    half_circle = 0.5 * Layout().spacing
     stress = 32 * rope.EI / (math.pi * rope.diameter**3 * half_circle)
     assert results["rigid"]["stress.bending_max"] == pytest.approx(stress, rel=1e-4)
     assert min(abs(results["plain"][key]) for key in keys) > 1.0
@@ -197,8 +203,10 @@ def test_a_loop_that_turns_with_its_ends_is_not_called_yawed() -> None:
     turn = 3.0  # rad, of both suspension points about their middle, and of the conveyances
     scene = rope_120().scene
     rope = balance_rope(scene.with_(rope=replace(scene.rope, installed_twist=1.0)))
-    x, z = 1.0 - math.cos(turn), math.sin(turn)
-    left, right = EndMotion(x=x, y=0.0, z=z, yaw=turn), EndMotion(x=-x, y=90.0, z=-z, yaw=turn)
+    x = 1.0 - math.cos(turn)
+    z = math.sin(turn)
+    left = EndMotion(x=x, y=0.0, z=z, yaw=turn)
+    right = EndMotion(x=-x, y=90.0, z=-z, yaw=turn)
     assert hung(rope, left, right).state.loop_yaw > math.pi
     assert rope.warnings() == {}
 
@@ -237,10 +245,8 @@ def altered_states(state: RopeState, chance: random.Random) -> Iterator[RopeStat
             period_fraction=chance.choice((0.0, chance.uniform(0.2, 0.5))),
             bend=chance.choice((0.0, chance.uniform(0.3, 4.5))),
         )
-        number, overlap = (
-            float(chance.choice((0, 0, 1, 3))),
-            chance.choice((0.0, chance.uniform(0.0, 0.1))),
-        )
+        number = float(chance.choice((0, 0, 1, 3)))
+        overlap = chance.choice((0.0, chance.uniform(0.0, 0.1)))
         yield state._replace(
             audit=audit,
             crossing=Crossing(
@@ -266,7 +272,8 @@ def test_both_forms_warn_of_the_same_in_the_same_words(name: str) -> None:
     }
     scene = rope_120().scene.with_(rope=ROPES[name], **parts)
     rope = hung(NativeRope(scene), *AT_90_M)
-    seen, yawed = set(), set()
+    seen = set()
+    yawed = set()
     for state in islice(altered_states(rope.state, random.Random(name)), 200):
         rope.restore(state)
         told = {subject: text for subject, warn in WARNINGS.items() if (text := warn(scene, state))}
@@ -309,16 +316,17 @@ def test_forces_of_extrapolated_motions_are_off_as_is_said(
         assert np.abs(errors).max() == pytest.approx(part * largest, rel=0.05)
         # twice the mass of a leg of 105 m times what the path misses of the acceleration, by test_masters; longer steps
         # fall in with the rope's axial swings
-        jerk, mass = (
-            trip.jerk if stop is None else trip.emergency_jerk,
-            rope_120().scene.rope.mass_per_length * 105.0,
-        )
+        jerk = trip.jerk
+        if stop is not None:
+            jerk = trip.emergency_jerk
+        mass = rope_120().scene.rope.mass_per_length * 105.0
         assert h > MAX_EXTRAPOLATION or np.abs(errors).max() < 2 * 2.94 * jerk * h * mass
 
 
 def end_forces(trip: Winding, h: float, extrapolated: bool) -> np.ndarray:
     """(steps, 2), N: vertical end forces of the 120 m rope after each step ``h`` of the first 14 s of a winding."""
-    rope, motion = NativeRope(rope_120().scene), partial(ends_at, s_curve(trip), trip.travel)
+    rope = NativeRope(rope_120().scene)
+    motion = partial(ends_at, s_curve(trip), trip.travel)
     return recorded(
         rope, motion, round(14.0 / h), ["left.fy", "right.fy"], h, late=int(extrapolated)
     )

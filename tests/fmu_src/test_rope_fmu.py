@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from functools import cache
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -25,10 +26,8 @@ from fmu_src.native.build import PLATFORMS, available_platforms, host_platform
 from fmu_src.native.export import export_native
 from fmu_src.python.export import export_fmu
 from hoist_demo.command_line.main import main
-from rope_model import BalanceRope, Swivel, balance_rope, rope_120
-from rope_model.engine import NativeRope
+from rope_model import BalanceRope, Scene, Swivel, balance_rope, rope_120
 from rope_model.reference.outputs import NAMES
-from rope_model.reference.rope import ReferenceRope
 from rope_model.rules.signal_table import LOADS, SHAPE_POINTS, SIGNALS
 
 H = 0.02
@@ -37,12 +36,9 @@ LAST = 55
 HERE = (host_platform(),)
 #: steps as long as the host's
 EVEN = {"inputs_at_step_end": True, "solver.step_max": H, "solver.tolerance": 1e6}
+SIDES = ("left", "right")
 COMPARED = [
-    f"{side}.{key}"
-    for side in ("left", "right")
-    for key in ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean")
-]
-COMPARED += [
+    *map(".".join, product(SIDES, ("fx", "fy", "fz", "mx", "my", "mz", "fy_mean"))),
     "loop.x",
     "loop.y",
     "loop.z",
@@ -52,9 +48,10 @@ COMPARED += [
     "energy.total",
 ]
 SWIVELS = {
-    f"{side}.swivel.{k}": v
-    for side in ("left", "right")
-    for k, v in (("mode", 2), ("release_time", 0.3))
+    "left.swivel.mode": 2,
+    "left.swivel.release_time": 0.3,
+    "right.swivel.mode": 2,
+    "right.swivel.release_time": 0.3,
 }
 python_only = pytest.mark.parametrize("host", ["python"], indirect=True)
 #: FMI 2.0 has the same functions, and the reference rope takes much longer
@@ -97,12 +94,18 @@ def is_native(host: Host) -> bool:
     return "left.added_mass" in host.variables
 
 
+def new_rope(scene: Scene, native: bool) -> BalanceRope:
+    if native:
+        return balance_rope(scene)
+    return balance_rope(scene, "reference")
+
+
 def test_swivels_of_each_flavour_start_where_they_do_in_process(host: Host) -> None:
-    names = [f"{side}.swivel.{key}" for side in ("left", "right") for key in ("torque", "angle")]
+    names = [*map(".".join, product(SIDES, ("swivel.torque", "swivel.angle")))]
     host.start(**{"left.swivel.mode": 2, "right.swivel.mode": 2})
     healthy = Swivel(mode="coulomb")
     scene = rope_120().scene.with_(left=healthy, right=healthy)
-    rope = balance_rope(scene, "native" if is_native(host) else "reference")
+    rope = new_rope(scene, is_native(host))
     hung(rope, *smooth_trip(0.0, 20.0, 5.0, 90.0))
     assert abs(rope.signals()["left.swivel.angle"]) > 0.1
     assert_allclose(host.get(*names), [*rope.signals(names).values()], rtol=0, atol=1e-7)
@@ -112,7 +115,7 @@ def test_swivels_of_each_flavour_start_where_they_do_in_process(host: Host) -> N
 def in_process(native: bool) -> tuple[np.ndarray, BalanceRope]:
     """What is compared after each of LAST steps, and the rope after the last."""
     scene = rope_120().scene.with_(solver=fixed_steps(H))
-    rope: BalanceRope = NativeRope(scene) if native else ReferenceRope(scene)
+    rope = new_rope(scene, native)
     expected = []
     hung(rope, *smooth_trip(0.0, 20.0, 5.0, 90.0))
     names = [name for name in COMPARED if native or name in NAMES]
@@ -137,7 +140,10 @@ def test_fmu_equals_the_rope_in_process_to_the_bit(host: Host) -> None:
         points = [f"shape.{name}[{i + 1}]" for i in range(SHAPE_POINTS)]
         if points[0] not in SIGNALS or not (is_native(host) or points[0] in NAMES):
             continue
-        ours = host.get(f"shape.{name}")[0] if host.fmi == 3 else host.get(*points)
+        if host.fmi == 3:
+            (ours,) = host.get(f"shape.{name}")
+        else:
+            ours = host.get(*points)
         assert_array_equal(ours, [*rope.signals(points).values()], err_msg=name)
 
 
@@ -162,7 +168,8 @@ def test_states_go_on_to_the_bit_after_half_steps_and_in_another_process(
     """Over transformations and swivel events; there in an instance not yet initialised, of other parameters."""
     host.start(**EVEN, **{"rope.installed_twist": 2.0}, **SWIVELS)
     run(host, 0, 20)
-    state, saved = host.state(), tmp_path / "state"
+    state = host.state()
+    saved = tmp_path / "state"
     saved.write_bytes(host.write(state))
     before = host.get("count.swivel_events")[0]
     here = run(host, 20, LAST)
@@ -227,13 +234,15 @@ def test_the_python_flavour_describes_what_the_reference_rope_computes_and_no_de
 def test_a_whole_life_with_failed_calls_is_clean_and_takes_no_memory_while_stepping(
     tmp_path: Path, way: str, fmu_of: Callable[[str], Path]
 ) -> None:
-    platform = way if way in PLATFORMS else host_platform()
+    platform = host_platform()
+    if way in PLATFORMS:
+        platform = way
     if platform not in available_platforms():
         pytest.skip("needs ziglang")
-    here = platform == host_platform()
-    fmu = (
-        fmu_of("native-2") if here else export_native(tmp_path / "rope.fmu", platforms=(platform,))
-    )
+    if platform == host_platform():
+        fmu = fmu_of("native-2")
+    else:
+        fmu = export_native(tmp_path / "rope.fmu", platforms=(platform,))
     assert live(fmu, tmp_path, way) == [0, 0]
 
 
@@ -247,12 +256,10 @@ def test_the_library_needs_of_libc_what_the_page_lists(
     kind: str, memory: set[str], unused: list[str], unpacked: Unpacked
 ) -> None:
     page = (ROOT / "docs" / "howto" / "accuracy.md").read_text(encoding="utf-8")
-    listed = {
-        name
-        for line in page.splitlines()
-        if line.startswith("- of `")
-        for name in re.findall(r"`(\w+)`", line)
-    }
+    listed: set[str] = set()
+    for line in page.splitlines():
+        if line.startswith("- of `"):
+            listed |= {*re.findall(r"`(\w+)`", line)}
     folder = Path(unpacked(kind)[1])
     library = next((folder / "binaries").rglob("BalanceRope.so"))
     told = subprocess.run(
@@ -260,8 +267,11 @@ def test_the_library_needs_of_libc_what_the_page_lists(
     ).stdout
     # compilers write some of them in other words
     words = {"bcmp": ["memcmp"], "sincos": ["sin", "cos"], "strtol": ["atoi"]}
-    names = [re.sub(r"^__isoc\d+_|@.*", "", name) for name in re.findall(r"\bU (\S+)", told)]
-    assert {each for name in names for each in words.get(name, [name])} - listed == memory
+    needed: set[str] = set()
+    for symbol in re.findall(r"\bU (\S+)", told):
+        name = re.sub(r"^__isoc\d+_|@.*", "", symbol)
+        needed |= {*words.get(name, [name])}
+    assert needed - listed == memory
     text = "".join(
         path.read_text(encoding="utf-8") for path in (folder / "sources").glob("*.[chi]*")
     )

@@ -77,9 +77,15 @@ def test_drive_two_ropes_and_a_host_link_into_one_program_that_gives_what_the_li
     whole: bool, tmp_path: Path
 ) -> None:
     """With the stand-in for the rope, and with the rope's own 200 functions."""
-    fmus = export(tmp_path, None if whole else stand_in())
+    rope = None
+    if not whole:
+        rope = stand_in()
+    fmus = export(tmp_path, rope)
     signals = {"HoistDrive": "left.y", "RopeA": "left.fy", "RopeB": "left.fy"}
-    tokens, references, libraries, expected = [], {}, [], []
+    tokens = []
+    references = {}
+    libraries = []
+    expected = []
     for name, fmu in fmus.items():
         folder = tmp_path / name
         host = Host(fmu, fmpy.extract(str(fmu), str(folder)))
@@ -156,7 +162,8 @@ def test_command_line_gives_the_model_identifier(
     assert main(options) == 2
     assert main([*options, "--native"]) == 0
     with zipfile.ZipFile(tmp_path / "x.fmu") as archive:
-        names, text = archive.namelist(), archive.read("modelDescription.xml").decode()
+        names = archive.namelist()
+        text = archive.read("modelDescription.xml").decode()
     assert re.findall(r'modelIdentifier="(\w+)"', text) == ["RopeA"]
     assert any(name.endswith("/RopeA.so") for name in names) or not host_platform().endswith(
         "linux"

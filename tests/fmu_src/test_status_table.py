@@ -5,6 +5,7 @@ import math
 import re
 import shutil
 from collections.abc import Callable
+from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -50,7 +51,9 @@ def bring_to(fmu: Fmu, state: str) -> Host:
 
 
 def enter(rope: Host) -> int:
-    return rope.call("EnterInitializationMode") if rope.fmi == 2 else rope.enter()
+    if rope.fmi == 2:
+        return rope.call("EnterInitializationMode")
+    return rope.enter()
 
 
 def set_up(start: float, stop: float) -> Callable[[Host], int]:
@@ -82,7 +85,8 @@ def save_and_restore(rope: Host) -> int:
 
 
 def write_and_read(rope: Host) -> int:
-    state, read = ctypes.c_void_p(), ctypes.c_void_p()
+    state = ctypes.c_void_p()
+    read = ctypes.c_void_p()
     return rope.save(state) or rope.read(rope.write(state), read) or rope.restore(read)
 
 
@@ -177,12 +181,15 @@ def test_python_flavour_without_its_code_is_not_instantiated_and_says_why(
 
 #: the C code that answers is that of both flavours, and the reference rope takes longer to hang
 QUICK_WITH_PYTHON = ("instantiated", "stepping")
-EACH = [
-    pytest.param(kind, state, marks=[pytest.mark.slow] * slow)
-    for kind in sorted(FLAVOURS)
-    for state in STATES
-    for slow in [kind == "python" and state not in QUICK_WITH_PYTHON]
-]
+
+
+def case_of(kind: str, state: str) -> Any:
+    if kind == "python" and state not in QUICK_WITH_PYTHON:
+        return pytest.param(kind, state, marks=pytest.mark.slow)
+    return pytest.param(kind, state)
+
+
+EACH = [case_of(kind, state) for kind, state in product(sorted(FLAVOURS), STATES)]
 
 
 @pytest.mark.parametrize(("fmu", "state"), EACH, indirect=["fmu"])
@@ -191,7 +198,8 @@ def test_each_call_returns_what_the_table_says(
 ) -> None:
     rope = bring_to(fmu, state)
     calls = {name: call for name, call in TABLE.items() if rope.fmi in call.versions}
-    before, found = rope.state(), {}
+    before = rope.state()
+    found = {}
     for name, call in calls.items():
         found[name] = _LETTERS[call.make(rope)]
         # a state of before the first step does not lead back from a failure

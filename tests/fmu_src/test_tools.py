@@ -9,6 +9,7 @@ import sys
 import zipfile
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -32,12 +33,13 @@ from rope_model.compiler import find_compiler
 from rope_model.engine import NativeRope
 from rope_model.reference.rope import ReferenceRope
 
-H, TRAVEL = 0.01, 90.0
+H = 0.01
+TRAVEL = 90.0
 REFERENCE = s_curve(Winding(travel=TRAVEL, start_delay=0.0))
-PART, WINDING = 350, round((REFERENCE.duration + 1.0) / H)  # steps; two transformations in the part
-FORCES = [
-    f"{side}.{key}" for side in ("left", "right") for key in ("fx", "fy", "fz", "mx", "my", "mz")
-]
+PART = 350  # steps, with two transformations
+WINDING = round((REFERENCE.duration + 1.0) / H)
+SIDES = ("left", "right")
+FORCES = [*map(".".join, product(SIDES, ("fx", "fy", "fz", "mx", "my", "mz")))]
 
 
 #: the rope in Python takes ten times as long; test_rope_fmu compares it with the rope in process
@@ -63,7 +65,9 @@ def exported(request: Any, fmu_of: Callable[[str], Path]) -> tuple[Flavour, Path
 def in_process(native: bool, steps: int, lift: float = 0.0) -> np.ndarray:
     """(steps, 12) end forces and moments of the rope in process, all of it ``lift`` (m) higher."""
     scene = rope_120().scene.with_(solver=fixed_steps(H))
-    rope: BalanceRope = NativeRope(scene) if native else ReferenceRope(scene)
+    rope: BalanceRope = ReferenceRope(scene)
+    if native:
+        rope = NativeRope(scene)
     rows = []
 
     def ends(t: float) -> list:
@@ -86,20 +90,15 @@ def test_forces_in_fmpy_are_those_of_the_rope_in_process(
     """simulate_fmu sets the inputs of t_k and steps to t_k + H: it has no inputs of a step's end."""
     flavour, fmu = exported
     times = H * np.arange(steps + 1)
-    motions = [
-        [getattr(end, key) for end in ends_at(REFERENCE, TRAVEL, t) for key in ("y", "vy", "ay")]
-        for t in times
-    ]
+    motions = [input_values(*ends_at(REFERENCE, TRAVEL, t)) for t in times]
     signals = np.rec.fromarrays([times, *np.array(motions).T], names=["time", *INPUTS])
     start = {"solver.step_max": H, "solver.tolerance": 1e6}
     times_of: dict[str, float] = {"stop_time": steps * H, "output_interval": H}
     result = fmpy.simulate_fmu(
         str(fmu), start_values=start, input=signals, output=FORCES, **times_of
     )
-    found, expected = (
-        np.array([list(row)[1:] for row in result[1:]]),
-        in_process(flavour.native, steps),
-    )
+    found = np.array([list(row)[1:] for row in result[1:]])
+    expected = in_process(flavour.native, steps)
     largest = np.maximum(np.abs(expected).max(axis=0), 1.0)
     allowed = flavour.tolerance * largest
     if flavour.native:
@@ -126,7 +125,8 @@ def test_fmpy_meets_the_reference_experiment_inside(
 ) -> None:
     with zipfile.ZipFile(exported[1]) as archive:
         archive.extractall(tmp_path)
-    folder, schemas = tmp_path / "extra" / LAYER, Path(fmpy.__file__).with_name("schema") / "fmi3"
+    folder = tmp_path / "extra" / LAYER
+    schemas = Path(fmpy.__file__).with_name("schema") / "fmi3"
     manifest = etree.parse(folder / "fmi-ls-manifest.xml")
     etree.XMLSchema(
         etree.XML(MANIFEST.format(schemas / "fmi3LayeredStandardManifest.xsd"))
@@ -180,13 +180,24 @@ EVENTS = {
     "guard.torque": 0.5,
     "guard.torque_delay": 0.08,
 }
-STEP, SIDES = 0.05, ("left", "right")
+STEP = 0.05
 STARTS = [STEP * k for k in range(10)]
 
 
+def falling_ends(t: float) -> tuple[EndMotion, EndMotion]:
+    y = -t * t - 0.05 * t**3
+    vy = -2.0 * t - 0.15 * t * t
+    ay = -2.0 - 0.3 * t
+    return EndMotion(y=y, vy=vy, ay=ay), EndMotion(y=90.0 + y, vy=vy, ay=ay)
+
+
+def input_values(left: EndMotion, right: EndMotion) -> list[float]:
+    """Return values in the order of INPUTS."""
+    return [left.y, left.vy, left.ay, right.y, right.vy, right.ay]
+
+
 def falling(t: float) -> dict[str, float]:
-    y, vy, ay = -t * t - 0.05 * t**3, -2.0 * t - 0.15 * t * t, -2.0 - 0.3 * t
-    return dict(zip(INPUTS, (y, vy, ay, 90.0 + y, vy, ay), strict=True))
+    return dict(zip(INPUTS, input_values(*falling_ends(t)), strict=True))
 
 
 @pytest.mark.skipif("native-3" not in FLAVOURS, reason="needs a C compiler")
@@ -196,11 +207,9 @@ def test_event_mode_returns_at_each_event_and_takes_motions_that_are_held_throug
     """Release, slips and sticks of a swivel, a guard's trip, a strike; over steps that are long beside them."""
 
     def run(events: bool, given: int = 0) -> tuple[list[float], list[float]]:
-        rope, returned, answers = (
-            Host(*unpacked("native-3"), events=events),
-            list[float](),
-            [ctypes.c_bool()] * 5,
-        )
+        rope = Host(*unpacked("native-3"), events=events)
+        returned = list[float]()
+        answers = [ctypes.c_bool()] * 5
         rope.start(**EVENTS | {"inputs.given": given})
         for t in STARTS:
             assert rope.give(falling(t)) == rope.do_step(t, STEP) == OK, rope.said
@@ -236,14 +245,11 @@ def test_event_mode_returns_at_each_event_and_takes_motions_that_are_held_throug
     rope = balance_rope(case_with("rope-120", "standard", EVENTS).scene)
     assert rope.initialize(0.0, EndMotion(ay=-2.0), EndMotion(y=90.0, ay=-2.0)).valid
     for t in STARTS:
-        left, right = (
-            EndMotion(**{key: falling(t)[f"{side}.{key}"] for key in ("y", "vy", "ay")})
-            for side in SIDES
-        )
-        assert rope.advance_to(t + STEP, left, right, t).valid
+        assert rope.advance_to(t + STEP, *falling_ends(t), t).valid
         happened |= {event.t for event in rope.state.events if event.what.startswith(SIDES)}
     happened |= {rope.state.guard.time, *(near.touched_at for near in rope.state.nearest)} - {0.0}
-    (none, plain), (times, early) = run(events=False), run(events=True)
+    none, plain = run(events=False)
+    times, early = run(events=True)
     assert none == []
     assert_allclose(times, sorted(happened), rtol=0, atol=1e-4)
     assert plain[0] == early[0] == 0
@@ -271,7 +277,8 @@ def simulate_without_python(flavour: Flavour, fmu: Path, folder: Path) -> int:
     program = folder / "ecos"
     shutil.copy(Path(str(packaged.origin)).parent / "binaries" / "ecos", program)
     program.chmod(0o755)
-    where, libraries = environment(), freed_blocks(folder)
+    where = environment()
+    libraries = freed_blocks(folder)
     if not flavour.native:
         # of several on this machine, the one that the packages are for
         library = ctypes.util.find_library(
@@ -315,10 +322,8 @@ def freed_blocks(folder: Path) -> list[str]:
     """A library to preload that makes any use of freed C++ memory fatal, where it can be compiled."""
     if (compiler := find_compiler()) is None:
         return []
-    source, library = (
-        NATIVE / "freed_blocks.c",
-        folder / "freed_blocks.so",
-    )
+    source = NATIVE / "freed_blocks.c"
+    library = folder / "freed_blocks.so"
     command = [*compiler, "-std=c99", "-O1", "-fPIC", "-shared", str(source), "-o", str(library)]
     subprocess.run(command, check=True, capture_output=True)
     return [str(library)]

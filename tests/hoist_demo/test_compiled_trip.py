@@ -29,7 +29,8 @@ from rope_model import Level
 
 pytestmark = pytest.mark.skipif("native-3" not in FLAVOURS, reason="needs a C compiler")
 
-COUPLING, GAINS = Coupling(step=0.02, sample=0.01), Gains()
+COUPLING = Coupling(step=0.02, sample=0.01)
+GAINS = Gains()
 TRIP = Winding(travel=6.0, speed=4.0, start_delay=0.2, settle=0.8)
 
 
@@ -48,12 +49,11 @@ class Wound:
 
     def run(self, python: bool = False, **options: Any) -> Result:
         case = find_case(self.name)
-        own = {**case.rope, **self.rope}
-        rope: RopePlant = (
-            FmuRope(self.fmu, own)
-            if self.fmu
-            else rope_in_process(self.name, self.level, self.rope)
-        )
+        rope: RopePlant
+        if self.fmu is not None:
+            rope = FmuRope(self.fmu, {**case.rope, **self.rope})
+        else:
+            rope = rope_in_process(self.name, self.level, self.rope)
         hoist = replace(case.hoist, **self.hoist)
         host = Host(rope, hoist, self.winding, self.coupling, self.gains)
         if python:
@@ -131,16 +131,19 @@ def test_a_guard_of_the_rope_stops_the_hoist_as_in_python(in_c: list[int]) -> No
 def test_a_trip_that_fails_does_so_with_the_words_of_python(
     part: str, kind: str, coupling: Coupling, fmu_of
 ) -> None:
-    wound = Wound(coupling=coupling, fmu=fmu_of(kind) if kind else None)
+    wound = Wound(coupling=coupling)
+    if kind:
+        wound.fmu = fmu_of(kind)
     if part == "rope":
         wound.rope = {"inputs.acceleration_max": 0.5}  # m/s^2, less than the trip's
     else:
         wound.hoist = {"shaft_travel": 6.0, "head_rope_length_up": 0.3}
-        wound.gains = Gains(
-            speed=2e4, integral_time=0.2, position=3.0, feed_forward=0.0
-        )  # overshoots
-    failed, told = wound.run(), wound.run(python=True)
-    assert part in failed.cause.split(":")[0 if part == "rope" else 1]
+        # overshoots
+        wound.gains = Gains(speed=2e4, integral_time=0.2, position=3.0, feed_forward=0.0)
+    failed = wound.run()
+    told = wound.run(python=True)
+    place = {"rope": 0, "drive": 1}[part]
+    assert part in failed.cause.split(":")[place]
     assert_alike(failed, told)
     assert failed.checkpoint is not None
     assert told.checkpoint is not None

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -64,6 +64,15 @@ def both(left: float) -> np.ndarray:
     return np.array([left, 0.0])
 
 
+class Exact(NamedTuple):
+    """Place and speed of the drive's mass (y, v) and of the rope's (x, w), m and m/s."""
+
+    y: float
+    v: float
+    x: float
+    w: float
+
+
 @dataclass(frozen=True)
 class Data:
     """Masses (kg), springs (N/m) and damper (N s/m); periods of about 1 and 0.4 s."""
@@ -76,14 +85,17 @@ class Data:
     k_2: float = 500.0
     c_2: float = 1.0
 
-    def exact(self, t: float) -> np.ndarray:
-        """(y, v, x, w) at t from rest at zero."""
-        M, k, c = self.m + self.m_e, self.k_2, self.c_2
+    def exact(self, t: float) -> Exact:
+        """The exact solution at t from rest at zero."""
+        M = self.m + self.m_e
+        k = self.k_2
+        c = self.c_2
         A = np.zeros((5, 5))
         A[0, 1] = A[2, 3] = 1.0
         A[1] = np.array([-(self.k + k), -c, k, c, self.f]) / M
         A[3, :4] = np.array([k, c, -k, -c]) / self.m_2
-        return (exponential(A * t) @ np.array([0.0, 0.0, 0.0, 0.0, 1.0]))[:4]
+        *motion, _ = exponential(A * t) @ np.array([0.0, 0.0, 0.0, 0.0, 1.0])
+        return Exact(*motion)
 
     def forces(self, t: float) -> tuple[float, float]:
         """F and y'' of the exact solution."""
@@ -95,9 +107,11 @@ class Data:
 
 def driven(A: np.ndarray, b: np.ndarray, x: np.ndarray, h: float, c: np.ndarray) -> np.ndarray:
     """x(h) of x' = A x + b u with u = sum c_i (t / h)^i: exact, by a chain of integrators."""
-    n, p = len(x), len(c)
+    n = len(x)
+    p = len(c)
     whole = np.zeros((n + p, n + p))
-    whole[:n, :n], whole[:n, n] = A, b
+    whole[:n, :n] = A
+    whole[:n, n] = b
     whole[n + np.arange(p - 1), n + 1 + np.arange(p - 1)] = 1.0
     start = [ci * math.factorial(i) / h**i for i, ci in enumerate(c)]
     return (exponential(whole * h) @ np.concatenate((x, start)))[:n]
@@ -107,10 +121,12 @@ class Drive:
     """The left half; state (y, v). The right end of the interface rests, and no force acts there."""
 
     def __init__(self, data: Data, state: np.ndarray) -> None:
-        self.data, self.state = data, state
+        self.data = data
+        self.state = state
 
     def step(self, t: float, h: float, load: Load) -> Status:
-        d, mass = self.data, self.data.m + float(load.added_mass[0])
+        d = self.data
+        mass = self.data.m + float(load.added_mass[0])
         c = np.array([load.start[0] + d.f, load.linear[0], load.quadratic[0]])
         self.state = driven(
             np.array([[0.0, 1.0], [-d.k / mass, 0.0]]),
@@ -125,7 +141,8 @@ class Drive:
         return both(self.state[0])
 
     def motion(self, load: Load, s: float) -> InterfaceMotion:
-        d, (y, v) = self.data, self.state
+        d = self.data
+        y, v = self.state
         force = load.start[0] + s * (load.linear[0] + s * load.quadratic[0])
         return InterfaceMotion(
             both(y), both(v), both((d.f - d.k * y + force) / (d.m + load.added_mass[0]))
@@ -141,7 +158,8 @@ class Drive:
 
     def work(self) -> float:
         """Work of F: the energy less the work of f."""
-        d, (y, v) = self.data, self.state
+        d = self.data
+        y, v = self.state
         return float(d.m * v * v / 2 + d.k * y * y / 2 - d.f * y)
 
     def save(self) -> np.ndarray:
@@ -157,23 +175,28 @@ class Follower:
     def __init__(
         self, data: Data, state: np.ndarray, end: np.ndarray, mean: float, h: float
     ) -> None:
-        self.data, self.state, self.end, self.mean, self.h = data, state, end, mean, h
+        self.data = data
+        self.state = state
+        self.end = end
+        self.mean = mean
+        self.h = h
 
     def step(self, t: float, h: float, left: EndMotion, right: EndMotion) -> Status:
-        d, (y0, v0, a0), before = self.data, self.end, self.state
+        d = self.data
+        y0, v0, a0 = self.end
+        before = self.state
         new = np.array([left.y, left.vy, left.ay])
-        dx, dv, da = (
-            new[0] - y0 - h * v0 - h * h * a0 / 2,
-            h * (new[1] - v0 - h * a0),
-            h * h * (new[2] - a0),
-        )
+        dx = new[0] - y0 - h * v0 - h * h * a0 / 2
+        dv = h * (new[1] - v0 - h * a0)
+        da = h * h * (new[2] - a0)
         c = np.array([10 * dx - 4 * dv + da / 2, -15 * dx + 7 * dv - da, 6 * dx - 3 * dv + da / 2])
         c = np.concatenate(([y0, h * v0, h * h * a0 / 2], c))
         A = np.array([[0.0, 1.0], [-d.k_2 / d.m_2, -d.c_2 / d.m_2]])
         force = d.k_2 * c + d.c_2 * np.append(np.arange(1, 6) * c[1:], 0.0) / h
         self.state = driven(A, np.array([0.0, 1.0 / d.m_2]), before, h, force)
         self.mean = -(d.m_e * (new[1] - v0) + d.m_2 * float(self.state[1] - before[1])) / h
-        self.end, self.h = new, h
+        self.end = new
+        self.h = h
         return Status(True)
 
     def reader(self, names: Sequence[str]) -> Reader:
@@ -182,10 +205,13 @@ class Follower:
             "left.fy_mean": lambda: self.mean,
             "left.added_mass": self.added_mass,
         }
-        return lambda: np.array([signals[name]() if name in signals else 0.0 for name in names])
+        asked = [signals.get(name, lambda: 0.0) for name in names]
+        return lambda: np.array([signal() for signal in asked])
 
     def force(self) -> float:
-        d, (x, w), (y, v, a) = self.data, self.state, self.end
+        d = self.data
+        x, w = self.state
+        y, v, a = self.end
         return -d.m_e * a - d.k_2 * (y - x) - d.c_2 * (v - w)
 
     def added_mass(self) -> float:
@@ -194,19 +220,21 @@ class Follower:
         still.step(0.0, self.h, EndMotion(y=self.h**2 / 6, vy=self.h / 2, ay=1.0), NOTHING)
         return -still.force()
 
-    def save(self) -> tuple:
-        return self.state, self.end, self.mean, self.h
+    def save(self) -> dict[str, Any]:
+        return {**vars(self)}
 
-    def restore(self, snapshot: tuple) -> None:
-        self.state, self.end, self.mean, self.h = snapshot
+    def restore(self, snapshot: dict[str, Any]) -> None:
+        vars(self).update(snapshot)
 
 
 def start(data: Data, t: float, H: float) -> tuple[CoupledSystem, SchemeState]:
     """Both halves on the exact solution at t, with exact samples of the two steps before."""
     samples = []
     for past in (t - 2 * H, t - H, t):
-        (_, v, _, w), before, (force, a) = data.exact(past), data.exact(past - H), data.forces(past)
-        impulse = data.m_e * (v - before[1]) + data.m_2 * (w - before[3])
+        now = data.exact(past)
+        before = data.exact(past - H)
+        force, a = data.forces(past)
+        impulse = data.m_e * (now.v - before.v) + data.m_2 * (now.w - before.w)
         samples.append(Sample(past, both(force), both(-impulse / H), both(a)))
     y, v, x, w = data.exact(t)
     follower = Follower(data, np.array([x, w]), np.array([y, v, a]), float(samples[-1].mean[0]), H)
@@ -215,8 +243,10 @@ def start(data: Data, t: float, H: float) -> tuple[CoupledSystem, SchemeState]:
 
 def error(scheme: Scheme, H: float, data: Data | None = None) -> float:
     """RMS error of the force over its largest, from 0.5 to 2.5 s, at the communication points."""
-    data, begin = data or Data(), 0.5
-    (coupled, scheme_state), found = start(data, begin, H), []
+    data = data or Data()
+    begin = 0.5
+    coupled, scheme_state = start(data, begin, H)
+    found = []
     times = begin + H * np.arange(round(2.0 / H))
     for t in times:
         advance = scheme.advance(coupled, scheme_state, float(t), H)
@@ -238,7 +268,9 @@ TRIP = Winding(travel=0.002, settle=0.15, start_delay=0.0)
 def tight(name: str) -> Scheme:
     """The scheme, with a tolerance that does not show."""
     scheme = SCHEMES[name]
-    return replace(scheme, tolerance=1e-9) if isinstance(scheme, Iterative) else scheme
+    if isinstance(scheme, Iterative):
+        return replace(scheme, tolerance=1e-9)
+    return scheme
 
 
 @pytest.mark.parametrize("name", SCHEMES)
@@ -287,8 +319,11 @@ def test_extrapolation_reproduces_polynomials_of_its_order_on_uneven_samples(deg
 @pytest.mark.parametrize(("inner", "bound"), [(ImpulsePreserving(), 1.0), (GaussSeidel(1), 0.05)])
 def test_energy_control_keeps_the_residual_below_its_bound(inner: Scheme, bound: float) -> None:
     H = 0.04
-    (free, free_memory), (coupled, scheme_state) = start(Data(), 0.5, H), start(Data(), 0.5, H)
-    scheme, worst, uncontrolled = EnergyControlled(inner, bound), 0.0, 0.0
+    free, free_memory = start(Data(), 0.5, H)
+    coupled, scheme_state = start(Data(), 0.5, H)
+    scheme = EnergyControlled(inner, bound)
+    worst = 0.0
+    uncontrolled = 0.0
     for k in range(25):
         advance = scheme.advance(coupled, scheme_state, 0.5 + k * H, H)
         assert advance.status.valid
@@ -375,7 +410,8 @@ def test_a_choice_that_will_be_unstable_is_warned_of_with_the_number(
 @pytest.mark.parametrize("case", BUILTIN_HOISTS)
 @pytest.mark.parametrize("H", [0.005, 0.01, 0.02])
 def test_the_default_is_expected_to_be_stable_on_every_case(case: str, H: float) -> None:
-    scene, plant = find_case(case), rope_in_process(case, level="draft")
+    scene = find_case(case)
+    plant = rope_in_process(case, level="draft")
     host = Host(plant, scene.hoist, scene.winding, Coupling(step=H), scene.gains)
     assert host.run(lambda fraction, t: False).warning == ""
     assert host.stability is not None
@@ -387,12 +423,10 @@ def test_a_failure_saves_the_last_good_state_and_the_run_resumes_to_the_same_bit
     way, tmp_path, monkeypatch
 ):
     monkeypatch.setattr("hoist_demo.cosimulation.host.SAVE_INTERVAL", 0.03)
-    whole, step, reader, at = (
-        wind("gauss-seidel-1"),
-        InProcessRope.step,
-        InProcessRope.reader,
-        0.555,
-    )
+    whole = wind("gauss-seidel-1")
+    step = InProcessRope.step
+    reader = InProcessRope.reader
+    at = 0.555
 
     def faulty_step(
         self: InProcessRope, t: float, h: float, left: EndMotion, right: EndMotion
@@ -406,9 +440,13 @@ def test_a_failure_saves_the_last_good_state_and_the_run_resumes_to_the_same_bit
 
     def faulty_reader(self: InProcessRope, names: Sequence[str]) -> Reader:
         read = reader(self, names)
-        return lambda: (
-            read() * (math.nan if way == "nan" and self.save().state.motion.t > at else 1.0)
-        )
+
+        def faulty() -> np.ndarray:
+            if way == "nan" and self.save().state.motion.t > at:
+                return np.full(len(names), math.nan)
+            return read()
+
+        return faulty
 
     with monkeypatch.context() as patch:
         patch.setattr(Host, "_compiled", lambda *_: None)

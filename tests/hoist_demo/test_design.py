@@ -45,7 +45,8 @@ def test_shaped_trip_leaves_the_mode_at_rest(kind: str) -> None:
 
 
 def test_shaped_trip_is_the_convolution_at_any_time() -> None:
-    plain, shaper = s_curve(TRIP), Shaper("ZVD", 1.3, 0.05)
+    plain = s_curve(TRIP)
+    shaper = Shaper("ZVD", 1.3, 0.05)
     shaped = shape(plain, shaper)
     for t in np.linspace(0.0, shaped.duration + 0.5, 301):
         expected = sum(
@@ -68,7 +69,8 @@ def test_fitted_swing_is_the_given_one(frequency: float, damping: float) -> None
 def test_low_fidelity_without_balance_rope_accelerates_as_the_plant() -> None:
     hoist = Hoist(tail_rope_mass=0.0)
     gains = Gains(feed_forward=0.0)
-    model, plant = low_fidelity(hoist, gains, 0.0, 90.0), Plant(hoist)
+    model = low_fidelity(hoist, gains, 0.0, 90.0)
+    plant = Plant(hoist)
     state = plant.equilibrium(0.0, 90.0, 0.0, 0.0)
     R = hoist.sheave_radius
     moved = np.array([1.0e4, 3.0 / R, 3.01, 87.005, 1.5 / R, 1.51, -1.49])

@@ -64,29 +64,31 @@ def drive(unpacked: Callable[[str], tuple[Path, str]]) -> Iterator[Host]:
 
 def in_process(case: Case, forces: list[tuple[float, float]]) -> list[list[float]]:
     """Motions after each step under the given forces of the balance rope; the loop of hoist_demo.cosimulation.host."""
-    plant, reference = Plant(case.hoist), s_curve(case.winding)
+    plant = Plant(case.hoist)
+    reference = s_curve(case.winding)
     heights = start_heights(case.hoist, case.winding)
     state = plant.equilibrium(*heights, *interface.rest_forces(case))
     shown = plant.outputs(state, PlantInput(float(state.x[0]), *interface.rest_forces(case)))
-    controller, memory = SpeedController(case.hoist, shown.torque), ControllerState()
+    controller = SpeedController(case.hoist, shown.torque)
+    memory = ControllerState()
     rows = []
     for k, (left, right) in enumerate(forces):
         measured = Measurement(shown.y_left - heights[0], case.hoist.sheave_radius * shown.rate)
         command = controller.command(reference.at(k * H), measured, memory, H)
-        memory, held = command.state, PlantInput(command.torque, left, right)
+        memory = command.state
+        held = PlantInput(command.torque, left, right)
         moved = plant.step(state, H, held)
         assert moved.valid, moved.message
-        state, shown = moved.state, plant.outputs(moved.state, held)
+        state = moved.state
+        shown = plant.outputs(moved.state, held)
         rows.append([getattr(shown, field) for field in MOTIONS.values()])
     return rows
 
 
 def test_trip_under_swaying_forces_is_that_of_the_drive_in_process(drive: Host) -> None:
     # forces that differ from those at rest by up to a fifth, and swing at 1.5 Hz
-    (left, right), swing = (
-        interface.rest_forces(SETUP),
-        0.2 * np.sin(2 * np.pi * 1.5 * H * np.arange(2600)),
-    )
+    left, right = interface.rest_forces(SETUP)
+    swing = 0.2 * np.sin(2 * np.pi * 1.5 * H * np.arange(2600))
     forces = [(left * (1 + s), right * (1 - s)) for s in swing]
     expected = in_process(SETUP, forces)
     drive.start()
@@ -167,7 +169,8 @@ def test_forces_that_no_rope_could_follow_are_refused_and_leave_the_drive_where_
     """Inputs are held: what is sent again counts on, and a jump is a jump."""
     drive.start()
     assert drive.step(0.0) == ""
-    state, before = drive.state(), drive.get(*MOTIONS)
+    state = drive.state()
+    before = drive.get(*MOTIONS)
     for force, words in ((-1e9, "m/s2, not within +-100 m/s2"), (1e300, interface.INPUTS[0])):
         drive.set(**{interface.INPUTS[0]: force})
         assert words in drive.step(H)
@@ -197,7 +200,8 @@ def test_overwind_is_refused_and_leaves_the_drive_where_it_was(drive: Host) -> N
     drive.set(**{interface.INPUTS[1]: -1e6})
     t = 0.0
     while not (said := drive.step(t)):
-        before, t = drive.get("left.y"), t + H
+        before = drive.get("left.y")
+        t += H
     assert "overwind" in said
     assert drive.get("left.y") == before
 
@@ -217,15 +221,15 @@ def exported(folder: Path, name: str, model: DriveModel) -> Host:
 
 def test_ropes_beside_the_centres_do_the_work_that_the_drive_gets() -> None:
     """At random places: forces and moments times the speeds of the ropes' ends, and of the conveyances."""
-    rng, moment, point = np.random.default_rng(1), moment_function(), point_function()
+    rng = np.random.default_rng(1)
+    moment = moment_function()
+    point = point_function()
     for place in PLACES.values():
         for side in SIDES:
-            offset, force, centre, turn = (
-                place.at(side),
-                rng.normal(size=3),
-                rng.normal(size=6),
-                rng.normal(size=3),
-            )
+            offset = place.at(side)
+            force = rng.normal(size=3)
+            centre = rng.normal(size=6)
+            turn = rng.normal(size=3)
             my = float(moment(offset, turn[0], force))
             _, _, vx, vz, _, _ = point(offset, centre, turn).full().ravel()
             at_centre = force[0] * centre[2] + force[2] * centre[3] + my * turn[1]
@@ -236,30 +240,22 @@ def test_drive_of_several_ropes_moves_as_one_rope_with_their_sum_would_move_it(
     tmp_path: Path,
 ) -> None:
     case = leave_out(find_case("kiruna-355"), ("lining",))
-    mass, length = case.hoist.tail_rope_mass / 3.0, case.hoist.tail_rope_length
+    mass = case.hoist.tail_rope_mass / 3.0
+    length = case.hoist.tail_rope_length
     ropes = [interface.DriveRope(name, mass, length, place) for name, place in PLACES.items()]
-    several, one = (
-        exported(tmp_path, "several", drive_model(case, ropes)),
-        exported(tmp_path, "one", drive_model(case)),
-    )
+    several = exported(tmp_path, "several", drive_model(case, ropes))
+    one = exported(tmp_path, "one", drive_model(case))
     for drive in (several, one):
         drive.start()
     rng = np.random.default_rng(1)
     pulls = np.array([interface.rest_forces(case, rope) for rope in ropes])
     for k in range(100):
-        forces = {
-            f"{rope.name}.{side}": (
-                300.0 * rng.normal(),
-                pull[i] * (1.0 + 0.1 * rng.normal()),
-                300.0 * rng.normal(),
-            )
-            for rope, pull in zip(ropes, pulls, strict=True)
-            for i, side in enumerate(SIDES)
-        }
         total = dict.fromkeys((*interface.INPUTS, *SIDE_FORCES), 0.0)
-        for rope in ropes:
-            for side in SIDES:
-                fx, fy, fz = forces[f"{rope.name}.{side}"]
+        for rope, pull in zip(ropes, pulls, strict=True):
+            for side, at_rest in zip(SIDES, pull, strict=True):
+                fx = 300.0 * rng.normal()
+                fy = at_rest * (1.0 + 0.1 * rng.normal())
+                fz = 300.0 * rng.normal()
                 my = moment_at(
                     rope.suspension.at(side), several.get(f"{side}.yaw")[0], (fx, fy, fz)
                 )[1]
@@ -331,7 +327,8 @@ def test_hoists_with_other_numbers_share_the_sources_of_their_drive() -> None:
         hoist=replace(SETUP.hoist, payload_left=4e3),
         winding=replace(SETUP.winding, speed=9.0),
     )
-    other, model = drive_model(case), drive_model(SETUP)
+    other = drive_model(case)
+    model = drive_model(SETUP)
     assert other.sources == model.sources == drive_sources(complete(SETUP.hoist).equation_structure)
     assert other.data != model.data
 
@@ -380,7 +377,8 @@ def run(
 ) -> NDArray[np.float64]:
     """What the library for ``platform`` prints in a run by the ``commands``, of STEPS steps."""
     with tempfile.TemporaryDirectory() as name, zipfile.ZipFile(fmu) as archive:
-        folder, target = Path(name), PLATFORMS[platform]
+        folder = Path(name)
+        target = PLATFORMS[platform]
         described = ElementTree.fromstring(archive.read("modelDescription.xml"))
         path = f"binaries/{target.folder2}/{described.find('CoSimulation').get('modelIdentifier')}{target.suffix}"
         library = folder / Path(path).name
@@ -425,7 +423,9 @@ def rope_script(described: ElementTree.Element) -> str:
     }
     lines = [f"b {references['inputs_at_step_end']} 1", "i"]
     for k in range(STEPS):
-        s, duration, way = (k + 1) / STEPS, STEPS * H, 10.0
+        s = (k + 1) / STEPS
+        duration = STEPS * H
+        way = 10.0
         motion = {
             "y": way * s**3 * (10.0 - 15.0 * s + 6.0 * s**2),
             "vy": way / duration * 30.0 * s**2 * (1.0 - s) ** 2,
@@ -439,7 +439,12 @@ def rope_script(described: ElementTree.Element) -> str:
 
 
 def _compile(folder: Path, platform: str) -> Path:
-    host = folder / ("host.exe" if platform.endswith("windows") else "host")
+    if platform.endswith("windows"):
+        host = folder / "host.exe"
+        libraries = []
+    else:
+        host = folder / "host"
+        libraries = ["-ldl"]
     compiler = [
         sys.executable,
         "-m",
@@ -451,7 +456,6 @@ def _compile(folder: Path, platform: str) -> Path:
         "-O1",
     ]
     source = NATIVE / "foreign_host.c"
-    libraries = [] if platform.endswith("windows") else ["-ldl"]
     subprocess.run(
         [*compiler, f"-I{HEADERS}", str(source), "-o", str(host), *libraries], check=True
     )
@@ -474,10 +478,8 @@ def require_emulator(platform: str) -> None:
 def exported_by_dll(dll: bytes) -> set[str]:
     """Names in the export table of a 64 bit Windows library (PE32+)."""
     pe = struct.unpack_from("<I", dll, 0x3C)[0]
-    sections, optional = (
-        struct.unpack_from("<H", dll, pe + 6)[0],
-        struct.unpack_from("<H", dll, pe + 20)[0],
-    )
+    sections = struct.unpack_from("<H", dll, pe + 6)[0]
+    optional = struct.unpack_from("<H", dll, pe + 20)[0]
 
     def place(address: int) -> int:
         for k in range(sections):
@@ -509,7 +511,8 @@ def test_library_of_the_rope_in_the_emulator_gives_the_values_of_this_platform(
 ) -> None:
     require_emulator(platform)
     rope = export_native(tmp_path / "rope.fmu", platforms=(host_platform(), platform))
-    expected, found = run(rope, host_platform(), rope_script), run(rope, platform, rope_script)
+    expected = run(rope, host_platform(), rope_script)
+    found = run(rope, platform, rope_script)
     scale = np.abs(expected).max(axis=0)
     # another C library rounds its functions otherwise, and steps to tolerances amplify that
     assert_allclose(found / scale, expected / scale, rtol=0, atol=1e-8)
@@ -522,7 +525,8 @@ def test_library_of_the_drive_in_the_emulator_gives_the_values_of_this_platform(
 ) -> None:
     require_emulator(platform)
     drive = export_drive(tmp_path / "drive.fmu", (host_platform(), platform))
-    expected, found = run(drive, host_platform(), script), run(drive, platform, script)
+    expected = run(drive, host_platform(), script)
+    found = run(drive, platform, script)
     scale = np.maximum(np.abs(expected).max(axis=0), 1e-12)
     # only tanh may round otherwise, in another C library
     assert_allclose(found / scale, expected / scale, rtol=0, atol=1e-14)

@@ -2,7 +2,7 @@
 
 import re
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pandas as pd
 import pytest
@@ -29,7 +29,16 @@ from hoist_demo.files.reading import FileError
 from hoist_demo.parameters import GRAVITY
 
 pytestmark = pytest.mark.usefixtures("plain_figures")
-Duty = tuple[list[WoundTrip], tuple[float, float], InProcessRope]
+
+
+class Wound(NamedTuple):
+    """Trips of a schedule, the place of the loop at rest before them, and the rope after them."""
+
+    trips: list[WoundTrip]
+    rest: tuple[float, float]
+    rope: InProcessRope
+
+
 DUTY = """
 [duty]
 hoist = "rope-120"
@@ -69,20 +78,20 @@ def wound(schedule: Schedule) -> list[WoundTrip]:
 
 
 @pytest.fixture(scope="module")
-def trips_at_rest(tmp_path_factory: pytest.TempPathFactory) -> Duty:
-    """Return the trips of two repetitions, the place of the loop at rest, and the rope."""
+def trips_at_rest(tmp_path_factory: pytest.TempPathFactory) -> Wound:
+    """Two repetitions."""
     schedule = schedule_of(tmp_path_factory.mktemp("duty"), repeat=2, settle=15.0)
     rope = rope_of(schedule)
     rest = place_at_rest(schedule, rope)
-    return list(wind_duty(schedule, rope, torque_free={"": False})), rest, rope
+    return Wound(list(wind_duty(schedule, rope, torque_free={"": False})), rest, rope)
 
 
-def test_a_trip_begins_with_what_the_one_before_has_left(trips_at_rest: Duty) -> None:
-    first, second, *_ = trips_at_rest[0]
-    assert (
-        trips_at_rest[2].whole.warnings() == {}
-    )  # payloads that change are no coarse table of positions
-    before, after = first.result.recording, second.result.recording
+def test_a_trip_begins_with_what_the_one_before_has_left(trips_at_rest: Wound) -> None:
+    first, second, *_ = trips_at_rest.trips
+    # payloads that change are no coarse table of positions
+    assert trips_at_rest.rope.whole.warnings() == {}
+    before = first.result.recording
+    after = second.result.recording
     assert after.time[0] == before.time[-1]
     for name in (
         "loop.yaw",
@@ -133,13 +142,14 @@ def test_a_dwell_ends_with_the_payload_of_the_next_trip(tmp_path: Path) -> None:
     dwell = round(60.0 / 0.02)
     for tension, change in zip(tensions, (-5000.0, 5000.0), strict=True):
         # the second before loading begins, and the last: the swing of either is averaged out to a thousandth
-        before, after = tension[-dwell + 700 : -dwell + 750].mean(), tension[-50:].mean()
+        before = tension[-dwell + 700 : -dwell + 750].mean()
+        after = tension[-50:].mean()
         assert after - before == pytest.approx(change * GRAVITY, rel=2e-3)
 
 
-def test_trips_from_rest_miss_what_builds_up(trips_at_rest: Duty) -> None:
-    wound, rest, _ = trips_at_rest
-    trips = trip_table([trip_row(trip, rest) for trip in wound], 2)
+def test_trips_from_rest_miss_what_builds_up(trips_at_rest: Wound) -> None:
+    rows = [trip_row(trip, trips_at_rest.rest) for trip in trips_at_rest.trips]
+    trips = trip_table(rows, 2)
     found = {one.name: one for one in worst(trips, 2)}
     assert found["loop_yaw"].trip > 2
     assert found["loop_yaw"].value > 1.3 * found["loop_yaw"].first_cycle
@@ -150,7 +160,8 @@ def test_trips_from_rest_miss_what_builds_up(trips_at_rest: Duty) -> None:
 
 def test_a_duty_goes_on_from_its_file_with_the_same_bits(tmp_path: Path) -> None:
     schedule = schedule_of(tmp_path, repeat=2, settle=2.0, travel=20.0)
-    rope, path = rope_of(schedule), tmp_path / "last_trip.npz"
+    rope = rope_of(schedule)
+    path = tmp_path / "last_trip.npz"
     rest = place_at_rest(schedule, rope)
     rows = []
     for trip in wind_duty(schedule, rope, torque_free={"": False}):
@@ -194,7 +205,8 @@ def test_a_duty_of_several_ropes_winds_them_all_and_goes_on_with_the_same_bits(
     )
     (tmp_path / "duty.toml").write_text(text, encoding="utf-8")
     schedule = read_schedule(tmp_path / "duty.toml")
-    both, path = schedule.ropes(READ), tmp_path / "last_trip.npz"
+    both = schedule.ropes(READ)
+    path = tmp_path / "last_trip.npz"
     names = {rope.name: rope.torque_free for rope in both.data()}
     rest = place_at_rest(schedule, both.plant, [*names])
     rows = []

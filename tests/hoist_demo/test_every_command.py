@@ -122,15 +122,16 @@ _SAID = {
 def test_commands_say_whence_numbers_are(
     command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    file, out = tmp_path / "file.toml", tmp_path / "out"
+    file = tmp_path / "file.toml"
+    out = tmp_path / "out"
     file.write_text(_FILES[command])
-    options = ["--workers", "1"] if command == "uncertain" else []
-    assert main([command, str(file), "--out", str(out), *options]) == 0
-    said = (
-        (out / "report.md").read_text(encoding="utf-8")
-        if command == "wind"
-        else capsys.readouterr().out
-    )
+    words = [command, str(file), "--out", str(out)]
+    if command == "uncertain":
+        words += ["--workers", "1"]
+    assert main(words) == 0
+    said = capsys.readouterr().out
+    if command == "wind":
+        said = (out / "report.md").read_text(encoding="utf-8")
     assert "Data that this rests on, by status" in said
     with (out / "data.csv").open(encoding="utf-8", newline="") as table:
         rows = {row["name"]: row["status"] for row in csv.DictReader(table)}
@@ -268,7 +269,9 @@ def test_a_demo_winds_with_what_is_set_and_writes_the_signals_asked_for(
 def test_a_run_is_gone_on_with_whose_hoist_is_a_file(
     tmp_path: Path, monkeypatch: Patch, capsys: Capture
 ) -> None:
-    file, asked, out = tmp_path / "own.toml", iter(range(99)), ["--out", str(tmp_path / "out")]
+    file = tmp_path / "own.toml"
+    asked = iter(range(99))
+    out = ["--out", str(tmp_path / "out")]
     file.write_text(
         "name = 'own'\nlike = 'rope-120'\nhoist.payload_left = 4321.0\n", encoding="utf-8"
     )
@@ -290,13 +293,15 @@ def test_an_interrupt_is_130_whenever_it_comes_and_says_what_is_kept(
     tmp_path: Path, monkeypatch: Patch, capsys: Capture, heard: str
 ) -> None:
     def interruption(doing: str = "") -> nullcontext[Callable[[], bool]]:
-        now = heard == ("while writing" if doing else "in the run")
-        return nullcontext(lambda: now)
+        place = "in the run"
+        if doing:
+            place = "while writing"
+        return nullcontext(lambda: heard == place)
 
     monkeypatch.setattr(wind, "interruption", interruption)
     code = main([*DEMO, "--out", str(tmp_path)])
     told = capsys.readouterr().err
-    assert code == (0 if heard == "never" else 130)
+    assert code == {"never": 0, "in the run": 130, "while writing": 130}[heard]
     assert ("balance-rope: interrupted: t = " in told) == (heard == "in the run")
     words = f"interrupted when the run was over: all its results are in {tmp_path}"
     assert (words in told) == (heard == "while writing")
@@ -317,7 +322,8 @@ def test_a_hoist_takes_no_other_s_fmu(tmp_path: Path, monkeypatch: Patch) -> Non
 def test_a_level_that_is_not_wound_is_told(
     tmp_path: Path, fmu_of: Callable[[str], Path], capsys: Capture
 ) -> None:
-    file, written = tmp_path / "own.toml", tmp_path / "out" / "hoist.toml"
+    file = tmp_path / "own.toml"
+    written = tmp_path / "out" / "hoist.toml"
     file.write_text("name = 'own'\nlike = 'rope-120'\nlevel = 'reference'\n", encoding="utf-8")
     short = ["--quick", "--travel", "0.5", "--out", str(tmp_path / "out")]
     assert main(["wind", str(file), "--fmu", str(fmu_of("draft")), *short]) == 0

@@ -194,7 +194,8 @@ def test_over_a_sheave_that_is_held_two_weights_fall_as_on_a_capstan() -> None:
     at = plant.run(state, 0.01, u, 150)
     state = at[-1]
     most = math.exp(0.8 * hoist.friction_coefficient * hoist.wrap_angle)
-    heavy, light = hoist.mass_left, hoist.mass_right
+    heavy = hoist.mass_left
+    light = hoist.mass_right
     exact = -GRAVITY * (heavy - most * light) / (heavy + most * light)
     # the weight of 5 kg of ropes, more on one side by some m: of the 60 kN that accelerate them
     assert (state.slip_state.speed - at[100].slip_state.speed) / 0.5 == pytest.approx(
@@ -266,10 +267,8 @@ def test_the_accelerance_of_ropes_that_slide_is_that_of_differences() -> None:
 
 
 def test_a_run_goes_on_in_the_middle_of_a_slip_with_the_same_bits(tmp_path: Path) -> None:
-    hoist, winding = (
-        HOISTS["plain"],
-        Winding(travel=30.0, emergency_at=5.0, emergency_law="torque", settle=1.0),
-    )
+    hoist = HOISTS["plain"]
+    winding = Winding(travel=30.0, emergency_at=5.0, emergency_law="torque", settle=1.0)
 
     def host() -> Host:
         rope = rope_in_process("rope-120", level="draft", parameters={"model.fidelity": 1})

@@ -26,7 +26,8 @@ every_scene = pytest.mark.parametrize("name", HOISTS)
 cases = pytest.mark.parametrize("case", INSTALLED.values(), ids=INSTALLED.keys())
 
 #: ropes must not slip: twice the friction at rest and a quarter more than the moving hoist asks for
-STATIC_SAFETY, SAFETY = 1.75, 1.25
+STATIC_SAFETY = 1.75
+SAFETY = 1.25
 
 
 @cases
@@ -49,11 +50,13 @@ def test_rope_speed_and_pulley_give_the_published_motor_speed(name: str, rpm: fl
 @pytest.mark.parametrize("short", [True, pytest.param(False, marks=pytest.mark.slow)])
 @cases
 def test_a_trip_arrives_within_all_limits(case: Case, short: bool) -> None:
-    hoist, winding = (
-        case.hoist,
-        replace(case.winding, travel=-25.0, start_delay=0.0) if short else case.winding,
-    )
-    run = wind(hoist, winding, case.gains, step=0.04 if short else 0.02)
+    hoist = case.hoist
+    winding = case.winding
+    step = 0.02
+    if short:
+        winding = replace(winding, travel=-25.0, start_delay=0.0)
+        step = 0.04
+    run = wind(hoist, winding, case.gains, step=step)
     assert_allclose(run["position"][-1], winding.travel, rtol=0, atol=1e-3)
     assert np.max(np.abs(run["speed"])) < case.winding.speed + 0.05
     assert np.max(np.abs(run["torque"])) < hoist.torque_limit
@@ -66,7 +69,8 @@ def test_a_trip_arrives_within_all_limits(case: Case, short: bool) -> None:
 
 @pytest.mark.slow
 def test_a_regulated_stop_from_full_speed_does_not_slip_and_the_full_torque_would() -> None:
-    case, laws = INSTALLED["monopol-1000"], ("deceleration", "torque")
+    case = INSTALLED["monopol-1000"]
+    laws = ("deceleration", "torque")
     trips = [replace(case.winding, emergency_at=40.0, emergency_law=law) for law in laws]
     regulated, sudden = (wind(case.hoist, trip, case.gains) for trip in trips)
     after = regulated["time"] > 40.0
@@ -101,7 +105,8 @@ def test_an_export_of_a_case_starts_with_its_rope_and_its_travel(name: str, leve
 @cache
 def start(name: str) -> tuple[Host, Result]:
     """A host and its run over 50 steps of the case's trip, which begins at once."""
-    case, rope = find_case(name), rope_in_process(name, level="draft")
+    case = find_case(name)
+    rope = rope_in_process(name, level="draft")
     host = Host(rope, case.hoist, replace(case.winding, start_delay=0.0), Coupling(), case.gains)
     return host, host.run(lambda fraction, t: t < 0.495)
 
@@ -111,8 +116,11 @@ def test_every_case_starts_with_the_weight_of_its_rope_and_makes_fifty_steps(nam
     host, result = start(name)
     assert (result.steps, result.warning) == (50, "")
     assert result.cause.endswith("stopped by the user")
-    r, hoist = result.recording, host.hoist
-    left, right, weight = r["left.fy"][0], r["right.fy"][0], GRAVITY * hoist.tail_rope_mass
+    r = result.recording
+    hoist = host.hoist
+    left = r["left.fy"][0]
+    right = r["right.fy"][0]
+    weight = GRAVITY * hoist.tail_rope_mass
     assert_allclose(left + right, -weight * hoist.tail_rope_length, rtol=1e-6)
     # the legs differ by the height, but for the strain (1e-4) and the slant of legs that meet in a loop
     assert_allclose(left - right, weight * hoist.shaft_travel, rtol=2e-3)
@@ -125,7 +133,8 @@ def test_every_case_starts_with_the_weight_of_its_rope_and_makes_fifty_steps(nam
 
 def test_slip_safety_and_motor_power_are_recorded() -> None:
     host, result = start("rope-120")
-    r, limit = result.recording, host.hoist.tension_ratio_limit
+    r = result.recording
+    limit = host.hoist.tension_ratio_limit
     assert_allclose(
         r["drive.slip_safety"], (limit - 1.0) / (r["drive.tension_ratio"] - 1.0), rtol=1e-12
     )

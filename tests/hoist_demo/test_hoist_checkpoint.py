@@ -47,12 +47,14 @@ class Filtered:
     """Integrator on the mean of the last errors of a filtered speed; changes what it is handed."""
 
     def __init__(self, hoist: Hoist, holding_torque: float) -> None:
-        self._hoist, self._holding_torque = hoist, holding_torque
+        self._hoist = hoist
+        self._holding_torque = holding_torque
 
     def command(
         self, trajectory: TrajectoryPoint, measured: Measurement, state: Remembered | None, h: float
     ) -> Command:
-        state = Remembered() if state is None else state
+        if state is None:
+            state = Remembered()
         state.filter = Filter(state.filter.speed + h / 0.05 * (measured.speed - state.filter.speed))
         state.errors.append(trajectory.speed - state.filter.speed)
         del state.errors[:-3]
@@ -108,12 +110,13 @@ class Hoarder:
     def command(
         self, trajectory: TrajectoryPoint, measured: Measurement, state: Any, h: float
     ) -> Command:
-        count = 0 if state is None else state["count"]
-        return Command(
-            0.0,
-            False,
-            {"count": count + 1, "last": deque([1.0]) if count >= self._begins else None},
-        )
+        count = 0
+        if state is not None:
+            count = state["count"]
+        last = None
+        if count >= self._begins:
+            last = deque([1.0])
+        return Command(0.0, False, {"count": count + 1, "last": last})
 
 
 def test_what_cannot_be_saved_is_refused_at_the_first_sample_with_its_place(tmp_path: Path) -> None:
@@ -127,7 +130,8 @@ def test_what_cannot_be_saved_is_refused_at_the_first_sample_with_its_place(tmp_
 
 def there_and_back(value: Any) -> Any:
     """Write and read it, as a checkpoint does."""
-    arrays, file = dict[str, np.ndarray](), io.BytesIO()
+    arrays = dict[str, np.ndarray]()
+    file = io.BytesIO()
     text = json.dumps(encode(value, "x", arrays))
     np.savez(file, text=text, **arrays)
     with np.load(io.BytesIO(file.getvalue()), allow_pickle=False) as kept:

@@ -42,7 +42,10 @@ PLAIN += [
 def _ramp_length(u: float, v: float, a: float, j: float) -> float:
     """Length of a jerk-limited change of speed: mean speed times duration [m]."""
     change = abs(v - u)
-    return (u + v) / 2 * (change / a + a / j if change >= a * a / j else 2 * math.sqrt(change / j))
+    duration = 2 * math.sqrt(change / j)
+    if change >= a * a / j:
+        duration = change / a + a / j
+    return (u + v) / 2 * duration
 
 
 @st.composite
@@ -53,7 +56,12 @@ def windings(draw: st.DrawFn) -> Winding:
     # the shortest creep there is, clear of rounding
     stop = _ramp_length(0.0, c, number["acceleration"], number["jerk"]) * (1 + 1e-9)
     ends = draw(st.sampled_from([(True, False), (False, True), (True, True)]))
-    creeps = [stop + draw(st.floats(0.0, 5.0)) if end else 0.0 for end in ends]
+    creeps = []
+    for end in ends:
+        if end:
+            creeps.append(stop + draw(st.floats(0.0, 5.0)))
+        else:
+            creeps.append(0.0)
     least = sum(creeps) + stop * (2 - sum(ends))
     assume(least > 1e-3)
     return Winding(
@@ -110,7 +118,9 @@ def test_segments_join_without_a_jump_and_land_exactly(winding: Winding) -> None
 
 @trips
 def test_creep_speed_is_held_over_the_creeps_less_their_ramps(winding: Winding) -> None:
-    trajectory, travel, c = s_curve(winding), abs(winding.travel), winding.creep_speed
+    trajectory = s_curve(winding)
+    travel = abs(winding.travel)
+    c = winding.creep_speed
     ramp = _ramp_length(0.0, c, winding.acceleration, winding.jerk)
     creeps = (
         (ramp, winding.departure_creep_distance),
@@ -130,12 +140,11 @@ def test_creep_speed_is_held_over_the_creeps_less_their_ramps(winding: Winding) 
 
 @trips
 def test_peak_is_the_speed_limit_or_the_highest_for_which_the_ramps_fit(winding: Winding) -> None:
-    peak, c = max(abs(point.speed) for point in s_curve(winding).points), winding.creep_speed
+    peak = max(abs(point.speed) for point in s_curve(winding).points)
+    c = winding.creep_speed
     between = abs(winding.travel) - winding.creep_distance - winding.departure_creep_distance
-    ends = [
-        c if distance > 0.0 else 0.0
-        for distance in (winding.departure_creep_distance, winding.creep_distance)
-    ]
+    distances = (winding.departure_creep_distance, winding.creep_distance)
+    ends = [c * (distance > 0.0) for distance in distances]
 
     def needed(v: float) -> float:
         return sum(_ramp_length(u, v, winding.acceleration, winding.jerk) for u in ends)
@@ -172,12 +181,11 @@ def test_emergency_stop_out_of_every_phase_comes_to_rest_within_its_limits(
 @trips
 def test_each_derivative_is_the_difference_quotient_of_the_one_before(winding: Winding) -> None:
     trajectory = s_curve(winding)
-    t, d = (
-        np.random.default_rng(1).uniform(0.0, trajectory.duration, 200),
-        1e-5 * trajectory.duration,
-    )
+    t = np.random.default_rng(1).uniform(0.0, trajectory.duration, 200)
+    d = 1e-5 * trajectory.duration
     # central differences are off by d^2/6 times the third derivative, and only by rounding inside a segment
-    inside = np.array([all(abs(x - s) > 2 * d for s in trajectory.starts) for x in t])
+    distances = np.abs(t[:, None] - np.array(trajectory.starts))
+    inside = (distances > 2 * d).all(axis=1)
     low, mid, high = (trajectory.sample(t[inside] + shift) for shift in (-d, 0.0, d))
     atol = d * d * winding.jerk / 6 + 1e-15 * (1.0 + abs(winding.travel)) / d * 20
     np.testing.assert_allclose((high[:, :3] - low[:, :3]) / (2 * d), mid[:, 1:], rtol=0, atol=atol)
@@ -186,7 +194,8 @@ def test_each_derivative_is_the_difference_quotient_of_the_one_before(winding: W
 #: v (v/a + a/j) = 90 m
 PEAK = 0.375 * (math.sqrt(1.5**2 + 4 * 90 / 0.75) - 1.5)
 # up to 4 m/s and down to 0.5 m/s with a / j = 1.5 s, stop from 0.5 m/s in two ramps of 1 s
-UP, DOWN = 4.0 / 0.75 + 1.5, 3.5 / 0.75 + 1.5
+UP = 4.0 / 0.75 + 1.5
+DOWN = 3.5 / 0.75 + 1.5
 CREPT = UP + (90.0 - 3.0 - 4.0 / 2 * UP - 4.5 / 2 * DOWN) / 4.0 + DOWN + (3.0 - 0.5) / 0.5 + 2.0
 
 

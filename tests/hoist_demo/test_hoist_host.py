@@ -28,7 +28,9 @@ from hoist_demo.report.verdict import judge
 from hoist_demo.run.metrics import measure
 from rope_model import EndMotion, Status
 
-RHO, G, LENGTH = 8.0, 9.81, 120.0
+RHO = 8.0
+G = 9.81
+LENGTH = 120.0
 
 
 @dataclass
@@ -53,16 +55,17 @@ class FakeRope(Weight):
         return Status(t < self.fails_at, "the loop has turned over")
 
     def units(self) -> dict[str, str]:
-        return {name: "m" if name.startswith(("loop.", "shape.")) else "N" for name in self.forces}
+        lengths = [name for name in self.forces if name.startswith(("loop.", "shape."))]
+        return dict.fromkeys(self.forces, "N") | dict.fromkeys(lengths, "m")
 
     def _hang(self, left: EndMotion, right: EndMotion) -> None:
         bottom = (left.y + right.y - LENGTH) / 2.0
         for name, end in (("left", left), ("right", right)):
             self.forces[f"{name}.fy"] = self.forces[f"{name}.fy_mean"] = -RHO * G * (end.y - bottom)
         self.forces["loop.y"] = bottom
-        for k, (x, y) in enumerate(
-            ((-1.0, left.y), (0.0, bottom), (1.0, right.y)) if self.shows_shape else ()
-        ):
+        if not self.shows_shape:
+            return
+        for k, (x, y) in enumerate(((-1.0, left.y), (0.0, bottom), (1.0, right.y))):
             self.forces |= {
                 f"shape.x[{k + 1}]": x,
                 f"shape.y[{k + 1}]": y,
@@ -108,7 +111,8 @@ def test_work_on_both_partners_differs_by_the_order_of_the_step() -> None:
         recording = _run(FakeRope(), Winding(travel=10.0, settle=0.0), coupling).recording
         steps = 0.0
         for end in ("left", "right"):
-            force, y = recording[f"{end}.fy"], recording[f"conveyance.{end}.y"]
+            force = recording[f"{end}.fy"]
+            y = recording[f"conveyance.{end}.y"]
             steps += float(np.sum((force[1:] + force[:-1]) / 2 * np.diff(y)))
         return float(recording["drive.work_from_balance_rope"][-1]) - steps
 
@@ -161,15 +165,15 @@ def test_csv_reads_back_to_ten_digits_with_its_units(short: Result, tmp_path: Pa
 @pytest.mark.usefixtures("plain_figures")
 def test_the_same_run_writes_the_same_bytes(short: Result, tmp_path: Path) -> None:
     again = _run(FakeRope(shows_shape=True), Winding(travel=2.0, settle=1.0))
+    written = []
     for k, result in enumerate((short, again)):
         folder = tmp_path / str(k)
         folder.mkdir()
         write_csv(result.recording, folder / "signals.csv")
         write_shapes(result.recording, shape_rows(result.recording), folder / "shapes.csv")
         write_figures(result.recording, Hoist(), folder)
-    first, second = (
-        {path.name: path.read_bytes() for path in (tmp_path / name).iterdir()} for name in "01"
-    )
+        written.append({path.name: path.read_bytes() for path in folder.iterdir()})
+    first, second = written
     assert {
         "signals.csv",
         "shapes.csv",
@@ -184,10 +188,8 @@ def test_the_same_run_writes_the_same_bytes(short: Result, tmp_path: Path) -> No
 def test_a_stop_by_the_brake_is_judged_by_its_way_and_not_by_a_reference_it_does_not_follow() -> (
     None
 ):
-    hoist, winding = (
-        Hoist(brake=Brake()),
-        Winding(emergency_at=9.0, emergency_law="two-stage", settle=5.0),
-    )
+    hoist = Hoist(brake=Brake())
+    winding = Winding(emergency_at=9.0, emergency_law="two-stage", settle=5.0)
     result = Host(FakeRope(), hoist, winding).run()
     rows = {row.quantity: row.value for row in summarize(result, hoist, winding, Coupling())}
     recording = result.recording
@@ -236,7 +238,9 @@ class Counting(SpeedController):
         self, reference: TrajectoryPoint, measured: Measurement, state: Any, h: float
     ) -> Command:
         self.calls += 1
-        self.latest = {"inner": None, "places": []} if state is None else state
+        if state is None:
+            state = {"inner": None, "places": []}
+        self.latest = state
         self.latest["places"].append(reference.position)
         found = super().command(reference, measured, self.latest["inner"], h)
         self.latest["inner"] = found.state

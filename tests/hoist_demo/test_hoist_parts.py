@@ -99,7 +99,9 @@ def test_a_pushed_conveyance_leans_on_its_guides() -> None:
         plant.hoist.mass_left * GRAVITY
         + plant.hoist.rope_mass * GRAVITY * state.free_lengths[0] / 2
     )
-    pendulum, k, c = tension / (plant.hoist.sheave_height - 45.0), 2.0e6, 5.0e-3
+    pendulum = tension / (plant.hoist.sheave_height - 45.0)
+    k = 2.0e6
+    c = 5.0e-3
     place = (1.0e4 + k * c) / (k + pendulum)
     rates = plant.rates(state_with(plant, state, x_left=place), u._replace(fx_left=1.0e4))
     # 1e4 N on 15 t, the shortening of the pendulum (x / H)^2 = 3e-8 left out
@@ -134,7 +136,8 @@ def test_motor_and_sheave_swing_on_their_shaft() -> None:
     hoist = replace(
         LOSSLESS, drive_shaft=DriveShaft(damping=0.0), head_rope_mass=1e-9, head_rope_stiffness=1e6
     )
-    motor, sheave = 3.0e3 * 1.25**2, 5.0e3 * 1.25**2
+    motor = 3.0e3 * 1.25**2
+    sheave = 5.0e3 * 1.25**2
     exact = math.sqrt(2.0e8 * (1.0 / motor + 1.0 / sheave))
     # soft ropes add less than half the square of the ratio of the frequencies, 3 / 330
     np.testing.assert_allclose(_frequencies(Plant(hoist), (45.0, 45.0))[-1], exact, rtol=1e-4)
@@ -146,7 +149,8 @@ def test_a_hoist_at_constant_speed_hangs_as_one_at_rest(modes: int) -> None:
     plant = Plant(hoist)
     state, u = rest_at(plant, (100.0, 400.0))
     moving = state_with(plant, state, phi_rate=18.0 / 1.25, v_left=18.0, v_right=-18.0)
-    rest, wound = plant.outputs(state, u), plant.outputs(moving, u)
+    rest = plant.outputs(state, u)
+    wound = plant.outputs(moving, u)
     # of mu w^2 = 13 kN only the part of the strain, 3e-3, may remain
     tensions = [(shown.tension_left, shown.tension_right) for shown in (wound, rest)]
     np.testing.assert_allclose(*tensions, rtol=0, atol=40.0)
@@ -197,9 +201,9 @@ def test_a_hoist_with_its_sides_exchanged_does_the_same_mirrored() -> None:
     left = replace(FULL, payload_left=5e3, payload_right=0.0, conveyance_mass_right=None)
     right = replace(left, payload_left=0.0, payload_right=5e3)
     shown = []
-    for hoist, sign in ((left, 1.0), (right, -1.0)):
+    for hoist, sign, heights in ((left, 1.0, (20.0, 70.0)), (right, -1.0, (70.0, 20.0))):
         plant = Plant(hoist)
-        state, u = rest_at(plant, (20.0, 70.0) if sign > 0 else (70.0, 20.0))
+        state, u = rest_at(plant, heights)
         pushed = u._replace(torque_command=u.torque_command + sign * 2e4)
         shown.append(plant.outputs(plant.run(state, 0.01, pushed, 20)[-1], u))
     one, other = shown
@@ -212,7 +216,8 @@ def test_static_tensions_and_slip_safety_are_those_of_a_hand_calculation() -> No
     plant = Plant(hoist)
     shown = plant.outputs(*rest_at(plant, (0.0, 90.0)))
     # 15 t and 10 t; head ropes 8 kg/m, 105 m and 15 m; balance rope 8 kg/m, legs of 15 m and 105 m
-    left, right = 15e3 + 8 * 105 + 8 * 15, 10e3 + 8 * 15 + 8 * 105
+    left = 15e3 + 8 * 105 + 8 * 15
+    right = 10e3 + 8 * 15 + 8 * 105
     # head ropes are a strain of 1.5e-3 shorter than they hang, on 840 of 15960 kg
     np.testing.assert_allclose(shown.static_tension_left, GRAVITY * left, rtol=1e-4)
     np.testing.assert_allclose(shown.static_tension_right, GRAVITY * right, rtol=1e-4)
@@ -222,7 +227,10 @@ def test_static_tensions_and_slip_safety_are_those_of_a_hand_calculation() -> No
     np.testing.assert_allclose(hoist.slip_safety(left / right), 2.61567, rtol=1e-5)
     assert hoist.slip_safety(1.0) == math.inf
     uneven = replace(hoist, tail_rope_mass=3.0)
-    apart = [abs(one - other) for one, other in (pulls(uneven, y) for y in (0.0, 30.0, 60.0, 90.0))]
+    apart = []
+    for y in (0.0, 30.0, 60.0, 90.0):
+        one, other = pulls(uneven, y)
+        apart.append(abs(one - other))
     np.testing.assert_allclose(
         [uneven.imbalance(), uneven.imbalance(30.0)], [max(apart), max(apart[1:3])]
     )

@@ -27,10 +27,12 @@ def plant() -> Plant:
 
 
 def test_the_tensions_shown_are_those_that_turn_the_sheave(plant: Plant) -> None:
-    rest, u = plant.equilibrium(40.0, 50.0, -TAIL * 55.0, -TAIL * 65.0), PlantInput(9e4, -4e3, -5e3)
+    rest = plant.equilibrium(40.0, 50.0, -TAIL * 55.0, -TAIL * 65.0)
+    u = PlantInput(9e4, -4e3, -5e3)
     # mid-shaft, moving at 5 m/s, with the ropes slightly out of balance
     state = rest._replace(x=rest.x + np.array([2e4, 0.0, 0.01, -0.02, 5.0 / 1.25, 5.1, -4.9]))
-    shown, hoist = plant.outputs(state, u), plant.hoist
+    shown = plant.outputs(state, u)
+    hoist = plant.hoist
     speed = hoist.sheave_radius * shown.rate
     rim = hoist.loss_coulomb * math.tanh(speed / hoist.loss_speed) + hoist.loss_viscous * speed
     moment = shown.torque - hoist.sheave_radius * (rim + shown.tension_left - shown.tension_right)
@@ -116,8 +118,10 @@ def test_steps_of_any_length_agree_with_an_integrator_of_order_eight(name, added
 @pytest.mark.parametrize("name", HOISTS)
 def test_state_and_work_of_a_step_agree_with_cvodes(name: str) -> None:
     plant, state = _swinging(name)
-    of, p = equations(plant.hoist.equation_structure), plant.hoist.numbers
-    x, u = ca.SX.sym("x", state.x.size), ca.DM([*PATH.start])
+    of = equations(plant.hoist.equation_structure)
+    p = plant.hoist.numbers
+    x = ca.SX.sym("x", state.x.size)
+    u = ca.DM([*PATH.start])
     arguments = (x, u, ca.DM(list(state.free_lengths)), p)
     dae = {"x": x, "ode": of.rates(*arguments), "quad": of.powers(*arguments)}
     options = {"reltol": 1e-11, "abstol": 1e-11, "quad_err_con": True, "max_num_steps": 100000}
@@ -144,7 +148,8 @@ def test_modes_of_the_head_ropes_cost_a_bounded_number_of_steps() -> None:
     # the second mode of 15 m of rope is overdamped, 6006/s: an explicit method is stable up to 3.3 / 6006 s
     plant = Plant(Hoist(head_rope_modes=2))
     state = plant.equilibrium(*(90.0, 0.0), *RELAXED[::-1])
-    u, begin = PlantInput(float(state.x[0]) + 2e4, *RELAXED[::-1]), plant.evaluations
+    u = PlantInput(float(state.x[0]) + 2e4, *RELAXED[::-1])
+    begin = plant.evaluations
     plant.run(state, 0.01, u, 100)
     steps = 100 * 0.01 * 6006 / 3.3
     assert plant.evaluations - begin < 2.0 * steps
@@ -176,7 +181,8 @@ def test_overwinding_is_a_status() -> None:
     state = state._replace(x=state.x + np.array([0, 0, 0, 0, 6.4, 8.0, -8.0]))
     steps = 0
     while (step := plant.step(state, 0.01, u)).valid and steps < 20:
-        state, steps = step.state, steps + 1
+        state = step.state
+        steps += 1
     assert "overwind" in step.message
     assert step.state is state
     assert 10 <= steps <= 13
@@ -197,7 +203,8 @@ BALANCED = Hoist(
 
 def _stop(hoist: Hoist, law: EmergencyLaw, speed: float, seconds: float) -> list[PlantOutput]:
     """Motion after a trip at mid-shaft, one output per 10 ms."""
-    plant, h = Plant(hoist), 0.01
+    plant = Plant(hoist)
+    h = 0.01
     state, u = rest_at(plant, (45.0, 45.0))
     controller = SpeedController(
         hoist, float(state.x[0]), Gains(speed=4.0 * hoist.moving_mass, integral_time=1.0)
@@ -205,14 +212,16 @@ def _stop(hoist: Hoist, law: EmergencyLaw, speed: float, seconds: float) -> list
     state = state_with(
         plant, state, phi_rate=speed / hoist.sheave_radius, v_left=speed, v_right=-speed, torque=0.0
     )
-    memory, shown = ControllerState(), [plant.outputs(state, u)]
+    memory = ControllerState()
+    shown = [plant.outputs(state, u)]
     for k in range(round(seconds / h)):
         point = TrajectoryPoint(0.0, 0.0, 0.0, 0.0, Braking(law, k * h, 1.5))
         measured = Measurement(shown[-1].y_left - 45.0, hoist.sheave_radius * shown[-1].rate)
         command = controller.command(point, measured, memory, h)
         forces = dead_weights(hoist, shown[-1].y_left, shown[-1].y_right, 0.0)
         held = PlantInput(command.torque, *forces, brake=command.brake)
-        state, memory = plant.step(state, h, held).state, command.state
+        state = plant.step(state, h, held).state
+        memory = command.state
         shown.append(plant.outputs(state, held))
     return shown
 
@@ -220,7 +229,10 @@ def _stop(hoist: Hoist, law: EmergencyLaw, speed: float, seconds: float) -> list
 @pytest.mark.parametrize("speed", [6.0, -6.0])
 def test_constant_torque_stops_within_the_distance_of_the_closed_form(speed: float) -> None:
     shown = _stop(BALANCED, "torque", speed, 5.0)
-    a, d, tau, v = 7.0e4 / 1.25 / 28e3, 0.2, 0.1, abs(speed)
+    a = 7.0e4 / 1.25 / 28e3
+    d = 0.2
+    tau = 0.1
+    v = abs(speed)
     # v(t) = v - a (t - tau (1 - exp(-t / tau))) after the dead time d
     t = brentq(lambda t: v - a * (t - tau * (1.0 - math.exp(-t / tau))), 0.0, 10.0)
     distance = v * (d + t) - a * (t * t / 2.0 - tau * t + tau**2 * (1.0 - math.exp(-t / tau)))
@@ -262,8 +274,10 @@ def test_the_brake_holds_the_imbalance_without_creeping() -> None:
 
 def test_the_motor_is_off_while_the_brake_stops_the_hoist() -> None:
     winding = Winding(emergency_at=8.0, emergency_law="torque")
-    reference, hoist = s_curve(winding), Hoist(brake=Brake())
-    before, after = reference.at(7.99), reference.at(8.5)
+    reference = s_curve(winding)
+    hoist = Hoist(brake=Brake())
+    before = reference.at(7.99)
+    after = reference.at(8.5)
     assert before.braking is None
     assert after.braking is not None
     np.testing.assert_allclose(after.braking.elapsed, 0.5, rtol=1e-12)
@@ -292,10 +306,8 @@ REST = TrajectoryPoint(0.0, 0.0, 0.0, 0.0)
 def test_the_command_is_that_of_the_law(
     acceleration: float, speed: float, torque: float, integral: float
 ) -> None:
-    asked, controller = (
-        TrajectoryPoint(0.0, 0.0, acceleration, 0.0),
-        SpeedController(HOIST, 5e4, Gains(1e4, 2.0)),
-    )
+    asked = TrajectoryPoint(0.0, 0.0, acceleration, 0.0)
+    controller = SpeedController(HOIST, 5e4, Gains(1e4, 2.0))
     command = controller.command(asked, Measurement(0.0, speed), ControllerState(), 0.01)
     np.testing.assert_allclose(
         [command.torque, command.state.integral], [torque, integral], rtol=1e-14
@@ -327,7 +339,10 @@ def test_after_a_blocked_start_the_speed_overshoots_no_more_than_without_integra
     # a mass whose brake stays on for 5 s while the controller pushes against its limit, then is free
     def overshoot(integral_time: float) -> float:
         controller = SpeedController(HOIST, 0.0, Gains(speed=1.5e5, integral_time=integral_time))
-        asked, v, state, peak = TrajectoryPoint(0.0, 3.0, 0.0, 0.0), 0.0, ControllerState(), 0.0
+        asked = TrajectoryPoint(0.0, 3.0, 0.0, 0.0)
+        v = 0.0
+        state = ControllerState()
+        peak = 0.0
         for k in range(3000):
             command = controller.command(asked, Measurement(0.0, v), state, 0.01)
             state = command.state

@@ -33,6 +33,7 @@ from hoist_demo.recording.incidents import SIDES, Stop, stops
 from hoist_demo.recording.time_series import TIME, Recording
 from hoist_demo.report.html import packing
 from hoist_demo.report.verdict import (
+    Verdict,
     VerdictRow,
     _instant_to_show,
     _Rope,
@@ -149,20 +150,26 @@ VERDICTS = [
 ]
 
 
+def judged(signals: dict[str, list[float]], parameters: dict[str, float]) -> Verdict:
+    """Return the verdict on a record of two instants, of a hoist with three ropes."""
+    columns = {name: np.array(values) for name, values in signals.items()}
+    record = Recording({"time": np.array([0.0, 1.0]), **columns}, {})
+    ended = SimpleNamespace(
+        recording=record, completed=True, cause="", warning="", winding=Winding()
+    )
+    return judge(ended, Hoist(tail_rope_number=3), [RopeData({}, parameters, {})])
+
+
 @pytest.mark.parametrize(("signals", "parameters", "row", "value", "kept"), VERDICTS)
 def test_the_verdict_has_each_number_with_its_digits_beside_its_bound(
     signals, parameters, row, value, kept
 ) -> None:
-    record = Recording(
-        {"time": np.array([0.0, 1.0])} | {name: np.array(x) for name, x in signals.items()}, {}
-    )
-    ended = SimpleNamespace(
-        recording=record, completed=True, cause="", warning="", winding=Winding()
-    )
-    verdict = judge(ended, Hoist(tail_rope_number=3), [RopeData({}, parameters, {})])
+    verdict = judged(signals, parameters)
     remarks = [VerdictRow("remark", text.partition(":")[0]) for text in verdict.remarks]
     (found,) = [one for one in (*verdict.rows, *remarks) if one.quantity.startswith(row)]
-    shown = f"{found.value}; {found.where}" if ";" in value else found.value
+    shown = found.value
+    if ";" in value:
+        shown += f"; {found.where}"
     assert (shown, found.holds) == (value, kept)
     assert (found.quantity in verdict.summary) == (kept is False)
 
@@ -170,14 +177,9 @@ def test_the_verdict_has_each_number_with_its_digits_beside_its_bound(
 def test_each_row_of_the_verdict_that_fails_is_named_and_is_not_good() -> None:
     rows = list[VerdictRow]()
     for signals, parameters, *_ in VERDICTS:
-        record = Recording(
-            {"time": np.array([0.0, 1.0])} | {name: np.array(x) for name, x in signals.items()}, {}
-        )
-        ended = SimpleNamespace(
-            recording=record, completed=True, cause="", warning="", winding=Winding()
-        )
-        rows += judge(ended, Hoist(tail_rope_number=3), [RopeData({}, parameters, {})]).rows
-    kept = [replace(row, holds=True) for row in {row.quantity: row for row in rows}.values()]
+        rows += judged(signals, parameters).rows
+    by_quantity = {row.quantity: row for row in rows}
+    kept = [replace(row, holds=True) for row in by_quantity.values()]
     assert len(kept) > 12
     assert "strikes" in {row.quantity for row in kept}
     assert bounds_in_words(kept, completed=True) == f"All {len(kept)} bounds are kept."
@@ -189,19 +191,17 @@ def test_each_row_of_the_verdict_that_fails_is_named_and_is_not_good() -> None:
 
 
 def test_a_stop_is_told_by_each_conveyance_s_own_way_and_by_the_sheave_that_holds_it() -> None:
-    y, vy = [0.0, 8.0, 12.0, 13.0, 12.0, 10.0, 4.0], [8.0, 6.0, 2.0, -0.1, -2.0, -3.0, -6.0]
-    signals = {
-        f"conveyance.{side}.{name}": x for side in SIDES for name, x in (("y", y), ("vy", vy))
-    }
+    y = [0.0, 8.0, 12.0, 13.0, 12.0, 10.0, 4.0]
+    vy = [8.0, 6.0, 2.0, -0.1, -2.0, -3.0, -6.0]
+    signals = {f"conveyance.{side}.y": y for side in SIDES}
+    signals |= {f"conveyance.{side}.vy": vy for side in SIDES}
     # ropes that slid before the stop go on sliding, at the ratio of sliding friction
     signals |= {"drive.tension_ratio": [1.5] + [1.9] * 6, "drive.slip": [0, 1, 3, 5, 7, 9, 9]}
     signals |= {"drive.static_tension_ratio": [1.5] * 7, "drive.slip_speed": [0.0] * 7}
     # on its way, swinging back on a sheave that stands, and with one that runs back, for 3 s or as the record ends
-    standing, running, slipping = (
-        [2.0, 1.5, 0.5] + [0.0] * 4,
-        [0.5 * v for v in vy],
-        [0.0] * 5 + [-3.0, -6.0],
-    )
+    standing = [2.0, 1.5, 0.5] + [0.0] * 4
+    running = [0.5 * v for v in vy]
+    slipping = [0.0] * 5 + [-3.0, -6.0]
     for n, rates, slip, course in (
         (3, standing, None, (4, None, 0, False, 2, 4)),
         (4, standing, None, (5, 2, 0, True, -0.1, 5)),
@@ -210,7 +210,9 @@ def test_a_stop_is_told_by_each_conveyance_s_own_way_and_by_the_sheave_that_hold
         (6, running, None, (5, 2, -3, False, -3, 5)),
         (7, standing, slipping, (5, 2, -9, False, -6, 5)),
     ):
-        signals |= {"drive.rate": rates} | ({} if slip is None else {"drive.slip_speed": slip})
+        signals["drive.rate"] = rates
+        if slip is not None:
+            signals["drive.slip_speed"] = slip
         record = Recording(
             {"time": np.arange(10.0, 10.0 + n), **{k: np.array(x[:n]) for k, x in signals.items()}},
             {},
@@ -235,7 +237,8 @@ def test_a_stop_is_told_by_each_conveyance_s_own_way_and_by_the_sheave_that_hold
 def test_a_demo_s_reports_state_rope_file_version_level_and_fidelity(
     fmi: str, fmu_of: Callable[[str], Path], tmp_path: Path
 ) -> None:
-    fmu, out = fmu_of("draft"), tmp_path / "out"
+    fmu = fmu_of("draft")
+    out = tmp_path / "out"
     (scratch := tmp_path / "scratch").mkdir()
     if fmi == "3":
         fmu = tmp_path / "mine.fmu"
@@ -341,7 +344,8 @@ def test_thinning_keeps_a_peak_of_one_row_near_its_instant() -> None:
     t = np.linspace(0.0, 10.0, 5001)
     values = np.zeros(5001)
     values[3217] = 5.0
-    thin, times = packing.thin(values, 400), packing.thin_times(t, 400)
+    thin = packing.thin(values, 400)
+    times = packing.thin_times(t, 400)
     assert len(thin) == len(times) <= 400
     # two points per interval: at most an interval away
     assert abs(times[np.argmax(thin)] - t[3217]) < packing.interval(5001, 400) * 0.002
@@ -365,11 +369,9 @@ WHERE = {"station.first": 0.0, "station.last": 1.0, "rope.length": 120.0}
 def record(*columns: list[float]) -> Recording:
     """A record of stations with these values, one per second, of all quantities alike."""
     signals = {TIME: np.arange(float(len(columns[0])))}
-    signals |= {
-        f"station.{name}[{k + 1}]": np.array(x)
-        for name in exposures.QUANTITIES
-        for k, x in enumerate(columns)
-    }
+    for k, column in enumerate(columns):
+        for name in exposures.QUANTITIES:
+            signals[f"station.{name}[{k + 1}]"] = np.array(column)
     return Recording(signals, dict.fromkeys(signals, "1"))
 
 
@@ -428,7 +430,8 @@ def test_a_vibration_in_a_trip_has_its_frequency_and_amplitude() -> None:
 def test_places_that_the_loop_passes_bend_once_in_a_winding_and_others_never() -> None:
     _, found = winding()
     # the loop's lowest point lies at (L - H) / 2 of the left end, H from 90 m to -90 m, and bends 1.5 m to either side
-    s, cycles = found["s"], found["curvature.cycles"]
+    s = found["s"]
+    cycles = found["curvature.cycles"]
     assert_allclose(cycles[(s > 17.5) & (s < 102.5)], 1.0)
     assert_allclose(cycles[(s < 11.0) | (s > 109.0)], 0.0)
 
@@ -436,7 +439,8 @@ def test_places_that_the_loop_passes_bend_once_in_a_winding_and_others_never() -
 @pytest.mark.parametrize("station", [21, 41, 61])
 def test_ranges_at_a_place_are_those_counted_by_hand(station: int) -> None:
     recording, found = winding()
-    curvature, k = recording[f"station.curvature[{station}]"], station - 1
+    curvature = recording[f"station.curvature[{station}]"]
+    k = station - 1
     # straight, bent once, straight again: the cycle is all that there is between its least and largest value
     assert_allclose(found["curvature.range"][k], curvature.max() - curvature.min(), rtol=1e-3)
     # the time above half the sharpest of all, sample by sample

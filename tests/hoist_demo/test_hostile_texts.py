@@ -5,7 +5,7 @@ import json
 import re
 import subprocess
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from html.parser import HTMLParser
 from pathlib import Path
 from types import SimpleNamespace
@@ -160,17 +160,15 @@ def test_model_descriptions_are_xml_with_the_texts(fmi: int) -> None:
     described = dict(enumerate(map(variable, HOSTILE)))
     for text in HOSTILE:
         build = Build("token", "1", "tool", "", name="HoistDrive", description=text)
-        root = (
-            model_description(described, build)
-            if fmi == 2
-            else model_description3(scalars(described), 999, build)
-        )
-        read = ElementTree.fromstring(xml_bytes(root))
+        if fmi == 2:
+            read = ElementTree.fromstring(xml_bytes(model_description(described, build)))
+            names = [node.get("name") for node in read.iter("ScalarVariable")]
+        else:
+            root = model_description3(scalars(described), 999, build)
+            read = ElementTree.fromstring(xml_bytes(root))
+            _, *names = (node.get("name") for node in read.iter("Float64"))  # the first is time
         assert read.get("description") == xml_text(text)
-        names = [
-            node.get("name") for node in read.iter("ScalarVariable" if fmi == 2 else "Float64")
-        ]
-        assert names[fmi == 3 :] == [xml_text(text) for text in HOSTILE]
+        assert names == [xml_text(text) for text in HOSTILE]
 
 
 def test_a_system_is_xml_with_the_texts(tmp_path: Path) -> None:
@@ -261,10 +259,8 @@ def test_a_browser_makes_no_element_of_a_text(tmp_path: Path) -> None:
     table.loc[1::2, "cause"] = table["variant"]
     meta = {"title": CLOSES_THE_TABLE, "parameters": ["variant"]}
     study = study_report(table, dict.fromkeys(HOSTILE, "m"), meta, tmp_path / "study.html")
-    winding = run(
-        tmp_path,
-        **{text: table["speed"].to_numpy()[[k % 50 for k in range(301)]] for text in HOSTILE},
-    )
+    speeds = table["speed"].to_numpy()[np.arange(301) % 50]
+    winding = run(tmp_path, **dict.fromkeys(HOSTILE, speeds))
     for path in (study, winding):
         seen = look(
             path,
@@ -375,15 +371,15 @@ MORE = {
 WORD = re.compile(r"#.*|\"[^\"\n]*\"|'[^'\n]*'|[\w.+-]+")
 
 
-EXAMPLES = [
-    (kind, path) for kind in FILES for path in sorted((ROOT / "examples" / kind).glob("*.toml"))
-]
+def examples() -> Iterator[tuple[str, str]]:
+    """Yield the kind and the text of each file."""
+    for kind in FILES:
+        for path in sorted((ROOT / "examples" / kind).glob("*.toml")):
+            yield kind, path.read_text("utf-8")
+    yield from MORE.items()
 
 
-@pytest.mark.parametrize(
-    ("kind", "example"),
-    [*((kind, path.read_text("utf-8")) for kind, path in EXAMPLES), *MORE.items()],
-)
+@pytest.mark.parametrize(("kind", "example"), [*examples()])
 def test_every_key_value_and_table_takes_the_texts_or_refuses_them_in_words(
     kind, example, tmp_path
 ):
@@ -403,7 +399,8 @@ def refusal(read: Callable[[Path], object], path: Path) -> str:
         read(path)
     except FileError as error:
         said = str(error).replace("\n", "")
-        return said if printable(said) == said else ""
+        if printable(said) == said:
+            return said
     return ""
 
 

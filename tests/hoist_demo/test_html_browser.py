@@ -133,7 +133,8 @@ def seen_study(
             "cause": ["", "head rope <b>gone</b>", "", ""],
         }
     )
-    table["slip_safety"], table["clearance"] = [2.0, 1.5, 1.9, 1.8], [0.5, 2.0, 0.7, 0.4]
+    table["slip_safety"] = [2.0, 1.5, 1.9, 1.8]
+    table["clearance"] = [0.5, 2.0, 0.7, 0.4]
     meta = {"parameters": ["jerk", "controller"], "title": "Jerks"}
     page = tmp_path_factory.mktemp("study") / "study.html"
     objective = Objective({"swing": 1.0}, 1.0, (Constraint("clearance", 0.45, -1.0),))
@@ -162,7 +163,8 @@ def test_a_run_loads_silently_and_follows_slider_click_and_clock(seen_run: Simpl
     assert said["front"]["path"] != said["pressed"]["path"]
     # at speed 1, a frame of 20 ms to begin with and one at the end
     assert said["played"]["slider"] == pytest.approx(1.0, abs=0.05)
-    t, ticks = said["played"]["slider"], said["ticks"]
+    t = said["played"]["slider"]
+    ticks = said["ticks"]
     assert len(ticks) >= 2
     assert all(t - 0.51 <= tick <= max(1.0, t + 0.51) for tick in ticks)
 
@@ -298,7 +300,8 @@ def test_the_shaft_is_drawn_with_its_contacts_and_the_guard_that_tripped(tmp_pat
         "divider_2.rounding": 1.0,
         "guard.rise": 0.5,
     }
-    rope, ended = RopeData({}, parameters, {}), result(signals)
+    rope = RopeData({}, parameters, {})
+    ended = result(signals)
     page = run_report(
         ended, Hoist(), Report("T", judge(ended, Hoist(), [rope])), tmp_path / "run.html", [rope]
     )

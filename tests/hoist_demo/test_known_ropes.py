@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from argparse import Namespace
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -61,7 +62,9 @@ def written(folder: Path, text: str) -> Path:
 
 def test_a_linear_rope_is_within_its_interval_in_nine_cases_of_ten() -> None:
     rng = np.random.default_rng(5)
-    matrix, sets, hits = rng.standard_normal((8, 3)) * [30.0, 60.0, 15.0], 100, np.zeros(3)
+    matrix = rng.standard_normal((8, 3)) * [30.0, 60.0, 15.0]
+    sets = 100
+    hits = np.zeros(3)
     for _ in range(sets):
         truth = 0.2 + 0.6 * rng.random(3)
         values = matrix @ truth + rng.standard_normal(8)
@@ -73,7 +76,8 @@ def test_a_linear_rope_is_within_its_interval_in_nine_cases_of_ten() -> None:
 
 def test_the_interval_of_a_linear_rope_is_that_of_its_covariance() -> None:
     rng = np.random.default_rng(8)
-    matrix, values = rng.standard_normal((7, 3)) * [30.0, 60.0, 15.0], rng.standard_normal(7)
+    matrix = rng.standard_normal((7, 3)) * [30.0, 60.0, 15.0]
+    values = rng.standard_normal(7)
 
     def residuals(u: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.asarray(matrix @ (u - 0.5) - values)
@@ -169,7 +173,8 @@ def test_what_a_width_alone_does_not_tell_is_named(
     found = identify(read(written(tmp_path, ROPE + WIDTH), MeasurementFile))
     assert [name for name in found.names if found.is_determined(name)] == ["bending_stiffness"]
     assert {"torque_factor", "torsional_stiffness", "axial_stiffness"} <= {*found.open_directions()}
-    width, error = 3.05, 0.05
+    width = 3.05
+    error = 0.05
     EI = found.value("bending_stiffness")
     datum = found.calibrated_rope.data["bending_stiffness"]
     # EI ~ width^3
@@ -191,7 +196,8 @@ def test_what_is_found_is_a_file_for_every_command(
 ) -> None:
     assert main(["identify", str(written(tmp_path, ROPE + WIDTH)), "--out", str(tmp_path)]) == 0
     assert "Undetermined by the data" in capsys.readouterr().out
-    report, made = (tmp_path / "report.html").read_text(encoding="utf-8"), tmp_path / "rope.toml"
+    report = (tmp_path / "report.html").read_text(encoding="utf-8")
+    made = tmp_path / "rope.toml"
     assert "loop width" in report
     assert "<script" not in report
 
@@ -320,7 +326,8 @@ def test_a_share_held_at_its_end_is_no_degree_of_freedom() -> None:
 def test_a_profile_lets_a_share_at_its_end_come_back() -> None:
     # only the sum is told well, and it asks for the second share beyond its range: where the first grows, the second
     # leaves its end, so that the first is uncertain by what the second may give way
-    matrix, values = np.array([[60.0, 60.0], [0.0, 4.0]]), np.array([60.0 * 1.5, 4.0 * 1.1])
+    matrix = np.array([[60.0, 60.0], [0.0, 4.0]])
+    values = np.array([60.0 * 1.5, 4.0 * 1.1])
     found = fit(residuals := lambda u: matrix @ u - values, 2)
     assert found.held.tolist() == [0, 1]
     low, high = intervals(residuals, found)[0]
@@ -440,27 +447,27 @@ def test_samples_fill_the_ranges_and_make_the_ropes(tmp_path: Path) -> None:
     asked = read(written(tmp_path, SCENE), UncertaintyFile)
     assert [*asked.data] == ["torque_factor", "bending_stiffness"]
     samples = draw(asked)
-    shares = np.array(
-        [[asked.data[name].share(x) for name, x in values.items()] for values in samples]
-    )
+    shares = []
+    for values in samples:
+        shares.append([asked.data[name].share(x) for name, x in values.items()])
     # eight points of a Sobol sequence: one in each eighth of each range
-    assert_allclose(np.sort(np.floor(8 * shares), axis=0), np.arange(8)[:, None] + [0, 0])
+    assert_allclose(np.sort(np.floor(8 * np.array(shares)), axis=0), np.arange(8)[:, None] + [0, 0])
     run = asked.run(samples[0])
     rope = rope_scene(run.rope_values).rope
     assert_allclose(rope.Qc, samples[0]["torque_factor"] * 9e7 * 0.044)
     assert rope.length == run.hoist.tail_rope_length == 120.0
     assert rope.mass_per_length == run.hoist.tail_rope_mass == 7.7
-    found, wanted = (
-        {one.name: one.status for one in asked.provenance()},
-        {"rope.Qa": "given", "rope.rhoJ": "derived"},
-    )
+    found = {one.name: one.status for one in asked.provenance()}
+    wanted = {"rope.Qa": "given", "rope.rhoJ": "derived"}
     assert {key: found[key] for key in (*wanted, "rope.Qc")} == wanted | {"rope.Qc": "varied"}
 
 
 def test_the_datum_that_causes_a_result_has_its_share(tmp_path: Path) -> None:
     asked = read(written(tmp_path, SCENE.replace("samples = 8", "samples = 256")), UncertaintyFile)
     samples = draw(asked)
-    columns = {name: np.array([values[name] for values in samples]) for name in asked.data}
+    columns = {}
+    for name in asked.data:
+        columns[name] = np.array([values[name] for values in samples])
     u, v = (np.argsort(np.argsort(columns[name])) / 255 for name in asked.data)
     # of independent ranks the sum with weights 2 and 1 has variances of 4 and 1; a monotone function changes no rank
     columns |= {"left_swivel_torque": np.exp(2 * u + v), "rope_force_ripple": np.full(256, 3.0)}
@@ -500,9 +507,14 @@ def test_each_winding_that_does_not_count_decides_the_exit_code(
     tmp_path: Path, reason: str, code: int
 ) -> None:
     asked = read(written(tmp_path, SCENE), UncertaintyFile)
-    result = UncertaintyResult(asked, {}, {reason: 1} if reason else {})
+    reasons = {}
+    told = []
+    if reason:
+        reasons[reason] = 1
+        told.append(f"in 1 of 8 windings: {reason}")
+    result = UncertaintyResult(asked, {}, reasons)
     assert (result.exit_code, result.completed) == (code, 8 - code)
-    assert remarks(result) == ([f"in 1 of 8 windings: {reason}"] if reason else [])
+    assert remarks(result) == told
 
 
 def test_a_remark_of_many_windings_has_the_range_of_its_numbers() -> None:
@@ -582,7 +594,7 @@ def test_check_hangs_the_rope(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str
 ) -> None:
     where = f'{AT_REST}signal = "loop.yaw"\nvalue = 0.1\nsigma = 1.0\n'
-    text = SCENE + "[fixed]\n" if command == "uncertain" else f"{ROPE}{where}[fixed]\n"
+    text = {"uncertain": f"{SCENE}[fixed]\n", "identify": f"{ROPE}{where}[fixed]\n"}[command]
     path = str(written(tmp_path, f"{text}layout.spacing = 2.0\n"))
     assert main([command, path, "--check"]) == 0
     path = str(written(tmp_path, f"{text}layout.spacing = 300.0\n"))
@@ -610,7 +622,9 @@ def test_a_reader_that_leaves_changes_no_exit_code(tmp_path: Path, both: bool) -
     receiver, sender = os.pipe()
     os.close(receiver)  # the reader is gone before the first line
     with os.fdopen(sender, "wb") as out:
-        messages = out if both else subprocess.PIPE
+        messages: Any = subprocess.PIPE
+        if both:
+            messages = out
         done = subprocess.run(
             command, stdout=out, stderr=messages, env=os.environ | {"PYTHONPATH": root}, check=False
         )
@@ -632,7 +646,8 @@ constructions = pytest.mark.parametrize("name", CONSTRUCTIONS)
 def test_every_datum_is_a_range_with_a_source(name: str) -> None:
     known = rope(name, diameter=0.046)
     assert known.data.keys() == PROPERTIES.keys()
-    for datum in [*known.data.values(), *(d for data in BEARINGS.values() for d in data.values())]:
+    of_bearings = chain.from_iterable(data.values() for data in BEARINGS.values())
+    for datum in [*known.data.values(), *of_bearings]:
         assert 0 <= datum.low < datum.middle < datum.high
         # what is called published says where, and none of it is ours
         assert datum.source
@@ -644,7 +659,8 @@ def test_every_datum_is_a_range_with_a_source(name: str) -> None:
 
 @constructions
 def test_any_value_of_the_ranges_is_a_rope(name: str) -> None:
-    rng, known = np.random.default_rng(3), rope(name, diameter=0.05)
+    rng = np.random.default_rng(3)
+    known = rope(name, diameter=0.05)
     for shares in rng.random((200, len(PROPERTIES))).round():  # corners
         # a rope whose strain energy is not positive is refused
         known.rope(
@@ -677,7 +693,8 @@ def test_a_sample_shows_the_properties() -> None:
 
 @constructions
 def test_bending_begins_at_the_sum_of_the_wires(name: str) -> None:
-    construction, d = CONSTRUCTIONS[name], 0.046
+    construction = CONSTRUCTIONS[name]
+    d = 0.046
     wire = 2 * math.sqrt(construction.area[0] * d**2 / (construction.wires * math.pi))
     alone = construction.wires * STEEL_MODULUS * math.pi * wire**4 / 64
     data = rope(name, diameter=d).data

@@ -36,15 +36,15 @@ from rope_model import EndMotion
 from rope_model.analysis.modes import natural_modes
 from rope_model.engine import NativeRope
 
-TORQUE, SEEN = (
-    ("torque_command",),
-    ("rate", "pull_left", "pull_right", "tension_left", "left.fy", "right.fy"),
-)
+TORQUE = ("torque_command",)
+SEEN = ("rate", "pull_left", "pull_right", "tension_left", "left.fy", "right.fy")
 
 
 def smooth(case: Case) -> Case:
     """The case without what has no derivative."""
-    guides = None if case.hoist.guides is None else replace(case.hoist.guides, coulomb=0.0)
+    guides = case.hoist.guides
+    if guides is not None:
+        guides = replace(guides, coulomb=0.0)
     return replace(
         case, hoist=replace(case.hoist, loss_coulomb=0.0, guides=guides, brake=None, play=None)
     )
@@ -138,10 +138,8 @@ def test_rope_alone_has_its_natural_modes(mode: int, more: dict[str, float]) -> 
     assert (np.abs(torques) < 1e-6).all() == (mode == 1)
     # a rope that is lifted as a whole is a mass
     lifted = found.response([0.01j])[0]
-    rows, columns = (
-        [names.index(f"{side}.{x}") for side in ("left", "right")]
-        for names, x in ((found.outputs, "fy"), (found.inputs, "y"))
-    )
+    rows = [found.outputs.index(f"{side}.fy") for side in ("left", "right")]
+    columns = [found.inputs.index(f"{side}.y") for side in ("left", "right")]
     weight = -scene.rope.mass_per_length * scene.rope.length
     assert_allclose(
         lifted[np.ix_(rows, columns)].sum(), weight, rtol=1e-3
@@ -266,7 +264,9 @@ def test_small_models_are_written_and_scheduled(tmp_path: Path) -> None:
         assert_allclose(npz["A"], small.A, rtol=0, atol=0)
     assert_allclose(json.loads(paths[".json"].read_text())["C"], small.C, rtol=0, atol=0)
     assert_allclose(loadmat(paths[".mat"])["B"][..., 1], small.B[1], rtol=0, atol=0)
-    plant, X, u = small.scheduled(), np.arange(7.0), 2.0
+    plant = small.scheduled()
+    X = np.arange(7.0)
+    u = 2.0
     ends = [
         [A @ X + B @ [u], C @ X + D @ [u]]
         for A, B, C, D in zip(small.A, small.B, small.C, small.D, strict=True)
@@ -277,7 +277,8 @@ def test_small_models_are_written_and_scheduled(tmp_path: Path) -> None:
                 found.full().ravel(), shares[0] * ends[0][k] + shares[1] * ends[1][k], rtol=1e-9
             )
     # a spline that overshoots
-    rates, four = np.array([-50.0, -0.1, -0.1, -50.0])[:, None, None], [0, 0, 0, 0]
+    rates = np.array([-50.0, -0.1, -0.1, -50.0])[:, None, None]
+    four = [0, 0, 0, 0]
     steep = replace(
         small,
         at=(0.0, 0.3, 0.7, 1.0),
@@ -304,18 +305,21 @@ def test_ropes_that_differ_in_their_names_alone_are_equal_ones(tmp_path: Path) -
         return linearise(read(path, HoistFile).case, [0.3])[0]
 
     place = "x_left = 0.2\nx_right = 0.2\nz = 0.5\nswivels.mode = "
-    s, seen = 2j * np.pi * np.array([0.1, 0.7]), (*SEEN, "left.mx", "loop.z")
+    s = 2j * np.pi * np.array([0.1, 0.7])
+    of_drive = [name for name in SEEN if "." not in name]
+    of_rope = [*(name for name in SEEN if "." in name), "left.mx", "loop.z"]
+    seen = [*of_drive, *of_rope]
+    seen_of_b = [*of_drive, *(f"b.{name}" for name in of_rope)]
     for mode in ("locked", "free"):
         equal = model(f'[[rope]]\nnumber = 2\nswivels.mode = "{mode}"')
         apart = model("".join(f'[[rope]]\nname = "{name}"\n{place}"{mode}"\n' for name in "ab"))
-        found = apart.selected(
-            (*TORQUE, "left.yaw"), [f"b.{x}" if "." in x else x for x in seen]
-        ).response(s)
-        own = (*TORQUE, "left.x", "left.z", *(("left.yaw",) if mode == "locked" else ()))
+        found = apart.selected((*TORQUE, "left.yaw"), seen_of_b).response(s)
+        own = [*TORQUE, "left.x", "left.z"]
+        if mode == "locked":
+            own.append("left.yaw")
         torque, x, z, *yaw = np.moveaxis(equal.selected(own, seen).response(s), 2, 0)
-        moved = (
-            0.5 * x - 0.2 * z + sum(yaw)
-        )  # what hangs beside the centre of a conveyance that yaws
+        # what hangs beside the centre of a conveyance that yaws
+        moved = 0.5 * x - 0.2 * z + sum(yaw)
         assert_allclose(
             np.moveaxis(found, 2, 0), (torque, moved), rtol=1e-6, atol=1e-9 * np.abs(found).max()
         )
@@ -354,7 +358,8 @@ def test_a_number_that_cannot_be_is_refused(
 def test_linear_models_have_the_level_of_the_hoist(
     command: str, tmp_path: Path, monkeypatch: Patch
 ) -> None:
-    path, seen = tmp_path / "draft.toml", list[str]()
+    path = tmp_path / "draft.toml"
+    seen = list[str]()
     path.write_text("name = 'd'\nlike = 'rope-120'\nlevel = 'draft'\n", encoding="utf-8")
 
     def heard(case: Case, swivels: str, level: str) -> None:

@@ -3,7 +3,7 @@
 import math
 from contextlib import nullcontext
 from dataclasses import astuple, replace
-from itertools import count, pairwise
+from itertools import count, pairwise, product
 from pathlib import Path
 
 import numpy as np
@@ -60,22 +60,28 @@ def test_unequal_ropes_pull_with_their_weight_and_with_their_mass_times_the_acce
         rope(2.0 * KNOWN, **given),
         rope(-KNOWN, **given),
     )
-    # two are enough where they press each other
-    ropes = touching(*unequal[:2], apart=0.06) if contact else group(*unequal)
-    mass = 8.0 * ((1 if contact else 3) * 120.0 + 118.8)
+    if contact:
+        # two are enough where they press each other
+        ropes = touching(*unequal[:2], apart=0.06)
+        mass = 8.0 * (120.0 + 118.8)
+    else:
+        ropes = group(*unequal)
+        mass = 8.0 * (3 * 120.0 + 118.8)
     assert ropes.initialize(0.0, *at_height(0.0)).valid
-    read, means = (
-        ropes.reader(["left.fy", "right.fy"]),
-        ropes.reader(["left.fy_mean", "right.fy_mean"]),
-    )
+    read = ropes.reader(["left.fy", "right.fy"])
+    means = ropes.reader(["left.fy_mean", "right.fy_mean"])
     # what statics leaves of the balance, solved to 1e-6 N or so
     assert read().sum() == pytest.approx(-mass * GRAVITY, rel=1e-6)
     # both conveyances rise alike: a = A (1 - cos w t) / 2 for one period, so the momentum gained is mass A T / 2
-    largest, T, H = 1.0, 4.0, 0.02
-    w, impulse = 2 * math.pi / T, 0.0
+    largest = 1.0
+    T = 4.0
+    H = 0.02
+    w = 2 * math.pi / T
+    impulse = 0.0
     for k in range(1, round(T / H) + 1):
         t = k * H
-        a, v = largest * (1 - math.cos(w * t)) / 2, largest * (t - math.sin(w * t) / w) / 2
+        a = largest * (1 - math.cos(w * t)) / 2
+        v = largest * (t - math.sin(w * t) / w) / 2
         y = largest * (t**2 / 2 - (1 - math.cos(w * t)) / w**2) / 2
         ends = (EndMotion(y=y, vy=v, ay=a), EndMotion(y=HEIGHT + y, vy=v, ay=a))
         assert ropes.step(t - H, H, *ends).valid
@@ -89,7 +95,8 @@ def test_unequal_ropes_pull_with_their_weight_and_with_their_mass_times_the_acce
 
 def test_the_torques_of_a_pair_of_opposite_lays_cancel() -> None:
     pair = group(rope(), rope(-KNOWN))
-    hoist, winding = hoist_with(CASE.hoist, [(8.0, 120.0)] * 2), replace(CASE.winding, travel=10.0)
+    hoist = hoist_with(CASE.hoist, [(8.0, 120.0)] * 2)
+    winding = replace(CASE.winding, travel=10.0)
     run = Host(pair, hoist, winding, Coupling(step=0.02)).run()
     assert run.completed
     found = run.recording
@@ -105,7 +112,8 @@ def test_the_torques_of_a_pair_of_opposite_lays_cancel() -> None:
 
 
 def test_two_equal_ropes_are_one_that_counts_twice() -> None:
-    winding, coupling = replace(CASE.winding, travel=10.0), Coupling(step=0.02)
+    winding = replace(CASE.winding, travel=10.0)
+    coupling = Coupling(step=0.02)
     once = Host(rope(), replace(CASE.hoist, tail_rope_number=2), winding, coupling).run().recording
     both = (
         Host(group(rope(), rope()), hoist_with(CASE.hoist, [(8.0, 120.0)] * 2), winding, coupling)
@@ -117,11 +125,8 @@ def test_two_equal_ropes_are_one_that_counts_twice() -> None:
 
 
 def test_moments_do_the_work_that_the_forces_do_at_the_ropes_ends() -> None:
-    forces = {
-        f"{end}.{name}": 0.0
-        for end in ("left", "right")
-        for name in ("fx", "fy", "fz", "mx", "my", "mz")
-    }
+    names = map(".".join, product(("left", "right"), ("fx", "fy", "fz", "mx", "my", "mz")))
+    forces = dict.fromkeys(names, 0.0)
     forces |= {"left.fx": 30.0, "left.fy": -800.0, "left.fz": -20.0, "left.my": 3.0}
     one = Weight(forces)
     ropes = RopeGroup([Member("a", one, SuspensionOffset(x_left=0.2, z=-0.3))])
@@ -134,12 +139,14 @@ def test_moments_do_the_work_that_the_forces_do_at_the_ropes_ends() -> None:
     at_end = 30.0 * end.vx - 800.0 * end.vy - 20.0 * end.vz + 3.0 * end.yaw_rate
     assert fx * 0.1 + fy * 2.0 - fz * 0.4 + my * 0.7 == pytest.approx(at_end, rel=1e-12)
     # tilted about X by the rope's z, about Z by its x
-    x, z = 0.2 * math.cos(0.6) - 0.3 * math.sin(0.6), -0.3 * math.cos(0.6) - 0.2 * math.sin(0.6)
+    x = 0.2 * math.cos(0.6) - 0.3 * math.sin(0.6)
+    z = -0.3 * math.cos(0.6) - 0.2 * math.sin(0.6)
     assert_allclose([mx, mz], [800.0 * z, -800.0 * x], rtol=1e-12)
 
 
 def test_a_point_of_a_turning_conveyance_moves_by_the_rates_that_it_is_given() -> None:
-    one, H = Weight({}), 1e-3
+    one = Weight({})
+    H = 1e-3
     ropes = RopeGroup([Member("a", one, SuspensionOffset(x_left=0.2, z=-0.3))])
 
     def conveyance(t: float) -> EndMotion:
@@ -157,14 +164,18 @@ def test_a_point_of_a_turning_conveyance_moves_by_the_rates_that_it_is_given() -
         assert getattr(now, acceleration) == pytest.approx(gained / (2 * H), abs=4 * H**2)
 
 
+def points_of(polygon: np.ndarray) -> np.ndarray:
+    """Return 200 points of each side."""
+    return np.concatenate([np.linspace(a, b, 200) for a, b in pairwise(polygon)])
+
+
 def test_distance_of_random_polygons_is_that_of_their_points_in_the_limit() -> None:
     rng = np.random.default_rng(3)
     for _ in range(6):
-        one, other = rng.normal(size=(5, 3)), rng.normal(size=(6, 3)) + 0.5
+        one = rng.normal(size=(5, 3))
+        other = rng.normal(size=(6, 3)) + 0.5
         distance, place = polygon_distance(one, other)
-        fine = [
-            np.concatenate([np.linspace(a, b, 200) for a, b in pairwise(p)]) for p in (one, other)
-        ]
+        fine = [points_of(one), points_of(other)]
         gaps = np.linalg.norm(fine[0][:, None] - fine[1][None], axis=-1)
         side = max(np.linalg.norm(np.diff(p, axis=0), axis=1).max() for p in (one, other)) / 199
         assert distance <= gaps.min() + 1e-12
@@ -176,7 +187,8 @@ def test_distance_of_random_polygons_is_that_of_their_points_in_the_limit() -> N
 
 
 def test_the_ends_of_a_halved_step_lie_on_a_path_between_its_own() -> None:
-    h, size = 0.02, 1e-5
+    h = 0.02
+    size = 1e-5
     before = EndMotion(
         x=0.1, y=1.0, z=0.0, vx=0.1, vy=8.0, vz=-0.2, ax=1.0, ay=0.5, az=0.0, yaw=0.1, yaw_rate=0.3
     )
@@ -203,7 +215,9 @@ def test_the_ends_of_a_halved_step_lie_on_a_path_between_its_own() -> None:
 
 
 def test_a_piece_that_falls_gives_the_conveyance_all_the_momentum_of_its_weight() -> None:
-    mass, length, leg = 8.0, 100.0, 60.0
+    mass = 8.0
+    length = 100.0
+    leg = 60.0
     piece = Piece.of(0.0, mass, length, leg, (EndMotion(y=0.0), EndMotion(y=-10.0)))
     # the break begins 20 m below the end and falls 80 m
     T = math.sqrt(2 * 80.0 / GRAVITY)
@@ -233,7 +247,8 @@ def test_a_snapshot_leads_back_to_before_the_break() -> None:
     one.initialize(0.0, *at_height(0.0))
     read = one.reader(["left.fy", "loop.yaw"])
     one.step(0.0, 0.01, *at_height(0.0))
-    kept, before = one.save(), read()
+    kept = one.save()
+    before = read()
     one.step(0.01, 0.01, *at_height(0.0))
     one.step(0.02, 0.01, *at_height(0.0))
     assert not np.isfinite(read()[1])
@@ -353,10 +368,8 @@ def test_several_ropes_go_on_from_an_interrupt_with_the_same_bits(
 
 @pytest.mark.usefixtures("no_figures")
 def test_what_a_rope_s_model_does_not_compute_is_no_result(tmp_path: Path, capsys: Capture) -> None:
-    path, planar = (
-        tmp_path / "ropes.toml",
-        'name = "two"\nmodel.fidelity = "planar"\nbreaks_at = 99\nbreaks_s = 30',
-    )
+    path = tmp_path / "ropes.toml"
+    planar = 'name = "two"\nmodel.fidelity = "planar"\nbreaks_at = 99\nbreaks_s = 30'
     path.write_text(ROPES.replace('name = "two"', planar), encoding="utf-8")
     assert main(["wind", str(path), "--out", str(tmp_path)]) == 0
     said, warned = capsys.readouterr()
@@ -406,7 +419,8 @@ def test_of_a_rope_that_breaks_what_was_before_is_told(tmp_path: Path, capsys: C
 
 
 def test_ropes_that_would_touch_where_they_hang_cannot_press_each_other(tmp_path: Path) -> None:
-    path, near = tmp_path / "ropes.toml", ROPES.replace("z = 0.2", "z = -0.16")
+    path = tmp_path / "ropes.toml"
+    near = ROPES.replace("z = 0.2", "z = -0.16")
     path.write_text(near, encoding="utf-8")
     assert not ropes_in(path).touching
     path.write_text(

@@ -28,7 +28,8 @@ def recorded(name: str) -> Recording:
 
 
 def test_an_overwound_loop_comes_within_4_m_of_the_end() -> None:
-    run, rope = recorded("overwind"), find_case("overwind").rope["rope.length"]
+    run = recorded("overwind")
+    rope = find_case("overwind").rope["rope.length"]
     left, right = (run[f"conveyance.{side}.y"][-1] for side in ("left", "right"))
     # arc length of the lowest point by the heights of the ends
     assert rope - 0.5 * (rope + left - right) == pytest.approx(4.0, abs=0.05)
@@ -60,7 +61,8 @@ def test_a_rope_is_caught_by_a_divider_and_released() -> None:
 
 @pytest.mark.slow
 def test_a_jammed_conveyance_opens_the_safety_circuit_by_its_slack_head_ropes() -> None:
-    case, run = find_case("jammed-conveyance"), recorded("jammed-conveyance")
+    case = find_case("jammed-conveyance")
+    run = recorded("jammed-conveyance")
     (jam,) = jams(run)
     assert jam.side == "right"
     assert jam.stopping_distance is not None
@@ -130,7 +132,8 @@ def test_the_hoist_stops_from_the_first_sample_that_sees_the_trip(law: Emergency
 
 
 def test_a_run_that_goes_on_stops_at_the_same_sample(tmp_path: Path) -> None:
-    result, file = wound(), tmp_path / "good.npz"
+    result = wound()
+    file = tmp_path / "good.npz"
     trip = guard_trip(result.recording)
     assert trip is not None
     for until in (trip.t - 0.5, trip.t + 1.5):

@@ -8,6 +8,7 @@ import zipfile
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from itertools import product
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -33,7 +34,8 @@ from hoist_demo.drive_fmu.description import duration
 from hoist_demo.export.system import export_hoist
 from hoist_demo.parameters import Coupling
 
-PART, STEPS = 800, 2600  # until it runs at full speed; the trip of 90 m and its arrival
+PART = 800  # steps until it runs at full speed
+STEPS = 2600  # of the trip of 90 m and its arrival
 NAMES = [
     "conveyance.left.y",
     "conveyance.right.y",
@@ -75,7 +77,8 @@ def test_tool_winds_the_system_as_a_loop_over_what_fmpy_read(
     require(tool)
     if ssp.parent.name.startswith("native-3") and 3 not in IMPORTS[tool]:
         pytest.skip(f"{tool} does not import FMI 3")
-    found, expected = wind(tool, ssp, steps), wind(oracle, ssp, steps)
+    found = wind(tool, ssp, steps)
+    expected = wind(oracle, ssp, steps)
     # the same calls in the same order
     assert_allclose(found, expected, rtol=1e-13, atol=0.0)
 
@@ -96,7 +99,8 @@ def wound_in_process() -> NDArray[np.float64]:
     "ssp", [pytest.param("native-2", marks=pytest.mark.slow), "native-3"], indirect=True
 )
 def test_system_moves_as_the_host_loop_in_process(ssp: Path) -> None:
-    found, expected = wind("fmpy_adding", ssp), wound_in_process()
+    found = wind("fmpy_adding", ssp)
+    expected = wound_in_process()
     assert found[-1, 0] == pytest.approx(90.0, abs=0.01)
     # the host steps drive and rope one after the other, the tools at once with the motion extrapolated over 10 ms:
     # the rest is the jerk, 0.5 m/s3 x H x a rope of 960 kg, and the waves that it raises
@@ -109,7 +113,8 @@ def test_system_moves_as_the_host_loop_in_process(ssp: Path) -> None:
     "ssp", [pytest.param("native-2", marks=pytest.mark.slow), "native-3"], indirect=True
 )
 def test_fixed_step_master_reaches_the_stop_time_of_the_file(ssp: Path) -> None:
-    found, expected = wind("master", ssp), wind("fmpy_adding", ssp)
+    found = wind("master", ssp)
+    expected = wind("fmpy_adding", ssp)
     assert abs(len(found) - STOP / ssp_driver.H) <= 1
     assert_allclose(found[:STEPS], expected, rtol=0.0, atol=0.0)
 
@@ -124,10 +129,14 @@ INSTALLED = {"kiruna-355": -40.0, "monopol-1000": 4.0, "four ropes": 4.0}
 def test_system_of_an_installed_hoist_moves_as_the_host_loop_in_process(
     tmp_path: Path, name: str
 ) -> None:
-    case, members = find_case(name if name in HOISTS else "kiruna-355"), ()
-    rope = partial(rope_in_process, name)
-    if name not in HOISTS:
-        path, head = tmp_path / "ropes.toml", 'name = "ropes"\nlike = "kiruna-355"\nlevel = "draft"'
+    if name in HOISTS:
+        case = find_case(name)
+        members = ()
+        rope = partial(rope_in_process, name)
+    else:
+        case = find_case("kiruna-355")
+        path = tmp_path / "ropes.toml"
+        head = 'name = "ropes"\nlike = "kiruna-355"\nlevel = "draft"'
         # of alternating lay beside the centres; the last is short
         ropes = [
             f"[[rope]]\nz = {0.3 * k}\nx_left = 0.1\nnumber = 1\nQb = {5e4 * (-1) ** k}"
@@ -138,20 +147,23 @@ def test_system_of_an_installed_hoist_moves_as_the_host_loop_in_process(
             encoding="utf-8",
         )
         read = ropes_in(path)
-        case, members, rope = (
-            replace(case, hoist=read.hoist),
-            read.ropes,
-            partial(getattr, read, "plant"),
-        )
+        case = replace(case, hoist=read.hoist)
+        members = read.ropes
+        rope = partial(getattr, read, "plant")
     case = replace(case, winding=replace(case.winding, travel=INSTALLED[name], settle=5.0))
     steps = round(duration(case.winding) / 0.005) - 200
     ssp = export_hoist(tmp_path, case, members, fmi=3, platforms=(host_platform(),)).system
-    ends = [f"{side}.{force}" for side in ("left", "right") for force in ("fy", "fx", "fz", "my")]
+    ends = [*map(".".join, product(("left", "right"), ("fy", "fx", "fz", "my")))]
     ropes = [one.name for one in members] or ["rope"]
     asked = [f"drive:{x}" for x in ("left.y", "right.y", "left.vy", "drive.torque")]
-    asked += [f"{one}:{end}" for one in ropes for end in ends]
-    names = NAMES[:4] + [f"{one}.{end}" if members else end for one in ropes for end in ends]
-    found, hosts = [], []
+    asked += map(":".join, product(ropes, ends))
+    names = NAMES[:4]
+    if members:
+        names += map(".".join, product(ropes, ends))
+    else:
+        names += ends
+    found = []
+    hosts = []
     for every, tool in ((1, "fmpy_5_ms"), (2, "fmpy_2.5_ms")):
         found.append(wind(tool, ssp, every * steps, *asked)[every - 1 :: every])
         coupling = Coupling(step=0.005 / every, scheme="impulse-preserving")
@@ -202,7 +214,8 @@ def test_system_of_ssp_2_has_the_types_of_fmi_3_and_names_the_statuses_of_its_da
     )
     with zipfile.ZipFile(made) as archive:
         archive.extractall(tmp_path)
-    structure, statuses = tmp_path / "SystemStructure.ssd", tmp_path / "resources" / "data.srmd"
+    structure = tmp_path / "SystemStructure.ssd"
+    statuses = tmp_path / "resources" / "data.srmd"
     xmlschema.XMLSchema(schemas / "ssp2" / "SystemStructureDescription.xsd").validate(structure)
     xmlschema.XMLSchema11(schemas / "SRMD11.xsd").validate(statuses)
     root = ElementTree.parse(structure).getroot()
@@ -218,7 +231,8 @@ def test_system_of_ssp_2_has_the_types_of_fmi_3_and_names_the_statuses_of_its_da
 def test_same_fmus_give_the_same_bytes(ssp: Path, tmp_path: Path) -> None:
     with zipfile.ZipFile(ssp) as archive:
         archive.extractall(tmp_path)
-    rope, drive = tmp_path / "resources" / "rope.fmu", tmp_path / "resources" / "drive.fmu"
+    rope = tmp_path / "resources" / "rope.fmu"
+    drive = tmp_path / "resources" / "drive.fmu"
     assert system(tmp_path, rope, drive).read_bytes() == ssp.read_bytes()
 
 
@@ -268,9 +282,10 @@ def ropes(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_each_rope_pulls_at_an_input_of_its_own_and_all_follow_the_same_motion(ropes: Path) -> None:
     connections = read_ssd(str(ropes)).system.connections  # against the schema of SSP 1.0
     found = {(c.startElement, c.startConnector, c.endElement, c.endConnector) for c in connections}
-    motions = [f"{side}.{name}" for side in ("left", "right") for name in ("y", "vy", "ay")]
-    expected = {("drive", name, rope, name) for rope in ("sound", "short") for name in motions}
+    motions = [*map(".".join, product(("left", "right"), ("y", "vy", "ay")))]
+    expected = set()
     for rope in ("sound", "short"):
+        expected |= {("drive", name, rope, name) for name in motions}
         expected |= {
             (rope, f"{side}.fy_mean", "drive", f"{rope}.{side}.fy_mean")
             for side in ("left", "right")

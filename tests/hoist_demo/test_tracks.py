@@ -109,10 +109,8 @@ def test_a_cable_is_led_into_the_swing_in_which_a_track_begins(tmp_path: Path) -
     measured, asked = track_of(
         camera().write(tmp_path, markers(), 3, **example("track_coverage").KINDS["moving"])
     )
-    predictor, middle = (
-        measured.problem.predictor(true_shares(measured.problem)),
-        np.full(asked.starts, 0.5),
-    )
+    predictor = measured.problem.predictor(true_shares(measured.problem))
+    middle = np.full(asked.starts, 0.5)
     found = least_squares(
         lambda u: asked.predict(predictor, *u) / asked.sigma, middle, bounds=(0.0, 1.0), max_nfev=8
     )

@@ -137,7 +137,10 @@ def without_rights() -> list[str]:
 
 def read_only(folder: Path) -> None:
     for path in [*folder.rglob("*"), folder]:
-        path.chmod(0o555 if path.is_dir() else 0o444)
+        if path.is_dir():
+            path.chmod(0o555)
+        else:
+            path.chmod(0o444)
 
 
 @pytest.fixture(scope="module")
@@ -153,14 +156,19 @@ def tried(
     @cache
     def found(name: str) -> Any:
         if not name:
-            paths = {
-                one: ssp if kind == "system" else fmu_of(kind) for one, kind in ARTEFACTS.items()
-            }
+            paths = {}
+            for one, kind in ARTEFACTS.items():
+                if kind == "system":
+                    paths[one] = ssp
+                else:
+                    paths[one] = fmu_of(kind)
             return _said([sys.executable, str(HOST)], paths, {**os.environ}, packed)
         place = PLACES[name]
         top = tmp_path_factory.mktemp("place") / place.folder
         made.append(top)
-        work, home, scratch = top / "work", top / "home", top / "tmp"
+        work = top / "work"
+        home = top / "home"
+        scratch = top / "tmp"
         for folder in (work, home, scratch):
             folder.mkdir(parents=True)
         paths = {}
@@ -199,7 +207,9 @@ def tried(
 def _said(
     command: list[str], paths: dict[str, Path], environment: dict[str, str], folder: Path
 ) -> Any:
-    given = [word for name, path in paths.items() for word in (name, str(path))]
+    given: list[str] = []
+    for name, path in paths.items():
+        given += [name, str(path)]
     done = subprocess.run(
         [*command, *given],
         cwd=folder,

@@ -3,6 +3,7 @@
 import ast
 import re
 import shutil
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
@@ -19,7 +20,8 @@ COMMANDS = [
     *sorted((DOCS / "tutorial").glob("*.md")),
 ]
 #: what `make demo` puts into .venv/bin, and what a shell has built in
-INSTALLED, BUILTIN = ("balance-rope", "python"), ("source", "cd")
+INSTALLED = ("balance-rope", "python")
+BUILTIN = ("source", "cd")
 LINK = re.compile(r"\]\((?!https?:)([^)\s]*)\)")
 
 
@@ -35,11 +37,12 @@ def text_of(path: Path) -> str:
 def anchors(path: Path) -> frozenset[str]:
     """Of a page's headings, as GitHub makes them."""
     headings = re.findall(r"^#+ (.*)$", text_of(path), re.MULTILINE)
-    texts = [
-        re.sub(r"\[(.*?)\]\(.*?\)", r"\1", text).strip().lower().replace(" ", "-")
-        for text in headings
-    ]
-    return frozenset("".join(c for c in text if c.isalnum() or c in "-_") for text in texts)
+    return frozenset(map(anchor, headings))
+
+
+def anchor(heading: str) -> str:
+    text = re.sub(r"\[(.*?)\]\(.*?\)", r"\1", heading).strip().lower().replace(" ", "-")
+    return "".join(c for c in text if c.isalnum() or c in "-_")
 
 
 @pytest.mark.parametrize("path", PAGES, ids=[str(path.relative_to(ROOT)) for path in PAGES])
@@ -50,7 +53,9 @@ def test_links_lead_somewhere_code_is_python_and_merges_are_complete(path: Path)
         ast.parse(block)
     for link in LINK.findall(text_of(path)):
         name, _, place = link.partition("#")
-        target = (path.parent / name) if name else path
+        target = path
+        if name:
+            target = path.parent / name
         assert target.exists(), link
         assert not place or place in anchors(target), link
 
@@ -62,7 +67,9 @@ def test_commands_are_found_where_they_stand(path: Path) -> None:
     for language, block in re.findall(
         r"^```([^\n]*)\n(.*?)^```$", path.read_text("utf-8"), re.MULTILINE | re.DOTALL
     ):
-        for line in block.splitlines() if not language else ():
+        if language:
+            continue
+        for line in block.splitlines():
             word = line.partition(" ")[0]
             active |= line.startswith("source .venv/bin/activate")
             if word.removeprefix(".venv/bin/") in INSTALLED:
@@ -79,13 +86,18 @@ def test_a_figure_is_the_one_that_its_script_draws(name: str) -> None:
 ENTRIES = re.findall(
     r"^### `+ ?(.*?) ?`+$", (DOCS / "reference" / "messages.md").read_text(encoding="utf-8"), re.M
 )
+SUFFIXES = (".py", ".c", ".h", ".inc")
+
+
+def sources() -> Iterator[str]:
+    for folder in ("rope_model", "fmu_src", "hoist_demo"):
+        for path in sorted((ROOT / folder).rglob("*")):
+            if path.suffix in SUFFIXES:
+                yield path.read_text(encoding="utf-8")
+
+
 #: all sources as one text, with literals that are joined and gaps for numbers and names alike
-SOURCES = "\n".join(
-    path.read_text(encoding="utf-8")
-    for folder in ("rope_model", "fmu_src", "hoist_demo")
-    for path in sorted((ROOT / folder).rglob("*"))
-    if path.suffix in (".py", ".c", ".h", ".inc")
-)
+SOURCES = "\n".join(sources())
 TEXTS = re.sub(r"\"\s*\n\s*r?f?\"", "", SOURCES)
 
 

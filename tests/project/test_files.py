@@ -47,7 +47,7 @@ SCRATCH = {
 
 def writes(call: ast.Call) -> bool:
     """Return True for a call that writes a file by its path."""
-    name = call.func.attr if isinstance(call.func, ast.Attribute) else getattr(call.func, "id", "")
+    name = getattr(call.func, "attr", None) or getattr(call.func, "id", "")
     if name == "open":
         texts = [
             one.value
@@ -66,7 +66,9 @@ def names_of_drafts(tree: ast.AST) -> set[str]:
     """Return the names under which `whole_file` hands out drafts, and those of files that are opened there."""
     drafts = {"whole_file"}
     for one in ast.walk(tree):
-        for item in one.items if isinstance(one, ast.With) else ():
+        if not isinstance(one, ast.With):
+            continue
+        for item in one.items:
             used = {name.id for name in ast.walk(item.context_expr) if isinstance(name, ast.Name)}
             if used & drafts and isinstance(item.optional_vars, ast.Name):
                 drafts.add(item.optional_vars.id)
@@ -74,8 +76,9 @@ def names_of_drafts(tree: ast.AST) -> set[str]:
 
 
 def test_no_file_is_written_but_by_the_one_helper() -> None:
-    folders = [ROOT / name for name in PRODUCT]
-    paths = [path for one in folders for path in ([one] if one.is_file() else one.rglob("*.py"))]
+    paths: list[Path] = []
+    for name in PRODUCT:
+        paths += (ROOT / name).rglob("*.py")
     found = dict[str, list[str]]()
     helpers = {"write_text", "write_bytes"}
     for path in sorted(paths):
@@ -166,7 +169,8 @@ def test_two_writers_of_one_archive_do_not_meet(tmp_path: Path) -> None:
 def test_compiled_code_goes_where_it_can_be_written(
     tmp_path: Path, monkeypatch: Patch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    no_folder, temporary = tmp_path / "file", tmp_path / "tmp"
+    no_folder = tmp_path / "file"
+    temporary = tmp_path / "tmp"
     no_folder.write_text("")
     temporary.mkdir()
     monkeypatch.delenv("BALANCE_ROPE_CACHE", raising=False)
@@ -189,7 +193,8 @@ def test_compiled_code_goes_where_it_can_be_written(
 
 
 def test_what_many_want_at_once_is_made_once(tmp_path: Path) -> None:
-    file, runs = tmp_path / "made", []
+    file = tmp_path / "made"
+    runs = []
 
     def make() -> None:
         runs.append(file.exists())

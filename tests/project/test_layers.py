@@ -3,7 +3,7 @@
 import ast
 import sys
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -13,36 +13,47 @@ from checkout import ROOT
 
 PACKAGES = ("rope_model", "fmu_src", "hoist_demo")
 _LAYERS = tomllib.loads(Path(__file__).with_name("layers.toml").read_text(encoding="utf-8"))
-MAY_IMPORT, HOMES = (
-    {name: set(names) for name, names in table.items()} for table in _LAYERS.values()
-)
+_MAY_IMPORT, _HOMES = _LAYERS.values()
+MAY_IMPORT = {name: set(names) for name, names in _MAY_IMPORT.items()}
+HOMES = {name: set(names) for name, names in _HOMES.items()}
 
 
 @cache
 def modules() -> dict[str, Path]:
-    return {
-        ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path
-        for package in PACKAGES
-        for path in sorted((ROOT / package).rglob("*.py"))
-    }
+    found: dict[str, Path] = {}
+    for package in PACKAGES:
+        for path in sorted((ROOT / package).rglob("*.py")):
+            name = ".".join(path.relative_to(ROOT).with_suffix("").parts)
+            found[name.removesuffix(".__init__")] = path
+    return found
+
+
+def imported_from(node: ast.ImportFrom, package: str) -> Iterator[str]:
+    """Yield modules by their full names; for a name that is no module, the module that has it."""
+    target = node.module or ""
+    if node.level:
+        parts = package.split(".")
+        base = ".".join(parts[: len(parts) - node.level + 1])
+        target = f"{base}.{target}".rstrip(".")
+    for alias in node.names:
+        full = f"{target}.{alias.name}"
+        if full in modules():
+            yield full
+        else:
+            yield target
 
 
 @cache
 def imports(name: str, path: Path) -> frozenset[str]:
-    package = name if path.name == "__init__.py" else name.rpartition(".")[0]
+    package = name
+    if path.name != "__init__.py":
+        package = name.rpartition(".")[0]
     found: set[str] = set()
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            base = (
-                package.split(".")[: len(package.split(".")) - node.level + 1] if node.level else []
-            )
-            target = ".".join([*base, *([node.module] if node.module else [])])
-            found |= {
-                full if (full := f"{target}.{alias.name}") in modules() else target
-                for alias in node.names
-            }
+            found |= {*imported_from(node, package)}
     return frozenset(found)
 
 
@@ -52,6 +63,11 @@ def room(name: str) -> str:
         (r for r in MAY_IMPORT if name == r or (r != "rope_model" and name.startswith(r + "."))),
         name,
     )
+
+
+def tops(names: Iterable[str]) -> set[str]:
+    """Return the top-level package of each module."""
+    return {name.partition(".")[0] for name in names}
 
 
 def within(name: str, places: set[str]) -> bool:
@@ -71,39 +87,28 @@ def test_every_module_of_the_hoist_is_in_a_room() -> None:
 
 @pytest.mark.parametrize("library", sorted(HOMES))
 def test_third_party_library_stays_in_its_rooms(library: str) -> None:
-    users = {
-        n
-        for n, path in modules().items()
-        if any(i.split(".")[0] == library for i in imports(n, path))
-    }
+    users = {name for name, path in modules().items() if library in tops(imports(name, path))}
     assert users
     assert {user for user in users if not within(user, HOMES[library])} == set()
 
 
 def test_no_other_third_party_library_is_imported() -> None:
     known = set(HOMES) | set(PACKAGES) | {"numpy"} | set(sys.stdlib_module_names)
-    assert {
-        i.split(".")[0] for name, path in modules().items() for i in imports(name, path)
-    } <= known
+    for name, path in modules().items():
+        assert tops(imports(name, path)) <= known, name
 
 
 def test_benchmarks_know_nothing_of_evidence_and_one_module_of_templates() -> None:
-    rooms = {room: sorted((ROOT / room).rglob("*.py")) for room in ("benchmarks", "evidence")}
-    found = {path: imports("", path) for paths in rooms.values() for path in paths}
-    assert not [
-        path
-        for path in rooms["benchmarks"]
-        if any(within(name, {"evidence"}) for name in found[path])
-    ]
-    assert [path for path in found if "jinja2" in found[path]] == [
+    benchmarks = sorted((ROOT / "benchmarks").rglob("*.py"))
+    evidence = sorted((ROOT / "evidence").rglob("*.py"))
+    assert [path for path in benchmarks if "evidence" in tops(imports("", path))] == []
+    assert [path for path in [*benchmarks, *evidence] if "jinja2" in imports("", path)] == [
         ROOT / "evidence" / "rendering.py"
     ]
 
 
 def test_no_import_cycles() -> None:
-    graph = {
-        n: {i for i in imports(n, p) if i in modules() and i != n} for n, p in modules().items()
-    }
+    graph = {name: imports(name, p) & modules().keys() - {name} for name, p in modules().items()}
     order = [*TopologicalSorter(graph).static_order()]  # or it raises, and names the cycle
     assert len(order) == len(graph)
 
@@ -113,7 +118,9 @@ def folder(name: str) -> str:
     if modules()[name].name == "__init__.py":
         return name
     parent = name.rpartition(".")[0]
-    return name if parent == "rope_model" else parent
+    if parent == "rope_model":
+        return name
+    return parent
 
 
 def folder_graph(imports_of: Mapping[str, Iterable[str]]) -> dict[str, set[str]]:
@@ -144,7 +151,8 @@ def test_no_room_is_allowed_what_it_does_not_import() -> None:
 
 def reached_from(start: str) -> set[str]:
     """Return what a module imports, and what that imports."""
-    reached, waiting = set[str](), [start]
+    reached = set[str]()
+    waiting = [start]
     while waiting:
         name = waiting.pop()
         if name not in reached:
@@ -177,7 +185,7 @@ def test_no_test_of_the_product_imports_evidence_or_benchmarks() -> None:
         if "evidence" not in p.relative_to(ROOT).parts
     ]
     assert len(paths) > 50
-    used = {path.name: {name.partition(".")[0] for name in imports("", path)} for path in paths}
+    used = {path.name: tops(imports("", path)) for path in paths}
     assert [name for name, found in used.items() if found & {"evidence", "benchmarks"}] == []
 
 

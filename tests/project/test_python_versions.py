@@ -76,10 +76,12 @@ def test_a_state_is_rebuilt_without_type_hints(
 
 def test_a_state_is_rebuilt_with_the_kinds_that_it_had(state: RopeState) -> None:
     def kinds(x: Any) -> Any:
-        parts = [getattr(x, field.name) for field in fields(x)] if is_dataclass(x) else x
-        return type(x), [kinds(part) for part in parts] if is_dataclass(x) or isinstance(
-            x, tuple
-        ) else []
+        parts: Iterable[Any] = ()
+        if is_dataclass(x):
+            parts = [getattr(x, field.name) for field in fields(x)]
+        elif isinstance(x, tuple):
+            parts = x
+        return type(x), [kinds(part) for part in parts]
 
     assert kinds(RopeState.from_bytes(state.to_bytes())) == kinds(state)
 
