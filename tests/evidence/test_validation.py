@@ -78,18 +78,22 @@ def test_exact_case(case: str) -> None:
 @pytest.mark.parametrize("tension", [1000.0, 2000.0])
 def test_the_closed_form_of_a_plectoneme_is_where_its_energy_is_least(tension: float) -> None:
     """Per length that lies in it; more of it costs nothing."""
-    x, k, onset = soft_rod(tension), STIFFNESS, ONSET * WOUND_DIAMETER
+    x = soft_rod(tension)
+    k = STIFFNESS
+    onset = ONSET * WOUND_DIAMETER
 
     def energy(a: float, R: float) -> float:
         p = WOUND_DIAMETER - 2.0 * R
         pressed = k * (onset**2 / 6.0 + 0.5 * (p - onset) * p)
-        bent, turn = 0.5 * BEND * math.sin(a) ** 4 / R**2, 0.5 * math.sin(2.0 * a) / R
+        bent = 0.5 * BEND * math.sin(a) ** 4 / R**2
+        turn = 0.5 * math.sin(2.0 * a) / R
         return bent + 0.5 * pressed + tension - x.torque * turn
 
     assert WOUND_DIAMETER - 2.0 * x.radius > onset
     # rounding of the roots
     assert energy(x.angle, x.radius) == pytest.approx(0.0, abs=1e-8 * tension)
-    da, dR = 1e-3 * x.angle, 1e-3 * x.radius
+    da = 1e-3 * x.angle
+    dR = 1e-3 * x.radius
     around = [
         energy(x.angle + i * da, x.radius + j * dR)
         for i, j in ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1))
@@ -137,7 +141,9 @@ def test_a_schedule_is_as_good_between_its_heights_as_promised_at_them(part: int
 
 
 def test_a_rope_that_flows_moves_its_loop_as_in_a_trip() -> None:
-    case, at, speed = smooth(find_case("rope-120")), 0.5, 2.0
+    case = smooth(find_case("rope-120"))
+    at = 0.5
+    speed = 2.0
     # legs are frozen: within 1 / Re s they change by speed / Re s = 1 m of 50, which is 0.2 dB
     s = 2.0 + 2j * np.pi * np.linspace(0.05, 1.4, 8)
     found = shaken(case, at, s, 0.01, speed)

@@ -25,7 +25,9 @@ from hoist_demo.report.verdict import judge
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 BROWSER = next((path for name in BROWSERS if (path := shutil.which(name))), None)
 
-POINTS, STEPS, END = 41, 301, 12.0
+POINTS = 41
+STEPS = 301
+END = 12.0
 
 _FRAME = """<!DOCTYPE html><html><body><iframe src="{page}" style="width:{width}px;height:800px"></iframe>
 <pre id="seen"></pre><script>

@@ -214,10 +214,8 @@ def advance_to_event(rope: NativeRope, stop: float, ends: Ends) -> None:
     lib, handle, *_ = rope.library
     event = ct.c_int(0)
     step = lib.rope_advance_to_event
-    step.restype, step.argtypes = (
-        ct.c_int,
-        (ct.c_void_p, ct.c_double, ct.c_char_p, ct.c_double, ct.POINTER(ct.c_int)),
-    )
+    step.restype = ct.c_int
+    step.argtypes = (ct.c_void_p, ct.c_double, ct.c_char_p, ct.c_double, ct.POINTER(ct.c_int))
     values = [x for end in ends for x in vars(end).values()]
     status = rope.status_of(
         step(handle, stop, struct.pack(f"{len(values)}d", *values), stop, ct.byref(event))
@@ -299,7 +297,8 @@ def expected_derivative(step: Differentiated, name: str, h: float) -> NDArray[np
 
 def errors(case: Case, h: float) -> dict[str, float]:
     """Return the largest error of a derivative over the largest entry, for each input of the left end that shows it."""
-    step, found = differentiated(case, h), {}
+    step = differentiated(case, h)
+    found = {}
     derivatives = {name: derivative(step.rope, 0, name, not case.late) for name in INPUTS}
     for name in INPUTS:
         if name in case.apart or (

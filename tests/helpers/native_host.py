@@ -16,10 +16,15 @@ from fmpy.fmi3 import fmi3LogMessageCallback
 from fmpy.model_description import ModelDescription, ModelVariable
 
 H = 0.01
-OK, WARNING, DISCARD, ERROR = 0, 1, 2, 3
+OK = 0
+WARNING = 1
+DISCARD = 2
+ERROR = 3
 #: s of processor time that one call may take
 LONGEST_CALL = 20.0
-_DOUBLE, _POINTER, _ONE = ctypes.c_double, ctypes.c_void_p, ctypes.c_size_t(1)
+_DOUBLE = ctypes.c_double
+_POINTER = ctypes.c_void_p
+_ONE = ctypes.c_size_t(1)
 _C = {
     "Real": _DOUBLE,
     "Float64": _DOUBLE,
@@ -65,26 +70,23 @@ class Host:
         self.log: list[tuple[int, str]] = []
         self.said: list[str] = []
         self.reached = _DOUBLE()  # s, by the last step, in FMI 3.0
-        identifier, place = (
-            self.description.coSimulation.modelIdentifier,
-            Path(folder).resolve() / "resources",
-        )
+        identifier = self.description.coSimulation.modelIdentifier
+        place = Path(folder).resolve() / "resources"
         self.binary = next((Path(folder) / "binaries").rglob(f"{identifier}.*"))
         self.dll = ctypes.CDLL(str(self.binary))
         code = (self.description.guid if token is None else token).encode()
         if resources is None:
             resources = (place.as_uri() if self.fmi == 2 else f"{place}{os.sep}").encode()
         if self.fmi == 2:
-            make, self._callbacks = self.dll.fmi2Instantiate, fmi2CallbackFunctions()
+            make = self.dll.fmi2Instantiate
+            self._callbacks = fmi2CallbackFunctions()
             self._callbacks.logger = fmi2CallbackLoggerTYPE(self._heard)
             functions = memory or (defaultCallbacks.allocateMemory, defaultCallbacks.freeMemory)
             self._callbacks.allocateMemory, self._callbacks.freeMemory = functions
             arguments: Any = b"rope", 1, code, resources, ctypes.byref(self._callbacks), 0, 1
         else:
-            make, self._logger = (
-                self.dll.fmi3InstantiateCoSimulation,
-                fmi3LogMessageCallback(self._heard),
-            )
+            make = self.dll.fmi3InstantiateCoSimulation
+            self._logger = fmi3LogMessageCallback(self._heard)
             flags = False, True, events, events
             arguments = (
                 b"rope",
@@ -110,7 +112,8 @@ class Host:
 
     def call(self, name: str, *arguments: Any) -> int:
         """``fmi2Name`` or ``fmi3Name`` as it is in the library, and what must hold for all calls."""
-        before, start = len(self.said), time.thread_time()
+        before = len(self.said)
+        start = time.thread_time()
         status: int = getattr(self.dll, f"fmi{self.fmi}{name}")(_POINTER(self.instance), *arguments)
         assert time.thread_time() - start < LONGEST_CALL, name
         assert status in (OK, DISCARD, ERROR), name
@@ -134,10 +137,8 @@ class Host:
         kind = "Int64" if kind == "Enumeration" else kind
         c = _C.get(kind, ctypes.c_bool if self.fmi == 3 else ctypes.c_int)
         which = ctypes.c_uint(variable.valueReference if reference is None else reference)
-        room, number = (
-            (c * len(values))(*values),
-            (ctypes.c_size_t(len(values)),) if self.fmi == 3 else (),
-        )
+        room = (c * len(values))(*values)
+        number = (ctypes.c_size_t(len(values)),) if self.fmi == 3 else ()
         return kind, (ctypes.byref(which), _ONE, room, *number), room
 
     def put(
@@ -197,7 +198,9 @@ class Host:
 
     def derive(self, unknown: int, known: int, seed: float = 1.0) -> tuple[int, float]:
         """Status and value of the directional derivative between two references."""
-        (u, k), s, value = map(ctypes.c_uint, (unknown, known)), _DOUBLE(seed), _DOUBLE()
+        u, k = map(ctypes.c_uint, (unknown, known))
+        s = _DOUBLE(seed)
+        value = _DOUBLE()
         sizes = (_ONE,) if self.fmi == 3 else ()
         arguments = [
             ctypes.byref(u),
@@ -256,7 +259,8 @@ class Host:
 
     def move(self, t: float, h: float, amplitude: float = 0.5, since: float = 0.0) -> int:
         """A step with the ends swinging against each other and the left one turning; t is counted from ``since``."""
-        w, at = 2.0, t + h
+        w = 2.0
+        at = t + h
         y, v, a = (
             amplitude * x
             for x in (1 - math.cos(w * at), w * math.sin(w * at), w * w * math.cos(w * at))
@@ -306,7 +310,8 @@ def reseal(data: bytes) -> bytes:
     """A damaged state with the length and the checksum (FNV-1a over words) that component.c expects."""
     if len(data) < 24:
         return data
-    body, checksum = data[24:], 14695981039346656037
+    body = data[24:]
+    checksum = 14695981039346656037
     words = len(body) // 8
     for value in (*struct.unpack(f"<{words}Q", body[: 8 * words]), *body[8 * words :]):
         checksum = (checksum ^ value) * 1099511628211 & 0xFFFFFFFFFFFFFFFF

@@ -11,7 +11,8 @@ import pytest
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-Capture, Patch = pytest.CaptureFixture[str], pytest.MonkeyPatch
+Capture = pytest.CaptureFixture[str]
+Patch = pytest.MonkeyPatch
 #: gives the FMU of a kind, and the folder into which it is unpacked
 Unpacked = Callable[[str], tuple[Path, str]]
 
@@ -19,7 +20,8 @@ Unpacked = Callable[[str], tuple[Path, str]]
 def straight(s: Array) -> Array:
     """(nodes, 7): an unstrained rope along X."""
     q = np.zeros((s.size, 7))
-    q[:, 0], q[:, 3] = s, 1.0
+    q[:, 0] = s
+    q[:, 3] = 1.0
     return q
 
 

@@ -65,7 +65,8 @@ def to_the_end(ssp: str) -> Iterator[tuple[float, float]]:
 
 def fmpy_rows(ssp: str, clock: Iterable[tuple[float, float]]) -> Rows:
     """Jacobi: all inputs set, all FMUs stepped, all outputs read."""
-    system, folder = read_ssd(ssp).system, fmpy.extract(ssp)
+    system = read_ssd(ssp).system
+    folder = fmpy.extract(ssp)
     parts: dict[str, Host] = {}
     folders = [folder]
     for component in system.elements:
@@ -121,7 +122,8 @@ def libcosim_rows(ssp: str, steps: int) -> Rows:
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimObserver import CosimObserver
 
-    execution, observer = CosimExecution.from_ssp_file(ssp), CosimObserver.create_time_series()
+    execution = CosimExecution.from_ssp_file(ssp)
+    observer = CosimObserver.create_time_series()
     execution.add_observer(observer)
     index = {
         name: execution.slave_index_from_instance_name(name)

@@ -60,7 +60,8 @@ def live(fmu: Path, folder: Path, way: str) -> list[int]:
         ]
     elif not name.endswith("linux") or shutil.which("cc") is None:
         pytest.skip("needs Linux and a C compiler")
-    unzipped, program = Path(fmpy.extract(str(fmu), str(folder))), folder / "life.exe"
+    unzipped = Path(fmpy.extract(str(fmu), str(folder)))
+    program = folder / "life.exe"
     source = str(NATIVE / "life_cycle.c")
     libraries = ["-lm"] if name.endswith("windows") else ["-ldl", "-lm"]
     command = [*compiler, "-std=gnu99", f"-I{HEADERS}", source, "-o", str(program), *libraries]

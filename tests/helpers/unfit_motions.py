@@ -9,7 +9,8 @@ from rope_model import (
 )
 from rope_model.solver_parameters import FidelityChoice
 
-H, TRAVEL = 0.01, 20.0
+H = 0.01
+TRAVEL = 20.0
 
 
 def unfit(t: float, fidelity: FidelityChoice) -> EndMotion:

@@ -24,7 +24,9 @@ from rope_model.physics.node import arc_lengths
 from rope_model.rules.fidelity import Fidelity
 from rope_model.rules.signal_table import SHAPE_POINTS
 
-HIGH, TRAVEL, H = 12.0, 8.0, 0.01
+HIGH = 12.0
+TRAVEL = 8.0
+H = 0.01
 #: 30 m rope; its mesh is transformed on the way
 SHORT = Scene(
     rope=Rope(length=30.0),
@@ -67,7 +69,8 @@ def places(rope: BalanceRope) -> np.ndarray:
 
 
 def test_free_loop_has_the_bending_stress_and_the_tension_of_its_elastica() -> None:
-    rope, g = UNCOUPLED.rope, 9.81
+    rope = UNCOUPLED.rope
+    g = 9.81
     width = (rope.EI / (rope.mass_per_length * g)) ** (1 / 3)
     scene = UNCOUPLED.with_(
         layout=Layout(spacing=natural_width(UNCOUPLED)), mesh=Mesh(kind="eem", elements=300)
@@ -90,7 +93,8 @@ def test_tension_at_the_lowest_point_is_the_side_force_at_rest(width: float) -> 
 
 def test_tension_of_a_leg_at_rest_is_that_of_a_hanging_chain() -> None:
     still = move(UNCOUPLED, 0)
-    s, ends = places(still), still.signals()
+    s = places(still)
+    ends = still.signals()
     leg = (s > 0) & (s < bottom_of(still) - 4.0)
     expected = np.hypot(-ends["left.fy"] - 9.81 * SHORT.rope.mass_per_length * s, ends["left.fx"])
     # a leg follows its force but for bending, which dies away within sqrt(EI/T) = 0.7 m of the clamp
@@ -125,7 +129,8 @@ def test_torsion_is_that_of_the_torque_all_along(steps: int, off: float) -> None
 def test_stress_along_the_rope_reaches_its_largest_value_and_is_never_above(kind: str) -> None:
     for steps in (0, 130, 260):
         rope = move(SHORT, steps)
-        values, largest = along(rope, kind), rope.signals()[f"stress.{kind}_max"]
+        values = along(rope, kind)
+        largest = rope.signals()[f"stress.{kind}_max"]
         assert values.max() <= largest * (1 + 1e-12)
         # between points: the loop's are 0.2 m apart, a tenth of its bend
         assert values.max() > 0.98 * largest
@@ -152,7 +157,8 @@ def test_points_show_a_round_loop_however_deep_it_hangs(length: float) -> None:
         rope=replace(UNCOUPLED.rope, length=length), mesh=Mesh(), model=Model("planar")
     )
     rope = hung(balance_rope(scene))
-    q, lengths = rope.state.motion.q, rope.state.partition.lengths
+    q = rope.state.motion.q
+    lengths = rope.state.partition.lengths
     pieces = np.diff(shape(q, lengths, bottom_of(rope), loop_width(scene), SHAPE_POINTS).T[:2])
     corners = np.diff(np.unwrap(np.arctan2(pieces[1], pieces[0])))
     # a circle as wide as the loop turns by 5.7 degrees over a 40th of two widths; where a free loop bends most, and
@@ -162,7 +168,8 @@ def test_points_show_a_round_loop_however_deep_it_hangs(length: float) -> None:
 
 
 def test_stations_stay_in_the_rope_while_the_points_of_its_shape_move() -> None:
-    before, after = move(SHORT, 0), move(SHORT, 400)
+    before = move(SHORT, 0)
+    after = move(SHORT, 400)
     s = along(after, "s")
     assert_allclose(s, places(after), rtol=1e-12)
     assert abs(s[BOTTOM] - places(before)[BOTTOM]) > 3.0
@@ -177,7 +184,8 @@ def test_stations_stay_in_the_rope_while_the_points_of_its_shape_move() -> None:
 
 def test_a_station_midway_between_nodes_is_on_their_cubic() -> None:
     after = move(SHORT, 400)
-    s, (a, b) = arc_lengths(after.state.partition.lengths)[20:22], after.state.motion.q[20:22]
+    s = arc_lengths(after.state.partition.lengths)[20:22]
+    a, b = after.state.motion.q[20:22]
     where = s.mean() / SHORT.rope.length
     found = [along(with_stations(after, Stations(where, where)), axis, "station") for axis in "xyz"]
     middle = 0.5 * (a[:3] + b[:3]) + np.diff(s) / 8 * (a[3:6] - b[3:6])

@@ -48,11 +48,9 @@ LEVEL = EndMotion(lean=0.5 * math.pi), EndMotion(lean=-0.5 * math.pi)
 
 
 def scene(attachment: Any = "clamped", elements: int = 40, **rope: float) -> Scene:
-    held, mesh, solver = (
-        Swivel(attachment=attachment),
-        Mesh("eem", elements=elements),
-        Solver(step_max=0.005),
-    )
+    held = Swivel(attachment=attachment)
+    mesh = Mesh("eem", elements=elements)
+    solver = Solver(step_max=0.005)
     return Scene(replace(CABLE, **rope), Layout(spacing=SPAN), held, held, mesh, solver=solver)
 
 
@@ -62,7 +60,8 @@ def elastica(lean: float | None) -> tuple[float, float, float]:
     Half of it by shooting for the whole boundary value problem: EI phi'' = H sin(phi) - V cos(phi), with phi the angle
     from the horizontal, V = -w (L/2 - s) the vertical force and phi = 0 in the middle.
     """
-    w, half = CABLE.mass_per_length * 9.81, 0.5 * CABLE.length
+    w = CABLE.mass_per_length * 9.81
+    half = 0.5 * CABLE.length
 
     def slopes(s: Array, y: Array, p: Array) -> Array:
         phi, bend, _, _ = y
@@ -111,7 +110,8 @@ def test_an_end_held_at_any_angle_or_hinged_hangs_as_the_elastica(lean: float | 
 
 
 def test_a_plane_across_is_as_good_as_that_of_the_loop() -> None:
-    rope, side = hung(balance_rope(scene(), "native"), *LEVEL), 0.5 * SPAN
+    rope = hung(balance_rope(scene(), "native"), *LEVEL)
+    side = 0.5 * SPAN
     ends = (
         EndMotion(x=s * side, z=-s * side, yaw=-0.5 * math.pi, lean_z=s * 0.5 * math.pi)
         for s in (1.0, -1.0)
@@ -147,17 +147,18 @@ def test_a_straight_rope_without_weight_swings_as_a_beam(
 
 def test_a_clamp_that_turns_about_plumb_carries_the_rope_along_without_strain() -> None:
     """The axis of a clamp goes round a cone: without spin it would turn the section by the cone's solid angle."""
-    lean, torque = 1.0, {"Qb": 0.05, "Qc": 0.05, "installed_twist": 2.0}
+    lean = 1.0
+    torque = {"Qb": 0.05, "Qc": 0.05, "installed_twist": 2.0}
     rope = balance_rope(scene(**torque), "native")
 
     def ends(t: float) -> Ends:
         s = min(t / 4.0, 1.0)
-        angle, rate = (
-            math.pi * (10 * s**3 - 15 * s**4 + 6 * s**5),
-            math.pi * 30 * (s * (1 - s)) ** 2 / 4.0,
-        )
+        angle = math.pi * (10 * s**3 - 15 * s**4 + 6 * s**5)
+        rate = math.pi * 30 * (s * (1 - s)) ** 2 / 4.0
         bend = math.pi * 60 * s * (1 - s) * (1 - 2 * s) / 16.0
-        c, z, r = math.cos(angle), -math.sin(angle), 0.5 * SPAN
+        c = math.cos(angle)
+        z = -math.sin(angle)
+        r = 0.5 * SPAN
         motions = (
             EndMotion(
                 x=r * k * (c - 1),
@@ -204,7 +205,8 @@ def test_clamps_that_lean_in_space_keep_the_balances() -> None:
 
 
 def test_free_swivels_of_clamps_that_lean_in_space_begin_at_rest() -> None:
-    free, mesh = Swivel("free", attachment="clamped"), Mesh("eem", elements=16)
+    free = Swivel("free", attachment="clamped")
+    mesh = Mesh("eem", elements=16)
     ends = EndMotion(lean=0.3, lean_z=0.2), EndMotion(y=20.0, lean=-0.3, lean_z=0.2)
     rope = hung(balance_rope(Scene(Rope(length=60.0), left=free, right=free, mesh=mesh)), *ends)
     assert_allclose(
@@ -216,11 +218,9 @@ def test_free_swivels_of_clamps_that_lean_in_space_begin_at_rest() -> None:
 def test_the_strain_of_an_end_does_not_feel_that_it_turns(
     parts: SimpleNamespace, attachment: Any
 ) -> None:
-    q, turn, node = (
-        np.random.default_rng(3).random((4, 7)),
-        np.zeros((4, 7)),
-        1 if attachment == "clamped" else 0,
-    )
+    q = np.random.default_rng(3).random((4, 7))
+    turn = np.zeros((4, 7))
+    node = 1 if attachment == "clamped" else 0
     turn[:, 3:6] = np.cross([0.3, -0.2, 0.5], q[:, 3:6])
     strain = parts.end_strain(scene_structure(scene(attachment)), 4, q, turn + 2e-3 * q, 0)
     assert strain == pytest.approx(2e-3 * float(np.linalg.norm(q[node, 3:6])), rel=1e-12)
@@ -259,7 +259,8 @@ RUBS = Swivel(
 
 def test_the_friction_of_a_swivel_grows_with_the_tension_along_a_rope_that_leans() -> None:
     """A rope of 30 m between hinges 29 m apart pulls mostly sideways."""
-    held, rope = replace(RUBS, mode="locked"), Rope(length=30.0)
+    held = replace(RUBS, mode="locked")
+    rope = Rope(length=30.0)
     taut = Scene(
         rope, Layout(spacing=29.0), RUBS, held, Mesh("eem", elements=60), model=Model("torsional")
     )
@@ -298,7 +299,8 @@ def test_a_rope_between_ends_apart_across_is_free_of_twist_where_both_conveyance
     """Without the yaw it is twisted by twice the direction of its ends; the installed twist can take that out."""
     direction = -math.atan2(0.1, SPAN)
     plumb = scene("plumb")
-    across, yawed = EndMotion(z=0.1), EndMotion(yaw=direction)
+    across = EndMotion(z=0.1)
+    yawed = EndMotion(yaw=direction)
 
     def torque(of: Scene, left: EndMotion, right: EndMotion) -> float:
         return float(hung(balance_rope(of, "native"), left, right).signals()["left.swivel.torque"])

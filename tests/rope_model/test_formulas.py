@@ -122,11 +122,9 @@ def test_c_computes_the_formula_to_the_bit(library: Any, prototype: str) -> None
     assert match
     result, name, text = match.groups()
     arguments = [argument_of(argument) for argument in text.split(", ")]
-    function, formula, chance = (
-        getattr(library, f"{name}_"),
-        FORMULAS[prototype],
-        random.Random(name),
-    )
+    function = getattr(library, f"{name}_")
+    formula = FORMULAS[prototype]
+    chance = random.Random(name)
     if result != "void":
         function.restype = ct.c_double if result == "double" else c_structure(STRUCTURES[result])
     else:
@@ -184,7 +182,8 @@ def spoken(tmp_path_factory: pytest.TempPathFactory) -> ct.CDLL:
 
 @pytest.mark.parametrize("name", TEXTS)
 def test_c_says_what_python_says(spoken: ct.CDLL, name: str) -> None:
-    say, room = getattr(spoken, f"of_{name}"), ct.create_string_buffer(512)
+    say = getattr(spoken, f"of_{name}")
+    room = ct.create_string_buffer(512)
     say.argtypes = (ct.c_char_p, *(TYPES[kind][1] for kind in kinds(name)))
     for k in range(7):
         values = [SAMPLES[kind][k % len(SAMPLES[kind])] for kind in kinds(name)]

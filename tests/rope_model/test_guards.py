@@ -18,7 +18,8 @@ from rope_model import (
 )
 from rope_model.physics.guard import CAUSES, NEVER, GuardState, off_plumb, sideways, watch
 
-LEFT, RIGHT = (-1.0, 20.0, 0.0), (2.0, 10.0, 4.0)
+LEFT = (-1.0, 20.0, 0.0)
+RIGHT = (2.0, 10.0, 4.0)
 NOTHING = dict.fromkeys(CAUSES, 0.0) | {"clearance": 1e6}
 
 
@@ -38,7 +39,9 @@ def after(guard: Guard, *looks: tuple[float, str, float]) -> GuardState:
 
 @pytest.mark.parametrize("cause", CAUSES)
 def test_a_guard_trips_beyond_its_threshold_and_no_other_does(cause: str) -> None:
-    guard, inside, outside = Guard(**{cause: 1.0}), 1.0, 0.99 if cause == "clearance" else 1.01
+    guard = Guard(**{cause: 1.0})
+    inside = 1.0
+    outside = 0.99 if cause == "clearance" else 1.01
     others = [
         (1.0, other, 0.5 if other == "clearance" else 2.0) for other in CAUSES if other != cause
     ]

@@ -33,10 +33,12 @@ from rope_model.solver_parameters import FidelityChoice, Inputs, Model
 
 Ends = tuple[EndMotion, EndMotion]
 
-MESSAGE, ROUNDING = 512, 1e-12
+MESSAGE = 512
+ROUNDING = 1e-12
 #: the codes of the fidelities
 FIDELITY_NAMES = get_args(FidelityChoice)
-FREE, RELEASED = Swivel(mode="free"), Swivel(mode="free", release_time=20.0)
+FREE = Swivel(mode="free")
+RELEASED = Swivel(mode="free", release_time=20.0)
 
 
 @pytest.fixture(scope="module")
@@ -116,7 +118,8 @@ def test_an_acceleration_that_is_too_large_is_refused() -> None:
 
 
 def test_a_signal_that_stands_still_for_longer_than_it_may_is_refused() -> None:
-    inputs, end_filter = Inputs(), InputFilter(given_at=1.0, steps_held=7.0)
+    inputs = Inputs()
+    end_filter = InputFilter(given_at=1.0, steps_held=7.0)
     latest = 1.0 + inputs.hold_max
     assert stale_input_error(inputs, 0.5 * (1.0 + latest), end_filter, "right") == ""
     said = stale_input_error(inputs, latest + 0.5, end_filter, "right")
@@ -228,7 +231,8 @@ ENDS: tuple[Ends, ...] = (
 
 
 def assert_same_fidelities(native: Any, scene: Scene, ends: Ends, forces: int = 0) -> None:
-    structure, c_ends = scene_structure(scene), ends_of(ends)
+    structure = scene_structure(scene)
+    c_ends = ends_of(ends)
     choice = choose_fidelity(scene, ends, forces)
     reason = ct.create_string_buffer(MESSAGE)
     assert (

@@ -277,7 +277,8 @@ def test_scenes_contain_their_events(name: str, event: str) -> None:
 def test_rope_at_rest_is_the_engines_on_the_same_mesh(mesh: Mesh) -> None:
     # the complete model in both; of the fitted mesh the engine keeps the number of elements, the reference does not
     scene = Scene(rope=Rope(length=SHORT), mesh=mesh, model=Model("torsional"))
-    left, right = EndMotion(), EndMotion(y=4.0, z=0.2)
+    left = EndMotion()
+    right = EndMotion(y=4.0, z=0.2)
     ours, theirs = (
         hung(balance_rope(scene, form), left, right) for form in ("reference", "native")
     )

@@ -56,7 +56,8 @@ CROSS_WIND = {
     "cross_height": 2.0,
 }
 BLOWN = air_scenes.scene(**CROSS_WIND, buffet=1.0, buffet_length=2.0)
-CURVED, WIRES = curved_scenes.scene, wire_scenes.scene()
+CURVED = curved_scenes.scene
+WIRES = wire_scenes.scene()
 #: its errors halve steps
 STRICT = WIRES.with_(solver=replace(WIRES.solver, tolerance=1.0, newton_tolerance=1e-8))
 CASES = {
@@ -124,7 +125,8 @@ CASES["another model since 1 s"] = Case(
 def test_a_rope_goes_on_from_a_saved_state_bit_by_bit(name: str) -> None:
     case = CASES[name]
     rope = wound(balance_rope(case.scene), case.motion, case.saved, case.h)
-    saved, kept = rope.save(), rope.snapshot()
+    saved = rope.save()
+    kept = rope.snapshot()
     rest = case.motion, case.steps - case.saved, case.h, case.saved
     end = wound(rope, *rest).save()
     assert case.acted(rope.state)

@@ -38,7 +38,8 @@ def test_tmn_agrees_with_a_fine_equal_length_mesh_through_the_winding() -> None:
     ours, reference = (
         recorded(balance_rope(scene), ends_at, 600, names) for scene in (SHORT, fine)
     )
-    force, loop = (ours - reference)[:, :2], (ours - reference)[:, 2:5]
+    force = (ours - reference)[:, :2]
+    loop = (ours - reference)[:, 2:5]
     # measured 0.008 % of the largest force and 1.1 mm; the acceptance is 0.5 % and 1 cm
     assert np.sqrt(np.mean(force**2)) < 0.0003 * np.abs(reference[:, :2]).max()
     assert np.abs(loop).max() < 0.004
@@ -49,7 +50,10 @@ def test_transformation_happens_each_coarse_length_of_travel_and_on_the_way_back
     None
 ):
     rope = wind(steps=0)
-    instants, counts, changes, kinetic = [], [rope.state.partition.counts], [], 0.0
+    instants = []
+    counts = [rope.state.partition.counts]
+    changes = []
+    kinetic = 0.0
     there = 500
     for k in range(2 * there):
         t = (k + 1) * H
@@ -103,7 +107,8 @@ def test_work_is_bounded() -> None:
 def test_a_loop_near_an_end_hangs_on_the_fitted_mesh_as_on_short_equal_elements(
     EI: float, height: float
 ) -> None:
-    scene, found = Scene(rope=Rope(EI=EI)), []
+    scene = Scene(rope=Rope(EI=EI))
+    found = []
     for mesh in (scene.mesh, Mesh("eem", elements=480)):
         found.append(
             hung(balance_rope(scene.with_(mesh=mesh)), right=EndMotion(y=height)).signals()
@@ -201,7 +206,8 @@ def test_a_change_of_the_steps_length_sends_a_wave_along_the_rope_and_even_steps
     largest = {}
     for name, lengths in (("long", (H, H)), ("short", (H / 4, H / 4)), ("changed", (H, H / 4))):
         at = [scene.with_(solver=replace(scene.solver, tolerance=1e6, step_max=h)) for h in lengths]
-        rope, record = wound(NativeRope(at[0]), partial(motion, height=200.0), 1380), []
+        rope = wound(NativeRope(at[0]), partial(motion, height=200.0), 1380)
+        record = []
         for k in followed(rope, partial(motion, height=200.0), 40, H, first=1380):
             record.append([*rope.signals(LOADS[:6]).values()])
             if k == 1399:

@@ -31,7 +31,8 @@ def main() -> int:
     )
     options = parser.parse_args()
     logging.disable(logging.WARNING)  # of trips whose results need care
-    hunt, begun = Hunt(options.seed), time.monotonic()
+    hunt = Hunt(options.seed)
+    begun = time.monotonic()
     if options.case is not None:
         for name in [options.relation] if options.relation else list(RELATIONS):
             hunt.case(options.case, name, frozenset(options.without.split()), shrink=False)
@@ -39,7 +40,8 @@ def main() -> int:
         print(hunt.table())
         print("\n".join(f"refused: {words}" for words in hunt.refusals))
         return int(bool(hunt.findings))
-    number, told = 0, begun
+    number = 0
+    told = begun
     while time.monotonic() - begun < 60.0 * options.minutes:
         known = len(hunt.findings)
         hunt.case(number, options.relation)

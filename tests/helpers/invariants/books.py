@@ -47,9 +47,14 @@ def require(holds: bool, why: str) -> None:
 def integrals(rope: BalanceRope) -> tuple[Array, Array, Array]:
     """Momentum (3,) per mass per length, the first moment of the length (3,), and the length, by Gauss points."""
     rows = rope.rows()
-    s, r, d, v, d_t = rows[:, 0], rows[:, 1:4], rows[:, 4:7], rows[:, 7:10], rows[:, 10:13]
+    s = rows[:, 0]
+    r = rows[:, 1:4]
+    d = rows[:, 4:7]
+    v = rows[:, 7:10]
+    d_t = rows[:, 10:13]
     l = np.diff(s)[:, None]
-    momentum, first = np.zeros(3), np.zeros(3)
+    momentum = np.zeros(3)
+    first = np.zeros(3)
     for xi, weight in GAUSS:
         momentum += (weight * l * interpolate(xi, l, v[:-1], d_t[:-1], v[1:], d_t[1:])[0]).sum(
             axis=0
@@ -71,7 +76,8 @@ def momentum(case: Case, draws: Draws) -> Iterator[Compared]:
     require(record.rope.fidelity != "rigid", "a rigid rope, which has no nodes' rates")
     last = len(record.rows) - 1
     found = [*found[:last], float(integrals(record.rope)[0][1])]
-    rope, h = case.scene.rope, np.diff(record.times)
+    rope = case.scene.rope
+    h = np.diff(record.times)
     weight = rope.mass_per_length * rope.length * case.scene.layout.gravity
     pulls = (record["left.fy_mean"] + record["right.fy_mean"])[1:]
     missing = rope.mass_per_length * np.diff(found[: last + 1]) / h + pulls + weight
@@ -97,13 +103,12 @@ def rest(case: Case, draws: Draws) -> Iterator[Compared]:
     require(feels_weight_alone(case), "air, bodies and dead loads")
     record = start(case)
     require(record.rope.fidelity != "rigid", "a rigid rope, which has no moments")
-    rope, row = case.scene.rope, record.rope.rows()
+    rope = case.scene.rope
+    row = record.rope.rows()
     _, first, length = integrals(record.rope)
     weight = rope.mass_per_length * case.scene.layout.gravity
-    forces, moments = (
-        record.several(FORCES)[0].reshape(2, 3),
-        record.several(MOMENTS)[0].reshape(2, 3),
-    )
+    forces = record.several(FORCES)[0].reshape(2, 3)
+    moments = record.several(MOMENTS)[0].reshape(2, 3)
     if record.rope.fidelity != "torsional":
         moments = np.zeros((2, 3))
     ends = row[[0, -1], 1:4]

@@ -353,7 +353,8 @@ def _require_same_record(
     row: Mapping[str, str], other: Wound, wound: Wound, tolerance: float
 ) -> None:
     """Require equal signals, to a part of the largest value of each quantity's unit."""
-    a, b = other.signals, wound.signals
+    a = other.signals
+    b = wound.signals
     if len(a) != len(b):
         _refuse(row, f"{row['command']}: {len(a)} rows, and {len(b)} in wind")
     for name in sorted({*a} & {*b}):

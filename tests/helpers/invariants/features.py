@@ -82,8 +82,10 @@ class Drawn:
 def catalogue_rope(drawn: Drawn) -> None:
     """Any rope of the catalogue, at any place in the ranges of its data."""
     draws = drawn.draws
-    construction, diameter = draws.one_of(*CONSTRUCTIONS), draws.evenly(*DIAMETER)
-    length, lay = draws.in_logarithms(*LENGTH), draws.one_of("right-hand", "left-hand")
+    construction = draws.one_of(*CONSTRUCTIONS)
+    diameter = draws.evenly(*DIAMETER)
+    length = draws.in_logarithms(*LENGTH)
+    lay = draws.one_of("right-hand", "left-hand")
     known = rope(construction, diameter, length, lay)
     made = rope_of(
         diameter,
@@ -104,7 +106,8 @@ def damping(drawn: Drawn) -> None:
 
 def unequal_coupling(drawn: Drawn) -> None:
     """Qb and Qc unequal, as published pairs are, and more; their mean stays."""
-    part, mean = drawn.draws.evenly(-0.3, 0.3), drawn.values["rope.Qb"]
+    part = drawn.draws.evenly(-0.3, 0.3)
+    mean = drawn.values["rope.Qb"]
     drawn.values |= {"rope.Qb": (1 + part) * mean, "rope.Qc": (1 - part) * mean}
 
 
@@ -177,7 +180,8 @@ def attachments(drawn: Drawn) -> None:
 
 def mesh(drawn: Drawn) -> None:
     """Kinds other than the fitted one, with elements that resolve the loop's bend."""
-    draws, kind = drawn.draws, drawn.draws.one_of("eem", "tmn", "auto")
+    draws = drawn.draws
+    kind = drawn.draws.one_of("eem", "tmn", "auto")
     drawn.values["mesh.kind"] = drawn.code("mesh.kind", kind)
     if kind == "eem":
         drawn.values["mesh.elements"] = int(
@@ -241,7 +245,8 @@ def stations(drawn: Drawn) -> None:
 
 def lining(drawn: Drawn) -> None:
     """The shaft's wall: a rectangle or a circle, with the ends inside."""
-    draws, width = drawn.draws, drawn.spacing + drawn.draws.evenly(1.0, 4.0)
+    draws = drawn.draws
+    width = drawn.spacing + drawn.draws.evenly(1.0, 4.0)
     round_ = draws.chance(0.5)
     drawn.values |= {
         "lining.width": width,
@@ -298,7 +303,8 @@ def self_contact(drawn: Drawn) -> None:
 
 
 def guards(drawn: Drawn) -> None:
-    draws, low = drawn.draws, -0.45 * drawn.length
+    draws = drawn.draws
+    low = -0.45 * drawn.length
     thresholds = {
         "rise": (0.05, 2.0),
         "window": (0.05, 2.0),

@@ -22,8 +22,9 @@ RELATIONS: dict[str, Relation] = {
 }
 #: relations that are tried on each case, so that many cases are seen
 TRIED = 3
-#: those that wind a whole hoist are tried so seldom
-SELDOM, SHARE_OF_SELDOM = tuple(relation.__name__ for relation in hosts.SELDOM), 0.05
+#: those that wind a whole hoist are tried in this share of the cases
+SELDOM = tuple(relation.__name__ for relation in hosts.SELDOM)
+SHARE_OF_SELDOM = 0.05
 #: share of cases that the product may refuse
 MOST_REFUSED = 0.3
 

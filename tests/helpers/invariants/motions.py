@@ -144,12 +144,15 @@ def draw_motion(
         told = Draws(seed, number, f"has {name}").chance(MOVES[name]) and name not in without
         return told and name not in _CANNOT_FOLLOW.get(choices_of("model.fidelity")[code], ())
 
-    length, duration, names = drawn.length, drawn.duration, list[str]()
+    length = drawn.length
+    duration = drawn.duration
+    names = list[str]()
     draws = Draws(seed, number, "vertical")
     apart = draws.evenly(*APART) * length
     kind, left_y = _vertical(draws, length, duration, apart)
     if kind in without:
-        kind, left_y = "hold", _rest(0.0)
+        kind = "hold"
+        left_y = _rest(0.0)
     names.append(kind)
     factor = -1.0
     if has("unequal ends"):

@@ -152,7 +152,8 @@ def forces_of_nothing(case: Case, draws: Draws) -> Iterator[Compared]:
     values = values_of(case.scene)
     if values["model.fidelity"] in (0, 4):  # a rigid rope refuses point forces, as it says
         scene = with_changes(case.scene, {**values, "model.fidelity": 1})
-        case, other = case.with_(scene=scene), other.with_(scene=scene)
+        case = case.with_(scene=scene)
+        other = other.with_(scene=scene)
     one, two = both(case, other)
     yield from _equal(one, two)
 

@@ -182,7 +182,8 @@ def derivatives(case: Case, draws: Draws) -> Iterator[Compared]:
         return np.array([found[x] for x in LOADS]), [found[x] for x in COUNTS]
 
     _, taken = loads(0.0)
-    lib, handle = rope.library.lib, rope.library.rope
+    lib = rope.library.lib
+    handle = rope.library.rope
     found = (c_double * 12)()
     number = len(fields) * side + fields.index(name)
     if not lib.rope_load_derivative(handle, number, int(not case.late), found):
@@ -190,7 +191,8 @@ def derivatives(case: Case, draws: Draws) -> Iterator[Compared]:
     derivative = np.array(found)
 
     def against(change: float) -> list[Compared]:
-        (more, steps_more), (less, steps_less) = loads(change), loads(-change)
+        more, steps_more = loads(change)
+        less, steps_less = loads(-change)
         if not steps_more == steps_less == taken:
             return []
         difference = (more - less) / (2 * change)

@@ -188,10 +188,8 @@ def seen_from_behind(case: Case, draws: Draws) -> Iterator[Compared]:
                 values[name.replace(side, opposite, 1)] = x
     for name in ("lining.x", "lining.z", "air.vx", "air.vz", *(f"{x}.offset" for x in DIVIDERS)):
         values[name] = -old[name]
-    values["station.first"], values["station.last"] = (
-        1.0 - old["station.last"],
-        1.0 - old["station.first"],
-    )
+    values["station.first"] = 1.0 - old["station.last"]
+    values["station.last"] = 1.0 - old["station.first"]
     # the direction of the curvature is that at the other end, which the installed twist has turned
     if is_bent(case):
         angle = -old["rope.initial_curvature_angle"] - old["rope.installed_twist"]
@@ -240,14 +238,18 @@ def turned(case: Case, draws: Draws) -> Iterator[Compared]:
     Motions that the input filter completes or extrapolates are completed along X and Z, each within bounds of its own.
     """
     angle = draws.evenly(-3.0, 3.0)
-    c, s = math.cos(angle), math.sin(angle)
+    c = math.cos(angle)
+    s = math.sin(angle)
     values = values_of(case.scene)
     values |= {"model.fidelity": 1, "conveyance.width": 0.0, "head_ropes.diameter": 0.0}
     if values["lining.depth"] != values["lining.width"] or values["lining.rounding"] != 1.0:
         values["lining.width"] = 0.0
     case = case.with_(scene=with_changes(case.scene, values))
     for x, z in (("lining.x", "lining.z"), ("air.vx", "air.vz")):
-        values[x], values[z] = c * values[x] + s * values[z], c * values[z] - s * values[x]
+        at_x = values[x]
+        at_z = values[z]
+        values[x] = c * at_x + s * at_z
+        values[z] = c * at_z - s * at_x
     for name in DIVIDERS:
         values[f"{name}.direction"] += angle
     half = 0.5 * case.scene.layout.spacing
@@ -257,7 +259,8 @@ def turned(case: Case, draws: Draws) -> Iterator[Compared]:
         new = dict(old)
         for x, z in (("x", "z"), ("vx", "vz"), ("ax", "az"), ("lean", "lean_z")):
             at = old[x] + (nominal if x == "x" else 0.0)
-            new[x], new[z] = c * at + s * old[z], c * old[z] - s * at
+            new[x] = c * at + s * old[z]
+            new[z] = c * old[z] - s * at
         new["x"] -= nominal
         new["yaw"] += angle
         return EndMotion(**new)
@@ -275,15 +278,18 @@ def turned(case: Case, draws: Draws) -> Iterator[Compared]:
     )
     expected = {name: one[name] for name in ALL}
     for what in ("left.f", "left.m", "right.f", "right.m", "loop."):
-        x, z = one[f"{what}x"], one[f"{what}z"]
-        expected[f"{what}x"], expected[f"{what}z"] = c * x + s * z, c * z - s * x
+        x = one[f"{what}x"]
+        z = one[f"{what}z"]
+        expected[f"{what}x"] = c * x + s * z
+        expected[f"{what}z"] = c * z - s * x
     exact = not case.late and case.scene.inputs.given == "all"
     yield from compared(one, two, expected, exact=exact)
 
 
 def shifted(case: Case, draws: Draws) -> Iterator[Compared]:
     """Elsewhere in the shaft's coordinates."""
-    dx, dz = draws.evenly(-20.0, 20.0), draws.evenly(-20.0, 20.0)
+    dx = draws.evenly(-20.0, 20.0)
+    dz = draws.evenly(-20.0, 20.0)
     dy = draws.evenly(-300.0, 300.0)
     if case.scene.model.fidelity in ("planar", "rigid"):
         dz = 0.0  # they take no z at all
@@ -347,7 +353,8 @@ class Units:
             "1": 1.0,
         }
         sizes |= {"Pa": sizes["N"] / self.m**2, "J": sizes["N"] * self.m, "": 1.0}
-        factor, sign = 1.0, 1
+        factor = 1.0
+        sign = 1
         for part in unit.split("/"):
             for word in part.split("."):
                 name = word.rstrip("0123456789") or "1"
