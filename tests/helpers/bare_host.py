@@ -46,7 +46,9 @@ def members(path: str) -> list[str]:
 
 def result(path: str) -> object:
     try:
-        return [simulated(each) for each in (members(path) if path.endswith(".ssp") else [path])]
+        if path.endswith(".ssp"):
+            return [simulated(member) for member in members(path)]
+        return [simulated(path)]
     except Exception as error:
         return repr(error)
 

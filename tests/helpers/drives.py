@@ -85,9 +85,9 @@ def dead_weights(
     half = hoist.tail_rope_length / 2.0
     high = (y_left - y_right) / 2.0
     mass = hoist.tail_rope_mass
-    return -mass * (half + high) * (GRAVITY + acceleration), -mass * (half - high) * (
-        GRAVITY - acceleration
-    )
+    left = -mass * (half + high) * (GRAVITY + acceleration)
+    right = -mass * (half - high) * (GRAVITY - acceleration)
+    return left, right
 
 
 def rest_at(plant: Plant, heights: tuple[float, float]) -> tuple[PlantState, PlantInput]:
@@ -107,7 +107,9 @@ def wind(hoist: Hoist, winding: Winding, gains: Gains, step: float = 0.02) -> di
     """One trip by columns; the dead weights accelerate as the reference, so that the coupling has no delay."""
     plant = Plant(hoist)
     reference = s_curve(winding)
-    heights = (0.0, hoist.shaft_travel) if winding.travel > 0.0 else (hoist.shaft_travel, 0.0)
+    heights = (0.0, hoist.shaft_travel)
+    if winding.travel <= 0.0:
+        heights = (hoist.shaft_travel, 0.0)
     state, u = rest_at(plant, heights)
     shown = at_rest = plant.outputs(state, u)
     controller = SpeedController(hoist, at_rest.torque, gains)
@@ -138,4 +140,7 @@ def wind(hoist: Hoist, winding: Winding, gains: Gains, step: float = 0.02) -> di
                 "energy_residual": energy_residual(at_rest, shown, state.work_totals[:5]),
             }
         )
-    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    trip = {}
+    for name in rows[0]:
+        trip[name] = np.array([row[name] for row in rows])
+    return trip

@@ -8,12 +8,13 @@ import time
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import fmpy
 from fmpy.fmi2 import defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from fmpy.fmi3 import fmi3LogMessageCallback
 from fmpy.model_description import ModelDescription, ModelVariable
+from signal_names import of_both_ends
 
 H = 0.01
 OK = 0
@@ -25,14 +26,22 @@ LONGEST_CALL = 20.0
 _DOUBLE = ctypes.c_double
 _POINTER = ctypes.c_void_p
 _ONE = ctypes.c_size_t(1)
-_C = {
-    "Real": _DOUBLE,
-    "Float64": _DOUBLE,
-    "Integer": ctypes.c_int,
-    "Int32": ctypes.c_int32,
-    "Int64": ctypes.c_int64,
+#: types of values by the version of FMI and the name in its functions
+_C: dict[int, dict[str, Any]] = {
+    2: {
+        "Real": _DOUBLE,
+        "Integer": ctypes.c_int,
+        "Boolean": ctypes.c_int,
+        "String": ctypes.c_char_p,
+    },
+    3: {
+        "Float64": _DOUBLE,
+        "Int32": ctypes.c_int32,
+        "Int64": ctypes.c_int64,
+        "Boolean": ctypes.c_bool,
+        "String": ctypes.c_char_p,
+    },
 }
-_C["String"] = ctypes.c_char_p
 #: a rope of nine equal elements, or of TMN-ETM's fewest
 SMALL: dict[str, float] = {
     "mesh.kind": 1,
@@ -50,6 +59,14 @@ SMALL: dict[str, float] = {
 def _description(path: Path, written: int) -> ModelDescription:
     """Read once per file: fmpy takes 0.1 s."""
     return fmpy.read_model_description(str(path))
+
+
+class Access(NamedTuple):
+    """Kind of the function that reads or sets a variable, its arguments, and the array of values among them."""
+
+    kind: str
+    arguments: list[Any]
+    array: Any
 
 
 class Host:
@@ -74,10 +91,12 @@ class Host:
         place = Path(folder).resolve() / "resources"
         self.binary = next((Path(folder) / "binaries").rglob(f"{identifier}.*"))
         self.dll = ctypes.CDLL(str(self.binary))
-        code = (self.description.guid if token is None else token).encode()
-        if resources is None:
-            resources = (place.as_uri() if self.fmi == 2 else f"{place}{os.sep}").encode()
+        if token is None:
+            token = self.description.guid
+        code = token.encode()
         if self.fmi == 2:
+            if resources is None:
+                resources = place.as_uri().encode()
             make = self.dll.fmi2Instantiate
             self._callbacks = fmi2CallbackFunctions()
             self._callbacks.logger = fmi2CallbackLoggerTYPE(self._heard)
@@ -85,6 +104,8 @@ class Host:
             self._callbacks.allocateMemory, self._callbacks.freeMemory = functions
             arguments: Any = b"rope", 1, code, resources, ctypes.byref(self._callbacks), 0, 1
         else:
+            if resources is None:
+                resources = f"{place}{os.sep}".encode()
             make = self.dll.fmi3InstantiateCoSimulation
             self._logger = fmi3LogMessageCallback(self._heard)
             flags = False, True, events, events
@@ -130,16 +151,20 @@ class Host:
 
     # variables
 
-    def _room(
+    def _access(
         self, variable: ModelVariable, kind: str, reference: int | None, values: list[Any]
-    ) -> tuple[Any, ...]:
-        """Type of the function, its arguments, and the array among them."""
-        kind = "Int64" if kind == "Enumeration" else kind
-        c = _C.get(kind, ctypes.c_bool if self.fmi == 3 else ctypes.c_int)
-        which = ctypes.c_uint(variable.valueReference if reference is None else reference)
-        room = (c * len(values))(*values)
-        number = (ctypes.c_size_t(len(values)),) if self.fmi == 3 else ()
-        return kind, (ctypes.byref(which), _ONE, room, *number), room
+    ) -> Access:
+        """Access to a variable by a function of this kind, with these values."""
+        if kind == "Enumeration":
+            kind = "Int64"
+        if reference is None:
+            reference = variable.valueReference
+        which = ctypes.c_uint(reference)
+        array = (_C[self.fmi][kind] * len(values))(*values)
+        arguments = [ctypes.byref(which), _ONE, array]
+        if self.fmi == 3:
+            arguments.append(ctypes.c_size_t(len(values)))
+        return Access(kind, arguments, array)
 
     def put(
         self, name: str, value: Any, reference: int | None = None, kind: str | None = None
@@ -148,20 +173,17 @@ class Host:
         variable = self.variables[name]
         kind = kind or variable.type
         of = {"Real": float, "Float64": float, "String": lambda _: b"text"}.get(kind, int)
-        many = value if isinstance(value, list | tuple) else [value]
-        kind, arguments, _ = self._room(variable, kind, reference, [*map(of, many)])
-        return self.call(f"Set{kind}", *arguments)
+        if not isinstance(value, list | tuple):
+            value = [value]
+        access = self._access(variable, kind, reference, [*map(of, value)])
+        return self.call(f"Set{access.kind}", *access.arguments)
 
     def give(self, values: Mapping[str, float]) -> int:
         """The first status that is not OK; elements of FMI 3's arrays are left alone."""
-        return next(
-            (
-                s
-                for name, x in values.items()
-                if name in self.variables and (s := self.put(name, x))
-            ),
-            OK,
-        )
+        for name, value in values.items():
+            if name in self.variables and (status := self.put(name, value)):
+                return status
+        return OK
 
     def set(self, **values: Any) -> None:
         for name, value in values.items():
@@ -170,31 +192,35 @@ class Host:
     def fetch(self, name: str, reference: int | None = None) -> tuple[int, list[Any]]:
         """Status and values."""
         variable = self.variables[name]
-        size = int(variable.dimensions[0].start) if variable.dimensions else 1
-        values = [None if variable.type == "String" else 0] * size
-        kind, arguments, room = self._room(variable, variable.type, reference, values)
-        return self.call(f"Get{kind}", *arguments), list(room)
+        size = 1
+        if variable.dimensions:
+            size = int(variable.dimensions[0].start)
+        nothing = None if variable.type == "String" else 0
+        access = self._access(variable, variable.type, reference, [nothing] * size)
+        return self.call(f"Get{access.kind}", *access.arguments), list(access.array)
 
     def get(self, *names: str) -> list[Any]:
         out = []
         for name in names:
             status, values = self.fetch(name)
             assert status == OK, self.said[-1]
-            value = values if self.variables[name].dimensions else values[0]
-            out.append(value.decode() if isinstance(value, bytes) else value)
+            if self.variables[name].dimensions:
+                out.append(values)
+            elif isinstance(values[0], bytes):
+                out.append(values[0].decode())
+            else:
+                out.append(values[0])
         return out
 
     def real(self, name: str) -> float:
         """A real output; NaN when there is none."""
         status, (value,) = self.fetch(name)
-        return value if status == OK else math.nan
+        if status != OK:
+            return math.nan
+        return value
 
     def forces(self) -> tuple[float, ...]:
-        return tuple(
-            self.real(f"{side}.{kind}")
-            for side in ("left", "right")
-            for kind in ("fx", "fy", "fz", "my")
-        )
+        return tuple(map(self.real, of_both_ends("fx", "fy", "fz", "my")))
 
     def derive(self, unknown: int, known: int, seed: float = 1.0) -> tuple[int, float]:
         """Status and value of the directional derivative between two references."""
@@ -224,11 +250,7 @@ class Host:
     # a run
 
     def enter(self, start: float = 0.0, stop: float | None = None) -> int:
-        times = (
-            _DOUBLE(start),
-            ctypes.c_int(stop is not None),
-            _DOUBLE(0.0 if stop is None else stop),
-        )
+        times = (_DOUBLE(start), ctypes.c_int(stop is not None), _DOUBLE(stop or 0.0))
         if self.fmi == 3:
             return self.call("EnterInitializationMode", False, _DOUBLE(0.0), *times)
         return self.call("SetupExperiment", 0, _DOUBLE(0.0), *times) or self.call(
@@ -255,7 +277,9 @@ class Host:
 
     def step(self, t: float, h: float = H) -> str:
         """'' or what the FMU says when the step fails."""
-        return self.said[-1] if self.do_step(t, h) else ""
+        if self.do_step(t, h) == OK:
+            return ""
+        return self.said[-1]
 
     def move(self, t: float, h: float, amplitude: float = 0.5, since: float = 0.0) -> int:
         """A step with the ends swinging against each other and the left one turning; t is counted from ``since``."""
@@ -273,7 +297,9 @@ class Host:
     # states
 
     def _of_state(self, name: str) -> str:
-        return name.replace("State", "state") if self.fmi == 2 else name
+        if self.fmi == 2:
+            return name.replace("State", "state")
+        return name
 
     def save(self, state: ctypes.c_void_p) -> int:
         return self.call(self._of_state("GetFMUState"), ctypes.byref(state))

@@ -8,6 +8,8 @@ import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass
 from functools import cache
+from itertools import chain
+from operator import attrgetter
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -127,7 +129,8 @@ def compiled(folder: Path, texts: dict[str, str]) -> ct.CDLL:
     command = [*compiler, *kernels.FLAGS]
     objects = kernels.object_files(sources(), compiler, kernels.FLAGS, kernels.cache_folder())
     kernels.compile_objects(sources(), command, objects)
-    files = [str(path) for path in (*objects.values(), *(folder / name for name in texts))]
+    more = [folder / name for name in texts]
+    files = [str(path) for path in (*objects.values(), *more)]
     made = folder / f"compiled{kernels.LIBRARY_SUFFIX}"
     command += [*WARNINGS, f"-I{folder}", *files, "-o", str(made), "-lm"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -191,7 +194,9 @@ def passing_arrays(function: Any) -> Callable[..., Any]:
             assert x.flags.c_contiguous
             assert x.dtype == float
             return x.ctypes.data
-        return ct.addressof(x) if isinstance(x, ct.Structure | ct.Array | ct.c_double) else x
+        if isinstance(x, ct.Structure | ct.Array | ct.c_double):
+            return ct.addressof(x)
+        return x
 
     return lambda *arguments: function(*map(address, arguments))
 
@@ -383,12 +388,13 @@ def clearances(scene: Scene, q: Array, lengths: Array, t: float) -> tuple[Neares
     found = (PARTS[Nearest] * len(KINDS))()
     arrays = nodal_arrays(np.ascontiguousarray(q), np.ascontiguousarray(lengths))
     _parts().shaft_clearances(scene_structure(scene), arrays, t, found)
-    return tuple(Nearest(*(getattr(one, name) for name in Nearest._fields)) for one in found)
+    members = attrgetter(*Nearest._fields)
+    return tuple(Nearest(*members(one)) for one in found)
 
 
 def refusal(scene: Scene, target: EndMotion, measures: PathMeasures, side: str) -> str:
     """Return why an end cannot move as ``target`` by a path of these measures; '' if it can."""
-    sizes = np.array([x for row in measures for x in row])
+    sizes = np.array([*chain.from_iterable(measures)])
     motion = EndMotionStructure(*astuple(target))
     text = message()
     _parts().check_motion(scene_structure(scene), motion, sizes, SIDES.index(side), text)
@@ -430,10 +436,9 @@ def find_self_contacts(
     y = np.zeros_like(q)
     names = (*CONTACT_BALANCE, "rope")
     sums = np.zeros(len(names))
-    of = np.zeros_like(q) if x is None else x
-    _parts().self_contact_of(
-        scene_structure(scene), lengths.size, lengths, q, v, *c, of, R, y, sums
-    )
+    if x is None:
+        x = np.zeros_like(q)
+    _parts().self_contact_of(scene_structure(scene), lengths.size, lengths, q, v, *c, x, R, y, sums)
     return SelfContacts(-R, y, dict(zip(names, sums.tolist(), strict=True)))
 
 

@@ -155,8 +155,10 @@ class Trip:
     @cached_property
     def reference(self) -> Trajectory:
         plain = replace(find_case(self.scene).winding, start_delay=0.0)
-        stop = 0.6 * s_curve(plain).duration if self.trip == "emergency stop" else None
-        return s_curve(replace(plain, emergency_at=stop))
+        whole = s_curve(plain)
+        if self.trip == "emergency stop":
+            return s_curve(replace(plain, emergency_at=0.6 * whole.duration))
+        return whole
 
     @property
     def steps(self) -> int:

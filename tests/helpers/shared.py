@@ -37,6 +37,9 @@ def difference(f: Callable[[Array], Any], x: Any, step: float = 1e-5) -> Array:
 def rotation(vector: Array) -> Array:
     """(3, 3): turning by |vector| about ``vector``."""
     angle = float(np.linalg.norm(vector))
-    x, y, z = vector / angle if angle > 0 else vector
+    axis = vector
+    if angle > 0:
+        axis = vector / angle
+    x, y, z = axis
     K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K

@@ -73,10 +73,9 @@ def fmpy_rows(ssp: str, clock: Iterable[tuple[float, float]]) -> Rows:
         path = Path(folder) / component.source
         folders.append(fmpy.extract(str(path)))
         parts[component.name] = part = Host(path, folders[-1])
-        for parameter in (
-            p for b in component.parameterBindings for p in b.parameterValues[0].parameters
-        ):
-            part.set(**{parameter.name: READ[parameter.type](parameter.value)})
+        for binding in component.parameterBindings:
+            for parameter in binding.parameterValues[0].parameters:
+                part.set(**{parameter.name: READ[parameter.type](parameter.value)})
         assert part.enter() == OK, part.said
 
     def hand_over() -> None:
@@ -125,23 +124,19 @@ def libcosim_rows(ssp: str, steps: int) -> Rows:
     execution = CosimExecution.from_ssp_file(ssp)
     observer = CosimObserver.create_time_series()
     execution.add_observer(observer)
-    index = {
-        name: execution.slave_index_from_instance_name(name)
-        for name in {component for component, _ in SIGNALS}
-    }
     places = []
     for component, name in SIGNALS:
-        variables = execution.slave_variables(index[component])
-        places.append(
-            (index[component], next(v.reference for v in variables if v.name == name.encode()))
-        )
+        index = execution.slave_index_from_instance_name(component)
+        variables = execution.slave_variables(index)
+        places.append((index, next(v.reference for v in variables if v.name == name.encode())))
     for place in places:
         observer.start_time_series(*place, CosimVariableType.REAL)
     if not all(execution.step() for _ in range(steps)):
         raise RuntimeError("libcosim stopped")
     series = [observer.time_series_real_samples(*place, 1, steps) for place in places]
     assert series[0][0][-1] == round(steps * H * 1e9)
-    return [list(row) for row in zip(*(values for _, _, values in series), strict=True)]
+    columns = [values for _, _, values in series]
+    return [list(row) for row in zip(*columns, strict=True)]
 
 
 TOOLS: dict[str, Callable[[str, int], Rows]] = {

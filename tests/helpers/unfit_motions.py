@@ -24,8 +24,6 @@ def unfit(t: float, fidelity: FidelityChoice) -> EndMotion:
     if fidelity == "planar":
         return end
     end = replace(end, z=round(0.02 * at * at, 4), vz=0.04 * at, az=0.04)
-    return (
-        end
-        if fidelity == "spatial"
-        else replace(end, yaw=round(0.1 * at * at, 3), yaw_rate=0.2 * at)
-    )
+    if fidelity == "spatial":
+        return end
+    return replace(end, yaw=round(0.1 * at * at, 3), yaw_rate=0.2 * at)

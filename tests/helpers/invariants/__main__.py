@@ -34,7 +34,8 @@ def main() -> int:
     hunt = Hunt(options.seed)
     begun = time.monotonic()
     if options.case is not None:
-        for name in [options.relation] if options.relation else list(RELATIONS):
+        names = [options.relation] if options.relation else list(RELATIONS)
+        for name in names:
             hunt.case(options.case, name, frozenset(options.without.split()), shrink=False)
         _tell(hunt.findings)
         print(hunt.table())
@@ -93,7 +94,9 @@ def _log(hunt: Hunt, minutes: float) -> None:
             for x in hunt.findings
         ],
     }
-    known = json.loads(LOG.read_text(encoding="utf-8")) if LOG.exists() else []
+    known = []
+    if LOG.exists():
+        known = json.loads(LOG.read_text(encoding="utf-8"))
     LOG.write_text(json.dumps([*known, entry], indent=1) + "\n", encoding="utf-8")
 
 

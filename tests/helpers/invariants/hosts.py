@@ -74,7 +74,9 @@ def _compared(case: Case, record: Record, host: Host) -> Iterator[Compared]:
     for k in range(1, len(case.times)):
         begin = float(case.times[k - 1])
         h = float(case.times[k] - case.times[k - 1])
-        at = begin if case.late else begin + h
+        at = begin + h
+        if case.late:
+            at = begin
         _move(host, case, at)
         said = host.step(begin, h)
         status = record.rope.advance_to(begin + h, *case.at(at), at)

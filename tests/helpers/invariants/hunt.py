@@ -17,8 +17,15 @@ Relation = Callable[[Case, Draws], Iterator[Compared]]
 #: all relations by name
 RELATIONS: dict[str, Relation] = {
     relation.__name__: relation
-    for module in (symmetries, books, neutral, states, steps, hosts)
-    for relation in (*module.RELATIONS, *(hosts.SELDOM if module is hosts else ()))
+    for relation in (
+        *symmetries.RELATIONS,
+        *books.RELATIONS,
+        *neutral.RELATIONS,
+        *states.RELATIONS,
+        *steps.RELATIONS,
+        *hosts.RELATIONS,
+        *hosts.SELDOM,
+    )
 }
 #: relations that are tried on each case, so that many cases are seen
 TRIED = 3
@@ -44,7 +51,9 @@ class Outcome:
 
     @property
     def ratio(self) -> float:
-        return self.worst.ratio if self.worst else 0.0
+        if self.worst is None:
+            return 0.0
+        return self.worst.ratio
 
     @property
     def is_finding(self) -> bool:
@@ -57,8 +66,10 @@ class Outcome:
     @property
     def command(self) -> str:
         """The command that shows it again."""
-        less = f' WITHOUT="{" ".join(sorted(self.without))}"' if self.without else ""
-        return f"make hunt SEED={self.seed} CASE={self.number} RELATION={self.relation}{less}"
+        command = f"make hunt SEED={self.seed} CASE={self.number} RELATION={self.relation}"
+        if self.without:
+            command += f' WITHOUT="{" ".join(sorted(self.without))}"'
+        return command
 
 
 def judge(name: str, seed: int, number: int, without: frozenset[str] = frozenset()) -> Outcome:
@@ -152,7 +163,9 @@ class Hunt:
                 row.findings += 1
                 # the others of a relation are as a rule the same, and a smaller case takes twenty runs
                 first = all(known.relation != name for known in self.findings)
-                self.findings.append(smaller(outcome) if shrink and first else outcome)
+                if shrink and first:
+                    outcome = smaller(outcome)
+                self.findings.append(outcome)
             else:
                 row.worst = max(row.worst, outcome.ratio)
             row.seconds += time.process_time() - begun

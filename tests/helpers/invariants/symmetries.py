@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from signal_names import SIDES, of_both_ends
 
 from invariants.case import Array, Case
 from invariants.features import Draws
@@ -24,7 +25,6 @@ from invariants.runs import (
     MOMENTS,
     PLACE,
     READ,
-    SIDES,
     Compared,
     Finding,
     Record,
@@ -71,7 +71,7 @@ def with_changes(scene: Scene, values: Values) -> Scene:
 
 
 def negated(motion: EndMotion, names: tuple[str, ...]) -> EndMotion:
-    return EndMotion(**{name: -x if name in names else x for name, x in vars(motion).items()})
+    return replace(motion, **{name: -getattr(motion, name) for name in names})
 
 
 def both(case: Case, changed: Case) -> tuple[Record, Record]:
@@ -92,7 +92,8 @@ def both_of(first: Record, changed: Case) -> tuple[Record, Record]:
 def meshes_agree(one: Record, other: Record, from_behind: bool = False) -> bool:
     """Whether elements have the same lengths."""
     lengths, others = (np.diff(record.rope.rows()[:, 0]) for record in (one, other))
-    others = others[::-1] if from_behind else others
+    if from_behind:
+        others = others[::-1]
     return len(lengths) == len(others) and bool(np.allclose(lengths, others, rtol=1e-9))
 
 
@@ -116,7 +117,12 @@ def compared(
     lies = one["contact.floor"][0] > 0.0
     names = tuple(name for name in names if not (lies and name in ("loop.x", "loop.z")))
     alike = exact and decisions_agree(one, other) and not lies
-    estimate = 0.0 if alike else SHARE
+    if alike:
+        estimate = 0.0
+        note = ""
+    else:
+        estimate = SHARE
+        note = ", steps differ"
     force = one.force
     loop_errors = estimate * (one.loop_error + other.loop_error)
     # a leg between its end and a loop that is beside its place leans: it pulls aside, and bends at a clamp
@@ -145,9 +151,7 @@ def compared(
             continue
         differences = {name: rms(other[name] - expected[name]) for name in chosen}
         worst = max(differences, key=lambda name: differences[name])
-        yield Compared(
-            f"RMS of {worst}{'' if alike else ', steps differ'}", differences[worst], tolerance
-        )
+        yield Compared(f"RMS of {worst}{note}", differences[worst], tolerance)
 
 
 def mirrored(case: Case, draws: Draws) -> Iterator[Compared]:
@@ -162,7 +166,9 @@ def mirrored(case: Case, draws: Draws) -> Iterator[Compared]:
     )
     flipped += tuple(f"rope.curvature_{place}_across" for place in PLACES)
     flipped += tuple(f"{name}.direction" for name in DIVIDERS)
-    values = {name: -x if name in flipped else x for name, x in values_of(case.scene).items()}
+    values = values_of(case.scene)
+    for name in flipped:
+        values[name] = -values[name]
     axes = ("z", "vz", "az", "yaw", "yaw_rate", "lean_z")
 
     def motion(t: float) -> Ends:
@@ -172,9 +178,7 @@ def mirrored(case: Case, draws: Draws) -> Iterator[Compared]:
     force = case.force and (case.force[0], case.force[1] * [1.0, 1.0, -1.0])
     other = case.with_(scene=with_changes(case.scene, values), motion=motion, force=force)
     one, two = both(case, other)
-    signs = {
-        name: -1.0 for side in SIDES for name in (f"{side}.fz", f"{side}.mx", f"{side}.my")
-    } | {"loop.z": -1.0}
+    signs = dict.fromkeys((*of_both_ends("fz", "mx", "my"), "loop.z"), -1.0)
     yield from compared(one, two, _with_signs(one, signs))
 
 
@@ -255,12 +259,12 @@ def turned(case: Case, draws: Draws) -> Iterator[Compared]:
     half = 0.5 * case.scene.layout.spacing
 
     def end(motion: EndMotion, nominal: float) -> EndMotion:
-        old = vars(motion)
+        old = dict(vars(motion))
+        old["x"] += nominal
         new = dict(old)
         for x, z in (("x", "z"), ("vx", "vz"), ("ax", "az"), ("lean", "lean_z")):
-            at = old[x] + (nominal if x == "x" else 0.0)
-            new[x] = c * at + s * old[z]
-            new[z] = c * old[z] - s * at
+            new[x] = c * old[x] + s * old[z]
+            new[z] = c * old[z] - s * old[x]
         new["x"] -= nominal
         new["yaw"] += angle
         return EndMotion(**new)
@@ -350,15 +354,14 @@ class Units:
             "kg": self.kg,
             "N": self.kg * self.m / self.s**2,
             "rad": 1.0,
-            "1": 1.0,
         }
         sizes |= {"Pa": sizes["N"] / self.m**2, "J": sizes["N"] * self.m, "": 1.0}
         factor = 1.0
         sign = 1
         for part in unit.split("/"):
             for word in part.split("."):
-                name = word.rstrip("0123456789") or "1"
-                power = int(word[len(name) :] or 1) if name != "1" else 1
+                name = word.rstrip("0123456789")
+                power = int(word[len(name) :] or 1)
                 factor *= sizes[name] ** (sign * power)
             sign = -1
         return factor
@@ -369,15 +372,17 @@ def in_units(case: Case, units: Units) -> Case:
     values: Values = {}
     for p in named_parameters(case.scene):
         stays = isinstance(p.value, int) or NONE.get(p.name) == p.value
-        values[p.name] = p.value if stays else p.value * units.factor(p.facts.unit)
+        values[p.name] = p.value
+        if not stays:
+            values[p.name] *= units.factor(p.facts.unit)
     table = parameters_of(EndMotion)
     factors = {name: units.factor(table[name].unit) for name in table}
 
+    def scaled(end: EndMotion) -> EndMotion:
+        return EndMotion(**{name: x * factors[name] for name, x in vars(end).items()})
+
     def motion(t: float) -> Ends:
-        left, right = (
-            EndMotion(**{name: x * factors[name] for name, x in vars(end).items()})
-            for end in case.at(t / units.s)
-        )
+        left, right = map(scaled, case.at(t / units.s))
         return left, right
 
     force = case.force and (case.force[0] * units.m, case.force[1] * units.factor("N"))
