@@ -17,6 +17,13 @@ Patch = pytest.MonkeyPatch
 Unpacked = Callable[[str], tuple[Path, str]]
 
 
+def slow_if(is_slow: bool) -> tuple[pytest.MarkDecorator, ...]:
+    """Return the marks of a test's parameter."""
+    if is_slow:
+        return (pytest.mark.slow,)
+    return ()
+
+
 def straight(s: Array) -> Array:
     """(nodes, 7): an unstrained rope along X."""
     q = np.zeros((s.size, 7))

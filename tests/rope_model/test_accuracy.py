@@ -11,6 +11,7 @@ from invariants.books import integrals
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from scenes import P120, TRIP, Trip, ends_at, hung, recorded, wound
+from signal_names import of_both_ends
 
 from hoist_demo.cases.table import find_case
 from hoist_demo.control.trajectory import s_curve
@@ -188,12 +189,7 @@ def wind(scene: Scene, trip: Winding, **changes: Any) -> tuple[np.ndarray, list[
     rope = balance_rope(scene.with_(**changes))
     motion = partial(ends_at, reference, trip.travel)
     steps = round((reference.duration + 3.0) / 0.02)
-    names = [
-        *(f"{side}.f{axis}" for side in ("left", "right") for axis in "xyz"),
-        "loop.x",
-        "loop.y",
-        "loop.z",
-    ]
+    names = (*of_both_ends("fx", "fy", "fz"), "loop.x", "loop.y", "loop.z")
     return recorded(rope, motion, steps, names, 0.02), [
         *rope.signals(("status.end_force_error", "status.loop_error")).values()
     ]

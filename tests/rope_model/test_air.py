@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -57,7 +58,7 @@ def test_a_straight_element_has_the_drag_of_a_cylinder() -> None:
     sums = air_sums(q, v, l, A)
     moment = np.cross(0.5 * l * t, force)
     assert_allclose(
-        [sums[f"air_{kind}{axis}"] for kind in "fm" for axis in "xyz"],
+        [sums[f"air_{kind}{axis}"] for kind, axis in product("fm", "xyz")],
         [*force, *moment],
         rtol=1e-12,
     )
@@ -251,17 +252,14 @@ def test_a_rope_at_rest_under_a_force_pulls_with_it_at_its_ends() -> None:
     force = np.array([[2.0, -30.0, 4.0]])
     before = rope.signals(["left.fx", "right.fx", "left.fy", "right.fy", "left.fz", "right.fz"])
     ramp = PointForces(np.array([2.0]), 0 * force, force, 0.0, 2.0)
-    held = None
     rope.apply(ramp)
+    held: dict[str, float] = {}
     for k in range(1500):
         assert rope.advance_to((k + 1) * STEP, EndMotion(), EndMotion()).valid
-        mean = rope.signals([*before]) if k > 500 else None
-        held = (
-            mean
-            if held is None or mean is None
-            else {n: x + 0.01 * (mean[n] - x) for n, x in held.items()}
-        )
-    assert held is not None
+        if k > 500:
+            for name, value in rope.signals([*before]).items():
+                mean = held.get(name, value)
+                held[name] = mean + 0.01 * (value - mean)
     gained = {name: held[name] - before[name] for name in before}
     # swings about the new rest, with hardly any damping, are averaged
     for axis, of in zip("xyz", force[0], strict=True):

@@ -40,7 +40,8 @@ BOTTOM = SHAPE_POINTS // 2
 
 def move(scene: Scene, steps: int, fidelity: Fidelity | None = None) -> BalanceRope:
     """A smooth trip of 8 m in 5 s, after so many steps of 10 ms."""
-    scene = scene if fidelity is None else scene.with_(model=Model(fidelity=fidelity))
+    if fidelity is not None:
+        scene = scene.with_(model=Model(fidelity=fidelity))
     return wound(balance_rope(scene), lambda t: smooth_trip(t, TRAVEL, 5.0, HIGH), steps)
 
 

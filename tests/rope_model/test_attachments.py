@@ -75,7 +75,9 @@ def elastica(lean: float | None) -> tuple[float, float, float]:
         )
 
     def ends(a: Array, b: Array, p: Array) -> Array:
-        held = a[1] if lean is None else a[0] - (lean - 0.5 * math.pi)
+        held = a[1]
+        if lean is not None:
+            held = a[0] - (lean - 0.5 * math.pi)
         return np.array([held, a[2], a[3], b[0], b[2] - 0.5 * SPAN])
 
     s = np.linspace(0.0, half, 400)
@@ -89,15 +91,12 @@ def elastica(lean: float | None) -> tuple[float, float, float]:
 
 @pytest.mark.parametrize("lean", [0.5 * math.pi, 0.2, None])
 def test_an_end_held_at_any_angle_or_hinged_hangs_as_the_elastica(lean: float | None) -> None:
-    rope = balance_rope(scene("hinged" if lean is None else "clamped", 80), "native")
-    hung(
-        rope,
-        *(
-            (EndMotion(), EndMotion())
-            if lean is None
-            else (EndMotion(lean=lean), EndMotion(lean=-lean))
-        ),
-    )
+    attachment = "hinged"
+    ends = (EndMotion(), EndMotion())
+    if lean is not None:
+        attachment = "clamped"
+        ends = (EndMotion(lean=lean), EndMotion(lean=-lean))
+    rope = hung(balance_rope(scene(attachment, 80), "native"), *ends)
     pull, moment, depth = elastica(lean)
     found = rope.signals(["right.fx", "right.fy", "left.mz", "loop.y"])
     # 20 elements are off by 1.1 mm, so 80 by 256 times less; the clamps give way by less, as the rope does
@@ -133,8 +132,10 @@ def test_a_straight_rope_without_weight_swings_as_a_beam(
     attachment: str, roots: tuple[float, float]
 ) -> None:
     rope = NativeRope(scene(attachment).with_(layout=Layout(spacing=CABLE.length, gravity=1e-9)))
-    leans = (0.5 * math.pi, -0.5 * math.pi) if attachment == "clamped" else (0.0, 0.0)
-    hung(rope, *(EndMotion(lean=lean) for lean in leans))
+    if attachment == "clamped":
+        hung(rope, *LEVEL)
+    else:
+        hung(rope)
     modes = natural_modes(rope, 6).frequencies
     exact = (
         np.square(np.divide(roots, CABLE.length))
@@ -220,7 +221,7 @@ def test_the_strain_of_an_end_does_not_feel_that_it_turns(
 ) -> None:
     q = np.random.default_rng(3).random((4, 7))
     turn = np.zeros((4, 7))
-    node = 1 if attachment == "clamped" else 0
+    node = int(attachment == "clamped")
     turn[:, 3:6] = np.cross([0.3, -0.2, 0.5], q[:, 3:6])
     strain = parts.end_strain(scene_structure(scene(attachment)), 4, q, turn + 2e-3 * q, 0)
     assert strain == pytest.approx(2e-3 * float(np.linalg.norm(q[node, 3:6])), rel=1e-12)

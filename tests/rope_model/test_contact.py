@@ -64,7 +64,7 @@ def touched(seed: int) -> tuple[Body, tuple[float, ...]]:
     """A body and a point at which the rope is pressed."""
     chance = random.Random(seed)
     while True:
-        body = some_body(chance, 1.0 if seed % 2 else -1.0)
+        body = some_body(chance, (-1.0, 1.0)[seed % 2])
         point = tuple(c + chance.uniform(-1.5, 1.5) for c in body.centre)
         if 0 < 0.5 * DIAMETER - distance(point, body) < DIAMETER:
             return body, point
@@ -308,11 +308,10 @@ def test_elements_that_a_divider_may_press_follow_its_pressure(
     beside = Shaft(divider_2=Divider(size=0.05, y=-5.0, offset=offset))
     scene = Scene(Rope(length=length), mesh=Mesh("auto"), shaft=beside)
     mesh = fit_mesh(scene)
-    equal = mesh.kind == "eem"
-    longest = max(
-        partition(mesh, length, place * length).lengths.max()
-        for place in ([0.5] if equal else [0.2, 0.5])
-    )
+    places = [0.5]
+    if mesh.kind != "eem":
+        places.append(0.2)
+    longest = max(partition(mesh, length, place * length).lengths.max() for place in places)
     # whole numbers of elements make those of a pattern a little longer than asked for
     assert longest < 1.05 * length_for(scene, BLOW)
 
@@ -384,11 +383,7 @@ def test_a_mesh_that_is_transformed_on_a_floor_keeps_the_energy_balance() -> Non
 
     def motion(t: float) -> tuple[EndMotion, EndMotion]:
         s = min(t / ramp, 1.0)
-        y = (
-            speed * ramp * s**4 * (2.5 - 3 * s + s * s)
-            if s < 1
-            else speed * (0.5 * ramp + t - ramp)
-        )
+        y = speed * (ramp * s**4 * (2.5 - 3 * s + s * s) + max(t - ramp, 0.0))
         v = speed * s**3 * (10 - 15 * s + 6 * s * s)
         a = speed * 30 * (s * (1 - s)) ** 2 / ramp
         return EndMotion(y=y, vy=v, ay=a), EndMotion(y=-y, vy=-v, ay=-a)

@@ -27,11 +27,9 @@ from rope_model.physics.element import BALANCE, ELEMENT_DOF, NODE_DOF, element_f
 def interpolate(x: Array, xi: Array, l: float) -> tuple[Array, Array, Array]:
     """r, r', r'' (3, n) at xi of an element's degrees of freedom ``x`` (14,)."""
     ends = np.array([x[0:3], l * x[3:6], x[7:10], l * x[10:13]])
-    hermite = np.array([[1.0, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
-    rates = [
-        np.array([polyval(xi, polyder(shape, k)) for shape in hermite]) / l**k for k in range(3)
-    ]
-    r, d, c = (ends.T @ rate for rate in rates)
+    # of each polynomial a column, its coefficients from the constant on
+    hermite = np.array([[1.0, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]]).T
+    r, d, c = (ends.T @ polyval(xi, polyder(hermite, k)) / l**k for k in range(3))
     return r, d, c
 
 

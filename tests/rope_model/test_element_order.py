@@ -205,7 +205,8 @@ def test_the_way_to_a_shape_does_not_matter_but_for_the_quadrature() -> None:
             float(ELEMENT.transport(shapes[k], rest, rest, l, frames[k - 1])[0]) for k in range(3)
         )
         # the frame at a node has turned by the area that the node's tangents enclose on the sphere
-        first, last = (area(*(x[k : k + 3] for x in shapes)) for k in (3, 10))
+        first = area(*(x[3:6] for x in shapes))
+        last = area(*(x[10:13] for x in shapes))
         error.append(abs(turn - (last - first)))
     # three Gauss points: error l^7 per element, or less where its factor changes sign
     assert np.min(np.log2(np.array(error[:-1]) / error[1:])) > 6.5
@@ -257,7 +258,9 @@ def test_the_frame_rate_is_how_fast_the_frame_turns_about_the_tangent(seed: int)
     def frame_at(x: float) -> Array:
         p = unit(pole + x * pole_change)
         # carried along to the neighbour of the pole without turning about it
-        carried = smallest_rotation(unit(pole), p) if x else np.eye(3)
+        carried = np.eye(3)
+        if x != 0.0:
+            carried = smallest_rotation(unit(pole), p)
         return smallest_rotation(p, unit(d + x * change)) @ carried
 
     here = frame_at(0.0)

@@ -177,14 +177,14 @@ def test_auto_switches_up_without_a_jump(
     blow = 120.0 * 0.16 * H
     drift = 0.16 * H**2
     for k in together((rope, whole), 200, **motion):
-        allowed = 0.0 if k <= 100 else 1.0
+        allowed = float(k > 100)
         assert_allclose(end_force(rope), end_force(whole), rtol=1e-9, atol=allowed * blow)
         q = whole.state.motion.q[:, :3]
         assert_allclose(
             rope.state.motion.q[:, :3], q, rtol=0, atol=1e-9 + allowed * drift * (k - 100) * H
         )
         switched = [event.what for event in rope.state.events if "model" in event.what]
-        assert switched == ([f"model {fidelity}"] if k == 101 else [])
+        assert switched == [f"model {fidelity}"] * (k == 101)
     assert rope.state.fidelity == fidelity
     assert "planar model cannot follow left." in rope.state.fidelity_reason
 

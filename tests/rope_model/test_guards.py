@@ -41,12 +41,12 @@ def after(guard: Guard, *looks: tuple[float, str, float]) -> GuardState:
 def test_a_guard_trips_beyond_its_threshold_and_no_other_does(cause: str) -> None:
     guard = Guard(**{cause: 1.0})
     inside = 1.0
-    outside = 0.99 if cause == "clearance" else 1.01
-    others = [
-        (1.0, other, 0.5 if other == "clearance" else 2.0) for other in CAUSES if other != cause
-    ]
+    # a clearance trips below its threshold
+    outside = dict.fromkeys(CAUSES, 1.01) | {"clearance": 0.99}
+    far_outside = dict.fromkeys(CAUSES, 2.0) | {"clearance": 0.5}
+    others = [(1.0, other, far_outside[other]) for other in CAUSES if other != cause]
     assert after(guard, (0.0, cause, inside), *others).cause == 0
-    assert after(guard, (0.0, cause, inside), (3.0, cause, outside))[1:3] == (
+    assert after(guard, (0.0, cause, inside), (3.0, cause, outside[cause]))[1:3] == (
         CAUSES.index(cause) + 1,
         3.0,
     )

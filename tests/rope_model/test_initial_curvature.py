@@ -13,6 +13,7 @@ from scenes import hung, passed, smooth_step, wound
 from scipy.integrate import solve_ivp
 from scipy.optimize import root
 from shared import Array, difference, rotation
+from signal_names import of_both_ends
 
 from rope_model import EndMotion, Layout, Mesh, Model, Rope, Scene, Solver, Swivel, balance_rope
 from rope_model.parameters import Attachment, SwivelMode
@@ -393,16 +394,16 @@ def test_a_curved_rope_turned_about_the_vertical_loads_its_ends_alike(
         side = 0.5 * of.layout.spacing
         ends = end_about_vertical(left, -side, turned), end_about_vertical(right, side, turned)
         found = hung(balance_rope(of), *ends).signals()
-        vectors = (
-            (found[f"{name}{axis}"] for axis in "xyz")
-            for name in ("left.f", "left.m", "right.f", "right.m")
-        )
+        names = (*of_both_ends("fx", "fy", "fz"), *of_both_ends("mx", "my", "mz"))
+        vectors = np.array([found[name] for name in names]).reshape(4, 3)
         c = math.cos(turned)
         s = math.sin(turned)
         loads.append([(x * c - z * s, y, x * s + z * c) for x, y, z in vectors])
     # a locked hinge also keeps a twist of 1e-5 rad from the way on which the search for the equilibrium turned it, with
     # and without curvature; the others differ by rounding
-    within = 1e-4 if (attachment, mode) == ("hinged", "locked") else 1e-8
+    within = 1e-8
+    if (attachment, mode) == ("hinged", "locked"):
+        within = 1e-4
     assert_allclose(loads[1], loads[0], rtol=0, atol=within * float(np.abs(loads[0]).max()))
 
 
@@ -415,7 +416,7 @@ def test_no_energy_appears_where_the_left_end_of_a_curved_rope_turns(
     def ends(t: float) -> tuple[EndMotion, EndMotion]:
         x, v, a = smooth_step(t, 0.0, 1.0)
         turn = 4.0 * x
-        size = 0.4 * x if attachment == "clamped" else 0.0
+        size = 0.4 * x * (attachment == "clamped")
         lean = size * math.cos(turn)
         lean_z = size * math.sin(turn)
         return EndMotion(z=0.5 * x, vz=0.5 * v, az=0.5 * a, lean=lean, lean_z=lean_z), EndMotion(

@@ -207,9 +207,8 @@ def test_a_sample_of_a_moving_end_that_comes_again_is_extrapolated_and_counted()
     sample = EndMotion(y=0.0, vy=0.0, ay=0.5)
     for k in range(1, 201):
         t = k * H
-        sample = (
-            EndMotion(y=0.25 * t * t, vy=0.5 * t, ay=0.5, lean=0.1 * t) if k % 4 == 1 else sample
-        )
+        if k % 4 == 1:
+            sample = EndMotion(y=0.25 * t * t, vy=0.5 * t, ay=0.5, lean=0.1 * t)
         end.step(t, sample)
         assert end.path.lean_motion(t)[0][0] == pytest.approx(0.1 * t, abs=1e-12)
         assert end.path.motion(t)[0][1] == pytest.approx(0.25 * t * t, abs=1e-6)
@@ -239,7 +238,9 @@ def test_a_position_alone_that_comes_again_is_no_sample_unless_the_end_has_stopp
         )
 
     for k in range(1, round((brakes + 2.0) / h)):
-        sent = k if k * h > whole else 3 * (k // 3)
+        sent = 3 * (k // 3)
+        if k * h > whole:
+            sent = k
         end.step(k * h, EndMotion(y=y(sent * h)))
         if k == round(whole / h):
             counted = end.filter.repeats
@@ -320,7 +321,7 @@ def test_estimates_keep_in_uneven_steps(trusted: Trusted) -> None:
     t = 0.0
     acceleration = 0.5
     for k in range(400):
-        h = 0.005 if k % 2 else 0.01
+        h = (0.01, 0.005)[k % 2]
         end.step(t + h, EndMotion(y=0.5 * acceleration * t * t, vy=acceleration * t), t)
         t += h
     assert end.path.motion(t)[0][1] == pytest.approx(0.5 * acceleration * t * t, abs=0.03)
@@ -341,7 +342,9 @@ def deep_trip(length: float, offset: float, scale: float, h: float = 0.02) -> St
     of = SCENE.with_(rope=rope, model=Model("rigid"), inputs=Inputs(given="position"))
     following = hung(balance_rope(of, "native"), right=EndMotion(y=travel))
     for k in range(1, round((stop.duration + 3.0) / h)):
-        y = scale * stop.at(k * h).position + (offset if k * h > 5.0 else 0.0)
+        y = scale * stop.at(k * h).position
+        if k * h > 5.0:
+            y += offset
         status = following.advance_to(k * h, EndMotion(y=y), EndMotion(y=travel - y))
         if not status.valid:
             break

@@ -108,9 +108,13 @@ def of_each_leg(
         below = leg[max(i - 1, 0)]
         first = leg[i]
         rise = first[1] - below[1]
-        part = (height - below[1]) / rise if rise > 0 else 1.0
+        part = 1.0
+        if rise > 0:
+            part = (height - below[1]) / rise
         legs.append(np.vstack((below + part * (first - below), leg[i + (part >= 1.0) :])))
-    return (legs[0], legs[1]) if min(map(len, legs)) >= 2 else None
+    if min(map(len, legs)) < 2:
+        return None
+    return legs[0], legs[1]
 
 
 def distance(points: Array, line: Array) -> float:
@@ -205,7 +209,9 @@ def test_a_rope_that_is_lowest_at_an_end_has_no_legs(parts: SimpleNamespace, low
     s = arc_lengths(lengths)
     q = np.zeros((5, 7))
     q[:, 1] = np.abs(s - s[lowest])
-    q[:, 4] = 1.0 if lowest == 0 else -1.0
+    q[:, 4] = -1.0
+    if lowest == 0:
+        q[:, 4] = 1.0
     q[:, 3] = 0.1
     # it is sought up to half a sample from the end
     assert_allclose(loop_bottom(q, lengths).s, s[lowest], atol=0.1)

@@ -154,7 +154,9 @@ IN = {0.0: (0.07759, 0.11735, 0.18137, 0.24060), 80.0: (0.07244, 0.13822, 0.1954
 
 @cache
 def frequencies(height: float, theta: str) -> tuple[Array, Array]:
-    right = Swivel() if theta == "held" else Swivel(mode="free")
+    right = Swivel(mode="free")
+    if theta == "held":
+        right = Swivel()
     modes = modes_of_rope(hung_up(UNCOUPLED, height, right), 10)
     out = modes.out_of_plane > 0.5
     return modes.frequencies[out][:4], modes.frequencies[~out][:4]
@@ -173,8 +175,12 @@ def test_locked_swivels_raise_the_yaw_modes_by_up_to_a_third() -> None:
     # modes whose legs swing together do not twist the rope and stay; where they move oppositely the loop yaws
     swings = np.array([np.min(np.abs(held - f)) < 1e-4 * f for f in free])
     assert swings.sum() == 2
-    yawing = [x[[np.min(np.abs(f - free[swings])) > 1e-4 * f for f in x]] for x in (held, free)]
-    ratio = yawing[0] / yawing[1]
+
+    def yawing(x: Array) -> Array:
+        apart = np.abs(x[:, None] - free[swings]).min(axis=1)
+        return x[apart > 1e-4 * x]
+
+    ratio = yawing(held) / yawing(free)
     assert ratio.min() > 1.05
     assert_allclose(ratio.max(), 4 / 3, rtol=0.02)  # as printed: a third
 
@@ -327,9 +333,10 @@ def test_a_twisted_ring_leaves_its_plane_at_michells_twist() -> None:
         high = 4 * np.pi * EI / GJ
         while high - low > 4e-3:
             middle = 0.5 * (low + high)
-            low, high = (
-                (middle, high) if ring_is_stable(elements, EI, GJ, middle) else (low, middle)
-            )
+            if ring_is_stable(elements, EI, GJ, middle):
+                low = middle
+            else:
+                high = middle
         critical.append(low)
     # a linear theta errs by l^2: extrapolated
     assert_allclose(

@@ -39,7 +39,9 @@ def contacts(
     x: Array | None = None,
     **changed: float,
 ) -> SelfContacts:
-    return find_self_contacts(holding(**changed), q, 0 * q if v is None else v, lengths, c, x)
+    if v is None:
+        v = np.zeros_like(q)
+    return find_self_contacts(holding(**changed), q, v, lengths, c, x)
 
 
 @pytest.mark.parametrize(("degrees", "off"), [(90, 0.03), (30, 2e-3), (5, 1e-4)])

@@ -94,14 +94,16 @@ CASES = {
 
 
 def misfit(fidelity: FidelityChoice) -> Case:
-    torque = {} if fidelity == "torsional" else {"Qb": 0.0, "Qc": 0.0}
+    rope = Rope(length=60.0)
+    if fidelity != "torsional":
+        rope = replace(rope, Qb=0.0, Qc=0.0)
     # sixteen elements: other tests compile them, too
-    scene = Scene(
-        rope=Rope(length=60.0, **torque), mesh=Mesh("eem", elements=16), model=Model(fidelity)
-    )
+    scene = Scene(rope=rope, mesh=Mesh("eem", elements=16), model=Model(fidelity))
 
     def motion(t: float) -> Ends:
-        return unfit(t, fidelity) if t > 0 else EndMotion(), EndMotion()
+        if t > 0:
+            return unfit(t, fidelity), EndMotion()
+        return EndMotion(), EndMotion()
 
     return Case(
         scene, motion, 12, 18, lambda x: x.filters[0].repeats * x.filters[0].position_misfit > 1e-4

@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 from functools import partial
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -205,9 +206,8 @@ def test_turns_of_a_helix_are_counted(turns: float) -> None:
     assert 0.0 < found.sharpest_y + 0.5 < depth
 
 
-NOW, SO_FAR = (
-    [name.format(kind) for kind in KINDS] for name in ("clearance.{}", "nearest.{}.clearance")
-)
+NOW = [f"clearance.{kind}" for kind in KINDS]
+SO_FAR = [f"nearest.{kind}.clearance" for kind in KINDS]
 SHORT = Scene(Rope(length=30.0), mesh=Mesh("eem", elements=16), shaft=EVERYTHING)
 
 
@@ -251,8 +251,10 @@ def test_legs_that_have_touched_without_any_yaw_are_told_ever_after(stiffness: f
     assert seen["loop.crossings"] == 0
     assert 0.3 * scene.rope.diameter < seen["loop.overlap"] < 0.7 * scene.rope.diameter
     assert seen["loop.touched_at"] == 0.0
-    told = rope.warnings()["leg_contact"]
-    assert ("pressed" if stiffness else "touched") + " each other, first at t = " in told
+    touch = "touched"
+    if stiffness:
+        touch = "pressed"
+    assert f"{touch} each other, first at t = " in rope.warnings()["leg_contact"]
     record = Recording({name: np.array([value]) for name, value in seen.items()}, {})
     assert "its other leg (from t = " in passages(record)
 
@@ -376,6 +378,11 @@ def windings(line: Array, divider: Divider) -> int:
     return round(float(angle[-1] - angle[0]) / (2.0 * math.pi))
 
 
+def passes(lines: list[Array], divider: Divider) -> bool:
+    """Whether a rope of these shapes, one after the other, comes through a divider."""
+    return len({windings(line, divider) for line in lines}) > 1
+
+
 def depth(line: Array, divider: Divider) -> float:
     """Depth (m) of the rope's straight pieces in a divider, seen along it."""
     start = line[:-1, :2] - (divider.offset, divider.y)
@@ -402,10 +409,8 @@ def test_contact_holds_what_would_come_through(name: str, stiffness: float) -> N
             lines.append(shape(q, lengths, 0.5 * scene.rope.length, scene.layout.spacing, 161))
     assert "passed_bodies" in rope.warnings()
     dividers = scene.shaft.divider_1, scene.shaft.divider_2
-    assert any(len({windings(line, one) for line in lines}) > 1 for one in dividers) == (
-        stiffness == 0.0
-    )
-    deepest = max(depth(line, one) for line in lines for one in dividers)
+    assert any(passes(lines, one) for one in dividers) == (stiffness == 0.0)
+    deepest = max(depth(line, one) for line, one in product(lines, dividers))
     assert (deepest > 0.5 * scene.rope.diameter) == (stiffness == 0.0)
     assert deepest < 0.0 or stiffness == 0.0
     # half a diameter beyond touch

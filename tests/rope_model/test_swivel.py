@@ -114,10 +114,11 @@ class Phased:
         state = self.ends.swivels[side]
         if state.phase is Phase.SLIP:
             yaw_rate = self.ends.paths[side].at(t)[1, 3] * SENSE[side]
+            rate = float(state.sign * (v[-side, 6] - yaw_rate))
             # just after release the rate is zero: look a little later
-            return float(
-                state.sign * (v[-side, 6] - yaw_rate) + (1e-3 if t < self.since + 1e-4 else 0.0)
-            )
+            if t < self.since + 1e-4:
+                rate += 1e-3
+            return rate
         reaction = self.equations.residual(q, v, a)
         hold = 0.5 * STIFF_BEARING.mu_static * STIFF_BEARING.mean_diameter
         return float(hold * reaction[-side, 1] - abs(reaction[-side, 6]))
@@ -232,8 +233,10 @@ SCENES = {
 
 def limit(rope: BalanceRope, swivel: Swivel, side: str) -> float:
     """Moment (N m) that the bearing holds, from the end's tension; the statics end within some 1e-8 N m."""
-    if swivel.mode != "coulomb":
-        return 0.0 if swivel.mode == "free" else 1e3
+    if swivel.mode == "free":
+        return 0.0
+    if swivel.mode == "locked":
+        return 1e3
     tension = -rope.signals()[f"{side}.fy"]
     return friction_moment(swivel.mu_static, swivel.mean_diameter, swivel.seal_moment, tension)
 

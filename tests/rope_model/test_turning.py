@@ -64,7 +64,7 @@ def test_installed_twist_turns_the_loop_over_on_any_mesh() -> None:
 
 @pytest.mark.parametrize("angle", [1.0, 0.5 * math.pi, math.pi])
 def test_rope_hung_between_ends_turned_as_a_whole_is_the_same_rope(angle: float) -> None:
-    loads = [at_rest(*turn(angle if x else 0.0, 1.0, 1.0)) for x in (0, 1)]
+    loads = [at_rest(*turn(x, 1.0, 1.0)) for x in (0.0, angle)]
     c = math.cos(angle)
     s = math.sin(angle)
     for side in ("left", "right"):
@@ -155,7 +155,9 @@ def _pose(rng: np.random.Generator, kind: str, has: frozenset[str]) -> Pose:
         return float(np.exp(rng.uniform(*np.log(bounds))))
 
     def if_has(what: str, value: float) -> float:
-        return value if what in has else 0.0
+        if what not in has:
+            return 0.0
+        return value
 
     length = in_logarithms(LENGTH)
     mass = evenly(*MASS)
