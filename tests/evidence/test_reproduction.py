@@ -19,7 +19,8 @@ DATA = DOCS / "data" / "reproduction"
 IMAGES = DOCS / "images" / "reproduction"
 TABLES = read(DATA)
 CLAIMS = [*chain.from_iterable(section.claims(TABLES) for section in SECTIONS)]
-#: what ours does not show; everything else must hold, but for computation times, which are the machine's
+#: what ours does not show; everything else must hold, but for computation times, which are the
+#: machine's
 NOT_REPRODUCED = {
     "only a few areas carry large torsional stress",
     "in-plane motion changes little on release",
@@ -72,10 +73,12 @@ def test_veering_is_told_from_curves_that_only_come_close() -> None:
         assert list(frequencies.exchange_rows(table(names, rows))) == [swaps]
 
 
-# fresh runs: the data are printed with six digits, and compilers differ in the last ones of a long run
+# fresh runs: the data are printed with six digits, and compilers differ in the last ones of a long
+# run
 
 
-# the mesh to the left of the loop is not quite the mirror of the mesh to the right; the reference's meshes differ more
+# the mesh to the left of the loop is not quite the mirror of the mesh to the right; the reference's
+# meshes differ more
 @pytest.mark.parametrize(("height", "tolerance"), [(30.0, 1e-5), (-30.0, 2e-3)])
 def test_frequencies_come_out_as_in_the_file_on_either_side(
     height: float, tolerance: float

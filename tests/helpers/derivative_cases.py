@@ -47,13 +47,15 @@ INPUTS = tuple(EndMotion.__dataclass_fields__)
 BEND = {"x": 0.2, "y": 0.2, "z": 0.2, "yaw": 20.0}
 #: inputs of the speeds along the coordinates that are bent
 SPEEDS = {"x": "vx", "y": "vy", "z": "vz", "yaw": "yaw_rate"}
-#: shares of the motion by BEND in the largest difference: a short step is not divided, and takes a larger one
+#: shares of the motion by BEND in the largest difference: a short step is not divided, and takes a
+#: larger one
 LARGEST_SHARE = 3e-2
 LARGEST_SHARE_SHORT = 0.3
 LARGEST_SHARE_UNBENT = 0.5
 #: differences over the largest
 SHARES = (1.0, 0.3, 0.1, 0.03, 0.01, 0.003)
-#: N and N m, change of a load by a difference of which rounding and the last corrections of Newton's method are 1 %
+#: N and N m, change of a load by a difference of which rounding and the last corrections of
+#: Newton's method are 1 %
 VISIBLE = 1e-5
 #: s, by how much an event may move with an input: its step is then the same
 SAME_TIME = 1e-12

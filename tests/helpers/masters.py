@@ -56,7 +56,8 @@ def random_steps(seed: int, T: float, shortest: float, longest: float) -> Steps:
         t += h
 
 
-#: of y, vy and ay behind a jerk j that is extrapolated over steps up to H, over j H^3, j H^2 and j H: in any steps
+#: of y, vy and ay behind a jerk j that is extrapolated over steps up to H, over j H^3, j H^2 and j
+#: H: in any steps
 MISSED = np.array([1.2, 1.2, 5.9])
 #: m and s, of the trip that the loops wind
 TRAVEL = 90.0

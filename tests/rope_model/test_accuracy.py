@@ -55,7 +55,8 @@ def test_errors_of_a_wave_add_up_to_its_phase() -> None:
     t = h * np.arange(n)
     lasts = accuracy.wave_duration(ROPE, omega)
     off = turn * lasts / h * (1 - np.exp(-t / lasts)) * np.sin(omega * t)
-    # of each turn half is seen, and doubled: what goes with twice the wave's frequency is of one step's size
+    # of each turn half is seen, and doubled: what goes with twice the wave's frequency is of one
+    # step's size
     assert_allclose(accuracy.end_force_error(ROPE, sums), np.sqrt(np.mean(off**2)), rtol=0.01)
 
 
@@ -262,8 +263,8 @@ def whole_trip(case: Trip) -> NativeRope:
     """The native rope after the whole trip."""
     scene = rope_scene(find_case(case.scene).rope, case.level)
     if scene.solver.step_max < case.H:
-        # the host's steps are the rope's, however much they err; what Newton's method leaves of such steps, up to 52 N
-        # at its default tolerance, would be missing too
+        # the host's steps are the rope's, however much they err; what Newton's method leaves of
+        # such steps, up to 52 N at its default tolerance, would be missing too
         solver = replace(scene.solver, step_max=case.H, tolerance=NO_CONTROL, newton_tolerance=1e-7)
         scene = scene.with_(solver=solver)
     return wound(NativeRope(scene), case.ends, case.steps, case.H)

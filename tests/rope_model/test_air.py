@@ -133,7 +133,8 @@ def upright(law: AirCoefficients, top: float, l: float) -> dict[str, float]:
     return dict(zip(AIR_BALANCE, sums.tolist(), strict=True))
 
 
-# on long elements four places are looked at over edges of e = l + EDGE: the worst of all places of the leg
+# on long elements four places are looked at over edges of e = l + EDGE: the worst of all places of
+# the leg
 @pytest.mark.parametrize(("l", "missed"), [(1.0, 1e-3), (2.5, 3e-3), (7.5, 0.01), (15.0, 0.03)])
 def test_a_leg_through_a_gallerys_flow_takes_its_drag_over_that_height(
     l: float, missed: float
@@ -178,8 +179,9 @@ def gust() -> BalanceRope:
 
 def test_a_host_blows_gusts_between_steps() -> None:
     native = gust()
-    # pushed all along for t, a free rope is aside by f t^2 / (2 rho): the middle feels nothing of its ends yet.  A load
-    # that jumps between steps comes in over the step behind it, half a step late
+    # pushed all along for t, a free rope is aside by f t^2 / (2 rho): the middle feels nothing of
+    # its ends yet.  A load that jumps between steps comes in over the step behind it, half a step
+    # late
     t = 20 * STEP - 0.5 * STEP
     pushed = 0.5 * 1.2 * 1.2 * Rope().diameter * 20.0**2 * t**2 / (2 * Rope().mass_per_length)
     assert native.signals()["loop.z"] == pytest.approx(pushed, rel=0.05)
@@ -210,7 +212,8 @@ def test_a_leg_hangs_aside_below_a_gallery() -> None:
     of = Scene(rope=rope, mesh=Mesh("eem", elements=120), shaft=Shaft(air=air))
     found = hung(balance_rope(of, "native")).signals()
     f = 0.5 * 1.2 * 1.2 * rope.diameter * speed**2
-    # heights above those where the legs' tension, the weight of half the rope at its end, would be 0
+    # heights above those where the legs' tension, the weight of half the rope at its end, would be
+    # 0
     top = 30.0
     roof = 30.0 - 5.5
     floor = 30.0 - 10.5

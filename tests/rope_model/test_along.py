@@ -77,11 +77,13 @@ def test_free_loop_has_the_bending_stress_and_the_tension_of_its_elastica() -> N
         layout=Layout(spacing=natural_width(UNCOUPLED)), mesh=Mesh(kind="eem", elements=300)
     )
     still = move(scene, 0)
-    # kappa = 1.09661 / width: the root mean square over elements of 0.03 widths errs by 1e-3 at most
+    # kappa = 1.09661 / width: the root mean square over elements of 0.03 widths errs by 1e-3 at
+    # most
     assert_allclose(
         along(still, "bending")[BOTTOM], 32 * rope.EI * 1.09661 / width / SECTION, rtol=2e-3
     )
-    # no side force at this width: no tension at the lowest point, of 900 N in the legs; 0.5 % of the width make 0.39 N
+    # no side force at this width: no tension at the lowest point, of 900 N in the legs; 0.5 % of
+    # the width make 0.39 N
     assert abs(along(still, "tension")[BOTTOM]) < 0.3
 
 
@@ -98,7 +100,8 @@ def test_tension_of_a_leg_at_rest_is_that_of_a_hanging_chain() -> None:
     ends = still.signals()
     leg = (s > 0) & (s < bottom_of(still) - 4.0)
     expected = np.hypot(-ends["left.fy"] - 9.81 * SHORT.rope.mass_per_length * s, ends["left.fx"])
-    # a leg follows its force but for bending, which dies away within sqrt(EI/T) = 0.7 m of the clamp
+    # a leg follows its force but for bending, which dies away within sqrt(EI/T) = 0.7 m of the
+    # clamp
     far = leg & (s > 3.0)
     assert_allclose(along(still, "tension")[far], expected[far], rtol=2e-3)
     assert np.count_nonzero(far) >= 5
@@ -121,7 +124,8 @@ def test_torsion_is_that_of_the_torque_all_along(steps: int, off: float) -> None
     rope = move(SHORT, steps)
     torque = rope.signals()["right.swivel.torque"]
     assert abs(torque) > 0.4
-    # the torque is what the elements' strains and their rates say; the swivel's is the reaction to theta
+    # the torque is what the elements' strains and their rates say; the swivel's is the reaction to
+    # theta
     assert_allclose(along(rope, "torsion"), 16 * abs(torque) / SECTION, rtol=off)
     assert_allclose(along(rope, "torque", "station"), torque, rtol=off)
 
@@ -162,8 +166,8 @@ def test_points_show_a_round_loop_however_deep_it_hangs(length: float) -> None:
     lengths = rope.state.partition.lengths
     pieces = np.diff(shape(q, lengths, bottom_of(rope), loop_width(scene), SHAPE_POINTS).T[:2])
     corners = np.diff(np.unwrap(np.arctan2(pieces[1], pieces[0])))
-    # a circle as wide as the loop turns by 5.7 degrees over a 40th of two widths; where a free loop bends most, and
-    # where the pieces have begun to grow, it is up to three times as much
+    # a circle as wide as the loop turns by 5.7 degrees over a 40th of two widths; where a free loop
+    # bends most, and where the pieces have begun to grow, it is up to three times as much
     assert np.max(np.abs(corners)) < math.radians(17.0)
     assert_allclose(np.sum(corners), math.pi, atol=0.1)
 
@@ -174,7 +178,8 @@ def test_stations_stay_in_the_rope_while_the_points_of_its_shape_move() -> None:
     s = along(after, "s")
     assert_allclose(s, places(after), rtol=1e-12)
     assert abs(s[BOTTOM] - places(before)[BOTTOM]) > 3.0
-    # tension is smooth along the rope: stations .4 m apart show that of the points within its change on half of that
+    # tension is smooth along the rope: stations .4 m apart show that of the points within its
+    # change on half of that
     at_stations = np.interp(
         s, np.linspace(0.0, SHORT.rope.length, SHAPE_POINTS), along(after, "tension", "station")
     )

@@ -99,7 +99,8 @@ def test_an_end_held_at_any_angle_or_hinged_hangs_as_the_elastica(lean: float | 
     rope = hung(balance_rope(scene(attachment, 80), "native"), *ends)
     pull, moment, depth = elastica(lean)
     found = rope.signals(["right.fx", "right.fy", "left.mz", "loop.y"])
-    # 20 elements are off by 1.1 mm, so 80 by 256 times less; the clamps give way by less, as the rope does
+    # 20 elements are off by 1.1 mm, so 80 by 256 times less; the clamps give way by less, as the
+    # rope does
     assert_allclose(-found["right.fx"], pull, rtol=2e-4)
     assert_allclose(
         found["right.fy"], -0.5 * CABLE.mass_per_length * 9.81 * CABLE.length, rtol=1e-6
@@ -142,7 +143,8 @@ def test_a_straight_rope_without_weight_swings_as_a_beam(
         * math.sqrt(CABLE.EI / CABLE.mass_per_length)
         / (2 * math.pi)
     )
-    # each in both planes; cubic elements are off by (k l)^4 / 720, the clamps by 1e-4 of an element's length
+    # each in both planes; cubic elements are off by (k l)^4 / 720, the clamps by 1e-4 of an
+    # element's length
     assert_allclose(modes[:4], np.repeat(exact, 2), rtol=2e-5)
 
 
@@ -180,7 +182,8 @@ def test_a_clamp_that_turns_about_plumb_carries_the_rope_along_without_strain() 
 
     names = ["left.swivel.torque", "left.fx", "left.fy", "left.my"]
     before, after = (wound(rope, ends, steps).signals(names) for steps in (0, 1000))
-    # by 180 degrees: X turns round; it has swung out in 6 s, by damping of 20 ms at some 10 rad/s, to 1e-3
+    # by 180 degrees: X turns round; it has swung out in 6 s, by damping of 20 ms at some 10 rad/s,
+    # to 1e-3
     assert_allclose(after["left.fx"], -before["left.fx"], rtol=5e-3)
     for name in names[:1] + names[2:]:
         assert_allclose(after[name], before[name], rtol=5e-3)
@@ -199,7 +202,8 @@ def test_clamps_that_lean_in_space_keep_the_balances() -> None:
     audited = native.signals(
         ["audit.momentum", "audit.moment", "energy.residual", "energy.kinetic"]
     )
-    # clamps are among the loads: momentum and moment close to the step's error, energy to numerical dissipation
+    # clamps are among the loads: momentum and moment close to the step's error, energy to numerical
+    # dissipation
     assert audited["audit.momentum"] < 0.01
     assert audited["audit.moment"] < 0.01
     assert abs(audited["energy.residual"]) < 0.02 * audited["energy.kinetic"]

@@ -342,7 +342,8 @@ def test_an_element_near_no_body_is_the_plain_one() -> None:
     assert not np.array(element.balance(near[0], near[1], *near[3:]))[-len(CONTACT_BALANCE) :].any()
 
 
-#: coupling, and height of the left end, m; in the way of the floor legs stood on it as bars, with forces of some MN
+#: coupling, and height of the left end, m; in the way of the floor legs stood on it as bars, with
+#: forces of some MN
 @pytest.mark.parametrize(("coupling", "left"), [(0.0, -10.0), (1.0, 0.0)])
 def test_a_rope_whose_floor_is_high_lies_on_it_and_hangs_from_its_ends(
     coupling: float, left: float

@@ -14,9 +14,11 @@ from rope_model import EndMotion, rope_120
 from rope_model.engine import NativeRope
 from rope_model.rules.signal_table import LOADS
 
-#: of the largest entry: differences of steps at the default tolerance of Newton's method are no better
+#: of the largest entry: differences of steps at the default tolerance of Newton's method are no
+#: better
 ALLOWED = 0.01
-#: internal steps keep their lengths, which the error estimate of long divided steps would change: case and step, ms
+#: internal steps keep their lengths, which the error estimate of long divided steps would change:
+#: case and step, ms
 LARGEST_ERRORS = {
     ("Qb not Qc", 100.0): 0.02,
     # of so small differences Newton's last corrections are more than 1 %
@@ -89,8 +91,9 @@ def test_all_derivatives_of_a_step_cost_two_steps_for_an_input_and_one_more() ->
 def test_added_mass_is_the_derivative_along_an_acceleration_that_grows_over_the_step(
     h: float,
 ) -> None:
-    # a consistent motion with accelerations that differ by a at the end, and do not differ at the start; in less than
-    # 10 us the path leads beyond the step, and its end is not that of this motion
+    # a consistent motion with accelerations that differ by a at the end, and do not differ at the
+    # start; in less than 10 us the path leads beyond the step, and its end is not that of this
+    # motion
     step = differentiated(replace(DEFAULT, bent=()), h)
     masses = step.rope.added_mass()
     size = 0.01

@@ -62,7 +62,8 @@ def test_the_balance_holds_the_integrals_of_the_theory(seed: int) -> None:
             -np.sum(np.cross(p, t, axis=0) * change, axis=0) / (1 + np.sum(p * t, axis=0))
             for change in (p_x + t_x, t_t)
         )
-        # one torsional strain for the element: its mean by three points, whatever points it is summed with
+        # one torsional strain for the element: its mean by three points, whatever points it is
+        # summed with
         tau = theta_x + 0.5 * float(weights @ twist)
         w = theta_t + spin
         slope_rate = s.v[13] - s.v[6]
@@ -190,7 +191,8 @@ def test_the_damping_power_is_never_negative() -> None:
 
 
 def test_a_closed_cycle_of_strain_does_the_work_of_qb_minus_qc() -> None:
-    # straight, so that e and tau are those of the degrees of freedom: an ellipse in the strain plane
+    # straight, so that e and tau are those of the degrees of freedom: an ellipse in the strain
+    # plane
     l = 1.7
     Qk = 0.3
     e_0 = 0.1
@@ -213,7 +215,8 @@ def test_a_closed_cycle_of_strain_does_the_work_of_qb_minus_qc() -> None:
         v[13] = l * tau_0 * np.cos(phi)
         work += residual(q, v, np.zeros(14), l, F, P) @ v * 2 * np.pi / 64
         energy_balance += balance(q, v, l, F, P)["nonconservative_power"] * 2 * np.pi / 64
-    # twice Qk times the enclosed area, negative for this sense; the trapezoidal rule is exact on a circle
+    # twice Qk times the enclosed area, negative for this sense; the trapezoidal rule is exact on a
+    # circle
     np.testing.assert_allclose(
         [work, energy_balance], -2 * np.pi * Qk * e_0 * tau_0 * l, rtol=1e-12
     )

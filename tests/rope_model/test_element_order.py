@@ -81,8 +81,8 @@ def test_displacements_converge_with_the_fourth_power_of_the_element_length() ->
 def test_with_torsion_in_space_they_do_so_but_for_the_coupling(
     coupling: float, order: float
 ) -> None:
-    # a uniform torque without coupling means a uniform torsional strain: one for the element is no approximation.  With
-    # coupling the strain follows the tension
+    # a uniform torque without coupling means a uniform torsional strain: one for the element is no
+    # approximation.  With coupling the strain follows the tension
     tips = [cantilever_tip(n, np.array([0.2, -2.0, 1.0]), 0.4, coupling) for n in (8, 16, 32, 64)]
     steps = np.linalg.norm(np.diff(tips, axis=0), axis=1)
     np.testing.assert_allclose(np.log2(steps[-2] / steps[-1]), order, atol=0.2)
@@ -219,7 +219,8 @@ def area(*corners: Array) -> float:
 
 
 def test_a_rigid_rotation_dissipates_nothing_but_for_the_interpolation() -> None:
-    # the angle is linear between the nodes, so is its rate: the spin of a section errs by l^2, the power by its square
+    # the angle is linear between the nodes, so is its rate: the spin of a section errs by l^2, the
+    # power by its square
     w = np.array([0.3, -1.1, 0.7])
     power = []
     for l in (0.1, 0.05, 0.025):
@@ -276,7 +277,8 @@ def test_the_frame_rate_is_how_fast_the_frame_turns_about_the_tangent(seed: int)
 
 
 def test_a_section_turned_with_the_rope_has_the_twist_of_the_element() -> None:
-    # carried along the curve, turning at tau about the tangent: theta' = tau where the curve is the reference
+    # carried along the curve, turning at tau about the tangent: theta' = tau where the curve is the
+    # reference
     pole = np.array([0.6, 0.0, 0.8])
     rate = 0.7
 

@@ -57,7 +57,8 @@ def test_planar_equals_torsional_without_torque_through_transformations() -> Non
     full = start(SHORT, fidelity="torsional")
     planar = start(SHORT, fidelity="planar")
     for _ in together((full, planar), 399):
-        # the same equations, apart from rounding, which Newton's method and the stiff axial direction amplify
+        # the same equations, apart from rounding, which Newton's method and the stiff axial
+        # direction amplify
         assert_allclose(end_force(planar), end_force(full), rtol=1e-9)
         assert_allclose(
             planar.state.motion.q, full.state.motion.q, rtol=0, atol=1e-9 * SHORT.rope.length
@@ -172,8 +173,9 @@ def test_auto_switches_up_without_a_jump(
     rope = start(scene)
     whole = start(scene, fidelity=fidelity)
     assert rope.state.fidelity == "planar"
-    # a restart does not know how the acceleration changed over the last step, jerk times step (the jerk is 0.15 m/s^3
-    # at 1 s): as much force on half the rope, and jerk times step^2 in the speeds
+    # a restart does not know how the acceleration changed over the last step, jerk times step (the
+    # jerk is 0.15 m/s^3 at 1 s): as much force on half the rope, and jerk times step^2 in the
+    # speeds
     blow = 120.0 * 0.16 * H
     drift = 0.16 * H**2
     for k in together((rope, whole), 200, **motion):
@@ -205,7 +207,8 @@ def test_rigid_rope_becomes_flexible_when_it_errs_too_much_or_would_go_slack(
     assert "rigid model cannot follow" in rope.state.fidelity_reason
     assert why in rope.state.fidelity_reason
     ours, reference = np.moveaxis(np.array(forces), 1, 0)
-    # the tolerance is of the root mean square; 10 % for either, because nothing allows more after the switch
+    # the tolerance is of the root mean square; 10 % for either, because nothing allows more after
+    # the switch
     assert math.sqrt(np.mean((ours - reference) ** 2)) < 0.1 * np.abs(reference).max()
     # the energy of the shape that it takes on is in the balance
     assert abs(rope.state.energy_balance.residual) < 0.01 * rope.state.energy_balance.kinetic

@@ -77,7 +77,8 @@ def test_the_rise_is_nothing_wherever_the_ends_are_at_rest() -> None:
             == 0.0
         )
         rests.append(rope.state.guard.rest)
-    # the legs stretch by 0.18 m and by 0.45 m in sum; their longer loop, and the bend at the ends, are left out
+    # the legs stretch by 0.18 m and by 0.45 m in sum; their longer loop, and the bend at the ends,
+    # are left out
     assert_allclose(rests, rests[0], atol=0.01)
 
 

@@ -157,8 +157,8 @@ def test_a_straight_rod_that_is_let_go_closes_to_a_ring() -> None:
     held = np.zeros((13, 7), dtype=bool)
     held[0, [0, 1, 2, 3, 5, 6]] = True
     found = find_equilibrium(CurvedRod.of_rope(rope, q, held), q).q
-    # a cubic that turns by x = 2 pi / 12 errs by x^4 / 720 = 1e-4 of it, in twelve elements by 6.6e-4; the stretch adds
-    # as much
+    # a cubic that turns by x = 2 pi / 12 errs by x^4 / 720 = 1e-4 of it, in twelve elements by
+    # 6.6e-4; the stretch adds as much
     assert_allclose(found[-1, :6], found[0, :6], atol=2e-3)
     assert_allclose(found[:, 6], 0.0, atol=1e-9)
 
@@ -271,8 +271,9 @@ def rod_tip(load: float, shear: float = 0.0) -> Array:
     return end(found.x)[:3]
 
 
-#: tip of the 45 degree bend, without the sense of the axes, from K.-J. Bathe and S. Bolourchi, Int. J. Numer. Methods
-#: Eng. 14 (1979), and J. C. Simo and L. Vu-Quoc, Comput. Methods Appl. Mech. Eng. 58 (1986)
+#: tip of the 45 degree bend, without the sense of the axes, from K.-J. Bathe and S. Bolourchi, Int.
+#: J. Numer. Methods Eng. 14 (1979), and J. C. Simo and L. Vu-Quoc, Comput. Methods Appl. Mech. Eng.
+#: 58 (1986)
 PUBLISHED = {
     300.0: ((22.5, 59.2, 39.5), (22.33, 58.84, 40.08)),
     600.0: ((15.9, 47.2, 53.4), (15.79, 47.23, 53.37)),
@@ -399,8 +400,8 @@ def test_a_curved_rope_turned_about_the_vertical_loads_its_ends_alike(
         c = math.cos(turned)
         s = math.sin(turned)
         loads.append([(x * c - z * s, y, x * s + z * c) for x, y, z in vectors])
-    # a locked hinge also keeps a twist of 1e-5 rad from the way on which the search for the equilibrium turned it, with
-    # and without curvature; the others differ by rounding
+    # a locked hinge also keeps a twist of 1e-5 rad from the way on which the search for the
+    # equilibrium turned it, with and without curvature; the others differ by rounding
     within = 1e-8
     if (attachment, mode) == ("hinged", "locked"):
         within = 1e-4

@@ -339,7 +339,8 @@ def test_a_merge_errs_with_the_fourth_power_of_the_length() -> None:
             kinetic_energy(interpolate(carry(v, s, merged), merged, s) - v, np.diff(s)) ** 0.5
         )
     assert_allclose(np.log2(np.array(lost[:-1]) / lost[1:]), 4.0, atol=0.3)
-    # at the middle of an element Hermite interpolation misses the fourth derivative times l^4/384; waves of 4.5 to 9 m
+    # at the middle of an element Hermite interpolation misses the fourth derivative times l^4/384;
+    # waves of 4.5 to 9 m
     assert lost[-1] < 2 * 6.0**0.5 * (2 * np.pi / 4.5 * 6.0 / 32) ** 4 / 384
 
 

@@ -72,7 +72,8 @@ def test_the_loop_yaws_and_so_relieves_the_torque_of_its_legs() -> None:
     lengths = rope.state.partition.lengths
     at_rest = rod(lengths, np.array(parameters(ROPE, G)), nothing_held(q), q)
     twist = float(lengths @ at_rest.strains(q, 0 * q)[1])
-    # torque of the mean tension of two legs of 60 m, less what the twist takes back; the bend is 1e-3 of the weight
+    # torque of the mean tension of two legs of 60 m, less what the twist takes back; the bend is
+    # 1e-3 of the weight
     assert_allclose(M - D * twist / 120.0, 4.583, rtol=2e-3)
     # each leg is twisted by the yaw of the loop between them, which is not quite rigid
     assert_allclose(abs(twist), 2 * abs(rope.signals(["loop.yaw"])["loop.yaw"]), rtol=0.06)
@@ -104,7 +105,8 @@ def natural_modes(system: Equations, q: Array, count: int) -> Modes:
 
 
 def test_axial_and_torsional_waves_run_at_the_coupled_speeds() -> None:
-    # the printed speeds belong to rhoJ = rho d^2/8 = 1.936e-3 kg m, not to the data set's rounded 1.94e-3
+    # the printed speeds belong to rhoJ = rho d^2/8 = 1.936e-3 kg m, not to the data set's rounded
+    # 1.94e-3
     rope = replace(ROPE, rhoJ=ROPE.mass_per_length * ROPE.diameter**2 / 8)
     length = 100.0
     n = 120
@@ -119,7 +121,8 @@ def test_axial_and_torsional_waves_run_at_the_coupled_speeds() -> None:
     assert_allclose(speeds, [1201.93, 1201.93, 1201.93, 3906.39], rtol=3e-4)
 
 
-#: element lengths of half a loop, from the end down: short where the clamp and the loop bend the rope
+#: element lengths of half a loop, from the end down: short where the clamp and the loop bend the
+#: rope
 END = np.geomspace(0.1, 1.6, 9)
 LEG = 1.6
 LOOP = np.geomspace(1.6, 0.125, 10)
@@ -172,7 +175,8 @@ def test_the_natural_frequencies_are_those_of_the_independent_models(height: flo
 
 def test_locked_swivels_raise_the_yaw_modes_by_up_to_a_third() -> None:
     held, free = (np.sort(frequencies(0.0, theta)[0]) for theta in ("held", "swivel"))
-    # modes whose legs swing together do not twist the rope and stay; where they move oppositely the loop yaws
+    # modes whose legs swing together do not twist the rope and stay; where they move oppositely the
+    # loop yaws
     swings = np.array([np.min(np.abs(held - f)) < 1e-4 * f for f in free])
     assert swings.sum() == 2
 
@@ -363,7 +367,8 @@ def test_the_hanging_shape_is_found(
     weight = rope.mass_per_length * G * rope.length
     # the theory's bound; measured 1e-10
     assert_allclose(reaction[[0, -1], 1].sum(), weight, rtol=1e-9)
-    # rounding of 60 m coordinates in the strain of the shortest element: 1e-5 N, ten times that at most
+    # rounding of 60 m coordinates in the strain of the shortest element: 1e-5 N, ten times that at
+    # most
     shortest = found.state.partition.lengths.min()
     rounding = rope.Qa * 60.0 * np.finfo(float).eps / shortest
     assert_allclose(reaction[1:-1], 0.0, atol=10 * rounding)

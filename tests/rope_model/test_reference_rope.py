@@ -95,7 +95,8 @@ def test_generalized_alpha_is_of_second_order_with_equal_and_unequal_steps(
         motion = moved(pattern, steps)
         force = motion.reaction[0] - exact.reaction[0]
         errors.append([np.abs(x).max() for x in (motion.q - exact.q, motion.v - exact.v, force)])
-    # 256 steps err by 1/16 of what 64 do: orders are off by 0.07, and by 0.05 for terms of third order
+    # 256 steps err by 1/16 of what 64 do: orders are off by 0.07, and by 0.05 for terms of third
+    # order
     assert_allclose(np.log2(np.array(errors[0]) / errors[1]), 2.0, atol=0.15)
 
 
@@ -225,8 +226,8 @@ CASES = {
     "emergency stop": Case(stopped, 16),
     "twisted": Case(winding, rope=Rope(length=SHORT, installed_twist=1.0)),
 }
-#: what is compared, and by how much it depends on the way to rest: theta is integrated along it with three Gauss points
-#: (docs/theory/errors.md), and both searches for rest differ
+#: what is compared, and by how much it depends on the way to rest: theta is integrated along it
+#: with three Gauss points (docs/theory/errors.md), and both searches for rest differ
 WAY_TO_REST = {
     "left.fx": 1e-3,  # N
     "left.fy": 1e-3,
@@ -258,7 +259,8 @@ def test_engine_and_reference_have_the_same_limit(name: str) -> None:
     before, limit = (run(name, "native", h) for h in (0.005, 0.0025))
     seen = len(MEASURED)
     found = np.abs(fine - limit)[:, :seen].max(axis=0)
-    # an error of order 2 is a third of its change when steps are halved; events leave order 1, where it is all of it
+    # an error of order 2 is a third of its change when steps are halved; events leave order 1,
+    # where it is all of it
     allowed = (np.abs(coarse - fine) + np.abs(limit - before))[:, :seen].max(axis=0)
     path = np.array([*WAY_TO_REST.values()])
     assert (found <= allowed + path).all(), (name, found, allowed)
@@ -277,7 +279,8 @@ def test_scenes_contain_their_events(name: str, event: str) -> None:
 
 @pytest.mark.parametrize("mesh", [Mesh("eem", elements=60), replace(TMN, end_levels=2)])
 def test_rope_at_rest_is_the_engines_on_the_same_mesh(mesh: Mesh) -> None:
-    # the complete model in both; of the fitted mesh the engine keeps the number of elements, the reference does not
+    # the complete model in both; of the fitted mesh the engine keeps the number of elements, the
+    # reference does not
     scene = Scene(rope=Rope(length=SHORT), mesh=mesh, model=Model("torsional"))
     left = EndMotion()
     right = EndMotion(y=4.0, z=0.2)
@@ -299,7 +302,8 @@ def test_engine_and_reference_take_the_same_steps(name: str) -> None:
     """The same method on the same mesh in the same steps: equal but for Newton's tolerance and the way to rest."""
     ours, theirs = (run(name, form, 0.01) for form in ("reference", "native"))
     size = np.abs(theirs).max(axis=0) + 1e-9
-    # phases that end at other instants; new meshes that relax in another time, because Newton's method failed once
+    # phases that end at other instants; new meshes that relax in another time, because Newton's
+    # method failed once
     loose = 5e-4
     if name in ("stick and slip", "two transformations"):
         loose = 2e-3

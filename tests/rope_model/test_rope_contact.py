@@ -83,7 +83,8 @@ def test_each_of_three_strands_feels_both_others_in_whatever_order_the_rope_pass
     pressed = 0.2 * THIN
     onset = ONSET * THIN
     each = 3.0 * K * (0.5 * onset + pressed - onset)
-    # what joins the strands goes on along them, and presses within a diameter of their ends: 1/150 of their length
+    # what joins the strands goes on along them, and presses within a diameter of their ends: 1/150
+    # of their length
     most = THIN / 3.0
     assert found.sums["rope"] == pytest.approx(3.0 * each, rel=most)
     for k, corner in enumerate(order):

@@ -17,7 +17,8 @@ from rope_model.parameters import Rope, Scene, Swivel
 from rope_model.solver_parameters import Mesh, Model, Solver
 
 H = 0.01
-#: 30 m rope, 12 m of travel, in steps as long as the host's: a winding small enough for every test run
+#: 30 m rope, 12 m of travel, in steps as long as the host's: a winding small enough for every test
+#: run
 EVEN = Solver(tolerance=1e6)
 SHORT = Scene(
     rope=Rope(length=30.0), mesh=Mesh(coarse_length=1.6, counts=(2, 4, 40, 4, 2)), solver=EVEN
@@ -101,7 +102,8 @@ def test_work_of_nonconservative_coupling_is_counted_and_the_energy_balance_clos
 
 def test_work_is_bounded() -> None:
     counts = wind().state.counts
-    # one step of the host is one step of the rope but for transformations, and Newton needs two corrections
+    # one step of the host is one step of the rope but for transformations, and Newton needs two
+    # corrections
     assert counts.steps <= 550 + 2 * counts.transformations
     assert counts.newton <= 2 * counts.steps
     assert counts.rejections <= 0.02 * counts.steps
@@ -117,7 +119,8 @@ def test_a_loop_near_an_end_hangs_on_the_fitted_mesh_as_on_short_equal_elements(
         found.append(
             hung(balance_rope(scene.with_(mesh=mesh)), right=EndMotion(y=height)).signals()
         )
-    # what is asked of the loop, to which the mesh is fitted, and of the end forces over the rope's weight
+    # what is asked of the loop, to which the mesh is fitted, and of the end forces over the rope's
+    # weight
     assert_allclose(found[0]["loop.y"], found[1]["loop.y"], rtol=0, atol=scene.accuracy.loop)
     weight = scene.rope.mass_per_length * 9.81 * scene.rope.length
     assert_allclose(
@@ -175,8 +178,8 @@ SCENES = {
 @pytest.mark.parametrize("name", SCENES)
 def test_no_end_force_jumps_where_only_the_description_changes(name: str) -> None:
     scene, motion = SCENES[name]
-    # the loop's place errs by a part that goes with the step's length: where an error changes that, a wave of some
-    # newtons runs along the rope
+    # the loop's place errs by a part that goes with the step's length: where an error changes that,
+    # a wave of some newtons runs along the rope
     scene = scene.with_(solver=replace(scene.solver, tolerance=1e6))
     height = 90.0
     if scene.rope.length >= 200:

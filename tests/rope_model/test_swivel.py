@@ -180,7 +180,8 @@ def test_switching_instants_agree_with_an_independent_event_located_solution() -
             side for _, side, _ in expected
         ]
         errors.append(max(abs(e.t - t) for e, (t, _, _) in zip(events, expected, strict=True)))
-    # second order in the step: a quarter, and the first error as small as the step squared times the rates allow
+    # second order in the step: a quarter, and the first error as small as the step squared times
+    # the rates allow
     assert errors[0] < 2e-3
     assert errors[1] < 0.35 * errors[0]
 
@@ -268,7 +269,8 @@ def test_the_weaker_swivel_slides_by_the_angle_of_the_torque_that_it_does_not_ho
     now = rope.signals()
     short = 10.0
     long = 30.0
-    # of vertical legs with their ends held: D / L times the twist, and by the mean tension; that of 1 m of loop is not
+    # of vertical legs with their ends held: D / L times the twist, and by the mean tension; that of
+    # 1 m of loop is not
     torsion = ROPE.Qd - ROPE.Qs**2 / ROPE.Qa
     held = (
         ROPE.Qc / ROPE.Qa * ROPE.mass_per_length * 9.81 * (short**2 + long**2) / (2 * ROPE.length)
@@ -314,7 +316,8 @@ def test_a_rope_hung_anew_after_a_trip_rests_within_the_limits_band() -> None:
     assert rope.state.counts.swivel_events > 0
     after = rope.signals()
     anew = hung(balance_rope(scene), EndMotion(y=10.0), RIGHT).signals()
-    # the same rope, its ends at the same places: its torque differs by that of its twist, D / L of docs/theory/rope.md
+    # the same rope, its ends at the same places: its torque differs by that of its twist, D / L of
+    # docs/theory/rope.md
     torsion = (ROPE.Qd - ROPE.Qs**2 / ROPE.Qa) / ROPE.length
     torque, twist = (
         after[f"right.swivel.{key}"] - anew[f"right.swivel.{key}"] for key in ("torque", "angle")

@@ -35,8 +35,9 @@ def test_loop_yaws_through_90_degrees_and_on_to_a_full_turn() -> None:
     rope = NativeRope(SCENE)
     wound(rope, lambda t: turn(2 * math.pi, 20.0, t), 1000, 0.02)
     assert rope.state.loop_yaw > 1.5 * math.pi
-    # the ends are back where they were, and so are shape and torque at rest: theta counts on as the frame is carried
-    # along.  What is left is the quadrature of the frame's turn, on elements of 0.75 m
+    # the ends are back where they were, and so are shape and torque at rest: theta counts on as the
+    # frame is carried along.  What is left is the quadrature of the frame's turn, on elements of
+    # 0.75 m
     first = hung(NativeRope(SCENE)).state.motion
     q = rope.state.motion.q.copy()
     lengths = rope.state.partition.lengths
@@ -102,13 +103,15 @@ def at_rest(left: EndMotion, right: EndMotion) -> dict[str, float]:
     ).signals()
 
 
-# ropes in poses from a seed, kind by kind: the first hangs as drawings show it, the last has everything at once; nearly
-# everything is drawn over the whole range that the rope takes, so that many poses are absurd
+# ropes in poses from a seed, kind by kind: the first hangs as drawings show it, the last has
+# everything at once; nearly everything is drawn over the whole range that the rope takes, so that
+# many poses are absurd
 LENGTH = (60.0, 1200.0)  # m
 MASS = (3.0, 15.0)  # kg/m
 BENDING = (50.0, 3000.0)  # N m^2
 SPACING = (1.2, 3.0)  # m
-#: EA (N) per mass per length (kg/m); the other stiffnesses grow with the section as those of the published case
+#: EA (N) per mass per length (kg/m); the other stiffnesses grow with the section as those of the
+#: published case
 STIFFNESS = (1.1e7, 2.0e7)
 PUBLISHED = Rope()
 #: (Qb - Qc) / (Qb + Qc): the published pair has .015
@@ -217,12 +220,13 @@ def test_every_pose_finds_rest_or_is_refused_for_a_reason(pose: Pose) -> None:
     assert NO_REASON not in refusal
     # nor by the bound on the work of turning in
     assert "more than the rest of a rope takes" not in refusal
-    # rounding of the height L in the strain of the shortest elements, l = .1 m: eps Qa L / l is 4.5e-9 of the weight
-    # where Qa per mass is largest
+    # rounding of the height L in the strain of the shortest elements, l = .1 m: eps Qa L / l is
+    # 4.5e-9 of the weight where Qa per mass is largest
     assert weight_error < 1e-8
 
 
-#: of 118 m, soft against twist: past 6.46875 rad, and again past 17.7 rad, nothing is left of the way it was on
+#: of 118 m, soft against twist: past 6.46875 rad, and again past 17.7 rad, nothing is left of the
+#: way it was on
 SOFT = replace(rope_120().scene.rope, length=118.0, Qd=2000.0, Qb=2.0e5, Qc=1.6e5)
 
 

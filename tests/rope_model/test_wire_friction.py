@@ -94,7 +94,8 @@ def test_a_steady_cycle_loses_what_the_closed_form_says(amplitude: float) -> Non
     """Half a cycle takes the moment elastically from its largest to 0 and on as that of a fresh rope."""
     z, loss = path(amplitude * K0 * np.sin(2 * math.pi * np.linspace(0, 30, 400 * 30 + 1)))
     largest = np.abs(z[-401:]).max() / K0
-    # where the moment has that size, so has the curvature the amplitude; peaks lie on the path's points
+    # where the moment has that size, so has the curvature the amplitude; peaks lie on the path's
+    # points
     assert 0.5 * (largest + math.atanh(largest)) == pytest.approx(amplitude, rel=1e-6)
     expected = -(K0**2) * (largest**2 + math.log1p(-(largest**2)))
     # turning points lie within steps no longer than 0.06 K0

@@ -21,7 +21,8 @@ MISSING_IN_THE_MEAN = 1e-4
 MISSING_AT_REST = 1e-6
 #: of the largest end force times the longest arm: statics leaves 1e-6 N at each node
 MISSING_MOMENT = 1e-6
-#: of the energy that has gone through the ends: the product promises no number; trips at the defaults have 1e-4
+#: of the energy that has gone through the ends: the product promises no number; trips at the
+#: defaults have 1e-4
 MISSING_ENERGY = 1e-3
 SHARE = 3.0
 

@@ -209,7 +209,8 @@ def mirrored_hoist(case: Case, draws: Draws) -> Iterator[Compared]:
         )
     if not one.recording.signals:
         raise Refused(f"hung: {one.cause}")
-    # the drive's first step differs by the sign of its rounding; the rope's own decisions may differ
+    # the drive's first step differs by the sign of its rounding; the rope's own decisions may
+    # differ
     forces = max(float(np.abs(one.recording[f"{side}.fy"]).max()) for side in ("left", "right"))
     for name, sign in (("left.fy", 1.0), ("right.fy", 1.0), ("left.fx", -1.0), ("left.fz", -1.0)):
         difference = two.recording[_opposite(name)] - sign * one.recording[name]

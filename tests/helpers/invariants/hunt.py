@@ -161,7 +161,8 @@ class Hunt:
                 refused |= outcome.refused.startswith(("made", "hung"))
             elif outcome.is_finding:
                 row.findings += 1
-                # the others of a relation are as a rule the same, and a smaller case takes twenty runs
+                # the others of a relation are as a rule the same, and a smaller case takes twenty
+                # runs
                 first = all(known.relation != name for known in self.findings)
                 if shrink and first:
                     outcome = smaller(outcome)

@@ -29,7 +29,8 @@ BODIES = tuple(
 )
 GUARDS = ("guard.tripped", "guard.cause", "guard.time")
 ESTIMATES = ("status.end_force_error", "status.loop_error", "audit.momentum")
-#: elements times steps of a run, some 0.2 s of a processor; a longer run is cut to the communication steps so far
+#: elements times steps of a run, some 0.2 s of a processor; a longer run is cut to the
+#: communication steps so far
 WORK = 40_000
 #: work of an element in contact with the rope's others, over that without
 PAIRS = 10

@@ -32,9 +32,11 @@ from rope_model.rules.signal_table import LOADS
 
 #: relative rounding of a motion that went through 14 decimals
 ROUNDED = 1e-14
-#: of the largest derivative: Newton's method leaves some of a step's force, and differences as much of theirs
+#: of the largest derivative: Newton's method leaves some of a step's force, and differences as much
+#: of theirs
 DERIVATIVE = 0.05
-#: m/s^3 (rad/s^3), jerk of the largest change of an input: the input filter follows no larger one at once
+#: m/s^3 (rad/s^3), jerk of the largest change of an input: the input filter follows no larger one
+#: at once
 JERK = 0.05
 #: rad, largest change of a lean
 LEAN = 1e-6

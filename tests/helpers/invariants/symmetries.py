@@ -39,10 +39,11 @@ from rope_model.parameters import AT_START
 from rope_model.scene_names import named_parameters, with_values
 
 #: of the largest value: forces of stiff elements amplify the rounding of positions of 1000 m,
-#: 1e-13 m x EA / l = 1e-5 N;
-#: beside what one of Newton's corrections a step leaves, which the next steps take over and the audit sees
+#: 1e-13 m x EA / l = 1e-5 N; beside what one of Newton's corrections a step leaves, which the next steps
+#: take over and the audit sees
 ROUNDING = 1e-6
-#: of the sum of both runs' estimates; an estimate is within a factor of 2 in 85 of 100 scenes (docs/promise.md)
+#: of the sum of both runs' estimates; an estimate is within a factor of 2 in 85 of 100 scenes
+#: (docs/promise.md)
 SHARE = 3.0
 Values = dict[str, float | int]
 ALL = (*FORCES, *MEANS, *MOMENTS, *PLACE)
@@ -113,7 +114,8 @@ def compared(
     exact: bool = True,
 ) -> Iterator[Compared]:
     """``other`` against ``expected``, the signals that follow from ``one``; ``exact`` up to rounding."""
-    # what lies on the floor pulls at nothing: its place at rest is a matter of rounding, as is its lowest point
+    # what lies on the floor pulls at nothing: its place at rest is a matter of rounding, as is its
+    # lowest point
     lies = one["contact.floor"][0] > 0.0
     names = tuple(name for name in names if not (lies and name in ("loop.x", "loop.z")))
     alike = exact and decisions_agree(one, other) and not lies
@@ -125,7 +127,8 @@ def compared(
         note = ", steps differ"
     force = one.force
     loop_errors = estimate * (one.loop_error + other.loop_error)
-    # a leg between its end and a loop that is beside its place leans: it pulls aside, and bends at a clamp
+    # a leg between its end and a loop that is beside its place leans: it pulls aside, and bends at
+    # a clamp
     rope = one.case.scene.rope
     lean = loop_errors / (0.5 * rope.length)
     bend = lean * math.sqrt(max(rope.EI, rope.EI_stick) * force)
@@ -221,7 +224,8 @@ def seen_from_behind(case: Case, draws: Draws) -> Iterator[Compared]:
     expected |= {"loop.x": -one["loop.x"], "loop.y": one["loop.y"], "loop.z": -one["loop.z"]}
     # where an odd number of elements is left for the windows of dividers, the left leg has one more
     exact = meshes_agree(one, two, from_behind=True)
-    # the direction of a curvature is carried along from the left end: the ends' frames agree to the order of the mesh
+    # the direction of a curvature is carried along from the left end: the ends' frames agree to the
+    # order of the mesh
     exact &= not (is_bent(case) and any(end.lean_z for end in case.at(case.start)))
     yield from compared(one, two, expected, exact=exact)
 
