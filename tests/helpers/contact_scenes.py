@@ -26,6 +26,7 @@ from rope_model.shaft_parameters import Contact, Conveyance, Divider, HeadRopes,
 DIAMETER = Rope().diameter  #: m
 STIFFNESS = 1e6  #: N/m^2
 GAP = 0.3  #: m, between the planes of two ropes
+
 SHORT = Scene(Rope(length=6.0, EI=100.0), Layout(0.6), solver=Solver(step_max=0.01, tolerance=1e5))
 SCENE = SHORT.with_(
     mesh=Mesh("eem", elements=16), shaft=Shaft(contact=Contact(rope_stiffness=STIFFNESS))

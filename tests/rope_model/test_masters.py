@@ -61,6 +61,7 @@ def run(host: Host, steps: Steps, T: float) -> None:
 
 
 def start_rigid(host: Host) -> None:
+    """Start the host; a rope is rigid where its clock is the claim, and not its motion."""
     if is_rope(host):
         host.start(**{"model.fidelity": 4})
     else:
@@ -72,7 +73,7 @@ def start_rigid(host: Host) -> None:
     ("H", "T"), [(0.02, 5.0), (0.005, 2.0), pytest.param(0.02, 9.0, marks=pytest.mark.slow)]
 )
 def test_loop_of_a_master_ends_where_it_should(host: Host, loop: str, H: float, T: float) -> None:
-    start_rigid(host)  # the clock is what counts
+    start_rigid(host)
     run(host, LOOPS[loop](H, T), T)
 
 
